@@ -1,0 +1,65 @@
+//! Contact points between the ball and the flanks of the grooves.
+//!
+//! Theory: `docs/theory/01-kinematics.md`, equations (K9) to (K11).
+
+use nalgebra::Vector3;
+
+use crate::{BallFrame, Scalar};
+
+/// Where a contact sits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Site {
+    /// A: loaded flank of the nut groove.
+    Nut,
+    /// A': opposite flank of the nut's gothic arch, the minor contact.
+    NutMinor,
+    /// B: loaded flank of the screw groove.
+    Screw,
+}
+
+/// Unit vectors of one contact, components in the triad of a [`BallFrame`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact<D> {
+    /// Where it sits.
+    pub site: Site,
+    /// Unit normal `$N$`, from the body into the ball.
+    pub normal: Vector3<D>,
+    /// In-plane slip axis `$e_x$`, in the normal plane of the helix; `$e_y = t$`.
+    pub across: Vector3<D>,
+}
+
+impl<D: Scalar> Contact<D> {
+    /// Contact at `site` with this contact angle \[rad\] (0 radial, π/2 axial) (K9), (K10).
+    ///
+    /// ```math
+    /// \begin{aligned}
+    /// A:&\; N = (0, \cos\beta, \sin\beta), & e_x &= (0, -\sin\beta, \cos\beta) \\
+    /// A':&\; N = (0, \cos\beta, -\sin\beta), & e_x &= (0, \sin\beta, \cos\beta) \\
+    /// B:&\; N = (0, -\cos\beta, -\sin\beta), & e_x &= (0, -\sin\beta, \cos\beta)
+    /// \end{aligned}
+    /// ```
+    ///
+    /// in `(t, n, b)`; in a turned triad the angles are taken from its second axis.
+    pub fn new(site: Site, contact_angle: D, frame: &BallFrame<D>) -> Self {
+        let (side, angle) = match site {
+            Site::Nut => (1.0, contact_angle),
+            Site::NutMinor => (1.0, -contact_angle),
+            Site::Screw => (-1.0, contact_angle),
+        };
+        let (s, c) = (angle - frame.turn).sin_cos();
+        let zero = D::from(0.0);
+        Self {
+            site,
+            // N = ±(0, cos(β − χ), sin(β − χ))                            (K9)
+            normal: Vector3::new(zero, c * side, s * side),
+            // e_x = (0, −sin(β − χ), cos(β − χ))                          (K10)
+            across: Vector3::new(zero, -s, c),
+        }
+    }
+
+    /// Contact point from the ball centre `$r = -r_b N$`, in the unit of `ball_radius` (K11).
+    pub fn point(&self, ball_radius: D) -> Vector3<D> {
+        // r = −r_b N                                                      (K11)
+        self.normal * -ball_radius
+    }
+}

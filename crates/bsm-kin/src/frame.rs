@@ -1,0 +1,77 @@
+//! The frame in which the balance of the ball is written.
+//!
+//! Theory: `docs/theory/01-kinematics.md`, equations (K7) and (K8).
+
+use nalgebra::Vector3;
+
+use crate::Scalar;
+
+/// Right-handed triad `(t, n', b')` at the ball centre: the Frenet-Serret triad, turned about
+/// the tangent `t` by the angle `$\chi$`.
+///
+/// With `$\chi = 0$` it is the triad `(t, n, b)` itself. With `$\chi$` equal to a contact angle,
+/// the normals of the loaded contacts lie on the second axis and their cross products vanish
+/// exactly, not only to rounding: the small terms of the balance are then never lost against
+/// the large ones. All vectors of one calculation are components in one such triad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BallFrame<D> {
+    /// Angle `$\chi$` from `n` to the second axis, positive from `n` to `b` \[rad\].
+    pub turn: D,
+    /// Direction of the screw axis `$k$`, components in the triad.
+    pub k: Vector3<D>,
+    /// Principal normal `$n$` of the helix, towards the axis, components in the triad.
+    pub n: Vector3<D>,
+}
+
+impl<D: Scalar> BallFrame<D> {
+    /// Triad of a helix with this lead angle \[rad\], turned by `turn` \[rad\] (K7), (K8).
+    ///
+    /// ```math
+    /// k = (\sin\alpha,\; \cos\alpha\sin\chi,\; \cos\alpha\cos\chi), \qquad
+    /// n = (0,\; \cos\chi,\; -\sin\chi)
+    /// ```
+    pub fn turned(lead_angle: D, turn: D) -> Self {
+        let (sin_a, cos_a) = lead_angle.sin_cos();
+        let (sin_c, cos_c) = turn.sin_cos();
+        Self {
+            turn,
+            // k = sinα t + cosα b                                         (K7)
+            k: Vector3::new(sin_a, cos_a * sin_c, cos_a * cos_c),
+            // n = cosχ n' − sinχ b'                                       (K8)
+            n: Vector3::new(D::from(0.0), cos_c, -sin_c),
+        }
+    }
+
+    /// The tangent `$t$`, first axis of the triad whatever its turn.
+    pub fn tangent() -> Vector3<D> {
+        Vector3::new(D::from(1.0), D::from(0.0), D::from(0.0))
+    }
+
+    /// Components of `v` in the Frenet-Serret triad `(t, n, b)`.
+    pub fn to_frenet(&self, v: &Vector3<D>) -> Vector3<D> {
+        let (s, c) = self.turn.sin_cos();
+        Vector3::new(v.x, c * v.y - s * v.z, s * v.y + c * v.z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+
+    use super::*;
+    use crate::Helix;
+
+    /// The axis in the Frenet-Serret triad is what the helix says, for any turn.
+    #[test]
+    fn axis_agrees_with_the_helix() {
+        let helix = Helix { radius: 0.02, lead_angle: 0.31 };
+        let f = helix.frame(0.7);
+        let k = Vector3::z();
+        let expected = Vector3::new(f.t_W.dot(&k), f.n_W.dot(&k), f.b_W.dot(&k));
+        for turn in [0.0, 0.8, -1.1] {
+            let frame = BallFrame::turned(0.31, turn);
+            assert_relative_eq!(frame.to_frenet(&frame.k), expected, epsilon = 1e-15);
+            assert_relative_eq!(frame.to_frenet(&frame.n), Vector3::y(), epsilon = 1e-15);
+        }
+    }
+}

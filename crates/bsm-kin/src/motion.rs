@@ -1,0 +1,72 @@
+//! Motion of the ball, slip and spin at its contacts.
+//!
+//! Theory: `docs/theory/01-kinematics.md`, equations (K12) to (K14).
+
+use nalgebra::Vector3;
+
+use crate::{BallFrame, Contact, Scalar};
+
+/// Speeds of the two members about the screw axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive<D> {
+    /// Screw speed `$\Omega_s$` \[rad/s\].
+    pub screw_speed: D,
+    /// Nut speed `$\Omega_n$` \[rad/s\].
+    pub nut_speed: D,
+}
+
+impl<D: Scalar> Drive<D> {
+    /// Relative speed `$W = \Omega_s - \Omega_n$` \[rad/s\].
+    ///
+    /// Positive: the drive works against the axial load (rotary to linear). Negative: the load
+    /// drives (linear to rotary).
+    pub fn relative_speed(&self) -> D {
+        self.screw_speed - self.nut_speed
+    }
+}
+
+/// Steady motion of the ball, absolute or relative to a body that turns about the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion<D> {
+    /// Precession rate `$P$` of the ball centre about the screw axis \[rad/s\].
+    pub precession: D,
+    /// Angular velocity `$\omega$` of the ball \[rad/s\], components in the triad of a
+    /// [`BallFrame`].
+    pub omega: Vector3<D>,
+}
+
+impl<D: Scalar> Motion<D> {
+    /// The same motion seen from a body that turns at `body_speed` about the axis (K12).
+    #[must_use]
+    pub fn relative_to(&self, body_speed: D, frame: &BallFrame<D>) -> Self {
+        // P_rel = P − Ω,  ω_rel = ω − Ω k                                 (K12)
+        Self {
+            precession: self.precession - body_speed,
+            omega: self.omega - frame.k * body_speed,
+        }
+    }
+
+    /// Velocity of the ball's surface point at `point` against the body that `self` is relative
+    /// to, tangential at a contact centre (K13) \[m/s\].
+    ///
+    /// ```math
+    /// v_i(r) = d\,(P - \Omega_i)\,t + (\omega - \Omega_i k) \times r
+    /// ```
+    ///
+    /// * `arc_length_per_radian`: `$d = r_m/\cos\alpha$` of the helix \[m\].
+    /// * `point`: `$r$` from the ball centre \[m\].
+    ///
+    /// Source: Lin, Ravani and Velinsky, *Kinematics of the Ball Screw Mechanism*, ASME J. Mech.
+    /// Des. 116 (1994); with the nut at rest the components are Eqs 7-8 of their *Design of the
+    /// Ball Screw Mechanism for Optimal Efficiency*.
+    pub fn slip_velocity(&self, arc_length_per_radian: D, point: &Vector3<D>) -> Vector3<D> {
+        // v = d (P − Ω) t + (ω − Ω k) × r                                 (K13)
+        BallFrame::tangent() * (arc_length_per_radian * self.precession) + self.omega.cross(point)
+    }
+
+    /// Spin about the contact normal, `self` relative to the body of that contact \[rad/s\] (K14).
+    pub fn spin(&self, contact: &Contact<D>) -> D {
+        // ω_spin = (ω − Ω k)·N                                            (K14)
+        self.omega.dot(&contact.normal)
+    }
+}

@@ -1,0 +1,114 @@
+//! Slip velocities: published components, rigid-body identities, invariances.
+
+use approx::assert_relative_eq;
+use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Site};
+use nalgebra::Vector3;
+use proptest::prelude::*;
+
+const SITES: [Site; 3] = [Site::Nut, Site::NutMinor, Site::Screw];
+
+fn body_speed(site: Site, drive: &Drive<f64>) -> f64 {
+    if site == Site::Screw { drive.screw_speed } else { drive.nut_speed }
+}
+
+/// Components (across, along) of the slip at a contact.
+fn slip(
+    site: Site,
+    beta: f64,
+    helix: &Helix<f64>,
+    ball_radius: f64,
+    drive: &Drive<f64>,
+    motion: &Motion<f64>,
+) -> (f64, f64) {
+    let frame = BallFrame::turned(helix.lead_angle, 0.0);
+    let contact = Contact::new(site, beta, &frame);
+    let v = motion
+        .relative_to(body_speed(site, drive), &frame)
+        .slip_velocity(helix.arc_length_per_radian(), &contact.point(ball_radius));
+    (v.dot(&contact.across), v.dot(&BallFrame::tangent()))
+}
+
+/// Lin et al., Eqs 7-8, written out by hand for a nut at rest.
+#[test]
+fn slip_has_the_published_components() {
+    let (alpha, beta, r_m, r_b) = (0.1745_f64, 0.81_f64, 24.3e-3, 4.37e-3);
+    let helix = Helix { radius: r_m, lead_angle: alpha };
+    let drive = Drive { screw_speed: 209.4, nut_speed: 0.0 };
+    let (rate, wt, wn, wb) = (-118.0, 37.0, -411.0, 93.0);
+    // Lin writes the precession as theta_dot + Omega.
+    let motion =
+        Motion { precession: rate + drive.screw_speed, omega: Vector3::new(wt, wn, wb) };
+    let d = r_m / alpha.cos();
+    let omega = drive.screw_speed;
+
+    let (x, y) = slip(Site::Nut, beta, &helix, r_b, &drive, &motion);
+    assert_relative_eq!(x, -r_b * wt, max_relative = 1e-13);
+    let expected = d * (rate + omega) + r_b * (wb * beta.cos() - wn * beta.sin());
+    assert_relative_eq!(y, expected, max_relative = 1e-13);
+
+    let (x, y) = slip(Site::Screw, beta, &helix, r_b, &drive, &motion);
+    assert_relative_eq!(x, r_b * (wt - omega * alpha.sin()), max_relative = 1e-13);
+    let expected =
+        d * rate - r_b * ((wb - omega * alpha.cos()) * beta.cos() - wn * beta.sin());
+    assert_relative_eq!(y, expected, max_relative = 1e-12);
+}
+
+/// Identity: a ball frozen to a member does not slip on that member, on any helix.
+#[test]
+fn a_frozen_ball_does_not_slip() {
+    let helix = Helix { radius: 20e-3, lead_angle: 0.2 };
+    let frame = BallFrame::turned(0.2, 0.0);
+    let drive = Drive { screw_speed: 17.0, nut_speed: -5.0 };
+    for site in SITES {
+        let speed = body_speed(site, &drive);
+        let frozen = Motion { precession: speed, omega: frame.k * speed };
+        let (x, y) = slip(site, 0.7, &helix, 3e-3, &drive, &frozen);
+        assert_relative_eq!(x, 0.0, epsilon = 1e-16);
+        assert_relative_eq!(y, 0.0, epsilon = 1e-16);
+    }
+}
+
+proptest! {
+    /// Turning the triad changes no component; turning both members together changes no slip.
+    #[test]
+    fn slip_is_invariant(
+        alpha in 0.02..1.2_f64, beta in 0.1..1.4_f64, turn in -2.0..2.0_f64,
+        p in -300.0..300.0_f64, wt in -900.0..900.0_f64, wn in -900.0..900.0_f64,
+        wb in -900.0..900.0_f64, together in -500.0..500.0_f64,
+    ) {
+        let helix = Helix { radius: 24.3e-3, lead_angle: alpha };
+        let d = helix.arc_length_per_radian();
+        let straight = BallFrame::turned(alpha, 0.0);
+        let turned = BallFrame::turned(alpha, turn);
+        let (s, c) = turn.sin_cos();
+        let drive = Drive { screw_speed: 211.0, nut_speed: -37.0 };
+        let omega = Vector3::new(wt, wn, wb);
+        let motion = Motion { precession: p, omega };
+        // The same vector, components in the turned triad.
+        let in_turned = Motion { precession: p, omega: Vector3::new(wt, c * wn + s * wb, c * wb - s * wn) };
+        // Everything turns faster by the same rate.
+        let shifted = Motion { precession: p + together, omega: omega + straight.k * together };
+
+        for site in SITES {
+            let speed = body_speed(site, &drive);
+            let contact = Contact::new(site, beta, &straight);
+            let relative = motion.relative_to(speed, &straight);
+            let v = relative.slip_velocity(d, &contact.point(4.37e-3));
+            let scale = 1.0 + v.norm() + 24.3e-3 * p.abs();
+
+            let turned_contact = Contact::new(site, beta, &turned);
+            let v_turned = in_turned.relative_to(speed, &turned)
+                .slip_velocity(d, &turned_contact.point(4.37e-3));
+            prop_assert!((turned.to_frenet(&v_turned) - v).norm() <= 1e-13 * scale);
+            let spin = in_turned.relative_to(speed, &turned).spin(&turned_contact);
+            prop_assert!((spin - relative.spin(&contact)).abs() <= 1e-12 * (1.0 + omega.norm()));
+
+            let v_shifted = shifted.relative_to(speed + together, &straight)
+                .slip_velocity(d, &contact.point(4.37e-3));
+            prop_assert!((v_shifted - v).norm() <= 1e-12 * scale);
+
+            // Tangential at a contact centre on a circle; on the helix N is perpendicular to t.
+            prop_assert!(v.dot(&contact.normal).abs() <= 1e-13 * scale);
+        }
+    }
+}

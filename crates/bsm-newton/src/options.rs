@@ -1,0 +1,44 @@
+//! Stopping rules, damping and scales.
+
+/// Stopping rules and damping. Every number is dimensionless.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// A solution when `$\lVert D_F F(x) \rVert_2 \le$` this (N1). Default `1e-10`.
+    pub residual_tol: f64,
+    /// Once below `residual_tol`, go on with full steps down to this residual as long as each
+    /// step at least halves it (N2). Default `1e-10`, which means stop at once.
+    pub residual_goal: f64,
+    /// Stalled when `$\lVert D_x\,\delta x \rVert_\infty <$` this (N3). Default `1e-15`.
+    pub step_tol: f64,
+    /// Sufficient-decrease constant `$\gamma$` of (N5). Default `1e-4`.
+    pub armijo: f64,
+    /// Halvings of the step before giving up (N6). Default `20`.
+    pub max_halvings: u32,
+    /// Newton steps before giving up. Default `50`.
+    pub max_steps: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            residual_tol: 1e-10,
+            residual_goal: 1e-10,
+            step_tol: 1e-15,
+            armijo: 1e-4,
+            max_halvings: 20,
+            max_steps: 50,
+        }
+    }
+}
+
+/// Diagonals of the scaling matrices `$D_x$` and `$D_F$`.
+///
+/// `x[j]` is one over the typical size of unknown `j`, `f[i]` one over the typical size of
+/// equation `i`, so that metres, radians and newtons weigh alike.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scales<'a> {
+    /// Diagonal of `$D_x$`, length `$n$`, positive.
+    pub x: &'a [f64],
+    /// Diagonal of `$D_F$`, length `$n$`, positive.
+    pub f: &'a [f64],
+}

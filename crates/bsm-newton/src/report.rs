@@ -1,0 +1,118 @@
+//! What a solve did.
+
+use std::fmt;
+
+use crate::{EvalError, NotConverged};
+
+/// Why the iteration ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Status {
+    /// The scaled residual met `residual_tol` (N1).
+    Converged,
+    /// `max_steps` were taken.
+    MaxSteps,
+    /// No step length gave a sufficient decrease (N5).
+    LineSearchFailed,
+    /// The step fell below `step_tol` with the residual still above its tolerance (N3).
+    Stalled,
+    /// The Jacobian is singular to working precision, or not finite.
+    SingularJacobian,
+    /// The residual is NaN or infinite.
+    NotFinite,
+    /// The model cannot be evaluated at the starting point; see [`Report::refusal`].
+    ModelRefused,
+}
+
+impl Status {
+    /// The outcome in words.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::MaxSteps => "the step limit was reached",
+            Self::LineSearchFailed => "no step length lowers the residual",
+            Self::Stalled => "the steps became too small",
+            Self::SingularJacobian => "the Jacobian is singular",
+            Self::NotFinite => "the residual is not finite",
+            Self::ModelRefused => "the model refused the starting point",
+        }
+    }
+}
+
+/// One accepted Newton step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// `$\lVert D_F F(x_k) \rVert_2$` before the step.
+    pub residual: f64,
+    /// `$\lVert D_x\,\delta x_k \rVert_\infty$` of the full Newton step.
+    pub step: f64,
+    /// Accepted `$\lambda_k \in (0, 1]$`.
+    pub lambda: f64,
+}
+
+/// What a solve did: the outcome, the cost and the path.
+///
+/// Prints as one line per step and one line for the outcome.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use = "a report may say that the solve did not converge"]
+pub struct Report {
+    /// Why the iteration ended.
+    pub status: Status,
+    /// Final `$\lVert D_F F(x) \rVert_2$`.
+    pub residual: f64,
+    /// Index of the equation with the largest scaled residual.
+    pub worst_equation: usize,
+    /// That equation in words, from [`System::equation`](crate::System::equation); empty if the
+    /// solve converged.
+    pub worst_equation_name: String,
+    /// Residual evaluations of the line search.
+    pub n_residual: usize,
+    /// Jacobian evaluations.
+    pub n_jacobian: usize,
+    /// What the model last refused, a halved trial step included.
+    pub refusal: Option<EvalError>,
+    /// The accepted steps, in order.
+    pub steps: Vec<Step>,
+}
+
+impl Report {
+    /// True if the scaled residual met its tolerance.
+    pub fn converged(&self) -> bool {
+        self.status == Status::Converged
+    }
+
+    /// Turns every outcome but [`Status::Converged`] into an error.
+    ///
+    /// # Errors
+    ///
+    /// [`NotConverged`], which holds the report.
+    pub fn require_converged(self) -> Result<Self, NotConverged> {
+        if self.converged() { Ok(self) } else { Err(NotConverged(Box::new(self))) }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (k, s) in self.steps.iter().enumerate() {
+            writeln!(
+                f,
+                "{k:>3}  residual {:9.3e}  step {:9.3e}  lambda {:7.5}",
+                s.residual, s.step, s.lambda
+            )?;
+        }
+        write!(
+            f,
+            "{} after {} steps, scaled residual {:.3e}",
+            self.status.describe(),
+            self.steps.len(),
+            self.residual,
+        )?;
+        if !self.converged() {
+            write!(f, ", largest in {}", self.worst_equation_name)?;
+        }
+        match &self.refusal {
+            Some(refusal) => write!(f, "; last refusal: {refusal}"),
+            None => Ok(()),
+        }
+    }
+}
