@@ -1,1 +1,24 @@
-//! stub
+//! Steady motion of the balls of a ball screw: contact laws, balance and models.
+//!
+//! SI units and radians throughout; no files, no threads, no random numbers. A [`Problem`] is one
+//! operating point with the inputs of one model; [`Problem::solve`] returns a [`Solution`], which
+//! is data also when there is none.
+//!
+//! Theory: `docs/theory`, chapters 02 to 04.
+
+pub mod balance;
+mod closed_form;
+mod coulomb;
+mod layout;
+mod model;
+mod quasi_static;
+mod rigid;
+mod solution;
+
+pub use balance::{Ball, Load, Wrench};
+pub use closed_form::{Angles, ClosedForm, Optimum, Transmission};
+pub use coulomb::friction_force;
+pub use model::{Model, Problem};
+pub use quasi_static::{Driven, QuasiStatic};
+pub use rigid::{FirstOrder, Rigid, RigidRoot, RigidWorkspace};
+pub use solution::{Direction, Outputs, Reason, Solution, Status};

@@ -1,0 +1,318 @@
+//! Lin's closed form: efficiency, slip directions, optimum and self-locking from angles alone.
+//!
+//! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C13).
+
+use std::f64::consts::PI;
+
+use bsm_kin::Scalar;
+
+use crate::balance::{Power, ideal_torque};
+use crate::{Direction, Load, Model, Outputs, Solution};
+
+/// Lead angle and contact angle of a screw whose two loaded contacts have equal angles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Angles<D> {
+    /// Lead angle `$\alpha$` \[rad\], in (0, π/2).
+    pub lead: D,
+    /// Contact angle `$\beta$` \[rad\], in (0, π/2); 0 is radial.
+    pub contact: D,
+}
+
+/// Contact angle of best efficiency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Optimum {
+    /// `$\beta^*$` \[rad\].
+    pub contact_angle: f64,
+    /// Efficiency there.
+    pub efficiency: f64,
+}
+
+impl<D: Scalar> Angles<D> {
+    /// `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
+    pub fn slip_factor(&self) -> D {
+        // D = √(cos²β + tan²α)                                            (C1)
+        (self.contact.cos().powi(2) + self.lead.tan().powi(2)).sqrt()
+    }
+
+    /// Efficiency, negative if self-locking in that direction (C2), (C3).
+    ///
+    /// ```math
+    /// \eta_{rl} = 1 - \frac{f}{\cos^2\alpha\,\sin\beta\,(D + f\sin\beta)}, \qquad
+    /// \eta_{lr} = 1 - \frac{f}{\cos^2\alpha\,(D\sin\beta + f D^2)}
+    /// ```
+    ///
+    /// * `friction`: `$f \ge 0$`.
+    ///
+    /// Assumes: equal contact angles, saturated friction, inertia forces small against the load.
+    /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 14 and 17.
+    /// Difference from the source: the root ends before `$+ f\sin\beta$`, see `docs/theory/errata.md`.
+    pub fn efficiency(&self, direction: Direction, friction: D) -> D {
+        let (s, d, f) = (self.contact.sin(), self.slip_factor(), friction);
+        let cos2 = self.lead.cos().powi(2);
+        let loss = match direction {
+            // η = 1 − f / {cos²α sinβ (D + f sinβ)}                       (C2)
+            Direction::RotaryToLinear => f / (cos2 * s * (d + f * s)),
+            // η = 1 − f / {cos²α (D sinβ + f D²)}                         (C3)
+            Direction::LinearToRotary => f / (cos2 * d * (s + f * d)),
+        };
+        -loss + 1.0
+    }
+
+    /// Normal load of either loaded contact over the axial load per ball (C4).
+    ///
+    /// Negative when `$\sin\beta < f D$` and the drive works against the load: no load satisfies
+    /// the balance.
+    pub fn load_ratio(&self, direction: Direction, friction: D) -> D {
+        // Q/F_a = 1 / [cosα (sinβ ∓ f D)]                                 (C4)
+        let signed = friction * direction.sign();
+        (self.lead.cos() * (self.contact.sin() - signed * self.slip_factor())).recip()
+    }
+
+    /// Slip angle at the screw `$\psi_B$` \[rad\]; the nut's is `$\psi_A = \psi_B + \pi$`.
+    ///
+    /// Source: Lin, Velinsky and Ravani, Eq 13.
+    pub fn screw_slip_angle(&self, direction: Direction) -> D {
+        // ψ_B = atan(tanα / cosβ), turned by π if the load drives         (C5)
+        let forward = self.lead.tan().atan2(self.contact.cos());
+        match direction {
+            Direction::RotaryToLinear => forward,
+            Direction::LinearToRotary => forward - PI,
+        }
+    }
+}
+
+impl Angles<f64> {
+    /// True if the screw locks itself in that direction (C6), (C7).
+    ///
+    /// Source: Lin, Velinsky and Ravani, Eqs 16 and 19.
+    pub fn self_locking(&self, direction: Direction, friction: f64) -> bool {
+        let (s, d) = (self.contact.sin(), self.slip_factor());
+        match direction {
+            // sinβ ≤ f D                                                  (C6)
+            Direction::RotaryToLinear => s <= friction * d,
+            // f sinβ ≥ D                                                  (C7)
+            Direction::LinearToRotary => friction * s >= d,
+        }
+    }
+}
+
+impl Optimum {
+    /// Contact angle of best efficiency for a lead angle \[rad\], in closed form (C8) to (C10).
+    ///
+    /// ```math
+    /// (\sin\beta^*\cos\alpha)^2 = y^* = \tfrac12\Big(1 \pm \frac{f}{\sqrt{1+f^2}}\Big), \qquad
+    /// \eta^* = \big(\sqrt{1+f^2} - f\big)^2
+    /// ```
+    ///
+    /// upper sign for rotary to linear. `None` if the lead angle is too large:
+    /// `$\sin\beta^* = \sqrt{y^*}/\cos\alpha > 1$`.
+    ///
+    /// Source: roots of Lin, Velinsky and Ravani's Eqs 15 and 18; the closed form is ours.
+    pub fn of(direction: Direction, lead_angle: f64, friction: f64) -> Option<Self> {
+        // sinβ* = √y* / cosα                                              (C9)
+        let sine = Self::constant(direction, friction) / lead_angle.cos();
+        (sine <= 1.0).then(|| Self {
+            contact_angle: sine.asin(),
+            efficiency: Self::best_efficiency(friction),
+        })
+    }
+
+    /// The value `$\sqrt{y^*}$` of `$\cos\alpha\sin\beta$` at the optimum, for every lead angle.
+    pub fn constant(direction: Direction, friction: f64) -> f64 {
+        // y* = (1 ± f/√(1+f²))/2                                          (C8)
+        (0.5 * (1.0 + direction.sign() * friction / friction.hypot(1.0))).sqrt()
+    }
+
+    /// Best efficiency that any contact angle reaches, the same in both directions.
+    pub fn best_efficiency(friction: f64) -> f64 {
+        // η* = (√(1+f²) − f)² = 1/(√(1+f²) + f)²                          (C10)
+        (friction.hypot(1.0) + friction).powi(-2)
+    }
+}
+
+/// What the torque of a model without inertia needs beyond its efficiency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transmission {
+    /// Pitch-circle radius `$r_m$` \[m\].
+    pub pitch_radius: f64,
+    /// Load on the balls.
+    pub load: Load,
+    /// Relative speed `$W$` \[rad/s\], if known; the powers need it.
+    pub relative_speed: Option<f64>,
+}
+
+impl Transmission {
+    /// Torque, loads and powers of a model that is given by its efficiency and the ratio of
+    /// normal to axial load; nothing if the screw cannot be turned.
+    pub(crate) fn complete(
+        &self,
+        outputs: &mut Outputs,
+        direction: Direction,
+        lead_angle: f64,
+        efficiency: f64,
+        load_ratio: f64,
+    ) {
+        if load_ratio <= 0.0 {
+            return;
+        }
+        let ideal = ideal_torque(self.load.axial, self.pitch_radius, lead_angle);
+        let torque = match direction {
+            Direction::RotaryToLinear => ideal / efficiency,
+            Direction::LinearToRotary => ideal * efficiency,
+        };
+        let normal_load = load_ratio * self.load.per_ball();
+        outputs.screw_torque = Some(torque);
+        outputs.nut_normal_load = Some(normal_load);
+        outputs.screw_normal_load = Some(normal_load);
+        if let Some(speed) = self.relative_speed {
+            outputs.set_power(&Power::transmitted(torque, ideal, speed));
+        }
+    }
+}
+
+/// Inputs of the closed-form model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClosedForm {
+    /// Lead and contact angle.
+    pub angles: Angles<f64>,
+    /// Coulomb friction coefficient `$f \ge 0$`.
+    pub friction: f64,
+    /// Which side drives.
+    pub direction: Direction,
+    /// Size and load, if the torque is wanted.
+    pub transmission: Option<Transmission>,
+}
+
+impl ClosedForm {
+    /// Evaluates the closed form; it has a value at every point.
+    pub fn solve(&self) -> Solution {
+        let (angles, f, direction) = (&self.angles, self.friction, self.direction);
+        let eta = angles.efficiency(direction, f);
+        let psi = angles.screw_slip_angle(direction);
+        let mut outputs = Outputs {
+            efficiency: Some(eta),
+            nut_contact_angle: Some(angles.contact),
+            screw_contact_angle: Some(angles.contact),
+            // ψ_A = ψ_B ± π, in (−π, π]                                   (C11)
+            nut_slip_angle: Some(if psi > 0.0 { psi - PI } else { psi + PI }),
+            screw_slip_angle: Some(psi),
+            self_locking: Some(angles.self_locking(direction, f)),
+            ..Outputs::default()
+        };
+        if let Some(transmission) = &self.transmission {
+            let ratio = angles.load_ratio(direction, f);
+            transmission.complete(&mut outputs, direction, angles.lead, eta, ratio);
+        }
+        Solution::converged(Model::ClosedForm, outputs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use bsm_kin::{BallFrame, Contact, Site};
+    use nalgebra::Vector3;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::balance::{Wrench, axial_force, efficiency, torque};
+
+    const BOTH: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
+
+    /// Lin's case; the number is the 12-digit value of the corrected formula, worked by hand.
+    #[test]
+    fn lin_case() {
+        let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
+        let eta = angles.efficiency(Direction::RotaryToLinear, 0.075);
+        let d = (0.5 + 10.0_f64.to_radians().tan().powi(2)).sqrt();
+        let s = 0.5_f64.sqrt();
+        let by_hand = 1.0 - 0.075 / (10.0_f64.to_radians().cos().powi(2) * s * (d + 0.075 * s));
+        assert_relative_eq!(eta, by_hand, max_relative = 1e-15);
+        assert_relative_eq!(eta, 0.860_1, epsilon = 5e-5);
+    }
+
+    #[test]
+    fn no_friction_means_no_loss() {
+        let angles = Angles { lead: 0.17, contact: 0.8 };
+        for direction in BOTH {
+            assert_relative_eq!(angles.efficiency(direction, 0.0), 1.0);
+            let ideal = 1.0 / (0.17_f64.cos() * 0.8_f64.sin());
+            assert_relative_eq!(angles.load_ratio(direction, 0.0), ideal, max_relative = 1e-15);
+            assert!(!angles.self_locking(direction, 0.0));
+        }
+    }
+
+    proptest! {
+        /// Back-driving is driving with negative friction: η_lr(f) = 1/η_rl(−f).
+        #[test]
+        fn directions_mirror_in_friction(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
+            let angles = Angles { lead: a, contact: b };
+            let back = angles.efficiency(Direction::LinearToRotary, f);
+            let mirrored = angles.efficiency(Direction::RotaryToLinear, -f);
+            // Away from the pole of the mirrored formula, rounding only.
+            prop_assume!(mirrored.abs() < 1e3);
+            prop_assert!((back * mirrored - 1.0).abs() <= 1e-10, "{back} {mirrored}");
+        }
+
+        /// Efficiency is exactly zero on the border of self-locking, and negative beyond.
+        #[test]
+        fn self_locking_is_the_sign_of_efficiency(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..1.0_f64) {
+            let angles = Angles { lead: a, contact: b };
+            for direction in BOTH {
+                let eta = angles.efficiency(direction, f);
+                prop_assume!(eta.abs() > 1e-12);
+                prop_assert_eq!(angles.self_locking(direction, f), eta < 0.0);
+            }
+            let border = b.sin() / angles.slip_factor();
+            prop_assert!(angles.efficiency(Direction::RotaryToLinear, border).abs() <= 1e-12);
+        }
+
+        /// The closed-form optimum beats its neighbours, has the stated efficiency, and solves
+        /// the published conditions (15) and (18).
+        #[test]
+        fn optimum_is_one(a in 0.01..0.75_f64, f in 0.001..0.3_f64) {
+            for direction in BOTH {
+                let Some(best) = Optimum::of(direction, a, f) else { continue };
+                let at = |contact| Angles { lead: a, contact };
+                let eta = at(best.contact_angle).efficiency(direction, f);
+                prop_assert!((eta - best.efficiency).abs() <= 1e-13, "{eta} {}", best.efficiency);
+                // η is symmetric in y to second order, flat to 1e-9 at a distance of 1e-4.
+                for step in [-1e-4, 1e-4] {
+                    prop_assert!(at(best.contact_angle + step).efficiency(direction, f) <= eta + 1e-15);
+                }
+                let (d, s) = (at(best.contact_angle).slip_factor(), best.contact_angle.sin());
+                let condition = match direction {
+                    // D² + 2 f sinβ D = sin²β  (C12),  D² = sin²β + 2 f sinβ D  (C13)
+                    Direction::RotaryToLinear => d * d + 2.0 * f * s * d - s * s,
+                    Direction::LinearToRotary => d * d - 2.0 * f * s * d - s * s,
+                };
+                prop_assert!(condition.abs() <= 1e-13, "{condition}");
+            }
+        }
+
+        /// Forces at both contacts, with these loads and slip directions, transmit the axial load
+        /// and need the torque that the efficiency states, for a ball of any size.
+        #[test]
+        fn efficiency_agrees_with_the_forces(
+            a in 0.02..0.8_f64, b in 0.2..1.4_f64, f in 0.0..0.15_f64, size in 0.0..0.3_f64,
+        ) {
+            let angles = Angles { lead: a, contact: b };
+            prop_assume!(b.sin() > 1.05 * f * angles.slip_factor());
+            for direction in BOTH {
+                let frame = BallFrame::turned(a, 0.0);
+                let psi = angles.screw_slip_angle(direction);
+                let q = angles.load_ratio(direction, f);
+                let wrench = |site, psi: f64| {
+                    let contact = Contact::new(site, b, &frame);
+                    let friction = (contact.across * psi.cos() + Vector3::x() * psi.sin()) * (f * q);
+                    Wrench::at_contact(&contact.normal, &contact.point(size), q, &friction)
+                };
+                let axial = axial_force(&wrench(Site::Nut, psi + PI).force, &frame);
+                prop_assert!((axial - 1.0).abs() <= 1e-12, "{axial}");
+                let screw = torque(&wrench(Site::Screw, psi), 1.0, &frame);
+                let eta = efficiency(direction, ideal_torque(1.0, 1.0, a), screw);
+                prop_assert!((eta - angles.efficiency(direction, f)).abs() <= 1e-12, "{eta}");
+            }
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Two contacts without inertia: slip in the normal plane plus rolling resistance.
+//!
+//! Theory: `docs/theory/03-closed-form.md`, equations (Q1) to (Q4).
+
+use crate::closed_form::{Angles, Transmission};
+use crate::{Direction, Model, Outputs, Reason, Solution, Status};
+
+/// Inputs of the quasi-static model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QuasiStatic {
+    /// Lead and contact angle.
+    pub angles: Angles<f64>,
+    /// Coulomb friction coefficient `$f \ge 0$`.
+    pub friction: f64,
+    /// Ball radius over pitch radius `$r_b/r_m$`.
+    pub size_ratio: f64,
+    /// Lever arm of rolling resistance over ball radius `$f_r/r_b \ge 0$`.
+    pub rolling_ratio: f64,
+    /// Which member turns; the torque is that of the turning one.
+    pub driven: Driven,
+    /// Which side drives.
+    pub direction: Direction,
+    /// Size and load, if the torque is wanted.
+    pub transmission: Option<Transmission>,
+}
+
+/// The member that turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Driven {
+    /// The screw turns, the nut does not.
+    Screw,
+    /// The nut turns, the screw does not.
+    Nut,
+    /// Both turn, which these equations do not cover.
+    Both,
+}
+
+impl QuasiStatic {
+    /// Efficiency from rotary to linear with the friction terms multiplied by `sign` (Q1) to (Q3).
+    ///
+    /// ```math
+    /// \eta = 1 - \frac{f(r_b/r_m + \epsilon) + \tan\rho/(\cos\alpha\sin\alpha)}
+    ///   {\sin\beta + f(r_b/r_m \mp \cos\beta) + \tan\rho/\tan\alpha}, \qquad
+    /// \tan\rho = \frac{f_r}{r_b\sin\beta}
+    /// ```
+    ///
+    /// with upper sign and `$\epsilon = 0$` for a turning screw, lower sign and
+    /// `$\epsilon = 2\cos\beta$` for a turning nut.
+    ///
+    /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 1-4.
+    fn forward_efficiency(&self, sign: f64) -> f64 {
+        let (sin_b, cos_b) = self.angles.contact.sin_cos();
+        let (sin_a, cos_a) = self.angles.lead.sin_cos();
+        let f = sign * self.friction;
+        // tanρ = f_r / (r_b sinβ)                                         (Q1)
+        let tan_rho = sign * self.rolling_ratio / sin_b;
+        let (loss, lever) = match self.driven {
+            // screw: f r_b/r_m,  r_b/r_m − cosβ                           (Q2)
+            Driven::Screw | Driven::Both => (f * self.size_ratio, self.size_ratio - cos_b),
+            // nut: f (r_b/r_m + 2 cosβ),  r_b/r_m + cosβ                  (Q3)
+            Driven::Nut => (f * (self.size_ratio + 2.0 * cos_b), self.size_ratio + cos_b),
+        };
+        1.0 - (loss + tan_rho / (cos_a * sin_a))
+            / (sin_b + f * lever + tan_rho * cos_a / sin_a)
+    }
+
+    /// Efficiency in the direction of the input; back-driving turns every friction term round.
+    pub fn efficiency(&self) -> f64 {
+        match self.direction {
+            Direction::RotaryToLinear => self.forward_efficiency(1.0),
+            Direction::LinearToRotary => self.forward_efficiency(-1.0).recip(),
+        }
+    }
+
+    /// Normal load over axial load per ball (Q4).
+    pub fn load_ratio(&self) -> f64 {
+        let (sin_b, cos_b) = self.angles.contact.sin_cos();
+        let (sin_a, cos_a) = self.angles.lead.sin_cos();
+        let sign = self.direction.sign();
+        let (f, tan_rho) = (sign * self.friction, sign * self.rolling_ratio / sin_b);
+        // Q/F_a = 1 / [cosα (sinβ − f cosβ) − sinα tanρ]                  (Q4)
+        (cos_a * (sin_b - f * cos_b) - sin_a * tan_rho).recip()
+    }
+
+    /// Evaluates the equations.
+    pub fn solve(&self) -> Solution {
+        if self.driven == Driven::Both {
+            return Solution::failed(Model::QuasiStatic, Status::InvalidInput, Reason::DualDrive);
+        }
+        let eta = self.efficiency();
+        let mut outputs = Outputs {
+            efficiency: Some(eta),
+            nut_contact_angle: Some(self.angles.contact),
+            screw_contact_angle: Some(self.angles.contact),
+            self_locking: Some(eta <= 0.0),
+            ..Outputs::default()
+        };
+        if let Some(transmission) = &self.transmission {
+            let (lead, ratio) = (self.angles.lead, self.load_ratio());
+            transmission.complete(&mut outputs, self.direction, lead, eta, ratio);
+        }
+        Solution::converged(Model::QuasiStatic, outputs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    const LIN: QuasiStatic = QuasiStatic {
+        angles: Angles { lead: 0.174_532_925_199_432_95, contact: 0.785_398_163_397_448_3 },
+        friction: 0.075,
+        size_ratio: 4.37 / 24.3,
+        rolling_ratio: 0.0,
+        driven: Driven::Screw,
+        direction: Direction::RotaryToLinear,
+        transmission: None,
+    };
+
+    /// Lin's case by hand: 0.075 × 0.17984 / (0.70711 + 0.075 (0.17984 − 0.70711)) = 0.020206.
+    #[test]
+    fn lin_case_by_hand() {
+        assert_relative_eq!(LIN.efficiency(), 1.0 - 0.020_205, epsilon = 2e-6);
+        // Nut: 0.075 (0.17984 + 1.41421) / (0.70711 + 0.075 × 0.88695) = 0.154531.
+        let nut = QuasiStatic { driven: Driven::Nut, ..LIN };
+        assert_relative_eq!(nut.efficiency(), 1.0 - 0.154_536, epsilon = 1e-5);
+    }
+
+    #[test]
+    fn no_friction_means_no_loss() {
+        for direction in [Direction::RotaryToLinear, Direction::LinearToRotary] {
+            for driven in [Driven::Screw, Driven::Nut] {
+                let ideal = QuasiStatic { friction: 0.0, direction, driven, ..LIN };
+                assert_relative_eq!(ideal.efficiency(), 1.0);
+            }
+        }
+    }
+
+    /// Limit: rolling resistance alone acts like a wedge of angle ρ' with
+    /// `$\tan\rho' = \tan\rho/\sin\beta$`: `$\eta = \tan\alpha/\tan(\alpha + \rho')$`.
+    #[test]
+    fn rolling_resistance_alone_is_a_wedge() {
+        let rolling = QuasiStatic { friction: 0.0, rolling_ratio: 2.3e-3, ..LIN };
+        let (lead, contact) = (LIN.angles.lead, LIN.angles.contact);
+        let rho = (2.3e-3 / contact.sin().powi(2)).atan();
+        let wedge = lead.tan() / (lead + rho).tan();
+        assert_relative_eq!(rolling.efficiency(), wedge, max_relative = 1e-14);
+        let back = QuasiStatic { direction: Direction::LinearToRotary, ..rolling };
+        let wedge = (lead - rho).tan() / lead.tan();
+        assert_relative_eq!(back.efficiency(), wedge, max_relative = 1e-14);
+    }
+
+    #[test]
+    fn dual_drive_is_refused() {
+        let solution = QuasiStatic { driven: Driven::Both, ..LIN }.solve();
+        assert_eq!(solution.status, Status::InvalidInput);
+        assert_eq!(solution.outputs, Outputs::default());
+    }
+}

@@ -1,0 +1,210 @@
+//! The published steady-state equations: three point contacts, equal and fixed contact angles,
+//! saturated friction (Lin, Velinsky and Ravani, Eqs 5-9).
+//!
+//! Theory: `docs/theory/04-rigid.md`.
+
+mod first_order;
+mod root;
+mod scaled;
+
+use bsm_kin::{BallFrame, Drive, Helix};
+use nalgebra::Vector3;
+
+pub use self::first_order::FirstOrder;
+use self::root::{NoRoot, Root};
+pub use self::root::RigidWorkspace;
+use self::scaled::{Scaled, State, Unknowns};
+use crate::balance::{Ball, Power, efficiency, ideal_torque, torque};
+use crate::{Direction, Load, Model, Outputs, Reason, Solution, Status};
+
+/// Largest relative violation of the power balance (B10) of a result that is returned. An exact
+/// root has rounding only; more means that rounding has eaten the result, as it does when the
+/// inertia forces are many orders above the load.
+const POWER_BALANCE_TOL: f64 = 1e-9;
+
+/// Inputs of the rigid model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rigid {
+    /// Helix of the ball centres.
+    pub helix: Helix<f64>,
+    /// Contact angle `$\beta$` of all three contacts \[rad\], in (0, π/2).
+    pub contact_angle: f64,
+    /// The ball.
+    pub ball: Ball<f64>,
+    /// Coulomb friction coefficient `$f > 0$`.
+    pub friction: f64,
+    /// Speeds of screw and nut.
+    pub drive: Drive<f64>,
+    /// Load on the balls.
+    pub load: Load,
+}
+
+/// A root of the rigid equations in the unknowns of the theory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidRoot {
+    /// `$Q_A/F_a$`.
+    pub nut_load: f64,
+    /// `$Q_{A'}/F_a$`.
+    pub minor_load: f64,
+    /// `$Q_B/F_a$`.
+    pub screw_load: f64,
+    /// `$p = (P - \Omega_n)/W$`.
+    pub p: f64,
+    /// `$u$`: tangential part of `$\omega - \Omega_n k$` over `$W$`.
+    pub u: f64,
+    /// `$\tau$`: part of `$\omega - \Omega_n k$` along `$e_x$` over `$W$`.
+    pub tau: f64,
+    /// `$s = I P\sigma/(r_b F_a)$`, `$\sigma$` the spin about the common normal.
+    pub s: f64,
+    /// Newton steps of all solves.
+    pub steps: usize,
+    /// Scaled residual.
+    pub residual: f64,
+}
+
+impl Rigid {
+    /// The point in the model's own units, or why there is none.
+    fn scaled(&self) -> Result<Scaled<f64>, NoRoot> {
+        let invalid = |reason| NoRoot { status: Status::InvalidInput, reason };
+        let speed = self.drive.relative_speed();
+        let direction =
+            Direction::of(speed).ok_or_else(|| invalid(Reason::NoRelativeSpeed))?;
+        if self.friction <= 0.0 {
+            return Err(invalid(Reason::Frictionless));
+        }
+        let (r_b, w) = (self.ball.radius, speed.abs());
+        // Lengths in r_b, forces in F_a, speeds in |W|                    (R1)
+        let helix = Helix { radius: self.helix.radius / r_b, ..self.helix };
+        let mass = self.ball.mass * r_b * w * w / self.load.per_ball();
+        let nut_speed = self.drive.nut_speed / w;
+        Ok(Scaled::new(helix, self.contact_angle, self.friction, mass, nut_speed, direction.sign()))
+    }
+
+    /// The first-order solution, which also tells whether a root exists.
+    ///
+    /// `None` without friction or relative speed.
+    pub fn first_order(&self) -> Option<FirstOrder> {
+        self.scaled().ok().map(|case| FirstOrder::of(&case))
+    }
+
+    /// `$\mu = m r_m W^2/F_a$`: inertia forces over axial load per ball.
+    pub fn inertia_ratio(&self) -> f64 {
+        self.ball.mass * self.helix.radius * self.drive.relative_speed().powi(2)
+            / self.load.per_ball()
+    }
+
+    /// Smallest lead angle from this point's upwards at which the equations have a root \[rad\].
+    ///
+    /// `None` if none was found, or without friction or relative speed.
+    pub fn critical_lead_angle(&self, work: &mut RigidWorkspace) -> Option<f64> {
+        root::critical_lead_angle(&self.scaled().ok()?, work)
+    }
+
+    /// The root in the unknowns of the theory.
+    ///
+    /// # Errors
+    ///
+    /// Status and reason if there is none.
+    pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, (Status, Reason)> {
+        let found = self.scaled().and_then(|case| Ok((case, root::find(&case, work)?)));
+        let (case, Root { unknowns: y, steps, residual }) =
+            found.map_err(|e| (e.status, e.reason))?;
+        let (sin, cos) = y[5].sin_cos();
+        Ok(RigidRoot {
+            nut_load: y[0],
+            minor_load: y[1],
+            screw_load: y[2],
+            p: y[3],
+            u: -y[4] * cos,
+            tau: y[4] * sin - y[3] * case.arc,
+            s: y[6],
+            steps,
+            residual,
+        })
+    }
+
+    /// Solves for the steady motion of the ball.
+    pub fn solve(&self, work: &mut RigidWorkspace) -> Solution {
+        let found = self.scaled().and_then(|case| Ok((case, root::find(&case, work)?)));
+        match found {
+            Ok((case, root)) => {
+                let outputs = self.outputs(&case, &root);
+                match outputs.power_balance {
+                    Some(imbalance) if imbalance.abs() <= POWER_BALANCE_TOL => {
+                        Solution::converged(Model::Rigid, outputs)
+                    }
+                    imbalance => {
+                        let imbalance = imbalance.unwrap_or(f64::NAN);
+                        let reason = Reason::PowerDoesNotBalance { imbalance };
+                        Solution::failed(Model::Rigid, Status::NotConverged, reason)
+                    }
+                }
+            }
+            Err(NoRoot { status, reason }) => Solution::failed(Model::Rigid, status, reason),
+        }
+    }
+
+    /// Outputs in SI units.
+    fn outputs(&self, case: &Scaled<f64>, root: &Root) -> Outputs {
+        let state = case.state(&root.unknowns).expect("the residual was evaluated at the root");
+        let (w, r_b) = (self.drive.relative_speed().abs(), self.ball.radius);
+        let (per_ball, balls) = (self.load.per_ball(), self.load.balls);
+        let moment = r_b * per_ball;
+
+        let screw_torque =
+            torque(&state.wrench[2], case.helix.radius, &case.frame) * moment * balls;
+        let ideal = ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle);
+        let direction = if case.sign > 0.0 {
+            Direction::RotaryToLinear
+        } else {
+            Direction::LinearToRotary
+        };
+        let eta = efficiency(direction, ideal, screw_torque);
+        let power = Power::transmitted(screw_torque, ideal, case.sign * w);
+        let friction_power = friction_power(case, &state, &root.unknowns) * moment * w * balls;
+
+        let omega = case.frame.to_frenet(&state.motion.omega) * w;
+        let [a, minor, b] = case.contacts;
+        let relative = |speed| state.motion.relative_to(speed, &case.frame);
+        let slip_angle = |contact: &bsm_kin::Contact<f64>, v: &Vector3<f64>| {
+            // ψ = atan2(−V_y, −V_x)                                       (R21)
+            (-v.dot(&BallFrame::tangent())).atan2(-v.dot(&contact.across))
+        };
+        let [slip_a, slip_minor, slip_b] = state.slip;
+
+        let mut outputs = Outputs {
+            efficiency: Some(eta),
+            screw_torque: Some(screw_torque),
+            nut_normal_load: Some(root.unknowns[0] * per_ball),
+            minor_normal_load: Some(root.unknowns[1] * per_ball),
+            screw_normal_load: Some(root.unknowns[2] * per_ball),
+            nut_contact_angle: Some(self.contact_angle),
+            screw_contact_angle: Some(self.contact_angle),
+            nut_slip_angle: Some(slip_angle(&a, &slip_a)),
+            screw_slip_angle: Some(slip_angle(&b, &slip_b)),
+            minor_slip_angle: Some(slip_angle(&minor, &slip_minor)),
+            nut_slip_velocity: Some(slip_a.norm() * w * r_b),
+            screw_slip_velocity: Some(slip_b.norm() * w * r_b),
+            minor_slip_velocity: Some(slip_minor.norm() * w * r_b),
+            nut_spin: Some(relative(case.nut_speed).spin(&a) * w),
+            screw_spin: Some(relative(case.nut_speed + case.sign).spin(&b) * w),
+            precession: Some(state.motion.precession * w),
+            omega_t: Some(omega.x),
+            omega_n: Some(omega.y),
+            omega_b: Some(omega.z),
+            power_balance: Some(power.imbalance(friction_power)),
+            iterations: Some(root.steps),
+            residual_norm: Some(root.residual),
+            self_locking: Some(eta <= 0.0),
+            ..Outputs::default()
+        };
+        outputs.set_power(&power);
+        outputs
+    }
+}
+
+/// Friction power of all contacts `$\sum_c f Q_c |V_c|$`, in scaled units (R22).
+fn friction_power(case: &Scaled<f64>, state: &State<f64>, y: &Unknowns<f64>) -> f64 {
+    // P_f = Σ f Q_c |V_c|                                                 (R22)
+    state.slip.iter().zip(y.iter()).map(|(v, q)| case.friction * q * v.norm()).sum()
+}

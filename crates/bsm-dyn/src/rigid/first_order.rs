@@ -1,0 +1,90 @@
+//! The rigid model for inertia forces that are small against the load: start and existence.
+//!
+//! Theory: `docs/theory/04-rigid.md`, equations (R12) to (R20).
+
+use super::scaled::{Scaled, Unknowns};
+use crate::Angles;
+
+/// First-order solution in the inertia ratio.
+///
+/// Loads are exact to first order in `$\varepsilon = m r_m P^2/F_a$`, the motion to zeroth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstOrder {
+    /// `$Q_A/F_a = Q_B/F_a$`; negative means self-locking.
+    pub load: f64,
+    /// `$\kappa = Q_{A'}/(\varepsilon F_a)$`; negative means that A' would have to pull.
+    pub minor: f64,
+    /// `$\varepsilon = m r_m P^2/F_a$`.
+    pub inertia: f64,
+    /// Precession relative to the nut over relative speed, `$p$`.
+    pub precession: f64,
+    /// Existence margin: a finite root needs it positive.
+    pub margin: f64,
+    /// Slip at A over `$r_b|W|$`, of the sign of `margin`.
+    pub slip: f64,
+    /// Direction of the slip at A from `$e_x$` towards `$t$` \[rad\].
+    pub slip_angle: f64,
+    /// Spin moment `$s = I P\sigma/(r_b F_a)$`.
+    pub spin: f64,
+}
+
+impl FirstOrder {
+    pub(crate) fn of(case: &Scaled<f64>) -> Self {
+        let (sin_a, cos_a) = case.helix.lead_angle.sin_cos();
+        let (sin_b, cos_b) = case.contact_angle.sin_cos();
+        let (f, size, sign) = (case.friction, case.helix.radius.recip(), case.sign);
+        let angles = Angles { lead: case.helix.lead_angle, contact: case.contact_angle };
+
+        // tanψ = tanα / cosβ = T,  c = cosψ = cosβ/D,  s = sinψ = tanα/D  (R12)
+        let d = angles.slip_factor();
+        let (sin_psi, cos_psi) = (sin_a / cos_a / d, cos_b / d);
+        // p = 1/2 − (r_b cosα / 2 r_m)(cosα cosβ + sinα T)                (R13)
+        let lever = cos_a * cos_b + sin_a * sin_a / (cos_a * cos_b);
+        let p = 0.5 - 0.5 * size * cos_a * lever;
+        // P/W = p + Ω_n/W,  ε = μ (P/W)²                                  (R14)
+        let rate = p + case.nut_speed * sign;
+        let eps = case.inertia_ratio() * rate * rate;
+        // κ = (sinβ − F D) / [sin2β − F (cos2β + h sinψ) D/cosβ]          (R15)
+        let signed = f * sign;
+        let h = (rate * sign).signum();
+        let cos_2b = (cos_b - sin_b) * (cos_b + sin_b);
+        let minor = (sin_b - signed * d)
+            / (2.0 * sin_b * cos_b - signed * (cos_2b + h * sin_psi) / cos_psi);
+        // margin = p tanα − 5 f sinβ cosβ κ |P/W|                         (R16)
+        let margin = p * sin_a / cos_a - 5.0 * f * sin_b * cos_b * minor * rate.abs();
+        // Q/F_a = 1/[cosα (sinβ − F D)], Eq (C4)                          (R17)
+        let load = (cos_a * (sin_b - signed * d)).recip();
+        Self {
+            load,
+            minor,
+            inertia: eps,
+            precession: p,
+            margin,
+            // λ = margin / [(r_b/r_m)(cosα cosβ + sinα T) cosψ]           (R18)
+            slip: margin / (size * lever * cos_psi),
+            // θ = ψ                                                       (R19)
+            slip_angle: sin_psi.atan2(cos_psi),
+            // s = −2 F q cosψ / (cosα cosβ)                               (R20)
+            spin: -2.0 * signed * load / (d * cos_a),
+        }
+    }
+
+    /// The unknowns of the full equations.
+    pub(crate) fn unknowns(&self) -> Unknowns<f64> {
+        Unknowns::from([
+            self.load,
+            self.minor * self.inertia,
+            self.load,
+            self.precession,
+            self.slip,
+            self.slip_angle,
+            self.spin,
+        ])
+    }
+
+    /// True if a finite root exists, to first order: the contacts push and the ball slides on
+    /// the nut.
+    pub fn exists(&self) -> bool {
+        self.load > 0.0 && self.minor > 0.0 && self.margin > 0.0
+    }
+}

@@ -1,0 +1,280 @@
+//! The rigid model in its own units, and its residual.
+//!
+//! Theory: `docs/theory/04-rigid.md`, equations (R1) to (R10).
+
+use bsm_kin::{BallFrame, Contact, Helix, Motion, Scalar, Site};
+use bsm_newton::{EvalError, MatMut, System};
+use nalgebra::{SVector, Vector3};
+use num_dual::jacobian;
+
+use crate::Wrench;
+use crate::balance::{Ball, axial_force, newton_euler};
+use crate::coulomb::friction_force;
+use crate::layout::{self, BALL, MOMENT_NORMAL};
+
+/// One operating point in units of ball radius, axial load per ball and `$|W|$` (R1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Scaled<D> {
+    /// Helix with radius `$r_m/r_b$`.
+    pub(crate) helix: Helix<D>,
+    /// Arc length per radian of the helix.
+    pub(crate) arc: D,
+    /// Triad turned to the contact normal.
+    pub(crate) frame: BallFrame<D>,
+    /// Contacts A, A', B.
+    pub(crate) contacts: [Contact<D>; 3],
+    /// Contact angle \[rad\].
+    pub(crate) contact_angle: D,
+    /// Coulomb coefficient.
+    pub(crate) friction: D,
+    /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
+    pub(crate) ball: Ball<D>,
+    /// Nut speed over `$|W|$`.
+    pub(crate) nut_speed: D,
+    /// Sign of `$W$`.
+    pub(crate) sign: f64,
+}
+
+/// The seven unknowns (R2): `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\; \lambda,\; \theta,\; s$`.
+pub(crate) type Unknowns<D> = SVector<D, BALL>;
+
+/// Motion, slips and wrenches that belong to a set of unknowns.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct State<D> {
+    /// Absolute motion of the ball.
+    pub(crate) motion: Motion<D>,
+    /// Slip velocities at A, A', B.
+    pub(crate) slip: [Vector3<D>; 3],
+    /// Wrenches of A, A', B on the ball.
+    pub(crate) wrench: [Wrench<D>; 3],
+}
+
+impl<D: Scalar> Scaled<D> {
+    /// Builds geometry from its numbers, all in scaled units.
+    pub(crate) fn new(
+        helix: Helix<D>,
+        contact_angle: D,
+        friction: D,
+        mass: D,
+        nut_speed: D,
+        sign: f64,
+    ) -> Self {
+        let frame = BallFrame::turned(helix.lead_angle, contact_angle);
+        let contacts = [Site::Nut, Site::NutMinor, Site::Screw]
+            .map(|site| Contact::new(site, contact_angle, &frame));
+        let ball = Ball { radius: D::from(1.0), mass };
+        let arc = helix.arc_length_per_radian();
+        Self { helix, arc, frame, contacts, contact_angle, friction, ball, nut_speed, sign }
+    }
+
+    /// Motion of the ball relative to the nut: precession, and `u`, `τ` from the slip at A.
+    fn relative_motion(&self, y: &Unknowns<D>) -> Result<Motion<D>, EvalError> {
+        let (p, s) = (y[3], y[6]);
+        let (sin, cos) = y[5].sin_cos();
+        // P = Ω_n + p W                                                   (R3)
+        let precession = self.nut_speed + p * self.sign;
+        if precession.re() == 0.0 {
+            return Err(EvalError {
+                quantity: "precession rate P of the ball over |W|",
+                value: 0.0,
+                requirement: "not zero: a ball that does not circle has no gyroscopic moment",
+            });
+        }
+        // u = −λ cosθ,  τ = λ sinθ − p d/r_b                              (R4)
+        let u = -y[4] * cos;
+        let tau = y[4] * sin - p * self.arc;
+        // σ = s r_b F_a / (I P)                                           (R5)
+        let sigma = s / (self.ball.inertia() * precession);
+        // ω − Ω_n k = W u t + σ N + W τ e_x                               (R6)
+        let omega = Vector3::new(u * self.sign, sigma, tau * self.sign);
+        Ok(Motion { precession: p * self.sign, omega })
+    }
+
+    /// Motion, slip and wrenches of a set of unknowns.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] where friction or the gyroscopic moment has no direction.
+    pub(crate) fn state(&self, y: &Unknowns<D>) -> Result<State<D>, EvalError> {
+        let to_nut = self.relative_motion(y)?;
+        let motion = to_nut.relative_to(-self.nut_speed, &self.frame);
+        let to_screw = to_nut.relative_to(D::from(self.sign), &self.frame);
+        let points = self.contacts.map(|c| c.point(self.ball.radius));
+
+        // V_A = W r_b λ (cosθ e_x + sinθ t), friction against it whatever the size of λ  (R7)
+        let (sin, cos) = y[5].sin_cos();
+        let along = (self.contacts[0].across * cos + BallFrame::tangent() * sin) * D::from(self.sign);
+        let slip = [
+            along * y[4],
+            to_nut.slip_velocity(self.arc, &points[1]),
+            to_screw.slip_velocity(self.arc, &points[2]),
+        ];
+        let friction = [
+            along * (-self.friction * y[0]),
+            friction_force(self.friction, y[1], &slip[1])?,
+            friction_force(self.friction, y[2], &slip[2])?,
+        ];
+        let wrench = std::array::from_fn(|i| {
+            Wrench::at_contact(&self.contacts[i].normal, &points[i], y[i], &friction[i])
+        });
+        Ok(State { motion, slip, wrench })
+    }
+
+    /// The seven equations (R8): force and moment balance in (t, N, e_x), axial load.
+    ///
+    /// # Errors
+    ///
+    /// As [`state`](Self::state).
+    pub(crate) fn residual(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
+        let state = self.state(y)?;
+        let [a, minor, b] = state.wrench;
+        let nut = a + minor;
+        let left =
+            newton_euler(&(nut + b), &self.ball, self.helix.radius, &state.motion, &self.frame);
+        // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (R8)
+        Ok(Unknowns::from([
+            left.force.x,
+            left.force.y,
+            left.force.z,
+            left.moment.x,
+            left.moment.y,
+            left.moment.z,
+            axial_force(&nut.force, &self.frame) - 1.0,
+        ]))
+    }
+}
+
+impl Scaled<f64> {
+    /// `$\mu = m r_m W^2/F_a$` (R9), the size of the inertia forces.
+    pub(crate) fn inertia_ratio(&self) -> f64 {
+        // μ = m r_m W² / F_a                                              (R9)
+        self.ball.mass * self.helix.radius
+    }
+
+    /// The same point with the inertia multiplied by `factor`.
+    pub(crate) fn with_inertia(&self, factor: f64) -> Self {
+        let ball = Ball { mass: self.ball.mass * factor, ..self.ball };
+        Self { ball, ..*self }
+    }
+
+    /// Weights of the equations (R10).
+    ///
+    /// The unit of force is the larger of axial load and inertia force. The moment about the
+    /// normal consists of inertia-sized terms only, and alone tells the slip at A: its unit is
+    /// the inertia force.
+    pub(crate) fn weights(&self) -> [f64; BALL] {
+        let mu = self.inertia_ratio().max(f64::MIN_POSITIVE);
+        // D_F = diag(w, w, w, w, 1/μ, w, w),  w = 1/max(1, μ)             (R10)
+        let mut weights = [mu.max(1.0).recip(); BALL];
+        weights[MOMENT_NORMAL] = mu.recip();
+        weights
+    }
+
+    /// The same point with another lead angle.
+    pub(crate) fn with_lead_angle<D: Scalar>(&self, lead_angle: D) -> Scaled<D> {
+        let helix = Helix { radius: D::from(self.helix.radius), lead_angle };
+        Scaled::new(
+            helix,
+            D::from(self.contact_angle),
+            D::from(self.friction),
+            D::from(self.ball.mass),
+            D::from(self.nut_speed),
+            self.sign,
+        )
+    }
+
+    /// The same point as constants of another scalar.
+    fn lift<D: Scalar>(&self) -> Scaled<D> {
+        let vector = |v: &Vector3<f64>| v.map(D::from);
+        Scaled {
+            helix: Helix {
+                radius: D::from(self.helix.radius),
+                lead_angle: D::from(self.helix.lead_angle),
+            },
+            arc: D::from(self.arc),
+            frame: BallFrame {
+                turn: D::from(self.frame.turn),
+                k: vector(&self.frame.k),
+                n: vector(&self.frame.n),
+            },
+            contacts: self.contacts.map(|c| Contact {
+                site: c.site,
+                normal: vector(&c.normal),
+                across: vector(&c.across),
+            }),
+            contact_angle: D::from(self.contact_angle),
+            friction: D::from(self.friction),
+            ball: Ball { radius: D::from(self.ball.radius), mass: D::from(self.ball.mass) },
+            nut_speed: D::from(self.nut_speed),
+            sign: self.sign,
+        }
+    }
+}
+
+impl System for Scaled<f64> {
+    fn dim(&self) -> usize {
+        BALL
+    }
+
+    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
+        let y = Unknowns::from_column_slice(x);
+        r.copy_from_slice(Scaled::residual(self, &y)?.as_slice());
+        Ok(())
+    }
+
+    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
+        let y = Unknowns::from_column_slice(x);
+        differentiate(|y| self.lift().residual(&y), &y, r, jac)
+    }
+
+    fn equation(&self, i: usize) -> String {
+        layout::equation(i).to_owned()
+    }
+}
+
+/// The existence limit as a system: slip at A zero, lead angle unknown in its place (R11).
+pub(crate) struct ExistenceLimit<'a>(pub(crate) &'a Scaled<f64>);
+
+impl ExistenceLimit<'_> {
+    fn residual_at<D: Scalar>(&self, x: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
+        // λ = 0, α unknown                                                (R11)
+        let mut y = *x;
+        y[4] = D::from(0.0);
+        self.0.with_lead_angle(x[4]).residual(&y)
+    }
+}
+
+impl System for ExistenceLimit<'_> {
+    fn dim(&self) -> usize {
+        BALL
+    }
+
+    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
+        r.copy_from_slice(self.residual_at(&Unknowns::from_column_slice(x))?.as_slice());
+        Ok(())
+    }
+
+    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
+        differentiate(|x| self.residual_at(&x), &Unknowns::from_column_slice(x), r, jac)
+    }
+}
+
+/// Value and Jacobian of a function of seven unknowns, by dual numbers.
+fn differentiate(
+    function: impl FnOnce(Unknowns<Dual>) -> Result<Unknowns<Dual>, EvalError>,
+    x: &Unknowns<f64>,
+    r: &mut [f64],
+    mut jac: MatMut<'_, f64>,
+) -> Result<(), EvalError> {
+    let (f, j) = jacobian(function, x)?;
+    r.copy_from_slice(f.as_slice());
+    for col in 0..BALL {
+        for row in 0..BALL {
+            jac[(row, col)] = j[(row, col)];
+        }
+    }
+    Ok(())
+}
+
+/// Dual number with one partial derivative for each unknown.
+type Dual = num_dual::DualSVec64<BALL>;

@@ -1,0 +1,191 @@
+//! The answer of a model, in SI units.
+
+use bsm_newton::Status as NewtonStatus;
+
+use crate::Model;
+use crate::balance::Power;
+
+/// Which side drives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// The drive works against the axial load, `$W > 0$`.
+    RotaryToLinear,
+    /// The load drives (back-driving), `$W < 0$`.
+    LinearToRotary,
+}
+
+impl Direction {
+    /// Direction of the relative speed `$W = \Omega_s - \Omega_n$`; `None` if it is 0 or NaN.
+    pub fn of(relative_speed: f64) -> Option<Self> {
+        if relative_speed > 0.0 {
+            Some(Self::RotaryToLinear)
+        } else if relative_speed < 0.0 {
+            Some(Self::LinearToRotary)
+        } else {
+            None
+        }
+    }
+
+    /// Sign of the relative speed.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::RotaryToLinear => 1.0,
+            Self::LinearToRotary => -1.0,
+        }
+    }
+}
+
+/// How a solve ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// The outputs are the solution.
+    Converged,
+    /// A proof or bound says that none exists.
+    NoSolution,
+    /// The iteration found none, and none is proven not to exist.
+    NotConverged,
+    /// The model does not take these inputs.
+    InvalidInput,
+}
+
+/// Why there is no solution.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Reason {
+    /// `$\sin\beta \le f D$`: friction holds any axial load, the drive cannot turn.
+    SelfLocking {
+        /// `$\sin\beta$`.
+        sin_contact_angle: f64,
+        /// `$f D$`, which it does not exceed.
+        friction_term: f64,
+    },
+    /// Saturated friction at the nut is more than the slip can use: the slip at A would have to
+    /// be negative. The ball rolls on the nut instead, which these equations exclude.
+    NutContactWouldRoll {
+        /// Slip speed at A along its friction direction, over `$r_b|W|$`; not positive.
+        slip: f64,
+        /// True if `slip` is the exact one of the extended equations, false if it is the
+        /// first-order bound.
+        exact: bool,
+        /// Smallest lead angle with a solution, the rest of the point kept \[rad\], if one was
+        /// found.
+        critical_lead_angle: Option<f64>,
+    },
+    /// The minor contact A' would have to pull.
+    MinorContactWouldPull {
+        /// `$Q_{A'}/F_a$`, not positive.
+        load_ratio: f64,
+    },
+    /// A loaded contact would have to pull.
+    LoadedContactWouldPull {
+        /// `$Q_A/F_a$`.
+        nut_load_ratio: f64,
+        /// `$Q_B/F_a$`.
+        screw_load_ratio: f64,
+    },
+    /// The only root found is the spurious one at infinity, `$P \to \Omega_n$`.
+    RootAtInfinity {
+        /// Largest speed of the root over `$|W|$`.
+        speed_ratio: f64,
+    },
+    /// `$f = 0$`: nothing fixes the rotation of the ball.
+    Frictionless,
+    /// The nut and the screw do not turn against each other.
+    NoRelativeSpeed,
+    /// Only screw drive or nut drive is covered, not both turning.
+    DualDrive,
+    /// A root was found, but the powers do not balance: rounding has eaten the result.
+    PowerDoesNotBalance {
+        /// Relative violation.
+        imbalance: f64,
+    },
+    /// The iteration ended early.
+    Newton {
+        /// How it ended.
+        status: NewtonStatus,
+        /// Its last scaled residual.
+        residual: f64,
+        /// The equation with the largest part of it, in words.
+        worst_equation: String,
+    },
+}
+
+/// The result of one model at one operating point.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use = "a solution may say that there is none"]
+pub struct Solution {
+    /// The model.
+    pub model: Model,
+    /// How the solve ended.
+    pub status: Status,
+    /// Why, unless it converged.
+    pub reason: Option<Reason>,
+    /// The numbers; all empty unless it converged (`self_locking` may be known).
+    pub outputs: Outputs,
+}
+
+impl Solution {
+    /// A solution with its numbers.
+    pub fn converged(model: Model, outputs: Outputs) -> Self {
+        Self { model, status: Status::Converged, reason: None, outputs }
+    }
+
+    /// The statement that there is none.
+    pub fn failed(model: Model, status: Status, reason: Reason) -> Self {
+        let locking = matches!(reason, Reason::SelfLocking { .. }).then_some(true);
+        let outputs = Outputs { self_locking: locking, ..Outputs::default() };
+        Self { model, status, reason: Some(reason), outputs }
+    }
+}
+
+/// Outputs in SI units and radians; a model leaves empty what it does not have.
+///
+/// Loads are per ball, torque and powers for all loaded balls together.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[expect(missing_docs, reason = "names and meanings are those of docs/theory/00-notation.md")]
+pub struct Outputs {
+    pub efficiency: Option<f64>,
+    pub screw_torque: Option<f64>,
+    pub nut_normal_load: Option<f64>,
+    pub screw_normal_load: Option<f64>,
+    pub minor_normal_load: Option<f64>,
+    pub nut_contact_angle: Option<f64>,
+    pub screw_contact_angle: Option<f64>,
+    pub nut_slip_angle: Option<f64>,
+    pub screw_slip_angle: Option<f64>,
+    pub minor_slip_angle: Option<f64>,
+    pub nut_slip_velocity: Option<f64>,
+    pub screw_slip_velocity: Option<f64>,
+    pub minor_slip_velocity: Option<f64>,
+    pub nut_spin: Option<f64>,
+    pub screw_spin: Option<f64>,
+    pub precession: Option<f64>,
+    pub omega_t: Option<f64>,
+    pub omega_n: Option<f64>,
+    pub omega_b: Option<f64>,
+    pub nut_max_pressure: Option<f64>,
+    pub screw_max_pressure: Option<f64>,
+    pub nut_ellipse_a: Option<f64>,
+    pub nut_ellipse_b: Option<f64>,
+    pub screw_ellipse_a: Option<f64>,
+    pub screw_ellipse_b: Option<f64>,
+    pub nut_approach: Option<f64>,
+    pub screw_approach: Option<f64>,
+    pub axial_displacement: Option<f64>,
+    pub input_power: Option<f64>,
+    pub output_power: Option<f64>,
+    pub dissipated_power: Option<f64>,
+    pub power_balance: Option<f64>,
+    pub iterations: Option<usize>,
+    pub residual_norm: Option<f64>,
+    pub self_locking: Option<bool>,
+}
+
+impl Outputs {
+    /// Stores the three powers.
+    pub(crate) fn set_power(&mut self, power: &Power) {
+        self.input_power = Some(power.input);
+        self.output_power = Some(power.output);
+        self.dissipated_power = Some(power.dissipated);
+    }
+}

@@ -1,0 +1,273 @@
+//! The rigid model: identities, limits, invariances, expected failures.
+
+use approx::assert_relative_eq;
+use bsm_dyn::{
+    Angles, Ball, Direction, Load, Outputs, Reason, Rigid, RigidWorkspace, Solution, Status,
+};
+use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Site};
+use nalgebra::Vector3;
+use proptest::prelude::*;
+
+/// Lin's own case: 2000 rpm, lead angle 10°, contact angle 45°, 2113 N on one ball.
+fn lin() -> Rigid {
+    Rigid {
+        helix: Helix { radius: 24.3e-3, lead_angle: 10.0_f64.to_radians() },
+        contact_angle: 45.0_f64.to_radians(),
+        ball: Ball::of_density(4.37e-3, 7800.0),
+        friction: 0.075,
+        drive: Drive { screw_speed: 2000.0_f64.to_radians() * 6.0, nut_speed: 0.0 },
+        load: Load { axial: 2113.0, balls: 1.0 },
+    }
+}
+
+fn solved(case: &Rigid) -> Outputs {
+    let solution = case.solve(&mut RigidWorkspace::default());
+    assert_eq!(solution.status, Status::Converged, "{case:?} {:?}", solution.reason);
+    solution.outputs
+}
+
+fn reason(case: &Rigid) -> (Status, Reason) {
+    let Solution { status, reason, outputs, .. } = case.solve(&mut RigidWorkspace::default());
+    // A point without solution has no numbers.
+    assert_eq!(Outputs { self_locking: None, ..outputs }, Outputs::default());
+    (status, reason.expect("a point that did not converge has a reason"))
+}
+
+/// The root satisfies the published equations as printed, in (t, n, b) and SI units, with
+/// forces and moments written out here once more and friction from the slip velocities.
+#[test]
+fn root_satisfies_the_published_equations() {
+    for (screw, nut) in [(209.4, 0.0), (-209.4, 0.0), (0.0, -209.4), (314.0, -105.0)] {
+        let case = Rigid { drive: Drive { screw_speed: screw, nut_speed: nut }, ..lin() };
+        let o = solved(&case);
+        let get = |x: Option<f64>| x.expect("rigid has this output");
+        let (a, b) = (case.helix.lead_angle, case.contact_angle);
+        let (r_m, r_b, f_a) = (case.helix.radius, case.ball.radius, case.load.per_ball());
+        let frame = BallFrame::turned(a, 0.0);
+        let omega = Vector3::new(get(o.omega_t), get(o.omega_n), get(o.omega_b));
+        let motion = Motion { precession: get(o.precession), omega };
+        let (mut force, mut moment, mut nut_force) =
+            (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+        for (site, load, speed) in [
+            (Site::Nut, o.nut_normal_load, nut),
+            (Site::NutMinor, o.minor_normal_load, nut),
+            (Site::Screw, o.screw_normal_load, screw),
+        ] {
+            let contact = Contact::new(site, b, &frame);
+            let r = contact.normal * -r_b;
+            let v = motion.relative_to(speed, &frame).slip_velocity(r_m / a.cos(), &r);
+            let psi = (-v.x).atan2(-v.dot(&contact.across));
+            let friction = contact.across * psi.cos() + Vector3::x() * psi.sin();
+            let total = (contact.normal + friction * case.friction) * get(load);
+            force += total;
+            moment += r.cross(&total);
+            if site != Site::Screw {
+                nut_force += total;
+            }
+        }
+        let centripetal = case.ball.mass * r_m * motion.precession.powi(2);
+        let gyroscopic = frame.k.cross(&omega) * (case.ball.inertia() * motion.precession);
+        // In these axes the spin's part of the slip at A and B cancels only to rounding: up to
+        // 1e4 times the slip itself, so 1e-11 instead of 1e-15.
+        assert!((force - Vector3::y() * centripetal).norm() <= 1e-11 * f_a);
+        assert!((moment - gyroscopic).norm() <= 1e-11 * r_b * f_a);
+        assert_relative_eq!(nut_force.dot(&frame.k), f_a, max_relative = 1e-13);
+    }
+}
+
+/// Limit: as the load grows against inertia, the closed form results, in both directions; the
+/// error falls like the inertia ratio.
+#[test]
+fn small_inertia_is_the_closed_form() {
+    for (speed, direction) in
+        [(209.4, Direction::RotaryToLinear), (-209.4, Direction::LinearToRotary)]
+    {
+        let at = |axial| Rigid {
+            drive: Drive { screw_speed: speed, nut_speed: 0.0 },
+            load: Load { axial, balls: 1.0 },
+            ..lin()
+        };
+        let angles = Angles { lead: lin().helix.lead_angle, contact: lin().contact_angle };
+        let closed = angles.efficiency(direction, 0.075);
+        let error = |axial| (solved(&at(axial)).efficiency.expect("efficiency") - closed).abs();
+        let (coarse, fine) = (error(1e3), error(1e5));
+        assert!(coarse < 1e-4, "{coarse}");
+        // First order in the inertia ratio: a hundred times the load, a hundredth of the error.
+        assert_relative_eq!(coarse / fine, 100.0, max_relative = 0.02);
+        assert!(error(1e8) < 1e-9);
+    }
+}
+
+/// The published bound at 7.08 degrees (spec value for small inertia at f = 0.075, β = 45°).
+#[test]
+fn no_solution_below_the_critical_lead_angle() {
+    let mut work = RigidWorkspace::default();
+    let at = |degrees: f64| Rigid {
+        helix: Helix { lead_angle: degrees.to_radians(), ..lin().helix },
+        ..lin()
+    };
+    let (status, why) = reason(&at(5.0));
+    assert_eq!(status, Status::NoSolution);
+    let Reason::NutContactWouldRoll { critical_lead_angle: Some(critical), .. } = why else {
+        panic!("{why:?}");
+    };
+    // Three digits of the small-inertia value; at this load inertia moves the fourth.
+    assert_relative_eq!(critical.to_degrees(), 7.08, epsilon = 5e-3);
+
+    // It is the border: a root just above, none just below, and the slip at A vanishes there.
+    let above = solved(&at(critical.to_degrees() + 1e-6));
+    assert!(above.nut_slip_velocity.expect("slip") < 1e-6, "{above:?}");
+    assert_eq!(reason(&at(critical.to_degrees() - 1e-6)).0, Status::NoSolution);
+    let again = at(6.0).critical_lead_angle(&mut work).expect("critical angle");
+    assert_relative_eq!(again, critical, max_relative = 1e-9);
+}
+
+/// Expected failures, each with its reason.
+#[test]
+fn failures_say_why() {
+    let still = Rigid { drive: Drive { screw_speed: 3.0, nut_speed: 3.0 }, ..lin() };
+    assert_eq!(reason(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
+    let ideal = Rigid { friction: 0.0, ..lin() };
+    assert_eq!(reason(&ideal), (Status::InvalidInput, Reason::Frictionless));
+
+    let flat = Rigid { contact_angle: 4.0_f64.to_radians(), ..lin() };
+    let (status, why) = reason(&flat);
+    assert_eq!(status, Status::NoSolution);
+    assert!(matches!(why, Reason::SelfLocking { .. }), "{why:?}");
+    assert_eq!(flat.solve(&mut RigidWorkspace::default()).outputs.self_locking, Some(true));
+
+    // Steep contact and large friction, back-driving: A' would have to pull.
+    let steep = Rigid {
+        contact_angle: 79.0_f64.to_radians(),
+        helix: Helix { lead_angle: 40.0_f64.to_radians(), ..lin().helix },
+        friction: 0.15,
+        drive: Drive { screw_speed: -200.0, nut_speed: 0.0 },
+        ..lin()
+    };
+    let (status, why) = reason(&steep);
+    assert_eq!(status, Status::NoSolution);
+    assert!(matches!(why, Reason::MinorContactWouldPull { .. }), "{why:?}");
+}
+
+/// Back-driving needs a positive lead: a fine screw with much friction must be pushed.
+#[test]
+fn back_driving_tells_self_locking_by_its_sign() {
+    let case = Rigid {
+        contact_angle: 70.0_f64.to_radians(),
+        drive: Drive { screw_speed: -200.0, nut_speed: 0.0 },
+        friction: 0.45,
+        helix: Helix { lead_angle: 8.0_f64.to_radians(), ..lin().helix },
+        ..lin()
+    };
+    let angles = Angles { lead: case.helix.lead_angle, contact: case.contact_angle };
+    assert!(angles.self_locking(Direction::LinearToRotary, case.friction));
+    match case.solve(&mut RigidWorkspace::default()) {
+        Solution { status: Status::Converged, outputs, .. } => {
+            assert!(outputs.efficiency.expect("efficiency") < 0.0);
+            assert_eq!(outputs.self_locking, Some(true));
+        }
+        other => assert_eq!(other.status, Status::NoSolution),
+    }
+}
+
+/// From inertia ratios of 3e6 down to 3e-16 a root is found, with balanced powers, and the
+/// efficiency goes smoothly from one limit to the other.
+#[test]
+fn inertia_from_everything_to_nothing() {
+    let mut last = f64::NAN;
+    for exponent in -60..=120 {
+        let axial = 10.0_f64.powf(f64::from(exponent) / 10.0);
+        let o = solved(&Rigid { load: Load { axial, balls: 1.0 }, ..lin() });
+        let (eta, balance) = (o.efficiency.expect("eta"), o.power_balance.expect("balance"));
+        assert!(balance.abs() <= 1e-9, "{axial}: {balance}");
+        // The steepest part rises by 0.05 in a step of a tenth of a decade.
+        assert!(last.is_nan() || (eta - last).abs() < 0.06, "{axial}: {eta} after {last}");
+        assert!((0.642..0.8602).contains(&eta), "{axial}: {eta}");
+        last = eta;
+    }
+    // Beyond, rounding of the inertia forces is larger than the load; it must not pass for a result.
+    for exponent in -12..-6 {
+        let case = Rigid { load: Load { axial: 10.0_f64.powi(exponent), balls: 1.0 }, ..lin() };
+        let solution = case.solve(&mut RigidWorkspace::default());
+        if solution.status == Status::Converged {
+            assert_relative_eq!(solution.outputs.efficiency.expect("eta"), 0.6427, epsilon = 1e-4);
+        }
+    }
+}
+
+fn scene() -> impl Strategy<Value = Rigid> {
+    (
+        (8.0..45.0_f64, 30.0..70.0_f64, 0.01..0.1_f64, 0.07..0.2_f64),
+        (50.0..6000.0_f64, 20.0..3000.0_f64, any::<bool>(), any::<bool>()),
+    )
+        .prop_map(|((lead, contact, friction, size), (rpm, axial, back, nut))| {
+            let speed = rpm * std::f64::consts::PI / 30.0 * if back { -1.0 } else { 1.0 };
+            let drive = if nut {
+                Drive { screw_speed: 0.0, nut_speed: -speed }
+            } else {
+                Drive { screw_speed: speed, nut_speed: 0.0 }
+            };
+            Rigid {
+                helix: Helix { radius: 24.3e-3, lead_angle: lead.to_radians() },
+                contact_angle: contact.to_radians(),
+                ball: Ball::of_density(24.3e-3 * size, 7800.0),
+                friction,
+                drive,
+                load: Load { axial, balls: 1.0 },
+            }
+        })
+}
+
+proptest! {
+    /// Power balance and residual of whatever converges.
+    #[test]
+    fn power_balances(case in scene()) {
+        let solution = case.solve(&mut RigidWorkspace::default());
+        prop_assert_ne!(solution.status, Status::NotConverged, "{:?}", solution.reason);
+        if solution.status == Status::Converged {
+            let o = solution.outputs;
+            // Rounding of the friction power of A', a product of 1e-4 and 1e4.
+            prop_assert!(o.power_balance.is_some_and(|x| x.abs() <= 1e-11), "{:?}", o);
+            prop_assert!(o.residual_norm.is_some_and(|x| x <= 1e-10), "{:?}", o);
+        }
+    }
+
+    /// Invariance: a screw twice as large, of other density and load, with the same inertia
+    /// ratio, has the same efficiency and load ratios.
+    #[test]
+    fn scaling_changes_nothing(case in scene(), length in 0.1..10.0_f64, force in 0.1..10.0_f64) {
+        let scaled = Rigid {
+            helix: Helix { radius: case.helix.radius * length, ..case.helix },
+            ball: Ball {
+                radius: case.ball.radius * length,
+                mass: case.ball.mass * force / length,
+            },
+            load: Load { axial: case.load.axial * force, ..case.load },
+            ..case
+        };
+        let (one, other) =
+            (case.root(&mut RigidWorkspace::default()), scaled.root(&mut RigidWorkspace::default()));
+        match (one, other) {
+            (Ok(one), Ok(other)) => {
+                prop_assert!((one.nut_load - other.nut_load).abs() <= 1e-12 * one.nut_load);
+                prop_assert!((one.p - other.p).abs() <= 1e-9);
+            }
+            (Err(_), Err(_)) => {}
+            (one, other) => prop_assert!(false, "{one:?} {other:?}"),
+        }
+    }
+
+    /// Z balls that share Z times the load: the same motion, Z times the torque.
+    #[test]
+    fn balls_share_the_load(case in scene(), balls in 2_u8..80) {
+        let z = f64::from(balls);
+        let many = Rigid { load: Load { axial: case.load.axial * z, balls: z }, ..case };
+        let mut work = RigidWorkspace::default();
+        let (one, other) = (case.solve(&mut work), many.solve(&mut work));
+        prop_assert_eq!(one.status, other.status);
+        if let (Some(t), Some(t_z)) = (one.outputs.screw_torque, other.outputs.screw_torque) {
+            // F_a may differ in its last bit.
+            prop_assert!((t * z - t_z).abs() <= 1e-11 * t_z.abs());
+        }
+    }
+}
