@@ -18,8 +18,8 @@ const SPEED_LIMIT: f64 = 1e6;
 /// to friction forces, is below this: their error is of that order.
 const FIRST_ORDER_VALID: f64 = 0.05;
 
-/// A direct solve may take this many steps; more means that the start was not near the root,
-/// and the path in the inertia is safer.
+/// A solve may take this many steps; more means that the start was not near the root, and the
+/// path in the inertia is safer.
 const DIRECT_STEPS: usize = 8;
 
 /// A root of the rigid equations.
@@ -63,27 +63,32 @@ fn options(case: &Scaled<f64>) -> Options {
 
 /// Finds the root, or the reason why there is none.
 pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root, NoRoot> {
-    let start = FirstOrder::of(case);
     self_locking(case)?;
+    let start = FirstOrder::of(case);
+    let small_inertia = start.inertia < FIRST_ORDER_VALID * case.friction;
 
-    let (y, report) = newton(case, start.unknowns(), work);
-    let direct = Root { unknowns: y, steps: report.steps.len(), residual: report.residual };
-    if report.converged() {
-        return accept(case, direct, work);
-    }
-    // A root with Q_A' < 0 keeps that sign along the path in the inertia, which then folds.
-    let valid = start.inertia < FIRST_ORDER_VALID * case.friction || start.minor <= 0.0;
-    if valid && !start.exists() {
+    let (unknowns, report) = newton(case, start.unknowns(), work);
+    let direct = report.converged().then(|| {
+        let (steps, residual) = (report.steps.len(), report.residual);
+        accept(case, Root { unknowns, steps, residual }, work)
+    });
+    if let Some(verdict) = &direct {
+        if small_inertia || (near(&report) && verdict.is_ok() == start.exists()) {
+            return verdict.clone();
+        }
+    } else if !start.exists() && (small_inertia || start.minor <= 0.0) {
+        // A root with Q_A' < 0 keeps that sign along the path in the inertia, which then folds.
         return Err(denied(case, &start, work));
     }
-    match follow_inertia(case, &start, direct.steps, work) {
-        Some(root) => accept(case, root, work),
-        None if start.exists() => Err(not_converged(&report)),
-        None => Err(denied(case, &start, work)),
+    match (follow_inertia(case, &start, report.steps.len(), work), direct) {
+        (Some(root), _) => accept(case, root, work),
+        (None, Some(Ok(root))) => Ok(root),
+        (None, _) if start.exists() => Err(not_converged(&report)),
+        (None, _) => Err(denied(case, &start, work)),
     }
 }
 
-/// One damped Newton solve from `y`.
+/// One damped Newton solve from `y`; a root that it meets with its last step is refined.
 fn newton(
     case: &Scaled<f64>,
     mut y: Unknowns<f64>,
@@ -91,16 +96,32 @@ fn newton(
 ) -> (Unknowns<f64>, Report) {
     let weights = case.weights();
     let scales = Scales { x: &[1.0; BALL], f: &weights };
-    let report = solve(case, y.as_mut_slice(), &scales, &options(case), &mut work.0)
-        .expect("sizes are constant and the weights positive");
+    let mut run = || {
+        solve(case, y.as_mut_slice(), &scales, &options(case), &mut work.0)
+            .expect("sizes are constant and the weights positive")
+    };
+    let mut report = run();
+    if report.converged() && report.steps.len() == DIRECT_STEPS {
+        let refined = run();
+        report.residual = refined.residual;
+        report.steps.extend(refined.steps);
+    }
     (y, report)
+}
+
+/// True if the solve went to its root straight away: the start was on the same branch.
+fn near(report: &Report) -> bool {
+    report.converged()
+        && report.steps.len() < DIRECT_STEPS
+        && report.steps.iter().all(|s| s.lambda > 0.5)
 }
 
 /// Follows the root from small inertia to the full one, where the first-order start is bad.
 ///
-/// The path in the inertia is smooth, through `$\lambda = 0$` too; the step of its logarithm is
-/// halved when a solve fails and grows again afterwards. `steps` counts those already taken.
-/// `None` if the path ends before full inertia.
+/// The path in the inertia is smooth, through `$\lambda = 0$` too. Each unknown is predicted as a
+/// power of the inertia: the loads and speeds have power laws at both ends of the path. The step
+/// of the logarithm is halved when a solve strays and grows again afterwards. `steps` counts
+/// those already taken. `None` if the path ends before full inertia.
 fn follow_inertia(
     case: &Scaled<f64>,
     start: &FirstOrder,
@@ -109,9 +130,12 @@ fn follow_inertia(
 ) -> Option<Root> {
     /// Ratio of inertia to friction forces at which the first-order start is safe.
     const BEGIN: f64 = 1e-3;
-    /// Shortest step of the logarithm before giving up, and solves in all.
+    /// Longest and shortest step of the logarithm, and solves in all, before giving up.
+    const LONGEST: f64 = 0.5;
     const SHORTEST: f64 = 1e-4;
     const MOST_SOLVES: usize = 200;
+    /// A solve of the path that takes more steps may have changed the branch.
+    const PATH_STEPS: usize = 5;
 
     let mut log = (BEGIN * case.friction / start.inertia).min(1.0).ln();
     let begin = FirstOrder::of(&case.with_inertia(log.exp())).unknowns();
@@ -120,23 +144,25 @@ fn follow_inertia(
     if !report.converged() {
         return None;
     }
-    let mut stride = 1.0_f64;
+    // Exponents d ln y / d ln μ: at first Q_A' alone grows.
+    let mut exponents = Unknowns::from([0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let mut stride = LONGEST;
     for _ in 0..MOST_SOLVES {
         let next = (log + stride).min(0.0);
-        let mut guess = at;
-        // Q_A' grows with the inertia.
-        guess[1] *= (next - log).exp();
+        let guess = at.zip_map(&exponents, |y, e| y * (e * (next - log)).exp());
         let (found, report) = newton(&case.with_inertia(next.exp()), guess, work);
         steps += report.steps.len();
-        if report.converged() {
+        if near(&report) && report.steps.len() <= PATH_STEPS {
+            exponents = found.zip_map(&at, |new, old| {
+                let ratio = new / old;
+                // An unknown on its way through zero follows no power law.
+                if ratio > 0.0 { (ratio.ln() / (next - log)).clamp(-2.0, 2.0) } else { 0.0 }
+            });
             (at, log) = (found, next);
             if log >= 0.0 {
-                // From here a full set of steps refines it.
-                let (unknowns, report) = newton(case, at, work);
-                steps += report.steps.len();
-                return Some(Root { unknowns, steps, residual: report.residual });
+                return Some(Root { unknowns: at, steps, residual: report.residual });
             }
-            stride *= 1.5;
+            stride = (1.5 * stride).min(LONGEST);
         } else {
             stride *= 0.5;
             if stride < SHORTEST {

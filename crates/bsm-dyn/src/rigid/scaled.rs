@@ -278,3 +278,80 @@ fn differentiate(
 
 /// Dual number with one partial derivative for each unknown.
 type Dual = num_dual::DualSVec64<BALL>;
+
+#[cfg(test)]
+mod tests {
+    use bsm_newton::{Options, Scales, Workspace, solve};
+    use proptest::prelude::*;
+
+    use super::super::first_order::FirstOrder;
+    use super::*;
+
+    fn case(lead: f64, contact: f64, friction: f64, mass: f64, nut: f64, sign: f64) -> Scaled<f64> {
+        let helix = Helix { radius: 5.56, lead_angle: lead };
+        Scaled::new(helix, contact, friction, mass, nut, sign)
+    }
+
+    proptest! {
+        /// Dual numbers against central differences, at points off the root.
+        #[test]
+        fn jacobian_matches_differences(
+            lead in 0.1..0.7_f64, contact in 0.4..1.2_f64, friction in 0.01..0.1_f64,
+            log_mass in -5.0..0.0_f64, nut in -1.5..0.5_f64, back in any::<bool>(),
+            shift in proptest::array::uniform7(-0.05..0.05_f64),
+        ) {
+            let sign = if back { -1.0 } else { 1.0 };
+            let case = case(lead, contact, friction, 10.0_f64.powf(log_mass), nut, sign);
+            let mut y = FirstOrder::of(&case).unknowns();
+            prop_assume!(y.iter().all(|v| v.is_finite()) && y[3].abs() > 0.1);
+            for (y, s) in y.iter_mut().zip(shift) {
+                *y += s;
+            }
+            prop_assume!((nut + sign * y[3]).abs() > 0.2);
+            let exact = jacobian(|y| case.lift().residual(&y), &y).expect("in the domain").1;
+            // Truncation h²/6 F''' with F''' up to 1e4, rounding 1e-16/h.
+            let h = 1e-6;
+            for j in 0..BALL {
+                let at = |step: f64| {
+                    let mut moved = y;
+                    moved[j] += step;
+                    case.residual(&moved).expect("in the domain")
+                };
+                let difference = (at(h) - at(-h)) / (2.0 * h);
+                let scale = 1.0 + exact.norm();
+                prop_assert!((difference - exact.column(j)).norm() <= 1e-7 * scale, "{j}");
+            }
+        }
+    }
+
+    /// The tail of the iteration is quadratic, which only an exact Jacobian gives.
+    #[test]
+    fn newton_converges_quadratically() {
+        let case = case(0.3, 0.7, 0.08, 0.02, 0.0, 1.0);
+        let mut y = FirstOrder::of(&case).unknowns();
+        y[5] += 0.1;
+        let weights = case.weights();
+        let scales = Scales { x: &[1.0; BALL], f: &weights };
+        let options = Options { residual_goal: 1e-14, ..Options::default() };
+        let report = solve(&case, y.as_mut_slice(), &scales, &options, &mut Workspace::new(BALL))
+            .expect("seven unknowns");
+        assert!(report.converged(), "{report}");
+        let small: Vec<f64> =
+            report.steps.iter().map(|s| s.residual).filter(|r| (1e-6..1e-1).contains(r)).collect();
+        assert!(small.len() >= 2, "{report}");
+        for pair in small.windows(2) {
+            // The constant of the quadratic tail, about 10 here.
+            assert!(pair[1] <= 100.0 * pair[0].powi(2), "{report}");
+        }
+    }
+
+    /// The triad turned to the normal keeps the large terms out of the small row: with loads of
+    /// order one and an inertia of 1e-12, the moment about the normal is of order 1e-12.
+    #[test]
+    fn the_normal_moment_is_inertia_sized() {
+        let case = case(0.3, 0.7, 0.08, 1e-12, 0.0, 1.0);
+        let r = case.residual(&FirstOrder::of(&case).unknowns()).expect("in the domain");
+        // First order cancels it; the rest is of second order or rounding of 1e-12.
+        assert!(r[MOMENT_NORMAL].abs() <= 1e-20, "{r}");
+    }
+}
