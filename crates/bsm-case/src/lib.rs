@@ -1,1 +1,23 @@
-//! stub
+//! Vocabulary, units and scene files: what a person reads and writes.
+//!
+//! The only place that knows millimetres, degrees and rpm. A [`Scene`] is one operating point in
+//! the vocabulary; [`Scene::problem`] turns it into the SI problem of a model, [`Record`] turns
+//! the answer back. Nothing here solves anything.
+
+mod error;
+mod grid;
+mod input;
+mod output;
+mod problem;
+mod record;
+mod scene;
+mod schema;
+mod units;
+
+pub use error::CaseError;
+pub use grid::{Axis, Grid};
+pub use input::{INPUTS, Input, Rule, Scene};
+pub use output::{Cell, OUTPUTS, Output};
+pub use problem::{ModelChoice, required_inputs};
+pub use record::Record;
+pub use schema::{input_schema, output_schema};

@@ -60,8 +60,7 @@ impl QuasiStatic {
             // nut: f (r_b/r_m + 2 cosβ),  r_b/r_m + cosβ                  (Q3)
             Driven::Nut => (f * (self.size_ratio + 2.0 * cos_b), self.size_ratio + cos_b),
         };
-        1.0 - (loss + tan_rho / (cos_a * sin_a))
-            / (sin_b + f * lever + tan_rho * cos_a / sin_a)
+        1.0 - (loss + tan_rho / (cos_a * sin_a)) / (sin_b + f * lever + tan_rho * cos_a / sin_a)
     }
 
     /// Efficiency in the direction of the input; back-driving turns every friction term round.
@@ -105,12 +104,14 @@ impl QuasiStatic {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::{FRAC_PI_4, PI};
+
     use approx::assert_relative_eq;
 
     use super::*;
 
     const LIN: QuasiStatic = QuasiStatic {
-        angles: Angles { lead: 0.174_532_925_199_432_95, contact: 0.785_398_163_397_448_3 },
+        angles: Angles { lead: PI / 18.0, contact: FRAC_PI_4 },
         friction: 0.075,
         size_ratio: 4.37 / 24.3,
         rolling_ratio: 0.0,

@@ -11,8 +11,8 @@ use bsm_kin::{BallFrame, Drive, Helix};
 use nalgebra::Vector3;
 
 pub use self::first_order::FirstOrder;
-use self::root::{NoRoot, Root};
 pub use self::root::RigidWorkspace;
+use self::root::{NoRoot, Root};
 use self::scaled::{Scaled, State, Unknowns};
 use crate::balance::{Ball, Power, efficiency, ideal_torque, torque};
 use crate::{Direction, Load, Model, Outputs, Reason, Solution, Status};
@@ -67,8 +67,7 @@ impl Rigid {
     fn scaled(&self) -> Result<Scaled<f64>, NoRoot> {
         let invalid = |reason| NoRoot { status: Status::InvalidInput, reason };
         let speed = self.drive.relative_speed();
-        let direction =
-            Direction::of(speed).ok_or_else(|| invalid(Reason::NoRelativeSpeed))?;
+        let direction = Direction::of(speed).ok_or_else(|| invalid(Reason::NoRelativeSpeed))?;
         if self.friction <= 0.0 {
             return Err(invalid(Reason::Frictionless));
         }
@@ -154,11 +153,8 @@ impl Rigid {
         let screw_torque =
             torque(&state.wrench[2], case.helix.radius, &case.frame) * moment * balls;
         let ideal = ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle);
-        let direction = if case.sign > 0.0 {
-            Direction::RotaryToLinear
-        } else {
-            Direction::LinearToRotary
-        };
+        let direction =
+            if case.sign > 0.0 { Direction::RotaryToLinear } else { Direction::LinearToRotary };
         let eta = efficiency(direction, ideal, screw_torque);
         let power = Power::transmitted(screw_torque, ideal, case.sign * w);
         let friction_power = friction_power(case, &state, &root.unknowns) * moment * w * balls;

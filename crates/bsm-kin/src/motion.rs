@@ -40,10 +40,7 @@ impl<D: Scalar> Motion<D> {
     #[must_use]
     pub fn relative_to(&self, body_speed: D, frame: &BallFrame<D>) -> Self {
         // P_rel = P − Ω,  ω_rel = ω − Ω k                                 (K12)
-        Self {
-            precession: self.precession - body_speed,
-            omega: self.omega - frame.k * body_speed,
-        }
+        Self { precession: self.precession - body_speed, omega: self.omega - frame.k * body_speed }
     }
 
     /// Velocity of the ball's surface point at `point` against the body that `self` is relative

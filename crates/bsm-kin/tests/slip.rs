@@ -36,8 +36,7 @@ fn slip_has_the_published_components() {
     let drive = Drive { screw_speed: 209.4, nut_speed: 0.0 };
     let (rate, wt, wn, wb) = (-118.0, 37.0, -411.0, 93.0);
     // Lin writes the precession as theta_dot + Omega.
-    let motion =
-        Motion { precession: rate + drive.screw_speed, omega: Vector3::new(wt, wn, wb) };
+    let motion = Motion { precession: rate + drive.screw_speed, omega: Vector3::new(wt, wn, wb) };
     let d = r_m / alpha.cos();
     let omega = drive.screw_speed;
 
@@ -48,8 +47,7 @@ fn slip_has_the_published_components() {
 
     let (x, y) = slip(Site::Screw, beta, &helix, r_b, &drive, &motion);
     assert_relative_eq!(x, r_b * (wt - omega * alpha.sin()), max_relative = 1e-13);
-    let expected =
-        d * rate - r_b * ((wb - omega * alpha.cos()) * beta.cos() - wn * beta.sin());
+    let expected = d * rate - r_b * ((wb - omega * alpha.cos()) * beta.cos() - wn * beta.sin());
     assert_relative_eq!(y, expected, max_relative = 1e-12);
 }
 

@@ -16,8 +16,7 @@ pub(crate) struct DenseLu {
 impl DenseLu {
     /// Memory for `n` unknowns.
     pub(crate) fn new(n: usize) -> Self {
-        let factorize =
-            factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default());
+        let factorize = factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default());
         let substitute = solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq);
         Self {
             factors: Mat::zeros(n, n),

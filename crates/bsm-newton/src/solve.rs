@@ -172,8 +172,12 @@ fn scaled_norm(v: &[f64], d: &[f64]) -> (f64, usize) {
 }
 
 fn check(n: usize, x: &[f64], scales: &Scales<'_>, work: &Workspace) -> Result<(), UsageError> {
-    let lengths =
-        [("x", x.len()), ("scales.x", scales.x.len()), ("scales.f", scales.f.len()), ("work", work.r.len())];
+    let lengths = [
+        ("x", x.len()),
+        ("scales.x", scales.x.len()),
+        ("scales.f", scales.f.len()),
+        ("work", work.r.len()),
+    ];
     for (name, found) in lengths {
         if found != n {
             return Err(UsageError::Dimension { name, expected: n, found });

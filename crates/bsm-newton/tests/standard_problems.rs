@@ -113,8 +113,8 @@ fn powell_badly_scaled_finds_the_published_root() {
         let mut x = [0.0, 1.0];
         let scales = Scales { x: &ones, f: &ones };
         let system = Given(powell_badly_scaled);
-        let report = solve(&system, &mut x, &scales, &options, &mut Workspace::new(2))
-            .expect("sizes match");
+        let report =
+            solve(&system, &mut x, &scales, &options, &mut Workspace::new(2)).expect("sizes match");
         assert_eq!(report.status, Status::Converged, "{report}");
         // Four printed digits.
         assert!((x[0] - 1.098e-5).abs() < 5e-9 && (x[1] - 9.106).abs() < 5e-4, "{x:?}");
@@ -231,7 +231,7 @@ fn require_converged_keeps_the_report() {
 fn misuse_is_an_error_with_the_numbers() {
     let system = Given(rosenbrock);
     let (ones, zero) = ([1.0; 2], [1.0, 0.0]);
-    let mut call = |x: &mut [f64], fx: &[f64], ff: &[f64], n| {
+    let call = |x: &mut [f64], fx: &[f64], ff: &[f64], n| {
         let scales = Scales { x: fx, f: ff };
         solve(&system, x, &scales, &Options::default(), &mut Workspace::new(n))
     };

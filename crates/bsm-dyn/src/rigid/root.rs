@@ -174,11 +174,7 @@ fn follow_inertia(
 }
 
 /// Accepts a converged root of the extended equations if it is one of the physical ones.
-fn accept(
-    case: &Scaled<f64>,
-    root: Root,
-    work: &mut RigidWorkspace,
-) -> Result<Root, NoRoot> {
+fn accept(case: &Scaled<f64>, root: Root, work: &mut RigidWorkspace) -> Result<Root, NoRoot> {
     let y = &root.unknowns;
     let speed_ratio = y[4].abs().max(y[3].abs());
     if speed_ratio > SPEED_LIMIT {

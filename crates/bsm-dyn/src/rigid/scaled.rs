@@ -103,7 +103,8 @@ impl<D: Scalar> Scaled<D> {
 
         // V_A = W r_b λ (cosθ e_x + sinθ t), friction against it whatever the size of λ  (R7)
         let (sin, cos) = y[5].sin_cos();
-        let along = (self.contacts[0].across * cos + BallFrame::tangent() * sin) * D::from(self.sign);
+        let along =
+            (self.contacts[0].across * cos + BallFrame::tangent() * sin) * D::from(self.sign);
         let slip = [
             along * y[4],
             to_nut.slip_velocity(self.arc, &points[1]),

@@ -1,0 +1,161 @@
+//! What can be wrong with a scene: which key, which value, what is required.
+
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// A scene, a setting or a grid that cannot be used.
+///
+/// Messages do not name the file; the caller that knows it puts it in front.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CaseError {
+    /// The file cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Unreadable {
+        /// Which file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// There is nothing in it.
+    #[error("is empty; a scene is a JSON object of inputs such as {{\"ball_diameter_mm\": 6.35}}")]
+    Empty,
+    /// Not JSON.
+    #[error("is not valid JSON: {0}")]
+    Syntax(#[source] serde_json::Error),
+    /// JSON, but not an object.
+    #[error(
+        "is JSON {found}, but a scene is a JSON object of inputs such as {{\"ball_diameter_mm\": 6.35}}"
+    )]
+    NotAnObject {
+        /// Kind of JSON value found.
+        found: &'static str,
+    },
+    /// A key that is not in the vocabulary.
+    #[error("unknown key `{key}`{}; `bsm schema input` lists all keys", nearest_hint(nearest.as_deref()))]
+    UnknownKey {
+        /// The key.
+        key: String,
+        /// The nearest known one.
+        nearest: Option<String>,
+    },
+    /// A key that stands twice.
+    #[error("key `{key}` is given twice; keep one")]
+    DuplicateKey {
+        /// The key.
+        key: String,
+    },
+    /// A value of the wrong type.
+    #[error("`{key}` is {found}, but must be {expected}")]
+    WrongType {
+        /// The key.
+        key: String,
+        /// What is there.
+        found: String,
+        /// What should be.
+        expected: &'static str,
+    },
+    /// A number outside its range.
+    #[error("`{key}` = {value} must be {rule}")]
+    OutOfRange {
+        /// The key.
+        key: String,
+        /// Its value.
+        value: f64,
+        /// The rule in words.
+        rule: String,
+    },
+    /// Inputs that a model needs are not given.
+    #[error("{} required by model {model}", list(missing))]
+    Missing {
+        /// The keys.
+        missing: Vec<String>,
+        /// The model.
+        model: &'static str,
+    },
+    /// Lead and lead angle disagree.
+    #[error(
+        "lead_angle_deg = {lead_angle_deg} and lead_mm = {lead_mm} disagree: on this pitch circle \
+         a lead of {lead_mm} mm is an angle of {implied_deg} deg; give one of the two"
+    )]
+    LeadConflict {
+        /// The angle given.
+        lead_angle_deg: f64,
+        /// The lead given.
+        lead_mm: f64,
+        /// The angle that the lead means.
+        implied_deg: f64,
+    },
+    /// The balls do not fit on the pitch circle.
+    #[error(
+        "ball_diameter_mm = {ball_diameter_mm} must be smaller than the radius of the pitch circle, \
+         pitch_circle_diameter_mm / 2 = {pitch_radius_mm}"
+    )]
+    BallTooLarge {
+        /// The ball.
+        ball_diameter_mm: f64,
+        /// Half the pitch circle diameter.
+        pitch_radius_mm: f64,
+    },
+    /// Screw and nut turn together.
+    #[error(
+        "screw_speed_rpm = {screw_rpm} and nut_speed_rpm = {nut_rpm} are equal: their difference \
+         must not be 0, or nothing moves"
+    )]
+    NoRelativeSpeed {
+        /// Screw speed.
+        screw_rpm: f64,
+        /// Nut speed.
+        nut_rpm: f64,
+    },
+    /// A model name that does not exist.
+    #[error("unknown model `{name}`; the models are {known}")]
+    UnknownModel {
+        /// The name.
+        name: String,
+        /// All names.
+        known: String,
+    },
+    /// A setting or axis on the command line that cannot be read.
+    #[error("`{text}` is not of the form {form}")]
+    BadSetting {
+        /// What was given.
+        text: String,
+        /// What is expected.
+        form: &'static str,
+    },
+    /// An axis that stands twice in a grid.
+    #[error("`{key}` is varied twice; combine the values in one --vary")]
+    VariedTwice {
+        /// The input.
+        key: String,
+    },
+    /// More points than can be counted.
+    #[error("the grid has more than {limit} points; use fewer values per axis")]
+    GridTooLarge {
+        /// The limit.
+        limit: usize,
+    },
+}
+
+impl CaseError {
+    /// True if the file system is at fault, not the input.
+    pub fn is_io(&self) -> bool {
+        matches!(self, Self::Unreadable { .. })
+    }
+}
+
+fn nearest_hint(nearest: Option<&str>) -> String {
+    nearest.map_or_else(String::new, |key| format!("; did you mean `{key}`?"))
+}
+
+/// "a is", "a and b are", "a, b and c are".
+fn list(keys: &[String]) -> String {
+    match keys {
+        [] => "nothing is".to_owned(),
+        [one] => format!("{one} is"),
+        [rest @ .., last] => format!("{} and {last} are", rest.join(", ")),
+    }
+}

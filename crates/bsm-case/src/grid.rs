@@ -1,0 +1,157 @@
+//! Grids over inputs, generated on the fly.
+
+use crate::scene::unknown_key;
+use crate::{CaseError, INPUTS, Scene};
+
+/// One varied input.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// The input.
+    pub name: &'static str,
+    /// Its values.
+    values: Values,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Values {
+    Range { start: f64, stop: f64, count: usize },
+    List(Vec<f64>),
+}
+
+impl Axis {
+    /// Parses `name=start:stop:count` (both ends included) or `name=v1,v2,...`.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for another form, an unknown input, or a value that breaks its rule.
+    pub fn parse(text: &str) -> Result<Self, CaseError> {
+        let bad = || CaseError::BadSetting {
+            text: text.to_owned(),
+            form: "name=start:stop:count or name=v1,v2,... with finite numbers and a count of at least 2",
+        };
+        let (name, values) = text.split_once('=').ok_or_else(bad)?;
+        let input = INPUTS
+            .iter()
+            .find(|input| input.name == name.trim())
+            .ok_or_else(|| unknown_key(name.trim().to_owned()))?;
+        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+        let values = match values.split(':').collect::<Vec<_>>()[..] {
+            [start, stop, count] => Values::Range {
+                start: number(start).ok_or_else(bad)?,
+                stop: number(stop).ok_or_else(bad)?,
+                count: count.trim().parse().ok().filter(|n| *n >= 2).ok_or_else(bad)?,
+            },
+            [list] => {
+                let values: Option<_> = list.split(',').map(number).collect();
+                Values::List(values.ok_or_else(bad)?)
+            }
+            _ => return Err(bad()),
+        };
+        let axis = Self { name: input.name, values };
+        // The rules are intervals, so that the ends of a range speak for it.
+        for value in axis.ends() {
+            if !input.rule.holds(value) {
+                let (key, rule) = (input.name.to_owned(), input.rule.describe());
+                return Err(CaseError::OutOfRange { key, value, rule });
+            }
+        }
+        Ok(axis)
+    }
+
+    /// Number of values, at least one.
+    #[expect(clippy::len_without_is_empty, reason = "never empty")]
+    pub fn len(&self) -> usize {
+        match &self.values {
+            Values::Range { count, .. } => *count,
+            Values::List(values) => values.len(),
+        }
+    }
+
+    /// Value `i`; the ends of a range are exact.
+    pub fn value(&self, i: usize) -> f64 {
+        match &self.values {
+            Values::Range { start, stop, count } => {
+                if i + 1 == *count {
+                    return *stop;
+                }
+                #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^52")]
+                let fraction = i as f64 / (*count - 1) as f64;
+                start + (stop - start) * fraction
+            }
+            Values::List(values) => values[i],
+        }
+    }
+
+    fn ends(&self) -> Vec<f64> {
+        match &self.values {
+            Values::Range { start, stop, .. } => vec![*start, *stop],
+            Values::List(values) => values.clone(),
+        }
+    }
+}
+
+/// The full product of its axes; the last axis runs fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    axes: Vec<Axis>,
+    len: usize,
+}
+
+impl Grid {
+    /// The product of `axes`.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if an input stands twice or the points cannot be counted.
+    pub fn new(axes: Vec<Axis>) -> Result<Self, CaseError> {
+        for (i, axis) in axes.iter().enumerate() {
+            if axes[..i].iter().any(|other| other.name == axis.name) {
+                return Err(CaseError::VariedTwice { key: axis.name.to_owned() });
+            }
+        }
+        let len = axes
+            .iter()
+            .try_fold(1_usize, |product, axis| product.checked_mul(axis.len()))
+            .ok_or(CaseError::GridTooLarge { limit: usize::MAX })?;
+        Ok(Self { axes, len })
+    }
+
+    /// Number of points.
+    #[expect(clippy::len_without_is_empty, reason = "never empty")]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// The axes.
+    pub fn axes(&self) -> &[Axis] {
+        &self.axes
+    }
+
+    /// The values of point `i`, one per axis.
+    pub fn point(&self, i: usize) -> Vec<f64> {
+        let mut rest = i;
+        let mut values: Vec<_> = self
+            .axes
+            .iter()
+            .rev()
+            .map(|axis| {
+                let value = axis.value(rest % axis.len());
+                rest /= axis.len();
+                value
+            })
+            .collect();
+        values.reverse();
+        values
+    }
+
+    /// `base` with the values of point `i`.
+    pub fn scene(&self, base: &Scene, i: usize) -> Scene {
+        let mut scene = base.clone();
+        for (axis, value) in self.axes.iter().zip(self.point(i)) {
+            if let Some(slot) = scene.slot(axis.name) {
+                *slot = Some(value);
+            }
+        }
+        scene
+    }
+}

@@ -1,0 +1,134 @@
+//! The inputs: one table that scene, checks, schema and help are made from.
+
+/// What a value must satisfy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Rule {
+    /// Any finite number.
+    Any,
+    /// Greater than the bound.
+    Above(f64),
+    /// At least the bound.
+    AtLeast(f64),
+    /// Strictly between the bounds.
+    Between(f64, f64),
+}
+
+impl Rule {
+    /// True if `value` is finite and satisfies the rule.
+    pub fn holds(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Any => true,
+                Self::Above(low) => value > low,
+                Self::AtLeast(low) => value >= low,
+                Self::Between(low, high) => value > low && value < high,
+            }
+    }
+
+    /// The rule in words, after "must be".
+    pub fn describe(self) -> String {
+        match self {
+            Self::Any => "a finite number".to_owned(),
+            Self::Above(low) => format!("> {low}"),
+            Self::AtLeast(low) => format!(">= {low}"),
+            Self::Between(low, high) => format!("between {low} and {high} (exclusive)"),
+        }
+    }
+}
+
+/// One input of the vocabulary.
+#[derive(Debug, Clone, Copy)]
+pub struct Input {
+    /// Name, with its unit as suffix.
+    pub name: &'static str,
+    /// Unit in words; empty if dimensionless.
+    pub unit: &'static str,
+    /// What a value must satisfy.
+    pub rule: Rule,
+    /// Value that a model takes if the scene has none.
+    pub default: Option<f64>,
+    /// Meaning.
+    pub about: &'static str,
+}
+
+macro_rules! inputs {
+    ($($name:ident [$unit:literal] $rule:expr, $default:expr, $about:literal;)*) => {
+        /// One operating point in the vocabulary; every input is optional, a model asks for
+        /// those that it needs.
+        #[derive(Debug, Clone, Default, PartialEq)]
+        #[expect(non_snake_case, reason = "names carry their unit as it is written")]
+        pub struct Scene {
+            /// Free text.
+            pub description: Option<String>,
+            $(#[doc = $about] pub $name: Option<f64>,)*
+        }
+
+        /// All inputs, in the order of the documentation.
+        pub const INPUTS: &[Input] = &[$(Input {
+            name: stringify!($name),
+            unit: $unit,
+            rule: $rule,
+            default: $default,
+            about: $about,
+        },)*];
+
+        impl Scene {
+            /// The place of an input, or `None` if there is no such input.
+            pub(crate) fn slot(&mut self, name: &str) -> Option<&mut Option<f64>> {
+                match name {
+                    $(stringify!($name) => Some(&mut self.$name),)*
+                    _ => None,
+                }
+            }
+
+            /// The value of an input, if it exists and is given.
+            pub fn get(&self, name: &str) -> Option<f64> {
+                match name {
+                    $(stringify!($name) => self.$name,)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+use Rule::{Above, Any, AtLeast, Between};
+
+inputs! {
+    ball_diameter_mm ["mm"] Above(0.0), None,
+        "ball diameter";
+    pitch_circle_diameter_mm ["mm"] Above(0.0), None,
+        "diameter of the circle of ball centres";
+    lead_angle_deg ["deg"] Between(0.0, 90.0), None,
+        "lead angle of the ball-centre helix; or give lead_mm";
+    lead_mm ["mm"] Above(0.0), None,
+        "lead, axial advance per turn; or give lead_angle_deg";
+    contact_angle_deg ["deg"] Between(0.0, 90.0), None,
+        "contact angle, 0 radial, 90 axial; unloaded in the elastic models";
+    nut_conformity [""] Above(0.5), None,
+        "groove radius over ball diameter, nut";
+    screw_conformity [""] Above(0.5), None,
+        "groove radius over ball diameter, screw";
+    friction_coefficient [""] AtLeast(0.0), None,
+        "Coulomb friction coefficient";
+    rolling_friction_mm ["mm"] AtLeast(0.0), Some(0.0),
+        "lever arm of rolling resistance";
+    density_kg_m3 ["kg/m3"] Above(0.0), Some(7800.0),
+        "density of the ball";
+    youngs_modulus_GPa ["GPa"] Above(0.0), Some(207.0),
+        "Young's modulus of the races, and of the ball unless given for it";
+    poisson_ratio [""] Between(-1.0, 0.5), Some(0.3),
+        "Poisson's ratio of the races, and of the ball unless given for it";
+    ball_youngs_modulus_GPa ["GPa"] Above(0.0), None,
+        "Young's modulus of the ball, if it differs from the races";
+    ball_poisson_ratio [""] Between(-1.0, 0.5), None,
+        "Poisson's ratio of the ball, if it differs from the races";
+    screw_speed_rpm ["rpm"] Any, None,
+        "screw speed about the axis; screw minus nut > 0 drives against the load, < 0 is back-driving";
+    nut_speed_rpm ["rpm"] Any, Some(0.0),
+        "nut speed about the axis";
+    axial_load_N ["N"] Above(0.0), None,
+        "axial load on the nut, all balls together";
+    loaded_balls [""] AtLeast(1.0), None,
+        "number of balls that share the load equally";
+}

@@ -1,0 +1,202 @@
+//! From a scene to the SI problem of a model.
+
+use bsm_dyn::{
+    Angles, Ball, ClosedForm, Direction, Driven, Load, Model, Problem, QuasiStatic, Rigid,
+    Transmission,
+};
+use bsm_kin::{Drive, Helix};
+
+use crate::units::{DEG, MM, RPM};
+use crate::{CaseError, INPUTS, Scene};
+
+/// The model to solve with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ModelChoice {
+    /// The most complete model that the scene has inputs for.
+    #[default]
+    Auto,
+    /// This one.
+    Fixed(Model),
+}
+
+impl ModelChoice {
+    /// All names, `auto` first.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        std::iter::once("auto").chain(Model::ALL.into_iter().map(Model::name))
+    }
+
+    /// The choice of that name.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::UnknownModel`].
+    pub fn from_name(name: &str) -> Result<Self, CaseError> {
+        if name == "auto" {
+            return Ok(Self::Auto);
+        }
+        Model::from_name(name).map(Self::Fixed).ok_or_else(|| CaseError::UnknownModel {
+            name: name.to_owned(),
+            known: Self::names().collect::<Vec<_>>().join(", "),
+        })
+    }
+}
+
+/// Stands for "lead_angle_deg, or lead_mm and the pitch circle".
+const LEAD: &str = "lead_angle_deg (or lead_mm)";
+
+/// Inputs without default that a model needs, most basic first.
+pub fn required_inputs(model: Model) -> &'static [&'static str] {
+    match model {
+        Model::ClosedForm => &[LEAD, "contact_angle_deg", "friction_coefficient"],
+        Model::QuasiStatic => &[
+            LEAD,
+            "contact_angle_deg",
+            "friction_coefficient",
+            "ball_diameter_mm",
+            "pitch_circle_diameter_mm",
+        ],
+        Model::Rigid => &[
+            LEAD,
+            "contact_angle_deg",
+            "friction_coefficient",
+            "ball_diameter_mm",
+            "pitch_circle_diameter_mm",
+            "screw_speed_rpm",
+            "axial_load_N",
+            "loaded_balls",
+        ],
+    }
+}
+
+impl Scene {
+    /// Inputs that `model` needs and the scene has not.
+    pub fn missing(&self, model: Model) -> Vec<String> {
+        let mut missing: Vec<_> = required_inputs(model)
+            .iter()
+            .filter(|name| match **name {
+                LEAD => self.lead_angle_deg.is_none() && self.lead_mm.is_none(),
+                name => self.get(name).is_none(),
+            })
+            .map(|name| (*name).to_owned())
+            .collect();
+        let pitch = "pitch_circle_diameter_mm";
+        let from_lead = self.lead_angle_deg.is_none() && self.lead_mm.is_some();
+        if from_lead && self.get(pitch).is_none() && !missing.iter().any(|m| m == pitch) {
+            missing.push(format!("{pitch} (to turn lead_mm into an angle)"));
+        }
+        missing
+    }
+
+    /// The model of a choice; `auto` takes the most complete one that has its inputs.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::Missing`] if not even the cheapest model has them.
+    pub fn choose(&self, choice: ModelChoice) -> Result<Model, CaseError> {
+        let model = match choice {
+            ModelChoice::Fixed(model) => model,
+            ModelChoice::Auto => Model::ALL
+                .into_iter()
+                .rev()
+                .find(|model| self.missing(*model).is_empty())
+                .unwrap_or(Model::ClosedForm),
+        };
+        let missing = self.missing(model);
+        if missing.is_empty() {
+            Ok(model)
+        } else {
+            Err(CaseError::Missing { missing, model: model.name() })
+        }
+    }
+
+    /// The SI problem of a model.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if a value breaks a rule or an input of the model is missing.
+    pub fn problem(&self, choice: ModelChoice) -> Result<Problem, CaseError> {
+        self.check()?;
+        let model = self.choose(choice)?;
+        Ok(match model {
+            Model::ClosedForm => Problem::ClosedForm(ClosedForm {
+                angles: self.angles(),
+                friction: self.value("friction_coefficient"),
+                direction: self.direction(),
+                transmission: self.transmission(),
+            }),
+            Model::QuasiStatic => Problem::QuasiStatic(self.quasi_static()),
+            Model::Rigid => Problem::Rigid(self.rigid()),
+        })
+    }
+
+    /// A given or default value; the caller has asked [`choose`](Self::choose) before.
+    fn value(&self, name: &str) -> f64 {
+        let default = || INPUTS.iter().find(|input| input.name == name)?.default;
+        self.get(name).or_else(default).expect("required inputs were checked")
+    }
+
+    fn angles(&self) -> Angles<f64> {
+        Angles {
+            lead: self.lead_angle().expect("required inputs were checked"),
+            contact: self.value("contact_angle_deg") * DEG,
+        }
+    }
+
+    fn drive(&self) -> Option<Drive<f64>> {
+        let (screw, nut) = self.speeds_rpm()?;
+        Some(Drive { screw_speed: screw * RPM, nut_speed: nut * RPM })
+    }
+
+    /// Rotary to linear unless the speeds say otherwise.
+    fn direction(&self) -> Direction {
+        self.drive()
+            .and_then(|drive| Direction::of(drive.relative_speed()))
+            .unwrap_or(Direction::RotaryToLinear)
+    }
+
+    fn load(&self) -> Option<Load> {
+        Some(Load { axial: self.axial_load_N?, balls: self.loaded_balls? })
+    }
+
+    fn transmission(&self) -> Option<Transmission> {
+        Some(Transmission {
+            pitch_radius: 0.5 * MM * self.pitch_circle_diameter_mm?,
+            load: self.load()?,
+            relative_speed: self.drive().map(|drive| drive.relative_speed()),
+        })
+    }
+
+    fn quasi_static(&self) -> QuasiStatic {
+        let ball = self.value("ball_diameter_mm");
+        let driven = match self.speeds_rpm() {
+            Some((screw, nut)) if screw == 0.0 && nut != 0.0 => Driven::Nut,
+            Some((_, nut)) if nut != 0.0 => Driven::Both,
+            _ => Driven::Screw,
+        };
+        QuasiStatic {
+            angles: self.angles(),
+            friction: self.value("friction_coefficient"),
+            size_ratio: ball / self.value("pitch_circle_diameter_mm"),
+            rolling_ratio: self.value("rolling_friction_mm") / (0.5 * ball),
+            driven,
+            direction: self.direction(),
+            transmission: self.transmission(),
+        }
+    }
+
+    fn rigid(&self) -> Rigid {
+        let angles = self.angles();
+        let radius = 0.5 * MM * self.value("ball_diameter_mm");
+        Rigid {
+            helix: Helix {
+                radius: 0.5 * MM * self.value("pitch_circle_diameter_mm"),
+                lead_angle: angles.lead,
+            },
+            contact_angle: angles.contact,
+            ball: Ball::of_density(radius, self.value("density_kg_m3")),
+            friction: self.value("friction_coefficient"),
+            drive: self.drive().expect("required inputs were checked"),
+            load: self.load().expect("required inputs were checked"),
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! The answer in the vocabulary.
+
+use bsm_dyn::{Model, Outputs, Reason, Solution, Status};
+use serde_json::{Map, Value, json};
+
+use crate::units::DEG;
+use crate::{CaseError, Cell, OUTPUTS, Output};
+
+/// One answer: model, status, numbers, and words where they are needed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    solution: Solution,
+    message: Option<String>,
+}
+
+impl Record {
+    /// Wraps the answer of a model.
+    pub fn new(solution: Solution) -> Self {
+        let message = solution.reason.as_ref().map(message);
+        Self { solution, message }
+    }
+
+    /// The record of a scene that `model` could not be asked.
+    pub fn invalid(model: Model, error: &CaseError) -> Self {
+        let (status, reason, outputs) = (Status::InvalidInput, None, Outputs::default());
+        let solution = Solution { model, status, reason, outputs };
+        Self { solution, message: Some(error.to_string()) }
+    }
+
+    /// The model's name.
+    pub fn model(&self) -> Model {
+        self.solution.model
+    }
+
+    /// How the solve ended.
+    pub fn status(&self) -> Status {
+        self.solution.status
+    }
+
+    /// Name of the status in files.
+    pub fn status_name(&self) -> &'static str {
+        match self.solution.status {
+            Status::Converged => "converged",
+            Status::NoSolution => "no_solution",
+            Status::NotConverged => "not_converged",
+            Status::InvalidInput => "invalid_input",
+        }
+    }
+
+    /// The value of an output.
+    pub fn cell(&self, output: &Output) -> Option<Cell> {
+        output.read(&self.solution.outputs)
+    }
+
+    /// The value of a numeric output by name, if there is one.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        match self.cell(Output::named(name)?)? {
+            Cell::Number(value) => Some(value),
+            Cell::Count(_) | Cell::Flag(_) => None,
+        }
+    }
+
+    /// Why there are no numbers; `None` if it converged.
+    pub fn message(&self) -> Option<&str> {
+        self.message.as_deref()
+    }
+
+    /// What the numbers mean physically, in a few words.
+    pub fn regime(&self) -> Option<&'static str> {
+        if self.solution.status != Status::Converged {
+            return None;
+        }
+        if self.solution.outputs.self_locking == Some(true) {
+            return Some("self-locking in this direction");
+        }
+        Some(match self.solution.model {
+            Model::ClosedForm => "gross skid, inertia small against the load",
+            Model::QuasiStatic => "slip across the groove only, no inertia",
+            Model::Rigid => "gross skid, friction saturated at every contact",
+        })
+    }
+
+    /// What an engineer should know before using the numbers.
+    pub fn warnings(&self) -> Vec<String> {
+        let o = &self.solution.outputs;
+        let mut warnings = Vec::new();
+        if let (Some(spin), Some(minor)) = (o.nut_spin, o.minor_slip_velocity) {
+            warnings.push(format!(
+                "ball spin {:.2e} rad/s, slip {minor:.0} m/s at the minor contact: saturated \
+                 friction is the gross-skid limit; a loaded ball that grips rolls, with less loss",
+                spin.abs()
+            ));
+        }
+        if o.self_locking == Some(true) {
+            warnings.push(match self.solution.outputs.efficiency {
+                Some(eta) => format!(
+                    "efficiency {eta:.4} is not positive: the screw does not move by itself in \
+                     this direction"
+                ),
+                None => "the screw locks itself in this direction".to_owned(),
+            });
+        }
+        warnings
+    }
+
+    /// JSON object with the names of the vocabulary; what a model has not is null.
+    pub fn to_json(&self) -> Map<String, Value> {
+        let mut map = Map::new();
+        map.insert("model".to_owned(), json!(self.model().name()));
+        map.insert("status".to_owned(), json!(self.status_name()));
+        map.insert("message".to_owned(), json!(self.message()));
+        for output in OUTPUTS {
+            let value = match self.cell(output) {
+                None => Value::Null,
+                Some(Cell::Number(x)) => json!(x),
+                Some(Cell::Count(n)) => json!(n),
+                Some(Cell::Flag(b)) => json!(b),
+            };
+            map.insert(output.name.to_owned(), value);
+        }
+        map
+    }
+}
+
+/// A reason in words, with the numbers in the units of the vocabulary.
+fn message(reason: &Reason) -> String {
+    match reason {
+        Reason::SelfLocking { sin_contact_angle, friction_term } => format!(
+            "self-locking: sin(contact angle) = {sin_contact_angle:.4} does not exceed f D = \
+             {friction_term:.4} (Lin Eq 16); friction holds any load. Raise contact_angle_deg or \
+             lower friction_coefficient"
+        ),
+        Reason::NutContactWouldRoll { slip, exact, critical_lead_angle } => {
+            let how = if *exact { "exactly" } else { "to first order in the inertia" };
+            let critical = critical_lead_angle.map_or_else(
+                || "no larger lead angle with a solution was found".to_owned(),
+                |angle| format!("the critical lead angle of this point is {:.4} deg", angle / DEG),
+            );
+            format!(
+                "the slip at the nut would have to be {slip:.3e} r_b |W|, negative ({how}): the \
+                 ball rolls on the nut there, which equations with saturated friction exclude; \
+                 {critical}"
+            )
+        }
+        Reason::MinorContactWouldPull { load_ratio } => format!(
+            "the minor contact would have to pull: its load would be {load_ratio:.3e} of the axial \
+             load"
+        ),
+        Reason::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio } => format!(
+            "a loaded contact would have to pull: loads of {nut_load_ratio:.3e} (nut) and \
+             {screw_load_ratio:.3e} (screw) of the axial load"
+        ),
+        Reason::RootAtInfinity { speed_ratio } => format!(
+            "only the spurious root at infinity is left, with speeds of {speed_ratio:.1e} times \
+             the relative speed"
+        ),
+        Reason::Frictionless => "friction_coefficient = 0 must be > 0 for model rigid: without \
+             friction nothing fixes the rotation of the ball"
+            .to_owned(),
+        Reason::NoRelativeSpeed => {
+            "screw_speed_rpm - nut_speed_rpm = 0 must not be 0: nothing moves".to_owned()
+        }
+        Reason::DualDrive => "model quasi-static covers a turning screw or a turning nut, not \
+             both; set one of screw_speed_rpm and nut_speed_rpm to 0"
+            .to_owned(),
+        Reason::PowerDoesNotBalance { imbalance } => format!(
+            "rounding has eaten the result: the powers differ by {imbalance:.1e}; the inertia \
+             forces are many orders above the load"
+        ),
+        Reason::Newton { status, residual, worst_equation } => format!(
+            "{}: scaled residual {residual:.1e}, largest in the {worst_equation}",
+            status.describe()
+        ),
+        other => format!("{other:?}"),
+    }
+}

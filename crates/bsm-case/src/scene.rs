@@ -1,0 +1,252 @@
+//! Reading and checking scenes.
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::fs;
+use std::path::Path;
+
+use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use serde_json::Value;
+
+use crate::units::{DEG, RPM};
+use crate::{CaseError, INPUTS, Scene};
+
+/// Key of the free text.
+const DESCRIPTION: &str = "description";
+
+impl Scene {
+    /// Reads and checks a scene file.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if it cannot be read, is not a scene, or breaks a rule.
+    pub fn read(path: &Path) -> Result<Self, CaseError> {
+        let bytes = fs::read(path)
+            .map_err(|source| CaseError::Unreadable { path: path.to_owned(), source })?;
+        Self::from_json(&bytes)
+    }
+
+    /// Reads a scene from JSON text.
+    ///
+    /// A value of `null` counts as not given. Ranges are not checked yet, see
+    /// [`check`](Self::check), so that settings can still complete or correct the scene.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for syntax, unknown or repeated keys, and wrong types.
+    pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
+        if json.iter().all(u8::is_ascii_whitespace) {
+            return Err(CaseError::Empty);
+        }
+        let entries = match serde_json::from_slice::<Entries>(json) {
+            Ok(entries) => entries.0,
+            Err(error) => {
+                return Err(match serde_json::from_slice::<Value>(json) {
+                    Ok(other) => CaseError::NotAnObject { found: kind(&other) },
+                    Err(_) => CaseError::Syntax(error),
+                });
+            }
+        };
+        let mut scene = Self::default();
+        let mut seen = BTreeSet::new();
+        for (key, value) in entries {
+            if !seen.insert(key.clone()) {
+                return Err(CaseError::DuplicateKey { key });
+            }
+            scene.assign_json(key, &value)?;
+        }
+        Ok(scene)
+    }
+
+    fn assign_json(&mut self, key: String, value: &Value) -> Result<(), CaseError> {
+        if key == DESCRIPTION {
+            return match value {
+                Value::String(text) => {
+                    self.description = Some(text.clone());
+                    Ok(())
+                }
+                Value::Null => Ok(()),
+                other => Err(wrong_type(key, other, "text")),
+            };
+        }
+        let Some(slot) = self.slot(&key) else {
+            return Err(unknown_key(key));
+        };
+        *slot = match value {
+            Value::Null => None,
+            Value::Number(number) => number.as_f64(),
+            other => return Err(wrong_type(key, other, "a number")),
+        };
+        Ok(())
+    }
+
+    /// Sets an input, as `--set` and batch columns do.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::UnknownKey`].
+    pub fn set(&mut self, key: &str, value: f64) -> Result<(), CaseError> {
+        match self.slot(key) {
+            Some(slot) => {
+                *slot = Some(value);
+                Ok(())
+            }
+            None => Err(unknown_key(key.to_owned())),
+        }
+    }
+
+    /// Applies a setting `name=value`.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if it has another form, another name or no number.
+    pub fn apply(&mut self, setting: &str) -> Result<(), CaseError> {
+        let (key, value) = setting.split_once('=').ok_or_else(|| CaseError::BadSetting {
+            text: setting.to_owned(),
+            form: "name=value",
+        })?;
+        let (key, value) = (key.trim(), value.trim());
+        let number = value.parse().map_err(|_| CaseError::WrongType {
+            key: key.to_owned(),
+            found: format!("`{value}`"),
+            expected: "a number",
+        });
+        // The unknown name is the more helpful complaint of the two.
+        self.set(key, *number.as_ref().unwrap_or(&f64::NAN))?;
+        number.map(|_: f64| ())
+    }
+
+    /// Checks every given value against its rule, and values against each other.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] with key, value and rule.
+    pub fn check(&self) -> Result<(), CaseError> {
+        for input in INPUTS {
+            if let Some(value) = self.get(input.name)
+                && !input.rule.holds(value)
+            {
+                let (key, rule) = (input.name.to_owned(), input.rule.describe());
+                return Err(CaseError::OutOfRange { key, value, rule });
+            }
+        }
+        if let (Some(ball), Some(pitch)) = (self.ball_diameter_mm, self.pitch_circle_diameter_mm)
+            && ball >= 0.5 * pitch
+        {
+            let (ball_diameter_mm, pitch_radius_mm) = (ball, 0.5 * pitch);
+            return Err(CaseError::BallTooLarge { ball_diameter_mm, pitch_radius_mm });
+        }
+        if let (Some(lead_angle_deg), Some(lead_mm), Some(pitch)) =
+            (self.lead_angle_deg, self.lead_mm, self.pitch_circle_diameter_mm)
+        {
+            let implied_deg = lead_angle(lead_mm, pitch) / DEG;
+            // Both may be given if they agree to 1e-9.
+            if (implied_deg - lead_angle_deg).abs() > 1e-9 * lead_angle_deg {
+                return Err(CaseError::LeadConflict { lead_angle_deg, lead_mm, implied_deg });
+            }
+        }
+        if let Some((screw_rpm, nut_rpm)) = self.speeds_rpm()
+            && (screw_rpm - nut_rpm) * RPM == 0.0
+        {
+            return Err(CaseError::NoRelativeSpeed { screw_rpm, nut_rpm });
+        }
+        Ok(())
+    }
+
+    /// Screw and nut speed, the nut at rest unless given; `None` without a screw speed.
+    pub(crate) fn speeds_rpm(&self) -> Option<(f64, f64)> {
+        self.screw_speed_rpm.map(|screw| (screw, self.nut_speed_rpm.unwrap_or(0.0)))
+    }
+
+    /// Lead angle \[rad\], from the angle or from lead and pitch circle.
+    pub(crate) fn lead_angle(&self) -> Option<f64> {
+        self.lead_angle_deg
+            .map(|deg| deg * DEG)
+            .or_else(|| Some(lead_angle(self.lead_mm?, self.pitch_circle_diameter_mm?)))
+    }
+
+    /// What an engineer should know of the inputs before trusting the outputs.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let lead = self.lead_mm.or_else(|| {
+            let pitch = self.pitch_circle_diameter_mm?;
+            Some(std::f64::consts::PI * pitch * self.lead_angle()?.tan())
+        });
+        if let (Some(ball), Some(lead)) = (self.ball_diameter_mm, lead)
+            && ball >= lead
+        {
+            warnings.push(format!(
+                "ball_diameter_mm = {ball} is not smaller than the lead, {lead:.3} mm: neighbouring \
+                 turns of a single-start screw overlap"
+            ));
+        }
+        warnings
+    }
+}
+
+/// tanα = L / (π d)
+fn lead_angle(lead_mm: f64, pitch_circle_diameter_mm: f64) -> f64 {
+    (lead_mm / (std::f64::consts::PI * pitch_circle_diameter_mm)).atan()
+}
+
+pub(crate) fn unknown_key(key: String) -> CaseError {
+    let nearest = INPUTS
+        .iter()
+        .map(|input| {
+            (
+                strsim::damerau_levenshtein(&key.to_lowercase(), &input.name.to_lowercase()),
+                input.name,
+            )
+        })
+        .chain(INPUTS.iter().filter(|i| i.name.contains(&key.to_lowercase())).map(|i| (3, i.name)))
+        .min()
+        .filter(|(distance, name)| *distance <= name.len().max(key.len()) / 2)
+        .map(|(_, name)| name.to_owned());
+    CaseError::UnknownKey { key, nearest }
+}
+
+fn wrong_type(key: String, value: &Value, expected: &'static str) -> CaseError {
+    let found = match value {
+        Value::String(text) => format!("the text \"{text}\""),
+        other => kind(other).to_owned(),
+    };
+    CaseError::WrongType { key, found, expected }
+}
+
+fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "true or false",
+        Value::Number(_) => "a number",
+        Value::String(_) => "text",
+        Value::Array(_) => "a list",
+        Value::Object(_) => "an object",
+    }
+}
+
+/// The entries of a JSON object in order, repeated keys included.
+struct Entries(Vec<(String, Value)>);
+
+impl<'de> Deserialize<'de> for Entries {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct InOrder;
+
+        impl<'de> Visitor<'de> for InOrder {
+            type Value = Entries;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a JSON object")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Entries, A::Error> {
+                let mut entries = Vec::new();
+                while let Some(entry) = map.next_entry()? {
+                    entries.push(entry);
+                }
+                Ok(Entries(entries))
+            }
+        }
+
+        deserializer.deserialize_map(InOrder)
+    }
+}

@@ -1,0 +1,80 @@
+//! JSON Schema of scenes and results, from the same tables that check and write them.
+
+use serde_json::{Map, Value, json};
+
+use crate::{INPUTS, OUTPUTS, Rule};
+
+const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
+
+/// Schema of a scene.
+pub fn input_schema() -> Value {
+    let mut properties = Map::new();
+    let text = json!({ "type": "string", "description": "free text" });
+    properties.insert("description".to_owned(), text);
+    for input in INPUTS {
+        let mut property = Map::new();
+        property.insert("type".to_owned(), json!(["number", "null"]));
+        property.insert("description".to_owned(), json!(with_unit(input.about, input.unit)));
+        match input.rule {
+            Rule::Any => {}
+            Rule::Above(low) => {
+                property.insert("exclusiveMinimum".to_owned(), json!(low));
+            }
+            Rule::AtLeast(low) => {
+                property.insert("minimum".to_owned(), json!(low));
+            }
+            Rule::Between(low, high) => {
+                property.insert("exclusiveMinimum".to_owned(), json!(low));
+                property.insert("exclusiveMaximum".to_owned(), json!(high));
+            }
+        }
+        if let Some(default) = input.default {
+            property.insert("default".to_owned(), json!(default));
+        }
+        properties.insert(input.name.to_owned(), Value::Object(property));
+    }
+    json!({
+        "$schema": DIALECT,
+        "title": "bsm scene",
+        "description": "one operating point of a ball screw; each model asks for the inputs that it needs",
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": false,
+    })
+}
+
+/// Schema of a result.
+pub fn output_schema() -> Value {
+    let mut properties = Map::new();
+    let statuses = ["converged", "no_solution", "not_converged", "invalid_input"];
+    for (name, property) in [
+        ("model", json!({ "type": "string", "description": "the model that was solved" })),
+        ("status", json!({ "enum": statuses, "description": "how the solve ended" })),
+        (
+            "message",
+            json!({ "type": ["string", "null"], "description": "why there are no numbers, else null" }),
+        ),
+    ] {
+        properties.insert(name.to_owned(), property);
+    }
+    for output in OUTPUTS {
+        let property = json!({
+            "type": [output.json_type, "null"],
+            "description": with_unit(output.about, output.unit),
+        });
+        properties.insert(output.name.to_owned(), property);
+    }
+    let required: Vec<_> = properties.keys().cloned().collect();
+    json!({
+        "$schema": DIALECT,
+        "title": "bsm result",
+        "description": "answer of a model at one operating point; what the model does not have is null",
+        "type": "object",
+        "properties": properties,
+        "required": required,
+    })
+}
+
+fn with_unit(about: &str, unit: &str) -> String {
+    if unit.is_empty() { about.to_owned() } else { format!("{about} [{unit}]") }
+}

@@ -1,0 +1,289 @@
+//! Scenes: units, choice of model, and every way in which a scene can be wrong.
+
+use std::path::Path;
+
+use approx::assert_relative_eq;
+use bsm_case::{
+    Axis, CaseError, Grid, ModelChoice, Record, Rule, Scene, input_schema, output_schema,
+};
+use bsm_dyn::{Model, Problem, RigidWorkspace};
+use proptest::prelude::*;
+use serde_json::Value;
+
+const LIN: &str = include_str!("../../../examples/lin1994.json");
+
+fn scene(json: &str) -> Scene {
+    Scene::from_json(json.as_bytes()).expect("valid scene")
+}
+
+/// The complaint about a scene, wherever it comes from.
+fn complaint(json: &str) -> String {
+    let result = Scene::from_json(json.as_bytes())
+        .and_then(|scene| scene.problem(ModelChoice::Auto).map(|_| ()));
+    result.expect_err(json).to_string()
+}
+
+#[test]
+fn units_become_si_and_come_back() {
+    let lin = scene(LIN);
+    let Problem::Rigid(case) = lin.problem(ModelChoice::Auto).expect("complete scene") else {
+        panic!("auto takes the most complete model");
+    };
+    assert_relative_eq!(case.helix.radius, 24.3e-3, max_relative = 1e-15);
+    assert_relative_eq!(case.helix.lead_angle, 0.174_532_925_199_433, max_relative = 1e-15);
+    assert_relative_eq!(case.ball.radius, 4.37e-3, max_relative = 1e-15);
+    assert_relative_eq!(case.ball.mass, 2.726_638e-3, max_relative = 1e-6);
+    assert_relative_eq!(case.drive.screw_speed, 209.439_510_239_319_6, max_relative = 1e-15);
+    assert_relative_eq!(case.load.per_ball(), 2113.0);
+
+    let record = Record::new(Problem::Rigid(case).solve(&mut RigidWorkspace::default()));
+    let number = |name| record.number(name).expect(name);
+    assert_relative_eq!(number("nut_contact_angle_deg"), 45.0, max_relative = 1e-15);
+    // ψ_B = atan(tan 10° / cos 45°) = 14.00°, to the order of the inertia.
+    assert_relative_eq!(number("screw_slip_angle_deg"), 14.0, epsilon = 0.02);
+    // P = 0.4345 × 2000 rpm, of the reference table.
+    let rpm = number("ball_precession_rad_s") * 30.0 / std::f64::consts::PI;
+    assert_relative_eq!(rpm, 0.434_502_536 * 2000.0, max_relative = 1e-8);
+}
+
+/// Each model is chosen as soon as its inputs are there, and names what it lacks.
+#[test]
+fn auto_takes_the_most_complete_model() {
+    let mut given = Scene::default();
+    let mut chosen = Vec::new();
+    for (name, value) in [
+        ("lead_angle_deg", 10.0),
+        ("contact_angle_deg", 45.0),
+        ("friction_coefficient", 0.075),
+        ("ball_diameter_mm", 8.74),
+        ("pitch_circle_diameter_mm", 48.6),
+        ("screw_speed_rpm", 2000.0),
+        ("axial_load_N", 2113.0),
+        ("loaded_balls", 1.0),
+    ] {
+        given.set(name, value).expect("known name");
+        chosen.push(given.choose(ModelChoice::Auto).ok());
+    }
+    let (closed, quasi, rigid) = (Model::ClosedForm, Model::QuasiStatic, Model::Rigid);
+    assert_eq!(
+        chosen,
+        [
+            None,
+            None,
+            Some(closed),
+            Some(closed),
+            Some(quasi),
+            Some(quasi),
+            Some(quasi),
+            Some(rigid)
+        ]
+    );
+
+    let lacking = Scene { loaded_balls: None, ..given };
+    let error = lacking.problem(ModelChoice::Fixed(rigid)).expect_err("no balls").to_string();
+    assert_eq!(error, "loaded_balls is required by model rigid");
+    assert!(matches!(
+        ModelChoice::from_name("rigdi").expect_err("no such model"),
+        CaseError::UnknownModel { .. }
+    ));
+}
+
+#[test]
+fn lead_and_lead_angle_are_one() {
+    let by_angle = scene(LIN);
+    let lead_mm = 48.6 * std::f64::consts::PI * 10.0_f64.to_radians().tan();
+    let by_lead = Scene { lead_angle_deg: None, lead_mm: Some(lead_mm), ..by_angle.clone() };
+    let lead = |scene: &Scene| match scene.problem(ModelChoice::Auto) {
+        Ok(Problem::Rigid(case)) => case.helix.lead_angle,
+        other => panic!("{other:?}"),
+    };
+    assert_relative_eq!(lead(&by_angle), lead(&by_lead), max_relative = 1e-15);
+    let both = Scene { lead_mm: Some(lead_mm), ..by_angle.clone() };
+    assert!(both.check().is_ok());
+    let off = Scene { lead_mm: Some(lead_mm * (1.0 + 1e-7)), ..by_angle };
+    assert!(matches!(off.check(), Err(CaseError::LeadConflict { .. })), "{:?}", off.check());
+    let no_pitch =
+        scene(r#"{"lead_mm": 10, "contact_angle_deg": 45, "friction_coefficient": 0.1}"#);
+    let error = no_pitch.problem(ModelChoice::Auto).expect_err("no pitch circle").to_string();
+    assert!(
+        error.starts_with("pitch_circle_diameter_mm (to turn lead_mm into an angle)"),
+        "{error}"
+    );
+}
+
+/// Every error names the key, the value and what would be right.
+#[test]
+fn errors_say_what_to_do() {
+    for (json, parts) in [
+        ("", &["is empty", "JSON object"][..]),
+        (" \n", &["is empty"]),
+        ("{", &["not valid JSON", "line 1 column 1"]),
+        (r#"{"friction_coefficient": NaN}"#, &["not valid JSON", "line 1"]),
+        ("[1, 2]", &["a list", "JSON object"]),
+        ("3", &["a number", "JSON object"]),
+        (
+            r#"{"ball_diamter_mm": 3}"#,
+            &["unknown key `ball_diamter_mm`", "did you mean `ball_diameter_mm`?"],
+        ),
+        (r#"{"axial_load_n": 3}"#, &["did you mean `axial_load_N`?"]),
+        (r#"{"friction": 0.1}"#, &["did you mean `friction_coefficient`?"]),
+        (r#"{"qqqqqqqqqqqqqqqqqqqqqqqqqqqq": 3}"#, &["unknown key", "bsm schema input"]),
+        (r#"{"lead_mm": 3, "lead_mm": 4}"#, &["`lead_mm` is given twice"]),
+        (r#"{"lead_mm": "3"}"#, &["`lead_mm` is the text \"3\"", "must be a number"]),
+        (r#"{"lead_mm": [3]}"#, &["`lead_mm` is a list", "must be a number"]),
+        (r#"{"description": 3}"#, &["`description` is a number", "must be text"]),
+        (r#"{"ball_diameter_mm": -3.5}"#, &["`ball_diameter_mm` = -3.5 must be > 0"]),
+        (r#"{"contact_angle_deg": 90}"#, &["`contact_angle_deg` = 90 must be between 0 and 90"]),
+        (r#"{"nut_conformity": 0.5}"#, &["`nut_conformity` = 0.5 must be > 0.5"]),
+        (r#"{"ball_diameter_mm": 1e999}"#, &["number out of range"]),
+        (
+            r#"{"ball_diameter_mm": 30, "pitch_circle_diameter_mm": 48.6}"#,
+            &["ball_diameter_mm = 30", "24.3"],
+        ),
+        (r#"{"screw_speed_rpm": 500, "nut_speed_rpm": 500}"#, &["must not be 0"]),
+        (r#"{"screw_speed_rpm": 0}"#, &["must not be 0"]),
+        (
+            "{}",
+            &[
+                "lead_angle_deg (or lead_mm), contact_angle_deg and friction_coefficient are required by model closed-form",
+            ],
+        ),
+    ] {
+        let text = complaint(json);
+        for part in parts {
+            assert!(text.contains(part), "{json}: {text} lacks {part}");
+        }
+        assert!(!text.contains('\n'), "{text}");
+    }
+    let missing = Scene::read(Path::new("no/such/file.json")).expect_err("no file");
+    assert!(missing.is_io() && missing.to_string().contains("no/such/file.json"), "{missing}");
+}
+
+#[test]
+fn settings_complete_and_correct_a_scene() {
+    let mut lin = scene(LIN);
+    lin.apply("friction_coefficient=0.1").expect("known name");
+    lin.apply(" lead_angle_deg = 12.5 ").expect("spaces do not matter");
+    assert_eq!((lin.friction_coefficient, lin.lead_angle_deg), (Some(0.1), Some(12.5)));
+    for (setting, part) in [
+        ("friction", "name=value"),
+        ("frction_coefficient=0.1", "did you mean `friction_coefficient`?"),
+        ("friction_coefficient=much", "`friction_coefficient` is `much`, but must be a number"),
+    ] {
+        let error = lin.apply(setting).expect_err(setting).to_string();
+        assert!(error.contains(part), "{error}");
+    }
+    // A number that is none is caught by the rules.
+    lin.apply("friction_coefficient=NaN").expect("a float");
+    assert!(matches!(lin.check(), Err(CaseError::OutOfRange { .. })));
+}
+
+#[test]
+fn grids_are_full_products_with_exact_ends() {
+    let grid = Grid::new(vec![
+        Axis::parse("lead_angle_deg=1:2:3").expect("range"),
+        Axis::parse("friction_coefficient=0.1,0.3").expect("list"),
+    ])
+    .expect("two axes");
+    assert_eq!(grid.len(), 6);
+    let points: Vec<_> = (0..6).map(|i| grid.point(i)).collect();
+    let expected =
+        [[1.0, 0.1], [1.0, 0.3], [1.5, 0.1], [1.5, 0.3], [2.0, 0.1], [2.0, 0.3]].map(Vec::from);
+    assert_eq!(points, expected);
+    assert_eq!(grid.scene(&scene(LIN), 3).friction_coefficient, Some(0.3));
+    // 0.1 is not a sum of tenths in binary; the end is still exact.
+    let tenth = Axis::parse("friction_coefficient=0:0.1:8").expect("range");
+    assert_eq!(tenth.value(7).to_bits(), 0.1_f64.to_bits());
+
+    for (text, part) in [
+        ("lead_angle_deg", "name=start:stop:count"),
+        ("lead_angle_deg=1:2", "name=start:stop:count"),
+        ("lead_angle_deg=1:2:1", "at least 2"),
+        ("lead_angle_deg=1:inf:3", "finite"),
+        ("lead_angle_deg=", "finite"),
+        ("lead_angel_deg=1:2:3", "did you mean `lead_angle_deg`?"),
+        ("lead_angle_deg=0:20:3", "`lead_angle_deg` = 0 must be between 0 and 90"),
+    ] {
+        let error = Axis::parse(text).expect_err(text).to_string();
+        assert!(error.contains(part), "{error}");
+    }
+    let axis = Axis::parse("lead_angle_deg=1:2:3").expect("range");
+    assert!(matches!(Grid::new(vec![axis.clone(), axis]), Err(CaseError::VariedTwice { .. })));
+    let huge = |name| Axis::parse(&format!("{name}=1:2:4294967296")).expect("range");
+    let grid = Grid::new(vec![huge("lead_angle_deg"), huge("lead_mm")]);
+    assert!(matches!(grid, Err(CaseError::GridTooLarge { .. })), "{grid:?}");
+}
+
+/// Schemas name every input with its rule, and every key that a result has.
+#[test]
+fn schemas_follow_the_tables() {
+    let input = input_schema();
+    let friction = &input["properties"]["friction_coefficient"];
+    assert_eq!(
+        (&friction["minimum"], &input["additionalProperties"]),
+        (&0.0.into(), &false.into())
+    );
+    assert_eq!(input["properties"].as_object().map(|p| p.len()), Some(bsm_case::INPUTS.len() + 1));
+    let solved = scene(LIN).problem(ModelChoice::Auto).expect("complete");
+    let record = Record::new(solved.solve(&mut RigidWorkspace::default())).to_json();
+    let output = output_schema();
+    let names = output["properties"].as_object().expect("object");
+    assert!(record.keys().eq(names.keys()));
+    for (key, value) in &record {
+        let kind = match value {
+            Value::Null => "null",
+            Value::Bool(_) => "boolean",
+            Value::String(_) => "string",
+            Value::Number(n) if n.is_u64() => "integer",
+            _ => "number",
+        };
+        let allowed = &names[key]["type"];
+        let fits = key == "status"
+            || *allowed == kind
+            || allowed.as_array().is_some_and(|list| list.iter().any(|a| a == kind));
+        assert!(fits, "{key} is {kind}, schema {allowed}");
+    }
+}
+
+/// A failed point has a message and no numbers.
+#[test]
+fn a_failed_point_says_why() {
+    let mut lin = scene(LIN);
+    lin.apply("lead_angle_deg=5").expect("known name");
+    let problem = lin.problem(ModelChoice::Auto).expect("complete");
+    let record = Record::new(problem.solve(&mut RigidWorkspace::default()));
+    assert_eq!(record.status_name(), "no_solution");
+    let message = record.message().expect("a reason");
+    assert!(message.contains("critical lead angle of this point is 7.075"), "{message}");
+    let json = record.to_json();
+    let numbers = json.iter().filter(|(key, value)| {
+        !["model", "status", "message"].contains(&key.as_str()) && !value.is_null()
+    });
+    assert_eq!(numbers.count(), 0);
+}
+
+#[test]
+fn overlapping_turns_are_warned_about() {
+    let mut lin = scene(LIN);
+    assert!(lin.warnings().is_empty());
+    lin.apply("lead_angle_deg=3").expect("known name");
+    assert!(lin.warnings()[0].contains("neighbouring turns"), "{:?}", lin.warnings());
+}
+
+proptest! {
+    /// The parser never panics, whatever the bytes.
+    #[test]
+    fn any_bytes_are_a_scene_or_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+        let _ = Scene::from_json(&bytes);
+    }
+
+    /// Nor does it on JSON with known and unknown keys.
+    #[test]
+    fn any_object_is_a_scene_or_an_error(key in "[a-z_]{0,30}", value in any::<f64>()) {
+        let json = serde_json::json!({ key: value });
+        if let Ok(scene) = Scene::from_json(json.to_string().as_bytes()) {
+            let _ = scene.problem(ModelChoice::Auto);
+        }
+        prop_assert!(!Rule::Above(0.0).holds(f64::NAN));
+    }
+}
