@@ -145,12 +145,11 @@ impl Grid {
     }
 
     /// `base` with the values of point `i`.
+    #[expect(clippy::missing_panics_doc, reason = "the names were checked by Axis::parse")]
     pub fn scene(&self, base: &Scene, i: usize) -> Scene {
         let mut scene = base.clone();
         for (axis, value) in self.axes.iter().zip(self.point(i)) {
-            if let Some(slot) = scene.slot(axis.name) {
-                *slot = Some(value);
-            }
+            scene.set(axis.name, value).expect("axes name inputs");
         }
         scene
     }

@@ -80,19 +80,21 @@ impl Scene {
         Ok(())
     }
 
-    /// Sets an input, as `--set` and batch columns do.
+    /// Sets an input, as `--set` and batch columns do; a lead replaces a lead angle and the
+    /// other way round.
     ///
     /// # Errors
     ///
     /// [`CaseError::UnknownKey`].
     pub fn set(&mut self, key: &str, value: f64) -> Result<(), CaseError> {
-        match self.slot(key) {
-            Some(slot) => {
-                *slot = Some(value);
-                Ok(())
-            }
-            None => Err(unknown_key(key.to_owned())),
+        let slot = self.slot(key).ok_or_else(|| unknown_key(key.to_owned()))?;
+        *slot = Some(value);
+        match key {
+            "lead_mm" => self.lead_angle_deg = None,
+            "lead_angle_deg" => self.lead_mm = None,
+            _ => {}
         }
+        Ok(())
     }
 
     /// Applies a setting `name=value`.

@@ -165,6 +165,10 @@ fn settings_complete_and_correct_a_scene() {
     lin.apply("friction_coefficient=0.1").expect("known name");
     lin.apply(" lead_angle_deg = 12.5 ").expect("spaces do not matter");
     assert_eq!((lin.friction_coefficient, lin.lead_angle_deg), (Some(0.1), Some(12.5)));
+    // A lead replaces the angle that the file has.
+    lin.apply("lead_mm=20").expect("known name");
+    assert_eq!((lin.lead_mm, lin.lead_angle_deg), (Some(20.0), None));
+    assert!(lin.check().is_ok());
     for (setting, part) in [
         ("friction", "name=value"),
         ("frction_coefficient=0.1", "did you mean `friction_coefficient`?"),

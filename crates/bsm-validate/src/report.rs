@@ -1,0 +1,127 @@
+//! Checks and their outcome.
+
+use serde::Serialize;
+
+/// Outcome of a check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// What is claimed holds.
+    Pass,
+    /// It does not.
+    Fail,
+    /// A number that belongs to a claim, with nothing to hold it against.
+    Finding,
+}
+
+/// One published statement or number, and ours.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Check {
+    /// Stable name, `<source>/<what>`.
+    pub key: String,
+    /// Paper and equation.
+    pub source: String,
+    /// What is claimed, in words.
+    pub claim: String,
+    /// The claimed number, if it is one.
+    pub claimed: Option<f64>,
+    /// Our number.
+    pub measured: f64,
+    /// Unit of both.
+    pub unit: String,
+    /// What `measured` must satisfy, with the reason for the tolerance.
+    pub criterion: String,
+    /// Where it occurs, or what else belongs to it.
+    pub note: String,
+    /// The outcome.
+    pub verdict: Verdict,
+}
+
+impl Check {
+    /// A check of that name; a finding until a criterion is set.
+    pub(crate) fn new(key: &str, source: &str, claim: impl Into<String>) -> Self {
+        Self {
+            key: key.to_owned(),
+            source: source.to_owned(),
+            claim: claim.into(),
+            claimed: None,
+            measured: f64::NAN,
+            unit: String::new(),
+            criterion: String::new(),
+            note: String::new(),
+            verdict: Verdict::Finding,
+        }
+    }
+
+    /// Sets the number that we measured.
+    pub(crate) fn measured(mut self, value: f64, unit: &str) -> Self {
+        self.measured = value;
+        self.unit = unit.to_owned();
+        self
+    }
+
+    /// Sets a note.
+    pub(crate) fn note(mut self, note: impl Into<String>) -> Self {
+        self.note = note.into();
+        self
+    }
+
+    /// Passes if the measured number is at most `limit`, because of `reason`.
+    pub(crate) fn at_most(self, limit: f64, reason: &str) -> Self {
+        let holds = self.measured <= limit;
+        self.judge(holds, format!("at most {limit:.3e}: {reason}"))
+    }
+
+    /// Passes if the measured number is within `tolerance` of the claimed one.
+    pub(crate) fn equals(mut self, claimed: f64, tolerance: f64, reason: &str) -> Self {
+        let holds = (self.measured - claimed).abs() <= tolerance;
+        self.claimed = Some(claimed);
+        self.judge(holds, format!("within {tolerance:.3e} of the claim: {reason}"))
+    }
+
+    fn judge(mut self, holds: bool, criterion: String) -> Self {
+        self.criterion = criterion;
+        self.verdict = if holds { Verdict::Pass } else { Verdict::Fail };
+        self
+    }
+}
+
+/// All checks of a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// In the order in which they ran.
+    pub checks: Vec<Check>,
+}
+
+impl Report {
+    /// Number of checks with that outcome.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        self.checks.iter().filter(|c| c.verdict == verdict).count()
+    }
+
+    /// True if no check failed.
+    pub fn passed(&self) -> bool {
+        self.count(Verdict::Fail) == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A perturbed number turns the verdict, a NaN never passes.
+    #[test]
+    fn checks_can_fail() {
+        let check = |measured| Check::new("k", "s", "c").measured(measured, "");
+        assert_eq!(check(1.0).verdict, Verdict::Finding);
+        assert_eq!(check(1.0).at_most(1.0, "").verdict, Verdict::Pass);
+        assert_eq!(check(1.1).at_most(1.0, "").verdict, Verdict::Fail);
+        assert_eq!(check(f64::NAN).at_most(1.0, "").verdict, Verdict::Fail);
+        assert_eq!(check(1.0).equals(1.05, 0.1, "").verdict, Verdict::Pass);
+        assert_eq!(check(1.0).equals(1.2, 0.1, "").verdict, Verdict::Fail);
+        assert_eq!(check(f64::NAN).equals(1.2, 0.1, "").verdict, Verdict::Fail);
+        let report = Report { checks: vec![check(1.0).at_most(1.0, ""), check(2.0).at_most(1.0, "")] };
+        assert!(!report.passed());
+        assert_eq!(report.count(Verdict::Fail), 1);
+    }
+}
