@@ -144,6 +144,18 @@ impl Grid {
         values
     }
 
+    /// `base` without the varied inputs: what can be checked before any point.
+    #[must_use]
+    pub fn fixed(&self, base: &Scene) -> Scene {
+        let mut scene = base.clone();
+        for axis in &self.axes {
+            if let Some(slot) = scene.slot(axis.name) {
+                *slot = None;
+            }
+        }
+        scene
+    }
+
     /// `base` with the values of point `i`.
     #[expect(clippy::missing_panics_doc, reason = "the names were checked by Axis::parse")]
     pub fn scene(&self, base: &Scene, i: usize) -> Scene {

@@ -7,6 +7,7 @@
 mod error;
 mod grid;
 mod input;
+mod optimum;
 mod output;
 mod problem;
 mod record;
@@ -17,6 +18,7 @@ mod units;
 pub use error::CaseError;
 pub use grid::{Axis, Grid};
 pub use input::{INPUTS, Input, Rule, Scene};
+pub use optimum::OptimumReport;
 pub use output::{Cell, OUTPUTS, Output};
 pub use problem::{ModelChoice, required_inputs};
 pub use record::Record;

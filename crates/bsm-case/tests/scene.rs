@@ -227,7 +227,10 @@ fn schemas_follow_the_tables() {
         (&friction["minimum"], &input["additionalProperties"]),
         (&0.0.into(), &false.into())
     );
-    assert_eq!(input["properties"].as_object().map(|p| p.len()), Some(bsm_case::INPUTS.len() + 1));
+    assert_eq!(
+        input["properties"].as_object().map(serde_json::Map::len),
+        Some(bsm_case::INPUTS.len() + 1)
+    );
     let solved = scene(LIN).problem(ModelChoice::Auto).expect("complete");
     let record = Record::new(solved.solve(&mut RigidWorkspace::default())).to_json();
     let output = output_schema();

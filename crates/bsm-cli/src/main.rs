@@ -1,1 +1,41 @@
-fn main() {}
+//! The `bsm` program: arguments, printing, exit codes. No formula and no default value lives here.
+
+mod args;
+mod failure;
+mod files;
+mod optimum;
+mod plot;
+mod solve;
+mod sweep;
+mod table;
+mod validate;
+
+use std::process::ExitCode;
+
+use bsm_case::{input_schema, output_schema};
+use clap::{CommandFactory, Parser};
+
+use crate::args::{Cli, Command, SchemaKind};
+use crate::files::{pretty_json, print};
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Solve(args) => solve::run(&args),
+        Command::Sweep(args) => sweep::run(&args),
+        Command::Optimum(args) => optimum::run(&args),
+        Command::Validate(args) => validate::run(&args),
+        Command::Schema { kind } => print(&pretty_json(&match kind {
+            SchemaKind::Input => input_schema(),
+            SchemaKind::Output => output_schema(),
+        })),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "bsm", &mut script);
+            print(&String::from_utf8_lossy(&script))
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

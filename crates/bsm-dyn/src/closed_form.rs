@@ -94,6 +94,24 @@ impl Angles<f64> {
             Direction::LinearToRotary => friction * s >= d,
         }
     }
+
+    /// Border of self-locking: the contact angle \[rad\] up to which (rotary to linear) or from
+    /// which on (linear to rotary) a screw of this lead angle \[rad\] locks itself (C14), (C15).
+    ///
+    /// π/2 if every contact angle locks; `None` if none does.
+    pub fn locking_contact_angle(
+        direction: Direction,
+        lead_angle: f64,
+        friction: f64,
+    ) -> Option<f64> {
+        let unit = lead_angle.cos() * friction.hypot(1.0);
+        match direction {
+            // sinβ = f / (cosα √(1+f²))                                   (C14)
+            Direction::RotaryToLinear => Some((friction / unit).min(1.0).asin()),
+            // sinβ = 1 / (cosα √(1+f²))                                   (C15)
+            Direction::LinearToRotary => (unit >= 1.0).then(|| unit.recip().asin()),
+        }
+    }
 }
 
 impl Optimum {
@@ -209,6 +227,8 @@ impl ClosedForm {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
     use approx::assert_relative_eq;
     use bsm_kin::{BallFrame, Contact, Site};
     use nalgebra::Vector3;
@@ -265,6 +285,24 @@ mod tests {
             }
             let border = b.sin() / angles.slip_factor();
             prop_assert!(angles.efficiency(Direction::RotaryToLinear, border).abs() <= 1e-12);
+        }
+
+        /// The border angle is where locking begins or ends.
+        #[test]
+        fn locking_angle_is_the_border(a in 0.01..1.4_f64, f in 0.01..1.0_f64) {
+            let locks = |d, contact: f64| Angles { lead: a, contact }.self_locking(d, f);
+            let Some(border) = Angles::locking_contact_angle(Direction::RotaryToLinear, a, f) else {
+                panic!("friction locks some contact angle");
+            };
+            prop_assert!(locks(Direction::RotaryToLinear, border * (1.0 - 1e-9)));
+            prop_assert!(border > 1.57 || !locks(Direction::RotaryToLinear, border * (1.0 + 1e-9)));
+            match Angles::locking_contact_angle(Direction::LinearToRotary, a, f) {
+                None => prop_assert!(!locks(Direction::LinearToRotary, FRAC_PI_2)),
+                Some(border) => {
+                    prop_assert!(border > 1.570 || locks(Direction::LinearToRotary, border + 1e-9));
+                    prop_assert!(!locks(Direction::LinearToRotary, border - 1e-6));
+                }
+            }
         }
 
         /// The closed-form optimum beats its neighbours, has the stated efficiency, and solves

@@ -64,9 +64,9 @@ fn campaign(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) -> f64) -> 
         let exists = solution.status == Status::Converged;
         if exists != start.exists() && !matches!(solution.reason, Some(Reason::Newton { .. })) {
             if exists {
-                tally.disagree.1 += 1
+                tally.disagree.1 += 1;
             } else {
-                tally.disagree.0 += 1
+                tally.disagree.0 += 1;
             }
             let relative = start.margin.abs() / case.helix.lead_angle.tan();
             let width = relative / (start.inertia / case.friction);

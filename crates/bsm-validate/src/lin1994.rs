@@ -142,11 +142,7 @@ fn deviation(
 type Runner = fn(&Scene, &mut RigidWorkspace) -> Result<Sweep, ValidateError>;
 
 /// Lin's sweeps over speed, lead angle and contact angle in one direction.
-fn sweeps(
-    lin: &Scene,
-    direction: Direction,
-    claims: &Claims,
-) -> Result<Vec<Check>, ValidateError> {
+fn sweeps(lin: &Scene, direction: Direction, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     let (suffix, equation) = match direction {
         Direction::RotaryToLinear => ("rotary-to-linear", "Eq 14"),
         Direction::LinearToRotary => ("linear-to-rotary", "Eq 17"),
@@ -293,8 +289,8 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
             if (percent - best).abs() > (eta - best).abs() {
                 eta = percent;
             }
-            constant_off = constant_off
-                .max((lead.cos() * s - Optimum::constant(direction, F)).abs());
+            constant_off =
+                constant_off.max((lead.cos() * s - Optimum::constant(direction, F)).abs());
             let condition = d * d - s * s + direction.sign() * 2.0 * F * s * d;
             condition_off = condition_off.max(condition.abs());
         }
@@ -382,8 +378,7 @@ fn existence(lin: &Scene, claims: &Claims) -> Result<Vec<Check>, ValidateError> 
         let degrees = 0.1 * f64::from(tenth) + 0.05;
         let scene = Scene { lead_angle_deg: Some(degrees), ..slow.clone() };
         let status = scene.problem(ModelChoice::Fixed(Model::Rigid))?.solve(work).status;
-        let expected =
-            if degrees < critical { Status::NoSolution } else { Status::Converged };
+        let expected = if degrees < critical { Status::NoSolution } else { Status::Converged };
         wrong += i32::from(status != expected);
     }
     Ok(vec![
@@ -432,8 +427,9 @@ fn minimum_of(
     low: f64,
     high: f64,
 ) -> Result<f64, ValidateError> {
-    let found = Executor::new(OneVariable(function), BrentOpt::new(low, high).set_tolerance(1e-9, 1e-12))
-        .configure(|state| state.max_iters(200))
-        .run()?;
+    let found =
+        Executor::new(OneVariable(function), BrentOpt::new(low, high).set_tolerance(1e-9, 1e-12))
+            .configure(|state| state.max_iters(200))
+            .run()?;
     Ok(found.state.best_param.unwrap_or(f64::NAN))
 }

@@ -60,7 +60,8 @@ fn check(row: &Row, work: &mut RigidWorkspace) -> Result<Check, ValidateError> {
         row.friction_coefficient,
         row.axial_load_N
     );
-    let check = Check::new(&name, "Lin, Velinsky and Ravani 1994, Eqs 5-9, solved at 40 digits", claim);
+    let check =
+        Check::new(&name, "Lin, Velinsky and Ravani 1994, Eqs 5-9, solved at 40 digits", claim);
 
     let problem = scene.problem(ModelChoice::Fixed(bsm_dyn::Model::Rigid))?;
     let Problem::Rigid(case) = problem else { unreachable!("the model was fixed") };

@@ -56,7 +56,7 @@ impl Check {
     /// Sets the number that we measured.
     pub(crate) fn measured(mut self, value: f64, unit: &str) -> Self {
         self.measured = value;
-        self.unit = unit.to_owned();
+        unit.clone_into(&mut self.unit);
         self
     }
 
@@ -120,7 +120,8 @@ mod tests {
         assert_eq!(check(1.0).equals(1.05, 0.1, "").verdict, Verdict::Pass);
         assert_eq!(check(1.0).equals(1.2, 0.1, "").verdict, Verdict::Fail);
         assert_eq!(check(f64::NAN).equals(1.2, 0.1, "").verdict, Verdict::Fail);
-        let report = Report { checks: vec![check(1.0).at_most(1.0, ""), check(2.0).at_most(1.0, "")] };
+        let report =
+            Report { checks: vec![check(1.0).at_most(1.0, ""), check(2.0).at_most(1.0, "")] };
         assert!(!report.passed());
         assert_eq!(report.count(Verdict::Fail), 1);
     }

@@ -1,0 +1,105 @@
+//! Optimum contact angles and self-locking limits in the vocabulary.
+
+use bsm_dyn::{Angles, Direction, Optimum};
+use serde_json::{Map, Value, json};
+
+use crate::units::DEG;
+use crate::{CaseError, Scene};
+
+/// Contact angles outside this range are hard to make (Lin's design procedure, step 2).
+const EASY_DEG: (f64, f64) = (30.0, 75.0);
+
+/// Both directions at one lead angle and friction coefficient.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OptimumReport {
+    best: [Option<Optimum>; 2],
+    best_efficiency: f64,
+    locking_deg: [Option<f64>; 2],
+    /// Efficiency at the scene's own contact angle, if it has one.
+    own_efficiency: Option<[f64; 2]>,
+}
+
+const DIRECTIONS: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
+
+impl OptimumReport {
+    /// Optimum and limits for lead angle and friction coefficient of a scene.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if one of them is missing or breaks its rule.
+    pub fn of(scene: &Scene) -> Result<Self, CaseError> {
+        scene.check()?;
+        let (Some(lead), Some(friction)) = (scene.lead_angle(), scene.friction_coefficient) else {
+            let mut missing = Vec::new();
+            if scene.lead_angle().is_none() {
+                missing
+                    .push("lead_angle_deg (or lead_mm with pitch_circle_diameter_mm)".to_owned());
+            }
+            if scene.friction_coefficient.is_none() {
+                missing.push("friction_coefficient".to_owned());
+            }
+            return Err(CaseError::Missing { missing, model: "closed-form" });
+        };
+        let own = scene.contact_angle_deg.map(|deg| Angles { lead, contact: deg * DEG });
+        Ok(Self {
+            best: DIRECTIONS.map(|d| Optimum::of(d, lead, friction)),
+            best_efficiency: Optimum::best_efficiency(friction),
+            locking_deg: DIRECTIONS
+                .map(|d| Angles::locking_contact_angle(d, lead, friction).map(|b| b / DEG)),
+            own_efficiency: own.map(|angles| DIRECTIONS.map(|d| angles.efficiency(d, friction))),
+        })
+    }
+
+    /// Label, unit and values for rotary to linear and linear to rotary.
+    pub fn rows(&self) -> Vec<(&'static str, &'static str, [Option<f64>; 2])> {
+        let angle = self.best.map(|best| best.map(|b| b.contact_angle / DEG));
+        let efficiency = self.best.map(|best| best.map(|b| b.efficiency));
+        let mut rows = vec![
+            ("contact angle of best efficiency", "deg", angle),
+            ("efficiency there", "", efficiency),
+            ("self-locking: contact angle up to (rl), from (lr)", "deg", self.locking_deg),
+        ];
+        if let Some(own) = self.own_efficiency {
+            rows.push(("efficiency at the scene's contact angle", "", own.map(Some)));
+        }
+        rows
+    }
+
+    /// Optima that do not exist or are hard to make.
+    pub fn warnings(&self) -> Vec<String> {
+        let names = ["rotary to linear", "linear to rotary"];
+        let mut warnings = Vec::new();
+        for (best, name) in self.best.iter().zip(names) {
+            match best.map(|b| b.contact_angle / DEG) {
+                None => warnings.push(format!(
+                    "{name}: no contact angle reaches the best efficiency {:.4}; the lead angle is \
+                     too large",
+                    self.best_efficiency
+                )),
+                Some(deg) if deg < EASY_DEG.0 || deg > EASY_DEG.1 => warnings.push(format!(
+                    "{name}: a contact angle of {deg:.1} deg is hard to make; {} to {} deg is usual",
+                    EASY_DEG.0, EASY_DEG.1
+                )),
+                Some(_) => {}
+            }
+        }
+        warnings
+    }
+
+    /// JSON object, one entry per direction.
+    pub fn to_json(&self) -> Value {
+        let mut map = Map::new();
+        for (i, name) in ["rotary_to_linear", "linear_to_rotary"].into_iter().enumerate() {
+            let best = self.best[i];
+            let entry = json!({
+                "optimum_contact_angle_deg": best.map(|b| b.contact_angle / DEG),
+                "optimum_efficiency": best.map(|b| b.efficiency),
+                "self_locking_contact_angle_deg": self.locking_deg[i],
+                "efficiency": self.own_efficiency.map(|own| own[i]),
+            });
+            map.insert(name.to_owned(), entry);
+        }
+        map.insert("warnings".to_owned(), json!(self.warnings()));
+        Value::Object(map)
+    }
+}

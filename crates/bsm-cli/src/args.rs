@@ -1,0 +1,139 @@
+//! Command-line arguments.
+
+use std::path::PathBuf;
+
+use bsm_case::ModelChoice;
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// What the exit codes mean, at the end of every help text.
+const EXIT_CODES: &str = "Exit codes: 0 all solved and all checks passed; 1 a file or disk problem; \
+                          2 bad input or usage; 3 no solution, not converged, or a check failed.";
+
+/// Steady motion of the balls of a ball screw: loads, slip, spin, torque, efficiency.
+///
+/// A scene is a JSON file of inputs whose names carry their units (`bsm schema input` lists
+/// them). Try: bsm solve examples/lin1994.json
+#[derive(Debug, Parser)]
+#[command(name = "bsm", version, propagate_version = true, arg_required_else_help = true)]
+#[command(after_help = EXIT_CODES)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Solve one operating point.
+    #[command(after_help = EXIT_CODES)]
+    Solve(SolveArgs),
+    /// Solve a full grid over one or more inputs, into a table and a plot.
+    #[command(after_help = EXIT_CODES)]
+    Sweep(SweepArgs),
+    /// Contact angle of best efficiency and self-locking limits, in closed form.
+    #[command(after_help = EXIT_CODES)]
+    Optimum(OptimumArgs),
+    /// Check the program against published results.
+    #[command(after_help = EXIT_CODES)]
+    Validate(ValidateArgs),
+    /// Print the JSON Schema of scenes (input) or results (output).
+    Schema {
+        /// Which one.
+        #[arg(value_enum)]
+        kind: SchemaKind,
+    },
+    /// Print a completion script for a shell.
+    Completions {
+        /// Which shell.
+        #[arg(value_enum)]
+        shell: clap_complete::Shell,
+    },
+}
+
+/// A scene with changes, and the model to ask.
+#[derive(Debug, Args)]
+pub(crate) struct SceneArgs {
+    /// Scene file in JSON; `-` reads standard input.
+    #[arg(value_name = "SCENE.json")]
+    pub(crate) scene: PathBuf,
+    /// Set or replace an input; may be repeated, such as --set screw_speed_rpm=3000.
+    #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    pub(crate) settings: Vec<String>,
+    /// Model to solve with; auto takes the most complete one that the scene has inputs for.
+    #[arg(long, default_value = "auto", value_parser = PossibleValuesParser::new(ModelChoice::names()))]
+    pub(crate) model: String,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SolveArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// How to print the result.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SweepArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// Input to vary: NAME=START:STOP:COUNT (ends included) or NAME=V1,V2,...; may be repeated
+    /// for a full grid, the last one running fastest.
+    #[arg(long, value_name = "NAME=VALUES", required = true, allow_hyphen_values = true)]
+    pub(crate) vary: Vec<String>,
+    /// Table to write: .csv or .jsonl; `-` is CSV on standard output.
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// Plot to write (SVG) of one output against the first varied input, a line per value of
+    /// the second.
+    #[arg(long, value_name = "OUT.svg")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Output to plot.
+    #[arg(long, value_name = "NAME", default_value = "efficiency", requires = "plot")]
+    pub(crate) plot_output: String,
+    /// Exit with 3 if any point has no solution.
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// No progress bar.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct OptimumArgs {
+    /// Scene file in JSON with lead angle and friction coefficient; `-` reads standard input.
+    #[arg(value_name = "SCENE.json")]
+    pub(crate) scene: Option<PathBuf>,
+    /// Set or replace an input; without a scene, --set `lead_angle_deg=10` --set `friction_coefficient=0.075`.
+    #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    pub(crate) settings: Vec<String>,
+    /// How to print the result.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ValidateArgs {
+    /// Folder for results.json; made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// How to print the checks.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// For reading.
+    Table,
+    /// For programs, with the names of `bsm schema output`.
+    Json,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum SchemaKind {
+    /// Schema of a scene.
+    Input,
+    /// Schema of a result.
+    Output,
+}

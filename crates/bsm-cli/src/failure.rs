@@ -1,0 +1,61 @@
+//! How a command can fail, and the exit code of each.
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use bsm_case::CaseError;
+use thiserror::Error;
+
+#[derive(Debug, Error)]
+pub(crate) enum Failure {
+    /// Bad input or usage.
+    #[error("{0}")]
+    Input(String),
+    /// A file or disk problem.
+    #[error("{0}")]
+    Files(String),
+    /// Ran, but a point has no solution or a check failed; the words are printed already.
+    #[error("unsolved")]
+    Unsolved,
+    /// The reader of standard output has gone: nothing is left to do.
+    #[error("closed pipe")]
+    ClosedPipe,
+}
+
+impl Failure {
+    /// A complaint about a scene, with its file in front.
+    pub(crate) fn scene(path: &Path, error: &CaseError) -> Self {
+        if error.is_io() {
+            return Self::Files(error.to_string());
+        }
+        let name = if path.as_os_str() == "-" {
+            "standard input".into()
+        } else {
+            path.display().to_string()
+        };
+        Self::Input(format!("{name}: {error}"))
+    }
+
+    /// What was being done, to what, and what the system said.
+    pub(crate) fn files(doing: &str, path: &Path, error: &io::Error) -> Self {
+        Self::Files(format!("cannot {doing} {}: {error}", path.display()))
+    }
+
+    /// Prints the failure to standard error.
+    pub(crate) fn report(&self) -> ExitCode {
+        let code = match self {
+            Self::ClosedPipe => return ExitCode::SUCCESS,
+            Self::Unsolved => return ExitCode::from(3),
+            Self::Files(_) => 1,
+            Self::Input(_) => 2,
+        };
+        warn("error", &self.to_string());
+        ExitCode::from(code)
+    }
+}
+
+/// One paragraph to standard error; nobody is left to tell if that fails.
+pub(crate) fn warn(kind: &str, text: &str) {
+    let _ = writeln!(io::stderr(), "{kind}: {text}");
+}

@@ -1,0 +1,136 @@
+//! Standard output, scenes, and files that appear only when they are complete.
+
+use std::io::{self, BufWriter, ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
+
+use bsm_case::{CaseError, Scene};
+use serde_json::Value;
+use tempfile::NamedTempFile;
+
+use crate::failure::Failure;
+
+/// Prints to standard output.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    write(Path::new("-"), &format!("{}\n", text.trim_end()))
+}
+
+/// JSON for people and programs.
+pub(crate) fn pretty_json(value: &Value) -> String {
+    format!("{value:#}")
+}
+
+/// Reads a scene, `-` from standard input, and applies settings.
+pub(crate) fn read_scene(path: &Path, settings: &[String]) -> Result<Scene, Failure> {
+    let scene = if path.as_os_str() == "-" {
+        let mut bytes = Vec::new();
+        io::stdin()
+            .read_to_end(&mut bytes)
+            .map_err(|e| Failure::files("read", Path::new("standard input"), &e))?;
+        Scene::from_json(&bytes)
+    } else {
+        Scene::read(path)
+    };
+    let mut scene = scene.map_err(|e| Failure::scene(path, &e))?;
+    apply(&mut scene, settings)?;
+    Ok(scene)
+}
+
+/// Applies `--set` settings.
+pub(crate) fn apply(scene: &mut Scene, settings: &[String]) -> Result<(), Failure> {
+    settings.iter().try_for_each(|setting| {
+        scene.apply(setting).map_err(|e: CaseError| Failure::Input(format!("--set: {e}")))
+    })
+}
+
+/// Where a table goes: standard output, or a file that gets its name when it is complete.
+pub(crate) enum Output {
+    /// Standard output.
+    Stdout(io::Stdout),
+    /// A temporary file in the folder of the final path.
+    File {
+        /// What is written so far.
+        file: BufWriter<NamedTempFile>,
+        /// The final path.
+        path: PathBuf,
+    },
+}
+
+impl Output {
+    /// Standard output for `-`, else a file.
+    pub(crate) fn create(path: &Path) -> Result<Self, Failure> {
+        if path.as_os_str() == "-" {
+            return Ok(Self::Stdout(io::stdout()));
+        }
+        if path.is_dir() {
+            return Err(Failure::Files(format!("cannot write {}: it is a folder", path.display())));
+        }
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let file = tempfile::Builder::new()
+            .prefix(".bsm-")
+            .tempfile_in(folder)
+            .map_err(|e| Failure::files("write in folder", folder, &e))?;
+        Ok(Self::File { file: BufWriter::new(file), path: path.to_owned() })
+    }
+
+    /// A failed write.
+    pub(crate) fn failure(path: &Path, error: &io::Error) -> Failure {
+        if path.as_os_str() != "-" {
+            Failure::files("write", path, error)
+        } else if error.kind() == ErrorKind::BrokenPipe {
+            Failure::ClosedPipe
+        } else {
+            Failure::files("write to", Path::new("standard output"), error)
+        }
+    }
+
+    /// Gives the file its name, with the permissions of an ordinary new file.
+    pub(crate) fn complete(mut self) -> Result<(), Failure> {
+        let flushed = self.flush();
+        match self {
+            Self::Stdout(_) => flushed.map_err(|e| Self::failure(Path::new("-"), &e)),
+            Self::File { file, path } => {
+                let named = || -> io::Result<()> {
+                    flushed?;
+                    let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+                    // Temporary files are private; a result is readable as usual.
+                    #[cfg(unix)]
+                    {
+                        use std::fs::Permissions;
+                        use std::os::unix::fs::PermissionsExt;
+                        file.as_file().set_permissions(Permissions::from_mode(0o644))?;
+                    }
+                    file.as_file().sync_all()?;
+                    file.persist(&path).map_err(|e| e.error)?;
+                    Ok(())
+                };
+                named().map_err(|e| Self::failure(&path, &e))
+            }
+        }
+    }
+}
+
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Stdout(out) => out.write(bytes),
+            Self::File { file, .. } => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::Stdout(out) => out.flush(),
+            Self::File { file, .. } => file.flush(),
+        }
+    }
+}
+
+/// Writes a whole file.
+pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    let mut out = Output::create(path)?;
+    out.write_all(text.as_bytes()).map_err(|e| Output::failure(path, &e))?;
+    out.complete()
+}

@@ -1,0 +1,37 @@
+//! `bsm solve`: one operating point.
+
+use bsm_case::{CaseError, ModelChoice, Record};
+use bsm_dyn::{RigidWorkspace, Status};
+use serde_json::Value;
+
+use crate::args::{Format, SolveArgs};
+use crate::failure::{Failure, warn};
+use crate::files::{pretty_json, print, read_scene};
+use crate::table;
+
+pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
+    let scene = read_scene(&args.scene.scene, &args.scene.settings)?;
+    let in_file = |e: CaseError| Failure::scene(&args.scene.scene, &e);
+    let choice = ModelChoice::from_name(&args.scene.model).map_err(in_file)?;
+    let problem = scene.problem(choice).map_err(in_file)?;
+    let record = Record::new(problem.solve(&mut RigidWorkspace::default()));
+
+    for warning in scene.warnings().into_iter().chain(record.warnings()) {
+        warn("warning", &warning);
+    }
+    match args.format {
+        Format::Json => print(&pretty_json(&Value::Object(record.to_json())))?,
+        Format::Table => {
+            let title =
+                scene.description.as_deref().map_or_else(String::new, |d| format!("{d}\n\n"));
+            print(&format!("{title}{}", table::record(&record)))?;
+        }
+    }
+    match record.status() {
+        Status::Converged => Ok(()),
+        Status::InvalidInput => Err(Failure::Input(
+            record.message().unwrap_or("the model refuses the input").to_owned(),
+        )),
+        Status::NoSolution | Status::NotConverged => Err(Failure::Unsolved),
+    }
+}

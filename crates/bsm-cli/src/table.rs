@@ -1,0 +1,125 @@
+//! Tables for reading.
+
+use bsm_case::{Cell, Output, Record};
+use comfy_table::{CellAlignment, Table, presets};
+
+/// A plain table whose columns from `first_number` on are aligned right.
+pub(crate) fn plain(header: Option<&[&str]>, rows: &[Vec<String>], first_number: usize) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    if let Some(header) = header {
+        table.set_header(header.to_vec());
+    }
+    table.add_rows(rows);
+    for column in table.column_iter_mut().skip(first_number) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table.trim_fmt()
+}
+
+/// Five significant digits, in fixed notation where that reads well.
+pub(crate) fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-4..1e6).contains(&magnitude) {
+        return format!("{value:.3e}");
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "the exponent is between -4 and 6")]
+    let decimals = (4 - magnitude.log10().floor() as i32).max(0);
+    format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
+}
+
+/// Overall results: label, output.
+const OVERALL: &[(&str, &str)] = &[
+    ("efficiency", "efficiency"),
+    ("screw torque, all balls", "screw_torque_Nm"),
+    ("input power", "input_power_W"),
+    ("output power", "output_power_W"),
+    ("dissipated power", "dissipated_power_W"),
+    ("axial displacement of the nut", "axial_displacement_um"),
+    ("ball precession about the axis", "ball_precession_rad_s"),
+    ("ball rotation along the helix t", "ball_omega_t_rad_s"),
+    ("ball rotation towards the axis n", "ball_omega_n_rad_s"),
+    ("ball rotation along the binormal b", "ball_omega_b_rad_s"),
+];
+
+/// Results per contact: label, outputs at nut, screw and minor contact.
+const CONTACTS: &[(&str, [&str; 3])] = &[
+    ("normal load per ball", ["nut_normal_load_N", "screw_normal_load_N", "minor_normal_load_N"]),
+    ("contact angle", ["nut_contact_angle_deg", "screw_contact_angle_deg", ""]),
+    ("slip speed", ["nut_slip_velocity_m_s", "screw_slip_velocity_m_s", "minor_slip_velocity_m_s"]),
+    (
+        "direction of friction",
+        ["nut_slip_angle_deg", "screw_slip_angle_deg", "minor_slip_angle_deg"],
+    ),
+    ("spin about the normal", ["nut_spin_rad_s", "screw_spin_rad_s", ""]),
+    ("largest pressure", ["nut_max_pressure_MPa", "screw_max_pressure_MPa", ""]),
+    ("ellipse across the groove", ["nut_ellipse_a_mm", "screw_ellipse_a_mm", ""]),
+    ("ellipse along the groove", ["nut_ellipse_b_mm", "screw_ellipse_b_mm", ""]),
+    ("elastic approach", ["nut_approach_um", "screw_approach_um", ""]),
+];
+
+/// One solved point.
+pub(crate) fn record(record: &Record) -> String {
+    let mut status = record.status_name().to_owned();
+    if let Some(Cell::Count(steps)) = Output::named("iterations").and_then(|o| record.cell(o)) {
+        let small = |name| record.number(name).map_or(String::new(), |x| format!("{x:.0e}"));
+        let (residual, balance) = (small("residual_norm"), small("power_balance"));
+        status = format!(
+            "{status} in {steps} Newton steps, residual {residual}, power balance {balance}"
+        );
+    }
+    let head = [
+        ("model ", Some(record.model().name())),
+        ("status", Some(status.as_str())),
+        ("reason", record.message()),
+        ("regime", record.regime()),
+    ];
+    let head: Vec<_> =
+        head.into_iter().filter_map(|(label, text)| Some(format!("{label}  {}", text?))).collect();
+    let mut blocks = vec![head.join("\n")];
+
+    let cell = |name: &str| record.number(name).map(number);
+    let unit = |name: &str| Output::named(name).map_or("", |o| o.unit).to_owned();
+    let overall: Vec<_> = OVERALL
+        .iter()
+        .filter_map(|(label, name)| Some(vec![(*label).to_owned(), unit(name), cell(name)?]))
+        .collect();
+    let contacts: Vec<_> = CONTACTS
+        .iter()
+        .filter_map(|(label, names)| {
+            let cells = names.map(|name| cell(name).unwrap_or_default());
+            let any = cells.iter().any(|c| !c.is_empty());
+            any.then(|| [vec![(*label).to_owned(), unit(names[0])], cells.to_vec()].concat())
+        })
+        .collect();
+    if !overall.is_empty() {
+        blocks.push(plain(None, &overall, 2));
+    }
+    if !contacts.is_empty() {
+        blocks.push(plain(Some(&["contact", "", "nut", "screw", "minor"]), &contacts, 2));
+    }
+    blocks.join("\n\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_five_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.860_106_9, "0.86011"),
+            (-3.25, "-3.2500"),
+            (123_456.7, "123457"),
+            (1.234_567e6, "1.235e6"),
+            (-4.5e-5, "-4.500e-5"),
+            (0.000_123_456, "0.00012346"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+    }
+}

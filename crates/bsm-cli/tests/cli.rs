@@ -1,0 +1,328 @@
+//! The program as a user meets it: output, files, errors and exit codes.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name)
+}
+
+fn lin() -> String {
+    example("lin1994.json").display().to_string()
+}
+
+/// Runs the program in `folder`.
+fn bsm(folder: &Path, args: &[&str], stdin: &str) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_bsm"))
+        .args(args)
+        .current_dir(folder)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    // A program that does not read its input closes the pipe early.
+    let _ = child.stdin.take().expect("piped").write_all(stdin.as_bytes());
+    child.wait_with_output().expect("the program ends")
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("UTF-8")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("UTF-8")
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("temporary folder")
+}
+
+#[test]
+fn solve_prints_lin_case() {
+    let dir = folder();
+    let output = bsm(dir.path(), &["solve", &lin()], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for part in ["rigid", "converged in", "0.86011", "N m", "gross skid", "normal load per ball"] {
+        assert!(text.contains(part), "{text}");
+    }
+    assert!(stderr(&output).contains("ball spin 1.59e6 rad/s"), "{}", stderr(&output));
+}
+
+#[test]
+fn solve_prints_json_with_the_names_of_the_schema() {
+    let dir = folder();
+    let output =
+        bsm(dir.path(), &["solve", &lin(), "--format", "json", "--set", "axial_load_N=500"], "");
+    let result: Value = serde_json::from_str(&stdout(&output)).expect("JSON alone on stdout");
+    assert_eq!(result["status"], "converged");
+    let schema = bsm(dir.path(), &["schema", "output"], "");
+    let schema: Value = serde_json::from_str(&stdout(&schema)).expect("JSON");
+    let keys = |v: &Value| v.as_object().expect("object").keys().cloned().collect::<Vec<_>>();
+    assert_eq!(keys(&result), keys(&schema["properties"]));
+    assert!(result["nut_max_pressure_MPa"].is_null());
+}
+
+#[test]
+fn every_example_solves() {
+    let dir = folder();
+    let mut solved = 0;
+    for entry in fs::read_dir(example("")).expect("examples") {
+        let path = entry.expect("entry").path();
+        if path.extension().is_some_and(|e| e == "json") {
+            let output = bsm(dir.path(), &["solve", &path.display().to_string()], "");
+            assert_eq!(output.status.code(), Some(0), "{}: {}", path.display(), stderr(&output));
+            solved += 1;
+        }
+    }
+    assert!(solved >= 3);
+}
+
+#[test]
+fn a_scene_comes_from_standard_input_too() {
+    let scene = fs::read_to_string(lin()).expect("example");
+    let dir = folder();
+    let output = bsm(dir.path(), &["solve", "-", "--model", "closed-form"], &scene);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("closed-form"));
+    let output = bsm(dir.path(), &["solve", "-"], "{\"lead\": 3}");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).starts_with("error: standard input: unknown key `lead`"));
+}
+
+#[test]
+fn no_solution_is_exit_code_3_with_the_reason() {
+    let dir = folder();
+    let output = bsm(dir.path(), &["solve", &lin(), "--set", "lead_angle_deg=5"], "");
+    assert_eq!(output.status.code(), Some(3));
+    let text = stdout(&output);
+    assert!(text.contains("no_solution") && text.contains("critical lead angle"), "{text}");
+}
+
+/// Bad input: one paragraph, exit code 2 (1 for the file), nothing on stdout, nothing written.
+#[test]
+fn bad_input_is_told_in_one_paragraph() {
+    let dir = folder();
+    let file = dir.path().join("scene.json");
+    let base = fs::read_to_string(lin()).expect("example");
+    let with = |from: &str, to: &str| base.replace(from, to);
+    for (scene, part) in [
+        (with("\"loaded_balls\"", "\"loaded_bals\""), "did you mean `loaded_balls`?"),
+        (with("\"ball_diameter_mm\": 8.74,", ""), "ball_diameter_mm is required by model rigid"),
+        (with("8.74", "\"8.74\""), "`ball_diameter_mm` is the text \"8.74\", but must be a number"),
+        (with("8.74", "NaN"), "not valid JSON"),
+        (with("\"screw_speed_rpm\": 2000", "\"screw_speed_rpm\": 0"), "must not be 0"),
+        (with("8.74", "60"), "must be smaller than the radius of the pitch circle"),
+        (with("8.74", "-8.74"), "`ball_diameter_mm` = -8.74 must be > 0"),
+        (String::new(), "is empty"),
+    ] {
+        fs::write(&file, &scene).expect("scene");
+        let output = bsm(dir.path(), &["solve", "scene.json", "--model", "rigid"], "");
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{scene}: {text}");
+        assert!(output.stdout.is_empty());
+        assert!(
+            text.starts_with("error: scene.json: ") && text.trim_end().lines().count() == 1,
+            "{text}"
+        );
+        assert!(text.contains(part), "{text}");
+    }
+    for missing in ["no-such-file.json", "."] {
+        let output = bsm(dir.path(), &["solve", missing], "");
+        assert_eq!(output.status.code(), Some(1));
+        assert!(stderr(&output).starts_with("error: cannot read "), "{}", stderr(&output));
+    }
+    // Nothing but the scene itself is in the folder.
+    assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
+}
+
+#[test]
+fn sweep_writes_a_full_grid_and_a_plot() {
+    let dir = folder();
+    let args = [
+        "sweep",
+        &lin(),
+        "--vary",
+        "contact_angle_deg=30,60",
+        "--vary",
+        "lead_angle_deg=5:20:4",
+        "-o",
+        "out.csv",
+        "--quiet",
+    ];
+    let output = bsm(dir.path(), &args, "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = fs::read_to_string(dir.path().join("out.csv")).expect("table");
+    let rows: Vec<csv::StringRecord> = csv::Reader::from_reader(text.as_bytes())
+        .into_records()
+        .collect::<Result<_, _>>()
+        .expect("CSV");
+    let leads: Vec<_> = rows.iter().map(|r| (r[0].to_owned(), r[1].to_owned())).collect();
+    let pair = |a: &str, b: &str| (a.to_owned(), b.to_owned());
+    assert_eq!(rows.len(), 8);
+    assert_eq!(leads[..3], [pair("30", "5"), pair("30", "10"), pair("30", "15")]);
+    assert_eq!(leads[7], pair("60", "20"));
+    // 5 deg has no root at 60 deg: its row keeps its place, says why and has no numbers.
+    assert_eq!((&rows[4][3], &rows[4][5]), ("no_solution", ""));
+    assert!(rows[4][4].contains("critical lead angle"), "{}", &rows[4][4]);
+    assert!(stderr(&output).contains("1 of 8 points have no result"), "{}", stderr(&output));
+
+    let strict = [&args[..], &["--strict"]].concat();
+    assert_eq!(bsm(dir.path(), &strict, "").status.code(), Some(3));
+
+    let plotted = [
+        "sweep",
+        &lin(),
+        "--vary",
+        "lead_angle_deg=5:40:8",
+        "--vary",
+        "contact_angle_deg=45,60",
+        "-o",
+        "out.jsonl",
+        "--plot",
+        "out.svg",
+    ];
+    let output = bsm(dir.path(), &plotted, "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let svg = fs::read_to_string(dir.path().join("out.svg")).expect("plot");
+    for part in ["<svg", "lead_angle_deg", "efficiency", "contact_angle_deg = 60"] {
+        assert!(svg.contains(part), "{part}");
+    }
+    let lines = fs::read_to_string(dir.path().join("out.jsonl")).expect("table");
+    let first: Value = serde_json::from_str(lines.lines().next().expect("a line")).expect("JSON");
+    assert_eq!((lines.lines().count(), &first["lead_angle_deg"]), (16, &Value::from(5.0)));
+}
+
+/// A sweep row and a single solve of the same point are the same numbers.
+#[test]
+fn sweep_agrees_with_solve() {
+    let dir = folder();
+    let rows = stdout(&bsm(
+        dir.path(),
+        &["sweep", &lin(), "--vary", "axial_load_N=100,200", "-o", "-"],
+        "",
+    ));
+    let mut reader = csv::Reader::from_reader(rows.as_bytes());
+    let column =
+        reader.headers().expect("header").iter().position(|h| h == "efficiency").expect("column");
+    let row = reader.records().nth(1).expect("second row").expect("CSV");
+    let swept: f64 = row[column].parse().expect("number");
+    let solved = stdout(&bsm(
+        dir.path(),
+        &["solve", &lin(), "--set", "axial_load_N=200", "--format", "json"],
+        "",
+    ));
+    let solved: Value = serde_json::from_str(&solved).expect("JSON");
+    assert_eq!(solved["efficiency"].as_f64().map(f64::to_bits), Some(swept.to_bits()));
+}
+
+#[test]
+fn bad_sweeps_write_nothing() {
+    let dir = folder();
+    for (args, part) in [
+        (vec!["--vary", "lead_angle_deg=1:2", "-o", "x.csv"], "name=start:stop:count"),
+        (vec!["--vary", "lead_angel_deg=1:2:3", "-o", "x.csv"], "did you mean `lead_angle_deg`?"),
+        (vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.xlsx"], "must end in .csv or .jsonl"),
+        (
+            vec!["--vary", "lead_angle_deg=1:2:3", "--vary", "lead_angle_deg=4,5", "-o", "x.csv"],
+            "varied twice",
+        ),
+        (
+            vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.csv", "--plot", "x.png"],
+            "must end in .svg",
+        ),
+        (
+            vec![
+                "--vary",
+                "lead_angle_deg=1:2:3",
+                "-o",
+                "x.csv",
+                "--plot",
+                "x.svg",
+                "--plot-output",
+                "eta",
+            ],
+            "no numeric output is named `eta`",
+        ),
+        (
+            vec![
+                "--vary",
+                "lead_angle_deg=1:2:3",
+                "-o",
+                "x.csv",
+                "--set",
+                "friction_coefficient=-1",
+            ],
+            "must be >= 0",
+        ),
+    ] {
+        let output = bsm(dir.path(), &[vec!["sweep", &lin()], args.clone()].concat(), "");
+        assert_eq!(output.status.code(), Some(2), "{args:?} {}", stderr(&output));
+        assert!(stderr(&output).contains(part), "{}", stderr(&output));
+    }
+    let output = bsm(
+        dir.path(),
+        &["sweep", &lin(), "--vary", "lead_angle_deg=8:9:3", "-o", "no/such/folder/x.csv"],
+        "",
+    );
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
+}
+
+#[test]
+fn optimum_answers_in_closed_form() {
+    let dir = folder();
+    let args = ["optimum", "--set", "lead_angle_deg=10", "--set", "friction_coefficient=0.075"];
+    let text = stdout(&bsm(dir.path(), &args, ""));
+    assert!(text.contains("48.106") && text.contains("0.86083"), "{text}");
+    let json = stdout(&bsm(dir.path(), &["optimum", &lin(), "--format", "json"], ""));
+    let json: Value = serde_json::from_str(&json).expect("JSON");
+    let eta = json["rotary_to_linear"]["optimum_efficiency"].as_f64().expect("number");
+    // (√(1 + f²) − f)² at f = 0.075.
+    assert!((eta - 0.860_828_7).abs() < 1e-7, "{eta}");
+    let output = bsm(dir.path(), &["optimum"], "");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("friction_coefficient"), "{}", stderr(&output));
+    // Lead angles beyond the optimum: said, not hidden.
+    let args = ["optimum", "--set", "lead_angle_deg=60", "--set", "friction_coefficient=0.075"];
+    let output = bsm(dir.path(), &args, "");
+    assert!(stderr(&output).contains("the lead angle is too large"), "{}", stderr(&output));
+    assert!(stdout(&output).contains("none"));
+}
+
+#[test]
+fn validate_passes_and_writes_results() {
+    let dir = folder();
+    let output = bsm(dir.path(), &["validate", "--out", "report"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
+    assert!(stdout(&output).contains(" 0 failed"));
+    let results = fs::read_to_string(dir.path().join("report/results.json")).expect("results");
+    let results: Value = serde_json::from_str(&results).expect("JSON");
+    assert_eq!(results["passed"], true);
+    assert!(results["checks"].as_array().expect("list").len() >= 25);
+}
+
+#[test]
+fn help_and_completions_work() {
+    let dir = folder();
+    for args in
+        [&["--help"][..], &["solve", "--help"], &["sweep", "--help"], &["completions", "bash"]]
+    {
+        let output = bsm(dir.path(), args, "");
+        assert_eq!(output.status.code(), Some(0));
+        assert!(stdout(&output).contains("bsm"), "{args:?}");
+    }
+    assert!(stdout(&bsm(dir.path(), &["solve", "--help"], "")).contains("Exit codes"));
+    // Without arguments, help; a wrong word, usage.
+    for args in [&[][..], &["sovle"]] {
+        let output = bsm(dir.path(), args, "");
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains("Usage"), "{}", stderr(&output));
+    }
+}
