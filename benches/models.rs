@@ -1,1 +1,133 @@
-fn main() {}
+//! Residual, linearize, and solves of each model; `just bench` or
+//! `cargo bench -p bsm-benches`.
+#![expect(clippy::print_stderr, reason = "counters are printed next to the times")]
+
+use std::hint::black_box;
+
+use bsm_benches::{lin_problem, seeded};
+use bsm_case::ModelChoice;
+use bsm_dyn::{Model, Problem, Rigid, RigidWorkspace};
+use bsm_newton::{Options, Scales, System, Workspace, solve};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+
+fn lin_rigid() -> Rigid {
+    match lin_problem(Model::Rigid) {
+        Problem::Rigid(case) => case,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Residual and Jacobian of Lin's case at its first-order start.
+fn equations(c: &mut Criterion) {
+    let system = lin_rigid().system().expect("friction and speed");
+    let mut r = [0.0; 7];
+    c.bench_function("rigid/residual", |b| {
+        b.iter(|| system.residual(black_box(&system.start), &mut r));
+    });
+    let mut jac = faer::Mat::zeros(7, 7);
+    c.bench_function("rigid/linearize", |b| {
+        b.iter(|| system.linearize(black_box(&system.start), &mut r, jac.as_mut()));
+    });
+    let start = system.start.into();
+    c.bench_function("rigid/linearize/num-dual", |b| {
+        b.iter(|| num_dual::jacobian(|y| system.evaluate(&y), black_box(&start)));
+    });
+}
+
+/// Lin's case: each model cold from SI inputs; rigid also warm, from the root at 1 % less load,
+/// at the same tolerance.
+fn one_point(c: &mut Criterion) {
+    let mut work = RigidWorkspace::default();
+    for model in Model::ALL {
+        let problem = lin_problem(model);
+        c.bench_function(&format!("{}/solve/cold", model.name()), |b| {
+            b.iter(|| black_box(&problem).solve(&mut work));
+        });
+    }
+
+    let case = lin_rigid();
+    let mut neighbour = case;
+    neighbour.load.axial *= 0.99;
+    let memory = &mut Workspace::new(7);
+    let run = |case: &Rigid, from: Option<[f64; 7]>, memory: &mut Workspace| {
+        let system = case.system().expect("friction and speed");
+        let mut y = from.unwrap_or(system.start);
+        let scales = Scales { x: &[1.0; 7], f: &system.weights };
+        let report =
+            solve(&system, &mut y, &scales, &Options::default(), memory).expect("seven unknowns");
+        assert!(report.converged());
+        (y, report.steps.len())
+    };
+    let root = run(&neighbour, None, memory).0;
+    let (cold, warm) = (run(&case, None, memory).1, run(&case, Some(root), memory).1);
+    eprintln!("rigid/newton: {cold} steps from the first-order start, {warm} from the neighbour");
+    c.bench_function("rigid/newton/cold", |b| b.iter(|| run(black_box(&case), None, memory)));
+    c.bench_function("rigid/newton/warm", |b| {
+        b.iter(|| run(black_box(&case), Some(root), memory));
+    });
+}
+
+/// A thousand seeded points, so that the time per element is that of a typical point.
+fn many_points(c: &mut Criterion) {
+    const COUNT: usize = 1000;
+    let scenes = seeded(COUNT);
+    let mut work = RigidWorkspace::default();
+    let mut group = c.benchmark_group("seeded");
+    group.throughput(Throughput::Elements(COUNT as u64)).sample_size(20);
+    for model in Model::ALL {
+        let problems: Vec<_> = scenes
+            .iter()
+            .map(|scene| scene.problem(ModelChoice::Fixed(model)).expect("complete scene"))
+            .collect();
+        if model == Model::Rigid {
+            report_median(&problems, &mut work);
+        }
+        group.bench_function(model.name(), |b| {
+            b.iter(|| {
+                for problem in &problems {
+                    let _ = black_box(black_box(problem).solve(&mut work));
+                }
+            });
+        });
+    }
+    group.bench_function("rigid from scene", |b| {
+        b.iter(|| {
+            for scene in &scenes {
+                let problem = scene.problem(ModelChoice::Auto).expect("complete scene");
+                let _ = black_box(problem.solve(&mut work));
+            }
+        });
+    });
+}
+
+/// Median over the points of the fastest of several cold solves, and median of the steps.
+fn report_median(problems: &[Problem], work: &mut RigidWorkspace) {
+    let mut times: Vec<_> = problems
+        .iter()
+        .map(|problem| {
+            (0..20)
+                .map(|_| {
+                    let start = std::time::Instant::now();
+                    let _ = black_box(black_box(problem).solve(work));
+                    start.elapsed().as_nanos()
+                })
+                .min()
+                .unwrap_or_default()
+        })
+        .collect();
+    let mut steps: Vec<_> =
+        problems.iter().filter_map(|p| p.solve(work).outputs.iterations).collect();
+    times.sort_unstable();
+    steps.sort_unstable();
+    let middle = problems.len() / 2;
+    eprintln!(
+        "rigid, {} seeded points: median cold solve {} ns, median {} Newton steps, most {}",
+        problems.len(),
+        times[middle],
+        steps[middle],
+        steps[steps.len() - 1]
+    );
+}
+
+criterion_group!(models, equations, one_point, many_points);
+criterion_main!(models);

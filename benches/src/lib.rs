@@ -1,1 +1,60 @@
-//! x
+//! Operating points for the benches: validated cases and a seeded set.
+
+use bsm_case::{ModelChoice, Scene};
+use bsm_dyn::{Model, Problem};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Lin's own case.
+///
+/// # Panics
+///
+/// If the committed scene cannot be used.
+pub fn lin() -> Scene {
+    let json = include_bytes!("../../validation/published/lin1994/case.json");
+    Scene::from_json(json).expect("committed scene")
+}
+
+/// Lin's case for one model.
+///
+/// # Panics
+///
+/// If the committed scene cannot be used.
+pub fn lin_problem(model: Model) -> Problem {
+    lin().problem(ModelChoice::Fixed(model)).expect("committed scene")
+}
+
+/// `count` seeded scenes in the ranges of the rigid model's campaign, all of which have a root.
+///
+/// Lead angle 8 to 45 deg, contact angle 30 to 70 deg, f 0.01 to 0.1, ball over pitch radius
+/// 0.07 to 0.2, 50 to 6000 rpm both ways, screw or nut drive, 20 to 3000 N a ball.
+///
+/// # Panics
+///
+/// If a drawn scene cannot be used.
+pub fn seeded(count: usize) -> Vec<Scene> {
+    let mut rng = ChaCha8Rng::seed_from_u64(1994);
+    let mut work = bsm_dyn::RigidWorkspace::default();
+    let mut scenes = Vec::new();
+    while scenes.len() < count {
+        let mut scene = lin();
+        let rpm = rng.random_range(50.0..6000.0) * if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+        let (screw, nut) = if rng.random_bool(0.5) { (rpm, 0.0) } else { (0.0, rpm) };
+        for (name, value) in [
+            ("lead_angle_deg", rng.random_range(8.0..45.0)),
+            ("contact_angle_deg", rng.random_range(30.0..70.0)),
+            ("friction_coefficient", rng.random_range(0.01..0.1)),
+            ("ball_diameter_mm", 48.6 * rng.random_range(0.07..0.2)),
+            ("screw_speed_rpm", screw),
+            ("nut_speed_rpm", nut),
+            ("axial_load_N", rng.random_range(20.0..3000.0)),
+        ] {
+            scene.set(name, value).expect("known name");
+        }
+        let problem = scene.problem(ModelChoice::Fixed(Model::Rigid)).expect("complete scene");
+        if problem.solve(&mut work).outputs.efficiency.is_some() {
+            scenes.push(scene);
+        }
+    }
+    scenes
+}

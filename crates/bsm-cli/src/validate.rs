@@ -52,7 +52,7 @@ fn describe(report: &Report) -> String {
         .collect();
     let header = ["", "check", "claimed", "measured", "unit", "where"];
     let failed = report.checks.iter().filter(|c| c.verdict == Verdict::Fail);
-    let failures: String = failed
+    let failures: Vec<_> = failed
         .map(|c| {
             format!(
                 "\n\nFAIL {}: {}\n  {} {} must be {}\n  source: {}",
@@ -61,8 +61,9 @@ fn describe(report: &Report) -> String {
         })
         .collect();
     format!(
-        "{}{failures}\n\n{} passed, {} failed, {} findings without a claim to hold against",
+        "{}{}\n\n{} passed, {} failed, {} findings without a claim to hold against",
         table::plain(Some(&header), &rows, usize::MAX),
+        failures.concat(),
         report.count(Verdict::Pass),
         report.count(Verdict::Fail),
         report.count(Verdict::Finding),

@@ -31,7 +31,7 @@ impl<D: Scalar> Ball<D> {
     /// Moment of inertia about a diameter \[kg·m²\] (B2).
     pub fn inertia(&self) -> D {
         // I = (2/5) m r_b²                                                (B2)
-        self.mass * self.radius.powi(2) * 0.4
+        self.mass * self.radius.square() * 0.4
     }
 }
 
@@ -85,7 +85,7 @@ pub fn newton_euler<D: Scalar>(
     let rate = motion.precession;
     Wrench {
         // Σ F − m r_m P² n                                                (B4)
-        force: contacts.force - frame.n * (ball.mass * pitch_radius * rate.powi(2)),
+        force: contacts.force - frame.n * (ball.mass * pitch_radius * rate.square()),
         // Σ M − P k × (I ω)                                               (B5)
         moment: contacts.moment - frame.k.cross(&motion.omega) * (ball.inertia() * rate),
     }

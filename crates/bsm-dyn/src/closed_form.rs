@@ -31,7 +31,7 @@ impl<D: Scalar> Angles<D> {
     /// `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
     pub fn slip_factor(&self) -> D {
         // D = √(cos²β + tan²α)                                            (C1)
-        (self.contact.cos().powi(2) + self.lead.tan().powi(2)).sqrt()
+        (self.contact.cos().square() + self.lead.tan().square()).sqrt()
     }
 
     /// Efficiency, negative if self-locking in that direction (C2), (C3).
@@ -48,7 +48,7 @@ impl<D: Scalar> Angles<D> {
     /// Difference from the source: the root ends before `$+ f\sin\beta$`, see `docs/theory/errata.md`.
     pub fn efficiency(&self, direction: Direction, friction: D) -> D {
         let (s, d, f) = (self.contact.sin(), self.slip_factor(), friction);
-        let cos2 = self.lead.cos().powi(2);
+        let cos2 = self.lead.cos().square();
         let loss = match direction {
             // η = 1 − f / {cos²α sinβ (D + f sinβ)}                       (C2)
             Direction::RotaryToLinear => f / (cos2 * s * (d + f * s)),
@@ -244,9 +244,9 @@ mod tests {
     fn lin_case() {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
         let eta = angles.efficiency(Direction::RotaryToLinear, 0.075);
-        let d = (0.5 + 10.0_f64.to_radians().tan().powi(2)).sqrt();
+        let d = (0.5 + 10.0_f64.to_radians().tan().square()).sqrt();
         let s = 0.5_f64.sqrt();
-        let by_hand = 1.0 - 0.075 / (10.0_f64.to_radians().cos().powi(2) * s * (d + 0.075 * s));
+        let by_hand = 1.0 - 0.075 / (10.0_f64.to_radians().cos().square() * s * (d + 0.075 * s));
         assert_relative_eq!(eta, by_hand, max_relative = 1e-15);
         assert_relative_eq!(eta, 0.860_1, epsilon = 5e-5);
     }

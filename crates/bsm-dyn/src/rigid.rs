@@ -7,7 +7,8 @@ mod first_order;
 mod root;
 mod scaled;
 
-use bsm_kin::{BallFrame, Drive, Helix};
+use bsm_kin::{BallFrame, Drive, Helix, Scalar};
+use bsm_newton::{EvalError, MatMut, System};
 use nalgebra::Vector3;
 
 pub use self::first_order::FirstOrder;
@@ -15,6 +16,7 @@ pub use self::root::RigidWorkspace;
 use self::root::{NoRoot, Root};
 use self::scaled::{Scaled, State, Unknowns};
 use crate::balance::{Ball, Power, efficiency, ideal_torque, torque};
+use crate::layout::BALL;
 use crate::{Direction, Load, Model, Outputs, Reason, Solution, Status};
 
 /// Largest relative violation of the power balance (B10) of a result that is returned. An exact
@@ -62,6 +64,45 @@ pub struct RigidRoot {
     pub residual: f64,
 }
 
+/// The rigid equations of one point for [`bsm_newton::solve`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidSystem {
+    /// Weights of the equations; the unknowns have weight one.
+    pub weights: [f64; BALL],
+    /// First-order start.
+    pub start: [f64; BALL],
+    equations: Scaled<f64>,
+}
+
+impl RigidSystem {
+    /// The seven equations (R8) in any scalar.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] where friction or the gyroscopic moment has no direction.
+    pub fn evaluate<D: Scalar>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
+        self.equations.lift().residual(y)
+    }
+}
+
+impl System for RigidSystem {
+    fn dim(&self) -> usize {
+        self.equations.dim()
+    }
+
+    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
+        System::residual(&self.equations, x, r)
+    }
+
+    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
+        self.equations.linearize(x, r, jac)
+    }
+
+    fn equation(&self, i: usize) -> String {
+        self.equations.equation(i)
+    }
+}
+
 impl Rigid {
     /// The point in the model's own units, or why there is none.
     fn scaled(&self) -> Result<Scaled<f64>, NoRoot> {
@@ -84,6 +125,16 @@ impl Rigid {
     /// `None` without friction or relative speed.
     pub fn first_order(&self) -> Option<FirstOrder> {
         self.scaled().ok().map(|case| FirstOrder::of(&case))
+    }
+
+    /// The equations in the model's own units as a Newton system, with their weights and their
+    /// first-order start, for those who drive the iteration themselves.
+    ///
+    /// `None` without friction or relative speed.
+    pub fn system(&self) -> Option<RigidSystem> {
+        let equations = self.scaled().ok()?;
+        let start = FirstOrder::of(&equations).unknowns().into();
+        Some(RigidSystem { weights: equations.weights(), start, equations })
     }
 
     /// `$\mu = m r_m W^2/F_a$`: inertia forces over axial load per ball.

@@ -68,7 +68,7 @@ impl<D: Scalar> Helix<D> {
     /// Curvature `$\cos^2\alpha/r_m$` \[1/m\] (K5).
     pub fn curvature(&self) -> D {
         // κ = cos²α / r_m                                                 (K5)
-        self.lead_angle.cos().powi(2) / self.radius
+        self.lead_angle.cos().square() / self.radius
     }
 
     /// Torsion `$\sin\alpha\cos\alpha/r_m$` \[1/m\], positive for a right-hand screw (K6).

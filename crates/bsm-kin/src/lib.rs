@@ -10,11 +10,13 @@
 mod contact;
 mod frame;
 mod helix;
+mod jet;
 mod motion;
 mod scalar;
 
 pub use contact::{Contact, Site};
 pub use frame::BallFrame;
 pub use helix::{FrenetFrame, Helix};
+pub use jet::Jet;
 pub use motion::{Drive, Motion};
 pub use scalar::Scalar;

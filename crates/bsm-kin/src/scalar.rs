@@ -1,8 +1,76 @@
-//! The one place that names the traits of the dual-number crate.
+//! The scalar that every formula is generic over; the only file that names the traits of the
+//! dual-number crate.
 
+use std::ops::{Add, Mul, Neg, Sub};
+
+use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};
 use num_dual::{DualNum, DualNumCopy};
+use num_traits::{One, Zero};
 
-/// Scalar of every equation: `f64`, or a dual number that carries derivatives.
-pub trait Scalar: DualNumCopy + DualNum<Primitive = f64> {}
+/// Scalar of every equation: `f64`, a [`Jet`](crate::Jet), or any dual number of num-dual.
+pub trait Scalar:
+    nalgebra::Scalar
+    + Copy
+    + From<f64>
+    + Zero
+    + One
+    + Neg<Output = Self>
+    + ClosedAddAssign
+    + ClosedSubAssign
+    + ClosedMulAssign
+    + ClosedDivAssign
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// The value without derivatives.
+    fn re(&self) -> f64;
+    /// Sine and cosine.
+    fn sin_cos(&self) -> (Self, Self);
+    /// Square root.
+    fn sqrt(&self) -> Self;
+    /// One over the value.
+    fn recip(&self) -> Self;
+    /// Angle of the point (`other`, `self`) from the first axis.
+    fn atan2(&self, other: Self) -> Self;
 
-impl<T: DualNumCopy + DualNum<Primitive = f64>> Scalar for T {}
+    /// Sine.
+    fn sin(&self) -> Self {
+        self.sin_cos().0
+    }
+    /// Cosine.
+    fn cos(&self) -> Self {
+        self.sin_cos().1
+    }
+    /// Tangent.
+    fn tan(&self) -> Self {
+        let (sin, cos) = self.sin_cos();
+        sin / cos
+    }
+    /// The value times itself.
+    fn square(&self) -> Self {
+        *self * *self
+    }
+}
+
+impl<T: DualNumCopy + DualNum<Primitive = f64>> Scalar for T {
+    fn re(&self) -> f64 {
+        num_dual::DualStruct::re(self)
+    }
+
+    fn sin_cos(&self) -> (Self, Self) {
+        DualNum::sin_cos(self)
+    }
+
+    fn sqrt(&self) -> Self {
+        DualNum::sqrt(self)
+    }
+
+    fn recip(&self) -> Self {
+        DualNum::recip(self)
+    }
+
+    fn atan2(&self, other: Self) -> Self {
+        DualNum::atan2(self, other)
+    }
+}

@@ -20,7 +20,7 @@ pub enum Status {
     SingularJacobian,
     /// The residual is NaN or infinite.
     NotFinite,
-    /// The model cannot be evaluated at the starting point; see [`Report::refusal`].
+    /// The model cannot be evaluated at the starting point, or not linearized; see [`Report::refusal`].
     ModelRefused,
 }
 
@@ -65,9 +65,9 @@ pub struct Report {
     /// That equation in words, from [`System::equation`](crate::System::equation); empty if the
     /// solve converged.
     pub worst_equation_name: String,
-    /// Residual evaluations of the line search.
+    /// Residual evaluations: one at the start, one a trial step.
     pub n_residual: usize,
-    /// Jacobian evaluations.
+    /// Jacobian evaluations, one a step that was tried.
     pub n_jacobian: usize,
     /// What the model last refused, a halved trial step included.
     pub refusal: Option<EvalError>,

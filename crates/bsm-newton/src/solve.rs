@@ -70,13 +70,12 @@ fn iterate<S: System + ?Sized>(
     work: &mut Workspace,
     report: &mut Report,
 ) -> Status {
+    report.n_residual += 1;
+    if let Err(refusal) = system.residual(x, &mut work.r) {
+        report.refusal = Some(refusal);
+        return Status::ModelRefused;
+    }
     loop {
-        report.n_jacobian += 1;
-        if let Err(refusal) = system.linearize(x, &mut work.r, work.lu.matrix()) {
-            report.refusal = Some(refusal);
-            return Status::ModelRefused;
-        }
-
         // ‖D_F F(x_k)‖₂ ≤ residual_tol                                    (N1)
         (report.residual, report.worst_equation) = scaled_norm(&work.r, scales.f);
         if !report.residual.is_finite() {
@@ -94,12 +93,17 @@ fn iterate<S: System + ?Sized>(
             return Status::MaxSteps;
         }
 
+        let ended = |status| if solved { Status::Converged } else { status };
+        report.n_jacobian += 1;
+        if let Err(refusal) = system.linearize(x, &mut work.r, work.lu.matrix()) {
+            report.refusal = Some(refusal);
+            return ended(Status::ModelRefused);
+        }
         // D_F J(x_k) δx_k = −D_F F(x_k)
         work.lu.scale_rows(scales.f);
         for ((dx, r), d) in work.dx.iter_mut().zip(&work.r).zip(scales.f) {
             *dx = -r * d;
         }
-        let ended = |status| if solved { Status::Converged } else { status };
         if !work.lu.solve(&mut work.dx) {
             return ended(Status::SingularJacobian);
         }

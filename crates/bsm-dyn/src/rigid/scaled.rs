@@ -2,10 +2,9 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R1) to (R10).
 
-use bsm_kin::{BallFrame, Contact, Helix, Motion, Scalar, Site};
+use bsm_kin::{BallFrame, Contact, Helix, Jet, Motion, Scalar, Site};
 use bsm_newton::{EvalError, MatMut, System};
 use nalgebra::{SVector, Vector3};
-use num_dual::jacobian;
 
 use crate::Wrench;
 use crate::balance::{Ball, axial_force, newton_euler};
@@ -36,7 +35,7 @@ pub(crate) struct Scaled<D> {
 }
 
 /// The seven unknowns (R2): `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\; \lambda,\; \theta,\; s$`.
-pub(crate) type Unknowns<D> = SVector<D, BALL>;
+pub type Unknowns<D> = SVector<D, BALL>;
 
 /// Motion, slips and wrenches that belong to a set of unknowns.
 #[derive(Debug, Clone, Copy)]
@@ -185,7 +184,7 @@ impl Scaled<f64> {
     }
 
     /// The same point as constants of another scalar.
-    fn lift<D: Scalar>(&self) -> Scaled<D> {
+    pub(crate) fn lift<D: Scalar>(&self) -> Scaled<D> {
         let vector = |v: &Vector3<f64>| v.map(D::from);
         Scaled {
             helix: Helix {
@@ -262,27 +261,25 @@ impl System for ExistenceLimit<'_> {
 
 /// Value and Jacobian of a function of seven unknowns, by dual numbers.
 fn differentiate(
-    function: impl FnOnce(Unknowns<Dual>) -> Result<Unknowns<Dual>, EvalError>,
+    function: impl FnOnce(Unknowns<Jet<BALL>>) -> Result<Unknowns<Jet<BALL>>, EvalError>,
     x: &Unknowns<f64>,
     r: &mut [f64],
     mut jac: MatMut<'_, f64>,
 ) -> Result<(), EvalError> {
-    let (f, j) = jacobian(function, x)?;
-    r.copy_from_slice(f.as_slice());
-    for col in 0..BALL {
-        for row in 0..BALL {
-            jac[(row, col)] = j[(row, col)];
+    let f = function(Unknowns::from_fn(|i, _| Jet::variable(x[i], i)))?;
+    for (row, f) in f.iter().enumerate() {
+        r[row] = f.re;
+        for (col, slope) in f.eps.iter().enumerate() {
+            jac[(row, col)] = *slope;
         }
     }
     Ok(())
 }
 
-/// Dual number with one partial derivative for each unknown.
-type Dual = num_dual::DualSVec64<BALL>;
-
 #[cfg(test)]
 mod tests {
     use bsm_newton::{Options, Scales, Workspace, solve};
+    use num_dual::jacobian;
     use proptest::prelude::*;
 
     use super::super::first_order::FirstOrder;
@@ -342,7 +339,7 @@ mod tests {
         assert!(small.len() >= 2, "{report}");
         for pair in small.windows(2) {
             // The constant of the quadratic tail, about 10 here.
-            assert!(pair[1] <= 100.0 * pair[0].powi(2), "{report}");
+            assert!(pair[1] <= 100.0 * pair[0].square(), "{report}");
         }
     }
 
