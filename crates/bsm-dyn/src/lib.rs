@@ -20,5 +20,5 @@ pub use closed_form::{Angles, ClosedForm, Optimum, Transmission};
 pub use coulomb::friction_force;
 pub use model::{Model, Problem};
 pub use quasi_static::{Driven, QuasiStatic};
-pub use rigid::{FirstOrder, Rigid, RigidRoot, RigidSystem, RigidWorkspace};
+pub use rigid::{FirstOrder, Rigid, RigidRoot, RigidSystem, RigidUnknowns, RigidWorkspace};
 pub use solution::{Direction, Outputs, Reason, Solution, Status};

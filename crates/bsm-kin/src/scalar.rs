@@ -28,26 +28,33 @@ pub trait Scalar:
     /// Sine and cosine.
     fn sin_cos(&self) -> (Self, Self);
     /// Square root.
+    #[must_use]
     fn sqrt(&self) -> Self;
     /// One over the value.
+    #[must_use]
     fn recip(&self) -> Self;
     /// Angle of the point (`other`, `self`) from the first axis.
+    #[must_use]
     fn atan2(&self, other: Self) -> Self;
 
     /// Sine.
+    #[must_use]
     fn sin(&self) -> Self {
         self.sin_cos().0
     }
     /// Cosine.
+    #[must_use]
     fn cos(&self) -> Self {
         self.sin_cos().1
     }
     /// Tangent.
+    #[must_use]
     fn tan(&self) -> Self {
         let (sin, cos) = self.sin_cos();
         sin / cos
     }
     /// The value times itself.
+    #[must_use]
     fn square(&self) -> Self {
         *self * *self
     }

@@ -99,7 +99,7 @@ fn rosenbrock_takes_the_known_path() {
     let report = run(rosenbrock, &mut x);
     assert_eq!(report.status, Status::Converged, "{report}");
     assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 1.0).abs() < 1e-14, "{x:?}");
-    assert_eq!((report.steps.len(), report.n_jacobian, report.n_residual), (10, 11, 32));
+    assert_eq!((report.steps.len(), report.n_jacobian, report.n_residual), (10, 10, 33));
 }
 
 /// No. 3: the root in the paper is 1.098e-5, 9.106. The monotone line search creeps along a
@@ -120,7 +120,7 @@ fn powell_badly_scaled_finds_the_published_root() {
         assert!((x[0] - 1.098e-5).abs() < 5e-9 && (x[1] - 9.106).abs() < 5e-4, "{x:?}");
         path.push(report);
     }
-    assert_eq!(path[0].n_jacobian, 54, "{}", path[0]);
+    assert_eq!(path[0].n_jacobian, 53, "{}", path[0]);
     // Rounding of 1e4 x y against 1, reached with at most two more steps.
     assert!(path[1].residual <= 1e-15, "{}", path[1]);
     assert!(path[1].steps.len() <= path[0].steps.len() + 2, "{}", path[1]);
@@ -137,7 +137,7 @@ fn powell_singular_converges_linearly() {
         // Exactly 1/4 in exact arithmetic.
         assert!((ratio - 0.25).abs() < 1e-3, "{report}");
     }
-    assert_eq!(report.n_jacobian, 20, "{report}");
+    assert_eq!(report.n_jacobian, 19, "{report}");
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn a_step_out_of_the_domain_is_halved() {
     assert!((x[0] - 1.0).abs() < 1e-10);
     assert!(report.steps[0].lambda < 1.0);
     assert_eq!(report.refusal.map(|e| e.requirement), Some("x > 0"));
-    assert_eq!(report.n_jacobian, report.steps.len() + 1);
+    assert_eq!(report.n_jacobian, report.steps.len());
 }
 
 /// Expected failure: x² + 1 has no root; the line search ends at the minimum of its square.

@@ -34,7 +34,7 @@ pub(crate) struct Scaled<D> {
     pub(crate) sign: f64,
 }
 
-/// The seven unknowns (R2): `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\; \lambda,\; \theta,\; s$`.
+/// The seven unknowns (R2) of the rigid model: `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\; \lambda,\; \theta,\; s$`.
 pub type Unknowns<D> = SVector<D, BALL>;
 
 /// Motion, slips and wrenches that belong to a set of unknowns.
