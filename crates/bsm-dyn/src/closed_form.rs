@@ -1,6 +1,6 @@
 //! Lin's closed form: efficiency, slip directions, optimum and self-locking from angles alone.
 //!
-//! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C13).
+//! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C16).
 
 use std::f64::consts::PI;
 
@@ -272,6 +272,19 @@ mod tests {
             // Away from the pole of the mirrored formula, rounding only.
             prop_assume!(mirrored.abs() < 1e3);
             prop_assert!((back * mirrored - 1.0).abs() <= 1e-10, "{back} {mirrored}");
+        }
+
+        /// The closed form is the efficiency of a wedge (C16) of angle φ, sinφ = cosα sinβ.
+        #[test]
+        fn it_is_a_wedge(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
+            let angles = Angles { lead: a, contact: b };
+            let (phi, rho) = ((a.cos() * b.sin()).asin(), f.atan());
+            let forward = (phi - rho).tan() / phi.tan();
+            let back = phi.tan() / (phi + rho).tan();
+            // The arcsine loses digits towards π/2.
+            let close = |x: f64, y: f64| (x - y).abs() <= 1e-9 * (1.0 + y.abs());
+            prop_assert!(close(angles.efficiency(Direction::RotaryToLinear, f), forward));
+            prop_assert!(close(angles.efficiency(Direction::LinearToRotary, f), back));
         }
 
         /// Efficiency is exactly zero on the border of self-locking, and negative beyond.
