@@ -7,6 +7,8 @@
 mod lin1994;
 mod reference;
 mod report;
+mod search;
+mod sweep;
 
 pub use report::{Check, Report, Verdict};
 

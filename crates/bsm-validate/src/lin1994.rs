@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use argmin::core::{CostFunction, Executor};
-use argmin::solver::brent::{BrentOpt, BrentRoot};
 use bsm_case::{ModelChoice, Scene};
-use bsm_dyn::{Angles, Direction, Model, Optimum, Outputs, Problem, RigidWorkspace, Status};
+use bsm_dyn::{Angles, Direction, Model, Optimum, Problem, RigidWorkspace, Status};
 use serde::Deserialize;
 
+use crate::search::{minimum_of, root_of};
+use crate::sweep::{Sweep, deviation};
 use crate::{Check, ValidateError};
 
 const CASE: &[u8] = include_bytes!("../../../validation/published/lin1994/case.json");
@@ -49,93 +49,6 @@ impl Claims {
     fn get(&self, key: &'static str) -> Result<&(f64, String), ValidateError> {
         self.0.get(key).ok_or(ValidateError::NoClaim(key))
     }
-}
-
-/// One solved point of a sweep, against the closed form.
-struct Point {
-    at: f64,
-    /// |η − η(14) or (17)| in percentage points.
-    deviation: f64,
-    outputs: Outputs,
-}
-
-/// A sweep of Lin's case over one input.
-struct Sweep {
-    input: &'static str,
-    unit: &'static str,
-    points: Vec<Point>,
-    denied: usize,
-}
-
-impl Sweep {
-    fn run(
-        lin: &Scene,
-        input: &'static str,
-        unit: &'static str,
-        values: impl Iterator<Item = f64>,
-        work: &mut RigidWorkspace,
-    ) -> Result<Self, ValidateError> {
-        let (mut points, mut denied) = (Vec::new(), 0);
-        for at in values {
-            let mut scene = lin.clone();
-            scene.set(input, at)?;
-            match deviation(&scene, work)? {
-                Some((deviation, outputs)) => points.push(Point { at, deviation, outputs }),
-                None => denied += 1,
-            }
-        }
-        Ok(Self { input, unit, points, denied })
-    }
-
-    fn lead(lin: &Scene, work: &mut RigidWorkspace) -> Result<Self, ValidateError> {
-        Self::run(lin, "lead_angle_deg", "deg", (1..=60).map(f64::from), work)
-    }
-
-    fn contact(lin: &Scene, work: &mut RigidWorkspace) -> Result<Self, ValidateError> {
-        Self::run(lin, "contact_angle_deg", "deg", (5..=85).map(f64::from), work)
-    }
-
-    fn speed(lin: &Scene, work: &mut RigidWorkspace) -> Result<Self, ValidateError> {
-        let sign = lin.screw_speed_rpm.map_or(1.0, f64::signum);
-        let values = (0..=40).map(|i| sign * 100.0 * 10.0_f64.powf(f64::from(i) / 20.0));
-        Self::run(lin, "screw_speed_rpm", "rpm", values, work)
-    }
-
-    /// Largest deviation, and where.
-    fn largest(&self) -> (f64, f64) {
-        self.points
-            .iter()
-            .max_by(|a, b| a.deviation.total_cmp(&b.deviation))
-            .map_or((f64::NAN, f64::NAN), |p| (p.deviation, p.at))
-    }
-
-    fn describe(&self) -> String {
-        let total = self.points.len() + self.denied;
-        let (_, at) = self.largest();
-        format!(
-            "at {} = {at:.4} {}; {} of {total} points have a root",
-            self.input,
-            self.unit,
-            self.points.len()
-        )
-    }
-}
-
-/// Deviation of the closed form in percentage points, and the rigid solution; `None` where the
-/// rigid equations have no root.
-fn deviation(
-    scene: &Scene,
-    work: &mut RigidWorkspace,
-) -> Result<Option<(f64, Outputs)>, ValidateError> {
-    let eta = |model, work: &mut RigidWorkspace| -> Result<_, ValidateError> {
-        Ok(scene.problem(ModelChoice::Fixed(model))?.solve(work))
-    };
-    let rigid = eta(Model::Rigid, work)?;
-    let closed = eta(Model::ClosedForm, work)?;
-    Ok(match (rigid.outputs.efficiency, closed.outputs.efficiency) {
-        (Some(exact), Some(closed)) => Some((100.0 * (exact - closed).abs(), rigid.outputs)),
-        _ => None,
-    })
 }
 
 /// A sweep of a scene.
@@ -394,42 +307,4 @@ fn existence(lin: &Scene, claims: &Claims) -> Result<Vec<Check>, ValidateError> 
         .note("lead angles of 1.05 to 20.05 deg; the root at infinity is never returned")
         .at_most(0.0, "existence is decided, not guessed"),
     ])
-}
-
-/// A function of one variable for argmin.
-struct OneVariable<F>(F);
-
-impl<F: Fn(f64) -> Result<f64, ValidateError>> CostFunction for OneVariable<F> {
-    type Param = f64;
-    type Output = f64;
-
-    fn cost(&self, x: &f64) -> Result<f64, argmin::core::Error> {
-        self.0(*x).map_err(argmin::core::Error::from)
-    }
-}
-
-/// Root of `function` between two points of different sign.
-fn root_of(
-    function: impl Fn(f64) -> Result<f64, ValidateError>,
-    low: f64,
-    high: f64,
-) -> Result<f64, ValidateError> {
-    let solver = BrentRoot::new(low, high, 1e-10);
-    let found = Executor::new(OneVariable(function), solver)
-        .configure(|state| state.param(0.5 * (low + high)).max_iters(200))
-        .run()?;
-    Ok(found.state.best_param.unwrap_or(f64::NAN))
-}
-
-/// Minimum of `function` between two points.
-fn minimum_of(
-    function: impl Fn(f64) -> Result<f64, ValidateError>,
-    low: f64,
-    high: f64,
-) -> Result<f64, ValidateError> {
-    let found =
-        Executor::new(OneVariable(function), BrentOpt::new(low, high).set_tolerance(1e-9, 1e-12))
-            .configure(|state| state.max_iters(200))
-            .run()?;
-    Ok(found.state.best_param.unwrap_or(f64::NAN))
 }
