@@ -130,10 +130,14 @@ fn message(reason: &Reason) -> String {
              {friction_term:.4} (Lin Eq 16); friction holds any load. Raise contact_angle_deg or \
              lower friction_coefficient"
         ),
+        Reason::FrictionHoldsLoad { load_ratio } => format!(
+            "self-locking: the balance would need a normal load of {load_ratio:.3e} of the axial \
+             load; friction holds any load. Raise contact_angle_deg or lower friction_coefficient"
+        ),
         Reason::NutContactWouldRoll { slip, exact, critical_lead_angle } => {
             let how = if *exact { "exactly" } else { "to first order in the inertia" };
             let critical = critical_lead_angle.map_or_else(
-                || "no larger lead angle with a solution was found".to_owned(),
+                || "the first-order search found no larger lead angle with a solution".to_owned(),
                 |angle| format!("the critical lead angle of this point is {:.4} deg", angle / DEG),
             );
             format!(
@@ -153,6 +157,19 @@ fn message(reason: &Reason) -> String {
         Reason::RootAtInfinity { speed_ratio } => format!(
             "only the spurious root at infinity is left, with speeds of {speed_ratio:.1e} times \
              the relative speed"
+        ),
+        Reason::Undecided { inertia } => format!(
+            "no admissible root was found; with inertia forces of {inertia:.3} times friction that \
+             proves nothing about others. Raise axial_load_N or lower the speed"
+        ),
+        Reason::BallDoesNotCircle => {
+            "the ball would not circle about the axis (precession 0), and \
+             has no gyroscopic moment that could carry the friction couple"
+                .to_owned()
+        }
+        Reason::InertiaOutOfRange { inertia_ratio } => format!(
+            "the inertia forces over the load are {inertia_ratio:e}, beyond double precision; \
+             check screw_speed_rpm, nut_speed_rpm and axial_load_N"
         ),
         Reason::Frictionless => "friction_coefficient = 0 must be > 0 for model rigid: without \
              friction nothing fixes the rotation of the ball"

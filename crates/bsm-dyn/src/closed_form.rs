@@ -170,7 +170,8 @@ impl Transmission {
         efficiency: f64,
         load_ratio: f64,
     ) {
-        if load_ratio <= 0.0 {
+        let locked = direction == Direction::RotaryToLinear && efficiency <= 0.0;
+        if locked || !load_ratio.is_finite() || load_ratio <= 0.0 {
             return;
         }
         let ideal = ideal_torque(self.load.axial, self.pitch_radius, lead_angle);
@@ -237,18 +238,35 @@ mod tests {
     use super::*;
     use crate::balance::{Wrench, axial_force, efficiency, torque};
 
+    const ETA_LIN: f64 = 0.860_111_653_874_581_8;
     const BOTH: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
 
-    /// Lin's case; the number is the 12-digit value of the corrected formula, worked by hand.
+    /// Lin's case: the formula in decimal arithmetic of 40 digits.
     #[test]
     fn lin_case() {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
         let eta = angles.efficiency(Direction::RotaryToLinear, 0.075);
-        let d = (0.5 + 10.0_f64.to_radians().tan().square()).sqrt();
-        let s = 0.5_f64.sqrt();
-        let by_hand = 1.0 - 0.075 / (10.0_f64.to_radians().cos().square() * s * (d + 0.075 * s));
-        assert_relative_eq!(eta, by_hand, max_relative = 1e-15);
-        assert_relative_eq!(eta, 0.860_1, epsilon = 5e-5);
+        assert_relative_eq!(eta, ETA_LIN, max_relative = 1e-14);
+    }
+
+    /// Found in review: exactly on the border of self-locking the load was infinite.
+    #[test]
+    fn the_border_of_self_locking_has_no_torque() {
+        let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
+        let friction = angles.contact.sin() / angles.slip_factor();
+        let load = Load { axial: 2113.0, balls: 1.0 };
+        let transmission = Transmission { pitch_radius: 24.3e-3, load, relative_speed: None };
+        let case = ClosedForm {
+            angles,
+            friction,
+            direction: Direction::RotaryToLinear,
+            transmission: Some(transmission),
+        };
+        let outputs = case.solve().outputs;
+        for value in [outputs.screw_torque, outputs.nut_normal_load].into_iter().flatten() {
+            // One unit in the last place on the good side is still a number, if a large one.
+            assert!(value.is_finite() && value > 0.0, "{outputs:?}");
+        }
     }
 
     #[test]

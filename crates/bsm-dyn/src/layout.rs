@@ -1,7 +1,25 @@
-//! Index arithmetic of the systems of equations: (row) → words.
+//! Index arithmetic of the systems of equations: unknowns and rows of one ball.
 
 /// Unknowns and equations of one ball.
 pub(crate) const BALL: usize = 7;
+
+/// Places of the unknowns of one ball.
+pub(crate) mod unknown {
+    /// Load of A over the axial load per ball.
+    pub(crate) const NUT_LOAD: usize = 0;
+    /// Load of A' over the axial load per ball.
+    pub(crate) const MINOR_LOAD: usize = 1;
+    /// Load of B over the axial load per ball.
+    pub(crate) const SCREW_LOAD: usize = 2;
+    /// Precession relative to the nut over relative speed.
+    pub(crate) const PRECESSION: usize = 3;
+    /// Slip at A, signed.
+    pub(crate) const SLIP: usize = 4;
+    /// Direction of the slip at A.
+    pub(crate) const SLIP_ANGLE: usize = 5;
+    /// Moment of the spin about the common normal.
+    pub(crate) const SPIN: usize = 6;
+}
 
 /// Row of the moment about the contact normal.
 pub(crate) const MOMENT_NORMAL: usize = 4;

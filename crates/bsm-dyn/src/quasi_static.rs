@@ -71,7 +71,7 @@ impl QuasiStatic {
         }
     }
 
-    /// Normal load over axial load per ball (Q4).
+    /// Normal load over axial load per ball (Q4); not positive if friction holds any load.
     pub fn load_ratio(&self) -> f64 {
         let (sin_b, cos_b) = self.angles.contact.sin_cos();
         let (sin_a, cos_a) = self.angles.lead.sin_cos();
@@ -86,6 +86,11 @@ impl QuasiStatic {
         if self.driven == Driven::Both {
             return Solution::failed(Model::QuasiStatic, Status::InvalidInput, Reason::DualDrive);
         }
+        let ratio = self.load_ratio();
+        if ratio <= 0.0 {
+            let reason = Reason::FrictionHoldsLoad { load_ratio: ratio };
+            return Solution::failed(Model::QuasiStatic, Status::NoSolution, reason);
+        }
         let eta = self.efficiency();
         let mut outputs = Outputs {
             efficiency: Some(eta),
@@ -95,8 +100,7 @@ impl QuasiStatic {
             ..Outputs::default()
         };
         if let Some(transmission) = &self.transmission {
-            let (lead, ratio) = (self.angles.lead, self.load_ratio());
-            transmission.complete(&mut outputs, self.direction, lead, eta, ratio);
+            transmission.complete(&mut outputs, self.direction, self.angles.lead, eta, ratio);
         }
         Solution::converged(Model::QuasiStatic, outputs)
     }
@@ -107,6 +111,7 @@ mod tests {
     use std::f64::consts::{FRAC_PI_4, PI};
 
     use approx::assert_relative_eq;
+    use proptest::prelude::*;
 
     use super::*;
 
@@ -120,13 +125,39 @@ mod tests {
         transmission: None,
     };
 
-    /// Lin's case by hand: 0.075 × 0.17984 / (0.70711 + 0.075 (0.17984 − 0.70711)) = 0.020206.
+    /// Lin's case by hand: 0.075 × 0.179835 / (0.707107 + 0.075 (0.179835 − 0.707107)).
     #[test]
     fn lin_case_by_hand() {
-        assert_relative_eq!(LIN.efficiency(), 1.0 - 0.020_205, epsilon = 2e-6);
-        // Nut: 0.075 (0.17984 + 1.41421) / (0.70711 + 0.075 × 0.88695) = 0.154531.
+        // Six digits of the hand calculation.
+        assert_relative_eq!(LIN.efficiency(), 1.0 - 0.020_204_4, epsilon = 1e-7);
+        // Nut: 0.075 (0.179835 + 1.414214) / (0.707107 + 0.075 × 0.886942).
         let nut = QuasiStatic { driven: Driven::Nut, ..LIN };
-        assert_relative_eq!(nut.efficiency(), 1.0 - 0.154_536, epsilon = 1e-5);
+        assert_relative_eq!(nut.efficiency(), 1.0 - 0.154_536_5, epsilon = 1e-7);
+    }
+
+    proptest! {
+        /// Found in review: numerator and denominator turned negative together, and the
+        /// efficiency exceeded one.
+        #[test]
+        fn efficiency_never_exceeds_one(
+            lead in 0.001..1.5_f64, contact in 0.01..1.56_f64, friction in 0.0..1.0_f64,
+            size in 0.01..0.45_f64, rolling in 0.0..0.05_f64, nut in any::<bool>(), back in any::<bool>(),
+        ) {
+            let case = QuasiStatic {
+                angles: Angles { lead, contact },
+                friction,
+                size_ratio: size,
+                rolling_ratio: rolling,
+                driven: if nut { Driven::Nut } else { Driven::Screw },
+                direction: if back { Direction::LinearToRotary } else { Direction::RotaryToLinear },
+                transmission: None,
+            };
+            let solution = case.solve();
+            match solution.outputs.efficiency {
+                Some(eta) => prop_assert!(eta <= 1.0 + 1e-12, "{case:?} {eta}"),
+                None => prop_assert_eq!(solution.outputs.self_locking, Some(true)),
+            }
+        }
     }
 
     #[test]

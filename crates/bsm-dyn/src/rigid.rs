@@ -19,6 +19,9 @@ use self::scaled::Unknowns;
 use self::scaled::{Scaled, State};
 use crate::balance::{Ball, Power, efficiency, ideal_torque, torque};
 use crate::layout::BALL;
+use crate::layout::unknown::{
+    MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
+};
 use crate::{Direction, Load, Model, Outputs, Reason, Solution, Status};
 
 /// Largest relative violation of the power balance (B10) of a result that is returned. An exact
@@ -119,6 +122,10 @@ impl Rigid {
         let helix = Helix { radius: self.helix.radius / r_b, ..self.helix };
         let mass = self.ball.mass * r_b * w * w / self.load.per_ball();
         let nut_speed = self.drive.nut_speed / w;
+        let inertia_ratio = mass * helix.radius;
+        if !(inertia_ratio.is_normal() && mass.is_normal() && nut_speed.is_finite()) {
+            return Err(invalid(Reason::InertiaOutOfRange { inertia_ratio }));
+        }
         Ok(Scaled::new(helix, self.contact_angle, self.friction, mass, nut_speed, direction.sign()))
     }
 
@@ -135,8 +142,9 @@ impl Rigid {
     /// `None` without friction or relative speed.
     pub fn system(&self) -> Option<RigidSystem> {
         let equations = self.scaled().ok()?;
-        let start = FirstOrder::of(&equations).unknowns().into();
-        Some(RigidSystem { weights: equations.weights(), start, equations })
+        let first = FirstOrder::of(&equations);
+        let (weights, start) = (equations.weights(first.normal_moment()), first.unknowns().into());
+        Some(RigidSystem { weights, start, equations })
     }
 
     /// `$\mu = m r_m W^2/F_a$`: inertia forces over axial load per ball.
@@ -158,27 +166,31 @@ impl Rigid {
     ///
     /// Status and reason if there is none.
     pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, (Status, Reason)> {
-        let found = self.scaled().and_then(|case| Ok((case, root::find(&case, work)?)));
         let (case, Root { unknowns: y, steps, residual }) =
-            found.map_err(|e| (e.status, e.reason))?;
-        let (sin, cos) = y[5].sin_cos();
+            self.find(work).map_err(|e| (e.status, e.reason))?;
+        let (sin, cos) = y[SLIP_ANGLE].sin_cos();
         Ok(RigidRoot {
-            nut_load: y[0],
-            minor_load: y[1],
-            screw_load: y[2],
-            p: y[3],
-            u: -y[4] * cos,
-            tau: y[4] * sin - y[3] * case.arc,
-            s: y[6],
+            nut_load: y[NUT_LOAD],
+            minor_load: y[MINOR_LOAD],
+            screw_load: y[SCREW_LOAD],
+            p: y[PRECESSION],
+            u: -y[SLIP] * cos,
+            tau: y[SLIP] * sin - y[PRECESSION] * case.arc,
+            s: y[SPIN],
             steps,
             residual,
         })
     }
 
+    fn find(&self, work: &mut RigidWorkspace) -> Result<(Scaled<f64>, Root), NoRoot> {
+        let case = self.scaled()?;
+        let root = root::find(&case, work)?;
+        Ok((case, root))
+    }
+
     /// Solves for the steady motion of the ball.
     pub fn solve(&self, work: &mut RigidWorkspace) -> Solution {
-        let found = self.scaled().and_then(|case| Ok((case, root::find(&case, work)?)));
-        match found {
+        match self.find(work) {
             Ok((case, root)) => {
                 let outputs = self.outputs(&case, &root);
                 match outputs.power_balance {
@@ -224,9 +236,9 @@ impl Rigid {
         let mut outputs = Outputs {
             efficiency: Some(eta),
             screw_torque: Some(screw_torque),
-            nut_normal_load: Some(root.unknowns[0] * per_ball),
-            minor_normal_load: Some(root.unknowns[1] * per_ball),
-            screw_normal_load: Some(root.unknowns[2] * per_ball),
+            nut_normal_load: Some(root.unknowns[NUT_LOAD] * per_ball),
+            minor_normal_load: Some(root.unknowns[MINOR_LOAD] * per_ball),
+            screw_normal_load: Some(root.unknowns[SCREW_LOAD] * per_ball),
             nut_contact_angle: Some(self.contact_angle),
             screw_contact_angle: Some(self.contact_angle),
             nut_slip_angle: Some(slip_angle(&a, &slip_a)),

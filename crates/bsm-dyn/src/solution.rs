@@ -59,6 +59,11 @@ pub enum Reason {
         /// `$f D$`, which it does not exceed.
         friction_term: f64,
     },
+    /// The quasi-static balance needs a normal load that is not positive: friction holds any load.
+    FrictionHoldsLoad {
+        /// Normal load over axial load per ball.
+        load_ratio: f64,
+    },
     /// Saturated friction at the nut is more than the slip can use: the slip at A would have to
     /// be negative. The ball rolls on the nut instead, which these equations exclude.
     NutContactWouldRoll {
@@ -87,6 +92,19 @@ pub enum Reason {
     RootAtInfinity {
         /// Largest speed of the root over `$|W|$`.
         speed_ratio: f64,
+    },
+    /// Only roots with a contact that pulls or with slip against friction were found, at inertia
+    /// forces so large that this proves nothing about others.
+    Undecided {
+        /// Inertia forces over friction forces.
+        inertia: f64,
+    },
+    /// `$P = 0$`: a ball that does not circle has no gyroscopic moment to carry the friction couple.
+    BallDoesNotCircle,
+    /// The inertia ratio `$m r_m W^2/F_a$` is not a normal number of double precision.
+    InertiaOutOfRange {
+        /// Its value.
+        inertia_ratio: f64,
     },
     /// `$f = 0$`: nothing fixes the rotation of the ball.
     Frictionless,
@@ -132,7 +150,8 @@ impl Solution {
 
     /// The statement that there is none.
     pub fn failed(model: Model, status: Status, reason: Reason) -> Self {
-        let locking = matches!(reason, Reason::SelfLocking { .. }).then_some(true);
+        let locks = matches!(reason, Reason::SelfLocking { .. } | Reason::FrictionHoldsLoad { .. });
+        let locking = locks.then_some(true);
         let outputs = Outputs { self_locking: locking, ..Outputs::default() };
         Self { model, status, reason: Some(reason), outputs }
     }

@@ -1,6 +1,6 @@
 //! The rigid model for inertia forces that are small against the load: start and existence.
 //!
-//! Theory: `docs/theory/04-rigid.md`, equations (R12) to (R20).
+//! Theory: `docs/theory/04-rigid.md`, equations (R12) to (R20), (R23).
 
 use super::scaled::{Scaled, Unknowns};
 use crate::Angles;
@@ -14,8 +14,13 @@ pub struct FirstOrder {
     pub load: f64,
     /// `$\kappa = Q_{A'}/(\varepsilon F_a)$`; negative means that A' would have to pull.
     pub minor: f64,
-    /// `$\varepsilon = m r_m P^2/F_a$`.
+    /// `$\varepsilon = m r_m P^2/F_a$`, the centrifugal force over the load.
     pub inertia: f64,
+    /// `$\iota = \mu\max(1, (P/W)^2)$`, the size of the inertia forces over the load; over `$f$`
+    /// it is the relative error of the first order.
+    pub size: f64,
+    /// Absolute precession over relative speed, `$P/W$`.
+    pub rate: f64,
     /// Precession relative to the nut over relative speed, `$p$`.
     pub precession: f64,
     /// Existence margin: a finite root needs it positive.
@@ -30,9 +35,15 @@ pub struct FirstOrder {
 
 impl FirstOrder {
     pub(crate) fn of(case: &Scaled<f64>) -> Self {
+        Self::with_precession_sign(case, 1.0)
+    }
+
+    /// The first order, with the precession of its own sign (1) or of the opposite one (-1),
+    /// which inertia may bring about.
+    pub(crate) fn with_precession_sign(case: &Scaled<f64>, own: f64) -> Self {
         let (sin_a, cos_a) = case.helix.lead_angle.sin_cos();
         let (sin_b, cos_b) = case.contact_angle.sin_cos();
-        let (f, size, sign) = (case.friction, case.helix.radius.recip(), case.sign);
+        let (f, ball, sign) = (case.friction, case.helix.radius.recip(), case.sign);
         let angles = Angles { lead: case.helix.lead_angle, contact: case.contact_angle };
 
         // tanψ = tanα / cosβ = T,  c = cosψ = cosβ/D,  s = sinψ = tanα/D  (R12)
@@ -40,16 +51,16 @@ impl FirstOrder {
         let (sin_psi, cos_psi) = (sin_a / cos_a / d, cos_b / d);
         // p = 1/2 − (r_b cosα / 2 r_m)(cosα cosβ + sinα T)                (R13)
         let lever = cos_a * cos_b + sin_a * sin_a / (cos_a * cos_b);
-        let p = 0.5 - 0.5 * size * cos_a * lever;
+        let p = 0.5 - 0.5 * ball * cos_a * lever;
         // P/W = p + Ω_n/W,  ε = μ (P/W)²                                  (R14)
         let rate = p + case.nut_speed * sign;
-        let eps = case.inertia_ratio() * rate * rate;
+        let inertia = case.inertia_ratio() * rate * rate;
         // κ = (sinβ − F D) / [sin2β − F (cos2β + h sinψ) D/cosβ]          (R15)
         let signed = f * sign;
-        let h = (rate * sign).signum();
-        let cos_2b = (cos_b - sin_b) * (cos_b + sin_b);
-        let minor = (sin_b - signed * d)
-            / (2.0 * sin_b * cos_b - signed * (cos_2b + h * sin_psi) / cos_psi);
+        let h = (rate * sign).signum() * own;
+        let (sin_2b, cos_2b) = (2.0 * sin_b * cos_b, (cos_b - sin_b) * (cos_b + sin_b));
+        let denominator = sin_2b - signed * (cos_2b + h * sin_psi) / cos_psi;
+        let minor = (sin_b - signed * d) / denominator;
         // margin = p tanα − 5 f sinβ cosβ κ |P/W|                         (R16)
         let margin = p * sin_a / cos_a - 5.0 * f * sin_b * cos_b * minor * rate.abs();
         // Q/F_a = 1/[cosα (sinβ − F D)], Eq (C4)                          (R17)
@@ -57,11 +68,14 @@ impl FirstOrder {
         Self {
             load,
             minor,
-            inertia: eps,
+            inertia,
+            // ι = μ max(1, (P/W)²)                                        (R23)
+            size: case.inertia_ratio() * (rate * rate).max(1.0),
+            rate,
             precession: p,
             margin,
             // λ = margin / [(r_b/r_m)(cosα cosβ + sinα T) cosψ]           (R18)
-            slip: margin / (size * lever * cos_psi),
+            slip: margin / (ball * lever * cos_psi),
             // θ = ψ                                                       (R19)
             slip_angle: sin_psi.atan2(cos_psi),
             // s = −2 F q cosψ / (cosα cosβ)                               (R20)
@@ -80,6 +94,11 @@ impl FirstOrder {
             self.slip_angle,
             self.spin,
         ])
+    }
+
+    /// Size of the moment about the normal over `$r_b F_a$`: gyroscopic or friction of A'.
+    pub(crate) fn normal_moment(&self) -> f64 {
+        self.size * self.rate.abs().min(1.0)
     }
 
     /// True if a finite root exists, to first order: the contacts push and the ball slides on

@@ -9,6 +9,9 @@ use nalgebra::{SVector, Vector3};
 use crate::Wrench;
 use crate::balance::{Ball, axial_force, newton_euler};
 use crate::coulomb::friction_force;
+use crate::layout::unknown::{
+    MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
+};
 use crate::layout::{self, BALL, MOMENT_NORMAL};
 
 /// One operating point in units of ball radius, axial load per ball and `$|W|$` (R1).
@@ -68,8 +71,8 @@ impl<D: Scalar> Scaled<D> {
 
     /// Motion of the ball relative to the nut: precession, and `u`, `τ` from the slip at A.
     fn relative_motion(&self, y: &Unknowns<D>) -> Result<Motion<D>, EvalError> {
-        let (p, s) = (y[3], y[6]);
-        let (sin, cos) = y[5].sin_cos();
+        let (p, slip) = (y[PRECESSION], y[SLIP]);
+        let (sin, cos) = y[SLIP_ANGLE].sin_cos();
         // P = Ω_n + p W                                                   (R3)
         let precession = self.nut_speed + p * self.sign;
         if precession.re() == 0.0 {
@@ -80,10 +83,10 @@ impl<D: Scalar> Scaled<D> {
             });
         }
         // u = −λ cosθ,  τ = λ sinθ − p d/r_b                              (R4)
-        let u = -y[4] * cos;
-        let tau = y[4] * sin - p * self.arc;
+        let u = -slip * cos;
+        let tau = slip * sin - p * self.arc;
         // σ = s r_b F_a / (I P)                                           (R5)
-        let sigma = s / (self.ball.inertia() * precession);
+        let sigma = y[SPIN] / (self.ball.inertia() * precession);
         // ω − Ω_n k = W u t + σ N + W τ e_x                               (R6)
         let omega = Vector3::new(u * self.sign, sigma, tau * self.sign);
         Ok(Motion { precession: p * self.sign, omega })
@@ -101,21 +104,22 @@ impl<D: Scalar> Scaled<D> {
         let points = self.contacts.map(|c| c.point(self.ball.radius));
 
         // V_A = W r_b λ (cosθ e_x + sinθ t), friction against it whatever the size of λ  (R7)
-        let (sin, cos) = y[5].sin_cos();
+        let (sin, cos) = y[SLIP_ANGLE].sin_cos();
         let along =
             (self.contacts[0].across * cos + BallFrame::tangent() * sin) * D::from(self.sign);
         let slip = [
-            along * y[4],
+            along * y[SLIP],
             to_nut.slip_velocity(self.arc, &points[1]),
             to_screw.slip_velocity(self.arc, &points[2]),
         ];
         let friction = [
-            along * (-self.friction * y[0]),
-            friction_force(self.friction, y[1], &slip[1])?,
-            friction_force(self.friction, y[2], &slip[2])?,
+            along * (-self.friction * y[NUT_LOAD]),
+            friction_force(self.friction, y[MINOR_LOAD], &slip[1])?,
+            friction_force(self.friction, y[SCREW_LOAD], &slip[2])?,
         ];
+        let loads = [y[NUT_LOAD], y[MINOR_LOAD], y[SCREW_LOAD]];
         let wrench = std::array::from_fn(|i| {
-            Wrench::at_contact(&self.contacts[i].normal, &points[i], y[i], &friction[i])
+            Wrench::at_contact(&self.contacts[i].normal, &points[i], loads[i], &friction[i])
         });
         Ok(State { motion, slip, wrench })
     }
@@ -161,12 +165,11 @@ impl Scaled<f64> {
     ///
     /// The unit of force is the larger of axial load and inertia force. The moment about the
     /// normal consists of inertia-sized terms only, and alone tells the slip at A: its unit is
-    /// the inertia force.
-    pub(crate) fn weights(&self) -> [f64; BALL] {
-        let mu = self.inertia_ratio().max(f64::MIN_POSITIVE);
-        // D_F = diag(w, w, w, w, 1/μ, w, w),  w = 1/max(1, μ)             (R10)
-        let mut weights = [mu.max(1.0).recip(); BALL];
-        weights[MOMENT_NORMAL] = mu.recip();
+    /// `normal_moment`, see [`FirstOrder`](super::FirstOrder).
+    pub(crate) fn weights(&self, normal_moment: f64) -> [f64; BALL] {
+        // D_F = diag(w, w, w, w, 1/M_N, w, w),  w = 1/max(1, μ)           (R10)
+        let mut weights = [self.inertia_ratio().max(1.0).recip(); BALL];
+        weights[MOMENT_NORMAL] = normal_moment.max(f64::MIN_POSITIVE).recip();
         weights
     }
 
@@ -232,15 +235,16 @@ impl System for Scaled<f64> {
     }
 }
 
-/// The existence limit as a system: slip at A zero, lead angle unknown in its place (R11).
+/// The existence limit as a system: slip at A zero, lead angle unknown in its place [`SLIP`]
+/// (R11).
 pub(crate) struct ExistenceLimit<'a>(pub(crate) &'a Scaled<f64>);
 
 impl ExistenceLimit<'_> {
     fn residual_at<D: Scalar>(&self, x: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
         // λ = 0, α unknown                                                (R11)
         let mut y = *x;
-        y[4] = D::from(0.0);
-        self.0.with_lead_angle(x[4]).residual(&y)
+        y[SLIP] = D::from(0.0);
+        self.0.with_lead_angle(x[SLIP]).residual(&y)
     }
 }
 
@@ -301,11 +305,11 @@ mod tests {
             let sign = if back { -1.0 } else { 1.0 };
             let case = case(lead, contact, friction, 10.0_f64.powf(log_mass), nut, sign);
             let mut y = FirstOrder::of(&case).unknowns();
-            prop_assume!(y.iter().all(|v| v.is_finite()) && y[3].abs() > 0.1);
+            prop_assume!(y.iter().all(|v| v.is_finite()) && y[PRECESSION].abs() > 0.1);
             for (y, s) in y.iter_mut().zip(shift) {
                 *y += s;
             }
-            prop_assume!((nut + sign * y[3]).abs() > 0.2);
+            prop_assume!((nut + sign * y[PRECESSION]).abs() > 0.2);
             let exact = jacobian(|y| case.lift().residual(&y), &y).expect("in the domain").1;
             // Truncation h²/6 F''' with F''' up to 1e4, rounding 1e-16/h.
             let h = 1e-6;
@@ -327,8 +331,8 @@ mod tests {
     fn newton_converges_quadratically() {
         let case = case(0.3, 0.7, 0.08, 0.02, 0.0, 1.0);
         let mut y = FirstOrder::of(&case).unknowns();
-        y[5] += 0.1;
-        let weights = case.weights();
+        y[SLIP_ANGLE] += 0.1;
+        let weights = case.weights(FirstOrder::of(&case).normal_moment());
         let scales = Scales { x: &[1.0; BALL], f: &weights };
         let options = Options { residual_goal: 1e-14, ..Options::default() };
         let report = solve(&case, y.as_mut_slice(), &scales, &options, &mut Workspace::new(BALL))
