@@ -34,7 +34,7 @@ pub enum CaseError {
         found: &'static str,
     },
     /// A key that is not in the vocabulary.
-    #[error("unknown key `{key}`{}; `bsm schema input` lists all keys", nearest_hint(nearest.as_deref()))]
+    #[error("unknown key `{}`{}; `bsm schema input` lists all keys", key.escape_debug(), nearest_hint(nearest.as_deref()))]
     UnknownKey {
         /// The key.
         key: String,
@@ -42,7 +42,7 @@ pub enum CaseError {
         nearest: Option<String>,
     },
     /// A key that stands twice.
-    #[error("key `{key}` is given twice; keep one")]
+    #[error("key `{}` is given twice; keep one", key.escape_debug())]
     DuplicateKey {
         /// The key.
         key: String,
@@ -119,7 +119,7 @@ pub enum CaseError {
         known: String,
     },
     /// A setting or axis on the command line that cannot be read.
-    #[error("`{text}` is not of the form {form}")]
+    #[error("`{}` is not of the form {form}", text.escape_debug())]
     BadSetting {
         /// What was given.
         text: String,
@@ -131,6 +131,21 @@ pub enum CaseError {
     VariedTwice {
         /// The input.
         key: String,
+    },
+    /// Both forms of the lead are varied.
+    #[error("lead_mm and lead_angle_deg are two forms of the same input; vary one of them")]
+    VariedLeadTwice,
+    /// A model does not cover what the scene asks for.
+    #[error("`{key}` = {value} must be {rule} for model {model}")]
+    NotCovered {
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+        /// What the model covers.
+        rule: &'static str,
+        /// The model.
+        model: &'static str,
     },
     /// More points than can be counted.
     #[error("the grid has more than {limit} points; use fewer values per axis")]

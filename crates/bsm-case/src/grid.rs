@@ -3,6 +3,12 @@
 use crate::scene::unknown_key;
 use crate::{CaseError, INPUTS, Scene};
 
+/// Two ways to give the same thing.
+const LEADS: [&str; 2] = ["lead_angle_deg", "lead_mm"];
+
+/// Inputs that are checked together.
+const SPEEDS: [&str; 2] = ["screw_speed_rpm", "nut_speed_rpm"];
+
 /// One varied input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
@@ -108,6 +114,9 @@ impl Grid {
             if axes[..i].iter().any(|other| other.name == axis.name) {
                 return Err(CaseError::VariedTwice { key: axis.name.to_owned() });
             }
+            if axis.name == LEADS[1] && axes.iter().any(|other| other.name == LEADS[0]) {
+                return Err(CaseError::VariedLeadTwice);
+            }
         }
         let len = axes
             .iter()
@@ -151,6 +160,10 @@ impl Grid {
         for axis in &self.axes {
             if let Some(slot) = scene.slot(axis.name) {
                 *slot = None;
+            }
+            // Speeds are checked by their difference only.
+            if SPEEDS.contains(&axis.name) {
+                (scene.screw_speed_rpm, scene.nut_speed_rpm) = (None, None);
             }
         }
         scene

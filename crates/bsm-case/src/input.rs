@@ -29,8 +29,8 @@ impl Rule {
     pub fn describe(self) -> String {
         match self {
             Self::Any => "a finite number".to_owned(),
-            Self::Above(low) => format!("> {low}"),
-            Self::AtLeast(low) => format!(">= {low}"),
+            Self::Above(low) => format!("finite and > {low}"),
+            Self::AtLeast(low) => format!("finite and >= {low}"),
             Self::Between(low, high) => format!("between {low} and {high} (exclusive)"),
         }
     }

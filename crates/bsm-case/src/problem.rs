@@ -87,26 +87,44 @@ impl Scene {
         missing
     }
 
-    /// The model of a choice; `auto` takes the most complete one that has its inputs.
+    /// What `model` does not cover of a scene that has its inputs.
+    fn not_covered(&self, model: Model) -> Option<CaseError> {
+        let not_covered = |key, value, rule| {
+            Some(CaseError::NotCovered { key, value, rule, model: model.name() })
+        };
+        match (model, self.friction_coefficient, self.speeds_rpm()) {
+            (Model::Rigid, Some(friction), _) if friction <= 0.0 => {
+                let rule = "> 0 (without friction nothing fixes the rotation of the ball)";
+                not_covered("friction_coefficient", friction, rule)
+            }
+            (Model::QuasiStatic, _, Some((screw, nut))) if screw != 0.0 && nut != 0.0 => {
+                not_covered("nut_speed_rpm", nut, "0 while the screw turns (no dual drive)")
+            }
+            _ => None,
+        }
+    }
+
+    /// The model of a choice; `auto` takes the most complete one that has its inputs and covers
+    /// them.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Missing`] if not even the cheapest model has them.
+    /// [`CaseError::Missing`] if not even the cheapest model has them, [`CaseError::NotCovered`]
+    /// if a fixed one does not cover them.
     pub fn choose(&self, choice: ModelChoice) -> Result<Model, CaseError> {
         let model = match choice {
             ModelChoice::Fixed(model) => model,
             ModelChoice::Auto => Model::ALL
                 .into_iter()
                 .rev()
-                .find(|model| self.missing(*model).is_empty())
+                .find(|model| self.missing(*model).is_empty() && self.not_covered(*model).is_none())
                 .unwrap_or(Model::ClosedForm),
         };
         let missing = self.missing(model);
-        if missing.is_empty() {
-            Ok(model)
-        } else {
-            Err(CaseError::Missing { missing, model: model.name() })
+        if !missing.is_empty() {
+            return Err(CaseError::Missing { missing, model: model.name() });
         }
+        self.not_covered(model).map_or(Ok(model), Err)
     }
 
     /// The SI problem of a model.

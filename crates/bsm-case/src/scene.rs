@@ -35,6 +35,8 @@ impl Scene {
     ///
     /// [`CaseError`] for syntax, unknown or repeated keys, and wrong types.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
+        // Some editors begin a file with a byte order mark.
+        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
         if json.iter().all(u8::is_ascii_whitespace) {
             return Err(CaseError::Empty);
         }
@@ -110,7 +112,7 @@ impl Scene {
         let (key, value) = (key.trim(), value.trim());
         let number = value.parse().map_err(|_| CaseError::WrongType {
             key: key.to_owned(),
-            found: format!("`{value}`"),
+            found: format!("`{}`", value.escape_debug()),
             expected: "a number",
         });
         // The unknown name is the more helpful complaint of the two.
@@ -192,6 +194,8 @@ fn lead_angle(lead_mm: f64, pitch_circle_diameter_mm: f64) -> f64 {
 }
 
 pub(crate) fn unknown_key(key: String) -> CaseError {
+    let part = key.to_lowercase();
+    let part = if part.len() < 3 { "no part of a name" } else { part.as_str() };
     let nearest = INPUTS
         .iter()
         .map(|input| {
@@ -200,7 +204,7 @@ pub(crate) fn unknown_key(key: String) -> CaseError {
                 input.name,
             )
         })
-        .chain(INPUTS.iter().filter(|i| i.name.contains(&key.to_lowercase())).map(|i| (3, i.name)))
+        .chain(INPUTS.iter().filter(|i| i.name.contains(part)).map(|i| (3, i.name)))
         .min()
         .filter(|(distance, name)| *distance <= name.len().max(key.len()) / 2)
         .map(|(_, name)| name.to_owned());
@@ -209,7 +213,7 @@ pub(crate) fn unknown_key(key: String) -> CaseError {
 
 fn wrong_type(key: String, value: &Value, expected: &'static str) -> CaseError {
     let found = match value {
-        Value::String(text) => format!("the text \"{text}\""),
+        Value::String(text) => format!("the text {text:?}"),
         other => kind(other).to_owned(),
     };
     CaseError::WrongType { key, found, expected }

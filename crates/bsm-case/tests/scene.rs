@@ -132,9 +132,10 @@ fn errors_say_what_to_do() {
         (r#"{"lead_mm": "3"}"#, &["`lead_mm` is the text \"3\"", "must be a number"]),
         (r#"{"lead_mm": [3]}"#, &["`lead_mm` is a list", "must be a number"]),
         (r#"{"description": 3}"#, &["`description` is a number", "must be text"]),
-        (r#"{"ball_diameter_mm": -3.5}"#, &["`ball_diameter_mm` = -3.5 must be > 0"]),
+        (r#"{"ball_diameter_mm": -3.5}"#, &["`ball_diameter_mm` = -3.5 must be finite and > 0"]),
+        ("{\"a\\nb\\u001b\": 1}", &[r"unknown key `a\nb\u{1b}`"]),
         (r#"{"contact_angle_deg": 90}"#, &["`contact_angle_deg` = 90 must be between 0 and 90"]),
-        (r#"{"nut_conformity": 0.5}"#, &["`nut_conformity` = 0.5 must be > 0.5"]),
+        (r#"{"nut_conformity": 0.5}"#, &["`nut_conformity` = 0.5 must be finite and > 0.5"]),
         (r#"{"ball_diameter_mm": 1e999}"#, &["number out of range"]),
         (
             r#"{"ball_diameter_mm": 30, "pitch_circle_diameter_mm": 48.6}"#,
@@ -159,6 +160,29 @@ fn errors_say_what_to_do() {
     assert!(missing.is_io() && missing.to_string().contains("no/such/file.json"), "{missing}");
 }
 
+/// Found in review: inputs that a model does not cover were told only after the work.
+#[test]
+fn a_model_that_does_not_cover_the_scene_says_so_first() {
+    let mut lin = scene(LIN);
+    lin.apply("friction_coefficient=0").expect("known name");
+    let rigid = lin.problem(ModelChoice::Fixed(Model::Rigid)).expect_err("no friction").to_string();
+    assert!(rigid.contains("`friction_coefficient` = 0 must be > 0"), "{rigid}");
+    assert!(rigid.contains("for model rigid"), "{rigid}");
+    assert_eq!(lin.choose(ModelChoice::Auto).ok(), Some(Model::QuasiStatic));
+    lin.apply("nut_speed_rpm=-100").expect("known name");
+    assert_eq!(lin.choose(ModelChoice::Auto).ok(), Some(Model::ClosedForm));
+    let dual = lin.problem(ModelChoice::Fixed(Model::QuasiStatic)).expect_err("dual").to_string();
+    assert!(dual.contains("no dual drive"), "{dual}");
+}
+
+/// Found in review: a byte order mark was a syntax error.
+#[test]
+fn a_byte_order_mark_is_skipped() {
+    let mut bytes = b"\xef\xbb\xbf".to_vec();
+    bytes.extend(LIN.as_bytes());
+    assert_eq!(Scene::from_json(&bytes).expect("valid scene"), scene(LIN));
+}
+
 #[test]
 fn settings_complete_and_correct_a_scene() {
     let mut lin = scene(LIN);
@@ -171,6 +195,7 @@ fn settings_complete_and_correct_a_scene() {
     assert!(lin.check().is_ok());
     for (setting, part) in [
         ("friction", "name=value"),
+        ("=3", "unknown key ``; `bsm schema input`"),
         ("frction_coefficient=0.1", "did you mean `friction_coefficient`?"),
         ("friction_coefficient=much", "`friction_coefficient` is `much`, but must be a number"),
     ] {
@@ -211,10 +236,18 @@ fn grids_are_full_products_with_exact_ends() {
         let error = Axis::parse(text).expect_err(text).to_string();
         assert!(error.contains(part), "{error}");
     }
+    // Found in review: the last one of two forms of the lead won silently.
+    let leads = ["lead_mm=10,20", "lead_angle_deg=8,30"].map(|a| Axis::parse(a).expect("list"));
+    assert!(matches!(Grid::new(leads.to_vec()), Err(CaseError::VariedLeadTwice)));
+    // Found in review: a nut drive with a varied nut speed counted as standing still.
+    let nut = Grid::new(vec![Axis::parse("nut_speed_rpm=100,200").expect("list")]).expect("grid");
+    let base = Scene { screw_speed_rpm: Some(0.0), ..scene(LIN) };
+    assert!(base.check().is_err() && nut.fixed(&base).check().is_ok());
+    assert!(nut.scene(&base, 1).check().is_ok());
     let axis = Axis::parse("lead_angle_deg=1:2:3").expect("range");
     assert!(matches!(Grid::new(vec![axis.clone(), axis]), Err(CaseError::VariedTwice { .. })));
     let huge = |name| Axis::parse(&format!("{name}=1:2:4294967296")).expect("range");
-    let grid = Grid::new(vec![huge("lead_angle_deg"), huge("lead_mm")]);
+    let grid = Grid::new(vec![huge("lead_angle_deg"), huge("density_kg_m3")]);
     assert!(matches!(grid, Err(CaseError::GridTooLarge { .. })), "{grid:?}");
 }
 

@@ -29,12 +29,17 @@ impl Failure {
         if error.is_io() {
             return Self::Files(error.to_string());
         }
+        Self::in_scene(path, &error.to_string())
+    }
+
+    /// Bad input with its file in front.
+    pub(crate) fn in_scene(path: &Path, text: &str) -> Self {
         let name = if path.as_os_str() == "-" {
-            "standard input".into()
+            "standard input".to_owned()
         } else {
             path.display().to_string()
         };
-        Self::Input(format!("{name}: {error}"))
+        Self::Input(format!("{name}: {text}"))
     }
 
     /// What was being done, to what, and what the system said.

@@ -68,8 +68,12 @@ impl Output {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         };
-        let file = tempfile::Builder::new()
-            .prefix(".bsm-")
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".bsm-");
+        // Temporary files are private; a result gets what the user's mask leaves of 0666.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let file = builder
             .tempfile_in(folder)
             .map_err(|e| Failure::files("write in folder", folder, &e))?;
         Ok(Self::File { file: BufWriter::new(file), path: path.to_owned() })
@@ -86,7 +90,7 @@ impl Output {
         }
     }
 
-    /// Gives the file its name, with the permissions of an ordinary new file.
+    /// Gives the file its name.
     pub(crate) fn complete(mut self) -> Result<(), Failure> {
         let flushed = self.flush();
         match self {
@@ -95,13 +99,6 @@ impl Output {
                 let named = || -> io::Result<()> {
                     flushed?;
                     let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-                    // Temporary files are private; a result is readable as usual.
-                    #[cfg(unix)]
-                    {
-                        use std::fs::Permissions;
-                        use std::os::unix::fs::PermissionsExt;
-                        file.as_file().set_permissions(Permissions::from_mode(0o644))?;
-                    }
                     file.as_file().sync_all()?;
                     file.persist(&path).map_err(|e| e.error)?;
                     Ok(())

@@ -16,6 +16,10 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let problem = scene.problem(choice).map_err(in_file)?;
     let record = Record::new(problem.solve(&mut RigidWorkspace::default()));
 
+    if record.status() == Status::InvalidInput {
+        let text = record.message().unwrap_or("the model refuses the input");
+        return Err(Failure::in_scene(&args.scene.scene, text));
+    }
     for warning in scene.warnings().into_iter().chain(record.warnings()) {
         warn("warning", &warning);
     }
@@ -29,9 +33,6 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     }
     match record.status() {
         Status::Converged => Ok(()),
-        Status::InvalidInput => Err(Failure::Input(
-            record.message().unwrap_or("the model refuses the input").to_owned(),
-        )),
-        Status::NoSolution | Status::NotConverged => Err(Failure::Unsolved),
+        _ => Err(Failure::Unsolved),
     }
 }

@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 
 use crate::args::SweepArgs;
 use crate::failure::{Failure, warn};
-use crate::files::{self, Output, read_scene};
+use crate::files::{Output, read_scene};
 use crate::plot::{self, Curve};
 
 pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
@@ -26,9 +26,18 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     // Everything that can be told before the work: the fixed inputs, the model, the outputs.
     grid.fixed(&base).check().map_err(in_file)?;
     let choice = ModelChoice::from_name(&args.scene.model).map_err(in_file)?;
-    let model = grid.scene(&base, 0).choose(choice).map_err(in_file)?;
-    let mut curves = match &args.plot {
-        Some(path) => Some(Curves::new(&grid, &args.plot_output, path)?),
+    // One model for all rows, even if it does not cover the first or last point.
+    let (first, last) = (grid.scene(&base, 0), grid.scene(&base, grid.len() - 1));
+    let model = match (first.choose(choice), last.choose(choice)) {
+        (Ok(first), Ok(last)) => first.max(last),
+        (Ok(model), Err(_)) | (Err(_), Ok(model)) => model,
+        (Err(error), Err(_)) => return Err(in_file(error)),
+    };
+    let mut plot = match &args.plot {
+        Some(path) => {
+            let curves = Curves::new(&grid, &args.plot_output, path)?;
+            Some((curves, Output::create(path)?, path))
+        }
         None => None,
     };
     let mut sink = Sink::create(&args.output, &grid)?;
@@ -40,7 +49,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
         let point = grid.point(i);
         let record = solve(&grid.scene(&base, i), model, &mut work);
         failed += usize::from(record.status() != Status::Converged);
-        if let Some(curves) = &mut curves {
+        if let Some((curves, ..)) = &mut plot {
             curves.add(&point, &record);
         }
         sink.row(&grid, &point, &record)?;
@@ -49,10 +58,12 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
         }
     }
     bar.finish_and_clear();
-    sink.complete()?;
-    if let (Some(curves), Some(path)) = (curves, &args.plot) {
-        files::write(path, &curves.render(base.description.as_deref(), model))?;
+    if let Some((curves, mut out, path)) = plot {
+        let svg = curves.render(base.description.as_deref(), model);
+        out.write_all(svg.as_bytes()).map_err(|e| Output::failure(path, &e))?;
+        out.complete()?;
     }
+    sink.complete()?;
 
     let total = grid.len();
     if failed > 0 {
@@ -172,7 +183,7 @@ impl Sink {
 fn text(cell: Option<Cell>) -> String {
     match cell {
         None => String::new(),
-        Some(Cell::Number(x)) => x.to_string(),
+        Some(Cell::Number(x)) => json!(x).to_string(),
         Some(Cell::Count(n)) => n.to_string(),
         Some(Cell::Flag(b)) => b.to_string(),
     }
