@@ -158,6 +158,10 @@ fn message(reason: &Reason) -> String {
             "only the spurious root at infinity is left, with speeds of {speed_ratio:.1e} times \
              the relative speed"
         ),
+        Reason::CurvaturesNotHertzian { along, across } => format!(
+            "relative curvatures of {along:.3e} 1/m along and {across:.3e} 1/m across the groove give \
+             no contact ellipse across the groove; lower the conformity towards 0.52"
+        ),
         Reason::Undecided { inertia } => format!(
             "no admissible root was found; with inertia forces of {inertia:.3} times friction that \
              proves nothing about others. Raise axial_load_N or lower the speed"

@@ -4,11 +4,13 @@
 //! operating point with the inputs of one model; [`Problem::solve`] returns a [`Solution`], which
 //! is data also when there is none.
 //!
-//! Theory: `docs/theory`, chapters 02 to 04.
+//! Theory: `docs/theory`, chapters 02 to 06.
 
 pub mod balance;
 mod closed_form;
 mod coulomb;
+mod hertz;
+mod jones;
 mod layout;
 mod model;
 mod quasi_static;
@@ -18,6 +20,8 @@ mod solution;
 pub use balance::{Ball, Load, Wrench};
 pub use closed_form::{Angles, ClosedForm, Optimum, Transmission};
 pub use coulomb::friction_force;
+pub use hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
+pub use jones::{Displacement, Jones, Side};
 pub use model::{Model, Problem};
 pub use quasi_static::{Driven, QuasiStatic};
 pub use rigid::{FirstOrder, Rigid, RigidRoot, RigidSystem, RigidUnknowns, RigidWorkspace};

@@ -99,6 +99,13 @@ pub enum Reason {
         /// Inertia forces over friction forces.
         inertia: f64,
     },
+    /// The curvatures of ball and groove give no ellipse across the groove.
+    CurvaturesNotHertzian {
+        /// Along the track \[1/m\].
+        along: f64,
+        /// Across the groove \[1/m\].
+        across: f64,
+    },
     /// `$P = 0$`: a ball that does not circle has no gyroscopic moment to carry the friction couple.
     BallDoesNotCircle,
     /// The inertia ratio `$m r_m W^2/F_a$` is not a normal number of double precision.

@@ -12,8 +12,10 @@ fn tags(dir: &Path, ext: &str, found: &mut BTreeSet<String>) {
             tags(&path, ext, found);
         } else if path.extension().is_some_and(|e| e == ext) {
             let text = fs::read_to_string(&path).expect("UTF-8 text");
-            let pieces = text.split(['(', '{']).skip(1);
-            found.extend(pieces.filter_map(|s| tag(s.split_once([')', '}'])?.0)));
+            let cited = text.split('(').skip(1).filter_map(|s| tag(s.split_once(')')?.0));
+            found.extend(cited);
+            let stated = text.split("\\tag{").skip(1).filter_map(|s| tag(s.split_once('}')?.0));
+            found.extend(stated);
         }
     }
 }

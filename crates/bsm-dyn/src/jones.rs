@@ -1,0 +1,154 @@
+//! Jones geometry: how the contact angles follow the ball centre and the load.
+//!
+//! Theory: `docs/theory/06-elastic-contact.md`, equations (J1) to (J6).
+
+use bsm_kin::Scalar;
+use bsm_newton::EvalError;
+
+/// Distances from the groove-arc centres to the ball centre at first touch, and the unloaded
+/// contact angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jones<D> {
+    /// `$l_{A0}$` at the nut \[m\].
+    pub nut_offset: D,
+    /// `$l_{B0}$` at the screw \[m\].
+    pub screw_offset: D,
+    /// `$\beta_0$` \[rad\].
+    pub contact_angle: D,
+}
+
+/// Position of the ball centre and of the nut, from the unloaded state, in the normal plane \[m\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Displacement<D> {
+    /// `$X$`: ball centre along the binormal, away from the nut's arc centre.
+    pub axial: D,
+    /// `$R$`: ball centre along the normal, away from the nut's arc centre.
+    pub radial: D,
+    /// `$\delta_a$`: displacement of the screw's arc centre from the nut's, along the binormal.
+    pub nut: D,
+}
+
+/// One contact of the deformed state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Side<D> {
+    /// Contact angle \[rad\].
+    pub angle: D,
+    /// Elastic approach \[m\]; negative if the contact is lost.
+    pub approach: D,
+}
+
+impl<D: Scalar> Jones<D> {
+    /// Contact angles and approaches at nut and screw (J1) to (J5).
+    ///
+    /// ```math
+    /// \beta_A = \mathrm{atan2}(z, r), \quad \delta_A = |(z, r)| - l_{A0}, \qquad
+    /// \beta_B = \mathrm{atan2}(A_1 - z, A_2 - r), \quad \delta_B = |(A_1 - z, A_2 - r)| - l_{B0}
+    /// ```
+    ///
+    /// Source: Jones, *A General Theory for Elastically Constrained Ball and Radial Roller
+    /// Bearings*, ASME J. Basic Eng. 82 (1960), with the groove arcs of a screw and a nut.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if the ball centre meets an arc centre: the contact has no direction there.
+    pub fn sides(&self, at: &Displacement<D>) -> Result<(Side<D>, Side<D>), EvalError> {
+        let (sin, cos) = self.contact_angle.sin_cos();
+        // (z, r) = (l_A0 sinβ₀ + X, l_A0 cosβ₀ + R)                       (J1)
+        let (z, r) = (self.nut_offset * sin + at.axial, self.nut_offset * cos + at.radial);
+        // (A₁, A₂) = ((l_A0 + l_B0) sinβ₀ + δ_a, (l_A0 + l_B0) cosβ₀)     (J2)
+        let both = self.nut_offset + self.screw_offset;
+        let (z_b, r_b) = (both * sin + at.nut - z, both * cos - r);
+        Ok((side(z, r, self.nut_offset)?, side(z_b, r_b, self.screw_offset)?))
+    }
+}
+
+fn side<D: Scalar>(z: D, r: D, offset: D) -> Result<Side<D>, EvalError> {
+    // l = |(z, r)|                                                        (J3)
+    let length = (z.square() + r.square()).sqrt();
+    if length.re() > 1e-3 * offset.re() {
+        // β = atan2(z, r)                                                 (J4)
+        // δ = l − l₀                                                      (J5)
+        Ok(Side { angle: z.atan2(r), approach: length - offset })
+    } else {
+        Err(EvalError {
+            quantity: "distance of the ball centre from a groove-arc centre [m]",
+            value: length.re(),
+            requirement: "at least a thousandth of the groove offset",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use bsm_kin::Jet;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const SCREW: Jones<f64> =
+        Jones { nut_offset: 0.262e-3, screw_offset: 0.31e-3, contact_angle: 0.78 };
+
+    #[test]
+    fn the_unloaded_state_has_the_unloaded_angle() {
+        let at = Displacement { axial: 0.0, radial: 0.0, nut: 0.0 };
+        let (nut, screw) = SCREW.sides(&at).unwrap();
+        for side in [nut, screw] {
+            assert_relative_eq!(side.angle, 0.78, max_relative = 1e-15);
+            assert_relative_eq!(side.approach, 0.0, epsilon = 1e-18);
+        }
+    }
+
+    #[test]
+    fn a_ball_on_an_arc_centre_is_refused() {
+        let (sin, cos) = 0.78_f64.sin_cos();
+        let at = Displacement { axial: -0.262e-3 * sin, radial: -0.262e-3 * cos, nut: 0.0 };
+        assert!(SCREW.sides(&at).is_err());
+    }
+
+    proptest! {
+        /// The law of cosines in the triangle of the arc centres and the ball centre (J6): the
+        /// corrected radical of Dong et al., Eq 17.
+        #[test]
+        fn the_angle_difference_follows_from_the_sides(
+            axial in -2e-4..2e-4_f64, radial in -2e-4..2e-4_f64, nut in -2e-4..2e-4_f64,
+        ) {
+            let at = Displacement { axial, radial, nut };
+            let (a, b) = SCREW.sides(&at).unwrap();
+            let (l_a, l_b) = (SCREW.nut_offset + a.approach, SCREW.screw_offset + b.approach);
+            let both = SCREW.nut_offset + SCREW.screw_offset;
+            let square = (both * 0.78_f64.sin() + nut).powi(2) + (both * 0.78_f64.cos()).powi(2);
+            // tan²(D/2) = [(l_A + l_B)² − A²] / [A² − (l_A − l_B)²]      (J6)
+            let half = ((l_a + l_b).powi(2) - square) / (square - (l_a - l_b).powi(2));
+            let direct = (0.5 * (b.angle - a.angle)).tan().powi(2);
+            // The numerator is a difference of squares of lengths, 1e-16 of which is its rounding.
+            prop_assert!((half - direct).abs() <= 1e-12 * (1.0 + direct), "{half} {direct}");
+        }
+
+        /// Jets against central differences: the shared check of derivatives.
+        #[test]
+        fn derivatives_match_differences(axial in -1e-4..1e-4_f64, nut in -1e-4..1e-4_f64) {
+            let lift = |x: f64| Jet::<2>::from(x);
+            let jones = Jones {
+                nut_offset: lift(SCREW.nut_offset),
+                screw_offset: lift(SCREW.screw_offset),
+                contact_angle: lift(SCREW.contact_angle),
+            };
+            let at = Displacement {
+                axial: Jet::variable(axial, 0),
+                radial: lift(3e-5),
+                nut: Jet::variable(nut, 1),
+            };
+            let (_, exact) = jones.sides(&at).unwrap();
+            let value = |axial, nut| {
+                SCREW.sides(&Displacement { axial, radial: 3e-5, nut }).unwrap().1
+            };
+            // Truncation (h/l)² of 1e-8, relative to slopes of 1/l and 1.
+            let h = 3e-8;
+            let angle = (value(axial + h, nut).angle - value(axial - h, nut).angle) / (2.0 * h);
+            let approach = (value(axial, nut + h).approach - value(axial, nut - h).approach) / (2.0 * h);
+            prop_assert!((angle - exact.angle.eps[0]).abs() <= 1e-6 / SCREW.screw_offset);
+            prop_assert!((approach - exact.approach.eps[1]).abs() <= 1e-6);
+        }
+    }
+}
