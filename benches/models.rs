@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use bsm_benches::{lin_problem, seeded};
 use bsm_case::ModelChoice;
-use bsm_dyn::{Model, Problem, Rigid, RigidWorkspace};
+use bsm_dyn::{Model, ModelWorkspace, Problem, Rigid};
 use bsm_newton::{Options, Scales, System, Workspace, solve};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
@@ -37,7 +37,7 @@ fn equations(c: &mut Criterion) {
 /// Lin's case: each model cold from SI inputs; rigid also warm, from the root at 1 % less load,
 /// at the same tolerance.
 fn one_point(c: &mut Criterion) {
-    let mut work = RigidWorkspace::default();
+    let mut work = ModelWorkspace::default();
     for model in Model::ALL {
         let problem = lin_problem(model);
         c.bench_function(&format!("{}/solve/cold", model.name()), |b| {
@@ -71,7 +71,7 @@ fn one_point(c: &mut Criterion) {
 fn many_points(c: &mut Criterion) {
     const COUNT: usize = 1000;
     let scenes = seeded(COUNT);
-    let mut work = RigidWorkspace::default();
+    let mut work = ModelWorkspace::default();
     let mut group = c.benchmark_group("seeded");
     group.throughput(Throughput::Elements(COUNT as u64)).sample_size(20);
     for model in Model::ALL {
@@ -93,7 +93,8 @@ fn many_points(c: &mut Criterion) {
     group.bench_function("rigid from scene", |b| {
         b.iter(|| {
             for scene in &scenes {
-                let problem = scene.problem(ModelChoice::Auto).expect("complete scene");
+                let problem =
+                    scene.problem(ModelChoice::Fixed(Model::Rigid)).expect("complete scene");
                 let _ = black_box(problem.solve(&mut work));
             }
         });
@@ -101,7 +102,7 @@ fn many_points(c: &mut Criterion) {
 }
 
 /// Median over the points of the fastest of several cold solves, and median of the steps.
-fn report_median(problems: &[Problem], work: &mut RigidWorkspace) {
+fn report_median(problems: &[Problem], work: &mut ModelWorkspace) {
     let mut times: Vec<_> = problems
         .iter()
         .map(|problem| {

@@ -5,14 +5,18 @@ use bsm_dyn::{Model, Problem};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Lin's own case.
+/// Lin's own case, with the conformities that the elastic models need.
 ///
 /// # Panics
 ///
 /// If the committed scene cannot be used.
 pub fn lin() -> Scene {
     let json = include_bytes!("../../validation/published/lin1994/case.json");
-    Scene::from_json(json).expect("committed scene")
+    Scene {
+        nut_conformity: Some(0.53),
+        screw_conformity: Some(0.53),
+        ..Scene::from_json(json).expect("committed scene")
+    }
 }
 
 /// Lin's case for one model.
@@ -34,7 +38,7 @@ pub fn lin_problem(model: Model) -> Problem {
 /// If a drawn scene cannot be used.
 pub fn seeded(count: usize) -> Vec<Scene> {
     let mut rng = ChaCha8Rng::seed_from_u64(1994);
-    let mut work = bsm_dyn::RigidWorkspace::default();
+    let mut work = bsm_dyn::ModelWorkspace::default();
     let mut scenes = Vec::new();
     while scenes.len() < count {
         let mut scene = lin();

@@ -1,12 +1,12 @@
 //! From a scene to the SI problem of a model.
 
 use bsm_dyn::{
-    Angles, Ball, ClosedForm, Direction, Driven, Load, Model, Problem, QuasiStatic, Rigid,
-    Transmission,
+    Angles, Ball, ClosedForm, Direction, Driven, Load, Material, Model, Problem, QuasiStatic,
+    RacewayControl, Rigid, Transmission,
 };
 use bsm_kin::{Drive, Helix};
 
-use crate::units::{DEG, MM, RPM};
+use crate::units::{DEG, GPA, MM, RPM};
 use crate::{CaseError, INPUTS, Scene};
 
 /// The model to solve with.
@@ -61,6 +61,18 @@ pub fn required_inputs(model: Model) -> &'static [&'static str] {
             "friction_coefficient",
             "ball_diameter_mm",
             "pitch_circle_diameter_mm",
+            "screw_speed_rpm",
+            "axial_load_N",
+            "loaded_balls",
+        ],
+        Model::RacewayControl => &[
+            LEAD,
+            "contact_angle_deg",
+            "friction_coefficient",
+            "ball_diameter_mm",
+            "pitch_circle_diameter_mm",
+            "nut_conformity",
+            "screw_conformity",
             "screw_speed_rpm",
             "axial_load_N",
             "loaded_balls",
@@ -144,6 +156,7 @@ impl Scene {
             }),
             Model::QuasiStatic => Problem::QuasiStatic(self.quasi_static()),
             Model::Rigid => Problem::Rigid(self.rigid()),
+            Model::RacewayControl => Problem::RacewayControl(self.raceway_control()),
         })
     }
 
@@ -199,6 +212,29 @@ impl Scene {
             driven,
             direction: self.direction(),
             transmission: self.transmission(),
+        }
+    }
+
+    fn raceway_control(&self) -> RacewayControl {
+        let Rigid { helix, contact_angle, ball, friction, drive, load } = self.rigid();
+        let races = Material {
+            youngs_modulus: self.value("youngs_modulus_GPa") * GPA,
+            poisson_ratio: self.value("poisson_ratio"),
+        };
+        let balls = Material {
+            youngs_modulus: self.ball_youngs_modulus_GPa.map_or(races.youngs_modulus, |e| e * GPA),
+            poisson_ratio: self.ball_poisson_ratio.unwrap_or(races.poisson_ratio),
+        };
+        RacewayControl {
+            helix,
+            contact_angle,
+            ball,
+            conformity: (self.value("nut_conformity"), self.value("screw_conformity")),
+            material: (races, balls),
+            friction,
+            drive,
+            load,
+            control: None,
         }
     }
 

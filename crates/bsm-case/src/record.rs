@@ -6,6 +6,10 @@ use serde_json::{Map, Value, json};
 use crate::units::DEG;
 use crate::{CaseError, Cell, OUTPUTS, Output};
 
+/// Skid number below which a ball grips, and above which it skids.
+const GRIPS_BELOW: f64 = 0.05;
+const SKIDS_ABOVE: f64 = 0.15;
+
 /// One answer: model, status, numbers, and words where they are needed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
@@ -73,7 +77,13 @@ impl Record {
         if self.solution.outputs.self_locking == Some(true) {
             return Some("self-locking in this direction");
         }
+        let skid = self.solution.outputs.skid_number;
         Some(match self.solution.model {
+            Model::RacewayControl => match skid {
+                Some(g) if g < GRIPS_BELOW => "rolling, the balls grip",
+                Some(g) if g < SKIDS_ABOVE => "rolling, close to skidding",
+                _ => "skidding: raceway control does not hold",
+            },
             Model::ClosedForm => "gross skid, inertia small against the load",
             Model::QuasiStatic => "slip across the groove only, no inertia",
             Model::Rigid => "gross skid, friction saturated at every contact",
@@ -89,6 +99,12 @@ impl Record {
                 "ball spin {:.2e} rad/s, slip {minor:.0} m/s at the minor contact: saturated \
                  friction is the gross-skid limit; a loaded ball that grips rolls, with less loss",
                 spin.abs()
+            ));
+        }
+        if let Some(skid) = o.skid_number.filter(|g| *g >= GRIPS_BELOW) {
+            warnings.push(format!(
+                "skid number {skid:.2} (gyroscopic over friction moment): above {GRIPS_BELOW} the balls \
+                 begin to skid, which raceway control excludes; model rigid is the skidding limit"
             ));
         }
         if o.self_locking == Some(true) {
@@ -166,6 +182,7 @@ fn message(reason: &Reason) -> String {
             "no admissible root was found; with inertia forces of {inertia:.3} times friction that \
              proves nothing about others. Raise axial_load_N or lower the speed"
         ),
+        Reason::Refused { error } => error.to_string(),
         Reason::BallDoesNotCircle => {
             "the ball would not circle about the axis (precession 0), and \
              has no gyroscopic moment that could carry the friction couple"

@@ -10,5 +10,7 @@ pub(crate) const UM: f64 = 1e-6;
 pub(crate) const DEG: f64 = PI / 180.0;
 /// Radians per second per revolution per minute.
 pub(crate) const RPM: f64 = PI / 30.0;
+/// Pascals per gigapascal.
+pub(crate) const GPA: f64 = 1e9;
 /// Pascals per megapascal.
 pub(crate) const MPA: f64 = 1e6;

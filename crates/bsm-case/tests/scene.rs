@@ -6,7 +6,7 @@ use approx::assert_relative_eq;
 use bsm_case::{
     Axis, CaseError, Grid, ModelChoice, Record, Rule, Scene, input_schema, output_schema,
 };
-use bsm_dyn::{Model, Problem, RigidWorkspace};
+use bsm_dyn::{Model, ModelWorkspace, Problem};
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -36,7 +36,7 @@ fn units_become_si_and_come_back() {
     assert_relative_eq!(case.drive.screw_speed, 209.439_510_239_319_6, max_relative = 1e-15);
     assert_relative_eq!(case.load.per_ball(), 2113.0);
 
-    let record = Record::new(Problem::Rigid(case).solve(&mut RigidWorkspace::default()));
+    let record = Record::new(Problem::Rigid(case).solve(&mut ModelWorkspace::default()));
     let number = |name| record.number(name).expect(name);
     assert_relative_eq!(number("nut_contact_angle_deg"), 45.0, max_relative = 1e-15);
     // ψ_B = atan(tan 10° / cos 45°) = 14.00°, to the order of the inertia.
@@ -265,7 +265,7 @@ fn schemas_follow_the_tables() {
         Some(bsm_case::INPUTS.len() + 1)
     );
     let solved = scene(LIN).problem(ModelChoice::Auto).expect("complete");
-    let record = Record::new(solved.solve(&mut RigidWorkspace::default())).to_json();
+    let record = Record::new(solved.solve(&mut ModelWorkspace::default())).to_json();
     let output = output_schema();
     let names = output["properties"].as_object().expect("object");
     assert!(record.keys().eq(names.keys()));
@@ -291,7 +291,7 @@ fn a_failed_point_says_why() {
     let mut lin = scene(LIN);
     lin.apply("lead_angle_deg=5").expect("known name");
     let problem = lin.problem(ModelChoice::Auto).expect("complete");
-    let record = Record::new(problem.solve(&mut RigidWorkspace::default()));
+    let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
     assert_eq!(record.status_name(), "no_solution");
     let message = record.message().expect("a reason");
     assert!(message.contains("critical lead angle of this point is 7.075"), "{message}");

@@ -1,7 +1,7 @@
 //! `bsm solve`: one operating point.
 
 use bsm_case::{CaseError, ModelChoice, Record};
-use bsm_dyn::{RigidWorkspace, Status};
+use bsm_dyn::{ModelWorkspace, Status};
 use serde_json::Value;
 
 use crate::args::{Format, SolveArgs};
@@ -14,7 +14,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let in_file = |e: CaseError| Failure::scene(&args.scene.scene, &e);
     let choice = ModelChoice::from_name(&args.scene.model).map_err(in_file)?;
     let problem = scene.problem(choice).map_err(in_file)?;
-    let record = Record::new(problem.solve(&mut RigidWorkspace::default()));
+    let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
 
     if record.status() == Status::InvalidInput {
         let text = record.message().unwrap_or("the model refuses the input");

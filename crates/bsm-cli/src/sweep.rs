@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use bsm_case::{
     Axis, CaseError, Cell, Grid, ModelChoice, OUTPUTS, Output as OutputColumn, Record, Scene,
 };
-use bsm_dyn::{Model, RigidWorkspace, Status};
+use bsm_dyn::{Model, ModelWorkspace, Status};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value, json};
 
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let mut sink = Sink::create(&args.output, &grid)?;
 
     let bar = progress(grid.len(), args.quiet);
-    let mut work = RigidWorkspace::default();
+    let mut work = ModelWorkspace::default();
     let mut failed = 0_usize;
     for i in 0..grid.len() {
         let point = grid.point(i);
@@ -75,7 +75,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-fn solve(scene: &Scene, model: Model, work: &mut RigidWorkspace) -> Record {
+fn solve(scene: &Scene, model: Model, work: &mut ModelWorkspace) -> Record {
     match scene.problem(ModelChoice::Fixed(model)) {
         Ok(problem) => Record::new(problem.solve(work)),
         Err(error) => Record::invalid(model, &error),

@@ -65,11 +65,12 @@ const CONTACTS: &[(&str, [&str; 3])] = &[
 pub(crate) fn record(record: &Record) -> String {
     let mut status = record.status_name().to_owned();
     if let Some(Cell::Count(steps)) = Output::named("iterations").and_then(|o| record.cell(o)) {
-        let small = |name| record.number(name).map_or(String::new(), |x| format!("{x:.0e}"));
-        let (residual, balance) = (small("residual_norm"), small("power_balance"));
-        status = format!(
-            "{status} in {steps} Newton steps, residual {residual}, power balance {balance}"
-        );
+        status = format!("{status} in {steps} Newton steps");
+        for (label, name) in [("residual", "residual_norm"), ("power balance", "power_balance")] {
+            if let Some(value) = record.number(name) {
+                status = format!("{status}, {label} {value:.0e}");
+            }
+        }
     }
     let head = [
         ("model ", Some(record.model().name())),

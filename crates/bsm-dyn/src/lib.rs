@@ -4,25 +4,29 @@
 //! operating point with the inputs of one model; [`Problem::solve`] returns a [`Solution`], which
 //! is data also when there is none.
 //!
-//! Theory: `docs/theory`, chapters 02 to 06.
+//! Theory: `docs/theory`, chapters 02 to 07.
 
 pub mod balance;
 mod closed_form;
 mod coulomb;
+mod ellipse;
 mod hertz;
 mod jones;
 mod layout;
 mod model;
 mod quasi_static;
+mod raceway_control;
 mod rigid;
 mod solution;
 
 pub use balance::{Ball, Load, Wrench};
 pub use closed_form::{Angles, ClosedForm, Optimum, Transmission};
 pub use coulomb::friction_force;
+pub use ellipse::{Ellipse, Quadrature, pressed_radius};
 pub use hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 pub use jones::{Displacement, Jones, Side};
-pub use model::{Model, Problem};
+pub use model::{Model, ModelWorkspace, Problem};
 pub use quasi_static::{Driven, QuasiStatic};
+pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
 pub use rigid::{FirstOrder, Rigid, RigidRoot, RigidSystem, RigidUnknowns, RigidWorkspace};
 pub use solution::{Direction, Outputs, Reason, Solution, Status};

@@ -1,8 +1,10 @@
 //! The models by name, and one operating point with the inputs of one model.
 
-use crate::{ClosedForm, QuasiStatic, Rigid, RigidWorkspace, Solution};
+use crate::{
+    ClosedForm, QuasiStatic, RacewayControl, RacewayWorkspace, Rigid, RigidWorkspace, Solution,
+};
 
-/// A model of the ball screw, cheapest first.
+/// A model of the ball screw, from the one with the fewest inputs to the one with the most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Model {
     /// Lin's closed form, Eqs 14-19.
@@ -11,11 +13,21 @@ pub enum Model {
     QuasiStatic,
     /// The published steady-state equations, Lin's Eqs 5-9.
     Rigid,
+    /// Elastic contacts, rolling balls: Jones and Harris.
+    RacewayControl,
+}
+
+/// Memory of the solves, reused from point to point; one for each thread.
+#[derive(Default)]
+pub struct ModelWorkspace {
+    rigid: RigidWorkspace,
+    raceway: RacewayWorkspace,
 }
 
 impl Model {
-    /// All models, cheapest first.
-    pub const ALL: [Self; 3] = [Self::ClosedForm, Self::QuasiStatic, Self::Rigid];
+    /// All models, by the number of inputs that they need.
+    pub const ALL: [Self; 4] =
+        [Self::ClosedForm, Self::QuasiStatic, Self::Rigid, Self::RacewayControl];
 
     /// Name in files and on the command line.
     pub fn name(self) -> &'static str {
@@ -23,6 +35,7 @@ impl Model {
             Self::ClosedForm => "closed-form",
             Self::QuasiStatic => "quasi-static",
             Self::Rigid => "rigid",
+            Self::RacewayControl => "raceway-control",
         }
     }
 
@@ -41,6 +54,8 @@ pub enum Problem {
     QuasiStatic(QuasiStatic),
     /// Inputs of [`Model::Rigid`].
     Rigid(Rigid),
+    /// Inputs of [`Model::RacewayControl`].
+    RacewayControl(RacewayControl),
 }
 
 impl Problem {
@@ -50,15 +65,17 @@ impl Problem {
             Self::ClosedForm(_) => Model::ClosedForm,
             Self::QuasiStatic(_) => Model::QuasiStatic,
             Self::Rigid(_) => Model::Rigid,
+            Self::RacewayControl(_) => Model::RacewayControl,
         }
     }
 
     /// Solves it; `work` is memory that one thread reuses from point to point.
-    pub fn solve(&self, work: &mut RigidWorkspace) -> Solution {
+    pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         match self {
             Self::ClosedForm(p) => p.solve(),
             Self::QuasiStatic(p) => p.solve(),
-            Self::Rigid(p) => p.solve(work),
+            Self::Rigid(p) => p.solve(&mut work.rigid),
+            Self::RacewayControl(p) => p.solve(&mut work.raceway),
         }
     }
 }

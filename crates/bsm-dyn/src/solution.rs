@@ -1,6 +1,6 @@
 //! The answer of a model, in SI units.
 
-use bsm_newton::Status as NewtonStatus;
+use bsm_newton::{EvalError, Status as NewtonStatus};
 
 use crate::Model;
 use crate::balance::Power;
@@ -124,6 +124,11 @@ pub enum Reason {
         /// Relative violation.
         imbalance: f64,
     },
+    /// The model cannot be evaluated where it was asked.
+    Refused {
+        /// Quantity, value and requirement.
+        error: EvalError,
+    },
     /// The iteration ended early.
     Newton {
         /// How it ended.
@@ -205,6 +210,9 @@ pub struct Outputs {
     pub iterations: Option<usize>,
     pub residual_norm: Option<f64>,
     pub self_locking: Option<bool>,
+    /// Gyroscopic over friction moment of the gripping motion: below 0.05 the ball grips, from
+    /// 0.06 to 0.15 it begins to skid.
+    pub skid_number: Option<f64>,
 }
 
 impl Outputs {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use bsm_case::{ModelChoice, Scene};
-use bsm_dyn::{Angles, Direction, Model, Optimum, Problem, RigidWorkspace, Status};
+use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Problem, RigidWorkspace, Status};
 use serde::Deserialize;
 
 use crate::search::{minimum_of, root_of};
@@ -52,7 +52,7 @@ impl Claims {
 }
 
 /// A sweep of a scene.
-type Runner = fn(&Scene, &mut RigidWorkspace) -> Result<Sweep, ValidateError>;
+type Runner = fn(&Scene, &mut ModelWorkspace) -> Result<Sweep, ValidateError>;
 
 /// Lin's sweeps over speed, lead angle and contact angle in one direction.
 fn sweeps(lin: &Scene, direction: Direction, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
@@ -63,7 +63,7 @@ fn sweeps(lin: &Scene, direction: Direction, claims: &Claims) -> Result<Vec<Chec
     let source = format!("{SOURCE}, {equation} against Eqs 5-9");
     let mut lin = lin.clone();
     lin.screw_speed_rpm = lin.screw_speed_rpm.map(|rpm| direction.sign() * rpm);
-    let work = &mut RigidWorkspace::default();
+    let work = &mut ModelWorkspace::default();
     let mut checks = Vec::new();
 
     let speed = Sweep::speed(&lin, work)?;
@@ -93,7 +93,7 @@ fn sweeps(lin: &Scene, direction: Direction, claims: &Claims) -> Result<Vec<Chec
 
         // The load per ball at which the bound is reached, found on the logarithm.
         let search = |log_load: f64| {
-            let work = &mut RigidWorkspace::default();
+            let work = &mut ModelWorkspace::default();
             let scene = Scene { axial_load_N: Some(10.0_f64.powf(log_load)), ..lin.clone() };
             Ok(run(&scene, work)?.largest().0 - bound)
         };
@@ -114,7 +114,7 @@ fn sweeps(lin: &Scene, direction: Direction, claims: &Claims) -> Result<Vec<Chec
 
     // Speed at which one percentage point is reached at Lin's load.
     let search = |log_rpm: f64| {
-        let work = &mut RigidWorkspace::default();
+        let work = &mut ModelWorkspace::default();
         let rpm = direction.sign() * 10.0_f64.powf(log_rpm);
         let scene = Scene { screw_speed_rpm: Some(rpm), ..lin.clone() };
         Ok(deviation(&scene, work)?.map_or(f64::INFINITY, |(d, _)| d) - 1.0)
@@ -277,13 +277,14 @@ fn self_locking() -> Vec<Check> {
 
 /// Existence of the root: the critical lead angle, and the denial below it.
 fn existence(lin: &Scene, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
-    let work = &mut RigidWorkspace::default();
+    let work = &mut ModelWorkspace::default();
     let source = format!("{SOURCE}, Eqs 5-9; derivation in docs/theory/04-rigid.md");
     // Little inertia, to which the number belongs.
     let slow = Scene { screw_speed_rpm: Some(20.0), lead_angle_deg: Some(5.0), ..lin.clone() };
     let problem = slow.problem(ModelChoice::Fixed(Model::Rigid))?;
     let Problem::Rigid(case) = problem else { unreachable!("the model was fixed") };
-    let critical = case.critical_lead_angle(work).map_or(f64::NAN, f64::to_degrees);
+    let critical =
+        case.critical_lead_angle(&mut RigidWorkspace::default()).map_or(f64::NAN, f64::to_degrees);
     let (claimed, statement) = claims.get("critical-lead-angle")?;
 
     let mut wrong = 0;

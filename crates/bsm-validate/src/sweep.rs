@@ -1,7 +1,7 @@
 //! Sweeps of a scene: the closed form against the rigid equations.
 
 use bsm_case::{ModelChoice, Scene};
-use bsm_dyn::{Model, Outputs, RigidWorkspace};
+use bsm_dyn::{Model, ModelWorkspace, Outputs};
 
 use crate::ValidateError;
 
@@ -27,7 +27,7 @@ impl Sweep {
         input: &'static str,
         unit: &'static str,
         values: impl Iterator<Item = f64>,
-        work: &mut RigidWorkspace,
+        work: &mut ModelWorkspace,
     ) -> Result<Self, ValidateError> {
         let (mut points, mut denied) = (Vec::new(), 0);
         for at in values {
@@ -41,15 +41,15 @@ impl Sweep {
         Ok(Self { input, unit, points, denied })
     }
 
-    pub(crate) fn lead(lin: &Scene, work: &mut RigidWorkspace) -> Result<Self, ValidateError> {
+    pub(crate) fn lead(lin: &Scene, work: &mut ModelWorkspace) -> Result<Self, ValidateError> {
         Self::run(lin, "lead_angle_deg", "deg", (1..=60).map(f64::from), work)
     }
 
-    pub(crate) fn contact(lin: &Scene, work: &mut RigidWorkspace) -> Result<Self, ValidateError> {
+    pub(crate) fn contact(lin: &Scene, work: &mut ModelWorkspace) -> Result<Self, ValidateError> {
         Self::run(lin, "contact_angle_deg", "deg", (5..=85).map(f64::from), work)
     }
 
-    pub(crate) fn speed(lin: &Scene, work: &mut RigidWorkspace) -> Result<Self, ValidateError> {
+    pub(crate) fn speed(lin: &Scene, work: &mut ModelWorkspace) -> Result<Self, ValidateError> {
         let sign = lin.screw_speed_rpm.map_or(1.0, f64::signum);
         let values = (0..=40).map(|i| sign * 100.0 * 10.0_f64.powf(f64::from(i) / 20.0));
         Self::run(lin, "screw_speed_rpm", "rpm", values, work)
@@ -79,9 +79,9 @@ impl Sweep {
 /// rigid equations have no root.
 pub(crate) fn deviation(
     scene: &Scene,
-    work: &mut RigidWorkspace,
+    work: &mut ModelWorkspace,
 ) -> Result<Option<(f64, Outputs)>, ValidateError> {
-    let eta = |model, work: &mut RigidWorkspace| -> Result<_, ValidateError> {
+    let eta = |model, work: &mut ModelWorkspace| -> Result<_, ValidateError> {
         Ok(scene.problem(ModelChoice::Fixed(model))?.solve(work))
     };
     let rigid = eta(Model::Rigid, work)?;

@@ -295,14 +295,16 @@ mod tests {
     }
 
     proptest! {
-        /// Dual numbers against central differences, at points off the root.
+        /// Jets against central differences and num-dual, at points off the root. The spin must
+        /// dominate at A': where the slip there passes near zero, differences are no measure.
         #[test]
         fn jacobian_matches_differences(
             lead in 0.1..0.7_f64, contact in 0.4..1.2_f64, friction in 0.01..0.1_f64,
-            log_mass in -5.0..0.0_f64, nut in -1.5..0.5_f64, back in any::<bool>(),
+            log_mass in -5.0..-1.5_f64, nut in 0.0..1.5_f64, back in any::<bool>(),
             shift in proptest::array::uniform7(-0.05..0.05_f64),
         ) {
             let sign = if back { -1.0 } else { 1.0 };
+            let nut = nut * sign;
             let case = case(lead, contact, friction, 10.0_f64.powf(log_mass), nut, sign);
             let mut y = FirstOrder::of(&case).unknowns();
             prop_assume!(y.iter().all(|v| v.is_finite()) && y[PRECESSION].abs() > 0.1);
@@ -311,6 +313,8 @@ mod tests {
             }
             prop_assume!((nut + sign * y[PRECESSION]).abs() > 0.2);
             let exact = jacobian(|y| case.lift().residual(&y), &y).expect("in the domain").1;
+            let variables = Unknowns::from_fn(|i, _| Jet::<BALL>::variable(y[i], i));
+            let jets = case.lift().residual(&variables).expect("in the domain");
             // Truncation h²/6 F''' with F''' up to 1e4, rounding 1e-16/h.
             let h = 1e-6;
             for j in 0..BALL {
@@ -321,7 +325,11 @@ mod tests {
                 };
                 let difference = (at(h) - at(-h)) / (2.0 * h);
                 let scale = 1.0 + exact.norm();
-                prop_assert!((difference - exact.column(j)).norm() <= 1e-7 * scale, "{j}");
+                prop_assert!((difference - exact.column(j)).norm() <= 1e-6 * scale, "{j}");
+                for i in 0..BALL {
+                    // Rounding of the same operations in another order.
+                    prop_assert!((jets[i].eps[j] - exact[(i, j)]).abs() <= 1e-12 * scale);
+                }
             }
         }
     }
