@@ -11,6 +11,7 @@ mod closed_form;
 mod coulomb;
 mod ellipse;
 mod hertz;
+mod jacobian;
 mod jones;
 mod layout;
 mod model;

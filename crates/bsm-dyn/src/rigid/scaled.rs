@@ -2,13 +2,14 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R1) to (R10).
 
-use bsm_kin::{BallFrame, Contact, Helix, Jet, Motion, Scalar, Site};
+use bsm_kin::{BallFrame, Contact, Helix, Motion, Scalar, Site};
 use bsm_newton::{EvalError, MatMut, System};
 use nalgebra::{SVector, Vector3};
 
 use crate::Wrench;
 use crate::balance::{Ball, axial_force, newton_euler};
 use crate::coulomb::friction_force;
+use crate::jacobian::linearize;
 use crate::layout::unknown::{
     MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
 };
@@ -226,8 +227,7 @@ impl System for Scaled<f64> {
     }
 
     fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        let y = Unknowns::from_column_slice(x);
-        differentiate(|y| self.lift().residual(&y), &y, r, jac)
+        linearize(|y| Ok(self.lift().residual(&y.into())?.data.0[0]), x, r, jac)
     }
 
     fn equation(&self, i: usize) -> String {
@@ -259,25 +259,8 @@ impl System for ExistenceLimit<'_> {
     }
 
     fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        differentiate(|x| self.residual_at(&x), &Unknowns::from_column_slice(x), r, jac)
+        linearize(|x| Ok(self.residual_at(&x.into())?.data.0[0]), x, r, jac)
     }
-}
-
-/// Value and Jacobian of a function of seven unknowns, by dual numbers.
-fn differentiate(
-    function: impl FnOnce(Unknowns<Jet<BALL>>) -> Result<Unknowns<Jet<BALL>>, EvalError>,
-    x: &Unknowns<f64>,
-    r: &mut [f64],
-    mut jac: MatMut<'_, f64>,
-) -> Result<(), EvalError> {
-    let f = function(Unknowns::from_fn(|i, _| Jet::variable(x[i], i)))?;
-    for (row, f) in f.iter().enumerate() {
-        r[row] = f.re;
-        for (col, slope) in f.eps.iter().enumerate() {
-            jac[(row, col)] = *slope;
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -285,6 +268,8 @@ mod tests {
     use bsm_newton::{Options, Scales, Workspace, solve};
     use num_dual::jacobian;
     use proptest::prelude::*;
+
+    use bsm_kin::Jet;
 
     use super::super::first_order::FirstOrder;
     use super::*;
