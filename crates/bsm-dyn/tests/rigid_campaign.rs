@@ -16,6 +16,8 @@ struct Tally {
     refuted: usize,
     /// Largest relative margin of a root against the first order, over min(1, inertia/friction).
     farthest: f64,
+    /// Smallest ratio of inertia to friction among the points without a verdict.
+    calmest: f64,
     most_steps: usize,
     more_than_six: usize,
     worst_balance: f64,
@@ -49,7 +51,10 @@ impl Tally {
                 self.denied += 1;
                 self.refuted += usize::from(start.exists());
             }
-            Status::NotConverged | Status::InvalidInput => self.not_converged += 1,
+            Status::NotConverged | Status::InvalidInput => {
+                self.not_converged += 1;
+                self.calmest = self.calmest.min(start.size / case.friction);
+            }
         }
     }
 }
@@ -58,7 +63,7 @@ impl Tally {
 fn campaign(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) -> f64) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut work = RigidWorkspace::default();
-    let mut tally = Tally::default();
+    let mut tally = Tally { calmest: f64::INFINITY, ..Tally::default() };
     for _ in 0..count {
         let radius = pitch(&mut rng);
         let speed = rng.random_range(50.0..6000.0) * std::f64::consts::PI / 30.0;
@@ -119,7 +124,7 @@ fn agrees_with_the_first_order(tally: &Tally) {
 fn extremes() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     let mut work = RigidWorkspace::default();
-    let mut tally = Tally::default();
+    let mut tally = Tally { calmest: f64::INFINITY, ..Tally::default() };
     let log = |rng: &mut ChaCha8Rng, low: f64, high: f64| {
         (low.ln() + rng.random::<f64>() * (high / low).ln()).exp()
     };
@@ -139,7 +144,8 @@ fn extremes() {
     }
     println!("{tally:#?}");
     assert!(tally.worst_balance <= 1e-9 && tally.worst_residual <= 1e-10, "{tally:#?}");
-    // Points without a verdict: 498, all with inertia forces above friction.
-    assert!(tally.not_converged <= 500, "{tally:#?}");
+    // Points without a verdict: 498, all with inertia forces above 0.21 of friction; up to 0.2
+    // Newton from the first order decides.
+    assert!(tally.not_converged <= 500 && tally.calmest > 0.2, "{tally:#?}");
     assert!(tally.converged > 7000 && tally.denied > 2000, "{tally:#?}");
 }
