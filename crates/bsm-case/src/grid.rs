@@ -169,12 +169,12 @@ impl Grid {
         scene
     }
 
-    /// `base` with the values of point `i`.
+    /// `base` with the values of a [`point`](Self::point).
     #[expect(clippy::missing_panics_doc, reason = "the names were checked by Axis::parse")]
-    pub fn scene(&self, base: &Scene, i: usize) -> Scene {
+    pub fn scene(&self, base: &Scene, point: &[f64]) -> Scene {
         let mut scene = base.clone();
-        for (axis, value) in self.axes.iter().zip(self.point(i)) {
-            scene.set(axis.name, value).expect("axes name inputs");
+        for (axis, value) in self.axes.iter().zip(point) {
+            scene.set(axis.name, *value).expect("axes name inputs");
         }
         scene
     }

@@ -219,7 +219,7 @@ fn grids_are_full_products_with_exact_ends() {
     let expected =
         [[1.0, 0.1], [1.0, 0.3], [1.5, 0.1], [1.5, 0.3], [2.0, 0.1], [2.0, 0.3]].map(Vec::from);
     assert_eq!(points, expected);
-    assert_eq!(grid.scene(&scene(LIN), 3).friction_coefficient, Some(0.3));
+    assert_eq!(grid.scene(&scene(LIN), &grid.point(3)).friction_coefficient, Some(0.3));
     // 0.1 is not a sum of tenths in binary; the end is still exact.
     let tenth = Axis::parse("friction_coefficient=0:0.1:8").expect("range");
     assert_eq!(tenth.value(7).to_bits(), 0.1_f64.to_bits());
@@ -243,7 +243,7 @@ fn grids_are_full_products_with_exact_ends() {
     let nut = Grid::new(vec![Axis::parse("nut_speed_rpm=100,200").expect("list")]).expect("grid");
     let base = Scene { screw_speed_rpm: Some(0.0), ..scene(LIN) };
     assert!(base.check().is_err() && nut.fixed(&base).check().is_ok());
-    assert!(nut.scene(&base, 1).check().is_ok());
+    assert!(nut.scene(&base, &nut.point(1)).check().is_ok());
     let axis = Axis::parse("lead_angle_deg=1:2:3").expect("range");
     assert!(matches!(Grid::new(vec![axis.clone(), axis]), Err(CaseError::VariedTwice { .. })));
     let huge = |name| Axis::parse(&format!("{name}=1:2:4294967296")).expect("range");

@@ -27,7 +27,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     grid.fixed(&base).check().map_err(in_file)?;
     let choice = ModelChoice::from_name(&args.scene.model).map_err(in_file)?;
     // One model for all rows, even if it does not cover the first or last point.
-    let (first, last) = (grid.scene(&base, 0), grid.scene(&base, grid.len() - 1));
+    let [first, last] = [0, grid.len() - 1].map(|i| grid.scene(&base, &grid.point(i)));
     let model = match (first.choose(choice), last.choose(choice)) {
         (Ok(first), Ok(last)) => first.max(last),
         (Ok(model), Err(_)) | (Err(_), Ok(model)) => model,
@@ -47,10 +47,10 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let mut failed = 0_usize;
     for i in 0..grid.len() {
         let point = grid.point(i);
-        let record = solve(&grid.scene(&base, i), model, &mut work);
+        let record = solve(&grid.scene(&base, &point), model, &mut work);
         failed += usize::from(record.status() != Status::Converged);
         if let Some((curves, ..)) = &mut plot {
-            curves.add(&point, &record);
+            curves.add(i, point[0], &record);
         }
         sink.row(&grid, &point, &record)?;
         if i % 1024 == 0 {
@@ -192,8 +192,7 @@ fn text(cell: Option<Cell>) -> String {
 /// Points of the plot: one curve per value of the second axis.
 struct Curves {
     output: &'static OutputColumn,
-    x: Axis,
-    series: Option<Axis>,
+    x_name: &'static str,
     lines: Vec<Curve>,
 }
 
@@ -212,8 +211,8 @@ impl Curves {
             ))
         })?;
         let (x, series) = match grid.axes() {
-            [x] => (x.clone(), None),
-            [x, series] => (x.clone(), Some(series.clone())),
+            [x] => (x, None),
+            [x, series] => (x, Some(series)),
             _ => {
                 return Err(Failure::Input(
                     "--plot draws one or two varied inputs; write the table and plot from it"
@@ -221,7 +220,7 @@ impl Curves {
                 ));
             }
         };
-        let count = series.as_ref().map_or(1, Axis::len);
+        let count = series.map_or(1, Axis::len);
         if count > plot::MOST_CURVES {
             return Err(Failure::Input(format!(
                 "--plot draws at most {} lines; give the second --vary fewer than {count} values",
@@ -230,23 +229,19 @@ impl Curves {
         }
         let lines = (0..count)
             .map(|i| Curve {
-                label: series.as_ref().map(|axis| format!("{} = {}", axis.name, axis.value(i))),
+                label: series.map(|axis| format!("{} = {}", axis.name, axis.value(i))),
                 points: Vec::new(),
             })
             .collect();
-        Ok(Self { output, x, series, lines })
+        Ok(Self { output, x_name: x.name, lines })
     }
 
-    /// A point without a result leaves a gap.
-    fn add(&mut self, point: &[f64], record: &Record) {
-        let line = match &self.series {
-            None => 0,
-            Some(axis) => (0..axis.len())
-                .find(|i| axis.value(*i).to_bits() == point[1].to_bits())
-                .unwrap_or_default(),
-        };
+    /// Adds grid point `i`, of which the second axis runs fastest; one without a result leaves a
+    /// gap.
+    fn add(&mut self, i: usize, x: f64, record: &Record) {
+        let line = i % self.lines.len();
         let y = record.number(self.output.name).unwrap_or(f64::NAN);
-        self.lines[line].points.push((point[0], y));
+        self.lines[line].points.push((x, y));
     }
 
     fn render(&self, title: Option<&str>, model: Model) -> String {
@@ -254,6 +249,6 @@ impl Curves {
             || format!("model {}", model.name()),
             |t| format!("{t} ({})", model.name()),
         );
-        plot::lines(&title, self.x.name, self.output.name, &self.lines)
+        plot::lines(&title, self.x_name, self.output.name, &self.lines)
     }
 }

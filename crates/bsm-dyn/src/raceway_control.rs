@@ -314,9 +314,6 @@ impl RacewayControl {
         // G = I |P ω_n| / (f Q r_b)                                       (W9)
         let skid = self.ball.inertia() * (motion.precession * motion.omega.y).abs()
             / (self.friction * q_a.min(q_b) * r_b);
-        let slip_angle = |contact: &Contact<f64>, v: &Vector3<f64>| {
-            (-v.dot(&BallFrame::tangent())).atan2(-v.dot(&contact.across))
-        };
         let ((nut_a, nut_b), (screw_a, screw_b)) =
             (hertz[0].semi_axes(q_a), hertz[1].semi_axes(q_b));
         let mut outputs = Outputs {
@@ -326,8 +323,8 @@ impl RacewayControl {
             screw_normal_load: Some(q_b),
             nut_contact_angle: Some(a.angle),
             screw_contact_angle: Some(b.angle),
-            nut_slip_angle: Some(slip_angle(&sites[0].0, &nut_slip)),
-            screw_slip_angle: Some(slip_angle(&sites[1].0, &screw_slip)),
+            nut_slip_angle: Some(sites[0].0.slip_angle(&nut_slip)),
+            screw_slip_angle: Some(sites[1].0.slip_angle(&screw_slip)),
             nut_slip_velocity: Some(nut_slip.norm()),
             screw_slip_velocity: Some(screw_slip.norm()),
             nut_spin: Some(to_nut.spin(&sites[0].0)),
@@ -383,12 +380,7 @@ fn solve_static(
     if report.converged() {
         return Ok((report.steps.len(), report.residual));
     }
-    let reason = Reason::Newton {
-        status: report.status,
-        residual: report.residual,
-        worst_equation: report.worst_equation_name,
-    };
-    Err((Status::NotConverged, reason))
+    Err((Status::NotConverged, Reason::from(report)))
 }
 
 fn refused(error: EvalError) -> (Status, Reason) {

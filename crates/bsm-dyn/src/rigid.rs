@@ -7,16 +7,14 @@ mod first_order;
 mod root;
 mod scaled;
 
-use bsm_kin::{BallFrame, Drive, Helix, Scalar};
+use bsm_kin::{Drive, Helix, Scalar};
 use bsm_newton::{EvalError, MatMut, System};
-use nalgebra::Vector3;
 
 pub use self::first_order::FirstOrder;
 pub use self::root::RigidWorkspace;
 use self::root::{NoRoot, Root};
 pub use self::scaled::Unknowns as RigidUnknowns;
-use self::scaled::Unknowns;
-use self::scaled::{Scaled, State};
+use self::scaled::{Scaled, State, Unknowns};
 use crate::balance::{Ball, Power, efficiency, ideal_torque, torque};
 use crate::layout::BALL;
 use crate::layout::unknown::{
@@ -147,12 +145,6 @@ impl Rigid {
         Some(RigidSystem { weights, start, equations })
     }
 
-    /// `$\mu = m r_m W^2/F_a$`: inertia forces over axial load per ball.
-    pub fn inertia_ratio(&self) -> f64 {
-        self.ball.mass * self.helix.radius * self.drive.relative_speed().powi(2)
-            / self.load.per_ball()
-    }
-
     /// Smallest lead angle from this point's upwards at which the equations have a root \[rad\].
     ///
     /// `None` if none was found, or without friction or relative speed.
@@ -227,10 +219,6 @@ impl Rigid {
         let omega = case.frame.to_frenet(&state.motion.omega) * w;
         let [a, minor, b] = case.contacts;
         let relative = |speed| state.motion.relative_to(speed, &case.frame);
-        let slip_angle = |contact: &bsm_kin::Contact<f64>, v: &Vector3<f64>| {
-            // ψ = atan2(−V_y, −V_x)                                       (R21)
-            (-v.dot(&BallFrame::tangent())).atan2(-v.dot(&contact.across))
-        };
         let [slip_a, slip_minor, slip_b] = state.slip;
 
         let mut outputs = Outputs {
@@ -241,9 +229,9 @@ impl Rigid {
             screw_normal_load: Some(root.unknowns[SCREW_LOAD] * per_ball),
             nut_contact_angle: Some(self.contact_angle),
             screw_contact_angle: Some(self.contact_angle),
-            nut_slip_angle: Some(slip_angle(&a, &slip_a)),
-            screw_slip_angle: Some(slip_angle(&b, &slip_b)),
-            minor_slip_angle: Some(slip_angle(&minor, &slip_minor)),
+            nut_slip_angle: Some(a.slip_angle(&slip_a)),
+            screw_slip_angle: Some(b.slip_angle(&slip_b)),
+            minor_slip_angle: Some(minor.slip_angle(&slip_minor)),
             nut_slip_velocity: Some(slip_a.norm() * w * r_b),
             screw_slip_velocity: Some(slip_b.norm() * w * r_b),
             minor_slip_velocity: Some(slip_minor.norm() * w * r_b),
@@ -264,8 +252,8 @@ impl Rigid {
     }
 }
 
-/// Friction power of all contacts `$\sum_c f Q_c |V_c|$`, in scaled units (R22).
+/// Friction power of all contacts `$\sum_c f Q_c |V_c|$`, in scaled units (R21).
 fn friction_power(case: &Scaled<f64>, state: &State<f64>, y: &Unknowns<f64>) -> f64 {
-    // P_f = Σ f Q_c |V_c|                                                 (R22)
+    // P_f = Σ f Q_c |V_c|                                                 (R21)
     state.slip.iter().zip(y.iter()).map(|(v, q)| case.friction * q * v.norm()).sum()
 }

@@ -1,6 +1,6 @@
 //! The answer of a model, in SI units.
 
-use bsm_newton::{EvalError, Status as NewtonStatus};
+use bsm_newton::{EvalError, Report, Status as NewtonStatus};
 
 use crate::Model;
 use crate::balance::Power;
@@ -138,6 +138,17 @@ pub enum Reason {
         /// The equation with the largest part of it, in words.
         worst_equation: String,
     },
+}
+
+impl From<Report> for Reason {
+    /// How a solve that did not converge ended.
+    fn from(report: Report) -> Self {
+        Self::Newton {
+            status: report.status,
+            residual: report.residual,
+            worst_equation: report.worst_equation_name,
+        }
+    }
 }
 
 /// The result of one model at one operating point.

@@ -1,6 +1,6 @@
 //! Contact points between the ball and the flanks of the grooves.
 //!
-//! Theory: `docs/theory/01-kinematics.md`, equations (K9) to (K11).
+//! Theory: `docs/theory/01-kinematics.md`, equations (K9) to (K11), (K15).
 
 use nalgebra::Vector3;
 
@@ -55,6 +55,13 @@ impl<D: Scalar> Contact<D> {
             // e_x = (0, −sin(β − χ), cos(β − χ))                          (K10)
             across: Vector3::new(zero, -s, c),
         }
+    }
+
+    /// Slip angle `$\psi$` \[rad\]: direction of the friction force on the ball, from `$e_x$` towards
+    /// `$t$`, against the slip velocity `slip` (K15).
+    pub fn slip_angle(&self, slip: &Vector3<D>) -> D {
+        // ψ = atan2(−V_y, −V_x)                                           (K15)
+        (-slip.dot(&BallFrame::tangent())).atan2(-slip.dot(&self.across))
     }
 
     /// Contact point from the ball centre `$r = -r_b N$`, in the unit of `ball_radius` (K11).

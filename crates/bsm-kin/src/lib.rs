@@ -5,7 +5,7 @@
 //! formulas hold in any consistent set of units: the models of `bsm-dyn` call them with lengths
 //! in ball radii and speeds in units of the relative speed.
 //!
-//! Theory: `docs/theory/01-kinematics.md`, equations (K1) to (K14).
+//! Theory: `docs/theory/01-kinematics.md`, equations (K1) to (K15).
 
 mod contact;
 mod frame;

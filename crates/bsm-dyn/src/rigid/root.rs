@@ -102,8 +102,22 @@ pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root
     }
     match followed {
         Some(Err(denial)) if pushes => Err(denial),
-        _ => Err(undecided(&report, inertia)),
+        _ => Err(undecided(report, inertia)),
     }
+}
+
+/// The one call of the solver: at most `max_steps` from `y`, on towards `residual_goal`.
+fn run<S: System>(
+    system: &S,
+    y: &mut Unknowns<f64>,
+    weights: &[f64; BALL],
+    (max_steps, residual_goal): (usize, f64),
+    work: &mut RigidWorkspace,
+) -> Report {
+    let options = Options { residual_goal, max_steps, ..Options::default() };
+    let scales = Scales { x: &[1.0; BALL], f: weights };
+    solve(system, y.as_mut_slice(), &scales, &options, &mut work.0)
+        .expect("sizes are constant and the weights positive")
 }
 
 /// One damped Newton solve from `y`; a root that it meets with its last step is refined.
@@ -117,17 +131,11 @@ fn newton(
     mut y: Unknowns<f64>,
     work: &mut RigidWorkspace,
 ) -> (Unknowns<f64>, Report) {
-    let residual_goal = (1e-12 * start.size).clamp(1e-15, 1e-13);
-    let options = Options { residual_goal, max_steps: MOST_STEPS, ..Options::default() };
+    let limits = (MOST_STEPS, (1e-12 * start.size).clamp(1e-15, 1e-13));
     let weights = case.weights(start.normal_moment());
-    let scales = Scales { x: &[1.0; BALL], f: &weights };
-    let mut run = || {
-        solve(case, y.as_mut_slice(), &scales, &options, &mut work.0)
-            .expect("sizes are constant and the weights positive")
-    };
-    let mut report = run();
+    let mut report = run(case, &mut y, &weights, limits, work);
     if report.converged() && report.steps.len() == MOST_STEPS {
-        let refined = run();
+        let refined = run(case, &mut y, &weights, limits, work);
         report.residual = refined.residual;
         report.steps.extend(refined.steps);
     }
@@ -166,12 +174,11 @@ fn interpolate(
     let mut unknowns = limit + (far - limit) * fraction;
     unknowns[MINOR_LOAD] *= start.inertia;
 
-    let mut r = [0.0; BALL];
-    System::residual(case, unknowns.as_slice(), &mut r).ok()?;
+    // No step: only the residual is asked for.
     let weights = case.weights(start.normal_moment());
-    let residual = r.iter().zip(weights).map(|(r, w)| (r * w).powi(2)).sum::<f64>().sqrt();
-    let steps = report.steps.len();
-    (residual <= Options::default().residual_tol).then_some(Root { unknowns, steps, residual })
+    let check = run(case, &mut unknowns, &weights, (0, Options::default().residual_goal), work);
+    let (steps, residual) = (report.steps.len(), check.residual);
+    check.converged().then_some(Root { unknowns, steps, residual })
 }
 
 /// Follows the root from small inertia to the full one, where the first-order start is bad.
@@ -294,16 +301,9 @@ fn denied(
 }
 
 /// No admissible root was found, and none is proven not to exist.
-fn undecided(report: &Report, inertia: f64) -> NoRoot {
-    let reason = if report.converged() {
-        Reason::Undecided { inertia }
-    } else {
-        Reason::Newton {
-            status: report.status,
-            residual: report.residual,
-            worst_equation: report.worst_equation_name.clone(),
-        }
-    };
+fn undecided(report: Report, inertia: f64) -> NoRoot {
+    let reason =
+        if report.converged() { Reason::Undecided { inertia } } else { Reason::from(report) };
     NoRoot { status: Status::NotConverged, reason }
 }
 
@@ -335,12 +335,9 @@ pub(crate) fn critical_lead_angle(case: &Scaled<f64>, work: &mut RigidWorkspace)
     let start = FirstOrder::of(&case.with_lead_angle(high));
     let mut x = start.unknowns();
     x[SLIP] = high;
-    let options = Options { max_steps: MOST_STEPS, ..Options::default() };
     let weights = case.weights(start.normal_moment());
-    let scales = Scales { x: &[1.0; BALL], f: &weights };
-    let limit = ExistenceLimit(case);
-    let report = solve(&limit, x.as_mut_slice(), &scales, &options, &mut work.0)
-        .expect("sizes are constant and the weights positive");
+    let limits = (MOST_STEPS, Options::default().residual_goal);
+    let report = run(&ExistenceLimit(case), &mut x, &weights, limits, work);
     let found = report.converged() && x[MINOR_LOAD] > 0.0 && x[SLIP] > case.helix.lead_angle;
     found.then_some(x[SLIP])
 }
