@@ -2,13 +2,15 @@
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (E1) to (E6).
 
+mod kernel;
+
 use std::f64::consts::{PI, TAU};
 use std::num::NonZeroUsize;
 
-use bsm_kin::{BallFrame, Contact, Motion, Scalar};
+use bsm_kin::{BallFrame, Contact, Jet, Motion, Scalar};
 use gauss_quad::GaussLegendre;
-use nalgebra::Vector3;
 
+use self::kernel::{MOTION, Nodes, Point};
 use crate::Wrench;
 
 /// Nodes and weights over the unit disc for a Hertz pressure of unit load.
@@ -16,6 +18,8 @@ use crate::Wrench;
 pub struct Quadrature {
     /// Coordinates over the semi-axes, and weight; the weights sum to one.
     nodes: Vec<(f64, f64, f64)>,
+    /// The same for the fast sums.
+    lanes: Nodes,
 }
 
 impl Quadrature {
@@ -41,7 +45,8 @@ impl Quadrature {
                 ));
             }
         }
-        Self { nodes }
+        let lanes = Nodes::of(&nodes);
+        Self { nodes, lanes }
     }
 }
 
@@ -69,6 +74,49 @@ pub fn pressed_radius(conformity: f64, ball_radius: f64) -> f64 {
     4.0 * conformity * ball_radius / (2.0 * conformity + 1.0)
 }
 
+/// Motion of the ball against the body of a contact, in the contact's own axes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Local<D> {
+    /// Speed of the ball centre along `$t$`.
+    pub(crate) along: D,
+    /// Angular velocity about `$t$`, `$N$` and `$t \times N$`.
+    pub(crate) omega: [D; 3],
+}
+
+/// Friction of a contact in its own axes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Integral<D> {
+    /// Force along `$t$` and along `$t \times N$`.
+    pub(crate) force: [D; 2],
+    /// Moment about the ball centre, about `$t$`, `$N$` and `$t \times N$`.
+    pub(crate) moment: [D; 3],
+}
+
+impl<D: Scalar> Local<D> {
+    /// Components of a motion relative to the body of `contact`.
+    pub(crate) fn of(motion: &Motion<D>, contact: &Contact<D>, arc_length_per_radian: D) -> Self {
+        let across = BallFrame::tangent().cross(&contact.normal);
+        let omega = &motion.omega;
+        Self {
+            along: arc_length_per_radian * motion.precession,
+            omega: [omega.x, omega.dot(&contact.normal), omega.dot(&across)],
+        }
+    }
+}
+
+impl<D: Scalar> Integral<D> {
+    /// The wrench on the ball in the triad of `contact`.
+    pub(crate) fn wrench(&self, contact: &Contact<D>) -> Wrench<D> {
+        let tangent = BallFrame::tangent();
+        let across = tangent.cross(&contact.normal);
+        let ([f_t, f_c], [m_t, m_n, m_c]) = (self.force, self.moment);
+        Wrench {
+            force: tangent * f_t + across * f_c,
+            moment: tangent * m_t + contact.normal * m_n + across * m_c,
+        }
+    }
+}
+
 impl<D: Scalar> Ellipse<D> {
     /// Friction of the whole ellipse on the ball, and the power that it takes (E3) to (E6).
     ///
@@ -87,26 +135,119 @@ impl<D: Scalar> Ellipse<D> {
         creep: f64,
         quadrature: &Quadrature,
     ) -> (Wrench<D>, D) {
-        let zero = Vector3::repeat(D::from(0.0));
-        let (mut wrench, mut power) = (Wrench { force: zero, moment: zero }, D::from(0.0));
-        let (across, along) = (self.contact.across, BallFrame::tangent());
+        let local = Local::of(motion, &self.contact, arc_length_per_radian);
+        let (unit, power) = self.integrate(&local, creep, quadrature);
+        let pull = friction * self.load;
+        let wrench = unit.wrench(&self.contact);
+        (Wrench { force: wrench.force * pull, moment: wrench.moment * pull }, power * pull)
+    }
+
+    /// Friction over `$f Q$`, and its power (E3) to (E6).
+    pub(crate) fn integrate(
+        &self,
+        local: &Local<D>,
+        creep: f64,
+        quadrature: &Quadrature,
+    ) -> (Integral<D>, D) {
+        let zero = D::from(0.0);
+        let mut sum = Integral { force: [zero; 2], moment: [zero; 3] };
+        let mut power = zero;
+        let [w_t, w_n, w_c] = local.omega;
         for (x, y, weight) in &quadrature.nodes {
             let (x, y) = (self.semi_axes.0 * *x, self.semi_axes.1 * *y);
-            // r = −N (r_b − x²/(2 R_c)) + x e_x + y t                     (E3)
-            let depth = x.square() * (0.5 / self.pressed_radius) - self.ball_radius;
-            let r = self.contact.normal * depth + across * x + along * y;
-            let v = motion.slip_velocity(arc_length_per_radian, &r);
-            let (v_x, v_y) = (v.dot(&across), v.dot(&along));
+            // r = −N (r_b − x²/(2 R_c)) + x e + y t,  e = t × N           (E3)
+            let h = x.square() * (-0.5 / self.pressed_radius) + self.ball_radius;
+            let (v_t, v_c) = (local.along + w_n * x + w_c * h, -w_t * h - w_n * y);
             // dF = −f dQ v/√(v² + v_e²)                                   (E4)
-            let speed = (v_x.square() + v_y.square() + creep * creep).sqrt();
-            let pull = friction * self.load * *weight / speed;
-            let force = across * (-pull * v_x) + along * (-pull * v_y);
+            let square = v_t.square() + v_c.square();
+            let pull = (square + creep * creep).sqrt().recip() * *weight;
+            let (f_t, f_c) = (-pull * v_t, -pull * v_c);
+            sum.force[0] += f_t;
+            sum.force[1] += f_c;
             // dM = r × dF                                                 (E5)
-            wrench = wrench + Wrench { force, moment: r.cross(&force) };
+            sum.moment[0] -= h * f_c;
+            sum.moment[1] += x * f_t - y * f_c;
+            sum.moment[2] += h * f_t;
             // dP = −dF·v                                                  (E6)
-            power += pull * (v_x.square() + v_y.square());
+            power += pull * square;
         }
-        (wrench, power)
+        (sum, power)
+    }
+}
+
+/// Scalars for which the friction of an ellipse is summed fast.
+pub(crate) trait Lanes: Scalar {
+    /// Friction over `$f Q$`, as [`Ellipse::integrate`].
+    fn integrate(
+        ellipse: &Ellipse<Self>,
+        local: &Local<Self>,
+        creep: f64,
+        quadrature: &Quadrature,
+    ) -> Integral<Self>;
+}
+
+impl<D: Scalar> Ellipse<D> {
+    /// The values without derivatives.
+    fn point(&self, local: &Local<D>, creep: f64) -> Point {
+        Point {
+            semi_axes: (self.semi_axes.0.re(), self.semi_axes.1.re()),
+            pressed_radius: self.pressed_radius,
+            ball_radius: self.ball_radius,
+            motion: local.numbers().map(|x| x.re()),
+            creep,
+        }
+    }
+}
+
+impl<D: Copy> Local<D> {
+    fn numbers(&self) -> [D; MOTION] {
+        let [t, n, c] = self.omega;
+        [self.along, t, n, c]
+    }
+}
+
+impl<D: Copy> Integral<D> {
+    fn from_sums([f_t, f_c, m_t, m_n, m_c]: [D; kernel::SUMS]) -> Self {
+        Self { force: [f_t, f_c], moment: [m_t, m_n, m_c] }
+    }
+}
+
+impl Lanes for f64 {
+    fn integrate(
+        ellipse: &Ellipse<f64>,
+        local: &Local<f64>,
+        creep: f64,
+        quadrature: &Quadrature,
+    ) -> Integral<f64> {
+        Integral::from_sums(kernel::sums(&ellipse.point(local, creep), quadrature).0)
+    }
+}
+
+impl<const N: usize> Lanes for Jet<N> {
+    fn integrate(
+        ellipse: &Ellipse<Self>,
+        local: &Local<Self>,
+        creep: f64,
+        quadrature: &Quadrature,
+    ) -> Integral<Self> {
+        let (sums, slopes) = kernel::slopes(&ellipse.point(local, creep), quadrature);
+        // Both semi-axes grow alike.
+        let growth = ellipse.semi_axes.0 * ellipse.semi_axes.0.re.recip();
+        let [a, t, n, c] = local.numbers();
+        let arguments = [a, t, n, c, growth];
+        Integral::from_sums(std::array::from_fn(|i| Jet {
+            re: sums[i],
+            eps: std::array::from_fn(|k| {
+                arguments.iter().zip(&slopes[i]).map(|(a, slope)| slope * a.eps[k]).sum()
+            }),
+        }))
+    }
+}
+
+impl Ellipse<f64> {
+    /// Power that friction takes, over `$f Q$`.
+    pub(crate) fn power(&self, local: &Local<f64>, creep: f64, quadrature: &Quadrature) -> f64 {
+        kernel::sums(&self.point(local, creep), quadrature).1
     }
 }
 
@@ -114,6 +255,8 @@ impl<D: Scalar> Ellipse<D> {
 mod tests {
     use approx::assert_relative_eq;
     use bsm_kin::Site;
+    use nalgebra::Vector3;
+    use proptest::prelude::*;
 
     use super::*;
 
@@ -178,5 +321,44 @@ mod tests {
         let (wrench, power) = ellipse.friction(&motion, 0.02, 0.08, 1e-4, &quadrature);
         let done = wrench.force.x * 0.02 * 1.7 + wrench.moment.dot(&omega);
         assert_relative_eq!(power, -done, max_relative = 1e-12);
+    }
+
+    proptest! {
+        /// The fast sums against the law, value and derivatives.
+        #[test]
+        fn the_kernel_follows_the_law(
+            order in 1..9_usize, along in -0.5..0.5_f64, omega in proptest::array::uniform3(-3.0..3.0_f64),
+            a in 0.01..0.1_f64, log_creep in -4.0..0.0_f64,
+        ) {
+            let quadrature = Quadrature::new(NonZeroUsize::new(order).expect("positive"));
+            let creep = 10.0_f64.powf(log_creep);
+            let jet = |x, i| Jet::<5>::variable(x, i);
+            let growth = jet(1.0, 4);
+            let [t, n, c] = omega;
+            let local = Local { along: jet(along, 0), omega: [jet(t, 1), jet(n, 2), jet(c, 3)] };
+            let frame = BallFrame::turned(Jet::from(0.17), Jet::from(0.0));
+            let ellipse = Ellipse {
+                contact: Contact::new(Site::Screw, Jet::from(0.8), &frame),
+                load: Jet::from(1.0),
+                semi_axes: (growth * a, growth * (0.2 * a)),
+                pressed_radius: 1.03,
+                ball_radius: 1.0,
+            };
+            let (law, power) = ellipse.integrate(&local, creep, &quadrature);
+            let fast = Jet::integrate(&ellipse, &local, creep, &quadrature);
+            let point = ellipse.point(&local, creep);
+            let (values, fast_power) = kernel::sums(&point, &quadrature);
+            // Rounding of sums of terms of at most one, and of slopes of at most 1/v_e.
+            let same = |a: Jet<5>, b: Jet<5>| {
+                (a.re - b.re).abs() <= 1e-13
+                    && a.eps.iter().zip(&b.eps).all(|(a, b)| (a - b).abs() <= 1e-13 / creep)
+            };
+            prop_assert!((power.re - fast_power).abs() <= 1e-13 * (1.0 + power.re), "{power:?}");
+            let all = |sum: &Integral<Jet<5>>| [sum.force.as_slice(), &sum.moment].concat();
+            for ((law, fast), value) in all(&law).into_iter().zip(all(&fast)).zip(values) {
+                prop_assert!(same(law, fast), "{law:?} {fast:?}");
+                prop_assert!((law.re - value).abs() <= 1e-13);
+            }
+        }
     }
 }

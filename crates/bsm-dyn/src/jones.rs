@@ -28,6 +28,15 @@ pub struct Displacement<D> {
     pub nut: D,
 }
 
+/// The deformed state: mean contact angle and the displacements that go with it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Deformed<D> {
+    /// `$\beta = (\beta_A + \beta_B)/2$` \[rad\].
+    pub mean_angle: D,
+    /// Of ball centre and nut \[m\].
+    pub displacement: Displacement<D>,
+}
+
 /// One contact of the deformed state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Side<D> {
@@ -59,6 +68,43 @@ impl<D: Scalar> Jones<D> {
         let both = self.nut_offset + self.screw_offset;
         let (z_b, r_b) = (both * sin + at.nut - z, both * cos - r);
         Ok((side(z, r, self.nut_offset)?, side(z_b, r_b, self.screw_offset)?))
+    }
+
+    /// The deformed state of two approaches \[m\] and a tilt `$\nu = (\beta_B - \beta_A)/2$`
+    /// \[rad\] (J7), (J8): [`sides`](Self::sides) the other way round, in closed form.
+    ///
+    /// The loads then are unknowns themselves, and a tilt of the size of the inertia forces keeps
+    /// all its digits.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if no contact angles between 0 and π/2 have this tilt.
+    pub fn deformed(&self, [nut, screw]: [D; 2], tilt: D) -> Result<Deformed<D>, EvalError> {
+        let (sin_0, cos_0) = self.contact_angle.sin_cos();
+        let both = self.nut_offset + self.screw_offset;
+        let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);
+        let (sin, cos) = tilt.sin_cos();
+        // l_A cos(β − ν) + l_B cos(β + ν) = A₂ = S cosβ + D sinβ          (J7)
+        let (s, d, a_2) = ((l_a + l_b) * cos, (l_a - l_b) * sin, both * cos_0);
+        let square = s.square() + d.square() - a_2.square();
+        if square.re() <= 0.0 {
+            return Err(EvalError {
+                quantity: "square of the axial distance of the groove-arc centres",
+                value: square.re(),
+                requirement: "positive: no contact angles have this difference",
+            });
+        }
+        // β = atan2(D, S) + acos(A₂/√(S² + D²))
+        let a_1 = square.sqrt();
+        let mean_angle = (a_1 * s + a_2 * d).atan2(a_2 * s - a_1 * d);
+        let (sin_a, cos_a) = (mean_angle - tilt).sin_cos();
+        let displacement = Displacement {
+            axial: l_a * sin_a - self.nut_offset * sin_0,
+            radial: l_a * cos_a - self.nut_offset * cos_0,
+            // δ_a = l_A sinβ_A + l_B sinβ_B − (l_A0 + l_B0) sinβ₀         (J8)
+            nut: l_a * sin_a + l_b * (mean_angle + tilt).sin() - both * sin_0,
+        };
+        Ok(Deformed { mean_angle, displacement })
     }
 }
 
@@ -123,6 +169,23 @@ mod tests {
             let direct = (0.5 * (b.angle - a.angle)).tan().powi(2);
             // The numerator is a difference of squares of lengths, 1e-16 of which is its rounding.
             prop_assert!((half - direct).abs() <= 1e-12 * (1.0 + direct), "{half} {direct}");
+        }
+
+        /// Identity: `sides` of the deformed state gives its approaches and tilt back.
+        #[test]
+        fn deformed_is_the_inverse_of_sides(
+            nut in 0.0..5e-5_f64, screw in 0.0..5e-5_f64, tilt in -0.3..0.3_f64,
+        ) {
+            let (sin, cos) = tilt.sin_cos();
+            let both = SCREW.nut_offset + SCREW.screw_offset;
+            let sum = f64::hypot((both + nut + screw) * cos, (nut - screw - 0.048e-3) * sin);
+            prop_assume!(sum > 1.001 * both * 0.78_f64.cos());
+            let state = SCREW.deformed([nut, screw], tilt).unwrap();
+            let (a, b) = SCREW.sides(&state.displacement).unwrap();
+            // Rounding of lengths of 3e-4 m, and of angles times their slope of at most 50.
+            prop_assert!((a.approach - nut).abs() <= 1e-17 && (b.approach - screw).abs() <= 1e-17);
+            prop_assert!((0.5 * (b.angle - a.angle) - tilt).abs() <= 1e-13);
+            prop_assert!((0.5 * (b.angle + a.angle) - state.mean_angle).abs() <= 1e-13);
         }
 
         /// Jets against central differences: the shared check of derivatives.

@@ -6,28 +6,39 @@
 //!
 //! Theory: `docs/theory`, chapters 02 to 07.
 
+mod auto;
 pub mod balance;
 mod closed_form;
 mod coulomb;
+mod elastic;
 mod ellipse;
+mod follow;
 mod hertz;
 mod jacobian;
 mod jones;
 mod layout;
 mod model;
+mod outputs;
+mod pair;
 mod quasi_static;
 mod raceway_control;
 mod rigid;
 mod solution;
+mod traction;
 
+pub use auto::{Auto, Basis, Estimate};
 pub use balance::{Ball, Load, Wrench};
 pub use closed_form::{Angles, ClosedForm, Optimum, Transmission};
 pub use coulomb::friction_force;
+pub use elastic::{Elastic, ElasticWorkspace};
 pub use ellipse::{Ellipse, Quadrature, pressed_radius};
 pub use hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
-pub use jones::{Displacement, Jones, Side};
+pub use jones::{Deformed, Displacement, Jones, Side};
 pub use model::{Model, ModelWorkspace, Problem};
+pub use outputs::Outputs;
+pub use pair::ElasticScrew;
 pub use quasi_static::{Driven, QuasiStatic};
 pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
 pub use rigid::{FirstOrder, Rigid, RigidRoot, RigidSystem, RigidUnknowns, RigidWorkspace};
-pub use solution::{Direction, Outputs, Reason, Solution, Status};
+pub use solution::{Direction, Reason, Solution, Status};
+pub use traction::{Traction, TractionWorkspace};

@@ -1,7 +1,8 @@
 //! The models by name, and one operating point with the inputs of one model.
 
 use crate::{
-    ClosedForm, QuasiStatic, RacewayControl, RacewayWorkspace, Rigid, RigidWorkspace, Solution,
+    ClosedForm, Elastic, ElasticWorkspace, QuasiStatic, RacewayControl, RacewayWorkspace, Rigid,
+    RigidWorkspace, Solution, Traction, TractionWorkspace,
 };
 
 /// A model of the ball screw, from the one with the fewest inputs to the one with the most.
@@ -15,19 +16,31 @@ pub enum Model {
     Rigid,
     /// Elastic contacts, rolling balls: Jones and Harris.
     RacewayControl,
+    /// Gross slip on elastic contacts: Lin's equations with Jones geometry.
+    Elastic,
+    /// Friction integrated over the contact ellipses: rolling, partial and gross slip.
+    Traction,
 }
 
 /// Memory of the solves, reused from point to point; one for each thread.
 #[derive(Default)]
 pub struct ModelWorkspace {
     rigid: RigidWorkspace,
-    raceway: RacewayWorkspace,
+    pub(crate) raceway: RacewayWorkspace,
+    pub(crate) elastic: ElasticWorkspace,
+    pub(crate) traction: TractionWorkspace,
 }
 
 impl Model {
     /// All models, by the number of inputs that they need.
-    pub const ALL: [Self; 4] =
-        [Self::ClosedForm, Self::QuasiStatic, Self::Rigid, Self::RacewayControl];
+    pub const ALL: [Self; 6] = [
+        Self::ClosedForm,
+        Self::QuasiStatic,
+        Self::Rigid,
+        Self::RacewayControl,
+        Self::Elastic,
+        Self::Traction,
+    ];
 
     /// Name in files and on the command line.
     pub fn name(self) -> &'static str {
@@ -36,6 +49,8 @@ impl Model {
             Self::QuasiStatic => "quasi-static",
             Self::Rigid => "rigid",
             Self::RacewayControl => "raceway-control",
+            Self::Elastic => "elastic",
+            Self::Traction => "traction",
         }
     }
 
@@ -56,6 +71,10 @@ pub enum Problem {
     Rigid(Rigid),
     /// Inputs of [`Model::RacewayControl`].
     RacewayControl(RacewayControl),
+    /// Inputs of [`Model::Elastic`].
+    Elastic(Elastic),
+    /// Inputs of [`Model::Traction`].
+    Traction(Traction),
 }
 
 impl Problem {
@@ -66,6 +85,8 @@ impl Problem {
             Self::QuasiStatic(_) => Model::QuasiStatic,
             Self::Rigid(_) => Model::Rigid,
             Self::RacewayControl(_) => Model::RacewayControl,
+            Self::Elastic(_) => Model::Elastic,
+            Self::Traction(_) => Model::Traction,
         }
     }
 
@@ -76,6 +97,8 @@ impl Problem {
             Self::QuasiStatic(p) => p.solve(),
             Self::Rigid(p) => p.solve(&mut work.rigid),
             Self::RacewayControl(p) => p.solve(&mut work.raceway),
+            Self::Elastic(p) => p.solve(&mut work.elastic),
+            Self::Traction(p) => p.solve(&mut work.traction),
         }
     }
 }

@@ -5,18 +5,17 @@
 
 use std::num::NonZeroUsize;
 
-use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Scalar, Site};
+use bsm_kin::{Motion, Scalar};
 use bsm_newton::{EvalError, MatMut, Options, Scales, System, Workspace, solve};
 use nalgebra::Vector3;
 
-use crate::balance::{Ball, Power, efficiency, ideal_torque};
-use crate::ellipse::{Ellipse, Quadrature, pressed_radius};
-use crate::hertz::{Groove, Hertz, Material, Member, contact_modulus};
+use crate::balance::ideal_torque;
+use crate::ellipse::{Local, Quadrature};
 use crate::jacobian::linearize;
-use crate::jones::{Displacement, Jones, Side};
-use crate::{Direction, Load, Model, Outputs, Reason, Solution, Status};
+use crate::pair::{ElasticScrew, Loaded, Pair, refused};
+use crate::{Model, Outputs, Reason, Solution, Status};
 
-/// Unknowns of the static balance: X, R and the displacement of the nut.
+/// Unknowns of the static balance: loads and tilt.
 const STATIC: usize = 3;
 
 /// Order of the quadrature over the ellipse. A finer one moves the efficiency by 1e-6 to 1e-5 (see
@@ -38,22 +37,8 @@ pub enum Control {
 /// Inputs of the raceway-control model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RacewayControl {
-    /// Helix of the ball centres.
-    pub helix: Helix<f64>,
-    /// Unloaded contact angle `$\beta_0$` \[rad\], in (0, π/2).
-    pub contact_angle: f64,
-    /// The ball.
-    pub ball: Ball<f64>,
-    /// Conformities of nut and screw, groove radius over ball diameter, above 1/2.
-    pub conformity: (f64, f64),
-    /// Elastic constants of races and ball.
-    pub material: (Material, Material),
-    /// Coulomb friction coefficient `$f \ge 0$`.
-    pub friction: f64,
-    /// Speeds of screw and nut.
-    pub drive: Drive<f64>,
-    /// Load on the balls.
-    pub load: Load,
+    /// The screw at its operating point.
+    pub screw: ElasticScrew,
     /// The controlling race; `None` decides by (W7).
     pub control: Option<Control>,
 }
@@ -110,72 +95,52 @@ fn rolling<D: Scalar>(
 }
 
 /// Static balance of the ball in the normal plane.
-struct Balance {
-    jones: Jones<f64>,
-    stiffness: (f64, f64),
-    cos_lead: f64,
-    lead_angle: f64,
-    size: f64,
-    /// Axial load per ball \[N\].
-    load: f64,
-    /// Unit of displacement \[m\].
-    unit: f64,
+struct Balance<'a> {
+    pair: &'a Pair,
     control: Control,
-    /// `$m r_m W^2$` \[N\].
-    centrifugal: f64,
-    /// Nut speed over relative speed.
-    nut_speed: f64,
 }
 
-/// Loads and sides that belong to a set of unknowns.
-struct Contacts<D> {
-    nut: (Side<D>, D),
-    screw: (Side<D>, D),
-    rate: D,
-}
-
-impl Balance {
-    fn contacts<D: Scalar>(&self, x: &[D; STATIC]) -> Result<Contacts<D>, EvalError> {
-        let jones = Jones {
-            nut_offset: D::from(self.jones.nut_offset),
-            screw_offset: D::from(self.jones.screw_offset),
-            contact_angle: D::from(self.jones.contact_angle),
-        };
-        let [axial, radial, nut] = x.map(|x| x * self.unit);
-        let (a, b) = jones.sides(&Displacement { axial, radial, nut })?;
-        let load = |side: &Side<D>, stiffness: f64| {
-            if side.approach.re() > 0.0 {
-                // Q = K_H δ^{3/2}, Eq (H9)                                (W1)
-                Ok(side.approach * side.approach.sqrt() * stiffness)
-            } else {
-                Err(EvalError {
-                    quantity: "elastic approach of a loaded contact [m]",
-                    value: side.approach.re(),
-                    requirement: "positive: the contact is lost",
-                })
-            }
-        };
-        let (lead, size) = (D::from(self.lead_angle), D::from(self.size));
-        let (p, _) = rolling(self.control, lead, size, a.angle, b.angle);
-        let (q_a, q_b) = (load(&a, self.stiffness.0)?, load(&b, self.stiffness.1)?);
-        Ok(Contacts { nut: (a, q_a), screw: (b, q_b), rate: p + self.nut_speed })
-    }
-
+impl Balance<'_> {
     fn equations<D: Scalar>(&self, x: &[D; STATIC]) -> Result<[D; STATIC], EvalError> {
-        let Contacts { nut: (a, q_a), screw: (b, q_b), rate } = self.contacts(x)?;
-        let ((sin_a, cos_a), (sin_b, cos_b)) = (a.angle.sin_cos(), b.angle.sin_cos());
-        let unit = self.load.recip();
+        let [q_a, q_b, tilt] = *x;
+        // Q = K_H δ^{3/2}, Eq (P2)                                        (W1)
+        let [beta_a, beta_b] = self.pair.loaded([q_a, q_b], tilt)?.angles();
+        let (lead, size) = (self.pair.helix.lead_angle, self.pair.helix.radius.recip());
+        let (p, _) = rolling(self.control, D::from(lead), D::from(size), beta_a, beta_b);
+        let rate = p * self.pair.sign() + self.pair.nut_speed;
+        let ((sin_a, cos_a), (sin_b, cos_b)) = (beta_a.sin_cos(), beta_b.sin_cos());
         // Q_A cosβ_A − Q_B cosβ_B = m r_m P²,  Q_A sinβ_A = Q_B sinβ_B,
         // Q_A sinβ_A cosα = F_a                                           (W2)
         Ok([
-            (q_a * cos_a - q_b * cos_b - rate.square() * self.centrifugal) * unit,
-            (q_a * sin_a - q_b * sin_b) * unit,
-            q_a * sin_a * (self.cos_lead * unit) - 1.0,
+            q_a * cos_a - q_b * cos_b - rate.square() * self.pair.inertia_ratio(),
+            q_a * sin_a - q_b * sin_b,
+            q_a * sin_a * lead.cos() - 1.0,
         ])
+    }
+
+    /// Loads and tilt to start from: the balance with the centrifugal force of equal angles.
+    fn start(&self) -> [f64; STATIC] {
+        let pair = self.pair;
+        let (lead, size) = (pair.helix.lead_angle, pair.helix.radius.recip());
+        let beta = pair.jones.contact_angle;
+        let p = rolling(self.control, lead, size, beta, beta).0;
+        pair.static_balance(p * pair.sign() + pair.nut_speed)
+    }
+
+    fn loaded(&self, &[q_a, q_b, tilt]: &[f64; STATIC]) -> Result<Loaded<f64>, (Status, Reason)> {
+        self.pair.loaded([q_a, q_b], tilt).map_err(refused)
+    }
+
+    /// Rolling motion relative to the nut over `$|W|$`.
+    fn rolling(&self, loaded: &Loaded<f64>) -> Motion<f64> {
+        let (helix, sign) = (&self.pair.helix, self.pair.sign());
+        let [nut, screw] = loaded.angles();
+        let (p, omega) = rolling(self.control, helix.lead_angle, helix.radius.recip(), nut, screw);
+        Motion { precession: p * sign, omega: loaded.frame.from_frenet(&(omega * sign)) }
     }
 }
 
-impl System for Balance {
+impl System for Balance<'_> {
     fn dim(&self) -> usize {
         STATIC
     }
@@ -195,157 +160,101 @@ impl System for Balance {
     }
 }
 
+/// The state of a ball that grips.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Grip {
+    pub(crate) loaded: Loaded<f64>,
+    /// Motion relative to the nut over `$|W|$`.
+    pub(crate) to_nut: Motion<f64>,
+    pub(crate) steps: usize,
+    residual: f64,
+}
+
+impl Grip {
+    /// Solves the static balance and takes the rolling motion of the controlling race.
+    pub(crate) fn of(
+        pair: &Pair,
+        control: Option<Control>,
+        newton: &mut Workspace,
+    ) -> Result<Self, (Status, Reason)> {
+        let mut balance = Balance { pair, control: control.unwrap_or(Control::Nut) };
+        let mut x = balance.start();
+        let (mut steps, mut residual) = solve_static(&balance, &mut x, newton)?;
+        let mut loaded = balance.loaded(&x)?;
+        if control.is_none() && control_of(pair, &loaded) == Control::Screw {
+            balance.control = Control::Screw;
+            let more = solve_static(&balance, &mut x, newton)?;
+            (steps, residual) = (steps + more.0, more.1);
+            loaded = balance.loaded(&x)?;
+        }
+        Ok(Self { loaded, to_nut: balance.rolling(&loaded), steps, residual })
+    }
+
+    /// The same to two digits, also where centrifugal forces are so large that raceway control
+    /// has no solution.
+    pub(crate) fn guess(pair: &Pair) -> Result<Self, (Status, Reason)> {
+        let balance = Balance { pair, control: Control::Nut };
+        let loaded = balance.loaded(&balance.start())?;
+        let to_nut = balance.rolling(&loaded);
+        Ok(Self { loaded, to_nut, steps: 0, residual: f64::INFINITY })
+    }
+
+    /// Gyroscopic over friction moment (W9).
+    pub(crate) fn skid_number(&self, pair: &Pair) -> f64 {
+        let motion = pair.absolute(&self.to_nut, &self.loaded.frame);
+        let omega = self.loaded.frame.to_frenet(&motion.omega);
+        let [nut, screw] = self.loaded.loads;
+        // G = I |P ω_n| / (f Q r_b)                                       (W9)
+        pair.ball.inertia() * (motion.precession * omega.y).abs() / (pair.friction * nut.min(screw))
+    }
+
+    /// Slip that the lead forces across the grooves over the slip of the spin at the end of the
+    /// ellipse (W10).
+    pub(crate) fn cross_slip(&self, pair: &Pair) -> f64 {
+        let motions = pair.relative(&self.to_nut, &self.loaded.frame);
+        let spin = (0..2)
+            .map(|i| {
+                let (a, _) = pair.ellipse(i, &self.loaded).semi_axes;
+                motions[i].spin(&self.loaded.contacts[i]).abs() * a
+            })
+            .fold(0.0, f64::max);
+        // χ = r_b W sinα / (2 |ω_spin| a)                                 (W10)
+        0.5 * pair.helix.lead_angle.sin() / spin
+    }
+}
+
 impl RacewayControl {
     /// Solves for loads and contact angles, takes the rolling motion, and integrates the friction
     /// power of the slip that it leaves.
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
-        match self.outputs(memory) {
+        let solved = self.screw.pair().and_then(|pair| {
+            let grip = Grip::of(&pair, self.control, &mut memory.newton)?;
+            Ok(self.outputs(&pair, &grip, &memory.quadrature))
+        });
+        match solved {
             Ok(outputs) => Solution::converged(Model::RacewayControl, outputs),
             Err((status, reason)) => Solution::failed(Model::RacewayControl, status, reason),
         }
     }
 
-    fn grooves(&self) -> [Groove; 2] {
-        [
-            Groove { member: Member::Nut, conformity: self.conformity.0 },
-            Groove { member: Member::Screw, conformity: self.conformity.1 },
-        ]
-    }
-
-    fn hertz(&self) -> Result<[Hertz; 2], Reason> {
-        let modulus = contact_modulus(&self.material.0, &self.material.1);
-        let contact = |groove: Groove| {
-            let (r_m, r_b) = (self.helix.radius, self.ball.radius);
-            let (lead, beta) = (self.helix.lead_angle, self.contact_angle);
-            Hertz::of(&groove.curvatures(r_m, r_b, lead, beta), modulus)
-        };
-        let [nut, screw] = self.grooves();
-        Ok([contact(nut)?, contact(screw)?])
-    }
-
-    fn outputs(&self, memory: &mut RacewayWorkspace) -> Result<Outputs, (Status, Reason)> {
-        let speed = self.drive.relative_speed();
-        let direction =
-            Direction::of(speed).ok_or((Status::InvalidInput, Reason::NoRelativeSpeed))?;
-        let hertz = self.hertz().map_err(|reason| (Status::InvalidInput, reason))?;
-        let r_b = self.ball.radius;
-        let [nut_groove, screw_groove] = self.grooves();
-        let (sin_0, cos_0) = self.contact_angle.sin_cos();
-        let per_ball = self.load.per_ball();
-
-        // Start: the approaches of the unloaded angle, along it.
-        let load_0 = per_ball / (self.helix.lead_angle.cos() * sin_0);
-        let [nut_0, screw_0] = hertz.map(|h| (load_0 / h.stiffness).powf(2.0 / 3.0));
-        let mut balance = Balance {
-            jones: Jones {
-                nut_offset: nut_groove.offset(r_b),
-                screw_offset: screw_groove.offset(r_b),
-                contact_angle: self.contact_angle,
-            },
-            stiffness: (hertz[0].stiffness, hertz[1].stiffness),
-            cos_lead: self.helix.lead_angle.cos(),
-            lead_angle: self.helix.lead_angle,
-            size: r_b / self.helix.radius,
-            load: per_ball,
-            unit: nut_0 + screw_0,
-            control: self.control.unwrap_or(Control::Nut),
-            centrifugal: self.ball.mass * self.helix.radius * speed * speed,
-            nut_speed: self.drive.nut_speed / speed,
-        };
-        let unit = balance.unit;
-        let mut x = [nut_0 * sin_0 / unit, nut_0 * cos_0 / unit, 1.0 / sin_0];
-        let mut steps = solve_static(&balance, &mut x, memory)?;
-        let decided = control_of(&balance, &x, &hertz).map_err(refused)?;
-        if self.control.is_none() && decided == Control::Screw {
-            balance.control = Control::Screw;
-            steps.0 += solve_static(&balance, &mut x, memory)?.0;
-        }
-        let contacts = balance.contacts(&x).map_err(refused)?;
-        let mut outputs = self.describe(&balance, &contacts, &hertz, direction, memory);
-        outputs.axial_displacement = Some(x[2] * unit);
-        outputs.iterations = Some(steps.0);
-        outputs.residual_norm = Some(steps.1);
-        Ok(outputs)
-    }
-
-    fn describe(
-        &self,
-        balance: &Balance,
-        contacts: &Contacts<f64>,
-        hertz: &[Hertz; 2],
-        direction: Direction,
-        memory: &RacewayWorkspace,
-    ) -> Outputs {
-        let speed = self.drive.relative_speed();
-        let (r_b, r_m, lead) = (self.ball.radius, self.helix.radius, self.helix.lead_angle);
-        let ((a, q_a), (b, q_b)) = (contacts.nut, contacts.screw);
-        let (p, omega) = rolling(balance.control, lead, balance.size, a.angle, b.angle);
-
-        let frame = BallFrame::turned(lead, 0.0);
-        let to_nut = Motion { precession: p * speed, omega: omega * speed };
-        let to_screw = to_nut.relative_to(speed, &frame);
-        let motion = to_nut.relative_to(-self.drive.nut_speed, &frame);
-        let sites = [
-            (Contact::new(Site::Nut, a.angle, &frame), to_nut, q_a, self.conformity.0),
-            (Contact::new(Site::Screw, b.angle, &frame), to_screw, q_b, self.conformity.1),
-        ];
-        let arc = self.helix.arc_length_per_radian();
-        let mut friction_power = 0.0;
-        let [nut_slip, screw_slip] =
-            sites.map(|(contact, motion, ..)| motion.slip_velocity(arc, &contact.point(r_b)));
-        for ((contact, motion, load, conformity), hertz) in sites.iter().zip(hertz) {
-            let ellipse = Ellipse {
-                contact: *contact,
-                load: *load,
-                semi_axes: hertz.semi_axes(*load),
-                pressed_radius: pressed_radius(*conformity, r_b),
-                ball_radius: r_b,
-            };
-            let creep = CREEP * r_b * speed.abs();
-            friction_power +=
-                ellipse.friction(motion, arc, self.friction, creep, &memory.quadrature).1;
-        }
-        friction_power *= self.load.balls;
-
-        let ideal = ideal_torque(self.load.axial, r_m, lead);
+    fn outputs(&self, pair: &Pair, grip: &Grip, quadrature: &Quadrature) -> Outputs {
+        let (screw, loaded) = (&self.screw, &grip.loaded);
+        let motions = pair.relative(&grip.to_nut, &loaded.frame);
+        let friction_power: f64 = (0..2)
+            .map(|i| {
+                let ellipse = pair.ellipse(i, loaded);
+                let local = Local::of(&motions[i], &loaded.contacts[i], pair.arc);
+                pair.friction * loaded.loads[i] * ellipse.power(&local, CREEP, quadrature)
+            })
+            .sum();
+        let mut outputs = screw.describe(pair, loaded, &grip.to_nut);
+        let ideal = ideal_torque(screw.load.axial, screw.helix.radius, screw.helix.lead_angle);
         // T = T₀ + P_f/W                                                  (W8)
-        let torque = ideal + friction_power / speed;
-        let eta = efficiency(direction, ideal, torque);
-        // G = I |P ω_n| / (f Q r_b)                                       (W9)
-        let skid = self.ball.inertia() * (motion.precession * motion.omega.y).abs()
-            / (self.friction * q_a.min(q_b) * r_b);
-        let ((nut_a, nut_b), (screw_a, screw_b)) =
-            (hertz[0].semi_axes(q_a), hertz[1].semi_axes(q_b));
-        let mut outputs = Outputs {
-            efficiency: Some(eta),
-            screw_torque: Some(torque),
-            nut_normal_load: Some(q_a),
-            screw_normal_load: Some(q_b),
-            nut_contact_angle: Some(a.angle),
-            screw_contact_angle: Some(b.angle),
-            nut_slip_angle: Some(sites[0].0.slip_angle(&nut_slip)),
-            screw_slip_angle: Some(sites[1].0.slip_angle(&screw_slip)),
-            nut_slip_velocity: Some(nut_slip.norm()),
-            screw_slip_velocity: Some(screw_slip.norm()),
-            nut_spin: Some(to_nut.spin(&sites[0].0)),
-            screw_spin: Some(to_screw.spin(&sites[1].0)),
-            precession: Some(motion.precession),
-            omega_t: Some(motion.omega.x),
-            omega_n: Some(motion.omega.y),
-            omega_b: Some(motion.omega.z),
-            nut_max_pressure: Some(hertz[0].max_pressure(q_a)),
-            screw_max_pressure: Some(hertz[1].max_pressure(q_b)),
-            nut_ellipse_a: Some(nut_a),
-            nut_ellipse_b: Some(nut_b),
-            screw_ellipse_a: Some(screw_a),
-            screw_ellipse_b: Some(screw_b),
-            nut_approach: Some(a.approach),
-            screw_approach: Some(b.approach),
-            self_locking: Some(eta <= 0.0),
-            skid_number: Some(skid),
-            ..Outputs::default()
-        };
-        outputs.set_power(&Power::transmitted(torque, ideal, speed));
+        let torque = ideal + friction_power * pair.sign() * screw.ball.radius * screw.load.axial;
+        outputs.set_transmission(pair.direction, ideal, torque, screw.drive.relative_speed());
+        outputs.set_regime(grip.skid_number(pair), grip.cross_slip(pair));
+        outputs.iterations = Some(grip.steps);
+        outputs.residual_norm = Some(grip.residual);
         outputs
     }
 }
@@ -354,28 +263,26 @@ impl RacewayControl {
 /// difference of the angles (W7).
 ///
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
-fn control_of(
-    balance: &Balance,
-    x: &[f64; STATIC],
-    hertz: &[Hertz; 2],
-) -> Result<Control, EvalError> {
-    let Contacts { nut: (a, q_a), screw: (b, q_b), .. } = balance.contacts(x)?;
-    let moment = |h: &Hertz, load: f64| load * h.semi_axes(load).0 * h.second_integral;
+fn control_of(pair: &Pair, loaded: &Loaded<f64>) -> Control {
+    let moment = |i: usize| {
+        let (load, (a, _)) = (loaded.loads[i], pair.semi_axes[i]);
+        load * load.cbrt() * a * pair.hertz[i].second_integral
+    };
     // Q_A a_A E_A cos(β_A − β_B) > Q_B a_B E_B                            (W7)
-    let nut = moment(&hertz[0], q_a) * (a.angle - b.angle).cos();
-    Ok(if nut > moment(&hertz[1], q_b) { Control::Nut } else { Control::Screw })
+    let nut = moment(0) * (2.0 * loaded.tilt).cos();
+    if nut > moment(1) { Control::Nut } else { Control::Screw }
 }
 
 /// Newton on the static balance; steps and residual.
 fn solve_static(
-    balance: &Balance,
+    balance: &Balance<'_>,
     x: &mut [f64; STATIC],
-    memory: &mut RacewayWorkspace,
+    newton: &mut Workspace,
 ) -> Result<(usize, f64), (Status, Reason)> {
-    let ones = [1.0; STATIC];
-    let scales = Scales { x: &ones, f: &ones };
+    let weight = balance.pair.inertia_ratio().max(1.0).recip();
+    let scales = Scales { x: &[1.0; STATIC], f: &[weight, weight, weight] };
     let options = Options { residual_goal: 1e-13, ..Options::default() };
-    let report = solve(balance, x, &scales, &options, &mut memory.newton)
+    let report = solve(balance, x, &scales, &options, newton)
         .expect("sizes are constant and the weights positive");
     if report.converged() {
         return Ok((report.steps.len(), report.residual));
@@ -383,21 +290,20 @@ fn solve_static(
     Err((Status::NotConverged, Reason::from(report)))
 }
 
-fn refused(error: EvalError) -> (Status, Reason) {
-    (Status::NotConverged, Reason::Refused { error })
-}
-
 #[cfg(test)]
 mod tests {
     use approx::assert_relative_eq;
     use proptest::prelude::*;
 
+    use bsm_kin::{Drive, Helix};
+
     use super::*;
+    use crate::{Ball, Load, Material};
 
     const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
     fn lin(axial: f64, rpm: f64) -> RacewayControl {
-        RacewayControl {
+        let screw = ElasticScrew {
             helix: Helix { radius: 24.3e-3, lead_angle: 10.0_f64.to_radians() },
             contact_angle: 45.0_f64.to_radians(),
             ball: Ball::of_density(4.37e-3, 7800.0),
@@ -406,8 +312,8 @@ mod tests {
             friction: 0.075,
             drive: Drive { screw_speed: rpm * std::f64::consts::PI / 30.0, nut_speed: 0.0 },
             load: Load { axial, balls: 1.0 },
-            control: None,
-        }
+        };
+        RacewayControl { screw, control: None }
     }
 
     fn solved(case: &RacewayControl) -> Outputs {
@@ -444,7 +350,8 @@ mod tests {
     #[test]
     fn the_larger_spin_moment_controls() {
         let spins = |conformity| {
-            let o = solved(&RacewayControl { conformity, ..lin(2113.0, 2000.0) });
+            let screw = ElasticScrew { conformity, ..lin(2113.0, 2000.0).screw };
+            let o = solved(&RacewayControl { screw, control: None });
             (o.nut_spin.expect("nut").abs(), o.screw_spin.expect("screw").abs())
         };
         // The closer groove has the longer ellipse, the larger moment, and holds the ball.
@@ -461,16 +368,16 @@ mod tests {
             lead in 1.0..40.0_f64, beta in 30.0..60.0_f64, f_n in 0.51..0.56_f64, f_s in 0.51..0.56_f64,
             rpm in 10.0..5000.0_f64, axial in 50.0..2000.0_f64, back in any::<bool>(), nut in -0.9..0.9_f64,
         ) {
-            let base = lin(axial, if back { -rpm } else { rpm });
+            let base = lin(axial, if back { -rpm } else { rpm }).screw;
             let speed = base.drive.screw_speed;
-            let case = RacewayControl {
+            let case = ElasticScrew {
                 helix: Helix { lead_angle: lead.to_radians(), ..base.helix },
                 contact_angle: beta.to_radians(),
                 conformity: (f_n, f_s),
                 drive: Drive { screw_speed: speed, nut_speed: nut * speed },
                 ..base
             };
-            let o = solved(&case);
+            let o = solved(&RacewayControl { screw: case, control: None });
             let get = |x: Option<f64>| x.expect("raceway control has this output");
             let (q_a, q_b) = (get(o.nut_normal_load), get(o.screw_normal_load));
             let (a, b) = (get(o.nut_contact_angle), get(o.screw_contact_angle));
@@ -494,7 +401,8 @@ mod tests {
     /// Limit: without friction nothing is lost.
     #[test]
     fn no_friction_means_no_loss() {
-        let o = solved(&RacewayControl { friction: 0.0, ..lin(500.0, 2000.0) });
+        let screw = ElasticScrew { friction: 0.0, ..lin(500.0, 2000.0).screw };
+        let o = solved(&RacewayControl { screw, control: None });
         assert_relative_eq!(o.efficiency.expect("efficiency"), 1.0);
     }
 
@@ -521,8 +429,8 @@ mod tests {
         };
         let still = lin(100.0, 0.0);
         assert_eq!(why(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
-        let open = RacewayControl { conformity: (5.0, 0.53), ..lin(100.0, 100.0) };
-        let (status, reason) = why(&open);
+        let screw = ElasticScrew { conformity: (5.0, 0.53), ..lin(100.0, 100.0).screw };
+        let (status, reason) = why(&RacewayControl { screw, control: None });
         assert_eq!(status, Status::InvalidInput);
         assert!(matches!(reason, Reason::CurvaturesNotHertzian { .. }), "{reason:?}");
     }

@@ -15,17 +15,12 @@ pub use self::root::RigidWorkspace;
 use self::root::{NoRoot, Root};
 pub use self::scaled::Unknowns as RigidUnknowns;
 use self::scaled::{Scaled, State, Unknowns};
-use crate::balance::{Ball, Power, efficiency, ideal_torque, torque};
+use crate::balance::{Ball, POWER_BALANCE_TOL, ideal_torque, torque};
 use crate::layout::BALL;
 use crate::layout::unknown::{
     MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
 };
 use crate::{Direction, Load, Model, Outputs, Reason, Solution, Status};
-
-/// Largest relative violation of the power balance (B10) of a result that is returned. An exact
-/// root has rounding only; more means that rounding has eaten the result, as it does when the
-/// inertia forces are many orders above the load.
-const POWER_BALANCE_TOL: f64 = 1e-9;
 
 /// Inputs of the rigid model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -207,47 +202,33 @@ impl Rigid {
         let (per_ball, balls) = (self.load.per_ball(), self.load.balls);
         let moment = r_b * per_ball;
 
-        let screw_torque =
-            torque(&state.wrench[2], case.helix.radius, &case.frame) * moment * balls;
-        let ideal = ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle);
-        let direction =
-            if case.sign > 0.0 { Direction::RotaryToLinear } else { Direction::LinearToRotary };
-        let eta = efficiency(direction, ideal, screw_torque);
-        let power = Power::transmitted(screw_torque, ideal, case.sign * w);
-        let friction_power = friction_power(case, &state, &root.unknowns) * moment * w * balls;
-
-        let omega = case.frame.to_frenet(&state.motion.omega) * w;
-        let [a, minor, b] = case.contacts;
-        let relative = |speed| state.motion.relative_to(speed, &case.frame);
-        let [slip_a, slip_minor, slip_b] = state.slip;
-
         let mut outputs = Outputs {
-            efficiency: Some(eta),
-            screw_torque: Some(screw_torque),
             nut_normal_load: Some(root.unknowns[NUT_LOAD] * per_ball),
             minor_normal_load: Some(root.unknowns[MINOR_LOAD] * per_ball),
             screw_normal_load: Some(root.unknowns[SCREW_LOAD] * per_ball),
             nut_contact_angle: Some(self.contact_angle),
             screw_contact_angle: Some(self.contact_angle),
-            nut_slip_angle: Some(a.slip_angle(&slip_a)),
-            screw_slip_angle: Some(b.slip_angle(&slip_b)),
-            minor_slip_angle: Some(minor.slip_angle(&slip_minor)),
-            nut_slip_velocity: Some(slip_a.norm() * w * r_b),
-            screw_slip_velocity: Some(slip_b.norm() * w * r_b),
-            minor_slip_velocity: Some(slip_minor.norm() * w * r_b),
-            nut_spin: Some(relative(case.nut_speed).spin(&a) * w),
-            screw_spin: Some(relative(case.nut_speed + case.sign).spin(&b) * w),
-            precession: Some(state.motion.precession * w),
-            omega_t: Some(omega.x),
-            omega_n: Some(omega.y),
-            omega_b: Some(omega.z),
-            power_balance: Some(power.imbalance(friction_power)),
             iterations: Some(root.steps),
             residual_norm: Some(root.residual),
-            self_locking: Some(eta <= 0.0),
             ..Outputs::default()
         };
-        outputs.set_power(&power);
+        outputs.set_motion(&state.motion, &case.frame, w);
+        let to_nut = state.motion.relative_to(case.nut_speed, &case.frame);
+        let to_screw = to_nut.relative_to(case.sign, &case.frame);
+        for ((contact, slip), motion) in
+            case.contacts.iter().zip(&state.slip).zip([to_nut, to_nut, to_screw])
+        {
+            outputs.set_contact(contact, &motion, &(slip * (w * r_b)), w);
+        }
+
+        let screw_torque =
+            torque(&state.wrench[2], case.helix.radius, &case.frame) * moment * balls;
+        let ideal = ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle);
+        let direction =
+            if case.sign > 0.0 { Direction::RotaryToLinear } else { Direction::LinearToRotary };
+        let power = outputs.set_transmission(direction, ideal, screw_torque, case.sign * w);
+        let friction_power = friction_power(case, &state, &root.unknowns) * moment * w * balls;
+        outputs.power_balance = Some(power.imbalance(friction_power));
         outputs
     }
 }

@@ -2,8 +2,7 @@
 
 use bsm_newton::{EvalError, Report, Status as NewtonStatus};
 
-use crate::Model;
-use crate::balance::Power;
+use crate::{Estimate, Model, Outputs};
 
 /// Which side drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,6 +98,11 @@ pub enum Reason {
         /// Inertia forces over friction forces.
         inertia: f64,
     },
+    /// The root of smaller inertia forces ends on the way to the full ones.
+    RootEnds {
+        /// Inertia up to which it was followed, over the full one.
+        inertia_fraction: f64,
+    },
     /// The curvatures of ball and groove give no ellipse across the groove.
     CurvaturesNotHertzian {
         /// Along the track \[1/m\].
@@ -161,6 +165,8 @@ pub struct Solution {
     pub status: Status,
     /// Why, unless it converged.
     pub reason: Option<Reason>,
+    /// How large the error of the efficiency may be, if the model was chosen by it.
+    pub estimate: Option<Estimate>,
     /// The numbers; all empty unless it converged (`self_locking` may be known).
     pub outputs: Outputs,
 }
@@ -168,7 +174,7 @@ pub struct Solution {
 impl Solution {
     /// A solution with its numbers.
     pub fn converged(model: Model, outputs: Outputs) -> Self {
-        Self { model, status: Status::Converged, reason: None, outputs }
+        Self { model, status: Status::Converged, reason: None, estimate: None, outputs }
     }
 
     /// The statement that there is none.
@@ -176,61 +182,6 @@ impl Solution {
         let locks = matches!(reason, Reason::SelfLocking { .. } | Reason::FrictionHoldsLoad { .. });
         let locking = locks.then_some(true);
         let outputs = Outputs { self_locking: locking, ..Outputs::default() };
-        Self { model, status, reason: Some(reason), outputs }
-    }
-}
-
-/// Outputs in SI units and radians; a model leaves empty what it does not have.
-///
-/// Loads are per ball, torque and powers for all loaded balls together.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-#[expect(missing_docs, reason = "names and meanings are those of docs/theory/00-notation.md")]
-pub struct Outputs {
-    pub efficiency: Option<f64>,
-    pub screw_torque: Option<f64>,
-    pub nut_normal_load: Option<f64>,
-    pub screw_normal_load: Option<f64>,
-    pub minor_normal_load: Option<f64>,
-    pub nut_contact_angle: Option<f64>,
-    pub screw_contact_angle: Option<f64>,
-    pub nut_slip_angle: Option<f64>,
-    pub screw_slip_angle: Option<f64>,
-    pub minor_slip_angle: Option<f64>,
-    pub nut_slip_velocity: Option<f64>,
-    pub screw_slip_velocity: Option<f64>,
-    pub minor_slip_velocity: Option<f64>,
-    pub nut_spin: Option<f64>,
-    pub screw_spin: Option<f64>,
-    pub precession: Option<f64>,
-    pub omega_t: Option<f64>,
-    pub omega_n: Option<f64>,
-    pub omega_b: Option<f64>,
-    pub nut_max_pressure: Option<f64>,
-    pub screw_max_pressure: Option<f64>,
-    pub nut_ellipse_a: Option<f64>,
-    pub nut_ellipse_b: Option<f64>,
-    pub screw_ellipse_a: Option<f64>,
-    pub screw_ellipse_b: Option<f64>,
-    pub nut_approach: Option<f64>,
-    pub screw_approach: Option<f64>,
-    pub axial_displacement: Option<f64>,
-    pub input_power: Option<f64>,
-    pub output_power: Option<f64>,
-    pub dissipated_power: Option<f64>,
-    pub power_balance: Option<f64>,
-    pub iterations: Option<usize>,
-    pub residual_norm: Option<f64>,
-    pub self_locking: Option<bool>,
-    /// Gyroscopic over friction moment of the gripping motion: below 0.05 the ball grips, from
-    /// 0.06 to 0.15 it begins to skid.
-    pub skid_number: Option<f64>,
-}
-
-impl Outputs {
-    /// Stores the three powers.
-    pub(crate) fn set_power(&mut self, power: &Power) {
-        self.input_power = Some(power.input);
-        self.output_power = Some(power.output);
-        self.dissipated_power = Some(power.dissipated);
+        Self { model, status, reason: Some(reason), estimate: None, outputs }
     }
 }

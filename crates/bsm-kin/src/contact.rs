@@ -41,12 +41,17 @@ impl<D: Scalar> Contact<D> {
     ///
     /// in `(t, n, b)`; in a turned triad the angles are taken from its second axis.
     pub fn new(site: Site, contact_angle: D, frame: &BallFrame<D>) -> Self {
-        let (side, angle) = match site {
-            Site::Nut => (1.0, contact_angle),
-            Site::NutMinor => (1.0, -contact_angle),
-            Site::Screw => (-1.0, contact_angle),
-        };
-        let (s, c) = (angle - frame.turn).sin_cos();
+        let angle = if site == Site::NutMinor { -contact_angle } else { contact_angle };
+        Self::tilted(site, angle - frame.turn)
+    }
+
+    /// Contact at `site` whose contact angle is that of the triad's second axis plus `tilt`
+    /// \[rad\] (K9), (K10).
+    ///
+    /// Exact for small tilts, where the difference of two contact angles has lost its digits.
+    pub fn tilted(site: Site, tilt: D) -> Self {
+        let side = if site == Site::Screw { -1.0 } else { 1.0 };
+        let (s, c) = tilt.sin_cos();
         let zero = D::from(0.0);
         Self {
             site,

@@ -52,6 +52,12 @@ impl<D: Scalar> BallFrame<D> {
         let (s, c) = self.turn.sin_cos();
         Vector3::new(v.x, c * v.y - s * v.z, s * v.y + c * v.z)
     }
+
+    /// Components in this triad of `v` with components in the Frenet-Serret triad `(t, n, b)`.
+    pub fn from_frenet(&self, v: &Vector3<D>) -> Vector3<D> {
+        let (s, c) = self.turn.sin_cos();
+        Vector3::new(v.x, c * v.y + s * v.z, c * v.z - s * v.y)
+    }
 }
 
 #[cfg(test)]
@@ -71,6 +77,7 @@ mod tests {
         for turn in [0.0, 0.8, -1.1] {
             let frame = BallFrame::turned(0.31, turn);
             assert_relative_eq!(frame.to_frenet(&frame.k), expected, epsilon = 1e-15);
+            assert_relative_eq!(frame.from_frenet(&expected), frame.k, epsilon = 1e-15);
             assert_relative_eq!(frame.to_frenet(&frame.n), Vector3::y(), epsilon = 1e-15);
         }
     }

@@ -53,6 +53,11 @@ impl<const N: usize> Scalar for Jet<N> {
         self.chain(root, 0.5 / root)
     }
 
+    fn cbrt(&self) -> Self {
+        let root = self.re.cbrt();
+        self.chain(root, (3.0 * root * root).recip())
+    }
+
     fn recip(&self) -> Self {
         let inverse = self.re.recip();
         self.chain(inverse, -inverse * inverse)
@@ -182,7 +187,7 @@ mod tests {
         let mut z = (sin / (cos + 2.0) - y.recip()) * (x.square() + y.square()).sqrt();
         z += x.atan2(y) * 0.3 - 1.5;
         z -= -x.tan();
-        z *= x.cos() + D::one() * y.sin();
+        z *= x.cos() + D::one() * y.sin() + y.cbrt();
         z /= y + D::from(3.0);
         z + D::zero()
     }

@@ -30,6 +30,9 @@ pub trait Scalar:
     /// Square root.
     #[must_use]
     fn sqrt(&self) -> Self;
+    /// Cube root.
+    #[must_use]
+    fn cbrt(&self) -> Self;
     /// One over the value.
     #[must_use]
     fn recip(&self) -> Self;
@@ -71,6 +74,10 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Scalar for T {
 
     fn sqrt(&self) -> Self {
         DualNum::sqrt(self)
+    }
+
+    fn cbrt(&self) -> Self {
+        DualNum::cbrt(self)
     }
 
     fn recip(&self) -> Self {

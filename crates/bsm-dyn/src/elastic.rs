@@ -1,0 +1,254 @@
+//! Gross slip on elastic contacts: saturated friction at the contact centres, contact angles that
+//! follow load and speed.
+//!
+//! Theory: `docs/theory/08-elastic.md`, equations (S1) to (S10).
+
+use bsm_kin::{BallFrame, Motion, Scalar};
+use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
+use nalgebra::Vector3;
+
+use crate::coulomb::friction_force;
+use crate::follow::{Stride, follow};
+use crate::jacobian::linearize;
+use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
+use crate::layout::{self, BALL, MOMENT_NORMAL};
+use crate::pair::{ElasticScrew, Loaded, Pair};
+use crate::{Angles, Model, Outputs, Reason, Solution, Status, Wrench};
+
+/// Inertia ratio at which the first order is a safe start.
+const CALM: f64 = 0.3;
+
+/// A solve may take this many steps; more means that the start was not near the root.
+const MOST_STEPS: usize = 12;
+
+/// A solve of a path that takes more steps may have changed the branch.
+const PATH_STEPS: usize = 6;
+
+/// Inputs of the elastic model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Elastic {
+    /// The screw at its operating point; friction positive.
+    pub screw: ElasticScrew,
+}
+
+/// Memory of the solves.
+pub struct ElasticWorkspace(Workspace);
+
+impl Default for ElasticWorkspace {
+    fn default() -> Self {
+        Self(Workspace::new(BALL))
+    }
+}
+
+/// Contacts, motion, slips and wrenches that belong to a set of unknowns.
+#[derive(Debug)]
+struct State<D> {
+    loaded: Loaded<D>,
+    to_nut: Motion<D>,
+    slip: [Vector3<D>; 2],
+    wrench: [Wrench<D>; 2],
+}
+
+/// Saturated friction on a pair of contacts; unknowns `$Q_A/F_a,\; \nu,\; Q_B/F_a,\; p,\; \lambda,\;
+/// \theta,\; s$` (S1).
+struct Saturated<'a>(&'a Pair);
+
+impl Saturated<'_> {
+    fn state<D: Scalar>(&self, y: &[D; BALL]) -> Result<State<D>, EvalError> {
+        let pair = self.0;
+        let loaded = pair.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
+        let [nut, screw] = loaded.contacts;
+        // P = Ω_n + p W                                                   (S2)
+        let precession = y[PRECESSION] * pair.sign() + pair.nut_speed;
+        if precession.re() == 0.0 {
+            return Err(EvalError {
+                quantity: "precession rate P of the ball over |W|",
+                value: 0.0,
+                requirement: "not zero: a ball that does not circle has no gyroscopic moment",
+            });
+        }
+        // σ = s r_b F_a / (I P), about the mean normal                    (S3)
+        let sigma = y[SPIN] / (precession * pair.ball.inertia());
+        // V_A = W r_b λ (cosθ e_xA + sinθ t)                              (S4)
+        let (sin, cos) = y[SLIP_ANGLE].sin_cos();
+        let tangent = BallFrame::tangent();
+        let along = (nut.across * cos + tangent * sin) * D::from(pair.sign());
+        // ω'_t = −W λ cosθ,  ω'·e_xA = W (λ sinθ − p d/r_b)               (S5)
+        let omega_t = -y[SLIP] * cos * pair.sign();
+        let omega_a = (y[SLIP] * sin - y[PRECESSION] * pair.arc) * pair.sign();
+        // e_xA = sinν N + cosν e_x                                        (S6)
+        let omega_x = (omega_a - sigma * nut.across.y) / nut.across.z;
+        let omega = Vector3::new(omega_t, sigma, omega_x);
+        let to_nut = Motion { precession: y[PRECESSION] * pair.sign(), omega };
+
+        let points = loaded.contacts.map(|c| c.point(D::from(1.0)));
+        let to_screw = pair.relative(&to_nut, &loaded.frame)[1];
+        let at_screw = to_screw.slip_velocity(D::from(pair.arc), &points[1]);
+        // The part along the normal is zero but for rounding, which spin may make large.
+        let slip_screw = screw.across * at_screw.dot(&screw.across) + tangent * at_screw.x;
+        let slip = [along * y[SLIP], slip_screw];
+        let friction = [
+            along * (y[NUT_LOAD] * -pair.friction),
+            friction_force(D::from(pair.friction), y[SCREW_LOAD], &slip[1])?,
+        ];
+        let wrench = std::array::from_fn(|i| {
+            let normal = &loaded.contacts[i].normal;
+            Wrench::at_contact(normal, &points[i], loaded.loads[i], &friction[i])
+        });
+        Ok(State { loaded, to_nut, slip, wrench })
+    }
+
+    fn residual<D: Scalar>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+        let state = self.state(y)?;
+        let motion = self.0.absolute(&state.to_nut, &state.loaded.frame);
+        Ok(self.0.balance(&state.loaded, &motion, &state.wrench))
+    }
+
+    /// The motion without inertia at the static contact angle, tilt and slip to first order.
+    fn start(&self) -> Result<[f64; BALL], (Status, Reason)> {
+        let pair = self.0;
+        let (alpha, signed) = (pair.helix.lead_angle, pair.friction * pair.sign());
+        let factor = |beta| Angles { lead: alpha, contact: beta }.slip_factor();
+        let (load, beta) = pair.static_load(|beta| signed * factor(beta))?;
+        let ((sin_a, cos_a), (sin_b, cos_b)) = (alpha.sin_cos(), beta.sin_cos());
+        let d = factor(beta);
+        let (sin_psi, cos_psi) = (sin_a / cos_a / d, cos_b / d);
+        // p_R = 1/2 − (r_b cosα / 2 r_m)(cosα cosβ + sinα tanψ), Eq (R13)
+        let lever = cos_a * cos_b + sin_a * sin_a / (cos_a * cos_b);
+        let rigid = 0.5 - 0.5 * cos_a / pair.helix.radius * lever;
+        // γ = sinβ − F (cosβ + F cosψ sinβ)/[cosψ (1 + F²)]               (S7)
+        let gamma = sin_b
+            - signed * (cos_b + signed * cos_psi * sin_b) / (cos_psi * (1.0 + signed * signed));
+        // g = (5/2) F γ / D,  p = (p_R + g Ω_n/W)/(1 − g)                 (S8)
+        let g = 2.5 * signed * gamma / d;
+        let p = (rigid + g * pair.nut_speed * pair.sign()) / (1.0 - g);
+        let rate = p + pair.nut_speed * pair.sign();
+        // ν = m r_m P² γ / (2 Q)                                          (S9)
+        let inertia = pair.inertia_ratio() * rate * rate;
+        let tilt = 0.5 * inertia * gamma / load;
+        let difference = inertia * (cos_b + signed * cos_psi * sin_b) / (1.0 + signed * signed);
+        // λ = p_R tanψ' d / (cosψ + tanψ' sinψ),  tanψ' = tanα/cosβ       (S10)
+        let tangent = sin_a / (cos_a * cos_b);
+        let slip = tangent * pair.arc * rigid / (cos_psi + tangent * sin_psi);
+        let mut y = [0.0; BALL];
+        y[NUT_LOAD] = load + 0.5 * difference;
+        y[SCREW_LOAD] = load - 0.5 * difference;
+        y[TILT] = tilt;
+        y[PRECESSION] = p;
+        y[SLIP] = slip;
+        y[SLIP_ANGLE] = sin_psi.atan2(cos_psi);
+        y[SPIN] = -2.0 * signed * load / (d * cos_a);
+        Ok(y)
+    }
+}
+
+impl System for Saturated<'_> {
+    fn dim(&self) -> usize {
+        BALL
+    }
+
+    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
+        r.copy_from_slice(&Saturated::residual(self, x.try_into().expect("seven unknowns"))?);
+        Ok(())
+    }
+
+    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
+        linearize(|y| Saturated::residual(self, &y), x, r, jac)
+    }
+
+    fn equation(&self, i: usize) -> String {
+        layout::equation(i).to_owned()
+    }
+}
+
+/// A root of the elastic equations.
+#[derive(Debug)]
+pub(crate) struct Skid {
+    state: State<f64>,
+    steps: usize,
+    residual: f64,
+}
+
+impl Skid {
+    /// Contacts and motion relative to the nut.
+    pub(crate) fn state(&self) -> (&Loaded<f64>, &Motion<f64>) {
+        (&self.state.loaded, &self.state.to_nut)
+    }
+
+    /// Newton from the first order; where inertia has grown too large for it, the root is
+    /// followed there.
+    pub(crate) fn of(pair: &Pair, newton: &mut Workspace) -> Result<Self, (Status, Reason)> {
+        let mut y = Saturated(pair).start()?;
+        let mut report = run(pair, &mut y, newton);
+        let mut steps = report.steps.len();
+        if !report.converged() {
+            let begin = (CALM / pair.inertia_ratio()).min(1.0).ln();
+            let slower = |log: f64| pair.with_inertia(log.exp());
+            let mut path = Saturated(&slower(begin)).start()?;
+            let failure = report.clone();
+            let stride = Stride { first: 0.5, shortest: 1e-2 };
+            follow(&mut path, (begin, 0.0), stride, |log, y| {
+                let at = run(&slower(log), y, newton);
+                steps += at.steps.len();
+                let calm = at.converged() && at.steps.len() <= PATH_STEPS;
+                if calm {
+                    report.residual = at.residual;
+                }
+                calm
+            })
+            .map_err(|end| {
+                let ends = |log: f64| Reason::RootEnds { inertia_fraction: log.exp() };
+                (Status::NotConverged, end.map_or(Reason::from(failure), ends))
+            })?;
+            y = path;
+        }
+        if y[SLIP] <= 0.0 {
+            // The slip would point along friction, not against it; other roots are not excluded.
+            let (slip, exact, critical_lead_angle) = (y[SLIP], true, None);
+            let reason = Reason::NutContactWouldRoll { slip, exact, critical_lead_angle };
+            return Err((Status::NotConverged, reason));
+        }
+        let state = Saturated(pair).state(&y).expect("the residual was evaluated at the root");
+        Ok(Self { state, steps, residual: report.residual })
+    }
+}
+
+/// One damped Newton solve from `y`.
+fn run(pair: &Pair, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+    let rate = (y[PRECESSION] * pair.sign() + pair.nut_speed).abs();
+    let size = pair.inertia_ratio() * rate.powi(2).max(1.0);
+    let mut weights = [size.max(1.0).recip(); BALL];
+    // The moment about the mean normal has inertia-sized terms only.
+    weights[MOMENT_NORMAL] = (size * rate.min(1.0)).max(f64::MIN_POSITIVE).recip();
+    let scales = Scales { x: &[1.0; BALL], f: &weights };
+    let options = Options { residual_goal: 1e-13, max_steps: MOST_STEPS, ..Options::default() };
+    solve(&Saturated(pair), y, &scales, &options, newton)
+        .expect("sizes are constant and the weights positive")
+}
+
+impl Elastic {
+    /// Solves for the steady motion of the ball.
+    pub fn solve(&self, work: &mut ElasticWorkspace) -> Solution {
+        match self.outputs(work) {
+            Ok(outputs) => Solution::converged(Model::Elastic, outputs),
+            Err((status, reason)) => Solution::failed(Model::Elastic, status, reason),
+        }
+    }
+
+    fn outputs(&self, work: &mut ElasticWorkspace) -> Result<Outputs, (Status, Reason)> {
+        if self.screw.friction <= 0.0 {
+            return Err((Status::InvalidInput, Reason::Frictionless));
+        }
+        let pair = self.screw.pair()?;
+        let Skid { state, steps, residual } = Skid::of(&pair, &mut work.0)?;
+        let mut outputs = self.screw.describe(&pair, &state.loaded, &state.to_nut);
+        // P_f = Σ f Q_c |V_c|, Eq (R21)
+        let friction_power =
+            (0..2).map(|i| pair.friction * state.loaded.loads[i] * state.slip[i].norm()).sum();
+        let frame = &state.loaded.frame;
+        self.screw.transmit(&mut outputs, &pair, frame, &state.wrench[1], friction_power)?;
+        outputs.iterations = Some(steps);
+        outputs.residual_norm = Some(residual);
+        Ok(outputs)
+    }
+}

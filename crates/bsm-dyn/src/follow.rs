@@ -1,0 +1,88 @@
+//! A root followed along a parameter, where no start is good enough for the whole way.
+
+/// Length of the first step, and the shortest one before giving up.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stride {
+    pub(crate) first: f64,
+    pub(crate) shortest: f64,
+}
+
+/// Follows a root of `N` unknowns from the parameter `begin`, where `y` is a guess, to `end`.
+///
+/// `solve` moves a guess to the root of a parameter and says whether it went there calmly. Each
+/// guess lies on the line through the last two roots. A step grows by half after a success and is
+/// halved after a failure.
+///
+/// # Errors
+///
+/// The parameter up to which it came if the path ends early, with its root in `y`; `None` if not
+/// even the guess led to a root.
+pub(crate) fn follow<const N: usize>(
+    y: &mut [f64; N],
+    (begin, end): (f64, f64),
+    stride: Stride,
+    mut solve: impl FnMut(f64, &mut [f64; N]) -> bool,
+) -> Result<(), Option<f64>> {
+    if !solve(begin, y) {
+        return Err(None);
+    }
+    let direction = (end - begin).signum();
+    let (mut at, mut length) = (begin, stride.first);
+    let mut arrived = begin.total_cmp(&end).is_eq();
+    let mut before: Option<(f64, [f64; N])> = None;
+    while !arrived {
+        let last = (end - at).abs() <= length;
+        let next = if last { end } else { at + direction * length };
+        let mut guess = *y;
+        if let Some((place, root)) = &before {
+            let reach = (next - at) / (at - place);
+            for (guess, old) in guess.iter_mut().zip(root) {
+                *guess += (*guess - old) * reach;
+            }
+        }
+        if solve(next, &mut guess) {
+            before = Some((at, *y));
+            (at, *y, arrived) = (next, guess, last);
+            length *= 1.5;
+        } else {
+            length *= 0.5;
+            if length < stride.shortest {
+                return Err(Some(at));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Newton on y² = x, at most three steps.
+    fn root(x: f64, y: &mut [f64; 1]) -> bool {
+        for _ in 0..3 {
+            y[0] = 0.5 * (y[0] + x / y[0]);
+        }
+        (y[0] * y[0] - x).abs() <= 1e-9 * x.abs()
+    }
+
+    #[test]
+    fn the_root_is_followed_where_a_jump_fails() {
+        let mut y = [1.0];
+        assert!(!root(1e6, &mut [1.0]));
+        let stride = Stride { first: 1.0, shortest: 1e-3 };
+        assert_eq!(follow(&mut y, (1.0, 1e6), stride, root), Ok(()));
+        // Tolerance of `root`.
+        assert!((y[0] - 1e3).abs() <= 1e-6);
+    }
+
+    /// Expected failure: no root below zero.
+    #[test]
+    fn the_end_of_a_path_is_told() {
+        let mut y = [1.0];
+        let stride = Stride { first: 0.1, shortest: 1e-3 };
+        let end = follow(&mut y, (1.0, -1.0), stride, root).expect_err("the path ends");
+        assert!(end.is_some_and(|x| (0.0..0.01).contains(&x)), "{end:?}");
+        assert!(follow(&mut [1.0], (-1.0, 1.0), stride, root) == Err(None));
+    }
+}

@@ -1,0 +1,401 @@
+//! A ball between elastic races: inputs, units, and the state that belongs to loads and tilt.
+//!
+//! Theory: `docs/theory/06-elastic-contact.md`, equations (P1) to (P6).
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Scalar, Site};
+use bsm_newton::EvalError;
+
+use crate::balance::{Ball, POWER_BALANCE_TOL, axial_force, ideal_torque, newton_euler, torque};
+use crate::hertz::{Groove, Hertz, Material, Member, contact_modulus};
+use crate::jones::Jones;
+use crate::layout::BALL;
+use crate::{Direction, Ellipse, Load, Outputs, Reason, Status, Wrench, pressed_radius};
+
+/// A ball screw whose balls touch nut and screw at one elastic contact each, at an operating point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ElasticScrew {
+    /// Helix of the ball centres.
+    pub helix: Helix<f64>,
+    /// Unloaded contact angle `$\beta_0$` \[rad\], in (0, π/2).
+    pub contact_angle: f64,
+    /// The ball.
+    pub ball: Ball<f64>,
+    /// Conformities of nut and screw, groove radius over ball diameter, above 1/2.
+    pub conformity: (f64, f64),
+    /// Elastic constants of races and ball.
+    pub material: (Material, Material),
+    /// Coulomb friction coefficient `$f \ge 0$`.
+    pub friction: f64,
+    /// Speeds of screw and nut.
+    pub drive: Drive<f64>,
+    /// Load on the balls.
+    pub load: Load,
+}
+
+impl ElasticScrew {
+    /// Hertz contacts at nut and screw.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::CurvaturesNotHertzian`].
+    pub fn hertz(&self) -> Result<[Hertz; 2], Reason> {
+        let modulus = contact_modulus(&self.material.0, &self.material.1);
+        let contact = |groove: Groove| {
+            let (r_m, r_b) = (self.helix.radius, self.ball.radius);
+            let (lead, beta) = (self.helix.lead_angle, self.contact_angle);
+            Hertz::of(&groove.curvatures(r_m, r_b, lead, beta), modulus)
+        };
+        let [nut, screw] = self.grooves();
+        Ok([contact(nut)?, contact(screw)?])
+    }
+
+    fn grooves(&self) -> [Groove; 2] {
+        [
+            Groove { member: Member::Nut, conformity: self.conformity.0 },
+            Groove { member: Member::Screw, conformity: self.conformity.1 },
+        ]
+    }
+
+    /// The point in units of ball radius, axial load per ball and relative speed (P1).
+    pub(crate) fn pair(&self) -> Result<Pair, (Status, Reason)> {
+        let invalid = |reason| (Status::InvalidInput, reason);
+        let speed = self.drive.relative_speed();
+        let direction = Direction::of(speed).ok_or_else(|| invalid(Reason::NoRelativeSpeed))?;
+        let hertz = self.hertz().map_err(invalid)?;
+        let (r_b, w, load) = (self.ball.radius, speed.abs(), self.load.per_ball());
+        // Lengths in r_b, forces in F_a, speeds in |W|                    (P1)
+        let helix = Helix { radius: self.helix.radius / r_b, ..self.helix };
+        let mass = self.ball.mass * r_b * w * w / load;
+        let nut_speed = self.drive.nut_speed / w;
+        let inertia_ratio = mass * helix.radius;
+        if !(inertia_ratio.is_normal() && mass.is_normal() && nut_speed.is_finite()) {
+            return Err(invalid(Reason::InertiaOutOfRange { inertia_ratio }));
+        }
+        let [nut_offset, screw_offset] = self.grooves().map(|groove| groove.offset(1.0));
+        Ok(Pair {
+            helix,
+            arc: helix.arc_length_per_radian(),
+            jones: Jones { nut_offset, screw_offset, contact_angle: self.contact_angle },
+            approach: hertz.map(|h| (load / h.stiffness).cbrt().powi(2) / r_b),
+            semi_axes: hertz.map(|h| {
+                let (a, b) = h.semi_axes(load);
+                (a / r_b, b / r_b)
+            }),
+            pressed_radius: [
+                pressed_radius(self.conformity.0, 1.0),
+                pressed_radius(self.conformity.1, 1.0),
+            ],
+            friction: self.friction,
+            ball: Ball { radius: 1.0, mass },
+            nut_speed,
+            direction,
+            hertz,
+        })
+    }
+}
+
+/// One operating point in scaled units.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pair {
+    /// Helix with radius `$r_m/r_b$`.
+    pub(crate) helix: Helix<f64>,
+    /// Arc length per radian of the helix.
+    pub(crate) arc: f64,
+    /// Offsets of the groove arcs and unloaded contact angle.
+    pub(crate) jones: Jones<f64>,
+    /// Approaches at nut and screw under the axial load.
+    approach: [f64; 2],
+    /// Semi-axes at nut and screw under the axial load.
+    pub(crate) semi_axes: [(f64, f64); 2],
+    /// Radii of the pressed surfaces.
+    pub(crate) pressed_radius: [f64; 2],
+    /// Coulomb coefficient.
+    pub(crate) friction: f64,
+    /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
+    pub(crate) ball: Ball<f64>,
+    /// Nut speed over `$|W|$`.
+    pub(crate) nut_speed: f64,
+    /// Sign of `$W$`.
+    pub(crate) direction: Direction,
+    /// Contacts in SI units.
+    pub(crate) hertz: [Hertz; 2],
+}
+
+/// What loads and tilt say about the two contacts.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Loaded<D> {
+    /// Normal loads at nut and screw.
+    pub(crate) loads: [D; 2],
+    /// Half the difference of the contact angles \[rad\].
+    pub(crate) tilt: D,
+    /// Triad turned to the mean contact normal.
+    pub(crate) frame: BallFrame<D>,
+    /// Contacts at nut and screw.
+    pub(crate) contacts: [Contact<D>; 2],
+    /// Axial displacement of the nut.
+    pub(crate) displacement: D,
+}
+
+impl<D: Scalar> Loaded<D> {
+    /// Contact angles at nut and screw \[rad\].
+    pub(crate) fn angles(&self) -> [D; 2] {
+        [self.frame.turn - self.tilt, self.frame.turn + self.tilt]
+    }
+}
+
+impl Pair {
+    /// Sign of the relative speed.
+    pub(crate) fn sign(&self) -> f64 {
+        self.direction.sign()
+    }
+
+    /// `$m r_m W^2/F_a$`, the size of the inertia forces.
+    pub(crate) fn inertia_ratio(&self) -> f64 {
+        self.ball.mass * self.helix.radius
+    }
+
+    /// Approaches over ball radius of loads over axial load (P2).
+    fn approaches<D: Scalar>(&self, loads: [D; 2]) -> [D; 2] {
+        // δ = (Q/K_H)^{2/3}, Eq (H9)                                      (P2)
+        std::array::from_fn(|i| loads[i].cbrt().square() * self.approach[i])
+    }
+
+    /// Contacts and displacement of two loads and a tilt (P2) to (P4).
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if a contact is lost.
+    pub(crate) fn loaded<D: Scalar>(&self, loads: [D; 2], tilt: D) -> Result<Loaded<D>, EvalError> {
+        let least = loads[0].re().min(loads[1].re());
+        if least.is_nan() || least <= 0.0 {
+            return Err(EvalError {
+                quantity: "normal load of a contact over the axial load",
+                value: least,
+                requirement: "positive: the contact is lost",
+            });
+        }
+        let jones = Jones {
+            nut_offset: D::from(self.jones.nut_offset),
+            screw_offset: D::from(self.jones.screw_offset),
+            contact_angle: D::from(self.jones.contact_angle),
+        };
+        let deformed = jones.deformed(self.approaches(loads), tilt)?;
+        // β_A = β − ν,  β_B = β + ν                                       (P3)
+        let contacts = [Contact::tilted(Site::Nut, -tilt), Contact::tilted(Site::Screw, tilt)];
+        let frame = BallFrame::turned(D::from(self.helix.lead_angle), deformed.mean_angle);
+        Ok(Loaded { loads, tilt, frame, contacts, displacement: deformed.displacement.nut })
+    }
+
+    /// The same point with the inertia multiplied by `factor`.
+    pub(crate) fn with_inertia(&self, factor: f64) -> Self {
+        let ball = Ball { mass: self.ball.mass * factor, ..self.ball };
+        Self { ball, ..*self }
+    }
+
+    /// Load and mean contact angle of the saturated balance without inertia, for a friction term
+    /// `$f D$` of the contact angle (P4).
+    ///
+    /// A few passes of a contraction: a start, not a solution. Where friction holds the load at an
+    /// angle, the load pushes the ball to a steeper one.
+    pub(crate) fn static_load(
+        &self,
+        friction_term: impl Fn(f64) -> f64,
+    ) -> Result<(f64, f64), (Status, Reason)> {
+        let mut angle = self.jones.contact_angle;
+        let mut load = f64::NAN;
+        for _ in 0..4 {
+            // q = 1/[cosα (sinβ − f D)], Eq (C4)                          (P4)
+            let at = |angle: f64| {
+                (self.helix.lead_angle.cos() * (angle.sin() - friction_term(angle))).recip()
+            };
+            load = at(angle);
+            for _ in 0..20 {
+                if load > 0.0 && load.is_finite() {
+                    break;
+                }
+                angle += 0.2 * (FRAC_PI_2 - angle);
+                load = at(angle);
+            }
+            let deformed = self.jones.deformed(self.approaches([load; 2]), 0.0);
+            angle = deformed.map_err(refused)?.mean_angle;
+        }
+        if load > 0.0 {
+            return Ok((load, angle));
+        }
+        let (sin_contact_angle, friction_term) = (angle.sin(), friction_term(angle));
+        Err((Status::NoSolution, Reason::SelfLocking { sin_contact_angle, friction_term }))
+    }
+
+    /// Loads and tilt of the frictionless balance with the centrifugal force of a precession rate
+    /// over `$|W|$`; to two digits, a start.
+    ///
+    /// With the axial and the centrifugal force given, the force triangle leaves one unknown,
+    /// `$\beta_B$`, from the unloaded angle upwards; what (J7) needs falls with it.
+    pub(crate) fn static_balance(&self, rate: f64) -> [f64; 3] {
+        let axial = self.helix.lead_angle.cos().recip();
+        let centrifugal = self.inertia_ratio() * rate * rate / axial;
+        let jones = &self.jones;
+        let target = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos();
+        let at = |screw: f64| {
+            // cotβ_A − cotβ_B = m r_m P² cosα / F_a
+            let nut = 1.0_f64.atan2(centrifugal + screw.cos() / screw.sin());
+            let loads = [axial / nut.sin(), axial / screw.sin()];
+            let [a, b] = self.approaches(loads);
+            let reach = (jones.nut_offset + a) * nut.cos() + (jones.screw_offset + b) * screw.cos();
+            ([loads[0], loads[1], 0.5 * (screw - nut)], reach / target - 1.0)
+        };
+        // Regula falsi with the Illinois rule.
+        let (mut low, mut high) = (jones.contact_angle, PI);
+        let (mut too_far, mut short) = (at(low).1, -2.0 / target);
+        let mut kept = 0;
+        let mut state = at(low).0;
+        for _ in 0..60 {
+            let screw = (low * short - high * too_far) / (short - too_far);
+            let (found, excess) = at(screw);
+            state = found;
+            if excess.abs() <= 1e-3 {
+                break;
+            }
+            if excess > 0.0 {
+                (low, too_far) = (screw, excess);
+                if kept == 1 {
+                    short *= 0.5;
+                }
+                kept = 1;
+            } else {
+                (high, short) = (screw, excess);
+                if kept == -1 {
+                    too_far *= 0.5;
+                }
+                kept = -1;
+            }
+        }
+        state
+    }
+
+    /// The seven equations (P5): force and moment balance in (t, N, e_x) of the mean normal, and
+    /// the axial load.
+    ///
+    /// * `motion`: absolute. * `wrenches`: of nut and screw on the ball.
+    pub(crate) fn balance<D: Scalar>(
+        &self,
+        loaded: &Loaded<D>,
+        motion: &Motion<D>,
+        wrenches: &[Wrench<D>; 2],
+    ) -> [D; BALL] {
+        let ball = Ball { radius: D::from(1.0), mass: D::from(self.ball.mass) };
+        let [nut, screw] = *wrenches;
+        let radius = D::from(self.helix.radius);
+        let left = newton_euler(&(nut + screw), &ball, radius, motion, &loaded.frame);
+        // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (P5)
+        [
+            left.force.x,
+            left.force.y,
+            left.force.z,
+            left.moment.x,
+            left.moment.y,
+            left.moment.z,
+            axial_force(&nut.force, &loaded.frame) - 1.0,
+        ]
+    }
+
+    /// Motion relative to nut and to screw of a motion relative to the nut.
+    pub(crate) fn relative<D: Scalar>(
+        &self,
+        to_nut: &Motion<D>,
+        frame: &BallFrame<D>,
+    ) -> [Motion<D>; 2] {
+        [*to_nut, to_nut.relative_to(D::from(self.sign()), frame)]
+    }
+
+    /// Absolute motion of a motion relative to the nut.
+    pub(crate) fn absolute<D: Scalar>(
+        &self,
+        to_nut: &Motion<D>,
+        frame: &BallFrame<D>,
+    ) -> Motion<D> {
+        to_nut.relative_to(D::from(-self.nut_speed), frame)
+    }
+
+    /// The loaded ellipse at nut (0) or screw (1) (P6).
+    pub(crate) fn ellipse<D: Scalar>(&self, i: usize, loaded: &Loaded<D>) -> Ellipse<D> {
+        // a ~ Q^{1/3}                                                     (P6)
+        let (load, (a, b)) = (loaded.loads[i], self.semi_axes[i]);
+        let growth = load.cbrt();
+        Ellipse {
+            contact: loaded.contacts[i],
+            load,
+            semi_axes: (growth * a, growth * b),
+            pressed_radius: self.pressed_radius[i],
+            ball_radius: 1.0,
+        }
+    }
+}
+
+impl ElasticScrew {
+    /// Outputs in SI units of a state of the pair; efficiency and powers are not among them.
+    pub(crate) fn describe(
+        &self,
+        pair: &Pair,
+        loaded: &Loaded<f64>,
+        to_nut: &Motion<f64>,
+    ) -> Outputs {
+        let (w, r_b) = (self.drive.relative_speed().abs(), self.ball.radius);
+        let loads = loaded.loads.map(|q| q * self.load.per_ball());
+        let angles = loaded.angles();
+        let approach = pair.approaches(loaded.loads).map(|a| a * r_b);
+        let axes = [0, 1].map(|i| pair.hertz[i].semi_axes(loads[i]));
+        let mut outputs = Outputs {
+            nut_normal_load: Some(loads[0]),
+            screw_normal_load: Some(loads[1]),
+            nut_contact_angle: Some(angles[0]),
+            screw_contact_angle: Some(angles[1]),
+            nut_max_pressure: Some(pair.hertz[0].max_pressure(loads[0])),
+            screw_max_pressure: Some(pair.hertz[1].max_pressure(loads[1])),
+            nut_ellipse_a: Some(axes[0].0),
+            nut_ellipse_b: Some(axes[0].1),
+            screw_ellipse_a: Some(axes[1].0),
+            screw_ellipse_b: Some(axes[1].1),
+            nut_approach: Some(approach[0]),
+            screw_approach: Some(approach[1]),
+            axial_displacement: Some(loaded.displacement * r_b),
+            ..Outputs::default()
+        };
+        outputs.set_motion(&pair.absolute(to_nut, &loaded.frame), &loaded.frame, w);
+        for (contact, motion) in loaded.contacts.iter().zip(pair.relative(to_nut, &loaded.frame)) {
+            let slip = motion.slip_velocity(pair.arc, &contact.point(1.0));
+            outputs.set_contact(contact, &motion, &(slip * (w * r_b)), w);
+        }
+        outputs
+    }
+
+    /// Adds torque, efficiency and powers to `outputs`, and their balance against the friction
+    /// power, from the wrench of the screw; both scaled.
+    pub(crate) fn transmit(
+        &self,
+        outputs: &mut Outputs,
+        pair: &Pair,
+        frame: &BallFrame<f64>,
+        screw: &Wrench<f64>,
+        friction_power: f64,
+    ) -> Result<(), (Status, Reason)> {
+        let unit = self.ball.radius * self.load.axial;
+        let screw_torque = torque(screw, pair.helix.radius, frame) * unit;
+        let ideal = ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle);
+        let speed = self.drive.relative_speed();
+        let power = outputs.set_transmission(pair.direction, ideal, screw_torque, speed);
+        let imbalance = power.imbalance(friction_power * unit * speed.abs());
+        outputs.power_balance = Some(imbalance);
+        if imbalance.abs() <= POWER_BALANCE_TOL {
+            return Ok(());
+        }
+        Err((Status::NotConverged, Reason::PowerDoesNotBalance { imbalance }))
+    }
+}
+
+/// The answer where the model cannot be evaluated.
+pub(crate) fn refused(error: EvalError) -> (Status, Reason) {
+    (Status::NotConverged, Reason::Refused { error })
+}

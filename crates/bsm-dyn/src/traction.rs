@@ -1,0 +1,338 @@
+//! Rolling, partial and gross slip in one model: friction integrated over the contact ellipses.
+//!
+//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5).
+
+use std::num::NonZeroUsize;
+
+use bsm_kin::Motion;
+use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
+use nalgebra::Vector3;
+
+use crate::elastic::Skid;
+use crate::ellipse::{Lanes, Local, Quadrature};
+use crate::follow::{Stride, follow};
+use crate::jacobian::linearize;
+use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
+use crate::layout::{self, BALL};
+use crate::pair::{ElasticScrew, Loaded, Pair};
+use crate::raceway_control::Grip;
+use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
+
+/// Places of the angular velocity in (t, N, e_x) of the mean normal.
+const OMEGA: [usize; 3] = [4, 5, 6];
+
+/// Order that [`Traction::solve_to`] begins with.
+const COARSEST: NonZeroUsize = NonZeroUsize::new(4).expect("not zero");
+
+const TWO: NonZeroUsize = NonZeroUsize::new(2).expect("not zero");
+
+/// Skid number from which the skidding ball is the nearer start.
+const SKIDS: f64 = 0.3;
+
+/// A solve may take this many steps.
+const MOST_STEPS: usize = 20;
+
+/// Inputs of the traction model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Traction {
+    /// The screw at its operating point; friction positive.
+    pub screw: ElasticScrew,
+    /// Order of the quadrature over the ellipses.
+    pub order: NonZeroUsize,
+    /// Creep speed `$v_e$` over `$r_b |W|$`, positive.
+    pub creep: f64,
+}
+
+impl Traction {
+    /// Order that leaves an error of about 1e-7 in the efficiency.
+    pub const ORDER: NonZeroUsize = NonZeroUsize::new(12).expect("not zero");
+    /// Creep speed that moves the efficiency by less than 1e-7.
+    pub const CREEP: f64 = 1e-4;
+}
+
+/// Memory of the solves.
+pub struct TractionWorkspace {
+    statics: Workspace,
+    newton: Workspace,
+    quadratures: Vec<(NonZeroUsize, Quadrature)>,
+}
+
+impl Default for TractionWorkspace {
+    fn default() -> Self {
+        let (statics, newton) = (Workspace::new(3), Workspace::new(BALL));
+        Self { statics, newton, quadratures: Vec::new() }
+    }
+}
+
+impl TractionWorkspace {
+    /// Place of the quadrature of an order, made when it is first asked for.
+    fn quadrature(&mut self, order: NonZeroUsize) -> usize {
+        self.quadratures.iter().position(|(known, _)| *known == order).unwrap_or_else(|| {
+            self.quadratures.push((order, Quadrature::new(order)));
+            self.quadratures.len() - 1
+        })
+    }
+}
+
+/// The equations of a point.
+struct Rolling<'a> {
+    pair: &'a Pair,
+    quadrature: &'a Quadrature,
+    creep: f64,
+}
+
+struct State<D> {
+    loaded: Loaded<D>,
+    to_nut: Motion<D>,
+    wrench: [Wrench<D>; 2],
+}
+
+impl Rolling<'_> {
+    fn state<D: Lanes>(&self, y: &[D; BALL]) -> Result<State<D>, EvalError> {
+        let pair = self.pair;
+        let loaded = pair.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
+        let omega = Vector3::from(OMEGA.map(|i| y[i]));
+        let to_nut = Motion { precession: y[PRECESSION], omega };
+        let motions = pair.relative(&to_nut, &loaded.frame);
+        let wrench = std::array::from_fn(|i| {
+            let contact = &loaded.contacts[i];
+            let local = Local::of(&motions[i], contact, D::from(pair.arc));
+            let ellipse = pair.ellipse(i, &loaded);
+            let unit = D::integrate(&ellipse, &local, self.creep, self.quadrature);
+            let pull = loaded.loads[i] * pair.friction;
+            let friction = unit.wrench(contact);
+            Wrench {
+                force: contact.normal * loaded.loads[i] + friction.force * pull,
+                moment: friction.moment * pull,
+            }
+        });
+        Ok(State { loaded, to_nut, wrench })
+    }
+
+    fn residual<D: Lanes>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+        let state = self.state(y)?;
+        let motion = self.pair.absolute(&state.to_nut, &state.loaded.frame);
+        Ok(self.pair.balance(&state.loaded, &motion, &state.wrench))
+    }
+}
+
+/// A root of the equations of a point.
+struct Root {
+    unknowns: [f64; BALL],
+    /// Newton steps of all solves.
+    steps: usize,
+    residual: f64,
+}
+
+impl Rolling<'_> {
+    /// Friction power of both contacts.
+    fn power(&self, state: &State<f64>) -> f64 {
+        let pair = self.pair;
+        let motions = pair.relative(&state.to_nut, &state.loaded.frame);
+        (0..2)
+            .map(|i| {
+                let local = Local::of(&motions[i], &state.loaded.contacts[i], pair.arc);
+                let ellipse = pair.ellipse(i, &state.loaded);
+                let power = ellipse.power(&local, self.creep, self.quadrature);
+                pair.friction * state.loaded.loads[i] * power
+            })
+            .sum()
+    }
+
+    /// The root, from a root near by, from the gripping ball or from the skidding one; if none of
+    /// them leads to it, from friction that is nearly proportional to the slip.
+    fn find(
+        &self,
+        grip: &Grip,
+        near: Option<&[f64; BALL]>,
+        newton: &mut Workspace,
+    ) -> Result<Root, (Status, Reason)> {
+        let gripping = unknowns(&grip.loaded, &grip.to_nut);
+        let mut steps = 0;
+        let mut failure = None;
+        let skids = grip.skid_number(self.pair) > SKIDS;
+        for start in [near.map(|_| Begin::Near), Some(Begin::of(skids)), Some(Begin::of(!skids))] {
+            let mut y = match (start, near) {
+                (Some(Begin::Near), Some(near)) => *near,
+                (Some(Begin::Grip), _) => gripping,
+                (Some(Begin::Skid), _) => match Skid::of(self.pair, newton) {
+                    Ok(skid) => unknowns(skid.state().0, skid.state().1),
+                    Err(_) => continue,
+                },
+                _ => continue,
+            };
+            let report = self.run(&mut y, newton);
+            steps += report.steps.len();
+            if report.converged() {
+                return Ok(Root { unknowns: y, steps, residual: report.residual });
+            }
+            failure = Some(report);
+        }
+        let mut y = gripping;
+        let mut residual = f64::INFINITY;
+        let stride = Stride { first: 1.0, shortest: 0.05 };
+        follow(&mut y, (0.0, self.creep.ln()), stride, |log, y| {
+            let report = Self { creep: log.exp(), ..*self }.run(y, newton);
+            steps += report.steps.len();
+            residual = report.residual;
+            report.converged()
+        })
+        .map_err(|_| {
+            let report = failure.expect("the gripping start was tried");
+            (Status::NotConverged, Reason::from(report))
+        })?;
+        Ok(Root { unknowns: y, steps, residual })
+    }
+
+    /// One damped Newton solve from `y`.
+    fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+        let force = self.pair.inertia_ratio().max(1.0).recip();
+        let moment = force / self.pair.friction.min(1.0);
+        let weights = [force, force, force, moment, moment, moment, force];
+        let scales = Scales { x: &[1.0; BALL], f: &weights };
+        let options = Options { residual_goal: 1e-13, max_steps: MOST_STEPS, ..Options::default() };
+        solve(self, y, &scales, &options, newton)
+            .expect("sizes are constant and the weights positive")
+    }
+}
+
+/// Where a solve begins.
+#[derive(Clone, Copy)]
+enum Begin {
+    /// At a root of the same point with another quadrature.
+    Near,
+    /// At the gripping ball.
+    Grip,
+    /// At the skidding ball.
+    Skid,
+}
+
+impl Begin {
+    fn of(skids: bool) -> Self {
+        if skids { Self::Skid } else { Self::Grip }
+    }
+}
+
+/// The unknowns (T1) of a state.
+fn unknowns(loaded: &Loaded<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
+    let mut y = [0.0; BALL];
+    [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
+    y[TILT] = loaded.tilt;
+    y[PRECESSION] = to_nut.precession;
+    for (place, omega) in OMEGA.iter().zip(&to_nut.omega) {
+        y[*place] = *omega;
+    }
+    y
+}
+
+impl System for Rolling<'_> {
+    fn dim(&self) -> usize {
+        BALL
+    }
+
+    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
+        r.copy_from_slice(&Rolling::residual(self, x.try_into().expect("seven unknowns"))?);
+        Ok(())
+    }
+
+    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
+        linearize(|y| Rolling::residual(self, &y), x, r, jac)
+    }
+
+    fn equation(&self, i: usize) -> String {
+        layout::equation(i).to_owned()
+    }
+}
+
+impl Traction {
+    /// Solves for the steady motion of the ball.
+    pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
+        match self.start(work).and_then(|start| self.outputs(&start, None, work)) {
+            Ok(Found { outputs, .. }) => Solution::converged(Model::Traction, outputs),
+            Err((status, reason)) => Solution::failed(Model::Traction, status, reason),
+        }
+    }
+
+    /// Solves with orders from 4 on, each twice the last, until the error of the efficiency is at
+    /// most `tolerance` or the order is `finest`; returns the solution, its order and the error.
+    ///
+    /// The error is the last change of the efficiency, which is larger than what is left, and for
+    /// changes that are small by chance the loss over the cube of the order (A6).
+    pub(crate) fn solve_to(
+        &self,
+        tolerance: f64,
+        finest: NonZeroUsize,
+        work: &mut TractionWorkspace,
+    ) -> (Solution, NonZeroUsize, f64) {
+        let mut case = Self { order: COARSEST, ..*self };
+        let start = self.start(work);
+        let mut last: Option<Found> = None;
+        loop {
+            let from = last.as_ref().map(|found| &found.unknowns);
+            let found = start.clone().and_then(|start| case.outputs(&start, from, work));
+            let found = match found {
+                Ok(found) => found,
+                Err((status, reason)) => {
+                    let failed = Solution::failed(Model::Traction, status, reason);
+                    return (failed, case.order, f64::INFINITY);
+                }
+            };
+            let eta = |found: &Found| found.outputs.efficiency.unwrap_or(f64::NAN);
+            let error = last.map_or(f64::INFINITY, |last| {
+                // |η_n − η_{n/2}| + |1 − η|/n³ + 5·10⁻⁷                       (A6)
+                #[expect(clippy::cast_precision_loss, reason = "a small count")]
+                let order = case.order.get() as f64;
+                (eta(&found) - eta(&last)).abs() + (1.0 - eta(&found)).abs() / order.powi(3) + 5e-7
+            });
+            if error <= tolerance || case.order >= finest {
+                return (Solution::converged(Model::Traction, found.outputs), case.order, error);
+            }
+            last = Some(found);
+            case.order = case.order.saturating_mul(TWO).min(finest);
+        }
+    }
+
+    /// What does not depend on the quadrature.
+    fn start(&self, work: &mut TractionWorkspace) -> Result<Start, (Status, Reason)> {
+        if self.screw.friction <= 0.0 {
+            return Err((Status::InvalidInput, Reason::Frictionless));
+        }
+        let pair = self.screw.pair()?;
+        let grip = Grip::of(&pair, None, &mut work.statics).or_else(|_| Grip::guess(&pair))?;
+        Ok(Start { pair, grip })
+    }
+
+    /// The root and its numbers, from the root of another order if there is one.
+    fn outputs(
+        &self,
+        Start { pair, grip }: &Start,
+        from: Option<&[f64; BALL]>,
+        work: &mut TractionWorkspace,
+    ) -> Result<Found, (Status, Reason)> {
+        let quadrature = work.quadrature(self.order);
+        let quadrature = &work.quadratures[quadrature].1;
+        let system = Rolling { pair, quadrature, creep: self.creep };
+        let Root { unknowns, steps, residual } = system.find(grip, from, &mut work.newton)?;
+        let state = system.state(&unknowns).expect("the residual was evaluated at the root");
+        let mut outputs = self.screw.describe(pair, &state.loaded, &state.to_nut);
+        let (frame, power) = (&state.loaded.frame, system.power(&state));
+        self.screw.transmit(&mut outputs, pair, frame, &state.wrench[1], power)?;
+        outputs.set_regime(grip.skid_number(pair), grip.cross_slip(pair));
+        outputs.iterations = Some(grip.steps + steps);
+        outputs.residual_norm = Some(residual);
+        Ok(Found { outputs, unknowns })
+    }
+}
+
+/// A point and the gripping ball that it starts from.
+#[derive(Clone)]
+struct Start {
+    pair: Pair,
+    grip: Grip,
+}
+
+/// A root and its numbers.
+struct Found {
+    outputs: Outputs,
+    unknowns: [f64; BALL],
+}

@@ -1,0 +1,174 @@
+//! The elastic models in their common limits, and where they fail.
+
+use std::num::NonZeroUsize;
+
+use crate::screws::{inertia_ratio, lin, real_screws};
+use approx::assert_relative_eq;
+use bsm_dyn::{
+    Elastic, ElasticScrew, ElasticWorkspace, Outputs, RacewayControl, RacewayWorkspace, Reason,
+    Solution, Status, Traction, TractionWorkspace,
+};
+use proptest::prelude::*;
+
+fn order(n: usize) -> NonZeroUsize {
+    NonZeroUsize::new(n).expect("positive")
+}
+
+fn numbers(solution: &Solution) -> Outputs {
+    assert_eq!(solution.status, Status::Converged, "{:?}", solution.reason);
+    solution.outputs
+}
+
+fn traction(screw: ElasticScrew, n: usize, creep: f64) -> Outputs {
+    let case = Traction { screw, order: order(n), creep };
+    numbers(&case.solve(&mut TractionWorkspace::default()))
+}
+
+fn elastic(screw: ElasticScrew) -> Outputs {
+    numbers(&Elastic { screw }.solve(&mut ElasticWorkspace::default()))
+}
+
+/// Loaded angles are all that separates saturated friction on elastic contacts from the closed
+/// form, as long as inertia is small: 1e-5.
+#[test]
+fn elastic_is_the_closed_form_at_the_loaded_angle() {
+    for screw in [lin(10.0, 45.0, 2000.0, 2113.0), lin(20.0, 30.0, 2000.0, 200.0)] {
+        let o = elastic(screw);
+        let loaded =
+            0.5 * (o.nut_contact_angle.expect("nut") + o.screw_contact_angle.expect("screw"));
+        let angles = bsm_dyn::Angles { lead: screw.helix.lead_angle, contact: loaded };
+        let direction = bsm_dyn::Direction::RotaryToLinear;
+        let eta = angles.efficiency(direction, screw.friction);
+        assert_relative_eq!(o.efficiency.expect("eta"), eta, epsilon = 2e-5);
+    }
+}
+
+/// Where the ball grips, and friction is too small to turn the contact angles, traction is
+/// raceway control. The difference falls with friction: its share of the loss is of order f.
+#[test]
+fn traction_meets_raceway_control() {
+    let (mut memory, mut tried, mut apart) = (RacewayWorkspace::default(), 0, 0);
+    let calm = |screw: &ElasticScrew| {
+        screw.friction < 0.03 && screw.helix.lead_angle > 10.0_f64.to_radians()
+    };
+    for screw in real_screws(31).filter(calm).take(400) {
+        let rolling = RacewayControl { screw, control: None }.solve(&mut memory).outputs;
+        if rolling.onset_number.is_some_and(|s| s < 0.03) {
+            tried += 1;
+            let o = traction(screw, 12, 1e-4);
+            let difference = rolling.efficiency.expect("eta") - o.efficiency.expect("eta");
+            apart += usize::from(difference.abs() > 1e-3);
+        }
+    }
+    assert!(tried > 150, "{tried}");
+    // 98.6 % of a larger set.
+    assert!(apart * 100 <= 3 * tried, "{apart} of {tried}");
+}
+
+/// Where the ball skids, it is saturated friction.
+#[test]
+fn traction_meets_elastic() {
+    let mut memory = RacewayWorkspace::default();
+    let mut tried = 0;
+    for screw in real_screws(32).filter(|screw| inertia_ratio(screw) < 1.0).take(2000) {
+        let rolling = RacewayControl { screw, control: None }.solve(&mut memory).outputs;
+        if rolling.onset_number.is_some_and(|s| s > 3.0) {
+            tried += 1;
+            let difference = elastic(screw).efficiency.expect("eta")
+                - traction(screw, 12, 1e-4).efficiency.expect("eta");
+            assert!(difference.abs() <= 5e-3, "{screw:?} {difference}");
+        }
+    }
+    assert!(tried >= 20, "{tried}");
+}
+
+/// Nothing depends on the unit of length or of force.
+#[test]
+fn a_scaled_screw_moves_alike() {
+    let screw = lin(10.0, 45.0, 6000.0, 20.0);
+    let large = ElasticScrew {
+        helix: bsm_kin::Helix { radius: 3.0 * screw.helix.radius, ..screw.helix },
+        ball: bsm_dyn::Ball { radius: 3.0 * screw.ball.radius, mass: 3.0 * screw.ball.mass },
+        load: bsm_dyn::Load { axial: 9.0 * screw.load.axial, ..screw.load },
+        ..screw
+    };
+    for (one, other) in
+        [(traction(screw, 8, 1e-4), traction(large, 8, 1e-4)), (elastic(screw), elastic(large))]
+    {
+        // Equal in scaled units but for rounding.
+        assert_relative_eq!(
+            one.efficiency.expect("eta"),
+            other.efficiency.expect("eta"),
+            max_relative = 1e-11
+        );
+        assert_relative_eq!(
+            one.omega_n.expect("omega"),
+            other.omega_n.expect("omega"),
+            max_relative = 1e-9
+        );
+    }
+}
+
+/// Expected failures.
+#[test]
+fn failures_say_why() {
+    let still = ElasticScrew {
+        drive: bsm_kin::Drive { screw_speed: 10.0, nut_speed: 10.0 },
+        ..lin(10.0, 45.0, 1.0, 100.0)
+    };
+    let smooth = ElasticScrew { friction: 0.0, ..lin(10.0, 45.0, 100.0, 100.0) };
+    for (screw, reason) in [(still, Reason::NoRelativeSpeed), (smooth, Reason::Frictionless)] {
+        let solutions = [
+            Elastic { screw }.solve(&mut ElasticWorkspace::default()),
+            Traction { screw, order: order(4), creep: 1e-4 }
+                .solve(&mut TractionWorkspace::default()),
+        ];
+        for solution in solutions {
+            assert_eq!(solution.status, Status::InvalidInput);
+            assert_eq!(solution.reason, Some(reason.clone()));
+            assert!(solution.outputs.efficiency.is_none());
+        }
+    }
+    // So light a load that the ball flies to the bottom of the groove.
+    let flying = Elastic { screw: lin(10.0, 45.0, 60_000.0, 1.0) };
+    let solution = flying.solve(&mut ElasticWorkspace::default());
+    assert_eq!(solution.status, Status::NotConverged, "{solution:?}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Newton-Euler rows as printed, in the outputs of the traction model: what the loads and
+    /// angles say about friction must fit the torque.
+    #[test]
+    fn torque_balances_the_nut(
+        lead in 2.0..30.0_f64, beta in 35.0..55.0_f64, rpm in 100.0..3000.0_f64,
+        axial in 20.0..3000.0_f64, back in any::<bool>(),
+    ) {
+        let screw = lin(lead, beta, if back { -rpm } else { rpm }, axial);
+        for o in [traction(screw, 6, 1e-4), elastic(screw)] {
+            let torque = o.screw_torque.expect("torque");
+            let speed = screw.drive.relative_speed();
+            let ideal = axial * screw.helix.radius * screw.helix.lead_angle.tan();
+            // Friction only ever costs.
+            prop_assert!((torque - ideal) * speed > 0.0);
+            // Root to 1e-10, powers of the size of the input.
+            prop_assert!(o.power_balance.expect("balance").abs() <= 1e-10);
+            prop_assert!(o.residual_norm.expect("residual") <= 1e-10);
+        }
+    }
+
+    /// Speeds enter by their differences, but for inertia: slow nut drive is slow screw drive.
+    #[test]
+    fn slow_nut_drive_is_slow_screw_drive(axial in 50.0..2000.0_f64, rpm in 1.0..20.0_f64) {
+        let driven = lin(10.0, 45.0, rpm, axial);
+        let speed = driven.drive.screw_speed;
+        let turned = ElasticScrew {
+            drive: bsm_kin::Drive { screw_speed: 0.0, nut_speed: -speed },
+            ..driven
+        };
+        let eta = |screw| traction(screw, 8, 1e-4).efficiency.expect("eta");
+        // Inertia over friction is at most 2e-6 here.
+        prop_assert!((eta(driven) - eta(turned)).abs() <= 1e-6);
+    }
+}

@@ -1,0 +1,5 @@
+//! The elastic models: common limits, failures, and campaigns over seeded screws.
+
+mod campaign;
+mod limits;
+mod screws;

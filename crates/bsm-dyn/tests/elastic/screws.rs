@@ -1,0 +1,69 @@
+//! Seeded screws in the ranges that the elastic models are meant for.
+
+use std::f64::consts::PI;
+
+use bsm_dyn::{Ball, ElasticScrew, Load, Material};
+use bsm_kin::{Drive, Helix};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+pub(crate) const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
+
+/// Lin's screw with conformities of 0.53 and one ball.
+pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> ElasticScrew {
+    ElasticScrew {
+        helix: Helix { radius: 24.3e-3, lead_angle: lead_deg.to_radians() },
+        contact_angle: contact_deg.to_radians(),
+        ball: Ball::of_density(4.37e-3, 7800.0),
+        conformity: (0.53, 0.53),
+        material: (STEEL, STEEL),
+        friction: 0.075,
+        drive: Drive { screw_speed: rpm * PI / 30.0, nut_speed: 0.0 },
+        load: Load { axial, balls: 1.0 },
+    }
+}
+
+/// Endless screws of pitch circles of 8 to 100 mm.
+///
+/// Static pressure 0.2 to 5 GPa, lead angle 1 to 40 deg, 10 to 30 000 rpm both ways, screw or nut
+/// drive, contact angle 30 to 60 deg, conformities 0.51 to 0.56, f 0.01 to 0.15, ball over pitch
+/// radius 0.07 to 0.2.
+pub(crate) fn screws(seed: u64) -> impl Iterator<Item = ElasticScrew> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    std::iter::from_fn(move || {
+        let radius = rng.random_range(4e-3..50e-3);
+        let rpm = rng.random_range(10.0_f64.ln()..30_000.0_f64.ln()).exp();
+        let speed = if rng.random_bool(0.5) { rpm } else { -rpm } * PI / 30.0;
+        let (screw_speed, nut_speed) =
+            if rng.random_bool(0.5) { (speed, 0.0) } else { (0.0, -speed) };
+        let mut screw = ElasticScrew {
+            helix: Helix { radius, lead_angle: rng.random_range(1.0_f64..40.0).to_radians() },
+            contact_angle: rng.random_range(30.0_f64..60.0).to_radians(),
+            ball: Ball::of_density(radius * rng.random_range(0.07..0.2), 7800.0),
+            conformity: (rng.random_range(0.51..0.56), rng.random_range(0.51..0.56)),
+            material: (STEEL, STEEL),
+            friction: rng.random_range(0.01..0.15),
+            drive: Drive { screw_speed, nut_speed },
+            load: Load { axial: 1.0, balls: 1.0 },
+        };
+        let pressure = rng.random_range(0.2e9_f64.ln()..5e9_f64.ln()).exp();
+        let of_one_newton = screw.hertz().expect("an ellipse")[0].max_pressure(1.0);
+        // p_max ~ Q^{1/3}; Q cosα sinβ = F_a
+        let normal = (pressure / of_one_newton).powi(3);
+        screw.load.axial = normal * screw.helix.lead_angle.cos() * screw.contact_angle.sin();
+        Some(screw)
+    })
+}
+
+/// `$m r_m W^2/F_a$`.
+pub(crate) fn inertia_ratio(screw: &ElasticScrew) -> f64 {
+    let speed = screw.drive.relative_speed();
+    screw.ball.mass * screw.helix.radius * speed * speed / screw.load.per_ball()
+}
+
+/// Screws that can be run: the centrifugal force `$m r_m P^2$`, about a third of `$m r_m W^2$`, stays
+/// below the axial load. Beyond, it carries the ball to the bottom of the nut's groove, where the
+/// opposite flank would have to take part.
+pub(crate) fn real_screws(seed: u64) -> impl Iterator<Item = ElasticScrew> {
+    screws(seed).filter(|screw| inertia_ratio(screw) <= 3.0)
+}
