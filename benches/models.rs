@@ -5,7 +5,6 @@
 use std::hint::black_box;
 
 use bsm_benches::{lin_problem, seeded};
-use bsm_case::ModelChoice;
 use bsm_dyn::{Model, ModelWorkspace, Problem, Rigid};
 use bsm_newton::{Options, Scales, System, Workspace, solve};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -77,7 +76,7 @@ fn many_points(c: &mut Criterion) {
     for model in Model::ALL {
         let problems: Vec<_> = scenes
             .iter()
-            .map(|scene| scene.problem(ModelChoice::Fixed(model)).expect("complete scene"))
+            .map(|scene| scene.problem(&model.into()).expect("complete scene"))
             .collect();
         if model == Model::Rigid {
             report_median(&problems, &mut work);
@@ -93,8 +92,7 @@ fn many_points(c: &mut Criterion) {
     group.bench_function("rigid from scene", |b| {
         b.iter(|| {
             for scene in &scenes {
-                let problem =
-                    scene.problem(ModelChoice::Fixed(Model::Rigid)).expect("complete scene");
+                let problem = scene.problem(&Model::Rigid.into()).expect("complete scene");
                 let _ = black_box(problem.solve(&mut work));
             }
         });

@@ -1,6 +1,6 @@
 //! Operating points for the benches: validated cases and a seeded set.
 
-use bsm_case::{ModelChoice, Scene};
+use bsm_case::Scene;
 use bsm_dyn::{Model, Problem};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -25,7 +25,7 @@ pub fn lin() -> Scene {
 ///
 /// If the committed scene cannot be used.
 pub fn lin_problem(model: Model) -> Problem {
-    lin().problem(ModelChoice::Fixed(model)).expect("committed scene")
+    lin().problem(&model.into()).expect("committed scene")
 }
 
 /// `count` seeded scenes in the ranges of the rigid model's campaign, all of which have a root.
@@ -55,7 +55,7 @@ pub fn seeded(count: usize) -> Vec<Scene> {
         ] {
             scene.set(name, value).expect("known name");
         }
-        let problem = scene.problem(ModelChoice::Fixed(Model::Rigid)).expect("complete scene");
+        let problem = scene.problem(&Model::Rigid.into()).expect("complete scene");
         if problem.solve(&mut work).outputs.efficiency.is_some() {
             scenes.push(scene);
         }

@@ -20,6 +20,6 @@ pub use grid::{Axis, Grid};
 pub use input::{INPUTS, Input, Rule, Scene};
 pub use optimum::OptimumReport;
 pub use output::{Cell, OUTPUTS, Output};
-pub use problem::{ModelChoice, required_inputs};
+pub use problem::{ModelChoice, Settings, required_inputs};
 pub use record::Record;
 pub use schema::{input_schema, output_schema};

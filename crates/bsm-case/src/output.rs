@@ -92,5 +92,8 @@ outputs! {
     power_balance [""] Number(power_balance), "relative violation of the power balance, an identity at any root";
     iterations [""] Count(iterations), "Newton steps";
     residual_norm [""] Number(residual_norm), "scaled residual";
+    skid_number [""] Number(skid_number), "gyroscopic over friction moment of the gripping ball";
+    onset_number [""] Number(onset_number), "skid number of a ball whose friction is spent on the slip of the lead: below 0.1 it grips, above 2 it skids";
+    efficiency_error_bound [""] Number(error_bound), "bound of the error of the efficiency against model traction, kept by 99 % of all points (model auto)";
     self_locking [""] Flag(self_locking), "true if the screw locks itself in this direction";
 }

@@ -1,8 +1,10 @@
 //! From a scene to the SI problem of a model.
 
+use std::num::NonZeroUsize;
+
 use bsm_dyn::{
-    Angles, Ball, ClosedForm, Direction, Driven, Load, Material, Model, Problem, QuasiStatic,
-    RacewayControl, Rigid, Transmission,
+    Angles, Auto, Ball, ClosedForm, Control, Direction, Driven, Elastic, ElasticScrew, Load,
+    Material, Model, Problem, QuasiStatic, RacewayControl, Rigid, Traction, Transmission,
 };
 use bsm_kin::{Drive, Helix};
 
@@ -12,17 +14,32 @@ use crate::{CaseError, INPUTS, Scene};
 /// The model to solve with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ModelChoice {
-    /// The most complete model that the scene has inputs for.
+    /// The cheapest model whose error is below the tolerance; without the inputs that tell, the
+    /// most complete model that the scene has inputs for.
     #[default]
     Auto,
     /// This one.
     Fixed(Model),
 }
 
+impl From<Model> for ModelChoice {
+    fn from(model: Model) -> Self {
+        Self::Fixed(model)
+    }
+}
+
 impl ModelChoice {
     /// All names, `auto` first.
     pub fn names() -> impl Iterator<Item = &'static str> {
-        std::iter::once("auto").chain(Model::ALL.into_iter().map(Model::name))
+        std::iter::once(Self::Auto.name()).chain(Model::ALL.into_iter().map(Model::name))
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Fixed(model) => model.name(),
+        }
     }
 
     /// The choice of that name.
@@ -31,7 +48,7 @@ impl ModelChoice {
     ///
     /// [`CaseError::UnknownModel`].
     pub fn from_name(name: &str) -> Result<Self, CaseError> {
-        if name == "auto" {
+        if name == Self::Auto.name() {
             return Ok(Self::Auto);
         }
         Model::from_name(name).map(Self::Fixed).ok_or_else(|| CaseError::UnknownModel {
@@ -41,42 +58,61 @@ impl ModelChoice {
     }
 }
 
+/// How to solve: the model and its dials.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// The model.
+    pub model: ModelChoice,
+    /// Error of the efficiency that the choice `auto` may leave, positive.
+    pub tolerance: f64,
+    /// Order of the quadrature over the contact ellipses in model traction.
+    pub quadrature: NonZeroUsize,
+    /// The controlling race in model raceway-control; `None` decides by the spin moments.
+    pub control: Option<Control>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            model: ModelChoice::Auto,
+            tolerance: 1e-2,
+            quadrature: Traction::ORDER,
+            control: None,
+        }
+    }
+}
+
+impl From<Model> for Settings {
+    /// That model with its default dials.
+    fn from(model: Model) -> Self {
+        Self { model: model.into(), ..Self::default() }
+    }
+}
+
 /// Stands for "lead_angle_deg, or lead_mm and the pitch circle".
 const LEAD: &str = "lead_angle_deg (or lead_mm)";
+
+/// Inputs without default, most basic first; each model needs a number of them.
+const REQUIRED: [&str; 10] = [
+    LEAD,
+    "contact_angle_deg",
+    "friction_coefficient",
+    "ball_diameter_mm",
+    "pitch_circle_diameter_mm",
+    "screw_speed_rpm",
+    "axial_load_N",
+    "loaded_balls",
+    "nut_conformity",
+    "screw_conformity",
+];
 
 /// Inputs without default that a model needs, most basic first.
 pub fn required_inputs(model: Model) -> &'static [&'static str] {
     match model {
-        Model::ClosedForm => &[LEAD, "contact_angle_deg", "friction_coefficient"],
-        Model::QuasiStatic => &[
-            LEAD,
-            "contact_angle_deg",
-            "friction_coefficient",
-            "ball_diameter_mm",
-            "pitch_circle_diameter_mm",
-        ],
-        Model::Rigid => &[
-            LEAD,
-            "contact_angle_deg",
-            "friction_coefficient",
-            "ball_diameter_mm",
-            "pitch_circle_diameter_mm",
-            "screw_speed_rpm",
-            "axial_load_N",
-            "loaded_balls",
-        ],
-        Model::RacewayControl => &[
-            LEAD,
-            "contact_angle_deg",
-            "friction_coefficient",
-            "ball_diameter_mm",
-            "pitch_circle_diameter_mm",
-            "nut_conformity",
-            "screw_conformity",
-            "screw_speed_rpm",
-            "axial_load_N",
-            "loaded_balls",
-        ],
+        Model::ClosedForm => &REQUIRED[..3],
+        Model::QuasiStatic => &REQUIRED[..5],
+        Model::Rigid => &REQUIRED[..8],
+        Model::RacewayControl | Model::Elastic | Model::Traction => &REQUIRED,
     }
 }
 
@@ -105,7 +141,9 @@ impl Scene {
             Some(CaseError::NotCovered { key, value, rule, model: model.name() })
         };
         match (model, self.friction_coefficient, self.speeds_rpm()) {
-            (Model::Rigid, Some(friction), _) if friction <= 0.0 => {
+            (Model::Rigid | Model::Elastic | Model::Traction, Some(friction), _)
+                if friction <= 0.0 =>
+            {
                 let rule = "> 0 (without friction nothing fixes the rotation of the ball)";
                 not_covered("friction_coefficient", friction, rule)
             }
@@ -116,27 +154,33 @@ impl Scene {
         }
     }
 
-    /// The model of a choice; `auto` takes the most complete one that has its inputs and covers
-    /// them.
+    /// True if the scene has the inputs of `model` and the model covers them.
+    pub fn suits(&self, model: Model) -> bool {
+        self.missing(model).is_empty() && self.not_covered(model).is_none()
+    }
+
+    /// What a choice comes to: `auto` stays where the scene has the inputs of raceway control,
+    /// which tell the error of a model, and is the most complete other model elsewhere.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Missing`] if not even the cheapest model has them, [`CaseError::NotCovered`]
-    /// if a fixed one does not cover them.
-    pub fn choose(&self, choice: ModelChoice) -> Result<Model, CaseError> {
+    /// [`CaseError::Missing`] if not even the cheapest model has its inputs,
+    /// [`CaseError::NotCovered`] if a fixed one does not cover them.
+    pub fn choose(&self, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
         let model = match choice {
             ModelChoice::Fixed(model) => model,
+            ModelChoice::Auto if self.suits(Model::RacewayControl) => return Ok(choice),
             ModelChoice::Auto => Model::ALL
                 .into_iter()
                 .rev()
-                .find(|model| self.missing(*model).is_empty() && self.not_covered(*model).is_none())
+                .find(|model| self.suits(*model))
                 .unwrap_or(Model::ClosedForm),
         };
         let missing = self.missing(model);
         if !missing.is_empty() {
             return Err(CaseError::Missing { missing, model: model.name() });
         }
-        self.not_covered(model).map_or(Ok(model), Err)
+        self.not_covered(model).map_or(Ok(ModelChoice::Fixed(model)), Err)
     }
 
     /// The SI problem of a model.
@@ -144,9 +188,15 @@ impl Scene {
     /// # Errors
     ///
     /// [`CaseError`] if a value breaks a rule or an input of the model is missing.
-    pub fn problem(&self, choice: ModelChoice) -> Result<Problem, CaseError> {
+    pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
         self.check()?;
-        let model = self.choose(choice)?;
+        let model = match self.choose(settings.model)? {
+            ModelChoice::Auto => {
+                let (screw, tolerance) = (self.elastic_screw(), settings.tolerance);
+                return Ok(Problem::Auto(Auto { screw, tolerance }));
+            }
+            ModelChoice::Fixed(model) => model,
+        };
         Ok(match model {
             Model::ClosedForm => Problem::ClosedForm(ClosedForm {
                 angles: self.angles(),
@@ -156,7 +206,16 @@ impl Scene {
             }),
             Model::QuasiStatic => Problem::QuasiStatic(self.quasi_static()),
             Model::Rigid => Problem::Rigid(self.rigid()),
-            Model::RacewayControl => Problem::RacewayControl(self.raceway_control()),
+            Model::RacewayControl => Problem::RacewayControl(RacewayControl {
+                screw: self.elastic_screw(),
+                control: settings.control,
+            }),
+            Model::Elastic => Problem::Elastic(Elastic { screw: self.elastic_screw() }),
+            Model::Traction => Problem::Traction(Traction {
+                screw: self.elastic_screw(),
+                order: settings.quadrature,
+                creep: Traction::CREEP,
+            }),
         })
     }
 
@@ -215,7 +274,7 @@ impl Scene {
         }
     }
 
-    fn raceway_control(&self) -> RacewayControl {
+    fn elastic_screw(&self) -> ElasticScrew {
         let Rigid { helix, contact_angle, ball, friction, drive, load } = self.rigid();
         let races = Material {
             youngs_modulus: self.value("youngs_modulus_GPa") * GPA,
@@ -225,7 +284,7 @@ impl Scene {
             youngs_modulus: self.ball_youngs_modulus_GPa.map_or(races.youngs_modulus, |e| e * GPA),
             poisson_ratio: self.ball_poisson_ratio.unwrap_or(races.poisson_ratio),
         };
-        RacewayControl {
+        ElasticScrew {
             helix,
             contact_angle,
             ball,
@@ -234,7 +293,6 @@ impl Scene {
             friction,
             drive,
             load,
-            control: None,
         }
     }
 

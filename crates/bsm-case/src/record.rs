@@ -1,18 +1,23 @@
 //! The answer in the vocabulary.
 
-use bsm_dyn::{Model, Outputs, Reason, Solution, Status};
+use bsm_dyn::{Basis, Model, Outputs, Reason, Solution, Status};
 use serde_json::{Map, Value, json};
 
-use crate::units::DEG;
-use crate::{CaseError, Cell, OUTPUTS, Output};
+use crate::units::{DEG, MPA};
+use crate::{CaseError, Cell, ModelChoice, OUTPUTS, Output};
 
-/// Skid number below which a ball grips, and above which it skids.
-const GRIPS_BELOW: f64 = 0.05;
-const SKIDS_ABOVE: f64 = 0.15;
+/// Onset number below which a ball grips, and above which friction is nearly saturated.
+const GRIPS_BELOW: f64 = 0.1;
+const SKIDS_ABOVE: f64 = 2.0;
+
+/// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
+/// load rating of ISO 76 is made from it.
+const MARKS_ABOVE: f64 = 4.2e9;
 
 /// One answer: model, status, numbers, and words where they are needed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
+    model: ModelChoice,
     solution: Solution,
     message: Option<String>,
 }
@@ -21,19 +26,24 @@ impl Record {
     /// Wraps the answer of a model.
     pub fn new(solution: Solution) -> Self {
         let message = solution.reason.as_ref().map(message);
-        Self { solution, message }
+        Self { model: ModelChoice::Fixed(solution.model), solution, message }
     }
 
     /// The record of a scene that `model` could not be asked.
-    pub fn invalid(model: Model, error: &CaseError) -> Self {
-        let (status, reason, outputs) = (Status::InvalidInput, None, Outputs::default());
-        let solution = Solution { model, status, reason, outputs };
-        Self { solution, message: Some(error.to_string()) }
+    pub fn invalid(model: ModelChoice, error: &CaseError) -> Self {
+        let solution = Solution {
+            model: Model::ClosedForm,
+            status: Status::InvalidInput,
+            reason: None,
+            basis: None,
+            outputs: Outputs::default(),
+        };
+        Self { model, solution, message: Some(error.to_string()) }
     }
 
-    /// The model's name.
-    pub fn model(&self) -> Model {
-        self.solution.model
+    /// The model that answered, or that was to be asked.
+    pub fn model(&self) -> ModelChoice {
+        self.model
     }
 
     /// How the solve ended.
@@ -77,34 +87,70 @@ impl Record {
         if self.solution.outputs.self_locking == Some(true) {
             return Some("self-locking in this direction");
         }
-        let skid = self.solution.outputs.skid_number;
-        Some(match self.solution.model {
-            Model::RacewayControl => match skid {
-                Some(g) if g < GRIPS_BELOW => "rolling, the balls grip",
-                Some(g) if g < SKIDS_ABOVE => "rolling, close to skidding",
-                _ => "skidding: raceway control does not hold",
-            },
-            Model::ClosedForm => "gross skid, inertia small against the load",
-            Model::QuasiStatic => "slip across the groove only, no inertia",
-            Model::Rigid => "gross skid, friction saturated at every contact",
+        let onset = self.solution.outputs.onset_number;
+        Some(match (self.solution.model, onset) {
+            (Model::ClosedForm, _) => "gross skid, inertia small against the load",
+            (Model::QuasiStatic, _) => "slip across the groove only, no inertia",
+            (Model::Rigid | Model::Elastic, _) => "gross skid, friction saturated at every contact",
+            (_, Some(s)) if s < GRIPS_BELOW => "rolling, the balls grip",
+            (Model::RacewayControl, _) => "skidding: raceway control does not hold",
+            (_, Some(s)) if s < SKIDS_ABOVE => "partial skid, between rolling and sliding",
+            _ => "gross skid, friction nearly saturated",
         })
+    }
+
+    /// Why this model was chosen, if it was chosen by the bound of its error.
+    pub fn choice(&self) -> Option<String> {
+        let bound = self.solution.outputs.error_bound?;
+        let why = match self.solution.basis? {
+            Basis::NoWorseThanSliding => {
+                "even the way from sliding to frictionless balls is no longer".to_owned()
+            }
+            Basis::Grips { onset_number } => {
+                format!("rolling balls, skid onset number {onset_number:.2e} (skids from 0.3 on)")
+            }
+            Basis::Skids { onset_number } => {
+                format!("sliding balls, skid onset number {onset_number:.1} (grips below 0.1)")
+            }
+            Basis::Integrated { order } => format!(
+                "no cheaper model is that exact here; friction integrated with order {order}"
+            ),
+            other => format!("{other:?}"),
+        };
+        Some(format!("error of the efficiency at most {bound:.1e}: {why}"))
     }
 
     /// What an engineer should know before using the numbers.
     pub fn warnings(&self) -> Vec<String> {
         let o = &self.solution.outputs;
         let mut warnings = Vec::new();
-        if let (Some(spin), Some(minor)) = (o.nut_spin, o.minor_slip_velocity) {
+        if let (Some(spin), Model::Rigid | Model::Elastic, None) =
+            (o.nut_spin, self.solution.model, self.solution.basis)
+        {
+            let minor = o.minor_slip_velocity.map_or_else(String::new, |slip| {
+                format!(", slip {slip:.0} m/s at the minor contact")
+            });
             warnings.push(format!(
-                "ball spin {:.2e} rad/s, slip {minor:.0} m/s at the minor contact: saturated \
-                 friction is the gross-skid limit; a loaded ball that grips rolls, with less loss",
+                "ball spin {:.2e} rad/s{minor}: saturated friction is the gross-skid limit; a \
+                 loaded ball that grips rolls, with less loss (model traction tells)",
                 spin.abs()
             ));
         }
-        if let Some(skid) = o.skid_number.filter(|g| *g >= GRIPS_BELOW) {
+        if let (Model::RacewayControl, Some(onset)) =
+            (self.solution.model, o.onset_number.filter(|s| *s >= GRIPS_BELOW))
+        {
             warnings.push(format!(
-                "skid number {skid:.2} (gyroscopic over friction moment): above {GRIPS_BELOW} the balls \
-                 begin to skid, which raceway control excludes; model rigid is the skidding limit"
+                "skid onset number {onset:.2}: above {GRIPS_BELOW} the balls begin to skid, which \
+                 raceway control excludes; use model traction"
+            ));
+        }
+        let pressure = o.nut_max_pressure.unwrap_or(0.0).max(o.screw_max_pressure.unwrap_or(0.0));
+        if pressure > MARKS_ABOVE {
+            warnings.push(format!(
+                "pressure {:.0} MPa: above {:.0} MPa balls leave permanent marks (ISO 76), the \
+                 contacts here are elastic",
+                pressure / MPA,
+                MARKS_ABOVE / MPA
             ));
         }
         if o.self_locking == Some(true) {
@@ -125,6 +171,7 @@ impl Record {
         map.insert("model".to_owned(), json!(self.model().name()));
         map.insert("status".to_owned(), json!(self.status_name()));
         map.insert("message".to_owned(), json!(self.message()));
+        map.insert("choice".to_owned(), json!(self.choice()));
         for output in OUTPUTS {
             let value = match self.cell(output) {
                 None => Value::Null,
@@ -174,6 +221,10 @@ fn message(reason: &Reason) -> String {
             "only the spurious root at infinity is left, with speeds of {speed_ratio:.1e} times \
              the relative speed"
         ),
+        Reason::RootEnds { inertia_fraction } => format!(
+            "the steady motion of smaller inertia ends at {inertia_fraction:.3} of the inertia \
+             forces: none is known beyond. Raise axial_load_N or lower the speed"
+        ),
         Reason::CurvaturesNotHertzian { along, across } => format!(
             "relative curvatures of {along:.3e} 1/m along and {across:.3e} 1/m across the groove give \
              no contact ellipse across the groove; lower the conformity towards 0.52"
@@ -192,7 +243,7 @@ fn message(reason: &Reason) -> String {
             "the inertia forces over the load are {inertia_ratio:e}, beyond double precision; \
              check screw_speed_rpm, nut_speed_rpm and axial_load_N"
         ),
-        Reason::Frictionless => "friction_coefficient = 0 must be > 0 for model rigid: without \
+        Reason::Frictionless => "friction_coefficient = 0 must be > 0 for this model: without \
              friction nothing fixes the rotation of the ball"
             .to_owned(),
         Reason::NoRelativeSpeed => {

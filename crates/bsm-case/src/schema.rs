@@ -54,6 +54,10 @@ pub fn output_schema() -> Value {
             "message",
             json!({ "type": ["string", "null"], "description": "why there are no numbers, else null" }),
         ),
+        (
+            "choice",
+            json!({ "type": ["string", "null"], "description": "why model auto chose this model, else null" }),
+        ),
     ] {
         properties.insert(name.to_owned(), property);
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Axis, CaseError, Grid, ModelChoice, Record, Rule, Scene, input_schema, output_schema,
+    Axis, CaseError, Grid, ModelChoice, Record, Rule, Scene, Settings, input_schema, output_schema,
 };
 use bsm_dyn::{Model, ModelWorkspace, Problem};
 use proptest::prelude::*;
@@ -19,14 +19,14 @@ fn scene(json: &str) -> Scene {
 /// The complaint about a scene, wherever it comes from.
 fn complaint(json: &str) -> String {
     let result = Scene::from_json(json.as_bytes())
-        .and_then(|scene| scene.problem(ModelChoice::Auto).map(|_| ()));
+        .and_then(|scene| scene.problem(&Settings::default()).map(|_| ()));
     result.expect_err(json).to_string()
 }
 
 #[test]
 fn units_become_si_and_come_back() {
     let lin = scene(LIN);
-    let Problem::Rigid(case) = lin.problem(ModelChoice::Auto).expect("complete scene") else {
+    let Problem::Rigid(case) = lin.problem(&Settings::default()).expect("complete scene") else {
         panic!("auto takes the most complete model");
     };
     assert_relative_eq!(case.helix.radius, 24.3e-3, max_relative = 1e-15);
@@ -60,27 +60,21 @@ fn auto_takes_the_most_complete_model() {
         ("screw_speed_rpm", 2000.0),
         ("axial_load_N", 2113.0),
         ("loaded_balls", 1.0),
+        ("nut_conformity", 0.53),
+        ("screw_conformity", 0.54),
     ] {
         given.set(name, value).expect("known name");
         chosen.push(given.choose(ModelChoice::Auto).ok());
     }
-    let (closed, quasi, rigid) = (Model::ClosedForm, Model::QuasiStatic, Model::Rigid);
-    assert_eq!(
-        chosen,
-        [
-            None,
-            None,
-            Some(closed),
-            Some(closed),
-            Some(quasi),
-            Some(quasi),
-            Some(quasi),
-            Some(rigid)
-        ]
-    );
+    let rigid = Model::Rigid;
+    let [closed, quasi, skids] =
+        [Model::ClosedForm, Model::QuasiStatic, rigid].map(|m| Some(ModelChoice::Fixed(m)));
+    // With both conformities the error of each model can be told: the choice is left to it.
+    let auto = Some(ModelChoice::Auto);
+    assert_eq!(chosen, [None, None, closed, closed, quasi, quasi, quasi, skids, skids, auto]);
 
     let lacking = Scene { loaded_balls: None, ..given };
-    let error = lacking.problem(ModelChoice::Fixed(rigid)).expect_err("no balls").to_string();
+    let error = lacking.problem(&rigid.into()).expect_err("no balls").to_string();
     assert_eq!(error, "loaded_balls is required by model rigid");
     assert!(matches!(
         ModelChoice::from_name("rigdi").expect_err("no such model"),
@@ -93,7 +87,7 @@ fn lead_and_lead_angle_are_one() {
     let by_angle = scene(LIN);
     let lead_mm = 48.6 * std::f64::consts::PI * 10.0_f64.to_radians().tan();
     let by_lead = Scene { lead_angle_deg: None, lead_mm: Some(lead_mm), ..by_angle.clone() };
-    let lead = |scene: &Scene| match scene.problem(ModelChoice::Auto) {
+    let lead = |scene: &Scene| match scene.problem(&Settings::default()) {
         Ok(Problem::Rigid(case)) => case.helix.lead_angle,
         other => panic!("{other:?}"),
     };
@@ -104,7 +98,7 @@ fn lead_and_lead_angle_are_one() {
     assert!(matches!(off.check(), Err(CaseError::LeadConflict { .. })), "{:?}", off.check());
     let no_pitch =
         scene(r#"{"lead_mm": 10, "contact_angle_deg": 45, "friction_coefficient": 0.1}"#);
-    let error = no_pitch.problem(ModelChoice::Auto).expect_err("no pitch circle").to_string();
+    let error = no_pitch.problem(&Settings::default()).expect_err("no pitch circle").to_string();
     assert!(
         error.starts_with("pitch_circle_diameter_mm (to turn lead_mm into an angle)"),
         "{error}"
@@ -165,14 +159,44 @@ fn errors_say_what_to_do() {
 fn a_model_that_does_not_cover_the_scene_says_so_first() {
     let mut lin = scene(LIN);
     lin.apply("friction_coefficient=0").expect("known name");
-    let rigid = lin.problem(ModelChoice::Fixed(Model::Rigid)).expect_err("no friction").to_string();
+    let rigid = lin.problem(&Model::Rigid.into()).expect_err("no friction").to_string();
     assert!(rigid.contains("`friction_coefficient` = 0 must be > 0"), "{rigid}");
     assert!(rigid.contains("for model rigid"), "{rigid}");
-    assert_eq!(lin.choose(ModelChoice::Auto).ok(), Some(Model::QuasiStatic));
+    assert_eq!(lin.choose(ModelChoice::Auto).ok(), Some(Model::QuasiStatic.into()));
     lin.apply("nut_speed_rpm=-100").expect("known name");
-    assert_eq!(lin.choose(ModelChoice::Auto).ok(), Some(Model::ClosedForm));
-    let dual = lin.problem(ModelChoice::Fixed(Model::QuasiStatic)).expect_err("dual").to_string();
+    assert_eq!(lin.choose(ModelChoice::Auto).ok(), Some(Model::ClosedForm.into()));
+    let dual = lin.problem(&Model::QuasiStatic.into()).expect_err("dual").to_string();
     assert!(dual.contains("no dual drive"), "{dual}");
+}
+
+/// The choice solves with a model whose bound is below the tolerance, and says why.
+#[test]
+fn the_choice_says_model_bound_and_reason() {
+    let mut lin = scene(LIN);
+    for setting in ["nut_conformity=0.53", "screw_conformity=0.53"] {
+        lin.apply(setting).expect("known name");
+    }
+    let mut work = ModelWorkspace::default();
+    let mut solve = |tolerance, load: &str| {
+        let mut lin = lin.clone();
+        lin.apply(load).expect("known name");
+        let settings = Settings { tolerance, ..Settings::default() };
+        let record = Record::new(lin.problem(&settings).expect("complete").solve(&mut work));
+        let bound = record.number("efficiency_error_bound").expect("a bound");
+        assert!(bound <= tolerance, "{bound} {tolerance}");
+        let why = record.choice().expect("a reason");
+        (record.model().name(), why)
+    };
+    for (tolerance, load, model, part) in [
+        (0.5, "axial_load_N=2113", "closed-form", "sliding to frictionless"),
+        (0.01, "axial_load_N=2113", "raceway-control", "rolling balls"),
+        (1e-4, "axial_load_N=2113", "traction", "integrated with order"),
+        (0.02, "axial_load_N=1", "elastic", "sliding balls"),
+    ] {
+        let (name, why) = solve(tolerance, load);
+        assert_eq!(name, model, "{why}");
+        assert!(why.contains(part), "{why}");
+    }
 }
 
 /// Found in review: a byte order mark was a syntax error.
@@ -264,7 +288,7 @@ fn schemas_follow_the_tables() {
         input["properties"].as_object().map(serde_json::Map::len),
         Some(bsm_case::INPUTS.len() + 1)
     );
-    let solved = scene(LIN).problem(ModelChoice::Auto).expect("complete");
+    let solved = scene(LIN).problem(&Settings::default()).expect("complete");
     let record = Record::new(solved.solve(&mut ModelWorkspace::default())).to_json();
     let output = output_schema();
     let names = output["properties"].as_object().expect("object");
@@ -290,7 +314,7 @@ fn schemas_follow_the_tables() {
 fn a_failed_point_says_why() {
     let mut lin = scene(LIN);
     lin.apply("lead_angle_deg=5").expect("known name");
-    let problem = lin.problem(ModelChoice::Auto).expect("complete");
+    let problem = lin.problem(&Settings::default()).expect("complete");
     let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
     assert_eq!(record.status_name(), "no_solution");
     let message = record.message().expect("a reason");
@@ -322,7 +346,7 @@ proptest! {
     fn any_object_is_a_scene_or_an_error(key in "[a-z_]{0,30}", value in any::<f64>()) {
         let json = serde_json::json!({ key: value });
         if let Ok(scene) = Scene::from_json(json.to_string().as_bytes()) {
-            let _ = scene.problem(ModelChoice::Auto);
+            let _ = scene.problem(&Settings::default());
         }
         prop_assert!(!Rule::Above(0.0).holds(f64::NAN));
     }

@@ -1,8 +1,10 @@
 //! Command-line arguments.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use bsm_case::ModelChoice;
+use bsm_case::{CaseError, ModelChoice, Settings};
+use bsm_dyn::Control;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -27,6 +29,9 @@ pub(crate) enum Command {
     /// Solve one operating point.
     #[command(after_help = EXIT_CODES)]
     Solve(SolveArgs),
+    /// Solve one operating point with every model that it has inputs for, side by side.
+    #[command(after_help = EXIT_CODES)]
+    Compare(CompareArgs),
     /// Solve a full grid over one or more inputs, into a table and a plot.
     #[command(after_help = EXIT_CODES)]
     Sweep(SweepArgs),
@@ -50,7 +55,7 @@ pub(crate) enum Command {
     },
 }
 
-/// A scene with changes, and the model to ask.
+/// A scene with changes.
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgs {
     /// Scene file in JSON; `-` reads standard input.
@@ -59,16 +64,72 @@ pub(crate) struct SceneArgs {
     /// Set or replace an input; may be repeated, such as --set screw_speed_rpm=3000.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     pub(crate) settings: Vec<String>,
-    /// Model to solve with; auto takes the most complete one that the scene has inputs for.
+}
+
+/// The model to ask, and its dials.
+#[derive(Debug, Args)]
+pub(crate) struct ModelArgs {
+    /// Model to solve with; auto takes the cheapest one whose error is below --tolerance, or the
+    /// most complete one where the scene has no conformities.
     #[arg(long, default_value = "auto", value_parser = PossibleValuesParser::new(ModelChoice::names()))]
     pub(crate) model: String,
+    /// Error of the efficiency that auto may leave against model traction.
+    #[arg(long, value_name = "T", default_value_t = Settings::default().tolerance, value_parser = positive)]
+    pub(crate) tolerance: f64,
+    /// Order of the quadrature over the contact ellipses in model traction: 4 to 24 and more.
+    #[arg(long, value_name = "N", default_value_t = Settings::default().quadrature)]
+    pub(crate) quadrature: NonZeroUsize,
+    /// Race at which the ball does not spin in model raceway-control; the one with the larger
+    /// friction moment unless given.
+    #[arg(long, value_enum, value_name = "RACE")]
+    pub(crate) control: Option<Race>,
+}
+
+impl ModelArgs {
+    pub(crate) fn settings(&self) -> Result<Settings, CaseError> {
+        Ok(Settings {
+            model: ModelChoice::from_name(&self.model)?,
+            tolerance: self.tolerance,
+            quadrature: self.quadrature,
+            control: self.control.map(|race| match race {
+                Race::Nut => Control::Nut,
+                Race::Screw => Control::Screw,
+            }),
+        })
+    }
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum Race {
+    /// The nut.
+    Nut,
+    /// The screw.
+    Screw,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
+        _ => Err("must be a number > 0, such as 1e-3".to_owned()),
+    }
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct SolveArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
     /// How to print the result.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// How to print the results.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
 }
@@ -77,6 +138,8 @@ pub(crate) struct SolveArgs {
 pub(crate) struct SweepArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
     /// Input to vary: NAME=START:STOP:COUNT (ends included) or NAME=V1,V2,...; may be repeated
     /// for a full grid, the last one running fastest.
     #[arg(long, value_name = "NAME=VALUES", required = true, allow_hyphen_values = true)]

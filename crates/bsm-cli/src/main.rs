@@ -1,6 +1,7 @@
 //! The `bsm` program: arguments, printing, exit codes. No formula and no default value lives here.
 
 mod args;
+mod compare;
 mod failure;
 mod files;
 mod optimum;
@@ -21,6 +22,7 @@ use crate::files::{pretty_json, print};
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Solve(args) => solve::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Sweep(args) => sweep::run(&args),
         Command::Optimum(args) => optimum::run(&args),
         Command::Validate(args) => validate::run(&args),

@@ -1,6 +1,6 @@
 //! `bsm solve`: one operating point.
 
-use bsm_case::{CaseError, ModelChoice, Record};
+use bsm_case::{CaseError, Record};
 use bsm_dyn::{ModelWorkspace, Status};
 use serde_json::Value;
 
@@ -12,8 +12,8 @@ use crate::table;
 pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let scene = read_scene(&args.scene.scene, &args.scene.settings)?;
     let in_file = |e: CaseError| Failure::scene(&args.scene.scene, &e);
-    let choice = ModelChoice::from_name(&args.scene.model).map_err(in_file)?;
-    let problem = scene.problem(choice).map_err(in_file)?;
+    let settings = args.model.settings().map_err(in_file)?;
+    let problem = scene.problem(&settings).map_err(in_file)?;
     let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
 
     if record.status() == Status::InvalidInput {

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use bsm_case::{
     Axis, CaseError, Cell, Grid, ModelChoice, OUTPUTS, Output as OutputColumn, Record, Scene,
+    Settings,
 };
-use bsm_dyn::{Model, ModelWorkspace, Status};
+use bsm_dyn::{ModelWorkspace, Status};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value, json};
 
@@ -25,11 +26,15 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
 
     // Everything that can be told before the work: the fixed inputs, the model, the outputs.
     grid.fixed(&base).check().map_err(in_file)?;
-    let choice = ModelChoice::from_name(&args.scene.model).map_err(in_file)?;
-    // One model for all rows, even if it does not cover the first or last point.
-    let [first, last] = [0, grid.len() - 1].map(|i| grid.scene(&base, &grid.point(i)));
-    let model = match (first.choose(choice), last.choose(choice)) {
-        (Ok(first), Ok(last)) => first.max(last),
+    let mut settings = args.model.settings().map_err(in_file)?;
+    // One choice for all rows, even if it does not cover the first or last point.
+    let [first, last] =
+        [0, grid.len() - 1].map(|i| grid.scene(&base, &grid.point(i)).choose(settings.model));
+    settings.model = match (first, last) {
+        (Ok(ModelChoice::Fixed(first)), Ok(ModelChoice::Fixed(last))) => {
+            ModelChoice::Fixed(first.max(last))
+        }
+        (Ok(_), Ok(_)) => ModelChoice::Auto,
         (Ok(model), Err(_)) | (Err(_), Ok(model)) => model,
         (Err(error), Err(_)) => return Err(in_file(error)),
     };
@@ -47,7 +52,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let mut failed = 0_usize;
     for i in 0..grid.len() {
         let point = grid.point(i);
-        let record = solve(&grid.scene(&base, &point), model, &mut work);
+        let record = solve(&grid.scene(&base, &point), &settings, &mut work);
         failed += usize::from(record.status() != Status::Converged);
         if let Some((curves, ..)) = &mut plot {
             curves.add(i, point[0], &record);
@@ -59,7 +64,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     }
     bar.finish_and_clear();
     if let Some((curves, mut out, path)) = plot {
-        let svg = curves.render(base.description.as_deref(), model);
+        let svg = curves.render(base.description.as_deref(), settings.model);
         out.write_all(svg.as_bytes()).map_err(|e| Output::failure(path, &e))?;
         out.complete()?;
     }
@@ -75,10 +80,10 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-fn solve(scene: &Scene, model: Model, work: &mut ModelWorkspace) -> Record {
-    match scene.problem(ModelChoice::Fixed(model)) {
+fn solve(scene: &Scene, settings: &Settings, work: &mut ModelWorkspace) -> Record {
+    match scene.problem(settings) {
         Ok(problem) => Record::new(problem.solve(work)),
-        Err(error) => Record::invalid(model, &error),
+        Err(error) => Record::invalid(settings.model, &error),
     }
 }
 
@@ -244,7 +249,7 @@ impl Curves {
         self.lines[line].points.push((x, y));
     }
 
-    fn render(&self, title: Option<&str>, model: Model) -> String {
+    fn render(&self, title: Option<&str>, model: ModelChoice) -> String {
         let title = title.map_or_else(
             || format!("model {}", model.name()),
             |t| format!("{t} ({})", model.name()),

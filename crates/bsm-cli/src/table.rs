@@ -72,8 +72,10 @@ pub(crate) fn record(record: &Record) -> String {
             }
         }
     }
+    let choice = record.choice();
     let head = [
         ("model ", Some(record.model().name())),
+        ("chosen", choice.as_deref()),
         ("status", Some(status.as_str())),
         ("reason", record.message()),
         ("regime", record.regime()),

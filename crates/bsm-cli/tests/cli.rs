@@ -144,6 +144,72 @@ fn bad_input_is_told_in_one_paragraph() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
+/// Every model that the scene has inputs for, side by side; the others say what they lack.
+#[test]
+fn compare_shows_every_model() {
+    let dir = folder();
+    let drive = example("feed_drive.json").display().to_string();
+    let output = bsm(dir.path(), &["compare", &drive, "--format", "json"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let result: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let models = result["models"].as_array().expect("a list");
+    let eta = |name: &str| {
+        let model = models.iter().find(|m| m["model"] == name).expect(name);
+        assert!(model["time_us"].as_f64().is_some_and(|t| t > 0.0));
+        model["efficiency"].as_f64().expect(name)
+    };
+    assert_eq!(models.len(), 6);
+    // A loaded feed drive rolls: traction is near raceway control, far from saturated friction.
+    assert!((eta("traction") - eta("raceway-control")).abs() < 1e-3);
+    assert!(eta("traction") - eta("elastic") > 0.05);
+    assert_eq!(result["regime"], "rolling, the balls grip");
+
+    let output = bsm(dir.path(), &["compare", &lin()], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for part in ["closed-form", "rigid", "nut_conformity and screw_conformity are required"] {
+        assert!(text.contains(part), "{text}");
+    }
+    // A model without a solution shows in the exit code, as everywhere.
+    let output = bsm(dir.path(), &["compare", &lin(), "--set", "lead_angle_deg=5"], "");
+    assert_eq!(output.status.code(), Some(3));
+    assert!(stdout(&output).contains("critical lead angle"), "{}", stdout(&output));
+}
+
+/// Tolerance, quadrature and controlling race reach the models; nonsense is refused by name.
+#[test]
+fn models_have_dials() {
+    let dir = folder();
+    let drive = example("feed_drive.json").display().to_string();
+    let solve = |args: &[&str]| {
+        let output = bsm(dir.path(), &[&["solve", &drive, "--format", "json"], args].concat(), "");
+        let result: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+        result
+    };
+    assert_eq!(solve(&[])["model"], "raceway-control");
+    let fine = solve(&["--tolerance", "1e-4"]);
+    assert_eq!(fine["model"], "traction");
+    assert!(fine["efficiency_error_bound"].as_f64().is_some_and(|b| b <= 1e-4));
+    assert!(fine["choice"].as_str().is_some_and(|why| why.contains("integrated")));
+    let eta = |args: &[&str]| solve(args)["efficiency"].as_f64().expect("a number");
+    let (coarse, fine) = (
+        eta(&["--model", "traction", "--quadrature", "4"]),
+        eta(&["--model", "traction", "--quadrature", "24"]),
+    );
+    assert!((coarse - fine).abs() > 1e-9 && (coarse - fine).abs() < 1e-3, "{coarse} {fine}");
+    let control = |race| eta(&["--model", "raceway-control", "--control", race]);
+    assert!((control("nut") - control("screw")).abs() > 1e-6);
+    for (args, part) in [
+        (["--tolerance", "0"], "must be a number > 0"),
+        (["--quadrature", "0"], "--quadrature"),
+        (["--control", "ball"], "possible values: nut, screw"),
+    ] {
+        let output = bsm(dir.path(), &[&["solve", &drive], &args[..]].concat(), "");
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains(part), "{}", stderr(&output));
+    }
+}
+
 #[test]
 fn sweep_writes_a_full_grid_and_a_plot() {
     let dir = folder();

@@ -25,16 +25,6 @@ pub struct Auto {
     pub tolerance: f64,
 }
 
-/// How large the error of an efficiency may be, and why.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
-    /// Bound of the error of the efficiency against the traction model, which 99 % of all points
-    /// keep.
-    pub error_bound: f64,
-    /// What it comes from.
-    pub basis: Basis,
-}
-
 /// What an error bound comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -115,10 +105,13 @@ impl Auto {
 }
 
 impl Solution {
-    fn estimated(self, error_bound: f64, basis: Basis) -> Self {
-        let estimate =
-            (self.status == Status::Converged).then_some(Estimate { error_bound, basis });
-        Self { estimate, ..self }
+    /// Adds the bound of the error of the efficiency, if there is one.
+    fn estimated(mut self, error_bound: f64, basis: Basis) -> Self {
+        if self.status == Status::Converged {
+            self.outputs.error_bound = Some(error_bound);
+            self.basis = Some(basis);
+        }
+        self
     }
 }
 
@@ -142,7 +135,7 @@ impl Regime {
             f64::INFINITY,
             |(_, beta)| {
                 let sliding = angles(beta).efficiency(direction, screw.friction);
-                1.05 * (eta - sliding).abs() * (1.0 + pair.inertia_ratio())
+                (eta - sliding).abs()
             },
         );
         let f = screw.friction;
@@ -150,8 +143,9 @@ impl Regime {
         let rolling = 1.7 * f + 0.35 / (1.0 + (cross / 0.4).powi(2));
         // σ = min(1, (S/0.27)⁶)                                           (A3)
         let skidding = (onset / 0.27).powi(6).min(1.0);
-        // |δη| ≤ A (1 − η) + σ (η − η_s)                                  (A4)
-        let bound = rolling * (1.0 - eta).abs() + skidding * range;
+        // |δη| ≤ A (1 − η) + 1.05 σ (1 + μ)(η − η_s)                      (A4)
+        let inertia = 1.0 + pair.inertia_ratio();
+        let bound = rolling * (1.0 - eta).abs() + 1.05 * skidding * inertia * range;
         Some((Self { onset, range }, bound))
     }
 

@@ -1,8 +1,8 @@
 //! The models by name, and one operating point with the inputs of one model.
 
 use crate::{
-    ClosedForm, Elastic, ElasticWorkspace, QuasiStatic, RacewayControl, RacewayWorkspace, Rigid,
-    RigidWorkspace, Solution, Traction, TractionWorkspace,
+    Auto, ClosedForm, Elastic, ElasticWorkspace, QuasiStatic, RacewayControl, RacewayWorkspace,
+    Rigid, RigidWorkspace, Solution, Traction, TractionWorkspace,
 };
 
 /// A model of the ball screw, from the one with the fewest inputs to the one with the most.
@@ -75,21 +75,11 @@ pub enum Problem {
     Elastic(Elastic),
     /// Inputs of [`Model::Traction`].
     Traction(Traction),
+    /// Inputs of the choice by error bounds.
+    Auto(Auto),
 }
 
 impl Problem {
-    /// The model that solves it.
-    pub fn model(&self) -> Model {
-        match self {
-            Self::ClosedForm(_) => Model::ClosedForm,
-            Self::QuasiStatic(_) => Model::QuasiStatic,
-            Self::Rigid(_) => Model::Rigid,
-            Self::RacewayControl(_) => Model::RacewayControl,
-            Self::Elastic(_) => Model::Elastic,
-            Self::Traction(_) => Model::Traction,
-        }
-    }
-
     /// Solves it; `work` is memory that one thread reuses from point to point.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         match self {
@@ -99,6 +89,7 @@ impl Problem {
             Self::RacewayControl(p) => p.solve(&mut work.raceway),
             Self::Elastic(p) => p.solve(&mut work.elastic),
             Self::Traction(p) => p.solve(&mut work.traction),
+            Self::Auto(p) => p.solve(work),
         }
     }
 }

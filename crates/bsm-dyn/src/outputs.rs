@@ -47,6 +47,9 @@ pub struct Outputs {
     pub iterations: Option<usize>,
     pub residual_norm: Option<f64>,
     pub self_locking: Option<bool>,
+    /// Bound of the error of the efficiency against the traction model, which 99 % of all points
+    /// keep.
+    pub error_bound: Option<f64>,
     /// Gyroscopic over friction moment of the gripping motion (W9).
     pub skid_number: Option<f64>,
     /// The slip across the grooves that the lead forces, over the slip of spin (W10).

@@ -2,7 +2,7 @@
 
 use bsm_newton::{EvalError, Report, Status as NewtonStatus};
 
-use crate::{Estimate, Model, Outputs};
+use crate::{Basis, Model, Outputs};
 
 /// Which side drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -165,8 +165,8 @@ pub struct Solution {
     pub status: Status,
     /// Why, unless it converged.
     pub reason: Option<Reason>,
-    /// How large the error of the efficiency may be, if the model was chosen by it.
-    pub estimate: Option<Estimate>,
+    /// What the bound of the error of the efficiency comes from, if the model was chosen by it.
+    pub basis: Option<Basis>,
     /// The numbers; all empty unless it converged (`self_locking` may be known).
     pub outputs: Outputs,
 }
@@ -174,7 +174,7 @@ pub struct Solution {
 impl Solution {
     /// A solution with its numbers.
     pub fn converged(model: Model, outputs: Outputs) -> Self {
-        Self { model, status: Status::Converged, reason: None, estimate: None, outputs }
+        Self { model, status: Status::Converged, reason: None, basis: None, outputs }
     }
 
     /// The statement that there is none.
@@ -182,6 +182,6 @@ impl Solution {
         let locks = matches!(reason, Reason::SelfLocking { .. } | Reason::FrictionHoldsLoad { .. });
         let locking = locks.then_some(true);
         let outputs = Outputs { self_locking: locking, ..Outputs::default() };
-        Self { model, status, reason: Some(reason), estimate: None, outputs }
+        Self { model, status, reason: Some(reason), basis: None, outputs }
     }
 }

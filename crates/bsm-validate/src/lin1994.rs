@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use bsm_case::{ModelChoice, Scene};
+use bsm_case::Scene;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Problem, RigidWorkspace, Status};
 use serde::Deserialize;
 
@@ -281,7 +281,7 @@ fn existence(lin: &Scene, claims: &Claims) -> Result<Vec<Check>, ValidateError> 
     let source = format!("{SOURCE}, Eqs 5-9; derivation in docs/theory/04-rigid.md");
     // Little inertia, to which the number belongs.
     let slow = Scene { screw_speed_rpm: Some(20.0), lead_angle_deg: Some(5.0), ..lin.clone() };
-    let problem = slow.problem(ModelChoice::Fixed(Model::Rigid))?;
+    let problem = slow.problem(&Model::Rigid.into())?;
     let Problem::Rigid(case) = problem else { unreachable!("the model was fixed") };
     let critical =
         case.critical_lead_angle(&mut RigidWorkspace::default()).map_or(f64::NAN, f64::to_degrees);
@@ -291,7 +291,7 @@ fn existence(lin: &Scene, claims: &Claims) -> Result<Vec<Check>, ValidateError> 
     for tenth in 10..=200 {
         let degrees = 0.1 * f64::from(tenth) + 0.05;
         let scene = Scene { lead_angle_deg: Some(degrees), ..slow.clone() };
-        let status = scene.problem(ModelChoice::Fixed(Model::Rigid))?.solve(work).status;
+        let status = scene.problem(&Model::Rigid.into())?.solve(work).status;
         let expected = if degrees < critical { Status::NoSolution } else { Status::Converged };
         wrong += i32::from(status != expected);
     }

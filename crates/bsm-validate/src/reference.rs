@@ -1,6 +1,6 @@
 //! Independent 40-digit solutions of the rigid equations.
 
-use bsm_case::{ModelChoice, Scene};
+use bsm_case::Scene;
 use bsm_dyn::{Problem, RigidWorkspace};
 use serde::Deserialize;
 
@@ -63,7 +63,7 @@ fn check(row: &Row, work: &mut RigidWorkspace) -> Result<Check, ValidateError> {
     let check =
         Check::new(&name, "Lin, Velinsky and Ravani 1994, Eqs 5-9, solved at 40 digits", claim);
 
-    let problem = scene.problem(ModelChoice::Fixed(bsm_dyn::Model::Rigid))?;
+    let problem = scene.problem(&bsm_dyn::Model::Rigid.into())?;
     let Problem::Rigid(case) = problem else { unreachable!("the model was fixed") };
     let efficiency = case.solve(work).outputs.efficiency;
     let (Some(efficiency), Ok(root)) = (efficiency, case.root(work)) else {

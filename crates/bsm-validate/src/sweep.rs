@@ -1,6 +1,6 @@
 //! Sweeps of a scene: the closed form against the rigid equations.
 
-use bsm_case::{ModelChoice, Scene};
+use bsm_case::Scene;
 use bsm_dyn::{Model, ModelWorkspace, Outputs};
 
 use crate::ValidateError;
@@ -81,8 +81,8 @@ pub(crate) fn deviation(
     scene: &Scene,
     work: &mut ModelWorkspace,
 ) -> Result<Option<(f64, Outputs)>, ValidateError> {
-    let eta = |model, work: &mut ModelWorkspace| -> Result<_, ValidateError> {
-        Ok(scene.problem(ModelChoice::Fixed(model))?.solve(work))
+    let eta = |model: Model, work: &mut ModelWorkspace| -> Result<_, ValidateError> {
+        Ok(scene.problem(&model.into())?.solve(work))
     };
     let rigid = eta(Model::Rigid, work)?;
     let closed = eta(Model::ClosedForm, work)?;

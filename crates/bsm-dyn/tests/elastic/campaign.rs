@@ -82,10 +82,10 @@ fn the_choice_keeps_its_bounds() {
             let exact = Traction { screw, order: reference, creep: 1e-5 }.solve(&mut fine);
             let Some(exact) = exact.outputs.efficiency else { continue };
             let chosen = Auto { screw, tolerance }.solve(&mut work);
-            let estimate = chosen.estimate.expect("a converged choice has a bound");
+            let bound = chosen.outputs.error_bound.expect("a converged choice has a bound");
             let error = (chosen.outputs.efficiency.expect("converged") - exact).abs();
-            broken += usize::from(error > estimate.error_bound);
-            loose += usize::from(estimate.error_bound > tolerance);
+            broken += usize::from(error > bound);
+            loose += usize::from(bound > tolerance);
             traction += usize::from(chosen.model == Model::Traction);
         }
         println!(
