@@ -3,8 +3,10 @@
 #![expect(clippy::print_stderr, reason = "counters are printed next to the times")]
 
 use std::hint::black_box;
+use std::num::NonZeroUsize;
 
 use bsm_benches::{lin_problem, seeded};
+use bsm_case::Settings;
 use bsm_dyn::{Model, ModelWorkspace, Problem, Rigid};
 use bsm_newton::{Options, Scales, System, Workspace, solve};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -66,6 +68,19 @@ fn one_point(c: &mut Criterion) {
     });
 }
 
+/// Every model; traction at order 6 too; the choice at two tolerances.
+fn settings() -> Vec<(String, Settings)> {
+    let coarse = NonZeroUsize::new(6).expect("not zero");
+    let auto = |tolerance| Settings { tolerance, ..Settings::default() };
+    let mut all: Vec<_> =
+        Model::ALL.into_iter().map(|model| (model.name().to_owned(), model.into())).collect();
+    let traction = Settings { quadrature: coarse, ..Model::Traction.into() };
+    all.push(("traction, order 6".to_owned(), traction));
+    all.push(("auto, 1e-2".to_owned(), auto(1e-2)));
+    all.push(("auto, 1e-4".to_owned(), auto(1e-4)));
+    all
+}
+
 /// A thousand seeded points, so that the time per element is that of a typical point.
 fn many_points(c: &mut Criterion) {
     const COUNT: usize = 1000;
@@ -73,15 +88,11 @@ fn many_points(c: &mut Criterion) {
     let mut work = ModelWorkspace::default();
     let mut group = c.benchmark_group("seeded");
     group.throughput(Throughput::Elements(COUNT as u64)).sample_size(20);
-    for model in Model::ALL {
-        let problems: Vec<_> = scenes
-            .iter()
-            .map(|scene| scene.problem(&model.into()).expect("complete scene"))
-            .collect();
-        if model == Model::Rigid {
-            report_median(&problems, &mut work);
-        }
-        group.bench_function(model.name(), |b| {
+    for (label, settings) in settings() {
+        let problems: Vec<_> =
+            scenes.iter().map(|scene| scene.problem(&settings).expect("complete scene")).collect();
+        report_median(&label, &problems, &mut work);
+        group.bench_function(label, |b| {
             b.iter(|| {
                 for problem in &problems {
                     let _ = black_box(black_box(problem).solve(&mut work));
@@ -100,7 +111,7 @@ fn many_points(c: &mut Criterion) {
 }
 
 /// Median over the points of the fastest of several cold solves, and median of the steps.
-fn report_median(problems: &[Problem], work: &mut ModelWorkspace) {
+fn report_median(label: &str, problems: &[Problem], work: &mut ModelWorkspace) {
     let mut times: Vec<_> = problems
         .iter()
         .map(|problem| {
@@ -120,11 +131,11 @@ fn report_median(problems: &[Problem], work: &mut ModelWorkspace) {
     steps.sort_unstable();
     let middle = problems.len() / 2;
     eprintln!(
-        "rigid, {} seeded points: median cold solve {} ns, median {} Newton steps, most {}",
+        "{label}, {} seeded points: median cold solve {} ns, median {:?} Newton steps, most {:?}",
         problems.len(),
         times[middle],
-        steps[middle],
-        steps[steps.len() - 1]
+        steps.get(steps.len() / 2),
+        steps.last()
     );
 }
 

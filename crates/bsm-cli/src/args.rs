@@ -177,7 +177,8 @@ pub(crate) struct OptimumArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ValidateArgs {
-    /// Folder for results.json; made if it does not exist.
+    /// Folder for results.json and the figure from rolling to gross skid (transition.csv, .svg); made
+    /// if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// How to print the checks.

@@ -14,7 +14,7 @@ use serde_json::{Map, Value, json};
 use crate::args::SweepArgs;
 use crate::failure::{Failure, warn};
 use crate::files::{Output, read_scene};
-use crate::plot::{self, Curve};
+use crate::plot::{self, Curve, Frame, Stroke};
 
 pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let base = read_scene(&args.scene.scene, &args.scene.settings)?;
@@ -235,6 +235,8 @@ impl Curves {
         let lines = (0..count)
             .map(|i| Curve {
                 label: series.map(|axis| format!("{} = {}", axis.name, axis.value(i))),
+                color: i,
+                stroke: Stroke::Solid,
                 points: Vec::new(),
             })
             .collect();
@@ -254,6 +256,7 @@ impl Curves {
             || format!("model {}", model.name()),
             |t| format!("{t} ({})", model.name()),
         );
-        plot::lines(&title, self.x_name, self.output.name, &self.lines)
+        let (x_label, y_label) = (self.x_name, self.output.name);
+        plot::lines(&Frame { title: &title, x_label, y_label, log_x: false }, &self.lines)
     }
 }

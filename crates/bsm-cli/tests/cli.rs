@@ -370,6 +370,11 @@ fn validate_passes_and_writes_results() {
     let output = bsm(dir.path(), &["validate", "--out", "report"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
     assert!(stdout(&output).contains(" 0 failed"));
+    let table = fs::read_to_string(dir.path().join("report/transition.csv")).expect("table");
+    // Three models at three loads and 61 speeds.
+    assert_eq!(table.lines().count(), 1 + 9 * 61);
+    let figure = fs::read_to_string(dir.path().join("report/transition.svg")).expect("figure");
+    assert!(figure.contains("traction, 20 N"));
     let results = fs::read_to_string(dir.path().join("report/results.json")).expect("results");
     let results: Value = serde_json::from_str(&results).expect("JSON");
     assert_eq!(results["passed"], true);

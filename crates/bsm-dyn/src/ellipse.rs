@@ -1,6 +1,6 @@
 //! Friction integrated over the contact ellipse.
 //!
-//! Theory: `docs/theory/07-raceway-control.md`, equations (E1) to (E6).
+//! Theory: `docs/theory/07-raceway-control.md`, equations (E1) to (E7).
 
 mod kernel;
 

@@ -1,6 +1,6 @@
 //! Jones geometry: how the contact angles follow the ball centre and the load.
 //!
-//! Theory: `docs/theory/06-elastic-contact.md`, equations (J1) to (J6).
+//! Theory: `docs/theory/06-elastic-contact.md`, equations (J1) to (J8).
 
 use bsm_kin::Scalar;
 use bsm_newton::EvalError;

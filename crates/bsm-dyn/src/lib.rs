@@ -4,7 +4,7 @@
 //! operating point with the inputs of one model; [`Problem::solve`] returns a [`Solution`], which
 //! is data also when there is none.
 //!
-//! Theory: `docs/theory`, chapters 02 to 07.
+//! Theory: `docs/theory`, chapters 02 to 10.
 
 mod auto;
 pub mod balance;

@@ -1,7 +1,7 @@
 //! Raceway control: elastic contacts without friction in the balance, rolling kinematics, and
 //! friction power from the slip that is left.
 //!
-//! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W9).
+//! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W11).
 
 use std::num::NonZeroUsize;
 

@@ -1,6 +1,6 @@
 //! Rolling, partial and gross slip in one model: friction integrated over the contact ellipses.
 //!
-//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5).
+//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T4).
 
 use std::num::NonZeroUsize;
 
@@ -99,6 +99,7 @@ impl Rolling<'_> {
             let local = Local::of(&motions[i], contact, D::from(pair.arc));
             let ellipse = pair.ellipse(i, &loaded);
             let unit = D::integrate(&ellipse, &local, self.creep, self.quadrature);
+            // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                               (T2)
             let pull = loaded.loads[i] * pair.friction;
             let friction = unit.wrench(contact);
             Wrench {
@@ -134,6 +135,7 @@ impl Rolling<'_> {
                 let local = Local::of(&motions[i], &state.loaded.contacts[i], pair.arc);
                 let ellipse = pair.ellipse(i, &state.loaded);
                 let power = ellipse.power(&local, self.creep, self.quadrature);
+                // P_f = Σ f Q ∫ dP                                                (T3)
                 pair.friction * state.loaded.loads[i] * power
             })
             .sum()
@@ -186,6 +188,7 @@ impl Rolling<'_> {
 
     /// One damped Newton solve from `y`.
     fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+        // D_F = diag(w, w, w, w/f, w/f, w/f, w),  w = 1/max(1, μ)         (T4)
         let force = self.pair.inertia_ratio().max(1.0).recip();
         let moment = force / self.pair.friction.min(1.0);
         let weights = [force, force, force, moment, moment, moment, force];

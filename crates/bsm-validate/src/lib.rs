@@ -4,12 +4,14 @@
 //! check names what is claimed, what we measure, and why its tolerance is what it is. Golden
 //! files, which only guard against change, are not validation and not here.
 
+mod elastic;
 mod lin1994;
 mod reference;
 mod report;
 mod search;
 mod sweep;
 
+pub use elastic::{TransitionCurve, transition_figure};
 pub use report::{Check, Report, Verdict};
 
 /// Something is wrong with the data that is compiled in.
@@ -38,5 +40,6 @@ pub enum ValidateError {
 pub fn run() -> Result<Report, ValidateError> {
     let mut checks = reference::checks()?;
     checks.extend(lin1994::checks()?);
+    checks.extend(elastic::checks()?);
     Ok(Report { checks })
 }

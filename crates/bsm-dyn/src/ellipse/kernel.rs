@@ -258,7 +258,7 @@ impl WithSimd for Slopes<'_> {
                 let slip = Slip::at(point, simd, node);
                 let [f_t, f_c, m_t, m_n, m_c] = slip.terms();
                 let Slip { x, y, h, dh, v, pull, inverse_square } = slip;
-                // d(v/√(v² + v_e²)) = (1 − v v/(v² + v_e²)) dv / √(v² + v_e²)
+                // d(v/√(v² + v_e²)) = (1 − v v/(v² + v_e²)) dv / √(v² + v_e²)     (E7)
                 let scaled = pull * inverse_square;
                 let tt = scaled * v[0] * v[0] - pull;
                 let tc = scaled * v[0] * v[1];

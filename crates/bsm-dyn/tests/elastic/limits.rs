@@ -82,6 +82,40 @@ fn traction_meets_elastic() {
     assert!(tried >= 20, "{tried}");
 }
 
+/// The onset number tells rolling from sliding whatever the lead angle; the skid number does not.
+#[test]
+fn the_onset_number_tells_rolling_from_sliding() {
+    let (mut rolling, mut sliding) = (RacewayWorkspace::default(), ElasticWorkspace::default());
+    let mut points = Vec::new();
+    for screw in real_screws(33).take(4000) {
+        let grip = RacewayControl { screw, control: None }.solve(&mut rolling).outputs;
+        let skid = Elastic { screw }.solve(&mut sliding).outputs;
+        let (Some(g), Some(s)) = (grip.efficiency, skid.efficiency) else { continue };
+        // Where spin is nearly all of the loss, raceway control is no measure.
+        if grip.cross_slip.is_some_and(|chi| chi > 0.7) {
+            let share = (g - traction(screw, 8, 1e-4).efficiency.expect("eta")) / (g - s);
+            points.push((grip.skid_number.expect("G"), grip.onset_number.expect("S"), share));
+        }
+    }
+    let shares = |belongs: &dyn Fn(f64, f64) -> bool| {
+        let mut shares: Vec<_> =
+            points.iter().filter(|(g, s, _)| belongs(*g, *s)).map(|p| p.2).collect();
+        shares.sort_by(f64::total_cmp);
+        let at = |percent: usize| shares[shares.len() * percent / 100];
+        (shares.len(), at(1), at(50), at(99))
+    };
+    for (low, high) in [(0.0, 0.1), (0.1, 0.2), (0.2, 0.5), (0.5, 1.0), (1.0, 2.0), (2.0, 1e9)] {
+        println!("S in {low}-{high}: {:.3?}", shares(&|_, s| (low..high).contains(&s)));
+    }
+    println!("G in 0.05-0.2: {:.3?}", shares(&|g, _| (0.05..0.2).contains(&g)));
+    // Share of the way from rolling to sliding. 2 % are what friction does to the angles.
+    let (_, low, _, high) = shares(&|_, s| s < 0.1);
+    assert!(low > -0.03 && high < 0.03, "{low} {high}");
+    assert!(shares(&|_, s| s > 2.0).1 > 0.9);
+    let (_, low, _, high) = shares(&|g, _| (0.05..0.2).contains(&g));
+    assert!(low < 0.05 && high > 0.8, "{low} {high}");
+}
+
 /// Nothing depends on the unit of length or of force.
 #[test]
 fn a_scaled_screw_moves_alike() {
