@@ -156,6 +156,12 @@ pub enum CaseError {
 }
 
 impl CaseError {
+    /// An input whose value is some text.
+    pub fn not_a_number(key: &str, text: &str) -> Self {
+        let found = format!("`{}`", text.escape_debug());
+        Self::WrongType { key: key.to_owned(), found, expected: "a number" }
+    }
+
     /// True if the file system is at fault, not the input.
     pub fn is_io(&self) -> bool {
         matches!(self, Self::Unreadable { .. })

@@ -22,4 +22,5 @@ pub use optimum::OptimumReport;
 pub use output::{Cell, OUTPUTS, Output};
 pub use problem::{ModelChoice, Settings, required_inputs};
 pub use record::Record;
+pub use scene::nearest_input;
 pub use schema::{input_schema, output_schema};

@@ -82,6 +82,16 @@ impl Default for Settings {
     }
 }
 
+impl Settings {
+    /// The model with the fewest inputs that the choice may come to.
+    pub fn least_model(&self) -> Model {
+        match self.model {
+            ModelChoice::Auto => Model::ClosedForm,
+            ModelChoice::Fixed(model) => model,
+        }
+    }
+}
+
 impl From<Model> for Settings {
     /// That model with its default dials.
     fn from(model: Model) -> Self {

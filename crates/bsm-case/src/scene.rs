@@ -110,11 +110,7 @@ impl Scene {
             form: "name=value",
         })?;
         let (key, value) = (key.trim(), value.trim());
-        let number = value.parse().map_err(|_| CaseError::WrongType {
-            key: key.to_owned(),
-            found: format!("`{}`", value.escape_debug()),
-            expected: "a number",
-        });
+        let number = value.parse().map_err(|_| CaseError::not_a_number(key, value));
         // The unknown name is the more helpful complaint of the two.
         self.set(key, *number.as_ref().unwrap_or(&f64::NAN))?;
         number.map(|_: f64| ())
@@ -194,21 +190,21 @@ fn lead_angle(lead_mm: f64, pitch_circle_diameter_mm: f64) -> f64 {
 }
 
 pub(crate) fn unknown_key(key: String) -> CaseError {
-    let part = key.to_lowercase();
-    let part = if part.len() < 3 { "no part of a name" } else { part.as_str() };
-    let nearest = INPUTS
+    let nearest = nearest_input(&key).map(str::to_owned);
+    CaseError::UnknownKey { key, nearest }
+}
+
+/// The known input whose name is nearest to `key`, if any is near.
+pub fn nearest_input(key: &str) -> Option<&'static str> {
+    let key = key.to_lowercase();
+    let part = if key.len() < 3 { "no part of a name" } else { key.as_str() };
+    INPUTS
         .iter()
-        .map(|input| {
-            (
-                strsim::damerau_levenshtein(&key.to_lowercase(), &input.name.to_lowercase()),
-                input.name,
-            )
-        })
+        .map(|input| (strsim::damerau_levenshtein(&key, &input.name.to_lowercase()), input.name))
         .chain(INPUTS.iter().filter(|i| i.name.contains(part)).map(|i| (3, i.name)))
         .min()
         .filter(|(distance, name)| *distance <= name.len().max(key.len()) / 2)
-        .map(|(_, name)| name.to_owned());
-    CaseError::UnknownKey { key, nearest }
+        .map(|(_, name)| name)
 }
 
 fn wrong_type(key: String, value: &Value, expected: &'static str) -> CaseError {

@@ -35,6 +35,9 @@ pub(crate) enum Command {
     /// Solve a full grid over one or more inputs, into a table and a plot.
     #[command(after_help = EXIT_CODES)]
     Sweep(SweepArgs),
+    /// Solve a table of operating points: one row in, one row out, in the same order.
+    #[command(after_help = EXIT_CODES)]
+    Batch(BatchArgs),
     /// Contact angle of best efficiency and self-locking limits, in closed form.
     #[command(after_help = EXIT_CODES)]
     Optimum(OptimumArgs),
@@ -144,9 +147,12 @@ pub(crate) struct SweepArgs {
     /// for a full grid, the last one running fastest.
     #[arg(long, value_name = "NAME=VALUES", required = true, allow_hyphen_values = true)]
     pub(crate) vary: Vec<String>,
-    /// Table to write: .csv or .jsonl; `-` is CSV on standard output.
+    /// Table to write: .csv, .jsonl or .parquet; `-` is CSV on standard output.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
+    /// Outputs to write, in this order; all unless given.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub(crate) columns: Option<Vec<String>>,
     /// Plot to write (SVG) of one output against the first varied input, a line per value of
     /// the second.
     #[arg(long, value_name = "OUT.svg")]
@@ -155,6 +161,40 @@ pub(crate) struct SweepArgs {
     #[arg(long, value_name = "NAME", default_value = "efficiency", requires = "plot")]
     pub(crate) plot_output: String,
     /// Exit with 3 if any point has no solution.
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// No progress bar.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BatchArgs {
+    /// Table of points: .csv, .jsonl or .parquet, columns named as inputs; `-` is CSV on standard
+    /// input. An empty cell takes the value of the base scene.
+    #[arg(value_name = "POINTS")]
+    pub(crate) points: PathBuf,
+    /// Scene with the inputs that the table does not have.
+    #[arg(long, value_name = "SCENE.json")]
+    pub(crate) base: Option<PathBuf>,
+    /// Set or replace an input of the base scene; may be repeated.
+    #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    pub(crate) settings: Vec<String>,
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
+    /// Table to write: .csv, .jsonl or .parquet; `-` is CSV on standard output.
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// Outputs to write, in this order; all unless given.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub(crate) columns: Option<Vec<String>>,
+    /// Columns of the table that are no inputs, to carry through, such as an id.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub(crate) keep: Vec<String>,
+    /// Threads; all cores unless given. Results do not depend on it.
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Exit with 3 if any row has no result.
     #[arg(long)]
     pub(crate) strict: bool,
     /// No progress bar.

@@ -18,6 +18,12 @@ pub(crate) enum Failure {
     /// Ran, but a point has no solution or a check failed; the words are printed already.
     #[error("unsolved")]
     Unsolved,
+    /// A table of points that cannot be read on.
+    #[error("{0}")]
+    Table(String),
+    /// The user has interrupted the work; nothing is left under the final name.
+    #[error("interrupted after {0} rows; nothing was written")]
+    Interrupted(u64),
     /// The reader of standard output has gone: nothing is left to do.
     #[error("closed pipe")]
     ClosedPipe,
@@ -53,7 +59,8 @@ impl Failure {
             Self::ClosedPipe => return ExitCode::SUCCESS,
             Self::Unsolved => return ExitCode::from(3),
             Self::Files(_) => 1,
-            Self::Input(_) => 2,
+            Self::Input(_) | Self::Table(_) => 2,
+            Self::Interrupted(_) => 130,
         };
         warn("error", &self.to_string());
         ExitCode::from(code)

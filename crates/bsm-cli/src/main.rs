@@ -1,12 +1,14 @@
 //! The `bsm` program: arguments, printing, exit codes. No formula and no default value lives here.
 
 mod args;
+mod batch;
 mod compare;
 mod failure;
 mod files;
 mod optimum;
 mod plot;
 mod solve;
+mod stream;
 mod sweep;
 mod table;
 mod validate;
@@ -24,6 +26,7 @@ fn main() -> ExitCode {
         Command::Solve(args) => solve::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Sweep(args) => sweep::run(&args),
+        Command::Batch(args) => batch::run(&args),
         Command::Optimum(args) => optimum::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::Schema { kind } => print(&pretty_json(&match kind {

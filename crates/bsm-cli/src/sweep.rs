@@ -1,20 +1,16 @@
 //! `bsm sweep`: a full grid, one row a point.
 
-use std::io::{self, IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::Path;
 
-use bsm_case::{
-    Axis, CaseError, Cell, Grid, ModelChoice, OUTPUTS, Output as OutputColumn, Record, Scene,
-    Settings,
-};
-use bsm_dyn::{ModelWorkspace, Status};
-use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::{Map, Value, json};
+use bsm_batch::{Answers, Cell, Chunk, GridSource};
+use bsm_case::{Axis, CaseError, Grid, ModelChoice, Output as OutputColumn, Record};
 
 use crate::args::SweepArgs;
 use crate::failure::{Failure, warn};
 use crate::files::{Output, read_scene};
 use crate::plot::{self, Curve, Frame, Stroke};
+use crate::stream::Task;
 
 pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let base = read_scene(&args.scene.scene, &args.scene.settings)?;
@@ -45,153 +41,28 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
         }
         None => None,
     };
-    let mut sink = Sink::create(&args.output, &grid)?;
-
-    let bar = progress(grid.len(), args.quiet);
-    let mut work = ModelWorkspace::default();
-    let mut failed = 0_usize;
-    for i in 0..grid.len() {
-        let point = grid.point(i);
-        let record = solve(&grid.scene(&base, &point), &settings, &mut work);
-        failed += usize::from(record.status() != Status::Converged);
+    let outputs = Answers::select(args.columns.as_deref())
+        .map_err(|e| Failure::Input(format!("--columns: {e}")))?;
+    let task = Task { base: &base, settings: &settings, outputs: &outputs, quiet: args.quiet };
+    let mut source = GridSource::new(grid);
+    let count = task.run(&mut source, &args.output, |chunk, records| {
         if let Some((curves, ..)) = &mut plot {
-            curves.add(i, point[0], &record);
+            curves.add(chunk, records);
         }
-        sink.row(&grid, &point, &record)?;
-        if i % 1024 == 0 {
-            bar.set_position(i as u64);
-        }
-    }
-    bar.finish_and_clear();
+    })?;
     if let Some((curves, mut out, path)) = plot {
         let svg = curves.render(base.description.as_deref(), settings.model);
         out.write_all(svg.as_bytes()).map_err(|e| Output::failure(path, &e))?;
         out.complete()?;
     }
-    sink.complete()?;
-
-    let total = grid.len();
-    if failed > 0 {
+    if count.failed > 0 {
+        let (failed, total) = (count.failed, count.rows);
         warn("note", &format!("{failed} of {total} points have no result; their rows say why"));
         if args.strict {
             return Err(Failure::Unsolved);
         }
     }
     Ok(())
-}
-
-fn solve(scene: &Scene, settings: &Settings, work: &mut ModelWorkspace) -> Record {
-    match scene.problem(settings) {
-        Ok(problem) => Record::new(problem.solve(work)),
-        Err(error) => Record::invalid(settings.model, &error),
-    }
-}
-
-/// A bar on a terminal, nothing elsewhere.
-fn progress(total: usize, quiet: bool) -> ProgressBar {
-    if quiet || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style =
-        ProgressStyle::with_template("{wide_bar} {pos}/{len} points, {per_sec}, {eta} left");
-    ProgressBar::new(total as u64)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-}
-
-/// Where rows go, and in which form.
-struct Sink {
-    path: PathBuf,
-    form: Form,
-}
-
-enum Form {
-    Csv(Box<csv::Writer<Output>>),
-    Lines(Output),
-}
-
-impl Sink {
-    fn create(path: &Path, grid: &Grid) -> Result<Self, Failure> {
-        let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-        let stdout = path.as_os_str() == "-";
-        let lines = match ending.as_deref() {
-            Some("jsonl" | "ndjson") => true,
-            Some("csv") => false,
-            _ if stdout => false,
-            _ => {
-                return Err(Failure::Input(format!(
-                    "--output {}: the file must end in .csv or .jsonl, or be - for CSV on \
-                     standard output",
-                    path.display()
-                )));
-            }
-        };
-        let out = Output::create(path)?;
-        let form = if lines {
-            Form::Lines(out)
-        } else {
-            Form::Csv(Box::new(csv::Writer::from_writer(out)))
-        };
-        let mut sink = Self { path: path.to_owned(), form };
-        let names = grid.axes().iter().map(|axis| axis.name);
-        let header =
-            names.chain(["model", "status", "message"]).chain(OUTPUTS.iter().map(|o| o.name));
-        if let Form::Csv(writer) = &mut sink.form {
-            let written = writer.write_record(header);
-            sink.check(written)?;
-        }
-        Ok(sink)
-    }
-
-    fn row(&mut self, grid: &Grid, point: &[f64], record: &Record) -> Result<(), Failure> {
-        let written = match &mut self.form {
-            Form::Csv(writer) => {
-                let words = [
-                    record.model().name().to_owned(),
-                    record.status_name().to_owned(),
-                    record.message().unwrap_or_default().to_owned(),
-                ];
-                let cells = point.iter().map(f64::to_string).chain(words);
-                writer.write_record(
-                    cells.chain(OUTPUTS.iter().map(|output| text(record.cell(output)))),
-                )
-            }
-            Form::Lines(out) => {
-                let mut line: Map<String, Value> = Map::new();
-                for (axis, value) in grid.axes().iter().zip(point) {
-                    line.insert(axis.name.to_owned(), json!(value));
-                }
-                line.extend(record.to_json());
-                writeln!(out, "{}", Value::Object(line)).map_err(csv::Error::from)
-            }
-        };
-        self.check(written)
-    }
-
-    fn check(&self, written: Result<(), csv::Error>) -> Result<(), Failure> {
-        written.map_err(|e| match e.into_kind() {
-            csv::ErrorKind::Io(e) => Output::failure(&self.path, &e),
-            other => Failure::Files(format!("cannot write CSV: {other:?}")),
-        })
-    }
-
-    fn complete(self) -> Result<(), Failure> {
-        match self.form {
-            Form::Csv(writer) => {
-                writer.into_inner().map_err(|e| Output::failure(&self.path, e.error()))?.complete()
-            }
-            Form::Lines(out) => out.complete(),
-        }
-    }
-}
-
-/// A value in a CSV cell; what is not there is empty.
-fn text(cell: Option<Cell>) -> String {
-    match cell {
-        None => String::new(),
-        Some(Cell::Number(x)) => json!(x).to_string(),
-        Some(Cell::Count(n)) => n.to_string(),
-        Some(Cell::Flag(b)) => b.to_string(),
-    }
 }
 
 /// Points of the plot: one curve per value of the second axis.
@@ -243,12 +114,17 @@ impl Curves {
         Ok(Self { output, x_name: x.name, lines })
     }
 
-    /// Adds grid point `i`, of which the second axis runs fastest; one without a result leaves a
-    /// gap.
-    fn add(&mut self, i: usize, x: f64, record: &Record) {
-        let line = i % self.lines.len();
-        let y = record.number(self.output.name).unwrap_or(f64::NAN);
-        self.lines[line].points.push((x, y));
+    /// Adds the points of a chunk, of which the second axis runs fastest; one without a result
+    /// leaves a gap.
+    fn add(&mut self, chunk: &Chunk, records: &[Record]) {
+        let count = self.lines.len();
+        for (row, record) in records.iter().enumerate() {
+            let Cell::Number(x) = chunk.inputs[0][row] else { continue };
+            // The first row of a chunk may belong to any line.
+            let first = usize::try_from(chunk.first - 1).unwrap_or(0) % count;
+            let y = record.number(self.output.name).unwrap_or(f64::NAN);
+            self.lines[(first + row) % count].points.push((x, y));
+        }
     }
 
     fn render(&self, title: Option<&str>, model: ModelChoice) -> String {

@@ -144,6 +144,138 @@ fn bad_input_is_told_in_one_paragraph() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
+/// Rows keep order and place, whatever is wrong with them, and say what it is; extra columns are
+/// carried through; the three forms of a table hold the same.
+#[test]
+fn batch_answers_row_by_row() {
+    let dir = folder();
+    let points = "id,axial_load_N,lead_angle_deg\n\
+                  a,2113,10\nb,abc,10\nc,-3,10\nd,,10\ne,NaN,10\nf,500,2\n";
+    let args = |output: &str| {
+        ["batch", "-", "--base", &lin(), "--model", "rigid", "--keep", "id", "-o", output]
+            .map(str::to_owned)
+            .to_vec()
+    };
+    let run = |args: &[String]| {
+        let args: Vec<_> = args.iter().map(String::as_str).collect();
+        bsm(dir.path(), &args, points)
+    };
+    let columns = ["--columns", "efficiency,self_locking,iterations"].map(str::to_owned);
+    let output = run(&[args("-"), columns.to_vec()].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    let rows: Vec<csv::StringRecord> = csv::Reader::from_reader(text.as_bytes())
+        .into_records()
+        .collect::<Result<_, _>>()
+        .expect("CSV");
+    let column = |i: usize| rows.iter().map(|row| row[i].to_owned()).collect::<Vec<_>>();
+    assert_eq!(column(0), ["a", "b", "c", "d", "e", "f"]);
+    let (good, bad) = ("converged", "invalid_input");
+    assert_eq!(column(4), [good, bad, bad, good, bad, "no_solution"]);
+    assert!(rows[1][5].contains("`axial_load_N` is `abc`, but must be a number"), "{text}");
+    assert!(rows[2][5].contains("`axial_load_N` = -3 must be finite and > 0"), "{text}");
+    assert!(rows[5][5].contains("critical lead angle"), "{text}");
+    // The empty cell takes the load of the base scene.
+    assert_eq!(rows[0][6], rows[3][6]);
+    assert!(stderr(&output).contains("4 of 6 rows have no result"), "{}", stderr(&output));
+    let strict = run(&[args("-"), vec!["--strict".to_owned()]].concat());
+    assert_eq!(strict.status.code(), Some(3));
+
+    // Through Parquet and back: what is text in a number is lost, the rest is the same.
+    assert_eq!(run(&args("first.parquet")).status.code(), Some(0));
+    let output = bsm(
+        dir.path(),
+        &[
+            "batch",
+            "first.parquet",
+            "--base",
+            &lin(),
+            "--keep",
+            "id,model,status,message",
+            "-o",
+            "x.csv",
+        ],
+        "",
+    );
+    assert_eq!(output.status.code(), Some(2), "an output is no input");
+    assert!(stderr(&output).contains("column `efficiency` is no input"), "{}", stderr(&output));
+    assert_eq!(run(&args("first.jsonl")).status.code(), Some(0));
+    let lines = fs::read_to_string(dir.path().join("first.jsonl")).expect("lines");
+    let line: Value = serde_json::from_str(lines.lines().next().expect("a line")).expect("JSON");
+    assert_eq!((line["id"].as_str(), line["status"].as_str()), (Some("a"), Some("converged")));
+    assert_eq!(line["efficiency"].to_string(), rows[0][6]);
+}
+
+/// Results do not depend on the number of threads, nor on where chunks end.
+#[test]
+fn batch_does_not_depend_on_threads() {
+    let dir = folder();
+    let drive = example("feed_drive.json").display().to_string();
+    let grid = ["--vary", "screw_speed_rpm=100:9000:100", "--vary", "axial_load_N=100:9000:60"];
+    let sweep = |output: &str, extra: &[&str]| {
+        let args =
+            [&["sweep", &drive, "-o", output, "--model", "raceway-control"][..], &grid, extra];
+        let output = bsm(dir.path(), &args.concat(), "");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    };
+    // A sweep writes its points, which a batch solves again with another number of threads.
+    sweep("all.csv", &["--columns", "efficiency,nut_spin_rad_s"]);
+    let text = fs::read_to_string(dir.path().join("all.csv")).expect("table");
+    let points: String = text
+        .lines()
+        .map(|line| line.splitn(3, ',').take(2).collect::<Vec<_>>().join(",") + "\n")
+        .collect();
+    fs::write(dir.path().join("points.csv"), points).expect("table");
+    for threads in ["1", "3"] {
+        let args = [
+            "batch",
+            "points.csv",
+            "--base",
+            &drive,
+            "--model",
+            "raceway-control",
+            "--columns",
+            "efficiency,nut_spin_rad_s",
+            "--threads",
+            threads,
+            "-o",
+            "again.csv",
+        ];
+        let output = bsm(dir.path(), &args, "");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let again = fs::read_to_string(dir.path().join("again.csv")).expect("table");
+        assert_eq!(again, text);
+    }
+    assert_eq!(text.lines().count(), 6001);
+}
+
+/// Malformed tables: one paragraph, exit code 2, nothing under the final name.
+#[test]
+fn malformed_tables_are_told() {
+    let dir = folder();
+    fs::write(dir.path().join("cut.parquet"), b"PAR1 and no more").expect("file");
+    let base = lin();
+    for (points, stdin, part) in [
+        ("-", "axial_load_N,screw_speed_rpm\n1,2\n3\n", "found record with 1 fields"),
+        ("-", "axial_lod_N\n1\n", "did you mean `axial_load_N`"),
+        ("-", "axial_load_N,axial_load_N\n1,2\n", "stands twice"),
+        ("-", "", "the first row must name the columns"),
+        ("cut.parquet", "", "not a Parquet table"),
+        ("points.xlsx", "", "must end in .csv, .jsonl or .parquet"),
+    ] {
+        let output = bsm(dir.path(), &["batch", points, "--base", &base, "-o", "out.csv"], stdin);
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(part) && text.trim_end().lines().count() == 1, "{text}");
+        assert!(!dir.path().join("out.csv").exists());
+    }
+    // What every row lacks is told once.
+    let output = bsm(dir.path(), &["batch", "-", "-o", "out.csv"], "axial_load_N\n1\n");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--base"), "{}", stderr(&output));
+    assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
+}
+
 /// Every model that the scene has inputs for, side by side; the others say what they lack.
 #[test]
 fn compare_shows_every_model() {
@@ -296,7 +428,10 @@ fn bad_sweeps_write_nothing() {
     for (args, part) in [
         (vec!["--vary", "lead_angle_deg=1:2", "-o", "x.csv"], "name=start:stop:count"),
         (vec!["--vary", "lead_angel_deg=1:2:3", "-o", "x.csv"], "did you mean `lead_angle_deg`?"),
-        (vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.xlsx"], "must end in .csv or .jsonl"),
+        (
+            vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.xlsx"],
+            "must end in .csv, .jsonl or .parquet",
+        ),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "--vary", "lead_angle_deg=4,5", "-o", "x.csv"],
             "varied twice",

@@ -1,0 +1,29 @@
+//! Many operating points: rows in, rows out, in the same order, on all cores.
+//!
+//! A [`Source`] gives rows in chunks, [`solve`] answers a chunk, a [`Sink`] writes it. Nothing
+//! here depends on the number of rows, so that memory stays flat whatever the size, nor on the
+//! number of threads, so that results do not either.
+
+mod error;
+mod parquet_table;
+mod rows;
+mod solve;
+mod source;
+mod text;
+
+pub use error::TableError;
+pub use parquet_table::{ParquetSink, ParquetSource};
+pub use rows::{Answers, Cell, Chunk, Columns};
+pub use solve::solve;
+pub use source::{GridSource, Source};
+pub use text::{CsvSink, CsvSource, JsonSink, JsonSource};
+
+/// Where answered rows go.
+pub trait Sink {
+    /// Writes the rows of a chunk with their answers.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`] if they cannot be written.
+    fn write(&mut self, chunk: &Chunk, answers: &Answers) -> Result<(), TableError>;
+}

@@ -1,0 +1,210 @@
+//! Tables as Parquet, units in the metadata of the columns.
+
+use std::collections::HashMap;
+use std::io::Write;
+use std::sync::Arc;
+
+use arrow_array::cast::AsArray;
+use arrow_array::types::Float64Type;
+use arrow_array::{ArrayRef, BooleanArray, Float64Array, RecordBatch, StringArray, UInt64Array};
+use arrow_cast::cast;
+use arrow_schema::{DataType, Field, Schema};
+use bsm_case::{Cell as Answer, INPUTS, Output};
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use parquet::basic::Compression;
+use parquet::file::properties::WriterProperties;
+use parquet::file::reader::ChunkReader;
+
+use crate::rows::{Answers, Cell, Chunk, Columns};
+use crate::{Sink, Source, TableError};
+
+/// Rows of a Parquet table.
+pub struct ParquetSource {
+    reader: ParquetRecordBatchReader,
+    columns: Columns,
+    len: u64,
+    row: u64,
+    /// What is left of the last batch that was read.
+    rest: Option<RecordBatch>,
+}
+
+impl ParquetSource {
+    /// Opens a table.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`] if it is not Parquet, or its columns are not inputs of numbers or in `keep`.
+    pub fn new(file: impl ChunkReader + 'static, keep: &[String]) -> Result<Self, TableError> {
+        let builder = ParquetRecordBatchReaderBuilder::try_new(file)?;
+        let fields = builder.schema().fields().clone();
+        let columns = Columns::sort(fields.iter().map(|f| f.name().as_str()), keep)?;
+        for (name, place) in columns.inputs.iter().zip(&columns.input_places) {
+            let found = fields[*place].data_type();
+            if !(found.is_numeric() || *found == DataType::Null) {
+                let (name, found) = ((*name).to_owned(), found.to_string());
+                return Err(TableError::NotNumbers { name, found });
+            }
+        }
+        let len = u64::try_from(builder.metadata().file_metadata().num_rows()).unwrap_or(0);
+        Ok(Self { reader: builder.build()?, columns, len, row: 0, rest: None })
+    }
+
+    /// The next batch of at most `rows` rows.
+    fn batch(&mut self, rows: usize) -> Result<Option<RecordBatch>, TableError> {
+        let batch = match self.rest.take() {
+            Some(batch) => batch,
+            None => match self.reader.next() {
+                Some(batch) => batch?,
+                None => return Ok(None),
+            },
+        };
+        if batch.num_rows() > rows {
+            self.rest = Some(batch.slice(rows, batch.num_rows() - rows));
+            return Ok(Some(batch.slice(0, rows)));
+        }
+        Ok(Some(batch))
+    }
+}
+
+impl Source for ParquetSource {
+    fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    fn len_hint(&self) -> Option<u64> {
+        Some(self.len)
+    }
+
+    fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
+        let mut chunk = Chunk::empty(self.row + 1, &self.columns, rows);
+        while chunk.len < rows {
+            let Some(batch) = self.batch(rows - chunk.len)? else { break };
+            for (cells, place) in chunk.inputs.iter_mut().zip(&self.columns.input_places) {
+                numbers(batch.column(*place), cells)?;
+            }
+            for (cells, place) in chunk.kept.iter_mut().zip(&self.columns.kept_places) {
+                words(batch.column(*place), cells)?;
+            }
+            chunk.len += batch.num_rows();
+        }
+        self.row += chunk.len as u64;
+        Ok(chunk.filled())
+    }
+}
+
+/// Appends a column of numbers; null is not given.
+fn numbers(column: &ArrayRef, cells: &mut Vec<Cell>) -> Result<(), TableError> {
+    let column = cast(column, &DataType::Float64)?;
+    let values = column.as_primitive::<Float64Type>();
+    cells.extend(values.iter().map(|x| x.map_or(Cell::Missing, Cell::Number)));
+    Ok(())
+}
+
+/// Appends a column as text; null is empty.
+fn words(column: &ArrayRef, cells: &mut Vec<String>) -> Result<(), TableError> {
+    let column = cast(column, &DataType::Utf8)?;
+    let texts = column.as_string::<i32>();
+    cells.extend(texts.iter().map(|text| text.unwrap_or_default().to_owned()));
+    Ok(())
+}
+
+/// Parquet with the columns of the source, then model, status, message and outputs.
+pub struct ParquetSink<W: Write + Send> {
+    writer: ArrowWriter<W>,
+    schema: Arc<Schema>,
+}
+
+impl<W: Write + Send> ParquetSink<W> {
+    /// Writes the schema.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`].
+    pub fn new(writer: W, columns: &Columns, outputs: &[&Output]) -> Result<Self, TableError> {
+        let unit = |unit: &str| HashMap::from([("unit".to_owned(), unit.to_owned())]);
+        let kept = columns.kept.iter().map(|name| Field::new(name, DataType::Utf8, true));
+        let inputs = columns.inputs.iter().map(|name| {
+            let known = INPUTS.iter().find(|input| input.name == *name).map_or("", |i| i.unit);
+            Field::new(*name, DataType::Float64, true).with_metadata(unit(known))
+        });
+        let words = ["model", "status", "message"]
+            .map(|name| Field::new(name, DataType::Utf8, name == "message"));
+        let answers = outputs.iter().map(|output| {
+            let kind = match output.json_type {
+                "integer" => DataType::UInt64,
+                "boolean" => DataType::Boolean,
+                _ => DataType::Float64,
+            };
+            Field::new(output.name, kind, true).with_metadata(unit(output.unit))
+        });
+        let fields: Vec<_> = kept.chain(inputs).chain(words).chain(answers).collect();
+        let schema = Arc::new(Schema::new(fields));
+        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+        let writer = ArrowWriter::try_new(writer, schema.clone(), Some(properties))?;
+        Ok(Self { writer, schema })
+    }
+
+    /// Writes what is left and the footer, and returns the writer.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`].
+    pub fn finish(self) -> Result<W, TableError> {
+        Ok(self.writer.into_inner()?)
+    }
+}
+
+impl<W: Write + Send> Sink for ParquetSink<W> {
+    fn write(&mut self, chunk: &Chunk, answers: &Answers<'_>) -> Result<(), TableError> {
+        let records = answers.records;
+        let mut arrays: Vec<ArrayRef> = Vec::with_capacity(self.schema.fields().len());
+        for cells in &chunk.kept {
+            arrays.push(Arc::new(StringArray::from_iter_values(cells)));
+        }
+        for cells in &chunk.inputs {
+            let values = cells.iter().map(|cell| match cell {
+                Cell::Number(value) => Some(*value),
+                Cell::Missing | Cell::Text(_) => None,
+            });
+            arrays.push(Arc::new(values.collect::<Float64Array>()));
+        }
+        let models = records.iter().map(|record| record.model().name());
+        arrays.push(Arc::new(StringArray::from_iter_values(models)));
+        let statuses = records.iter().map(bsm_case::Record::status_name);
+        arrays.push(Arc::new(StringArray::from_iter_values(statuses)));
+        let messages = records.iter().map(bsm_case::Record::message);
+        arrays.push(Arc::new(messages.collect::<StringArray>()));
+        for output in answers.outputs {
+            let cells = records.iter().map(|record| record.cell(output));
+            arrays.push(match output.json_type {
+                "integer" => Arc::new(
+                    cells
+                        .map(|cell| match cell {
+                            Some(Answer::Count(n)) => Some(n as u64),
+                            _ => None,
+                        })
+                        .collect::<UInt64Array>(),
+                ),
+                "boolean" => Arc::new(
+                    cells
+                        .map(|cell| match cell {
+                            Some(Answer::Flag(flag)) => Some(flag),
+                            _ => None,
+                        })
+                        .collect::<BooleanArray>(),
+                ),
+                _ => Arc::new(
+                    cells
+                        .map(|cell| match cell {
+                            Some(Answer::Number(value)) => Some(value),
+                            _ => None,
+                        })
+                        .collect::<Float64Array>(),
+                ),
+            });
+        }
+        self.writer.write(&RecordBatch::try_new(self.schema.clone(), arrays)?)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,65 @@
+//! Where rows come from.
+
+use bsm_case::Grid;
+
+use crate::TableError;
+use crate::rows::{Cell, Chunk, Columns};
+
+/// Rows in chunks, in order.
+pub trait Source {
+    /// The columns.
+    fn columns(&self) -> &Columns;
+
+    /// Number of rows, if it is known before they are read.
+    fn len_hint(&self) -> Option<u64> {
+        None
+    }
+
+    /// The next rows, at most `rows`; `None` at the end.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`] if the table cannot be read on.
+    fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError>;
+}
+
+/// The points of a grid, made when they are asked for.
+#[derive(Debug, Clone)]
+pub struct GridSource {
+    grid: Grid,
+    columns: Columns,
+    at: usize,
+}
+
+impl GridSource {
+    /// All points of `grid`, its last axis fastest.
+    pub fn new(grid: Grid) -> Self {
+        let inputs: Vec<_> = grid.axes().iter().map(|axis| axis.name).collect();
+        let columns =
+            Columns { input_places: (0..inputs.len()).collect(), inputs, ..Columns::default() };
+        Self { grid, columns, at: 0 }
+    }
+}
+
+impl Source for GridSource {
+    fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    fn len_hint(&self) -> Option<u64> {
+        Some(self.grid.len() as u64)
+    }
+
+    fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
+        let end = self.grid.len().min(self.at.saturating_add(rows));
+        let mut chunk = Chunk::empty(self.at as u64 + 1, &self.columns, end - self.at);
+        for i in self.at..end {
+            for (column, value) in chunk.inputs.iter_mut().zip(self.grid.point(i)) {
+                column.push(Cell::Number(value));
+            }
+        }
+        chunk.len = end - self.at;
+        self.at = end;
+        Ok(chunk.filled())
+    }
+}

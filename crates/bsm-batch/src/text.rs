@@ -1,0 +1,264 @@
+//! Tables as text: CSV and JSON Lines.
+
+use std::io::{BufRead, Read, Write};
+
+use bsm_case::{Cell as Answer, Output, Record};
+use serde_json::{Map, Value, json};
+
+use crate::rows::{Answers, Cell, Chunk, Columns};
+use crate::{Sink, Source, TableError};
+
+/// A value as it stands in a text cell.
+fn parse(text: &str) -> Cell {
+    let text = text.trim();
+    if text.is_empty() {
+        return Cell::Missing;
+    }
+    text.parse().map_or_else(|_| Cell::Text(text.to_owned()), Cell::Number)
+}
+
+/// Rows of a CSV table; the first row names the columns.
+pub struct CsvSource<R> {
+    reader: csv::Reader<R>,
+    columns: Columns,
+    row: u64,
+}
+
+impl<R: Read> CsvSource<R> {
+    /// Reads the names of the columns.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`] if they are not those of inputs or of `keep`.
+    pub fn new(reader: R, keep: &[String]) -> Result<Self, TableError> {
+        let mut reader = csv::ReaderBuilder::new().from_reader(reader);
+        let header = reader.headers()?.clone();
+        if header.is_empty() {
+            return Err(TableError::NoHeader);
+        }
+        // Some programs begin a file with a byte order mark.
+        let names = header.iter().map(|name| name.trim_start_matches('\u{feff}'));
+        let columns = Columns::sort(names, keep)?;
+        Ok(Self { reader, columns, row: 0 })
+    }
+}
+
+impl<R: Read> Source for CsvSource<R> {
+    fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
+        let mut chunk = Chunk::empty(self.row + 1, &self.columns, rows);
+        let mut record = csv::StringRecord::new();
+        while chunk.len < rows && self.reader.read_record(&mut record)? {
+            for (cells, place) in chunk.inputs.iter_mut().zip(&self.columns.input_places) {
+                cells.push(parse(&record[*place]));
+            }
+            for (cells, place) in chunk.kept.iter_mut().zip(&self.columns.kept_places) {
+                cells.push(record[*place].to_owned());
+            }
+            chunk.len += 1;
+        }
+        self.row += chunk.len as u64;
+        Ok(chunk.filled())
+    }
+}
+
+/// Rows of JSON Lines: one object a line; the first one names the columns, a later one may leave
+/// some out.
+pub struct JsonSource<R> {
+    lines: std::io::Lines<R>,
+    first: Option<Map<String, Value>>,
+    columns: Columns,
+    row: u64,
+}
+
+impl<R: BufRead> JsonSource<R> {
+    /// Reads the first line.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`] if it is no object, or has keys that are neither inputs nor in `keep`.
+    pub fn new(reader: R, keep: &[String]) -> Result<Self, TableError> {
+        let mut source =
+            Self { lines: reader.lines(), first: None, columns: Columns::default(), row: 0 };
+        let first = source.object()?.ok_or(TableError::NoHeader)?;
+        source.columns = Columns::sort(first.keys().map(String::as_str), keep)?;
+        source.first = Some(first);
+        source.row = 0;
+        Ok(source)
+    }
+
+    /// The next object; empty lines are skipped.
+    fn object(&mut self) -> Result<Option<Map<String, Value>>, TableError> {
+        if let Some(first) = self.first.take() {
+            self.row += 1;
+            return Ok(Some(first));
+        }
+        for line in self.lines.by_ref() {
+            let line = line?;
+            if line.trim().is_empty() {
+                continue;
+            }
+            self.row += 1;
+            return match serde_json::from_str(&line) {
+                Ok(Value::Object(map)) => Ok(Some(map)),
+                Ok(_) => Err(TableError::Json { row: self.row, reason: "another value".into() }),
+                Err(e) => Err(TableError::Json { row: self.row, reason: e.to_string() }),
+            };
+        }
+        Ok(None)
+    }
+}
+
+impl<R: BufRead> Source for JsonSource<R> {
+    fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
+        let mut chunk = Chunk::empty(self.row + 1, &self.columns, rows);
+        while chunk.len < rows {
+            let Some(mut object) = self.object()? else { break };
+            for (cells, name) in chunk.inputs.iter_mut().zip(&self.columns.inputs) {
+                cells.push(match object.remove(*name) {
+                    None | Some(Value::Null) => Cell::Missing,
+                    Some(Value::Number(n)) => n.as_f64().map_or(Cell::Missing, Cell::Number),
+                    Some(other) => Cell::Text(other.to_string()),
+                });
+            }
+            for (cells, name) in chunk.kept.iter_mut().zip(&self.columns.kept) {
+                cells.push(match object.remove(name) {
+                    None | Some(Value::Null) => String::new(),
+                    Some(Value::String(text)) => text,
+                    Some(other) => other.to_string(),
+                });
+            }
+            if let Some(name) = object.keys().next() {
+                // A key that the first row does not have.
+                let reason = format!("`{name}` is not in the first row");
+                return Err(TableError::Json { row: self.row, reason });
+            }
+            chunk.len += 1;
+        }
+        Ok(chunk.filled())
+    }
+}
+
+/// CSV with the columns of the source, then model, status, message and outputs.
+pub struct CsvSink<W: Write> {
+    writer: csv::Writer<W>,
+}
+
+impl<W: Write> CsvSink<W> {
+    /// Writes the names of the columns.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError::Io`].
+    pub fn new(writer: W, columns: &Columns, outputs: &[&Output]) -> Result<Self, TableError> {
+        let mut writer = csv::Writer::from_writer(writer);
+        let kept = columns.kept.iter().map(String::as_str);
+        let names = kept.chain(columns.inputs.iter().copied());
+        let words = ["model", "status", "message"];
+        writer.write_record(names.chain(words).chain(outputs.iter().map(|o| o.name)))?;
+        Ok(Self { writer })
+    }
+
+    /// The writer, all rows written.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError::Io`].
+    pub fn finish(self) -> Result<W, TableError> {
+        self.writer.into_inner().map_err(|e| TableError::Io(e.into_error()))
+    }
+}
+
+impl<W: Write> Sink for CsvSink<W> {
+    fn write(&mut self, chunk: &Chunk, answers: &Answers<'_>) -> Result<(), TableError> {
+        for (row, record) in answers.records.iter().enumerate() {
+            for cells in &chunk.kept {
+                self.writer.write_field(&cells[row])?;
+            }
+            for cells in &chunk.inputs {
+                match &cells[row] {
+                    Cell::Missing => self.writer.write_field("")?,
+                    Cell::Number(value) => self.writer.write_field(value.to_string())?,
+                    Cell::Text(text) => self.writer.write_field(text)?,
+                }
+            }
+            self.writer.write_field(record.model().name())?;
+            self.writer.write_field(record.status_name())?;
+            self.writer.write_field(record.message().unwrap_or_default())?;
+            for output in answers.outputs {
+                self.writer.write_field(text(record.cell(output)))?;
+            }
+            self.writer.write_record(None::<&[u8]>)?;
+        }
+        Ok(())
+    }
+}
+
+/// A value in a CSV cell; what is not there is empty.
+fn text(cell: Option<Answer>) -> String {
+    match cell {
+        None => String::new(),
+        Some(Answer::Number(x)) => json!(x).to_string(),
+        Some(Answer::Count(n)) => n.to_string(),
+        Some(Answer::Flag(b)) => b.to_string(),
+    }
+}
+
+/// One JSON object a line, with the names of the vocabulary.
+pub struct JsonSink<W> {
+    writer: W,
+    columns: Columns,
+}
+
+impl<W: Write> JsonSink<W> {
+    /// Rows of these columns.
+    pub fn new(writer: W, columns: Columns) -> Self {
+        Self { writer, columns }
+    }
+
+    /// The writer.
+    pub fn finish(self) -> W {
+        self.writer
+    }
+}
+
+impl<W: Write> Sink for JsonSink<W> {
+    fn write(&mut self, chunk: &Chunk, answers: &Answers<'_>) -> Result<(), TableError> {
+        for (row, record) in answers.records.iter().enumerate() {
+            let mut line = Map::new();
+            for (name, cells) in self.columns.kept.iter().zip(&chunk.kept) {
+                line.insert(name.clone(), json!(cells[row]));
+            }
+            for (name, cells) in self.columns.inputs.iter().zip(&chunk.inputs) {
+                line.insert(
+                    (*name).to_owned(),
+                    match &cells[row] {
+                        Cell::Missing => Value::Null,
+                        Cell::Number(value) => json!(value),
+                        Cell::Text(text) => json!(text),
+                    },
+                );
+            }
+            line.extend(selected(record, answers.outputs));
+            writeln!(self.writer, "{}", Value::Object(line))?;
+        }
+        Ok(())
+    }
+}
+
+/// The words of a record and its selected outputs.
+fn selected(record: &Record, outputs: &[&'static Output]) -> Map<String, Value> {
+    let mut all = record.to_json();
+    let wanted = |name: &str| {
+        Output::named(name).is_none() || outputs.iter().any(|output| output.name == name)
+    };
+    all.retain(|name, _| wanted(name));
+    all
+}

@@ -1,0 +1,79 @@
+//! `bsm batch`: one row in, one row out.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::path::Path;
+
+use bsm_batch::{Answers, CsvSource, JsonSource, ParquetSource, Source, TableError};
+use bsm_case::Scene;
+
+use crate::args::BatchArgs;
+use crate::failure::{Failure, warn};
+use crate::files::{self, read_scene};
+use crate::stream::{Kind, Task};
+
+pub(crate) fn run(args: &BatchArgs) -> Result<(), Failure> {
+    let mut base = Scene::default();
+    if let Some(path) = &args.base {
+        base = read_scene(path, &[])?;
+    }
+    files::apply(&mut base, &args.settings)?;
+    let settings = args.model.settings().map_err(|e| Failure::Input(e.to_string()))?;
+    let outputs = Answers::select(args.columns.as_deref())
+        .map_err(|e| Failure::Input(format!("--columns: {e}")))?;
+    if let Some(threads) = args.threads {
+        // The first and only time that the pool is built.
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.get())
+            .build_global()
+            .map_err(|e| Failure::Files(format!("cannot start {threads} threads: {e}")))?;
+    }
+    let mut source = open(&args.points, &args.keep)?;
+    // Without its inputs no row can be solved: that is told once, not on every row.
+    let mut asked = base.clone();
+    for name in &source.columns().inputs {
+        // Any number stands for the column; rules are checked row by row.
+        asked.set(name, 1.0).map_err(|e| Failure::Input(e.to_string()))?;
+    }
+    if !asked.missing(settings.least_model()).is_empty() {
+        let error = asked.choose(settings.model).err().map_or_else(String::new, |e| e.to_string());
+        return Err(Failure::Input(format!(
+            "{}: {error}; add columns, a --base scene or --set",
+            args.points.display()
+        )));
+    }
+    let task = Task { base: &base, settings: &settings, outputs: &outputs, quiet: args.quiet };
+    let count = task.run(source.as_mut(), &args.output, |_, _| {}).map_err(|e| match e {
+        Failure::Table(text) => Failure::Input(format!("{}: {text}", args.points.display())),
+        other => other,
+    })?;
+    if count.failed > 0 {
+        let text = format!("{} of {} rows have no result; they say why", count.failed, count.rows);
+        warn("note", &text);
+        if args.strict {
+            return Err(Failure::Unsolved);
+        }
+    }
+    Ok(())
+}
+
+/// Opens a table by the ending of its name; `-` is CSV on standard input.
+fn open(path: &Path, keep: &[String]) -> Result<Box<dyn Source>, Failure> {
+    let kind = Kind::of(path, "POINTS")?;
+    let failed = |e: TableError| match e {
+        TableError::Io(e) => Failure::files("read", path, &e),
+        other => Failure::Input(format!("{}: {other}", path.display())),
+    };
+    let file = || File::open(path).map_err(|e| Failure::files("read", path, &e));
+    Ok(match kind {
+        Kind::Parquet => Box::new(ParquetSource::new(file()?, keep).map_err(failed)?),
+        Kind::JsonLines => {
+            Box::new(JsonSource::new(BufReader::new(file()?), keep).map_err(failed)?)
+        }
+        Kind::Csv => {
+            let reader: Box<dyn Read> =
+                if path.as_os_str() == "-" { Box::new(io::stdin()) } else { Box::new(file()?) };
+            Box::new(CsvSource::new(reader, keep).map_err(failed)?)
+        }
+    })
+}
