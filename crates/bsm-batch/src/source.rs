@@ -21,6 +21,24 @@ pub trait Source {
     ///
     /// [`TableError`] if the table cannot be read on.
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError>;
+
+    /// Passes over rows, fewer if the table ends before.
+    ///
+    /// # Errors
+    ///
+    /// As [`next`](Self::next).
+    fn skip(&mut self, rows: u64) -> Result<(), TableError> {
+        const AT_ONCE: u64 = 65_536;
+        let mut left = rows;
+        while left > 0 {
+            let count = usize::try_from(left.min(AT_ONCE)).unwrap_or(1);
+            match self.next(count)? {
+                Some(chunk) => left -= chunk.len as u64,
+                None => break,
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The points of a grid, made when they are asked for.
@@ -61,5 +79,11 @@ impl Source for GridSource {
         chunk.len = end - self.at;
         self.at = end;
         Ok(chunk.filled())
+    }
+
+    fn skip(&mut self, rows: u64) -> Result<(), TableError> {
+        let rows = usize::try_from(rows).unwrap_or(usize::MAX);
+        self.at = self.grid.len().min(self.at.saturating_add(rows));
+        Ok(())
     }
 }

@@ -147,9 +147,13 @@ pub(crate) struct SweepArgs {
     /// for a full grid, the last one running fastest.
     #[arg(long, value_name = "NAME=VALUES", required = true, allow_hyphen_values = true)]
     pub(crate) vary: Vec<String>,
-    /// Table to write: .csv, .jsonl or .parquet; `-` is CSV on standard output.
+    /// Table to write: .csv, .jsonl or .parquet; `-` is CSV on standard output; FOLDER/ gets
+    /// Parquet files of a million rows.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
+    /// Go on in a folder where an earlier run of the same task was stopped.
+    #[arg(long)]
+    pub(crate) resume: bool,
     /// Outputs to write, in this order; all unless given.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) columns: Option<Vec<String>>,
@@ -182,9 +186,13 @@ pub(crate) struct BatchArgs {
     pub(crate) settings: Vec<String>,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
-    /// Table to write: .csv, .jsonl or .parquet; `-` is CSV on standard output.
+    /// Table to write: .csv, .jsonl or .parquet; `-` is CSV on standard output; FOLDER/ gets
+    /// Parquet files of a million rows.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
+    /// Go on in a folder where an earlier run of the same task was stopped.
+    #[arg(long)]
+    pub(crate) resume: bool,
     /// Outputs to write, in this order; all unless given.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) columns: Option<Vec<String>>,

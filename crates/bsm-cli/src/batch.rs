@@ -10,7 +10,7 @@ use bsm_case::Scene;
 use crate::args::BatchArgs;
 use crate::failure::{Failure, warn};
 use crate::files::{self, read_scene};
-use crate::stream::{Kind, Task};
+use crate::stream::{Kind, Target, Task};
 
 pub(crate) fn run(args: &BatchArgs) -> Result<(), Failure> {
     let mut base = Scene::default();
@@ -43,7 +43,8 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), Failure> {
         )));
     }
     let task = Task { base: &base, settings: &settings, outputs: &outputs, quiet: args.quiet };
-    let count = task.run(source.as_mut(), &args.output, |_, _| {}).map_err(|e| match e {
+    let target = Target::of(&args.output, args.resume, || origin(&args.points))?;
+    let count = task.run(source.as_mut(), &target, |_, _| {}).map_err(|e| match e {
         Failure::Table(text) => Failure::Input(format!("{}: {text}", args.points.display())),
         other => other,
     })?;
@@ -55,6 +56,28 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// Name and checksum of a table, which tell whether it has changed.
+fn origin(path: &Path) -> Result<String, Failure> {
+    if path.as_os_str() == "-" {
+        let text = "a folder needs points from a file: standard input cannot be read again";
+        return Err(Failure::Input(text.to_owned()));
+    }
+    let failed = |e: io::Error| Failure::files("read", path, &e);
+    let mut file = BufReader::new(File::open(path).map_err(failed)?);
+    let mut sum = crc32fast::Hasher::new();
+    let mut buffer = vec![0; 1 << 16];
+    let mut length = 0_u64;
+    loop {
+        let read = file.read(&mut buffer).map_err(failed)?;
+        if read == 0 {
+            break;
+        }
+        sum.update(&buffer[..read]);
+        length += read as u64;
+    }
+    Ok(format!("{} bytes, CRC-32 {:08x}", length, sum.finalize()))
 }
 
 /// Opens a table by the ending of its name; `-` is CSV on standard input.

@@ -21,9 +21,9 @@ pub(crate) enum Failure {
     /// A table of points that cannot be read on.
     #[error("{0}")]
     Table(String),
-    /// The user has interrupted the work; nothing is left under the final name.
-    #[error("interrupted after {0} rows; nothing was written")]
-    Interrupted(u64),
+    /// The user has interrupted the work; nothing unfinished is left under a final name.
+    #[error("interrupted; nothing unfinished was kept (a folder goes on with --resume)")]
+    Interrupted,
     /// The reader of standard output has gone: nothing is left to do.
     #[error("closed pipe")]
     ClosedPipe,
@@ -60,7 +60,7 @@ impl Failure {
             Self::Unsolved => return ExitCode::from(3),
             Self::Files(_) => 1,
             Self::Input(_) | Self::Table(_) => 2,
-            Self::Interrupted(_) => 130,
+            Self::Interrupted => 130,
         };
         warn("error", &self.to_string());
         ExitCode::from(code)

@@ -9,6 +9,9 @@ use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
 
+/// Beginning of the names of unfinished files.
+pub(crate) const TEMPORARY: &str = ".bsm-";
+
 /// Prints to standard output.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     write(Path::new("-"), &format!("{}\n", text.trim_end()))
@@ -69,7 +72,7 @@ impl Output {
             _ => Path::new("."),
         };
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".bsm-");
+        builder.prefix(TEMPORARY);
         // Temporary files are private; a result gets what the user's mask leaves of 0666.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));

@@ -1,16 +1,18 @@
 //! From a source of rows to a table: chunks solved on all cores, progress, clean interruption.
 
+use std::fs;
 use std::io::{self, IsTerminal};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use bsm_batch::{Answers, Chunk, CsvSink, JsonSink, ParquetSink, Sink, Source, TableError, solve};
 use bsm_case::{Output as Column, Record, Scene, Settings};
 use bsm_dyn::Status;
 use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
 
 use crate::failure::Failure;
-use crate::files::Output;
+use crate::files::{self, Output};
 
 /// Rows that are in memory at a time.
 const ROWS: usize = 4096;
@@ -31,14 +33,17 @@ pub(crate) struct Task<'a> {
 pub(crate) struct Count {
     pub(crate) rows: u64,
     pub(crate) failed: u64,
+    /// Parts that were there already.
+    pub(crate) skipped: u64,
 }
 
 impl Task<'_> {
-    /// Solves all rows of `source` into the table at `path`; `each` sees every chunk on its way.
+    /// Solves all rows of `source` into a table, or into a folder of tables; `each` sees every
+    /// chunk that is solved.
     pub(crate) fn run(
         &self,
         source: &mut dyn Source,
-        path: &Path,
+        target: &Target<'_>,
         mut each: impl FnMut(&Chunk, &[Record]),
     ) -> Result<Count, Failure> {
         // A second interrupt ends the program at once. Where handlers exist already, the default
@@ -48,32 +53,193 @@ impl Task<'_> {
                 std::process::exit(130);
             }
         });
-        let table = |error: TableError| match error {
-            TableError::Io(e) => Output::failure(path, &e),
-            other => Failure::Files(format!("cannot write {}: {other}", path.display())),
-        };
         let base = Scene { description: None, ..self.base.clone() };
-        let mut sink = TableFile::create(path, source, self.outputs)?;
         let bar = progress(source.len_hint(), self.quiet);
         let mut count = Count::default();
-        while let Some(chunk) = source.next(ROWS).map_err(|e| Failure::Table(e.to_string()))? {
-            let records = solve(&chunk, source.columns(), &base, self.settings);
-            let answers = Answers { records: &records, outputs: self.outputs };
-            sink.sink().write(&chunk, &answers).map_err(table)?;
-            each(&chunk, &records);
-            count.rows += records.len() as u64;
-            let failed = records.iter().filter(|r| r.status() != Status::Converged).count();
-            count.failed += failed as u64;
-            bar.set_position(count.rows);
-            if INTERRUPTED.load(Ordering::Relaxed) {
-                bar.finish_and_clear();
-                return Err(Failure::Interrupted(count.rows));
+        let parts = target.parts(source, self)?;
+        let mut done = Ok(true);
+        for part in 0_u64.. {
+            let path = target.file(part);
+            if parts && path.exists() {
+                unreadable(source.skip(PART))?;
+                count.skipped += 1;
+                bar.inc(PART);
+                continue;
+            }
+            let limit = if parts { PART } else { u64::MAX };
+            done = self.table(source, &path, limit, &base, &mut |chunk, records| {
+                count.rows += records.len() as u64;
+                let failed = records.iter().filter(|r| r.status() != Status::Converged).count();
+                count.failed += failed as u64;
+                bar.inc(records.len() as u64);
+                each(chunk, records);
+            });
+            if !parts || !matches!(done, Ok(true)) {
+                break;
             }
         }
         bar.finish_and_clear();
-        sink.finish().map_err(table)?.complete()?;
-        Ok(count)
+        done.map(|_| count)
     }
+
+    /// Writes one table of at most `limit` rows; false if the source ended before its first row.
+    fn table(
+        &self,
+        source: &mut dyn Source,
+        path: &Path,
+        limit: u64,
+        base: &Scene,
+        each: &mut dyn FnMut(&Chunk, &[Record]),
+    ) -> Result<bool, Failure> {
+        let unwritable = |error: TableError| match error {
+            TableError::Io(e) => Output::failure(path, &e),
+            other => Failure::Files(format!("cannot write {}: {other}", path.display())),
+        };
+        let mut first = unreadable(source.next(ROWS))?;
+        if first.is_none() && limit < u64::MAX {
+            return Ok(false);
+        }
+        let mut sink = TableFile::create(path, source, self.outputs)?;
+        let mut rows = 0;
+        loop {
+            let left = usize::try_from(limit - rows).unwrap_or(ROWS).min(ROWS);
+            let chunk = match first.take() {
+                Some(chunk) => Some(chunk),
+                None if left > 0 => unreadable(source.next(left))?,
+                None => None,
+            };
+            let Some(chunk) = chunk else { break };
+            let records = solve(&chunk, source.columns(), base, self.settings);
+            let answers = Answers { records: &records, outputs: self.outputs };
+            sink.sink().write(&chunk, &answers).map_err(unwritable)?;
+            each(&chunk, &records);
+            rows += records.len() as u64;
+            if INTERRUPTED.load(Ordering::Relaxed) {
+                return Err(Failure::Interrupted);
+            }
+        }
+        sink.finish().map_err(unwritable)?.complete()?;
+        Ok(true)
+    }
+}
+
+/// A table of points that cannot be read on.
+fn unreadable<T>(read: Result<T, TableError>) -> Result<T, Failure> {
+    read.map_err(|error| Failure::Table(error.to_string()))
+}
+
+/// Where a table goes.
+pub(crate) enum Target<'a> {
+    /// One file, or standard output.
+    File(&'a Path),
+    /// A folder of Parquet files of [`PART`] rows.
+    Folder {
+        path: &'a Path,
+        /// What the rows are made from, in words that change if it does.
+        origin: String,
+        /// Keep the parts that are there.
+        resume: bool,
+    },
+}
+
+/// Rows of a part.
+const PART: u64 = 1 << 20;
+
+/// Name of the file in a folder that says what its parts are.
+const MANIFEST: &str = "parts.json";
+
+impl<'a> Target<'a> {
+    /// A folder if the path ends like one, else a file.
+    ///
+    /// `origin` is asked for folders only.
+    pub(crate) fn of(
+        path: &'a Path,
+        resume: bool,
+        origin: impl FnOnce() -> Result<String, Failure>,
+    ) -> Result<Self, Failure> {
+        let ends_like_one = path.as_os_str().to_string_lossy().ends_with(['/', '\\']);
+        if ends_like_one || path.is_dir() {
+            return Ok(Self::Folder { path, origin: origin()?, resume });
+        }
+        if resume {
+            return Err(Failure::Input(format!(
+                "--resume works on folders, such as --output {}/",
+                path.with_extension("").display()
+            )));
+        }
+        Ok(Self::File(path))
+    }
+
+    fn file(&self, part: u64) -> PathBuf {
+        match self {
+            Self::File(path) => path.to_path_buf(),
+            Self::Folder { path, .. } => path.join(format!("part-{part:06}.parquet")),
+        }
+    }
+
+    /// Makes the folder ready, and checks that the parts in it are of the same task; false for a
+    /// file.
+    fn parts(&self, source: &dyn Source, task: &Task<'_>) -> Result<bool, Failure> {
+        let Self::Folder { path, origin, resume } = self else { return Ok(false) };
+        let columns = source.columns();
+        let manifest = format!(
+            "{:#}\n",
+            json!({
+                "program": concat!("bsm ", env!("CARGO_PKG_VERSION")),
+                "rows_of_a_part": PART,
+                "origin": origin,
+                "columns": columns.kept.iter().map(String::as_str)
+                    .chain(columns.inputs.iter().copied()).collect::<Vec<_>>(),
+                "base": format!("{:?}", task.base),
+                "settings": format!("{:?}", task.settings),
+                "outputs": task.outputs.iter().map(|o| o.name).collect::<Vec<_>>(),
+            })
+        );
+        fs::create_dir_all(path).map_err(|e| Failure::files("make folder", path, &e))?;
+        let file = path.join(MANIFEST);
+        match fs::read_to_string(&file) {
+            Ok(found) if !resume => Err(Failure::Input(format!(
+                "{} holds the parts of {} task; go on with --resume, or take another folder",
+                path.display(),
+                if found == manifest { "this" } else { "another" }
+            ))),
+            Ok(found) if found != manifest => Err(Failure::Input(format!(
+                "--resume: {} holds the parts of another task (see {}): input, base scene, \
+                 settings and columns must be the same",
+                path.display(),
+                file.display()
+            ))),
+            Ok(_) => {
+                remove_unfinished(path)?;
+                Ok(true)
+            }
+            Err(e) if e.kind() == io::ErrorKind::NotFound => {
+                let mut entries =
+                    fs::read_dir(path).map_err(|e| Failure::files("read folder", path, &e))?;
+                if entries.next().is_some() {
+                    return Err(Failure::Input(format!(
+                        "{} is a folder with something else in it",
+                        path.display()
+                    )));
+                }
+                files::write(&file, &manifest)?;
+                Ok(true)
+            }
+            Err(e) => Err(Failure::files("read", &file, &e)),
+        }
+    }
+}
+
+/// Removes what a killed run has left behind.
+fn remove_unfinished(folder: &Path) -> Result<(), Failure> {
+    let entries = fs::read_dir(folder).map_err(|e| Failure::files("read folder", folder, &e))?;
+    for entry in entries.flatten() {
+        if entry.file_name().to_string_lossy().starts_with(files::TEMPORARY) {
+            fs::remove_file(entry.path())
+                .map_err(|e| Failure::files("remove", &entry.path(), &e))?;
+        }
+    }
+    Ok(())
 }
 
 /// A table that is being written, by the ending of its name.

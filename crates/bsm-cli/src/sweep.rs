@@ -10,7 +10,7 @@ use crate::args::SweepArgs;
 use crate::failure::{Failure, warn};
 use crate::files::{Output, read_scene};
 use crate::plot::{self, Curve, Frame, Stroke};
-use crate::stream::Task;
+use crate::stream::{Target, Task};
 
 pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let base = read_scene(&args.scene.scene, &args.scene.settings)?;
@@ -45,7 +45,12 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
         .map_err(|e| Failure::Input(format!("--columns: {e}")))?;
     let task = Task { base: &base, settings: &settings, outputs: &outputs, quiet: args.quiet };
     let mut source = GridSource::new(grid);
-    let count = task.run(&mut source, &args.output, |chunk, records| {
+    if plot.is_some() && args.resume {
+        let text = "--plot needs all points; it does not go with --resume";
+        return Err(Failure::Input(text.to_owned()));
+    }
+    let target = Target::of(&args.output, args.resume, || Ok(args.vary.join(" ")))?;
+    let count = task.run(&mut source, &target, |chunk, records| {
         if let Some((curves, ..)) = &mut plot {
             curves.add(chunk, records);
         }

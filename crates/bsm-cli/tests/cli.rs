@@ -249,6 +249,64 @@ fn batch_does_not_depend_on_threads() {
     assert_eq!(text.lines().count(), 6001);
 }
 
+/// A folder of parts that was killed in the middle goes on where it stopped, and ends with the
+/// bytes of an uninterrupted run; another task does not touch it.
+#[test]
+fn a_killed_run_is_resumed() {
+    let dir = folder();
+    let lin = lin();
+    let args = |out: &str, extra: &[&str]| {
+        let sweep = ["sweep", &lin, "--model", "closed-form", "--columns", "efficiency"];
+        let vary = ["--vary", "lead_angle_deg=2:45:1500", "--vary", "contact_angle_deg=20:70:1500"];
+        [&sweep[..], &vary, &["-o", out], extra].concat().iter().map(|a| (*a).to_owned()).collect()
+    };
+    let run = |args: Vec<String>| {
+        let args: Vec<_> = args.iter().map(String::as_str).collect();
+        bsm(dir.path(), &args, "")
+    };
+    assert_eq!(run(args("whole/", &[])).status.code(), Some(0));
+    let mut child = Command::new(env!("CARGO_BIN_EXE_bsm"))
+        .args(args("parts/", &[]) as Vec<String>)
+        .current_dir(dir.path())
+        .spawn()
+        .expect("the program starts");
+    let first = dir.path().join("parts/part-000000.parquet");
+    while !first.exists() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    child.kill().expect("running");
+    let _ = child.wait();
+    let before = fs::metadata(&first).expect("a part").modified().expect("time");
+
+    let output = run(args("parts/", &[]));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("go on with --resume"), "{}", stderr(&output));
+    let output = run(args("parts/", &["--resume", "--set", "friction_coefficient=0.1"]));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("another task"), "{}", stderr(&output));
+    let output = run(args("parts/", &["--resume"]));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(fs::metadata(&first).expect("a part").modified().expect("time"), before);
+
+    let names = |folder: &str| {
+        let mut names: Vec<_> = fs::read_dir(dir.path().join(folder))
+            .expect("folder")
+            .map(|entry| entry.expect("entry").file_name())
+            .collect();
+        names.sort();
+        names
+    };
+    // 2 250 000 rows: three parts and what they are.
+    assert_eq!(names("whole").len(), 4);
+    assert_eq!(names("whole"), names("parts"));
+    for name in names("whole") {
+        let bytes = |folder| fs::read(dir.path().join(folder).join(&name)).expect("a part");
+        assert!(bytes("whole") == bytes("parts"), "{name:?}");
+    }
+    let output = run(args("x.csv", &["--resume"]));
+    assert_eq!(output.status.code(), Some(2));
+}
+
 /// Malformed tables: one paragraph, exit code 2, nothing under the final name.
 #[test]
 fn malformed_tables_are_told() {
