@@ -67,6 +67,8 @@ pub struct Settings {
     pub tolerance: f64,
     /// Order of the quadrature over the contact ellipses in model traction.
     pub quadrature: NonZeroUsize,
+    /// Creep speed over `$r_b|W|$` in model traction, positive: it makes friction smooth.
+    pub creep: f64,
     /// The controlling race in model raceway-control; `None` decides by the spin moments.
     pub control: Option<Control>,
 }
@@ -77,6 +79,7 @@ impl Default for Settings {
             model: ModelChoice::Auto,
             tolerance: 1e-2,
             quadrature: Traction::ORDER,
+            creep: Traction::CREEP,
             control: None,
         }
     }
@@ -224,7 +227,7 @@ impl Scene {
             Model::Traction => Problem::Traction(Traction {
                 screw: self.elastic_screw(),
                 order: settings.quadrature,
-                creep: Traction::CREEP,
+                creep: settings.creep,
             }),
         })
     }

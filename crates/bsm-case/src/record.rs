@@ -35,7 +35,7 @@ impl Record {
             model: Model::ClosedForm,
             status: Status::InvalidInput,
             reason: None,
-            basis: None,
+            choice: None,
             outputs: Outputs::default(),
         };
         Self { model, solution, message: Some(error.to_string()) }
@@ -89,9 +89,11 @@ impl Record {
         }
         let onset = self.solution.outputs.onset_number;
         Some(match (self.solution.model, onset) {
-            (Model::ClosedForm, _) => "gross skid, inertia small against the load",
-            (Model::QuasiStatic, _) => "slip across the groove only, no inertia",
-            (Model::Rigid | Model::Elastic, _) => "gross skid, friction saturated at every contact",
+            (Model::ClosedForm, _) => "gross skid and little inertia, by assumption",
+            (Model::QuasiStatic, _) => "slip across the groove only, by assumption",
+            (Model::Rigid | Model::Elastic, _) => {
+                "gross skid: friction saturated at every contact, by assumption"
+            }
             (_, Some(s)) if s < GRIPS_BELOW => "rolling, the balls grip",
             (Model::RacewayControl, _) => "skidding: raceway control does not hold",
             (_, Some(s)) if s < SKIDS_ABOVE => "partial skid, between rolling and sliding",
@@ -102,15 +104,15 @@ impl Record {
     /// Why this model was chosen, if it was chosen by the bound of its error.
     pub fn choice(&self) -> Option<String> {
         let bound = self.solution.outputs.error_bound?;
-        let why = match self.solution.basis? {
+        let why = match self.solution.choice?.basis {
             Basis::NoWorseThanSliding => {
-                "even the way from sliding to frictionless balls is no longer".to_owned()
+                "even the whole loss of sliding balls is no more".to_owned()
             }
             Basis::Grips { onset_number } => {
-                format!("rolling balls, skid onset number {onset_number:.2e} (skids from 0.3 on)")
+                format!("the balls grip, skid onset number {onset_number:.2e}")
             }
             Basis::Skids { onset_number } => {
-                format!("sliding balls, skid onset number {onset_number:.1} (grips below 0.1)")
+                format!("the balls slide, skid onset number {onset_number:.1}")
             }
             Basis::Integrated { order } => format!(
                 "no cheaper model is that exact here; friction integrated with order {order}"
@@ -125,14 +127,15 @@ impl Record {
         let o = &self.solution.outputs;
         let mut warnings = Vec::new();
         if let (Some(spin), Model::Rigid | Model::Elastic, None) =
-            (o.nut_spin, self.solution.model, self.solution.basis)
+            (o.nut_spin, self.solution.model, self.solution.choice)
         {
             let minor = o.minor_slip_velocity.map_or_else(String::new, |slip| {
                 format!(", slip {slip:.0} m/s at the minor contact")
             });
             warnings.push(format!(
                 "ball spin {:.2e} rad/s{minor}: saturated friction is the gross-skid limit; a \
-                 loaded ball that grips rolls, with less loss (model traction tells)",
+                 loaded ball that grips rolls, with less loss; model traction tells, it needs \
+                 nut_conformity and screw_conformity",
                 spin.abs()
             ));
         }
@@ -142,6 +145,14 @@ impl Record {
             warnings.push(format!(
                 "skid onset number {onset:.2}: above {GRIPS_BELOW} the balls begin to skid, which \
                  raceway control excludes; use model traction"
+            ));
+        }
+        if let (Some(bound), Some(choice)) = (o.error_bound, self.solution.choice)
+            && bound > choice.tolerance
+        {
+            warnings.push(format!(
+                "tolerance {:.1e} is not met: the best model here has an error of up to {bound:.1e}",
+                choice.tolerance
             ));
         }
         let pressure = o.nut_max_pressure.unwrap_or(0.0).max(o.screw_max_pressure.unwrap_or(0.0));
@@ -221,13 +232,24 @@ fn message(reason: &Reason) -> String {
             "only the spurious root at infinity is left, with speeds of {speed_ratio:.1e} times \
              the relative speed"
         ),
+        Reason::BallLeavesFlank { nut, screw } => format!(
+            "the ball leaves its flanks: contact angles of {:.2} deg (nut) and {:.2} deg (screw), \
+             beyond 0 to 90 deg, where other flanks would carry. Raise axial_load_N or lower the \
+             speed",
+            nut / DEG,
+            screw / DEG
+        ),
+        Reason::SlipAlongFriction { slip } => format!(
+            "only a root was found whose slip at the nut, {slip:.3e} r_b |W|, points along \
+             friction; balls with saturated friction cannot move like that"
+        ),
         Reason::RootEnds { inertia_fraction } => format!(
             "the steady motion of smaller inertia ends at {inertia_fraction:.3} of the inertia \
              forces: none is known beyond. Raise axial_load_N or lower the speed"
         ),
         Reason::CurvaturesNotHertzian { along, across } => format!(
             "relative curvatures of {along:.3e} 1/m along and {across:.3e} 1/m across the groove give \
-             no contact ellipse across the groove; lower the conformity towards 0.52"
+             no contact ellipse across the groove; set nut_conformity and screw_conformity towards 0.52"
         ),
         Reason::Undecided { inertia } => format!(
             "no admissible root was found; with inertia forces of {inertia:.3} times friction that \
@@ -243,19 +265,20 @@ fn message(reason: &Reason) -> String {
             "the inertia forces over the load are {inertia_ratio:e}, beyond double precision; \
              check screw_speed_rpm, nut_speed_rpm and axial_load_N"
         ),
-        Reason::Frictionless => "friction_coefficient = 0 must be > 0 for this model: without \
+        Reason::Frictionless => {
+            "friction_coefficient must be > 0 (at least 1e-12) for this model: without \
              friction nothing fixes the rotation of the ball"
-            .to_owned(),
+                .to_owned()
+        }
         Reason::NoRelativeSpeed => {
             "screw_speed_rpm - nut_speed_rpm = 0 must not be 0: nothing moves".to_owned()
         }
         Reason::DualDrive => "model quasi-static covers a turning screw or a turning nut, not \
              both; set one of screw_speed_rpm and nut_speed_rpm to 0"
             .to_owned(),
-        Reason::PowerDoesNotBalance { imbalance } => format!(
-            "rounding has eaten the result: the powers differ by {imbalance:.1e}; the inertia \
-             forces are many orders above the load"
-        ),
+        Reason::PowerDoesNotBalance { imbalance } => {
+            format!("rounding has eaten the result: the powers differ by {imbalance:.1e}")
+        }
         Reason::Newton { status, residual, worst_equation } => format!(
             "{}: scaled residual {residual:.1e}, largest in the {worst_equation}",
             status.describe()

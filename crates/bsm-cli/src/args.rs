@@ -29,7 +29,8 @@ pub(crate) enum Command {
     /// Solve one operating point.
     #[command(after_help = EXIT_CODES)]
     Solve(SolveArgs),
-    /// Solve one operating point with every model that it has inputs for, side by side.
+    /// Solve one operating point with every model that it has inputs for, side by side; exit code 3
+    /// if one of them has no solution.
     #[command(after_help = EXIT_CODES)]
     Compare(CompareArgs),
     /// Solve a full grid over one or more inputs, into a table and a plot.
@@ -76,12 +77,15 @@ pub(crate) struct ModelArgs {
     /// most complete one where the scene has no conformities.
     #[arg(long, default_value = "auto", value_parser = PossibleValuesParser::new(ModelChoice::names()))]
     pub(crate) model: String,
-    /// Error of the efficiency that auto may leave against model traction.
+    /// Error of the efficiency that model auto may leave against model traction.
     #[arg(long, value_name = "T", default_value_t = Settings::default().tolerance, value_parser = positive)]
     pub(crate) tolerance: f64,
-    /// Order of the quadrature over the contact ellipses in model traction: 4 to 24 and more.
-    #[arg(long, value_name = "N", default_value_t = Settings::default().quadrature)]
+    /// Order of the quadrature over the contact ellipses in model traction, 2 to 128.
+    #[arg(long, value_name = "N", default_value_t = Settings::default().quadrature, value_parser = order)]
     pub(crate) quadrature: NonZeroUsize,
+    /// Creep speed in model traction, over the ball's rolling speed: smaller is closer to Coulomb.
+    #[arg(long, value_name = "V", default_value_t = Settings::default().creep, value_parser = positive)]
+    pub(crate) creep: f64,
     /// Race at which the ball does not spin in model raceway-control; the one with the larger
     /// friction moment unless given.
     #[arg(long, value_enum, value_name = "RACE")]
@@ -94,6 +98,7 @@ impl ModelArgs {
             model: ModelChoice::from_name(&self.model)?,
             tolerance: self.tolerance,
             quadrature: self.quadrature,
+            creep: self.creep,
             control: self.control.map(|race| match race {
                 Race::Nut => Control::Nut,
                 Race::Screw => Control::Screw,
@@ -108,6 +113,13 @@ pub(crate) enum Race {
     Nut,
     /// The screw.
     Screw,
+}
+
+fn order(text: &str) -> Result<NonZeroUsize, String> {
+    match text.parse::<NonZeroUsize>() {
+        Ok(order) if (2..=128).contains(&order.get()) => Ok(order),
+        _ => Err("must be a whole number from 2 to 128, such as 12".to_owned()),
+    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {

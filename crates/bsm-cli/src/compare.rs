@@ -49,7 +49,15 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
             left_out.push(error.map_or_else(String::new, |e| e.to_string()));
         }
     }
-    for warning in scene.warnings() {
+    // What saturated friction leaves out shows in the table already.
+    let rolls = |a: &&Answer| {
+        [Model::RacewayControl, Model::Traction].map(Into::into).contains(&a.record.model())
+    };
+    let of_answers = answers.iter().filter(rolls).flat_map(|a| {
+        let model = a.record.model().name();
+        a.record.warnings().into_iter().map(move |text| format!("{model}: {text}"))
+    });
+    for warning in scene.warnings().into_iter().chain(of_answers) {
         warn("warning", &warning);
     }
     match args.format {

@@ -43,6 +43,8 @@ const OVERALL: &[(&str, &str)] = &[
     ("ball rotation along the helix t", "ball_omega_t_rad_s"),
     ("ball rotation towards the axis n", "ball_omega_n_rad_s"),
     ("ball rotation along the binormal b", "ball_omega_b_rad_s"),
+    ("skid number", "skid_number"),
+    ("skid onset number", "onset_number"),
 ];
 
 /// Results per contact: label, outputs at nut, screw and minor contact.

@@ -10,7 +10,7 @@ use crate::pair::ElasticScrew;
 use crate::raceway_control::RacewayControl;
 use crate::traction::Traction;
 use crate::{
-    Angles, ClosedForm, Direction, ModelWorkspace, Outputs, Solution, Status, Transmission,
+    Angles, ClosedForm, Direction, Model, ModelWorkspace, Outputs, Solution, Status, Transmission,
 };
 
 /// The finest quadrature that is tried.
@@ -22,6 +22,15 @@ pub struct Auto {
     /// The screw at its operating point.
     pub screw: ElasticScrew,
     /// Error of the efficiency against the traction model that is small enough, positive.
+    pub tolerance: f64,
+}
+
+/// Why a model was chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Choice {
+    /// What the bound of its error comes from.
+    pub basis: Basis,
+    /// What was asked; the bound may be larger where no model is that exact.
     pub tolerance: f64,
 }
 
@@ -59,72 +68,93 @@ impl Auto {
         if grip.status == Status::InvalidInput {
             return grip;
         }
-        if let Some((numbers, bound)) = Regime::of(&self.screw, &grip.outputs) {
-            let onset_number = numbers.onset;
-            if bound <= self.tolerance {
-                return grip.estimated(bound, Basis::Grips { onset_number });
+        let regime = Regime::of(&self.screw, &grip.outputs);
+        if let Some(regime) = &regime {
+            if regime.grip_bound <= self.tolerance {
+                return self.chosen(grip, regime.grip_bound, regime.grips());
             }
-            if numbers.skid_bound(numbers.range) <= self.tolerance {
+            if regime.skid_bound(regime.range) <= self.tolerance {
                 let skid = Elastic { screw: self.screw }.solve(&mut work.elastic);
                 let gripping = grip.outputs.efficiency.unwrap_or(f64::NAN);
                 let range = skid.outputs.efficiency.map_or(f64::NAN, |eta| (gripping - eta).abs());
-                let bound = numbers.skid_bound(range);
+                let bound = regime.skid_bound(range);
                 if bound <= self.tolerance {
-                    return skid.estimated(bound, Basis::Skids { onset_number });
+                    return self.chosen(skid, bound, Basis::Skids { onset_number: regime.onset });
                 }
             }
         }
         let traction =
             Traction { screw: self.screw, order: Traction::ORDER, creep: Traction::CREEP };
-        let (solution, order, error) =
-            traction.solve_to(self.tolerance, FINEST, &mut work.traction);
-        solution.estimated(error, Basis::Integrated { order })
+        match traction.solve_to(self.tolerance, FINEST, &mut work.traction) {
+            Ok((outputs, order, error)) => {
+                let solution = Solution::converged(Model::Traction, outputs);
+                self.chosen(solution, error, Basis::Integrated { order })
+            }
+            Err((status, reason)) => match regime {
+                // A rough answer with its bound is better than none.
+                Some(regime) => self.chosen(grip, regime.grip_bound, regime.grips()),
+                None => Solution::failed(Model::Traction, status, reason),
+            },
+        }
     }
 
-    /// The closed form, if even the way from saturated friction to none is small enough (A1).
+    /// A solution with the bound of its error.
+    fn chosen(&self, mut solution: Solution, error_bound: f64, basis: Basis) -> Solution {
+        solution.outputs.error_bound = Some(error_bound);
+        solution.choice = Some(Choice { basis, tolerance: self.tolerance });
+        solution
+    }
+
+    /// The closed form, if even the way from saturated friction to none, and spin at both contacts
+    /// besides, are small enough (A1).
     fn closed_form(&self) -> Option<Solution> {
-        let speed = self.screw.drive.relative_speed();
+        let Self { screw, tolerance } = self;
+        let speed = screw.drive.relative_speed();
+        let (lead, r_m) = (screw.helix.lead_angle, screw.helix.radius);
         let case = ClosedForm {
-            angles: Angles { lead: self.screw.helix.lead_angle, contact: self.screw.contact_angle },
-            friction: self.screw.friction,
+            angles: Angles { lead, contact: screw.contact_angle },
+            friction: screw.friction,
             direction: Direction::of(speed)?,
             transmission: Some(Transmission {
-                pitch_radius: self.screw.helix.radius,
-                load: self.screw.load,
+                pitch_radius: r_m,
+                load: screw.load,
                 relative_speed: Some(speed),
             }),
         };
         let solution = case.solve();
         let eta = solution.outputs.efficiency.filter(|eta| *eta > 0.0)?;
-        let inertia = self.screw.ball.mass * self.screw.helix.radius * speed * speed
-            / self.screw.load.per_ball();
-        // |δη| ≤ (1 − η)(1 + μ)                                           (A1)
-        let bound = (1.0 - eta) * (1.0 + inertia);
-        (bound <= self.tolerance).then(|| solution.estimated(bound, Basis::NoWorseThanSliding))
+        if 1.0 - eta > *tolerance {
+            return None;
+        }
+        let pair = screw.pair().ok()?;
+        let (a, _) = pair.semi_axes[0];
+        // |δη| ≤ (1 − η)(1 + μ) + 2 f a / (r_m tanα)                      (A1)
+        let bound = (1.0 - eta) * (1.0 + pair.inertia_ratio())
+            + 2.0 * screw.friction * a / (pair.helix.radius * lead.tan());
+        (bound <= *tolerance).then(|| self.chosen(solution, bound, Basis::NoWorseThanSliding))
     }
 }
 
-impl Solution {
-    /// Adds the bound of the error of the efficiency, if there is one.
-    fn estimated(mut self, error_bound: f64, basis: Basis) -> Self {
-        if self.status == Status::Converged {
-            self.outputs.error_bound = Some(error_bound);
-            self.basis = Some(basis);
-        }
-        self
-    }
-}
+/// Below this cross slip (W10) spin is nearly all of the loss, and the onset number tells nothing.
+const LEAST_CROSS_SLIP: f64 = 0.3;
+
+/// Below this onset number a ball grips, whatever its cross slip.
+const GRIPS_BELOW: f64 = 0.1;
 
 /// Where a point lies between gripping and skidding.
 struct Regime {
     onset: f64,
+    /// False where only a gripping ball can be told from others.
+    told: bool,
     /// Efficiency of the gripping ball less that of the skidding one.
     range: f64,
+    /// Bound of the error of the gripping ball.
+    grip_bound: f64,
 }
 
 impl Regime {
-    /// Numbers of a gripping ball, and the bound of its error.
-    fn of(screw: &ElasticScrew, grip: &Outputs) -> Option<(Self, f64)> {
+    /// From the numbers of a gripping ball.
+    fn of(screw: &ElasticScrew, grip: &Outputs) -> Option<Self> {
         let (eta, onset, cross) = (grip.efficiency?, grip.onset_number?, grip.cross_slip?);
         let pair = screw.pair().ok()?;
         let direction = pair.direction;
@@ -138,19 +168,29 @@ impl Regime {
                 (eta - sliding).abs()
             },
         );
-        let f = screw.friction;
-        // A = 1.7 f + 0.35/(1 + (χ/0.4)²)                                 (A2)
-        let rolling = 1.7 * f + 0.35 / (1.0 + (cross / 0.4).powi(2));
+        // A = 0.02 + 1.7 f + 0.35/(1 + (χ/0.6)²)                          (A2)
+        let rolling = 0.02 + 1.7 * screw.friction + 0.35 / (1.0 + (cross / 0.6).powi(2));
         // σ = min(1, (S/0.27)⁶)                                           (A3)
         let skidding = (onset / 0.27).powi(6).min(1.0);
         // |δη| ≤ A (1 − η) + 1.05 σ (1 + μ)(η − η_s)                      (A4)
         let inertia = 1.0 + pair.inertia_ratio();
-        let bound = rolling * (1.0 - eta).abs() + 1.05 * skidding * inertia * range;
-        Some((Self { onset, range }, bound))
+        let mut grip_bound = rolling * (1.0 - eta).abs() + 1.05 * skidding * inertia * range;
+        let told = cross >= LEAST_CROSS_SLIP;
+        if !told && onset > GRIPS_BELOW {
+            grip_bound = grip_bound.max(1.0);
+        }
+        Some(Self { onset, told, range, grip_bound })
+    }
+
+    fn grips(&self) -> Basis {
+        Basis::Grips { onset_number: self.onset }
     }
 
     /// Bound of the error of saturated friction (A5).
     fn skid_bound(&self, range: f64) -> f64 {
+        if !self.told {
+            return f64::INFINITY;
+        }
         // |δη| ≤ (0.02 + 0.8/S^{5/2}) (η − η_s)                           (A5)
         (0.02 + 0.8 * self.onset.powf(-2.5)) * range
     }

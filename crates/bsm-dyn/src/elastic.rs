@@ -1,7 +1,7 @@
 //! Gross slip on elastic contacts: saturated friction at the contact centres, contact angles that
 //! follow load and speed.
 //!
-//! Theory: `docs/theory/08-elastic.md`, equations (S1) to (S10).
+//! Theory: `docs/theory/08-elastic.md`, equations (S1) to (S11).
 
 use bsm_kin::{BallFrame, Motion, Scalar};
 use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
@@ -82,9 +82,13 @@ impl Saturated<'_> {
         let to_nut = Motion { precession: y[PRECESSION] * pair.sign(), omega };
 
         let points = loaded.contacts.map(|c| c.point(D::from(1.0)));
-        let to_screw = pair.relative(&to_nut, &loaded.frame)[1];
-        let at_screw = to_screw.slip_velocity(D::from(pair.arc), &points[1]);
-        // The part along the normal is zero but for rounding, which spin may make large.
+        // V_A + V_B = d (2p − 1) W t + ω' × (r_A + r_B) − W k × r_B, in which the spin, of order
+        // 1/P, meets the tilt only and does not cancel                    (S11)
+        let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * (pair.arc * pair.sign()));
+        let both = arc + omega.cross(&(points[0] + points[1]))
+            - loaded.frame.k.cross(&points[1]) * D::from(pair.sign());
+        let at_screw = both - along * y[SLIP];
+        // The part along the normal is zero but for rounding.
         let slip_screw = screw.across * at_screw.dot(&screw.across) + tangent * at_screw.x;
         let slip = [along * y[SLIP], slip_screw];
         let friction = [
@@ -175,6 +179,11 @@ impl Skid {
         (&self.state.loaded, &self.state.to_nut)
     }
 
+    /// Newton steps of all solves.
+    pub(crate) fn steps(&self) -> usize {
+        self.steps
+    }
+
     /// Newton from the first order; where inertia has grown too large for it, the root is
     /// followed there.
     pub(crate) fn of(pair: &Pair, newton: &mut Workspace) -> Result<Self, (Status, Reason)> {
@@ -204,9 +213,7 @@ impl Skid {
         }
         if y[SLIP] <= 0.0 {
             // The slip would point along friction, not against it; other roots are not excluded.
-            let (slip, exact, critical_lead_angle) = (y[SLIP], true, None);
-            let reason = Reason::NutContactWouldRoll { slip, exact, critical_lead_angle };
-            return Err((Status::NotConverged, reason));
+            return Err((Status::NotConverged, Reason::SlipAlongFriction { slip: y[SLIP] }));
         }
         let state = Saturated(pair).state(&y).expect("the residual was evaluated at the root");
         Ok(Self { state, steps, residual: report.residual })
@@ -236,12 +243,9 @@ impl Elastic {
     }
 
     fn outputs(&self, work: &mut ElasticWorkspace) -> Result<Outputs, (Status, Reason)> {
-        if self.screw.friction <= 0.0 {
-            return Err((Status::InvalidInput, Reason::Frictionless));
-        }
-        let pair = self.screw.pair()?;
+        let pair = self.screw.rough_pair()?;
         let Skid { state, steps, residual } = Skid::of(&pair, &mut work.0)?;
-        let mut outputs = self.screw.describe(&pair, &state.loaded, &state.to_nut);
+        let mut outputs = self.screw.describe(&pair, &state.loaded, &state.to_nut)?;
         // P_f = Σ f Q_c |V_c|, Eq (R21)
         let friction_power =
             (0..2).map(|i| pair.friction * state.loaded.loads[i] * state.slip[i].norm()).sum();

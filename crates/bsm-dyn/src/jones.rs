@@ -87,7 +87,7 @@ impl<D: Scalar> Jones<D> {
         // l_A cos(β − ν) + l_B cos(β + ν) = A₂ = S cosβ + D sinβ          (J7)
         let (s, d, a_2) = ((l_a + l_b) * cos, (l_a - l_b) * sin, both * cos_0);
         let square = s.square() + d.square() - a_2.square();
-        if square.re() <= 0.0 {
+        if square.re() <= 0.0 || s.re() <= 0.0 {
             return Err(EvalError {
                 quantity: "square of the axial distance of the groove-arc centres",
                 value: square.re(),

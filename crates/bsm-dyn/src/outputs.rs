@@ -55,7 +55,7 @@ pub struct Outputs {
     /// The slip across the grooves that the lead forces, over the slip of spin (W10).
     pub cross_slip: Option<f64>,
     /// Skid number of a ball whose friction is already spent on that slip (W11): below 0.1 the
-    /// ball grips, at 0.5 it skids half, above 2 friction is nearly saturated.
+    /// ball grips, above 2 friction is nearly saturated.
     pub onset_number: Option<f64>,
 }
 
@@ -82,10 +82,12 @@ impl Outputs {
 
     /// Stores the numbers that tell gripping from skidding.
     pub(crate) fn set_regime(&mut self, skid_number: f64, cross_slip: f64) {
-        self.skid_number = Some(skid_number);
-        self.cross_slip = Some(cross_slip);
+        // Without friction, or without spin, they have no meaning.
+        let finite = |x: f64| x.is_finite().then_some(x);
+        self.skid_number = finite(skid_number);
+        self.cross_slip = finite(cross_slip);
         // S = G √(1 + χ²)                                                 (W11)
-        self.onset_number = Some(skid_number * cross_slip.hypot(1.0));
+        self.onset_number = finite(skid_number * cross_slip.hypot(1.0));
     }
 
     /// Stores the three powers.

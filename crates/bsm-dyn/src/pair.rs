@@ -58,6 +58,14 @@ impl ElasticScrew {
         ]
     }
 
+    /// As [`pair`](Self::pair), for models in which friction takes part in the balance.
+    pub(crate) fn rough_pair(&self) -> Result<Pair, (Status, Reason)> {
+        if self.friction < LEAST_FRICTION {
+            return Err((Status::InvalidInput, Reason::Frictionless));
+        }
+        self.pair()
+    }
+
     /// The point in units of ball radius, axial load per ball and relative speed (P1).
     pub(crate) fn pair(&self) -> Result<Pair, (Status, Reason)> {
         let invalid = |reason| (Status::InvalidInput, reason);
@@ -225,7 +233,7 @@ impl Pair {
             return Ok((load, angle));
         }
         let (sin_contact_angle, friction_term) = (angle.sin(), friction_term(angle));
-        Err((Status::NoSolution, Reason::SelfLocking { sin_contact_angle, friction_term }))
+        Err((Status::NotConverged, Reason::SelfLocking { sin_contact_angle, friction_term }))
     }
 
     /// Loads and tilt of the frictionless balance with the centrifugal force of a precession rate
@@ -336,12 +344,19 @@ impl Pair {
 
 impl ElasticScrew {
     /// Outputs in SI units of a state of the pair; efficiency and powers are not among them.
+    ///
+    /// A ball that has left its flanks is no result: at the bottom of the groove a gothic arch
+    /// touches with its other flank, and no groove reaches beyond the axial direction.
     pub(crate) fn describe(
         &self,
         pair: &Pair,
         loaded: &Loaded<f64>,
         to_nut: &Motion<f64>,
-    ) -> Outputs {
+    ) -> Result<Outputs, (Status, Reason)> {
+        let [nut, screw] = loaded.angles();
+        if ![nut, screw].iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
+            return Err((Status::NotConverged, Reason::BallLeavesFlank { nut, screw }));
+        }
         let (w, r_b) = (self.drive.relative_speed().abs(), self.ball.radius);
         let loads = loaded.loads.map(|q| q * self.load.per_ball());
         let angles = loaded.angles();
@@ -368,7 +383,7 @@ impl ElasticScrew {
             let slip = motion.slip_velocity(pair.arc, &contact.point(1.0));
             outputs.set_contact(contact, &motion, &(slip * (w * r_b)), w);
         }
-        outputs
+        Ok(outputs)
     }
 
     /// Adds torque, efficiency and powers to `outputs`, and their balance against the friction
@@ -394,6 +409,9 @@ impl ElasticScrew {
         Err((Status::NotConverged, Reason::PowerDoesNotBalance { imbalance }))
     }
 }
+
+/// Friction below this is none: it would drown in the rounding of the loads.
+const LEAST_FRICTION: f64 = 1e-12;
 
 /// The answer where the model cannot be evaluated.
 pub(crate) fn refused(error: EvalError) -> (Status, Reason) {

@@ -103,7 +103,7 @@ struct Balance<'a> {
 impl Balance<'_> {
     fn equations<D: Scalar>(&self, x: &[D; STATIC]) -> Result<[D; STATIC], EvalError> {
         let [q_a, q_b, tilt] = *x;
-        // Q = K_H δ^{3/2}, Eq (P2)                                        (W1)
+        // Q = K_H δ^{3/2} by the loads as unknowns, Eq (P2)               (W1)
         let [beta_a, beta_b] = self.pair.loaded([q_a, q_b], tilt)?.angles();
         let (lead, size) = (self.pair.helix.lead_angle, self.pair.helix.radius.recip());
         let (p, _) = rolling(self.control, D::from(lead), D::from(size), beta_a, beta_b);
@@ -229,7 +229,7 @@ impl RacewayControl {
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
         let solved = self.screw.pair().and_then(|pair| {
             let grip = Grip::of(&pair, self.control, &mut memory.newton)?;
-            Ok(self.outputs(&pair, &grip, &memory.quadrature))
+            self.outputs(&pair, &grip, &memory.quadrature)
         });
         match solved {
             Ok(outputs) => Solution::converged(Model::RacewayControl, outputs),
@@ -237,7 +237,12 @@ impl RacewayControl {
         }
     }
 
-    fn outputs(&self, pair: &Pair, grip: &Grip, quadrature: &Quadrature) -> Outputs {
+    fn outputs(
+        &self,
+        pair: &Pair,
+        grip: &Grip,
+        quadrature: &Quadrature,
+    ) -> Result<Outputs, (Status, Reason)> {
         let (screw, loaded) = (&self.screw, &grip.loaded);
         let motions = pair.relative(&grip.to_nut, &loaded.frame);
         let friction_power: f64 = (0..2)
@@ -247,7 +252,7 @@ impl RacewayControl {
                 pair.friction * loaded.loads[i] * ellipse.power(&local, CREEP, quadrature)
             })
             .sum();
-        let mut outputs = screw.describe(pair, loaded, &grip.to_nut);
+        let mut outputs = screw.describe(pair, loaded, &grip.to_nut)?;
         let ideal = ideal_torque(screw.load.axial, screw.helix.radius, screw.helix.lead_angle);
         // T = T₀ + P_f/W                                                  (W8)
         let torque = ideal + friction_power * pair.sign() * screw.ball.radius * screw.load.axial;
@@ -255,7 +260,7 @@ impl RacewayControl {
         outputs.set_regime(grip.skid_number(pair), grip.cross_slip(pair));
         outputs.iterations = Some(grip.steps);
         outputs.residual_norm = Some(grip.residual);
-        outputs
+        Ok(outputs)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use bsm_newton::{EvalError, Report, Status as NewtonStatus};
 
-use crate::{Basis, Model, Outputs};
+use crate::{Choice, Model, Outputs};
 
 /// Which side drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,6 +98,19 @@ pub enum Reason {
         /// Inertia forces over friction forces.
         inertia: f64,
     },
+    /// The contact angle of a root is not between 0 and 90 degrees.
+    BallLeavesFlank {
+        /// At the nut \[rad\].
+        nut: f64,
+        /// At the screw \[rad\].
+        screw: f64,
+    },
+    /// The slip at the nut of a root with saturated friction points along friction, not against
+    /// it.
+    SlipAlongFriction {
+        /// Slip speed over `$r_b|W|$`, not positive.
+        slip: f64,
+    },
     /// The root of smaller inertia forces ends on the way to the full ones.
     RootEnds {
         /// Inertia up to which it was followed, over the full one.
@@ -165,8 +178,8 @@ pub struct Solution {
     pub status: Status,
     /// Why, unless it converged.
     pub reason: Option<Reason>,
-    /// What the bound of the error of the efficiency comes from, if the model was chosen by it.
-    pub basis: Option<Basis>,
+    /// Why the model was chosen, if it was chosen by the bound of its error.
+    pub choice: Option<Choice>,
     /// The numbers; all empty unless it converged (`self_locking` may be known).
     pub outputs: Outputs,
 }
@@ -174,7 +187,7 @@ pub struct Solution {
 impl Solution {
     /// A solution with its numbers.
     pub fn converged(model: Model, outputs: Outputs) -> Self {
-        Self { model, status: Status::Converged, reason: None, basis: None, outputs }
+        Self { model, status: Status::Converged, reason: None, choice: None, outputs }
     }
 
     /// The statement that there is none.
@@ -182,6 +195,6 @@ impl Solution {
         let locks = matches!(reason, Reason::SelfLocking { .. } | Reason::FrictionHoldsLoad { .. });
         let locking = locks.then_some(true);
         let outputs = Outputs { self_locking: locking, ..Outputs::default() };
-        Self { model, status, reason: Some(reason), basis: None, outputs }
+        Self { model, status, reason: Some(reason), choice: None, outputs }
     }
 }

@@ -44,9 +44,10 @@ pub struct Traction {
 }
 
 impl Traction {
-    /// Order that leaves an error of about 1e-7 in the efficiency.
+    /// Order that leaves an error of 1e-7 in the efficiency of a screw like Lin's; long ellipses
+    /// with much spin need more, see the choice by error bounds.
     pub const ORDER: NonZeroUsize = NonZeroUsize::new(12).expect("not zero");
-    /// Creep speed that moves the efficiency by less than 1e-7.
+    /// Creep speed that moves the efficiency of most screws by less than 1e-6.
     pub const CREEP: f64 = 1e-4;
 }
 
@@ -153,15 +154,16 @@ impl Rolling<'_> {
         let mut steps = 0;
         let mut failure = None;
         let skids = grip.skid_number(self.pair) > SKIDS;
-        for start in [near.map(|_| Begin::Near), Some(Begin::of(skids)), Some(Begin::of(!skids))] {
-            let mut y = match (start, near) {
-                (Some(Begin::Near), Some(near)) => *near,
-                (Some(Begin::Grip), _) => gripping,
-                (Some(Begin::Skid), _) => match Skid::of(self.pair, newton) {
-                    Ok(skid) => unknowns(skid.state().0, skid.state().1),
-                    Err(_) => continue,
-                },
-                _ => continue,
+        let starts = [near.map(Begin::Near), Some(Begin::of(skids)), Some(Begin::of(!skids))];
+        for start in starts.into_iter().flatten() {
+            let mut y = match start {
+                Begin::Near(root) => *root,
+                Begin::Grip => gripping,
+                Begin::Skid => {
+                    let Ok(skid) = Skid::of(self.pair, newton) else { continue };
+                    steps += skid.steps();
+                    unknowns(skid.state().0, skid.state().1)
+                }
             };
             let report = self.run(&mut y, newton);
             steps += report.steps.len();
@@ -201,16 +203,16 @@ impl Rolling<'_> {
 
 /// Where a solve begins.
 #[derive(Clone, Copy)]
-enum Begin {
+enum Begin<'a> {
     /// At a root of the same point with another quadrature.
-    Near,
+    Near(&'a [f64; BALL]),
     /// At the gripping ball.
     Grip,
     /// At the skidding ball.
     Skid,
 }
 
-impl Begin {
+impl Begin<'_> {
     fn of(skids: bool) -> Self {
         if skids { Self::Skid } else { Self::Grip }
     }
@@ -257,50 +259,47 @@ impl Traction {
     }
 
     /// Solves with orders from 4 on, each twice the last, until the error of the efficiency is at
-    /// most `tolerance` or the order is `finest`; returns the solution, its order and the error.
+    /// most `tolerance` or the order is `finest`; returns the outputs, their order and the error.
     ///
     /// The error is the last change of the efficiency, which is larger than what is left, and for
-    /// changes that are small by chance the loss over the cube of the order (A6).
+    /// changes that are small by chance the loss over the cube of the order (A6). Where a finer
+    /// order has no root, the last one that has is returned, with the whole loss as its error.
     pub(crate) fn solve_to(
         &self,
         tolerance: f64,
         finest: NonZeroUsize,
         work: &mut TractionWorkspace,
-    ) -> (Solution, NonZeroUsize, f64) {
+    ) -> Result<(Outputs, NonZeroUsize, f64), (Status, Reason)> {
         let mut case = Self { order: COARSEST, ..*self };
-        let start = self.start(work);
-        let mut last: Option<Found> = None;
+        let start = self.start(work)?;
+        let mut found = case.outputs(&start, None, work)?;
+        let eta = |found: &Found| found.outputs.efficiency.unwrap_or(f64::NAN);
+        let mut error = (1.0 - eta(&found)).abs();
+        let mut steps = found.outputs.iterations.unwrap_or(0);
         loop {
-            let from = last.as_ref().map(|found| &found.unknowns);
-            let found = start.clone().and_then(|start| case.outputs(&start, from, work));
-            let found = match found {
-                Ok(found) => found,
-                Err((status, reason)) => {
-                    let failed = Solution::failed(Model::Traction, status, reason);
-                    return (failed, case.order, f64::INFINITY);
-                }
-            };
-            let eta = |found: &Found| found.outputs.efficiency.unwrap_or(f64::NAN);
-            let error = last.map_or(f64::INFINITY, |last| {
-                // |η_n − η_{n/2}| + |1 − η|/n³ + 5·10⁻⁷                       (A6)
-                #[expect(clippy::cast_precision_loss, reason = "a small count")]
-                let order = case.order.get() as f64;
-                (eta(&found) - eta(&last)).abs() + (1.0 - eta(&found)).abs() / order.powi(3) + 5e-7
-            });
-            if error <= tolerance || case.order >= finest {
-                return (Solution::converged(Model::Traction, found.outputs), case.order, error);
+            if case.order >= finest {
+                break;
             }
-            last = Some(found);
-            case.order = case.order.saturating_mul(TWO).min(finest);
+            let finer = Self { order: case.order.saturating_mul(TWO).min(finest), ..case };
+            let Ok(next) = finer.outputs(&start, Some(&found.unknowns), work) else { break };
+            #[expect(clippy::cast_precision_loss, reason = "a small count")]
+            let order = finer.order.get() as f64;
+            // |η_n − η_{n/2}| + |1 − η|/n³ + 5·10⁻⁷                       (A6)
+            error =
+                (eta(&next) - eta(&found)).abs() + (1.0 - eta(&next)).abs() / order.powi(3) + 5e-7;
+            steps += next.outputs.iterations.unwrap_or(0) - start.grip.steps;
+            (case, found) = (finer, next);
+            if error <= tolerance {
+                break;
+            }
         }
+        found.outputs.iterations = Some(steps);
+        Ok((found.outputs, case.order, error))
     }
 
     /// What does not depend on the quadrature.
     fn start(&self, work: &mut TractionWorkspace) -> Result<Start, (Status, Reason)> {
-        if self.screw.friction <= 0.0 {
-            return Err((Status::InvalidInput, Reason::Frictionless));
-        }
-        let pair = self.screw.pair()?;
+        let pair = self.screw.rough_pair()?;
         let grip = Grip::of(&pair, None, &mut work.statics).or_else(|_| Grip::guess(&pair))?;
         Ok(Start { pair, grip })
     }
@@ -317,7 +316,7 @@ impl Traction {
         let system = Rolling { pair, quadrature, creep: self.creep };
         let Root { unknowns, steps, residual } = system.find(grip, from, &mut work.newton)?;
         let state = system.state(&unknowns).expect("the residual was evaluated at the root");
-        let mut outputs = self.screw.describe(pair, &state.loaded, &state.to_nut);
+        let mut outputs = self.screw.describe(pair, &state.loaded, &state.to_nut)?;
         let (frame, power) = (&state.loaded.frame, system.power(&state));
         self.screw.transmit(&mut outputs, pair, frame, &state.wrench[1], power)?;
         outputs.set_regime(grip.skid_number(pair), grip.cross_slip(pair));
@@ -328,7 +327,6 @@ impl Traction {
 }
 
 /// A point and the gripping ball that it starts from.
-#[derive(Clone)]
 struct Start {
     pair: Pair,
     grip: Grip,

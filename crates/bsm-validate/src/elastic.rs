@@ -15,6 +15,9 @@ const TRANSITION: &str =
     include_str!("../../../validation/published/elastic-contacts/transition.csv");
 const SOURCE: &str = "independent solution of the elastic models, Lin's screw, conformity 0.53";
 
+/// Order of the quadrature of the reference values.
+const FINE: std::num::NonZeroUsize = std::num::NonZeroUsize::new(24).expect("not zero");
+
 /// All checks of this source.
 pub(crate) fn checks() -> Result<Vec<Check>, ValidateError> {
     let lin = lin()?;
@@ -145,11 +148,7 @@ fn reference(
     let Problem::Traction(case) = scene.problem(&Model::Traction.into())? else {
         unreachable!("the model was fixed")
     };
-    let fine = Traction {
-        order: std::num::NonZeroUsize::new(24).unwrap_or(Traction::ORDER),
-        creep: 1e-6,
-        ..case
-    };
+    let fine = Traction { order: FINE, creep: 1e-6, ..case };
     let o = Problem::Traction(fine).solve(work).outputs;
     let (worst, column) = row.deviation(&o, &TRACTION_DIGITS);
     let exact = check("reference")

@@ -8,7 +8,7 @@ use bsm_dyn::{
     Traction, TractionWorkspace,
 };
 
-use crate::screws::{real_screws, screws};
+use crate::screws::{real_screws, screws, unusual_screws};
 
 /// Counts of a campaign.
 #[derive(Debug, Default)]
@@ -74,26 +74,44 @@ fn elastic_converges_where_it_has_a_root() {
 /// constants were not made from. At least 99 % keep them; what the tolerance asks is also met.
 #[test]
 fn the_choice_keeps_its_bounds() {
+    for (seed, tolerance) in [(71, 1e-1), (72, 1e-2), (73, 1e-3), (74, 1e-4)] {
+        let tried = bounds(real_screws(seed), tolerance);
+        println!("tolerance {tolerance}: {tried:?}");
+        assert!(tried.broken * 100 <= tried.points, "{tried:?} at {tolerance}");
+        // Long ellipses with much spin and balls about to skid need more than order 32.
+        assert!(tried.loose * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
+        // A choice that always takes the dearest model is none.
+        assert!(tolerance < 1e-3 || tried.traction * 10 <= 9 * tried.points, "{tried:?}");
+        let tried = bounds(unusual_screws(seed), tolerance);
+        println!("unusual screws, tolerance {tolerance}: {tried:?}");
+        // Beyond the ranges of the fit the bounds are as good as can be told: 2 %.
+        assert!(tried.broken * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
+    }
+}
+
+/// How a choice did.
+#[derive(Debug, Default)]
+struct Tried {
+    points: usize,
+    broken: usize,
+    loose: usize,
+    traction: usize,
+}
+
+fn bounds(screws: impl Iterator<Item = ElasticScrew>, tolerance: f64) -> Tried {
     let reference = NonZeroUsize::new(32).expect("positive");
     let (mut work, mut fine) = (ModelWorkspace::default(), TractionWorkspace::default());
-    for (seed, tolerance) in [(71, 1e-1), (72, 1e-2), (73, 1e-3)] {
-        let (mut broken, mut loose, mut traction) = (0, 0, 0);
-        for screw in real_screws(seed).take(2000) {
-            let exact = Traction { screw, order: reference, creep: 1e-5 }.solve(&mut fine);
-            let Some(exact) = exact.outputs.efficiency else { continue };
-            let chosen = Auto { screw, tolerance }.solve(&mut work);
-            let bound = chosen.outputs.error_bound.expect("a converged choice has a bound");
-            let error = (chosen.outputs.efficiency.expect("converged") - exact).abs();
-            broken += usize::from(error > bound);
-            loose += usize::from(bound > tolerance);
-            traction += usize::from(chosen.model == Model::Traction);
-        }
-        println!(
-            "tolerance {tolerance}: {broken} bounds broken, {loose} loose, {traction} traction"
-        );
-        assert!(broken <= 20, "{broken} of 2000 bounds broken at {tolerance}");
-        assert!(loose <= 4, "{loose} of 2000 points beyond {tolerance}");
-        // A choice that always takes the dearest model is none.
-        assert!(traction <= 1800, "{traction}");
+    let mut tried = Tried::default();
+    for screw in screws.take(2000) {
+        let exact = Traction { screw, order: reference, creep: 1e-5 }.solve(&mut fine);
+        let Some(exact) = exact.outputs.efficiency else { continue };
+        let chosen = Auto { screw, tolerance }.solve(&mut work);
+        let bound = chosen.outputs.error_bound.expect("a converged choice has a bound");
+        let error = (chosen.outputs.efficiency.expect("converged") - exact).abs();
+        tried.points += 1;
+        tried.broken += usize::from(error > bound);
+        tried.loose += usize::from(bound > tolerance);
+        tried.traction += usize::from(chosen.model == Model::Traction);
     }
+    tried
 }

@@ -29,6 +29,26 @@ pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> Elas
 /// drive, contact angle 30 to 60 deg, conformities 0.51 to 0.56, f 0.01 to 0.15, ball over pitch
 /// radius 0.07 to 0.2.
 pub(crate) fn screws(seed: u64) -> impl Iterator<Item = ElasticScrew> {
+    let usual = Ranges { lead: (1.0, 40.0), contact: (30.0, 60.0), friction: 0.01, ball: 0.07 };
+    drawn(seed, usual)
+}
+
+/// The same with lead angles of 0.3 to 55 deg, contact angles of 25 to 65 deg, f from 0.002 and
+/// balls from 0.03 of the pitch radius on.
+pub(crate) fn unusual_screws(seed: u64) -> impl Iterator<Item = ElasticScrew> {
+    let wide = Ranges { lead: (0.3, 55.0), contact: (25.0, 65.0), friction: 0.002, ball: 0.03 };
+    drawn(seed, wide).filter(|screw| inertia_ratio(screw) <= 3.0)
+}
+
+#[derive(Clone, Copy)]
+struct Ranges {
+    lead: (f64, f64),
+    contact: (f64, f64),
+    friction: f64,
+    ball: f64,
+}
+
+fn drawn(seed: u64, ranges: Ranges) -> impl Iterator<Item = ElasticScrew> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     std::iter::from_fn(move || {
         let radius = rng.random_range(4e-3..50e-3);
@@ -37,12 +57,15 @@ pub(crate) fn screws(seed: u64) -> impl Iterator<Item = ElasticScrew> {
         let (screw_speed, nut_speed) =
             if rng.random_bool(0.5) { (speed, 0.0) } else { (0.0, -speed) };
         let mut screw = ElasticScrew {
-            helix: Helix { radius, lead_angle: rng.random_range(1.0_f64..40.0).to_radians() },
-            contact_angle: rng.random_range(30.0_f64..60.0).to_radians(),
-            ball: Ball::of_density(radius * rng.random_range(0.07..0.2), 7800.0),
+            helix: Helix {
+                radius,
+                lead_angle: rng.random_range(ranges.lead.0..ranges.lead.1).to_radians(),
+            },
+            contact_angle: rng.random_range(ranges.contact.0..ranges.contact.1).to_radians(),
+            ball: Ball::of_density(radius * rng.random_range(ranges.ball..0.2), 7800.0),
             conformity: (rng.random_range(0.51..0.56), rng.random_range(0.51..0.56)),
             material: (STEEL, STEEL),
-            friction: rng.random_range(0.01..0.15),
+            friction: rng.random_range(ranges.friction..0.15),
             drive: Drive { screw_speed, nut_speed },
             load: Load { axial: 1.0, balls: 1.0 },
         };
