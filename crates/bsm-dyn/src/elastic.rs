@@ -13,6 +13,7 @@ use crate::jacobian::linearize;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
 use crate::layout::{self, BALL, MOMENT_NORMAL};
 use crate::pair::{ElasticScrew, Loaded, Pair};
+use crate::rigid::first_order::{Sliding, spin_moment};
 use crate::{Angles, Model, Outputs, Reason, Solution, Status, Wrench};
 
 /// Inertia ratio at which the first order is a safe start.
@@ -115,11 +116,10 @@ impl Saturated<'_> {
         let factor = |beta| Angles { lead: alpha, contact: beta }.slip_factor();
         let (load, beta) = pair.static_load(|beta| signed * factor(beta))?;
         let ((sin_a, cos_a), (sin_b, cos_b)) = (alpha.sin_cos(), beta.sin_cos());
-        let d = factor(beta);
-        let (sin_psi, cos_psi) = (sin_a / cos_a / d, cos_b / d);
-        // p_R = 1/2 − (r_b cosα / 2 r_m)(cosα cosβ + sinα tanψ), Eq (R13)
-        let lever = cos_a * cos_b + sin_a * sin_a / (cos_a * cos_b);
-        let rigid = 0.5 - 0.5 * cos_a / pair.helix.radius * lever;
+        let angles = Angles { lead: alpha, contact: beta };
+        let size = pair.helix.radius.recip();
+        let Sliding { slip_factor: d, sin_psi, cos_psi, precession: rigid, .. } =
+            Sliding::of(&angles, size);
         // γ = sinβ − F (cosβ + F cosψ sinβ)/[cosψ (1 + F²)]               (S7)
         let gamma = sin_b
             - signed * (cos_b + signed * cos_psi * sin_b) / (cos_psi * (1.0 + signed * signed));
@@ -131,7 +131,7 @@ impl Saturated<'_> {
         let inertia = pair.inertia_ratio() * rate * rate;
         let tilt = 0.5 * inertia * gamma / load;
         let difference = inertia * (cos_b + signed * cos_psi * sin_b) / (1.0 + signed * signed);
-        // λ = p_R tanψ' d / (cosψ + tanψ' sinψ),  tanψ' = tanα/cosβ       (S10)
+        // λ = p_R d T / (cosψ + T sinψ),  T = tanα/cosβ                   (S10)
         let tangent = sin_a / (cos_a * cos_b);
         let slip = tangent * pair.arc * rigid / (cos_psi + tangent * sin_psi);
         let mut y = [0.0; BALL];
@@ -141,7 +141,7 @@ impl Saturated<'_> {
         y[PRECESSION] = p;
         y[SLIP] = slip;
         y[SLIP_ANGLE] = sin_psi.atan2(cos_psi);
-        y[SPIN] = -2.0 * signed * load / (d * cos_a);
+        y[SPIN] = spin_moment(&angles, signed, load);
         Ok(y)
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`.
 
-mod first_order;
+pub(crate) mod first_order;
 mod root;
 mod scaled;
 

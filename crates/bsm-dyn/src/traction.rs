@@ -100,7 +100,7 @@ impl Rolling<'_> {
             let local = Local::of(&motions[i], contact, D::from(pair.arc));
             let ellipse = pair.ellipse(i, &loaded);
             let unit = D::integrate(&ellipse, &local, self.creep, self.quadrature);
-            // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                               (T2)
+            // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                            (T2)
             let pull = loaded.loads[i] * pair.friction;
             let friction = unit.wrench(contact);
             Wrench {
@@ -136,7 +136,7 @@ impl Rolling<'_> {
                 let local = Local::of(&motions[i], &state.loaded.contacts[i], pair.arc);
                 let ellipse = pair.ellipse(i, &state.loaded);
                 let power = ellipse.power(&local, self.creep, self.quadrature);
-                // P_f = Σ f Q ∫ dP                                                (T3)
+                // P_f = Σ f Q ∫ dP                                         (T3)
                 pair.friction * state.loaded.loads[i] * power
             })
             .sum()
@@ -190,7 +190,7 @@ impl Rolling<'_> {
 
     /// One damped Newton solve from `y`.
     fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
-        // D_F = diag(w, w, w, w/f, w/f, w/f, w),  w = 1/max(1, μ)         (T4)
+        // D_F = diag(w, w, w, w/f, w/f, w/f, w),  w = 1/max(1, μ)          (T4)
         let force = self.pair.inertia_ratio().max(1.0).recip();
         let moment = force / self.pair.friction.min(1.0);
         let weights = [force, force, force, moment, moment, moment, force];
@@ -284,7 +284,7 @@ impl Traction {
             let Ok(next) = finer.outputs(&start, Some(&found.unknowns), work) else { break };
             #[expect(clippy::cast_precision_loss, reason = "a small count")]
             let order = finer.order.get() as f64;
-            // |η_n − η_{n/2}| + |1 − η|/n³ + 5·10⁻⁷                       (A6)
+            // |η_n − η_{n/2}| + |1 − η|/n³ + 5·10⁻⁷                        (A6)
             error =
                 (eta(&next) - eta(&found)).abs() + (1.0 - eta(&next)).abs() / order.powi(3) + 5e-7;
             steps += next.outputs.iterations.unwrap_or(0) - start.grip.steps;

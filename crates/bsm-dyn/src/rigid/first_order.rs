@@ -33,6 +33,42 @@ pub struct FirstOrder {
     pub spin: f64,
 }
 
+/// Motion without inertia of a ball that slides at both contacts.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sliding {
+    /// `$D$`.
+    pub(crate) slip_factor: f64,
+    /// `$\sin\psi$`.
+    pub(crate) sin_psi: f64,
+    /// `$\cos\psi$`.
+    pub(crate) cos_psi: f64,
+    /// `$\cos\alpha\cos\beta + \sin\alpha\tan\psi$`.
+    pub(crate) lever: f64,
+    /// `$p$`.
+    pub(crate) precession: f64,
+}
+
+impl Sliding {
+    /// Of a ball of radius `size` over the pitch radius.
+    pub(crate) fn of(angles: &Angles<f64>, size: f64) -> Self {
+        let (sin_a, cos_a) = angles.lead.sin_cos();
+        let cos_b = angles.contact.cos();
+        // tanψ = tanα / cosβ = T,  c = cosψ = cosβ/D,  s = sinψ = tanα/D  (R12)
+        let d = angles.slip_factor();
+        let (sin_psi, cos_psi) = (sin_a / cos_a / d, cos_b / d);
+        // p = 1/2 − (r_b cosα / 2 r_m)(cosα cosβ + sinα T)                (R13)
+        let lever = cos_a * cos_b + sin_a * sin_a / (cos_a * cos_b);
+        let precession = 0.5 - 0.5 * size * cos_a * lever;
+        Self { slip_factor: d, sin_psi, cos_psi, lever, precession }
+    }
+}
+
+/// Spin moment `$s$` of the sliding ball, for the signed friction `$F$` and the load `$q$`.
+pub(crate) fn spin_moment(angles: &Angles<f64>, signed: f64, load: f64) -> f64 {
+    // s = −2 F q cosψ / (cosα cosβ)                                       (R20)
+    -2.0 * signed * load / (angles.slip_factor() * angles.lead.cos())
+}
+
 impl FirstOrder {
     pub(crate) fn of(case: &Scaled<f64>) -> Self {
         Self::with_precession_sign(case, 1.0)
@@ -45,13 +81,8 @@ impl FirstOrder {
         let (sin_b, cos_b) = case.contact_angle.sin_cos();
         let (f, ball, sign) = (case.friction, case.helix.radius.recip(), case.sign);
         let angles = Angles { lead: case.helix.lead_angle, contact: case.contact_angle };
-
-        // tanψ = tanα / cosβ = T,  c = cosψ = cosβ/D,  s = sinψ = tanα/D  (R12)
-        let d = angles.slip_factor();
-        let (sin_psi, cos_psi) = (sin_a / cos_a / d, cos_b / d);
-        // p = 1/2 − (r_b cosα / 2 r_m)(cosα cosβ + sinα T)                (R13)
-        let lever = cos_a * cos_b + sin_a * sin_a / (cos_a * cos_b);
-        let p = 0.5 - 0.5 * ball * cos_a * lever;
+        let Sliding { slip_factor: d, sin_psi, cos_psi, lever, precession: p } =
+            Sliding::of(&angles, ball);
         // P/W = p + Ω_n/W,  ε = μ (P/W)²                                  (R14)
         let rate = p + case.nut_speed * sign;
         let inertia = case.inertia_ratio() * rate * rate;
@@ -78,8 +109,7 @@ impl FirstOrder {
             slip: margin / (ball * lever * cos_psi),
             // θ = ψ                                                       (R19)
             slip_angle: sin_psi.atan2(cos_psi),
-            // s = −2 F q cosψ / (cosα cosβ)                               (R20)
-            spin: -2.0 * signed * load / (d * cos_a),
+            spin: spin_moment(&angles, signed, load),
         }
     }
 
