@@ -12,9 +12,12 @@ use crate::follow::{Stride, follow};
 use crate::jacobian::linearize;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
 use crate::layout::{self, BALL, MOMENT_NORMAL};
-use crate::pair::{ElasticScrew, Loaded, Pair};
+use crate::pair::{ElasticScrew, Loaded, Pair, refused};
 use crate::rigid::first_order::{Sliding, spin_moment};
 use crate::{Angles, Model, Outputs, Reason, Solution, Status, Wrench};
+
+/// Below this ratio of inertia to friction the rounding of the loads shows in the slip.
+const SLOW: f64 = 1e-5;
 
 /// Inertia ratio at which the first order is a safe start.
 const CALM: f64 = 0.3;
@@ -188,6 +191,11 @@ impl Skid {
     /// followed there.
     pub(crate) fn of(pair: &Pair, newton: &mut Workspace) -> Result<Self, (Status, Reason)> {
         let mut y = Saturated(pair).start()?;
+        let rate = y[PRECESSION] * pair.sign() + pair.nut_speed;
+        let slowness = pair.inertia_ratio() * rate * rate / pair.friction;
+        if slowness < SLOW {
+            return Self::of_slow(pair, SLOW / slowness, newton);
+        }
         let mut report = run(pair, &mut y, newton);
         let mut steps = report.steps.len();
         if !report.converged() {
@@ -220,6 +228,38 @@ impl Skid {
     }
 }
 
+impl Skid {
+    /// The root for inertia so small that loads in double precision hardly tell it from none: on
+    /// the line through the roots of `factor` and twice `factor` as much inertia.
+    ///
+    /// All unknowns are analytic in the inertia; tilt and difference of the loads are proportional
+    /// to it at first.
+    fn of_slow(pair: &Pair, factor: f64, newton: &mut Workspace) -> Result<Self, (Status, Reason)> {
+        let mut steps = 0;
+        let mut residual: f64 = 0.0;
+        let mut at = |factor: f64| {
+            let faster = pair.with_inertia(factor);
+            let mut y = Saturated(&faster).start()?;
+            let report = run(&faster, &mut y, newton);
+            steps += report.steps.len();
+            residual = residual.max(report.residual);
+            if !report.converged() {
+                return Err((Status::NotConverged, Reason::from(report)));
+            }
+            let (sum, difference) = (y[NUT_LOAD] + y[SCREW_LOAD], y[NUT_LOAD] - y[SCREW_LOAD]);
+            (y[NUT_LOAD], y[SCREW_LOAD], y[TILT]) = (sum, difference / factor, y[TILT] / factor);
+            Ok(y)
+        };
+        let (near, far) = (at(factor)?, at(2.0 * factor)?);
+        let beyond = 1.0 - factor.recip();
+        let mut y: [f64; BALL] = std::array::from_fn(|i| near[i] + (near[i] - far[i]) * beyond);
+        let (sum, difference) = (y[NUT_LOAD], y[SCREW_LOAD]);
+        (y[NUT_LOAD], y[SCREW_LOAD]) = (0.5 * (sum + difference), 0.5 * (sum - difference));
+        let state = Saturated(pair).state(&y).map_err(refused)?;
+        Ok(Self { state, steps, residual })
+    }
+}
+
 /// One damped Newton solve from `y`.
 fn run(pair: &Pair, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
     let rate = (y[PRECESSION] * pair.sign() + pair.nut_speed).abs();
@@ -228,7 +268,11 @@ fn run(pair: &Pair, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
     // The moment about the mean normal has inertia-sized terms only.
     weights[MOMENT_NORMAL] = (size * rate.min(1.0)).max(f64::MIN_POSITIVE).recip();
     let scales = Scales { x: &[1.0; BALL], f: &weights };
-    let options = Options { residual_goal: 1e-13, max_steps: MOST_STEPS, ..Options::default() };
+    // A residual `r` leaves an error of `r/size` in the slip, and of that in the power balance.
+    let residual_goal = (1e-12 * size).clamp(1e-15, 1e-13);
+    let residual_tol = 1e-12;
+    let options =
+        Options { residual_tol, residual_goal, max_steps: MOST_STEPS, ..Options::default() };
     solve(&Saturated(pair), y, &scales, &options, newton)
         .expect("sizes are constant and the weights positive")
 }

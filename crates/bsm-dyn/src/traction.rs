@@ -272,7 +272,13 @@ impl Traction {
     ) -> Result<(Outputs, NonZeroUsize, f64), (Status, Reason)> {
         let mut case = Self { order: COARSEST, ..*self };
         let start = self.start(work)?;
-        let mut found = case.outputs(&start, None, work)?;
+        let mut found = case.outputs(&start, None, work);
+        // A coarse quadrature may have no root where a finer one has.
+        while found.is_err() && case.order < finest {
+            case.order = case.order.saturating_mul(TWO).min(finest);
+            found = case.outputs(&start, None, work);
+        }
+        let mut found = found?;
         let eta = |found: &Found| found.outputs.efficiency.unwrap_or(f64::NAN);
         let mut error = (1.0 - eta(&found)).abs();
         let mut steps = found.outputs.iterations.unwrap_or(0);

@@ -5,8 +5,8 @@ use std::num::NonZeroUsize;
 use crate::screws::{inertia_ratio, lin, real_screws};
 use approx::assert_relative_eq;
 use bsm_dyn::{
-    Elastic, ElasticScrew, ElasticWorkspace, Outputs, RacewayControl, RacewayWorkspace, Reason,
-    Solution, Status, Traction, TractionWorkspace,
+    Auto, Elastic, ElasticScrew, ElasticWorkspace, ModelWorkspace, Outputs, RacewayControl,
+    RacewayWorkspace, Reason, Solution, Status, Traction, TractionWorkspace,
 };
 use proptest::prelude::*;
 
@@ -167,6 +167,54 @@ fn failures_say_why() {
     let flying = Elastic { screw: lin(10.0, 45.0, 60_000.0, 1.0) };
     let solution = flying.solve(&mut ElasticWorkspace::default());
     assert_eq!(solution.status, Status::NotConverged, "{solution:?}");
+}
+
+/// Found in review: friction that drowns in rounding ended in a panic of the solver.
+#[test]
+fn next_to_no_friction_is_none() {
+    let screw = ElasticScrew { friction: 1e-310, ..lin(10.0, 45.0, 2000.0, 2113.0) };
+    let case = Traction { screw, order: order(4), creep: 1e-4 };
+    let solution = case.solve(&mut TractionWorkspace::default());
+    assert_eq!(solution.reason, Some(Reason::Frictionless));
+    // Without friction the skid number has no value, not an infinite one.
+    let screw = ElasticScrew { friction: 0.0, ..screw };
+    let rolling = RacewayControl { screw, control: None };
+    let o = numbers(&rolling.solve(&mut RacewayWorkspace::default()));
+    assert_eq!((o.skid_number, o.onset_number), (None, None));
+}
+
+/// Found in review: roots with contact angles below 0 or beyond 90 deg counted as converged.
+#[test]
+fn a_ball_that_leaves_its_flank_is_no_result() {
+    let solution = Traction { screw: lin(5.0, 45.0, -30_000.0, 5.0), order: order(8), creep: 1e-4 }
+        .solve(&mut TractionWorkspace::default());
+    assert_eq!(solution.status, Status::NotConverged);
+    let Some(Reason::BallLeavesFlank { nut, .. }) = solution.reason else { panic!("{solution:?}") };
+    assert!(nut < 0.0, "{nut}");
+}
+
+/// Found in review: at low speed the spin, of order 1/P, cancelled in the slip at the screw, and
+/// the power balance of a good root with it.
+#[test]
+fn slow_saturated_friction_keeps_its_power_balance() {
+    for rpm in [300.0, 30.0, 3.0] {
+        let screw = ElasticScrew {
+            conformity: (0.52, 0.56),
+            friction: 0.15,
+            ..lin(1.1, 55.0, rpm, 3000.0)
+        };
+        let balance = elastic(screw).power_balance.expect("balance");
+        assert!(balance.abs() <= 1e-9, "{rpm} rpm: {balance}");
+    }
+}
+
+/// Found in review: the choice did not say that a tolerance cannot be met.
+#[test]
+fn a_tolerance_that_is_not_met_shows() {
+    let screw = lin(10.0, 45.0, 2000.0, 2113.0);
+    let exact = Auto { screw, tolerance: 1e-9 }.solve(&mut ModelWorkspace::default());
+    let (bound, choice) = (exact.outputs.error_bound, exact.choice.expect("a choice"));
+    assert!(bound.expect("a bound") > choice.tolerance);
 }
 
 proptest! {
