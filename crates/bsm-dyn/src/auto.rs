@@ -6,12 +6,9 @@
 use std::num::NonZeroUsize;
 
 use crate::elastic::Elastic;
-use crate::pair::ElasticScrew;
-use crate::raceway_control::RacewayControl;
-use crate::traction::Traction;
-use crate::{
-    Angles, ClosedForm, Direction, Model, ModelWorkspace, Outputs, Solution, Status, Transmission,
-};
+use crate::pair::{ElasticScrew, Pair};
+use crate::traction::{Start, Traction};
+use crate::{Angles, ClosedForm, Model, ModelWorkspace, Outputs, Solution, Transmission};
 
 /// The finest quadrature that is tried.
 const FINEST: NonZeroUsize = NonZeroUsize::new(32).expect("not zero");
@@ -61,41 +58,58 @@ impl Auto {
     /// Solves with the cheapest model whose error bound is at most the tolerance; with the finest
     /// traction model if none is.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
-        if let Some(solution) = self.closed_form() {
+        let failed = |(status, reason)| Solution::failed(Model::RacewayControl, status, reason);
+        let pair = match self.screw.pair() {
+            Ok(pair) => pair,
+            Err(invalid) => return failed(invalid),
+        };
+        if let Some(solution) = self.closed_form(&pair) {
             return solution;
         }
-        let grip = RacewayControl { screw: self.screw, control: None }.solve(&mut work.raceway);
-        if grip.status == Status::InvalidInput {
-            return grip;
-        }
-        let regime = Regime::of(&self.screw, &grip.outputs);
-        if let Some(regime) = &regime {
+        let grip = work.raceway.grip(&pair, None).ok();
+        let gripping = grip.and_then(|grip| work.raceway.outputs(&self.screw, &pair, &grip).ok());
+        let regime = gripping.and_then(|o| Some((o, Regime::of(&pair, &o)?)));
+        if let Some((outputs, regime)) = &regime {
             if regime.grip_bound <= self.tolerance {
-                return self.chosen(grip, regime.grip_bound, regime.grips());
+                return self.gripping(outputs, regime);
             }
-            if regime.skid_bound(regime.range) <= self.tolerance {
-                let skid = Elastic { screw: self.screw }.solve(&mut work.elastic);
-                let gripping = grip.outputs.efficiency.unwrap_or(f64::NAN);
-                let range = skid.outputs.efficiency.map_or(f64::NAN, |eta| (gripping - eta).abs());
-                let bound = regime.skid_bound(range);
+            if regime.skid_bound(regime.range) <= self.tolerance
+                && let Ok(skid) = self
+                    .screw
+                    .require_friction()
+                    .and_then(|()| Elastic { screw: self.screw }.outputs(&pair, &mut work.elastic))
+            {
+                let eta = |o: &Outputs| o.efficiency.unwrap_or(f64::NAN);
+                let bound = regime.skid_bound((eta(outputs) - eta(&skid)).abs());
                 if bound <= self.tolerance {
-                    return self.chosen(skid, bound, Basis::Skids { onset_number: regime.onset });
+                    let basis = Basis::Skids { onset_number: regime.onset };
+                    return self.chosen(Solution::converged(Model::Elastic, skid), bound, basis);
                 }
             }
         }
         let traction =
             Traction { screw: self.screw, order: Traction::ORDER, creep: Traction::CREEP };
-        match traction.solve_to(self.tolerance, FINEST, &mut work.traction) {
+        let integrated = self.screw.require_friction().and_then(|()| {
+            let start = Start::new(&pair, grip)?;
+            traction.solve_to(&start, self.tolerance, FINEST, &mut work.traction)
+        });
+        match integrated {
             Ok((outputs, order, error)) => {
                 let solution = Solution::converged(Model::Traction, outputs);
                 self.chosen(solution, error, Basis::Integrated { order })
             }
             Err((status, reason)) => match regime {
                 // A rough answer with its bound is better than none.
-                Some(regime) => self.chosen(grip, regime.grip_bound, regime.grips()),
+                Some((outputs, regime)) => self.gripping(&outputs, &regime),
                 None => Solution::failed(Model::Traction, status, reason),
             },
         }
+    }
+
+    /// The gripping ball with the bound of its error.
+    fn gripping(&self, outputs: &Outputs, regime: &Regime) -> Solution {
+        let solution = Solution::converged(Model::RacewayControl, *outputs);
+        self.chosen(solution, regime.grip_bound, Basis::Grips { onset_number: regime.onset })
     }
 
     /// A solution with the bound of its error.
@@ -107,14 +121,14 @@ impl Auto {
 
     /// The closed form, if even the way from saturated friction to none, and spin at both contacts
     /// besides, are small enough (A1).
-    fn closed_form(&self) -> Option<Solution> {
+    fn closed_form(&self, pair: &Pair) -> Option<Solution> {
         let Self { screw, tolerance } = self;
         let speed = screw.drive.relative_speed();
         let (lead, r_m) = (screw.helix.lead_angle, screw.helix.radius);
         let case = ClosedForm {
             angles: Angles { lead, contact: screw.contact_angle },
             friction: screw.friction,
-            direction: Direction::of(speed)?,
+            direction: pair.direction,
             transmission: Some(Transmission {
                 pitch_radius: r_m,
                 load: screw.load,
@@ -126,7 +140,6 @@ impl Auto {
         if 1.0 - eta > *tolerance {
             return None;
         }
-        let pair = screw.pair().ok()?;
         let (a, _) = pair.semi_axes[0];
         // |δη| ≤ (1 − η)(1 + μ) + 2 f a / (r_m tanα)                      (A1)
         let bound = (1.0 - eta) * (1.0 + pair.inertia_ratio())
@@ -139,7 +152,7 @@ impl Auto {
 const LEAST_CROSS_SLIP: f64 = 0.3;
 
 /// Below this onset number a ball grips, whatever its cross slip.
-const GRIPS_BELOW: f64 = 0.1;
+pub const GRIPS_BELOW: f64 = 0.1;
 
 /// Where a point lies between gripping and skidding.
 struct Regime {
@@ -154,22 +167,20 @@ struct Regime {
 
 impl Regime {
     /// From the numbers of a gripping ball.
-    fn of(screw: &ElasticScrew, grip: &Outputs) -> Option<Self> {
+    fn of(pair: &Pair, grip: &Outputs) -> Option<Self> {
         let (eta, onset, cross) = (grip.efficiency?, grip.onset_number?, grip.cross_slip?);
-        let pair = screw.pair().ok()?;
-        let direction = pair.direction;
-        let signed = screw.friction * direction.sign();
-        let angles = |contact| Angles { lead: screw.helix.lead_angle, contact };
+        let (f, direction) = (pair.friction, pair.direction);
+        let angles = |contact| Angles { lead: pair.helix.lead_angle, contact };
         // Saturated friction at the angle that the load leaves.
-        let range = pair.static_load(|beta| signed * angles(beta).slip_factor()).map_or(
+        let range = pair.static_load(|beta| f * pair.sign() * angles(beta).slip_factor()).map_or(
             f64::INFINITY,
             |(_, beta)| {
-                let sliding = angles(beta).efficiency(direction, screw.friction);
+                let sliding = angles(beta).efficiency(direction, f);
                 (eta - sliding).abs()
             },
         );
         // A = 0.02 + 1.7 f + 0.35/(1 + (χ/0.6)²)                          (A2)
-        let rolling = 0.02 + 1.7 * screw.friction + 0.35 / (1.0 + (cross / 0.6).powi(2));
+        let rolling = 0.02 + 1.7 * f + 0.35 / (1.0 + (cross / 0.6).powi(2));
         // σ = min(1, (S/0.27)⁶)                                           (A3)
         let skidding = (onset / 0.27).powi(6).min(1.0);
         // |δη| ≤ A (1 − η) + 1.05 σ (1 + μ)(η − η_s)                      (A4)
@@ -180,10 +191,6 @@ impl Regime {
             grip_bound = grip_bound.max(1.0);
         }
         Some(Self { onset, told, range, grip_bound })
-    }
-
-    fn grips(&self) -> Basis {
-        Basis::Grips { onset_number: self.onset }
     }
 
     /// Bound of the error of saturated friction (A5).

@@ -5,10 +5,10 @@
 use std::f64::consts::PI;
 use std::ops::Add;
 
-use bsm_kin::{BallFrame, Motion, Scalar};
+use bsm_kin::{BallFrame, Drive, Helix, Motion, Scalar};
 use nalgebra::Vector3;
 
-use crate::Direction;
+use crate::{Direction, Reason};
 
 /// Largest relative violation of the power balance (B10) of a result that is returned. An exact
 /// root has rounding only; more means that rounding has eaten the result, as it does when the
@@ -37,6 +37,46 @@ impl<D: Scalar> Ball<D> {
     pub fn inertia(&self) -> D {
         // I = (2/5) m r_b²                                                (B2)
         self.mass * self.radius.square() * 0.4
+    }
+}
+
+/// An operating point in units of ball radius, axial load per ball and relative speed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OwnUnits {
+    /// Helix with radius `$r_m/r_b$`.
+    pub(crate) helix: Helix<f64>,
+    /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
+    pub(crate) ball: Ball<f64>,
+    /// Nut speed over `$|W|$`.
+    pub(crate) nut_speed: f64,
+    /// Sign of `$W$`.
+    pub(crate) direction: Direction,
+}
+
+impl OwnUnits {
+    /// Scales an operating point.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::NoRelativeSpeed`], [`Reason::InertiaOutOfRange`].
+    pub(crate) fn of(
+        helix: &Helix<f64>,
+        ball: &Ball<f64>,
+        drive: &Drive<f64>,
+        load: &Load,
+    ) -> Result<Self, Reason> {
+        let speed = drive.relative_speed();
+        let direction = Direction::of(speed).ok_or(Reason::NoRelativeSpeed)?;
+        let (r_b, w) = (ball.radius, speed.abs());
+        // Lengths in r_b, forces in F_a, speeds in |W|                    (R1)
+        let helix = Helix { radius: helix.radius / r_b, ..*helix };
+        let mass = ball.mass * r_b * w * w / load.per_ball();
+        let nut_speed = drive.nut_speed / w;
+        let inertia_ratio = mass * helix.radius;
+        if !(inertia_ratio.is_normal() && mass.is_normal() && nut_speed.is_finite()) {
+            return Err(Reason::InertiaOutOfRange { inertia_ratio });
+        }
+        Ok(Self { helix, ball: Ball { radius: 1.0, mass }, nut_speed, direction })
     }
 }
 

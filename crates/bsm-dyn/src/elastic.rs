@@ -187,77 +187,85 @@ impl Skid {
         self.steps
     }
 
-    /// Newton from the first order; where inertia has grown too large for it, the root is
-    /// followed there.
+    /// The root, if its slip is against friction.
     pub(crate) fn of(pair: &Pair, newton: &mut Workspace) -> Result<Self, (Status, Reason)> {
-        let mut y = Saturated(pair).start()?;
+        let y = Saturated(pair).start()?;
         let rate = y[PRECESSION] * pair.sign() + pair.nut_speed;
         let slowness = pair.inertia_ratio() * rate * rate / pair.friction;
-        if slowness < SLOW {
-            return Self::of_slow(pair, SLOW / slowness, newton);
-        }
-        let mut report = run(pair, &mut y, newton);
-        let mut steps = report.steps.len();
-        if !report.converged() {
-            let begin = (CALM / pair.inertia_ratio()).min(1.0).ln();
-            let slower = |log: f64| pair.with_inertia(log.exp());
-            let mut path = Saturated(&slower(begin)).start()?;
-            let failure = report.clone();
-            let stride = Stride { first: 0.5, shortest: 1e-2 };
-            follow(&mut path, (begin, 0.0), stride, |log, y| {
-                let at = run(&slower(log), y, newton);
-                steps += at.steps.len();
-                let calm = at.converged() && at.steps.len() <= PATH_STEPS;
-                if calm {
-                    report.residual = at.residual;
-                }
-                calm
-            })
-            .map_err(|end| {
-                let ends = |log: f64| Reason::RootEnds { inertia_fraction: log.exp() };
-                (Status::NotConverged, end.map_or(Reason::from(failure), ends))
-            })?;
-            y = path;
-        }
+        let (y, steps, residual) = if slowness < SLOW {
+            slow_root(pair, SLOW / slowness, newton)?
+        } else {
+            root(pair, y, newton)?
+        };
         if y[SLIP] <= 0.0 {
             // The slip would point along friction, not against it; other roots are not excluded.
             return Err((Status::NotConverged, Reason::SlipAlongFriction { slip: y[SLIP] }));
         }
-        let state = Saturated(pair).state(&y).expect("the residual was evaluated at the root");
-        Ok(Self { state, steps, residual: report.residual })
-    }
-}
-
-impl Skid {
-    /// The root for inertia so small that loads in double precision hardly tell it from none: on
-    /// the line through the roots of `factor` and twice `factor` as much inertia.
-    ///
-    /// All unknowns are analytic in the inertia; tilt and difference of the loads are proportional
-    /// to it at first.
-    fn of_slow(pair: &Pair, factor: f64, newton: &mut Workspace) -> Result<Self, (Status, Reason)> {
-        let mut steps = 0;
-        let mut residual: f64 = 0.0;
-        let mut at = |factor: f64| {
-            let faster = pair.with_inertia(factor);
-            let mut y = Saturated(&faster).start()?;
-            let report = run(&faster, &mut y, newton);
-            steps += report.steps.len();
-            residual = residual.max(report.residual);
-            if !report.converged() {
-                return Err((Status::NotConverged, Reason::from(report)));
-            }
-            let (sum, difference) = (y[NUT_LOAD] + y[SCREW_LOAD], y[NUT_LOAD] - y[SCREW_LOAD]);
-            (y[NUT_LOAD], y[SCREW_LOAD], y[TILT]) = (sum, difference / factor, y[TILT] / factor);
-            Ok(y)
-        };
-        let (near, far) = (at(factor)?, at(2.0 * factor)?);
-        let beyond = 1.0 - factor.recip();
-        let mut y: [f64; BALL] = std::array::from_fn(|i| near[i] + (near[i] - far[i]) * beyond);
-        let (sum, difference) = (y[NUT_LOAD], y[SCREW_LOAD]);
-        (y[NUT_LOAD], y[SCREW_LOAD]) = (0.5 * (sum + difference), 0.5 * (sum - difference));
         let state = Saturated(pair).state(&y).map_err(refused)?;
         Ok(Self { state, steps, residual })
     }
+}
+
+/// Unknowns, Newton steps of all solves, residual.
+type Found = ([f64; BALL], usize, f64);
+
+/// Newton from the first order `y`; where inertia has grown too large for it, the root is followed
+/// there.
+fn root(
+    pair: &Pair,
+    mut y: [f64; BALL],
+    newton: &mut Workspace,
+) -> Result<Found, (Status, Reason)> {
+    let failure = run(pair, &mut y, newton);
+    let mut steps = failure.steps.len();
+    if failure.converged() {
+        return Ok((y, steps, failure.residual));
+    }
+    let begin = (CALM / pair.inertia_ratio()).min(1.0).ln();
+    let slower = |log: f64| pair.with_inertia(log.exp());
+    let mut path = Saturated(&slower(begin)).start()?;
+    let mut residual = f64::INFINITY;
+    let stride = Stride { first: 0.5, shortest: 1e-2 };
+    follow(&mut path, (begin, 0.0), stride, |log, y| {
+        let at = run(&slower(log), y, newton);
+        steps += at.steps.len();
+        residual = at.residual;
+        at.converged() && at.steps.len() <= PATH_STEPS
+    })
+    .map_err(|end| {
+        let ends = |log: f64| Reason::RootEnds { inertia_fraction: log.exp() };
+        (Status::NotConverged, end.map_or_else(|| Reason::from(failure), ends))
+    })?;
+    Ok((path, steps, residual))
+}
+
+/// The root for inertia so small that loads in double precision hardly tell it from none: on the
+/// line through the roots of `factor` and twice `factor` as much inertia.
+///
+/// All unknowns are analytic in the inertia; tilt and difference of the loads are proportional to
+/// it at first.
+fn slow_root(pair: &Pair, factor: f64, newton: &mut Workspace) -> Result<Found, (Status, Reason)> {
+    let mut steps = 0;
+    let mut residual: f64 = 0.0;
+    let mut at = |factor: f64| {
+        let faster = pair.with_inertia(factor);
+        let mut y = Saturated(&faster).start()?;
+        let report = run(&faster, &mut y, newton);
+        steps += report.steps.len();
+        residual = residual.max(report.residual);
+        if !report.converged() {
+            return Err((Status::NotConverged, Reason::from(report)));
+        }
+        let (sum, difference) = (y[NUT_LOAD] + y[SCREW_LOAD], y[NUT_LOAD] - y[SCREW_LOAD]);
+        (y[NUT_LOAD], y[SCREW_LOAD], y[TILT]) = (sum, difference / factor, y[TILT] / factor);
+        Ok(y)
+    };
+    let (near, far) = (at(factor)?, at(2.0 * factor)?);
+    let beyond = 1.0 - factor.recip();
+    let mut y: [f64; BALL] = std::array::from_fn(|i| near[i] + (near[i] - far[i]) * beyond);
+    let (sum, difference) = (y[NUT_LOAD], y[SCREW_LOAD]);
+    (y[NUT_LOAD], y[SCREW_LOAD]) = (0.5 * (sum + difference), 0.5 * (sum - difference));
+    Ok((y, steps, residual))
 }
 
 /// One damped Newton solve from `y`.
@@ -280,21 +288,30 @@ fn run(pair: &Pair, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
 impl Elastic {
     /// Solves for the steady motion of the ball.
     pub fn solve(&self, work: &mut ElasticWorkspace) -> Solution {
-        match self.outputs(work) {
+        let outputs = self
+            .screw
+            .require_friction()
+            .and_then(|()| self.screw.pair())
+            .and_then(|pair| self.outputs(&pair, work));
+        match outputs {
             Ok(outputs) => Solution::converged(Model::Elastic, outputs),
             Err((status, reason)) => Solution::failed(Model::Elastic, status, reason),
         }
     }
 
-    fn outputs(&self, work: &mut ElasticWorkspace) -> Result<Outputs, (Status, Reason)> {
-        let pair = self.screw.rough_pair()?;
-        let Skid { state, steps, residual } = Skid::of(&pair, &mut work.0)?;
-        let mut outputs = self.screw.describe(&pair, &state.loaded, &state.to_nut)?;
+    /// The numbers of the root.
+    pub(crate) fn outputs(
+        &self,
+        pair: &Pair,
+        work: &mut ElasticWorkspace,
+    ) -> Result<Outputs, (Status, Reason)> {
+        let Skid { state, steps, residual } = Skid::of(pair, &mut work.0)?;
+        let mut outputs = self.screw.describe(pair, &state.loaded, &state.to_nut)?;
         // P_f = Σ f Q_c |V_c|, Eq (R21)
         let friction_power =
             (0..2).map(|i| pair.friction * state.loaded.loads[i] * state.slip[i].norm()).sum();
         let frame = &state.loaded.frame;
-        self.screw.transmit(&mut outputs, &pair, frame, &state.wrench[1], friction_power)?;
+        self.screw.transmit(&mut outputs, pair, frame, &state.wrench[1], friction_power)?;
         outputs.iterations = Some(steps);
         outputs.residual_norm = Some(residual);
         Ok(outputs)

@@ -1,5 +1,9 @@
 //! Index arithmetic of the systems of equations: unknowns and rows of one ball.
 
+use bsm_kin::Scalar;
+
+use crate::Wrench;
+
 /// Unknowns and equations of one ball.
 pub(crate) const BALL: usize = 7;
 
@@ -37,6 +41,12 @@ const ROWS: [&str; BALL] = [
     "moment balance about e_x",
     "axial load",
 ];
+
+/// The seven rows, from what the Newton-Euler equations and the axial load leave over.
+pub(crate) fn rows<D: Scalar>(left: &Wrench<D>, axial_load: D) -> [D; BALL] {
+    let [force, moment] = [left.force, left.moment];
+    [force.x, force.y, force.z, moment.x, moment.y, moment.z, axial_load]
+}
 
 /// Equation of one ball in words.
 pub(crate) fn equation(row: usize) -> &'static str {

@@ -26,7 +26,7 @@ mod rigid;
 mod solution;
 mod traction;
 
-pub use auto::{Auto, Basis, Choice};
+pub use auto::{Auto, Basis, Choice, GRIPS_BELOW};
 pub use balance::{Ball, Load, Wrench};
 pub use closed_form::{Angles, ClosedForm, Optimum, Transmission};
 pub use coulomb::friction_force;

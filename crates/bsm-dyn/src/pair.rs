@@ -1,16 +1,19 @@
 //! A ball between elastic races: inputs, units, and the state that belongs to loads and tilt.
 //!
-//! Theory: `docs/theory/06-elastic-contact.md`, equations (P1) to (P6).
+//! Theory: `docs/theory/06-elastic-contact.md`, equations (P1) to (P7).
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Scalar, Site};
 use bsm_newton::EvalError;
 
-use crate::balance::{Ball, POWER_BALANCE_TOL, axial_force, ideal_torque, newton_euler, torque};
+use crate::balance::{
+    Ball, OwnUnits, POWER_BALANCE_TOL, axial_force, ideal_torque, newton_euler, torque,
+};
+use crate::ellipse::{Local, Quadrature};
 use crate::hertz::{Groove, Hertz, Material, Member, contact_modulus};
 use crate::jones::Jones;
-use crate::layout::BALL;
+use crate::layout::{self, BALL};
 use crate::{Direction, Ellipse, Load, Outputs, Reason, Status, Wrench, pressed_radius};
 
 /// A ball screw whose balls touch nut and screw at one elastic contact each, at an operating point.
@@ -58,29 +61,22 @@ impl ElasticScrew {
         ]
     }
 
-    /// As [`pair`](Self::pair), for models in which friction takes part in the balance.
-    pub(crate) fn rough_pair(&self) -> Result<Pair, (Status, Reason)> {
+    /// Refuses a point without friction, for models in which friction takes part in the balance.
+    pub(crate) fn require_friction(&self) -> Result<(), (Status, Reason)> {
         if self.friction < LEAST_FRICTION {
             return Err((Status::InvalidInput, Reason::Frictionless));
         }
-        self.pair()
+        Ok(())
     }
 
     /// The point in units of ball radius, axial load per ball and relative speed (P1).
     pub(crate) fn pair(&self) -> Result<Pair, (Status, Reason)> {
         let invalid = |reason| (Status::InvalidInput, reason);
-        let speed = self.drive.relative_speed();
-        let direction = Direction::of(speed).ok_or_else(|| invalid(Reason::NoRelativeSpeed))?;
+        // Lengths in r_b, forces in F_a, speeds in |W|, Eq (R1)           (P1)
+        let OwnUnits { helix, ball, nut_speed, direction } =
+            OwnUnits::of(&self.helix, &self.ball, &self.drive, &self.load).map_err(invalid)?;
         let hertz = self.hertz().map_err(invalid)?;
-        let (r_b, w, load) = (self.ball.radius, speed.abs(), self.load.per_ball());
-        // Lengths in r_b, forces in F_a, speeds in |W|                    (P1)
-        let helix = Helix { radius: self.helix.radius / r_b, ..self.helix };
-        let mass = self.ball.mass * r_b * w * w / load;
-        let nut_speed = self.drive.nut_speed / w;
-        let inertia_ratio = mass * helix.radius;
-        if !(inertia_ratio.is_normal() && mass.is_normal() && nut_speed.is_finite()) {
-            return Err(invalid(Reason::InertiaOutOfRange { inertia_ratio }));
-        }
+        let (r_b, load) = (self.ball.radius, self.load.per_ball());
         let [nut_offset, screw_offset] = self.grooves().map(|groove| groove.offset(1.0));
         Ok(Pair {
             helix,
@@ -96,7 +92,7 @@ impl ElasticScrew {
                 pressed_radius(self.conformity.1, 1.0),
             ],
             friction: self.friction,
-            ball: Ball { radius: 1.0, mass },
+            ball,
             nut_speed,
             direction,
             hertz,
@@ -298,15 +294,26 @@ impl Pair {
         let radius = D::from(self.helix.radius);
         let left = newton_euler(&(nut + screw), &ball, radius, motion, &loaded.frame);
         // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (P5)
-        [
-            left.force.x,
-            left.force.y,
-            left.force.z,
-            left.moment.x,
-            left.moment.y,
-            left.moment.z,
-            axial_force(&nut.force, &loaded.frame) - 1.0,
-        ]
+        layout::rows(&left, axial_force(&nut.force, &loaded.frame) - 1.0)
+    }
+
+    /// Friction power of both ellipses at a motion relative to the nut (P7).
+    pub(crate) fn friction_power(
+        &self,
+        loaded: &Loaded<f64>,
+        to_nut: &Motion<f64>,
+        creep: f64,
+        quadrature: &Quadrature,
+    ) -> f64 {
+        let motions = self.relative(to_nut, &loaded.frame);
+        (0..2)
+            .map(|i| {
+                let local = Local::of(&motions[i], &loaded.contacts[i], self.arc);
+                let power = self.ellipse(i, loaded).power(&local, creep, quadrature);
+                // P_f = Σ f Q ∫ dP                                        (P7)
+                self.friction * loaded.loads[i] * power
+            })
+            .sum()
     }
 
     /// Motion relative to nut and to screw of a motion relative to the nut.

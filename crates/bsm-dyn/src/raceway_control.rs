@@ -10,7 +10,7 @@ use bsm_newton::{EvalError, MatMut, Options, Scales, System, Workspace, solve};
 use nalgebra::Vector3;
 
 use crate::balance::ideal_torque;
-use crate::ellipse::{Local, Quadrature};
+use crate::ellipse::Quadrature;
 use crate::jacobian::linearize;
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
 use crate::{Model, Outputs, Reason, Solution, Status};
@@ -228,30 +228,35 @@ impl RacewayControl {
     /// power of the slip that it leaves.
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
         let solved = self.screw.pair().and_then(|pair| {
-            let grip = Grip::of(&pair, self.control, &mut memory.newton)?;
-            self.outputs(&pair, &grip, &memory.quadrature)
+            let grip = memory.grip(&pair, self.control)?;
+            memory.outputs(&self.screw, &pair, &grip)
         });
         match solved {
             Ok(outputs) => Solution::converged(Model::RacewayControl, outputs),
             Err((status, reason)) => Solution::failed(Model::RacewayControl, status, reason),
         }
     }
+}
 
-    fn outputs(
+impl RacewayWorkspace {
+    /// The gripping ball.
+    pub(crate) fn grip(
+        &mut self,
+        pair: &Pair,
+        control: Option<Control>,
+    ) -> Result<Grip, (Status, Reason)> {
+        Grip::of(pair, control, &mut self.newton)
+    }
+
+    /// Its numbers.
+    pub(crate) fn outputs(
         &self,
+        screw: &ElasticScrew,
         pair: &Pair,
         grip: &Grip,
-        quadrature: &Quadrature,
     ) -> Result<Outputs, (Status, Reason)> {
-        let (screw, loaded) = (&self.screw, &grip.loaded);
-        let motions = pair.relative(&grip.to_nut, &loaded.frame);
-        let friction_power: f64 = (0..2)
-            .map(|i| {
-                let ellipse = pair.ellipse(i, loaded);
-                let local = Local::of(&motions[i], &loaded.contacts[i], pair.arc);
-                pair.friction * loaded.loads[i] * ellipse.power(&local, CREEP, quadrature)
-            })
-            .sum();
+        let (loaded, quadrature) = (&grip.loaded, &self.quadrature);
+        let friction_power = pair.friction_power(loaded, &grip.to_nut, CREEP, quadrature);
         let mut outputs = screw.describe(pair, loaded, &grip.to_nut)?;
         let ideal = ideal_torque(screw.load.axial, screw.helix.radius, screw.helix.lead_angle);
         // T = T₀ + P_f/W                                                  (W8)

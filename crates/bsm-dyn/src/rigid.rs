@@ -15,7 +15,7 @@ pub use self::root::RigidWorkspace;
 use self::root::{NoRoot, Root};
 pub use self::scaled::Unknowns as RigidUnknowns;
 use self::scaled::{Scaled, State, Unknowns};
-use crate::balance::{Ball, POWER_BALANCE_TOL, ideal_torque, torque};
+use crate::balance::{Ball, OwnUnits, POWER_BALANCE_TOL, ideal_torque, torque};
 use crate::layout::BALL;
 use crate::layout::unknown::{
     MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
@@ -105,21 +105,13 @@ impl Rigid {
     /// The point in the model's own units, or why there is none.
     fn scaled(&self) -> Result<Scaled<f64>, NoRoot> {
         let invalid = |reason| NoRoot { status: Status::InvalidInput, reason };
-        let speed = self.drive.relative_speed();
-        let direction = Direction::of(speed).ok_or_else(|| invalid(Reason::NoRelativeSpeed))?;
+        let OwnUnits { helix, ball, nut_speed, direction } =
+            OwnUnits::of(&self.helix, &self.ball, &self.drive, &self.load).map_err(invalid)?;
         if self.friction <= 0.0 {
             return Err(invalid(Reason::Frictionless));
         }
-        let (r_b, w) = (self.ball.radius, speed.abs());
-        // Lengths in r_b, forces in F_a, speeds in |W|                    (R1)
-        let helix = Helix { radius: self.helix.radius / r_b, ..self.helix };
-        let mass = self.ball.mass * r_b * w * w / self.load.per_ball();
-        let nut_speed = self.drive.nut_speed / w;
-        let inertia_ratio = mass * helix.radius;
-        if !(inertia_ratio.is_normal() && mass.is_normal() && nut_speed.is_finite()) {
-            return Err(invalid(Reason::InertiaOutOfRange { inertia_ratio }));
-        }
-        Ok(Scaled::new(helix, self.contact_angle, self.friction, mass, nut_speed, direction.sign()))
+        let (beta, sign) = (self.contact_angle, direction.sign());
+        Ok(Scaled::new(helix, beta, self.friction, ball.mass, nut_speed, sign))
     }
 
     /// The first-order solution, which also tells whether a root exists.

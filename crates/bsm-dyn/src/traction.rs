@@ -1,6 +1,6 @@
 //! Rolling, partial and gross slip in one model: friction integrated over the contact ellipses.
 //!
-//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T4).
+//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T3).
 
 use std::num::NonZeroUsize;
 
@@ -127,21 +127,6 @@ struct Root {
 }
 
 impl Rolling<'_> {
-    /// Friction power of both contacts.
-    fn power(&self, state: &State<f64>) -> f64 {
-        let pair = self.pair;
-        let motions = pair.relative(&state.to_nut, &state.loaded.frame);
-        (0..2)
-            .map(|i| {
-                let local = Local::of(&motions[i], &state.loaded.contacts[i], pair.arc);
-                let ellipse = pair.ellipse(i, &state.loaded);
-                let power = ellipse.power(&local, self.creep, self.quadrature);
-                // P_f = Σ f Q ∫ dP                                         (T3)
-                pair.friction * state.loaded.loads[i] * power
-            })
-            .sum()
-    }
-
     /// The root, from a root near by, from the gripping ball or from the skidding one; if none of
     /// them leads to it, from friction that is nearly proportional to the slip.
     fn find(
@@ -190,7 +175,7 @@ impl Rolling<'_> {
 
     /// One damped Newton solve from `y`.
     fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
-        // D_F = diag(w, w, w, w/f, w/f, w/f, w),  w = 1/max(1, μ)          (T4)
+        // D_F = diag(w, w, w, w/f, w/f, w/f, w),  w = 1/max(1, μ)          (T3)
         let force = self.pair.inertia_ratio().max(1.0).recip();
         let moment = force / self.pair.friction.min(1.0);
         let weights = [force, force, force, moment, moment, moment, force];
@@ -252,7 +237,13 @@ impl System for Rolling<'_> {
 impl Traction {
     /// Solves for the steady motion of the ball.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
-        match self.start(work).and_then(|start| self.outputs(&start, None, work)) {
+        let found = self.screw.require_friction().and_then(|()| {
+            let pair = self.screw.pair()?;
+            let grip = Grip::of(&pair, None, &mut work.statics);
+            let start = Start::new(&pair, grip.ok())?;
+            self.outputs(&start, None, work)
+        });
+        match found {
             Ok(Found { outputs, .. }) => Solution::converged(Model::Traction, outputs),
             Err((status, reason)) => Solution::failed(Model::Traction, status, reason),
         }
@@ -266,28 +257,25 @@ impl Traction {
     /// order has no root, the last one that has is returned, with the whole loss as its error.
     pub(crate) fn solve_to(
         &self,
+        start: &Start<'_>,
         tolerance: f64,
         finest: NonZeroUsize,
         work: &mut TractionWorkspace,
     ) -> Result<(Outputs, NonZeroUsize, f64), (Status, Reason)> {
         let mut case = Self { order: COARSEST, ..*self };
-        let start = self.start(work)?;
-        let mut found = case.outputs(&start, None, work);
+        let mut found = case.outputs(start, None, work);
         // A coarse quadrature may have no root where a finer one has.
         while found.is_err() && case.order < finest {
             case.order = case.order.saturating_mul(TWO).min(finest);
-            found = case.outputs(&start, None, work);
+            found = case.outputs(start, None, work);
         }
         let mut found = found?;
         let eta = |found: &Found| found.outputs.efficiency.unwrap_or(f64::NAN);
         let mut error = (1.0 - eta(&found)).abs();
         let mut steps = found.outputs.iterations.unwrap_or(0);
-        loop {
-            if case.order >= finest {
-                break;
-            }
+        while case.order < finest {
             let finer = Self { order: case.order.saturating_mul(TWO).min(finest), ..case };
-            let Ok(next) = finer.outputs(&start, Some(&found.unknowns), work) else { break };
+            let Ok(next) = finer.outputs(start, Some(&found.unknowns), work) else { break };
             #[expect(clippy::cast_precision_loss, reason = "a small count")]
             let order = finer.order.get() as f64;
             // |η_n − η_{n/2}| + |1 − η|/n³ + 5·10⁻⁷                        (A6)
@@ -303,17 +291,10 @@ impl Traction {
         Ok((found.outputs, case.order, error))
     }
 
-    /// What does not depend on the quadrature.
-    fn start(&self, work: &mut TractionWorkspace) -> Result<Start, (Status, Reason)> {
-        let pair = self.screw.rough_pair()?;
-        let grip = Grip::of(&pair, None, &mut work.statics).or_else(|_| Grip::guess(&pair))?;
-        Ok(Start { pair, grip })
-    }
-
     /// The root and its numbers, from the root of another order if there is one.
     fn outputs(
         &self,
-        Start { pair, grip }: &Start,
+        Start { pair, grip }: &Start<'_>,
         from: Option<&[f64; BALL]>,
         work: &mut TractionWorkspace,
     ) -> Result<Found, (Status, Reason)> {
@@ -323,7 +304,8 @@ impl Traction {
         let Root { unknowns, steps, residual } = system.find(grip, from, &mut work.newton)?;
         let state = system.state(&unknowns).expect("the residual was evaluated at the root");
         let mut outputs = self.screw.describe(pair, &state.loaded, &state.to_nut)?;
-        let (frame, power) = (&state.loaded.frame, system.power(&state));
+        let power = pair.friction_power(&state.loaded, &state.to_nut, self.creep, quadrature);
+        let frame = &state.loaded.frame;
         self.screw.transmit(&mut outputs, pair, frame, &state.wrench[1], power)?;
         outputs.set_regime(grip.skid_number(pair), grip.cross_slip(pair));
         outputs.iterations = Some(grip.steps + steps);
@@ -332,10 +314,17 @@ impl Traction {
     }
 }
 
-/// A point and the gripping ball that it starts from.
-struct Start {
-    pair: Pair,
+/// A point and the gripping ball that it starts from: what does not depend on the quadrature.
+pub(crate) struct Start<'a> {
+    pair: &'a Pair,
     grip: Grip,
+}
+
+impl<'a> Start<'a> {
+    /// From a gripping ball, or from a guess where there is none.
+    pub(crate) fn new(pair: &'a Pair, grip: Option<Grip>) -> Result<Self, (Status, Reason)> {
+        Ok(Self { pair, grip: grip.map_or_else(|| Grip::guess(pair), Ok)? })
+    }
 }
 
 /// A root and its numbers.

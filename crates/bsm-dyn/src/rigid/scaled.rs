@@ -137,15 +137,7 @@ impl<D: Scalar> Scaled<D> {
         let left =
             newton_euler(&(nut + b), &self.ball, self.helix.radius, &state.motion, &self.frame);
         // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (R8)
-        Ok(Unknowns::from([
-            left.force.x,
-            left.force.y,
-            left.force.z,
-            left.moment.x,
-            left.moment.y,
-            left.moment.z,
-            axial_force(&nut.force, &self.frame) - 1.0,
-        ]))
+        Ok(layout::rows(&left, axial_force(&nut.force, &self.frame) - 1.0).into())
     }
 }
 
