@@ -4,7 +4,14 @@
 //! here depends on the number of rows, so that memory stays flat whatever the size, nor on the
 //! number of threads, so that results do not either.
 
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
 mod error;
+mod kernel;
+mod operand;
 mod parquet_table;
 mod rows;
 mod solve;
@@ -13,7 +20,7 @@ mod text;
 
 pub use error::TableError;
 pub use parquet_table::{ParquetSink, ParquetSource};
-pub use rows::{Answers, Cell, Chunk, Columns};
+pub use rows::{Answers, Cell, Chunk, Column, Columns, Verdict};
 pub use solve::solve;
 pub use source::{GridSource, Source};
 pub use text::{CsvSink, CsvSource, JsonSink, JsonSource};

@@ -9,14 +9,14 @@ use arrow_array::types::Float64Type;
 use arrow_array::{ArrayRef, BooleanArray, Float64Array, RecordBatch, StringArray, UInt64Array};
 use arrow_cast::cast;
 use arrow_schema::{DataType, Field, Schema};
-use bsm_case::{Cell as Answer, INPUTS, Output};
+use bsm_case::{INPUTS, Output};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::ChunkReader;
 
-use crate::rows::{Answers, Cell, Chunk, Columns};
+use crate::rows::{Answers, Cell, Chunk, Column, Columns};
 use crate::{Sink, Source, TableError};
 
 /// Rows of a Parquet table.
@@ -94,7 +94,7 @@ impl Source for ParquetSource {
 }
 
 /// Appends a column of numbers; null is not given.
-fn numbers(column: &ArrayRef, cells: &mut Vec<Cell>) -> Result<(), TableError> {
+fn numbers(column: &ArrayRef, cells: &mut Column) -> Result<(), TableError> {
     let column = cast(column, &DataType::Float64)?;
     let values = column.as_primitive::<Float64Type>();
     cells.extend(values.iter().map(|x| x.map_or(Cell::Missing, Cell::Number)));
@@ -113,6 +113,7 @@ fn words(column: &ArrayRef, cells: &mut Vec<String>) -> Result<(), TableError> {
 pub struct ParquetSink<W: Write + Send> {
     writer: ArrowWriter<W>,
     schema: Arc<Schema>,
+    outputs: Vec<&'static Output>,
 }
 
 impl<W: Write + Send> ParquetSink<W> {
@@ -121,7 +122,11 @@ impl<W: Write + Send> ParquetSink<W> {
     /// # Errors
     ///
     /// [`TableError`].
-    pub fn new(writer: W, columns: &Columns, outputs: &[&Output]) -> Result<Self, TableError> {
+    pub fn new(
+        writer: W,
+        columns: &Columns,
+        outputs: &[&'static Output],
+    ) -> Result<Self, TableError> {
         let unit = |unit: &str| HashMap::from([("unit".to_owned(), unit.to_owned())]);
         let kept = columns.kept.iter().map(|name| Field::new(name, DataType::Utf8, true));
         let inputs = columns.inputs.iter().map(|name| {
@@ -142,7 +147,7 @@ impl<W: Write + Send> ParquetSink<W> {
         let schema = Arc::new(Schema::new(fields));
         let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
         let writer = ArrowWriter::try_new(writer, schema.clone(), Some(properties))?;
-        Ok(Self { writer, schema })
+        Ok(Self { writer, schema, outputs: outputs.to_vec() })
     }
 
     /// Writes what is left and the footer, and returns the writer.
@@ -156,52 +161,36 @@ impl<W: Write + Send> ParquetSink<W> {
 }
 
 impl<W: Write + Send> Sink for ParquetSink<W> {
-    fn write(&mut self, chunk: &Chunk, answers: &Answers<'_>) -> Result<(), TableError> {
-        let records = answers.records;
+    fn write(&mut self, chunk: &Chunk, answers: &Answers) -> Result<(), TableError> {
+        let verdicts = &answers.verdicts;
         let mut arrays: Vec<ArrayRef> = Vec::with_capacity(self.schema.fields().len());
-        for cells in &chunk.kept {
-            arrays.push(Arc::new(StringArray::from_iter_values(cells)));
+        for texts in &chunk.kept {
+            arrays.push(Arc::new(StringArray::from_iter_values(texts)));
         }
-        for cells in &chunk.inputs {
-            let values = cells.iter().map(|cell| match cell {
-                Cell::Number(value) => Some(*value),
+        for column in &chunk.inputs {
+            let values = column.cells().map(|cell| match cell {
+                Cell::Number(value) => Some(value),
                 Cell::Missing | Cell::Text(_) => None,
             });
             arrays.push(Arc::new(values.collect::<Float64Array>()));
         }
-        let models = records.iter().map(|record| record.model().name());
+        let models = verdicts.iter().map(|verdict| verdict.model.name());
         arrays.push(Arc::new(StringArray::from_iter_values(models)));
-        let statuses = records.iter().map(bsm_case::Record::status_name);
+        let statuses = verdicts.iter().map(|verdict| verdict.status.name());
         arrays.push(Arc::new(StringArray::from_iter_values(statuses)));
-        let messages = records.iter().map(bsm_case::Record::message);
+        let messages = verdicts.iter().map(|verdict| verdict.message.as_deref());
         arrays.push(Arc::new(messages.collect::<StringArray>()));
-        for output in answers.outputs {
-            let cells = records.iter().map(|record| record.cell(output));
+        for (output, column) in self.outputs.iter().zip(&answers.columns) {
+            let values = column.iter().map(|x| (!x.is_nan()).then_some(*x));
             arrays.push(match output.json_type {
-                "integer" => Arc::new(
-                    cells
-                        .map(|cell| match cell {
-                            Some(Answer::Count(n)) => Some(n as u64),
-                            _ => None,
-                        })
-                        .collect::<UInt64Array>(),
-                ),
-                "boolean" => Arc::new(
-                    cells
-                        .map(|cell| match cell {
-                            Some(Answer::Flag(flag)) => Some(flag),
-                            _ => None,
-                        })
-                        .collect::<BooleanArray>(),
-                ),
-                _ => Arc::new(
-                    cells
-                        .map(|cell| match cell {
-                            Some(Answer::Number(value)) => Some(value),
-                            _ => None,
-                        })
-                        .collect::<Float64Array>(),
-                ),
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "small counts"
+                )]
+                "integer" => Arc::new(values.map(|x| x.map(|x| x as u64)).collect::<UInt64Array>()),
+                "boolean" => Arc::new(values.map(|x| x.map(|x| x > 0.5)).collect::<BooleanArray>()),
+                _ => Arc::new(values.collect::<Float64Array>()),
             });
         }
         self.writer.write(&RecordBatch::try_new(self.schema.clone(), arrays)?)?;

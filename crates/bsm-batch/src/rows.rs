@@ -1,6 +1,7 @@
 //! Rows in memory: a chunk of them by columns, and their answers.
 
-use bsm_case::{INPUTS, OUTPUTS, Output, Record, nearest_input};
+use bsm_case::{INPUTS, ModelChoice, OUTPUTS, Output, Record, nearest_input};
+use bsm_dyn::Status;
 
 use crate::TableError;
 
@@ -63,6 +64,58 @@ impl Columns {
     }
 }
 
+/// The values of an input.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Column {
+    /// Numbers, NaN where there is none.
+    values: Vec<f64>,
+    /// What is no number, by row.
+    odd: Vec<(usize, Cell)>,
+}
+
+impl Column {
+    /// A column with room for some rows.
+    pub(crate) fn with_capacity(rows: usize) -> Self {
+        Self { values: Vec::with_capacity(rows), odd: Vec::new() }
+    }
+
+    /// Appends a value.
+    pub fn push(&mut self, cell: Cell) {
+        if let Cell::Number(value) = cell {
+            self.values.push(value);
+        } else {
+            self.odd.push((self.values.len(), cell));
+            self.values.push(f64::NAN);
+        }
+    }
+
+    /// The value of a row.
+    pub fn cell(&self, row: usize) -> Cell {
+        match self.odd.binary_search_by_key(&row, |(odd, _)| *odd) {
+            Ok(place) => self.odd[place].1.clone(),
+            Err(_) => Cell::Number(self.values[row]),
+        }
+    }
+
+    /// The numbers, NaN where there is none.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// All values.
+    pub fn cells(&self) -> impl Iterator<Item = Cell> {
+        (0..self.values.len()).map(|row| self.cell(row))
+    }
+}
+
+impl Extend<Cell> for Column {
+    fn extend<I: IntoIterator<Item = Cell>>(&mut self, cells: I) {
+        for cell in cells {
+            self.push(cell);
+        }
+    }
+}
+
 /// Some rows of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chunk {
@@ -70,8 +123,8 @@ pub struct Chunk {
     pub first: u64,
     /// Number of rows.
     pub len: usize,
-    /// Values of each input, by column.
-    pub inputs: Vec<Vec<Cell>>,
+    /// Values of each input.
+    pub inputs: Vec<Column>,
     /// Values of each column that is carried through.
     pub kept: Vec<Vec<String>>,
 }
@@ -82,7 +135,7 @@ impl Chunk {
         Self {
             first,
             len: 0,
-            inputs: vec![Vec::with_capacity(rows); columns.inputs.len()],
+            inputs: vec![Column::with_capacity(rows); columns.inputs.len()],
             kept: vec![Vec::with_capacity(rows); columns.kept.len()],
         }
     }
@@ -92,28 +145,59 @@ impl Chunk {
     }
 }
 
-/// The answers of a chunk, and which of their columns are wanted.
-#[derive(Clone, Copy)]
-pub struct Answers<'a> {
-    /// One for each row.
-    pub records: &'a [Record],
-    /// Outputs to write.
-    pub outputs: &'a [&'static Output],
+/// How a row was answered.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    /// The model that answered, or that was to be asked.
+    pub model: ModelChoice,
+    /// How the solve ended.
+    pub status: Status,
+    /// Why there is no result, or why auto chose this model.
+    pub message: Option<Box<str>>,
 }
 
-impl Answers<'_> {
+/// The answers of a chunk: a verdict for each row, and columns of outputs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answers {
+    /// One for each row.
+    pub verdicts: Vec<Verdict>,
+    /// The outputs that were asked for, in their order: numbers, counts, and 0 or 1 for no and
+    /// yes; NaN where there is none.
+    pub columns: Vec<Vec<f64>>,
+}
+
+impl Answers {
+    /// Room for the answers of some rows.
+    pub(crate) fn empty(rows: usize, outputs: usize, model: ModelChoice) -> Self {
+        let verdict = Verdict { model, status: Status::Converged, message: None };
+        Self { verdicts: vec![verdict; rows], columns: vec![vec![f64::NAN; rows]; outputs] }
+    }
+
     /// All outputs, or those of a selection, in its order.
     ///
     /// # Errors
     ///
-    /// [`TableError::UnknownOutput`].
+    /// [`TableError::UnknownOutput`], [`TableError::RepeatedColumn`].
     pub fn select(names: Option<&[String]>) -> Result<Vec<&'static Output>, TableError> {
         let Some(names) = names else { return Ok(OUTPUTS.iter().collect()) };
-        names
-            .iter()
-            .map(|name| {
-                Output::named(name).ok_or_else(|| TableError::UnknownOutput { name: name.clone() })
-            })
-            .collect()
+        let mut selected: Vec<&'static Output> = Vec::with_capacity(names.len());
+        for name in names {
+            let output = Output::named(name)
+                .ok_or_else(|| TableError::UnknownOutput { name: name.clone() })?;
+            if selected.iter().any(|other| other.key == output.key) {
+                return Err(TableError::RepeatedColumn { name: name.clone() });
+            }
+            selected.push(output);
+        }
+        Ok(selected)
+    }
+}
+
+impl Verdict {
+    /// Of the answer of a model.
+    pub(crate) fn of(record: &Record) -> Self {
+        let message = record.message().map(Into::into);
+        let message = message.or_else(|| record.choice().map(String::into_boxed_str));
+        Self { model: record.model(), status: record.status(), message }
     }
 }

@@ -1,40 +1,93 @@
 //! Answers for a chunk of rows.
 
-use bsm_case::{CaseError, Record, Scene, Settings};
+use bsm_case::{CaseError, Cell as Answer, Output, Record, Scene, Settings};
 use bsm_dyn::ModelWorkspace;
 use rayon::prelude::*;
 
-use crate::rows::{Cell, Chunk, Columns};
+use crate::kernel::{Rows, Wanted};
+use crate::operand::Operands;
+use crate::rows::{Answers, Cell, Chunk, Columns, Verdict};
 
 /// Rows that one thread takes at a time.
-const STRIDE: usize = 64;
+const STRIDE: usize = 256;
+
+/// Some rows of a chunk.
+struct Part<'a> {
+    /// The first of them in the chunk.
+    first: usize,
+    verdicts: &'a mut [Verdict],
+    columns: Vec<&'a mut [f64]>,
+}
 
 /// One answer for each row, in order: `base` with the values of the row.
 ///
 /// A row that cannot be asked keeps its place with the status `invalid_input` and says why.
-pub fn solve(chunk: &Chunk, columns: &Columns, base: &Scene, settings: &Settings) -> Vec<Record> {
-    (0..chunk.len)
-        .into_par_iter()
-        .with_min_len(STRIDE)
-        .map_init(ModelWorkspace::default, |work, row| {
-            let problem =
-                scene(chunk, columns, base, row).and_then(|scene| scene.problem(settings));
-            match problem {
+/// Results do not depend on chunk, thread or instruction set.
+pub fn solve(
+    chunk: &Chunk,
+    columns: &Columns,
+    base: &Scene,
+    settings: &Settings,
+    outputs: &[&Output],
+) -> Answers {
+    let wanted = Wanted::of(outputs);
+    let operands = Operands::of(chunk, columns, base, settings.model);
+    let model = operands.as_ref().map_or(settings.model, |(_, model)| (*model).into());
+    let mut answers = Answers::empty(chunk.len, outputs.len(), model);
+
+    let mut pieces: Vec<_> = answers.columns.iter_mut().map(|c| c.chunks_mut(STRIDE)).collect();
+    let parts: Vec<_> = answers
+        .verdicts
+        .chunks_mut(STRIDE)
+        .enumerate()
+        .map(|(i, verdicts)| Part {
+            first: i * STRIDE,
+            verdicts,
+            columns: pieces.iter_mut().filter_map(Iterator::next).collect(),
+        })
+        .collect();
+    parts.into_par_iter().for_each_init(ModelWorkspace::default, |work, mut part| {
+        let mut done = [false; STRIDE];
+        let done = &mut done[..part.verdicts.len()];
+        if let Some((operands, model)) = &operands {
+            let (wanted, columns) = (&wanted, &mut part.columns[..]);
+            let rows = Rows { operands, wanted, first: part.first, columns, done: &mut *done };
+            rows.solve(*model, settings);
+        }
+        for (row, _) in done.iter().enumerate().filter(|(_, done)| !**done) {
+            let problem = scene(chunk, columns, base, part.first + row)
+                .and_then(|scene| scene.problem(settings));
+            let record = match problem {
                 Ok(problem) => Record::new(problem.solve(work)),
                 Err(error) => Record::invalid(settings.model, &error),
+            };
+            part.verdicts[row] = Verdict::of(&record);
+            for (output, column) in outputs.iter().zip(&mut part.columns) {
+                column[row] = record.cell(output).map_or(f64::NAN, number);
             }
-        })
-        .collect()
+        }
+    });
+    answers
+}
+
+/// A value as it stands in a column.
+fn number(value: Answer) -> f64 {
+    match value {
+        Answer::Number(x) => x,
+        #[expect(clippy::cast_precision_loss, reason = "small counts")]
+        Answer::Count(n) => n as f64,
+        Answer::Flag(yes) => f64::from(u8::from(yes)),
+    }
 }
 
 /// The scene of a row.
 fn scene(chunk: &Chunk, columns: &Columns, base: &Scene, row: usize) -> Result<Scene, CaseError> {
     let mut scene = base.clone();
-    for (name, cells) in columns.inputs.iter().zip(&chunk.inputs) {
-        match &cells[row] {
+    for (name, column) in columns.inputs.iter().zip(&chunk.inputs) {
+        match column.cell(row) {
             Cell::Missing => {}
-            Cell::Number(value) => scene.set(name, *value)?,
-            Cell::Text(text) => return Err(CaseError::not_a_number(name, text)),
+            Cell::Number(value) => scene.set(name, value)?,
+            Cell::Text(text) => return Err(CaseError::not_a_number(name, &text)),
         }
     }
     Ok(scene)

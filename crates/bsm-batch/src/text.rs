@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, Read, Write};
 
-use bsm_case::{Cell as Answer, Output, Record};
+use bsm_case::Output;
 use serde_json::{Map, Value, json};
 
 use crate::rows::{Answers, Cell, Chunk, Columns};
@@ -149,6 +149,7 @@ impl<R: BufRead> Source for JsonSource<R> {
 /// CSV with the columns of the source, then model, status, message and outputs.
 pub struct CsvSink<W: Write> {
     writer: csv::Writer<W>,
+    outputs: Vec<&'static Output>,
 }
 
 impl<W: Write> CsvSink<W> {
@@ -157,13 +158,17 @@ impl<W: Write> CsvSink<W> {
     /// # Errors
     ///
     /// [`TableError::Io`].
-    pub fn new(writer: W, columns: &Columns, outputs: &[&Output]) -> Result<Self, TableError> {
+    pub fn new(
+        writer: W,
+        columns: &Columns,
+        outputs: &[&'static Output],
+    ) -> Result<Self, TableError> {
         let mut writer = csv::Writer::from_writer(writer);
         let kept = columns.kept.iter().map(String::as_str);
         let names = kept.chain(columns.inputs.iter().copied());
         let words = ["model", "status", "message"];
         writer.write_record(names.chain(words).chain(outputs.iter().map(|o| o.name)))?;
-        Ok(Self { writer })
+        Ok(Self { writer, outputs: outputs.to_vec() })
     }
 
     /// The writer, all rows written.
@@ -177,23 +182,26 @@ impl<W: Write> CsvSink<W> {
 }
 
 impl<W: Write> Sink for CsvSink<W> {
-    fn write(&mut self, chunk: &Chunk, answers: &Answers<'_>) -> Result<(), TableError> {
-        for (row, record) in answers.records.iter().enumerate() {
-            for cells in &chunk.kept {
-                self.writer.write_field(&cells[row])?;
+    fn write(&mut self, chunk: &Chunk, answers: &Answers) -> Result<(), TableError> {
+        for (row, verdict) in answers.verdicts.iter().enumerate() {
+            for texts in &chunk.kept {
+                self.writer.write_field(&texts[row])?;
             }
-            for cells in &chunk.inputs {
-                match &cells[row] {
+            for column in &chunk.inputs {
+                match column.cell(row) {
                     Cell::Missing => self.writer.write_field("")?,
                     Cell::Number(value) => self.writer.write_field(value.to_string())?,
                     Cell::Text(text) => self.writer.write_field(text)?,
                 }
             }
-            self.writer.write_field(record.model().name())?;
-            self.writer.write_field(record.status_name())?;
-            self.writer.write_field(record.message().unwrap_or_default())?;
-            for output in answers.outputs {
-                self.writer.write_field(text(record.cell(output)))?;
+            self.writer.write_field(verdict.model.name())?;
+            self.writer.write_field(verdict.status.name())?;
+            self.writer.write_field(verdict.message.as_deref().unwrap_or_default())?;
+            for (output, column) in self.outputs.iter().zip(&answers.columns) {
+                match json(output, column[row]) {
+                    Value::Null => self.writer.write_field("")?,
+                    value => self.writer.write_field(value.to_string())?,
+                }
             }
             self.writer.write_record(None::<&[u8]>)?;
         }
@@ -201,13 +209,14 @@ impl<W: Write> Sink for CsvSink<W> {
     }
 }
 
-/// A value in a CSV cell; what is not there is empty.
-fn text(cell: Option<Answer>) -> String {
-    match cell {
-        None => String::new(),
-        Some(Answer::Number(x)) => json!(x).to_string(),
-        Some(Answer::Count(n)) => n.to_string(),
-        Some(Answer::Flag(b)) => b.to_string(),
+/// A value of an output; null where there is none.
+fn json(output: &Output, value: f64) -> Value {
+    match output.json_type {
+        _ if value.is_nan() => Value::Null,
+        #[expect(clippy::cast_possible_truncation, reason = "small counts")]
+        "integer" => json!(value as i64),
+        "boolean" => json!(value > 0.5),
+        _ => json!(value),
     }
 }
 
@@ -215,12 +224,13 @@ fn text(cell: Option<Answer>) -> String {
 pub struct JsonSink<W> {
     writer: W,
     columns: Columns,
+    outputs: Vec<&'static Output>,
 }
 
 impl<W: Write> JsonSink<W> {
     /// Rows of these columns.
-    pub fn new(writer: W, columns: Columns) -> Self {
-        Self { writer, columns }
+    pub fn new(writer: W, columns: Columns, outputs: &[&'static Output]) -> Self {
+        Self { writer, columns, outputs: outputs.to_vec() }
     }
 
     /// The writer.
@@ -230,35 +240,30 @@ impl<W: Write> JsonSink<W> {
 }
 
 impl<W: Write> Sink for JsonSink<W> {
-    fn write(&mut self, chunk: &Chunk, answers: &Answers<'_>) -> Result<(), TableError> {
-        for (row, record) in answers.records.iter().enumerate() {
+    fn write(&mut self, chunk: &Chunk, answers: &Answers) -> Result<(), TableError> {
+        for (row, verdict) in answers.verdicts.iter().enumerate() {
             let mut line = Map::new();
-            for (name, cells) in self.columns.kept.iter().zip(&chunk.kept) {
-                line.insert(name.clone(), json!(cells[row]));
+            for (name, texts) in self.columns.kept.iter().zip(&chunk.kept) {
+                line.insert(name.clone(), json!(texts[row]));
             }
-            for (name, cells) in self.columns.inputs.iter().zip(&chunk.inputs) {
+            for (name, column) in self.columns.inputs.iter().zip(&chunk.inputs) {
                 line.insert(
                     (*name).to_owned(),
-                    match &cells[row] {
+                    match column.cell(row) {
                         Cell::Missing => Value::Null,
                         Cell::Number(value) => json!(value),
                         Cell::Text(text) => json!(text),
                     },
                 );
             }
-            line.extend(selected(record, answers.outputs));
+            line.insert("model".to_owned(), json!(verdict.model.name()));
+            line.insert("status".to_owned(), json!(verdict.status.name()));
+            line.insert("message".to_owned(), json!(verdict.message));
+            for (output, column) in self.outputs.iter().zip(&answers.columns) {
+                line.insert(output.name.to_owned(), json(output, column[row]));
+            }
             writeln!(self.writer, "{}", Value::Object(line))?;
         }
         Ok(())
     }
-}
-
-/// The words of a record and its selected outputs.
-fn selected(record: &Record, outputs: &[&'static Output]) -> Map<String, Value> {
-    let mut all = record.to_json();
-    let wanted = |name: &str| {
-        Output::named(name).is_none() || outputs.iter().any(|output| output.name == name)
-    };
-    all.retain(|name, _| wanted(name));
-    all
 }

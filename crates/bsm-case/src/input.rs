@@ -72,7 +72,21 @@ macro_rules! inputs {
             about: $about,
         },)*];
 
+        /// An input as a number: its place in [`INPUTS`].
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
+        pub enum InputKey {
+            $(#[doc = $about] $name,)*
+        }
+
         impl Scene {
+            /// The value of an input, or else its default.
+            pub fn value_or_default(&self, key: InputKey) -> Option<f64> {
+                match key {
+                    $(InputKey::$name => self.$name.or($default),)*
+                }
+            }
+
             /// The place of an input, or `None` if there is no such input.
             pub(crate) fn slot(&mut self, name: &str) -> Option<&mut Option<f64>> {
                 match name {

@@ -13,13 +13,13 @@ mod problem;
 mod record;
 mod scene;
 mod schema;
-mod units;
+pub mod units;
 
 pub use error::CaseError;
 pub use grid::{Axis, Grid};
-pub use input::{INPUTS, Input, Rule, Scene};
+pub use input::{INPUTS, Input, InputKey, Rule, Scene};
 pub use optimum::OptimumReport;
-pub use output::{Cell, OUTPUTS, Output};
+pub use output::{Cell, OUTPUTS, Output, OutputKey};
 pub use problem::{ModelChoice, Settings, required_inputs};
 pub use record::Record;
 pub use scene::nearest_input;

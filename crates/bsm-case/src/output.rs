@@ -26,6 +26,8 @@ pub struct Output {
     pub json_type: &'static str,
     /// Meaning.
     pub about: &'static str,
+    /// Place in [`OUTPUTS`].
+    pub key: OutputKey,
     read: fn(&Outputs) -> Option<Cell>,
 }
 
@@ -49,8 +51,16 @@ macro_rules! outputs {
             unit: $unit,
             json_type: outputs!(@json $kind),
             about: $about,
+            key: OutputKey::$name,
             read: |outputs| outputs.$field.map(|value| Cell::$kind(value $(/ $factor)?)),
         },)*];
+
+        /// An output as a number: its place in [`OUTPUTS`].
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
+        pub enum OutputKey {
+            $(#[doc = $about] $name,)*
+        }
     };
     (@json Number) => { "number" };
     (@json Count) => { "integer" };

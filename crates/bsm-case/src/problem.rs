@@ -9,7 +9,7 @@ use bsm_dyn::{
 use bsm_kin::{Drive, Helix};
 
 use crate::units::{DEG, GPA, MM, RPM};
-use crate::{CaseError, INPUTS, Scene};
+use crate::{CaseError, InputKey, Scene};
 
 /// The model to solve with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -81,16 +81,6 @@ impl Default for Settings {
             quadrature: Traction::ORDER,
             creep: Traction::CREEP,
             control: None,
-        }
-    }
-}
-
-impl Settings {
-    /// The model with the fewest inputs that the choice may come to.
-    pub fn least_model(&self) -> Model {
-        match self.model {
-            ModelChoice::Auto => Model::ClosedForm,
-            ModelChoice::Fixed(model) => model,
         }
     }
 }
@@ -213,7 +203,7 @@ impl Scene {
         Ok(match model {
             Model::ClosedForm => Problem::ClosedForm(ClosedForm {
                 angles: self.angles(),
-                friction: self.value("friction_coefficient"),
+                friction: self.value(InputKey::friction_coefficient),
                 direction: self.direction(),
                 transmission: self.transmission(),
             }),
@@ -233,15 +223,14 @@ impl Scene {
     }
 
     /// A given or default value; the caller has asked [`choose`](Self::choose) before.
-    fn value(&self, name: &str) -> f64 {
-        let default = || INPUTS.iter().find(|input| input.name == name)?.default;
-        self.get(name).or_else(default).expect("required inputs were checked")
+    fn value(&self, key: InputKey) -> f64 {
+        self.value_or_default(key).expect("required inputs were checked")
     }
 
     fn angles(&self) -> Angles<f64> {
         Angles {
             lead: self.lead_angle().expect("required inputs were checked"),
-            contact: self.value("contact_angle_deg") * DEG,
+            contact: self.value(InputKey::contact_angle_deg) * DEG,
         }
     }
 
@@ -270,7 +259,7 @@ impl Scene {
     }
 
     fn quasi_static(&self) -> QuasiStatic {
-        let ball = self.value("ball_diameter_mm");
+        let ball = self.value(InputKey::ball_diameter_mm);
         let driven = match self.speeds_rpm() {
             Some((screw, nut)) if screw == 0.0 && nut != 0.0 => Driven::Nut,
             Some((_, nut)) if nut != 0.0 => Driven::Both,
@@ -278,9 +267,9 @@ impl Scene {
         };
         QuasiStatic {
             angles: self.angles(),
-            friction: self.value("friction_coefficient"),
-            size_ratio: ball / self.value("pitch_circle_diameter_mm"),
-            rolling_ratio: self.value("rolling_friction_mm") / (0.5 * ball),
+            friction: self.value(InputKey::friction_coefficient),
+            size_ratio: ball / self.value(InputKey::pitch_circle_diameter_mm),
+            rolling_ratio: self.value(InputKey::rolling_friction_mm) / (0.5 * ball),
             driven,
             direction: self.direction(),
             transmission: self.transmission(),
@@ -290,8 +279,8 @@ impl Scene {
     fn elastic_screw(&self) -> ElasticScrew {
         let Rigid { helix, contact_angle, ball, friction, drive, load } = self.rigid();
         let races = Material {
-            youngs_modulus: self.value("youngs_modulus_GPa") * GPA,
-            poisson_ratio: self.value("poisson_ratio"),
+            youngs_modulus: self.value(InputKey::youngs_modulus_GPa) * GPA,
+            poisson_ratio: self.value(InputKey::poisson_ratio),
         };
         let balls = Material {
             youngs_modulus: self.ball_youngs_modulus_GPa.map_or(races.youngs_modulus, |e| e * GPA),
@@ -301,7 +290,10 @@ impl Scene {
             helix,
             contact_angle,
             ball,
-            conformity: (self.value("nut_conformity"), self.value("screw_conformity")),
+            conformity: (
+                self.value(InputKey::nut_conformity),
+                self.value(InputKey::screw_conformity),
+            ),
             material: (races, balls),
             friction,
             drive,
@@ -311,15 +303,15 @@ impl Scene {
 
     fn rigid(&self) -> Rigid {
         let angles = self.angles();
-        let radius = 0.5 * MM * self.value("ball_diameter_mm");
+        let radius = 0.5 * MM * self.value(InputKey::ball_diameter_mm);
         Rigid {
             helix: Helix {
-                radius: 0.5 * MM * self.value("pitch_circle_diameter_mm"),
+                radius: 0.5 * MM * self.value(InputKey::pitch_circle_diameter_mm),
                 lead_angle: angles.lead,
             },
             contact_angle: angles.contact,
-            ball: Ball::of_density(radius, self.value("density_kg_m3")),
-            friction: self.value("friction_coefficient"),
+            ball: Ball::of_density(radius, self.value(InputKey::density_kg_m3)),
+            friction: self.value(InputKey::friction_coefficient),
             drive: self.drive().expect("required inputs were checked"),
             load: self.load().expect("required inputs were checked"),
         }

@@ -1,13 +1,12 @@
 //! The answer in the vocabulary.
 
-use bsm_dyn::{Basis, Model, Outputs, Reason, Solution, Status};
+use bsm_dyn::{Basis, GRIPS_BELOW, Model, Outputs, Reason, Solution, Status};
 use serde_json::{Map, Value, json};
 
 use crate::units::{DEG, MPA};
 use crate::{CaseError, Cell, ModelChoice, OUTPUTS, Output};
 
-/// Onset number below which a ball grips, and above which friction is nearly saturated.
-const GRIPS_BELOW: f64 = 0.1;
+/// Onset number above which friction is nearly saturated.
 const SKIDS_ABOVE: f64 = 2.0;
 
 /// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
@@ -53,12 +52,7 @@ impl Record {
 
     /// Name of the status in files.
     pub fn status_name(&self) -> &'static str {
-        match self.solution.status {
-            Status::Converged => "converged",
-            Status::NoSolution => "no_solution",
-            Status::NotConverged => "not_converged",
-            Status::InvalidInput => "invalid_input",
-        }
+        self.status().name()
     }
 
     /// The value of an output.

@@ -5,7 +5,7 @@ use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 use bsm_batch::{Answers, CsvSource, JsonSource, ParquetSource, Source, TableError};
-use bsm_case::Scene;
+use bsm_case::{CaseError, Scene};
 
 use crate::args::BatchArgs;
 use crate::failure::{Failure, warn};
@@ -35,14 +35,19 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), Failure> {
         // Any number stands for the column; rules are checked row by row.
         asked.set(name, 1.0).map_err(|e| Failure::Input(e.to_string()))?;
     }
-    if !asked.missing(settings.least_model()).is_empty() {
-        let error = asked.choose(settings.model).err().map_or_else(String::new, |e| e.to_string());
+    if let Err(error @ CaseError::Missing { .. }) = asked.choose(settings.model) {
         return Err(Failure::Input(format!(
             "{}: {error}; add columns, a --base scene or --set",
             args.points.display()
         )));
     }
-    let task = Task { base: &base, settings: &settings, outputs: &outputs, quiet: args.quiet };
+    let task = Task {
+        base: &base,
+        settings: &settings,
+        outputs: &outputs,
+        watched: None,
+        quiet: args.quiet,
+    };
     let target = Target::of(&args.output, args.resume, || origin(&args.points))?;
     let count = task.run(source.as_mut(), &target, |_, _| {}).map_err(|e| match e {
         Failure::Table(text) => Failure::Input(format!("{}: {text}", args.points.display())),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use bsm_batch::{Answers, Chunk, CsvSink, JsonSink, ParquetSink, Sink, Source, TableError, solve};
-use bsm_case::{Output as Column, Record, Scene, Settings};
+use bsm_case::{Output as Column, Scene, Settings};
 use bsm_dyn::Status;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::files::{self, Output};
 
 /// Rows that are in memory at a time.
-const ROWS: usize = 4096;
+const ROWS: usize = 1 << 16;
 
 /// Set by an interrupt.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -24,7 +24,10 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 pub(crate) struct Task<'a> {
     pub(crate) base: &'a Scene,
     pub(crate) settings: &'a Settings,
+    /// Outputs to write.
     pub(crate) outputs: &'a [&'static Column],
+    /// An output that is only looked at.
+    pub(crate) watched: Option<&'static Column>,
     pub(crate) quiet: bool,
 }
 
@@ -33,18 +36,16 @@ pub(crate) struct Task<'a> {
 pub(crate) struct Count {
     pub(crate) rows: u64,
     pub(crate) failed: u64,
-    /// Parts that were there already.
-    pub(crate) skipped: u64,
 }
 
 impl Task<'_> {
-    /// Solves all rows of `source` into a table, or into a folder of tables; `each` sees every
-    /// chunk that is solved.
+    /// Solves all rows of `source` into a table, or into a folder of tables; `each` sees the
+    /// watched output of every chunk that is solved.
     pub(crate) fn run(
         &self,
         source: &mut dyn Source,
         target: &Target<'_>,
-        mut each: impl FnMut(&Chunk, &[Record]),
+        mut each: impl FnMut(&Chunk, &[f64]),
     ) -> Result<Count, Failure> {
         // A second interrupt ends the program at once. Where handlers exist already, the default
         // one ends it at the first.
@@ -62,17 +63,19 @@ impl Task<'_> {
             let path = target.file(part);
             if parts && path.exists() {
                 unreadable(source.skip(PART))?;
-                count.skipped += 1;
                 bar.inc(PART);
                 continue;
             }
             let limit = if parts { PART } else { u64::MAX };
-            done = self.table(source, &path, limit, &base, &mut |chunk, records| {
-                count.rows += records.len() as u64;
-                let failed = records.iter().filter(|r| r.status() != Status::Converged).count();
+            done = self.table(source, &path, limit, &base, &mut |chunk, answers| {
+                let verdicts = &answers.verdicts;
+                count.rows += verdicts.len() as u64;
+                let failed = verdicts.iter().filter(|v| v.status != Status::Converged).count();
                 count.failed += failed as u64;
-                bar.inc(records.len() as u64);
-                each(chunk, records);
+                bar.inc(verdicts.len() as u64);
+                if let (Some(_), Some(watched)) = (self.watched, answers.columns.last()) {
+                    each(chunk, watched);
+                }
             });
             if !parts || !matches!(done, Ok(true)) {
                 break;
@@ -89,7 +92,7 @@ impl Task<'_> {
         path: &Path,
         limit: u64,
         base: &Scene,
-        each: &mut dyn FnMut(&Chunk, &[Record]),
+        each: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<bool, Failure> {
         let unwritable = |error: TableError| match error {
             TableError::Io(e) => Output::failure(path, &e),
@@ -100,6 +103,7 @@ impl Task<'_> {
             return Ok(false);
         }
         let mut sink = TableFile::create(path, source, self.outputs)?;
+        let outputs: Vec<_> = self.outputs.iter().copied().chain(self.watched).collect();
         let mut rows = 0;
         loop {
             let left = usize::try_from(limit - rows).unwrap_or(ROWS).min(ROWS);
@@ -109,11 +113,10 @@ impl Task<'_> {
                 None => None,
             };
             let Some(chunk) = chunk else { break };
-            let records = solve(&chunk, source.columns(), base, self.settings);
-            let answers = Answers { records: &records, outputs: self.outputs };
+            let answers = solve(&chunk, source.columns(), base, self.settings, &outputs);
             sink.sink().write(&chunk, &answers).map_err(unwritable)?;
-            each(&chunk, &records);
-            rows += records.len() as u64;
+            each(&chunk, &answers);
+            rows += chunk.len as u64;
             if INTERRUPTED.load(Ordering::Relaxed) {
                 return Err(Failure::Interrupted);
             }
@@ -250,7 +253,11 @@ enum TableFile {
 }
 
 impl TableFile {
-    fn create(path: &Path, source: &dyn Source, outputs: &[&Column]) -> Result<Self, Failure> {
+    fn create(
+        path: &Path,
+        source: &dyn Source,
+        outputs: &[&'static Column],
+    ) -> Result<Self, Failure> {
         let kind = Kind::of(path, "--output")?;
         let out = Output::create(path)?;
         let columns = source.columns();
@@ -258,7 +265,7 @@ impl TableFile {
             |e: TableError| Failure::Files(format!("cannot write {}: {e}", path.display()));
         Ok(match kind {
             Kind::Csv => Self::Csv(Box::new(CsvSink::new(out, columns, outputs).map_err(failed)?)),
-            Kind::JsonLines => Self::Json(JsonSink::new(out, columns.clone())),
+            Kind::JsonLines => Self::Json(JsonSink::new(out, columns.clone(), outputs)),
             Kind::Parquet => {
                 Self::Parquet(Box::new(ParquetSink::new(out, columns, outputs).map_err(failed)?))
             }

@@ -3,8 +3,8 @@
 use std::io::Write;
 use std::path::Path;
 
-use bsm_batch::{Answers, Cell, Chunk, GridSource};
-use bsm_case::{Axis, CaseError, Grid, ModelChoice, Output as OutputColumn, Record};
+use bsm_batch::{Answers, Chunk, GridSource};
+use bsm_case::{Axis, CaseError, Grid, ModelChoice, Output as OutputColumn};
 
 use crate::args::SweepArgs;
 use crate::failure::{Failure, warn};
@@ -43,16 +43,18 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     };
     let outputs = Answers::select(args.columns.as_deref())
         .map_err(|e| Failure::Input(format!("--columns: {e}")))?;
-    let task = Task { base: &base, settings: &settings, outputs: &outputs, quiet: args.quiet };
+    let watched = plot.as_ref().map(|(curves, ..)| curves.output);
+    let task =
+        Task { base: &base, settings: &settings, outputs: &outputs, watched, quiet: args.quiet };
     let mut source = GridSource::new(grid);
     if plot.is_some() && args.resume {
         let text = "--plot needs all points; it does not go with --resume";
         return Err(Failure::Input(text.to_owned()));
     }
     let target = Target::of(&args.output, args.resume, || Ok(args.vary.join(" ")))?;
-    let count = task.run(&mut source, &target, |chunk, records| {
+    let count = task.run(&mut source, &target, |chunk, values| {
         if let Some((curves, ..)) = &mut plot {
-            curves.add(chunk, records);
+            curves.add(chunk, values);
         }
     })?;
     if let Some((curves, mut out, path)) = plot {
@@ -121,14 +123,12 @@ impl Curves {
 
     /// Adds the points of a chunk, of which the second axis runs fastest; one without a result
     /// leaves a gap.
-    fn add(&mut self, chunk: &Chunk, records: &[Record]) {
+    fn add(&mut self, chunk: &Chunk, values: &[f64]) {
         let count = self.lines.len();
-        for (row, record) in records.iter().enumerate() {
-            let Cell::Number(x) = chunk.inputs[0][row] else { continue };
-            // The first row of a chunk may belong to any line.
-            let first = usize::try_from(chunk.first - 1).unwrap_or(0) % count;
-            let y = record.number(self.output.name).unwrap_or(f64::NAN);
-            self.lines[(first + row) % count].points.push((x, y));
+        // The first row of a chunk may belong to any line.
+        let first = usize::try_from(chunk.first - 1).unwrap_or(0) % count;
+        for (row, (x, y)) in chunk.inputs[0].values().iter().zip(values).enumerate() {
+            self.lines[(first + row) % count].points.push((*x, *y));
         }
     }
 

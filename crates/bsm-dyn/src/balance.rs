@@ -13,7 +13,7 @@ use crate::{Direction, Reason};
 /// Largest relative violation of the power balance (B10) of a result that is returned. An exact
 /// root has rounding only; more means that rounding has eaten the result, as it does when the
 /// inertia forces are many orders above the load.
-pub(crate) const POWER_BALANCE_TOL: f64 = 1e-9;
+pub const POWER_BALANCE_TOL: f64 = 1e-9;
 
 /// A homogeneous ball.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -27,7 +27,7 @@ mod solution;
 mod traction;
 
 pub use auto::{Auto, Basis, Choice, GRIPS_BELOW};
-pub use balance::{Ball, Load, Wrench};
+pub use balance::{Ball, Load, POWER_BALANCE_TOL, Wrench};
 pub use closed_form::{Angles, ClosedForm, Optimum, Transmission};
 pub use coulomb::friction_force;
 pub use elastic::{Elastic, ElasticWorkspace};
@@ -39,6 +39,8 @@ pub use outputs::Outputs;
 pub use pair::ElasticScrew;
 pub use quasi_static::{Driven, QuasiStatic};
 pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
-pub use rigid::{FirstOrder, Rigid, RigidRoot, RigidSystem, RigidUnknowns, RigidWorkspace};
+pub use rigid::{
+    FirstOrder, MODERATE_INERTIA, Rigid, RigidRoot, RigidSystem, RigidUnknowns, RigidWorkspace,
+};
 pub use solution::{Direction, Reason, Solution, Status};
 pub use traction::{Traction, TractionWorkspace};

@@ -11,7 +11,7 @@ use bsm_kin::{Drive, Helix, Scalar};
 use bsm_newton::{EvalError, MatMut, System};
 
 pub use self::first_order::FirstOrder;
-pub use self::root::RigidWorkspace;
+pub use self::root::{MODERATE_INERTIA, RigidWorkspace};
 use self::root::{NoRoot, Root};
 pub use self::scaled::Unknowns as RigidUnknowns;
 use self::scaled::{Scaled, State, Unknowns};

@@ -47,6 +47,18 @@ pub enum Status {
     InvalidInput,
 }
 
+impl Status {
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::NoSolution => "no_solution",
+            Self::NotConverged => "not_converged",
+            Self::InvalidInput => "invalid_input",
+        }
+    }
+}
+
 /// Why there is no solution.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]

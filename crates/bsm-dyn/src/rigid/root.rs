@@ -15,7 +15,7 @@ use crate::{Angles, Reason, Status};
 const SLOW: f64 = 1e-6;
 
 /// Up to this ratio of inertia to friction, Newton from the first order stays on its branch.
-const MODERATE: f64 = 0.2;
+pub const MODERATE_INERTIA: f64 = 0.2;
 
 /// Relative error of the first-order existence test over the ratio of inertia to friction.
 const FIRST_ORDER_ERROR: f64 = 0.1;
@@ -79,7 +79,7 @@ pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root
     let pushes = start.load > 0.0 && start.minor > 0.0;
     if let Some(verdict) = &direct
         && near(&report)
-        && (inertia < MODERATE || (verdict.is_ok() == start.exists() && pushes))
+        && (inertia < MODERATE_INERTIA || (verdict.is_ok() == start.exists() && pushes))
     {
         return verdict.clone();
     }
@@ -280,7 +280,8 @@ fn denied(
         let sin_contact_angle = angles.contact.sin();
         let friction_term = case.friction * angles.slip_factor();
         // Large inertia has its own balance, whatever the friction.
-        let sure = inertia < MODERATE && friction_term - sin_contact_angle >= error * friction_term;
+        let sure = inertia < MODERATE_INERTIA
+            && friction_term - sin_contact_angle >= error * friction_term;
         return sure.then(|| none(Reason::SelfLocking { sin_contact_angle, friction_term }));
     }
     // κ depends on the sign of P, which inertia may turn where P is small: seen up to 0.13 |W|.

@@ -1,0 +1,115 @@
+//! Models by lanes: several points at a time, on the widest instruction set of the machine.
+//!
+//! A kernel answers the ordinary points of its model, and leaves the others to the model itself,
+//! which also finds the words for them. Its formulas are those of the model, written again for
+//! lanes; the tests compare the two.
+
+mod closed_form;
+mod quasi_static;
+mod rigid;
+
+use bsm_case::{OUTPUTS, Output, OutputKey, Settings};
+use bsm_dyn::Model;
+use bsm_simd::{Arch, Lane, Mask, Simd, WithSimd};
+
+use self::closed_form::ClosedForm;
+use self::quasi_static::QuasiStatic;
+use self::rigid::Rigid;
+use crate::operand::{Given, Operands};
+
+/// A model by lanes.
+trait Kernel {
+    /// Solves a lane of points, and says for which of them the numbers are the answer.
+    fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S>;
+}
+
+/// The outputs that are wanted, and their places.
+#[derive(Debug)]
+pub(crate) struct Wanted([Option<usize>; OUTPUTS.len()]);
+
+impl Wanted {
+    pub(crate) fn of(outputs: &[&Output]) -> Self {
+        let mut places = [None; OUTPUTS.len()];
+        for (place, output) in outputs.iter().enumerate() {
+            places[output.key as usize] = Some(place);
+        }
+        Self(places)
+    }
+}
+
+/// Where the outputs of a lane of points go.
+struct Out<'a, 'b> {
+    wanted: &'a Wanted,
+    columns: &'a mut [&'b mut [f64]],
+    /// The first of the points.
+    row: usize,
+}
+
+impl Out<'_, '_> {
+    /// True if any of these outputs is wanted: what takes time is computed only then.
+    #[inline(always)]
+    fn wants(&self, keys: &[OutputKey]) -> bool {
+        keys.iter().any(|key| self.wanted.0[*key as usize].is_some())
+    }
+
+    /// Stores the values of an output, in the unit of the vocabulary.
+    #[inline(always)]
+    fn set<S: Simd>(&mut self, key: OutputKey, values: Lane<S>) {
+        if let Some(place) = self.wanted.0[key as usize] {
+            values.store(&mut self.columns[place][self.row..]);
+        }
+    }
+
+    /// Stores yes and no.
+    #[inline(always)]
+    fn set_flag<S: Simd>(&mut self, key: OutputKey, values: Mask<S>) {
+        self.set(key, values.to_numbers());
+    }
+}
+
+/// Some rows of a chunk and the places of their answers.
+pub(crate) struct Rows<'a, 'b> {
+    pub(crate) operands: &'a Operands<'a>,
+    pub(crate) wanted: &'a Wanted,
+    /// The first of the rows in the chunk.
+    pub(crate) first: usize,
+    /// Columns of the outputs, of these rows only.
+    pub(crate) columns: &'a mut [&'b mut [f64]],
+    /// Which of the rows are answered.
+    pub(crate) done: &'a mut [bool],
+}
+
+impl Rows<'_, '_> {
+    /// Answers the ordinary rows of a model; without a kernel for it, none.
+    pub(crate) fn solve(self, model: Model, settings: &Settings) {
+        let arch = Arch::new();
+        let _ = settings;
+        match model {
+            Model::ClosedForm => arch.dispatch(Run { kernel: ClosedForm, rows: self }),
+            Model::QuasiStatic => arch.dispatch(Run { kernel: QuasiStatic, rows: self }),
+            Model::Rigid => arch.dispatch(Run { kernel: Rigid, rows: self }),
+            Model::RacewayControl | Model::Elastic | Model::Traction => {}
+        }
+    }
+}
+
+/// A kernel over rows.
+struct Run<'a, 'b, K> {
+    kernel: K,
+    rows: Rows<'a, 'b>,
+}
+
+impl<K: Kernel> WithSimd for Run<'_, '_, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Rows { operands, wanted, first, columns, done } = self.rows;
+        for row in (0..done.len()).step_by(S::F64_LANES) {
+            let given = Given { simd, operands, row: first + row };
+            let mut out = Out { wanted, columns: &mut *columns, row };
+            let solved = self.kernel.solve(&given, &mut out);
+            (solved & given.lawful()).store(&mut done[row..]);
+        }
+    }
+}

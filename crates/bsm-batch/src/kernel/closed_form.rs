@@ -1,0 +1,116 @@
+//! Lin's closed form by lanes, Eqs (C1) to (C11).
+
+use std::f64::consts::PI;
+
+use bsm_case::units::{DEG, MM};
+use bsm_case::{InputKey, OutputKey};
+use bsm_simd::{Lane, Mask, Simd};
+
+use super::{Kernel, Out};
+use crate::operand::Given;
+
+pub(super) struct ClosedForm;
+
+impl Kernel for ClosedForm {
+    #[inline(always)]
+    fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
+        let (sin_a, cos_a) = given.lead();
+        let (sin_b, cos_b) = given.sin_cos(InputKey::contact_angle_deg);
+        let f = given.get(InputKey::friction_coefficient);
+        let one = f.constant(1.0);
+        let (tan_a, cos_square) = (sin_a / cos_a, cos_a * cos_a);
+        let back = backwards(given);
+        // D = √(cos²β + tan²α)                                            (C1)
+        let d = (cos_b * cos_b + tan_a * tan_a).sqrt();
+        // η = 1 − f / {cos²α sinβ (D + f sinβ)}, D and sinβ exchanged if the load drives  (C2), (C3)
+        let (outer, inner) = (back.select(d, sin_b), back.select(sin_b, d));
+        let eta = one - f / (cos_square * outer * (inner + f * outer));
+        // Q/F_a = 1 / [cosα (sinβ ∓ f D)]                                 (C4)
+        let ratio = (cos_a * (sin_b - back.select(-f, f) * d)).recip();
+        // sinβ ≤ f D,  f sinβ ≥ D                                         (C6), (C7)
+        let locked = outer.le(f * inner);
+
+        out.set(OutputKey::efficiency, eta);
+        contact_angles(given, out);
+        if out.wants(&[OutputKey::nut_slip_angle_deg, OutputKey::screw_slip_angle_deg]) {
+            // ψ_B = atan(tanα / cosβ), turned by π if the load drives     (C5), (C11)
+            let forward = (tan_a / cos_b).each(f64::atan);
+            let turned = forward - PI;
+            out.set(OutputKey::screw_slip_angle_deg, back.select(turned, forward) / DEG);
+            out.set(OutputKey::nut_slip_angle_deg, back.select(forward, turned) / DEG);
+        }
+        out.set_flag(OutputKey::self_locking, locked);
+        transmit(given, out, &Transmitted { back, tan_a, eta, ratio });
+        one.gt(one.constant(0.0))
+    }
+}
+
+/// Where the load drives; nowhere without a speed.
+#[inline(always)]
+pub(super) fn backwards<S: Simd>(given: &Given<'_, S>) -> Mask<S> {
+    let zero = Lane::splat(given.simd, 0.0);
+    given.speeds().map_or(zero.lt(zero), |(screw, nut)| screw.lt(nut))
+}
+
+/// Contact angles that are given.
+#[inline(always)]
+pub(super) fn contact_angles<S: Simd>(given: &Given<'_, S>, out: &mut Out<'_, '_>) {
+    let angle = given.get(InputKey::contact_angle_deg);
+    out.set(OutputKey::nut_contact_angle_deg, angle);
+    out.set(OutputKey::screw_contact_angle_deg, angle);
+}
+
+/// What a model without inertia knows.
+pub(super) struct Transmitted<S: Simd> {
+    pub(super) back: Mask<S>,
+    pub(super) tan_a: Lane<S>,
+    pub(super) eta: Lane<S>,
+    /// Normal load over axial load per ball.
+    pub(super) ratio: Lane<S>,
+}
+
+/// Torque, loads and powers, if size and load are given; none where the screw cannot be turned.
+#[inline(always)]
+pub(super) fn transmit<S: Simd>(
+    given: &Given<'_, S>,
+    out: &mut Out<'_, '_>,
+    known: &Transmitted<S>,
+) {
+    let (Some(pitch), Some(load), Some(balls)) = (
+        given.try_get(InputKey::pitch_circle_diameter_mm),
+        given.try_get(InputKey::axial_load_N),
+        given.try_get(InputKey::loaded_balls),
+    ) else {
+        return;
+    };
+    let Transmitted { back, tan_a, eta, ratio } = *known;
+    let zero = eta.constant(0.0);
+    let turns = (back | eta.gt(zero)) & ratio.gt(zero) & ratio.lt(zero.constant(f64::INFINITY));
+    let where_it_turns = |x| turns.select(x, zero.constant(f64::NAN));
+    let normal = where_it_turns(ratio * load / balls);
+    out.set(OutputKey::nut_normal_load_N, normal);
+    out.set(OutputKey::screw_normal_load_N, normal);
+    // T₀ = F_a r_m tanα,  T = T₀/η or T₀ η                                (B8), (B9)
+    let ideal = load * (pitch * (0.5 * MM)) * tan_a;
+    let torque = where_it_turns(back.select(ideal * eta, ideal / eta));
+    out.set(OutputKey::screw_torque_Nm, torque);
+    if let Some((screw, nut)) = given.speeds() {
+        powers(out, back, (torque, ideal), screw - nut);
+    }
+}
+
+/// Powers of a torque on the screw and of that of the frictionless screw.
+#[inline(always)]
+pub(super) fn powers<S: Simd>(
+    out: &mut Out<'_, '_>,
+    back: Mask<S>,
+    (torque, ideal): (Lane<S>, Lane<S>),
+    speed: Lane<S>,
+) {
+    let (screw, load) = (torque * speed, ideal * speed);
+    // Not a number where there is no torque.
+    let carried = torque - torque;
+    out.set(OutputKey::input_power_W, back.select(carried - load, screw));
+    out.set(OutputKey::output_power_W, back.select(-screw, carried + load));
+    out.set(OutputKey::dissipated_power_W, screw - load);
+}

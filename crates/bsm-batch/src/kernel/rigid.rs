@@ -1,0 +1,490 @@
+//! The published steady-state equations by lanes: direct sweeps instead of Newton.
+//!
+//! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32). With the directions of slip given,
+//! all unknowns follow one after the other in closed form; the directions are fed back.
+
+use bsm_case::units::{DEG, MM};
+use bsm_case::{InputKey, OutputKey};
+use bsm_dyn::{MODERATE_INERTIA, POWER_BALANCE_TOL};
+use bsm_simd::{Lane, Mask, Simd};
+
+use super::closed_form::{contact_angles, powers};
+use super::{Kernel, Out};
+use crate::operand::Given;
+
+pub(super) struct Rigid;
+
+/// Sweeps before a point is left to Newton.
+const MOST_SWEEPS: usize = 8;
+
+/// What the directions may still change: the last change times the contraction.
+const SETTLED: f64 = 1e-12;
+
+/// Largest scaled residual of an answer, as that of Newton.
+const RESIDUAL: f64 = 1e-10;
+
+/// Nearer to a ball that does not circle, inertia may turn its way; the model looks closer.
+const LEAST_RATE: f64 = 0.1;
+
+impl Kernel for Rigid {
+    #[inline(always)]
+    fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
+        let (case, si) = Scaled::of(given);
+        let mut directions = case.start();
+        let mut settled = !case.lasting();
+        let mut sweeps = case.constant(1.0);
+        for _ in 0..MOST_SWEEPS {
+            let state = case.sweep(&directions);
+            let change = directions.farthest(&state.next);
+            directions = directions.unless(settled, &state.next);
+            sweeps = settled.select(sweeps, sweeps + 1.0);
+            // What is left is smaller by the contraction, about μ (P/W)².
+            let left = change * case.inertia_ratio.max(state.centrifugal);
+            settled = settled | left.lt(case.constant(SETTLED));
+            if !(!settled).any() {
+                break;
+            }
+        }
+        let state = case.sweep(&directions);
+        let contacts = case.contacts(&state);
+        let residual = case.residual(&state, &contacts);
+        let found = case.lasting() & case.admissible(&state, &contacts);
+        let found = found & residual.lt(case.constant(RESIDUAL));
+        if !found.any() {
+            return found;
+        }
+        let imbalance = outputs(out, &case, &si, (&state, &contacts));
+        contact_angles(given, out);
+        out.set(OutputKey::iterations, sweeps);
+        out.set(OutputKey::residual_norm, residual);
+        found & imbalance.abs().le(case.constant(POWER_BALANCE_TOL))
+    }
+}
+
+/// A lane of points in units of ball radius, axial load per ball and relative speed.
+struct Scaled<S: Simd> {
+    sin_a: Lane<S>,
+    cos_a: Lane<S>,
+    sin_b: Lane<S>,
+    cos_b: Lane<S>,
+    sin_2b: Lane<S>,
+    cos_2b: Lane<S>,
+    /// `$\cos\alpha\sin\beta$` and `$\cos\alpha\cos\beta$`, parts of the axis along N and e.
+    k_n: Lane<S>,
+    k_e: Lane<S>,
+    /// `$f$` and `$F$`.
+    friction: Lane<S>,
+    signed: Lane<S>,
+    /// `$r_m/r_b$`, `$d/r_b$`.
+    radius: Lane<S>,
+    arc: Lane<S>,
+    /// `$\mu$` and `$I$`.
+    inertia_ratio: Lane<S>,
+    inertia: Lane<S>,
+    /// `$\Omega_n/W$`.
+    nut_speed: Lane<S>,
+    /// `$h$`, `$\cos\psi$`, `$\sin\psi$`: the axis along the slip of (R12).
+    h: Lane<S>,
+    cos_psi: Lane<S>,
+    sin_psi: Lane<S>,
+}
+
+/// What the sweeps feed back: deviations of the slip from `$\psi$` at A and B, direction of the
+/// friction at A' in `$(e_x, t)$`, and the correction of the force along the normal.
+#[derive(Clone, Copy)]
+struct Directions<S: Simd> {
+    nut: Lane<S>,
+    screw: Lane<S>,
+    minor: [Lane<S>; 2],
+    correction: Lane<S>,
+}
+
+/// A vector in `$(e_x, t)$`, the plane of the slip.
+type Plane<S> = [Lane<S>; 2];
+
+/// The state that belongs to directions.
+struct State<S: Simd> {
+    /// `$\kappa = Q_{A'}/M$` and `$M = \mu (P/W)^2$`.
+    minor: Lane<S>,
+    centrifugal: Lane<S>,
+    p: Lane<S>,
+    /// `$P/W$`.
+    rate: Lane<S>,
+    /// Slip at A, over the norm of `nut`.
+    slip: Lane<S>,
+    s: Lane<S>,
+    /// Direction of the slip at A, not normalized.
+    nut: Plane<S>,
+    /// Norms of the directions at A and B.
+    norms: [Lane<S>; 2],
+    /// `$G = -2 F Q_A/|nut|$`, `$H = 2 F Q_B/|screw|$`.
+    pulls: [Lane<S>; 2],
+    /// The directions that it leads to.
+    next: Directions<S>,
+}
+
+impl<S: Simd> Scaled<S> {
+    #[inline(always)]
+    fn of(given: &Given<'_, S>) -> (Self, Si<S>) {
+        let (sin_a, cos_a) = given.lead();
+        let (sin_b, cos_b) = given.sin_cos(InputKey::contact_angle_deg);
+        let friction = given.get(InputKey::friction_coefficient);
+        let ball = given.get(InputKey::ball_diameter_mm) * (0.5 * MM);
+        let pitch = given.get(InputKey::pitch_circle_diameter_mm) * (0.5 * MM);
+        let axial = given.get(InputKey::axial_load_N);
+        let balls = given.get(InputKey::loaded_balls);
+        let density = given.get(InputKey::density_kg_m3);
+        let zero = ball.constant(0.0);
+        let (screw_speed, nut_speed) = given.speeds().unwrap_or((zero, zero));
+        let speed = screw_speed - nut_speed;
+        let load = axial / balls;
+        // m r_b W²/F_a, m = (4/3) π r_b³ ρ                                (R1), (B1)
+        let volume = ball * ball * ball * (4.0 / 3.0 * std::f64::consts::PI);
+        let mass = volume * density * ball * speed * speed / load;
+        let radius = pitch / ball;
+        let (k_n, k_e) = (cos_a * sin_b, cos_a * cos_b);
+        let h = (sin_a * sin_a + k_e * k_e).sqrt();
+        let scaled = Self {
+            sin_a,
+            cos_a,
+            sin_b,
+            cos_b,
+            sin_2b: sin_b * cos_b * 2.0,
+            cos_2b: (cos_b - sin_b) * (cos_b + sin_b),
+            k_n,
+            k_e,
+            friction,
+            signed: speed.lt(zero).select(-friction, friction),
+            radius,
+            arc: radius / cos_a,
+            inertia_ratio: mass * radius,
+            inertia: mass * 0.4,
+            nut_speed: nut_speed / speed,
+            h,
+            cos_psi: k_e / h,
+            sin_psi: sin_a / h,
+        };
+        (scaled, Si { ball, axial, load, speed, nut_speed })
+    }
+}
+
+/// Sizes in SI units.
+struct Si<S: Simd> {
+    ball: Lane<S>,
+    axial: Lane<S>,
+    /// Of a ball.
+    load: Lane<S>,
+    /// `$W$`.
+    speed: Lane<S>,
+    nut_speed: Lane<S>,
+}
+
+#[inline(always)]
+fn dot<S: Simd>(a: Plane<S>, b: Plane<S>) -> Lane<S> {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// The part of `b` across `a`.
+#[inline(always)]
+fn cross<S: Simd>(a: Plane<S>, b: Plane<S>) -> Lane<S> {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+impl<S: Simd> Scaled<S> {
+    #[inline(always)]
+    fn constant(&self, x: f64) -> Lane<S> {
+        self.friction.constant(x)
+    }
+
+    /// Slip along `$\psi$` at A and B; at A' that of the spin, whose sense is that of the ball.
+    #[inline(always)]
+    fn start(&self) -> Directions<S> {
+        let zero = self.constant(0.0);
+        // p of (R13) tells the sense.
+        let p = self.precession(zero, zero, [self.cos_psi, self.sin_psi], zero);
+        let forward = self.constant(1.0);
+        let along = self.toward(p + self.nut_speed).select(forward, -forward);
+        let along = self.friction.gt(self.signed).select(-along, along);
+        Directions { nut: zero, screw: zero, minor: [zero, along], correction: zero }
+    }
+
+    /// Where a rate is positive.
+    #[inline(always)]
+    fn toward(&self, rate: Lane<S>) -> Mask<S> {
+        rate.gt(self.constant(0.0))
+    }
+
+    /// `$p$` (R26) of the direction against the slip at B, of slopes `$e_1$` and `$e_2$` of the
+    /// slip at A, and of the turn from A to B.
+    #[inline(always)]
+    fn precession(&self, e_1: Lane<S>, e_2: Lane<S>, screw: Plane<S>, turn: Lane<S>) -> Lane<S> {
+        // p = [(d − cosα cosβ) x_B − sinα y_B − e₂ ω X] / [2 d x_B − (e₁ − e₂) X]  (R26)
+        ((self.arc - self.k_e) * screw[0] - self.sin_a * screw[1] - e_2 * self.nut_speed * turn)
+            / (self.arc * screw[0] * 2.0 - (e_1 - e_2) * turn)
+    }
+
+    /// One sweep: all unknowns of given directions, and the directions that they lead to.
+    #[inline(always)]
+    fn sweep(&self, given: &Directions<S>) -> State<S> {
+        let (f, half) = (self.signed, self.constant(0.5));
+        let (c, s_psi, h) = (self.cos_psi, self.sin_psi, self.h);
+        let [cos_m, sin_m] = given.minor;
+        // x_A = cosψ − t_A sinψ,  y_A = sinψ + t_A cosψ                   (R24)
+        let nut = [c - given.nut * s_psi, s_psi + given.nut * c];
+        let screw = [c - given.screw * s_psi, s_psi + given.screw * c];
+        // κ (Q_A′/M) from the force along N and along ψ                   (R25)
+        let minor = (c * self.sin_b - f * self.cos_b - given.correction)
+            / (c * self.sin_2b
+                - f * self.cos_2b
+                - f * s_psi * sin_m
+                - f * (c * self.cos_2b + f * self.sin_2b) * cos_m);
+        // λ = e₁ p − e₂ P/W from the moment about N                       (R27)
+        let e_1 = self.sin_a * self.arc / h;
+        let e_2 = f * self.sin_2b * minor * sin_m * (self.radius / h) * 2.5;
+        let turn = cross(screw, nut);
+        let p = self.precession(e_1, e_2, screw, turn);
+        let rate = p + self.nut_speed;
+        let slip = e_1 * p - e_2 * rate;
+        // u = −λ x_A,  τ = λ y_A − p d                                    (R4)
+        let (u, tau) = (-(slip * nut[0]), slip * nut[1] - p * self.arc);
+        let centrifugal = self.inertia_ratio * rate * rate;
+        let load = minor * centrifugal;
+        let gyro = self.inertia * rate;
+        // G = −2 F Q_A/|A| from the axial load                            (R28)
+        let norm_a = (given.nut * given.nut + 1.0).sqrt();
+        let norm_b = (given.screw * given.screw + 1.0).sqrt();
+        let pull_a = (f * -2.0)
+            * ((load * (self.k_n - f * h * (c * cos_m + s_psi * sin_m)) + 1.0)
+                / (norm_a * self.k_n - f * h));
+        // G x_A = …, H x_B = … from the forces and moments across N       (R29), (R30)
+        let common = load * self.sin_2b - centrifugal * self.sin_b;
+        let twist = gyro * tau * self.k_n;
+        let friction = f * load * cos_m * 2.0;
+        let lean = gyro * self.sin_a;
+        let cot = self.cos_b / self.sin_b;
+        let e_a = [
+            common - twist - friction * self.cos_b * self.cos_b,
+            lean * tau * cot - gyro * u * self.cos_a / self.sin_b,
+        ];
+        let e_b = [common + twist + friction * self.sin_b * self.sin_b, lean * tau / cot];
+        let psi = [c, s_psi];
+        let along_a = dot(psi, e_a);
+        let s = (pull_a - along_a) / h;
+        let pull_b = dot(psi, e_b) + along_a - pull_a;
+        // Directions of the next sweep                                    (R31)
+        let (tan_a, tan_b) = (cross(psi, e_a) / pull_a, cross(psi, e_b) / pull_b);
+        let (across, along) =
+            (gyro * u, -(gyro * (self.arc * p + tau * self.cos_2b) + s * self.sin_2b));
+        let norm = (across * across + along * along).sqrt();
+        let sense = self.toward(rate).select(norm, -norm).recip();
+        // (|A| − 1) G + (|B| − 1) H over 2 M                              (R32)
+        let bend = |t: Lane<S>, pull: Lane<S>| pull * t * t / ((t * t + 1.0).sqrt() + 1.0);
+        let correction = (bend(tan_a, pull_a) + bend(tan_b, pull_b)) * half / centrifugal;
+        State {
+            minor,
+            centrifugal,
+            p,
+            rate,
+            slip,
+            s,
+            nut,
+            norms: [norm_a, norm_b],
+            pulls: [pull_a, pull_b],
+            next: Directions {
+                nut: tan_a,
+                screw: tan_b,
+                minor: [across * sense, along * sense],
+                correction,
+            },
+        }
+    }
+}
+
+impl<S: Simd> Directions<S> {
+    /// Largest change towards others.
+    #[inline(always)]
+    fn farthest(&self, other: &Self) -> Lane<S> {
+        let turns = (self.nut - other.nut).abs().max((self.screw - other.screw).abs());
+        let [x, y] = [0, 1].map(|i| (self.minor[i] - other.minor[i]).abs());
+        turns.max(x.max(y))
+    }
+
+    /// These where `kept`, others elsewhere.
+    #[inline(always)]
+    fn unless(&self, kept: Mask<S>, other: &Self) -> Self {
+        let pick = |a, b| kept.select(a, b);
+        Self {
+            nut: pick(self.nut, other.nut),
+            screw: pick(self.screw, other.screw),
+            minor: [0, 1].map(|i| pick(self.minor[i], other.minor[i])),
+            correction: pick(self.correction, other.correction),
+        }
+    }
+}
+
+/// Loads and slip velocities of a state.
+struct Contacts<S: Simd> {
+    /// Normal loads at A, A', B.
+    loads: [Lane<S>; 3],
+    /// `$\lambda$`, and the slip speeds at A' and B.
+    speeds: [Lane<S>; 3],
+    u: Lane<S>,
+    tau: Lane<S>,
+    /// Direction against the slip at B.
+    screw: Plane<S>,
+}
+
+impl<S: Simd> Scaled<S> {
+    /// Points that the sweeps may answer: with friction, numbers that do not underflow, and inertia
+    /// so small that the root near the first order is the one to take.
+    #[inline(always)]
+    fn lasting(&self) -> Mask<S> {
+        let least = self.constant(f64::MIN_POSITIVE);
+        let rate = self.nut_speed.abs() + 1.0;
+        let inertia = self.inertia_ratio * rate * rate;
+        self.friction.gt(least)
+            & self.inertia.gt(least)
+            & self.inertia_ratio.gt(least)
+            & inertia.lt(self.friction * MODERATE_INERTIA)
+    }
+
+    #[inline(always)]
+    fn contacts(&self, state: &State<S>) -> Contacts<S> {
+        let twice = self.signed * 2.0;
+        let u = -(state.slip * state.nut[0]);
+        let tau = state.slip * state.nut[1] - state.p * self.arc;
+        // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ)             (R26)
+        let against = [
+            state.slip * state.nut[0] + self.sin_a,
+            state.slip * state.nut[1] + self.arc * (self.constant(1.0) - state.p * 2.0) - self.k_e,
+        ];
+        let speed = dot(against, against).sqrt();
+        let gyro = self.inertia * state.rate;
+        let across = -u;
+        let along = self.arc * state.p + tau * self.cos_2b + state.s * self.sin_2b / gyro;
+        Contacts {
+            loads: [
+                -(state.pulls[0] * state.norms[0]) / twice,
+                state.minor * state.centrifugal,
+                state.pulls[1] * state.norms[1] / twice,
+            ],
+            speeds: [state.slip * state.norms[0], (across * across + along * along).sqrt(), speed],
+            u,
+            tau,
+            screw: [against[0] / speed, against[1] / speed],
+        }
+    }
+
+    /// Where contacts push and the ball slides on the nut.
+    #[inline(always)]
+    fn admissible(&self, state: &State<S>, contacts: &Contacts<S>) -> Mask<S> {
+        let zero = self.constant(0.0);
+        let [a, minor, b] = contacts.loads;
+        a.gt(zero)
+            & minor.gt(zero)
+            & b.gt(zero)
+            & contacts.speeds[0].gt(zero)
+            & state.rate.abs().gt(self.constant(LEAST_RATE))
+    }
+
+    /// Scaled residual of the equations (R8), with the directions of the slip as it is.
+    #[inline(always)]
+    fn residual(&self, state: &State<S>, contacts: &Contacts<S>) -> Lane<S> {
+        let [q_a, q_m, q_b] = contacts.loads;
+        let (f, gyro) = (self.signed, self.inertia * state.rate);
+        let half = state.pulls[0] * 0.5;
+        let a = state.nut.map(|x| half * x);
+        let b = contacts.screw.map(|x| f * q_b * x);
+        let m = state.next.minor.map(|x| f * q_m * x);
+        let Contacts { u, tau, .. } = *contacts;
+        let force = [
+            a[1] + b[1] + m[1],
+            q_a - q_b + q_m * self.cos_2b + m[0] * self.sin_2b - state.centrifugal * self.cos_b,
+            a[0] + b[0] - q_m * self.sin_2b + m[0] * self.cos_2b + state.centrifugal * self.sin_b,
+        ];
+        let axial = q_a * self.k_n + a[0] * self.k_e + a[1] * self.sin_a - q_m * self.k_n
+            + m[0] * self.k_e
+            + m[1] * self.sin_a
+            - 1.0;
+        let moment = [
+            b[0] - a[0] - m[0] - gyro * self.k_n * tau + self.k_e * state.s,
+            a[1] - b[1] + m[1] * self.cos_2b - self.sin_a * state.s + gyro * self.k_n * u,
+        ];
+        let normal = m[1] * self.sin_2b - gyro * (self.k_e * u - self.sin_a * tau);
+        let one = self.constant(1.0);
+        let [x, y, z] = force.map(Lane::abs);
+        let [t, e] = moment.map(Lane::abs);
+        let others = x.max(y).max(z.max(t)).max(e.max(axial.abs()));
+        // w = 1/max(1, μ),  M_N = ι min(1, |P/W|)                         (R10), (R23)
+        let rate = state.rate.abs();
+        let size = self.inertia_ratio * (rate * rate).max(one) * rate.min(one);
+        (others / self.inertia_ratio.max(one)).max(normal.abs() / size)
+    }
+}
+
+/// Stores what is wanted of a state, and returns the violation of its power balance.
+#[inline(always)]
+fn outputs<S: Simd>(
+    out: &mut Out<'_, '_>,
+    case: &Scaled<S>,
+    si: &Si<S>,
+    (state, contacts): (&State<S>, &Contacts<S>),
+) -> Lane<S> {
+    let [q_a, q_m, q_b] = contacts.loads;
+    let zero = case.constant(0.0);
+    out.set(OutputKey::nut_normal_load_N, q_a * si.load);
+    out.set(OutputKey::minor_normal_load_N, q_m * si.load);
+    out.set(OutputKey::screw_normal_load_N, q_b * si.load);
+
+    // T = [(−r_m n) × F + M]·k of the wrench of the screw                 (B7)
+    let [x, y] = contacts.screw.map(|x| case.signed * q_b * x);
+    let torque = case.radius * (case.cos_a * y + case.sin_a * (q_b * case.sin_b - x * case.cos_b))
+        + x * case.sin_a
+        - y * case.k_e;
+    let ideal = case.radius * case.sin_a / case.cos_a;
+    let back = si.speed.lt(zero);
+    // η = T₀/T or T/T₀                                                    (B8)
+    let eta = back.select(torque, ideal) / back.select(ideal, torque);
+    out.set(OutputKey::efficiency, eta);
+    out.set_flag(OutputKey::self_locking, eta.le(zero));
+    let unit = si.ball * si.axial;
+    out.set(OutputKey::screw_torque_Nm, torque * unit);
+    powers(out, back, (torque * unit, ideal * unit), si.speed);
+
+    // P_f = Σ f Q_c |V_c|                                                 (R21)
+    let [v_a, v_m, v_b] = contacts.speeds;
+    let lost = case.friction * (q_a * v_a + q_m * v_m + q_b * v_b);
+    let gained = back.select(ideal - torque, torque - ideal);
+    // (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)                    (B10)
+    let imbalance = (gained - lost) / torque.abs().max(ideal).max(lost);
+    out.set(OutputKey::power_balance, imbalance);
+
+    let w = si.speed.abs();
+    let slip = w * si.ball;
+    out.set(OutputKey::nut_slip_velocity_m_s, v_a * slip);
+    out.set(OutputKey::minor_slip_velocity_m_s, v_m * slip);
+    out.set(OutputKey::screw_slip_velocity_m_s, v_b * slip);
+    // σ = s r_b F_a/(I P)                                                 (R5)
+    let spin = state.s / (case.inertia * state.rate) * si.speed;
+    out.set(OutputKey::nut_spin_rad_s, spin);
+    out.set(OutputKey::screw_spin_rad_s, si.speed * case.k_n - spin);
+    // P = Ω_n + p W,  ω = Ω_n k + W u t + σ N + W τ e_x                   (R3), (R6)
+    out.set(OutputKey::ball_precession_rad_s, si.nut_speed + state.p * si.speed);
+    let (u, tau) = (contacts.u * si.speed, contacts.tau * si.speed);
+    out.set(OutputKey::ball_omega_t_rad_s, u + si.nut_speed * case.sin_a);
+    out.set(OutputKey::ball_omega_n_rad_s, spin * case.cos_b - tau * case.sin_b);
+    let omega_b = spin * case.sin_b + tau * case.cos_b + si.nut_speed * case.cos_a;
+    out.set(OutputKey::ball_omega_b_rad_s, omega_b);
+
+    // ψ = atan2(−V_y, −V_x)                                               (K15)
+    let mut slip_angle = |key, against: Plane<S>| {
+        if out.wants(&[key]) {
+            let [x, y] = against.map(|x| back.select(-x, x));
+            out.set(key, y.zip(x, f64::atan2) / DEG);
+        }
+    };
+    slip_angle(OutputKey::nut_slip_angle_deg, state.nut.map(|x| -x));
+    slip_angle(OutputKey::minor_slip_angle_deg, state.next.minor);
+    slip_angle(OutputKey::screw_slip_angle_deg, contacts.screw);
+    imbalance
+}

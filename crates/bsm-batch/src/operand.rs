@@ -1,0 +1,156 @@
+//! The inputs of many points by lanes: columns and constants in one.
+
+use bsm_case::units::{DEG, RPM};
+use bsm_case::{INPUTS, InputKey, ModelChoice, Rule, Scene};
+use bsm_dyn::Model;
+use bsm_simd::{Lane, Mask, Simd};
+
+use crate::rows::{Chunk, Columns};
+
+/// Where the values of an input come from.
+#[derive(Debug, Clone, Copy)]
+enum Operand<'a> {
+    Absent,
+    Constant(f64),
+    Column(&'a [f64]),
+}
+
+/// The inputs of a chunk of points that one model takes.
+#[derive(Debug)]
+pub(crate) struct Operands<'a> {
+    by_key: [Operand<'a>; INPUTS.len()],
+    /// Rules of the columns; constants were checked.
+    rules: Vec<(Rule, &'a [f64])>,
+}
+
+impl<'a> Operands<'a> {
+    /// The inputs, and the model that `choice` comes to for ordinary rows; `None` if it depends on
+    /// the row, or if something is wrong that every row must tell.
+    pub(crate) fn of(
+        chunk: &'a Chunk,
+        columns: &Columns,
+        base: &Scene,
+        choice: ModelChoice,
+    ) -> Option<(Self, Model)> {
+        // A lead angle replaces a lead and the other way round, as in a scene.
+        let mut asked = base.clone();
+        for name in &columns.inputs {
+            asked.set(name, f64::NAN).ok()?;
+        }
+        if asked.lead_angle_deg.is_some() && asked.lead_mm.is_some() {
+            return None;
+        }
+        let has = |model: &Model| asked.missing(*model).is_empty();
+        let model = match choice {
+            ModelChoice::Fixed(model) => Some(model).filter(has)?,
+            ModelChoice::Auto if has(&Model::RacewayControl) => return None,
+            ModelChoice::Auto => Model::ALL.into_iter().rev().find(has)?,
+        };
+        let mut operands = Self { by_key: [Operand::Absent; INPUTS.len()], rules: Vec::new() };
+        for (input, operand) in INPUTS.iter().zip(&mut operands.by_key) {
+            let column = columns.inputs.iter().position(|name| *name == input.name);
+            if let Some(place) = column {
+                let values = chunk.inputs[place].values();
+                operands.rules.push((input.rule, values));
+                *operand = Operand::Column(values);
+            } else if let Some(value) = asked.get(input.name) {
+                if !input.rule.holds(value) {
+                    return None;
+                }
+                *operand = Operand::Constant(value);
+            } else if let Some(value) = input.default {
+                *operand = Operand::Constant(value);
+            }
+        }
+        let lead = [InputKey::lead_angle_deg, InputKey::lead_mm];
+        let both =
+            lead.iter().all(|key| !matches!(operands.by_key[*key as usize], Operand::Absent));
+        (!both).then_some((operands, model))
+    }
+}
+
+/// The inputs of as many points as a lane holds.
+#[derive(Clone, Copy)]
+pub(crate) struct Given<'a, S> {
+    pub(crate) simd: S,
+    pub(crate) operands: &'a Operands<'a>,
+    /// The first of the points.
+    pub(crate) row: usize,
+}
+
+impl<S: Simd> Given<'_, S> {
+    #[inline(always)]
+    fn load(&self, values: &[f64]) -> Lane<S> {
+        Lane::load(self.simd, &values[self.row..])
+    }
+
+    /// The values of an input, if there is a column or a constant for it.
+    #[inline(always)]
+    pub(crate) fn try_get(&self, key: InputKey) -> Option<Lane<S>> {
+        match self.operands.by_key[key as usize] {
+            Operand::Absent => None,
+            Operand::Constant(value) => Some(Lane::splat(self.simd, value)),
+            Operand::Column(values) => Some(self.load(values)),
+        }
+    }
+
+    /// The values of an input that the model requires, or of one with a default.
+    #[inline(always)]
+    pub(crate) fn get(&self, key: InputKey) -> Lane<S> {
+        self.try_get(key).unwrap_or(Lane::splat(self.simd, f64::NAN))
+    }
+
+    /// Sine and cosine of an angle between 0 and 90 degrees.
+    #[inline(always)]
+    pub(crate) fn sin_cos(&self, key: InputKey) -> (Lane<S>, Lane<S>) {
+        (self.get(key) * DEG).sin_cos_first_quadrant()
+    }
+
+    /// Sine and cosine of the lead angle, from the angle or from the lead.
+    #[inline(always)]
+    pub(crate) fn lead(&self) -> (Lane<S>, Lane<S>) {
+        match self.try_get(InputKey::lead_mm) {
+            None => self.sin_cos(InputKey::lead_angle_deg),
+            Some(lead) => {
+                let pitch = self.get(InputKey::pitch_circle_diameter_mm);
+                let tan = lead / (pitch * std::f64::consts::PI);
+                let cos = (tan * tan + 1.0).sqrt().recip();
+                (tan * cos, cos)
+            }
+        }
+    }
+
+    /// Speeds of screw and nut \[rad/s\], if they are given.
+    #[inline(always)]
+    pub(crate) fn speeds(&self) -> Option<(Lane<S>, Lane<S>)> {
+        let nut = self.get(InputKey::nut_speed_rpm);
+        Some((self.try_get(InputKey::screw_speed_rpm)? * RPM, nut * RPM))
+    }
+
+    /// Where the values of all columns keep their rules, alone and against each other.
+    #[inline(always)]
+    pub(crate) fn lawful(&self) -> Mask<S> {
+        let s = |x| Lane::splat(self.simd, x);
+        let zero = s(0.0);
+        let mut lawful = zero.lt(s(1.0));
+        for (rule, values) in &self.operands.rules {
+            let x = self.load(values);
+            let holds = match *rule {
+                Rule::Any => x.abs().lt(s(f64::INFINITY)),
+                Rule::Above(low) => x.gt(s(low)) & x.lt(s(f64::INFINITY)),
+                Rule::AtLeast(low) => s(low).le(x) & x.lt(s(f64::INFINITY)),
+                Rule::Between(low, high) => x.gt(s(low)) & x.lt(s(high)),
+            };
+            lawful = lawful & holds;
+        }
+        let ball = self.try_get(InputKey::ball_diameter_mm);
+        if let (Some(ball), Some(pitch)) = (ball, self.try_get(InputKey::pitch_circle_diameter_mm))
+        {
+            lawful = lawful & ball.lt(pitch * 0.5);
+        }
+        if let Some((screw, nut)) = self.speeds() {
+            lawful = lawful & (screw - nut).abs().gt(zero);
+        }
+        lawful
+    }
+}

@@ -1,0 +1,117 @@
+//! Sine and cosine of angles of the first quadrant.
+//!
+//! No library has them for vectors whose width is chosen at run time.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+use pulp::Simd;
+
+use crate::Lane;
+
+/// What π/2 has beyond double precision.
+const FRAC_PI_2_REST: f64 = 6.123_233_995_736_766e-17;
+
+/// `$(\sin x - x)/x^3$` in powers of `$x^2$`, minimax on `[0, π/4]` to 1.2e-20.
+const SINE: [f64; 7] = [
+    -0.166_666_666_666_666_66,
+    0.008_333_333_333_333_331,
+    -0.000_198_412_698_412_650_65,
+    2.755_731_921_933_916_3e-06,
+    -2.505_210_623_244_693_3e-08,
+    1.605_853_161_888_396_4e-10,
+    -7.586_697_111_683_407e-13,
+];
+
+/// `$(\cos x - 1 + x^2/2)/x^4$` in powers of `$x^2$`, minimax on `[0, π/4]` to 1.3e-18.
+const COSINE: [f64; 6] = [
+    0.041_666_666_666_666_664,
+    -0.001_388_888_888_888_739_8,
+    2.480_158_729_876_568_6e-05,
+    -2.755_731_727_172_921e-07,
+    2.087_614_626_828_136e-09,
+    -1.138_263_241_674_366_7e-11,
+];
+
+#[inline(always)]
+fn polynomial<S: Simd, const N: usize>(coefficients: &[f64; N], x: Lane<S>) -> Lane<S> {
+    let mut sum = x.constant(coefficients[N - 1]);
+    for c in coefficients[..N - 1].iter().rev() {
+        sum = sum * x + *c;
+    }
+    sum
+}
+
+impl<S: Simd> Lane<S> {
+    /// Sine and cosine of angles from 0 to π/2 \[rad\], to one unit in the last place; no meaning
+    /// outside.
+    #[inline(always)]
+    #[must_use]
+    pub fn sin_cos_first_quadrant(self) -> (Self, Self) {
+        let steep = self.gt(self.constant(FRAC_PI_4));
+        // Subtraction from π/2 is exact in the upper half of the quadrant.
+        let complement = (self.constant(FRAC_PI_2) - self) + FRAC_PI_2_REST;
+        let x = steep.select(complement, self);
+        let z = x * x;
+        let sine = x + x * z * polynomial(&SINE, z);
+        let cosine = self.constant(1.0) - (z * 0.5 - z * z * polynomial(&COSINE, z));
+        (steep.select(cosine, sine), steep.select(sine, cosine))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use pulp::{Arch, WithSimd};
+
+    use super::*;
+    use crate::{BLOCK, Block};
+
+    struct SinCos(Block);
+
+    impl WithSimd for SinCos {
+        type Output = (Block, Block);
+
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let (mut sin, mut cos) = ([0.0; BLOCK], [0.0; BLOCK]);
+            for at in (0..BLOCK).step_by(S::F64_LANES) {
+                let (s, c) = Lane::load(simd, &self.0[at..]).sin_cos_first_quadrant();
+                s.store(&mut sin[at..]);
+                c.store(&mut cos[at..]);
+            }
+            (sin, cos)
+        }
+    }
+
+    fn ulp(x: f64) -> f64 {
+        x.next_up() - x
+    }
+
+    proptest! {
+        /// Against the standard library, which is within half a unit: one and a half here.
+        #[test]
+        fn they_are_those_of_the_standard_library(
+            angles in proptest::array::uniform8(0.0..=FRAC_PI_2),
+            shift in 1e-300..1e-3_f64,
+        ) {
+            let mut angles = angles;
+            (angles[0], angles[1], angles[2]) = (shift, FRAC_PI_2 - shift, FRAC_PI_4 + shift);
+            let (sin, cos) = Arch::new().dispatch(SinCos(angles));
+            for (i, x) in angles.iter().enumerate() {
+                prop_assert!((sin[i] - x.sin()).abs() <= 1.5 * ulp(x.sin()), "sin {x}");
+                prop_assert!((cos[i] - x.cos()).abs() <= 1.5 * ulp(x.cos()), "cos {x}");
+            }
+        }
+    }
+
+    /// The same bits on every instruction set.
+    #[test]
+    fn instruction_sets_agree() {
+        let angles = [0.057, 0.247, 0.437, 0.627, 0.817, 1.007, 1.197, 1.387];
+        let portable = Arch::Scalar.dispatch(SinCos(angles));
+        assert_eq!(Arch::new().dispatch(SinCos(angles)), portable);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(v3) = pulp::x86::V3::try_new() {
+            assert_eq!(Simd::vectorize(v3, SinCos(angles)), portable);
+        }
+    }
+}
