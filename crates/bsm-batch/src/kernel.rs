@@ -81,8 +81,7 @@ pub(crate) struct Rows<'a, 'b> {
 
 impl Rows<'_, '_> {
     /// Answers the ordinary rows of a model; without a kernel for it, none.
-    pub(crate) fn solve(self, model: Model, settings: &Settings) {
-        let arch = Arch::new();
+    pub(crate) fn solve(self, arch: Arch, model: Model, settings: &Settings) {
         let _ = settings;
         match model {
             Model::ClosedForm => arch.dispatch(Run { kernel: ClosedForm, rows: self }),

@@ -21,7 +21,7 @@ mod text;
 pub use error::TableError;
 pub use parquet_table::{ParquetSink, ParquetSource};
 pub use rows::{Answers, Cell, Chunk, Column, Columns, Verdict};
-pub use solve::solve;
+pub use solve::{solve, solve_on};
 pub use source::{GridSource, Source};
 pub use text::{CsvSink, CsvSource, JsonSink, JsonSource};
 
@@ -32,5 +32,5 @@ pub trait Sink {
     /// # Errors
     ///
     /// [`TableError`] if they cannot be written.
-    fn write(&mut self, chunk: &Chunk, answers: &Answers) -> Result<(), TableError>;
+    fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError>;
 }

@@ -7,13 +7,14 @@ use std::sync::Arc;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
 use arrow_array::{ArrayRef, BooleanArray, Float64Array, RecordBatch, StringArray, UInt64Array};
+use arrow_buffer::NullBuffer;
 use arrow_cast::cast;
 use arrow_schema::{DataType, Field, Schema};
 use bsm_case::{INPUTS, Output};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::basic::Compression;
-use parquet::file::properties::WriterProperties;
+use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::reader::ChunkReader;
 
 use crate::rows::{Answers, Cell, Chunk, Column, Columns};
@@ -145,7 +146,14 @@ impl<W: Write + Send> ParquetSink<W> {
         });
         let fields: Vec<_> = kept.chain(inputs).chain(words).chain(answers).collect();
         let schema = Arc::new(Schema::new(fields));
-        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+        let mut properties = WriterProperties::builder()
+            .set_compression(Compression::SNAPPY)
+            .set_statistics_enabled(EnabledStatistics::Chunk);
+        for output in outputs {
+            // Numbers that hardly repeat.
+            properties = properties.set_column_dictionary_enabled(output.name.into(), false);
+        }
+        let properties = properties.build();
         let writer = ArrowWriter::try_new(writer, schema.clone(), Some(properties))?;
         Ok(Self { writer, schema, outputs: outputs.to_vec() })
     }
@@ -161,18 +169,15 @@ impl<W: Write + Send> ParquetSink<W> {
 }
 
 impl<W: Write + Send> Sink for ParquetSink<W> {
-    fn write(&mut self, chunk: &Chunk, answers: &Answers) -> Result<(), TableError> {
+    fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
         let verdicts = &answers.verdicts;
         let mut arrays: Vec<ArrayRef> = Vec::with_capacity(self.schema.fields().len());
         for texts in &chunk.kept {
             arrays.push(Arc::new(StringArray::from_iter_values(texts)));
         }
-        for column in &chunk.inputs {
-            let values = column.cells().map(|cell| match cell {
-                Cell::Number(value) => Some(value),
-                Cell::Missing | Cell::Text(_) => None,
-            });
-            arrays.push(Arc::new(values.collect::<Float64Array>()));
+        for column in chunk.inputs {
+            let (values, given) = column.into_numbers();
+            arrays.push(nullable(values, given.into()));
         }
         let models = verdicts.iter().map(|verdict| verdict.model.name());
         arrays.push(Arc::new(StringArray::from_iter_values(models)));
@@ -180,20 +185,31 @@ impl<W: Write + Send> Sink for ParquetSink<W> {
         arrays.push(Arc::new(StringArray::from_iter_values(statuses)));
         let messages = verdicts.iter().map(|verdict| verdict.message.as_deref());
         arrays.push(Arc::new(messages.collect::<StringArray>()));
-        for (output, column) in self.outputs.iter().zip(&answers.columns) {
-            let values = column.iter().map(|x| (!x.is_nan()).then_some(*x));
+        for (output, column) in self.outputs.iter().zip(answers.columns) {
+            let there: NullBuffer = column.iter().map(|x| !x.is_nan()).collect();
             arrays.push(match output.json_type {
                 #[expect(
                     clippy::cast_possible_truncation,
                     clippy::cast_sign_loss,
                     reason = "small counts"
                 )]
-                "integer" => Arc::new(values.map(|x| x.map(|x| x as u64)).collect::<UInt64Array>()),
-                "boolean" => Arc::new(values.map(|x| x.map(|x| x > 0.5)).collect::<BooleanArray>()),
-                _ => Arc::new(values.collect::<Float64Array>()),
+                "integer" => {
+                    let counts: Vec<_> = column.iter().map(|x| *x as u64).collect();
+                    Arc::new(UInt64Array::new(counts.into(), Some(there)))
+                }
+                "boolean" => {
+                    let flags = column.iter().map(|x| *x > 0.5).collect();
+                    Arc::new(BooleanArray::new(flags, Some(there)))
+                }
+                _ => nullable(column, there),
             });
         }
         self.writer.write(&RecordBatch::try_new(self.schema.clone(), arrays)?)?;
         Ok(())
     }
+}
+
+/// A column of numbers with null where there is none.
+fn nullable(values: Vec<f64>, there: NullBuffer) -> ArrayRef {
+    Arc::new(Float64Array::new(values.into(), Some(there)))
 }

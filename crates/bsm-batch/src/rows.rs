@@ -102,9 +102,13 @@ impl Column {
         &self.values
     }
 
-    /// All values.
-    pub fn cells(&self) -> impl Iterator<Item = Cell> {
-        (0..self.values.len()).map(|row| self.cell(row))
+    /// The numbers, and whether there is one, which may be NaN itself.
+    pub(crate) fn into_numbers(self) -> (Vec<f64>, Vec<bool>) {
+        let mut given = vec![true; self.values.len()];
+        for (row, _) in &self.odd {
+            given[*row] = false;
+        }
+        (self.values, given)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use bsm_case::{CaseError, Cell as Answer, Output, Record, Scene, Settings};
 use bsm_dyn::ModelWorkspace;
+use bsm_simd::Arch;
 use rayon::prelude::*;
 
 use crate::kernel::{Rows, Wanted};
@@ -22,8 +23,20 @@ struct Part<'a> {
 /// One answer for each row, in order: `base` with the values of the row.
 ///
 /// A row that cannot be asked keeps its place with the status `invalid_input` and says why.
-/// Results do not depend on chunk, thread or instruction set.
+/// Results do not depend on chunk, thread or instruction set, which is the widest of the machine.
 pub fn solve(
+    chunk: &Chunk,
+    columns: &Columns,
+    base: &Scene,
+    settings: &Settings,
+    outputs: &[&Output],
+) -> Answers {
+    solve_on(Arch::new(), chunk, columns, base, settings, outputs)
+}
+
+/// [`solve`] on an instruction set of one's choice.
+pub fn solve_on(
+    arch: Arch,
     chunk: &Chunk,
     columns: &Columns,
     base: &Scene,
@@ -52,7 +65,7 @@ pub fn solve(
         if let Some((operands, model)) = &operands {
             let (wanted, columns) = (&wanted, &mut part.columns[..]);
             let rows = Rows { operands, wanted, first: part.first, columns, done: &mut *done };
-            rows.solve(*model, settings);
+            rows.solve(arch, *model, settings);
         }
         for (row, _) in done.iter().enumerate().filter(|(_, done)| !**done) {
             let problem = scene(chunk, columns, base, part.first + row)

@@ -6,7 +6,7 @@ use crate::TableError;
 use crate::rows::{Cell, Chunk, Columns};
 
 /// Rows in chunks, in order.
-pub trait Source {
+pub trait Source: Send {
     /// The columns.
     fn columns(&self) -> &Columns;
 
@@ -71,11 +71,7 @@ impl Source for GridSource {
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
         let end = self.grid.len().min(self.at.saturating_add(rows));
         let mut chunk = Chunk::empty(self.at as u64 + 1, &self.columns, end - self.at);
-        for i in self.at..end {
-            for (column, value) in chunk.inputs.iter_mut().zip(self.grid.point(i)) {
-                column.push(Cell::Number(value));
-            }
-        }
+        self.grid.fill(self.at..end, |axis, value| chunk.inputs[axis].push(Cell::Number(value)));
         chunk.len = end - self.at;
         self.at = end;
         Ok(chunk.filled())

@@ -43,7 +43,7 @@ impl<R: Read> CsvSource<R> {
     }
 }
 
-impl<R: Read> Source for CsvSource<R> {
+impl<R: Read + Send> Source for CsvSource<R> {
     fn columns(&self) -> &Columns {
         &self.columns
     }
@@ -112,7 +112,7 @@ impl<R: BufRead> JsonSource<R> {
     }
 }
 
-impl<R: BufRead> Source for JsonSource<R> {
+impl<R: BufRead + Send> Source for JsonSource<R> {
     fn columns(&self) -> &Columns {
         &self.columns
     }
@@ -182,7 +182,7 @@ impl<W: Write> CsvSink<W> {
 }
 
 impl<W: Write> Sink for CsvSink<W> {
-    fn write(&mut self, chunk: &Chunk, answers: &Answers) -> Result<(), TableError> {
+    fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
         for (row, verdict) in answers.verdicts.iter().enumerate() {
             for texts in &chunk.kept {
                 self.writer.write_field(&texts[row])?;
@@ -240,7 +240,7 @@ impl<W: Write> JsonSink<W> {
 }
 
 impl<W: Write> Sink for JsonSink<W> {
-    fn write(&mut self, chunk: &Chunk, answers: &Answers) -> Result<(), TableError> {
+    fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
         for (row, verdict) in answers.verdicts.iter().enumerate() {
             let mut line = Map::new();
             for (name, texts) in self.columns.kept.iter().zip(&chunk.kept) {

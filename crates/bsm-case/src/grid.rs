@@ -1,5 +1,7 @@
 //! Grids over inputs, generated on the fly.
 
+use std::ops::Range;
+
 use crate::scene::unknown_key;
 use crate::{CaseError, INPUTS, Scene};
 
@@ -138,19 +140,32 @@ impl Grid {
 
     /// The values of point `i`, one per axis.
     pub fn point(&self, i: usize) -> Vec<f64> {
-        let mut rest = i;
-        let mut values: Vec<_> = self
-            .axes
-            .iter()
-            .rev()
-            .map(|axis| {
-                let value = axis.value(rest % axis.len());
-                rest /= axis.len();
-                value
-            })
-            .collect();
-        values.reverse();
+        let mut values = Vec::with_capacity(self.axes.len());
+        self.fill(i..i + 1, |_, value| values.push(value));
         values
+    }
+
+    /// Gives the values of some points, by the place of their axis, point after point.
+    pub fn fill(&self, points: Range<usize>, mut each: impl FnMut(usize, f64)) {
+        let Some(first) = points.clone().next() else { return };
+        let (mut places, mut rest) = (vec![0; self.axes.len()], first);
+        for (place, axis) in places.iter_mut().zip(&self.axes).rev() {
+            *place = rest % axis.len();
+            rest /= axis.len();
+        }
+        for _ in points {
+            for (i, (place, axis)) in places.iter().zip(&self.axes).enumerate() {
+                each(i, axis.value(*place));
+            }
+            // The last axis runs fastest.
+            for (place, axis) in places.iter_mut().zip(&self.axes).rev() {
+                *place += 1;
+                if *place < axis.len() {
+                    break;
+                }
+                *place = 0;
+            }
+        }
     }
 
     /// `base` without the varied inputs: what can be checked before any point.

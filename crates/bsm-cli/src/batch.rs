@@ -99,7 +99,7 @@ fn open(path: &Path, keep: &[String]) -> Result<Box<dyn Source>, Failure> {
             Box::new(JsonSource::new(BufReader::new(file()?), keep).map_err(failed)?)
         }
         Kind::Csv => {
-            let reader: Box<dyn Read> =
+            let reader: Box<dyn Read + Send> =
                 if path.as_os_str() == "-" { Box::new(io::stdin()) } else { Box::new(file()?) };
             Box::new(CsvSource::new(reader, keep).map_err(failed)?)
         }

@@ -2,10 +2,15 @@
 
 use std::fs;
 use std::io::{self, IsTerminal};
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread;
 
-use bsm_batch::{Answers, Chunk, CsvSink, JsonSink, ParquetSink, Sink, Source, TableError, solve};
+use bsm_batch::{
+    Answers, Chunk, Columns, CsvSink, JsonSink, ParquetSink, Sink, Source, TableError, solve,
+};
 use bsm_case::{Output as Column, Scene, Settings};
 use bsm_dyn::Status;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -86,6 +91,8 @@ impl Task<'_> {
     }
 
     /// Writes one table of at most `limit` rows; false if the source ended before its first row.
+    ///
+    /// One thread reads ahead and one writes behind those that solve.
     fn table(
         &self,
         source: &mut dyn Source,
@@ -94,36 +101,86 @@ impl Task<'_> {
         base: &Scene,
         each: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<bool, Failure> {
-        let unwritable = |error: TableError| match error {
-            TableError::Io(e) => Output::failure(path, &e),
-            other => Failure::Files(format!("cannot write {}: {other}", path.display())),
-        };
-        let mut first = unreadable(source.next(ROWS))?;
+        let first = unreadable(source.next(ROWS))?;
         if first.is_none() && limit < u64::MAX {
             return Ok(false);
         }
-        let mut sink = TableFile::create(path, source, self.outputs)?;
+        let columns = source.columns().clone();
+        let sink = TableFile::create(path, &columns, self.outputs)?;
         let outputs: Vec<_> = self.outputs.iter().copied().chain(self.watched).collect();
-        let mut rows = 0;
-        loop {
-            let left = usize::try_from(limit - rows).unwrap_or(ROWS).min(ROWS);
-            let chunk = match first.take() {
-                Some(chunk) => Some(chunk),
-                None if left > 0 => unreadable(source.next(left))?,
-                None => None,
-            };
-            let Some(chunk) = chunk else { break };
-            let answers = solve(&chunk, source.columns(), base, self.settings, &outputs);
-            sink.sink().write(&chunk, &answers).map_err(unwritable)?;
-            each(&chunk, &answers);
-            rows += chunk.len as u64;
-            if INTERRUPTED.load(Ordering::Relaxed) {
-                return Err(Failure::Interrupted);
+        let (read, chunks) = sync_channel(1);
+        let (solved, answered) = sync_channel(1);
+        thread::scope(|scope| {
+            scope.spawn(move || read_ahead(source, first, limit, &read));
+            let writer = scope.spawn(move || write_behind(sink, &answered));
+            let mut done = Ok(());
+            for chunk in chunks {
+                let chunk = match unreadable(chunk) {
+                    Ok(chunk) => chunk,
+                    Err(error) => {
+                        done = Err(error);
+                        break;
+                    }
+                };
+                let answers = solve(&chunk, &columns, base, self.settings, &outputs);
+                each(&chunk, &answers);
+                if solved.send((chunk, answers)).is_err() {
+                    // The writer has failed, and says why itself.
+                    break;
+                }
+                if INTERRUPTED.load(Ordering::Relaxed) {
+                    done = Err(Failure::Interrupted);
+                    break;
+                }
             }
-        }
-        sink.finish().map_err(unwritable)?.complete()?;
-        Ok(true)
+            drop(solved);
+            let file = writer.join().unwrap_or_else(|panic| resume_unwind(panic));
+            done?;
+            let file = file.map_err(|error| match error {
+                TableError::Io(e) => Output::failure(path, &e),
+                other => unwritable(path, &other),
+            })?;
+            file.complete()?;
+            Ok(true)
+        })
     }
+}
+
+/// Sends the rows of a source, at most `limit`, until it ends, fails, or nobody listens.
+fn read_ahead(
+    source: &mut dyn Source,
+    mut first: Option<Chunk>,
+    limit: u64,
+    to: &SyncSender<Result<Chunk, TableError>>,
+) {
+    let mut rows = 0;
+    while rows < limit {
+        let most = usize::try_from(limit - rows).unwrap_or(ROWS).min(ROWS);
+        let Some(chunk) =
+            first.take().map_or_else(|| source.next(most).transpose(), |c| Some(Ok(c)))
+        else {
+            break;
+        };
+        rows += chunk.as_ref().map_or(limit, |chunk| chunk.len as u64);
+        if to.send(chunk).is_err() {
+            break;
+        }
+    }
+}
+
+/// Writes what comes, and then the end of the table.
+fn write_behind(
+    mut file: TableFile,
+    from: &Receiver<(Chunk, Answers)>,
+) -> Result<Output, TableError> {
+    for (chunk, answers) in from {
+        file.sink().write(chunk, answers)?;
+    }
+    file.finish()
+}
+
+fn unwritable(path: &Path, error: &TableError) -> Failure {
+    Failure::Files(format!("cannot write {}: {error}", path.display()))
 }
 
 /// A table of points that cannot be read on.
@@ -255,14 +312,12 @@ enum TableFile {
 impl TableFile {
     fn create(
         path: &Path,
-        source: &dyn Source,
+        columns: &Columns,
         outputs: &[&'static Column],
     ) -> Result<Self, Failure> {
         let kind = Kind::of(path, "--output")?;
         let out = Output::create(path)?;
-        let columns = source.columns();
-        let failed =
-            |e: TableError| Failure::Files(format!("cannot write {}: {e}", path.display()));
+        let failed = |e: TableError| unwritable(path, &e);
         Ok(match kind {
             Kind::Csv => Self::Csv(Box::new(CsvSink::new(out, columns, outputs).map_err(failed)?)),
             Kind::JsonLines => Self::Json(JsonSink::new(out, columns.clone(), outputs)),

@@ -20,3 +20,20 @@ pub const BLOCK: usize = 8;
 
 /// One number of each point of a group.
 pub type Block = [f64; BLOCK];
+
+/// The instruction sets that programs can choose from on this machine, the widest last.
+///
+/// For tests that results do not depend on it, and for benches.
+pub fn instruction_sets() -> Vec<Arch> {
+    #[cfg_attr(
+        not(target_arch = "x86_64"),
+        expect(unused_mut, reason = "other processors have one")
+    )]
+    let mut all = vec![Arch::Scalar];
+    #[cfg(target_arch = "x86_64")]
+    {
+        all.extend(pulp::x86::V3::try_new().map(Arch::V3));
+        all.extend(pulp::x86::V4::try_new().map(Arch::V4));
+    }
+    all
+}

@@ -5,7 +5,7 @@
 
 use bsm_case::units::{DEG, MM};
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::{MODERATE_INERTIA, POWER_BALANCE_TOL};
+use bsm_dyn::POWER_BALANCE_TOL;
 use bsm_simd::{Lane, Mask, Simd};
 
 use super::closed_form::{contact_angles, powers};
@@ -15,9 +15,13 @@ use crate::operand::Given;
 pub(super) struct Rigid;
 
 /// Sweeps before a point is left to Newton.
-const MOST_SWEEPS: usize = 8;
+const MOST_SWEEPS: usize = 12;
 
-/// What the directions may still change: the last change times the contraction.
+/// Largest ratio of inertia to friction. Up to there sweeps and model find the same root from the
+/// same first order; the tests go to ten times as much.
+const MOST_INERTIA: f64 = 10.0;
+
+/// What the directions may still change.
 const SETTLED: f64 = 1e-12;
 
 /// Largest scaled residual of an answer, as that of Newton.
@@ -30,17 +34,22 @@ impl Kernel for Rigid {
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
         let (case, si) = Scaled::of(given);
-        let mut directions = case.start();
-        let mut settled = !case.lasting();
-        let mut sweeps = case.constant(1.0);
+        let start = case.start();
+        let first = case.sweep(&start);
+        let expected = case.expected(&first);
+        let mut last = start.farthest(&first.next);
+        let mut directions = first.next;
+        let mut settled = !expected;
+        let mut sweeps = case.constant(2.0);
         for _ in 0..MOST_SWEEPS {
             let state = case.sweep(&directions);
             let change = directions.farthest(&state.next);
             directions = directions.unless(settled, &state.next);
             sweeps = settled.select(sweeps, sweeps + 1.0);
-            // What is left is smaller by the contraction, about μ (P/W)².
-            let left = change * case.inertia_ratio.max(state.centrifugal);
-            settled = settled | left.lt(case.constant(SETTLED));
+            // Geometric series: c/(1 − c) times the last change is left, c = change/last.
+            let converges = (change * change).lt((last - change) * SETTLED);
+            settled = settled | converges | change.lt(case.constant(f64::EPSILON));
+            last = change;
             if !(!settled).any() {
                 break;
             }
@@ -48,7 +57,7 @@ impl Kernel for Rigid {
         let state = case.sweep(&directions);
         let contacts = case.contacts(&state);
         let residual = case.residual(&state, &contacts);
-        let found = case.lasting() & case.admissible(&state, &contacts);
+        let found = expected & settled & case.admissible(&state, &contacts);
         let found = found & residual.lt(case.constant(RESIDUAL));
         if !found.any() {
             return found;
@@ -335,17 +344,26 @@ struct Contacts<S: Simd> {
 }
 
 impl<S: Simd> Scaled<S> {
-    /// Points that the sweeps may answer: with friction, numbers that do not underflow, and inertia
-    /// so small that the root near the first order is the one to take.
+    /// Points that the sweeps may answer: with friction, numbers that do not underflow, a root to
+    /// first order, and not more inertia than tested.
     #[inline(always)]
-    fn lasting(&self) -> Mask<S> {
-        let least = self.constant(f64::MIN_POSITIVE);
-        let rate = self.nut_speed.abs() + 1.0;
-        let inertia = self.inertia_ratio * rate * rate;
+    fn expected(&self, first: &State<S>) -> Mask<S> {
+        let (zero, least) = (self.constant(0.0), self.constant(f64::MIN_POSITIVE));
         self.friction.gt(least)
             & self.inertia.gt(least)
             & self.inertia_ratio.gt(least)
-            & inertia.lt(self.friction * MODERATE_INERTIA)
+            // sinβ > F D, κ > 0, margin > 0
+            & self.k_n.gt(self.signed * self.h)
+            & first.minor.gt(zero)
+            & first.slip.gt(zero)
+            & self.size(first.rate).lt(self.friction * MOST_INERTIA)
+    }
+
+    /// `$\iota$` of a rate (R23).
+    #[inline(always)]
+    fn size(&self, rate: Lane<S>) -> Lane<S> {
+        // ι = μ max(1, (P/W)²)                                            (R23)
+        self.inertia_ratio * (rate * rate).max(self.constant(1.0))
     }
 
     #[inline(always)]
@@ -416,9 +434,8 @@ impl<S: Simd> Scaled<S> {
         let [t, e] = moment.map(Lane::abs);
         let others = x.max(y).max(z.max(t)).max(e.max(axial.abs()));
         // w = 1/max(1, μ),  M_N = ι min(1, |P/W|)                         (R10), (R23)
-        let rate = state.rate.abs();
-        let size = self.inertia_ratio * (rate * rate).max(one) * rate.min(one);
-        (others / self.inertia_ratio.max(one)).max(normal.abs() / size)
+        let moment = self.size(state.rate) * state.rate.abs().min(one);
+        (others / self.inertia_ratio.max(one)).max(normal.abs() / moment)
     }
 }
 
