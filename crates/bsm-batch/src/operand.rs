@@ -1,5 +1,7 @@
 //! The inputs of many points by lanes: columns and constants in one.
 
+use std::borrow::Cow;
+
 use bsm_case::units::{DEG, RPM};
 use bsm_case::{INPUTS, InputKey, ModelChoice, Rule, Scene};
 use bsm_dyn::Model;
@@ -8,20 +10,16 @@ use bsm_simd::{Lane, Mask, Simd};
 use crate::rows::{Chunk, Columns};
 
 /// Where the values of an input come from.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 enum Operand<'a> {
     Absent,
     Constant(f64),
-    Column(&'a [f64]),
+    Column(Rule, Cow<'a, [f64]>),
 }
 
 /// The inputs of a chunk of points that one model takes.
 #[derive(Debug)]
-pub(crate) struct Operands<'a> {
-    by_key: [Operand<'a>; INPUTS.len()],
-    /// Rules of the columns; constants were checked.
-    rules: Vec<(Rule, &'a [f64])>,
-}
+pub(crate) struct Operands<'a>([Operand<'a>; INPUTS.len()]);
 
 impl<'a> Operands<'a> {
     /// The inputs, and the model that `choice` comes to for ordinary rows; `None` if it depends on
@@ -46,13 +44,12 @@ impl<'a> Operands<'a> {
             ModelChoice::Auto if has(&Model::RacewayControl) => return None,
             ModelChoice::Auto => Model::ALL.into_iter().rev().find(has)?,
         };
-        let mut operands = Self { by_key: [Operand::Absent; INPUTS.len()], rules: Vec::new() };
-        for (input, operand) in INPUTS.iter().zip(&mut operands.by_key) {
+        let mut operands = [const { Operand::Absent }; INPUTS.len()];
+        for (input, operand) in INPUTS.iter().zip(&mut operands) {
             let column = columns.inputs.iter().position(|name| *name == input.name);
             if let Some(place) = column {
-                let values = chunk.inputs[place].values();
-                operands.rules.push((input.rule, values));
-                *operand = Operand::Column(values);
+                let value = base.get(input.name).or(input.default);
+                *operand = Operand::Column(input.rule, chunk.inputs[place].filled(value));
             } else if let Some(value) = asked.get(input.name) {
                 if !input.rule.holds(value) {
                     return None;
@@ -62,10 +59,7 @@ impl<'a> Operands<'a> {
                 *operand = Operand::Constant(value);
             }
         }
-        let lead = [InputKey::lead_angle_deg, InputKey::lead_mm];
-        let both =
-            lead.iter().all(|key| !matches!(operands.by_key[*key as usize], Operand::Absent));
-        (!both).then_some((operands, model))
+        Some((Self(operands), model))
     }
 }
 
@@ -87,10 +81,10 @@ impl<S: Simd> Given<'_, S> {
     /// The values of an input, if there is a column or a constant for it.
     #[inline(always)]
     pub(crate) fn try_get(&self, key: InputKey) -> Option<Lane<S>> {
-        match self.operands.by_key[key as usize] {
+        match &self.operands.0[key as usize] {
             Operand::Absent => None,
-            Operand::Constant(value) => Some(Lane::splat(self.simd, value)),
-            Operand::Column(values) => Some(self.load(values)),
+            Operand::Constant(value) => Some(Lane::splat(self.simd, *value)),
+            Operand::Column(_, values) => Some(self.load(values)),
         }
     }
 
@@ -133,7 +127,9 @@ impl<S: Simd> Given<'_, S> {
         let s = |x| Lane::splat(self.simd, x);
         let zero = s(0.0);
         let mut lawful = zero.lt(s(1.0));
-        for (rule, values) in &self.operands.rules {
+        for operand in &self.operands.0 {
+            // Constants were checked.
+            let Operand::Column(rule, values) = operand else { continue };
             let x = self.load(values);
             let holds = match *rule {
                 Rule::Any => x.abs().lt(s(f64::INFINITY)),

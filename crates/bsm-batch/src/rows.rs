@@ -1,5 +1,7 @@
 //! Rows in memory: a chunk of them by columns, and their answers.
 
+use std::borrow::Cow;
+
 use bsm_case::{INPUTS, ModelChoice, OUTPUTS, Output, Record, nearest_input};
 use bsm_dyn::Status;
 
@@ -100,6 +102,18 @@ impl Column {
     /// The numbers, NaN where there is none.
     pub fn values(&self) -> &[f64] {
         &self.values
+    }
+
+    /// The numbers, with `value` where nothing is given.
+    pub(crate) fn filled(&self, value: Option<f64>) -> Cow<'_, [f64]> {
+        let mut values = Cow::Borrowed(&self.values[..]);
+        let missing = self.odd.iter().filter(|(_, cell)| *cell == Cell::Missing);
+        if let Some(value) = value {
+            for (row, _) in missing {
+                values.to_mut()[*row] = value;
+            }
+        }
+        values
     }
 
     /// The numbers, and whether there is one, which may be NaN itself.
