@@ -149,16 +149,9 @@ pub(crate) struct CompareArgs {
     pub(crate) format: Format,
 }
 
+/// The table to write, and how.
 #[derive(Debug, Args)]
-pub(crate) struct SweepArgs {
-    #[command(flatten)]
-    pub(crate) scene: SceneArgs,
-    #[command(flatten)]
-    pub(crate) model: ModelArgs,
-    /// Input to vary: NAME=START:STOP:COUNT (ends included) or NAME=V1,V2,...; may be repeated
-    /// for a full grid, the last one running fastest.
-    #[arg(long, value_name = "NAME=VALUES", required = true, allow_hyphen_values = true)]
-    pub(crate) vary: Vec<String>,
+pub(crate) struct TableArgs {
     /// Table to write: .csv, .jsonl or .parquet; `-` is CSV on standard output; FOLDER/ gets
     /// Parquet files of a million rows.
     #[arg(short, long, value_name = "OUT")]
@@ -169,6 +162,29 @@ pub(crate) struct SweepArgs {
     /// Outputs to write, in this order; all unless given.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) columns: Option<Vec<String>>,
+    /// Threads; all cores unless given. Results do not depend on it.
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Exit with 3 if any row has no result.
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// No progress bar.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SweepArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
+    /// Input to vary: NAME=START:STOP:COUNT (ends included) or NAME=V1,V2,...; may be repeated
+    /// for a full grid, the last one running fastest.
+    #[arg(long, value_name = "NAME=VALUES", required = true, allow_hyphen_values = true)]
+    pub(crate) vary: Vec<String>,
+    #[command(flatten)]
+    pub(crate) table: TableArgs,
     /// Plot to write (SVG) of one output against the first varied input, a line per value of
     /// the second.
     #[arg(long, value_name = "OUT.svg")]
@@ -176,12 +192,6 @@ pub(crate) struct SweepArgs {
     /// Output to plot.
     #[arg(long, value_name = "NAME", default_value = "efficiency", requires = "plot")]
     pub(crate) plot_output: String,
-    /// Exit with 3 if any point has no solution.
-    #[arg(long)]
-    pub(crate) strict: bool,
-    /// No progress bar.
-    #[arg(long)]
-    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]
@@ -198,28 +208,11 @@ pub(crate) struct BatchArgs {
     pub(crate) settings: Vec<String>,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
-    /// Table to write: .csv, .jsonl or .parquet; `-` is CSV on standard output; FOLDER/ gets
-    /// Parquet files of a million rows.
-    #[arg(short, long, value_name = "OUT")]
-    pub(crate) output: PathBuf,
-    /// Go on in a folder where an earlier run of the same task was stopped.
-    #[arg(long)]
-    pub(crate) resume: bool,
-    /// Outputs to write, in this order; all unless given.
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
-    pub(crate) columns: Option<Vec<String>>,
+    #[command(flatten)]
+    pub(crate) table: TableArgs,
     /// Columns of the table that are no inputs, to carry through, such as an id.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) keep: Vec<String>,
-    /// Threads; all cores unless given. Results do not depend on it.
-    #[arg(long, value_name = "N")]
-    pub(crate) threads: Option<NonZeroUsize>,
-    /// Exit with 3 if any row has no result.
-    #[arg(long)]
-    pub(crate) strict: bool,
-    /// No progress bar.
-    #[arg(long)]
-    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]

@@ -4,13 +4,13 @@ use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-use bsm_batch::{Answers, CsvSource, JsonSource, ParquetSource, Source, TableError};
+use bsm_batch::{CsvSource, JsonSource, ParquetSource, Source, TableError};
 use bsm_case::{CaseError, Scene};
 
 use crate::args::BatchArgs;
-use crate::failure::{Failure, warn};
+use crate::failure::Failure;
 use crate::files::{self, read_scene};
-use crate::stream::{Kind, Target, Task};
+use crate::stream::{Kind, Task};
 
 pub(crate) fn run(args: &BatchArgs) -> Result<(), Failure> {
     let mut base = Scene::default();
@@ -19,15 +19,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), Failure> {
     }
     files::apply(&mut base, &args.settings)?;
     let settings = args.model.settings().map_err(|e| Failure::Input(e.to_string()))?;
-    let outputs = Answers::select(args.columns.as_deref())
-        .map_err(|e| Failure::Input(format!("--columns: {e}")))?;
-    if let Some(threads) = args.threads {
-        // The first and only time that the pool is built.
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.get())
-            .build_global()
-            .map_err(|e| Failure::Files(format!("cannot start {threads} threads: {e}")))?;
-    }
+    let task = Task::new(&base, &settings, &args.table)?;
     let mut source = open(&args.points, &args.keep)?;
     // Without its inputs no row can be solved: that is told once, not on every row.
     let mut asked = base.clone();
@@ -41,26 +33,11 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), Failure> {
             args.points.display()
         )));
     }
-    let task = Task {
-        base: &base,
-        settings: &settings,
-        outputs: &outputs,
-        watched: None,
-        quiet: args.quiet,
-    };
-    let target = Target::of(&args.output, args.resume, || origin(&args.points))?;
-    let count = task.run(source.as_mut(), &target, |_, _| {}).map_err(|e| match e {
+    let origin = || origin(&args.points);
+    task.run(source.as_mut(), origin, |_, _| {}).map_err(|e| match e {
         Failure::Table(text) => Failure::Input(format!("{}: {text}", args.points.display())),
         other => other,
-    })?;
-    if count.failed > 0 {
-        let text = format!("{} of {} rows have no result; they say why", count.failed, count.rows);
-        warn("note", &text);
-        if args.strict {
-            return Err(Failure::Unsolved);
-        }
-    }
-    Ok(())
+    })
 }
 
 /// Name and checksum of a table, which tell whether it has changed.

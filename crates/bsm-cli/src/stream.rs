@@ -16,7 +16,8 @@ use bsm_dyn::Status;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
-use crate::failure::Failure;
+use crate::args::TableArgs;
+use crate::failure::{Failure, warn};
 use crate::files::{self, Output};
 
 /// Rows that are in memory at a time.
@@ -25,28 +26,66 @@ const ROWS: usize = 1 << 16;
 /// Set by an interrupt.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// What all rows have in common.
+/// What all rows have in common, and where they go.
 pub(crate) struct Task<'a> {
-    pub(crate) base: &'a Scene,
-    pub(crate) settings: &'a Settings,
+    base: Scene,
+    settings: &'a Settings,
     /// Outputs to write.
-    pub(crate) outputs: &'a [&'static Column],
+    outputs: Vec<&'static Column>,
     /// An output that is only looked at.
     pub(crate) watched: Option<&'static Column>,
-    pub(crate) quiet: bool,
+    table: &'a TableArgs,
 }
 
 /// How many rows there were, and how many of them have no result.
 #[derive(Debug, Default, Clone, Copy)]
-pub(crate) struct Count {
-    pub(crate) rows: u64,
-    pub(crate) failed: u64,
+struct Count {
+    rows: u64,
+    failed: u64,
 }
 
-impl Task<'_> {
-    /// Solves all rows of `source` into a table, or into a folder of tables; `each` sees the
-    /// watched output of every chunk that is solved.
+impl<'a> Task<'a> {
+    pub(crate) fn new(
+        base: &Scene,
+        settings: &'a Settings,
+        table: &'a TableArgs,
+    ) -> Result<Self, Failure> {
+        let outputs = Answers::select(table.columns.as_deref())
+            .map_err(|e| Failure::Input(format!("--columns: {e}")))?;
+        let base = Scene { description: None, ..base.clone() };
+        Ok(Self { base, settings, outputs, watched: None, table })
+    }
+
+    /// Solves all rows of `source` into a table, or into a folder of tables, and tells how many
+    /// have no result; `each` sees the watched output of every chunk that is solved.
+    ///
+    /// * `origin`: what the rows are made from, in words that change if it does; asked for folders
+    ///   only.
     pub(crate) fn run(
+        &self,
+        source: &mut dyn Source,
+        origin: impl FnOnce() -> Result<String, Failure>,
+        each: impl FnMut(&Chunk, &[f64]),
+    ) -> Result<(), Failure> {
+        if let Some(threads) = self.table.threads {
+            // The first and only time that the pool is built.
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(threads.get())
+                .build_global()
+                .map_err(|e| Failure::Files(format!("cannot start {threads} threads: {e}")))?;
+        }
+        let target = Target::of(&self.table.output, self.table.resume, origin)?;
+        let Count { rows, failed } = self.solve(source, &target, each)?;
+        if failed > 0 {
+            warn("note", &format!("{failed} of {rows} rows have no result; they say why"));
+            if self.table.strict {
+                return Err(Failure::Unsolved);
+            }
+        }
+        Ok(())
+    }
+
+    fn solve(
         &self,
         source: &mut dyn Source,
         target: &Target<'_>,
@@ -59,8 +98,7 @@ impl Task<'_> {
                 std::process::exit(130);
             }
         });
-        let base = Scene { description: None, ..self.base.clone() };
-        let bar = progress(source.len_hint(), self.quiet);
+        let bar = progress(source.len_hint(), self.table.quiet);
         let mut count = Count::default();
         let parts = target.parts(source, self)?;
         let mut done = Ok(true);
@@ -72,7 +110,7 @@ impl Task<'_> {
                 continue;
             }
             let limit = if parts { PART } else { u64::MAX };
-            done = self.table(source, &path, limit, &base, &mut |chunk, answers| {
+            done = self.write(source, &path, limit, &mut |chunk, answers| {
                 let verdicts = &answers.verdicts;
                 count.rows += verdicts.len() as u64;
                 let failed = verdicts.iter().filter(|v| v.status != Status::Converged).count();
@@ -93,12 +131,11 @@ impl Task<'_> {
     /// Writes one table of at most `limit` rows; false if the source ended before its first row.
     ///
     /// One thread reads ahead and one writes behind those that solve.
-    fn table(
+    fn write(
         &self,
         source: &mut dyn Source,
         path: &Path,
         limit: u64,
-        base: &Scene,
         each: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<bool, Failure> {
         let first = unreadable(source.next(ROWS))?;
@@ -106,7 +143,7 @@ impl Task<'_> {
             return Ok(false);
         }
         let columns = source.columns().clone();
-        let sink = TableFile::create(path, &columns, self.outputs)?;
+        let sink = TableFile::create(path, &columns, &self.outputs)?;
         let outputs: Vec<_> = self.outputs.iter().copied().chain(self.watched).collect();
         let (read, chunks) = sync_channel(1);
         let (solved, answered) = sync_channel(1);
@@ -122,7 +159,7 @@ impl Task<'_> {
                         break;
                     }
                 };
-                let answers = solve(&chunk, &columns, base, self.settings, &outputs);
+                let answers = solve(&chunk, &columns, &self.base, self.settings, &outputs);
                 each(&chunk, &answers);
                 if solved.send((chunk, answers)).is_err() {
                     // The writer has failed, and says why itself.
@@ -189,7 +226,7 @@ fn unreadable<T>(read: Result<T, TableError>) -> Result<T, Failure> {
 }
 
 /// Where a table goes.
-pub(crate) enum Target<'a> {
+enum Target<'a> {
     /// One file, or standard output.
     File(&'a Path),
     /// A folder of Parquet files of [`PART`] rows.
@@ -210,9 +247,7 @@ const MANIFEST: &str = "parts.json";
 
 impl<'a> Target<'a> {
     /// A folder if the path ends like one, else a file.
-    ///
-    /// `origin` is asked for folders only.
-    pub(crate) fn of(
+    fn of(
         path: &'a Path,
         resume: bool,
         origin: impl FnOnce() -> Result<String, Failure>,

@@ -3,14 +3,14 @@
 use std::io::Write;
 use std::path::Path;
 
-use bsm_batch::{Answers, Chunk, GridSource};
+use bsm_batch::{Chunk, GridSource};
 use bsm_case::{Axis, CaseError, Grid, ModelChoice, Output as OutputColumn};
 
 use crate::args::SweepArgs;
-use crate::failure::{Failure, warn};
+use crate::failure::Failure;
 use crate::files::{Output, read_scene};
 use crate::plot::{self, Curve, Frame, Stroke};
-use crate::stream::{Target, Task};
+use crate::stream::Task;
 
 pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let base = read_scene(&args.scene.scene, &args.scene.settings)?;
@@ -41,35 +41,31 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
         }
         None => None,
     };
-    let outputs = Answers::select(args.columns.as_deref())
-        .map_err(|e| Failure::Input(format!("--columns: {e}")))?;
-    let watched = plot.as_ref().map(|(curves, ..)| curves.output);
-    let task =
-        Task { base: &base, settings: &settings, outputs: &outputs, watched, quiet: args.quiet };
-    let mut source = GridSource::new(grid);
-    if plot.is_some() && args.resume {
+    let mut task = Task::new(&base, &settings, &args.table)?;
+    task.watched = plot.as_ref().map(|(curves, ..)| curves.output);
+    if plot.is_some() && args.table.resume {
         let text = "--plot needs all points; it does not go with --resume";
         return Err(Failure::Input(text.to_owned()));
     }
-    let target = Target::of(&args.output, args.resume, || Ok(args.vary.join(" ")))?;
-    let count = task.run(&mut source, &target, |chunk, values| {
-        if let Some((curves, ..)) = &mut plot {
-            curves.add(chunk, values);
-        }
-    })?;
+    let mut source = GridSource::new(grid);
+    let solved = task.run(
+        &mut source,
+        || Ok(args.vary.join(" ")),
+        |chunk, values| {
+            if let Some((curves, ..)) = &mut plot {
+                curves.add(chunk, values);
+            }
+        },
+    );
+    if !matches!(solved, Ok(()) | Err(Failure::Unsolved)) {
+        return solved;
+    }
     if let Some((curves, mut out, path)) = plot {
         let svg = curves.render(base.description.as_deref(), settings.model);
         out.write_all(svg.as_bytes()).map_err(|e| Output::failure(path, &e))?;
         out.complete()?;
     }
-    if count.failed > 0 {
-        let (failed, total) = (count.failed, count.rows);
-        warn("note", &format!("{failed} of {total} points have no result; their rows say why"));
-        if args.strict {
-            return Err(Failure::Unsolved);
-        }
-    }
-    Ok(())
+    solved
 }
 
 /// Points of the plot: one curve per value of the second axis.

@@ -429,7 +429,7 @@ fn sweep_writes_a_full_grid_and_a_plot() {
     // 5 deg has no root at 60 deg: its row keeps its place, says why and has no numbers.
     assert_eq!((&rows[4][3], &rows[4][5]), ("no_solution", ""));
     assert!(rows[4][4].contains("critical lead angle"), "{}", &rows[4][4]);
-    assert!(stderr(&output).contains("1 of 8 points have no result"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("1 of 8 rows have no result"), "{}", stderr(&output));
 
     let strict = [&args[..], &["--strict"]].concat();
     assert_eq!(bsm(dir.path(), &strict, "").status.code(), Some(3));
