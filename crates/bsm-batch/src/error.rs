@@ -38,6 +38,12 @@ pub enum TableError {
         /// Its name.
         name: String,
     },
+    /// A column to keep has the name of a column of the answers.
+    #[error("--keep {name}: the answers have a column of that name; rename yours")]
+    NameOfAnAnswer {
+        /// The name.
+        name: String,
+    },
     /// A column has values that are no numbers.
     #[error("column `{name}` holds {found}, but must hold numbers")]
     NotNumbers {

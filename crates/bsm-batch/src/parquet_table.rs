@@ -17,7 +17,7 @@ use parquet::basic::Compression;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::reader::ChunkReader;
 
-use crate::rows::{Answers, Cell, Chunk, Column, Columns};
+use crate::rows::{ANSWERS, Answers, Cell, Chunk, Column, Columns};
 use crate::{Sink, Source, TableError};
 
 /// Rows of a Parquet table.
@@ -134,8 +134,7 @@ impl<W: Write + Send> ParquetSink<W> {
             let known = INPUTS.iter().find(|input| input.name == *name).map_or("", |i| i.unit);
             Field::new(*name, DataType::Float64, true).with_metadata(unit(known))
         });
-        let words = ["model", "status", "message"]
-            .map(|name| Field::new(name, DataType::Utf8, name == "message"));
+        let words = ANSWERS.map(|name| Field::new(name, DataType::Utf8, name == "message"));
         let answers = outputs.iter().map(|output| {
             let kind = match output.json_type {
                 "integer" => DataType::UInt64,

@@ -18,6 +18,9 @@ pub enum Cell {
     Text(String),
 }
 
+/// Columns of the answers before the outputs.
+pub(crate) const ANSWERS: [&str; 3] = ["model", "status", "message"];
+
 /// What the columns of a table are.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
@@ -35,12 +38,17 @@ impl Columns {
     ///
     /// # Errors
     ///
-    /// [`TableError`] for a name that is neither, that stands twice, or that is to be kept but is
-    /// not there.
+    /// [`TableError`] for a name that is neither, that stands twice or is one of the answers, or that
+    /// is to be kept but is not there.
     pub fn sort<'a>(
         names: impl IntoIterator<Item = &'a str>,
         keep: &[String],
     ) -> Result<Self, TableError> {
+        let taken =
+            |name: &&String| ANSWERS.contains(&name.as_str()) || Output::named(name).is_some();
+        if let Some(name) = keep.iter().find(taken) {
+            return Err(TableError::NameOfAnAnswer { name: name.clone() });
+        }
         let mut columns = Self::default();
         for (place, name) in names.into_iter().enumerate() {
             let name = name.trim();

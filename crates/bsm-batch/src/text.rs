@@ -5,7 +5,7 @@ use std::io::{BufRead, Read, Write};
 use bsm_case::Output;
 use serde_json::{Map, Value, json};
 
-use crate::rows::{Answers, Cell, Chunk, Columns};
+use crate::rows::{ANSWERS, Answers, Cell, Chunk, Columns};
 use crate::{Sink, Source, TableError};
 
 /// A value as it stands in a text cell.
@@ -166,8 +166,7 @@ impl<W: Write> CsvSink<W> {
         let mut writer = csv::Writer::from_writer(writer);
         let kept = columns.kept.iter().map(String::as_str);
         let names = kept.chain(columns.inputs.iter().copied());
-        let words = ["model", "status", "message"];
-        writer.write_record(names.chain(words).chain(outputs.iter().map(|o| o.name)))?;
+        writer.write_record(names.chain(ANSWERS).chain(outputs.iter().map(|o| o.name)))?;
         Ok(Self { writer, outputs: outputs.to_vec() })
     }
 

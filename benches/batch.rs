@@ -1,0 +1,141 @@
+//! Kernels on each instruction set against the models point by point, and whole tables from file to
+//! file; `cargo bench -p bsm-benches --bench batch`.
+
+use std::fs::File;
+use std::hint::black_box;
+use std::io::{BufReader, BufWriter, Seek};
+use std::sync::Arc;
+
+use arrow_array::{ArrayRef, Float64Array, RecordBatch};
+use bsm_batch::{
+    Answers, Cell, Chunk, Column, Columns, CsvSink, CsvSource, ParquetSink, ParquetSource, Sink,
+    Source, solve_on,
+};
+use bsm_benches::seeded;
+use bsm_case::{Output, Scene, Settings};
+use bsm_dyn::{Model, ModelWorkspace, Problem};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use parquet::arrow::ArrowWriter;
+
+/// What differs between the seeded scenes.
+const INPUTS: [&str; 7] = [
+    "lead_angle_deg",
+    "contact_angle_deg",
+    "friction_coefficient",
+    "ball_diameter_mm",
+    "screw_speed_rpm",
+    "nut_speed_rpm",
+    "axial_load_N",
+];
+
+/// Scenes as a chunk, and the scene of all the rest.
+fn chunk(scenes: &[Scene]) -> (Chunk, Columns, Scene) {
+    let mut inputs = vec![Column::default(); INPUTS.len()];
+    for scene in scenes {
+        for (name, column) in INPUTS.iter().zip(&mut inputs) {
+            column.push(Cell::Number(scene.get(name).expect("complete scene")));
+        }
+    }
+    let columns = Columns::sort(INPUTS, &[]).expect("known names");
+    let chunk = Chunk { first: 1, len: scenes.len(), inputs, kept: Vec::new() };
+    (chunk, columns, bsm_benches::lin())
+}
+
+fn named(names: &[&str]) -> Vec<&'static Output> {
+    names.iter().map(|name| Output::named(name).expect("known name")).collect()
+}
+
+/// One thread, from columns of inputs to columns of outputs.
+fn kernels(c: &mut Criterion) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
+    let (count, scenes) = (4096, seeded(4096));
+    let (points, columns, base) = chunk(&scenes);
+    let few = named(&["efficiency", "nut_normal_load_N", "screw_normal_load_N"]);
+    let all = Answers::select(None).expect("all outputs");
+    for model in [Model::ClosedForm, Model::QuasiStatic, Model::Rigid, Model::RacewayControl] {
+        let settings: Settings = model.into();
+        let mut group = c.benchmark_group(format!("batch/{}", model.name()));
+        group.throughput(Throughput::Elements(count)).sample_size(20);
+        for arch in bsm_simd::instruction_sets() {
+            for (label, outputs) in [("3 outputs", &few), ("all outputs", &all)] {
+                group.bench_function(format!("{arch:?}, {label}"), |b| {
+                    pool.install(|| {
+                        b.iter(|| {
+                            solve_on(arch, black_box(&points), &columns, &base, &settings, outputs)
+                        });
+                    });
+                });
+            }
+        }
+        let problems: Vec<Problem> =
+            scenes.iter().map(|s| s.problem(&settings).expect("complete scene")).collect();
+        let mut work = ModelWorkspace::default();
+        group.bench_function("point by point", |b| {
+            b.iter(|| {
+                for problem in &problems {
+                    let _ = black_box(black_box(problem).solve(&mut work));
+                }
+            });
+        });
+    }
+}
+
+/// All cores, from a file to a file; the rigid model and three outputs.
+fn tables(c: &mut Criterion) {
+    let rows = 100_000;
+    let (points, _, base) = chunk(&seeded(rows));
+    let (settings, outputs) = (Model::Rigid.into(), named(&["efficiency", "screw_torque_Nm"]));
+    let file = || tempfile::tempfile().expect("temporary file");
+    let (mut csv, mut parquet) = (file(), file());
+    let numbers = |row: usize| points.inputs.iter().map(move |c| c.values()[row].to_string());
+    let mut writer = csv::Writer::from_writer(BufWriter::new(&csv));
+    writer.write_record(INPUTS).expect("header");
+    for row in 0..rows {
+        writer.write_record(numbers(row)).expect("row");
+    }
+    drop(writer.into_inner().expect("end"));
+    let arrays = INPUTS.iter().zip(&points.inputs).map(|(name, column)| {
+        (*name, Arc::new(Float64Array::from(column.values().to_vec())) as ArrayRef)
+    });
+    let batch = RecordBatch::try_from_iter(arrays).expect("columns of one length");
+    let mut writer = ArrowWriter::try_new(&parquet, batch.schema(), None).expect("schema");
+    writer.write(&batch).expect("rows");
+    writer.close().expect("end");
+
+    let run = |source: &mut dyn Source, sink: &mut dyn Sink| {
+        let columns = source.columns().clone();
+        while let Some(chunk) = source.next(1 << 16).expect("rows") {
+            let arch = bsm_simd::Arch::new();
+            let answers = solve_on(arch, &chunk, &columns, &base, &settings, &outputs);
+            sink.write(chunk, answers).expect("rows");
+        }
+    };
+    let again = |file: &mut File| {
+        file.rewind().expect("temporary file");
+        file.try_clone().expect("temporary file")
+    };
+    let mut group = c.benchmark_group("file to file");
+    group.throughput(Throughput::Elements(rows as u64)).sample_size(10);
+    group.bench_function("CSV", |b| {
+        b.iter(|| {
+            let reader = BufReader::new(again(&mut csv));
+            let mut source = CsvSource::new(reader, &[]).expect("header");
+            let out = BufWriter::new(file());
+            let mut sink = CsvSink::new(out, source.columns(), &outputs).expect("header");
+            run(&mut source, &mut sink);
+            sink.finish().expect("end")
+        });
+    });
+    group.bench_function("Parquet", |b| {
+        b.iter(|| {
+            let mut source = ParquetSource::new(again(&mut parquet), &[]).expect("schema");
+            let columns = source.columns().clone();
+            let mut sink = ParquetSink::new(file(), &columns, &outputs).expect("schema");
+            run(&mut source, &mut sink);
+            sink.finish().expect("end")
+        });
+    });
+}
+
+criterion_group!(benches, kernels, tables);
+criterion_main!(benches);
