@@ -124,18 +124,18 @@ impl<S: Simd> Given<'_, S> {
     /// Where the values of all columns keep their rules, alone and against each other.
     #[inline(always)]
     pub(crate) fn lawful(&self) -> Mask<S> {
-        let s = |x| Lane::splat(self.simd, x);
-        let zero = s(0.0);
-        let mut lawful = zero.lt(s(1.0));
+        let zero = Lane::splat(self.simd, 0.0);
+        let endless = zero.constant(f64::INFINITY);
+        let mut lawful = zero.lt(endless);
         for operand in &self.operands.0 {
             // Constants were checked.
             let Operand::Column(rule, values) = operand else { continue };
             let x = self.load(values);
             let holds = match *rule {
-                Rule::Any => x.abs().lt(s(f64::INFINITY)),
-                Rule::Above(low) => x.gt(s(low)) & x.lt(s(f64::INFINITY)),
-                Rule::AtLeast(low) => s(low).le(x) & x.lt(s(f64::INFINITY)),
-                Rule::Between(low, high) => x.gt(s(low)) & x.lt(s(high)),
+                Rule::Any => x.abs().lt(endless),
+                Rule::Above(low) => x.gt(zero.constant(low)) & x.lt(endless),
+                Rule::AtLeast(low) => zero.constant(low).le(x) & x.lt(endless),
+                Rule::Between(low, high) => x.gt(zero.constant(low)) & x.lt(zero.constant(high)),
             };
             lawful = lawful & holds;
         }

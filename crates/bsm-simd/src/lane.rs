@@ -35,8 +35,10 @@ impl<S: Simd> Lane<S> {
     #[inline(always)]
     pub fn load(simd: S, from: &[f64]) -> Self {
         let (whole, rest) = S::as_simd_f64s(from);
-        let x = whole.first().map_or_else(|| simd.partial_load_f64s(rest), |x| *x);
-        Self { simd, x }
+        match whole.first() {
+            Some(x) => Self { simd, x: *x },
+            None => Self { simd, x: simd.partial_load_f64s(rest) },
+        }
     }
 
     /// Writes the numbers to the front of a slice, as many as it has places for.
@@ -98,11 +100,11 @@ impl<S: Simd> Lane<S> {
         Self { x: self.simd.sqrt_f64s(self.x), ..self }
     }
 
-    /// Absolute value.
+    /// Absolute value; of -0 it is -0.
     #[inline(always)]
     #[must_use]
     pub fn abs(self) -> Self {
-        Self { x: self.simd.abs_f64s(self.x), ..self }
+        self.lt(self.constant(0.0)).select(-self, self)
     }
 
     /// The larger number.
@@ -201,7 +203,8 @@ impl<S: Simd> Neg for Lane<S> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { x: self.simd.neg_f64s(self.x), ..self }
+        // The same for every number; the negation of pulp is a call.
+        self.constant(-0.0) - self
     }
 }
 

@@ -86,13 +86,13 @@ pub(super) fn transmit<S: Simd>(
     let Transmitted { back, tan_a, eta, ratio } = *known;
     let zero = eta.constant(0.0);
     let turns = (back | eta.gt(zero)) & ratio.gt(zero) & ratio.lt(zero.constant(f64::INFINITY));
-    let where_it_turns = |x| turns.select(x, zero.constant(f64::NAN));
-    let normal = where_it_turns(ratio * load / balls);
+    let none = zero.constant(f64::NAN);
+    let normal = turns.select(ratio * load / balls, none);
     out.set(OutputKey::nut_normal_load_N, normal);
     out.set(OutputKey::screw_normal_load_N, normal);
     // T₀ = F_a r_m tanα,  T = T₀/η or T₀ η                                (B8), (B9)
     let ideal = load * (pitch * (0.5 * MM)) * tan_a;
-    let torque = where_it_turns(back.select(ideal * eta, ideal / eta));
+    let torque = turns.select(back.select(ideal * eta, ideal / eta), none);
     out.set(OutputKey::screw_torque_Nm, torque);
     if let Some((screw, nut)) = given.speeds() {
         powers(out, back, (torque, ideal), screw - nut);

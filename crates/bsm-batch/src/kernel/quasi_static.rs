@@ -1,7 +1,7 @@
 //! Two contacts without inertia by lanes, Eqs (Q1) to (Q4).
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_simd::{Lane, Mask, Simd};
+use bsm_simd::{Mask, Simd};
 
 use super::closed_form::{Transmitted, backwards, contact_angles, transmit};
 use super::{Kernel, Out};
@@ -17,10 +17,10 @@ impl Kernel for QuasiStatic {
         let ball = given.get(InputKey::ball_diameter_mm);
         let size = ball / given.get(InputKey::pitch_circle_diameter_mm);
         let (back, zero) = (backwards(given), ball.constant(0.0));
-        let signed = |x: Lane<S>| back.select(-x, x);
-        let f = signed(given.get(InputKey::friction_coefficient));
+        let sign = back.select(zero.constant(-1.0), zero.constant(1.0));
+        let f = sign * given.get(InputKey::friction_coefficient);
         // tanρ = f_r / (r_b sinβ)                                         (Q1)
-        let rolling = signed(given.get(InputKey::rolling_friction_mm));
+        let rolling = sign * given.get(InputKey::rolling_friction_mm);
         let tan_rho = rolling / (ball * 0.5) / sin_b;
         let (nut_turns, covered) = match given.speeds() {
             None => (zero.lt(zero), zero.le(zero)),

@@ -106,6 +106,8 @@ struct Directions<S: Simd> {
     screw: Lane<S>,
     minor: [Lane<S>; 2],
     correction: Lane<S>,
+    /// `$|A|$` and `$|B|$`.
+    norms: [Lane<S>; 2],
 }
 
 /// A vector in `$(e_x, t)$`, the plane of the slip.
@@ -124,7 +126,7 @@ struct State<S: Simd> {
     s: Lane<S>,
     /// Direction of the slip at A, not normalized.
     nut: Plane<S>,
-    /// Norms of the directions at A and B.
+    /// Norms of the directions at A and B that it was found with.
     norms: [Lane<S>; 2],
     /// `$G = -2 F Q_A/|nut|$`, `$H = 2 F Q_B/|screw|$`.
     pulls: [Lane<S>; 2],
@@ -193,6 +195,16 @@ fn dot<S: Simd>(a: Plane<S>, b: Plane<S>) -> Lane<S> {
     a[0] * b[0] + a[1] * b[1]
 }
 
+#[inline(always)]
+fn times<S: Simd>(factor: Lane<S>, a: Plane<S>) -> Plane<S> {
+    [factor * a[0], factor * a[1]]
+}
+
+#[inline(always)]
+fn pick<S: Simd>(first: Mask<S>, a: Plane<S>, b: Plane<S>) -> Plane<S> {
+    [first.select(a[0], b[0]), first.select(a[1], b[1])]
+}
+
 /// The part of `b` across `a`.
 #[inline(always)]
 fn cross<S: Simd>(a: Plane<S>, b: Plane<S>) -> Lane<S> {
@@ -214,7 +226,13 @@ impl<S: Simd> Scaled<S> {
         let forward = self.constant(1.0);
         let along = self.toward(p + self.nut_speed).select(forward, -forward);
         let along = self.friction.gt(self.signed).select(-along, along);
-        Directions { nut: zero, screw: zero, minor: [zero, along], correction: zero }
+        Directions {
+            nut: zero,
+            screw: zero,
+            minor: [zero, along],
+            correction: zero,
+            norms: [forward; 2],
+        }
     }
 
     /// Where a rate is positive.
@@ -235,7 +253,7 @@ impl<S: Simd> Scaled<S> {
     /// One sweep: all unknowns of given directions, and the directions that they lead to.
     #[inline(always)]
     fn sweep(&self, given: &Directions<S>) -> State<S> {
-        let (f, half) = (self.signed, self.constant(0.5));
+        let f = self.signed;
         let (c, s_psi, h) = (self.cos_psi, self.sin_psi, self.h);
         let [cos_m, sin_m] = given.minor;
         // x_A = cosψ − t_A sinψ,  y_A = sinψ + t_A cosψ                   (R24)
@@ -260,8 +278,7 @@ impl<S: Simd> Scaled<S> {
         let load = minor * centrifugal;
         let gyro = self.inertia * rate;
         // G = −2 F Q_A/|A| from the axial load                            (R28)
-        let norm_a = (given.nut * given.nut + 1.0).sqrt();
-        let norm_b = (given.screw * given.screw + 1.0).sqrt();
+        let [norm_a, _] = given.norms;
         let pull_a = (f * -2.0)
             * ((load * (self.k_n - f * h * (c * cos_m + s_psi * sin_m)) + 1.0)
                 / (norm_a * self.k_n - f * h));
@@ -281,14 +298,19 @@ impl<S: Simd> Scaled<S> {
         let s = (pull_a - along_a) / h;
         let pull_b = dot(psi, e_b) + along_a - pull_a;
         // Directions of the next sweep                                    (R31)
-        let (tan_a, tan_b) = (cross(psi, e_a) / pull_a, cross(psi, e_b) / pull_b);
+        let inverse = (pull_a * pull_b).recip();
+        let tan_a = cross(psi, e_a) * (inverse * pull_b);
+        let tan_b = cross(psi, e_b) * (inverse * pull_a);
         let (across, along) =
             (gyro * u, -(gyro * (self.arc * p + tau * self.cos_2b) + s * self.sin_2b));
         let norm = (across * across + along * along).sqrt();
         let sense = self.toward(rate).select(norm, -norm).recip();
         // (|A| − 1) G + (|B| − 1) H over 2 M                              (R32)
-        let bend = |t: Lane<S>, pull: Lane<S>| pull * t * t / ((t * t + 1.0).sqrt() + 1.0);
-        let correction = (bend(tan_a, pull_a) + bend(tan_b, pull_b)) * half / centrifugal;
+        let (square_a, square_b) = (tan_a * tan_a, tan_b * tan_b);
+        let norms = [(square_a + 1.0).sqrt(), (square_b + 1.0).sqrt()];
+        let (one_a, one_b) = (norms[0] + 1.0, norms[1] + 1.0);
+        let correction = (pull_a * square_a * one_b + pull_b * square_b * one_a)
+            / (centrifugal * one_a * one_b * 2.0);
         State {
             minor,
             centrifugal,
@@ -297,13 +319,14 @@ impl<S: Simd> Scaled<S> {
             slip,
             s,
             nut,
-            norms: [norm_a, norm_b],
+            norms: given.norms,
             pulls: [pull_a, pull_b],
             next: Directions {
                 nut: tan_a,
                 screw: tan_b,
                 minor: [across * sense, along * sense],
                 correction,
+                norms,
             },
         }
     }
@@ -314,19 +337,20 @@ impl<S: Simd> Directions<S> {
     #[inline(always)]
     fn farthest(&self, other: &Self) -> Lane<S> {
         let turns = (self.nut - other.nut).abs().max((self.screw - other.screw).abs());
-        let [x, y] = [0, 1].map(|i| (self.minor[i] - other.minor[i]).abs());
+        let x = (self.minor[0] - other.minor[0]).abs();
+        let y = (self.minor[1] - other.minor[1]).abs();
         turns.max(x.max(y))
     }
 
     /// These where `kept`, others elsewhere.
     #[inline(always)]
     fn unless(&self, kept: Mask<S>, other: &Self) -> Self {
-        let pick = |a, b| kept.select(a, b);
         Self {
-            nut: pick(self.nut, other.nut),
-            screw: pick(self.screw, other.screw),
-            minor: [0, 1].map(|i| pick(self.minor[i], other.minor[i])),
-            correction: pick(self.correction, other.correction),
+            nut: kept.select(self.nut, other.nut),
+            screw: kept.select(self.screw, other.screw),
+            minor: pick(kept, self.minor, other.minor),
+            correction: kept.select(self.correction, other.correction),
+            norms: pick(kept, self.norms, other.norms),
         }
     }
 }
@@ -411,9 +435,9 @@ impl<S: Simd> Scaled<S> {
         let [q_a, q_m, q_b] = contacts.loads;
         let (f, gyro) = (self.signed, self.inertia * state.rate);
         let half = state.pulls[0] * 0.5;
-        let a = state.nut.map(|x| half * x);
-        let b = contacts.screw.map(|x| f * q_b * x);
-        let m = state.next.minor.map(|x| f * q_m * x);
+        let a = times(half, state.nut);
+        let b = times(f * q_b, contacts.screw);
+        let m = times(f * q_m, state.next.minor);
         let Contacts { u, tau, .. } = *contacts;
         let force = [
             a[1] + b[1] + m[1],
@@ -430,9 +454,9 @@ impl<S: Simd> Scaled<S> {
         ];
         let normal = m[1] * self.sin_2b - gyro * (self.k_e * u - self.sin_a * tau);
         let one = self.constant(1.0);
-        let [x, y, z] = force.map(Lane::abs);
-        let [t, e] = moment.map(Lane::abs);
-        let others = x.max(y).max(z.max(t)).max(e.max(axial.abs()));
+        let others = (force[0].abs().max(force[1].abs()))
+            .max(force[2].abs().max(axial.abs()))
+            .max(moment[0].abs().max(moment[1].abs()));
         // w = 1/max(1, μ),  M_N = ι min(1, |P/W|)                         (R10), (R23)
         let moment = self.size(state.rate) * state.rate.abs().min(one);
         (others / self.inertia_ratio.max(one)).max(normal.abs() / moment)
@@ -454,7 +478,7 @@ fn outputs<S: Simd>(
     out.set(OutputKey::screw_normal_load_N, q_b * si.load);
 
     // T = [(−r_m n) × F + M]·k of the wrench of the screw                 (B7)
-    let [x, y] = contacts.screw.map(|x| case.signed * q_b * x);
+    let [x, y] = times(case.signed * q_b, contacts.screw);
     let torque = case.radius * (case.cos_a * y + case.sin_a * (q_b * case.sin_b - x * case.cos_b))
         + x * case.sin_a
         - y * case.k_e;
@@ -494,14 +518,17 @@ fn outputs<S: Simd>(
     out.set(OutputKey::ball_omega_b_rad_s, omega_b);
 
     // ψ = atan2(−V_y, −V_x)                                               (K15)
-    let mut slip_angle = |key, against: Plane<S>| {
-        if out.wants(&[key]) {
-            let [x, y] = against.map(|x| back.select(-x, x));
-            out.set(key, y.zip(x, f64::atan2) / DEG);
-        }
-    };
-    slip_angle(OutputKey::nut_slip_angle_deg, state.nut.map(|x| -x));
-    slip_angle(OutputKey::minor_slip_angle_deg, state.next.minor);
-    slip_angle(OutputKey::screw_slip_angle_deg, contacts.screw);
+    let sense = back.select(case.constant(-1.0), case.constant(1.0));
+    slip_angle(out, OutputKey::nut_slip_angle_deg, times(-sense, state.nut));
+    slip_angle(out, OutputKey::minor_slip_angle_deg, times(sense, state.next.minor));
+    slip_angle(out, OutputKey::screw_slip_angle_deg, times(sense, contacts.screw));
     imbalance
+}
+
+/// Stores the direction of friction.
+#[inline(always)]
+fn slip_angle<S: Simd>(out: &mut Out<'_, '_>, key: OutputKey, friction: Plane<S>) {
+    if out.wants(&[key]) {
+        out.set(key, friction[1].zip(friction[0], f64::atan2) / DEG);
+    }
 }

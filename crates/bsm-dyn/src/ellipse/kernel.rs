@@ -7,67 +7,9 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
-use std::ops::{Add, Mul, Neg, Sub};
-
-use pulp::{Simd, WithSimd};
+use bsm_simd::{Arch, BLOCK, Lane, Simd, WithSimd};
 
 use super::Quadrature;
-
-/// Nodes come in groups of this size, and sums have this many parts that are added in the same
-/// order whatever the instruction set: results do not depend on it.
-const GROUP: usize = 8;
-
-/// Numbers of a few nodes, as many as the instruction set takes at once.
-#[derive(Clone, Copy)]
-struct Lane<S: Simd> {
-    simd: S,
-    x: S::f64s,
-}
-
-impl<S: Simd> Lane<S> {
-    #[inline(always)]
-    fn splat(simd: S, x: f64) -> Self {
-        Self { simd, x: simd.splat_f64s(x) }
-    }
-
-    #[inline(always)]
-    fn recip(self) -> Self {
-        Self { x: self.simd.div_f64s(self.simd.splat_f64s(1.0), self.x), ..self }
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self { x: self.simd.sqrt_f64s(self.x), ..self }
-    }
-}
-
-macro_rules! lanewise {
-    ($($trait:ident $method:ident $lanes:ident;)*) => {$(
-        impl<S: Simd> $trait for Lane<S> {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                Self { x: self.simd.$lanes(self.x, other.x), ..self }
-            }
-        }
-    )*};
-}
-
-lanewise! {
-    Add add add_f64s;
-    Sub sub sub_f64s;
-    Mul mul mul_f64s;
-}
-
-impl<S: Simd> Neg for Lane<S> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self { x: self.simd.neg_f64s(self.x), ..self }
-    }
-}
 
 /// Nodes of the quadrature by coordinate, filled up to whole groups with nodes without weight.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,13 +19,14 @@ impl Nodes {
     pub(super) fn of(nodes: &[(f64, f64, f64)]) -> Self {
         let part = |f: fn(&(f64, f64, f64)) -> f64| {
             let mut part: Vec<f64> = nodes.iter().map(f).collect();
-            part.resize(nodes.len().next_multiple_of(GROUP), 0.0);
+            part.resize(nodes.len().next_multiple_of(BLOCK), 0.0);
             part
         };
         Self([part(|n| n.0), part(|n| n.1), part(|n| n.2)])
     }
 
-    /// Sums of `N` terms over all nodes, in the same order for all widths.
+    /// Sums of `N` terms over all nodes, in [`BLOCK`] parts that are added in the same order for all
+    /// widths.
     #[inline(always)]
     fn total<S: Simd, const N: usize>(
         &self,
@@ -91,18 +34,18 @@ impl Nodes {
         terms: impl Fn([Lane<S>; 3]) -> [Lane<S>; N],
     ) -> [f64; N] {
         let [x, y, weight] = [&self.0[0], &self.0[1], &self.0[2]].map(|v| S::as_simd_f64s(v).0);
-        let parts = GROUP / S::F64_LANES;
+        let parts = BLOCK / S::F64_LANES;
         let mut totals = [0.0; N];
         for part in 0..parts {
             let mut sums = [Lane::splat(simd, 0.0); N];
             for i in (part..x.len()).step_by(parts) {
-                let node = [x[i], y[i], weight[i]].map(|x| Lane { simd, x });
+                let node = [Lane::of(simd, x[i]), Lane::of(simd, y[i]), Lane::of(simd, weight[i])];
                 for (sum, term) in sums.iter_mut().zip(terms(node)) {
                     *sum = *sum + term;
                 }
             }
             for (total, sum) in totals.iter_mut().zip(&sums) {
-                for lane in pulp::bytemuck::cast_slice::<_, f64>(std::slice::from_ref(&sum.x)) {
+                for lane in sum.as_slice() {
                     *total += lane;
                 }
             }
@@ -163,7 +106,7 @@ impl<S: Simd> Slip<S> {
     /// Force along t and t × N, moment about t, N and t × N.
     #[inline(always)]
     fn terms(&self) -> [Lane<S>; SUMS] {
-        let [f_t, f_c] = self.v.map(|v| -(self.pull * v));
+        let (f_t, f_c) = (-(self.pull * self.v[0]), -(self.pull * self.v[1]));
         [f_t, f_c, -(self.h * f_c), self.x * f_t - self.y * f_c, self.h * f_t]
     }
 }
@@ -171,7 +114,7 @@ impl<S: Simd> Slip<S> {
 /// Force and moment over `$f Q$`, and the power that they take.
 pub(super) fn sums(point: &Point, quadrature: &Quadrature) -> ([f64; SUMS], f64) {
     let [f_t, f_c, m_t, m_n, m_c, power] =
-        pulp::Arch::new().dispatch(Sums(point, &quadrature.lanes));
+        Arch::new().dispatch(Sums(point, &quadrature.lanes));
     ([f_t, f_c, m_t, m_n, m_c], power)
 }
 
@@ -210,7 +153,7 @@ pub(super) fn slopes(
         gt,
         gn,
         gc,
-    ] = pulp::Arch::new().dispatch(Slopes(point, &quadrature.lanes));
+    ] = Arch::new().dispatch(Slopes(point, &quadrature.lanes));
     let slopes = [
         [aa, at, an, ac, ga],
         [ea, et, en, ec, ge],
