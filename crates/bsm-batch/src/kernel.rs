@@ -112,3 +112,64 @@ impl<K: Kernel> WithSimd for Run<'_, '_, K> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use bsm_case::Scene;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::rows::{Cell, Chunk, Column, Columns};
+
+    /// Speed depends on it: of points that have a root nearly none is left to Newton.
+    #[test]
+    fn sweeps_finish_nearly_all_points() {
+        const COUNT: usize = 10_000;
+        let mut rng = ChaCha8Rng::seed_from_u64(24);
+        let base = Scene::from_json(
+            br#"{"pitch_circle_diameter_mm": 48.6, "ball_diameter_mm": 8.74, "nut_speed_rpm": 0,
+                 "loaded_balls": 1}"#,
+        )
+        .expect("scene");
+        let names = [
+            ("lead_angle_deg", 10.0..45.0),
+            ("contact_angle_deg", 30.0..70.0),
+            ("friction_coefficient", 0.01..0.1),
+            ("screw_speed_rpm", -6000.0..6000.0),
+            ("axial_load_N", 20.0..3000.0),
+        ];
+        let columns = Columns::sort(names.iter().map(|(name, _)| *name), &[]).expect("known names");
+        let mut inputs = vec![Column::default(); names.len()];
+        for _ in 0..COUNT {
+            for (column, (_, range)) in inputs.iter_mut().zip(&names) {
+                column.push(Cell::Number(rng.random_range(range.clone())));
+            }
+        }
+        let chunk = Chunk { first: 1, len: COUNT, inputs, kept: Vec::new() };
+        let settings = Settings::from(Model::Rigid);
+        let (operands, model) =
+            Operands::of(&chunk, &columns, &base, settings.model).expect("complete");
+        let mut done = vec![false; COUNT];
+        let wanted = &Wanted::of(&[]);
+        let rows =
+            Rows { operands: &operands, wanted, first: 0, columns: &mut [], done: &mut done };
+        rows.solve(Arch::new(), model, &settings);
+        let (mut left, mut solved) = (0, 0);
+        let mut work = bsm_dyn::ModelWorkspace::default();
+        for (row, done) in done.iter().enumerate() {
+            let mut scene = base.clone();
+            for ((name, _), column) in names.iter().zip(&chunk.inputs) {
+                scene.set(name, column.values()[row]).expect("known name");
+            }
+            let root = scene.problem(&settings).expect("complete").solve(&mut work);
+            let converged = root.status == bsm_dyn::Status::Converged;
+            solved += usize::from(converged);
+            if converged && !done {
+                left += 1;
+            }
+        }
+        assert!(solved > COUNT / 2, "{solved}");
+        assert!(left * 200 < solved, "{left} of {solved} points are left to Newton");
+    }
+}

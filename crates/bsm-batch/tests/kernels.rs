@@ -74,7 +74,7 @@ fn all() -> Vec<&'static Output> {
 /// The scatter that a difference in an output is compared with, beyond its own size.
 ///
 /// The model's Newton stops at 1e-13 of the load, or at 1e-12 of the inertia forces if they are
-/// less, and rounding of the loads leaves 1e-16: what hangs on inertia, which is `iota` of the load,
+/// less, and rounding of the loads leaves some 1e-16: what hangs on inertia, which is `iota` of the load,
 /// is known to that only.
 fn scatter(unit: &str, chunk: &Chunk, row: usize) -> f64 {
     let value = |i: usize| chunk.inputs[i].values()[row];
@@ -83,9 +83,10 @@ fn scatter(unit: &str, chunk: &Chunk, row: usize) -> f64 {
     let load = value(7) / value(8);
     let mass = Ball::of_density(ball, 7800.0).mass;
     let iota = mass * pitch * speed * speed / load;
-    let motion = 1e-10 + 1e-15 / iota;
+    let motion = 1e-10 + 1e-14 / iota;
     match unit {
         "N" => 1e-13 * load,
+        "deg" => 1e-10 * 90.0,
         // Slip is a difference of speeds of this size.
         "rad/s" => motion * speed * pitch / ball,
         "m/s" => motion * speed * pitch,

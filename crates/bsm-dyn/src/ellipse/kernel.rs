@@ -113,8 +113,7 @@ impl<S: Simd> Slip<S> {
 
 /// Force and moment over `$f Q$`, and the power that they take.
 pub(super) fn sums(point: &Point, quadrature: &Quadrature) -> ([f64; SUMS], f64) {
-    let [f_t, f_c, m_t, m_n, m_c, power] =
-        Arch::new().dispatch(Sums(point, &quadrature.lanes));
+    let [f_t, f_c, m_t, m_n, m_c, power] = Arch::new().dispatch(Sums(point, &quadrature.lanes));
     ([f_t, f_c, m_t, m_n, m_c], power)
 }
 
