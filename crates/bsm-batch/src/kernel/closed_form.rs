@@ -109,7 +109,7 @@ pub(super) fn powers<S: Simd>(
 ) {
     let (screw, load) = (torque * speed, ideal * speed);
     // Not a number where there is no torque.
-    let carried = torque - torque;
+    let carried = torque * 0.0;
     out.set(OutputKey::input_power_W, back.select(carried - load, screw));
     out.set(OutputKey::output_power_W, back.select(-screw, carried + load));
     out.set(OutputKey::dissipated_power_W, screw - load);
