@@ -7,6 +7,7 @@
 mod closed_form;
 mod quasi_static;
 mod rigid;
+mod units;
 
 use bsm_case::{OUTPUTS, Output, OutputKey, Settings};
 use bsm_dyn::Model;
