@@ -2,11 +2,11 @@
 
 use bsm_batch::{Answers, Cell, Chunk, Column, Columns, solve};
 use bsm_case::{Output, Record, Scene, Settings};
-use bsm_dyn::{Model, ModelWorkspace, Status};
+use bsm_dyn::{Control, Model, ModelWorkspace, Status};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-const INPUTS: [&str; 9] = [
+const INPUTS: [&str; 16] = [
     "lead_angle_deg",
     "contact_angle_deg",
     "friction_coefficient",
@@ -16,14 +16,22 @@ const INPUTS: [&str; 9] = [
     "nut_speed_rpm",
     "axial_load_N",
     "loaded_balls",
+    "nut_conformity",
+    "screw_conformity",
+    "density_kg_m3",
+    "youngs_modulus_GPa",
+    "poisson_ratio",
+    "ball_youngs_modulus_GPa",
+    "ball_poisson_ratio",
 ];
 
 /// Outputs that tell of the way to a root, not of the root.
 const OF_THE_WAY: [&str; 3] = ["iterations", "residual_norm", "power_balance"];
 
 /// Points of practice and somewhat beyond: screw drive, nut drive and both, both ways.
-fn points(count: usize, dual: bool) -> (Chunk, Columns) {
+fn points(count: usize) -> (Chunk, Columns) {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let mut elastic = ChaCha8Rng::seed_from_u64(7);
     let mut inputs = vec![Column::default(); INPUTS.len()];
     for _ in 0..count {
         let mut rpm = || {
@@ -31,7 +39,7 @@ fn points(count: usize, dual: bool) -> (Chunk, Columns) {
             if rng.random_bool(0.5) { size } else { -size }
         };
         let speeds = (rpm(), rpm());
-        let (screw, nut) = match rng.random_range(0..if dual { 3 } else { 2 }) {
+        let (screw, nut) = match rng.random_range(0..3) {
             0 => (speeds.0, 0.0),
             1 => (0.0, speeds.1),
             _ => speeds,
@@ -47,6 +55,13 @@ fn points(count: usize, dual: bool) -> (Chunk, Columns) {
             nut,
             10.0_f64.powf(rng.random_range(1.0..5.0)),
             rng.random_range(1.0..200.0),
+            elastic.random_range(0.51..0.56),
+            elastic.random_range(0.51..0.56),
+            elastic.random_range(3000.0..8000.0),
+            elastic.random_range(150.0..250.0),
+            elastic.random_range(0.2..0.4),
+            elastic.random_range(150.0..350.0),
+            elastic.random_range(0.2..0.4),
         ];
         for (column, value) in inputs.iter_mut().zip(row) {
             column.push(Cell::Number(value));
@@ -71,34 +86,49 @@ fn all() -> Vec<&'static Output> {
     Answers::select(None).expect("all outputs")
 }
 
+/// Difference of an output, over its size.
+///
+/// Under raceway control one race does not spin and the ball rolls at both: what the model has
+/// there is rounding, of the speeds and in the sign of a slip angle of 180 degrees. The axial
+/// displacement is a difference of lengths up to 1 mm.
+fn difference(name: &str, found: f64, expected: &Record) -> Option<f64> {
+    let known = expected.number(name)?;
+    let rolls = expected.model() == Model::RacewayControl.into();
+    let spin = |name| expected.number(name).map_or(0.0, f64::abs);
+    let (difference, size) = match name {
+        "nut_slip_angle_deg" | "screw_slip_angle_deg" if rolls => {
+            ((found - known + 180.0).rem_euclid(360.0) - 180.0, 180.0)
+        }
+        "nut_spin_rad_s" | "screw_spin_rad_s" if rolls => {
+            (found - known, spin("nut_spin_rad_s").max(spin("screw_spin_rad_s")))
+        }
+        "axial_displacement_um" if rolls => (found - known, known.abs().max(0.1)),
+        _ => (found - known, known.abs()),
+    };
+    Some(difference.abs() / size)
+}
+
 /// Compares every output of every point; returns the largest difference, over the size of the
-/// quantity or a tenth of the unit that its kind has.
-fn compare(model: Model, count: usize, dual: bool) -> f64 {
-    let settings = Settings::from(model);
-    let (base, (chunk, columns), outputs) = (Scene::default(), points(count, dual), all());
-    let answers = solve(&chunk, &columns, &base, &settings, &outputs);
-    let (mut worst, mut solved) = (0.0, 0);
+/// quantity, with its row and output.
+fn compare(settings: &Settings, count: usize) -> (f64, usize, &'static str) {
+    let (base, (chunk, columns), outputs) = (Scene::default(), points(count), all());
+    let answers = solve(&chunk, &columns, &base, settings, &outputs);
+    let (mut worst, mut solved) = ((0.0, 0, ""), 0);
     for row in 0..count {
-        let expected = record(&chunk, &base, &settings, row);
+        let expected = record(&chunk, &base, settings, row);
         let verdict = &answers.verdicts[row];
         assert_eq!(verdict.status, expected.status(), "row {row}");
         solved += usize::from(verdict.status == Status::Converged);
         for (output, column) in outputs.iter().zip(&answers.columns) {
-            if OF_THE_WAY.contains(&output.name) {
+            if OF_THE_WAY.contains(&output.name) || output.json_type != "number" {
                 continue;
             }
-            let known = expected.number(output.name);
-            let found = (!column[row].is_nan()).then_some(column[row]);
-            if output.json_type != "number" {
-                continue;
+            let found = column[row];
+            let difference = difference(output.name, found, &expected);
+            assert_eq!(found.is_nan(), difference.is_none(), "row {row}, {}", output.name);
+            if let Some(difference) = difference.filter(|difference| *difference > worst.0) {
+                worst = (difference, row, output.name);
             }
-            assert_eq!(found.is_some(), known.is_some(), "row {row}, {}", output.name);
-            let (Some(found), Some(known)) = (found, known) else { continue };
-            let difference = (found - known).abs() / known.abs();
-            if difference > 1e-8 {
-                println!("row {row} {}: {found} {known} {difference:.1e}", output.name);
-            }
-            worst = f64::max(worst, difference);
         }
     }
     assert!(solved > count / 4, "{solved}");
@@ -107,18 +137,29 @@ fn compare(model: Model, count: usize, dual: bool) -> f64 {
 
 #[test]
 fn closed_form() {
-    let worst = compare(Model::ClosedForm, 4000, true);
-    assert!(worst <= 1e-10, "{worst:.1e}");
+    let worst = compare(&Model::ClosedForm.into(), 4000);
+    assert!(worst.0 <= 1e-10, "{worst:?}");
 }
 
 #[test]
 fn quasi_static() {
-    let worst = compare(Model::QuasiStatic, 4000, true);
-    assert!(worst <= 1e-10, "{worst:.1e}");
+    let worst = compare(&Model::QuasiStatic.into(), 4000);
+    assert!(worst.0 <= 1e-10, "{worst:?}");
 }
 
 #[test]
 fn rigid() {
-    let worst = compare(Model::Rigid, 4000, true);
-    assert!(worst <= 1e-10, "{worst:.1e}");
+    let worst = compare(&Model::Rigid.into(), 4000);
+    assert!(worst.0 <= 1e-10, "{worst:?}");
+}
+
+/// By the decision and with either race forced; the kernel answers five of six points, the others
+/// have inertia forces of the size of the load.
+#[test]
+fn raceway_control() {
+    for control in [None, Some(Control::Nut), Some(Control::Screw)] {
+        let settings = Settings { control, ..Model::RacewayControl.into() };
+        let worst = compare(&settings, 3000);
+        assert!(worst.0 <= 1e-10, "{control:?}: {worst:?}");
+    }
 }
