@@ -6,7 +6,9 @@
 
 mod closed_form;
 mod quasi_static;
+mod raceway;
 mod rigid;
+mod units;
 
 use bsm_case::{OUTPUTS, Output, OutputKey, Settings};
 use bsm_dyn::Model;
@@ -14,6 +16,7 @@ use bsm_simd::{Arch, Lane, Mask, Simd, WithSimd};
 
 use self::closed_form::ClosedForm;
 use self::quasi_static::QuasiStatic;
+use self::raceway::Raceway;
 use self::rigid::Rigid;
 use crate::operand::{Given, Operands};
 
@@ -82,12 +85,15 @@ pub(crate) struct Rows<'a, 'b> {
 impl Rows<'_, '_> {
     /// Answers the ordinary rows of a model; without a kernel for it, none.
     pub(crate) fn solve(self, arch: Arch, model: Model, settings: &Settings) {
-        let _ = settings;
         match model {
             Model::ClosedForm => arch.dispatch(Run { kernel: ClosedForm, rows: self }),
             Model::QuasiStatic => arch.dispatch(Run { kernel: QuasiStatic, rows: self }),
             Model::Rigid => arch.dispatch(Run { kernel: Rigid, rows: self }),
-            Model::RacewayControl | Model::Elastic | Model::Traction => {}
+            Model::RacewayControl => {
+                let kernel = Raceway { control: settings.control };
+                arch.dispatch(Run { kernel, rows: self });
+            }
+            Model::Elastic | Model::Traction => {}
         }
     }
 }

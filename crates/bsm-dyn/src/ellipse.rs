@@ -48,6 +48,11 @@ impl Quadrature {
         let lanes = Nodes::of(&nodes);
         Self { nodes, lanes }
     }
+
+    /// Coordinates over the semi-axes, and weight, of all nodes, ring by ring.
+    pub fn nodes(&self) -> &[(f64, f64, f64)] {
+        &self.nodes
+    }
 }
 
 /// A loaded contact ellipse on the ball.

@@ -18,13 +18,6 @@ use crate::{Model, Outputs, Reason, Solution, Status};
 /// Unknowns of the static balance: loads and tilt.
 const STATIC: usize = 3;
 
-/// Order of the quadrature over the ellipse. A finer one moves the efficiency by 1e-6 to 1e-5 (see
-/// the tests), which is far below what the model leaves out.
-const ORDER: NonZeroUsize = NonZeroUsize::new(8).expect("not zero");
-
-/// Creep speed of (E4) over `$r_b |W|$`, small against the slip that the lead leaves, `$\sin\alpha/2$`.
-const CREEP: f64 = 1e-4;
-
 /// The race at which the ball does not spin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Control {
@@ -51,7 +44,7 @@ pub struct RacewayWorkspace {
 
 impl Default for RacewayWorkspace {
     fn default() -> Self {
-        Self { newton: Workspace::new(STATIC), quadrature: Quadrature::new(ORDER) }
+        Self { newton: Workspace::new(STATIC), quadrature: Quadrature::new(RacewayControl::ORDER) }
     }
 }
 
@@ -224,6 +217,14 @@ impl Grip {
 }
 
 impl RacewayControl {
+    /// Order of the quadrature over the ellipse. A finer one moves the efficiency by 1e-6 to 1e-5
+    /// (see the tests), which is far below what the model leaves out.
+    pub const ORDER: NonZeroUsize = NonZeroUsize::new(8).expect("not zero");
+
+    /// Creep speed of (E4) over `$r_b |W|$`, small against the slip that the lead leaves,
+    /// `$\sin\alpha/2$`.
+    pub const CREEP: f64 = 1e-4;
+
     /// Solves for loads and contact angles, takes the rolling motion, and integrates the friction
     /// power of the slip that it leaves.
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
@@ -256,7 +257,8 @@ impl RacewayWorkspace {
         grip: &Grip,
     ) -> Result<Outputs, (Status, Reason)> {
         let (loaded, quadrature) = (&grip.loaded, &self.quadrature);
-        let friction_power = pair.friction_power(loaded, &grip.to_nut, CREEP, quadrature);
+        let friction_power =
+            pair.friction_power(loaded, &grip.to_nut, RacewayControl::CREEP, quadrature);
         let mut outputs = screw.describe(pair, loaded, &grip.to_nut)?;
         let ideal = ideal_torque(screw.load.axial, screw.helix.radius, screw.helix.lead_angle);
         // T = T₀ + P_f/W                                                  (W8)
@@ -352,7 +354,7 @@ mod tests {
                 lin(axial, rpm).solve(&mut memory).outputs.efficiency.expect("efficiency")
             };
             let exact = eta(fine.clone());
-            assert_relative_eq!(eta(Quadrature::new(ORDER)), exact, epsilon = 2e-5);
+            assert_relative_eq!(eta(Quadrature::new(RacewayControl::ORDER)), exact, epsilon = 2e-5);
         }
     }
 

@@ -10,6 +10,7 @@
 )]
 
 mod lane;
+mod root;
 mod trigonometry;
 
 pub use lane::{Lane, Mask};

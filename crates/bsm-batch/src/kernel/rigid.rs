@@ -3,12 +3,13 @@
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32). With the directions of slip given,
 //! all unknowns follow one after the other in closed form; the directions are fed back.
 
-use bsm_case::units::{DEG, MM};
+use bsm_case::units::DEG;
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::POWER_BALANCE_TOL;
 use bsm_simd::{Lane, Mask, Simd};
 
 use super::closed_form::{contact_angles, powers};
+use super::units::Units;
 use super::{Kernel, Out};
 use crate::operand::Given;
 
@@ -136,23 +137,13 @@ struct State<S: Simd> {
 
 impl<S: Simd> Scaled<S> {
     #[inline(always)]
-    fn of(given: &Given<'_, S>) -> (Self, Si<S>) {
+    fn of(given: &Given<'_, S>) -> (Self, Units<S>) {
         let (sin_a, cos_a) = given.lead();
         let (sin_b, cos_b) = given.sin_cos(InputKey::contact_angle_deg);
         let friction = given.get(InputKey::friction_coefficient);
-        let ball = given.get(InputKey::ball_diameter_mm) * (0.5 * MM);
-        let pitch = given.get(InputKey::pitch_circle_diameter_mm) * (0.5 * MM);
-        let axial = given.get(InputKey::axial_load_N);
-        let balls = given.get(InputKey::loaded_balls);
-        let density = given.get(InputKey::density_kg_m3);
-        let zero = ball.constant(0.0);
-        let (screw_speed, nut_speed) = given.speeds().unwrap_or((zero, zero));
-        let speed = screw_speed - nut_speed;
-        let load = axial / balls;
-        // m r_b W²/F_a, m = (4/3) π r_b³ ρ                                (R1), (B1)
-        let volume = ball * ball * ball * (4.0 / 3.0 * std::f64::consts::PI);
-        let mass = volume * density * ball * speed * speed / load;
-        let radius = pitch / ball;
+        let units = Units::of(given);
+        let Units { mass, speed, nut_speed, .. } = units;
+        let radius = units.pitch / units.ball;
         let (k_n, k_e) = (cos_a * sin_b, cos_a * cos_b);
         let h = (sin_a * sin_a + k_e * k_e).sqrt();
         let scaled = Self {
@@ -165,7 +156,7 @@ impl<S: Simd> Scaled<S> {
             k_n,
             k_e,
             friction,
-            signed: speed.lt(zero).select(-friction, friction),
+            signed: speed.lt(speed.constant(0.0)).select(-friction, friction),
             radius,
             arc: radius / cos_a,
             inertia_ratio: mass * radius,
@@ -175,19 +166,8 @@ impl<S: Simd> Scaled<S> {
             cos_psi: k_e / h,
             sin_psi: sin_a / h,
         };
-        (scaled, Si { ball, axial, load, speed, nut_speed })
+        (scaled, units)
     }
-}
-
-/// Sizes in SI units.
-struct Si<S: Simd> {
-    ball: Lane<S>,
-    axial: Lane<S>,
-    /// Of a ball.
-    load: Lane<S>,
-    /// `$W$`.
-    speed: Lane<S>,
-    nut_speed: Lane<S>,
 }
 
 #[inline(always)]
@@ -468,7 +448,7 @@ impl<S: Simd> Scaled<S> {
 fn outputs<S: Simd>(
     out: &mut Out<'_, '_>,
     case: &Scaled<S>,
-    si: &Si<S>,
+    si: &Units<S>,
     (state, contacts): (&State<S>, &Contacts<S>),
 ) -> Lane<S> {
     let [q_a, q_m, q_b] = contacts.loads;
