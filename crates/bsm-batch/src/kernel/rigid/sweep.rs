@@ -1,0 +1,277 @@
+//! Direct sweeps: all unknowns of given directions of slip, and the directions that they lead to.
+
+use bsm_case::InputKey;
+use bsm_simd::{Lane, Mask, Simd};
+
+use crate::kernel::units::Units;
+use crate::operand::Given;
+
+/// A lane of points in units of ball radius, axial load per ball and relative speed.
+pub(super) struct Scaled<S: Simd> {
+    pub(super) sin_a: Lane<S>,
+    pub(super) cos_a: Lane<S>,
+    pub(super) sin_b: Lane<S>,
+    pub(super) cos_b: Lane<S>,
+    pub(super) sin_2b: Lane<S>,
+    pub(super) cos_2b: Lane<S>,
+    /// `$\cos\alpha\sin\beta$` and `$\cos\alpha\cos\beta$`, parts of the axis along N and e.
+    pub(super) k_n: Lane<S>,
+    pub(super) k_e: Lane<S>,
+    /// `$f$` and `$F$`.
+    pub(super) friction: Lane<S>,
+    pub(super) signed: Lane<S>,
+    /// `$r_m/r_b$`, `$d/r_b$`.
+    pub(super) radius: Lane<S>,
+    pub(super) arc: Lane<S>,
+    /// `$\mu$` and `$I$`.
+    pub(super) inertia_ratio: Lane<S>,
+    pub(super) inertia: Lane<S>,
+    /// `$\Omega_n/W$`.
+    pub(super) nut_speed: Lane<S>,
+    /// `$h$`, `$\cos\psi$`, `$\sin\psi$`: the axis along the slip of (R12).
+    pub(super) h: Lane<S>,
+    pub(super) cos_psi: Lane<S>,
+    pub(super) sin_psi: Lane<S>,
+}
+
+/// What the sweeps feed back: deviations of the slip from `$\psi$` at A and B, direction of the
+/// friction at A' in `$(e_x, t)$`, and the correction of the force along the normal.
+#[derive(Clone, Copy)]
+pub(super) struct Directions<S: Simd> {
+    pub(super) nut: Lane<S>,
+    pub(super) screw: Lane<S>,
+    pub(super) minor: [Lane<S>; 2],
+    pub(super) correction: Lane<S>,
+    /// `$|A|$` and `$|B|$`.
+    pub(super) norms: [Lane<S>; 2],
+}
+
+/// A vector in `$(e_x, t)$`, the plane of the slip.
+pub(super) type Plane<S> = [Lane<S>; 2];
+
+/// The state that belongs to directions.
+pub(super) struct State<S: Simd> {
+    /// `$\kappa = Q_{A'}/M$` and `$M = \mu (P/W)^2$`.
+    pub(super) minor: Lane<S>,
+    pub(super) centrifugal: Lane<S>,
+    pub(super) p: Lane<S>,
+    /// `$P/W$`.
+    pub(super) rate: Lane<S>,
+    /// Slip at A, over the norm of `nut`.
+    pub(super) slip: Lane<S>,
+    pub(super) s: Lane<S>,
+    /// Direction of the slip at A, not normalized.
+    pub(super) nut: Plane<S>,
+    /// Norms of the directions at A and B that it was found with.
+    pub(super) norms: [Lane<S>; 2],
+    /// `$G = -2 F Q_A/|nut|$`, `$H = 2 F Q_B/|screw|$`.
+    pub(super) pulls: [Lane<S>; 2],
+    /// The directions that it leads to.
+    pub(super) next: Directions<S>,
+}
+
+impl<S: Simd> Scaled<S> {
+    #[inline(always)]
+    pub(super) fn of(given: &Given<'_, S>) -> (Self, Units<S>) {
+        let (sin_a, cos_a) = given.lead();
+        let (sin_b, cos_b) = given.sin_cos(InputKey::contact_angle_deg);
+        let friction = given.get(InputKey::friction_coefficient);
+        let units = Units::of(given);
+        let Units { mass, speed, nut_speed, .. } = units;
+        let radius = units.pitch / units.ball;
+        let (k_n, k_e) = (cos_a * sin_b, cos_a * cos_b);
+        let h = (sin_a * sin_a + k_e * k_e).sqrt();
+        let scaled = Self {
+            sin_a,
+            cos_a,
+            sin_b,
+            cos_b,
+            sin_2b: sin_b * cos_b * 2.0,
+            cos_2b: (cos_b - sin_b) * (cos_b + sin_b),
+            k_n,
+            k_e,
+            friction,
+            signed: speed.lt(speed.constant(0.0)).select(-friction, friction),
+            radius,
+            arc: radius / cos_a,
+            inertia_ratio: mass * radius,
+            inertia: mass * 0.4,
+            nut_speed: nut_speed / speed,
+            h,
+            cos_psi: k_e / h,
+            sin_psi: sin_a / h,
+        };
+        (scaled, units)
+    }
+}
+
+#[inline(always)]
+pub(super) fn dot<S: Simd>(a: Plane<S>, b: Plane<S>) -> Lane<S> {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+#[inline(always)]
+pub(super) fn times<S: Simd>(factor: Lane<S>, a: Plane<S>) -> Plane<S> {
+    [factor * a[0], factor * a[1]]
+}
+
+#[inline(always)]
+pub(super) fn pick<S: Simd>(first: Mask<S>, a: Plane<S>, b: Plane<S>) -> Plane<S> {
+    [first.select(a[0], b[0]), first.select(a[1], b[1])]
+}
+
+/// The part of `b` across `a`.
+#[inline(always)]
+pub(super) fn cross<S: Simd>(a: Plane<S>, b: Plane<S>) -> Lane<S> {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+impl<S: Simd> Scaled<S> {
+    #[inline(always)]
+    pub(super) fn constant(&self, x: f64) -> Lane<S> {
+        self.friction.constant(x)
+    }
+
+    /// Slip along `$\psi$` at A and B; at A' that of the spin, whose sense is that of the ball.
+    #[inline(always)]
+    pub(super) fn start(&self) -> Directions<S> {
+        let zero = self.constant(0.0);
+        // p of (R13) tells the sense.
+        let p = self.precession(zero, zero, [self.cos_psi, self.sin_psi], zero);
+        let forward = self.constant(1.0);
+        let along = self.toward(p + self.nut_speed).select(forward, -forward);
+        let along = self.friction.gt(self.signed).select(-along, along);
+        Directions {
+            nut: zero,
+            screw: zero,
+            minor: [zero, along],
+            correction: zero,
+            norms: [forward; 2],
+        }
+    }
+
+    /// Where a rate is positive.
+    #[inline(always)]
+    pub(super) fn toward(&self, rate: Lane<S>) -> Mask<S> {
+        rate.gt(self.constant(0.0))
+    }
+
+    /// `$p$` (R26) of the direction against the slip at B, of slopes `$e_1$` and `$e_2$` of the
+    /// slip at A, and of the turn from A to B.
+    #[inline(always)]
+    pub(super) fn precession(
+        &self,
+        e_1: Lane<S>,
+        e_2: Lane<S>,
+        screw: Plane<S>,
+        turn: Lane<S>,
+    ) -> Lane<S> {
+        // p = [(d − cosα cosβ) x_B − sinα y_B − e₂ ω X] / [2 d x_B − (e₁ − e₂) X]  (R26)
+        ((self.arc - self.k_e) * screw[0] - self.sin_a * screw[1] - e_2 * self.nut_speed * turn)
+            / (self.arc * screw[0] * 2.0 - (e_1 - e_2) * turn)
+    }
+
+    /// One sweep: all unknowns of given directions, and the directions that they lead to.
+    #[inline(always)]
+    pub(super) fn sweep(&self, given: &Directions<S>) -> State<S> {
+        let f = self.signed;
+        let (c, s_psi, h) = (self.cos_psi, self.sin_psi, self.h);
+        let [cos_m, sin_m] = given.minor;
+        // x_A = cosψ − t_A sinψ,  y_A = sinψ + t_A cosψ                   (R24)
+        let nut = [c - given.nut * s_psi, s_psi + given.nut * c];
+        let screw = [c - given.screw * s_psi, s_psi + given.screw * c];
+        // κ (Q_A′/M) from the force along N and along ψ                   (R25)
+        let minor = (c * self.sin_b - f * self.cos_b - given.correction)
+            / (c * self.sin_2b
+                - f * self.cos_2b
+                - f * s_psi * sin_m
+                - f * (c * self.cos_2b + f * self.sin_2b) * cos_m);
+        // λ = e₁ p − e₂ P/W from the moment about N                       (R27)
+        let e_1 = self.sin_a * self.arc / h;
+        let e_2 = f * self.sin_2b * minor * sin_m * (self.radius / h) * 2.5;
+        let turn = cross(screw, nut);
+        let p = self.precession(e_1, e_2, screw, turn);
+        let rate = p + self.nut_speed;
+        let slip = e_1 * p - e_2 * rate;
+        // u = −λ x_A,  τ = λ y_A − p d                                    (R4)
+        let (u, tau) = (-(slip * nut[0]), slip * nut[1] - p * self.arc);
+        let centrifugal = self.inertia_ratio * rate * rate;
+        let load = minor * centrifugal;
+        let gyro = self.inertia * rate;
+        // G = −2 F Q_A/|A| from the axial load                            (R28)
+        let [norm_a, _] = given.norms;
+        let pull_a = (f * -2.0)
+            * ((load * (self.k_n - f * h * (c * cos_m + s_psi * sin_m)) + 1.0)
+                / (norm_a * self.k_n - f * h));
+        // G x_A = …, H x_B = … from the forces and moments across N       (R29), (R30)
+        let common = load * self.sin_2b - centrifugal * self.sin_b;
+        let twist = gyro * tau * self.k_n;
+        let friction = f * load * cos_m * 2.0;
+        let lean = gyro * self.sin_a;
+        let cot = self.cos_b / self.sin_b;
+        let e_a = [
+            common - twist - friction * self.cos_b * self.cos_b,
+            lean * tau * cot - gyro * u * self.cos_a / self.sin_b,
+        ];
+        let e_b = [common + twist + friction * self.sin_b * self.sin_b, lean * tau / cot];
+        let psi = [c, s_psi];
+        let along_a = dot(psi, e_a);
+        let s = (pull_a - along_a) / h;
+        let pull_b = dot(psi, e_b) + along_a - pull_a;
+        // Directions of the next sweep                                    (R31)
+        let inverse = (pull_a * pull_b).recip();
+        let tan_a = cross(psi, e_a) * (inverse * pull_b);
+        let tan_b = cross(psi, e_b) * (inverse * pull_a);
+        let (across, along) =
+            (gyro * u, -(gyro * (self.arc * p + tau * self.cos_2b) + s * self.sin_2b));
+        let norm = (across * across + along * along).sqrt();
+        let sense = self.toward(rate).select(norm, -norm).recip();
+        // (|A| − 1) G + (|B| − 1) H over 2 M                              (R32)
+        let (square_a, square_b) = (tan_a * tan_a, tan_b * tan_b);
+        let norms = [(square_a + 1.0).sqrt(), (square_b + 1.0).sqrt()];
+        let (one_a, one_b) = (norms[0] + 1.0, norms[1] + 1.0);
+        let correction = (pull_a * square_a * one_b + pull_b * square_b * one_a)
+            / (centrifugal * one_a * one_b * 2.0);
+        State {
+            minor,
+            centrifugal,
+            p,
+            rate,
+            slip,
+            s,
+            nut,
+            norms: given.norms,
+            pulls: [pull_a, pull_b],
+            next: Directions {
+                nut: tan_a,
+                screw: tan_b,
+                minor: [across * sense, along * sense],
+                correction,
+                norms,
+            },
+        }
+    }
+}
+
+impl<S: Simd> Directions<S> {
+    /// Largest change towards others.
+    #[inline(always)]
+    pub(super) fn farthest(&self, other: &Self) -> Lane<S> {
+        let turns = (self.nut - other.nut).abs().max((self.screw - other.screw).abs());
+        let x = (self.minor[0] - other.minor[0]).abs();
+        let y = (self.minor[1] - other.minor[1]).abs();
+        turns.max(x.max(y))
+    }
+
+    /// These where `kept`, others elsewhere.
+    #[inline(always)]
+    pub(super) fn unless(&self, kept: Mask<S>, other: &Self) -> Self {
+        Self {
+            nut: kept.select(self.nut, other.nut),
+            screw: kept.select(self.screw, other.screw),
+            minor: pick(kept, self.minor, other.minor),
+            correction: kept.select(self.correction, other.correction),
+            norms: pick(kept, self.norms, other.norms),
+        }
+    }
+}
