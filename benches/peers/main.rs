@@ -33,7 +33,7 @@ struct Arguments {
     #[arg(long, default_value_t = 4096)]
     count: usize,
     /// Runs of each peer, of which the median counts
-    #[arg(long, default_value = "9")]
+    #[arg(long, default_value = "31")]
     runs: NonZeroUsize,
     /// Only write the points to this file, for the Python peers
     #[arg(long)]
