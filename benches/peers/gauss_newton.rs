@@ -1,4 +1,4 @@
-//! argmin's Gauss-Newton, its only solver that takes a residual and a Jacobian.
+//! argmin's Gauss-Newton, its only method that takes a residual and a Jacobian.
 //!
 //! For a square system its step is Newton's, by way of the inverse of JᵀJ. The `vec` backend of
 //! argmin-math has no inverse and its nalgebra backend wants another nalgebra than ours: the
