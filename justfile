@@ -23,6 +23,10 @@ test *FLAGS:
 bench *FILTER:
     cargo bench -p bsm-benches --locked -- {{FILTER}}
 
+# The same points in SciPy, JAX, plain Newton and this solver; agreement is checked.
+peers *FLAGS:
+    benches/peers/run.sh {{FLAGS}}
+
 # The published checks.
 validate *FLAGS:
     cargo run --release --locked -p bsm-cli -- validate {{FLAGS}}

@@ -1,0 +1,115 @@
+//! The solver itself: one point at a time, and in batches.
+
+use std::f64::consts::PI;
+
+use bsm_batch::{Answers, Cell, Chunk, Column, Columns};
+use bsm_case::{Output, Record, Scene, Settings};
+use bsm_dyn::{Model, ModelWorkspace, Problem, RigidWorkspace, Solution, Status};
+
+use crate::equations::Answer;
+use crate::points::{INPUTS, Point};
+
+/// The outputs that are asked for.
+const OUTPUTS: [&str; 8] = [
+    "efficiency",
+    "nut_normal_load_N",
+    "minor_normal_load_N",
+    "screw_normal_load_N",
+    "ball_precession_rad_s",
+    "ball_omega_t_rad_s",
+    "nut_slip_velocity_m_s",
+    "nut_spin_rad_s",
+];
+
+/// Their values at a point.
+pub(crate) type Numbers = [f64; OUTPUTS.len()];
+
+fn settings() -> Settings {
+    Model::Rigid.into()
+}
+
+/// One scene after the other.
+pub(crate) fn scalar(scenes: &[Scene]) -> Vec<Solution> {
+    let mut work = ModelWorkspace::default();
+    scenes
+        .iter()
+        .map(|scene| scene.problem(&settings()).expect("a seeded scene").solve(&mut work))
+        .collect()
+}
+
+/// The points as a table in memory.
+pub(crate) struct Table {
+    chunk: Chunk,
+    columns: Columns,
+    outputs: Vec<&'static Output>,
+}
+
+impl Table {
+    pub(crate) fn of(points: &[Point]) -> Self {
+        let columns = Columns::sort(INPUTS, &[]).expect("known names");
+        let mut inputs = vec![Column::default(); INPUTS.len()];
+        for point in points {
+            for (column, value) in inputs.iter_mut().zip(point) {
+                column.push(Cell::Number(*value));
+            }
+        }
+        let chunk = Chunk { first: 1, len: points.len(), inputs, kept: Vec::new() };
+        let outputs = OUTPUTS.map(|name| Output::named(name).expect("known name"));
+        Self { chunk, columns, outputs: outputs.to_vec() }
+    }
+
+    /// The batch solver, on the threads of the pool that it is called in.
+    pub(crate) fn solve(&self) -> Answers {
+        let base = Scene::default();
+        bsm_batch::solve(&self.chunk, &self.columns, &base, &settings(), &self.outputs)
+    }
+}
+
+/// The numbers of a row of the table.
+pub(crate) fn row(answers: &Answers, row: usize) -> Option<Numbers> {
+    let there = answers.verdicts[row].status == Status::Converged;
+    there.then(|| std::array::from_fn(|i| answers.columns[i][row]))
+}
+
+/// The numbers of one solution.
+pub(crate) fn numbers(solution: &Solution) -> Option<Numbers> {
+    let record = Record::new(solution.clone());
+    let mut numbers = [0.0; OUTPUTS.len()];
+    for (number, name) in numbers.iter_mut().zip(OUTPUTS) {
+        *number = record.number(name)?;
+    }
+    Some(numbers)
+}
+
+/// What every peer must agree with: the outputs of the solver and the motion at its root.
+pub(crate) fn reference(scene: &Scene) -> Option<Answer> {
+    let Ok(Problem::Rigid(rigid)) = scene.problem(&settings()) else { return None };
+    let mut work = RigidWorkspace::default();
+    let (outputs, root) = (rigid.solve(&mut work).outputs, rigid.root(&mut work).ok()?);
+    Some([
+        outputs.efficiency?,
+        outputs.nut_normal_load?,
+        outputs.minor_normal_load?,
+        outputs.screw_normal_load?,
+        root.p,
+        root.u,
+        root.tau,
+        root.s,
+    ])
+}
+
+/// The answer in the outputs; the unknowns follow from the motion and the slip at A.
+pub(crate) fn answer(numbers: &Numbers, point: &Point) -> Answer {
+    let [ball_mm, pitch_mm, lead_deg, _, _, density, screw_rpm, nut_rpm, axial, balls] = *point;
+    let (r_b, r_m) = (0.5e-3 * ball_mm, 0.5e-3 * pitch_mm);
+    let (sin_a, cos_a) = lead_deg.to_radians().sin_cos();
+    let (w, nut) = ((screw_rpm - nut_rpm) * PI / 30.0, nut_rpm * PI / 30.0);
+    let inertia = 0.4 * (4.0 / 3.0 * PI * r_b.powi(3) * density) * r_b * r_b;
+    let [efficiency, q_a, q_m, q_b, precession, omega_t, slip, spin] = *numbers;
+    let (p, u) = ((precession - nut) / w, (omega_t - nut * sin_a) / w);
+    // The slip at A is u across and d p + τ along t, which it points along with W.
+    let slip = slip / (r_b * w.abs());
+    let along = (slip * slip - u * u).sqrt();
+    let s = inertia * precession * spin / (r_b * axial / balls);
+    [efficiency, q_a, q_m, q_b, p, u, along - p * r_m / (cos_a * r_b), s]
+}

@@ -1,0 +1,324 @@
+//! The rigid equations by hand, for peers that bring their own Newton: set-up from user units,
+//! start, residual, analytic Jacobian, outputs.
+//!
+//! `docs/theory/04-rigid.md` in the unknowns `Q_A/F_a, Q_A'/F_a, Q_B/F_a, p, u, τ, s`; speeds are
+//! over W with its sign, so that drive and back-driving differ in the sign of the friction only.
+
+use std::f64::consts::PI;
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::points::Point;
+
+pub(crate) type Vector = SVector<f64, 7>;
+pub(crate) type Matrix = SMatrix<f64, 7, 7>;
+
+/// Norm of the weighted residual that counts as solved.
+pub(crate) const TOLERANCE: f64 = 1e-10;
+
+/// Steps after which a Newton peer gives up: the limit of the solver itself.
+pub(crate) const MOST_STEPS: usize = 8;
+
+/// Efficiency; loads of A, A', B \[N\]; p, u, τ, s.
+pub(crate) type Answer = [f64; 8];
+
+/// One operating point in units of ball radius, axial load and W.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Case {
+    /// `F = sign(W) f`.
+    friction: f64,
+    /// `r_m/r_b`.
+    radius: f64,
+    /// `d/r_b`.
+    arc: f64,
+    cos_a: f64,
+    sin_b: f64,
+    cos_b: f64,
+    sin_2b: f64,
+    cos_2b: f64,
+    /// Axis in the triad `(t, N, e_x)`.
+    k: [f64; 3],
+    /// `m r_m W²/F_a`.
+    mu: f64,
+    /// `I W²/(r_b F_a)`.
+    inertia: f64,
+    /// `Ω_n/W`.
+    nut_speed: f64,
+    /// `F_a` \[N\].
+    load: f64,
+    /// Weights of the rows.
+    pub(crate) weights: Vector,
+    /// First-order start.
+    pub(crate) start: Vector,
+}
+
+/// Direction of the slip at one contact, and how it turns with p, u, τ, s.
+#[derive(Debug, Clone, Copy)]
+struct Slip {
+    along: f64,
+    across: f64,
+    rate: [f64; 4],
+}
+
+impl Slip {
+    /// From the slip `(along t, along e_x)` and its derivatives by p, u, τ, s.
+    fn of(along: f64, across: f64, slopes: [(f64, f64); 4]) -> Self {
+        let inverse = (along * along + across * across).sqrt().recip();
+        let (along, across) = (along * inverse, across * inverse);
+        let rate = slopes.map(|(t, x)| (along * x - across * t) * inverse);
+        Self { along, across, rate }
+    }
+}
+
+/// What residual and Jacobian share.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct State {
+    /// At A, A', B.
+    slip: [Slip; 3],
+    /// `P/W`.
+    rate: f64,
+}
+
+impl Case {
+    pub(crate) fn new(point: &Point) -> Self {
+        let [
+            ball_mm,
+            pitch_mm,
+            lead_deg,
+            contact_deg,
+            f,
+            density,
+            screw_rpm,
+            nut_rpm,
+            axial,
+            balls,
+        ] = *point;
+        let (r_b, r_m) = (0.5e-3 * ball_mm, 0.5e-3 * pitch_mm);
+        let (sin_a, cos_a) = lead_deg.to_radians().sin_cos();
+        let (sin_b, cos_b) = contact_deg.to_radians().sin_cos();
+        let (sin_2b, cos_2b) = (2.0 * sin_b * cos_b, (cos_b - sin_b) * (cos_b + sin_b));
+        let rpm = PI / 30.0;
+        let (w, nut_speed) = ((screw_rpm - nut_rpm) * rpm, nut_rpm / (screw_rpm - nut_rpm));
+        let load = axial / balls;
+        let mass = 4.0 / 3.0 * PI * r_b * r_b * r_b * density;
+        let (radius, friction) = (r_m / r_b, f * w.signum());
+        let mu = mass * r_m * w * w / load;
+        let (arc, tan_a) = (radius / cos_a, sin_a / cos_a);
+
+        let d = (cos_b * cos_b + tan_a * tan_a).sqrt();
+        let (sin_psi, cos_psi) = (tan_a / d, cos_b / d);
+        let lever = cos_a * cos_b + sin_a * tan_a / cos_b;
+        let p = 0.5 - 0.5 * cos_a * lever / radius;
+        let rate = p + nut_speed;
+        let push = sin_b - friction * d;
+        let minor =
+            push / (sin_2b - friction * (cos_2b + rate.signum() * w.signum() * sin_psi) / cos_psi);
+        let margin = p * tan_a - 2.5 * f * sin_2b * minor * rate.abs();
+        let q = (cos_a * push).recip();
+        let u = -margin * radius / lever;
+        let tau = -u * sin_psi / cos_psi - p * arc;
+        let s = -2.0 * friction * q / (d * cos_a);
+        let start = [q, minor * mu * rate * rate, q, p, u, tau, s].into();
+
+        let mut weights = Vector::repeat(mu.max(1.0).recip());
+        weights[4] = (mu * (rate * rate).max(1.0) * rate.abs().min(1.0)).recip();
+        Self {
+            friction,
+            radius,
+            arc,
+            cos_a,
+            sin_b,
+            cos_b,
+            sin_2b,
+            cos_2b,
+            k: [sin_a, cos_a * sin_b, cos_a * cos_b],
+            mu,
+            inertia: 0.4 * mu / radius,
+            nut_speed,
+            load,
+            weights,
+            start,
+        }
+    }
+
+    pub(crate) fn state(&self, y: &Vector) -> State {
+        let [[_, _, _, p, u, tau, s]] = y.data.0;
+        let Self { arc, sin_2b, cos_2b, k, .. } = *self;
+        let rate = p + self.nut_speed;
+        let by_moment = sin_2b / (self.inertia * rate);
+        let spin = s * by_moment;
+        State {
+            slip: [
+                Slip::of(arc * p + tau, -u, [(arc, 0.0), (0.0, -1.0), (1.0, 0.0), (0.0, 0.0)]),
+                Slip::of(
+                    arc * p + tau * cos_2b + spin,
+                    -u,
+                    [(arc - spin / rate, 0.0), (0.0, -1.0), (cos_2b, 0.0), (by_moment, 0.0)],
+                ),
+                Slip::of(
+                    arc * (p - 1.0) - tau + k[2],
+                    u - k[0],
+                    [(arc, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, 0.0)],
+                ),
+            ],
+            rate,
+        }
+    }
+
+    /// Rows of friction forces against the slip, `(along, across)` at A, A', B.
+    fn friction_rows(&self, [a, m, b]: [(f64, f64); 3]) -> Vector {
+        let Self { sin_2b, cos_2b, k, .. } = *self;
+        let minor_e = cos_2b * m.1;
+        let minor_n = sin_2b * m.1;
+        [
+            -(a.0 + m.0 + b.0),
+            -minor_n,
+            -(a.1 + b.1 + minor_e),
+            a.1 + m.1 - b.1,
+            -sin_2b * m.0,
+            -(a.0 + cos_2b * m.0 - b.0),
+            -k[0] * (a.0 + m.0) - k[1] * minor_n - k[2] * (a.1 + minor_e),
+        ]
+        .into()
+    }
+
+    /// Weighted residual.
+    pub(crate) fn residual(&self, y: &Vector, state: &State) -> Vector {
+        let [[q_a, q_m, q_b, _, u, tau, s]] = y.data.0;
+        let Self { sin_2b, cos_2b, k, .. } = *self;
+        let loads = [q_a, q_m, q_b];
+        let mut r = self.friction_rows(std::array::from_fn(|i| {
+            let force = self.friction * loads[i];
+            (force * state.slip[i].along, force * state.slip[i].across)
+        }));
+        let centrifugal = self.mu * state.rate * state.rate;
+        let gyro = self.inertia * state.rate;
+        r[1] += q_a - q_b + cos_2b * q_m - centrifugal * self.cos_b;
+        r[2] += centrifugal * self.sin_b - sin_2b * q_m;
+        r[3] += k[2] * s - gyro * k[1] * tau;
+        r[4] += gyro * (k[0] * tau - k[2] * u);
+        r[5] += gyro * k[1] * u - k[0] * s;
+        r[6] += k[1] * (q_a + cos_2b * q_m) - k[2] * sin_2b * q_m - 1.0;
+        r.component_mul(&self.weights)
+    }
+
+    /// Jacobian of the weighted residual.
+    pub(crate) fn jacobian(&self, y: &Vector, state: &State) -> Matrix {
+        let [[q_a, q_m, q_b, _, u, tau, _]] = y.data.0;
+        let Self { friction, sin_2b, cos_2b, k, inertia, .. } = *self;
+        let normal = [
+            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, k[1]],
+            [0.0, cos_2b, -sin_2b, 0.0, 0.0, 0.0, k[1] * cos_2b - k[2] * sin_2b],
+            [0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ];
+        let centrifugal = 2.0 * self.mu * state.rate;
+        let gyro = inertia * state.rate;
+        let inertial = [
+            [
+                0.0,
+                -centrifugal * self.cos_b,
+                centrifugal * self.sin_b,
+                -inertia * k[1] * tau,
+                inertia * (k[0] * tau - k[2] * u),
+                inertia * k[1] * u,
+                0.0,
+            ],
+            [0.0, 0.0, 0.0, 0.0, -gyro * k[2], gyro * k[1], 0.0],
+            [0.0, 0.0, 0.0, -gyro * k[1], gyro * k[0], 0.0, 0.0],
+            [0.0, 0.0, 0.0, k[2], 0.0, -k[0], 0.0],
+        ];
+
+        let mut jacobian = Matrix::zeros();
+        for (i, normal) in normal.into_iter().enumerate() {
+            let mut forces = [(0.0, 0.0); 3];
+            forces[i] = (friction * state.slip[i].along, friction * state.slip[i].across);
+            jacobian.set_column(i, &(self.friction_rows(forces) + Vector::from(normal)));
+        }
+        let loads = [q_a, q_m, q_b];
+        for (j, inertial) in inertial.into_iter().enumerate() {
+            // A unit vector changes at right angles to itself.
+            let forces = std::array::from_fn(|i| {
+                let turn = friction * loads[i] * state.slip[i].rate[j];
+                (-turn * state.slip[i].across, turn * state.slip[i].along)
+            });
+            jacobian.set_column(3 + j, &(self.friction_rows(forces) + Vector::from(inertial)));
+        }
+        for mut column in jacobian.column_iter_mut() {
+            column.component_mul_assign(&self.weights);
+        }
+        jacobian
+    }
+
+    /// Outputs of a root, `None` if a contact pulls or if it is the spurious root at infinity.
+    pub(crate) fn answer(&self, y: &Vector, state: &State) -> Option<Answer> {
+        let [[q_a, q_m, q_b, p, u, tau, s]] = y.data.0;
+        let speed = p.abs().max(u.abs()).max(tau.abs());
+        if !(q_a > 0.0 && q_m > 0.0 && q_b > 0.0 && speed < 10.0 * self.arc) {
+            return None;
+        }
+        let Self { radius, k, cos_a, sin_b, cos_b, .. } = *self;
+        let (along, across) =
+            (self.friction * q_b * state.slip[2].along, self.friction * q_b * state.slip[2].across);
+        let torque = k[0] * (radius * sin_b * q_b + (radius * cos_b - 1.0) * across)
+            + cos_a * (cos_b - radius) * along;
+        let ideal = radius * k[0] / cos_a;
+        let efficiency = if self.friction > 0.0 { ideal / torque } else { torque / ideal };
+        Some([efficiency, q_a * self.load, q_m * self.load, q_b * self.load, p, u, tau, s])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bsm_benches::seeded;
+    use bsm_dyn::{Model, Problem, RigidUnknowns};
+    use bsm_kin::{Jet, Scalar};
+
+    use super::*;
+    use crate::points::point;
+
+    /// Start, residual and Jacobian against the library's residual in jets, at points off the
+    /// root. The library has the slip at A in polar form (R4).
+    #[test]
+    fn equations_are_those_of_the_library() {
+        for (i, scene) in seeded(200).iter().enumerate() {
+            let Ok(Problem::Rigid(rigid)) = scene.problem(&Model::Rigid.into()) else {
+                panic!("a rigid problem")
+            };
+            let (case, system) = (Case::new(&point(scene)), rigid.system().expect("friction"));
+            // Some per cent off, another bit each time.
+            let y = Vector::from_fn(|j, _| {
+                case.start[j] * (1.0 + 0.03 * f64::from(u32::try_from(i * j).unwrap()).sin())
+            });
+
+            let jets = std::array::from_fn(|j| Jet::<7>::variable(y[j], j));
+            let [q_a, q_m, q_b, p, u, tau, s] = jets;
+            let along = tau + p * case.arc;
+            let slip = (u * u + along * along).sqrt();
+            let polar = RigidUnknowns::from([q_a, q_m, q_b, p, slip, along.atan2(-u), s]);
+            let expected = system.evaluate(&polar).expect("in the domain");
+
+            let state = case.state(&y);
+            let (r, jacobian) = (case.residual(&y, &state), case.jacobian(&y, &state));
+            for row in 0..7 {
+                let weight = system.weights[row];
+                let scale =
+                    1.0 + weight * expected[row].eps.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
+                // Rounding of the same formulas in another order, of terms of this size.
+                let close =
+                    |ours: f64, theirs: f64| (ours - weight * theirs).abs() <= 1e-11 * scale;
+                assert!(close(r[row], expected[row].re), "{i}: row {row}");
+                for column in 0..7 {
+                    let slope = expected[row].eps[column];
+                    assert!(close(jacobian[(row, column)], slope), "{i}: {row}, {column}");
+                }
+            }
+
+            let slip = case.start[4].hypot(case.start[5] + case.start[3] * case.arc);
+            let signed = slip * system.start[4].signum();
+            assert!((signed - system.start[4]).abs() <= 1e-12 * (1.0 + slip), "{i}: start");
+            for j in [0, 1, 2, 3, 6] {
+                assert!((case.start[j] - system.start[j]).abs() <= 1e-12 * system.start[j].abs());
+            }
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! argmin's Gauss-Newton, its only method that takes a residual and a Jacobian.
+//!
+//! For a square system its step is Newton's, by way of the inverse of JᵀJ. The `vec` backend of
+//! argmin-math has no inverse and its nalgebra backend wants another nalgebra than ours: the
+//! few operations that the solver asks for are written here on fixed-size matrices.
+
+use argmin::core::{Error, Executor, IterState, Jacobian, Operator, State};
+use argmin::solver::gaussnewton::GaussNewton;
+use argmin_math::{ArgminDot, ArgminInv, ArgminL2Norm, ArgminMul, ArgminSub, ArgminTranspose};
+
+use crate::equations::{self, Answer, Case, MOST_STEPS, TOLERANCE};
+use crate::points::Point;
+
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Vector(equations::Vector);
+
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Matrix(equations::Matrix);
+
+impl ArgminSub<Vector, Vector> for Vector {
+    fn sub(&self, other: &Vector) -> Vector {
+        Vector(self.0 - other.0)
+    }
+}
+
+impl ArgminMul<f64, Vector> for Vector {
+    fn mul(&self, factor: &f64) -> Vector {
+        Vector(self.0 * *factor)
+    }
+}
+
+impl ArgminL2Norm<f64> for Vector {
+    fn l2_norm(&self) -> f64 {
+        self.0.norm()
+    }
+}
+
+impl ArgminTranspose<Matrix> for Matrix {
+    fn t(self) -> Matrix {
+        Matrix(self.0.transpose())
+    }
+}
+
+impl ArgminDot<Matrix, Matrix> for Matrix {
+    fn dot(&self, other: &Matrix) -> Matrix {
+        Matrix(self.0 * other.0)
+    }
+}
+
+impl ArgminDot<Vector, Vector> for Matrix {
+    fn dot(&self, other: &Vector) -> Vector {
+        Vector(self.0 * other.0)
+    }
+}
+
+impl ArgminInv<Matrix> for Matrix {
+    fn inv(&self) -> Result<Matrix, Error> {
+        self.0.try_inverse().map(Matrix).ok_or_else(|| Error::msg("singular"))
+    }
+}
+
+impl Operator for Case {
+    type Param = Vector;
+    type Output = Vector;
+
+    fn apply(&self, y: &Vector) -> Result<Vector, Error> {
+        Ok(Vector(self.residual(&y.0, &self.state(&y.0))))
+    }
+}
+
+impl Jacobian for Case {
+    type Param = Vector;
+    type Jacobian = Matrix;
+
+    fn jacobian(&self, y: &Vector) -> Result<Matrix, Error> {
+        Ok(Matrix(Case::jacobian(self, &y.0, &self.state(&y.0))))
+    }
+}
+
+/// Gauss-Newton of argmin down to the common tolerance.
+pub(crate) fn argmin(point: &Point) -> Option<Answer> {
+    let case = Case::new(point);
+    // The norm of the residual alone decides.
+    let solver = GaussNewton::new().with_tolerance(f64::MIN_POSITIVE).ok()?;
+    let result = Executor::new(case, solver)
+        .configure(|state: IterState<Vector, (), Matrix, (), Vector, f64>| {
+            state.param(Vector(case.start)).target_cost(TOLERANCE).max_iters(MOST_STEPS as u64)
+        })
+        .run()
+        .ok()?;
+    let state = result.state();
+    if state.get_best_cost() > TOLERANCE {
+        return None;
+    }
+    let y = state.get_best_param()?.0;
+    case.answer(&y, &case.state(&y))
+}

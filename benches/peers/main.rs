@@ -1,0 +1,150 @@
+//! The same points in other solvers, next to this one: `benches/peers/run.sh`.
+#![expect(clippy::print_stdout, reason = "the table is what the program is for")]
+
+mod bsm;
+mod equations;
+mod gauss_newton;
+mod newton;
+mod points;
+mod report;
+
+use std::error::Error;
+use std::fs;
+use std::hint::black_box;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use bsm_benches::seeded;
+use bsm_case::Scene;
+use bsm_dyn::Solution;
+use clap::Parser;
+use rayon::ThreadPoolBuilder;
+
+use crate::equations::{Answer, Case};
+use crate::points::{INPUTS, Point, point};
+use crate::report::{Peer, Python, Reference, Report};
+
+/// Times peers on seeded points of the rigid model and checks that they agree.
+#[derive(Debug, Parser)]
+struct Arguments {
+    /// Number of points
+    #[arg(long, default_value_t = 4096)]
+    count: usize,
+    /// Runs of each peer, of which the median counts
+    #[arg(long, default_value = "31")]
+    runs: NonZeroUsize,
+    /// Only write the points to this file, for the Python peers
+    #[arg(long)]
+    write_points: Option<PathBuf>,
+    /// Results of the Python peers
+    #[arg(long)]
+    python: Option<PathBuf>,
+    /// Write the results to this file
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let arguments = Arguments::parse();
+    let scenes = seeded(arguments.count);
+    let points: Vec<Point> = scenes.iter().map(point).collect();
+    if let Some(path) = arguments.write_points {
+        let runs = arguments.runs;
+        let json = serde_json::json!({ "inputs": INPUTS, "runs": runs, "points": points });
+        fs::write(path, json.to_string())?;
+        return Ok(ExitCode::SUCCESS);
+    }
+
+    let python: Python = match &arguments.python {
+        Some(path) => serde_json::from_slice(&fs::read(path)?)?,
+        None => Python { missing: vec!["all Python peers".to_owned()], ..Python::default() },
+    };
+    let reference: Option<Vec<_>> = scenes.iter().map(reference).collect();
+    let reference = reference.ok_or("a seeded point has no root")?;
+
+    let table = bsm::Table::of(&points);
+    let one_thread = ThreadPoolBuilder::new().num_threads(1).build()?;
+    let all_threads = ThreadPoolBuilder::new().build()?;
+    let (batch, newton) = ("bsm batch, 1 thread", "Newton on nalgebra's LU");
+    let all = format!("bsm batch, {} threads", all_threads.current_num_threads());
+    let mut faer = newton::Faer::default();
+    let rows = |answers: &_, row: usize| Some(bsm::answer(&bsm::row(answers, row)?, &points[row]));
+    let mut peers: [(&str, Run); 6] = [
+        (batch, Box::new(|| timed(&points, || one_thread.install(|| table.solve()), rows))),
+        (&all, Box::new(|| timed(&points, || all_threads.install(|| table.solve()), rows))),
+        (
+            "bsm, point by point",
+            Box::new(|| {
+                let answer = |solutions: &Vec<Solution>, i: usize| {
+                    Some(bsm::answer(&bsm::numbers(&solutions[i])?, &points[i]))
+                };
+                timed(&points, || bsm::scalar(&scenes), answer)
+            }),
+        ),
+        (newton, Box::new(|| each(&points, newton::nalgebra))),
+        ("Newton on faer's LU", Box::new(|| each(&points, |point| faer.solve(point)))),
+        ("Gauss-Newton of argmin", Box::new(|| each(&points, gauss_newton::argmin))),
+    ];
+    let peers = medians(&mut peers, arguments.runs.get());
+
+    let report = Report::of(&peers, &reference, (batch, newton), python);
+    print!("{report}");
+    if let Some(path) = arguments.out {
+        fs::write(path, serde_json::to_string_pretty(&report)?)?;
+    }
+    Ok(if report.agrees() { ExitCode::SUCCESS } else { ExitCode::from(3) })
+}
+
+fn reference(scene: &Scene) -> Option<Reference> {
+    let inertia = Case::new(&point(scene)).weights[4].recip().min(1.0);
+    Some(Reference { answer: bsm::reference(scene)?, inertia })
+}
+
+type Answers = Vec<Option<Answer>>;
+
+/// Solves all points and tells how long that took.
+type Run<'a> = Box<dyn FnMut() -> (Duration, Answers) + 'a>;
+
+/// Time of `solve`; not of `answer`, which only reads what it returns.
+fn timed<T>(
+    points: &[Point],
+    solve: impl FnOnce() -> T,
+    answer: impl Fn(&T, usize) -> Option<Answer>,
+) -> (Duration, Answers) {
+    let start = Instant::now();
+    let found = black_box(solve());
+    let time = start.elapsed();
+    (time, (0..points.len()).map(|i| answer(&found, i)).collect())
+}
+
+/// A peer that takes one point after the other.
+fn each(points: &[Point], mut solve: impl FnMut(&Point) -> Option<Answer>) -> (Duration, Answers) {
+    let all = || points.iter().map(|point| solve(black_box(point))).collect::<Answers>();
+    timed(points, all, |answers, i| answers[i])
+}
+
+/// Runs all peers in turn, so that a disturbance meets all of them, after a run that does not
+/// count.
+#[expect(clippy::cast_precision_loss, reason = "counts of points are small")]
+fn medians(peers: &mut [(&str, Run)], runs: usize) -> Vec<Peer> {
+    let mut answers: Vec<Answers> = peers.iter_mut().map(|(_, run)| run().1).collect();
+    let mut times = vec![Vec::new(); peers.len()];
+    for _ in 0..runs {
+        for (i, (_, run)) in peers.iter_mut().enumerate() {
+            let (time, found) = run();
+            times[i].push(time);
+            answers[i] = found;
+        }
+    }
+    let peers = peers.iter().zip(times.iter_mut().zip(answers));
+    peers
+        .map(|((name, _), (times, answers))| {
+            times.sort_unstable();
+            let median = times[times.len() / 2].as_secs_f64();
+            let ns_per_point = median * 1e9 / answers.len() as f64;
+            Peer { name: (*name).to_owned(), ns_per_point, answers }
+        })
+        .collect()
+}

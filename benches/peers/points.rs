@@ -1,0 +1,28 @@
+//! The operating points, in the units that a user writes.
+
+use bsm_case::Scene;
+
+/// Inputs of the rigid model, in the order of a [`Point`].
+pub(crate) const INPUTS: [&str; 10] = [
+    "ball_diameter_mm",
+    "pitch_circle_diameter_mm",
+    "lead_angle_deg",
+    "contact_angle_deg",
+    "friction_coefficient",
+    "density_kg_m3",
+    "screw_speed_rpm",
+    "nut_speed_rpm",
+    "axial_load_N",
+    "loaded_balls",
+];
+
+/// Values of [`INPUTS`].
+pub(crate) type Point = [f64; INPUTS.len()];
+
+/// Density that the program takes when a scene has none.
+const STEEL: f64 = 7800.0;
+
+/// The numbers of a scene.
+pub(crate) fn point(scene: &Scene) -> Point {
+    INPUTS.map(|name| scene.get(name).unwrap_or(if name == "density_kg_m3" { STEEL } else { 0.0 }))
+}

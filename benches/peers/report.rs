@@ -1,0 +1,184 @@
+//! Agreement of the peers with the solver, as a table and as JSON.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::equations::Answer;
+
+/// Largest disagreement that passes.
+///
+/// The load of A', u and τ act on the balance through terms of the size of the inertia forces: a
+/// residual of 1e-10 leaves 1e-10 over that size in them. Their disagreement counts times it.
+const AGREEMENT: f64 = 1e-8;
+
+/// Places in an [`Answer`].
+const MINOR_LOAD: usize = 2;
+const U: usize = 5;
+const TAU: usize = 6;
+
+/// What the solver itself says of a point.
+#[derive(Debug)]
+pub(crate) struct Reference {
+    pub(crate) answer: Answer,
+    /// Size of the inertia forces over the load, at most 1.
+    pub(crate) inertia: f64,
+}
+
+/// Times and answers of one peer.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Peer {
+    pub(crate) name: String,
+    pub(crate) ns_per_point: f64,
+    /// `None` where it found no root.
+    pub(crate) answers: Vec<Option<Answer>>,
+}
+
+/// What the Python peers leave behind.
+#[derive(Debug, Default, Deserialize)]
+pub(crate) struct Python {
+    pub(crate) peers: Vec<Peer>,
+    /// Peers that could not run, and why.
+    pub(crate) missing: Vec<String>,
+    /// Versions of what ran.
+    pub(crate) versions: Vec<String>,
+}
+
+/// One line of the table.
+#[derive(Debug, Serialize)]
+struct Line {
+    peer: String,
+    ns_per_point: f64,
+    over_batch: f64,
+    over_nalgebra: f64,
+    share_solved: f64,
+    /// Worst of efficiency and loads of A and B, relative, and of p and s.
+    worst_loaded: f64,
+    /// Worst of the load of A', relative, and of u and τ.
+    worst_inertial: f64,
+    /// The same with each point's difference times the size of its inertia forces.
+    worst_inertial_scaled: f64,
+    agrees: bool,
+}
+
+/// All lines, and what did not run.
+#[derive(Debug, Serialize)]
+pub(crate) struct Report {
+    points: usize,
+    lines: Vec<Line>,
+    missing: Vec<String>,
+    versions: Vec<String>,
+}
+
+impl Report {
+    /// Compares all peers with the reference; ratios are to the peers of the names `batch` and
+    /// `newton`.
+    pub(crate) fn of(
+        peers: &[Peer],
+        reference: &[Reference],
+        (batch, newton): (&str, &str),
+        python: Python,
+    ) -> Self {
+        let time =
+            |name| peers.iter().find(|p| p.name == name).map_or(f64::NAN, |p| p.ns_per_point);
+        let lines = peers.iter().chain(&python.peers).map(|peer| {
+            let worst = Worst::of(&peer.answers, reference);
+            let solved = peer.answers.iter().flatten().count();
+            Line {
+                peer: peer.name.clone(),
+                ns_per_point: peer.ns_per_point,
+                over_batch: peer.ns_per_point / time(batch),
+                over_nalgebra: peer.ns_per_point / time(newton),
+                share_solved: share(solved, reference.len()),
+                worst_loaded: worst.loaded,
+                worst_inertial: worst.inertial,
+                worst_inertial_scaled: worst.inertial_scaled,
+                agrees: peer.answers.len() == reference.len()
+                    && solved > 0
+                    && worst.loaded <= AGREEMENT
+                    && worst.inertial_scaled <= AGREEMENT,
+            }
+        });
+        Self {
+            points: reference.len(),
+            lines: lines.collect(),
+            missing: python.missing,
+            versions: python.versions,
+        }
+    }
+
+    /// True if every peer agrees wherever it found a root.
+    pub(crate) fn agrees(&self) -> bool {
+        self.lines.iter().all(|line| line.agrees)
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "counts of points are small")]
+fn share(part: usize, whole: usize) -> f64 {
+    part as f64 / whole as f64
+}
+
+/// Worst disagreement where there is an answer.
+#[derive(Default)]
+struct Worst {
+    loaded: f64,
+    inertial: f64,
+    inertial_scaled: f64,
+}
+
+impl Worst {
+    fn of(answers: &[Option<Answer>], reference: &[Reference]) -> Self {
+        let mut worst = Self::default();
+        for (answer, reference) in answers.iter().zip(reference) {
+            let Some(answer) = answer else { continue };
+            for (i, (theirs, ours)) in answer.iter().zip(&reference.answer).enumerate() {
+                let size = if i <= MINOR_LOAD + 1 { ours.abs() } else { ours.abs().max(1.0) };
+                let off = (theirs - ours).abs() / size;
+                // Not a number is no agreement.
+                let off = if off.is_nan() { f64::INFINITY } else { off };
+                if [MINOR_LOAD, U, TAU].contains(&i) {
+                    worst.inertial = worst.inertial.max(off);
+                    worst.inertial_scaled = worst.inertial_scaled.max(off * reference.inertia);
+                } else {
+                    worst.loaded = worst.loaded.max(off);
+                }
+            }
+        }
+        worst
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{} points", self.points)?;
+        writeln!(f)?;
+        writeln!(
+            f,
+            "| peer | ns/point | over bsm batch, 1 thread | over Newton on nalgebra | solved | \
+             worst η, Q_A, Q_B, p, s | worst Q_A', u, τ | the same × inertia | agrees |"
+        )?;
+        writeln!(f, "|---|---:|---:|---:|---:|---:|---:|---:|---|")?;
+        for line in &self.lines {
+            writeln!(
+                f,
+                "| {} | {:.0} | {:.2} | {:.2} | {:.2} % | {:.0e} | {:.0e} | {:.0e} | {} |",
+                line.peer,
+                line.ns_per_point,
+                line.over_batch,
+                line.over_nalgebra,
+                100.0 * line.share_solved,
+                line.worst_loaded,
+                line.worst_inertial,
+                line.worst_inertial_scaled,
+                if line.agrees { "yes" } else { "NO" },
+            )?;
+        }
+        for missing in &self.missing {
+            writeln!(f, "missing: {missing}")?;
+        }
+        if !self.versions.is_empty() {
+            writeln!(f, "with {}", self.versions.join(", "))?;
+        }
+        Ok(())
+    }
+}
