@@ -12,13 +12,13 @@ mod units;
 
 use bsm_case::{OUTPUTS, Output, OutputKey, Settings};
 use bsm_dyn::Model;
-use bsm_simd::{Arch, Lane, Mask, Simd, WithSimd};
+use bsm_simd::{Arch, Simd, WithSimd};
 
 use self::closed_form::ClosedForm;
 use self::quasi_static::QuasiStatic;
 use self::raceway::Raceway;
 use self::rigid::Rigid;
-use crate::operand::{Given, Operands};
+use crate::operand::{Given, Lane, Mask, Operands};
 
 /// A model by lanes.
 trait Kernel {
@@ -110,7 +110,7 @@ impl<K: Kernel> WithSimd for Run<'_, '_, K> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Rows { operands, wanted, first, columns, done } = self.rows;
-        for row in (0..done.len()).step_by(S::F64_LANES) {
+        for row in (0..done.len()).step_by(Lane::<S>::LEN) {
             let given = Given { simd, operands, row: first + row };
             let mut out = Out { wanted, columns: &mut *columns, row };
             let solved = self.kernel.solve(&given, &mut out);

@@ -5,9 +5,15 @@ use std::borrow::Cow;
 use bsm_case::units::{DEG, RPM};
 use bsm_case::{INPUTS, InputKey, ModelChoice, Rule, Scene};
 use bsm_dyn::Model;
-use bsm_simd::{Lane, Mask, Simd};
+use bsm_simd::Simd;
 
 use crate::rows::{Chunk, Columns};
+
+/// Vectors that are worked on together: measured, the fastest number for the rigid model.
+const TOGETHER: usize = 2;
+
+pub(crate) type Lane<S> = bsm_simd::Lane<S, TOGETHER>;
+pub(crate) type Mask<S> = bsm_simd::Mask<S, TOGETHER>;
 
 /// Where the values of an input come from.
 #[derive(Debug)]

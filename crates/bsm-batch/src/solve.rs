@@ -1,5 +1,7 @@
 //! Answers for a chunk of rows.
 
+use std::cell::RefCell;
+
 use bsm_case::{CaseError, Cell as Answer, Output, Record, Scene, Settings};
 use bsm_dyn::ModelWorkspace;
 use bsm_simd::Arch;
@@ -11,6 +13,11 @@ use crate::rows::{Answers, Cell, Chunk, Columns, Verdict};
 
 /// Rows that one thread takes at a time.
 const STRIDE: usize = 256;
+
+thread_local! {
+    /// Memory of the models; chunks are many and threads are few.
+    static WORK: RefCell<ModelWorkspace> = RefCell::default();
+}
 
 /// Some rows of a chunk.
 struct Part<'a> {
@@ -59,27 +66,32 @@ pub fn solve_on(
             columns: pieces.iter_mut().filter_map(Iterator::next).collect(),
         })
         .collect();
-    parts.into_par_iter().for_each_init(ModelWorkspace::default, |work, mut part| {
-        let mut done = [false; STRIDE];
-        let done = &mut done[..part.verdicts.len()];
-        if let Some((operands, model)) = &operands {
-            let (wanted, columns) = (&wanted, &mut part.columns[..]);
-            let rows = Rows { operands, wanted, first: part.first, columns, done: &mut *done };
-            rows.solve(arch, *model, settings);
-        }
-        for (row, _) in done.iter().enumerate().filter(|(_, done)| !**done) {
-            let problem = scene(chunk, columns, base, part.first + row)
-                .and_then(|scene| scene.problem(settings));
-            let record = match problem {
-                Ok(problem) => Record::new(problem.solve(work)),
-                Err(error) => Record::invalid(settings.model, &error),
-            };
-            part.verdicts[row] = Verdict::of(&record);
-            for (output, column) in outputs.iter().zip(&mut part.columns) {
-                column[row] = record.cell(output).map_or(f64::NAN, number);
+    parts.into_par_iter().for_each_init(
+        || None,
+        |work, mut part| {
+            let mut done = [false; STRIDE];
+            let done = &mut done[..part.verdicts.len()];
+            if let Some((operands, model)) = &operands {
+                let (wanted, columns) = (&wanted, &mut part.columns[..]);
+                let rows = Rows { operands, wanted, first: part.first, columns, done: &mut *done };
+                rows.solve(arch, *model, settings);
             }
-        }
-    });
+            for (row, _) in done.iter().enumerate().filter(|(_, done)| !**done) {
+                let problem = scene(chunk, columns, base, part.first + row)
+                    .and_then(|scene| scene.problem(settings));
+                let record = match problem {
+                    Ok(problem) => {
+                        Record::new(problem.solve(work.get_or_insert_with(ModelWorkspace::default)))
+                    }
+                    Err(error) => Record::invalid(settings.model, &error),
+                };
+                part.verdicts[row] = Verdict::of(&record);
+                for (output, column) in outputs.iter().zip(&mut part.columns) {
+                    column[row] = record.cell(output).map_or(f64::NAN, number);
+                }
+            }
+        },
+    );
     answers
 }
 

@@ -4,30 +4,45 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use pulp::Simd;
 
-/// Numbers of a few points, as many as the instruction set takes at once.
+/// Numbers of a few points, `N` times as many as the instruction set takes at once: the processor
+/// works on one part while it waits for the other.
 #[derive(Clone, Copy)]
-pub struct Lane<S: Simd> {
-    pub(crate) simd: S,
-    pub(crate) x: S::f64s,
+pub struct Lane<S: Simd, const N: usize = 1> {
+    simd: S,
+    x: [S::f64s; N],
 }
 
 /// Yes or no for each number of a [`Lane`].
 #[derive(Clone, Copy)]
-pub struct Mask<S: Simd> {
+pub struct Mask<S: Simd, const N: usize = 1> {
     simd: S,
-    m: S::m64s,
+    m: [S::m64s; N],
 }
 
-impl<S: Simd> Lane<S> {
+/// The same for each part; a loop, because closures are calls where the instruction set differs.
+macro_rules! parts {
+    ($value:expr, $i:ident, $part:expr) => {{
+        let mut parts = $value;
+        for $i in 0..N {
+            parts[$i] = $part;
+        }
+        parts
+    }};
+}
+
+impl<S: Simd, const N: usize> Lane<S, N> {
+    /// How many numbers.
+    pub const LEN: usize = N * S::F64_LANES;
+
     /// The same number in every place.
     #[inline(always)]
     pub fn splat(simd: S, x: f64) -> Self {
-        Self { simd, x: simd.splat_f64s(x) }
+        Self { simd, x: [simd.splat_f64s(x); N] }
     }
 
     /// Numbers as the instruction set holds them.
     #[inline(always)]
-    pub fn of(simd: S, x: S::f64s) -> Self {
+    pub fn of(simd: S, x: [S::f64s; N]) -> Self {
         Self { simd, x }
     }
 
@@ -35,19 +50,27 @@ impl<S: Simd> Lane<S> {
     #[inline(always)]
     pub fn load(simd: S, from: &[f64]) -> Self {
         let (whole, rest) = S::as_simd_f64s(from);
-        match whole.first() {
-            Some(x) => Self { simd, x: *x },
-            None => Self { simd, x: simd.partial_load_f64s(rest) },
+        let mut x = [simd.splat_f64s(0.0); N];
+        for i in 0..N {
+            if i < whole.len() {
+                x[i] = whole[i];
+            } else if i == whole.len() {
+                x[i] = simd.partial_load_f64s(rest);
+            }
         }
+        Self { simd, x }
     }
 
     /// Writes the numbers to the front of a slice, as many as it has places for.
     #[inline(always)]
     pub fn store(self, to: &mut [f64]) {
         let (whole, rest) = S::as_mut_simd_f64s(to);
-        match whole.first_mut() {
-            Some(place) => *place = self.x,
-            None => self.simd.partial_store_f64s(rest, self.x),
+        for i in 0..N {
+            if i < whole.len() {
+                whole[i] = self.x[i];
+            } else if i == whole.len() {
+                self.simd.partial_store_f64s(rest, self.x[i]);
+            }
         }
     }
 
@@ -61,14 +84,14 @@ impl<S: Simd> Lane<S> {
     /// The numbers one by one.
     #[inline(always)]
     pub fn as_slice(&self) -> &[f64] {
-        pulp::bytemuck::cast_slice(std::slice::from_ref(&self.x))
+        pulp::bytemuck::cast_slice(&self.x)
     }
 
     /// A function of each number, one after the other.
     #[inline(always)]
     #[must_use]
     pub fn each(mut self, f: impl Fn(f64) -> f64) -> Self {
-        let numbers: &mut [f64] = pulp::bytemuck::cast_slice_mut(std::slice::from_mut(&mut self.x));
+        let numbers: &mut [f64] = pulp::bytemuck::cast_slice_mut(&mut self.x);
         for x in numbers {
             *x = f(*x);
         }
@@ -79,7 +102,7 @@ impl<S: Simd> Lane<S> {
     #[inline(always)]
     #[must_use]
     pub fn zip(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        let numbers: &mut [f64] = pulp::bytemuck::cast_slice_mut(std::slice::from_mut(&mut self.x));
+        let numbers: &mut [f64] = pulp::bytemuck::cast_slice_mut(&mut self.x);
         for (x, y) in numbers.iter_mut().zip(other.as_slice()) {
             *x = f(*x, *y);
         }
@@ -97,7 +120,7 @@ impl<S: Simd> Lane<S> {
     #[inline(always)]
     #[must_use]
     pub fn sqrt(self) -> Self {
-        Self { x: self.simd.sqrt_f64s(self.x), ..self }
+        Self { x: parts!(self.x, i, self.simd.sqrt_f64s(self.x[i])), ..self }
     }
 
     /// Absolute value; of -0 it is -0.
@@ -123,33 +146,38 @@ impl<S: Simd> Lane<S> {
 
     /// Where the number is less than another; never for NaN.
     #[inline(always)]
-    pub fn lt(self, other: Self) -> Mask<S> {
-        Mask { simd: self.simd, m: self.simd.less_than_f64s(self.x, other.x) }
+    pub fn lt(self, other: Self) -> Mask<S, N> {
+        let simd = self.simd;
+        let none = [simd.less_than_f64s(self.x[0], other.x[0]); N];
+        Mask { simd, m: parts!(none, i, simd.less_than_f64s(self.x[i], other.x[i])) }
     }
 
     /// Where the number is at most another; never for NaN.
     #[inline(always)]
-    pub fn le(self, other: Self) -> Mask<S> {
-        Mask { simd: self.simd, m: self.simd.less_than_or_equal_f64s(self.x, other.x) }
+    pub fn le(self, other: Self) -> Mask<S, N> {
+        let simd = self.simd;
+        let none = [simd.less_than_or_equal_f64s(self.x[0], other.x[0]); N];
+        Mask { simd, m: parts!(none, i, simd.less_than_or_equal_f64s(self.x[i], other.x[i])) }
     }
 
     /// Where the number is greater than another; never for NaN.
     #[inline(always)]
-    pub fn gt(self, other: Self) -> Mask<S> {
+    pub fn gt(self, other: Self) -> Mask<S, N> {
         other.lt(self)
     }
 }
 
-impl<S: Simd> Mask<S> {
+impl<S: Simd, const N: usize> Mask<S, N> {
     /// One number where true, another where false.
     #[inline(always)]
-    pub fn select(self, yes: Lane<S>, no: Lane<S>) -> Lane<S> {
-        Lane { x: self.simd.select_f64s(self.m, yes.x, no.x), ..yes }
+    pub fn select(self, yes: Lane<S, N>, no: Lane<S, N>) -> Lane<S, N> {
+        let simd = self.simd;
+        Lane { x: parts!(no.x, i, simd.select_f64s(self.m[i], yes.x[i], no.x[i])), ..yes }
     }
 
     /// 1 where true, 0 where false.
     #[inline(always)]
-    pub fn to_numbers(self) -> Lane<S> {
+    pub fn to_numbers(self) -> Lane<S, N> {
         let one = Lane::splat(self.simd, 1.0);
         self.select(one, one.constant(0.0))
     }
@@ -157,7 +185,11 @@ impl<S: Simd> Mask<S> {
     /// True if true anywhere.
     #[inline(always)]
     pub fn any(self) -> bool {
-        self.simd.first_true_m64s(self.m) < S::F64_LANES
+        let mut any = false;
+        for m in self.m {
+            any |= self.simd.first_true_m64s(m) < S::F64_LANES;
+        }
+        any
     }
 
     /// Writes the answers to the front of a slice, as many as it has places for.
@@ -171,16 +203,16 @@ impl<S: Simd> Mask<S> {
 
 macro_rules! lanewise {
     ($($trait:ident $method:ident $lanes:ident;)*) => {$(
-        impl<S: Simd> $trait for Lane<S> {
+        impl<S: Simd, const N: usize> $trait for Lane<S, N> {
             type Output = Self;
 
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self { x: self.simd.$lanes(self.x, other.x), ..self }
+                Self { x: parts!(self.x, i, self.simd.$lanes(self.x[i], other.x[i])), ..self }
             }
         }
 
-        impl<S: Simd> $trait<f64> for Lane<S> {
+        impl<S: Simd, const N: usize> $trait<f64> for Lane<S, N> {
             type Output = Self;
 
             #[inline(always)]
@@ -198,7 +230,7 @@ lanewise! {
     Div div div_f64s;
 }
 
-impl<S: Simd> Neg for Lane<S> {
+impl<S: Simd, const N: usize> Neg for Lane<S, N> {
     type Output = Self;
 
     #[inline(always)]
@@ -210,12 +242,12 @@ impl<S: Simd> Neg for Lane<S> {
 
 macro_rules! maskwise {
     ($($trait:ident $method:ident $masks:ident;)*) => {$(
-        impl<S: Simd> $trait for Mask<S> {
+        impl<S: Simd, const N: usize> $trait for Mask<S, N> {
             type Output = Self;
 
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self { m: self.simd.$masks(self.m, other.m), ..self }
+                Self { m: parts!(self.m, i, self.simd.$masks(self.m[i], other.m[i])), ..self }
             }
         }
     )*};
@@ -226,11 +258,11 @@ maskwise! {
     BitOr bitor or_m64s;
 }
 
-impl<S: Simd> Not for Mask<S> {
+impl<S: Simd, const N: usize> Not for Mask<S, N> {
     type Output = Self;
 
     #[inline(always)]
     fn not(self) -> Self {
-        Self { m: self.simd.not_m64s(self.m), ..self }
+        Self { m: parts!(self.m, i, self.simd.not_m64s(self.m[i])), ..self }
     }
 }

@@ -12,7 +12,7 @@ fn inverse_guess(x: f64) -> f64 {
     f64::from_bits(0x553f_0000_0000_0000_u64.wrapping_sub(x.to_bits() / 3))
 }
 
-impl<S: Simd> Lane<S> {
+impl<S: Simd, const N: usize> Lane<S, N> {
     /// Cube root of normal positive numbers, to three units in the last place; no meaning outside.
     #[inline(always)]
     #[must_use]
@@ -43,7 +43,7 @@ mod tests {
         fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
             let mut roots = [0.0; BLOCK];
             for at in (0..BLOCK).step_by(S::F64_LANES) {
-                Lane::load(simd, &self.0[at..]).cbrt_positive().store(&mut roots[at..]);
+                Lane::<S>::load(simd, &self.0[at..]).cbrt_positive().store(&mut roots[at..]);
             }
             roots
         }

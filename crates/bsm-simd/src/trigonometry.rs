@@ -33,15 +33,15 @@ const COSINE: [f64; 6] = [
 ];
 
 #[inline(always)]
-fn polynomial<S: Simd, const N: usize>(coefficients: &[f64; N], x: Lane<S>) -> Lane<S> {
-    let mut sum = x.constant(coefficients[N - 1]);
-    for c in coefficients[..N - 1].iter().rev() {
+fn polynomial<S: Simd, const N: usize>(coefficients: &[f64], x: Lane<S, N>) -> Lane<S, N> {
+    let mut sum = x.constant(0.0);
+    for c in coefficients.iter().rev() {
         sum = sum * x + *c;
     }
     sum
 }
 
-impl<S: Simd> Lane<S> {
+impl<S: Simd, const N: usize> Lane<S, N> {
     /// Sine and cosine of angles from 0 to π/2 \[rad\], to one unit in the last place; no meaning
     /// outside.
     #[inline(always)]
@@ -74,7 +74,7 @@ mod tests {
         fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
             let (mut sin, mut cos) = ([0.0; BLOCK], [0.0; BLOCK]);
             for at in (0..BLOCK).step_by(S::F64_LANES) {
-                let (s, c) = Lane::load(simd, &self.0[at..]).sin_cos_first_quadrant();
+                let (s, c) = Lane::<S>::load(simd, &self.0[at..]).sin_cos_first_quadrant();
                 s.store(&mut sin[at..]);
                 c.store(&mut cos[at..]);
             }

@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use bsm_case::units::{DEG, MM};
 use bsm_case::{InputKey, OutputKey};
-use bsm_simd::{Lane, Mask, Simd};
+use bsm_simd::Simd;
 
 use super::{Kernel, Out};
-use crate::operand::Given;
+use crate::operand::{Given, Lane, Mask};
 
 pub(super) struct ClosedForm;
 

@@ -1,11 +1,11 @@
 //! Two contacts without inertia by lanes, Eqs (Q1) to (Q4).
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_simd::{Mask, Simd};
+use bsm_simd::Simd;
 
 use super::closed_form::{Transmitted, backwards, contact_angles, transmit};
 use super::{Kernel, Out};
-use crate::operand::Given;
+use crate::operand::{Given, Mask};
 
 pub(super) struct QuasiStatic;
 

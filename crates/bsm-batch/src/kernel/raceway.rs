@@ -7,7 +7,7 @@ mod hertz;
 use bsm_case::units::{DEG, MM, MPA, UM};
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Control;
-use bsm_simd::{Lane, Mask, Simd};
+use bsm_simd::Simd;
 
 use self::balance::{Grip, Pair};
 use self::friction::Ellipse;
@@ -15,7 +15,7 @@ use self::hertz::{Hertz, Screw};
 use super::closed_form::powers;
 use super::units::Units;
 use super::{Kernel, Out};
-use crate::operand::Given;
+use crate::operand::{Given, Lane, Mask};
 
 pub(super) struct Raceway {
     /// The controlling race; `None` decides by (W7).

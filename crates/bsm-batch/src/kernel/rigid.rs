@@ -7,13 +7,13 @@ mod sweep;
 use bsm_case::OutputKey;
 use bsm_case::units::DEG;
 use bsm_dyn::POWER_BALANCE_TOL;
-use bsm_simd::{Lane, Mask, Simd};
+use bsm_simd::Simd;
 
 use self::sweep::{Plane, Scaled, State, dot, times};
 use super::closed_form::{contact_angles, powers};
 use super::units::Units;
 use super::{Kernel, Out};
-use crate::operand::Given;
+use crate::operand::{Given, Lane, Mask};
 
 pub(super) struct Rigid;
 

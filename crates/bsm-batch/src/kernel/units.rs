@@ -2,9 +2,9 @@
 
 use bsm_case::InputKey;
 use bsm_case::units::MM;
-use bsm_simd::{Lane, Simd};
+use bsm_simd::Simd;
 
-use crate::operand::Given;
+use crate::operand::{Given, Lane};
 
 /// Sizes in SI units, and the mass of the ball in its own.
 pub(super) struct Units<S: Simd> {

@@ -39,7 +39,8 @@ impl Nodes {
         for part in 0..parts {
             let mut sums = [Lane::splat(simd, 0.0); N];
             for i in (part..x.len()).step_by(parts) {
-                let node = [Lane::of(simd, x[i]), Lane::of(simd, y[i]), Lane::of(simd, weight[i])];
+                let node =
+                    [Lane::of(simd, [x[i]]), Lane::of(simd, [y[i]]), Lane::of(simd, [weight[i]])];
                 for (sum, term) in sums.iter_mut().zip(terms(node)) {
                     *sum = *sum + term;
                 }

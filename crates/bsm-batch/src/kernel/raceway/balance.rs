@@ -4,9 +4,11 @@
 //! unknowns; the equations are the radial balance and the closing of the triangle of arc centres.
 
 use bsm_dyn::Control;
-use bsm_simd::{Lane, Mask, Simd};
+use bsm_simd::Simd;
 
 use super::hertz::Hertz;
+
+use crate::operand::{Lane, Mask};
 
 /// Newton steps before a point is left to the model.
 const MOST_STEPS: usize = 6;

@@ -7,7 +7,9 @@
 use std::sync::LazyLock;
 
 use bsm_dyn::{Quadrature, RacewayControl};
-use bsm_simd::{Lane, Mask, Simd};
+use bsm_simd::Simd;
+
+use crate::operand::{Lane, Mask};
 
 /// Nodes of a ring in a quadrant.
 const NODES: usize = RacewayControl::ORDER.get() / 2;

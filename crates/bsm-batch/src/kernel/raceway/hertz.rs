@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use bsm_case::InputKey;
 use bsm_case::units::GPA;
-use bsm_simd::{Lane, Mask, Simd};
+use bsm_simd::Simd;
 
 use crate::kernel::units::Units;
-use crate::operand::Given;
+use crate::operand::{Given, Lane, Mask};
 
 /// Newton steps on the ratio of the semi-axes: errors of at most 10 %, 3e-4, 2e-9, rounding.
 const STEPS: usize = 3;

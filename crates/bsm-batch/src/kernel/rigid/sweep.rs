@@ -1,10 +1,10 @@
 //! Direct sweeps: all unknowns of given directions of slip, and the directions that they lead to.
 
 use bsm_case::InputKey;
-use bsm_simd::{Lane, Mask, Simd};
+use bsm_simd::Simd;
 
 use crate::kernel::units::Units;
-use crate::operand::Given;
+use crate::operand::{Given, Lane, Mask};
 
 /// A lane of points in units of ball radius, axial load per ball and relative speed.
 pub(super) struct Scaled<S: Simd> {
@@ -12,6 +12,7 @@ pub(super) struct Scaled<S: Simd> {
     pub(super) cos_a: Lane<S>,
     pub(super) sin_b: Lane<S>,
     pub(super) cos_b: Lane<S>,
+    cot_b: Lane<S>,
     pub(super) sin_2b: Lane<S>,
     pub(super) cos_2b: Lane<S>,
     /// `$\cos\alpha\sin\beta$` and `$\cos\alpha\cos\beta$`, parts of the axis along N and e.
@@ -28,8 +29,9 @@ pub(super) struct Scaled<S: Simd> {
     pub(super) inertia: Lane<S>,
     /// `$\Omega_n/W$`.
     pub(super) nut_speed: Lane<S>,
-    /// `$h$`, `$\cos\psi$`, `$\sin\psi$`: the axis along the slip of (R12).
+    /// `$h$`, `$1/h$`, `$\cos\psi$`, `$\sin\psi$`: the axis along the slip of (R12).
     pub(super) h: Lane<S>,
+    per_h: Lane<S>,
     pub(super) cos_psi: Lane<S>,
     pub(super) sin_psi: Lane<S>,
 }
@@ -81,6 +83,7 @@ impl<S: Simd> Scaled<S> {
         let radius = units.pitch / units.ball;
         let (k_n, k_e) = (cos_a * sin_b, cos_a * cos_b);
         let h = (sin_a * sin_a + k_e * k_e).sqrt();
+        let per_h = h.recip();
         let scaled = Self {
             sin_a,
             cos_a,
@@ -98,8 +101,10 @@ impl<S: Simd> Scaled<S> {
             inertia: mass * 0.4,
             nut_speed: nut_speed / speed,
             h,
-            cos_psi: k_e / h,
-            sin_psi: sin_a / h,
+            per_h,
+            cot_b: cos_b / sin_b,
+            cos_psi: k_e * per_h,
+            sin_psi: sin_a * per_h,
         };
         (scaled, units)
     }
@@ -157,7 +162,7 @@ impl<S: Simd> Scaled<S> {
     }
 
     /// `$p$` (R26) of the direction against the slip at B, of slopes `$e_1$` and `$e_2$` of the
-    /// slip at A, and of the turn from A to B.
+    /// slip at A, and of the turn X between the two.
     #[inline(always)]
     pub(super) fn precession(
         &self,
@@ -181,15 +186,15 @@ impl<S: Simd> Scaled<S> {
         let nut = [c - given.nut * s_psi, s_psi + given.nut * c];
         let screw = [c - given.screw * s_psi, s_psi + given.screw * c];
         // κ (Q_A′/M) from the force along N and along ψ                   (R25)
-        let minor = (c * self.sin_b - f * self.cos_b - given.correction)
-            / (c * self.sin_2b
-                - f * self.cos_2b
-                - f * s_psi * sin_m
-                - f * (c * self.cos_2b + f * self.sin_2b) * cos_m);
+        let minor = ((c * self.sin_b - f * self.cos_b) - given.correction)
+            / ((c * self.sin_2b - f * self.cos_2b)
+                - (f * s_psi) * sin_m
+                - (f * (c * self.cos_2b + f * self.sin_2b)) * cos_m);
         // λ = e₁ p − e₂ P/W from the moment about N                       (R27)
-        let e_1 = self.sin_a * self.arc / h;
-        let e_2 = f * self.sin_2b * minor * sin_m * (self.radius / h) * 2.5;
-        let turn = cross(screw, nut);
+        let e_1 = self.sin_a * self.arc * self.per_h;
+        let e_2 = (f * self.sin_2b * self.radius * self.per_h * 2.5) * (minor * sin_m);
+        // X = t_A − t_B, from A to B
+        let turn = given.nut - given.screw;
         let p = self.precession(e_1, e_2, screw, turn);
         let rate = p + self.nut_speed;
         let slip = e_1 * p - e_2 * rate;
@@ -201,29 +206,31 @@ impl<S: Simd> Scaled<S> {
         // G = −2 F Q_A/|A| from the axial load                            (R28)
         let [norm_a, _] = given.norms;
         let pull_a = (f * -2.0)
-            * ((load * (self.k_n - f * h * (c * cos_m + s_psi * sin_m)) + 1.0)
+            * ((load * (self.k_n - (f * h * c) * cos_m - (f * h * s_psi) * sin_m) + 1.0)
                 / (norm_a * self.k_n - f * h));
         // G x_A = …, H x_B = … from the forces and moments across N       (R29), (R30)
         let common = load * self.sin_2b - centrifugal * self.sin_b;
-        let twist = gyro * tau * self.k_n;
-        let friction = f * load * cos_m * 2.0;
-        let lean = gyro * self.sin_a;
-        let cot = self.cos_b / self.sin_b;
+        let (turning, rolling) = (gyro * tau, gyro * u);
+        let twist = turning * self.k_n;
+        let friction = load * cos_m;
         let e_a = [
-            common - twist - friction * self.cos_b * self.cos_b,
-            lean * tau * cot - gyro * u * self.cos_a / self.sin_b,
+            common - twist - (f * 2.0 * self.cos_b * self.cos_b) * friction,
+            turning * (self.sin_a * self.cot_b) - rolling * (self.cos_a / self.sin_b),
         ];
-        let e_b = [common + twist + friction * self.sin_b * self.sin_b, lean * tau / cot];
+        let e_b = [
+            common + twist + (f * 2.0 * self.sin_b * self.sin_b) * friction,
+            turning * (self.sin_a / self.cot_b),
+        ];
         let psi = [c, s_psi];
         let along_a = dot(psi, e_a);
-        let s = (pull_a - along_a) / h;
+        let s = (pull_a - along_a) * self.per_h;
         let pull_b = dot(psi, e_b) + along_a - pull_a;
         // Directions of the next sweep                                    (R31)
         let inverse = (pull_a * pull_b).recip();
         let tan_a = cross(psi, e_a) * (inverse * pull_b);
         let tan_b = cross(psi, e_b) * (inverse * pull_a);
-        let (across, along) =
-            (gyro * u, -(gyro * (self.arc * p + tau * self.cos_2b) + s * self.sin_2b));
+        let across = rolling;
+        let along = -(gyro * (self.arc * p) + turning * self.cos_2b + s * self.sin_2b);
         let norm = (across * across + along * along).sqrt();
         let sense = self.toward(rate).select(norm, -norm).recip();
         // (|A| − 1) G + (|B| − 1) H over 2 M                              (R32)
