@@ -72,8 +72,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut faer = newton::Faer::default();
     let rows = |answers: &_, row: usize| Some(bsm::answer(&bsm::row(answers, row)?, &points[row]));
     let mut peers: [(&str, Run); 6] = [
-        (batch, Box::new(|| timed(&points, || one_thread.install(|| table.solve()), rows))),
-        (&all, Box::new(|| timed(&points, || all_threads.install(|| table.solve()), rows))),
+        (batch, Box::new(|| one_thread.install(|| timed(&points, || table.solve(), rows)))),
+        (&all, Box::new(|| all_threads.install(|| timed(&points, || table.solve(), rows)))),
         (
             "bsm, point by point",
             Box::new(|| {
