@@ -116,6 +116,22 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         self.constant(1.0) / self
     }
 
+    /// `self × b + c` with one rounding.
+    #[inline(always)]
+    #[must_use]
+    pub fn mul_add(self, b: Self, c: Self) -> Self {
+        let simd = self.simd;
+        Self { x: parts!(c.x, i, simd.mul_add_f64s(self.x[i], b.x[i], c.x[i])), ..self }
+    }
+
+    /// `c − self × b` with one rounding.
+    #[inline(always)]
+    #[must_use]
+    pub fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        let simd = self.simd;
+        Self { x: parts!(c.x, i, simd.negate_mul_add_f64s(self.x[i], b.x[i], c.x[i])), ..self }
+    }
+
     /// Square root.
     #[inline(always)]
     #[must_use]

@@ -1,8 +1,8 @@
 //! Several numbers at once, on the widest instruction set of the machine: AVX-512, AVX2, the
 //! portable scalar path, or that of another processor, chosen while the program runs.
 //!
-//! Every operation is one of IEEE 754 on each number by itself, in the order that is written, and
-//! nothing is fused: results are the same on every instruction set and in every lane.
+//! Every operation is one of IEEE 754 on each number by itself, in the order that is written, fused
+//! only where that is written: results are the same on every instruction set and in every lane.
 
 #![expect(
     clippy::inline_always,

@@ -36,7 +36,7 @@ const COSINE: [f64; 6] = [
 fn polynomial<S: Simd, const N: usize>(coefficients: &[f64], x: Lane<S, N>) -> Lane<S, N> {
     let mut sum = x.constant(0.0);
     for c in coefficients.iter().rev() {
-        sum = sum * x + *c;
+        sum = sum.mul_add(x, x.constant(*c));
     }
     sum
 }
@@ -52,8 +52,9 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         let complement = (self.constant(FRAC_PI_2) - self) + FRAC_PI_2_REST;
         let x = steep.select(complement, self);
         let z = x * x;
-        let sine = x + x * z * polynomial(&SINE, z);
-        let cosine = self.constant(1.0) - (z * 0.5 - z * z * polynomial(&COSINE, z));
+        let sine = (x * z).mul_add(polynomial(&SINE, z), x);
+        let bend = (z * z).neg_mul_add(polynomial(&COSINE, z), z * 0.5);
+        let cosine = self.constant(1.0) - bend;
         (steep.select(cosine, sine), steep.select(sine, cosine))
     }
 }

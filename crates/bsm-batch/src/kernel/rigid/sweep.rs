@@ -112,7 +112,7 @@ impl<S: Simd> Scaled<S> {
 
 #[inline(always)]
 pub(super) fn dot<S: Simd>(a: Plane<S>, b: Plane<S>) -> Lane<S> {
-    a[0] * b[0] + a[1] * b[1]
+    a[0].mul_add(b[0], a[1] * b[1])
 }
 
 #[inline(always)]
@@ -128,7 +128,7 @@ pub(super) fn pick<S: Simd>(first: Mask<S>, a: Plane<S>, b: Plane<S>) -> Plane<S
 /// The part of `b` across `a`.
 #[inline(always)]
 pub(super) fn cross<S: Simd>(a: Plane<S>, b: Plane<S>) -> Lane<S> {
-    a[0] * b[1] - a[1] * b[0]
+    a[1].neg_mul_add(b[0], a[0] * b[1])
 }
 
 impl<S: Simd> Scaled<S> {
@@ -172,24 +172,24 @@ impl<S: Simd> Scaled<S> {
         turn: Lane<S>,
     ) -> Lane<S> {
         // p = [(d − cosα cosβ) x_B − sinα y_B − e₂ ω X] / [2 d x_B − (e₁ − e₂) X]  (R26)
-        ((self.arc - self.k_e) * screw[0] - self.sin_a * screw[1] - e_2 * self.nut_speed * turn)
-            / (self.arc * screw[0] * 2.0 - (e_1 - e_2) * turn)
+        let above = self.sin_a.neg_mul_add(screw[1], (self.arc - self.k_e) * screw[0]);
+        (e_2 * turn).neg_mul_add(self.nut_speed, above)
+            / (e_1 - e_2).neg_mul_add(turn, (self.arc * 2.0) * screw[0])
     }
 
     /// One sweep: all unknowns of given directions, and the directions that they lead to.
     #[inline(always)]
     pub(super) fn sweep(&self, given: &Directions<S>) -> State<S> {
-        let f = self.signed;
+        let (f, one) = (self.signed, self.constant(1.0));
         let (c, s_psi, h) = (self.cos_psi, self.sin_psi, self.h);
         let [cos_m, sin_m] = given.minor;
         // x_A = cosψ − t_A sinψ,  y_A = sinψ + t_A cosψ                   (R24)
-        let nut = [c - given.nut * s_psi, s_psi + given.nut * c];
-        let screw = [c - given.screw * s_psi, s_psi + given.screw * c];
+        let nut = [given.nut.neg_mul_add(s_psi, c), given.nut.mul_add(c, s_psi)];
+        let screw = [given.screw.neg_mul_add(s_psi, c), given.screw.mul_add(c, s_psi)];
         // κ (Q_A′/M) from the force along N and along ψ                   (R25)
-        let minor = ((c * self.sin_b - f * self.cos_b) - given.correction)
-            / ((c * self.sin_2b - f * self.cos_2b)
-                - (f * s_psi) * sin_m
-                - (f * (c * self.cos_2b + f * self.sin_2b)) * cos_m);
+        let below = (f * (c * self.cos_2b + f * self.sin_2b))
+            .neg_mul_add(cos_m, (f * s_psi).neg_mul_add(sin_m, c * self.sin_2b - f * self.cos_2b));
+        let minor = ((c * self.sin_b - f * self.cos_b) - given.correction) / below;
         // λ = e₁ p − e₂ P/W from the moment about N                       (R27)
         let e_1 = self.sin_a * self.arc * self.per_h;
         let e_2 = (f * self.sin_2b * self.radius * self.per_h * 2.5) * (minor * sin_m);
@@ -197,28 +197,28 @@ impl<S: Simd> Scaled<S> {
         let turn = given.nut - given.screw;
         let p = self.precession(e_1, e_2, screw, turn);
         let rate = p + self.nut_speed;
-        let slip = e_1 * p - e_2 * rate;
+        let slip = e_2.neg_mul_add(rate, e_1 * p);
         // u = −λ x_A,  τ = λ y_A − p d                                    (R4)
-        let (u, tau) = (-(slip * nut[0]), slip * nut[1] - p * self.arc);
+        let (u, tau) = (-(slip * nut[0]), p.neg_mul_add(self.arc, slip * nut[1]));
         let centrifugal = self.inertia_ratio * rate * rate;
         let load = minor * centrifugal;
         let gyro = self.inertia * rate;
         // G = −2 F Q_A/|A| from the axial load                            (R28)
         let [norm_a, _] = given.norms;
-        let pull_a = (f * -2.0)
-            * ((load * (self.k_n - (f * h * c) * cos_m - (f * h * s_psi) * sin_m) + 1.0)
-                / (norm_a * self.k_n - f * h));
+        let carried = (f * h * s_psi).neg_mul_add(sin_m, (f * h * c).neg_mul_add(cos_m, self.k_n));
+        let pull_a = (f * -2.0) * load.mul_add(carried, one) / norm_a.mul_add(self.k_n, -(f * h));
         // G x_A = …, H x_B = … from the forces and moments across N       (R29), (R30)
-        let common = load * self.sin_2b - centrifugal * self.sin_b;
+        let common = centrifugal.neg_mul_add(self.sin_b, load * self.sin_2b);
         let (turning, rolling) = (gyro * tau, gyro * u);
-        let twist = turning * self.k_n;
         let friction = load * cos_m;
         let e_a = [
-            common - twist - (f * 2.0 * self.cos_b * self.cos_b) * friction,
-            turning * (self.sin_a * self.cot_b) - rolling * (self.cos_a / self.sin_b),
+            (f * 2.0 * self.cos_b * self.cos_b)
+                .neg_mul_add(friction, turning.neg_mul_add(self.k_n, common)),
+            rolling.neg_mul_add(self.cos_a / self.sin_b, turning * (self.sin_a * self.cot_b)),
         ];
         let e_b = [
-            common + twist + (f * 2.0 * self.sin_b * self.sin_b) * friction,
+            (f * 2.0 * self.sin_b * self.sin_b)
+                .mul_add(friction, turning.mul_add(self.k_n, common)),
             turning * (self.sin_a / self.cot_b),
         ];
         let psi = [c, s_psi];
@@ -230,15 +230,15 @@ impl<S: Simd> Scaled<S> {
         let tan_a = cross(psi, e_a) * (inverse * pull_b);
         let tan_b = cross(psi, e_b) * (inverse * pull_a);
         let across = rolling;
-        let along = -(gyro * (self.arc * p) + turning * self.cos_2b + s * self.sin_2b);
-        let norm = (across * across + along * along).sqrt();
+        let along = -s.mul_add(self.sin_2b, gyro.mul_add(self.arc * p, turning * self.cos_2b));
+        let norm = dot([across, along], [across, along]).sqrt();
         let sense = self.toward(rate).select(norm, -norm).recip();
         // (|A| − 1) G + (|B| − 1) H over 2 M                              (R32)
         let (square_a, square_b) = (tan_a * tan_a, tan_b * tan_b);
-        let norms = [(square_a + 1.0).sqrt(), (square_b + 1.0).sqrt()];
-        let (one_a, one_b) = (norms[0] + 1.0, norms[1] + 1.0);
-        let correction = (pull_a * square_a * one_b + pull_b * square_b * one_a)
-            / (centrifugal * one_a * one_b * 2.0);
+        let norms = [(square_a + one).sqrt(), (square_b + one).sqrt()];
+        let (one_a, one_b) = (norms[0] + one, norms[1] + one);
+        let correction = dot([pull_a * square_a, pull_b * square_b], [one_b, one_a])
+            / ((centrifugal * 2.0) * (one_a * one_b));
         State {
             minor,
             centrifugal,
