@@ -182,7 +182,7 @@ impl<W: Write + Send> Sink for ParquetSink<W> {
         arrays.push(Arc::new(StringArray::from_iter_values(models)));
         let statuses = verdicts.iter().map(|verdict| verdict.status.name());
         arrays.push(Arc::new(StringArray::from_iter_values(statuses)));
-        let messages = verdicts.iter().map(|verdict| verdict.message.as_deref());
+        let messages = (0..chunk.len).map(|row| answers.message(row));
         arrays.push(Arc::new(messages.collect::<StringArray>()));
         for (output, column) in self.outputs.iter().zip(answers.columns) {
             let there: NullBuffer = column.iter().map(|x| !x.is_nan()).collect();

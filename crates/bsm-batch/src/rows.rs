@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use bsm_case::{INPUTS, ModelChoice, OUTPUTS, Output, Record, nearest_input};
+use bsm_case::{INPUTS, ModelChoice, OUTPUTS, Output, nearest_input};
 use bsm_dyn::Status;
 
 use crate::TableError;
@@ -172,21 +172,21 @@ impl Chunk {
 }
 
 /// How a row was answered.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Verdict {
     /// The model that answered, or that was to be asked.
     pub model: ModelChoice,
     /// How the solve ended.
     pub status: Status,
-    /// Why there is no result, or why auto chose this model.
-    pub message: Option<Box<str>>,
 }
 
-/// The answers of a chunk: a verdict for each row, and columns of outputs.
+/// The answers of a chunk: a verdict for each row, words for some, and columns of outputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answers {
     /// One for each row.
     pub verdicts: Vec<Verdict>,
+    /// Why there is no result, or why auto chose its model: rows in their order.
+    pub(crate) messages: Vec<(usize, String)>,
     /// The outputs that were asked for, in their order: numbers, counts, and 0 or 1 for no and
     /// yes; NaN where there is none.
     pub columns: Vec<Vec<f64>>,
@@ -195,8 +195,18 @@ pub struct Answers {
 impl Answers {
     /// Room for the answers of some rows.
     pub(crate) fn empty(rows: usize, outputs: usize, model: ModelChoice) -> Self {
-        let verdict = Verdict { model, status: Status::Converged, message: None };
-        Self { verdicts: vec![verdict; rows], columns: vec![vec![f64::NAN; rows]; outputs] }
+        let verdict = Verdict { model, status: Status::Converged };
+        Self {
+            verdicts: vec![verdict; rows],
+            messages: Vec::new(),
+            columns: vec![vec![f64::NAN; rows]; outputs],
+        }
+    }
+
+    /// Why a row has no result, or why auto chose its model.
+    pub fn message(&self, row: usize) -> Option<&str> {
+        let place = self.messages.binary_search_by_key(&row, |(row, _)| *row).ok()?;
+        Some(&self.messages[place].1)
     }
 
     /// All outputs, or those of a selection, in its order.
@@ -216,14 +226,5 @@ impl Answers {
             selected.push(output);
         }
         Ok(selected)
-    }
-}
-
-impl Verdict {
-    /// Of the answer of a model.
-    pub(crate) fn of(record: &Record) -> Self {
-        let message = record.message().map(Into::into);
-        let message = message.or_else(|| record.choice().map(String::into_boxed_str));
-        Self { model: record.model(), status: record.status(), message }
     }
 }

@@ -66,9 +66,12 @@ pub fn solve_on(
             columns: pieces.iter_mut().filter_map(Iterator::next).collect(),
         })
         .collect();
-    parts.into_par_iter().for_each_init(
-        || None,
-        |work, mut part| {
+    // A kernel answers a part in less time than it takes to hand it over.
+    let least = if operands.is_some() { 8 } else { 1 };
+    let messages: Vec<Vec<_>> = parts
+        .into_par_iter()
+        .with_min_len(least)
+        .map(|mut part| {
             let mut done = [false; STRIDE];
             let done = &mut done[..part.verdicts.len()];
             if let Some((operands, model)) = &operands {
@@ -76,22 +79,25 @@ pub fn solve_on(
                 let rows = Rows { operands, wanted, first: part.first, columns, done: &mut *done };
                 rows.solve(arch, *model, settings);
             }
-            for (row, _) in done.iter().enumerate().filter(|(_, done)| !**done) {
-                let problem = scene(chunk, columns, base, part.first + row)
-                    .and_then(|scene| scene.problem(settings));
+            let mut messages = Vec::new();
+            for (i, _) in done.iter().enumerate().filter(|(_, done)| !**done) {
+                let row = part.first + i;
+                let problem = scene(chunk, columns, base, row).and_then(|s| s.problem(settings));
                 let record = match problem {
-                    Ok(problem) => {
-                        Record::new(problem.solve(work.get_or_insert_with(ModelWorkspace::default)))
-                    }
+                    Ok(problem) => Record::new(WORK.with_borrow_mut(|work| problem.solve(work))),
                     Err(error) => Record::invalid(settings.model, &error),
                 };
-                part.verdicts[row] = Verdict::of(&record);
+                part.verdicts[i] = Verdict { model: record.model(), status: record.status() };
+                let message = record.message().map(str::to_owned).or_else(|| record.choice());
+                messages.extend(message.map(|message| (row, message)));
                 for (output, column) in outputs.iter().zip(&mut part.columns) {
-                    column[row] = record.cell(output).map_or(f64::NAN, number);
+                    column[i] = record.cell(output).map_or(f64::NAN, number);
                 }
             }
-        },
-    );
+            messages
+        })
+        .collect();
+    answers.messages = messages.into_iter().flatten().collect();
     answers
 }
 

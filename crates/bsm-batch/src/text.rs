@@ -195,7 +195,7 @@ impl<W: Write> Sink for CsvSink<W> {
             }
             self.writer.write_field(verdict.model.name())?;
             self.writer.write_field(verdict.status.name())?;
-            self.writer.write_field(verdict.message.as_deref().unwrap_or_default())?;
+            self.writer.write_field(answers.message(row).unwrap_or_default())?;
             for (output, column) in self.outputs.iter().zip(&answers.columns) {
                 match json(output, column[row]) {
                     Value::Null => self.writer.write_field("")?,
@@ -257,7 +257,7 @@ impl<W: Write> Sink for JsonSink<W> {
             }
             line.insert("model".to_owned(), json!(verdict.model.name()));
             line.insert("status".to_owned(), json!(verdict.status.name()));
-            line.insert("message".to_owned(), json!(verdict.message));
+            line.insert("message".to_owned(), json!(answers.message(row)));
             for (output, column) in self.outputs.iter().zip(&answers.columns) {
                 line.insert(output.name.to_owned(), json(output, column[row]));
             }

@@ -190,7 +190,7 @@ fn bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
     let rows = answers.verdicts.iter().enumerate();
     rows.map(|(row, verdict)| {
         let numbers = answers.columns.iter().map(|column| column[row].to_bits());
-        (format!("{verdict:?}"), numbers.collect())
+        (format!("{verdict:?} {:?}", answers.message(row)), numbers.collect())
     })
     .collect()
 }
@@ -275,12 +275,11 @@ fn rows_that_are_not_ordinary_are_told() {
     let chunk = Chunk { first: 1, len: rows.len(), inputs, kept: Vec::new() };
     let efficiency = Output::named("efficiency").expect("known name");
     let answers = solve(&chunk, &columns, &base, &Model::Rigid.into(), &[efficiency]);
-    for ((verdict, value), (cells, status, words)) in
-        answers.verdicts.iter().zip(&answers.columns[0]).zip(&rows)
-    {
+    for (row, (cells, status, words)) in rows.iter().enumerate() {
+        let (verdict, value) = (answers.verdicts[row], answers.columns[0][row]);
         assert_eq!(verdict.status.name(), *status, "{cells:?} {verdict:?}");
         assert_eq!(value.is_nan(), *status != "converged", "{cells:?}");
-        let message = verdict.message.as_deref().unwrap_or_default();
+        let message = answers.message(row).unwrap_or_default();
         assert!(message.contains(words), "{cells:?}: {message}");
     }
     assert_eq!(answers.columns[0][0].to_bits(), answers.columns[0][7].to_bits());
