@@ -47,7 +47,7 @@ pub(crate) struct Table {
 impl Table {
     pub(crate) fn of(points: &[Point]) -> Self {
         let columns = Columns::sort(INPUTS, &[]).expect("known names");
-        let mut inputs = vec![Column::default(); INPUTS.len()];
+        let mut inputs = INPUTS.map(|_| Column::with_capacity(points.len())).to_vec();
         for point in points {
             for (column, value) in inputs.iter_mut().zip(point) {
                 column.push(Cell::Number(*value));

@@ -74,6 +74,10 @@ impl Columns {
     }
 }
 
+/// Places that a column has more than rows: columns that lie a power of two apart would share the
+/// few places of the cache that hold such addresses.
+const APART: usize = 40;
+
 /// The values of an input.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Column {
@@ -85,8 +89,8 @@ pub struct Column {
 
 impl Column {
     /// A column with room for some rows.
-    pub(crate) fn with_capacity(rows: usize) -> Self {
-        Self { values: Vec::with_capacity(rows), odd: Vec::new() }
+    pub fn with_capacity(rows: usize) -> Self {
+        Self { values: Vec::with_capacity(rows + APART), odd: Vec::new() }
     }
 
     /// Appends a value.
@@ -161,8 +165,8 @@ impl Chunk {
         Self {
             first,
             len: 0,
-            inputs: vec![Column::with_capacity(rows); columns.inputs.len()],
-            kept: vec![Vec::with_capacity(rows); columns.kept.len()],
+            inputs: columns.inputs.iter().map(|_| Column::with_capacity(rows)).collect(),
+            kept: columns.kept.iter().map(|_| Vec::with_capacity(rows)).collect(),
         }
     }
 
@@ -199,7 +203,13 @@ impl Answers {
         Self {
             verdicts: vec![verdict; rows],
             messages: Vec::new(),
-            columns: vec![vec![f64::NAN; rows]; outputs],
+            columns: (0..outputs)
+                .map(|_| {
+                    let mut column = Vec::with_capacity(rows + APART);
+                    column.resize(rows, f64::NAN);
+                    column
+                })
+                .collect(),
         }
     }
 
