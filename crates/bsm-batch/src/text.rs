@@ -1,6 +1,6 @@
 //! Tables as text: CSV and JSON Lines.
 
-use std::io::{BufRead, Read, Write};
+use std::io::{self, BufRead, Read, Write};
 
 use bsm_case::Output;
 use serde_json::{Map, Value, json};
@@ -182,6 +182,7 @@ impl<W: Write> CsvSink<W> {
 
 impl<W: Write> Sink for CsvSink<W> {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
+        let mut digits = Vec::new();
         for (row, verdict) in answers.verdicts.iter().enumerate() {
             for texts in &chunk.kept {
                 self.writer.write_field(&texts[row])?;
@@ -189,7 +190,11 @@ impl<W: Write> Sink for CsvSink<W> {
             for column in &chunk.inputs {
                 match column.cell(row) {
                     Cell::Missing => self.writer.write_field("")?,
-                    Cell::Number(value) => self.writer.write_field(value.to_string())?,
+                    Cell::Number(value) => {
+                        digits.clear();
+                        write!(digits, "{value}")?;
+                        self.writer.write_field(&digits)?;
+                    }
                     Cell::Text(text) => self.writer.write_field(text)?,
                 }
             }
@@ -197,10 +202,12 @@ impl<W: Write> Sink for CsvSink<W> {
             self.writer.write_field(verdict.status.name())?;
             self.writer.write_field(answers.message(row).unwrap_or_default())?;
             for (output, column) in self.outputs.iter().zip(&answers.columns) {
+                digits.clear();
                 match json(output, column[row]) {
-                    Value::Null => self.writer.write_field("")?,
-                    value => self.writer.write_field(value.to_string())?,
+                    Value::Null => {}
+                    value => serde_json::to_writer(&mut digits, &value).map_err(io::Error::from)?,
                 }
+                self.writer.write_field(&digits)?;
             }
             self.writer.write_record(None::<&[u8]>)?;
         }
