@@ -21,6 +21,11 @@ pub enum Cell {
 /// Columns of the answers before the outputs.
 pub(crate) const ANSWERS: [&str; 3] = ["model", "status", "message"];
 
+/// True for a column of an answer.
+pub(crate) fn is_answer(name: &str) -> bool {
+    ANSWERS.contains(&name) || Output::named(name).is_some()
+}
+
 /// What the columns of a table are.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
@@ -34,7 +39,8 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Sorts the names of a table into inputs and columns to keep.
+    /// Sorts the names of a table into inputs and columns to keep; columns of an earlier answer are
+    /// passed over.
     ///
     /// # Errors
     ///
@@ -44,9 +50,7 @@ impl Columns {
         names: impl IntoIterator<Item = &'a str>,
         keep: &[String],
     ) -> Result<Self, TableError> {
-        let taken =
-            |name: &&String| ANSWERS.contains(&name.as_str()) || Output::named(name).is_some();
-        if let Some(name) = keep.iter().find(taken) {
+        if let Some(name) = keep.iter().find(|name| is_answer(name)) {
             return Err(TableError::NameOfAnAnswer { name: name.clone() });
         }
         let mut columns = Self::default();
@@ -62,7 +66,7 @@ impl Columns {
             } else if let Some(input) = INPUTS.iter().find(|input| input.name == name) {
                 columns.inputs.push(input.name);
                 columns.input_places.push(place);
-            } else {
+            } else if !is_answer(name) {
                 let nearest = nearest_input(name).map(str::to_owned);
                 return Err(TableError::UnknownColumn { name: name.to_owned(), nearest });
             }

@@ -5,7 +5,7 @@ use std::io::{self, BufRead, Read, Write};
 use bsm_case::Output;
 use serde_json::{Map, Value, json};
 
-use crate::rows::{ANSWERS, Answers, Cell, Chunk, Columns};
+use crate::rows::{ANSWERS, Answers, Cell, Chunk, Columns, is_answer};
 use crate::{Sink, Source, TableError};
 
 /// A value as it stands in a text cell.
@@ -135,7 +135,7 @@ impl<R: BufRead + Send> Source for JsonSource<R> {
                     Some(other) => other.to_string(),
                 });
             }
-            if let Some(name) = object.keys().next() {
+            if let Some(name) = object.keys().find(|name| !is_answer(name)) {
                 // A key that the first row does not have.
                 let reason = format!("`{name}` is not in the first row");
                 return Err(TableError::Json { row: self.row, reason });

@@ -197,7 +197,8 @@ pub(crate) struct SweepArgs {
 #[derive(Debug, Args)]
 pub(crate) struct BatchArgs {
     /// Table of points: .csv, .jsonl or .parquet, columns named as inputs; `-` is CSV on standard
-    /// input. An empty cell takes the value of the base scene.
+    /// input. An empty cell takes the value of the base scene; columns of an earlier answer are
+    /// passed over.
     #[arg(value_name = "POINTS")]
     pub(crate) points: PathBuf,
     /// Scene with the inputs that the table does not have.
