@@ -20,6 +20,12 @@ use self::raceway::Raceway;
 use self::rigid::Rigid;
 use crate::operand::{Given, Lane, Mask, Operands};
 
+/// True if there is a kernel of the model; those that integrate friction by lanes inside a point
+/// have none.
+pub(crate) fn exists(model: Model) -> bool {
+    !matches!(model, Model::Elastic | Model::Traction)
+}
+
 /// A model by lanes.
 trait Kernel {
     /// Solves a lane of points, and says for which of them the numbers are the answer.

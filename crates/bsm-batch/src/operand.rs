@@ -7,6 +7,7 @@ use bsm_case::{INPUTS, InputKey, ModelChoice, Rule, Scene};
 use bsm_dyn::Model;
 use bsm_simd::Simd;
 
+use crate::kernel;
 use crate::rows::{Chunk, Columns};
 
 /// Vectors that are worked on together: measured, the fastest number for the rigid model.
@@ -29,7 +30,7 @@ pub(crate) struct Operands<'a>([Operand<'a>; INPUTS.len()]);
 
 impl<'a> Operands<'a> {
     /// The inputs, and the model that `choice` comes to for ordinary rows; `None` if it depends on
-    /// the row, or if something is wrong that every row must tell.
+    /// the row or has no kernel, or if something is wrong that every row must tell.
     pub(crate) fn of(
         chunk: &'a Chunk,
         columns: &Columns,
@@ -50,6 +51,9 @@ impl<'a> Operands<'a> {
             ModelChoice::Auto if has(&Model::RacewayControl) => return None,
             ModelChoice::Auto => Model::ALL.into_iter().rev().find(has)?,
         };
+        if !kernel::exists(model) {
+            return None;
+        }
         let mut operands = [const { Operand::Absent }; INPUTS.len()];
         for (input, operand) in INPUTS.iter().zip(&mut operands) {
             let column = columns.inputs.iter().position(|name| *name == input.name);

@@ -11,8 +11,10 @@ use crate::kernel::{Rows, Wanted};
 use crate::operand::Operands;
 use crate::rows::{Answers, Cell, Chunk, Columns, Verdict};
 
-/// Rows that one thread takes at a time.
-const STRIDE: usize = 256;
+/// Rows that one thread takes at a time: a kernel answers many in the time that it takes to hand
+/// them over, a model few.
+const KERNEL_STRIDE: usize = 2048;
+const MODEL_STRIDE: usize = 16;
 
 thread_local! {
     /// Memory of the models; chunks are many and threads are few.
@@ -55,28 +57,25 @@ pub fn solve_on(
     let model = operands.as_ref().map_or(settings.model, |(_, model)| (*model).into());
     let mut answers = Answers::empty(chunk.len, outputs.len(), model);
 
-    let mut pieces: Vec<_> = answers.columns.iter_mut().map(|c| c.chunks_mut(STRIDE)).collect();
+    let stride = if operands.is_some() { KERNEL_STRIDE } else { MODEL_STRIDE };
+    let mut pieces: Vec<_> = answers.columns.iter_mut().map(|c| c.chunks_mut(stride)).collect();
     let parts: Vec<_> = answers
         .verdicts
-        .chunks_mut(STRIDE)
+        .chunks_mut(stride)
         .enumerate()
         .map(|(i, verdicts)| Part {
-            first: i * STRIDE,
+            first: i * stride,
             verdicts,
             columns: pieces.iter_mut().filter_map(Iterator::next).collect(),
         })
         .collect();
-    // A kernel answers a part in less time than it takes to hand it over.
-    let least = if operands.is_some() { 8 } else { 1 };
     let messages: Vec<Vec<_>> = parts
         .into_par_iter()
-        .with_min_len(least)
         .map(|mut part| {
-            let mut done = [false; STRIDE];
-            let done = &mut done[..part.verdicts.len()];
+            let mut done = vec![false; part.verdicts.len()];
             if let Some((operands, model)) = &operands {
                 let (wanted, columns) = (&wanted, &mut part.columns[..]);
-                let rows = Rows { operands, wanted, first: part.first, columns, done: &mut *done };
+                let rows = Rows { operands, wanted, first: part.first, columns, done: &mut done };
                 rows.solve(arch, *model, settings);
             }
             let mut messages = Vec::new();
