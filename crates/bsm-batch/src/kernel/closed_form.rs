@@ -99,9 +99,27 @@ pub(super) fn transmit<S: Simd>(
     }
 }
 
+/// Efficiency, self-locking, torque and powers of a torque on the screw and of that of the
+/// frictionless screw, both over `unit`.
+#[inline(always)]
+pub(super) fn transmit_torque<S: Simd>(
+    out: &mut Out<'_, '_>,
+    back: Mask<S>,
+    (torque, ideal): (Lane<S>, Lane<S>),
+    unit: Lane<S>,
+    speed: Lane<S>,
+) {
+    // η = T₀/T or T/T₀                                                    (B8)
+    let eta = back.select(torque, ideal) / back.select(ideal, torque);
+    out.set(OutputKey::efficiency, eta);
+    out.set_flag(OutputKey::self_locking, eta.le(eta.constant(0.0)));
+    out.set(OutputKey::screw_torque_Nm, torque * unit);
+    powers(out, back, (torque * unit, ideal * unit), speed);
+}
+
 /// Powers of a torque on the screw and of that of the frictionless screw.
 #[inline(always)]
-pub(super) fn powers<S: Simd>(
+fn powers<S: Simd>(
     out: &mut Out<'_, '_>,
     back: Mask<S>,
     (torque, ideal): (Lane<S>, Lane<S>),

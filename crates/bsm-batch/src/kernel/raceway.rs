@@ -12,7 +12,7 @@ use bsm_simd::Simd;
 use self::balance::{Grip, Pair};
 use self::friction::Ellipse;
 use self::hertz::{Hertz, Screw};
-use super::closed_form::powers;
+use super::closed_form::transmit_torque;
 use super::units::Units;
 use super::{Kernel, Out};
 use crate::operand::{Given, Lane, Mask};
@@ -224,12 +224,7 @@ fn transmit<S: Simd>(
     let zero = loss.constant(0.0);
     let back = units.speed.lt(zero);
     let torque = ideal + back.select(-loss, loss) * units.ball * units.axial;
-    // η = T₀/T or T/T₀                                                    (B8)
-    let eta = back.select(torque, ideal) / back.select(ideal, torque);
-    out.set(OutputKey::efficiency, eta);
-    out.set_flag(OutputKey::self_locking, eta.le(zero));
-    out.set(OutputKey::screw_torque_Nm, torque);
-    powers(out, back, (torque, ideal), units.speed);
+    transmit_torque(out, back, (torque, ideal), torque.constant(1.0), units.speed);
 }
 
 /// Skid number and onset number, where they have a meaning.

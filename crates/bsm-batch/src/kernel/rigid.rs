@@ -10,7 +10,7 @@ use bsm_dyn::POWER_BALANCE_TOL;
 use bsm_simd::Simd;
 
 use self::sweep::{Plane, Scaled, State, dot, times};
-use super::closed_form::{contact_angles, powers};
+use super::closed_form::{contact_angles, transmit_torque};
 use super::units::Units;
 use super::{Kernel, Out};
 use crate::operand::{Given, Lane, Mask};
@@ -79,8 +79,6 @@ struct Contacts<S: Simd> {
     loads: [Lane<S>; 3],
     /// `$\lambda$`, and the slip speeds at A' and B.
     speeds: [Lane<S>; 3],
-    u: Lane<S>,
-    tau: Lane<S>,
     /// Direction against the slip at B.
     screw: Plane<S>,
 }
@@ -111,8 +109,6 @@ impl<S: Simd> Scaled<S> {
     #[inline(always)]
     fn contacts(&self, state: &State<S>) -> Contacts<S> {
         let twice = self.signed * 2.0;
-        let u = -(state.slip * state.nut[0]);
-        let tau = state.slip * state.nut[1] - state.p * self.arc;
         // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ)             (R26)
         let against = [
             state.slip * state.nut[0] + self.sin_a,
@@ -120,17 +116,18 @@ impl<S: Simd> Scaled<S> {
         ];
         let speed = dot(against, against).sqrt();
         let gyro = self.inertia * state.rate;
-        let across = -u;
-        let along = self.arc * state.p + tau * self.cos_2b + state.s * self.sin_2b / gyro;
+        let along = self.arc * state.p + state.tau * self.cos_2b + state.s * self.sin_2b / gyro;
         Contacts {
             loads: [
                 -(state.pulls[0] * state.norms[0]) / twice,
                 state.minor * state.centrifugal,
                 state.pulls[1] * state.norms[1] / twice,
             ],
-            speeds: [state.slip * state.norms[0], (across * across + along * along).sqrt(), speed],
-            u,
-            tau,
+            speeds: [
+                state.slip * state.norms[0],
+                (state.u * state.u + along * along).sqrt(),
+                speed,
+            ],
             screw: [against[0] / speed, against[1] / speed],
         }
     }
@@ -156,7 +153,7 @@ impl<S: Simd> Scaled<S> {
         let a = times(half, state.nut);
         let b = times(f * q_b, contacts.screw);
         let m = times(f * q_m, state.next.minor);
-        let Contacts { u, tau, .. } = *contacts;
+        let State { u, tau, .. } = *state;
         let force = [
             a[1] + b[1] + m[1],
             q_a - q_b + q_m * self.cos_2b + m[0] * self.sin_2b - state.centrifugal * self.cos_b,
@@ -202,13 +199,7 @@ fn outputs<S: Simd>(
         - y * case.k_e;
     let ideal = case.radius * case.sin_a / case.cos_a;
     let back = si.speed.lt(zero);
-    // η = T₀/T or T/T₀                                                    (B8)
-    let eta = back.select(torque, ideal) / back.select(ideal, torque);
-    out.set(OutputKey::efficiency, eta);
-    out.set_flag(OutputKey::self_locking, eta.le(zero));
-    let unit = si.ball * si.axial;
-    out.set(OutputKey::screw_torque_Nm, torque * unit);
-    powers(out, back, (torque * unit, ideal * unit), si.speed);
+    transmit_torque(out, back, (torque, ideal), si.ball * si.axial, si.speed);
 
     // P_f = Σ f Q_c |V_c|                                                 (R21)
     let [v_a, v_m, v_b] = contacts.speeds;
@@ -229,7 +220,7 @@ fn outputs<S: Simd>(
     out.set(OutputKey::screw_spin_rad_s, si.speed * case.k_n - spin);
     // P = Ω_n + p W,  ω = Ω_n k + W u t + σ N + W τ e_x                   (R3), (R6)
     out.set(OutputKey::ball_precession_rad_s, si.nut_speed + state.p * si.speed);
-    let (u, tau) = (contacts.u * si.speed, contacts.tau * si.speed);
+    let (u, tau) = (state.u * si.speed, state.tau * si.speed);
     out.set(OutputKey::ball_omega_t_rad_s, u + si.nut_speed * case.sin_a);
     out.set(OutputKey::ball_omega_n_rad_s, spin * case.cos_b - tau * case.sin_b);
     let omega_b = spin * case.sin_b + tau * case.cos_b + si.nut_speed * case.cos_a;

@@ -61,6 +61,8 @@ pub(super) struct State<S: Simd> {
     pub(super) rate: Lane<S>,
     /// Slip at A, over the norm of `nut`.
     pub(super) slip: Lane<S>,
+    pub(super) u: Lane<S>,
+    pub(super) tau: Lane<S>,
     pub(super) s: Lane<S>,
     /// Direction of the slip at A, not normalized.
     pub(super) nut: Plane<S>,
@@ -245,6 +247,8 @@ impl<S: Simd> Scaled<S> {
             p,
             rate,
             slip,
+            u,
+            tau,
             s,
             nut,
             norms: given.norms,
