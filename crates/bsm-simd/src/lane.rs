@@ -51,6 +51,9 @@ impl<S: Simd, const N: usize> Lane<S, N> {
     pub fn load(simd: S, from: &[f64]) -> Self {
         let (whole, rest) = S::as_simd_f64s(from);
         let mut x = [simd.splat_f64s(0.0); N];
+        if let Some(whole) = whole.first_chunk::<N>() {
+            return Self { simd, x: *whole };
+        }
         for i in 0..N {
             if i < whole.len() {
                 x[i] = whole[i];
@@ -65,6 +68,10 @@ impl<S: Simd, const N: usize> Lane<S, N> {
     #[inline(always)]
     pub fn store(self, to: &mut [f64]) {
         let (whole, rest) = S::as_mut_simd_f64s(to);
+        if let Some(whole) = whole.first_chunk_mut::<N>() {
+            *whole = self.x;
+            return;
+        }
         for i in 0..N {
             if i < whole.len() {
                 whole[i] = self.x[i];
@@ -139,11 +146,14 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Self { x: parts!(self.x, i, self.simd.sqrt_f64s(self.x[i])), ..self }
     }
 
-    /// Absolute value; of -0 it is -0.
+    /// Absolute value.
     #[inline(always)]
     #[must_use]
     pub fn abs(self) -> Self {
-        self.lt(self.constant(0.0)).select(-self, self)
+        let simd = self.simd;
+        // All bits but the sign; the absolute value of pulp is a call.
+        let size = simd.splat_f64s(f64::from_bits(u64::MAX >> 1));
+        Self { x: parts!(self.x, i, simd.and_f64s(size, self.x[i])), ..self }
     }
 
     /// The larger number.
@@ -251,8 +261,8 @@ impl<S: Simd, const N: usize> Neg for Lane<S, N> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        // The same for every number; the negation of pulp is a call.
-        self.constant(-0.0) - self
+        let (simd, sign) = (self.simd, self.simd.splat_f64s(-0.0));
+        Self { x: parts!(self.x, i, simd.xor_f64s(sign, self.x[i])), ..self }
     }
 }
 
