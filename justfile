@@ -31,6 +31,10 @@ peers *FLAGS:
 validate *FLAGS:
     cargo run --release --locked -p bsm-cli -- validate {{FLAGS}}
 
-# The picture of the README.
-picture:
-    cargo run --release --locked -p bsm-cli -- sweep examples/lin1994.json --vary lead_angle_deg=2:45:130 --vary contact_angle_deg=30,45,60,75 -o target/picture.csv --plot docs/img/efficiency-lead-angle.svg
+# Speed against accuracy on this machine.
+tradeoff *FLAGS:
+    cargo run --release --locked -p bsm-cli -- tradeoff {{FLAGS}}
+
+# The pictures of README and docs.
+pictures: (validate "--out" "target/report") (tradeoff "--out" "target/tradeoff")
+    cp target/report/figures/{transition,lin-efficiency-lead-angle}.svg target/tradeoff/figures/pareto-single.svg docs/img/

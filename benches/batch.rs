@@ -57,8 +57,7 @@ fn kernels(c: &mut Criterion) {
         let mut group = c.benchmark_group(format!("batch/{}", model.name()));
         group.throughput(Throughput::Elements(count)).sample_size(20);
         for arch in bsm_simd::instruction_sets() {
-            // V3 is AVX2, V4 is AVX-512.
-            let arch_name = format!("{arch:?}").split('(').next().unwrap_or_default().to_owned();
+            let arch_name = bsm_simd::name(arch);
             for (label, outputs) in [("3 outputs", &few), ("all outputs", &all)] {
                 group.bench_function(format!("{arch_name}, {label}"), |b| {
                     pool.install(|| {

@@ -22,7 +22,7 @@ use crate::operand::{Given, Lane, Mask, Operands};
 
 /// True if there is a kernel of the model; those that integrate friction by lanes inside a point
 /// have none.
-pub(crate) fn exists(model: Model) -> bool {
+pub fn exists(model: Model) -> bool {
     !matches!(model, Model::Elastic | Model::Traction)
 }
 

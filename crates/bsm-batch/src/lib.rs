@@ -19,6 +19,7 @@ mod source;
 mod text;
 
 pub use error::TableError;
+pub use kernel::exists as has_kernel;
 pub use parquet_table::{ParquetSink, ParquetSource};
 pub use rows::{Answers, Cell, Chunk, Column, Columns, Verdict};
 pub use solve::{solve, solve_on};

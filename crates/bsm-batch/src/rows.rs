@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use bsm_case::{INPUTS, ModelChoice, OUTPUTS, Output, nearest_input};
+use bsm_case::{CaseError, INPUTS, ModelChoice, OUTPUTS, Output, Scene, nearest_input};
 use bsm_dyn::Status;
 
 use crate::TableError;
@@ -172,6 +172,23 @@ impl Chunk {
             inputs: columns.inputs.iter().map(|_| Column::with_capacity(rows)).collect(),
             kept: columns.kept.iter().map(|_| Vec::with_capacity(rows)).collect(),
         }
+    }
+
+    /// The scene of a row: `base` with the values of the row.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for a text in place of a number.
+    pub fn scene(&self, columns: &Columns, base: &Scene, row: usize) -> Result<Scene, CaseError> {
+        let mut scene = base.clone();
+        for (name, column) in columns.inputs.iter().zip(&self.inputs) {
+            match column.cell(row) {
+                Cell::Missing => {}
+                Cell::Number(value) => scene.set(name, value)?,
+                Cell::Text(text) => return Err(CaseError::not_a_number(name, &text)),
+            }
+        }
+        Ok(scene)
     }
 
     pub(crate) fn filled(self) -> Option<Self> {

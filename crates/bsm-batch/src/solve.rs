@@ -2,14 +2,14 @@
 
 use std::cell::RefCell;
 
-use bsm_case::{CaseError, Cell as Answer, Output, Record, Scene, Settings};
+use bsm_case::{Cell as Answer, Output, Record, Scene, Settings};
 use bsm_dyn::ModelWorkspace;
 use bsm_simd::Arch;
 use rayon::prelude::*;
 
 use crate::kernel::{Rows, Wanted};
 use crate::operand::Operands;
-use crate::rows::{Answers, Cell, Chunk, Columns, Verdict};
+use crate::rows::{Answers, Chunk, Columns, Verdict};
 
 /// Rows that one thread takes at a time: a kernel answers many in the time that it takes to hand
 /// them over, a model few.
@@ -81,7 +81,7 @@ pub fn solve_on(
             let mut messages = Vec::new();
             for (i, _) in done.iter().enumerate().filter(|(_, done)| !**done) {
                 let row = part.first + i;
-                let problem = scene(chunk, columns, base, row).and_then(|s| s.problem(settings));
+                let problem = chunk.scene(columns, base, row).and_then(|s| s.problem(settings));
                 let record = match problem {
                     Ok(problem) => Record::new(WORK.with_borrow_mut(|work| problem.solve(work))),
                     Err(error) => Record::invalid(settings.model, &error),
@@ -108,17 +108,4 @@ fn number(value: Answer) -> f64 {
         Answer::Count(n) => n as f64,
         Answer::Flag(yes) => f64::from(u8::from(yes)),
     }
-}
-
-/// The scene of a row.
-fn scene(chunk: &Chunk, columns: &Columns, base: &Scene, row: usize) -> Result<Scene, CaseError> {
-    let mut scene = base.clone();
-    for (name, column) in columns.inputs.iter().zip(&chunk.inputs) {
-        match column.cell(row) {
-            Cell::Missing => {}
-            Cell::Number(value) => scene.set(name, value)?,
-            Cell::Text(text) => return Err(CaseError::not_a_number(name, &text)),
-        }
-    }
-    Ok(scene)
 }

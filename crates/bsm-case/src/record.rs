@@ -1,13 +1,10 @@
 //! The answer in the vocabulary.
 
-use bsm_dyn::{Basis, GRIPS_BELOW, Model, Outputs, Reason, Solution, Status};
+use bsm_dyn::{Basis, GRIPS_BELOW, Model, Motion, Outputs, Reason, Solution, Status};
 use serde_json::{Map, Value, json};
 
 use crate::units::{DEG, MPA};
 use crate::{CaseError, Cell, ModelChoice, OUTPUTS, Output};
-
-/// Onset number above which friction is nearly saturated.
-const SKIDS_ABOVE: f64 = 2.0;
 
 /// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
 /// load rating of ISO 76 is made from it.
@@ -81,16 +78,16 @@ impl Record {
         if self.solution.outputs.self_locking == Some(true) {
             return Some("self-locking in this direction");
         }
-        let onset = self.solution.outputs.onset_number;
-        Some(match (self.solution.model, onset) {
+        let motion = self.solution.outputs.onset_number.map(Motion::of);
+        Some(match (self.solution.model, motion) {
             (Model::ClosedForm, _) => "gross skid and little inertia, by assumption",
             (Model::QuasiStatic, _) => "slip across the groove only, by assumption",
             (Model::Rigid | Model::Elastic, _) => {
                 "gross skid: friction saturated at every contact, by assumption"
             }
-            (_, Some(s)) if s < GRIPS_BELOW => "rolling, the balls grip",
+            (_, Some(Motion::Grips)) => "rolling, the balls grip",
             (Model::RacewayControl, _) => "skidding: raceway control does not hold",
-            (_, Some(s)) if s < SKIDS_ABOVE => "partial skid, between rolling and sliding",
+            (_, Some(Motion::SkidsPartly)) => "partial skid, between rolling and sliding",
             _ => "gross skid, friction nearly saturated",
         })
     }

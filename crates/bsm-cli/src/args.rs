@@ -45,6 +45,9 @@ pub(crate) enum Command {
     /// Check the program against published results.
     #[command(after_help = EXIT_CODES)]
     Validate(ValidateArgs),
+    /// Measure what each model and dial costs in time and in accuracy.
+    #[command(after_help = EXIT_CODES)]
+    Tradeoff(TradeoffArgs),
     /// Print the JSON Schema of scenes (input) or results (output).
     Schema {
         /// Which one.
@@ -231,13 +234,32 @@ pub(crate) struct OptimumArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ValidateArgs {
-    /// Folder for results.json and the figure from rolling to gross skid (transition.csv, .svg); made
-    /// if it does not exist.
+    /// Folder for report.html, results.json and figures/ (SVG and CSV); made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Folder with published data laid out as validation/published, in place of what is compiled in.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
     /// How to print the checks.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TradeoffArgs {
+    /// Table of operating points, as for bsm batch, with all inputs of model traction; 300 committed
+    /// ones of all motions of the balls unless given.
+    #[arg(value_name = "POINTS")]
+    pub(crate) points: Option<PathBuf>,
+    /// Folder for report.html, results.json and figures/ (SVG and CSV); made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// How to print the measurement.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+    /// No progress bar.
+    #[arg(long)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

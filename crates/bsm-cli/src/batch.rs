@@ -63,7 +63,7 @@ fn origin(path: &Path) -> Result<String, Failure> {
 }
 
 /// Opens a table by the ending of its name; `-` is CSV on standard input.
-fn open(path: &Path, keep: &[String]) -> Result<Box<dyn Source>, Failure> {
+pub(crate) fn open(path: &Path, keep: &[String]) -> Result<Box<dyn Source>, Failure> {
     let kind = Kind::of(path, "POINTS")?;
     let failed = |e: TableError| match e {
         TableError::Io(e) => Failure::files("read", path, &e),

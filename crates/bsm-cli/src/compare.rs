@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use bsm_case::{CaseError, Record, Scene};
 use bsm_dyn::{Model, ModelWorkspace, Status};
+use bsm_validate::number;
 use serde_json::{Value, json};
 
 use crate::args::{CompareArgs, Format};
@@ -105,7 +106,7 @@ fn text(scene: &Scene, answers: &[Answer], left_out: &[String]) -> String {
         .map(|Answer { record, time }| {
             let cells = COLUMNS
                 .iter()
-                .map(|(_, name)| record.number(name).map_or_else(|| "-".to_owned(), table::number));
+                .map(|(_, name)| record.number(name).map_or_else(|| "-".to_owned(), number));
             std::iter::once(record.model().name().to_owned())
                 .chain(cells)
                 .chain([format!("{time:.2}"), record.status_name().to_owned()])

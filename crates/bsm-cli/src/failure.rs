@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use bsm_case::CaseError;
+use bsm_validate::ValidateError;
 use thiserror::Error;
 
 #[derive(Debug, Error)]
@@ -64,6 +65,17 @@ impl Failure {
         };
         warn("error", &self.to_string());
         ExitCode::from(code)
+    }
+}
+
+impl From<ValidateError> for Failure {
+    fn from(error: ValidateError) -> Self {
+        match error {
+            ValidateError::File { .. } | ValidateError::Page(_) | ValidateError::Threads(_) => {
+                Self::Files(error.to_string())
+            }
+            _ => Self::Input(error.to_string()),
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 use bsm_case::{CaseError, Scene};
+use bsm_validate::figure::Figure;
 use serde_json::Value;
 use tempfile::NamedTempFile;
 
@@ -133,4 +134,21 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     let mut out = Output::create(path)?;
     out.write_all(text.as_bytes()).map_err(|e| Output::failure(path, &e))?;
     out.complete()
+}
+
+/// Writes a report into a folder: page, numbers, and each figure as SVG and as a table.
+pub(crate) fn write_report(
+    folder: &Path,
+    page: &str,
+    results: &Value,
+    figures: &[Figure],
+) -> Result<(), Failure> {
+    let files = folder.join("figures");
+    std::fs::create_dir_all(&files).map_err(|e| Failure::files("make folder", &files, &e))?;
+    for figure in figures {
+        write(&files.join(format!("{}.svg", figure.key)), &figure.svg())?;
+        write(&files.join(format!("{}.csv", figure.key)), &figure.csv()?)?;
+    }
+    write(&folder.join("results.json"), &(pretty_json(results) + "\n"))?;
+    write(&folder.join("report.html"), page)
 }

@@ -6,11 +6,11 @@ mod compare;
 mod failure;
 mod files;
 mod optimum;
-mod plot;
 mod solve;
 mod stream;
 mod sweep;
 mod table;
+mod tradeoff;
 mod validate;
 
 use std::process::ExitCode;
@@ -29,6 +29,7 @@ fn main() -> ExitCode {
         Command::Batch(args) => batch::run(&args),
         Command::Optimum(args) => optimum::run(&args),
         Command::Validate(args) => validate::run(&args),
+        Command::Tradeoff(args) => tradeoff::run(&args),
         Command::Schema { kind } => print(&pretty_json(&match kind {
             SchemaKind::Input => input_schema(),
             SchemaKind::Output => output_schema(),

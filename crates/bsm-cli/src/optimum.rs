@@ -1,6 +1,7 @@
 //! `bsm optimum`: best contact angle and self-locking limits.
 
 use bsm_case::{CaseError, OptimumReport, Scene};
+use bsm_validate::number;
 
 use crate::args::{Format, OptimumArgs};
 use crate::failure::{Failure, warn};
@@ -26,7 +27,7 @@ pub(crate) fn run(args: &OptimumArgs) -> Result<(), Failure> {
                 .rows()
                 .into_iter()
                 .map(|(label, unit, values)| {
-                    let cells = values.map(|v| v.map_or_else(|| "none".to_owned(), table::number));
+                    let cells = values.map(|v| v.map_or_else(|| "none".to_owned(), number));
                     [vec![label.to_owned(), unit.to_owned()], cells.to_vec()].concat()
                 })
                 .collect();

@@ -98,7 +98,7 @@ impl<'a> Task<'a> {
                 std::process::exit(130);
             }
         });
-        let bar = progress(source.len_hint(), self.table.quiet);
+        let bar = progress(source.len_hint(), "rows", self.table.quiet);
         let mut count = Count::default();
         let parts = target.parts(source, self)?;
         let mut done = Ok(true);
@@ -406,17 +406,19 @@ impl Kind {
 }
 
 /// A bar on a terminal, nothing elsewhere.
-fn progress(total: Option<u64>, quiet: bool) -> ProgressBar {
+pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressBar {
     if quiet || !io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let (bar, template) = match total {
         Some(total) => (
             ProgressBar::new(total),
-            "{wide_bar} {human_pos}/{human_len} rows, {per_sec}, {eta} left",
+            format!("{{wide_bar}} {{human_pos}}/{{human_len}} {what}, {{per_sec}}, {{eta}} left"),
         ),
-        None => (ProgressBar::new_spinner(), "{spinner} {human_pos} rows, {per_sec}"),
+        None => {
+            (ProgressBar::new_spinner(), format!("{{spinner}} {{human_pos}} {what}, {{per_sec}}"))
+        }
     };
-    let style = ProgressStyle::with_template(template);
+    let style = ProgressStyle::with_template(&template);
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

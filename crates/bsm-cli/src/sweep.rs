@@ -4,12 +4,12 @@ use std::io::Write;
 use std::path::Path;
 
 use bsm_batch::{Chunk, GridSource};
-use bsm_case::{Axis, CaseError, Grid, ModelChoice, Output as OutputColumn};
+use bsm_case::{Axis as GridAxis, CaseError, Grid, ModelChoice, Output as OutputColumn};
+use bsm_validate::figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 
 use crate::args::SweepArgs;
 use crate::failure::Failure;
 use crate::files::{Output, read_scene};
-use crate::plot::{self, Curve, Frame, Stroke};
 use crate::stream::Task;
 
 pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
@@ -17,7 +17,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let in_file = |e: CaseError| Failure::scene(&args.scene.scene, &e);
     let usage = |e: CaseError| Failure::Input(format!("--vary: {e}"));
     let axes: Vec<_> =
-        args.vary.iter().map(|v| Axis::parse(v)).collect::<Result<_, _>>().map_err(usage)?;
+        args.vary.iter().map(|v| GridAxis::parse(v)).collect::<Result<_, _>>().map_err(usage)?;
     let grid = Grid::new(axes).map_err(usage)?;
 
     // Everything that can be told before the work: the fixed inputs, the model, the outputs.
@@ -99,11 +99,10 @@ impl Curves {
                 ));
             }
         };
-        let count = series.map_or(1, Axis::len);
-        if count > plot::MOST_CURVES {
+        let count = series.map_or(1, GridAxis::len);
+        if count > MOST_CURVES {
             return Err(Failure::Input(format!(
-                "--plot draws at most {} lines; give the second --vary fewer than {count} values",
-                plot::MOST_CURVES
+                "--plot draws at most {MOST_CURVES} lines; give the second --vary fewer than {count} values"
             )));
         }
         let lines = (0..count)
@@ -133,7 +132,14 @@ impl Curves {
             || format!("model {}", model.name()),
             |t| format!("{t} ({})", model.name()),
         );
-        let (x_label, y_label) = (self.x_name, self.output.name);
-        plot::lines(&Frame { title: &title, x_label, y_label, log_x: false }, &self.lines)
+        let figure = Figure {
+            key: String::new(),
+            title,
+            caption: String::new(),
+            x: Axis::linear(self.x_name),
+            y: Axis::linear(self.output.name),
+            curves: self.lines.clone(),
+        };
+        figure.svg()
     }
 }

@@ -1,6 +1,7 @@
 //! Tables for reading.
 
 use bsm_case::{Cell, Output, Record};
+use bsm_validate::number;
 use comfy_table::{CellAlignment, Table, presets};
 
 /// A plain table whose columns from `first_number` on are aligned right.
@@ -15,20 +16,6 @@ pub(crate) fn plain(header: Option<&[&str]>, rows: &[Vec<String>], first_number:
         column.set_cell_alignment(CellAlignment::Right);
     }
     table.trim_fmt()
-}
-
-/// Five significant digits, in fixed notation where that reads well.
-pub(crate) fn number(value: f64) -> String {
-    let magnitude = value.abs();
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    if !(1e-4..1e6).contains(&magnitude) {
-        return format!("{value:.3e}");
-    }
-    #[expect(clippy::cast_possible_truncation, reason = "the exponent is between -4 and 6")]
-    let decimals = (4 - magnitude.log10().floor() as i32).max(0);
-    format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
 }
 
 /// Overall results: label, output.

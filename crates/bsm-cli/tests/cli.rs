@@ -1,12 +1,14 @@
 //! The program as a user meets it: output, files, errors and exit codes.
 
+mod program;
+
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::Command;
 
 use serde_json::Value;
-use tempfile::TempDir;
+
+use program::{bsm, folder, stderr, stdout};
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name)
@@ -14,33 +16,6 @@ fn example(name: &str) -> PathBuf {
 
 fn lin() -> String {
     example("lin1994.json").display().to_string()
-}
-
-/// Runs the program in `folder`.
-fn bsm(folder: &Path, args: &[&str], stdin: &str) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_bsm"))
-        .args(args)
-        .current_dir(folder)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    // A program that does not read its input closes the pipe early.
-    let _ = child.stdin.take().expect("piped").write_all(stdin.as_bytes());
-    child.wait_with_output().expect("the program ends")
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).expect("UTF-8")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).expect("UTF-8")
-}
-
-fn folder() -> TempDir {
-    tempfile::tempdir().expect("temporary folder")
 }
 
 #[test]
@@ -568,28 +543,15 @@ fn optimum_answers_in_closed_form() {
 }
 
 #[test]
-fn validate_passes_and_writes_results() {
-    let dir = folder();
-    let output = bsm(dir.path(), &["validate", "--out", "report"], "");
-    assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
-    assert!(stdout(&output).contains(" 0 failed"));
-    let table = fs::read_to_string(dir.path().join("report/transition.csv")).expect("table");
-    // Three models at three loads and 61 speeds.
-    assert_eq!(table.lines().count(), 1 + 9 * 61);
-    let figure = fs::read_to_string(dir.path().join("report/transition.svg")).expect("figure");
-    assert!(figure.contains("traction, 20 N"));
-    let results = fs::read_to_string(dir.path().join("report/results.json")).expect("results");
-    let results: Value = serde_json::from_str(&results).expect("JSON");
-    assert_eq!(results["passed"], true);
-    assert!(results["checks"].as_array().expect("list").len() >= 25);
-}
-
-#[test]
 fn help_and_completions_work() {
     let dir = folder();
-    for args in
-        [&["--help"][..], &["solve", "--help"], &["sweep", "--help"], &["completions", "bash"]]
-    {
+    for args in [
+        &["--help"][..],
+        &["solve", "--help"],
+        &["sweep", "--help"],
+        &["tradeoff", "--help"],
+        &["completions", "bash"],
+    ] {
         let output = bsm(dir.path(), args, "");
         assert_eq!(output.status.code(), Some(0));
         assert!(stdout(&output).contains("bsm"), "{args:?}");

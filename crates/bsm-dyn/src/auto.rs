@@ -154,6 +154,45 @@ const LEAST_CROSS_SLIP: f64 = 0.3;
 /// Below this onset number a ball grips, whatever its cross slip.
 pub const GRIPS_BELOW: f64 = 0.1;
 
+/// Onset number above which friction is nearly saturated.
+const SKIDS_ABOVE: f64 = 2.0;
+
+/// What a ball does, by its onset number (W11).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Motion {
+    /// It rolls on both races.
+    Grips,
+    /// Between rolling and sliding.
+    SkidsPartly,
+    /// Friction is nearly saturated at both contacts.
+    Skids,
+}
+
+impl Motion {
+    /// From gripping to skidding.
+    pub const ALL: [Self; 3] = [Self::Grips, Self::SkidsPartly, Self::Skids];
+
+    /// The motion at an onset number.
+    pub fn of(onset_number: f64) -> Self {
+        if onset_number < GRIPS_BELOW {
+            Self::Grips
+        } else if onset_number < SKIDS_ABOVE {
+            Self::SkidsPartly
+        } else {
+            Self::Skids
+        }
+    }
+
+    /// In a word or two.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Grips => "grips",
+            Self::SkidsPartly => "skids partly",
+            Self::Skids => "skids",
+        }
+    }
+}
+
 /// Where a point lies between gripping and skidding.
 struct Regime {
     onset: f64,

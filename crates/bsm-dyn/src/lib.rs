@@ -26,7 +26,7 @@ mod rigid;
 mod solution;
 mod traction;
 
-pub use auto::{Auto, Basis, Choice, GRIPS_BELOW};
+pub use auto::{Auto, Basis, Choice, GRIPS_BELOW, Motion};
 pub use balance::{Ball, Load, POWER_BALANCE_TOL, Wrench};
 pub use closed_form::{Angles, ClosedForm, Optimum, Transmission};
 pub use coulomb::friction_force;

@@ -22,6 +22,18 @@ pub const BLOCK: usize = 8;
 /// One number of each point of a group.
 pub type Block = [f64; BLOCK];
 
+/// Short name of an instruction set.
+pub fn name(arch: Arch) -> &'static str {
+    match arch {
+        Arch::Scalar => "portable",
+        #[cfg(target_arch = "x86_64")]
+        Arch::V3(_) => "AVX2",
+        #[cfg(target_arch = "x86_64")]
+        Arch::V4(_) => "AVX-512",
+        _ => "vectors",
+    }
+}
+
 /// The instruction sets that programs can choose from on this machine, the widest last.
 ///
 /// For tests that results do not depend on it, and for benches.

@@ -5,28 +5,22 @@ use bsm_case::{Scene, Settings};
 use bsm_dyn::{Control, Hertz, Model, ModelWorkspace, Outputs, Problem, Traction};
 use serde::Deserialize;
 
-use crate::{Check, ValidateError};
+use crate::{Check, Published, ValidateError};
 
-const CASE: &[u8] = include_bytes!("../../../validation/published/lin1994/case.json");
-const HERTZ: &str = include_str!("../../../validation/published/elastic-contacts/hertz.csv");
-const REFERENCE: &str =
-    include_str!("../../../validation/published/elastic-contacts/reference.csv");
-const TRANSITION: &str =
-    include_str!("../../../validation/published/elastic-contacts/transition.csv");
 const SOURCE: &str = "independent solution of the elastic models, Lin's screw, conformity 0.53";
 
 /// Order of the quadrature of the reference values.
 const FINE: std::num::NonZeroUsize = std::num::NonZeroUsize::new(24).expect("not zero");
 
 /// All checks of this source.
-pub(crate) fn checks() -> Result<Vec<Check>, ValidateError> {
-    let lin = lin()?;
+pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+    let lin = lin(published)?;
     let work = &mut ModelWorkspace::default();
-    let mut checks = hertz(&lin)?;
-    for row in rows::<Reference>(REFERENCE)? {
+    let mut checks = hertz(&lin, published)?;
+    for row in rows::<Reference>(&published.elastic_reference)? {
         checks.extend(reference(&row, &lin, work)?);
     }
-    for row in rows::<Transition>(TRANSITION)? {
+    for row in rows::<Transition>(&published.transition)? {
         checks.extend(transition(&row, &lin, work)?);
     }
     checks.extend(bearing(work)?);
@@ -35,11 +29,11 @@ pub(crate) fn checks() -> Result<Vec<Check>, ValidateError> {
 }
 
 /// Lin's case with conformities of 0.53.
-pub(crate) fn lin() -> Result<Scene, ValidateError> {
+pub(crate) fn lin(published: &Published) -> Result<Scene, ValidateError> {
     Ok(Scene {
         nut_conformity: Some(0.53),
         screw_conformity: Some(0.53),
-        ..Scene::from_json(CASE)?
+        ..Scene::from_json(published.lin_case.as_bytes())?
     })
 }
 
@@ -68,7 +62,7 @@ struct HertzRow {
 }
 
 /// Constants of the Hertz contacts at nut and screw.
-fn hertz(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
+fn hertz(lin: &Scene, published: &Published) -> Result<Vec<Check>, ValidateError> {
     let Problem::Elastic(case) = lin.problem(&Model::Elastic.into())? else {
         unreachable!("the model was fixed")
     };
@@ -90,7 +84,7 @@ fn hertz(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
         .measured(read(contact, &row.quantity), "")
         .equals(row.value, 1e-8 * row.value, "1e-8 relative, the digits of the table")
     };
-    Ok(rows::<HertzRow>(HERTZ)?.iter().map(check).collect())
+    Ok(rows::<HertzRow>(&published.hertz)?.iter().map(check).collect())
 }
 
 #[derive(Deserialize)]
@@ -336,41 +330,4 @@ fn hypothesis(lin: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, Vali
         });
     }
     Ok(checks)
-}
-
-/// One line of the transition figure.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TransitionCurve {
-    /// The model.
-    pub model: Model,
-    /// Axial load on the one ball \[N\].
-    pub load: f64,
-    /// Screw speed \[rpm\] and efficiency, NaN where there is no result.
-    pub points: Vec<(f64, f64)>,
-}
-
-/// Efficiency against speed from rolling to gross skid: Lin's screw with conformities of 0.53 and
-/// one ball, three models at three loads.
-///
-/// # Errors
-///
-/// [`ValidateError`] if the compiled-in scene cannot be used.
-pub fn transition_figure() -> Result<Vec<TransitionCurve>, ValidateError> {
-    let lin = lin()?;
-    let work = &mut ModelWorkspace::default();
-    let mut curves = Vec::new();
-    for model in [Model::RacewayControl, Model::Traction, Model::Elastic] {
-        for load in [2113.0, 100.0, 20.0] {
-            let mut points = Vec::new();
-            for i in 0..=60 {
-                let rpm = 300.0 * 100.0_f64.powf(f64::from(i) / 60.0);
-                let scene =
-                    Scene { axial_load_N: Some(load), screw_speed_rpm: Some(rpm), ..lin.clone() };
-                let settings = Settings { control: Some(Control::Nut), ..model.into() };
-                points.push((rpm, number(solve(&scene, &settings, work)?.efficiency)));
-            }
-            curves.push(TransitionCurve { model, load, points });
-        }
-    }
-    Ok(curves)
 }

@@ -1,17 +1,25 @@
 //! Published results, checked against the solver.
 //!
-//! Data lies under `validation/published/<key>`, each with its source, and is compiled in. Every
+//! Data lies under `validation/published/<key>`, each with its source, and is compiled in; a copy of
+//! the folder may take its place. Every
 //! check names what is claimed, what we measure, and why its tolerance is what it is. Golden
 //! files, which only guard against change, are not validation and not here.
 
 mod elastic;
+pub mod figure;
+mod figures;
 mod lin1994;
+mod page;
+mod published;
 mod reference;
 mod report;
 mod search;
 mod sweep;
+pub mod tradeoff;
 
-pub use elastic::{TransitionCurve, transition_figure};
+pub use figures::figures;
+pub use page::{number, short, tradeoff_page, validation_page};
+pub use published::Published;
 pub use report::{Check, Report, Verdict};
 
 /// Something is wrong with the data that is compiled in.
@@ -27,6 +35,43 @@ pub enum ValidateError {
     /// A claim is missing in a table.
     #[error("validation data: no claim `{0}`")]
     NoClaim(&'static str),
+    /// A file of published data cannot be read.
+    #[error("{}: {error}", path.display())]
+    File {
+        /// Which one.
+        path: std::path::PathBuf,
+        /// Why.
+        error: std::io::Error,
+    },
+    /// A page cannot be made.
+    #[error("page: {0}")]
+    Page(#[from] minijinja::Error),
+    /// A table of points cannot be used.
+    #[error(transparent)]
+    Table(#[from] bsm_batch::TableError),
+    /// A row of a table of points cannot be used.
+    #[error("row {row}: {error}")]
+    Row {
+        /// Number of the row, from 1.
+        row: u64,
+        /// What is wrong.
+        error: bsm_case::CaseError,
+    },
+    /// A table of points has no rows.
+    #[error("the table has no rows; give at least one operating point")]
+    NoPoints,
+    /// A table of points is longer than a measurement needs.
+    #[error("more than {most} rows; take a sample of them")]
+    TooManyPoints {
+        /// How many are taken.
+        most: usize,
+    },
+    /// Nothing to measure against.
+    #[error("model traction has no solution at any of the points, so there is no reference")]
+    NoReference,
+    /// Threads cannot be started.
+    #[error("threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
     /// A one-dimensional search failed.
     #[error("search: {0}")]
     Search(#[from] argmin::core::Error),
@@ -36,10 +81,10 @@ pub enum ValidateError {
 ///
 /// # Errors
 ///
-/// [`ValidateError`] if the compiled-in data cannot be used; a check that fails is a result.
-pub fn run() -> Result<Report, ValidateError> {
-    let mut checks = reference::checks()?;
-    checks.extend(lin1994::checks()?);
-    checks.extend(elastic::checks()?);
+/// [`ValidateError`] if the data cannot be used; a check that fails is a result.
+pub fn run(published: &Published) -> Result<Report, ValidateError> {
+    let mut checks = reference::checks(published)?;
+    checks.extend(lin1994::checks(published)?);
+    checks.extend(elastic::checks(published)?);
     Ok(Report { checks })
 }

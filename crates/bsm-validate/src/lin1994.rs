@@ -8,16 +8,14 @@ use serde::Deserialize;
 
 use crate::search::{minimum_of, root_of};
 use crate::sweep::{Sweep, deviation};
-use crate::{Check, ValidateError};
+use crate::{Check, Published, ValidateError};
 
-const CASE: &[u8] = include_bytes!("../../../validation/published/lin1994/case.json");
-const CLAIMS: &str = include_str!("../../../validation/published/lin1994/claims.csv");
 const SOURCE: &str = "Lin, Velinsky and Ravani 1994";
 
 /// All checks of this source.
-pub(crate) fn checks() -> Result<Vec<Check>, ValidateError> {
-    let claims = Claims::read()?;
-    let lin = Scene::from_json(CASE)?;
+pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+    let claims = Claims::read(published)?;
+    let lin = Scene::from_json(published.lin_case.as_bytes())?;
     let mut checks = Vec::new();
     for direction in [Direction::RotaryToLinear, Direction::LinearToRotary] {
         checks.extend(sweeps(&lin, direction, &claims)?);
@@ -32,14 +30,14 @@ pub(crate) fn checks() -> Result<Vec<Check>, ValidateError> {
 struct Claims(BTreeMap<String, (f64, String)>);
 
 impl Claims {
-    fn read() -> Result<Self, ValidateError> {
+    fn read(published: &Published) -> Result<Self, ValidateError> {
         #[derive(Deserialize)]
         struct Row {
             key: String,
             claimed: f64,
             statement: String,
         }
-        let rows = csv::Reader::from_reader(CLAIMS.as_bytes())
+        let rows = csv::Reader::from_reader(published.lin_claims.as_bytes())
             .into_deserialize::<Row>()
             .map(|row| row.map(|r| (r.key, (r.claimed, r.statement))))
             .collect::<Result<_, _>>()?;

@@ -4,10 +4,7 @@ use bsm_case::Scene;
 use bsm_dyn::{Problem, RigidWorkspace};
 use serde::Deserialize;
 
-use crate::{Check, ValidateError};
-
-const CASE: &[u8] = include_bytes!("../../../validation/published/lin1994/case.json");
-const REFERENCE: &str = include_str!("../../../validation/published/lin1994/reference.csv");
+use crate::{Check, Published, ValidateError};
 
 #[derive(Debug, Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
@@ -29,15 +26,16 @@ struct Row {
 }
 
 /// One check per row: the largest deviation over its columns.
-pub(crate) fn checks() -> Result<Vec<Check>, ValidateError> {
+pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
     let mut work = RigidWorkspace::default();
-    csv::Reader::from_reader(REFERENCE.as_bytes())
+    let case = Scene::from_json(published.lin_case.as_bytes())?;
+    csv::Reader::from_reader(published.lin_reference.as_bytes())
         .deserialize::<Row>()
-        .map(|row| check(&row?, &mut work))
+        .map(|row| check(&row?, &case, &mut work))
         .collect()
 }
 
-fn check(row: &Row, work: &mut RigidWorkspace) -> Result<Check, ValidateError> {
+fn check(row: &Row, case: &Scene, work: &mut RigidWorkspace) -> Result<Check, ValidateError> {
     let scene = Scene {
         lead_angle_deg: Some(row.lead_angle_deg),
         contact_angle_deg: Some(row.contact_angle_deg),
@@ -45,7 +43,7 @@ fn check(row: &Row, work: &mut RigidWorkspace) -> Result<Check, ValidateError> {
         nut_speed_rpm: Some(row.nut_speed_rpm),
         friction_coefficient: Some(row.friction_coefficient),
         axial_load_N: Some(row.axial_load_N),
-        ..Scene::from_json(CASE)?
+        ..case.clone()
     };
     let name = format!(
         "lin1994/reference-{}-{}-{}-{}",

@@ -1,10 +1,10 @@
 //! Every published check passes.
 
-use bsm_validate::{Verdict, run};
+use bsm_validate::{Published, Verdict, figures, run, validation_page};
 
 #[test]
 fn published_results_hold() {
-    let report = run().expect("compiled-in data");
+    let report = run(&Published::default()).expect("compiled-in data");
     for c in &report.checks {
         println!("{c:?}");
     }
@@ -13,4 +13,26 @@ fn published_results_hold() {
     // Every number is one: a search that found nothing would leave a NaN.
     assert!(report.checks.iter().all(|c| c.measured.is_finite()));
     assert!(report.count(Verdict::Pass) >= 20);
+}
+
+#[test]
+fn page_shows_every_check_and_figure() {
+    let published = Published::default();
+    let report = run(&published).expect("compiled-in data");
+    let figures = figures(&published).expect("compiled-in data");
+    let page = validation_page(&report, &figures).expect("a page");
+    assert_eq!(page.matches("<tr id=").count(), report.checks.len());
+    assert_eq!(page.matches("<svg ").count(), figures.len());
+    assert!(!page.contains("class=\"failed\""));
+    for outside in ["<script", "<link", "src="] {
+        assert!(!page.contains(outside), "{outside}: the page must stand alone");
+    }
+    // Figures show what they promise: lines that have points, of all models.
+    for figure in &figures {
+        for curve in &figure.curves {
+            let there = curve.points.iter().filter(|(_, y)| y.is_finite()).count();
+            // Self-locking by the load is there at small lead angles only.
+            assert!(there >= 5, "{}: {:?}", figure.key, curve.label);
+        }
+    }
 }

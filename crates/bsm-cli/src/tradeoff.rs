@@ -1,0 +1,132 @@
+//! `bsm tradeoff`: what each model and dial costs in time and in accuracy.
+
+use std::path::Path;
+
+use bsm_validate::tradeoff::{self, Advice, Group, Measured, Points, Tradeoff};
+use bsm_validate::{short, tradeoff_page};
+use serde_json::json;
+
+use crate::args::{Format, TradeoffArgs};
+use crate::batch;
+use crate::failure::{Failure, warn};
+use crate::files::{pretty_json, print, write_report};
+use crate::stream::progress;
+use crate::table;
+
+pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
+    let points = match &args.points {
+        Some(path) => read(path)?,
+        None => Points::committed()?,
+    };
+    let bar = progress(Some(0), "measurements", args.quiet);
+    let measured = tradeoff::run(&points, |done, all| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    })?;
+    bar.finish_and_clear();
+    let results = json!({
+        "program": concat!("bsm ", env!("CARGO_PKG_VERSION")),
+        "tradeoff": measured,
+    });
+    if let Some(folder) = &args.out {
+        write_report(folder, &tradeoff_page(&measured)?, &results, &measured.figures())?;
+        warn(
+            "note",
+            &format!("wrote report.html, results.json and figures/ in {}", folder.display()),
+        );
+    }
+    match args.format {
+        Format::Json => print(&pretty_json(&results))?,
+        Format::Table => print(&describe(&measured))?,
+    }
+    if measured.without_reference.is_empty() {
+        return Ok(());
+    }
+    let rows: Vec<_> = measured.without_reference.iter().map(ToString::to_string).collect();
+    warn("warning", &format!("rows without a reference, not counted: {}", rows.join(", ")));
+    Err(Failure::Unsolved)
+}
+
+fn read(path: &Path) -> Result<Points, Failure> {
+    let mut source = batch::open(path, &[])?;
+    Points::read(source.as_mut()).map_err(|e| Failure::in_scene(path, &e.to_string()))
+}
+
+fn describe(measured: &Tradeoff) -> String {
+    let header = [
+        "model and dial",
+        "one point ns",
+        "batch ns",
+        "all cores",
+        "solved %",
+        "eta median",
+        "99 %",
+        "max",
+        "torque 99 %",
+        "loads 99 %",
+        "angles deg",
+        "99 % grips",
+        "partly",
+        "skids",
+    ];
+    let rows: Vec<_> = measured.dials.iter().map(row).collect();
+    let counts: Vec<_> =
+        measured.points.iter().map(|(group, count)| format!("{} {count}", group.name())).collect();
+    let advice_header = [
+        "tolerance",
+        "where the ball",
+        "one point",
+        "ns",
+        "errs more where it",
+        "batch, one core",
+        "ns",
+        "errs more where it",
+    ];
+    let advice: Vec<_> = measured.advice.iter().map(advice_row).collect();
+    format!(
+        "points: {}; errors against {}; {}, {} cores\n\n{}\n\n\
+         eta: absolute; torque and loads: relative; the last columns: eta by motion of the ball\n\n\
+         the cheapest that solves 99 % and errs less than the tolerance at 99 % of the points:\n\n{}",
+        counts.join(", "),
+        measured.reference,
+        measured.instruction_set,
+        measured.threads,
+        table::plain(Some(&header), &rows, 1),
+        table::plain(Some(&advice_header), &advice, usize::MAX),
+    )
+}
+
+fn row(dial: &Measured) -> Vec<String> {
+    let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), short);
+    let all = &dial.errors[0];
+    let mut row = vec![
+        dial.dial.name(),
+        cell(dial.times.single.first().and_then(|(_, ns)| *ns)),
+        short(dial.times.batch),
+        short(dial.times.batch_all_cores),
+        format!("{:.1}", 100.0 * all.solved),
+        cell(all.efficiency.map(|e| e.median)),
+        cell(all.efficiency.map(|e| e.q99)),
+        cell(all.efficiency.map(|e| e.max)),
+        cell(all.torque.map(|e| e.q99)),
+        cell(all.loads.map(|e| e.q99)),
+        cell(all.angles_deg.map(|e| e.q99)),
+    ];
+    row.extend(dial.errors[1..].iter().map(|errors| cell(errors.efficiency.map(|e| e.q99))));
+    row
+}
+
+fn advice_row(advice: &Advice) -> Vec<String> {
+    let group = if advice.group == Group::All { "does anything" } else { advice.group.name() };
+    let mut row = vec![format!("{} %", 100.0 * advice.tolerance), group.to_owned()];
+    for pick in [&advice.single, &advice.batch] {
+        row.extend(match pick {
+            Some(pick) => {
+                let fails: Vec<_> = pick.fails_where.iter().map(|group| group.name()).collect();
+                [pick.dial.clone(), short(pick.ns), fails.join(", ")]
+            }
+            None => ["none".to_owned(), String::new(), String::new()],
+        });
+    }
+    row
+}

@@ -1,0 +1,84 @@
+//! Draws the operating points of `bsm tradeoff`, `validation/golden/tradeoff/scenes.csv`, and prints
+//! them as CSV:
+//!
+//!     cargo run --release -p bsm-validate --example scene_set > validation/golden/tradeoff/scenes.csv
+//!
+//! A hundred each that grip, skid partly and skid, of screws as in catalogues: pitch circle 8 to
+//! 100 mm, lead angle 2 to 30 deg, 10 to 30 000 rpm both ways, screw or nut drive, 0.01 to 90 N on
+//! each square millimetre of the ball's diameter (0.2 to 4 GPa), friction 0.01 to 0.15, conformities
+//! 0.51 to 0.56. The centrifugal force stays below three times the load.
+
+use std::error::Error;
+use std::io;
+
+use bsm_case::Scene;
+use bsm_dyn::{Model, ModelWorkspace, Motion, Problem};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Points of each motion.
+const EACH: usize = 100;
+
+const INPUTS: [&str; 11] = [
+    "pitch_circle_diameter_mm",
+    "ball_diameter_mm",
+    "lead_angle_deg",
+    "contact_angle_deg",
+    "friction_coefficient",
+    "nut_conformity",
+    "screw_conformity",
+    "screw_speed_rpm",
+    "nut_speed_rpm",
+    "axial_load_N",
+    "loaded_balls",
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut rng = ChaCha8Rng::seed_from_u64(2026);
+    let mut work = ModelWorkspace::default();
+    let mut table = csv::Writer::from_writer(io::stdout().lock());
+    table.write_record(INPUTS)?;
+    let mut counts = Motion::ALL.map(|motion| (motion, 0));
+    while counts.iter().any(|(_, count)| *count < EACH) {
+        let point = draw(&mut rng);
+        let mut scene = Scene::default();
+        for (name, value) in INPUTS.iter().zip(point) {
+            scene.set(name, value)?;
+        }
+        let problem = scene.problem(&Model::Traction.into())?;
+        let Problem::Traction(case) = &problem else { unreachable!("the model was fixed") };
+        let speed = case.screw.drive.relative_speed();
+        let (ball, radius) = (&case.screw.ball, case.screw.helix.radius);
+        if ball.mass * radius * speed * speed > 3.0 * case.screw.load.per_ball() {
+            continue;
+        }
+        let Some(onset) = problem.solve(&mut work).outputs.onset_number else { continue };
+        let count = counts.iter_mut().find(|(motion, _)| *motion == Motion::of(onset));
+        if let Some((_, count)) = count.filter(|(_, count)| *count < EACH) {
+            *count += 1;
+            table.write_record(point.map(|value| value.to_string()))?;
+        }
+    }
+    table.flush()?;
+    Ok(())
+}
+
+fn draw(rng: &mut impl Rng) -> [f64; 11] {
+    let pitch = rng.random_range(8.0..100.0);
+    let ball = pitch * rng.random_range(0.07..0.2);
+    let (lead, contact) = (rng.random_range(2.0..30.0), rng.random_range(30.0..60.0));
+    let friction = rng.random_range(0.01..0.15);
+    let (nut, screw) = (rng.random_range(0.51..0.56), rng.random_range(0.51..0.56));
+    let rpm = rng.random_range(10.0_f64.ln()..30_000.0_f64.ln()).exp();
+    let rpm = if rng.random_bool(0.5) { rpm } else { -rpm };
+    let (screw_rpm, nut_rpm) = if rng.random_bool(0.5) { (rpm, 0.0) } else { (0.0, -rpm) };
+    let normal = ball * ball * rng.random_range(0.01_f64.ln()..90.0_f64.ln()).exp();
+    let balls = f64::from(rng.random_range(20..120));
+    let axial = balls * normal * f64::to_radians(lead).cos() * f64::to_radians(contact).sin();
+    [pitch, ball, lead, contact, friction, nut, screw, screw_rpm, nut_rpm, axial, balls].map(digits)
+}
+
+/// Four digits are enough of a random number.
+fn digits(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,233 @@
+//! Figures as SVG and as tables; the only file that names the plotting library.
+
+use kuva::prelude::*;
+
+use crate::ValidateError;
+
+/// Colours that the palette has, chosen to be told apart by the colour-blind too.
+pub const MOST_CURVES: usize = 7;
+
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stroke {
+    /// A line.
+    Solid,
+    /// A line of dashes.
+    Dashed,
+    /// A line of dots.
+    Dotted,
+    /// Circles at the points, without a line.
+    Circles,
+    /// Triangles at the points, without a line.
+    Triangles,
+}
+
+/// One curve of a figure; a y that is not finite is a gap.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// What it is, in the legend.
+    pub label: Option<String>,
+    /// Number of its colour in the palette.
+    pub color: usize,
+    /// How it is drawn.
+    pub stroke: Stroke,
+    /// Points in the units of the axes.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// An axis of a figure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// Quantity and unit.
+    pub label: String,
+    /// Logarithmic.
+    pub log: bool,
+}
+
+impl Axis {
+    /// A linear axis.
+    pub fn linear(label: &str) -> Self {
+        Self { label: label.to_owned(), log: false }
+    }
+
+    /// A logarithmic axis.
+    pub fn log(label: &str) -> Self {
+        Self { label: label.to_owned(), log: true }
+    }
+}
+
+/// A figure: curves over a common x.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Name of its files.
+    pub key: String,
+    /// What it shows.
+    pub title: String,
+    /// What to see in it.
+    pub caption: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// The curves, in the order of the legend.
+    pub curves: Vec<Curve>,
+}
+
+/// Size of a figure without its legend; letters are as large as a screen of a phone needs.
+const SIZE: (f64, f64) = (560.0, 380.0);
+
+/// Height of a row of the legend, and letters that fit in a column of two.
+const ROW: f64 = 21.0;
+const COLUMN: usize = 25;
+
+/// How far a logarithmic axis goes beyond the points.
+const BEYOND: f64 = 1.4;
+
+impl Figure {
+    /// SVG of the figure as a file of its own.
+    pub fn svg(&self) -> String {
+        self.render(|layout| layout.with_title(&self.title).with_title_wrap(56))
+    }
+
+    /// SVG for a page that shows the title itself and may hold several figures.
+    pub fn inline_svg(&self) -> String {
+        let svg = self.render(|layout| layout);
+        // Names within an SVG are names of the whole page.
+        svg.replace("kuva-clip-", &format!("{}-clip-", self.key))
+    }
+
+    fn render(&self, title: impl Fn(Layout) -> Layout) -> String {
+        let palette = Palette::tol_bright();
+        let colors = palette.colors();
+        let (mut plots, mut legend) = (Vec::new(), Vec::new());
+        for curve in &self.curves {
+            let color = colors[curve.color % colors.len()].as_str();
+            let runs = curve.points.split(|(_, y)| !y.is_finite()).filter(|run| !run.is_empty());
+            plots.extend(runs.map(|run| plot(curve.stroke, run, color)));
+            let entry = |label: &String| legend_entry(curve.stroke, color, label);
+            legend.extend(curve.label.as_ref().map(entry));
+        }
+        // The library makes room for the legend within the height.
+        let longest = legend.iter().map(|entry| entry.label.chars().count()).max().unwrap_or(0);
+        let columns = if longest > COLUMN { 1 } else { 2 };
+        #[expect(clippy::cast_precision_loss, reason = "a few rows")]
+        let height = SIZE.1 + ROW * legend.len().div_ceil(columns) as f64;
+        let mut layout = Layout::auto_from_plots(&plots)
+            .with_x_label(&self.x.label)
+            .with_y_label(&self.y.label)
+            .with_legend_position(LegendPosition::OutsideBottomColumns)
+            .with_legend_box(false)
+            .with_legend_col_limit(columns)
+            .with_legend_entries(legend)
+            .with_label_size(15)
+            .with_tick_size(14)
+            .with_body_size(14)
+            .with_width(SIZE.0)
+            .with_height(height);
+        if self.x.log {
+            // Else it ends at a power of ten, far from the points.
+            let xs = || self.curves.iter().flat_map(|curve| &curve.points).map(|(x, _)| *x);
+            let (low, high) = (xs().fold(f64::INFINITY, f64::min), xs().fold(0.0, f64::max));
+            layout =
+                layout.with_log_x().with_x_axis_min(low / BEYOND).with_x_axis_max(high * BEYOND);
+        }
+        if self.y.log {
+            layout = layout.with_log_y();
+        }
+        scalable(&kuva::render_to_svg(plots, title(layout)))
+    }
+
+    /// The points as CSV, one row each; one without a result has no y.
+    ///
+    /// # Errors
+    ///
+    /// [`ValidateError::Data`] if the table cannot be written.
+    pub fn csv(&self) -> Result<String, ValidateError> {
+        let mut table = csv::Writer::from_writer(Vec::new());
+        table.write_record(["curve", &self.x.label, &self.y.label])?;
+        for curve in &self.curves {
+            let label = curve.label.as_deref().unwrap_or_default();
+            for (x, y) in &curve.points {
+                let y = if y.is_finite() { y.to_string() } else { String::new() };
+                table.write_record([label, &x.to_string(), &y])?;
+            }
+        }
+        let bytes = table.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    }
+}
+
+fn line_style(stroke: Stroke) -> LineStyle {
+    match stroke {
+        Stroke::Dashed => LineStyle::Dashed,
+        Stroke::Dotted => LineStyle::Dotted,
+        _ => LineStyle::Solid,
+    }
+}
+
+fn plot(stroke: Stroke, points: &[(f64, f64)], color: &str) -> Plot {
+    let marks = |marker| {
+        let marks = ScatterPlot::new().with_data(points.to_vec()).with_color(color);
+        Plot::Scatter(marks.with_marker(marker).with_size(4.0))
+    };
+    match stroke {
+        Stroke::Circles => marks(MarkerShape::Circle),
+        Stroke::Triangles => marks(MarkerShape::Triangle),
+        Stroke::Solid | Stroke::Dashed | Stroke::Dotted => {
+            let line = LinePlot::new().with_data(points.to_vec()).with_color(color);
+            Plot::Line(line.with_stroke_width(2.0).with_line_style(line_style(stroke)))
+        }
+    }
+}
+
+fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
+    let shape = match stroke {
+        Stroke::Circles => LegendShape::Circle,
+        Stroke::Triangles => LegendShape::Marker(MarkerShape::Triangle),
+        Stroke::Solid | Stroke::Dashed | Stroke::Dotted => LegendShape::Line,
+    };
+    LegendEntry {
+        label: label.to_owned(),
+        color: color.to_owned(),
+        shape,
+        dasharray: line_style(stroke).dasharray(),
+    }
+}
+
+/// Lets a figure shrink with the page: the library gives it a size, but no view box.
+fn scalable(svg: &str) -> String {
+    let size = |name: &str| {
+        let from = svg.find(&format!(" {name}=\""))? + name.len() + 3;
+        svg[from..].split('"').next()
+    };
+    match (size("width"), size("height")) {
+        (Some(width), Some(height)) => {
+            svg.replacen("<svg ", &format!("<svg viewBox=\"0 0 {width} {height}\" "), 1)
+        }
+        _ => svg.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A gap in a curve is one in the figure and in the table; the figure knows its size.
+    #[test]
+    fn figures_have_gaps_and_a_view_box() {
+        let points = vec![(1.0, 1.0), (2.0, 2.0), (3.0, f64::NAN), (4.0, 2.0), (5.0, 1.0)];
+        let curve = Curve { label: Some("a".into()), color: 0, stroke: Stroke::Solid, points };
+        let figure = Figure {
+            key: "k".into(),
+            title: "t".into(),
+            caption: String::new(),
+            x: Axis::linear("x, mm"),
+            y: Axis::log("y, N"),
+            curves: vec![curve],
+        };
+        let svg = figure.svg();
+        assert!(svg.contains("viewBox=\"0 0 560 "), "{}", &svg[..300]);
+        assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");
+        assert!(figure.csv().expect("a table").contains("\na,3,\na,4,2\n"));
+    }
+}

@@ -1,0 +1,100 @@
+//! Pages of one file each: figures inside, no network, for screen, phone and print.
+
+use minijinja::value::Value;
+use minijinja::{Environment, UndefinedBehavior, context};
+
+use crate::figure::Figure;
+use crate::tradeoff::{Group, Tradeoff};
+use crate::{Report, ValidateError, Verdict};
+
+const TEMPLATES: [(&str, &str); 4] = [
+    ("base.html", include_str!("../templates/base.html")),
+    ("page.css", include_str!("../templates/page.css")),
+    ("validation.html", include_str!("../templates/validation.html")),
+    ("tradeoff.html", include_str!("../templates/tradeoff.html")),
+];
+
+const PROGRAM: &str = concat!("bsm ", env!("CARGO_PKG_VERSION"));
+
+/// Five significant digits, in fixed notation where that reads well.
+pub fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-4..1e6).contains(&magnitude) {
+        return format!("{value:.3e}");
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "the exponent is between -4 and 6")]
+    let decimals = (4 - magnitude.log10().floor() as i32).max(0);
+    format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
+}
+
+/// Two digits, for tables of times and errors to compare.
+pub fn short(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        10.0..1e6 => format!("{value:.0}"),
+        0.1..10.0 => format!("{value:.1}"),
+        _ => format!("{value:.1e}"),
+    }
+}
+
+/// Page of the checks and their figures.
+///
+/// # Errors
+///
+/// [`ValidateError::Page`] if a template is wrong.
+pub fn validation_page(report: &Report, figures: &[Figure]) -> Result<String, ValidateError> {
+    render(
+        "validation.html",
+        context! {
+            title => "Ball screw motion: checks against published results",
+            command => "bsm validate --out DIR",
+            program => PROGRAM,
+            passed => report.count(Verdict::Pass),
+            failed => report.count(Verdict::Fail),
+            findings => report.count(Verdict::Finding),
+            checks => report.checks,
+            figures => values(figures),
+        },
+    )
+}
+
+/// Page of the measurement of speed against accuracy.
+///
+/// # Errors
+///
+/// [`ValidateError::Page`] if a template is wrong.
+pub fn tradeoff_page(tradeoff: &Tradeoff) -> Result<String, ValidateError> {
+    let groups: Value = Group::ALL.iter().map(|g| g.name()).zip(0..Group::ALL.len()).collect();
+    render(
+        "tradeoff.html",
+        context! {
+            title => "Ball screw motion: speed against accuracy",
+            command => "bsm tradeoff --out DIR",
+            program => PROGRAM,
+            groups => groups,
+            figures => values(&tradeoff.figures()),
+            ..Value::from_serialize(tradeoff)
+        },
+    )
+}
+
+fn values(figures: &[Figure]) -> Vec<Value> {
+    let value =
+        |f: &Figure| context! { title => f.title, caption => f.caption, svg => f.inline_svg() };
+    figures.iter().map(value).collect()
+}
+
+fn render(template: &str, context: Value) -> Result<String, ValidateError> {
+    let mut environment = Environment::new();
+    // A name that is not there is an error, not an empty cell.
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.add_filter("number", number);
+    environment.add_filter("short", short);
+    for (name, source) in TEMPLATES {
+        environment.add_template(name, source)?;
+    }
+    Ok(environment.get_template(template)?.render(context)?)
+}

@@ -1,0 +1,58 @@
+//! The published data: compiled in, or from a folder.
+
+use std::borrow::Cow;
+use std::fs;
+use std::path::Path;
+
+use crate::ValidateError;
+
+macro_rules! tables {
+    ($($(#[$doc:meta])* $name:ident: $file:literal;)*) => {
+        /// Scenes and tables that the checks read.
+        #[derive(Debug, Clone)]
+        pub struct Published {
+            $($(#[$doc])* pub(crate) $name: Cow<'static, str>,)*
+        }
+
+        impl Default for Published {
+            /// The data that is compiled in.
+            fn default() -> Self {
+                Self {
+                    $($name: Cow::Borrowed(include_str!(concat!(
+                        "../../../validation/published/", $file
+                    ))),)*
+                }
+            }
+        }
+
+        impl Published {
+            /// The data of a folder that is laid out as `validation/published`.
+            ///
+            /// # Errors
+            ///
+            /// [`ValidateError::File`] for a file that cannot be read.
+            pub fn read(folder: &Path) -> Result<Self, ValidateError> {
+                let read = |file: &str| {
+                    let path = folder.join(file);
+                    fs::read_to_string(&path).map_err(|error| ValidateError::File { path, error })
+                };
+                Ok(Self { $($name: Cow::Owned(read($file)?),)* })
+            }
+        }
+    };
+}
+
+tables! {
+    /// Lin's own case.
+    lin_case: "lin1994/case.json";
+    /// Statements of Lin, Velinsky and Ravani (1994) as numbers.
+    lin_claims: "lin1994/claims.csv";
+    /// Their equations, solved at 40 digits.
+    lin_reference: "lin1994/reference.csv";
+    /// Constants of Hertz contacts.
+    hertz: "elastic-contacts/hertz.csv";
+    /// Independent solutions of elastic and traction.
+    elastic_reference: "elastic-contacts/reference.csv";
+    /// Efficiencies from rolling to gross skid.
+    transition: "elastic-contacts/transition.csv";
+}

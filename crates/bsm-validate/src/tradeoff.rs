@@ -1,0 +1,166 @@
+//! Speed against accuracy: every model and dial over a set of points.
+//!
+//! The reference is traction with quadrature order 96 and a creep speed of 1e-5. (With order 24, balls
+//! that skid partly err up to 3e-4 in the efficiency, where a line between stick and slip crosses the
+//! ellipse.) Errors are those of the numbers that users ask for; times are those of this machine, medians of several rounds in
+//! which the dials take turns, so that a disturbance meets all of them.
+
+mod advice;
+mod clock;
+mod dials;
+mod errors;
+mod pareto;
+
+use std::num::NonZeroUsize;
+
+use bsm_batch::{Chunk, Columns, CsvSource, Source};
+use bsm_case::{Scene, Settings};
+use bsm_dyn::{Model, ModelWorkspace};
+use serde::Serialize;
+
+pub use self::advice::Advice;
+pub use self::clock::Times;
+pub use self::dials::Dial;
+pub use self::errors::{Errors, Group, Quantiles};
+
+use self::errors::Reference;
+use crate::ValidateError;
+use crate::figure::Figure;
+
+/// The committed points: a hundred that grip, skid partly and skid each.
+const SCENES: &str = include_str!("../../../validation/golden/tradeoff/scenes.csv");
+
+/// Errors of the efficiency for which a dial is advised.
+pub const TOLERANCES: [f64; 3] = [1e-2, 1e-3, 1e-4];
+
+/// Operating points.
+#[derive(Debug, Clone)]
+pub struct Points {
+    chunk: Chunk,
+    columns: Columns,
+    scenes: Vec<Scene>,
+}
+
+impl Points {
+    /// The committed points, in the ranges of `crates/bsm-validate/examples/scene_set.rs`.
+    ///
+    /// # Errors
+    ///
+    /// As [`Points::read`]; not for the committed table.
+    pub fn committed() -> Result<Self, ValidateError> {
+        Self::read(&mut CsvSource::new(SCENES.as_bytes(), &[])?)
+    }
+
+    /// All rows of a table.
+    ///
+    /// # Errors
+    ///
+    /// [`ValidateError`] if a row cannot be read, or has no inputs for model traction.
+    pub fn read(source: &mut dyn Source) -> Result<Self, ValidateError> {
+        let columns = source.columns().clone();
+        let chunk = source.next(MOST_POINTS + 1)?.ok_or(ValidateError::NoPoints)?;
+        if chunk.len > MOST_POINTS {
+            return Err(ValidateError::TooManyPoints { most: MOST_POINTS });
+        }
+        let mut scenes = Vec::with_capacity(chunk.len);
+        for row in 0..chunk.len {
+            let in_row = |error| ValidateError::Row { row: chunk.first + row as u64, error };
+            let scene = chunk.scene(&columns, &Scene::default(), row).map_err(in_row)?;
+            scene.problem(&Model::Traction.into()).map_err(in_row)?;
+            scenes.push(scene);
+        }
+        Ok(Self { chunk, columns, scenes })
+    }
+
+    /// The operating points, one scene each.
+    pub fn scenes(&self) -> &[Scene] {
+        &self.scenes
+    }
+}
+
+/// More points take minutes and tell no more.
+const MOST_POINTS: usize = 10_000;
+
+/// Order of the quadrature of the reference.
+const FINE: NonZeroUsize = NonZeroUsize::new(96).expect("not zero");
+
+/// The reference, as options of `bsm solve`.
+pub const REFERENCE: &str = "--model traction --quadrature 96 --creep 1e-5";
+
+/// What the reference is solved with.
+fn reference_settings() -> Settings {
+    Settings { quadrature: FINE, creep: 1e-5, ..Model::Traction.into() }
+}
+
+/// A dial, its errors and its times.
+#[derive(Debug, Clone, Serialize)]
+pub struct Measured {
+    /// What was measured.
+    #[serde(flatten)]
+    pub dial: Dial,
+    /// Errors over all points, then by motion of the balls.
+    pub errors: Vec<Errors>,
+    /// Times of a point.
+    pub times: Times,
+}
+
+/// The measurement.
+#[derive(Debug, Clone, Serialize)]
+pub struct Tradeoff {
+    /// What errors are against, as options of `bsm solve`.
+    pub reference: &'static str,
+    /// Number of points by motion of the balls, all first.
+    pub points: Vec<(Group, usize)>,
+    /// Rows from 1 that have no reference; they count nowhere.
+    pub without_reference: Vec<usize>,
+    /// Widest instruction set of this machine.
+    pub instruction_set: &'static str,
+    /// Threads of the columns "all cores".
+    pub threads: usize,
+    /// Every dial, cheapest models first.
+    pub dials: Vec<Measured>,
+    /// What to take for a tolerance.
+    pub advice: Vec<Advice>,
+}
+
+impl Tradeoff {
+    /// Error of the efficiency against time: one by one and in batches over all points, then by
+    /// motion of the balls.
+    pub fn figures(&self) -> Vec<Figure> {
+        pareto::figures(&self.dials)
+    }
+}
+
+/// Measures every dial over `points`; `progress` hears how many of how many steps are done.
+///
+/// # Errors
+///
+/// [`ValidateError`] if no point has a reference or threads cannot be started.
+pub fn run(
+    points: &Points,
+    mut progress: impl FnMut(usize, usize),
+) -> Result<Tradeoff, ValidateError> {
+    let mut work = ModelWorkspace::default();
+    let reference = Reference::of(points.scenes(), &mut work)?;
+    let dials = dials::all();
+    let mut errors = Vec::new();
+    for dial in &dials {
+        errors.push(reference.errors(points.scenes(), &dial.settings, &mut work)?);
+    }
+    let times = clock::times(points, &reference, &dials, &mut progress)?;
+    let measured: Vec<_> = dials
+        .into_iter()
+        .zip(errors)
+        .zip(times)
+        .map(|((dial, errors), times)| Measured { dial, errors, times })
+        .collect();
+    Ok(Tradeoff {
+        reference: REFERENCE,
+        points: Group::ALL.map(|group| (group, reference.count(group))).to_vec(),
+        without_reference: reference.missing(),
+        instruction_set: bsm_simd::name(bsm_simd::Arch::new()),
+        threads: std::thread::available_parallelism().map_or(1, Into::into),
+        advice: advice::of(&measured),
+        dials: measured,
+    })
+}

@@ -1,0 +1,61 @@
+//! What can be turned: model, quadrature, creep speed, tolerance of the choice.
+
+use std::num::NonZeroUsize;
+
+use bsm_case::{ModelChoice, Settings};
+use bsm_dyn::Model;
+use serde::Serialize;
+
+/// A model with its dials.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Dial {
+    /// The model.
+    pub model: &'static str,
+    /// What is not as by default, as options of `bsm solve`; empty for the model as it is.
+    pub options: String,
+    /// The settings.
+    #[serde(skip)]
+    pub settings: Settings,
+}
+
+impl Dial {
+    fn of(settings: Settings, options: String) -> Self {
+        Self { model: settings.model.name(), options, settings }
+    }
+
+    /// Model and options.
+    pub fn name(&self) -> String {
+        format!("{} {}", self.model, self.options).trim_end().to_owned()
+    }
+}
+
+/// Orders of the quadrature of traction, the default among them.
+const ORDERS: [usize; 7] = [4, 6, 8, 12, 16, 24, 48];
+
+/// Creep speeds of traction, beside the default.
+const CREEPS: [f64; 3] = [1e-2, 1e-3, 1e-5];
+
+/// Tolerances of the choice.
+const TOLERANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
+
+/// Every model and dial, cheapest models first.
+pub(super) fn all() -> Vec<Dial> {
+    let mut dials: Vec<_> = Model::ALL
+        .into_iter()
+        .filter(|model| *model != Model::Traction)
+        .map(|model| Dial::of(model.into(), String::new()))
+        .collect();
+    for order in ORDERS.into_iter().filter_map(NonZeroUsize::new) {
+        let settings = Settings { quadrature: order, ..Model::Traction.into() };
+        dials.push(Dial::of(settings, format!("--quadrature {order}")));
+    }
+    for creep in CREEPS {
+        let settings = Settings { creep, ..Model::Traction.into() };
+        dials.push(Dial::of(settings, format!("--creep {creep:e}")));
+    }
+    for tolerance in TOLERANCES {
+        let settings = Settings { model: ModelChoice::Auto, tolerance, ..Settings::default() };
+        dials.push(Dial::of(settings, format!("--tolerance {tolerance:e}")));
+    }
+    dials
+}

@@ -1,0 +1,208 @@
+//! Errors against the reference, by motion of the balls.
+
+use bsm_case::{CaseError, Scene, Settings};
+use bsm_dyn::{ModelWorkspace, Motion, Outputs, Status};
+use serde::{Serialize, Serializer};
+
+use super::reference_settings;
+use crate::ValidateError;
+
+/// Points that are counted together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Group {
+    /// All points.
+    All,
+    /// Those of one motion.
+    Of(Motion),
+}
+
+impl Group {
+    /// All points, then by motion.
+    pub const ALL: [Self; 4] = [
+        Self::All,
+        Self::Of(Motion::Grips),
+        Self::Of(Motion::SkidsPartly),
+        Self::Of(Motion::Skids),
+    ];
+
+    /// In a word or two.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::Of(motion) => motion.name(),
+        }
+    }
+
+    fn holds(self, motion: Motion) -> bool {
+        self == Self::All || self == Self::Of(motion)
+    }
+}
+
+impl Serialize for Group {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// Quantiles of an error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Quantiles {
+    /// Half of the points err less.
+    pub median: f64,
+    /// 99 % of the points err at most this.
+    pub q99: f64,
+    /// No point errs more.
+    pub max: f64,
+}
+
+impl Quantiles {
+    /// Of some errors; `None` without any.
+    fn of(mut errors: Vec<f64>) -> Option<Self> {
+        errors.sort_unstable_by(f64::total_cmp);
+        // The smallest error that the share does not exceed.
+        let at = |share: f64| {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                clippy::cast_precision_loss,
+                reason = "a place among thousands"
+            )]
+            let place = (share * errors.len() as f64).ceil() as usize;
+            errors.get(place.max(1) - 1).copied()
+        };
+        Some(Self { median: at(0.5)?, q99: at(0.99)?, max: at(1.0)? })
+    }
+}
+
+/// Errors over the points of a group that the dial solved.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Errors {
+    /// Which points.
+    pub group: Group,
+    /// Share of the points that it solved.
+    pub solved: f64,
+    /// Absolute error of the efficiency.
+    pub efficiency: Option<Quantiles>,
+    /// Relative error of the torque.
+    pub torque: Option<Quantiles>,
+    /// Relative error of the normal loads, the larger of nut and screw.
+    pub loads: Option<Quantiles>,
+    /// Error of the contact angles \[deg\], the larger of nut and screw.
+    pub angles_deg: Option<Quantiles>,
+    /// Share of the solved points whose efficiency errs more than the stated bound, where one is.
+    pub bound_broken: Option<f64>,
+}
+
+/// The reference of each point, where it has one.
+pub(super) struct Reference(Vec<Option<(Motion, Outputs)>>);
+
+impl Reference {
+    pub(super) fn of(scenes: &[Scene], work: &mut ModelWorkspace) -> Result<Self, ValidateError> {
+        let settings = reference_settings();
+        let points = scenes.iter().map(|scene| {
+            let solution = scene.problem(&settings)?.solve(work);
+            let motion = solution.outputs.onset_number.map(Motion::of);
+            let there =
+                solution.status == Status::Converged && solution.outputs.efficiency.is_some();
+            Ok(motion.filter(|_| there).map(|motion| (motion, solution.outputs)))
+        });
+        let points: Vec<_> = points.collect::<Result<_, CaseError>>()?;
+        if points.iter().all(Option::is_none) {
+            return Err(ValidateError::NoReference);
+        }
+        Ok(Self(points))
+    }
+
+    /// Rows from 1 without reference.
+    pub(super) fn missing(&self) -> Vec<usize> {
+        (1..).zip(&self.0).filter(|(_, point)| point.is_none()).map(|(row, _)| row).collect()
+    }
+
+    /// Places of the points of a group.
+    pub(super) fn places(&self, group: Group) -> impl Iterator<Item = usize> {
+        let holds = move |(place, point): (usize, &Option<(Motion, Outputs)>)| {
+            point.as_ref().filter(|(motion, _)| group.holds(*motion)).map(|_| place)
+        };
+        self.0.iter().enumerate().filter_map(holds)
+    }
+
+    pub(super) fn count(&self, group: Group) -> usize {
+        self.places(group).count()
+    }
+
+    /// Errors of a dial in all groups.
+    pub(super) fn errors(
+        &self,
+        scenes: &[Scene],
+        settings: &Settings,
+        work: &mut ModelWorkspace,
+    ) -> Result<Vec<Errors>, ValidateError> {
+        let mut answers = Vec::with_capacity(scenes.len());
+        for scene in scenes {
+            let solution = scene.problem(settings)?.solve(work);
+            let solved = solution.status == Status::Converged;
+            answers.push(Some(solution.outputs).filter(|o| solved && o.efficiency.is_some()));
+        }
+        Ok(Group::ALL.map(|group| self.errors_of(group, &answers)).to_vec())
+    }
+
+    fn errors_of(&self, group: Group, answers: &[Option<Outputs>]) -> Errors {
+        let pairs: Vec<_> = self
+            .places(group)
+            .filter_map(|place| Some((answers[place].as_ref()?, &self.0[place].as_ref()?.1)))
+            .collect();
+        let quantiles = |error: fn(&Outputs, &Outputs) -> Option<f64>| {
+            Quantiles::of(pairs.iter().filter_map(|(ours, exact)| error(ours, exact)).collect())
+        };
+        let bounds: Vec<_> = pairs
+            .iter()
+            .filter_map(|(ours, exact)| Some((ours.error_bound?, efficiency(ours, exact)?)))
+            .collect();
+        let broken = bounds.iter().filter(|(bound, error)| error > bound).count();
+        Errors {
+            group,
+            solved: share(pairs.len(), self.count(group)),
+            efficiency: quantiles(efficiency),
+            torque: quantiles(|o, exact| relative(o.screw_torque?, exact.screw_torque?)),
+            loads: quantiles(|o, exact| {
+                let nut = relative(o.nut_normal_load?, exact.nut_normal_load?)?;
+                Some(nut.max(relative(o.screw_normal_load?, exact.screw_normal_load?)?))
+            }),
+            angles_deg: quantiles(|o, exact| {
+                let nut = (o.nut_contact_angle? - exact.nut_contact_angle?).abs();
+                let screw = (o.screw_contact_angle? - exact.screw_contact_angle?).abs();
+                Some(nut.max(screw).to_degrees())
+            }),
+            bound_broken: (!bounds.is_empty()).then(|| share(broken, bounds.len())),
+        }
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "counts of points are small")]
+fn share(part: usize, whole: usize) -> f64 {
+    if whole == 0 { 0.0 } else { part as f64 / whole as f64 }
+}
+
+fn efficiency(ours: &Outputs, exact: &Outputs) -> Option<f64> {
+    Some((ours.efficiency? - exact.efficiency?).abs())
+}
+
+fn relative(ours: f64, exact: f64) -> Option<f64> {
+    Some(((ours - exact) / exact).abs()).filter(|error| error.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Quantiles of 1 to 200 are known.
+    #[test]
+    fn quantiles_count() {
+        let errors: Vec<_> = (1..=200).rev().map(f64::from).collect();
+        let expected = Quantiles { median: 100.0, q99: 198.0, max: 200.0 };
+        assert_eq!(Quantiles::of(errors), Some(expected));
+        let one = Quantiles { median: 3.0, q99: 3.0, max: 3.0 };
+        assert_eq!(Quantiles::of(vec![3.0]), Some(one));
+        assert_eq!(Quantiles::of(Vec::new()), None);
+    }
+}
