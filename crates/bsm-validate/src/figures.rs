@@ -5,6 +5,7 @@ use bsm_case::{Scene, Settings};
 use bsm_dyn::{Angles, Control, Direction, Model, ModelWorkspace, Optimum, Outputs};
 
 use crate::figure::{Axis, Curve, Figure, Stroke};
+use crate::search::minimum_of;
 use crate::{Published, ValidateError, elastic};
 
 /// All figures.
@@ -19,7 +20,7 @@ pub fn figures(published: &Published) -> Result<Vec<Figure>, ValidateError> {
         contact_angle(&lin)?,
         normal_loads(&lin)?,
         slip_angles(&lin)?,
-        optimum_angle(),
+        optimum_angle(&lin)?,
         self_locking(),
         transition(&elastic::lin(published)?)?,
     ])
@@ -175,7 +176,7 @@ const DIRECTIONS: [(Direction, &str, Stroke); 2] = [
     (Direction::LinearToRotary, "linear to rotary", Stroke::Dashed),
 ];
 
-fn optimum_angle() -> Figure {
+fn optimum_angle(lin: &Scene) -> Result<Figure, ValidateError> {
     let mut curves = Vec::new();
     for (color, friction) in [0.025, 0.075, 0.15].into_iter().enumerate() {
         for (direction, words, stroke) in DIRECTIONS {
@@ -191,14 +192,53 @@ fn optimum_angle() -> Figure {
             });
         }
     }
-    Figure {
+    for ((direction, words, _), stroke) in
+        DIRECTIONS.into_iter().zip([Stroke::Circles, Stroke::Triangles])
+    {
+        curves.push(Curve {
+            label: Some(format!("exact, {words}")),
+            color: 3,
+            stroke,
+            points: exact_optimum(lin, direction)?,
+        });
+    }
+    Ok(Figure {
         key: "lin-optimum-angle".into(),
         title: "Contact angle of best efficiency against lead angle".into(),
-        caption: "In closed form. Curves end where no contact angle reaches the optimum.".into(),
+        caption:
+            "In closed form for three friction coefficients f; marks: the maximum of the exact \
+                  efficiency at f = 0.075, 2000 rpm. Curves end where no contact angle reaches the \
+                  optimum."
+                .into(),
         x: Axis::linear(LEAD.1),
         y: Axis::linear("optimum contact angle, deg"),
         curves,
+    })
+}
+
+/// Contact angle of the best efficiency of the exact equations, searched for.
+fn exact_optimum(lin: &Scene, direction: Direction) -> Result<Vec<(f64, f64)>, ValidateError> {
+    let mut points = Vec::new();
+    for lead in degrees(12..=44).into_iter().step_by(4) {
+        let scene = Scene {
+            lead_angle_deg: Some(lead),
+            screw_speed_rpm: lin.screw_speed_rpm.map(|rpm| direction.sign() * rpm),
+            ..lin.clone()
+        };
+        let loss = |contact: f64| {
+            let scene = Scene { contact_angle_deg: Some(contact), ..scene.clone() };
+            let outputs =
+                scene.problem(&Model::Rigid.into())?.solve(&mut ModelWorkspace::default());
+            // Without a root nothing moves: all is lost.
+            Ok(1.0 - outputs.outputs.efficiency.unwrap_or(0.0))
+        };
+        let (low, high) = (30.0, 85.0);
+        let best = minimum_of(loss, low, high)?;
+        // The best of the range is no maximum.
+        let inside = best > low + 0.1 && best < high - 0.1;
+        points.push((lead, if inside { best } else { f64::NAN }));
     }
+    Ok(points)
 }
 
 fn self_locking() -> Figure {
