@@ -266,7 +266,7 @@ pub(crate) struct TradeoffArgs {
 pub(crate) enum Format {
     /// For reading.
     Table,
-    /// For programs, with the names of `bsm schema output`.
+    /// For programs; results of points have the names of `bsm schema output`.
     Json,
 }
 

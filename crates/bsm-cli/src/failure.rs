@@ -74,6 +74,10 @@ impl From<ValidateError> for Failure {
             ValidateError::File { .. } | ValidateError::Page(_) | ValidateError::Threads(_) => {
                 Self::Files(error.to_string())
             }
+            ValidateError::NoReference => {
+                warn("error", &error.to_string());
+                Self::Unsolved
+            }
             _ => Self::Input(error.to_string()),
         }
     }

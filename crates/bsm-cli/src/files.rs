@@ -136,6 +136,13 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     out.complete()
 }
 
+/// Makes the folder of a report and that of its figures, which it returns.
+pub(crate) fn make_report_folder(folder: &Path) -> Result<PathBuf, Failure> {
+    let figures = folder.join("figures");
+    std::fs::create_dir_all(&figures).map_err(|e| Failure::files("make folder", &figures, &e))?;
+    Ok(figures)
+}
+
 /// Writes a report into a folder: page, numbers, and each figure as SVG and as a table.
 pub(crate) fn write_report(
     folder: &Path,
@@ -143,8 +150,7 @@ pub(crate) fn write_report(
     results: &Value,
     figures: &[Figure],
 ) -> Result<(), Failure> {
-    let files = folder.join("figures");
-    std::fs::create_dir_all(&files).map_err(|e| Failure::files("make folder", &files, &e))?;
+    let files = make_report_folder(folder)?;
     for figure in figures {
         write(&files.join(format!("{}.svg", figure.key)), &figure.svg())?;
         write(&files.join(format!("{}.csv", figure.key)), &figure.csv()?)?;

@@ -107,6 +107,7 @@ impl Curves {
         }
         let lines = (0..count)
             .map(|i| Curve {
+                marks: Vec::new(),
                 label: series.map(|axis| format!("{} = {}", axis.name, axis.value(i))),
                 color: i,
                 stroke: Stroke::Solid,

@@ -95,23 +95,3 @@ pub(crate) fn record(record: &Record) -> String {
     }
     blocks.join("\n\n")
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_five_digits() {
-        for (value, text) in [
-            (0.0, "0"),
-            (0.860_106_9, "0.86011"),
-            (-3.25, "-3.2500"),
-            (123_456.7, "123457"),
-            (1.234_567e6, "1.235e6"),
-            (-4.5e-5, "-4.500e-5"),
-            (0.000_123_456, "0.00012346"),
-        ] {
-            assert_eq!(number(value), text);
-        }
-    }
-}

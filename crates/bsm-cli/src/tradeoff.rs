@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use bsm_validate::tradeoff::{self, Advice, Group, Measured, Points, Tradeoff};
+use bsm_validate::tradeoff::{self, Advice, Count, Group, Measured, Points, Tradeoff};
 use bsm_validate::{short, tradeoff_page};
 use serde_json::json;
 
 use crate::args::{Format, TradeoffArgs};
 use crate::batch;
 use crate::failure::{Failure, warn};
-use crate::files::{pretty_json, print, write_report};
+use crate::files::{make_report_folder, pretty_json, print, write_report};
 use crate::stream::progress;
 use crate::table;
 
@@ -18,6 +18,9 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
         Some(path) => read(path)?,
         None => Points::committed()?,
     };
+    if let Some(folder) = &args.out {
+        make_report_folder(folder)?;
+    }
     let bar = progress(Some(0), "measurements", args.quiet);
     let measured = tradeoff::run(&points, |done, all| {
         bar.set_length(all as u64);
@@ -55,8 +58,8 @@ fn read(path: &Path) -> Result<Points, Failure> {
 fn describe(measured: &Tradeoff) -> String {
     let header = [
         "model and dial",
-        "one point ns",
-        "batch ns",
+        "one point us",
+        "batch us",
         "all cores",
         "solved %",
         "eta median",
@@ -70,16 +73,16 @@ fn describe(measured: &Tradeoff) -> String {
         "skids",
     ];
     let rows: Vec<_> = measured.dials.iter().map(row).collect();
-    let counts: Vec<_> =
-        measured.points.iter().map(|(group, count)| format!("{} {count}", group.name())).collect();
+    let count = |count: &Count| format!("{} {}", count.group.name(), count.points);
+    let counts: Vec<_> = measured.points.iter().map(count).collect();
     let advice_header = [
         "tolerance",
         "where the ball",
         "one point",
-        "ns",
+        "us",
         "errs more where it",
         "batch, one core",
-        "ns",
+        "us",
         "errs more where it",
     ];
     let advice: Vec<_> = measured.advice.iter().map(advice_row).collect();
@@ -98,12 +101,13 @@ fn describe(measured: &Tradeoff) -> String {
 
 fn row(dial: &Measured) -> Vec<String> {
     let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), short);
-    let all = &dial.errors[0];
+    let micro = |ns: f64| short(1e-3 * ns);
+    let (all, times) = (&dial.errors[0], &dial.times);
     let mut row = vec![
         dial.dial.name(),
-        cell(dial.times.single.first().and_then(|(_, ns)| *ns)),
-        short(dial.times.batch),
-        short(dial.times.batch_all_cores),
+        micro(times.one_core[0].single),
+        micro(times.one_core[0].batch),
+        micro(times.all_cores),
         format!("{:.1}", 100.0 * all.solved),
         cell(all.efficiency.map(|e| e.median)),
         cell(all.efficiency.map(|e| e.q99)),
@@ -112,7 +116,10 @@ fn row(dial: &Measured) -> Vec<String> {
         cell(all.loads.map(|e| e.q99)),
         cell(all.angles_deg.map(|e| e.q99)),
     ];
-    row.extend(dial.errors[1..].iter().map(|errors| cell(errors.efficiency.map(|e| e.q99))));
+    row.extend(Group::ALL.into_iter().filter(|group| *group != Group::All).map(|group| {
+        let errors = dial.errors.iter().find(|errors| errors.group == group);
+        cell(errors.and_then(|errors| errors.efficiency).map(|e| e.q99))
+    }));
     row
 }
 
@@ -123,7 +130,7 @@ fn advice_row(advice: &Advice) -> Vec<String> {
         row.extend(match pick {
             Some(pick) => {
                 let fails: Vec<_> = pick.fails_where.iter().map(|group| group.name()).collect();
-                [pick.dial.clone(), short(pick.ns), fails.join(", ")]
+                [pick.dial.clone(), short(1e-3 * pick.ns), fails.join(", ")]
             }
             None => ["none".to_owned(), String::new(), String::new()],
         });

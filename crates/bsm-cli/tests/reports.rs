@@ -60,6 +60,10 @@ fn a_perturbed_reference_fails() {
     assert_eq!(page.matches("class=\"failed\"").count(), 1);
     assert!(page.contains("hertz-nut-ratio\" class=\"failed\">"));
 
+    fs::write(&file, "member,quantity,value\n").expect("written");
+    let output = bsm(dir.path(), &args, "");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("hertz.csv: the table has no rows"), "{}", stderr(&output));
     fs::remove_file(&file).expect("removed");
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(1));
@@ -82,13 +86,19 @@ fn tradeoff_measures_a_table() {
     assert!(read("report.html").contains("speed against accuracy"));
     assert!(read("figures/pareto-single.svg").contains("raceway-control"));
     let results: Value = serde_json::from_str(&read("results.json")).expect("JSON");
-    assert_eq!(results["tradeoff"]["points"][0][1], 3);
+    assert_eq!(results["tradeoff"]["points"][0]["points"], 3);
 
     fs::write(dir.path().join("short.csv"), "lead_angle_deg\n10\n").expect("written");
     let output = bsm(dir.path(), &["tradeoff", "short.csv"], "");
     assert_eq!(output.status.code(), Some(2));
     let text = stderr(&output);
     assert!(text.contains("short.csv: row 1") && text.contains("nut_conformity"), "{text}");
+    // No model carries this point to an end: there is nothing to measure against.
+    let hopeless = format!("{}\n40,8,30,45,0.05,0.53,0.53,0,100000,0.1,1\n", few[0]);
+    fs::write(dir.path().join("hopeless.csv"), hopeless).expect("written");
+    let output = bsm(dir.path(), &["tradeoff", "hopeless.csv"], "");
+    assert_eq!(output.status.code(), Some(3));
+    assert!(stderr(&output).contains("no reference"), "{}", stderr(&output));
     let output = bsm(dir.path(), &["tradeoff", "none.csv"], "");
     assert_eq!(output.status.code(), Some(1));
 }

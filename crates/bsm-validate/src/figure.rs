@@ -33,6 +33,8 @@ pub struct Curve {
     pub stroke: Stroke,
     /// Points in the units of the axes.
     pub points: Vec<(f64, f64)>,
+    /// Names of the points, drawn next to marks; none, or one each.
+    pub marks: Vec<String>,
 }
 
 /// An axis of a figure.
@@ -74,11 +76,11 @@ pub struct Figure {
 }
 
 /// Size of a figure without its legend; letters are as large as a screen of a phone needs.
-const SIZE: (f64, f64) = (560.0, 380.0);
+const SIZE: (f64, f64) = (460.0, 330.0);
 
 /// Height of a row of the legend, and letters that fit in a column of two.
 const ROW: f64 = 21.0;
-const COLUMN: usize = 25;
+const COLUMN: usize = 18;
 
 /// How far a logarithmic axis goes beyond the points.
 const BEYOND: f64 = 1.4;
@@ -86,7 +88,7 @@ const BEYOND: f64 = 1.4;
 impl Figure {
     /// SVG of the figure as a file of its own.
     pub fn svg(&self) -> String {
-        self.render(|layout| layout.with_title(&self.title).with_title_wrap(56))
+        self.render(|layout| layout.with_title(&self.title).with_title_wrap(44))
     }
 
     /// SVG for a page that shows the title itself and may hold several figures.
@@ -103,7 +105,7 @@ impl Figure {
         for curve in &self.curves {
             let color = colors[curve.color % colors.len()].as_str();
             let runs = curve.points.split(|(_, y)| !y.is_finite()).filter(|run| !run.is_empty());
-            plots.extend(runs.map(|run| plot(curve.stroke, run, color)));
+            plots.extend(runs.map(|run| plot(curve, run, color)));
             let entry = |label: &String| legend_entry(curve.stroke, color, label);
             legend.extend(curve.label.as_ref().map(entry));
         }
@@ -141,15 +143,16 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// [`ValidateError::Data`] if the table cannot be written.
+    /// [`ValidateError::Figure`] if the table cannot be written.
     pub fn csv(&self) -> Result<String, ValidateError> {
         let mut table = csv::Writer::from_writer(Vec::new());
-        table.write_record(["curve", &self.x.label, &self.y.label])?;
+        table.write_record(["curve", "mark", &self.x.label, &self.y.label])?;
         for curve in &self.curves {
             let label = curve.label.as_deref().unwrap_or_default();
-            for (x, y) in &curve.points {
+            for (i, (x, y)) in curve.points.iter().enumerate() {
+                let mark = curve.marks.get(i).map_or("", String::as_str);
                 let y = if y.is_finite() { y.to_string() } else { String::new() };
-                table.write_record([label, &x.to_string(), &y])?;
+                table.write_record([label, mark, &x.to_string(), &y])?;
             }
         }
         let bytes = table.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
@@ -165,17 +168,23 @@ fn line_style(stroke: Stroke) -> LineStyle {
     }
 }
 
-fn plot(stroke: Stroke, points: &[(f64, f64)], color: &str) -> Plot {
+fn plot(curve: &Curve, points: &[(f64, f64)], color: &str) -> Plot {
     let marks = |marker| {
         let marks = ScatterPlot::new().with_data(points.to_vec()).with_color(color);
-        Plot::Scatter(marks.with_marker(marker).with_size(4.0))
+        let marks = marks.with_marker(marker).with_size(4.0);
+        // Names belong to all points of a curve, not to those of a run.
+        Plot::Scatter(if curve.marks.len() == points.len() {
+            marks.with_labels(curve.marks.clone()).with_repel_labels()
+        } else {
+            marks
+        })
     };
-    match stroke {
+    match curve.stroke {
         Stroke::Circles => marks(MarkerShape::Circle),
         Stroke::Triangles => marks(MarkerShape::Triangle),
         Stroke::Solid | Stroke::Dashed | Stroke::Dotted => {
             let line = LinePlot::new().with_data(points.to_vec()).with_color(color);
-            Plot::Line(line.with_stroke_width(2.0).with_line_style(line_style(stroke)))
+            Plot::Line(line.with_stroke_width(2.0).with_line_style(line_style(curve.stroke)))
         }
     }
 }
@@ -216,7 +225,13 @@ mod tests {
     #[test]
     fn figures_have_gaps_and_a_view_box() {
         let points = vec![(1.0, 1.0), (2.0, 2.0), (3.0, f64::NAN), (4.0, 2.0), (5.0, 1.0)];
-        let curve = Curve { label: Some("a".into()), color: 0, stroke: Stroke::Solid, points };
+        let curve = Curve {
+            marks: Vec::new(),
+            label: Some("a".into()),
+            color: 0,
+            stroke: Stroke::Solid,
+            points,
+        };
         let figure = Figure {
             key: "k".into(),
             title: "t".into(),
@@ -226,8 +241,8 @@ mod tests {
             curves: vec![curve],
         };
         let svg = figure.svg();
-        assert!(svg.contains("viewBox=\"0 0 560 "), "{}", &svg[..300]);
+        assert!(svg.contains("viewBox=\"0 0 460 "), "{}", &svg[..300]);
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");
-        assert!(figure.csv().expect("a table").contains("\na,3,\na,4,2\n"));
+        assert!(figure.csv().expect("a table").contains("\na,,3,\na,,4,2\n"));
     }
 }

@@ -14,7 +14,7 @@ use crate::{Published, ValidateError, elastic};
 ///
 /// [`ValidateError`] if the data cannot be used.
 pub fn figures(published: &Published) -> Result<Vec<Figure>, ValidateError> {
-    let lin = Scene::from_json(published.lin_case.as_bytes())?;
+    let lin = published.lin_case.scene()?;
     Ok(vec![
         lead_angle(&lin)?,
         contact_angle(&lin)?,
@@ -56,10 +56,8 @@ fn degrees(range: std::ops::RangeInclusive<i32>) -> Vec<f64> {
 }
 
 /// The exact equations as circles, every third of them; the closed form as lines.
-const KINDS: [(Model, &str, Stroke, usize); 2] = [
-    (Model::ClosedForm, "closed form", Stroke::Solid, 1),
-    (Model::Rigid, "exact", Stroke::Circles, 3),
-];
+const KINDS: [(Model, &str, Stroke, usize); 2] =
+    [(Model::ClosedForm, "closed", Stroke::Solid, 1), (Model::Rigid, "exact", Stroke::Circles, 3)];
 
 /// The exact equations and the closed form, a colour for each value of `other`.
 fn exact_and_closed(
@@ -75,7 +73,8 @@ fn exact_and_closed(
         for (model, words, stroke, step) in KINDS {
             let values: Vec<_> = values.iter().copied().step_by(step).collect();
             curves.push(Curve {
-                label: Some(format!("at {value} deg, {words}")),
+                marks: Vec::new(),
+                label: Some(format!("{value} deg, {words}")),
                 color,
                 stroke,
                 points: points(&scene, &model.into(), input, &values, read)?,
@@ -140,16 +139,22 @@ fn normal_loads(lin: &Scene) -> Result<Figure, ValidateError> {
         for (_, normal) in &mut points {
             *normal /= load;
         }
-        curves.push(Curve { label: Some(label.to_owned()), color: i, stroke, points });
+        curves.push(Curve {
+            marks: Vec::new(),
+            label: Some(label.to_owned()),
+            color: i,
+            stroke,
+            points,
+        });
     }
     Ok(Figure {
         key: "lin-normal-loads".into(),
         title: "Normal loads against contact angle".into(),
-        caption: "The minor contact carries thousands of times less than the two that are loaded, \
-                  which are nearly equal."
+        caption: "The minor contact carries hundreds to thousands of times less than the two that \
+                  are loaded, which are nearly equal."
             .into(),
         x: Axis::linear(CONTACT.1),
-        y: Axis::log("normal load over axial load"),
+        y: Axis::log("normal over axial load"),
         curves,
     })
 }
@@ -185,6 +190,7 @@ fn optimum_angle(lin: &Scene) -> Result<Figure, ValidateError> {
                 (*lead, best.map_or(f64::NAN, |best| best.contact_angle.to_degrees()))
             };
             curves.push(Curve {
+                marks: Vec::new(),
                 label: Some(format!("f {friction}, {words}")),
                 color,
                 stroke,
@@ -196,6 +202,7 @@ fn optimum_angle(lin: &Scene) -> Result<Figure, ValidateError> {
         DIRECTIONS.into_iter().zip([Stroke::Circles, Stroke::Triangles])
     {
         curves.push(Curve {
+            marks: Vec::new(),
             label: Some(format!("exact, {words}")),
             color: 3,
             stroke,
@@ -250,6 +257,7 @@ fn self_locking() -> Figure {
                 (*lead, limit.map_or(f64::NAN, f64::to_degrees))
             };
             curves.push(Curve {
+                marks: Vec::new(),
                 label: Some(format!("f {friction}, {words}")),
                 color,
                 stroke,
@@ -283,6 +291,7 @@ fn transition(lin: &Scene) -> Result<Figure, ValidateError> {
         for (color, load) in [2113.0, 100.0, 20.0].into_iter().enumerate() {
             let scene = Scene { axial_load_N: Some(load), ..lin.clone() };
             curves.push(Curve {
+                marks: Vec::new(),
                 label: Some(format!("{}, {load} N", model.name())),
                 color,
                 stroke,
@@ -293,8 +302,9 @@ fn transition(lin: &Scene) -> Result<Figure, ValidateError> {
     Ok(Figure {
         key: "transition".into(),
         title: "From rolling to gross skid: Lin's screw, one ball".into(),
-        caption: "Each solid line leaves raceway control (dashed) and joins saturated friction \
-                  (dotted) where friction gives way to the gyroscopic moment."
+        caption: "Traction (solid) leaves raceway control (dashed) and joins saturated friction \
+                  (dotted) where friction gives way to the gyroscopic moment; under 2113 N it \
+                  holds."
             .into(),
         x: Axis::log("screw speed, rpm"),
         y: Axis::linear("efficiency"),

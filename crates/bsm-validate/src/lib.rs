@@ -22,19 +22,41 @@ pub use page::{number, short, tradeoff_page, validation_page};
 pub use published::Published;
 pub use report::{Check, Report, Verdict};
 
-/// Something is wrong with the data that is compiled in.
+/// Data, a table of points or the machine does not allow what is to be done.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ValidateError {
-    /// A table cannot be read.
-    #[error("validation data: {0}")]
-    Data(#[from] csv::Error),
-    /// A scene cannot be used.
-    #[error("validation scene: {0}")]
-    Scene(#[from] bsm_case::CaseError),
+    /// A table of published data cannot be used.
+    #[error("{file}: {error}")]
+    Data {
+        /// Which one.
+        file: &'static str,
+        /// Why.
+        error: csv::Error,
+    },
+    /// A table of published data has no rows.
+    #[error("{file}: the table has no rows, so nothing would be checked")]
+    NoRows {
+        /// Which one.
+        file: &'static str,
+    },
+    /// A scene of published data cannot be used.
+    #[error("{file}: {error}")]
+    Scene {
+        /// Which one.
+        file: &'static str,
+        /// Why.
+        error: bsm_case::CaseError,
+    },
+    /// A point of a check cannot be asked.
+    #[error("point of a check: {0}")]
+    Point(#[from] bsm_case::CaseError),
     /// A claim is missing in a table.
-    #[error("validation data: no claim `{0}`")]
+    #[error("lin1994/claims.csv: no claim `{0}`")]
     NoClaim(&'static str),
+    /// The table of a figure cannot be written.
+    #[error("table of a figure: {0}")]
+    Figure(#[from] csv::Error),
     /// A file of published data cannot be read.
     #[error("{}: {error}", path.display())]
     File {

@@ -15,7 +15,7 @@ const SOURCE: &str = "Lin, Velinsky and Ravani 1994";
 /// All checks of this source.
 pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
     let claims = Claims::read(published)?;
-    let lin = Scene::from_json(published.lin_case.as_bytes())?;
+    let lin = published.lin_case.scene()?;
     let mut checks = Vec::new();
     for direction in [Direction::RotaryToLinear, Direction::LinearToRotary] {
         checks.extend(sweeps(&lin, direction, &claims)?);
@@ -37,10 +37,8 @@ impl Claims {
             claimed: f64,
             statement: String,
         }
-        let rows = csv::Reader::from_reader(published.lin_claims.as_bytes())
-            .into_deserialize::<Row>()
-            .map(|row| row.map(|r| (r.key, (r.claimed, r.statement))))
-            .collect::<Result<_, _>>()?;
+        let rows: Vec<Row> = published.lin_claims.rows()?;
+        let rows = rows.into_iter().map(|r| (r.key, (r.claimed, r.statement))).collect();
         Ok(Self(rows))
     }
 

@@ -4,23 +4,55 @@ use std::borrow::Cow;
 use std::fs;
 use std::path::Path;
 
+use bsm_case::Scene;
+use serde::Deserialize;
+
 use crate::ValidateError;
+
+/// A file of published data.
+#[derive(Debug, Clone)]
+pub(crate) struct File {
+    name: &'static str,
+    text: Cow<'static, str>,
+}
+
+impl File {
+    /// All rows of a table, of which there is one at least.
+    pub(crate) fn rows<T: for<'de> Deserialize<'de>>(&self) -> Result<Vec<T>, ValidateError> {
+        let reader = csv::Reader::from_reader(self.text.as_bytes());
+        let rows: Result<Vec<T>, _> = reader.into_deserialize().collect();
+        let rows = rows.map_err(|error| ValidateError::Data { file: self.name, error })?;
+        if rows.is_empty() {
+            return Err(ValidateError::NoRows { file: self.name });
+        }
+        Ok(rows)
+    }
+
+    /// The scene of a file.
+    pub(crate) fn scene(&self) -> Result<Scene, ValidateError> {
+        Scene::from_json(self.text.as_bytes())
+            .map_err(|error| ValidateError::Scene { file: self.name, error })
+    }
+}
 
 macro_rules! tables {
     ($($(#[$doc:meta])* $name:ident: $file:literal;)*) => {
         /// Scenes and tables that the checks read.
         #[derive(Debug, Clone)]
         pub struct Published {
-            $($(#[$doc])* pub(crate) $name: Cow<'static, str>,)*
+            $($(#[$doc])* pub(crate) $name: File,)*
         }
 
         impl Default for Published {
             /// The data that is compiled in.
             fn default() -> Self {
                 Self {
-                    $($name: Cow::Borrowed(include_str!(concat!(
-                        "../../../validation/published/", $file
-                    ))),)*
+                    $($name: File {
+                        name: $file,
+                        text: Cow::Borrowed(include_str!(concat!(
+                            "../../../validation/published/", $file
+                        ))),
+                    },)*
                 }
             }
         }
@@ -36,7 +68,7 @@ macro_rules! tables {
                     let path = folder.join(file);
                     fs::read_to_string(&path).map_err(|error| ValidateError::File { path, error })
                 };
-                Ok(Self { $($name: Cow::Owned(read($file)?),)* })
+                Ok(Self { $($name: File { name: $file, text: Cow::Owned(read($file)?) },)* })
             }
         }
     };

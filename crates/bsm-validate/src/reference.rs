@@ -28,11 +28,9 @@ struct Row {
 /// One check per row: the largest deviation over its columns.
 pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
     let mut work = RigidWorkspace::default();
-    let case = Scene::from_json(published.lin_case.as_bytes())?;
-    csv::Reader::from_reader(published.lin_reference.as_bytes())
-        .deserialize::<Row>()
-        .map(|row| check(&row?, &case, &mut work))
-        .collect()
+    let case = published.lin_case.scene()?;
+    let rows: Vec<Row> = published.lin_reference.rows()?;
+    rows.iter().map(|row| check(row, &case, &mut work)).collect()
 }
 
 fn check(row: &Row, case: &Scene, work: &mut RigidWorkspace) -> Result<Check, ValidateError> {

@@ -19,7 +19,7 @@ use bsm_dyn::{Model, ModelWorkspace};
 use serde::Serialize;
 
 pub use self::advice::Advice;
-pub use self::clock::Times;
+pub use self::clock::{OneCore, Times};
 pub use self::dials::Dial;
 pub use self::errors::{Errors, Group, Quantiles};
 
@@ -79,7 +79,7 @@ impl Points {
 }
 
 /// More points take minutes and tell no more.
-const MOST_POINTS: usize = 10_000;
+const MOST_POINTS: usize = 3000;
 
 /// Order of the quadrature of the reference.
 const FINE: NonZeroUsize = NonZeroUsize::new(96).expect("not zero");
@@ -98,10 +98,19 @@ pub struct Measured {
     /// What was measured.
     #[serde(flatten)]
     pub dial: Dial,
-    /// Errors over all points, then by motion of the balls.
+    /// Errors over all points, then by motion of the balls, where there are points.
     pub errors: Vec<Errors>,
     /// Times of a point.
     pub times: Times,
+}
+
+/// Number of points of a group.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Count {
+    /// Which points.
+    pub group: Group,
+    /// How many.
+    pub points: usize,
 }
 
 /// The measurement.
@@ -109,8 +118,8 @@ pub struct Measured {
 pub struct Tradeoff {
     /// What errors are against, as options of `bsm solve`.
     pub reference: &'static str,
-    /// Number of points by motion of the balls, all first.
-    pub points: Vec<(Group, usize)>,
+    /// The groups that have points, all first.
+    pub points: Vec<Count>,
     /// Rows from 1 that have no reference; they count nowhere.
     pub without_reference: Vec<usize>,
     /// Widest instruction set of this machine.
@@ -147,7 +156,8 @@ pub fn run(
     for dial in &dials {
         errors.push(reference.errors(points.scenes(), &dial.settings, &mut work)?);
     }
-    let times = clock::times(points, &reference, &dials, &mut progress)?;
+    let groups = reference.groups();
+    let times = clock::times(points, &groups, &dials, &mut progress)?;
     let measured: Vec<_> = dials
         .into_iter()
         .zip(errors)
@@ -156,11 +166,11 @@ pub fn run(
         .collect();
     Ok(Tradeoff {
         reference: REFERENCE,
-        points: Group::ALL.map(|group| (group, reference.count(group))).to_vec(),
+        points: groups.iter().map(|(group, p)| Count { group: *group, points: p.len() }).collect(),
         without_reference: reference.missing(),
         instruction_set: bsm_simd::name(bsm_simd::Arch::new()),
         threads: std::thread::available_parallelism().map_or(1, Into::into),
-        advice: advice::of(&measured),
+        advice: advice::of(&measured, &groups.iter().map(|(group, _)| *group).collect::<Vec<_>>()),
         dials: measured,
     })
 }

@@ -3,29 +3,45 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use bsm_batch::{Chunk, Column};
+use bsm_batch::{Chunk, Column, Columns};
 use bsm_case::{CaseError, ModelChoice, Output, Scene, Settings};
 use bsm_dyn::ModelWorkspace;
 use bsm_simd::Arch;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
-use super::errors::{Group, Reference};
+use super::errors::Group;
 use super::{Dial, Points};
 use crate::ValidateError;
 
 /// Times of a point \[ns\], medians.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Times {
-    /// From a scene to its outputs, one after the other: all points, then by motion of the balls;
-    /// `None` without points.
-    pub single: Vec<(Group, Option<f64>)>,
-    /// From columns of inputs to columns of outputs, on one core.
-    pub batch: f64,
-    /// The same on all cores.
-    pub batch_all_cores: f64,
-    /// On one core with each instruction set, for models that work on several points at a time.
+    /// One by one and in batches on one core: all points, then by motion of the balls.
+    pub one_core: Vec<OneCore>,
+    /// In batches of all points on all cores.
+    pub all_cores: f64,
+    /// In batches of all points on one core with each instruction set, for models that work on several
+    /// points at a time.
     pub instruction_sets: Vec<(&'static str, f64)>,
+}
+
+/// Times of a point of a group on one core \[ns\].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OneCore {
+    /// Which points.
+    pub group: Group,
+    /// From a scene to its outputs, one after the other.
+    pub single: f64,
+    /// From columns of inputs to columns of outputs.
+    pub batch: f64,
+}
+
+impl Times {
+    /// Those of a group.
+    pub fn of(&self, group: Group) -> Option<&OneCore> {
+        self.one_core.iter().find(|times| times.group == group)
+    }
 }
 
 /// Rounds in which the dials take turns.
@@ -47,11 +63,11 @@ const OUTPUTS: [&str; 6] = [
     "screw_contact_angle_deg",
 ];
 
-/// What is timed of a dial.
+/// What is timed of a dial; groups by their place.
 #[derive(Debug, Clone, Copy)]
 enum Way {
-    Single(Group),
-    Batch,
+    Single(usize),
+    Batch(usize),
     AllCores,
     On(Arch),
 }
@@ -59,37 +75,37 @@ enum Way {
 /// Times of every dial.
 pub(super) fn times(
     points: &Points,
-    reference: &Reference,
+    groups: &[(Group, Vec<usize>)],
     dials: &[Dial],
     progress: &mut impl FnMut(usize, usize),
 ) -> Result<Vec<Times>, ValidateError> {
-    let bench = Bench::new(points, reference)?;
-    let jobs: Vec<_> =
-        dials.iter().flat_map(|dial| ways(dial).map(move |way| (dial, way))).collect();
+    let bench = Bench::new(points, groups)?;
+    let jobs: Vec<_> = dials
+        .iter()
+        .flat_map(|dial| ways(dial, groups.len()).map(move |way| (dial, way)))
+        .collect();
     let mut measured = vec![Vec::with_capacity(ROUNDS); jobs.len()];
     let mut work = ModelWorkspace::default();
     for round in 0..ROUNDS {
         for (i, (job, times)) in jobs.iter().zip(&mut measured).enumerate() {
-            times.extend(bench.time(job.0, job.1, &mut work)?);
+            times.push(bench.time(job.0, job.1, &mut work)?);
             progress(round * jobs.len() + i + 1, ROUNDS * jobs.len());
         }
     }
     let medians: Vec<_> = measured.into_iter().map(median).collect();
     let of = |dial: &Dial| {
-        let of_dial = jobs.iter().zip(&medians).filter(|((other, _), _)| *other == dial);
+        let none = |(group, _): &(Group, _)| OneCore { group: *group, single: 0.0, batch: 0.0 };
         let mut times = Times {
-            single: Vec::new(),
-            batch: f64::NAN,
-            batch_all_cores: f64::NAN,
+            one_core: groups.iter().map(none).collect(),
+            all_cores: 0.0,
             instruction_sets: Vec::new(),
         };
-        for ((_, way), time) in of_dial {
-            let number = time.unwrap_or(f64::NAN);
+        for ((_, way), time) in jobs.iter().zip(&medians).filter(|((other, _), _)| *other == dial) {
             match way {
-                Way::Single(group) => times.single.push((*group, *time)),
-                Way::Batch => times.batch = number,
-                Way::AllCores => times.batch_all_cores = number,
-                Way::On(arch) => times.instruction_sets.push((bsm_simd::name(*arch), number)),
+                Way::Single(place) => times.one_core[*place].single = *time,
+                Way::Batch(place) => times.one_core[*place].batch = *time,
+                Way::AllCores => times.all_cores = *time,
+                Way::On(arch) => times.instruction_sets.push((bsm_simd::name(*arch), *time)),
             }
         }
         times
@@ -97,87 +113,94 @@ pub(super) fn times(
     Ok(dials.iter().map(of).collect())
 }
 
-fn ways(dial: &Dial) -> impl Iterator<Item = Way> {
+fn ways(dial: &Dial, groups: usize) -> impl Iterator<Item = Way> {
     let lanes = has_kernel(&dial.settings).then(bsm_simd::instruction_sets).unwrap_or_default();
-    let single = Group::ALL.into_iter().map(Way::Single);
-    single.chain([Way::Batch, Way::AllCores]).chain(lanes.into_iter().map(Way::On))
+    let one_core = (0..groups).flat_map(|place| [Way::Single(place), Way::Batch(place)]);
+    one_core.chain([Way::AllCores]).chain(lanes.into_iter().map(Way::On))
 }
 
 fn has_kernel(settings: &Settings) -> bool {
     matches!(settings.model, ModelChoice::Fixed(model) if bsm_batch::has_kernel(model))
 }
 
-fn median(mut times: Vec<f64>) -> Option<f64> {
+fn median(mut times: Vec<f64>) -> f64 {
     times.sort_unstable_by(f64::total_cmp);
-    times.get(times.len() / 2).copied()
+    times[times.len() / 2]
 }
 
-/// The points in the forms that are timed.
-struct Bench<'a> {
-    points: &'a Points,
-    /// Places of the points of each group.
-    groups: Vec<(Group, Vec<usize>)>,
+/// The points of a group in the forms that are timed.
+struct Forms<'a> {
+    scenes: Vec<&'a Scene>,
+    chunk: Chunk,
     /// The points over and over.
     many: Chunk,
+}
+
+impl<'a> Forms<'a> {
+    fn of(points: &'a Points, places: &[usize]) -> Self {
+        let rows = |len: usize| {
+            let rows = |column: &Column| {
+                let mut chosen = Column::with_capacity(len);
+                chosen.extend((0..len).map(|row| column.cell(places[row % places.len()])));
+                chosen
+            };
+            let inputs = points.chunk.inputs.iter().map(rows).collect();
+            Chunk { first: 1, len, inputs, kept: Vec::new() }
+        };
+        Self {
+            scenes: places.iter().map(|place| &points.scenes[*place]).collect(),
+            chunk: rows(places.len()),
+            many: rows(places.len() * BATCH.div_ceil(places.len())),
+        }
+    }
+}
+
+/// All that is timed.
+struct Bench<'a> {
+    columns: &'a Columns,
+    /// The groups, all points first.
+    groups: Vec<Forms<'a>>,
     outputs: Vec<&'static Output>,
     one_core: ThreadPool,
     all_cores: ThreadPool,
 }
 
 impl<'a> Bench<'a> {
-    fn new(points: &'a Points, reference: &Reference) -> Result<Self, ValidateError> {
-        let chunk = &points.chunk;
-        let len = chunk.len * BATCH.div_ceil(chunk.len);
-        let repeated = |column: &Column| {
-            let mut many = Column::with_capacity(len);
-            many.extend((0..len).map(|row| column.cell(row % chunk.len)));
-            many
-        };
-        let inputs = chunk.inputs.iter().map(repeated).collect();
-        let groups = Group::ALL.map(|group| (group, reference.places(group).collect()));
+    fn new(points: &'a Points, groups: &[(Group, Vec<usize>)]) -> Result<Self, ValidateError> {
         Ok(Self {
-            points,
-            groups: groups.to_vec(),
-            many: Chunk { first: 1, len, inputs, kept: Vec::new() },
+            columns: &points.columns,
+            groups: groups.iter().map(|(_, places)| Forms::of(points, places)).collect(),
             outputs: OUTPUTS.iter().filter_map(|name| Output::named(name)).collect(),
             one_core: ThreadPoolBuilder::new().num_threads(1).build()?,
             all_cores: ThreadPoolBuilder::new().build()?,
         })
     }
 
-    /// Nanoseconds a point; `None` without points.
-    fn time(
-        &self,
-        dial: &Dial,
-        way: Way,
-        work: &mut ModelWorkspace,
-    ) -> Result<Option<f64>, CaseError> {
+    /// Nanoseconds a point.
+    fn time(&self, dial: &Dial, way: Way, work: &mut ModelWorkspace) -> Result<f64, CaseError> {
         let settings = &dial.settings;
-        Ok(match way {
-            Way::Single(group) => {
-                let places = self.groups.iter().find(|(other, _)| *other == group);
-                let places = places.map_or(&[][..], |(_, places)| &places[..]);
-                if places.is_empty() {
-                    return Ok(None);
-                }
-                Some(per_point(places.len(), || {
-                    for place in places {
-                        let scene: &Scene = black_box(&self.points.scenes[*place]);
+        let batch = |arch, place: usize| self.batch(arch, &self.groups[place], settings);
+        match way {
+            Way::Single(place) => {
+                let scenes = &self.groups[place].scenes;
+                per_point(scenes.len(), || {
+                    for scene in scenes {
+                        let scene: &Scene = black_box(scene);
                         let _ = black_box(scene.problem(settings)?.solve(work));
                     }
                     Ok(())
-                })?)
+                })
             }
-            Way::Batch => Some(self.one_core.install(|| self.batch(Arch::new(), settings))?),
-            Way::AllCores => Some(self.all_cores.install(|| self.batch(Arch::new(), settings))?),
-            Way::On(arch) => Some(self.one_core.install(|| self.batch(arch, settings))?),
-        })
+            Way::Batch(place) => self.one_core.install(|| batch(Arch::new(), place)),
+            Way::AllCores => self.all_cores.install(|| batch(Arch::new(), 0)),
+            Way::On(arch) => self.one_core.install(|| batch(arch, 0)),
+        }
     }
 
-    fn batch(&self, arch: Arch, settings: &Settings) -> Result<f64, CaseError> {
+    fn batch(&self, arch: Arch, points: &Forms, settings: &Settings) -> Result<f64, CaseError> {
         // What takes microseconds a point needs no more of them.
-        let chunk = if has_kernel(settings) { &self.many } else { &self.points.chunk };
-        let (columns, base) = (&self.points.columns, Scene::default());
+        let chunk = if has_kernel(settings) { &points.many } else { &points.chunk };
+        let (columns, base) = (self.columns, Scene::default());
         per_point(chunk.len, || {
             black_box(bsm_batch::solve_on(arch, chunk, columns, &base, settings, &self.outputs));
             Ok(())

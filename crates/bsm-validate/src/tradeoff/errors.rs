@@ -118,19 +118,19 @@ impl Reference {
         (1..).zip(&self.0).filter(|(_, point)| point.is_none()).map(|(row, _)| row).collect()
     }
 
-    /// Places of the points of a group.
-    pub(super) fn places(&self, group: Group) -> impl Iterator<Item = usize> {
-        let holds = move |(place, point): (usize, &Option<(Motion, Outputs)>)| {
-            point.as_ref().filter(|(motion, _)| group.holds(*motion)).map(|_| place)
+    /// The groups that have points, and the places of those.
+    pub(super) fn groups(&self) -> Vec<(Group, Vec<usize>)> {
+        let places = |group: Group| {
+            let holds = |(place, point): (usize, &Option<(Motion, Outputs)>)| {
+                point.as_ref().filter(|(motion, _)| group.holds(*motion)).map(|_| place)
+            };
+            self.0.iter().enumerate().filter_map(holds).collect::<Vec<_>>()
         };
-        self.0.iter().enumerate().filter_map(holds)
+        let groups = Group::ALL.into_iter().map(|group| (group, places(group)));
+        groups.filter(|(_, places)| !places.is_empty()).collect()
     }
 
-    pub(super) fn count(&self, group: Group) -> usize {
-        self.places(group).count()
-    }
-
-    /// Errors of a dial in all groups.
+    /// Errors of a dial in the groups that have points.
     pub(super) fn errors(
         &self,
         scenes: &[Scene],
@@ -143,13 +143,14 @@ impl Reference {
             let solved = solution.status == Status::Converged;
             answers.push(Some(solution.outputs).filter(|o| solved && o.efficiency.is_some()));
         }
-        Ok(Group::ALL.map(|group| self.errors_of(group, &answers)).to_vec())
+        let errors = |(group, places): &(_, Vec<_>)| self.errors_of(*group, places, &answers);
+        Ok(self.groups().iter().map(errors).collect())
     }
 
-    fn errors_of(&self, group: Group, answers: &[Option<Outputs>]) -> Errors {
-        let pairs: Vec<_> = self
-            .places(group)
-            .filter_map(|place| Some((answers[place].as_ref()?, &self.0[place].as_ref()?.1)))
+    fn errors_of(&self, group: Group, places: &[usize], answers: &[Option<Outputs>]) -> Errors {
+        let pairs: Vec<_> = places
+            .iter()
+            .filter_map(|place| Some((answers[*place].as_ref()?, &self.0[*place].as_ref()?.1)))
             .collect();
         let quantiles = |error: fn(&Outputs, &Outputs) -> Option<f64>| {
             Quantiles::of(pairs.iter().filter_map(|(ours, exact)| error(ours, exact)).collect())
@@ -161,7 +162,7 @@ impl Reference {
         let broken = bounds.iter().filter(|(bound, error)| error > bound).count();
         Errors {
             group,
-            solved: share(pairs.len(), self.count(group)),
+            solved: share(pairs.len(), places.len()),
             efficiency: quantiles(efficiency),
             torque: quantiles(|o, exact| relative(o.screw_torque?, exact.screw_torque?)),
             loads: quantiles(|o, exact| {
@@ -180,7 +181,7 @@ impl Reference {
 
 #[expect(clippy::cast_precision_loss, reason = "counts of points are small")]
 fn share(part: usize, whole: usize) -> f64 {
-    if whole == 0 { 0.0 } else { part as f64 / whole as f64 }
+    part as f64 / whole as f64
 }
 
 fn efficiency(ours: &Outputs, exact: &Outputs) -> Option<f64> {

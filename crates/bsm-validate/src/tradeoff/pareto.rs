@@ -1,23 +1,18 @@
 //! Error against time, one mark for each model and dial.
 
-use super::{Group, Measured};
+use super::{Group, Measured, OneCore};
 use crate::figure::{Axis, Curve, Figure, Stroke};
-
-/// Errors below this are drawn as this: no measurement tells them from none.
-const FLOOR: f64 = 1e-9;
 
 /// One by one and in batches over all points, then one by one for each motion of the balls.
 pub(super) fn figures(dials: &[Measured]) -> Vec<Figure> {
-    let single = |group: Group| {
-        move |dial: &Measured| dial.times.single.iter().find(|(other, _)| *other == group)?.1
-    };
     let mut figures = vec![
-        figure(dials, Group::All, "single", "one point after the other", &single(Group::All)),
-        figure(dials, Group::All, "batch", "batches on one core", &|dial| Some(dial.times.batch)),
+        figure(dials, Group::All, "single", "one point after the other", |times| times.single),
+        figure(dials, Group::All, "batch", "batches on one core", |times| times.batch),
     ];
     for group in Group::ALL.into_iter().filter(|group| *group != Group::All) {
         let words = format!("where the ball {}", group.name());
-        figures.push(figure(dials, group, &group.name().replace(' ', "-"), &words, &single(group)));
+        let key = group.name().replace(' ', "-");
+        figures.push(figure(dials, group, &key, &words, |times| times.single));
     }
     // Not every table has points of every motion.
     figures.retain(|figure| !figure.curves.is_empty());
@@ -29,36 +24,47 @@ fn figure(
     group: Group,
     key: &str,
     words: &str,
-    time: &dyn Fn(&Measured) -> Option<f64>,
+    time: fn(&OneCore) -> f64,
 ) -> Figure {
     let mut curves: Vec<Curve> = Vec::new();
     for dial in dials {
-        let error = dial.errors.iter().find(|e| e.group == group).and_then(|e| e.efficiency);
-        let (Some(error), Some(ns)) = (error, time(dial)) else { continue };
-        let point = (ns, error.q99.max(FLOOR));
-        let curve = curves.iter_mut().find(|c| c.label.as_deref() == Some(dial.dial.model));
-        match curve {
-            Some(curve) => curve.points.push(point),
-            None => curves.push(Curve {
-                label: Some(dial.dial.model.to_owned()),
-                color: curves.len(),
-                stroke: if curves.len().is_multiple_of(2) {
-                    Stroke::Circles
-                } else {
-                    Stroke::Triangles
-                },
-                points: vec![point],
-            }),
+        let Some(errors) = dial.errors.iter().find(|errors| errors.group == group) else {
+            continue;
+        };
+        let (Some(times), Some(error)) = (dial.times.of(group), errors.efficiency) else {
+            continue;
+        };
+        // Creep speeds would lie on the orders of the quadrature, and no error has no place on a
+        // logarithmic axis.
+        if dial.dial.options.starts_with("--creep") || error.q99 == 0.0 {
+            continue;
         }
+        let name = dial.dial.model.to_owned();
+        let label = if errors.solved < 0.99 {
+            format!("{name}, {:.0} % solved", 100.0 * errors.solved)
+        } else {
+            name
+        };
+        let place = curves.iter().position(|curve| curve.label.as_ref() == Some(&label));
+        let place = place.unwrap_or_else(|| {
+            let stroke =
+                if curves.len().is_multiple_of(2) { Stroke::Circles } else { Stroke::Triangles };
+            let (color, points) = (curves.len(), Vec::new());
+            curves.push(Curve { label: Some(label), color, stroke, points, marks: Vec::new() });
+            curves.len() - 1
+        });
+        curves[place].points.push((1e-3 * time(times), error.q99));
+        let value = dial.dial.options.split_once(' ').map_or("", |(_, value)| value);
+        curves[place].marks.push(value.to_owned());
     }
     Figure {
         key: format!("pareto-{key}"),
         title: format!("Error against time, {words}"),
         caption:
-            "A mark for each model and dial: left is faster, down is more exact. The dials of \
-                  traction are quadrature and creep speed, those of auto its tolerance."
+            "Left is faster, down is more exact. Numbers: quadrature of traction, tolerance of \
+                  auto. Errors are over the points that a model solves."
                 .to_owned(),
-        x: Axis::log("time of a point, ns"),
+        x: Axis::log("time of a point, us"),
         y: Axis::log("error of the efficiency, 99 %"),
         curves,
     }
