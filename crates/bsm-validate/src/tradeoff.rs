@@ -1,7 +1,7 @@
 //! Speed against accuracy: every model and dial over a set of points.
 //!
 //! The reference is traction with quadrature order 96 and a creep speed of 1e-5. (With order 24, balls
-//! that skid partly err up to 3e-4 in the efficiency, where a line between stick and slip crosses the
+//! that skid partly err up to 2e-4 in the efficiency, where a line between stick and slip crosses the
 //! ellipse.) Errors are those of the numbers that users ask for; times are those of this machine, medians of several rounds in
 //! which the dials take turns, so that a disturbance meets all of them.
 
