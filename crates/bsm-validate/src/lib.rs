@@ -11,6 +11,7 @@ mod figures;
 mod lin1994;
 mod page;
 mod published;
+mod ratings;
 mod reference;
 mod report;
 mod search;
@@ -108,5 +109,6 @@ pub fn run(published: &Published) -> Result<Report, ValidateError> {
     let mut checks = reference::checks(published)?;
     checks.extend(lin1994::checks(published)?);
     checks.extend(elastic::checks(published)?);
+    checks.extend(ratings::checks(published)?);
     Ok(Report { checks })
 }

@@ -87,4 +87,8 @@ tables! {
     elastic_reference: "elastic-contacts/reference.csv";
     /// Efficiencies from rolling to gross skid.
     transition: "elastic-contacts/transition.csv";
+    /// Rows of design tables.
+    rating_tables: "ratings/sobolewski.csv";
+    /// Nuts of a catalogue.
+    rating_catalogue: "ratings/hiwin.csv";
 }

@@ -30,7 +30,7 @@ fn tag(s: &str) -> Option<String> {
 fn code_and_theory_cite_the_same_equations() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let (mut code, mut theory) = (BTreeSet::new(), BTreeSet::new());
-    for krate in ["bsm-kin", "bsm-dyn", "bsm-newton", "bsm-batch"] {
+    for krate in ["bsm-kin", "bsm-dyn", "bsm-newton", "bsm-batch", "bsm-design"] {
         tags(&root.join("crates").join(krate).join("src"), "rs", &mut code);
     }
     tags(&root.join("docs/theory"), "md", &mut theory);
