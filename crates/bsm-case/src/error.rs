@@ -75,6 +75,17 @@ pub enum CaseError {
         /// The model.
         model: &'static str,
     },
+    /// Inputs that the ratings of a nut need are not given.
+    #[error("{} required for the ratings of a nut", list(missing))]
+    MissingForRatings {
+        /// The keys.
+        missing: Vec<String>,
+    },
+    /// The grooves leave no ellipse across them.
+    #[error(
+        "no contact ellipse across the groove; set nut_conformity and screw_conformity towards 0.52"
+    )]
+    NoEllipse,
     /// Lead and lead angle disagree.
     #[error(
         "lead_angle_deg = {lead_angle_deg} and lead_mm = {lead_mm} disagree: on this pitch circle \

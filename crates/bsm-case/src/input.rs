@@ -145,4 +145,10 @@ inputs! {
         "axial load on the nut, all balls together";
     loaded_balls [""] AtLeast(1.0), None,
         "number of balls that share the load equally";
+    loaded_balls_per_turn [""] Above(0.0), None,
+        "loaded balls of one turn, for the ratings of a nut; may be a fraction";
+    loaded_turns [""] Above(0.0), None,
+        "loaded turns of a nut, for its ratings; may be a fraction";
+    preload_N ["N"] Above(0.0), None,
+        "axial force between the two nuts of a preloaded pair, for its rigidity";
 }

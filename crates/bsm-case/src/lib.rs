@@ -4,6 +4,7 @@
 //! the vocabulary; [`Scene::problem`] turns it into the SI problem of a model, [`Record`] turns
 //! the answer back. Nothing here solves anything.
 
+mod capacity;
 mod error;
 mod grid;
 mod input;
@@ -15,6 +16,7 @@ mod scene;
 mod schema;
 pub mod units;
 
+pub use capacity::CapacityReport;
 pub use error::CaseError;
 pub use grid::{Axis, Grid};
 pub use input::{INPUTS, Input, InputKey, Rule, Scene};

@@ -42,6 +42,9 @@ pub(crate) enum Command {
     /// Contact angle of best efficiency and self-locking limits, in closed form.
     #[command(after_help = EXIT_CODES)]
     Optimum(OptimumArgs),
+    /// Load ratings, rigidity and efficiency of a nut from its geometry.
+    #[command(after_help = EXIT_CODES)]
+    Capacity(CapacityArgs),
     /// Check the program against published results.
     #[command(after_help = EXIT_CODES)]
     Validate(ValidateArgs),
@@ -228,6 +231,18 @@ pub(crate) struct OptimumArgs {
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     pub(crate) settings: Vec<String>,
     /// How to print the result.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+}
+
+/// The nut is a scene with ball diameter, pitch circle, lead, contact angle, conformities,
+/// loaded_balls_per_turn and loaded_turns. Rigidity is that of a preloaded pair of nuts (preload_N, or
+/// 0.15 of the dynamic rating), or of one nut under axial_load_N.
+#[derive(Debug, Args)]
+pub(crate) struct CapacityArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// How to print the ratings.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
 }

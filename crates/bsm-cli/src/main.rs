@@ -2,6 +2,7 @@
 
 mod args;
 mod batch;
+mod capacity;
 mod compare;
 mod failure;
 mod files;
@@ -28,6 +29,7 @@ fn main() -> ExitCode {
         Command::Sweep(args) => sweep::run(&args),
         Command::Batch(args) => batch::run(&args),
         Command::Optimum(args) => optimum::run(&args),
+        Command::Capacity(args) => capacity::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::Tradeoff(args) => tradeoff::run(&args),
         Command::Schema { kind } => print(&pretty_json(&match kind {

@@ -543,6 +543,24 @@ fn optimum_answers_in_closed_form() {
 }
 
 #[test]
+fn capacity_rates_a_nut() {
+    let dir = folder();
+    let nut = example("nut.json").display().to_string();
+    let output = bsm(dir.path(), &["capacity", &nut], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    // Sobolewski (2002) prints 103546 N.
+    assert!(text.contains("dynamic_load_rating_N") && text.contains("103546"), "{text}");
+    let args = ["capacity", &nut, "--set", "axial_load_N=30000", "--format", "json"];
+    let json: Value = serde_json::from_str(&stdout(&bsm(dir.path(), &args, ""))).expect("JSON");
+    assert_eq!(json["preloaded"], false);
+    assert_eq!(json["axial_load_N"], 30000.0);
+    let output = bsm(dir.path(), &["capacity", &lin()], "");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("loaded_balls_per_turn"), "{}", stderr(&output));
+}
+
+#[test]
 fn help_and_completions_work() {
     let dir = folder();
     for args in [
