@@ -3,11 +3,12 @@
 use std::f64::consts::PI;
 
 use bsm_design::{Body, Nut};
-use bsm_dyn::{Material, Reason};
+use bsm_dyn::Reason;
 use serde_json::{Map, Value, json};
 
-use crate::units::{DEG, GPA, MM};
-use crate::{CaseError, InputKey, Scene};
+use crate::record::message;
+use crate::units::{DEG, MM};
+use crate::{CaseError, Scene};
 
 /// Preload over the dynamic rating unless one is given (Sobolewski 2002).
 const PRELOAD: f64 = 0.15;
@@ -45,7 +46,7 @@ impl CapacityReport {
     pub fn of(scene: &Scene) -> Result<Self, CaseError> {
         scene.check()?;
         let nut = nut(scene)?;
-        let hertz = |_: Reason| CaseError::NoEllipse;
+        let hertz = |reason: Reason| CaseError::NotRated(message(&reason));
         let dynamic = nut.dynamic_rating();
         let (force, preloaded) = match (scene.preload_N, scene.axial_load_N) {
             (None, Some(load)) => (load, false),
@@ -134,13 +135,6 @@ fn nut(scene: &Scene) -> Result<Nut, CaseError> {
     let pitch_mm = need("pitch_circle_diameter_mm", scene.pitch_circle_diameter_mm);
     let lead_angle = scene.lead_angle_deg.map(|deg| deg * DEG);
     let lead_mm = scene.lead_mm.or_else(|| Some(PI * pitch_mm * lead_angle?.tan()));
-    let modulus = scene.value_or_default(InputKey::youngs_modulus_GPa).unwrap_or(f64::NAN) * GPA;
-    let ratio = scene.value_or_default(InputKey::poisson_ratio).unwrap_or(f64::NAN);
-    let races = Material { youngs_modulus: modulus, poisson_ratio: ratio };
-    let balls = Material {
-        youngs_modulus: scene.ball_youngs_modulus_GPa.map_or(modulus, |e| e * GPA),
-        poisson_ratio: scene.ball_poisson_ratio.unwrap_or(ratio),
-    };
     let nut = Nut {
         ball_diameter: need("ball_diameter_mm", scene.ball_diameter_mm) * MM,
         pitch_diameter: pitch_mm * MM,
@@ -150,7 +144,7 @@ fn nut(scene: &Scene) -> Result<Nut, CaseError> {
             need("nut_conformity", scene.nut_conformity),
             need("screw_conformity", scene.screw_conformity),
         ),
-        material: (races, balls),
+        material: scene.materials(),
         balls_per_turn: need("loaded_balls_per_turn", scene.loaded_balls_per_turn),
         turns: need("loaded_turns", scene.loaded_turns),
     };

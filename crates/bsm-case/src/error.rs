@@ -81,11 +81,9 @@ pub enum CaseError {
         /// The keys.
         missing: Vec<String>,
     },
-    /// The grooves leave no ellipse across them.
-    #[error(
-        "no contact ellipse across the groove; set nut_conformity and screw_conformity towards 0.52"
-    )]
-    NoEllipse,
+    /// The grooves leave no contact that can be rated.
+    #[error("{0}")]
+    NotRated(String),
     /// Lead and lead angle disagree.
     #[error(
         "lead_angle_deg = {lead_angle_deg} and lead_mm = {lead_mm} disagree: on this pitch circle \

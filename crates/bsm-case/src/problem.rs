@@ -276,8 +276,8 @@ impl Scene {
         }
     }
 
-    fn elastic_screw(&self) -> ElasticScrew {
-        let Rigid { helix, contact_angle, ball, friction, drive, load } = self.rigid();
+    /// Elastic constants of races and balls.
+    pub(crate) fn materials(&self) -> (Material, Material) {
         let races = Material {
             youngs_modulus: self.value(InputKey::youngs_modulus_GPa) * GPA,
             poisson_ratio: self.value(InputKey::poisson_ratio),
@@ -286,6 +286,11 @@ impl Scene {
             youngs_modulus: self.ball_youngs_modulus_GPa.map_or(races.youngs_modulus, |e| e * GPA),
             poisson_ratio: self.ball_poisson_ratio.unwrap_or(races.poisson_ratio),
         };
+        (races, balls)
+    }
+
+    fn elastic_screw(&self) -> ElasticScrew {
+        let Rigid { helix, contact_angle, ball, friction, drive, load } = self.rigid();
         ElasticScrew {
             helix,
             contact_angle,
@@ -294,7 +299,7 @@ impl Scene {
                 self.value(InputKey::nut_conformity),
                 self.value(InputKey::screw_conformity),
             ),
-            material: (races, balls),
+            material: self.materials(),
             friction,
             drive,
             load,

@@ -188,7 +188,7 @@ impl Record {
 }
 
 /// A reason in words, with the numbers in the units of the vocabulary.
-fn message(reason: &Reason) -> String {
+pub(crate) fn message(reason: &Reason) -> String {
     match reason {
         Reason::SelfLocking { sin_contact_angle, friction_term } => format!(
             "self-locking: sin(contact angle) = {sin_contact_angle:.4} does not exceed f D = \
