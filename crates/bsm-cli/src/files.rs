@@ -8,7 +8,7 @@ use bsm_validate::figure::Figure;
 use serde_json::Value;
 use tempfile::NamedTempFile;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, warn};
 
 /// Beginning of the names of unfinished files.
 pub(crate) const TEMPORARY: &str = ".bsm-";
@@ -156,5 +156,8 @@ pub(crate) fn write_report(
         write(&files.join(format!("{}.csv", figure.key)), &figure.csv()?)?;
     }
     write(&folder.join("results.json"), &(pretty_json(results) + "\n"))?;
-    write(&folder.join("report.html"), page)
+    write(&folder.join("report.html"), page)?;
+    let folder = folder.display();
+    warn("note", &format!("wrote report.html, results.json and figures/ in {folder}"));
+    Ok(())
 }

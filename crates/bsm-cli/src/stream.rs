@@ -13,6 +13,7 @@ use bsm_batch::{
 };
 use bsm_case::{Output as Column, Scene, Settings};
 use bsm_dyn::Status;
+use bsm_validate::PROGRAM;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
@@ -280,7 +281,7 @@ impl<'a> Target<'a> {
         let manifest = format!(
             "{:#}\n",
             json!({
-                "program": concat!("bsm ", env!("CARGO_PKG_VERSION")),
+                "program": PROGRAM,
                 "rows_of_a_part": PART,
                 "origin": origin,
                 "columns": columns.kept.iter().map(String::as_str)

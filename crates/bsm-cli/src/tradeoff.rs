@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bsm_validate::tradeoff::{self, Advice, Count, Group, Measured, Points, Tradeoff};
-use bsm_validate::{short, tradeoff_page};
+use bsm_validate::{PROGRAM, short, tradeoff_page};
 use serde_json::json;
 
 use crate::args::{Format, TradeoffArgs};
@@ -28,15 +28,11 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
     })?;
     bar.finish_and_clear();
     let results = json!({
-        "program": concat!("bsm ", env!("CARGO_PKG_VERSION")),
+        "program": PROGRAM,
         "tradeoff": measured,
     });
     if let Some(folder) = &args.out {
         write_report(folder, &tradeoff_page(&measured)?, &results, &measured.figures())?;
-        warn(
-            "note",
-            &format!("wrote report.html, results.json and figures/ in {}", folder.display()),
-        );
     }
     match args.format {
         Format::Json => print(&pretty_json(&results))?,
@@ -117,8 +113,7 @@ fn row(dial: &Measured) -> Vec<String> {
         cell(all.angles_deg.map(|e| e.q99)),
     ];
     row.extend(Group::ALL.into_iter().filter(|group| *group != Group::All).map(|group| {
-        let errors = dial.errors.iter().find(|errors| errors.group == group);
-        cell(errors.and_then(|errors| errors.efficiency).map(|e| e.q99))
+        cell(dial.errors_of(group).and_then(|errors| errors.efficiency).map(|e| e.q99))
     }));
     row
 }

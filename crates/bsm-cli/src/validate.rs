@@ -1,10 +1,10 @@
 //! `bsm validate`: published results against ours.
 
-use bsm_validate::{Published, Report, Verdict, number};
+use bsm_validate::{PROGRAM, Published, Report, Verdict, number};
 use serde_json::json;
 
 use crate::args::{Format, ValidateArgs};
-use crate::failure::{Failure, warn};
+use crate::failure::Failure;
 use crate::files::{pretty_json, print, write_report};
 use crate::table;
 
@@ -15,7 +15,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
     };
     let report = bsm_validate::run(&published)?;
     let results = json!({
-        "program": concat!("bsm ", env!("CARGO_PKG_VERSION")),
+        "program": PROGRAM,
         "passed": report.passed(),
         "checks": report.checks,
     });
@@ -23,10 +23,6 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
         let figures = bsm_validate::figures(&published)?;
         let page = bsm_validate::validation_page(&report, &figures)?;
         write_report(folder, &page, &results, &figures)?;
-        warn(
-            "note",
-            &format!("wrote report.html, results.json and figures/ in {}", folder.display()),
-        );
     }
     match args.format {
         Format::Json => print(&pretty_json(&results))?,

@@ -307,28 +307,24 @@ fn hypothesis(lin: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, Vali
         let o = solve(&scene, &Model::Traction.into(), work)?;
         let (nut, screw) = (number(o.nut_spin).abs(), number(o.screw_spin).abs());
         let share = nut.min(screw) / (nut + screw);
-        let check = Check::new(
-            &format!("elastic/raceway-hypothesis-{load}-{rpm}"),
-            SOURCE,
-            if rpm < 3000.0 && load > 1000.0 {
-                format!("equal conformities share the spin at {load} N and {rpm} rpm")
-            } else {
-                format!("raceway control: one race has no spin, at {load} N and {rpm} rpm")
-            },
-        )
-        .measured(share, "of the spin at the quieter race")
-        .note(format!(
-            "nut {nut:.1} rad/s, screw {screw:.1} rad/s, skid number {:.4}",
-            number(o.skid_number)
-        ));
+        let check = |claim: &str| {
+            let key = format!("elastic/raceway-hypothesis-{load}-{rpm}");
+            Check::new(&key, SOURCE, format!("{claim}, at {load} N and {rpm} rpm"))
+                .measured(share, "of the spin at the quieter race")
+                .note(format!(
+                    "nut {nut:.1} rad/s, screw {screw:.1} rad/s, skid number {:.4}",
+                    number(o.skid_number)
+                ))
+        };
+        let control = "raceway control: one race has no spin";
         checks.push(match (rpm, load) {
-            (2000.0, 2113.0) => check.equals(
+            (2000.0, 2113.0) => check("equal conformities share the spin").equals(
                 0.5,
                 0.1,
                 "half each, and so no race is without, as raceway control has it",
             ),
-            (6000.0, 100.0) => check.at_most(0.1, "a light load: near nut control"),
-            _ => check,
+            (6000.0, 100.0) => check(control).at_most(0.1, "a light load: near nut control"),
+            _ => check(control),
         });
     }
     Ok(checks)

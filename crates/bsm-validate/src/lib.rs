@@ -19,7 +19,7 @@ mod sweep;
 pub mod tradeoff;
 
 pub use figures::figures;
-pub use page::{number, short, tradeoff_page, validation_page};
+pub use page::{PROGRAM, number, short, tradeoff_page, validation_page};
 pub use published::Published;
 pub use report::{Check, Report, Verdict};
 

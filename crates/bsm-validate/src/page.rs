@@ -14,7 +14,8 @@ const TEMPLATES: [(&str, &str); 4] = [
     ("tradeoff.html", include_str!("../templates/tradeoff.html")),
 ];
 
-const PROGRAM: &str = concat!("bsm ", env!("CARGO_PKG_VERSION"));
+/// Name and version of the program, in what it writes.
+pub const PROGRAM: &str = concat!("bsm ", env!("CARGO_PKG_VERSION"));
 
 /// Five significant digits, in fixed notation where that reads well.
 pub fn number(value: f64) -> String {

@@ -2,8 +2,8 @@
 //!
 //! The reference is traction with quadrature order 96 and a creep speed of 1e-5. (With order 24, balls
 //! that skid partly err up to 2e-4 in the efficiency, where a line between stick and slip crosses the
-//! ellipse.) Errors are those of the numbers that users ask for; times are those of this machine, medians of several rounds in
-//! which the dials take turns, so that a disturbance meets all of them.
+//! ellipse.) Errors are those of the numbers that users ask for; times are those of this machine,
+//! medians of several rounds in which the dials take turns, so that a disturbance meets all of them.
 
 mod advice;
 mod clock;
@@ -84,12 +84,15 @@ const MOST_POINTS: usize = 3000;
 /// Order of the quadrature of the reference.
 const FINE: NonZeroUsize = NonZeroUsize::new(96).expect("not zero");
 
-/// The reference, as options of `bsm solve`.
-pub const REFERENCE: &str = "--model traction --quadrature 96 --creep 1e-5";
-
 /// What the reference is solved with.
 fn reference_settings() -> Settings {
     Settings { quadrature: FINE, creep: 1e-5, ..Model::Traction.into() }
+}
+
+/// The reference, as options of `bsm solve`.
+pub fn reference() -> String {
+    let Settings { model, quadrature, creep, .. } = reference_settings();
+    format!("--model {} --quadrature {quadrature} --creep {creep:e}", model.name())
 }
 
 /// A dial, its errors and its times.
@@ -102,6 +105,13 @@ pub struct Measured {
     pub errors: Vec<Errors>,
     /// Times of a point.
     pub times: Times,
+}
+
+impl Measured {
+    /// Errors over the points of a group, if it has any.
+    pub fn errors_of(&self, group: Group) -> Option<&Errors> {
+        self.errors.iter().find(|errors| errors.group == group)
+    }
 }
 
 /// Number of points of a group.
@@ -117,7 +127,7 @@ pub struct Count {
 #[derive(Debug, Clone, Serialize)]
 pub struct Tradeoff {
     /// What errors are against, as options of `bsm solve`.
-    pub reference: &'static str,
+    pub reference: String,
     /// The groups that have points, all first.
     pub points: Vec<Count>,
     /// Rows from 1 that have no reference; they count nowhere.
@@ -152,11 +162,11 @@ pub fn run(
     let mut work = ModelWorkspace::default();
     let reference = Reference::of(points.scenes(), &mut work)?;
     let dials = dials::all();
+    let groups = reference.groups();
     let mut errors = Vec::new();
     for dial in &dials {
-        errors.push(reference.errors(points.scenes(), &dial.settings, &mut work)?);
+        errors.push(reference.errors(points.scenes(), &groups, &dial.settings, &mut work)?);
     }
-    let groups = reference.groups();
     let times = clock::times(points, &groups, &dials, &mut progress)?;
     let measured: Vec<_> = dials
         .into_iter()
@@ -165,7 +175,7 @@ pub fn run(
         .map(|((dial, errors), times)| Measured { dial, errors, times })
         .collect();
     Ok(Tradeoff {
-        reference: REFERENCE,
+        reference: self::reference(),
         points: groups.iter().map(|(group, p)| Count { group: *group, points: p.len() }).collect(),
         without_reference: reference.missing(),
         instruction_set: bsm_simd::name(bsm_simd::Arch::new()),

@@ -61,8 +61,8 @@ fn pick(
         .collect();
     let least = timed.iter().map(|(_, ns)| *ns).min_by(f64::total_cmp)?;
     let error = |dial: &Measured| {
-        let errors = dial.errors.iter().find(|errors| errors.group == group);
-        errors.and_then(|errors| errors.efficiency).map_or(f64::INFINITY, |e| e.q99)
+        let errors = dial.errors_of(group).and_then(|errors| errors.efficiency);
+        errors.map_or(f64::INFINITY, |e| e.q99)
     };
     let near = timed.into_iter().filter(|(_, ns)| *ns <= HARDLY * least);
     let (dial, ns) = near.min_by(|a, b| error(a.0).total_cmp(&error(b.0)))?;

@@ -130,10 +130,11 @@ impl Reference {
         groups.filter(|(_, places)| !places.is_empty()).collect()
     }
 
-    /// Errors of a dial in the groups that have points.
+    /// Errors of a dial in [`groups`](Self::groups).
     pub(super) fn errors(
         &self,
         scenes: &[Scene],
+        groups: &[(Group, Vec<usize>)],
         settings: &Settings,
         work: &mut ModelWorkspace,
     ) -> Result<Vec<Errors>, ValidateError> {
@@ -144,7 +145,7 @@ impl Reference {
             answers.push(Some(solution.outputs).filter(|o| solved && o.efficiency.is_some()));
         }
         let errors = |(group, places): &(_, Vec<_>)| self.errors_of(*group, places, &answers);
-        Ok(self.groups().iter().map(errors).collect())
+        Ok(groups.iter().map(errors).collect())
     }
 
     fn errors_of(&self, group: Group, places: &[usize], answers: &[Option<Outputs>]) -> Errors {

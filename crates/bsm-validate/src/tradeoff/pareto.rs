@@ -28,12 +28,10 @@ fn figure(
 ) -> Figure {
     let mut curves: Vec<Curve> = Vec::new();
     for dial in dials {
-        let Some(errors) = dial.errors.iter().find(|errors| errors.group == group) else {
+        let (Some(times), Some(errors)) = (dial.times.of(group), dial.errors_of(group)) else {
             continue;
         };
-        let (Some(times), Some(error)) = (dial.times.of(group), errors.efficiency) else {
-            continue;
-        };
+        let Some(error) = errors.efficiency else { continue };
         // Creep speeds would lie on the orders of the quadrature, and no error has no place on a
         // logarithmic axis.
         if dial.dial.options.starts_with("--creep") || error.q99 == 0.0 {
