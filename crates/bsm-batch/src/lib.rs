@@ -11,6 +11,7 @@
 
 mod error;
 mod kernel;
+mod numbers;
 mod operand;
 mod parquet_table;
 mod rows;
@@ -20,6 +21,7 @@ mod text;
 
 pub use error::TableError;
 pub use kernel::exists as has_kernel;
+pub use numbers::{NumberColumn, Numbers};
 pub use parquet_table::{ParquetSink, ParquetSource};
 pub use rows::{Answers, Cell, Chunk, Column, Columns, Verdict};
 pub use solve::{solve, solve_on};

@@ -2,37 +2,25 @@
 
 use std::f64::consts::PI;
 
-use bsm_design::{Body, Nut};
-use bsm_dyn::Reason;
+use bsm_design::{Body, Duty, Nut, PRELOAD, ROLLING_LEVER, life};
 use serde_json::{Map, Value, json};
 
 use crate::record::message;
-use crate::units::{DEG, MM};
-use crate::{CaseError, Scene};
-
-/// Preload over the dynamic rating unless one is given (Sobolewski 2002).
-const PRELOAD: f64 = 0.15;
-
-/// Lever arm of rolling resistance unless one is given \[m\] (Sobolewski 2002).
-const LEVER: f64 = 0.005 * MM;
+use crate::units::{DEG, MM, RPM, UM};
+use crate::{CaseError, InputKey, Scene, Spectrum};
 
 /// Conformities that the fits behind the ratings were made for.
 const CONFORMITIES: (f64, f64) = (0.51, 0.57);
 
-/// Ratings, rigidity and efficiency of a nut.
+/// A number with its name and unit.
+type Row = (&'static str, &'static str, f64);
+
+/// Ratings, rigidity, mass, life and efficiency of a nut.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CapacityReport {
-    dynamic: f64,
-    static_: f64,
-    /// Of one turn \[N/m^1.5\].
-    turn: f64,
-    /// Preload or load \[N\], and whether it is a preload.
-    force: f64,
+    rows: Vec<Row>,
+    steps: Vec<Row>,
     preloaded: bool,
-    displacement: f64,
-    contacts: f64,
-    total: f64,
-    efficiency: f64,
     warnings: Vec<String>,
 }
 
@@ -40,24 +28,86 @@ impl CapacityReport {
     /// Ratings of the nut of a scene: a pair of nuts under `preload_N`, or one nut under
     /// `axial_load_N`; a pair under 0.15 of the dynamic rating unless one of them is given.
     ///
+    /// Life is that under a spectrum, or else under axial load and speed of the scene.
+    ///
     /// # Errors
     ///
     /// [`CaseError`] if an input is missing or breaks its rule, or the grooves leave no ellipse.
-    pub fn of(scene: &Scene) -> Result<Self, CaseError> {
+    pub fn of(scene: &Scene, spectrum: Option<&Spectrum>) -> Result<Self, CaseError> {
         scene.check()?;
         let nut = nut(scene)?;
-        let hertz = |reason: Reason| CaseError::NotRated(message(&reason));
-        let dynamic = nut.dynamic_rating();
+        let mut body = Body::usual(&nut, nut.pitch_diameter);
+        if let Some(outer) = scene.nut_outer_diameter_mm {
+            body.outer = outer * MM;
+        }
+        if let Some(length) = scene.nut_length_mm {
+            body.length = length * MM;
+        }
+        let widest = nut.pitch_diameter + nut.ball_diameter;
+        if body.outer <= widest {
+            let (value, rule) =
+                (body.outer / MM, format!("> {} mm, where the balls are", widest / MM));
+            return Err(CaseError::OutOfRange {
+                key: "nut_outer_diameter_mm".to_owned(),
+                value,
+                rule,
+            });
+        }
+        let (dynamic, static_) = (nut.dynamic_rating(), nut.static_rating());
         let (force, preloaded) = match (scene.preload_N, scene.axial_load_N) {
             (None, Some(load)) => (load, false),
-            (preload, _) => (preload.unwrap_or(PRELOAD * dynamic), true),
+            (preload, _) => (preload.unwrap_or(PRELOAD * dynamic.rating), true),
         };
-        let (displacement, contacts) = nut.contacts_under(force).map_err(hertz)?;
-        let outer = nut.pitch_diameter + 4.0 * nut.ball_diameter;
-        let body = Body { outer, youngs_modulus: nut.material.0.youngs_modulus };
-        // Two nuts against each other have twice the rigidity of one.
-        let nuts = if preloaded { 2.0 } else { 1.0 };
-        let (contacts, bodies) = (nuts * contacts, nuts * nut.body_rigidity(&body));
+        let rigidity = nut
+            .rigidity(&body, force, preloaded)
+            .map_err(|reason| CaseError::NotRated(message(&reason)))?;
+        let lever = scene.rolling_friction_mm.map_or(ROLLING_LEVER, |lever| lever * MM);
+        let pitch_mm = nut.pitch_diameter / MM;
+        let limit = scene.value_or_default(InputKey::speed_number_limit_mm_min).unwrap_or(f64::NAN);
+        let mut rows = vec![
+            ("dynamic_load_rating_N", "N", dynamic.rating),
+            ("static_load_rating_N", "N", static_.rating),
+            ("rigidity_characteristic_N_um15", "N/um^1.5", rigidity.turn * 1e-9),
+            (if preloaded { "preload_N" } else { "axial_load_N" }, "N", force),
+            ("axial_displacement_um", "um", rigidity.displacement / UM),
+            ("contact_rigidity_N_um", "N/um", rigidity.contacts * UM),
+            ("body_rigidity_N_um", "N/um", rigidity.bodies * UM),
+            ("total_rigidity_N_um", "N/um", rigidity.total * UM),
+            ("efficiency", "", nut.rolling_efficiency(lever)),
+            ("nut_outer_diameter_mm", "mm", body.outer / MM),
+            ("nut_length_mm", "mm", body.length / MM),
+            ("mass_kg", "kg", body.mass(&nut)),
+            ("permissible_speed_rpm", "rpm", limit / pitch_mm),
+        ];
+        let speed = scene.speeds_rpm().map(|(screw, nut)| (screw - nut).abs());
+        rows.extend(speed.map(|rpm| ("speed_number_mm_min", "mm/min", rpm * pitch_mm)));
+        let duty = match (spectrum, scene.axial_load_N, speed) {
+            (Some(spectrum), ..) => Some(spectrum.0.clone()),
+            (None, Some(load), Some(rpm)) => Some(vec![Duty { load, speed: rpm * RPM, time: 1.0 }]),
+            _ => None,
+        };
+        let preload = preloaded.then_some(force);
+        let life = duty.and_then(|duty| life(dynamic.rating, preload, &duty));
+        rows.extend(life.iter().flat_map(|life| {
+            [
+                ("mean_load_N", "N", life.mean_load),
+                ("mean_speed_rpm", "rpm", life.mean_speed / RPM),
+                ("life_revolutions", "", life.revolutions),
+                ("life_h", "h", life.time / 3600.0),
+            ]
+        }));
+        let steps = vec![
+            ("lead_angle_deg", "deg", nut.lead_angle() / DEG),
+            ("gamma", "", dynamic.gamma),
+            ("f_c", "", dynamic.shape),
+            ("C_s_N", "N", dynamic.screw),
+            ("C_s_over_C_n", "", dynamic.ratio),
+            ("screw_curvature_along_1_mm", "1/mm", static_.curvatures.along * MM),
+            ("screw_curvature_across_1_mm", "1/mm", static_.curvatures.across * MM),
+            ("k_0_N_mm2", "N/mm2", static_.factor),
+            ("nut_approach_um_N23", "um/N^(2/3)", rigidity.approaches[0] / UM),
+            ("screw_approach_um_N23", "um/N^(2/3)", rigidity.approaches[1] / UM),
+        ];
         let mut warnings = scene.warnings();
         for (name, conformity) in
             [("nut_conformity", nut.conformity.0), ("screw_conformity", nut.conformity.1)]
@@ -69,40 +119,32 @@ impl CapacityReport {
                 ));
             }
         }
-        if force > dynamic {
+        let heaviest = life.map_or(force, |life| life.mean_load.max(force));
+        if heaviest > dynamic.rating {
             warnings.push(format!(
-                "{} of {force:.0} N is more than the dynamic rating of {dynamic:.0} N",
-                if preloaded { "a preload" } else { "a load" }
+                "a force of {heaviest:.0} N is more than the dynamic rating of {:.0} N",
+                dynamic.rating
             ));
         }
-        let lever = scene.rolling_friction_mm.map_or(LEVER, |lever| lever * MM);
-        Ok(Self {
-            dynamic,
-            static_: nut.static_rating(),
-            turn: nut.turn_rigidity().map_err(hertz)?,
-            force,
-            preloaded,
-            displacement,
-            contacts,
-            total: (contacts.recip() + bodies.recip()).recip(),
-            efficiency: nut.rolling_efficiency(lever),
-            warnings,
-        })
+        if let Some(rpm) = speed.filter(|rpm| *rpm * pitch_mm > limit) {
+            warnings.push(format!(
+                "speed number {:.0} mm/min at {rpm} rpm: above speed_number_limit_mm_min = {limit} \
+                 the return of the balls is at risk",
+                rpm * pitch_mm
+            ));
+        }
+        Ok(Self { rows, steps, preloaded, warnings })
     }
 
     /// Name, unit and value of each number.
-    pub fn rows(&self) -> Vec<(&'static str, &'static str, f64)> {
-        let force = if self.preloaded { "preload_N" } else { "axial_load_N" };
-        vec![
-            ("dynamic_load_rating_N", "N", self.dynamic),
-            ("static_load_rating_N", "N", self.static_),
-            ("rigidity_characteristic_N_um15", "N/um^1.5", self.turn * 1e-9),
-            (force, "N", self.force),
-            ("axial_displacement_um", "um", self.displacement * 1e6),
-            ("contact_rigidity_N_um", "N/um", self.contacts * 1e-6),
-            ("total_rigidity_N_um", "N/um", self.total * 1e-6),
-            ("efficiency", "", self.efficiency),
-        ]
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// Name, unit and value of what lies between, for a check by hand; docs/theory/11-ratings.md
+    /// has the formulas.
+    pub fn steps(&self) -> &[Row] {
+        &self.steps
     }
 
     /// What an engineer should know before using the numbers.
@@ -110,14 +152,14 @@ impl CapacityReport {
         &self.warnings
     }
 
-    /// JSON object of the numbers.
+    /// JSON object of the numbers, and those of [`steps`](Self::steps) as an object in it.
     pub fn to_json(&self) -> Value {
-        let mut map: Map<String, Value> = self
-            .rows()
-            .into_iter()
-            .map(|(name, _, value)| (name.to_owned(), json!(value)))
-            .collect();
+        let object = |rows: &[Row]| -> Map<String, Value> {
+            rows.iter().map(|(name, _, value)| ((*name).to_owned(), json!(value))).collect()
+        };
+        let mut map = object(&self.rows);
         map.insert("preloaded".to_owned(), json!(self.preloaded));
+        map.insert("steps".to_owned(), Value::Object(object(&self.steps)));
         map.insert("warnings".to_owned(), json!(self.warnings));
         Value::Object(map)
     }

@@ -67,6 +67,30 @@ pub enum CaseError {
         /// The rule in words.
         rule: String,
     },
+    /// A key that the lists of the catalogue do not have.
+    #[error("unknown key `{}`{}; `bsm catalog --lists` prints all keys", key.escape_debug(), nearest_hint(nearest.as_deref()))]
+    UnknownListKey {
+        /// The key.
+        key: String,
+        /// The nearest known one.
+        nearest: Option<String>,
+    },
+    /// A value of the lists of the catalogue that is none.
+    #[error("`{key}`: {what}")]
+    NotAList {
+        /// The key.
+        key: String,
+        /// What is wrong.
+        what: String,
+    },
+    /// A column that the catalogue does not have.
+    #[error("no column is named `{}`{}; `bsm catalog --columns` lists them", name.escape_debug(), nearest_hint(nearest.as_deref()))]
+    UnknownColumn {
+        /// The name.
+        name: String,
+        /// The nearest one.
+        nearest: Option<String>,
+    },
     /// Inputs that a model needs are not given.
     #[error("{} required by model {model}", list(missing))]
     Missing {
@@ -80,6 +104,12 @@ pub enum CaseError {
     MissingForRatings {
         /// The keys.
         missing: Vec<String>,
+    },
+    /// A load spectrum that cannot be used.
+    #[error("{what}")]
+    Spectrum {
+        /// Which row, and what is required.
+        what: String,
     },
     /// The grooves leave no contact that can be rated.
     #[error("{0}")]

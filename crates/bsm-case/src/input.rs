@@ -150,5 +150,11 @@ inputs! {
     loaded_turns [""] Above(0.0), None,
         "loaded turns of a nut, for its ratings; may be a fraction";
     preload_N ["N"] Above(0.0), None,
-        "axial force between the two nuts of a preloaded pair, for its rigidity";
+        "axial force between the two nuts of a preloaded pair, for its rigidity and life";
+    nut_outer_diameter_mm ["mm"] Above(0.0), None,
+        "outer diameter of the nut, for its rigidity and mass; pitch circle and 4 balls unless given";
+    nut_length_mm ["mm"] Above(0.0), None,
+        "length of the nut, for its mass; loaded_turns + 3 leads unless given";
+    speed_number_limit_mm_min ["mm/min"] Above(0.0), Some(70000.0),
+        "largest pitch circle diameter times speed that the return of the balls permits";
 }

@@ -5,6 +5,7 @@
 //! the answer back. Nothing here solves anything.
 
 mod capacity;
+mod catalogue;
 mod error;
 mod grid;
 mod input;
@@ -14,9 +15,14 @@ mod problem;
 mod record;
 mod scene;
 mod schema;
+mod spectrum;
 pub mod units;
 
 pub use capacity::CapacityReport;
+pub use catalogue::{
+    CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Requirement, STANDARD_CATALOGUE, candidate_json,
+    pareto,
+};
 pub use error::CaseError;
 pub use grid::{Axis, Grid};
 pub use input::{INPUTS, Input, InputKey, Rule, Scene};
@@ -24,5 +30,7 @@ pub use optimum::OptimumReport;
 pub use output::{Cell, OUTPUTS, Output, OutputKey};
 pub use problem::{ModelChoice, Settings, required_inputs};
 pub use record::Record;
+pub(crate) use scene::nearest;
 pub use scene::nearest_input;
 pub use schema::{input_schema, output_schema};
+pub use spectrum::Spectrum;

@@ -196,12 +196,18 @@ pub(crate) fn unknown_key(key: String) -> CaseError {
 
 /// The known input whose name is nearest to `key`, if any is near.
 pub fn nearest_input(key: &str) -> Option<&'static str> {
+    nearest(key, INPUTS.iter().map(|input| input.name))
+}
+
+/// The name that is nearest to `key`, if any is near.
+pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let key = key.to_lowercase();
     let part = if key.len() < 3 { "no part of a name" } else { key.as_str() };
-    INPUTS
-        .iter()
-        .map(|input| (strsim::damerau_levenshtein(&key, &input.name.to_lowercase()), input.name))
-        .chain(INPUTS.iter().filter(|i| i.name.contains(part)).map(|i| (3, i.name)))
+    names
+        .map(|name| {
+            let distance = strsim::damerau_levenshtein(&key, &name.to_lowercase());
+            (if name.contains(part) { distance.min(3) } else { distance }, name)
+        })
         .min()
         .filter(|(distance, name)| *distance <= name.len().max(key.len()) / 2)
         .map(|(_, name)| name)

@@ -14,7 +14,7 @@ fn nut(changes: &[(&str, f64)]) -> Scene {
 }
 
 fn numbers(scene: &Scene) -> impl Fn(&str) -> f64 + use<> {
-    let rows = CapacityReport::of(scene).expect("complete").rows();
+    let rows = CapacityReport::of(scene, None).expect("complete").rows().to_vec();
     move |name| rows.iter().find(|(n, ..)| *n == name).map_or(f64::NAN, |row| row.2)
 }
 
@@ -68,13 +68,13 @@ fn what_cannot_be_rated_is_told() {
     let mut scene = nut(&[]);
     scene.loaded_turns = None;
     scene.screw_conformity = None;
-    let error = CapacityReport::of(&scene).expect_err("inputs are missing").to_string();
+    let error = CapacityReport::of(&scene, None).expect_err("inputs are missing").to_string();
     assert!(error.contains("screw_conformity and loaded_turns are required"), "{error}");
     let scene = nut(&[("loaded_turns", -1.0)]);
-    assert!(matches!(CapacityReport::of(&scene), Err(CaseError::OutOfRange { .. })));
+    assert!(matches!(CapacityReport::of(&scene, None), Err(CaseError::OutOfRange { .. })));
     let flat = nut(&[("nut_conformity", 50.0), ("screw_conformity", 50.0)]);
-    let error = CapacityReport::of(&flat).expect_err("no ellipse").to_string();
+    let error = CapacityReport::of(&flat, None).expect_err("no ellipse").to_string();
     assert!(error.contains("towards 0.52"), "{error}");
-    let heavy = CapacityReport::of(&nut(&[("axial_load_N", 2e5)])).expect("complete");
+    let heavy = CapacityReport::of(&nut(&[("axial_load_N", 2e5)]), None).expect("complete");
     assert!(heavy.warnings()[0].contains("more than the dynamic rating"), "{heavy:?}");
 }

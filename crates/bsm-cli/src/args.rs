@@ -45,6 +45,9 @@ pub(crate) enum Command {
     /// Load ratings, rigidity and efficiency of a nut from its geometry.
     #[command(after_help = EXIT_CODES)]
     Capacity(CapacityArgs),
+    /// All nuts of standard sizes: filter, sort, write them as a table.
+    #[command(after_help = EXIT_CODES)]
+    Catalog(CatalogArgs),
     /// Check the program against published results.
     #[command(after_help = EXIT_CODES)]
     Validate(ValidateArgs),
@@ -237,12 +240,64 @@ pub(crate) struct OptimumArgs {
 
 /// The nut is a scene with ball diameter, pitch circle, lead, contact angle, conformities,
 /// loaded_balls_per_turn and loaded_turns. Rigidity is that of a preloaded pair of nuts (preload_N, or
-/// 0.15 of the dynamic rating), or of one nut under axial_load_N.
+/// 0.15 of the dynamic rating), or of one nut under axial_load_N. Life needs axial_load_N and
+/// screw_speed_rpm, or a spectrum.
 #[derive(Debug, Args)]
 pub(crate) struct CapacityArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
+    /// Loads that change, for the life: CSV with the columns axial_load_N, screw_speed_rpm and
+    /// time_share.
+    #[arg(long, value_name = "SPECTRUM.csv")]
+    pub(crate) spectrum: Option<PathBuf>,
+    /// Show what lies between the inputs and the ratings, for a check by hand (docs/theory/11-ratings.md).
+    #[arg(long)]
+    pub(crate) steps: bool,
     /// How to print the ratings.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+}
+
+/// Every combination of the lists within their limits, with ratings, rigidity of the preloaded pair,
+/// mass and efficiency. Such as: bsm catalog --require dynamic_load_rating_N>=50000
+/// --require total_rigidity_N_um>=2000 --require lead_mm=10 --sort mass_kg
+#[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "switches of the command line")]
+pub(crate) struct CatalogArgs {
+    /// Lists and limits in JSON; what it does not give is standard (--lists prints it).
+    #[arg(value_name = "LISTS.json")]
+    pub(crate) catalogue: Option<PathBuf>,
+    /// Keep the nuts of which this is true: NAME>=VALUE, NAME<=VALUE or NAME=VALUE; may be repeated.
+    #[arg(long, value_name = "CONDITION")]
+    pub(crate) require: Vec<String>,
+    /// Keep the nuts that no other one of these beats in dynamic rating, rigidity and mass together.
+    #[arg(long)]
+    pub(crate) pareto: bool,
+    /// Sort by a column, the smallest first.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) sort: Option<String>,
+    /// Sort the largest first.
+    #[arg(long, requires = "sort")]
+    pub(crate) descending: bool,
+    /// Keep this many rows; a screen shows 20 unless given.
+    #[arg(long, value_name = "N")]
+    pub(crate) first: Option<NonZeroUsize>,
+    /// Table to write with all columns: .csv, .jsonl or .parquet; `-` is CSV on standard output.
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: Option<PathBuf>,
+    /// Scene to write of the first nut, for bsm capacity and, with an operating point, bsm solve.
+    #[arg(long, value_name = "NUT.json")]
+    pub(crate) pick: Option<PathBuf>,
+    /// Folder for figures (SVG and CSV) of what diameter, lead, balls, turns and conformity do.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Print the standard lists and limits, to copy and edit.
+    #[arg(long)]
+    pub(crate) lists: bool,
+    /// Print the columns.
+    #[arg(long)]
+    pub(crate) columns: bool,
+    /// How to print the rows.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
 }

@@ -1,6 +1,9 @@
 //! `bsm capacity`: ratings of a nut.
 
-use bsm_case::CapacityReport;
+use std::fs;
+use std::path::Path;
+
+use bsm_case::{CapacityReport, Spectrum};
 use bsm_validate::number;
 
 use crate::args::{CapacityArgs, Format};
@@ -11,19 +14,35 @@ use crate::table;
 pub(crate) fn run(args: &CapacityArgs) -> Result<(), Failure> {
     let path = &args.scene.scene;
     let scene = read_scene(path, &args.scene.settings)?;
-    let report = CapacityReport::of(&scene).map_err(|e| Failure::scene(path, &e))?;
+    let spectrum = match &args.spectrum {
+        Some(table) => Some(read_spectrum(table)?),
+        None => None,
+    };
+    let report =
+        CapacityReport::of(&scene, spectrum.as_ref()).map_err(|e| Failure::scene(path, &e))?;
     match args.format {
         Format::Json => print(&pretty_json(&report.to_json())),
         Format::Table => {
             for warning in report.warnings() {
                 warn("warning", warning);
             }
-            let rows: Vec<_> = report
-                .rows()
-                .into_iter()
-                .map(|(name, unit, value)| vec![name.to_owned(), unit.to_owned(), number(value)])
-                .collect();
+            let mut rows = table_rows(report.rows());
+            if args.steps {
+                rows.extend(table_rows(report.steps()));
+            }
             print(&table::plain(None, &rows, 2))
         }
     }
+}
+
+fn table_rows(rows: &[(&str, &str, f64)]) -> Vec<Vec<String>> {
+    let row = |(name, unit, value): &(&str, &str, f64)| {
+        vec![(*name).to_owned(), (*unit).to_owned(), number(*value)]
+    };
+    rows.iter().map(row).collect()
+}
+
+fn read_spectrum(path: &Path) -> Result<Spectrum, Failure> {
+    let table = fs::read(path).map_err(|e| Failure::files("read", path, &e))?;
+    Spectrum::from_csv(&table).map_err(|e| Failure::scene(path, &e))
 }

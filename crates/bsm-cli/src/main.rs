@@ -3,6 +3,7 @@
 mod args;
 mod batch;
 mod capacity;
+mod catalog;
 mod compare;
 mod failure;
 mod files;
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
         Command::Batch(args) => batch::run(&args),
         Command::Optimum(args) => optimum::run(&args),
         Command::Capacity(args) => capacity::run(&args),
+        Command::Catalog(args) => catalog::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::Tradeoff(args) => tradeoff::run(&args),
         Command::Schema { kind } => print(&pretty_json(&match kind {

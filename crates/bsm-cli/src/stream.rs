@@ -217,7 +217,7 @@ fn write_behind(
     file.finish()
 }
 
-fn unwritable(path: &Path, error: &TableError) -> Failure {
+pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
     Failure::Files(format!("cannot write {}: {error}", path.display()))
 }
 

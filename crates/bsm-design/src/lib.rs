@@ -1,7 +1,22 @@
-//! Load ratings and rigidity of ball screw nuts, SI units.
+//! Design of ball screws, SI units: ratings, rigidity, mass and life of a nut, the catalogue of all
+//! nuts of standard sizes, and the choice of a screw for a requirement.
 //!
-//! Theory: `docs/theory/11-ratings.md`.
+//! Theory: `docs/theory/11-ratings.md` and `12-design.md`.
 
+mod body;
+mod catalogue;
+mod life;
 mod nut;
+mod rigidity;
 
-pub use nut::{Body, Nut};
+pub use body::Body;
+pub use catalogue::{Candidate, Limits, Lists, Size, front, loaded_balls};
+pub use life::{Duty, Life, life};
+pub use nut::{DynamicRating, Nut, StaticRating};
+pub use rigidity::Rigidity;
+
+/// Preload of a pair of nuts over the dynamic rating, unless one is chosen (Sobolewski 2002).
+pub const PRELOAD: f64 = 0.15;
+
+/// Lever arm of rolling resistance \[m\], unless one is measured (Sobolewski 2002).
+pub const ROLLING_LEVER: f64 = 5e-6;

@@ -1,8 +1,8 @@
-//! Ratings of a nut from its geometry.
+//! Load ratings and efficiency of a nut from its geometry.
 
 use std::f64::consts::PI;
 
-use bsm_dyn::{Curvatures, Groove, Hertz, Material, Member, Reason, contact_modulus};
+use bsm_dyn::{Curvatures, Groove, Material, Member};
 
 /// The formulas of the ratings are fits in millimetres.
 const PER_MM: f64 = 1e3;
@@ -28,13 +28,30 @@ pub struct Nut {
     pub turns: f64,
 }
 
-/// Body of a nut.
+/// Dynamic load rating and what it is made of, for a check by hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Body {
-    /// Outer diameter \[m\].
-    pub outer: f64,
-    /// Young's modulus \[Pa\].
-    pub youngs_modulus: f64,
+pub struct DynamicRating {
+    /// `$\gamma$` (D1).
+    pub gamma: f64,
+    /// Geometry factor `$f_c$` (D2).
+    pub shape: f64,
+    /// Rating of a turn of the screw `$C_s$` \[N\] (D3).
+    pub screw: f64,
+    /// Ratio to that of the nut `$C_s/C_n$` (D4).
+    pub ratio: f64,
+    /// `$C_a$` \[N\] (D4).
+    pub rating: f64,
+}
+
+/// Static load rating and what it is made of, for a check by hand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StaticRating {
+    /// Curvatures of the contact at the screw \[1/m\].
+    pub curvatures: Curvatures,
+    /// Load of a ball over `$d_k^2$` \[N/mm²\] (D5).
+    pub factor: f64,
+    /// `$C_{0a}$` \[N\] (D5).
+    pub rating: f64,
 }
 
 impl Nut {
@@ -50,7 +67,7 @@ impl Nut {
     /// ```
     ///
     /// Source: ISO/DP 9783 as in Sobolewski (2002).
-    pub fn dynamic_rating(&self) -> f64 {
+    pub fn dynamic_rating(&self) -> DynamicRating {
         let (lead, alpha) = (self.lead_angle(), self.contact_angle);
         // γ = d_k cosα / d                                                (D1)
         let gamma = self.ball_diameter * alpha.cos() / self.pitch_diameter;
@@ -69,8 +86,9 @@ impl Nut {
             * lead.cos().powf(1.3);
         // C_s/C_n = [(1−γ)/(1+γ)]^1.723 [(2 − 1/f_n)/(2 − 1/f_s)]^0.41,
         // C_a = C_s [1 + (C_s/C_n)^(10/3)]^−0.3 i^0.86                    (D4)
-        let races = (low / high).powf(1.723) * ((2.0 - 1.0 / nut) / (2.0 - 1.0 / screw)).powf(0.41);
-        of_screw * (1.0 + races.powf(10.0 / 3.0)).powf(-0.3) * self.turns.powf(0.86)
+        let ratio = (low / high).powf(1.723) * ((2.0 - 1.0 / nut) / (2.0 - 1.0 / screw)).powf(0.41);
+        let rating = of_screw * (1.0 + ratio.powf(10.0 / 3.0)).powf(-0.3) * self.turns.powf(0.86);
+        DynamicRating { gamma, shape, screw: of_screw, ratio, rating }
     }
 
     /// Static axial load rating `$C_{0a}$` \[N\]: a permanent mark of a ten-thousandth of the ball (D5).
@@ -82,65 +100,18 @@ impl Nut {
     /// with the curvatures of the screw contact, its groove taken as that of a bearing.
     ///
     /// Source: ISO/DP 9783 as in Sobolewski (2002).
-    pub fn static_rating(&self) -> f64 {
-        let Curvatures { along, across } = self.curvatures(Member::Screw, 0.0);
-        // C_0a = 27.74 n i sinα cosλ d_k² / (d_k √(ρ_t ρ_x))              (D5)
-        27.74
+    pub fn static_rating(&self) -> StaticRating {
+        let curvatures = self.curvatures(Member::Screw, 0.0);
+        let Curvatures { along, across } = curvatures;
+        // k₀ = 27.74 / (d_k √(ρ_t ρ_x)),  C_0a = k₀ n i sinα cosλ d_k²    (D5)
+        let factor = 27.74 / (self.ball_diameter * (along * across).sqrt());
+        let rating = factor
             * self.balls_per_turn
             * self.turns
             * self.contact_angle.sin()
             * self.lead_angle().cos()
-            * (self.ball_diameter * PER_MM).powi(2)
-            / (self.ball_diameter * (along * across).sqrt())
-    }
-
-    /// Rigidity characteristic `$k$` of one turn \[N/m^1.5\], axial load over displacement to 3/2 (D6).
-    ///
-    /// ```math
-    /// k = \frac{n\,(\sin\alpha\cos\lambda)^{5/2}}{(\delta_n + \delta_s)^{3/2}}
-    /// ```
-    ///
-    /// `$\delta$` the Hertz approach at unit load. Source: ISO/DP 9784 as in Sobolewski (2002), with
-    /// exact Hertz contacts of helical grooves in place of its fits.
-    ///
-    /// # Errors
-    ///
-    /// [`Reason::CurvaturesNotHertzian`] if the grooves leave no ellipse across them.
-    pub fn turn_rigidity(&self) -> Result<f64, Reason> {
-        let modulus = contact_modulus(&self.material.0, &self.material.1);
-        let lead = self.lead_angle();
-        let mut approach = 0.0;
-        for member in [Member::Nut, Member::Screw] {
-            let contact = Hertz::of(&self.curvatures(member, lead), modulus)?;
-            // δ = (Q/K)^⅔                                                 (H9)
-            approach += contact.stiffness.powf(-2.0 / 3.0);
-        }
-        let direction = self.contact_angle.sin() * lead.cos();
-        // k = n (sinα cosλ)^5/2 / (δ_n + δ_s)^3/2                         (D6)
-        Ok(self.balls_per_turn * (direction / approach).powf(1.5) * direction)
-    }
-
-    /// Displacement and rigidity \[m, N/m\] of the contacts of one nut under an axial load (D7).
-    ///
-    /// # Errors
-    ///
-    /// As [`turn_rigidity`](Self::turn_rigidity).
-    pub fn contacts_under(&self, load: f64) -> Result<(f64, f64), Reason> {
-        let k = self.turn_rigidity()? * self.turns;
-        // δ = (F/(k i))^⅔,  dF/dδ = 3/2 k i √δ                            (D7)
-        let displacement = (load / k).powf(2.0 / 3.0);
-        Ok((displacement, 1.5 * k * displacement.sqrt()))
-    }
-
-    /// Rigidity of the body of one nut along its loaded turns \[N/m\] (D8).
-    ///
-    /// Source: Sobolewski (2002).
-    pub fn body_rigidity(&self, body: &Body) -> f64 {
-        let inner = self.pitch_diameter + self.ball_diameter * self.contact_angle.cos();
-        let (outer, inner) = (body.outer * body.outer, inner * inner);
-        // j = 2π i P E tan²α / [(D² + D_t²)/(D² − D_t²) + 1]              (D8)
-        2.0 * PI * self.turns * self.lead * body.youngs_modulus * self.contact_angle.tan().powi(2)
-            / ((outer + inner) / (outer - inner) + 1.0)
+            * (self.ball_diameter * PER_MM).powi(2);
+        StaticRating { curvatures, factor, rating }
     }
 
     /// Efficiency of a screw whose balls roll against a resistance of lever arm `$f_r$` \[m\] (D9).
@@ -153,7 +124,7 @@ impl Nut {
         self.lead_angle().tan() / (self.lead_angle() + rho).tan()
     }
 
-    fn curvatures(&self, member: Member, lead_angle: f64) -> Curvatures {
+    pub(crate) fn curvatures(&self, member: Member, lead_angle: f64) -> Curvatures {
         let conformity = match member {
             Member::Nut => self.conformity.0,
             Member::Screw => self.conformity.1,

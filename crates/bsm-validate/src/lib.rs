@@ -5,6 +5,7 @@
 //! check names what is claimed, what we measure, and why its tolerance is what it is. Golden
 //! files, which only guard against change, are not validation and not here.
 
+mod catalogue;
 mod elastic;
 pub mod figure;
 mod figures;
@@ -18,6 +19,7 @@ mod search;
 mod sweep;
 pub mod tradeoff;
 
+pub use catalogue::catalogue_figures;
 pub use figures::figures;
 pub use page::{PROGRAM, number, short, tradeoff_page, validation_page};
 pub use published::Published;

@@ -1,0 +1,268 @@
+//! The catalogue of nuts in the vocabulary: its lists, its columns, and what may be asked of them.
+
+use bsm_design::{Candidate, Limits, Lists, front};
+use bsm_dyn::Material;
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+
+use crate::units::{DEG, GPA, MM, UM};
+use crate::{CaseError, nearest};
+
+/// The standard lists and limits, to copy and edit.
+pub const STANDARD_CATALOGUE: &str = include_str!("catalogue.json");
+
+/// Combinations that a list may make.
+const MOST: usize = 20_000_000;
+
+/// Lists of sizes, and the limits that a combination must keep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Catalogue {
+    /// The sizes.
+    pub lists: Lists,
+    /// The limits.
+    pub limits: Limits,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(non_snake_case, reason = "names carry their unit as it is written")]
+struct File {
+    nominal_diameter_mm: Vec<f64>,
+    lead_mm: Vec<f64>,
+    ball_diameter_mm: Vec<f64>,
+    loaded_turns: Vec<f64>,
+    conformity: Vec<f64>,
+    contact_angle_deg: Vec<f64>,
+    largest_ball_over_lead: f64,
+    largest_ball_over_diameter: f64,
+    turns_range: (f64, f64),
+    conformity_range: (f64, f64),
+    youngs_modulus_GPa: f64,
+    poisson_ratio: f64,
+    preload_over_dynamic_rating: f64,
+    rolling_friction_mm: f64,
+}
+
+impl Catalogue {
+    /// The standard lists of ISO 3408-2, balls in stock, and the limits of Sobolewski (2002).
+    ///
+    /// # Errors
+    ///
+    /// None; the lists are compiled in.
+    pub fn standard() -> Result<Self, CaseError> {
+        Self::from_json(b"{}")
+    }
+
+    /// Reads lists and limits; what is not given is standard.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for syntax, unknown keys, values out of range, or too many combinations.
+    pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
+        let mut all: Map<String, Value> =
+            serde_json::from_str(STANDARD_CATALOGUE).map_err(CaseError::Syntax)?;
+        let given: Map<String, Value> = serde_json::from_slice(json).map_err(CaseError::Syntax)?;
+        for (key, value) in given {
+            if !all.contains_key(&key) {
+                let nearest = nearest(&key, all.keys().map(String::as_str)).map(str::to_owned);
+                return Err(CaseError::UnknownListKey { key, nearest });
+            }
+            all.insert(key, value);
+        }
+        let file: File = serde_path_to_error::deserialize(Value::Object(all))
+            .map_err(|e| CaseError::NotAList { key: e.path().to_string(), what: e.to_string() })?;
+        file.catalogue()
+    }
+
+    /// Every combination within the limits with its numbers, in the order of the lists.
+    pub fn candidates(&self) -> Vec<Candidate> {
+        self.lists.candidates(&self.limits)
+    }
+}
+
+impl File {
+    fn catalogue(&self) -> Result<Catalogue, CaseError> {
+        let scaled = |key: &str, list: &[f64], below: f64, unit: f64| {
+            if list.is_empty() {
+                let what = "the list is empty".to_owned();
+                return Err(CaseError::NotAList { key: key.to_owned(), what });
+            }
+            list.iter().map(|value| in_range(key, *value, below).map(|v| v * unit)).collect()
+        };
+        let any = f64::INFINITY;
+        let lists = Lists {
+            diameters: scaled("nominal_diameter_mm", &self.nominal_diameter_mm, 1e4, MM)?,
+            leads: scaled("lead_mm", &self.lead_mm, 1e4, MM)?,
+            balls: scaled("ball_diameter_mm", &self.ball_diameter_mm, 1e3, MM)?,
+            turns: scaled("loaded_turns", &self.loaded_turns, any, 1.0)?,
+            conformities: scaled("conformity", &self.conformity, any, 1.0)?,
+            contact_angles: scaled("contact_angle_deg", &self.contact_angle_deg, 90.0, DEG)?,
+        };
+        if lists.len() > MOST {
+            return Err(CaseError::GridTooLarge { limit: MOST });
+        }
+        let (low, high) = self.conformity_range;
+        for value in [low, high] {
+            if value <= 0.5 {
+                let (key, rule) = ("conformity_range".to_owned(), "> 0.5".to_owned());
+                return Err(CaseError::OutOfRange { key, value, rule });
+            }
+        }
+        let steel = Material {
+            youngs_modulus: in_range("youngs_modulus_GPa", self.youngs_modulus_GPa, any)? * GPA,
+            poisson_ratio: in_range("poisson_ratio", self.poisson_ratio, 0.5)?,
+        };
+        let ball_over = |key: &str, value: f64| in_range(key, value, any);
+        Ok(Catalogue {
+            lists,
+            limits: Limits {
+                ball_over_lead: ball_over("largest_ball_over_lead", self.largest_ball_over_lead)?,
+                ball_over_diameter: ball_over(
+                    "largest_ball_over_diameter",
+                    self.largest_ball_over_diameter,
+                )?,
+                turns: self.turns_range,
+                conformity: self.conformity_range,
+                material: (steel, steel),
+                preload: in_range(
+                    "preload_over_dynamic_rating",
+                    self.preload_over_dynamic_rating,
+                    any,
+                )?,
+                rolling_lever: in_range("rolling_friction_mm", self.rolling_friction_mm, any)? * MM,
+            },
+        })
+    }
+}
+
+/// A positive value below a bound.
+fn in_range(key: &str, value: f64, below: f64) -> Result<f64, CaseError> {
+    if value > 0.0 && value < below {
+        return Ok(value);
+    }
+    let rule = if below.is_finite() { format!("> 0 and < {below}") } else { "> 0".to_owned() };
+    Err(CaseError::OutOfRange { key: key.to_owned(), value, rule })
+}
+
+/// A column of the catalogue.
+#[derive(Debug, Clone, Copy)]
+pub struct CatalogueColumn {
+    /// Name, with its unit as suffix; that of the vocabulary where it is an input.
+    pub name: &'static str,
+    /// Unit in words; empty if dimensionless.
+    pub unit: &'static str,
+    /// Among the few that a screen shows.
+    pub brief: bool,
+    /// Reads it, in its unit.
+    pub read: fn(&Candidate) -> f64,
+}
+
+macro_rules! columns {
+    ($($name:literal [$unit:literal] $brief:literal $read:expr;)*) => {
+        /// All columns, in the order of the tables.
+        pub const CATALOGUE_COLUMNS: &[CatalogueColumn] = &[$(CatalogueColumn {
+            name: $name,
+            unit: $unit,
+            brief: $brief,
+            read: $read,
+        },)*];
+    };
+}
+
+columns! {
+    "nominal_diameter_mm" ["mm"] true |c| c.size.diameter / MM;
+    "lead_mm" ["mm"] true |c| c.nut.lead / MM;
+    "ball_diameter_mm" ["mm"] true |c| c.nut.ball_diameter / MM;
+    "loaded_turns" [""] true |c| c.nut.turns;
+    "nut_conformity" [""] true |c| c.nut.conformity.0;
+    "screw_conformity" [""] false |c| c.nut.conformity.1;
+    "contact_angle_deg" ["deg"] false |c| c.nut.contact_angle / DEG;
+    "pitch_circle_diameter_mm" ["mm"] false |c| c.nut.pitch_diameter / MM;
+    "loaded_balls_per_turn" [""] false |c| c.nut.balls_per_turn;
+    "dynamic_load_rating_N" ["N"] true |c| c.dynamic_rating;
+    "static_load_rating_N" ["N"] true |c| c.static_rating;
+    "rigidity_characteristic_N_um15" ["N/um^1.5"] false |c| c.rigidity.turn * 1e-9;
+    "preload_N" ["N"] false |c| c.preload;
+    "contact_rigidity_N_um" ["N/um"] false |c| c.rigidity.contacts * UM;
+    "total_rigidity_N_um" ["N/um"] true |c| c.rigidity.total * UM;
+    "nut_outer_diameter_mm" ["mm"] false |c| c.body.outer / MM;
+    "nut_length_mm" ["mm"] false |c| c.body.length / MM;
+    "mass_kg" ["kg"] true |c| c.mass;
+    "efficiency" [""] true |c| c.efficiency;
+}
+
+impl CatalogueColumn {
+    /// The column of that name.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::UnknownColumn`] with the nearest one.
+    pub fn named(name: &str) -> Result<&'static Self, CaseError> {
+        CATALOGUE_COLUMNS.iter().find(|column| column.name == name).ok_or_else(|| {
+            let names = CATALOGUE_COLUMNS.iter().map(|column| column.name);
+            let nearest = nearest(name, names).map(str::to_owned);
+            CaseError::UnknownColumn { name: name.to_owned(), nearest }
+        })
+    }
+}
+
+/// A condition on a column.
+#[derive(Debug, Clone, Copy)]
+pub struct Requirement {
+    column: &'static CatalogueColumn,
+    least: f64,
+    most: f64,
+}
+
+impl Requirement {
+    /// Parses `name>=value`, `name<=value` or `name=value`.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for another form, an unknown column or no number.
+    pub fn parse(text: &str) -> Result<Self, CaseError> {
+        let form = "name>=value, name<=value or name=value";
+        let bad = || CaseError::BadSetting { text: text.to_owned(), form };
+        let at = text.find(['<', '>', '=']).ok_or_else(bad)?;
+        let column = CatalogueColumn::named(text[..at].trim())?;
+        let sign =
+            if text[at..].starts_with('=') { "=" } else { text.get(at..at + 2).ok_or_else(bad)? };
+        let value: f64 = text[at + sign.len()..].trim().parse().map_err(|_| bad())?;
+        // Tables are in decimals, which sizes in metres do not meet to the last bit.
+        let near = 1e-9 * value.abs();
+        let (least, most) = match sign {
+            ">=" => (value - near, f64::INFINITY),
+            "<=" => (f64::NEG_INFINITY, value + near),
+            "=" => (value - near, value + near),
+            _ => return Err(bad()),
+        };
+        if value.is_nan() {
+            return Err(bad());
+        }
+        Ok(Self { column, least, most })
+    }
+
+    /// True if a nut meets it.
+    pub fn is_met(&self, candidate: &Candidate) -> bool {
+        (self.least..=self.most).contains(&(self.column.read)(candidate))
+    }
+
+    /// The value of some nuts that comes nearest to it, if there are any.
+    pub fn nearest_of(&self, candidates: &[Candidate]) -> Option<f64> {
+        let miss = |value: f64| (self.least - value).max(value - self.most);
+        let values = candidates.iter().map(self.column.read);
+        values.min_by(|a, b| miss(*a).total_cmp(&miss(*b)))
+    }
+}
+
+/// Leaves the nuts that no other one beats in dynamic rating, rigidity and mass.
+#[must_use]
+pub fn pareto(candidates: &[Candidate]) -> Vec<Candidate> {
+    front(candidates).into_iter().map(|i| candidates[i]).collect()
+}
+
+/// A nut as JSON object with the names of the columns.
+pub fn candidate_json(candidate: &Candidate) -> Map<String, Value> {
+    let entry = |c: &CatalogueColumn| (c.name.to_owned(), json!((c.read)(candidate)));
+    CATALOGUE_COLUMNS.iter().map(entry).collect()
+}

@@ -1,0 +1,173 @@
+//! `bsm catalog`: all nuts of standard sizes.
+
+use std::fs;
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use bsm_batch::{NumberColumn, Numbers, TableError};
+use bsm_case::{
+    CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Requirement, STANDARD_CATALOGUE, candidate_json,
+    pareto,
+};
+use bsm_design::Candidate;
+use bsm_validate::{catalogue_figures, number};
+use serde_json::{Value, json};
+
+use crate::args::{CatalogArgs, Format};
+use crate::failure::{Failure, warn};
+use crate::files::{self, Output, pretty_json, print, write_figures};
+use crate::stream::{Kind, unwritable};
+use crate::table;
+
+/// Rows that a screen shows.
+const SHOWN: usize = 20;
+
+pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
+    if args.lists {
+        return print(STANDARD_CATALOGUE);
+    }
+    if args.columns {
+        let row = |c: &CatalogueColumn| vec![c.name.to_owned(), c.unit.to_owned()];
+        let rows: Vec<_> = CATALOGUE_COLUMNS.iter().map(row).collect();
+        return print(&table::plain(None, &rows, usize::MAX));
+    }
+    let requirements: Vec<_> = args
+        .require
+        .iter()
+        .map(|text| Requirement::parse(text).map(|requirement| (text, requirement)))
+        .collect::<Result<_, _>>()
+        .map_err(|e| Failure::Input(format!("--require: {e}")))?;
+    let order = args.sort.as_deref().map(CatalogueColumn::named).transpose();
+    let order = order.map_err(|e| Failure::Input(format!("--sort: {e}")))?;
+    let kind = args.output.as_deref().map(|path| Kind::of(path, "--output")).transpose()?;
+    let catalogue = read(args.catalogue.as_deref())?;
+    if let Some(folder) = &args.plot {
+        write_figures(folder, &catalogue_figures(&catalogue))?;
+        warn("note", &format!("wrote figures as SVG and CSV in {}", folder.display()));
+    }
+
+    let all = catalogue.candidates();
+    let mut chosen: Vec<_> =
+        all.iter().filter(|c| requirements.iter().all(|(_, r)| r.is_met(c))).copied().collect();
+    if chosen.is_empty() {
+        warn("note", &none(&all, &requirements));
+        return Err(Failure::Unsolved);
+    }
+    let met = chosen.len();
+    if args.pareto {
+        chosen = pareto(&chosen);
+    }
+    if let Some(column) = order {
+        let value = |c: &Candidate| (column.read)(c);
+        chosen.sort_by(|a, b| value(a).total_cmp(&value(b)));
+        if args.descending {
+            chosen.reverse();
+        }
+    }
+    warn("note", &count(&all, met, chosen.len(), args));
+    chosen.truncate(args.first.map_or(usize::MAX, NonZeroUsize::get));
+    if let Some(path) = &args.pick {
+        files::write(path, &(pretty_json(&scene(&chosen[0])) + "\n"))?;
+    }
+    match (&args.output, kind) {
+        (Some(path), Some(kind)) => write(path, kind, &chosen),
+        _ => show(&chosen, args),
+    }
+}
+
+fn read(path: Option<&Path>) -> Result<Catalogue, Failure> {
+    let Some(path) = path else {
+        return Catalogue::standard().map_err(|e| Failure::Input(e.to_string()));
+    };
+    let json = fs::read(path).map_err(|e| Failure::files("read", path, &e))?;
+    Catalogue::from_json(&json).map_err(|e| Failure::scene(path, &e))
+}
+
+fn count(all: &[Candidate], met: usize, left: usize, args: &CatalogArgs) -> String {
+    let met = if args.require.is_empty() {
+        String::new()
+    } else {
+        format!(", {met} of them meet the requirements")
+    };
+    let left = if args.pareto {
+        format!(
+            ", {left} of those are beaten by none in dynamic rating, rigidity and mass together"
+        )
+    } else {
+        String::new()
+    };
+    format!("{} nuts within the limits{met}{left}", all.len())
+}
+
+/// Why there is none, by the requirement.
+fn none(all: &[Candidate], requirements: &[(&String, Requirement)]) -> String {
+    let without = |(i, (name, requirement)): (usize, &(&String, Requirement))| {
+        let others = |c: &&Candidate| {
+            requirements.iter().enumerate().all(|(j, (_, r))| j == i || r.is_met(c))
+        };
+        let rest: Vec<_> = all.iter().filter(others).copied().collect();
+        match requirement.nearest_of(&rest) {
+            Some(value) => format!(
+                "\n  without {name}: {} nuts, which come as near to it as {}",
+                rest.len(),
+                number(value)
+            ),
+            None => format!("\n  without {name}: none either"),
+        }
+    };
+    let reasons: String = requirements.iter().enumerate().map(without).collect();
+    format!("none of {} nuts within the limits meets all requirements{reasons}", all.len())
+}
+
+/// A nut that `bsm capacity` and, with an operating point, `bsm solve` take.
+fn scene(candidate: &Candidate) -> Value {
+    let mut nut = candidate_json(candidate);
+    let inputs: Vec<_> = bsm_case::INPUTS.iter().map(|input| input.name).collect();
+    nut.retain(|name, _| inputs.contains(&name.as_str()));
+    Value::Object(nut)
+}
+
+fn write(path: &Path, kind: Kind, chosen: &[Candidate]) -> Result<(), Failure> {
+    let column = |c: &CatalogueColumn| NumberColumn {
+        name: c.name,
+        unit: c.unit,
+        values: chosen.iter().map(c.read).collect(),
+    };
+    let table = Numbers(CATALOGUE_COLUMNS.iter().map(column).collect());
+    let out = Output::create(path)?;
+    let written = match kind {
+        Kind::Csv => table.write_csv(out),
+        Kind::JsonLines => table.write_json_lines(out),
+        Kind::Parquet => table.write_parquet(out),
+    };
+    let failed = |error: TableError| match error {
+        TableError::Io(e) => Output::failure(path, &e),
+        other => unwritable(path, &other),
+    };
+    written.map_err(failed)?.complete()
+}
+
+fn show(chosen: &[Candidate], args: &CatalogArgs) -> Result<(), Failure> {
+    let shown = &chosen[..chosen.len().min(args.first.map_or(SHOWN, NonZeroUsize::get))];
+    if args.format == Format::Json {
+        let rows: Vec<_> = shown.iter().map(|c| Value::Object(candidate_json(c))).collect();
+        return print(&pretty_json(&json!(rows)));
+    }
+    let columns: Vec<_> = CATALOGUE_COLUMNS.iter().filter(|c| c.brief).collect();
+    let header: Vec<_> = columns.iter().map(|c| c.name).collect();
+    let cell = |value: f64| {
+        let text = number(value);
+        // Sizes are decimals of a few digits.
+        let short = text.contains('.') && !text.contains('e');
+        if short { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    };
+    let row = |nut: &Candidate| columns.iter().map(|c| cell((c.read)(nut))).collect();
+    let rows: Vec<Vec<_>> = shown.iter().map(row).collect();
+    let more = chosen.len() - shown.len();
+    let rest = if more > 0 {
+        format!("\n\nand {more} more; --first N shows others, -o OUT writes all with all columns")
+    } else {
+        String::new()
+    };
+    print(&format!("{}{rest}", table::plain(Some(&header), &rows, 0)))
+}

@@ -1,0 +1,280 @@
+//! All nuts of standard sizes.
+
+use std::cmp::Ordering;
+use std::f64::consts::PI;
+
+use bsm_dyn::Material;
+use rayon::prelude::*;
+
+use crate::{Body, Nut, Rigidity};
+
+/// Balls of a turn that stand in the return and carry nothing.
+const IDLE_BALLS: f64 = 4.0;
+
+/// Largest gap in a turn full of balls, over their diameter.
+const GAP: f64 = 0.10;
+
+/// The sizes to combine; lengths in m, angles in rad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lists {
+    /// Nominal diameters of the screw.
+    pub diameters: Vec<f64>,
+    /// Leads.
+    pub leads: Vec<f64>,
+    /// Diameters of balls in stock.
+    pub balls: Vec<f64>,
+    /// Loaded turns.
+    pub turns: Vec<f64>,
+    /// Conformities, the same at nut and screw.
+    pub conformities: Vec<f64>,
+    /// Contact angles.
+    pub contact_angles: Vec<f64>,
+}
+
+/// What a size must satisfy, and what all sizes have in common.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Largest ball diameter over lead.
+    pub ball_over_lead: f64,
+    /// Largest ball diameter over nominal diameter; it is not reached.
+    pub ball_over_diameter: f64,
+    /// Least and largest number of loaded turns.
+    pub turns: (f64, f64),
+    /// Least and largest conformity.
+    pub conformity: (f64, f64),
+    /// Elastic constants of races and balls.
+    pub material: (Material, Material),
+    /// Preload of the pair over the dynamic rating, for the rigidity.
+    pub preload: f64,
+    /// Lever arm of rolling resistance \[m\], for the efficiency.
+    pub rolling_lever: f64,
+}
+
+/// One combination; lengths in m, angles in rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(missing_docs, reason = "the entries of the lists")]
+pub struct Size {
+    pub diameter: f64,
+    pub lead: f64,
+    pub ball: f64,
+    pub turns: f64,
+    pub conformity: f64,
+    pub contact_angle: f64,
+}
+
+/// A nut of the catalogue with its numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    /// Its size.
+    pub size: Size,
+    /// The nut, on the diameter that its balls fill.
+    pub nut: Nut,
+    /// Its body.
+    pub body: Body,
+    /// Dynamic axial load rating \[N\].
+    pub dynamic_rating: f64,
+    /// Static axial load rating \[N\].
+    pub static_rating: f64,
+    /// Preload of the pair \[N\].
+    pub preload: f64,
+    /// Of the preloaded pair.
+    pub rigidity: Rigidity,
+    /// Mass of one nut \[kg\].
+    pub mass: f64,
+    /// Efficiency by rolling resistance.
+    pub efficiency: f64,
+}
+
+/// Diameter of the circle of ball centres and number of loaded balls of a turn (D17), (D18).
+///
+/// The smallest diameter in steps of 0.01 mm from the nominal one on at which a turn is filled by
+/// balls with a gap of at most a tenth of a ball. Lengths of turns are rounded to 0.01 mm, as the
+/// published tables have them.
+///
+/// Source: Sobolewski (2002).
+pub fn loaded_balls(diameter: f64, lead: f64, ball: f64) -> (f64, f64) {
+    const PER_STEP: f64 = 1e5;
+    let (lead, ball) = (lead * PER_STEP, ball * PER_STEP);
+    let mut steps = (diameter * PER_STEP).round();
+    loop {
+        // L = √((π d)² + P²)                                              (D16)
+        let length = (PI * steps).hypot(lead).round();
+        // Whole numbers of balls must not be missed by rounding.
+        let balls = length / ball + 1e-9;
+        // frac(L/d_k) ≤ 0.10                                              (D17)
+        if balls.fract() <= GAP {
+            // n = ⌊L/d_k⌋ − 4                                             (D18)
+            return (steps / PER_STEP, balls.floor() - IDLE_BALLS);
+        }
+        steps += 1.0;
+    }
+}
+
+impl Limits {
+    /// True if a size is within the limits.
+    fn allow(&self, size: &Size) -> bool {
+        let within = |(low, high): (f64, f64), value: f64| (low..=high).contains(&value);
+        // Lists in millimetres do not meet the bounds to the last bit.
+        let slack = 1.0 + 1e-12;
+        size.ball <= self.ball_over_lead * size.lead * slack
+            && size.ball < self.ball_over_diameter * size.diameter
+            && within(self.turns, size.turns)
+            && within(self.conformity, size.conformity)
+    }
+
+    /// The nut of a size with its numbers; `None` if it is beyond the limits or cannot be made.
+    pub fn candidate(&self, size: &Size) -> Option<Candidate> {
+        if !self.allow(size) {
+            return None;
+        }
+        let (pitch_diameter, balls_per_turn) = loaded_balls(size.diameter, size.lead, size.ball);
+        if balls_per_turn < 1.0 {
+            return None;
+        }
+        let nut = Nut {
+            ball_diameter: size.ball,
+            pitch_diameter,
+            lead: size.lead,
+            contact_angle: size.contact_angle,
+            conformity: (size.conformity, size.conformity),
+            material: self.material,
+            balls_per_turn,
+            turns: size.turns,
+        };
+        let body = Body::usual(&nut, size.diameter);
+        let dynamic_rating = nut.dynamic_rating().rating;
+        let preload = self.preload * dynamic_rating;
+        Some(Candidate {
+            size: *size,
+            nut,
+            body,
+            dynamic_rating,
+            static_rating: nut.static_rating().rating,
+            preload,
+            rigidity: nut.rigidity(&body, preload, true).ok()?,
+            mass: body.mass(&nut),
+            efficiency: nut.rolling_efficiency(self.rolling_lever),
+        })
+    }
+}
+
+impl Lists {
+    /// Number of combinations, within the limits or not.
+    pub fn len(&self) -> usize {
+        self.lists().map(Vec::len).iter().product()
+    }
+
+    /// True if a list is empty.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn lists(&self) -> [&Vec<f64>; 6] {
+        let Self { diameters, leads, balls, turns, conformities, contact_angles } = self;
+        [diameters, leads, balls, turns, conformities, contact_angles]
+    }
+
+    /// Combination number `i`; the last list runs fastest.
+    fn size(&self, mut i: usize) -> Size {
+        let mut values = [0.0; 6];
+        for (value, list) in values.iter_mut().zip(self.lists()).rev() {
+            *value = list[i % list.len()];
+            i /= list.len();
+        }
+        let [diameter, lead, ball, turns, conformity, contact_angle] = values;
+        Size { diameter, lead, ball, turns, conformity, contact_angle }
+    }
+
+    /// All combinations within the limits, in the order of the lists, made on all cores.
+    pub fn candidates(&self, limits: &Limits) -> Vec<Candidate> {
+        (0..self.len()).into_par_iter().filter_map(|i| limits.candidate(&self.size(i))).collect()
+    }
+}
+
+/// Places of the candidates that no other one beats: at least the same dynamic rating and rigidity at
+/// no more mass, and one of them better. In the order of `candidates`.
+pub fn front(candidates: &[Candidate]) -> Vec<usize> {
+    let value = |i: usize| {
+        let c = &candidates[i];
+        [-c.dynamic_rating, -c.rigidity.total, c.mass]
+    };
+    let mut order: Vec<_> = (0..candidates.len()).collect();
+    // Whoever beats a candidate comes before it.
+    order.sort_by(|a, b| {
+        let (a, b) = (value(*a), value(*b));
+        a.iter().zip(&b).map(|(a, b)| a.total_cmp(b)).fold(Ordering::Equal, Ordering::then)
+    });
+    let mut front: Vec<usize> = Vec::new();
+    for i in order {
+        let v = value(i);
+        let beaten = front.iter().any(|other| {
+            let o = value(*other);
+            let mut pairs = o.iter().zip(&v);
+            pairs.clone().all(|(o, v)| o <= v) && pairs.any(|(o, v)| o < v)
+        });
+        if !beaten {
+            front.push(i);
+        }
+    }
+    front.sort_unstable();
+    front
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
+
+    const LIMITS: Limits = Limits {
+        ball_over_lead: 0.6,
+        ball_over_diameter: 0.5,
+        turns: (2.0, 6.0),
+        conformity: (0.51, 0.57),
+        material: (STEEL, STEEL),
+        preload: crate::PRELOAD,
+        rolling_lever: crate::ROLLING_LEVER,
+    };
+
+    /// The three published diameters and numbers of balls, one of them with a turn of 319.9999 mm.
+    #[test]
+    fn published_diameters_are_filled() {
+        for (nominal, lead, ball, diameter, balls) in [
+            (20e-3, 5e-3, 3e-3, 20.00e-3, 17.0),
+            (63e-3, 20e-3, 10e-3, 63.35e-3, 16.0),
+            (100e-3, 20e-3, 10e-3, 101.66e-3, 28.0),
+        ] {
+            let (found, n) = loaded_balls(nominal, lead, ball);
+            // Steps of 0.01 mm, stored in metres.
+            assert!((found - diameter).abs() < 1e-12 && (n - balls).abs() < 0.5, "{found} {n}");
+        }
+    }
+
+    /// By comparing all pairs; candidates with equal numbers stay together.
+    #[test]
+    fn the_front_is_that_of_all_pairs() {
+        let lists = Lists {
+            diameters: vec![16e-3, 25e-3, 40e-3, 40e-3],
+            leads: vec![5e-3, 10e-3],
+            balls: vec![2e-3, 3e-3, 3.5e-3, 5e-3],
+            turns: vec![2.0, 3.0, 5.0, 9.0],
+            conformities: vec![0.5, 0.52, 0.55],
+            contact_angles: vec![0.7, 0.8],
+        };
+        let all = lists.candidates(&LIMITS);
+        assert!(all.iter().all(|c| c.size.turns < 6.5 && c.size.conformity > 0.505));
+        assert!(all.iter().all(|c| c.size.ball <= 0.6 * c.size.lead * (1.0 + 1e-9)));
+        let beats = |a: &Candidate, b: &Candidate| {
+            let pairs = [
+                (a.dynamic_rating, b.dynamic_rating),
+                (a.rigidity.total, b.rigidity.total),
+                (b.mass, a.mass),
+            ];
+            pairs.iter().all(|(a, b)| a >= b) && pairs.iter().any(|(a, b)| a > b)
+        };
+        let by_pairs: Vec<_> =
+            (0..all.len()).filter(|i| !all.iter().any(|other| beats(other, &all[*i]))).collect();
+        assert_eq!(front(&all), by_pairs);
+        assert!(by_pairs.len() > 4 && by_pairs.len() < all.len(), "{}", by_pairs.len());
+    }
+}
