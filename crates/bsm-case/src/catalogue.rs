@@ -87,7 +87,7 @@ impl File {
                 let what = "the list is empty".to_owned();
                 return Err(CaseError::NotAList { key: key.to_owned(), what });
             }
-            list.iter().map(|value| in_range(key, *value, below).map(|v| v * unit)).collect()
+            list.iter().map(|value| positive(key, *value, below).map(|v| v * unit)).collect()
         };
         let any = f64::INFINITY;
         let lists = Lists {
@@ -109,10 +109,10 @@ impl File {
             }
         }
         let steel = Material {
-            youngs_modulus: in_range("youngs_modulus_GPa", self.youngs_modulus_GPa, any)? * GPA,
-            poisson_ratio: in_range("poisson_ratio", self.poisson_ratio, 0.5)?,
+            youngs_modulus: positive("youngs_modulus_GPa", self.youngs_modulus_GPa, any)? * GPA,
+            poisson_ratio: positive("poisson_ratio", self.poisson_ratio, 0.5)?,
         };
-        let ball_over = |key: &str, value: f64| in_range(key, value, any);
+        let ball_over = |key: &str, value: f64| positive(key, value, any);
         Ok(Catalogue {
             lists,
             limits: Limits {
@@ -124,19 +124,19 @@ impl File {
                 turns: self.turns_range,
                 conformity: self.conformity_range,
                 material: (steel, steel),
-                preload: in_range(
+                preload: positive(
                     "preload_over_dynamic_rating",
                     self.preload_over_dynamic_rating,
                     any,
                 )?,
-                rolling_lever: in_range("rolling_friction_mm", self.rolling_friction_mm, any)? * MM,
+                rolling_lever: positive("rolling_friction_mm", self.rolling_friction_mm, any)? * MM,
             },
         })
     }
 }
 
 /// A positive value below a bound.
-fn in_range(key: &str, value: f64, below: f64) -> Result<f64, CaseError> {
+fn positive(key: &str, value: f64, below: f64) -> Result<f64, CaseError> {
     if value > 0.0 && value < below {
         return Ok(value);
     }

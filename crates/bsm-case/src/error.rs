@@ -55,7 +55,7 @@ pub enum CaseError {
         /// What is there.
         found: String,
         /// What should be.
-        expected: &'static str,
+        expected: String,
     },
     /// A number outside its range.
     #[error("`{key}` = {value} must be {rule}")]
@@ -104,6 +104,61 @@ pub enum CaseError {
     MissingForRatings {
         /// The keys.
         missing: Vec<String>,
+    },
+    /// A key that requirements do not have.
+    #[error("unknown key `{}`{}; `bsm design` without a file lists all keys", key.escape_debug(), nearest_hint(nearest.as_deref()))]
+    UnknownRequirement {
+        /// The key.
+        key: String,
+        /// The nearest known one.
+        nearest: Option<String>,
+    },
+    /// One of two keys is needed.
+    #[error("give one of {} and {}; {found} given", keys[0], keys[1])]
+    OneOfTwo {
+        /// The keys.
+        keys: [&'static str; 2],
+        /// Which are given, with the verb.
+        found: &'static str,
+    },
+    /// Inputs that a design needs are not given.
+    #[error("{} required for a design", list(missing))]
+    MissingForDesign {
+        /// The keys.
+        missing: Vec<String>,
+    },
+    /// Conformities that differ.
+    #[error(
+        "nut_conformity = {nut} and screw_conformity = {screw} differ; a design has one for both: give \
+         one of them"
+    )]
+    TwoConformities {
+        /// At the nut.
+        nut: f64,
+        /// At the screw.
+        screw: f64,
+    },
+    /// An output that does not exist, or is no number.
+    #[error("no numeric output is named `{}`; `bsm schema output` lists them", name.escape_debug())]
+    UnknownOutput {
+        /// The name.
+        name: String,
+    },
+    /// Where to look for an input is not known.
+    #[error("`{key}` is not in the scene: tell with --range LOW:HIGH where to look for it")]
+    NoRange {
+        /// The input.
+        key: &'static str,
+    },
+    /// A range that is none.
+    #[error("--range: `{key}` from {low} to {high} is no range of allowed values")]
+    BadRange {
+        /// The input.
+        key: &'static str,
+        /// Its beginning.
+        low: f64,
+        /// Its end.
+        high: f64,
     },
     /// A load spectrum that cannot be used.
     #[error("{what}")]
@@ -198,7 +253,7 @@ impl CaseError {
     /// An input whose value is some text.
     pub fn not_a_number(key: &str, text: &str) -> Self {
         let found = format!("`{}`", text.escape_debug());
-        Self::WrongType { key: key.to_owned(), found, expected: "a number" }
+        Self::WrongType { key: key.to_owned(), found, expected: "a number".to_owned() }
     }
 
     /// True if the file system is at fault, not the input.

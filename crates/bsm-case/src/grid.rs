@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::scene::unknown_key;
+use crate::scene::{in_range, unknown_key};
 use crate::{CaseError, INPUTS, Scene};
 
 /// Two ways to give the same thing.
@@ -58,10 +58,7 @@ impl Axis {
         let axis = Self { name: input.name, values };
         // The rules are intervals, so that the ends of a range speak for it.
         for value in axis.ends() {
-            if !input.rule.holds(value) {
-                let (key, rule) = (input.name.to_owned(), input.rule.describe());
-                return Err(CaseError::OutOfRange { key, value, rule });
-            }
+            in_range(input, value)?;
         }
         Ok(axis)
     }

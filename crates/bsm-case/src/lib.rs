@@ -6,13 +6,16 @@
 
 mod capacity;
 mod catalogue;
+mod design;
 mod error;
+mod fit;
 mod grid;
 mod input;
 mod optimum;
 mod output;
 mod problem;
 mod record;
+mod requirement;
 mod scene;
 mod schema;
 mod spectrum;
@@ -23,13 +26,16 @@ pub use catalogue::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Requirement, STANDARD_CATALOGUE, candidate_json,
     pareto,
 };
+pub use design::{DesignReport, DesignRow, stock};
 pub use error::CaseError;
+pub use fit::{Fit, FitReport, Fitted};
 pub use grid::{Axis, Grid};
 pub use input::{INPUTS, Input, InputKey, Rule, Scene};
 pub use optimum::OptimumReport;
 pub use output::{Cell, OUTPUTS, Output, OutputKey};
 pub use problem::{ModelChoice, Settings, required_inputs};
 pub use record::Record;
+pub use requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, Wish};
 pub(crate) use scene::nearest;
 pub use scene::nearest_input;
 pub use schema::{input_schema, output_schema};

@@ -1,13 +1,11 @@
 //! Optimum contact angles and self-locking limits in the vocabulary.
 
+use bsm_design::CONTACT_ANGLES;
 use bsm_dyn::{Angles, Direction, Optimum};
 use serde_json::{Map, Value, json};
 
 use crate::units::DEG;
 use crate::{CaseError, Scene};
-
-/// Contact angles outside this range are hard to make (Lin's design procedure, step 2).
-const EASY_DEG: (f64, f64) = (30.0, 75.0);
 
 /// Both directions at one lead angle and friction coefficient.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,11 +74,7 @@ impl OptimumReport {
                      too large",
                     self.best_efficiency
                 )),
-                Some(deg) if deg < EASY_DEG.0 || deg > EASY_DEG.1 => warnings.push(format!(
-                    "{name}: a contact angle of {deg:.1} deg is hard to make; {} to {} deg is usual",
-                    EASY_DEG.0, EASY_DEG.1
-                )),
-                Some(_) => {}
+                best => warnings.extend(hard_to_make(name, best)),
             }
         }
         warnings
@@ -102,4 +96,14 @@ impl OptimumReport {
         map.insert("warnings".to_owned(), json!(self.warnings()));
         Value::Object(map)
     }
+}
+
+/// A warning if the optimum of a motion is hard to make.
+pub(crate) fn hard_to_make(motion: &str, best_deg: Option<f64>) -> Option<String> {
+    let (low, high) = CONTACT_ANGLES;
+    let deg = best_deg.filter(|deg| !(low..=high).contains(&(deg * DEG)))?;
+    let (low, high) = (low / DEG, high / DEG);
+    Some(format!(
+        "{motion}: a contact angle of {deg:.1} deg is hard to make; {low:.0} to {high:.0} deg is usual"
+    ))
 }

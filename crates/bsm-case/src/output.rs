@@ -16,7 +16,7 @@ pub enum Cell {
 }
 
 /// One output of the vocabulary.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub struct Output {
     /// Name, with its unit as suffix.
     pub name: &'static str,

@@ -6,10 +6,10 @@ use std::fs;
 use std::path::Path;
 
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::units::{DEG, RPM};
-use crate::{CaseError, INPUTS, Scene};
+use crate::{CaseError, INPUTS, Input, Scene};
 
 /// Key of the free text.
 const DESCRIPTION: &str = "description";
@@ -35,32 +35,21 @@ impl Scene {
     ///
     /// [`CaseError`] for syntax, unknown or repeated keys, and wrong types.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
-        // Some editors begin a file with a byte order mark.
-        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-        if json.iter().all(u8::is_ascii_whitespace) {
-            return Err(CaseError::Empty);
-        }
-        let entries = match serde_json::from_slice::<Entries>(json) {
-            Ok(entries) => entries.0,
-            Err(error) => {
-                return Err(match serde_json::from_slice::<Value>(json) {
-                    Ok(other) => CaseError::NotAnObject { found: kind(&other) },
-                    Err(_) => CaseError::Syntax(error),
-                });
-            }
-        };
         let mut scene = Self::default();
-        let mut seen = BTreeSet::new();
-        for (key, value) in entries {
-            if !seen.insert(key.clone()) {
-                return Err(CaseError::DuplicateKey { key });
-            }
+        for (key, value) in entries(json)? {
             scene.assign_json(key, &value)?;
         }
         Ok(scene)
     }
 
-    fn assign_json(&mut self, key: String, value: &Value) -> Result<(), CaseError> {
+    /// JSON object of the inputs that are given.
+    pub fn to_json(&self) -> Value {
+        let text = self.description.iter().map(|text| (DESCRIPTION.to_owned(), json!(text)));
+        let number = |input: &Input| Some((input.name.to_owned(), json!(self.get(input.name)?)));
+        Value::Object(text.chain(INPUTS.iter().filter_map(number)).collect())
+    }
+
+    pub(crate) fn assign_json(&mut self, key: String, value: &Value) -> Result<(), CaseError> {
         if key == DESCRIPTION {
             return match value {
                 Value::String(text) => {
@@ -123,11 +112,8 @@ impl Scene {
     /// [`CaseError`] with key, value and rule.
     pub fn check(&self) -> Result<(), CaseError> {
         for input in INPUTS {
-            if let Some(value) = self.get(input.name)
-                && !input.rule.holds(value)
-            {
-                let (key, rule) = (input.name.to_owned(), input.rule.describe());
-                return Err(CaseError::OutOfRange { key, value, rule });
+            if let Some(value) = self.get(input.name) {
+                in_range(input, value)?;
             }
         }
         if let (Some(ball), Some(pitch)) = (self.ball_diameter_mm, self.pitch_circle_diameter_mm)
@@ -184,6 +170,38 @@ impl Scene {
     }
 }
 
+/// The entries of a JSON object, in order, none twice.
+pub(crate) fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
+    // Some editors begin a file with a byte order mark.
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    if json.iter().all(u8::is_ascii_whitespace) {
+        return Err(CaseError::Empty);
+    }
+    let entries = match serde_json::from_slice::<Entries>(json) {
+        Ok(entries) => entries.0,
+        Err(error) => {
+            return Err(match serde_json::from_slice::<Value>(json) {
+                Ok(other) => CaseError::NotAnObject { found: kind(&other) },
+                Err(_) => CaseError::Syntax(error),
+            });
+        }
+    };
+    let mut seen = BTreeSet::new();
+    match entries.iter().find(|(key, _)| !seen.insert(key.as_str())) {
+        Some((key, _)) => Err(CaseError::DuplicateKey { key: key.clone() }),
+        None => Ok(entries),
+    }
+}
+
+/// Checks a value against the rule of its input.
+pub(crate) fn in_range(input: &Input, value: f64) -> Result<(), CaseError> {
+    if input.rule.holds(value) {
+        return Ok(());
+    }
+    let (key, rule) = (input.name.to_owned(), input.rule.describe());
+    Err(CaseError::OutOfRange { key, value, rule })
+}
+
 /// tanα = L / (π d)
 fn lead_angle(lead_mm: f64, pitch_circle_diameter_mm: f64) -> f64 {
     (lead_mm / (std::f64::consts::PI * pitch_circle_diameter_mm)).atan()
@@ -213,12 +231,12 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
         .map(|(_, name)| name)
 }
 
-fn wrong_type(key: String, value: &Value, expected: &'static str) -> CaseError {
+pub(crate) fn wrong_type(key: String, value: &Value, expected: &str) -> CaseError {
     let found = match value {
         Value::String(text) => format!("the text {text:?}"),
         other => kind(other).to_owned(),
     };
-    CaseError::WrongType { key, found, expected }
+    CaseError::WrongType { key, found, expected: expected.to_owned() }
 }
 
 fn kind(value: &Value) -> &'static str {

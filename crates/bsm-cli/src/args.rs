@@ -45,6 +45,12 @@ pub(crate) enum Command {
     /// Load ratings, rigidity and efficiency of a nut from its geometry.
     #[command(after_help = EXIT_CODES)]
     Capacity(CapacityArgs),
+    /// Friction coefficient, or another input, from a measured torque or another output.
+    #[command(after_help = EXIT_CODES)]
+    Fit(FitArgs),
+    /// The best screw for a requirement: load, motion, lead, length, speed, life.
+    #[command(after_help = EXIT_CODES)]
+    Design(DesignArgs),
     /// All nuts of standard sizes: filter, sort, write them as a table.
     #[command(after_help = EXIT_CODES)]
     Catalog(CatalogArgs),
@@ -254,6 +260,61 @@ pub(crate) struct CapacityArgs {
     #[arg(long)]
     pub(crate) steps: bool,
     /// How to print the ratings.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+}
+
+/// Such as: bsm fit examples/feed_drive.json --measured screw_torque_Nm=12.9. All values in the range
+/// are found, with the answer of the model at each. Model auto is the most complete one here.
+#[derive(Debug, Args)]
+pub(crate) struct FitArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
+    /// Output that was measured at this operating point, and its value.
+    #[arg(long, value_name = "OUTPUT=VALUE", allow_hyphen_values = true)]
+    pub(crate) measured: String,
+    /// Input to find.
+    #[arg(long, value_name = "NAME", default_value = "friction_coefficient")]
+    pub(crate) input: String,
+    /// Where to look for it; 1e-4 to 0.5 for friction, a quarter to four times the scene's value for
+    /// others unless given.
+    #[arg(long, value_name = "LOW:HIGH", allow_hyphen_values = true, value_parser = range)]
+    pub(crate) range: Option<(f64, f64)>,
+    /// How to print the result.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+}
+
+fn range(text: &str) -> Result<(f64, f64), String> {
+    let numbers = text.split_once(':').map(|(low, high)| (low.parse(), high.parse()));
+    match numbers {
+        Some((Ok(low), Ok(high))) => Ok((low, high)),
+        _ => Err("must be two numbers, such as 0.01:0.2".to_owned()),
+    }
+}
+
+/// The steps of Lin, Velinsky and Ravani (1994): each with its number, what it must be, and whether it
+/// is. What the requirement leaves open is chosen for the largest efficiency or load rating, or the
+/// smallest mass, with a ball from stock and whole numbers of balls in a turn.
+#[derive(Debug, Args)]
+pub(crate) struct DesignArgs {
+    /// Requirement in JSON; `-` reads standard input. Without it, the keys of a requirement are printed.
+    #[arg(value_name = "REQUIREMENT.json")]
+    pub(crate) requirement: Option<PathBuf>,
+    /// Set or replace a key of the requirement; may be repeated, such as --set objective=mass.
+    #[arg(
+        long = "set",
+        value_name = "NAME=VALUE",
+        allow_hyphen_values = true,
+        requires = "requirement"
+    )]
+    pub(crate) settings: Vec<String>,
+    /// Scene to write of the screw at its operating point, for bsm solve and bsm capacity.
+    #[arg(short, long, value_name = "SCREW.json")]
+    pub(crate) output: Option<PathBuf>,
+    /// How to print the steps.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
 }

@@ -1,6 +1,5 @@
 //! `bsm capacity`: ratings of a nut.
 
-use std::fs;
 use std::path::Path;
 
 use bsm_case::{CapacityReport, Spectrum};
@@ -8,7 +7,7 @@ use bsm_validate::number;
 
 use crate::args::{CapacityArgs, Format};
 use crate::failure::{Failure, warn};
-use crate::files::{pretty_json, print, read_scene};
+use crate::files::{pretty_json, print, read, read_scene};
 use crate::table;
 
 pub(crate) fn run(args: &CapacityArgs) -> Result<(), Failure> {
@@ -43,6 +42,5 @@ fn table_rows(rows: &[(&str, &str, f64)]) -> Vec<Vec<String>> {
 }
 
 fn read_spectrum(path: &Path) -> Result<Spectrum, Failure> {
-    let table = fs::read(path).map_err(|e| Failure::files("read", path, &e))?;
-    Spectrum::from_csv(&table).map_err(|e| Failure::scene(path, &e))
+    Spectrum::from_csv(&read(path)?).map_err(|e| Failure::scene(path, &e))
 }

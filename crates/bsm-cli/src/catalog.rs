@@ -1,6 +1,5 @@
 //! `bsm catalog`: all nuts of standard sizes.
 
-use std::fs;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -79,8 +78,7 @@ fn read(path: Option<&Path>) -> Result<Catalogue, Failure> {
     let Some(path) = path else {
         return Catalogue::standard().map_err(|e| Failure::Input(e.to_string()));
     };
-    let json = fs::read(path).map_err(|e| Failure::files("read", path, &e))?;
-    Catalogue::from_json(&json).map_err(|e| Failure::scene(path, &e))
+    Catalogue::from_json(&files::read(path)?).map_err(|e| Failure::scene(path, &e))
 }
 
 fn count(all: &[Candidate], met: usize, left: usize, args: &CatalogArgs) -> String {

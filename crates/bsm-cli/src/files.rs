@@ -23,18 +23,20 @@ pub(crate) fn pretty_json(value: &Value) -> String {
     format!("{value:#}")
 }
 
+/// Reads a file, `-` from standard input.
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
+    if path.as_os_str() == "-" {
+        let mut bytes = Vec::new();
+        let read = io::stdin().read_to_end(&mut bytes);
+        read.map_err(|e| Failure::files("read", Path::new("standard input"), &e))?;
+        return Ok(bytes);
+    }
+    std::fs::read(path).map_err(|e| Failure::files("read", path, &e))
+}
+
 /// Reads a scene, `-` from standard input, and applies settings.
 pub(crate) fn read_scene(path: &Path, settings: &[String]) -> Result<Scene, Failure> {
-    let scene = if path.as_os_str() == "-" {
-        let mut bytes = Vec::new();
-        io::stdin()
-            .read_to_end(&mut bytes)
-            .map_err(|e| Failure::files("read", Path::new("standard input"), &e))?;
-        Scene::from_json(&bytes)
-    } else {
-        Scene::read(path)
-    };
-    let mut scene = scene.map_err(|e| Failure::scene(path, &e))?;
+    let mut scene = Scene::from_json(&read(path)?).map_err(|e| Failure::scene(path, &e))?;
     apply(&mut scene, settings)?;
     Ok(scene)
 }

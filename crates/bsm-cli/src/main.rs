@@ -5,8 +5,10 @@ mod batch;
 mod capacity;
 mod catalog;
 mod compare;
+mod design;
 mod failure;
 mod files;
+mod fit;
 mod optimum;
 mod solve;
 mod stream;
@@ -32,6 +34,8 @@ fn main() -> ExitCode {
         Command::Optimum(args) => optimum::run(&args),
         Command::Capacity(args) => capacity::run(&args),
         Command::Catalog(args) => catalog::run(&args),
+        Command::Fit(args) => fit::run(&args),
+        Command::Design(args) => design::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::Tradeoff(args) => tradeoff::run(&args),
         Command::Schema { kind } => print(&pretty_json(&match kind {

@@ -37,6 +37,11 @@ impl Body {
         }
     }
 
+    /// Mass of a shaft of this diameter and length \[m\], in kg.
+    pub(crate) fn mass_of_shaft(diameter: f64, length: f64) -> f64 {
+        STEEL * 0.25 * PI * diameter.powi(2) * length
+    }
+
     /// Mass \[kg\] without balls and returns: the tube less its groove (D11).
     ///
     /// The groove is the part beyond the bore of a circle of the nut's groove radius around the

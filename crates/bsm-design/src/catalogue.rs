@@ -9,7 +9,10 @@ use rayon::prelude::*;
 use crate::{Body, Nut, Rigidity};
 
 /// Balls of a turn that stand in the return and carry nothing.
-const IDLE_BALLS: f64 = 4.0;
+pub(crate) const IDLE_BALLS: f64 = 4.0;
+
+/// Steps of pitch circle diameters \[m\].
+pub(crate) const STEP: f64 = 1e-5;
 
 /// Largest gap in a turn full of balls, over their diameter.
 const GAP: f64 = 0.10;
@@ -93,9 +96,8 @@ pub struct Candidate {
 ///
 /// Source: Sobolewski (2002).
 pub fn loaded_balls(diameter: f64, lead: f64, ball: f64) -> (f64, f64) {
-    const PER_STEP: f64 = 1e5;
-    let (lead, ball) = (lead * PER_STEP, ball * PER_STEP);
-    let mut steps = (diameter * PER_STEP).round();
+    let (lead, ball) = (lead / STEP, ball / STEP);
+    let mut steps = (diameter / STEP).round();
     loop {
         // L = √((π d)² + P²)                                              (D16)
         let length = (PI * steps).hypot(lead).round();
@@ -104,7 +106,7 @@ pub fn loaded_balls(diameter: f64, lead: f64, ball: f64) -> (f64, f64) {
         // frac(L/d_k) ≤ 0.10                                              (D17)
         if balls.fract() <= GAP {
             // n = ⌊L/d_k⌋ − 4                                             (D18)
-            return (steps / PER_STEP, balls.floor() - IDLE_BALLS);
+            return (steps * STEP, balls.floor() - IDLE_BALLS);
         }
         steps += 1.0;
     }

@@ -7,12 +7,20 @@ mod body;
 mod catalogue;
 mod life;
 mod nut;
+mod procedure;
+mod requirement;
 mod rigidity;
+pub mod search;
 
 pub use body::Body;
 pub use catalogue::{Candidate, Limits, Lists, Size, front, loaded_balls};
 pub use life::{Duty, Life, life};
 pub use nut::{DynamicRating, Nut, StaticRating};
+pub use procedure::{Blocked, Outcome, Why};
+pub use requirement::{
+    CONTACT_ANGLES, Check, Demand, Design, EfficiencyOf, Fixed, Objective, Pitch, Quantity, Reach,
+    Requirement,
+};
 pub use rigidity::Rigidity;
 
 /// Preload of a pair of nuts over the dynamic rating, unless one is chosen (Sobolewski 2002).

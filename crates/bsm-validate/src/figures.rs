@@ -5,8 +5,8 @@ use bsm_case::{Scene, Settings};
 use bsm_dyn::{Angles, Control, Direction, Model, ModelWorkspace, Optimum, Outputs};
 
 use crate::figure::{Axis, Curve, Figure, Stroke};
-use crate::search::minimum_of;
 use crate::{Published, ValidateError, elastic};
+use bsm_design::search::minimum_of;
 
 /// All figures.
 ///
@@ -237,7 +237,7 @@ fn exact_optimum(lin: &Scene, direction: Direction) -> Result<Vec<(f64, f64)>, V
             let outputs =
                 scene.problem(&Model::Rigid.into())?.solve(&mut ModelWorkspace::default());
             // Without a root nothing moves: all is lost.
-            Ok(1.0 - outputs.outputs.efficiency.unwrap_or(0.0))
+            Ok::<_, ValidateError>(1.0 - outputs.outputs.efficiency.unwrap_or(0.0))
         };
         let (low, high) = (30.0, 85.0);
         let best = minimum_of(loss, low, high)?;

@@ -15,7 +15,6 @@ mod published;
 mod ratings;
 mod reference;
 mod report;
-mod search;
 mod sweep;
 pub mod tradeoff;
 
@@ -99,7 +98,7 @@ pub enum ValidateError {
     Threads(#[from] rayon::ThreadPoolBuildError),
     /// A one-dimensional search failed.
     #[error("search: {0}")]
-    Search(#[from] argmin::core::Error),
+    Search(#[from] bsm_design::search::SearchError),
 }
 
 /// Runs every check.

@@ -6,9 +6,9 @@ use bsm_case::Scene;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Problem, RigidWorkspace, Status};
 use serde::Deserialize;
 
-use crate::search::{minimum_of, root_of};
 use crate::sweep::{Sweep, deviation};
 use crate::{Check, Published, ValidateError};
+use bsm_design::search::{minimum_of, root_of};
 
 const SOURCE: &str = "Lin, Velinsky and Ravani 1994";
 
@@ -91,7 +91,7 @@ fn sweeps(lin: &Scene, direction: Direction, claims: &Claims) -> Result<Vec<Chec
         let search = |log_load: f64| {
             let work = &mut ModelWorkspace::default();
             let scene = Scene { axial_load_N: Some(10.0_f64.powf(log_load)), ..lin.clone() };
-            Ok(run(&scene, work)?.largest().0 - bound)
+            Ok::<_, ValidateError>(run(&scene, work)?.largest().0 - bound)
         };
         let load = 10.0_f64.powf(root_of(search, 0.0, 3.3)?);
         checks.push(
@@ -113,7 +113,7 @@ fn sweeps(lin: &Scene, direction: Direction, claims: &Claims) -> Result<Vec<Chec
         let work = &mut ModelWorkspace::default();
         let rpm = direction.sign() * 10.0_f64.powf(log_rpm);
         let scene = Scene { screw_speed_rpm: Some(rpm), ..lin.clone() };
-        Ok(deviation(&scene, work)?.map_or(f64::INFINITY, |(d, _)| d) - 1.0)
+        Ok::<_, ValidateError>(deviation(&scene, work)?.map_or(f64::INFINITY, |(d, _)| d) - 1.0)
     };
     let rpm = 10.0_f64.powf(root_of(search, 3.3, 5.5)?);
     checks.push(
@@ -190,7 +190,9 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
                 continue;
             }
             leads += 1;
-            let loss = |contact: f64| Ok(1.0 - Angles { lead, contact }.efficiency(direction, F));
+            let loss = |contact: f64| {
+                Ok::<_, ValidateError>(1.0 - Angles { lead, contact }.efficiency(direction, F))
+            };
             let contact = minimum_of(loss, 0.3, 1.57)?;
             let angles = Angles { lead, contact };
             let (s, d) = (contact.sin(), angles.slip_factor());

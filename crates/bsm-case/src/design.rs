@@ -1,0 +1,227 @@
+//! The screw for a requirement, in the vocabulary.
+
+use std::cell::RefCell;
+
+use bsm_design::{Blocked, Check, Nut, Outcome, Quantity, Why};
+use bsm_dyn::{ModelWorkspace, Status};
+use serde_json::{Map, Value, json};
+
+use crate::optimum::hard_to_make;
+use crate::units::{DEG, MM, MPA, RPM};
+use crate::{CaseError, Catalogue, Scene, Wish};
+
+/// A number of the procedure: step, what it is, value and requirement in words, and whether it
+/// holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignRow {
+    /// Step of Lin's procedure; 11 for what was added to it.
+    pub step: u8,
+    /// Name, with its unit as suffix.
+    pub name: &'static str,
+    /// Unit in words.
+    pub unit: &'static str,
+    /// The number, if there is one.
+    pub value: Option<f64>,
+    /// What it must be, if anything.
+    pub requirement: Option<String>,
+    /// True if it is so, or nothing is required.
+    pub passes: bool,
+}
+
+/// The screw for a requirement, or why there is none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignReport {
+    /// The steps of the screw, or of the compromise that fails least.
+    pub rows: Vec<DesignRow>,
+    /// True if the screw meets the requirement.
+    pub found: bool,
+    /// What holds the design back, or which limits block it and by how much.
+    pub reasons: Vec<String>,
+    /// What an engineer should know.
+    pub warnings: Vec<String>,
+    /// The screw at its operating point.
+    pub scene: Scene,
+}
+
+thread_local! {
+    /// The search solves from several threads.
+    static WORK: RefCell<ModelWorkspace> = RefCell::default();
+}
+
+impl DesignReport {
+    /// Searches for the best screw.
+    ///
+    /// # Errors
+    ///
+    /// None yet; a requirement that cannot be met is a result.
+    pub fn of(wish: &Wish) -> Result<Self, CaseError> {
+        let efficiency = |nut: &Nut, load: f64| {
+            let problem = scene(wish, nut, load).problem(&wish.model.into()).ok()?;
+            let solution = WORK.with_borrow_mut(|work| problem.solve(work));
+            solution.outputs.efficiency.filter(|_| solution.status == Status::Converged)
+        };
+        let (design, reasons, found) = match wish.requirement.choose(&efficiency) {
+            Outcome::Found { design, active } => {
+                (design, active.into_iter().map(|q| label(q).0.to_owned()).collect(), true)
+            }
+            Outcome::Infeasible { design, blocking } => {
+                // What blocks alone is the answer; the rest is what the compromise gives up for it.
+                let alone = |b: &&Blocked| matches!(b.why, Why::Alone(_));
+                let any = blocking.iter().any(|b| alone(&b));
+                let told = blocking.iter().filter(|b| !any || alone(b));
+                let reasons = told.map(blocks).collect();
+                (design, reasons, false)
+            }
+        };
+        let scene = scene(wish, &design.nut, design.load);
+        let mut warnings = scene.warnings();
+        let best = design.value(Quantity::BestContactAngle) / DEG;
+        warnings.extend(hard_to_make(
+            "the motion of the requirement",
+            Some(best).filter(|b| !b.is_nan()),
+        ));
+        if design.value(Quantity::Efficiency).is_nan() {
+            let model = wish.model.name();
+            warnings.push(format!("model {model} has no solution for this screw: see bsm solve"));
+        }
+        Ok(Self { rows: design.checks.iter().map(row).collect(), found, reasons, warnings, scene })
+    }
+
+    /// JSON object: `found`, `steps`, `reasons`, `warnings`, and the screw as `scene`.
+    pub fn to_json(&self) -> Value {
+        let step = |row: &DesignRow| {
+            let mut map = Map::new();
+            map.insert("step".to_owned(), json!(row.step));
+            map.insert("name".to_owned(), json!(row.name));
+            map.insert("value".to_owned(), json!(row.value));
+            map.insert("required".to_owned(), json!(row.requirement));
+            map.insert("passes".to_owned(), json!(row.passes));
+            Value::Object(map)
+        };
+        json!({
+            "found": self.found,
+            "reasons": self.reasons,
+            "warnings": self.warnings,
+            "steps": self.rows.iter().map(step).collect::<Vec<_>>(),
+            "scene": self.scene.to_json(),
+        })
+    }
+}
+
+/// Diameters of balls in stock \[m\].
+///
+/// # Errors
+///
+/// None; the list is compiled in.
+pub fn stock() -> Result<Vec<f64>, CaseError> {
+    Ok(Catalogue::standard()?.lists.balls)
+}
+
+/// The screw of a nut at the operating point of a requirement.
+fn scene(wish: &Wish, nut: &Nut, load: f64) -> Scene {
+    // Digits beyond a micrometre and a microdegree tell nothing.
+    let round = |x: f64| (x * 1e6).round() * 1e-6;
+    let conformity = Some(round(nut.conformity.0));
+    Scene {
+        ball_diameter_mm: Some(round(nut.ball_diameter / MM)),
+        pitch_circle_diameter_mm: Some(round(nut.pitch_diameter / MM)),
+        lead_mm: Some(nut.lead / MM),
+        lead_angle_deg: None,
+        contact_angle_deg: Some(round(nut.contact_angle / DEG)),
+        nut_conformity: conformity,
+        screw_conformity: conformity,
+        loaded_balls_per_turn: Some(nut.balls_per_turn),
+        loaded_turns: Some(nut.turns),
+        loaded_balls: Some((nut.balls_per_turn * nut.turns).max(1.0)),
+        axial_load_N: Some(load),
+        ..wish.scene.clone()
+    }
+}
+
+/// Name, unit and factor to SI.
+fn label(quantity: Quantity) -> (&'static str, &'static str, f64) {
+    match quantity {
+        Quantity::LeadAngle => ("lead_angle_deg", "deg", DEG),
+        Quantity::BestContactAngle => ("optimum_contact_angle_deg", "deg", DEG),
+        Quantity::ContactAngle => ("contact_angle_deg", "deg", DEG),
+        Quantity::ScrewLength => ("screw_length_mm", "mm", MM),
+        Quantity::RadiusOverLength => ("pitch_radius_over_length", "", 1.0),
+        Quantity::PitchDiameter => ("pitch_circle_diameter_mm", "mm", MM),
+        Quantity::BallOverRadius => ("ball_radius_over_pitch_radius", "", 1.0),
+        Quantity::BallOverLead => ("ball_diameter_over_lead", "", 1.0),
+        Quantity::BallOverGroove => ("ball_radius_over_groove_radius", "", 1.0),
+        Quantity::Conformity => ("conformity", "", 1.0),
+        Quantity::AxialLoad => ("axial_load_N", "N", 1.0),
+        Quantity::NormalLoad => ("normal_load_per_ball_N", "N", 1.0),
+        Quantity::Advance => ("advance_mm_s", "mm/s", MM),
+        Quantity::SpeedNumber => ("speed_number_mm_min", "mm/min", MM * RPM),
+        Quantity::NutPressure => ("nut_max_pressure_MPa", "MPa", MPA),
+        Quantity::ScrewPressure => ("screw_max_pressure_MPa", "MPa", MPA),
+        Quantity::Efficiency => ("efficiency", "", 1.0),
+        Quantity::DynamicRating => ("dynamic_load_rating_N", "N", 1.0),
+        Quantity::Life => ("life_h", "h", 3600.0),
+        Quantity::Mass => ("mass_of_nut_and_screw_kg", "kg", 1.0),
+    }
+}
+
+fn row(check: &Check) -> DesignRow {
+    let (name, unit, _) = label(check.quantity);
+    DesignRow {
+        step: check.step,
+        name,
+        unit,
+        value: Some(in_unit(check, check.value)).filter(|value| !value.is_nan()),
+        requirement: required(check),
+        passes: check.passes(),
+    }
+}
+
+fn in_unit(check: &Check, value: f64) -> f64 {
+    value / label(check.quantity).2
+}
+
+fn required(check: &Check) -> Option<String> {
+    let words = |sign: &str, limit: Option<f64>| {
+        limit.map(|limit| format!("{sign} {}", digits(in_unit(check, limit))))
+    };
+    match (words(">=", check.least), words("<=", check.most)) {
+        (Some(least), Some(most)) => Some(format!("{least} and {most}")),
+        (one, other) => one.or(other),
+    }
+}
+
+/// Five significant digits at most.
+fn digits(value: f64) -> String {
+    let magnitude = value.abs();
+    if value != 0.0 && !(1e-4..1e7).contains(&magnitude) {
+        return format!("{value:.3e}");
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "the exponent is between -4 and 7")]
+    let decimals = 4 - magnitude.max(1e-4).log10().floor() as i32;
+    let text = format!("{value:.*}", usize::try_from(decimals).unwrap_or(0));
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// A limit that is not kept, by how much, and why.
+fn blocks(Blocked { check, why }: &Blocked) -> String {
+    let (name, unit, _) = label(check.quantity);
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let number = |value: f64| digits(in_unit(check, value));
+    let why = match why {
+        Why::Alone(best) => {
+            format!("with all other limits kept the best is {}{unit}", number(*best))
+        }
+        Why::WithOthers => "the other limits cannot all be kept even without this one".to_owned(),
+        Why::WholeBalls => {
+            "only fractions of balls, or a ball that is not in stock, would do; this is \
+                            the nearest screw of whole ones"
+                .to_owned()
+        }
+    };
+    let required = required(check).unwrap_or_default();
+    format!("{name} = {}{unit} must be {required}{unit}: {why}", number(check.value))
+}

@@ -1,0 +1,237 @@
+//! An input from a measured output.
+
+use bsm_design::search::{SearchError, root_of};
+use bsm_dyn::{Model, ModelWorkspace, Status};
+use serde_json::{Value, json};
+
+use crate::{
+    CaseError, INPUTS, Input, ModelChoice, Output, Record, Rule, Scene, Settings, nearest_input,
+};
+
+/// Points between which the output is followed.
+const POINTS: i32 = 64;
+
+/// Where a friction coefficient is looked for, unless told.
+const FRICTION: (f64, f64) = (1e-4, 0.5);
+
+/// Where another input is looked for, over its value in the scene, unless told.
+const AROUND: (f64, f64) = (0.25, 4.0);
+
+/// What is known and what is sought.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    input: &'static Input,
+    range: (f64, f64),
+    output: &'static Output,
+    measured: f64,
+}
+
+/// A value of the input at which the model gives what was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fitted {
+    /// The value of the input.
+    pub value: f64,
+    /// Relative change of the input for a relative change of what was measured.
+    pub response: f64,
+    /// The answer of the model there.
+    pub record: Record,
+}
+
+/// All values in the range, and how the output runs over it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FitReport {
+    /// The values, the smallest first.
+    pub found: Vec<Fitted>,
+    /// Smallest and largest output over the range, where the model has solutions.
+    pub reachable: Option<(f64, f64)>,
+    /// Share of the range in which the model has solutions.
+    pub solved: f64,
+}
+
+impl Fit {
+    /// Seeks `input` in `range` such that the output of a measurement `name=value` comes out.
+    ///
+    /// The range is 1e-4 to 0.5 for a friction coefficient, a quarter of the scene's value to four
+    /// times it for another input, unless given.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for unknown names, no number, or a range that is none.
+    pub fn new(
+        scene: &Scene,
+        input: &str,
+        range: Option<(f64, f64)>,
+        measurement: &str,
+    ) -> Result<Self, CaseError> {
+        let known = INPUTS.iter().find(|known| known.name == input);
+        let input = known.ok_or_else(|| CaseError::UnknownKey {
+            key: input.to_owned(),
+            nearest: nearest_input(input).map(str::to_owned),
+        })?;
+        let form = "output=value, such as screw_torque_Nm=1.5";
+        let bad = || CaseError::BadSetting { text: measurement.to_owned(), form };
+        let (name, value) = measurement.split_once('=').ok_or_else(bad)?;
+        let output = Output::named(name.trim()).filter(|o| o.json_type == "number");
+        let output =
+            output.ok_or_else(|| CaseError::UnknownOutput { name: name.trim().to_owned() })?;
+        let measured: f64 =
+            value.trim().parse().ok().filter(|v| f64::is_finite(*v)).ok_or_else(bad)?;
+        let range = match (range, input.name, scene.get(input.name)) {
+            (Some(range), ..) => range,
+            (None, "friction_coefficient", _) => FRICTION,
+            (None, _, Some(value)) if value != 0.0 => {
+                let (a, b) = (AROUND.0 * value, AROUND.1 * value);
+                (a.min(b), a.max(b))
+            }
+            _ => return Err(CaseError::NoRange { key: input.name }),
+        };
+        let range = match input.rule {
+            // Values in a scene may be near the end of what is allowed.
+            Rule::Between(low, high) => {
+                let inset = 1e-6 * (high - low);
+                (range.0.max(low + inset), range.1.min(high - inset))
+            }
+            _ => range,
+        };
+        let ends = [range.0, range.1];
+        if !(range.0 < range.1 && ends.iter().all(|value| input.rule.holds(*value))) {
+            return Err(CaseError::BadRange { key: input.name, low: range.0, high: range.1 });
+        }
+        Ok(Self { input, range, output, measured })
+    }
+
+    /// The scene with a value of the input, solved.
+    fn answer(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        value: f64,
+        work: &mut ModelWorkspace,
+    ) -> Result<Record, CaseError> {
+        let mut scene = scene.clone();
+        scene.set(self.input.name, value)?;
+        Ok(Record::new(scene.problem(settings)?.solve(work)))
+    }
+
+    /// Follows the output over the range, and closes in on every place where it is as measured.
+    ///
+    /// In place of model auto the most complete one is taken: an error bound of the efficiency is none
+    /// of the input.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if the scene has no inputs for the model.
+    pub fn run(&self, scene: &Scene, settings: &Settings) -> Result<FitReport, CaseError> {
+        let mut scene = scene.clone();
+        scene.set(self.input.name, self.range.0)?;
+        let settings = &match scene.choose(settings.model)? {
+            ModelChoice::Auto => Settings { model: Model::Traction.into(), ..*settings },
+            ModelChoice::Fixed(model) => Settings { model: model.into(), ..*settings },
+        };
+        let scene = &scene;
+        let mut work = ModelWorkspace::default();
+        let mut excess = |value: f64| -> Result<f64, CaseError> {
+            let record = self.answer(scene, settings, value, &mut work)?;
+            let output =
+                record.number(self.output.name).filter(|_| record.status() == Status::Converged);
+            Ok(output.map_or(f64::NAN, |output| output - self.measured))
+        };
+        let places: Vec<_> =
+            (0..=POINTS).map(|i| self.place(f64::from(i) / f64::from(POINTS))).collect();
+        let values = places.iter().map(|x| excess(*x)).collect::<Result<Vec<_>, _>>()?;
+        let solved: Vec<_> =
+            values.iter().filter(|v| v.is_finite()).map(|v| v + self.measured).collect();
+        let mut found = Vec::new();
+        for (x, v) in places.windows(2).zip(values.windows(2)) {
+            // A root at a common end belongs to the interval before it.
+            let root = if v[1] == 0.0 {
+                Some(x[1])
+            } else if v[0] * v[1] < 0.0 {
+                let work = std::cell::RefCell::new(ModelWorkspace::default());
+                let function = |value: f64| {
+                    let record = self.answer(scene, settings, value, &mut work.borrow_mut());
+                    let output = record.ok().and_then(|r| r.number(self.output.name));
+                    output.map(|o| o - self.measured).ok_or_else(|| SearchError::msg("no solution"))
+                };
+                root_of(function, x[0], x[1]).ok()
+            } else {
+                None
+            };
+            if let Some(value) = root {
+                let step = 1e-4 * value.abs();
+                let slope = (excess(value + step)? - excess(value - step)?) / (2.0 * step);
+                let response = self.measured / (value * slope);
+                let record = self.answer(scene, settings, value, &mut ModelWorkspace::default())?;
+                found.push(Fitted { value, response, record });
+            }
+        }
+        let ends =
+            solved.iter().copied().reduce(f64::min).zip(solved.iter().copied().reduce(f64::max));
+        #[expect(clippy::cast_precision_loss, reason = "a few points")]
+        let share = solved.len() as f64 / places.len() as f64;
+        Ok(FitReport { found, reachable: ends, solved: share })
+    }
+
+    /// A place in the range: in equal ratios where it has one sign, else in equal steps.
+    fn place(&self, share: f64) -> f64 {
+        let (low, high) = self.range;
+        if share >= 1.0 {
+            high
+        } else if low > 0.0 {
+            low * (high / low).powf(share)
+        } else {
+            low + (high - low) * share
+        }
+    }
+
+    /// What was found, in words.
+    pub fn describe(&self, report: &FitReport) -> String {
+        let (input, output) = (self.input.name, self.output.name);
+        if let [first, ..] = &report.found[..] {
+            let all: Vec<_> = report
+                .found
+                .iter()
+                .map(|fitted| format!("{input} = {:.6}", fitted.value))
+                .collect();
+            let more = if all.len() > 1 { "; the model gives the same at all of them" } else { "" };
+            return format!(
+                "{}{more}; 1 % of {output} is {:.2} % of {input}",
+                all.join(", "),
+                first.response.abs()
+            );
+        }
+        let (low, high) = self.range;
+        match report.reachable {
+            Some((least, most)) => format!(
+                "{input} from {low} to {high} gives {output} from {least:.6} to {most:.6}, not {}{}",
+                self.measured,
+                if report.solved < 1.0 {
+                    format!(
+                        "; the model has solutions in {:.0} % of that range",
+                        100.0 * report.solved
+                    )
+                } else {
+                    String::new()
+                }
+            ),
+            None => format!("the model has no solution with {input} from {low} to {high}"),
+        }
+    }
+
+    /// JSON object of the values found and of what can be reached.
+    pub fn to_json(&self, report: &FitReport) -> Value {
+        let fitted = |f: &Fitted| {
+            json!({
+                self.input.name: f.value,
+                "relative_response": f.response,
+                "result": f.record.to_json(),
+            })
+        };
+        json!({
+            "measured": { self.output.name: self.measured },
+            "found": report.found.iter().map(fitted).collect::<Vec<_>>(),
+            "reachable": report.reachable.map(|(low, high)| [low, high]),
+            "message": self.describe(report),
+        })
+    }
+}

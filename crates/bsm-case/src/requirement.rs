@@ -1,0 +1,287 @@
+//! What a screw must do, in the vocabulary and a few more keys.
+
+use bsm_design::{Demand, Fixed, Objective, Pitch, Reach, Requirement};
+use bsm_dyn::{Direction, Model};
+use serde_json::{Map, Value};
+
+use crate::scene::{entries, in_range, wrong_type};
+use crate::units::{DEG, MM, MPA, RPM};
+use crate::{CaseError, INPUTS, Input, InputKey, Rule, Scene, nearest};
+
+/// Numbers that only requirements have.
+pub const REQUIREMENT_INPUTS: &[Input] = &[
+    input(
+        "screw_torque_Nm",
+        "N m",
+        Rule::Above(0.0),
+        None,
+        "torque on the screw, in place of axial_load_N",
+    ),
+    input(
+        "screw_length_mm",
+        "mm",
+        Rule::Above(0.0),
+        None,
+        "length of the screw, or give stroke_mm",
+    ),
+    input(
+        "stroke_mm",
+        "mm",
+        Rule::Above(0.0),
+        None,
+        "way of the nut; the screw is longer by the nut",
+    ),
+    input("life_h", "h", Rule::Above(0.0), None, "life that 90 % of the screws must reach"),
+    input("least_efficiency", "", Rule::Between(0.0, 1.0), None, "least efficiency"),
+    input(
+        "pressure_limit_MPa",
+        "MPa",
+        Rule::Above(0.0),
+        Some(4200.0),
+        "largest Hertz pressure (ISO 76)",
+    ),
+    input(
+        "largest_pitch_circle_diameter_mm",
+        "mm",
+        Rule::Above(0.0),
+        Some(125.0),
+        "room for the screw",
+    ),
+    input(
+        "largest_ball_over_lead",
+        "",
+        Rule::Above(0.0),
+        Some(0.7),
+        "ball diameter over lead: what is left is the land between the grooves",
+    ),
+];
+
+/// Keys with words, and the words that they take; the first is what is taken unless one is given.
+pub const REQUIREMENT_WORDS: [(&str, &[&str], &str); 3] = [
+    ("motion", &["rotary-to-linear", "linear-to-rotary"], "which side drives"),
+    ("objective", &["efficiency", "capacity", "mass"], "what the free numbers are chosen for"),
+    (
+        "model",
+        &["traction", "elastic", "raceway-control", "rigid", "quasi-static", "closed-form"],
+        "model that tells the efficiency",
+    ),
+];
+
+/// Inputs of a scene that a requirement may have.
+const FROM_SCENES: [InputKey; 18] = [
+    InputKey::axial_load_N,
+    InputKey::lead_mm,
+    InputKey::lead_angle_deg,
+    InputKey::screw_speed_rpm,
+    InputKey::friction_coefficient,
+    InputKey::speed_number_limit_mm_min,
+    InputKey::ball_diameter_mm,
+    InputKey::pitch_circle_diameter_mm,
+    InputKey::contact_angle_deg,
+    InputKey::nut_conformity,
+    InputKey::screw_conformity,
+    InputKey::loaded_turns,
+    InputKey::rolling_friction_mm,
+    InputKey::density_kg_m3,
+    InputKey::youngs_modulus_GPa,
+    InputKey::poisson_ratio,
+    InputKey::ball_youngs_modulus_GPa,
+    InputKey::ball_poisson_ratio,
+];
+
+const fn input(
+    name: &'static str,
+    unit: &'static str,
+    rule: Rule,
+    default: Option<f64>,
+    about: &'static str,
+) -> Input {
+    Input { name, unit, rule, default, about }
+}
+
+/// A requirement as it is written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wish {
+    /// What it shares with scenes: load, speed, friction, materials, and whatever is fixed.
+    pub(crate) scene: Scene,
+    /// The model that tells the efficiency.
+    pub(crate) model: Model,
+    pub(crate) requirement: Requirement,
+}
+
+impl Wish {
+    /// Reads a requirement and applies settings `name=value`.
+    ///
+    /// * `stock`: diameters of balls in stock \[m\].
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for syntax, unknown keys, values out of range, and what is missing or
+    /// contradicts itself.
+    pub fn from_json(json: &[u8], settings: &[String], stock: Vec<f64>) -> Result<Self, CaseError> {
+        let mut given = Given::default();
+        for (key, value) in entries(json)? {
+            given.assign(&key, &value)?;
+        }
+        for setting in settings {
+            let bad = || CaseError::BadSetting { text: setting.clone(), form: "name=value" };
+            let (key, text) = setting.split_once('=').ok_or_else(bad)?;
+            let (key, text) = (key.trim(), text.trim());
+            let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
+            given.assign(key, &value)?;
+        }
+        given.wish(stock)
+    }
+}
+
+/// A key, and what its value makes.
+type Form<T> = (&'static str, fn(f64) -> T);
+
+/// Keys and values, checked one by one.
+#[derive(Default)]
+struct Given {
+    scene: Scene,
+    numbers: Map<String, Value>,
+    words: Map<String, Value>,
+}
+
+impl Given {
+    fn assign(&mut self, key: &str, value: &Value) -> Result<(), CaseError> {
+        if let Some((_, words, _)) = REQUIREMENT_WORDS.iter().find(|(name, ..)| *name == key) {
+            let known = value.as_str().is_some_and(|word| words.contains(&word));
+            if !known {
+                let expected = format!("one of {}", words.join(", "));
+                return Err(wrong_type(key.to_owned(), value, &expected));
+            }
+            self.words.insert(key.to_owned(), value.clone());
+            return Ok(());
+        }
+        if let Some(input) = REQUIREMENT_INPUTS.iter().find(|input| input.name == key) {
+            let number =
+                value.as_f64().ok_or_else(|| wrong_type(key.to_owned(), value, "a number"))?;
+            in_range(input, number)?;
+            self.numbers.insert(key.to_owned(), value.clone());
+            return Ok(());
+        }
+        let known =
+            key == "description" || FROM_SCENES.iter().any(|k| INPUTS[*k as usize].name == key);
+        if !known {
+            let names = FROM_SCENES.iter().map(|k| INPUTS[*k as usize].name);
+            let names = names.chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));
+            let names = names.chain(REQUIREMENT_WORDS.iter().map(|(name, ..)| *name));
+            let nearest = nearest(key, names).map(str::to_owned);
+            return Err(CaseError::UnknownRequirement { key: key.to_owned(), nearest });
+        }
+        self.scene.assign_json(key.to_owned(), value)
+    }
+
+    fn number(&self, key: &str) -> Option<f64> {
+        let input = REQUIREMENT_INPUTS.iter().find(|input| input.name == key);
+        self.numbers.get(key).and_then(Value::as_f64).or(input.and_then(|input| input.default))
+    }
+
+    fn word(&self, key: &str) -> &str {
+        let first = REQUIREMENT_WORDS.iter().find(|(name, ..)| *name == key);
+        let first = first.map_or("", |(_, words, _)| words[0]);
+        self.words.get(key).and_then(Value::as_str).unwrap_or(first)
+    }
+
+    /// One of two forms of a demand.
+    fn one_of<T>(&self, forms: [Form<T>; 2]) -> Result<T, CaseError> {
+        let value = |key| self.scene.get(key).or_else(|| self.number(key));
+        match forms.map(|(key, form)| value(key).map(form)) {
+            [Some(one), None] | [None, Some(one)] => Ok(one),
+            found => Err(CaseError::OneOfTwo {
+                keys: forms.map(|(key, _)| key),
+                found: if found[0].is_some() { "both are" } else { "neither is" },
+            }),
+        }
+    }
+
+    fn wish(self, stock: Vec<f64>) -> Result<Wish, CaseError> {
+        let mut scene = self.scene.clone();
+        scene.check()?;
+        let demand =
+            self.one_of([("axial_load_N", Demand::Load), ("screw_torque_Nm", Demand::Torque)])?;
+        let reach = self.one_of([
+            ("screw_length_mm", |mm| Reach::Screw(mm * MM)),
+            ("stroke_mm", |mm| Reach::Stroke(mm * MM)),
+        ])?;
+        // Lead and lead angle together are a pitch circle.
+        if let (Some(lead), Some(angle), None) =
+            (scene.lead_mm, scene.lead_angle_deg, scene.pitch_circle_diameter_mm)
+        {
+            let diameter = lead / (std::f64::consts::PI * (angle * DEG).tan());
+            scene.pitch_circle_diameter_mm = Some(diameter);
+        }
+        let pitch = match (scene.lead_mm, scene.lead_angle_deg) {
+            (Some(lead), _) => Pitch::Lead(lead * MM),
+            (None, Some(angle)) => Pitch::Angle(angle * DEG),
+            (None, None) => {
+                return Err(CaseError::OneOfTwo {
+                    keys: ["lead_mm", "lead_angle_deg"],
+                    found: "neither is",
+                });
+            }
+        };
+        let mut missing = Vec::new();
+        let mut need = |key: &str| {
+            scene.get(key).unwrap_or_else(|| {
+                missing.push(key.to_owned());
+                f64::NAN
+            })
+        };
+        let (rpm, friction) = (need("screw_speed_rpm"), need("friction_coefficient"));
+        if !missing.is_empty() {
+            return Err(CaseError::MissingForDesign { missing });
+        }
+        if rpm == 0.0 {
+            let (key, rule) = ("screw_speed_rpm".to_owned(), "not 0".to_owned());
+            return Err(CaseError::OutOfRange { key, value: rpm, rule });
+        }
+        let conformity = match (scene.nut_conformity, scene.screw_conformity) {
+            (Some(nut), Some(screw)) if (nut - screw).abs() > 1e-12 => {
+                return Err(CaseError::TwoConformities { nut, screw });
+            }
+            (nut, screw) => nut.or(screw),
+        };
+        let direction = match self.word("motion") {
+            "linear-to-rotary" => Direction::LinearToRotary,
+            _ => Direction::RotaryToLinear,
+        };
+        // The motion tells the direction; a sign of the speed is of no matter.
+        scene.screw_speed_rpm = Some(direction.sign() * rpm.abs());
+        let limit = |key| self.number(key).unwrap_or(f64::NAN);
+        let speed_number = scene.value_or_default(InputKey::speed_number_limit_mm_min);
+        let requirement = Requirement {
+            demand,
+            direction,
+            pitch,
+            reach,
+            speed: rpm.abs() * RPM,
+            life: self.number("life_h").map(|hours| 3600.0 * hours),
+            friction,
+            material: scene.materials(),
+            pressure: limit("pressure_limit_MPa") * MPA,
+            speed_number: speed_number.unwrap_or(f64::NAN) * MM * RPM,
+            ball_over_lead: limit("largest_ball_over_lead"),
+            largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,
+            least_efficiency: self.number("least_efficiency"),
+            objective: match self.word("objective") {
+                "capacity" => Objective::Capacity,
+                "mass" => Objective::Mass,
+                _ => Objective::Efficiency,
+            },
+            fixed: Fixed {
+                pitch_diameter: scene.pitch_circle_diameter_mm.map(|mm| mm * MM),
+                ball: scene.ball_diameter_mm.map(|mm| mm * MM),
+                contact_angle: scene.contact_angle_deg.map(|deg| deg * DEG),
+                conformity,
+                turns: scene.loaded_turns,
+            },
+            stock,
+        };
+        let model = Model::from_name(self.word("model")).unwrap_or(Model::Traction);
+        Ok(Wish { scene, model, requirement })
+    }
+}

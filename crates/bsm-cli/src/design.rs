@@ -1,0 +1,90 @@
+//! `bsm design`: a screw for a requirement.
+
+use std::path::Path;
+
+use bsm_case::{DesignReport, DesignRow, REQUIREMENT_INPUTS, REQUIREMENT_WORDS, Wish, stock};
+use bsm_validate::number;
+
+use crate::args::{DesignArgs, Format};
+use crate::failure::{Failure, warn};
+use crate::files::{self, pretty_json, print, read};
+use crate::table;
+
+pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
+    let Some(path) = &args.requirement else {
+        return print(&keys());
+    };
+    let json = read(path)?;
+    let in_file = |e| Failure::scene(path, &e);
+    let wish =
+        Wish::from_json(&json, &args.settings, stock().map_err(in_file)?).map_err(in_file)?;
+    let report = DesignReport::of(&wish).map_err(in_file)?;
+    if let Some(output) = args.output.as_deref().filter(|_| report.found) {
+        files::write(output, &(pretty_json(&report.scene.to_json()) + "\n"))?;
+    }
+    match args.format {
+        Format::Json => print(&pretty_json(&report.to_json()))?,
+        Format::Table => {
+            for warning in &report.warnings {
+                warn("warning", warning);
+            }
+            print(&describe(&report, args.output.as_deref()))?;
+        }
+    }
+    if report.found { Ok(()) } else { Err(Failure::Unsolved) }
+}
+
+fn describe(report: &DesignReport, output: Option<&Path>) -> String {
+    let row = |row: &DesignRow| {
+        let verdict = match (&row.requirement, row.passes) {
+            (None, _) => "",
+            (_, true) => "pass",
+            (_, false) => "FAIL",
+        };
+        vec![
+            row.step.to_string(),
+            row.name.to_owned(),
+            row.unit.to_owned(),
+            row.value.map_or_else(|| "none".to_owned(), number),
+            row.requirement.clone().unwrap_or_default(),
+            verdict.to_owned(),
+        ]
+    };
+    let rows: Vec<_> = report.rows.iter().map(row).collect();
+    let header = ["step", "", "", "value", "must be", ""];
+    let table = table::plain(Some(&header), &rows, usize::MAX);
+    let verdict = if report.found {
+        let held = if report.reasons.is_empty() {
+            "nothing: the optimum is within all limits".to_owned()
+        } else {
+            report.reasons.join(", ")
+        };
+        let next = match output {
+            Some(path) => format!("wrote {0}; next: bsm solve {0}", path.display()),
+            None => "-o SCREW.json writes the scene for bsm solve and bsm capacity".to_owned(),
+        };
+        format!("what holds it back: {held}\n{next}")
+    } else {
+        format!("no screw meets the requirement:\n  {}", report.reasons.join("\n  "))
+    };
+    format!("{table}\n\n{verdict}")
+}
+
+/// What a requirement may say.
+fn keys() -> String {
+    let words = REQUIREMENT_WORDS.iter().map(|(name, words, about)| {
+        vec![(*name).to_owned(), String::new(), format!("{about}: {}", words.join(", "))]
+    });
+    let numbers = REQUIREMENT_INPUTS.iter().map(|input| {
+        let default = input.default.map_or_else(String::new, |d| format!("; {d} unless given"));
+        vec![input.name.to_owned(), input.unit.to_owned(), format!("{}{default}", input.about)]
+    });
+    let rows: Vec<_> = words.chain(numbers).collect();
+    let table = table::plain(None, &rows, usize::MAX);
+    format!(
+        "Keys of a requirement, besides those of a scene: axial_load_N or screw_torque_Nm, lead_mm or \
+         lead_angle_deg,\nstroke_mm or screw_length_mm, screw_speed_rpm and friction_coefficient are \
+         needed; ball_diameter_mm,\npitch_circle_diameter_mm, contact_angle_deg, nut_conformity and \
+         loaded_turns are chosen unless given.\n\n{table}"
+    )
+}

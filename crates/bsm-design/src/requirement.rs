@@ -1,0 +1,303 @@
+//! What a screw must do, and what a design of it says to each point.
+
+use std::f64::consts::PI;
+
+use bsm_dyn::{Direction, Hertz, Material, Member, Optimum, contact_modulus};
+
+use crate::search::SLACK;
+use crate::{Body, Duty, Nut, life};
+
+/// Load or torque.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Demand {
+    /// Axial load \[N\].
+    Load(f64),
+    /// Torque on the screw \[N·m\].
+    Torque(f64),
+}
+
+/// Lead or lead angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Pitch {
+    /// Lead \[m\].
+    Lead(f64),
+    /// Lead angle \[rad\].
+    Angle(f64),
+}
+
+/// Length of the screw, or of its stroke.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reach {
+    /// Length of the screw \[m\].
+    Screw(f64),
+    /// Way of the nut \[m\].
+    Stroke(f64),
+}
+
+/// What the design is to be best in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Objective {
+    /// Efficiency, as large as possible.
+    Efficiency,
+    /// Dynamic load rating, as large as possible.
+    Capacity,
+    /// Mass of nut and screw, as small as possible.
+    Mass,
+}
+
+/// What a designer has fixed; the rest is free.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Fixed {
+    /// Diameter of the circle of ball centres \[m\].
+    pub pitch_diameter: Option<f64>,
+    /// Ball diameter \[m\].
+    pub ball: Option<f64>,
+    /// Contact angle \[rad\].
+    pub contact_angle: Option<f64>,
+    /// Conformity of nut and screw.
+    pub conformity: Option<f64>,
+    /// Loaded turns.
+    pub turns: Option<f64>,
+}
+
+/// What a screw must do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Requirement {
+    /// Load or torque.
+    pub demand: Demand,
+    /// Which side drives.
+    pub direction: Direction,
+    /// Lead or lead angle.
+    pub pitch: Pitch,
+    /// Length or stroke.
+    pub reach: Reach,
+    /// Relative speed of screw and nut \[rad/s\], positive.
+    pub speed: f64,
+    /// Life \[s\].
+    pub life: Option<f64>,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// Elastic constants of races and balls.
+    pub material: (Material, Material),
+    /// Largest Hertz pressure \[Pa\].
+    pub pressure: f64,
+    /// Largest pitch circle diameter times speed \[m·rad/s\].
+    pub speed_number: f64,
+    /// Largest ball diameter over lead.
+    pub ball_over_lead: f64,
+    /// Largest pitch circle diameter \[m\].
+    pub largest_diameter: f64,
+    /// Least efficiency.
+    pub least_efficiency: Option<f64>,
+    /// What is to be best.
+    pub objective: Objective,
+    /// What is fixed.
+    pub fixed: Fixed,
+    /// Diameters of balls in stock \[m\].
+    pub stock: Vec<f64>,
+}
+
+/// A number of a design, in the order of Lin's steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[expect(missing_docs, reason = "said by the names; SI units")]
+pub enum Quantity {
+    LeadAngle,
+    BestContactAngle,
+    ContactAngle,
+    ScrewLength,
+    RadiusOverLength,
+    PitchDiameter,
+    BallOverRadius,
+    BallOverLead,
+    BallOverGroove,
+    Conformity,
+    AxialLoad,
+    NormalLoad,
+    Advance,
+    SpeedNumber,
+    NutPressure,
+    ScrewPressure,
+    Efficiency,
+    DynamicRating,
+    Life,
+    Mass,
+}
+
+impl Quantity {
+    /// True if the sizes of pitch circle, ball and lead decide it alone.
+    pub(crate) fn is_of_size(self) -> bool {
+        matches!(
+            self,
+            Self::RadiusOverLength
+                | Self::PitchDiameter
+                | Self::BallOverRadius
+                | Self::BallOverLead
+                | Self::SpeedNumber
+        )
+    }
+}
+
+/// A number of a design, and what it must satisfy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Check {
+    /// Step of Lin's procedure; beyond it, 11.
+    pub step: u8,
+    /// Which number.
+    pub quantity: Quantity,
+    /// The number, NaN if there is none.
+    pub value: f64,
+    /// It must not be less.
+    pub least: Option<f64>,
+    /// It must not be more.
+    pub most: Option<f64>,
+}
+
+impl Check {
+    /// True if nothing is required, or it holds.
+    pub fn passes(&self) -> bool {
+        self.excess().is_none_or(|excess| excess <= SLACK)
+    }
+
+    /// How much it fails, relative to the limit; not positive if it passes. `None` without a limit.
+    pub fn excess(&self) -> Option<f64> {
+        let below = self.least.map(|least| 1.0 - self.value / least);
+        let above = self.most.map(|most| self.value / most - 1.0);
+        let excess = match (below, above) {
+            (Some(below), Some(above)) => below.max(above),
+            (one, other) => one.or(other)?,
+        };
+        Some(if self.value.is_nan() { 1.0 } else { excess })
+    }
+}
+
+/// A screw for a requirement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    /// The nut.
+    pub nut: Nut,
+    /// Axial load \[N\].
+    pub load: f64,
+    /// The numbers of the steps.
+    pub checks: Vec<Check>,
+}
+
+/// Efficiency of a nut under an axial load \[N\] by the model that was chosen, if it has one.
+pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, f64) -> Option<f64> + Sync);
+
+impl Design {
+    /// The steps of a nut (L1) to (L6); without efficiency if it is not asked.
+    ///
+    /// Source: Lin, Velinsky and Ravani (1994), the procedure for both directions, with the load rating
+    /// and the life of ISO 3408-5 besides.
+    pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
+        let Requirement { direction, friction, speed, .. } = *requirement;
+        let (lead, beta) = (nut.lead_angle(), nut.contact_angle);
+        let (radius, ball) = (0.5 * nut.pitch_diameter, 0.5 * nut.ball_diameter);
+        let body = Body::usual(&nut, nut.pitch_diameter);
+        let length = match requirement.reach {
+            Reach::Screw(length) => length,
+            Reach::Stroke(stroke) => stroke + body.length,
+        };
+        let load = match requirement.demand {
+            Demand::Load(load) => load,
+            // F = M / (r_m tanα)                                          (L1)
+            Demand::Torque(torque) => torque / (radius * lead.tan()),
+        };
+        let balls = nut.balls_per_turn * nut.turns;
+        // Q = F_a / (Z cosα sinβ)                                         (L2)
+        let normal = load / (balls * lead.cos() * beta.sin());
+        let modulus = contact_modulus(&nut.material.0, &nut.material.1);
+        let pressure = |member| {
+            Hertz::of(&nut.curvatures(member, lead), modulus)
+                .map_or(f64::NAN, |hertz| hertz.max_pressure(normal))
+        };
+        let best = Optimum::of(direction, lead, friction);
+        let rating = nut.dynamic_rating().rating;
+        let duty = Duty { load, speed, time: 1.0 };
+        let life = life(rating, None, &[duty]).map_or(f64::NAN, |life| life.time);
+        let shaft = Body::mass_of_shaft(nut.pitch_diameter, length);
+        let mut checks = Vec::new();
+        let mut add = |step, quantity, value, least, most| {
+            checks.push(Check { step, quantity, value, least, most });
+        };
+        add(1, Quantity::LeadAngle, lead, None, None);
+        let best = best.map_or(f64::NAN, |best| best.contact_angle);
+        add(2, Quantity::BestContactAngle, best, None, None);
+        let (low, high) = CONTACT_ANGLES;
+        add(2, Quantity::ContactAngle, beta, Some(low), Some(high));
+        add(3, Quantity::ScrewLength, length, None, None);
+        // r_m ≥ l/60                                                      (L3)
+        add(4, Quantity::RadiusOverLength, radius / length, Some(SLIMMEST), None);
+        let largest = Some(requirement.largest_diameter);
+        add(4, Quantity::PitchDiameter, nut.pitch_diameter, None, largest);
+        // 0.07 ≤ r_b/r_m ≤ 0.2                                            (L4)
+        let (low, high) = BALL_RATIOS;
+        add(5, Quantity::BallOverRadius, ball / radius, Some(low), Some(high));
+        let over_lead = Some(requirement.ball_over_lead);
+        add(5, Quantity::BallOverLead, nut.ball_diameter / nut.lead, None, over_lead);
+        // 0.95 ≤ r_b/r_2 ≤ 0.97,  r_2 = 2 f r_b                           (L5)
+        let (low, high) = GROOVE_RATIOS;
+        let in_groove = 0.5 / nut.conformity.0;
+        add(6, Quantity::BallOverGroove, in_groove, Some(low), Some(high));
+        add(6, Quantity::Conformity, nut.conformity.0, None, None);
+        add(7, Quantity::AxialLoad, load, None, None);
+        add(7, Quantity::NormalLoad, normal, None, None);
+        // v = r_m tanα W                                                  (L6)
+        add(8, Quantity::Advance, radius * lead.tan() * speed, None, None);
+        let number = nut.pitch_diameter * speed;
+        add(8, Quantity::SpeedNumber, number, None, Some(requirement.speed_number));
+        for (quantity, member) in
+            [(Quantity::NutPressure, Member::Nut), (Quantity::ScrewPressure, Member::Screw)]
+        {
+            add(9, quantity, pressure(member), None, Some(requirement.pressure));
+        }
+        let efficiency = efficiency.and_then(|of| of(&nut, load)).unwrap_or(f64::NAN);
+        add(10, Quantity::Efficiency, efficiency, requirement.least_efficiency, None);
+        add(11, Quantity::DynamicRating, rating, None, None);
+        add(11, Quantity::Life, life, requirement.life, None);
+        add(11, Quantity::Mass, body.mass(&nut) + shaft, None, None);
+        Self { nut, load, checks }
+    }
+
+    /// True if all checks pass.
+    pub fn is_feasible(&self) -> bool {
+        self.checks.iter().all(Check::passes)
+    }
+
+    /// A number of the design.
+    pub fn value(&self, quantity: Quantity) -> f64 {
+        let found = self.checks.iter().find(|check| check.quantity == quantity);
+        found.map_or(f64::NAN, |check| check.value)
+    }
+
+    /// The number that is to be small, about one.
+    pub fn objective(&self, objective: Objective) -> f64 {
+        match objective {
+            Objective::Efficiency => 1.0 - self.value(Quantity::Efficiency),
+            Objective::Capacity => (self.load / self.value(Quantity::DynamicRating)).ln(),
+            Objective::Mass => self.value(Quantity::Mass).ln(),
+        }
+    }
+}
+
+/// Contact angles that are easy to make \[rad\].
+pub const CONTACT_ANGLES: (f64, f64) = (PI / 6.0, PI / 2.4);
+
+/// Pitch radius over length of the slimmest screw.
+pub(crate) const SLIMMEST: f64 = 1.0 / 60.0;
+
+/// Ball radius over pitch radius.
+pub(crate) const BALL_RATIOS: (f64, f64) = (0.07, 0.2);
+
+/// Ball radius over groove radius.
+pub(crate) const GROOVE_RATIOS: (f64, f64) = (0.95, 0.97);
+
+impl Requirement {
+    /// Lead on a pitch circle \[m\].
+    pub(crate) fn lead(&self, pitch_diameter: f64) -> f64 {
+        match self.pitch {
+            Pitch::Lead(lead) => lead,
+            Pitch::Angle(angle) => PI * pitch_diameter * angle.tan(),
+        }
+    }
+}
