@@ -4,18 +4,22 @@
 //! the vocabulary; [`Scene::problem`] turns it into the SI problem of a model, [`Record`] turns
 //! the answer back. Nothing here solves anything.
 
+mod analysis;
 mod capacity;
 mod error;
 mod grid;
 mod input;
+mod jam;
 mod optimum;
 mod output;
 mod problem;
 mod record;
 mod scene;
 mod schema;
+mod slip;
 pub mod units;
 
+pub use analysis::{Analysis, Block, Line, Values};
 pub use capacity::CapacityReport;
 pub use error::CaseError;
 pub use grid::{Axis, Grid};

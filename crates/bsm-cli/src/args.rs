@@ -45,6 +45,12 @@ pub(crate) enum Command {
     /// Load ratings, rigidity and efficiency of a nut from its geometry.
     #[command(after_help = EXIT_CODES)]
     Capacity(CapacityArgs),
+    /// Slip of the balls, in published and in exact form, and the power that each part of it takes.
+    #[command(after_help = EXIT_CODES)]
+    Slip(AnalysisArgs),
+    /// Jamming of the balls: contact state, self-locking between the races, thrust in the returner.
+    #[command(after_help = EXIT_CODES)]
+    Jam(AnalysisArgs),
     /// Check the program against published results.
     #[command(after_help = EXIT_CODES)]
     Validate(ValidateArgs),
@@ -245,6 +251,22 @@ pub(crate) struct CapacityArgs {
     /// How to print the ratings.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
+}
+
+/// An analysis of the motion of a scene, and its sweeps.
+#[derive(Debug, Args)]
+pub(crate) struct AnalysisArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
+    /// How to print the analysis.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+    /// Folder for figures (SVG and CSV) of the published sweeps around the scene, with a table of the
+    /// published trends and whether they hold; made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plot: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

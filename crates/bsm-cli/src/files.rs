@@ -139,8 +139,22 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
 /// Makes the folder of a report and that of its figures, which it returns.
 pub(crate) fn make_report_folder(folder: &Path) -> Result<PathBuf, Failure> {
     let figures = folder.join("figures");
-    std::fs::create_dir_all(&figures).map_err(|e| Failure::files("make folder", &figures, &e))?;
+    make_folder(&figures)?;
     Ok(figures)
+}
+
+/// Makes a folder and those above it.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|e| Failure::files("make folder", folder, &e))
+}
+
+/// Writes each figure as SVG and as a table.
+pub(crate) fn write_figures(folder: &Path, figures: &[Figure]) -> Result<(), Failure> {
+    for figure in figures {
+        write(&folder.join(format!("{}.svg", figure.key)), &figure.svg())?;
+        write(&folder.join(format!("{}.csv", figure.key)), &figure.csv()?)?;
+    }
+    Ok(())
 }
 
 /// Writes a report into a folder: page, numbers, and each figure as SVG and as a table.
@@ -150,11 +164,7 @@ pub(crate) fn write_report(
     results: &Value,
     figures: &[Figure],
 ) -> Result<(), Failure> {
-    let files = make_report_folder(folder)?;
-    for figure in figures {
-        write(&files.join(format!("{}.svg", figure.key)), &figure.svg())?;
-        write(&files.join(format!("{}.csv", figure.key)), &figure.csv()?)?;
-    }
+    write_figures(&make_report_folder(folder)?, figures)?;
     write(&folder.join("results.json"), &(pretty_json(results) + "\n"))?;
     write(&folder.join("report.html"), page)
 }

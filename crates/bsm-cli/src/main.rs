@@ -6,6 +6,7 @@ mod capacity;
 mod compare;
 mod failure;
 mod files;
+mod motion;
 mod optimum;
 mod solve;
 mod stream;
@@ -30,6 +31,8 @@ fn main() -> ExitCode {
         Command::Batch(args) => batch::run(&args),
         Command::Optimum(args) => optimum::run(&args),
         Command::Capacity(args) => capacity::run(&args),
+        Command::Slip(args) => motion::slip(&args),
+        Command::Jam(args) => motion::jam(&args),
         Command::Validate(args) => validate::run(&args),
         Command::Tradeoff(args) => tradeoff::run(&args),
         Command::Schema { kind } => print(&pretty_json(&match kind {

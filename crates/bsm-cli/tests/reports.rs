@@ -34,7 +34,7 @@ fn validate_passes_and_writes_its_report() {
 fn a_perturbed_reference_fails() {
     let dir = folder();
     let data = dir.path().join("data");
-    for source in ["lin1994", "elastic-contacts", "ratings"] {
+    for source in ["lin1994", "elastic-contacts", "ratings", "xu2015", "dong2020"] {
         fs::create_dir_all(data.join(source)).expect("a folder");
         for file in fs::read_dir(validation().join("published").join(source)).expect("data") {
             let file = file.expect("a file");
