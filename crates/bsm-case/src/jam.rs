@@ -160,10 +160,11 @@ impl Analysis {
         self.blocks.push(block);
         let locks = wedge.friction >= critical;
         let words = format!(
-            "friction coefficient {} {} the critical one, {critical:.3e}: friction {} the ball in \
-             the wedge between the races",
+            "friction coefficient {} {} the critical one, {}: friction {} the ball in the wedge \
+             between the races",
             wedge.friction,
             if locks { "reaches" } else { "is below" },
+            if critical == 0.0 { "0".to_owned() } else { format!("{critical:.2e}") },
             if locks { "holds" } else { "cannot hold" },
         );
         self.verdicts.push(("friction_self_locking", locks, words));

@@ -157,8 +157,7 @@ fn models_without_a_motion_are_refused() {
     let scene = scene(XU, &[]);
     let settings = Model::QuasiStatic.into();
     let solution = solved(&scene, &settings);
-    for refused in
-        [Analysis::slip(&scene, &settings, &solution), Analysis::jam(&scene, &solution)]
+    for refused in [Analysis::slip(&scene, &settings, &solution), Analysis::jam(&scene, &solution)]
     {
         let error = refused.expect_err("no motion");
         assert!(matches!(error, CaseError::NoMotion { .. }), "{error}");

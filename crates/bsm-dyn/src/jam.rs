@@ -207,7 +207,7 @@ mod tests {
         }
 
         /// An impact that obeys Hertz stores its energy in the contact; 1.14 is that of a half sine
-        /// of the same approach and speed, 5/4 the largest force of Hertz.
+        /// of the same approach and duration, 5/4 the largest force of Hertz.
         #[test]
         fn the_impact_conserves_energy(
             mass in 1e-5..1e-2_f64, speed in 0.01..20.0_f64, log_k in 7.0..11.0_f64,
