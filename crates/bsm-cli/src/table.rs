@@ -143,7 +143,7 @@ pub(crate) fn trends(study: &Study) -> String {
         .iter()
         .map(|trend| {
             let claim = format!("{} with {}", trend.claim.word(), trend.over);
-            let holds = if trend.holds() { "holds" } else { "does not hold" };
+            let holds = if trend.holds { "holds" } else { "does not hold" };
             let numbers = [trend.first.1, trend.last.1].map(number);
             let words = [holds.to_owned(), trend.describe()];
             [vec![trend.curve.clone(), claim], numbers.to_vec(), words.to_vec()].concat()

@@ -7,6 +7,8 @@ use std::f64::consts::PI;
 
 use bsm_kin::Scalar;
 
+use crate::slip::magnitude;
+
 /// A ball that the races push out of the wedge between them, and friction that holds it there.
 ///
 /// Source: Dong et al. (2020), Eqs 15-17.
@@ -22,10 +24,6 @@ pub struct Wedge<D> {
     pub friction: D,
     /// Centrifugal force \[N\] (M5).
     pub centrifugal: D,
-}
-
-fn magnitude<D: Scalar>(x: D) -> D {
-    if x.re() < 0.0 { -x } else { x }
 }
 
 impl<D: Scalar> Wedge<D> {

@@ -10,7 +10,8 @@ pub enum Verdict {
     Pass,
     /// It does not.
     Fail,
-    /// A number that belongs to a claim, with nothing to hold it against.
+    /// A number that belongs to a claim with nothing to hold it against, or a published trend that
+    /// does not hold.
     Finding,
 }
 
@@ -33,6 +34,8 @@ pub struct Check {
     pub criterion: String,
     /// Where it occurs, or what else belongs to it.
     pub note: String,
+    /// The numbers behind it, for a page that has room for them.
+    pub details: String,
     /// The outcome.
     pub verdict: Verdict,
 }
@@ -49,6 +52,7 @@ impl Check {
             unit: String::new(),
             criterion: String::new(),
             note: String::new(),
+            details: String::new(),
             verdict: Verdict::Finding,
         }
     }

@@ -78,6 +78,8 @@ pub struct Trend {
     pub claim: Claim,
     /// What is so.
     pub shape: Shape,
+    /// True if the curve goes the claimed way all along.
+    pub holds: bool,
     /// First point.
     pub first: (f64, f64),
     /// Last point.
@@ -95,23 +97,19 @@ impl Trend {
         let clean = |(x, y): (f64, f64)| (x, if y.abs() <= rounding { 0.0 } else { y });
         let points: Vec<_> =
             points.iter().copied().filter(|(_, y)| y.is_finite()).map(clean).collect();
+        let shape = Shape::of(&points, rounding);
+        let holds =
+            matches!((claim, shape), (Claim::Rises, Shape::Rises) | (Claim::Falls, Shape::Falls));
         Some(Self {
             group,
             curve,
             over: over.to_owned(),
             claim,
-            shape: Shape::of(&points, rounding),
+            shape,
+            holds,
             first: *points.first()?,
             last: *points.last()?,
         })
-    }
-
-    /// True if the curve goes the claimed way all along.
-    pub fn holds(&self) -> bool {
-        matches!(
-            (self.claim, self.shape),
-            (Claim::Rises, Shape::Rises) | (Claim::Falls, Shape::Falls)
-        )
     }
 
     /// What the curve does, in words.
@@ -151,7 +149,7 @@ impl Study {
         let header = ["curve", "over", "claim", "holds", "from_x", "from", "to_x", "to", "shape"];
         table.write_record(header)?;
         for trend in &self.trends {
-            let holds = if trend.holds() { "yes" } else { "no" };
+            let holds = if trend.holds { "yes" } else { "no" };
             let [a, b, c, d] = [trend.first.0, trend.first.1, trend.last.0, trend.last.1]
                 .map(|number| number.to_string());
             let (claim, shape) = (trend.claim.word(), trend.describe());
@@ -203,10 +201,10 @@ mod tests {
             let names = ("group".to_owned(), "curve".to_owned(), "x");
             Trend::of(names, claim, &points, 0.0)
         };
-        assert!(trend(Claim::Falls, &[3.0, f64::NAN, 1.0]).is_some_and(|t| t.holds()));
-        assert!(trend(Claim::Rises, &[3.0, 1.0]).is_some_and(|t| !t.holds()));
-        assert!(trend(Claim::Falls, &[3.0, 1.0, 2.0]).is_some_and(|t| !t.holds()));
-        assert!(trend(Claim::Falls, &[1.0, 1.0]).is_some_and(|t| !t.holds()));
+        assert!(trend(Claim::Falls, &[3.0, f64::NAN, 1.0]).is_some_and(|t| t.holds));
+        assert!(trend(Claim::Rises, &[3.0, 1.0]).is_some_and(|t| !t.holds));
+        assert!(trend(Claim::Falls, &[3.0, 1.0, 2.0]).is_some_and(|t| !t.holds));
+        assert!(trend(Claim::Falls, &[1.0, 1.0]).is_some_and(|t| !t.holds));
         assert!(trend(Claim::Falls, &[f64::NAN]).is_none());
     }
 }

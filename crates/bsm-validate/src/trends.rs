@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::Deserialize;
 
 use crate::published::File;
-use crate::{Check, Study, Trend, ValidateError, number};
+use crate::{Check, Shape, Study, Trend, ValidateError, number};
 
 /// A row of a table of trends.
 #[derive(Deserialize)]
@@ -37,7 +37,7 @@ pub(crate) fn checks(
         })
     };
     let describe = |setting: &str, trend: &Trend| {
-        let holds = if trend.holds() { "holds" } else { "does not" };
+        let holds = if trend.holds { "holds" } else { "does not" };
         let [from, to] = [trend.first.1, trend.last.1].map(number);
         format!("{}{setting}: {holds}, {from} to {to}, {}", trend.curve, trend.describe())
     };
@@ -46,14 +46,16 @@ pub(crate) fn checks(
     for row in table.rows::<Row>()? {
         unknown.remove(&row.trend);
         let curves: Vec<_> = named().filter(|(group, ..)| *group == row.trend).collect();
-        let held = curves.iter().filter(|(.., trend)| trend.holds()).count();
-        let notes: Vec<_> =
+        let held = curves.iter().filter(|(.., trend)| trend.holds).count();
+        let details: Vec<_> =
             curves.iter().map(|(_, setting, trend)| describe(setting, trend)).collect();
-        checks.push(
-            Check::new(&format!("{key}/{}", row.trend), source, row.statement)
-                .note(notes.join("; "))
-                .follows(held, curves.len(), (row.held, row.curves)),
-        );
+        let check = Check {
+            details: details.join("; "),
+            ..Check::new(&format!("{key}/{}", row.trend), source, row.statement)
+        };
+        let trends: Vec<_> = curves.iter().map(|(.., trend)| *trend).collect();
+        let recorded = (row.held, row.curves);
+        checks.push(check.note(counts(&trends)).follows(held, curves.len(), recorded));
     }
     let unrecorded =
         |group: &String| {
@@ -62,4 +64,18 @@ pub(crate) fn checks(
         };
     checks.extend(unknown.iter().map(unrecorded));
     Ok(checks)
+}
+
+/// How many curves have which shape, in words.
+fn counts(trends: &[&Trend]) -> String {
+    let word = |shape: Shape| match shape {
+        Shape::Rises => "rising",
+        Shape::Falls => "falling",
+        Shape::Constant => "constant",
+        Shape::Turns(_) => "turning",
+    };
+    let count = |name: &str| trends.iter().filter(|t| word(t.shape) == name).count();
+    let counted = ["rising", "falling", "constant", "turning"].map(|name| (count(name), name));
+    let counted = counted.iter().filter(|(count, _)| *count > 0);
+    counted.map(|(count, name)| format!("{count} {name}")).collect::<Vec<_>>().join(", ")
 }

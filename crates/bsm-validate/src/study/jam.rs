@@ -146,11 +146,8 @@ impl Solver<'_> {
                 }
             };
             let solution = scene.problem(self.settings)?.solve(&mut self.work);
-            let analysis = match solution.reason {
-                None => Some(Analysis::jam(&scene, &solution)?),
-                Some(_) => None,
-            };
-            rows.push((x, analysis));
+            // A point without a solution, or without a contact state, is a gap.
+            rows.push((x, Analysis::jam(&scene, &solution).ok()));
         }
         Ok(rows)
     }
@@ -220,8 +217,8 @@ impl Study {
             ));
         }
         self.add(
-            ("jam-wedge-load", "Difference of the contact angles against load", ""),
-            (Over::Load, Axis::log("difference of contact angles, deg"), Claim::Falls),
+            ("jam-wedge-load", "Difference of contact angles against load", ""),
+            (Over::Load, Axis::log("angle difference, deg"), Claim::Falls),
             of_sweeps(&sweeps, "wedge", &[("", SOLID, "wedge_angle_deg")]),
         );
         Ok(())
@@ -252,14 +249,14 @@ impl Study {
             ),
         );
         self.add(
-            ("jam-wedge-speed", "Difference of the contact angles against speed", ""),
-            over(Axis::linear("difference of contact angles, deg")),
+            ("jam-wedge-speed", "Difference of contact angles against speed", ""),
+            over(Axis::linear("angle difference, deg")),
             of_sweeps(&sweeps, "wedge", &[("", SOLID, "wedge_angle_deg")]),
         );
         self.add(
             (
                 "jam-friction",
-                "What holds a ball in the wedge against speed",
+                "Forces on a ball in the wedge",
                 "Both sides of the criterion of self-locking: what holds (solid), what pushes out \
                  (dashed).",
             ),
