@@ -49,6 +49,11 @@ pub(crate) enum Command {
     #[command(after_help = EXIT_CODES)]
     Slip(AnalysisArgs),
     /// Jamming of the balls: contact state, self-locking between the races, thrust in the returner.
+    ///
+    /// Each part needs its own inputs only, and says which one it lacks: race_yield_strength_MPa and
+    /// ball_yield_strength_MPa; lubricant_density_kg_m3 and drag_coefficient; apex_half_angle_deg;
+    /// return_angle_deg; loaded_balls_per_turn. Optional: step_normal_force_N,
+    /// return_approach_speed_m_s, return_stiffness_N_um15.
     #[command(after_help = EXIT_CODES)]
     Jam(AnalysisArgs),
     /// Check the program against published results.

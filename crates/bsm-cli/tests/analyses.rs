@@ -1,5 +1,6 @@
 //! `bsm slip` and `bsm jam` as a user meets them.
 
+mod data;
 mod program;
 
 use std::fs;
@@ -7,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use data::copy_published;
 use program::{bsm, folder, stderr, stdout};
 
 fn root() -> PathBuf {
@@ -31,6 +33,29 @@ fn examples_are_the_published_cases() {
         let case = root().join("validation/published").join(key).join("case.json");
         let example = fs::read_to_string(example(&format!("{key}.json"))).expect("example");
         assert_eq!(fs::read_to_string(case).expect("case"), example, "{key}");
+    }
+}
+
+/// A trend that holds on more or fewer curves than recorded turns its check red, and so does one that
+/// is not recorded: a finding is not a way to pass.
+#[test]
+fn findings_can_fail() {
+    let dir = folder();
+    let data = copy_published(dir.path());
+    let file = data.join("xu2015/trends.csv");
+    let table = fs::read_to_string(&file).expect("a table");
+    let row = table.lines().find(|row| row.starts_with("nut-angle-differential")).expect("a row");
+    for (changed, key) in [
+        (table.replace(row, &row.replace(",0,4", ",1,4")), "nut-angle-differential"),
+        (table.replace(&format!("{row}\n"), ""), "nut-angle-differential"),
+    ] {
+        assert_ne!(changed, table);
+        fs::write(&file, changed).expect("written");
+        let output = bsm(dir.path(), &["validate", "--data", "data"], "");
+        assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+        let text = stdout(&output);
+        assert!(text.contains(&format!("FAIL xu2015/{key}")), "{text}");
+        assert!(text.contains(" 1 failed"), "{text}");
     }
 }
 
