@@ -166,6 +166,21 @@ pub enum CaseError {
         /// Which row, and what is required.
         what: String,
     },
+    /// A model without a motion of the ball, where one is to be analysed.
+    #[error(
+        "model {model} has no motion of the ball, which this analysis needs; {}",
+        if missing.is_empty() {
+            "models rigid, raceway-control, elastic and traction have one".to_owned()
+        } else {
+            format!("{} required by model rigid, the simplest that has one", list(missing))
+        }
+    )]
+    NoMotion {
+        /// The model.
+        model: &'static str,
+        /// What the simplest model with a motion lacks.
+        missing: Vec<String>,
+    },
     /// The grooves leave no contact that can be rated.
     #[error("{0}")]
     NotRated(String),

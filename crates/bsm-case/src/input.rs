@@ -157,4 +157,22 @@ inputs! {
         "length of the nut, for its mass; loaded_turns + 3 leads unless given";
     speed_number_limit_mm_min ["mm/min"] Above(0.0), Some(70000.0),
         "largest pitch circle diameter times speed that the return of the balls permits";
+    race_yield_strength_MPa ["MPa"] Above(0.0), None,
+        "yield strength of the races, for the margin of the contacts against yield";
+    ball_yield_strength_MPa ["MPa"] Above(0.0), None,
+        "yield strength of the balls, for the margin of the contacts against yield";
+    lubricant_density_kg_m3 ["kg/m3"] Above(0.0), None,
+        "density of what fills the nut around the balls, for their drag";
+    drag_coefficient [""] AtLeast(0.0), None,
+        "drag coefficient of a ball in the lubricant";
+    apex_half_angle_deg ["deg"] Between(0.0, 90.0), None,
+        "half angle of the apex of the return curve that a ball meets, for jamming";
+    return_angle_deg ["deg"] Between(0.0, 90.0), None,
+        "angle between the return channel and the track of the screw at the step that a ball meets, for jamming";
+    step_normal_force_N ["N"] Above(0.0), None,
+        "normal force of that step on the ball; that of an impact unless given";
+    return_approach_speed_m_s ["m/s"] Above(0.0), None,
+        "speed at which a ball meets the returner; that of its travel in the nut unless given";
+    return_stiffness_N_um15 ["N/um^1.5"] Above(0.0), None,
+        "Hertz stiffness of that impact; that of a ball on a flat of the steel of the races unless given";
 }

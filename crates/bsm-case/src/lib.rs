@@ -4,6 +4,7 @@
 //! the vocabulary; [`Scene::problem`] turns it into the SI problem of a model, [`Record`] turns
 //! the answer back. Nothing here solves anything.
 
+mod analysis;
 mod capacity;
 mod catalogue;
 mod design;
@@ -11,6 +12,7 @@ mod error;
 mod fit;
 mod grid;
 mod input;
+mod jam;
 mod optimum;
 mod output;
 mod problem;
@@ -18,9 +20,11 @@ mod record;
 mod requirement;
 mod scene;
 mod schema;
+mod slip;
 mod spectrum;
 pub mod units;
 
+pub use analysis::{Analysis, Block, Line, Values};
 pub use capacity::CapacityReport;
 pub use catalogue::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Requirement, STANDARD_CATALOGUE, candidate_json,

@@ -289,7 +289,8 @@ impl Scene {
         (races, balls)
     }
 
-    fn elastic_screw(&self) -> ElasticScrew {
+    /// The screw of the elastic models; the caller has asked [`choose`](Self::choose) before.
+    pub(crate) fn elastic_screw(&self) -> ElasticScrew {
         let Rigid { helix, contact_angle, ball, friction, drive, load } = self.rigid();
         ElasticScrew {
             helix,
@@ -306,7 +307,9 @@ impl Scene {
         }
     }
 
-    fn rigid(&self) -> Rigid {
+    /// The inputs that every model with a motion of the ball shares; as
+    /// [`elastic_screw`](Self::elastic_screw).
+    pub(crate) fn rigid(&self) -> Rigid {
         let angles = self.angles();
         let radius = 0.5 * MM * self.value(InputKey::ball_diameter_mm);
         Rigid {

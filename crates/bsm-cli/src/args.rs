@@ -54,6 +54,17 @@ pub(crate) enum Command {
     /// All nuts of standard sizes: filter, sort, write them as a table.
     #[command(after_help = EXIT_CODES)]
     Catalog(CatalogArgs),
+    /// Slip of the balls, in published and in exact form, and the power that each part of it takes.
+    #[command(after_help = EXIT_CODES)]
+    Slip(AnalysisArgs),
+    /// Jamming of the balls: contact state, self-locking between the races, thrust in the returner.
+    ///
+    /// Each part needs its own inputs only, and says which one it lacks: race_yield_strength_MPa and
+    /// ball_yield_strength_MPa; lubricant_density_kg_m3 and drag_coefficient; apex_half_angle_deg;
+    /// return_angle_deg; loaded_balls_per_turn. Optional: step_normal_force_N,
+    /// return_approach_speed_m_s, return_stiffness_N_um15.
+    #[command(after_help = EXIT_CODES)]
+    Jam(AnalysisArgs),
     /// Check the program against published results.
     #[command(after_help = EXIT_CODES)]
     Validate(ValidateArgs),
@@ -262,6 +273,22 @@ pub(crate) struct CapacityArgs {
     /// How to print the ratings.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
+}
+
+/// An analysis of the motion of a scene, and its sweeps.
+#[derive(Debug, Args)]
+pub(crate) struct AnalysisArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
+    /// How to print the analysis.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+    /// Folder for figures (SVG and CSV) of the published sweeps around the scene, with a table of the
+    /// published trends and whether they hold; made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plot: Option<PathBuf>,
 }
 
 /// Such as: bsm fit examples/feed_drive.json --measured screw_torque_Nm=12.9. All values in the range

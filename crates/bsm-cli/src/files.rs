@@ -145,11 +145,12 @@ pub(crate) fn make_report_folder(folder: &Path) -> Result<PathBuf, Failure> {
     Ok(figures)
 }
 
-fn make_folder(folder: &Path) -> Result<(), Failure> {
+/// Makes a folder and those above it.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|e| Failure::files("make folder", folder, &e))
 }
 
-/// Writes each figure as SVG and as a table into a folder.
+/// Writes each figure as SVG and as a table into a folder, which it makes.
 pub(crate) fn write_figures(folder: &Path, figures: &[Figure]) -> Result<(), Failure> {
     make_folder(folder)?;
     for figure in figures {

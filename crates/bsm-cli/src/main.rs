@@ -9,6 +9,7 @@ mod design;
 mod failure;
 mod files;
 mod fit;
+mod motion;
 mod optimum;
 mod solve;
 mod stream;
@@ -36,6 +37,8 @@ fn main() -> ExitCode {
         Command::Catalog(args) => catalog::run(&args),
         Command::Fit(args) => fit::run(&args),
         Command::Design(args) => design::run(&args),
+        Command::Slip(args) => motion::slip(&args),
+        Command::Jam(args) => motion::jam(&args),
         Command::Validate(args) => validate::run(&args),
         Command::Tradeoff(args) => tradeoff::run(&args),
         Command::Schema { kind } => print(&pretty_json(&match kind {

@@ -1,7 +1,7 @@
 //! Tables for reading.
 
-use bsm_case::{Cell, Output, Record};
-use bsm_validate::number;
+use bsm_case::{Analysis, Block, Cell, Output, Record, Values};
+use bsm_validate::{Study, number};
 use comfy_table::{CellAlignment, Table, presets};
 
 /// A plain table whose columns from `first_number` on are aligned right.
@@ -94,4 +94,61 @@ pub(crate) fn record(record: &Record) -> String {
         blocks.push(plain(Some(&["contact", "", "nut", "screw", "minor"]), &contacts, 2));
     }
     blocks.join("\n\n")
+}
+
+/// An analysis: a table for each block, then what follows from them.
+pub(crate) fn analysis(report: &Analysis) -> String {
+    let choice = report.choice.as_deref();
+    let head = [("model ", Some(report.model.name())), ("chosen", choice)];
+    let head = head.into_iter().filter_map(|(label, text)| Some(format!("{label}  {}", text?)));
+    let mut blocks = vec![head.collect::<Vec<_>>().join("\n")];
+    blocks.extend(report.blocks.iter().map(block));
+    let verdicts = report.verdicts.iter().map(|(name, answer, words)| {
+        format!("{name}: {}; {words}", if *answer { "yes" } else { "no" })
+    });
+    let lacks = report.lacks.iter().map(|lack| format!("left out: {lack}"));
+    blocks.push(verdicts.chain(lacks).collect::<Vec<_>>().join("\n"));
+    blocks.join("\n\n")
+}
+
+/// A block of an analysis: what the ball has, then what its contacts have.
+fn block(block: &Block) -> String {
+    let (mut whole, mut contacts) = (Vec::new(), Vec::new());
+    for line in &block.lines {
+        let row = |cells: Vec<String>| {
+            [vec![line.about.to_owned(), line.unit.to_owned()], cells].concat()
+        };
+        match line.values {
+            Values::Whole(value) => whole.push(row(vec![number(value)])),
+            Values::Contacts(values) => {
+                let cells = values.map(|v| v.map_or_else(String::new, number));
+                contacts.push(row(cells.to_vec()));
+            }
+        }
+    }
+    let mut tables = Vec::new();
+    if !whole.is_empty() {
+        tables.push(plain(Some(&[block.title, "", "ball"]), &whole, 2));
+    }
+    if !contacts.is_empty() {
+        tables.push(plain(Some(&[block.title, "", "nut", "screw", "minor"]), &contacts, 2));
+    }
+    tables.join("\n\n")
+}
+
+/// Published trends, and whether the curves of a study follow them.
+pub(crate) fn trends(study: &Study) -> String {
+    let rows: Vec<_> = study
+        .trends
+        .iter()
+        .map(|trend| {
+            let claim = format!("{} with {}", trend.claim.word(), trend.over);
+            let holds = if trend.holds { "holds" } else { "does not hold" };
+            let numbers = [trend.first.1, trend.last.1].map(number);
+            let words = [holds.to_owned(), trend.describe()];
+            [vec![trend.curve.clone(), claim], numbers.to_vec(), words.to_vec()].concat()
+        })
+        .collect();
+    let header = ["curve", "published trend", "from", "to", "", "what it does"];
+    format!("trends of {}\n\n{}", study.basis, plain(Some(&header), &rows, usize::MAX))
 }

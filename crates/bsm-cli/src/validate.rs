@@ -62,7 +62,7 @@ fn describe(report: &Report) -> String {
         })
         .collect();
     format!(
-        "{}{}\n\n{} passed, {} failed, {} findings without a claim to hold against",
+        "{}{}\n\n{} passed, {} failed, {} findings (nothing to hold against, or a published trend that does not hold)",
         table::plain(Some(&header), &rows, usize::MAX),
         failures.concat(),
         report.count(Verdict::Pass),

@@ -1,5 +1,6 @@
 //! Reports: validate and tradeoff.
 
+mod data;
 mod program;
 
 use std::fs;
@@ -7,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use data::copy_published;
 use program::{bsm, folder, stderr, stdout};
 
 fn validation() -> PathBuf {
@@ -33,14 +35,7 @@ fn validate_passes_and_writes_its_report() {
 #[test]
 fn a_perturbed_reference_fails() {
     let dir = folder();
-    let data = dir.path().join("data");
-    for source in ["lin1994", "elastic-contacts", "ratings"] {
-        fs::create_dir_all(data.join(source)).expect("a folder");
-        for file in fs::read_dir(validation().join("published").join(source)).expect("data") {
-            let file = file.expect("a file");
-            fs::copy(file.path(), data.join(source).join(file.file_name())).expect("a copy");
-        }
-    }
+    let data = copy_published(dir.path());
     let args = ["validate", "--data", "data", "--out", "report"];
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

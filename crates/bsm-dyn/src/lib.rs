@@ -4,7 +4,7 @@
 //! operating point with the inputs of one model; [`Problem::solve`] returns a [`Solution`], which
 //! is data also when there is none.
 //!
-//! Theory: `docs/theory`, chapters 02 to 10.
+//! Theory: `docs/theory`, chapters 02 to 10, 13 and 14.
 
 mod auto;
 pub mod balance;
@@ -15,6 +15,7 @@ mod ellipse;
 mod follow;
 mod hertz;
 mod jacobian;
+mod jam;
 mod jones;
 mod layout;
 mod model;
@@ -23,6 +24,8 @@ mod pair;
 mod quasi_static;
 mod raceway_control;
 mod rigid;
+mod settled;
+mod slip;
 mod solution;
 mod traction;
 
@@ -33,6 +36,10 @@ pub use coulomb::friction_force;
 pub use elastic::{Elastic, ElasticWorkspace};
 pub use ellipse::{Ellipse, Quadrature, pressed_radius};
 pub use hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
+pub use jam::{
+    Wedge, apex_thrust, available_friction, centrifugal_force, flat_stiffness, impact_force,
+    step_thrust, viscous_drag,
+};
 pub use jones::{Deformed, Displacement, Jones, Side};
 pub use model::{Model, ModelWorkspace, Problem};
 pub use outputs::Outputs;
@@ -42,5 +49,7 @@ pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
 pub use rigid::{
     FirstOrder, MODERATE_INERTIA, Rigid, RigidRoot, RigidSystem, RigidUnknowns, RigidWorkspace,
 };
+pub use settled::{FIRST_YIELD, Settled, yield_ratio};
+pub use slip::{FrictionLaw, SlipPower, SteadyBall, Touch, rim_speed};
 pub use solution::{Direction, Reason, Solution, Status};
 pub use traction::{Traction, TractionWorkspace};

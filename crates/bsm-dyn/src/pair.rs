@@ -11,7 +11,7 @@ use crate::balance::{
     Ball, OwnUnits, POWER_BALANCE_TOL, axial_force, ideal_torque, newton_euler, torque,
 };
 use crate::ellipse::{Local, Quadrature};
-use crate::hertz::{Groove, Hertz, Material, Member, contact_modulus};
+use crate::hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 use crate::jones::Jones;
 use crate::layout::{self, BALL};
 use crate::{Direction, Ellipse, Load, Outputs, Reason, Status, Wrench, pressed_radius};
@@ -45,16 +45,18 @@ impl ElasticScrew {
     /// [`Reason::CurvaturesNotHertzian`].
     pub fn hertz(&self) -> Result<[Hertz; 2], Reason> {
         let modulus = contact_modulus(&self.material.0, &self.material.1);
-        let contact = |groove: Groove| {
-            let (r_m, r_b) = (self.helix.radius, self.ball.radius);
-            let (lead, beta) = (self.helix.lead_angle, self.contact_angle);
-            Hertz::of(&groove.curvatures(r_m, r_b, lead, beta), modulus)
-        };
-        let [nut, screw] = self.grooves();
-        Ok([contact(nut)?, contact(screw)?])
+        let [nut, screw] = self.curvatures();
+        Ok([Hertz::of(&nut, modulus)?, Hertz::of(&screw, modulus)?])
     }
 
-    fn grooves(&self) -> [Groove; 2] {
+    /// Relative curvatures at nut and screw.
+    pub(crate) fn curvatures(&self) -> [Curvatures; 2] {
+        let (r_m, r_b) = (self.helix.radius, self.ball.radius);
+        let (lead, beta) = (self.helix.lead_angle, self.contact_angle);
+        self.grooves().map(|groove| groove.curvatures(r_m, r_b, lead, beta))
+    }
+
+    pub(crate) fn grooves(&self) -> [Groove; 2] {
         [
             Groove { member: Member::Nut, conformity: self.conformity.0 },
             Groove { member: Member::Screw, conformity: self.conformity.1 },

@@ -54,7 +54,7 @@ impl Default for RacewayWorkspace {
 /// Both contact centres roll along the groove; across it, the slip of the lead is shared equally.
 ///
 /// * `size`: `$r_b/r_m$`.
-fn rolling<D: Scalar>(
+pub(crate) fn rolling<D: Scalar>(
     control: Control,
     lead_angle: D,
     size: D,

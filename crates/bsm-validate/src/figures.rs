@@ -1,12 +1,12 @@
 //! The figures of the report: those of Lin, Velinsky and Ravani (1994), drawn again from our
-//! solution, and the way from rolling to gross skid.
+//! solution, the way from rolling to gross skid, and the sweeps of slip and jamming.
 
 use bsm_case::{Scene, Settings};
+use bsm_design::search::minimum_of;
 use bsm_dyn::{Angles, Control, Direction, Model, ModelWorkspace, Optimum, Outputs};
 
 use crate::figure::{Axis, Curve, Figure, Stroke};
-use crate::{Published, ValidateError, elastic};
-use bsm_design::search::minimum_of;
+use crate::{Published, ValidateError, dong2020, elastic, xu2015};
 
 /// All figures.
 ///
@@ -15,7 +15,7 @@ use bsm_design::search::minimum_of;
 /// [`ValidateError`] if the data cannot be used.
 pub fn figures(published: &Published) -> Result<Vec<Figure>, ValidateError> {
     let lin = published.lin_case.scene()?;
-    Ok(vec![
+    let mut figures = vec![
         lead_angle(&lin)?,
         contact_angle(&lin)?,
         normal_loads(&lin)?,
@@ -23,7 +23,10 @@ pub fn figures(published: &Published) -> Result<Vec<Figure>, ValidateError> {
         optimum_angle(&lin)?,
         self_locking(),
         transition(&elastic::lin(published)?)?,
-    ])
+    ];
+    figures.extend(xu2015::study(published, Control::Nut)?.figures);
+    figures.extend(dong2020::study(published, Model::RacewayControl)?.figures);
+    Ok(figures)
 }
 
 const LEAD: (&str, &str) = ("lead_angle_deg", "lead angle, deg");

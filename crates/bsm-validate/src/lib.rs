@@ -6,6 +6,7 @@
 //! files, which only guard against change, are not validation and not here.
 
 mod catalogue;
+mod dong2020;
 mod elastic;
 pub mod figure;
 mod figures;
@@ -15,14 +16,18 @@ mod published;
 mod ratings;
 mod reference;
 mod report;
+mod study;
 mod sweep;
 pub mod tradeoff;
+mod trends;
+mod xu2015;
 
 pub use catalogue::catalogue_figures;
 pub use figures::figures;
 pub use page::{PROGRAM, number, short, tradeoff_page, validation_page};
 pub use published::Published;
 pub use report::{Check, Report, Verdict};
+pub use study::{Claim, Shape, Study, Trend};
 
 /// Data, a table of points or the machine does not allow what is to be done.
 #[derive(Debug, thiserror::Error)]
@@ -111,5 +116,7 @@ pub fn run(published: &Published) -> Result<Report, ValidateError> {
     checks.extend(lin1994::checks(published)?);
     checks.extend(elastic::checks(published)?);
     checks.extend(ratings::checks(published)?);
+    checks.extend(xu2015::checks(published)?);
+    checks.extend(dong2020::checks(published)?);
     Ok(Report { checks })
 }

@@ -91,4 +91,12 @@ tables! {
     rating_tables: "ratings/sobolewski.csv";
     /// Nuts of a catalogue.
     rating_catalogue: "ratings/hiwin.csv";
+    /// The case of Xu and Tang (2015).
+    xu_case: "xu2015/case.json";
+    /// Their trends, and on how many curves they hold.
+    xu_trends: "xu2015/trends.csv";
+    /// The case of Dong et al. (2020).
+    dong_case: "dong2020/case.json";
+    /// Their trends, and on how many curves they hold.
+    dong_trends: "dong2020/trends.csv";
 }

@@ -10,7 +10,8 @@ pub enum Verdict {
     Pass,
     /// It does not.
     Fail,
-    /// A number that belongs to a claim, with nothing to hold it against.
+    /// A number that belongs to a claim with nothing to hold it against, or a published trend that
+    /// does not hold.
     Finding,
 }
 
@@ -33,6 +34,8 @@ pub struct Check {
     pub criterion: String,
     /// Where it occurs, or what else belongs to it.
     pub note: String,
+    /// The numbers behind it, for a page that has room for them.
+    pub details: String,
     /// The outcome.
     pub verdict: Verdict,
 }
@@ -49,6 +52,7 @@ impl Check {
             unit: String::new(),
             criterion: String::new(),
             note: String::new(),
+            details: String::new(),
             verdict: Verdict::Finding,
         }
     }
@@ -77,6 +81,22 @@ impl Check {
         let holds = (self.measured - claimed).abs() <= tolerance;
         self.claimed = Some(claimed);
         self.judge(holds, format!("within {tolerance:.3e} of the claim: {reason}"))
+    }
+
+    /// Passes if all of `curves` follow a published trend. That fewer do is a finding, if they are as
+    /// many as were recorded when it was made; else our numbers have changed, and it fails.
+    pub(crate) fn follows(mut self, held: usize, curves: usize, recorded: (usize, usize)) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "a few curves")]
+        let [measured, claimed] = [held, curves].map(|n| n as f64);
+        (self.measured, self.claimed) = (measured, Some(claimed));
+        "curves".clone_into(&mut self.unit);
+        self.criterion = format!("{} of {}, as recorded", recorded.0, recorded.1);
+        self.verdict = match (held, curves) == recorded {
+            true if held == curves => Verdict::Pass,
+            true => Verdict::Finding,
+            false => Verdict::Fail,
+        };
+        self
     }
 
     fn judge(mut self, holds: bool, criterion: String) -> Self {
@@ -120,6 +140,11 @@ mod tests {
         assert_eq!(check(1.0).equals(1.05, 0.1, "").verdict, Verdict::Pass);
         assert_eq!(check(1.0).equals(1.2, 0.1, "").verdict, Verdict::Fail);
         assert_eq!(check(f64::NAN).equals(1.2, 0.1, "").verdict, Verdict::Fail);
+        let trend = |held, recorded| check(0.0).follows(held, 4, recorded).verdict;
+        assert_eq!(trend(4, (4, 4)), Verdict::Pass);
+        assert_eq!(trend(2, (2, 4)), Verdict::Finding);
+        assert_eq!(trend(3, (2, 4)), Verdict::Fail);
+        assert_eq!(trend(4, (4, 5)), Verdict::Fail);
         let report =
             Report { checks: vec![check(1.0).at_most(1.0, ""), check(2.0).at_most(1.0, "")] };
         assert!(!report.passed());

@@ -1,0 +1,174 @@
+//! Analyses of a motion: published trends are in `bsm validate`, here what must hold for all.
+
+use bsm_case::{Analysis, CaseError, ModelChoice, Scene, Settings};
+use bsm_dyn::{Model, ModelWorkspace, Solution};
+
+const XU: &[u8] = include_bytes!("../../../examples/xu2015.json");
+const DONG: &[u8] = include_bytes!("../../../examples/dong2020.json");
+
+fn scene(json: &[u8], changes: &[(&str, f64)]) -> Scene {
+    let mut scene = Scene::from_json(json).expect("an example");
+    for (name, value) in changes {
+        scene.set(name, *value).expect("known name");
+    }
+    scene
+}
+
+fn solved(scene: &Scene, settings: &Settings) -> Solution {
+    let problem = scene.problem(settings).expect("complete");
+    let solution = problem.solve(&mut ModelWorkspace::default());
+    assert!(solution.reason.is_none(), "{:?}", solution.reason);
+    solution
+}
+
+fn slip(scene: &Scene, model: Model) -> Analysis {
+    let settings = model.into();
+    Analysis::slip(scene, &settings, &solved(scene, &settings)).expect("a motion")
+}
+
+fn jam(scene: &Scene, model: Model) -> Analysis {
+    Analysis::jam(scene, &solved(scene, &model.into())).expect("a motion")
+}
+
+fn number(report: &Analysis, name: &str) -> f64 {
+    report.number(name).unwrap_or_else(|| panic!("{name}: {report:?}"))
+}
+
+/// Slip and spin of the report are the outputs of the model, whichever drives.
+#[test]
+fn slip_is_what_the_model_says() {
+    for (screw, nut) in [(5000.0, 0.0), (-3000.0, 0.0), (0.0, 1500.0), (2500.0, -1700.0)] {
+        let scene = scene(XU, &[("screw_speed_rpm", screw), ("nut_speed_rpm", nut)]);
+        for model in [Model::RacewayControl, Model::Traction] {
+            let o = solved(&scene, &model.into()).outputs;
+            let report = slip(&scene, model);
+            for (name, value) in [
+                ("nut_differential_slip_m_s", o.nut_slip_velocity),
+                ("screw_differential_slip_m_s", o.screw_slip_velocity),
+                ("nut_spin_rad_s", o.nut_spin),
+                ("screw_spin_rad_s", o.screw_spin),
+            ] {
+                let expected = value.expect("elastic model");
+                // Rounding of speeds of 10 m/s and of rates of 3000 rad/s.
+                let scale = expected.abs().max(1.0);
+                assert!((number(&report, name) - expected).abs() <= 1e-10 * scale, "{name}");
+            }
+            assert!(number(&report, "power_difference").abs() < 1e-9);
+        }
+    }
+}
+
+/// The power adds up with the quadrature and the creep speed that the model was given, and with
+/// the order that `auto` has found.
+#[test]
+fn powers_add_up_with_the_dials() {
+    let scene = scene(XU, &[("screw_speed_rpm", 12000.0)]);
+    let order = std::num::NonZeroUsize::new(5).expect("positive");
+    let coarse = Settings { quadrature: order, creep: 1e-2, ..Model::Traction.into() };
+    let fine = Settings { tolerance: 1e-5, ..Settings::default() };
+    for settings in [coarse, fine] {
+        let solution = solved(&scene, &settings);
+        assert_eq!(solution.model, Model::Traction);
+        let report = Analysis::slip(&scene, &settings, &solution).expect("a motion");
+        assert!(number(&report, "power_difference").abs() < 1e-9);
+        assert!(report.warnings.iter().all(|w| !w.contains("add up")), "{:?}", report.warnings);
+    }
+}
+
+/// The rigid model has three contacts and no ellipses: said, not filled in.
+#[test]
+fn rigid_has_no_ellipses() {
+    let mut scene = scene(XU, &[("lead_mm", 40.0)]);
+    (scene.nut_conformity, scene.screw_conformity) = (None, None);
+    let report = slip(&scene, Model::Rigid);
+    assert!(report.number("minor_differential_slip_m_s").is_some());
+    assert!(report.number("nut_spin_slip_m_s").is_none());
+    assert!(report.lacks[0].contains("nut_conformity"), "{:?}", report.lacks);
+    let report = jam(&scene, Model::Rigid);
+    assert!(report.lacks.iter().any(|l| l.contains("contact state")), "{:?}", report.lacks);
+    assert!(number(&report, "wedge_angle_deg").abs() < 1e-15);
+    assert!(report.number("locking_ratio").is_none());
+}
+
+/// A part of the jamming report that lacks an input names it, and the other parts stay.
+#[test]
+fn what_jamming_lacks_is_named() {
+    let names = [
+        "race_yield_strength_MPa",
+        "drag_coefficient",
+        "apex_half_angle_deg",
+        "return_angle_deg",
+        "loaded_balls_per_turn",
+    ];
+    let full = jam(&scene(DONG, &[]), Model::RacewayControl);
+    assert!(full.lacks.is_empty());
+    let text = String::from_utf8(DONG.to_vec()).expect("UTF-8");
+    for name in names {
+        let without: Vec<_> = text.lines().filter(|line| !line.contains(name)).collect();
+        let json = without.join("\n").replace(",\n}", "\n}");
+        let report = jam(&scene(json.as_bytes(), &[]), Model::RacewayControl);
+        assert_eq!(report.lacks.len(), 1, "{name}: {:?}", report.lacks);
+        assert!(report.lacks[0].ends_with(&format!(": {name}")), "{:?}", report.lacks);
+        assert!(report.number("wedge_angle_deg").is_some());
+    }
+}
+
+/// The margin turns the verdict; a ball that rolls has no friction along the track, and that is
+/// said.
+#[test]
+fn jamming_has_three_answers() {
+    let verdict = |model, changes: &[(&str, f64)]| {
+        let report = jam(&scene(DONG, changes), model);
+        let (_, jams, words) =
+            report.verdicts.iter().find(|v| v.0 == "jams").expect("a verdict").clone();
+        (jams, words, report.warnings)
+    };
+    let (jams, words, _) = verdict(Model::Elastic, &[]);
+    assert!(!jams, "{words}");
+    let (jams, words, _) = verdict(Model::Elastic, &[("step_normal_force_N", 1e5)]);
+    assert!(jams && words.contains("more than all friction"), "{words}");
+    let (jams, words, warnings) = verdict(Model::RacewayControl, &[]);
+    assert!(jams && words.contains("published criterion"), "{words}");
+    assert!(warnings.iter().any(|w| w.contains("roll")), "{warnings:?}");
+}
+
+/// Thrust of an impact follows what is given of it.
+#[test]
+fn inputs_of_the_returner_are_used() {
+    let thrust = |changes: &[(&str, f64)]| {
+        let report = jam(&scene(DONG, changes), Model::RacewayControl);
+        number(&report, "step_thrust_N")
+    };
+    let base = thrust(&[("step_normal_force_N", 10.0)]);
+    // 2 F_N / ((μ + 1/μ) cos 30°), by hand.
+    assert!((base - 20.0 / (10.1 * 30.0_f64.to_radians().cos())).abs() < 1e-12);
+    let speed = [("return_approach_speed_m_s", 1.0), ("return_stiffness_N_um15", 1.0)];
+    let double = [("return_approach_speed_m_s", 2.0), ("return_stiffness_N_um15", 1.0)];
+    // F ~ v^{6/5} K^{2/5}.
+    let ratio = thrust(&double) / thrust(&speed);
+    assert!((ratio - 2.0_f64.powf(1.2)).abs() < 1e-12, "{ratio}");
+    let stiff = [("return_approach_speed_m_s", 1.0), ("return_stiffness_N_um15", 32.0)];
+    let ratio = thrust(&stiff) / thrust(&speed);
+    assert!((ratio - 4.0).abs() < 1e-12, "{ratio}");
+}
+
+#[test]
+fn models_without_a_motion_are_refused() {
+    let scene = scene(XU, &[]);
+    let settings = Model::QuasiStatic.into();
+    let solution = solved(&scene, &settings);
+    for refused in [Analysis::slip(&scene, &settings, &solution), Analysis::jam(&scene, &solution)]
+    {
+        let error = refused.expect_err("no motion");
+        assert!(matches!(error, CaseError::NoMotion { .. }), "{error}");
+        assert!(error.to_string().contains("models rigid, raceway-control"), "{error}");
+    }
+    // A fixed model stays what it is; auto goes on to one that has a motion.
+    assert!(scene.next_with_motion(&settings, &solution).is_none());
+    let auto = Settings { tolerance: 0.9, ..Settings::default() };
+    let chosen = solved(&scene, &auto);
+    assert_eq!(chosen.model, Model::ClosedForm);
+    let (next, words) = scene.next_with_motion(&auto, &chosen).expect("raceway control");
+    assert_eq!(next.model, ModelChoice::Fixed(Model::RacewayControl));
+    assert!(words.contains("closed-form"), "{words}");
+}

@@ -1,0 +1,20 @@
+//! Published data to change.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Copies the published data into `folder/data`, which it returns.
+pub(crate) fn copy_published(folder: &Path) -> PathBuf {
+    let published = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/published");
+    let data = folder.join("data");
+    for source in fs::read_dir(published).expect("sources") {
+        let source = source.expect("a source");
+        let to = data.join(source.file_name());
+        fs::create_dir_all(&to).expect("a folder");
+        for file in fs::read_dir(source.path()).expect("data") {
+            let file = file.expect("a file");
+            fs::copy(file.path(), to.join(file.file_name())).expect("a copy");
+        }
+    }
+    data
+}

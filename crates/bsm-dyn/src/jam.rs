@@ -1,0 +1,246 @@
+//! Jamming: the wedge between the races, drag of the lubricant, and thrust in the returner.
+//!
+//! Theory: `docs/theory/14-jamming.md`, equations (M5) to (M16). `A` and `B` here are nut and
+//! screw; Dong et al. write `o` and `i`.
+
+use std::f64::consts::PI;
+
+use bsm_kin::Scalar;
+
+use crate::slip::magnitude;
+
+/// A ball that the races push out of the wedge between them, and friction that holds it there.
+///
+/// Source: Dong et al. (2020), Eqs 15-17.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wedge<D> {
+    /// Normal loads at nut and screw \[N\].
+    pub loads: [D; 2],
+    /// Contact angles at nut and screw \[rad\].
+    pub angles: [D; 2],
+    /// Slip angles at nut and screw \[rad\] (K15).
+    pub slip_angles: [D; 2],
+    /// Coulomb coefficient.
+    pub friction: D,
+    /// Centrifugal force \[N\] (M5).
+    pub centrifugal: D,
+}
+
+impl<D: Scalar> Wedge<D> {
+    /// Angle of the wedge `$D = \beta_B - \beta_A$` \[rad\]; positive: it opens towards the axis.
+    pub fn opening(&self) -> D {
+        self.angles[1] - self.angles[0]
+    }
+
+    fn mean_angle(&self) -> D {
+        (self.angles[0] + self.angles[1]) * 0.5
+    }
+
+    /// Friction across the grooves at nut and screw \[N\] (M7).
+    pub fn across(&self) -> [D; 2] {
+        // F_X = μ Q |cosψ|                                                (M7)
+        [0, 1].map(|i| magnitude(self.slip_angles[i].cos()) * self.loads[i] * self.friction)
+    }
+
+    /// Force that holds the ball \[N\] (M8), left.
+    pub fn holding(&self) -> D {
+        let [a, b] = self.across();
+        // (F_XA + F_XB) cos(D/2) + F_c sin β                              (M8)
+        (a + b) * (self.opening() * 0.5).cos() + self.centrifugal * self.mean_angle().sin()
+    }
+
+    /// Force that pushes it out \[N\] (M8), right; negative where the wedge opens outwards.
+    pub fn expelling(&self) -> D {
+        // (Q_A + Q_B) sin(D/2)                                            (M8)
+        (self.loads[0] + self.loads[1]) * (self.opening() * 0.5).sin()
+    }
+
+    /// Friction coefficient from which the ball is held, whichever way it is pushed (M9).
+    ///
+    /// Without slip across the grooves there is none: infinite.
+    pub fn critical_friction(&self) -> D {
+        let push = self.expelling() - self.centrifugal * self.mean_angle().sin();
+        // μ_c = |(Q_A + Q_B) sin(D/2) − F_c sinβ| / (Σ Q|cosψ| cos(D/2))  (M9)
+        magnitude(push) / (self.grip() * (self.opening() * 0.5).cos())
+    }
+
+    /// The same without the centrifugal force, as published (M10).
+    pub fn critical_friction_published(&self) -> D {
+        let share = self.grip() / (self.loads[0] + self.loads[1]);
+        // μ_c |cosψ| = tan(|D|/2)                                         (M10)
+        magnitude((self.opening() * 0.5).tan()) / share
+    }
+
+    /// `$\sum Q\,|\cos\psi|$` \[N\].
+    fn grip(&self) -> D {
+        let part = |i: usize| magnitude(self.slip_angles[i].cos()) * self.loads[i];
+        part(0) + part(1)
+    }
+}
+
+/// Centrifugal force `$m r_m P^2$` \[N\] (M5).
+pub fn centrifugal_force<D: Scalar>(mass: D, pitch_radius: D, precession: D) -> D {
+    // F_c = m r_m P²                                                      (M5)
+    mass * pitch_radius * precession.square()
+}
+
+/// Drag of the lubricant on a ball, against its travel \[N\] (M6).
+///
+/// * `coefficient`: `$C_v$`; `density`: of the lubricant in the nut \[kg/m³\]; `diameter`: of the
+///   ball \[m\]; `speed`: `$2 r_m|P - \Omega_n|$`, twice the speed of the ball centre around the
+///   axis \[m/s\].
+///
+/// Source: Dong et al. (2020), as for rolling bearings.
+pub fn viscous_drag(coefficient: f64, density: f64, diameter: f64, speed: f64) -> f64 {
+    // F_v = (π/32) C_v ρ d_b² (2 r_m ω_m)^1.95                            (M6)
+    PI / 32.0 * coefficient * density * diameter.powi(2) * speed.powf(1.95)
+}
+
+/// Hertz stiffness of a ball against a flat of contact modulus `modulus` \[N/m^1.5\] (M11).
+pub fn flat_stiffness(modulus: f64, ball_radius: f64) -> f64 {
+    // K = (4/3) E* √r_b                                                   (M11)
+    4.0 / 3.0 * modulus * ball_radius.sqrt()
+}
+
+/// Force of the impact of a ball that meets a contact of this stiffness \[N\] (M12), (M13).
+///
+/// * `mass` \[kg\]; `speed`: along the normal \[m/s\]; `stiffness`: `$K$` \[N/m^1.5\].
+///
+/// Source: Dong et al. (2020), Eq 19.
+pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
+    // δ_m = (5 m v² / (4 K))^{2/5}                                        (M12)
+    let approach = (1.25 * mass * speed.powi(2) / stiffness).powf(0.4);
+    // F_m = 1.14 m v² / δ_m                                               (M13)
+    1.14 * mass * speed.powi(2) / approach
+}
+
+/// Thrust on the ball behind one that meets the apex of the return curve \[N\] (M14).
+///
+/// * `impact`: `$F_m$` \[N\]; `half_angle`: `$\lambda_1$` of the apex \[rad\]; `friction`: `$\mu$`.
+///
+/// Source: Dong et al. (2020), Eq 18.
+pub fn apex_thrust<D: Scalar>(impact: D, half_angle: D, friction: D) -> D {
+    let (sin, cos) = half_angle.sin_cos();
+    // F_O1 = (F_m/2)(1/sinλ₁ + μ/cosλ₁)                                   (M14)
+    impact * (sin.recip() + friction / cos) * 0.5
+}
+
+/// Thrust on the ball behind one that meets the step from the returner into the screw \[N\] (M15).
+///
+/// * `normal`: force `$F_N$` of the step \[N\]; `friction`: `$\mu > 0$`; `return_angle`:
+///   `$\lambda_3$` \[rad\].
+///
+/// Source: Dong et al. (2020), Eqs 23-24.
+pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
+    // F_O1 = 2 F_N / ((μ + 1/μ) cosλ₃)                                    (M15)
+    normal * 2.0 / ((friction + friction.recip()) * return_angle.cos())
+}
+
+/// Friction along the track with which the loaded balls of a turn push \[N\] (M16).
+///
+/// * `balls`: of a turn; `friction`: `$\mu$`; `contacts`: normal load \[N\] and slip angle \[rad\]
+///   at nut and screw. A ball pushes with no more than the weaker of its contacts has.
+///
+/// Source: Dong et al. (2020), Eqs 20-21.
+pub fn available_friction(balls: f64, friction: f64, contacts: [(f64, f64); 2]) -> f64 {
+    // Z_t μ Q |sinψ|                                                      (M16)
+    let [nut, screw] = contacts.map(|(load, slip_angle)| load * slip_angle.sin().abs());
+    balls * friction * nut.min(screw)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+    use approx::assert_relative_eq;
+    use bsm_kin::{BallFrame, Contact, Site};
+    use nalgebra::{Matrix3, Vector3};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// The sides of the criterion are the forces along the direction in which a ball leaves the
+        /// wedge, and at the critical coefficient friction holds it exactly.
+        #[test]
+        fn the_wedge_is_the_balance_of_forces(
+            a in 0.1..1.4_f64, tilt in -0.2..0.2_f64, q_a in 10.0..500.0_f64, q_b in 10.0..500.0_f64,
+            f_c in 0.0..30.0_f64, psi in 0.0..1.5_f64,
+        ) {
+            let (angles, loads) = ([a - tilt, a + tilt], [q_a, q_b]);
+            let slip_angles = [psi, PI - psi];
+            let wedge = Wedge { loads, angles, slip_angles, friction: 0.1, centrifugal: f_c };
+            let frame = BallFrame::turned(0.1, 0.0);
+            let normal = |site, angle| Contact::new(site, angle, &frame).normal;
+            let forces = normal(Site::Nut, angles[0]) * q_a + normal(Site::Screw, angles[1]) * q_b;
+            // Out of the wedge: across the mean normal, towards the axis.
+            let out = Vector3::new(0.0, a.sin(), -a.cos());
+            let net = (forces - frame.n * f_c).dot(&out);
+            let friction: f64 = wedge.across().iter().sum();
+            let held = wedge.holding() - friction * tilt.cos() - wedge.expelling();
+            // Rounding of forces of 1 kN.
+            prop_assert!((held + net).abs() <= 1e-11, "{held} {net}");
+            let critical = Wedge { friction: wedge.critical_friction(), ..wedge };
+            let held: f64 = critical.across().iter().sum::<f64>() * tilt.cos();
+            prop_assert!((held - net.abs()).abs() <= 1e-11);
+            let equal = Wedge { centrifugal: 0.0, ..wedge };
+            let published = equal.critical_friction_published();
+            prop_assert!((equal.critical_friction() / published - 1.0).abs() <= 1e-12);
+            prop_assert!((published * psi.cos() - tilt.abs().tan()).abs() <= 1e-14);
+        }
+
+        /// Eq 24 of Dong et al. from the balance along the travel, that across it, and the
+        /// direction of the thrust.
+        #[test]
+        fn the_step_balances_three_forces(
+            normal in 1.0..500.0_f64, mu in 0.01..0.6_f64, angle in 0.0..1.4_f64,
+        ) {
+            // Unknowns T, N₂, F_O1: T = μ (F_N + N₂),  N₂ + μ T = F_N,  T = F_O1 cosλ₃.
+            let rows = Matrix3::new(1.0, -mu, 0.0, mu, 1.0, 0.0, 1.0, 0.0, -angle.cos());
+            let right = Vector3::new(mu * normal, normal, 0.0);
+            let solved = rows.lu().solve(&right).expect("regular");
+            let thrust = step_thrust(normal, mu, angle);
+            // Rounding, times the condition of a step that is nearly across the travel.
+            prop_assert!((thrust / solved.z - 1.0).abs() <= 1e-13 / angle.cos(), "{thrust} {solved}");
+        }
+
+        /// An impact that obeys Hertz stores its energy in the contact; 1.14 is that of a half sine
+        /// of the same approach and duration, 5/4 the largest force of Hertz.
+        #[test]
+        fn the_impact_conserves_energy(
+            mass in 1e-5..1e-2_f64, speed in 0.01..20.0_f64, log_k in 7.0..11.0_f64,
+        ) {
+            let stiffness = 10.0_f64.powf(log_k);
+            let force = impact_force(mass, speed, stiffness);
+            let hertz = force * 1.25 / 1.14;
+            let approach = (hertz / stiffness).powf(2.0 / 3.0);
+            let (stored, moving) = (0.4 * hertz * approach, 0.5 * mass * speed.powi(2));
+            prop_assert!((stored / moving - 1.0).abs() <= 1e-12);
+        }
+    }
+
+    /// By hand: a 45 degree apex without friction has half the impact times √2; friction adds as
+    /// much of itself.
+    #[test]
+    fn apex_by_hand() {
+        let thrust = apex_thrust(10.0, FRAC_PI_4, 0.1);
+        assert_relative_eq!(thrust, 5.0 * 1.1 * 2.0_f64.sqrt(), max_relative = 1e-14);
+    }
+
+    /// Limits: friction across the groove pushes nothing; along it all of the weaker contact.
+    #[test]
+    fn only_friction_along_the_track_pushes() {
+        let full = available_friction(14.0, 0.1, [(100.0, FRAC_PI_2), (90.0, -FRAC_PI_2)]);
+        assert_relative_eq!(full, 126.0, max_relative = 1e-14);
+        assert!(available_friction(14.0, 0.1, [(100.0, 0.0), (90.0, PI)]).abs() < 1e-12);
+    }
+
+    /// By hand: (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 m/s.
+    #[test]
+    fn drag_and_centrifugal_force_by_hand() {
+        let drag = viscous_drag(0.5, 880.0, 3.5e-3, 2.0);
+        assert_relative_eq!(drag, 2.044_6e-3, max_relative = 1e-4);
+        assert_relative_eq!(centrifugal_force(2e-3, 8e-3, 250.0), 1.0, max_relative = 1e-14);
+        assert_relative_eq!(flat_stiffness(1e11, 4e-3), 8.432_74e9, max_relative = 1e-6);
+    }
+}

@@ -1,0 +1,286 @@
+//! Slip of a solved ball: what slides at its contacts, in published and in exact form, and the
+//! power that each part of it takes.
+//!
+//! Theory: `docs/theory/13-slip.md`, equations (X1) to (X13).
+
+use std::f64::consts::FRAC_PI_2;
+
+use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Scalar, Site};
+use bsm_newton::EvalError;
+use nalgebra::Vector3;
+
+use crate::raceway_control::rolling;
+use crate::{Control, Ellipse, Outputs, Quadrature, Wrench, friction_force};
+
+/// A ball in steady motion between the members of a screw.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SteadyBall<D> {
+    /// Helix of the ball centres.
+    pub helix: Helix<D>,
+    /// Ball radius `$r_b$` \[m\].
+    pub radius: D,
+    /// Speeds of screw and nut.
+    pub drive: Drive<D>,
+    /// Absolute motion, components in the Frenet-Serret triad `(t, n, b)`.
+    pub motion: Motion<D>,
+}
+
+/// A contact of the ball.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch<D> {
+    /// Where it sits.
+    pub site: Site,
+    /// Contact angle \[rad\].
+    pub angle: D,
+}
+
+/// Power that friction takes at a contact, by the part of the slip that it works on \[W\] (X12).
+///
+/// The parts of the slip add up to the whole, point by point, and so do the powers. A part may be
+/// negative: friction is against the whole slip, not against each of its parts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlipPower<D> {
+    /// Of the slip at the contact centre, which all points share.
+    pub centre: D,
+    /// Of the spin about the contact normal.
+    pub spin: D,
+    /// Of what is left: the curvature of the pressed surface under a rolling ball (Heathcote).
+    pub curvature: D,
+}
+
+impl<D: Scalar> SlipPower<D> {
+    /// The whole.
+    pub fn total(&self) -> D {
+        self.centre + self.spin + self.curvature
+    }
+}
+
+/// How friction at a contact follows from slip.
+#[derive(Debug, Clone, Copy)]
+pub enum FrictionLaw<'a, D> {
+    /// Coulomb friction at the contact centre (F1).
+    Saturated,
+    /// Integrated over the contact ellipse (E4).
+    Integrated {
+        /// Semi-axes across and along the groove \[m\].
+        semi_axes: (D, D),
+        /// Radius of the pressed surface (E2) \[m\].
+        pressed_radius: f64,
+        /// Creep speed `$v_e$` \[m/s\], positive.
+        creep: f64,
+        /// Nodes over the ellipse.
+        quadrature: &'a Quadrature,
+    },
+}
+
+/// Absolute value, with the derivatives of its sign.
+pub(crate) fn magnitude<D: Scalar>(x: D) -> D {
+    if x.re() < 0.0 { -x } else { x }
+}
+
+fn norm<D: Scalar>(v: &Vector3<D>) -> D {
+    v.dot(v).sqrt()
+}
+
+impl<D: Scalar> SteadyBall<D> {
+    /// A ball that rolls at both contacts and does not spin at the controlling race: raceway
+    /// control at given contact angles at nut and screw \[rad\], without a balance of forces
+    /// (W3) to (W6).
+    pub fn rolling(
+        control: Control,
+        helix: Helix<D>,
+        radius: D,
+        drive: Drive<D>,
+        [nut, screw]: [D; 2],
+    ) -> Self {
+        let (p, omega) = rolling(control, helix.lead_angle, radius / helix.radius, nut, screw);
+        let speed = drive.relative_speed();
+        let to_nut = Motion { precession: p * speed, omega: omega * speed };
+        let frame = BallFrame::turned(helix.lead_angle, D::from(0.0));
+        let motion = to_nut.relative_to(-drive.nut_speed, &frame);
+        Self { helix, radius, drive, motion }
+    }
+
+    fn frame(&self) -> BallFrame<D> {
+        BallFrame::turned(self.helix.lead_angle, D::from(0.0))
+    }
+
+    fn body_speed(&self, site: Site) -> D {
+        match site {
+            Site::Nut | Site::NutMinor => self.drive.nut_speed,
+            Site::Screw => self.drive.screw_speed,
+        }
+    }
+
+    /// The unit vectors of a contact, components in `(t, n, b)`.
+    pub fn contact(&self, touch: &Touch<D>) -> Contact<D> {
+        Contact::new(touch.site, touch.angle, &self.frame())
+    }
+
+    /// Motion relative to the body of a contact.
+    pub fn relative_to(&self, site: Site) -> Motion<D> {
+        self.motion.relative_to(self.body_speed(site), &self.frame())
+    }
+
+    /// Motion relative to the nut, as the published forms take it: `$\omega_m = P - \Omega_n$` and
+    /// `$\omega' = \omega - \Omega_n k$`.
+    fn against_nut(&self) -> Motion<D> {
+        self.relative_to(Site::Nut)
+    }
+
+    /// Velocity of the ball's surface against the body at the contact centre (K13) \[m/s\].
+    pub fn slip_velocity(&self, touch: &Touch<D>) -> Vector3<D> {
+        let point = self.contact(touch).point(self.radius);
+        self.relative_to(touch.site).slip_velocity(self.helix.arc_length_per_radian(), &point)
+    }
+
+    /// Differential slip: slip speed at the contact centre (X1) \[m/s\].
+    ///
+    /// Source: Xu and Tang (2015), Eqs 1-2; published and exact form are the same.
+    pub fn differential_slip(&self, touch: &Touch<D>) -> D {
+        // |V_i|, V_i = v_i(−r_b N)                                        (X1)
+        norm(&self.slip_velocity(touch))
+    }
+
+    /// Slip between neighbouring balls as published (X2) \[m/s\].
+    ///
+    /// Source: Xu and Tang (2015), Eq 4.
+    pub fn ball_slip_published(&self) -> D {
+        let Motion { precession, omega } = self.against_nut();
+        // V_b = r_b | |ω'| − ω_m |                                        (X2)
+        self.radius * magnitude(norm(&omega) - precession)
+    }
+
+    /// Relative speed of the surfaces of neighbouring balls where they touch (X3) \[m/s\].
+    ///
+    /// Assumes: the neighbour stands along the tangent and spins alike; its triad is turned by
+    /// `$2 r_b/d$`, which changes the second order of that angle.
+    pub fn ball_slip(&self) -> D {
+        let Motion { precession, omega } = self.motion;
+        let in_carrier = omega - self.frame().k * precession;
+        // V_b = 2 r_b |(ω − P k) × t|                                     (X3)
+        self.radius * 2.0 * norm(&in_carrier.cross(&BallFrame::tangent()))
+    }
+
+    /// Spin (gyroscopic) slip as published (X4), (X5) \[m/s\].
+    ///
+    /// Source: Xu and Tang (2015), Eqs 5-6, with the contact angle of the contact in question; the
+    /// indices of the source are crossed. It takes the motion relative to the nut at both.
+    pub fn spin_slip_published(&self, touch: &Touch<D>) -> D {
+        let omega = self.against_nut().omega;
+        let rate = norm(&omega);
+        // sinγ = −ω'_n/|ω'|                                               (X4)
+        let sin = -omega.y / rate;
+        let gamma = sin.atan2((-sin.square() + 1.0).sqrt());
+        let turned = (-(gamma + touch.angle) + FRAC_PI_2) * 0.5;
+        // V_s = r_b |sin((π/2 − γ − β)/2) |ω'| sinγ / cosβ|               (X5)
+        self.radius * magnitude(turned.sin() * rate * sin / touch.angle.cos())
+    }
+
+    /// Spin about the contact normal (K14) \[rad/s\].
+    pub fn spin(&self, touch: &Touch<D>) -> D {
+        self.relative_to(touch.site).spin(&self.contact(touch))
+    }
+
+    /// Orbit slip as published, with the levers that belong to it (X7), (X8) \[m/s\].
+    ///
+    /// Source: Xu and Tang (2015), Eqs 7-8, whose levers have one root too many.
+    pub fn orbit_slip_published(&self, touch: &Touch<D>) -> D {
+        let (sin, cos) = touch.angle.sin_cos();
+        let (r_b, r_m) = (self.radius, self.helix.radius);
+        let side = if touch.site == Site::Screw { -2.0 } else { 2.0 };
+        // l² = r_b² + r_m² ± 2 r_b r_m cosβ                               (X7)
+        let lever = (r_b.square() + r_m.square() + r_b * r_m * cos * side).sqrt();
+        let rate = self.relative_to(touch.site).precession;
+        // V_o = l |(P − Ω_i) cosα sinβ|                                   (X8)
+        lever * magnitude(rate * self.helix.lead_angle.cos() * sin)
+    }
+
+    /// The part of the spin that the orbit has (X9) \[rad/s\]; the rest is the rotation of the ball
+    /// against the triad that travels with it.
+    pub fn orbit_spin(&self, touch: &Touch<D>) -> D {
+        let rate = self.relative_to(touch.site).precession;
+        // (ω − Ω_i k)·N = (ω − P k)·N + (P − Ω_i) k·N                     (X9)
+        rate * self.frame().k.dot(&self.contact(touch).normal)
+    }
+
+    /// Mean speed at which the two surfaces run through the contact (X10) \[m/s\].
+    pub fn rolling_speed(&self, touch: &Touch<D>) -> D {
+        let Motion { precession, omega } = self.motion;
+        let point = self.contact(touch).point(self.radius);
+        let ball = (omega - self.frame().k * precession).cross(&point);
+        // u = |(ω − P k) × r − V/2|                                       (X10)
+        norm(&(ball - self.slip_velocity(touch) * D::from(0.5)))
+    }
+
+    /// Slip speed at the contact centre over the rolling speed; 2 if one surface stands still.
+    pub fn slide_roll_ratio(&self, touch: &Touch<D>) -> D {
+        self.differential_slip(touch) / self.rolling_speed(touch)
+    }
+
+    /// What friction takes at a contact, by the parts of the slip (X11), (X12).
+    ///
+    /// * `friction`: wrench of friction on the ball about its centre, in `(t, n, b)`.
+    pub fn power(&self, touch: &Touch<D>, friction: &Wrench<D>) -> SlipPower<D> {
+        let contact = self.contact(touch);
+        let omega = self.relative_to(touch.site).omega;
+        // M_C = M − r × F                                                 (X11)
+        let moment = friction.moment - contact.point(self.radius).cross(&friction.force);
+        let about_normal = moment.dot(&contact.normal);
+        // P_f = −F·V − (M_C·N)(ω_i·N) − [M_C·ω_i − (M_C·N)(ω_i·N)]        (X12)
+        let spin = -about_normal * omega.dot(&contact.normal);
+        SlipPower {
+            centre: -friction.force.dot(&self.slip_velocity(touch)),
+            spin,
+            curvature: -moment.dot(&omega) - spin,
+        }
+    }
+
+    /// Friction on the ball at a contact, about its centre, in `(t, n, b)`.
+    ///
+    /// * `load`: normal load \[N\]; `friction`: Coulomb coefficient.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if saturated friction has no direction.
+    pub fn friction(
+        &self,
+        touch: &Touch<D>,
+        load: D,
+        friction: D,
+        law: FrictionLaw<'_, D>,
+    ) -> Result<Wrench<D>, EvalError> {
+        let contact = self.contact(touch);
+        match law {
+            FrictionLaw::Integrated { semi_axes, pressed_radius, creep, quadrature } => {
+                let ball_radius = self.radius.re();
+                let ellipse = Ellipse { contact, load, semi_axes, pressed_radius, ball_radius };
+                let arc = self.helix.arc_length_per_radian();
+                let motion = self.relative_to(touch.site);
+                Ok(ellipse.friction(&motion, arc, friction, creep, quadrature).0)
+            }
+            FrictionLaw::Saturated => {
+                let force = friction_force(friction, load, &self.slip_velocity(touch))?;
+                let point = contact.point(self.radius);
+                Ok(Wrench::at_contact(&contact.normal, &point, D::from(0.0), &force))
+            }
+        }
+    }
+}
+
+impl Outputs {
+    /// Absolute motion of the ball in the Frenet-Serret triad, if the model has one.
+    pub fn motion(&self) -> Option<Motion<f64>> {
+        let omega = Vector3::new(self.omega_t?, self.omega_n?, self.omega_b?);
+        Some(Motion { precession: self.precession?, omega })
+    }
+}
+
+/// Speed of the spin at the end of the contact ellipse, its fastest point (X6) \[m/s\].
+pub fn rim_speed<D: Scalar>(spin: D, semi_axis: D) -> D {
+    // V_s = |ω_spin| a                                                    (X6)
+    magnitude(spin) * semi_axis
+}
+
+#[cfg(test)]
+mod tests;

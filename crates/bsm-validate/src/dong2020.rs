@@ -1,0 +1,132 @@
+//! Trends of Dong et al. (2020), and identities of the contact state and the thrust.
+
+use bsm_case::{Analysis, Scene};
+use bsm_dyn::{Model, ModelWorkspace, step_thrust};
+
+use crate::{Check, Published, Study, ValidateError, trends};
+
+const SOURCE: &str = "Dong et al. 2020";
+
+/// All checks of this source.
+pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+    let scene = published.dong_case.scene()?;
+    let studies = [
+        ("raceway-control-", "", study(published, Model::RacewayControl)?),
+        ("traction-", "", study(published, Model::Traction)?),
+    ];
+    let mut checks = trends::checks(
+        &format!("{SOURCE}, Figs 13-19"),
+        "dong2020",
+        &published.dong_trends,
+        &studies,
+    )?;
+    checks.push(small(&scene)?);
+    checks.push(radical(&scene)?);
+    checks.push(balanced(&scene)?);
+    checks.push(step());
+    Ok(checks)
+}
+
+/// Their sweeps with a model.
+pub(crate) fn study(published: &Published, model: Model) -> Result<Study, ValidateError> {
+    let scene = published.dong_case.scene()?;
+    let settings = model.into();
+    let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());
+    Study::jam(&scene, &settings, &solution)
+}
+
+/// Analysis of a scene with raceway control.
+fn analysis(scene: &Scene) -> Result<Analysis, ValidateError> {
+    let problem = scene.problem(&Model::RacewayControl.into())?;
+    Ok(Analysis::jam(scene, &problem.solve(&mut ModelWorkspace::default()))?)
+}
+
+fn number(report: &Analysis, name: &str) -> f64 {
+    report.number(name).unwrap_or(f64::NAN)
+}
+
+/// Forces of the motion at the highest speed and the lightest load of the paper.
+fn small(scene: &Scene) -> Result<Check, ValidateError> {
+    let fastest = Scene {
+        screw_speed_rpm: scene.screw_speed_rpm.map(|rpm| 2.0 * rpm),
+        axial_load_N: scene.axial_load_N.map(|load| 0.5 * load),
+        ..scene.clone()
+    };
+    let report = analysis(&fastest)?;
+    let shares = ["drag_over_load", "centrifugal_over_load"].map(|name| number(&report, name));
+    Ok(Check::new(
+        "dong2020/forces-stay-small",
+        SOURCE,
+        "drag and centrifugal force stay small up to 5000 rpm",
+    )
+    .measured(shares[0].max(shares[1]), "of the normal load")
+    .note(format!("drag {:.1e}, centrifugal force {:.1e}, at 8 kN", shares[0], shares[1]))
+    .at_most(0.01, "a hundredth, our reading of small"))
+}
+
+/// The corrected radical of Eq 17 on a light load, whose angles the inertia turns most.
+fn radical(scene: &Scene) -> Result<Check, ValidateError> {
+    let light = Scene { axial_load_N: scene.loaded_balls, ..scene.clone() };
+    let report = analysis(&light)?;
+    let offset = |conformity: Option<f64>| {
+        let conformity = conformity.unwrap_or(f64::NAN);
+        (conformity - 0.5) * scene.ball_diameter_mm.unwrap_or(f64::NAN) * 1e3
+    };
+    let length = |conformity, name| offset(conformity) + number(&report, name);
+    let nut = length(scene.nut_conformity, "nut_total_approach_um");
+    let screw = length(scene.screw_conformity, "screw_total_approach_um");
+    let angle = |name| number(&report, name).to_radians();
+    let (a, b) = (angle("nut_settled_angle_deg"), angle("screw_settled_angle_deg"));
+    let square =
+        (nut * a.sin() + screw * b.sin()).powi(2) + (nut * a.cos() + screw * b.cos()).powi(2);
+    let radical = ((nut + screw).powi(2) - square) / (square - (nut - screw).powi(2));
+    let ours = 2.0 * radical.sqrt().atan();
+    Ok(Check::new(
+        "dong2020/radical",
+        &format!("{SOURCE}, Eq 17 corrected"),
+        "the radical of the lengths is the difference of the contact angles, 1 N on a ball",
+    )
+    .measured((ours - (b - a)).abs(), "rad")
+    .note(format!("difference {:.4} deg", (b - a).to_degrees()))
+    .at_most(1e-12, "rounding of squares of lengths over the difference of 0.008"))
+}
+
+/// Without friction the wedge is held by the centrifugal force alone: Eq 15 is the radial balance.
+fn balanced(scene: &Scene) -> Result<Check, ValidateError> {
+    let report = analysis(scene)?;
+    let half = 0.5 * number(&report, "wedge_angle_deg").to_radians();
+    let friction =
+        number(&report, "nut_friction_across_N") + number(&report, "screw_friction_across_N");
+    let centrifugal = number(&report, "holding_force_N") - friction * half.cos();
+    let left = centrifugal - number(&report, "expelling_force_N");
+    Ok(Check::new(
+        "dong2020/wedge-balance",
+        &format!("{SOURCE}, Eq 15"),
+        "where friction takes no part, the centrifugal force and the wedge are in balance",
+    )
+    .measured(left.abs() / number(&report, "nut_settled_load_N"), "of the normal load")
+    .at_most(1e-12, "rounding of the loads"))
+}
+
+/// Eq 24 against the three balances that it comes from.
+fn step() -> Check {
+    let mut worst: f64 = 0.0;
+    for percent in 1..=60 {
+        let mu = f64::from(percent) / 100.0;
+        for degrees in (0..=80).step_by(8) {
+            let angle = f64::from(degrees).to_radians();
+            let thrust = step_thrust(1.0, mu, angle);
+            // T = F_O1 cosλ₃,  N₂ = F_N − μ T,  T = μ (F_N + N₂)
+            let along = thrust * angle.cos();
+            let other = 1.0 - mu * along;
+            worst = worst.max((along / (mu * (1.0 + other)) - 1.0).abs());
+        }
+    }
+    Check::new(
+        "dong2020/step",
+        &format!("{SOURCE}, Eq 24"),
+        "the thrust at the step balances the forces along and across the travel",
+    )
+    .measured(worst, "relative")
+    .at_most(1e-14, "rounding")
+}

@@ -1,0 +1,210 @@
+//! Sweeps of the analyses of a motion: figures, and whether the curves follow published trends.
+
+mod jam;
+mod slip;
+
+use serde::Serialize;
+
+use crate::ValidateError;
+use crate::figure::{Curve, Figure, Stroke};
+
+/// Which way a curve is said to go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Claim {
+    /// It grows.
+    Rises,
+    /// It becomes less.
+    Falls,
+}
+
+impl Claim {
+    /// In a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Rises => "rises",
+            Self::Falls => "falls",
+        }
+    }
+}
+
+/// Which way it goes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Shape {
+    /// It never falls.
+    Rises,
+    /// It never rises.
+    Falls,
+    /// It stays where it is.
+    Constant,
+    /// It turns back at this place, the first of them.
+    Turns(f64),
+}
+
+impl Shape {
+    /// Of points in the order of x; what changes less than `rounding` does not change.
+    fn of(points: &[(f64, f64)], rounding: f64) -> Self {
+        let mut shape = Self::Constant;
+        let mut reached = points.first().map_or(0.0, |p| p.1);
+        let mut at = f64::NAN;
+        for &(x, y) in points {
+            if (y - reached).abs() <= rounding {
+                continue;
+            }
+            let way = if y > reached { Self::Rises } else { Self::Falls };
+            if shape == Self::Constant {
+                shape = way;
+            } else if shape != way {
+                return Self::Turns(at);
+            }
+            (reached, at) = (y, x);
+        }
+        shape
+    }
+}
+
+/// A published trend and what a curve does.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trend {
+    /// What the trend is of, the same for all contacts and settings: the name of its check.
+    #[serde(skip)]
+    pub group: String,
+    /// The curve.
+    pub curve: String,
+    /// The quantity that varies, with its unit.
+    pub over: String,
+    /// What is claimed.
+    pub claim: Claim,
+    /// What is so.
+    pub shape: Shape,
+    /// True if the curve goes the claimed way all along.
+    pub holds: bool,
+    /// First point.
+    pub first: (f64, f64),
+    /// Last point.
+    pub last: (f64, f64),
+}
+
+impl Trend {
+    /// Of points in the order of x, of which those that are not finite are left out.
+    pub(crate) fn of(
+        (group, curve, over): (String, String, &str),
+        claim: Claim,
+        points: &[(f64, f64)],
+        rounding: f64,
+    ) -> Option<Self> {
+        let clean = |(x, y): (f64, f64)| (x, if y.abs() <= rounding { 0.0 } else { y });
+        let points: Vec<_> =
+            points.iter().copied().filter(|(_, y)| y.is_finite()).map(clean).collect();
+        let shape = Shape::of(&points, rounding);
+        let holds =
+            matches!((claim, shape), (Claim::Rises, Shape::Rises) | (Claim::Falls, Shape::Falls));
+        Some(Self {
+            group,
+            curve,
+            over: over.to_owned(),
+            claim,
+            shape,
+            holds,
+            first: *points.first()?,
+            last: *points.last()?,
+        })
+    }
+
+    /// What the curve does, in words.
+    pub fn describe(&self) -> String {
+        let from = format!("from {} to {}", crate::short(self.first.0), crate::short(self.last.0));
+        match self.shape {
+            Shape::Rises => format!("rises {from}"),
+            Shape::Falls => format!("falls {from}"),
+            Shape::Constant => format!("stays the same {from}"),
+            Shape::Turns(at) => {
+                let way = if self.last.1 > self.first.1 { "higher" } else { "lower" };
+                format!("turns at {}, ends {way}", crate::short(at))
+            }
+        }
+    }
+}
+
+/// Figures of an analysis and the trends of their curves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    /// What all curves have in common.
+    pub basis: String,
+    /// The figures.
+    pub figures: Vec<Figure>,
+    /// The trends.
+    pub trends: Vec<Trend>,
+}
+
+impl Study {
+    /// The trends as CSV.
+    ///
+    /// # Errors
+    ///
+    /// [`ValidateError::Figure`] if the table cannot be written.
+    pub fn csv(&self) -> Result<String, ValidateError> {
+        let mut table = csv::Writer::from_writer(Vec::new());
+        let header = ["curve", "over", "claim", "holds", "from_x", "from", "to_x", "to", "shape"];
+        table.write_record(header)?;
+        for trend in &self.trends {
+            let holds = if trend.holds { "yes" } else { "no" };
+            let [a, b, c, d] = [trend.first.0, trend.first.1, trend.last.0, trend.last.1]
+                .map(|number| number.to_string());
+            let (claim, shape) = (trend.claim.word(), trend.describe());
+            let row = [&trend.curve, &trend.over, claim, holds, &a, &b, &c, &d, &shape];
+            table.write_record(row)?;
+        }
+        let bytes = table.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    }
+}
+
+/// A curve without marks; `None` if it has no points.
+fn line(label: &str, color: usize, stroke: Stroke, points: Vec<(f64, f64)>) -> Option<Curve> {
+    points.iter().any(|(_, y)| y.is_finite()).then(|| Curve {
+        label: Some(label.to_owned()),
+        color,
+        stroke,
+        points,
+        marks: Vec::new(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shape(values: &[f64]) -> Shape {
+        let points: Vec<_> = (0..).map(f64::from).zip(values.iter().copied()).collect();
+        Shape::of(&points, 1e-9)
+    }
+
+    #[test]
+    fn shapes_are_told_apart() {
+        assert_eq!(shape(&[1.0, 2.0, 2.0, 3.0]), Shape::Rises);
+        assert_eq!(shape(&[3.0, 2.0, 2.0]), Shape::Falls);
+        assert_eq!(shape(&[1.0, 1.0 + 1e-12, 1.0 - 1e-12]), Shape::Constant);
+        assert_eq!(shape(&[1.0, 2.0, 3.0, 2.5, 4.0]), Shape::Turns(2.0));
+        // Rounding neither turns a curve nor adds up to a trend unseen.
+        assert_eq!(shape(&[1.0, 2.0, 2.0 - 1e-10, 3.0]), Shape::Rises);
+        let slow: Vec<_> = (0..30).map(|i| f64::from(i) * 5e-10).collect();
+        assert_eq!(shape(&slow), Shape::Rises);
+    }
+
+    /// A trend holds all along or not at all; a gap is no point.
+    #[test]
+    fn a_curve_that_turns_does_not_hold() {
+        let trend = |claim, values: &[f64]| {
+            let points: Vec<_> = (0..).map(f64::from).zip(values.iter().copied()).collect();
+            let names = ("group".to_owned(), "curve".to_owned(), "x");
+            Trend::of(names, claim, &points, 0.0)
+        };
+        assert!(trend(Claim::Falls, &[3.0, f64::NAN, 1.0]).is_some_and(|t| t.holds));
+        assert!(trend(Claim::Rises, &[3.0, 1.0]).is_some_and(|t| !t.holds));
+        assert!(trend(Claim::Falls, &[3.0, 1.0, 2.0]).is_some_and(|t| !t.holds));
+        assert!(trend(Claim::Falls, &[1.0, 1.0]).is_some_and(|t| !t.holds));
+        assert!(trend(Claim::Falls, &[f64::NAN]).is_none());
+    }
+}
