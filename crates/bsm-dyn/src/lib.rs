@@ -4,7 +4,7 @@
 //! operating point with the inputs of one model; [`Problem::solve`] returns a [`Solution`], which
 //! is data also when there is none.
 //!
-//! Theory: `docs/theory`, chapters 02 to 10.
+//! Theory: `docs/theory`, chapters 02 to 10 and 12.
 
 mod auto;
 pub mod balance;
@@ -23,6 +23,7 @@ mod pair;
 mod quasi_static;
 mod raceway_control;
 mod rigid;
+mod sensitivity;
 mod solution;
 mod traction;
 
@@ -42,5 +43,6 @@ pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
 pub use rigid::{
     FirstOrder, MODERATE_INERTIA, Rigid, RigidRoot, RigidSystem, RigidUnknowns, RigidWorkspace,
 };
+pub use sensitivity::Transmitted;
 pub use solution::{Direction, Reason, Solution, Status};
 pub use traction::{Traction, TractionWorkspace};
