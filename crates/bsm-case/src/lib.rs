@@ -11,9 +11,11 @@ mod input;
 mod optimum;
 mod output;
 mod problem;
+mod reader;
 mod record;
 mod scene;
 mod schema;
+mod sensitivity;
 pub mod units;
 
 pub use capacity::CapacityReport;
@@ -26,3 +28,4 @@ pub use problem::{ModelChoice, Settings, required_inputs};
 pub use record::Record;
 pub use scene::nearest_input;
 pub use schema::{input_schema, output_schema};
+pub use sensitivity::{Jets, Sensitivities, Sensitivity};
