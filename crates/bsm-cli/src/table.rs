@@ -1,6 +1,6 @@
 //! Tables for reading.
 
-use bsm_case::{Cell, Output, Record};
+use bsm_case::{Cell, Output, Record, Sensitivity};
 use bsm_validate::number;
 use comfy_table::{CellAlignment, Table, presets};
 
@@ -94,4 +94,33 @@ pub(crate) fn record(record: &Record) -> String {
         blocks.push(plain(Some(&["contact", "", "nut", "screw", "minor"]), &contacts, 2));
     }
     blocks.join("\n\n")
+}
+
+/// How much efficiency and torque depend on each input.
+pub(crate) fn sensitivities(rows: &[Sensitivity]) -> String {
+    let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
+    let rows: Vec<_> = rows
+        .iter()
+        .map(|row| {
+            let numbers = [
+                Some(row.value),
+                row.relative_efficiency,
+                row.relative_torque,
+                Some(row.efficiency),
+                row.screw_torque,
+            ];
+            let names = [row.input.name, row.input.unit].map(str::to_owned);
+            [names.to_vec(), numbers.map(cell).to_vec()].concat()
+        })
+        .collect();
+    let header = [
+        "sensitivity to",
+        "unit",
+        "value",
+        "efficiency, %/%",
+        "torque, %/%",
+        "efficiency, 1/unit",
+        "torque, N m/unit",
+    ];
+    plain(Some(&header), &rows, 2)
 }
