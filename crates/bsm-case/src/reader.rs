@@ -54,11 +54,13 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         }
     }
 
+    #[inline]
     fn given(&self, key: InputKey) -> Option<D> {
         (self.0)(key)
     }
 
     /// An input that the model needs.
+    #[inline]
     fn value(&self, key: InputKey) -> D {
         self.given(key).expect("required inputs were checked")
     }
