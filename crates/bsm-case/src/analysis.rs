@@ -175,7 +175,7 @@ impl Solved {
             missing: scene.missing(Model::Rigid),
         };
         let motion = o.motion().ok_or_else(no_motion)?;
-        let case = scene.rigid();
+        let case = scene.reader().rigid();
         let ball =
             SteadyBall { helix: case.helix, radius: case.ball.radius, drive: case.drive, motion };
         let contact = |site, angle: Option<f64>, load: Option<f64>, slip: Option<f64>, axes| {

@@ -186,7 +186,7 @@ fn nut(scene: &Scene) -> Result<Nut, CaseError> {
             need("nut_conformity", scene.nut_conformity),
             need("screw_conformity", scene.screw_conformity),
         ),
-        material: scene.materials(),
+        material: scene.reader().materials(),
         balls_per_turn: need("loaded_balls_per_turn", scene.loaded_balls_per_turn),
         turns: need("loaded_turns", scene.loaded_turns),
     };

@@ -81,6 +81,7 @@ macro_rules! inputs {
 
         impl Scene {
             /// The value of an input, or else its default.
+            #[inline]
             pub fn value_or_default(&self, key: InputKey) -> Option<f64> {
                 match key {
                     $(InputKey::$name => self.$name.or($default),)*

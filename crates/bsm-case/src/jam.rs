@@ -31,7 +31,7 @@ impl Analysis {
         let [Some(nut), Some(screw), _] = solved.contacts else {
             unreachable!("every model with a motion has loads and angles of both contacts")
         };
-        let case = scene.rigid();
+        let case = scene.reader().rigid();
         let precession = solved.ball.motion.precession;
         let mut wedge = Wedge {
             loads: [nut.load, screw.load],
@@ -58,7 +58,7 @@ impl Analysis {
 
     /// Loads, angles and approaches with permanent approach, which `wedge` takes over.
     fn contact_state(&mut self, scene: &Scene, wedge: &mut Wedge<f64>) -> Result<Block, CaseError> {
-        let screw = scene.elastic_screw();
+        let screw = scene.reader().elastic_screw();
         let failed = |reason| CaseError::NotRated(message(&reason));
         let settled =
             screw.settled(wedge.loads, wedge.angles).map_err(|(_, reason)| failed(reason))?;
@@ -172,7 +172,7 @@ impl Analysis {
 
     fn returner(&mut self, scene: &Scene, solved: &Solved, contacts: [SolvedContact; 2]) {
         let mut block = Block::new("returner");
-        let case = scene.rigid();
+        let case = scene.reader().rigid();
         let ball = &solved.ball;
         let speed = scene.return_approach_speed_m_s.unwrap_or_else(|| {
             let to_nut = ball.motion.precession - ball.drive.nut_speed;
@@ -180,7 +180,7 @@ impl Analysis {
         });
         let stiffness = scene.return_stiffness_N_um15.map_or_else(
             || {
-                let (races, balls) = scene.materials();
+                let (races, balls) = scene.reader().materials();
                 flat_stiffness(contact_modulus(&races, &balls), ball.radius)
             },
             |k| k * PER_UM15,

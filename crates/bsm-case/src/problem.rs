@@ -1,15 +1,10 @@
-//! From a scene to the SI problem of a model.
+//! Which model is asked, and whether a scene has what it needs.
 
 use std::num::NonZeroUsize;
 
-use bsm_dyn::{
-    Angles, Auto, Ball, ClosedForm, Control, Direction, Driven, Elastic, ElasticScrew, Load,
-    Material, Model, Problem, QuasiStatic, RacewayControl, Rigid, Traction, Transmission,
-};
-use bsm_kin::{Drive, Helix};
+use bsm_dyn::{Control, Model, Problem, Traction};
 
-use crate::units::{DEG, GPA, MM, RPM};
-use crate::{CaseError, InputKey, Scene};
+use crate::{CaseError, Scene};
 
 /// The model to solve with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -193,135 +188,7 @@ impl Scene {
     /// [`CaseError`] if a value breaks a rule or an input of the model is missing.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
         self.check()?;
-        let model = match self.choose(settings.model)? {
-            ModelChoice::Auto => {
-                let (screw, tolerance) = (self.elastic_screw(), settings.tolerance);
-                return Ok(Problem::Auto(Auto { screw, tolerance }));
-            }
-            ModelChoice::Fixed(model) => model,
-        };
-        Ok(match model {
-            Model::ClosedForm => Problem::ClosedForm(ClosedForm {
-                angles: self.angles(),
-                friction: self.value(InputKey::friction_coefficient),
-                direction: self.direction(),
-                transmission: self.transmission(),
-            }),
-            Model::QuasiStatic => Problem::QuasiStatic(self.quasi_static()),
-            Model::Rigid => Problem::Rigid(self.rigid()),
-            Model::RacewayControl => Problem::RacewayControl(RacewayControl {
-                screw: self.elastic_screw(),
-                control: settings.control,
-            }),
-            Model::Elastic => Problem::Elastic(Elastic { screw: self.elastic_screw() }),
-            Model::Traction => Problem::Traction(Traction {
-                screw: self.elastic_screw(),
-                order: settings.quadrature,
-                creep: settings.creep,
-            }),
-        })
-    }
-
-    /// A given or default value; the caller has asked [`choose`](Self::choose) before.
-    fn value(&self, key: InputKey) -> f64 {
-        self.value_or_default(key).expect("required inputs were checked")
-    }
-
-    fn angles(&self) -> Angles<f64> {
-        Angles {
-            lead: self.lead_angle().expect("required inputs were checked"),
-            contact: self.value(InputKey::contact_angle_deg) * DEG,
-        }
-    }
-
-    fn drive(&self) -> Option<Drive<f64>> {
-        let (screw, nut) = self.speeds_rpm()?;
-        Some(Drive { screw_speed: screw * RPM, nut_speed: nut * RPM })
-    }
-
-    /// Rotary to linear unless the speeds say otherwise.
-    fn direction(&self) -> Direction {
-        self.drive()
-            .and_then(|drive| Direction::of(drive.relative_speed()))
-            .unwrap_or(Direction::RotaryToLinear)
-    }
-
-    fn load(&self) -> Option<Load> {
-        Some(Load { axial: self.axial_load_N?, balls: self.loaded_balls? })
-    }
-
-    fn transmission(&self) -> Option<Transmission> {
-        Some(Transmission {
-            pitch_radius: 0.5 * MM * self.pitch_circle_diameter_mm?,
-            load: self.load()?,
-            relative_speed: self.drive().map(|drive| drive.relative_speed()),
-        })
-    }
-
-    fn quasi_static(&self) -> QuasiStatic {
-        let ball = self.value(InputKey::ball_diameter_mm);
-        let driven = match self.speeds_rpm() {
-            Some((screw, nut)) if screw == 0.0 && nut != 0.0 => Driven::Nut,
-            Some((_, nut)) if nut != 0.0 => Driven::Both,
-            _ => Driven::Screw,
-        };
-        QuasiStatic {
-            angles: self.angles(),
-            friction: self.value(InputKey::friction_coefficient),
-            size_ratio: ball / self.value(InputKey::pitch_circle_diameter_mm),
-            rolling_ratio: self.value(InputKey::rolling_friction_mm) / (0.5 * ball),
-            driven,
-            direction: self.direction(),
-            transmission: self.transmission(),
-        }
-    }
-
-    /// Elastic constants of races and balls.
-    pub(crate) fn materials(&self) -> (Material, Material) {
-        let races = Material {
-            youngs_modulus: self.value(InputKey::youngs_modulus_GPa) * GPA,
-            poisson_ratio: self.value(InputKey::poisson_ratio),
-        };
-        let balls = Material {
-            youngs_modulus: self.ball_youngs_modulus_GPa.map_or(races.youngs_modulus, |e| e * GPA),
-            poisson_ratio: self.ball_poisson_ratio.unwrap_or(races.poisson_ratio),
-        };
-        (races, balls)
-    }
-
-    /// The screw of the elastic models; the caller has asked [`choose`](Self::choose) before.
-    pub(crate) fn elastic_screw(&self) -> ElasticScrew {
-        let Rigid { helix, contact_angle, ball, friction, drive, load } = self.rigid();
-        ElasticScrew {
-            helix,
-            contact_angle,
-            ball,
-            conformity: (
-                self.value(InputKey::nut_conformity),
-                self.value(InputKey::screw_conformity),
-            ),
-            material: self.materials(),
-            friction,
-            drive,
-            load,
-        }
-    }
-
-    /// The inputs that every model with a motion of the ball shares; as
-    /// [`elastic_screw`](Self::elastic_screw).
-    pub(crate) fn rigid(&self) -> Rigid {
-        let angles = self.angles();
-        let radius = 0.5 * MM * self.value(InputKey::ball_diameter_mm);
-        Rigid {
-            helix: Helix {
-                radius: 0.5 * MM * self.value(InputKey::pitch_circle_diameter_mm),
-                lead_angle: angles.lead,
-            },
-            contact_angle: angles.contact,
-            ball: Ball::of_density(radius, self.value(InputKey::density_kg_m3)),
-            friction: self.value(InputKey::friction_coefficient),
-            drive: self.drive().expect("required inputs were checked"),
-            load: self.load().expect("required inputs were checked"),
-        }
+        let model = self.choose(settings.model)?;
+        Ok(self.reader().problem(model, settings))
     }
 }

@@ -42,6 +42,11 @@ impl Record {
         self.model
     }
 
+    /// The model that answered.
+    pub fn solved_by(&self) -> Model {
+        self.solution.model
+    }
+
     /// How the solve ended.
     pub fn status(&self) -> Status {
         self.solution.status

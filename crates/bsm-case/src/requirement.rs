@@ -261,7 +261,7 @@ impl Given {
             speed: rpm.abs() * RPM,
             life: self.number("life_h").map(|hours| 3600.0 * hours),
             friction,
-            material: scene.materials(),
+            material: scene.reader().materials(),
             pressure: limit("pressure_limit_MPa") * MPA,
             speed_number: speed_number.unwrap_or(f64::NAN) * MM * RPM,
             ball_over_lead: limit("largest_ball_over_lead"),

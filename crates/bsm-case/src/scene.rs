@@ -8,6 +8,7 @@ use std::path::Path;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::{Value, json};
 
+use crate::reader::lead_angle;
 use crate::units::{DEG, RPM};
 use crate::{CaseError, INPUTS, Input, Scene};
 
@@ -146,9 +147,7 @@ impl Scene {
 
     /// Lead angle \[rad\], from the angle or from lead and pitch circle.
     pub(crate) fn lead_angle(&self) -> Option<f64> {
-        self.lead_angle_deg
-            .map(|deg| deg * DEG)
-            .or_else(|| Some(lead_angle(self.lead_mm?, self.pitch_circle_diameter_mm?)))
+        self.reader().lead_angle()
     }
 
     /// What an engineer should know of the inputs before trusting the outputs.
@@ -200,11 +199,6 @@ pub(crate) fn in_range(input: &Input, value: f64) -> Result<(), CaseError> {
     }
     let (key, rule) = (input.name.to_owned(), input.rule.describe());
     Err(CaseError::OutOfRange { key, value, rule })
-}
-
-/// tanα = L / (π d)
-fn lead_angle(lead_mm: f64, pitch_circle_diameter_mm: f64) -> f64 {
-    (lead_mm / (std::f64::consts::PI * pitch_circle_diameter_mm)).atan()
 }
 
 pub(crate) fn unknown_key(key: String) -> CaseError {

@@ -104,7 +104,7 @@ impl Powers {
         solution: &Solution,
         solved: &Solved,
     ) -> Result<Self, CaseError> {
-        let case = scene.rigid();
+        let case = scene.reader().rigid();
         let unit = case.ball.radius * case.drive.relative_speed().abs();
         let (order, creep) = match (solution.model, solution.choice.map(|c| c.basis)) {
             (Model::Traction, Some(Basis::Integrated { order })) => (order, Traction::CREEP),

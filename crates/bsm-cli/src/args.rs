@@ -161,6 +161,10 @@ pub(crate) struct SolveArgs {
     pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
+    /// Also tell how much efficiency and torque depend on each input that the model uses, by exact
+    /// derivatives, the most important input first.
+    #[arg(long)]
+    pub(crate) sensitivities: bool,
     /// How to print the result.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use bsm_case::{CaseError, Record, Scene};
+use bsm_case::{CaseError, Record, Scene, Sensitivities, Sensitivity};
 use bsm_dyn::{ModelWorkspace, Solution, Status};
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::args::{Format, SolveArgs};
 use crate::failure::{Failure, warn};
@@ -12,12 +12,25 @@ use crate::files::{self, pretty_json, read_scene};
 use crate::table;
 
 pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
-    let scene = read_scene(&args.scene.scene, &args.scene.settings)?;
-    let in_file = |e: CaseError| Failure::scene(&args.scene.scene, &e);
+    let path = &args.scene.scene;
+    let scene = read_scene(path, &args.scene.settings)?;
+    let in_file = |e: CaseError| Failure::scene(path, &e);
     let settings = args.model.settings().map_err(in_file)?;
     let problem = scene.problem(&settings).map_err(in_file)?;
-    let solution = problem.solve(&mut ModelWorkspace::default());
-    print(&args.scene.scene, &scene, solution, args.format)
+    let mut work = ModelWorkspace::default();
+    let solution = problem.solve(&mut work);
+    if !args.sensitivities || solution.status != Status::Converged {
+        return print(path, &scene, solution, args.format);
+    }
+    let inputs = Sensitivities::of(&scene, &settings).map_err(in_file)?;
+    match inputs.problem.sensitivities(&mut work) {
+        Ok(answer) => print_with(path, &scene, solution, Some(&inputs.rows(&answer)), args.format),
+        Err((status, reason)) => {
+            let failed = Record::new(Solution::failed(solution.model, status, reason));
+            warn("no sensitivities", failed.message().unwrap_or_default());
+            print(path, &scene, solution, args.format).and(Err(Failure::Unsolved))
+        }
+    }
 }
 
 /// Prints a solution, or why there is none.
@@ -25,6 +38,16 @@ pub(crate) fn print(
     path: &Path,
     scene: &Scene,
     solution: Solution,
+    format: Format,
+) -> Result<(), Failure> {
+    print_with(path, scene, solution, None, format)
+}
+
+fn print_with(
+    path: &Path,
+    scene: &Scene,
+    solution: Solution,
+    sensitivities: Option<&[Sensitivity]>,
     format: Format,
 ) -> Result<(), Failure> {
     let record = Record::new(solution);
@@ -36,11 +59,22 @@ pub(crate) fn print(
         warn("warning", &warning);
     }
     match format {
-        Format::Json => files::print(&pretty_json(&Value::Object(record.to_json())))?,
+        Format::Json => {
+            let mut map = record.to_json();
+            if let Some(rows) = sensitivities {
+                let entry = |row: &Sensitivity| (row.input.name.to_owned(), row.to_json());
+                let rows: Map<_, _> = rows.iter().map(entry).collect();
+                map.insert("sensitivities".to_owned(), Value::Object(rows));
+            }
+            files::print(&pretty_json(&Value::Object(map)))?;
+        }
         Format::Table => {
-            let title =
-                scene.description.as_deref().map_or_else(String::new, |d| format!("{d}\n\n"));
-            files::print(&format!("{title}{}", table::record(&record)))?;
+            let blocks = [
+                scene.description.clone(),
+                Some(table::record(&record)),
+                sensitivities.map(table::sensitivities),
+            ];
+            files::print(&blocks.into_iter().flatten().collect::<Vec<_>>().join("\n\n"))?;
         }
     }
     match record.status() {

@@ -1,6 +1,6 @@
 //! Tables for reading.
 
-use bsm_case::{Analysis, Block, Cell, Output, Record, Values};
+use bsm_case::{Analysis, Block, Cell, Output, Record, Sensitivity, Values};
 use bsm_validate::{Study, number};
 use comfy_table::{CellAlignment, Table, presets};
 
@@ -151,4 +151,33 @@ pub(crate) fn trends(study: &Study) -> String {
         .collect();
     let header = ["curve", "published trend", "from", "to", "", "what it does"];
     format!("trends of {}\n\n{}", study.basis, plain(Some(&header), &rows, usize::MAX))
+}
+
+/// How much efficiency and torque depend on each input.
+pub(crate) fn sensitivities(rows: &[Sensitivity]) -> String {
+    let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
+    let rows: Vec<_> = rows
+        .iter()
+        .map(|row| {
+            let numbers = [
+                Some(row.value),
+                row.relative_efficiency,
+                row.relative_torque,
+                Some(row.efficiency),
+                row.screw_torque,
+            ];
+            let names = [row.input.name, row.input.unit].map(str::to_owned);
+            [names.to_vec(), numbers.map(cell).to_vec()].concat()
+        })
+        .collect();
+    let header = [
+        "sensitivity to",
+        "unit",
+        "value",
+        "efficiency, %/%",
+        "torque, %/%",
+        "efficiency, 1/unit",
+        "torque, N m/unit",
+    ];
+    plain(Some(&header), &rows, 2)
 }

@@ -45,6 +45,38 @@ fn solve_prints_json_with_the_names_of_the_schema() {
 }
 
 #[test]
+fn sensitivities_are_a_table_and_a_key() {
+    let dir = folder();
+    let output = bsm(dir.path(), &["solve", &lin(), "--sensitivities"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    let table = text.split("sensitivity to").nth(1).expect("a table below the results");
+    assert!(table.lines().next().expect("header").contains("torque, N m/unit"), "{table}");
+    // Friction matters most; a nut at rest has no relative size.
+    let row =
+        |i: usize| table.lines().nth(i).expect("a row").split_whitespace().collect::<Vec<_>>();
+    assert_eq!(row(1)[..3], ["friction_coefficient", "0.075000", "-0.15161"], "{table}");
+    assert_eq!(row(10)[..5], ["nut_speed_rpm", "rpm", "0", "-", "-"], "{table}");
+
+    let scene = lin();
+    let run = |args: &[&str]| {
+        let all = [&["solve", scene.as_str(), "--format", "json"], args].concat();
+        let output = bsm(dir.path(), &all, "");
+        (output.status.code(), serde_json::from_str::<Value>(&stdout(&output)).expect("JSON"))
+    };
+    let (code, result) = run(&["--sensitivities"]);
+    assert_eq!(code, Some(0));
+    let friction = &result["sensitivities"]["friction_coefficient"];
+    let numbers = ["efficiency", "screw_torque_Nm", "efficiency_relative", "screw_torque_relative"];
+    assert!(numbers.iter().all(|name| friction[name].is_f64()), "{friction}");
+    assert!(result["sensitivities"]["nut_speed_rpm"]["efficiency_relative"].is_null());
+    assert!(run(&[]).1.get("sensitivities").is_none());
+    // No solution, no sensitivities.
+    let (code, result) = run(&["--sensitivities", "--set", "lead_angle_deg=5"]);
+    assert_eq!((code, result.get("sensitivities")), (Some(3), None));
+}
+
+#[test]
 fn every_example_solves() {
     let dir = folder();
     let mut solved = 0;

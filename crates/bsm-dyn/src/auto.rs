@@ -5,19 +5,25 @@
 
 use std::num::NonZeroUsize;
 
+use bsm_kin::{Jet, Scalar};
+
 use crate::elastic::Elastic;
+use crate::layout::BALL;
 use crate::pair::{ElasticScrew, Pair};
 use crate::traction::{Start, Traction};
-use crate::{Angles, ClosedForm, Model, ModelWorkspace, Outputs, Solution, Transmission};
+use crate::{
+    Angles, ClosedForm, Direction, Model, ModelWorkspace, Outputs, RacewayControl, Reason,
+    Solution, Status, Transmission, Transmitted,
+};
 
 /// The finest quadrature that is tried.
 const FINEST: NonZeroUsize = NonZeroUsize::new(32).expect("not zero");
 
 /// A screw at an operating point, to be solved by whatever model is good enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Auto {
+pub struct Auto<D = f64> {
     /// The screw at its operating point.
-    pub screw: ElasticScrew,
+    pub screw: ElasticScrew<D>,
     /// Error of the efficiency against the traction model that is small enough, positive.
     pub tolerance: f64,
 }
@@ -58,20 +64,25 @@ impl Auto {
     /// Solves with the cheapest model whose error bound is at most the tolerance; with the finest
     /// traction model if none is.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
+        self.solve_for_root(work).0
+    }
+
+    /// The solution, and the root of the traction model if it is the one that was chosen.
+    fn solve_for_root(&self, work: &mut ModelWorkspace) -> (Solution, Option<[f64; BALL]>) {
         let failed = |(status, reason)| Solution::failed(Model::RacewayControl, status, reason);
         let pair = match self.screw.pair() {
             Ok(pair) => pair,
-            Err(invalid) => return failed(invalid),
+            Err(invalid) => return (failed(invalid), None),
         };
         if let Some(solution) = self.closed_form(&pair) {
-            return solution;
+            return (solution, None);
         }
         let grip = work.raceway.grip(&pair, None).ok();
         let gripping = grip.and_then(|grip| work.raceway.outputs(&self.screw, &pair, &grip).ok());
         let regime = gripping.and_then(|o| Some((o, Regime::of(&pair, &o)?)));
         if let Some((outputs, regime)) = &regime {
             if regime.grip_bound <= self.tolerance {
-                return self.gripping(outputs, regime);
+                return (self.gripping(outputs, regime), None);
             }
             if regime.skid_bound(regime.range) <= self.tolerance
                 && let Ok(skid) = self
@@ -83,7 +94,8 @@ impl Auto {
                 let bound = regime.skid_bound((eta(outputs) - eta(&skid)).abs());
                 if bound <= self.tolerance {
                     let basis = Basis::Skids { onset_number: regime.onset };
-                    return self.chosen(Solution::converged(Model::Elastic, skid), bound, basis);
+                    let solution = Solution::converged(Model::Elastic, skid);
+                    return (self.chosen(solution, bound, basis), None);
                 }
             }
         }
@@ -94,15 +106,18 @@ impl Auto {
             traction.solve_to(&start, self.tolerance, FINEST, &mut work.traction)
         });
         match integrated {
-            Ok((outputs, order, error)) => {
-                let solution = Solution::converged(Model::Traction, outputs);
-                self.chosen(solution, error, Basis::Integrated { order })
+            Ok((found, order, error)) => {
+                let solution = Solution::converged(Model::Traction, found.outputs);
+                (self.chosen(solution, error, Basis::Integrated { order }), Some(found.unknowns))
             }
-            Err((status, reason)) => match regime {
-                // A rough answer with its bound is better than none.
-                Some((outputs, regime)) => self.gripping(&outputs, &regime),
-                None => Solution::failed(Model::Traction, status, reason),
-            },
+            Err((status, reason)) => {
+                let solution = match regime {
+                    // A rough answer with its bound is better than none.
+                    Some((outputs, regime)) => self.gripping(&outputs, &regime),
+                    None => Solution::failed(Model::Traction, status, reason),
+                };
+                (solution, None)
+            }
         }
     }
 
@@ -123,19 +138,8 @@ impl Auto {
     /// besides, are small enough (A1).
     fn closed_form(&self, pair: &Pair) -> Option<Solution> {
         let Self { screw, tolerance } = self;
-        let speed = screw.drive.relative_speed();
-        let (lead, r_m) = (screw.helix.lead_angle, screw.helix.radius);
-        let case = ClosedForm {
-            angles: Angles { lead, contact: screw.contact_angle },
-            friction: screw.friction,
-            direction: pair.direction,
-            transmission: Some(Transmission {
-                pitch_radius: r_m,
-                load: screw.load,
-                relative_speed: Some(speed),
-            }),
-        };
-        let solution = case.solve();
+        let lead = screw.helix.lead_angle;
+        let solution = screw.sliding(pair.direction).solve();
         let eta = solution.outputs.efficiency.filter(|eta| *eta > 0.0)?;
         if 1.0 - eta > *tolerance {
             return None;
@@ -145,6 +149,50 @@ impl Auto {
         let bound = (1.0 - eta) * (1.0 + pair.inertia_ratio())
             + 2.0 * screw.friction * a / (pair.helix.radius * lead.tan());
         (bound <= *tolerance).then(|| self.chosen(solution, bound, Basis::NoWorseThanSliding))
+    }
+}
+
+impl<D: Scalar> ElasticScrew<D> {
+    /// The closed form of the unloaded contact angle.
+    fn sliding(&self, direction: Direction) -> ClosedForm<D> {
+        ClosedForm {
+            angles: Angles { lead: self.helix.lead_angle, contact: self.contact_angle },
+            friction: self.friction,
+            direction,
+            transmission: Some(Transmission {
+                pitch_radius: self.helix.radius,
+                load: self.load,
+                relative_speed: Some(self.drive.relative_speed()),
+            }),
+        }
+    }
+}
+
+impl<const M: usize> Auto<Jet<M>> {
+    /// Efficiency and torque with their derivatives, of the model that the values choose.
+    pub(crate) fn sensitivities(
+        &self,
+        work: &mut ModelWorkspace,
+    ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
+        let Self { screw, tolerance } = *self;
+        let (solution, root) = Auto { screw: screw.values(), tolerance }.solve_for_root(work);
+        let basis = match (solution.reason, solution.choice) {
+            (Some(reason), _) => return Err((solution.status, reason)),
+            (None, choice) => choice.map(|choice| choice.basis),
+        };
+        match (basis, root) {
+            (Some(Basis::NoWorseThanSliding), _) => {
+                let speed = screw.drive.relative_speed().re;
+                let direction = Direction::of(speed).expect("the point was solved");
+                Ok(screw.sliding(direction).transmitted())
+            }
+            (Some(Basis::Skids { .. }), _) => Elastic { screw }.sensitivities(&mut work.elastic),
+            (Some(Basis::Integrated { order }), Some(root)) => {
+                let case = Traction { screw, order, creep: Traction::CREEP };
+                case.sensitivities_at(&root, &mut work.traction)
+            }
+            _ => RacewayControl { screw, control: None }.sensitivities(&mut work.raceway),
+        }
     }
 }
 

@@ -24,15 +24,13 @@ pub struct Ball<D> {
     pub mass: D,
 }
 
-impl Ball<f64> {
-    /// Ball of a given density \[kg/m³\] (B1).
-    pub fn of_density(radius: f64, density: f64) -> Self {
-        // m = (4/3) π r_b³ ρ                                              (B1)
-        Self { radius, mass: 4.0 / 3.0 * PI * radius.powi(3) * density }
-    }
-}
-
 impl<D: Scalar> Ball<D> {
+    /// Ball of a given density \[kg/m³\] (B1).
+    pub fn of_density(radius: D, density: D) -> Self {
+        // m = (4/3) π r_b³ ρ                                              (B1)
+        Self { radius, mass: radius.square() * radius * (4.0 / 3.0 * PI) * density }
+    }
+
     /// Moment of inertia about a diameter \[kg·m²\] (B2).
     pub fn inertia(&self) -> D {
         // I = (2/5) m r_b²                                                (B2)
@@ -42,41 +40,41 @@ impl<D: Scalar> Ball<D> {
 
 /// An operating point in units of ball radius, axial load per ball and relative speed.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct OwnUnits {
+pub(crate) struct OwnUnits<D> {
     /// Helix with radius `$r_m/r_b$`.
-    pub(crate) helix: Helix<f64>,
+    pub(crate) helix: Helix<D>,
     /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
-    pub(crate) ball: Ball<f64>,
+    pub(crate) ball: Ball<D>,
     /// Nut speed over `$|W|$`.
-    pub(crate) nut_speed: f64,
+    pub(crate) nut_speed: D,
     /// Sign of `$W$`.
     pub(crate) direction: Direction,
 }
 
-impl OwnUnits {
+impl<D: Scalar> OwnUnits<D> {
     /// Scales an operating point.
     ///
     /// # Errors
     ///
     /// [`Reason::NoRelativeSpeed`], [`Reason::InertiaOutOfRange`].
     pub(crate) fn of(
-        helix: &Helix<f64>,
-        ball: &Ball<f64>,
-        drive: &Drive<f64>,
-        load: &Load,
+        helix: &Helix<D>,
+        ball: &Ball<D>,
+        drive: &Drive<D>,
+        load: &Load<D>,
     ) -> Result<Self, Reason> {
         let speed = drive.relative_speed();
-        let direction = Direction::of(speed).ok_or(Reason::NoRelativeSpeed)?;
-        let (r_b, w) = (ball.radius, speed.abs());
+        let direction = Direction::of(speed.re()).ok_or(Reason::NoRelativeSpeed)?;
+        let (r_b, w) = (ball.radius, speed * direction.sign());
         // Lengths in r_b, forces in F_a, speeds in |W|                    (R1)
         let helix = Helix { radius: helix.radius / r_b, ..*helix };
         let mass = ball.mass * r_b * w * w / load.per_ball();
         let nut_speed = drive.nut_speed / w;
-        let inertia_ratio = mass * helix.radius;
-        if !(inertia_ratio.is_normal() && mass.is_normal() && nut_speed.is_finite()) {
+        let inertia_ratio = (mass * helix.radius).re();
+        if !(inertia_ratio.is_normal() && mass.re().is_normal() && nut_speed.re().is_finite()) {
             return Err(Reason::InertiaOutOfRange { inertia_ratio });
         }
-        Ok(Self { helix, ball: Ball { radius: 1.0, mass }, nut_speed, direction })
+        Ok(Self { helix, ball: Ball { radius: D::from(1.0), mass }, nut_speed, direction })
     }
 }
 
@@ -158,16 +156,16 @@ pub fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &BallFrame
 
 /// External load on the balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Load {
+pub struct Load<D = f64> {
     /// Axial load on the nut, all balls together \[N\], positive.
-    pub axial: f64,
+    pub axial: D,
     /// Number of loaded balls `$Z \ge 1$` that share it equally.
-    pub balls: f64,
+    pub balls: D,
 }
 
-impl Load {
+impl<D: Scalar> Load<D> {
     /// Axial load per ball `$F_a$` \[N\].
-    pub fn per_ball(&self) -> f64 {
+    pub fn per_ball(&self) -> D {
         self.axial / self.balls
     }
 }

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use bsm_kin::Scalar;
 
 use crate::balance::{Power, ideal_torque};
-use crate::{Direction, Load, Model, Outputs, Solution};
+use crate::{Direction, Load, Model, Outputs, Solution, Transmitted};
 
 /// Lead angle and contact angle of a screw whose two loaded contacts have equal angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -150,13 +150,36 @@ impl Optimum {
 
 /// What the torque of a model without inertia needs beyond its efficiency.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Transmission {
+pub struct Transmission<D = f64> {
     /// Pitch-circle radius `$r_m$` \[m\].
-    pub pitch_radius: f64,
+    pub pitch_radius: D,
     /// Load on the balls.
-    pub load: Load,
+    pub load: Load<D>,
     /// Relative speed `$W$` \[rad/s\], if known; the powers need it.
-    pub relative_speed: Option<f64>,
+    pub relative_speed: Option<D>,
+}
+
+impl<D: Scalar> Transmission<D> {
+    /// Torque of the frictionless screw and torque on the screw, of a model that is given by its
+    /// efficiency and the ratio of normal to axial load; `None` if the screw cannot be turned.
+    pub(crate) fn torques(
+        &self,
+        direction: Direction,
+        lead_angle: D,
+        efficiency: D,
+        load_ratio: D,
+    ) -> Option<(D, D)> {
+        let locked = direction == Direction::RotaryToLinear && efficiency.re() <= 0.0;
+        if locked || !load_ratio.re().is_finite() || load_ratio.re() <= 0.0 {
+            return None;
+        }
+        let ideal = ideal_torque(self.load.axial, self.pitch_radius, lead_angle);
+        let torque = match direction {
+            Direction::RotaryToLinear => ideal / efficiency,
+            Direction::LinearToRotary => ideal * efficiency,
+        };
+        Some((ideal, torque))
+    }
 }
 
 impl Transmission {
@@ -170,15 +193,8 @@ impl Transmission {
         efficiency: f64,
         load_ratio: f64,
     ) {
-        let locked = direction == Direction::RotaryToLinear && efficiency <= 0.0;
-        if locked || !load_ratio.is_finite() || load_ratio <= 0.0 {
-            return;
-        }
-        let ideal = ideal_torque(self.load.axial, self.pitch_radius, lead_angle);
-        let torque = match direction {
-            Direction::RotaryToLinear => ideal / efficiency,
-            Direction::LinearToRotary => ideal * efficiency,
-        };
+        let torques = self.torques(direction, lead_angle, efficiency, load_ratio);
+        let Some((ideal, torque)) = torques else { return };
         let normal_load = load_ratio * self.load.per_ball();
         outputs.screw_torque = Some(torque);
         outputs.nut_normal_load = Some(normal_load);
@@ -191,15 +207,27 @@ impl Transmission {
 
 /// Inputs of the closed-form model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ClosedForm {
+pub struct ClosedForm<D = f64> {
     /// Lead and contact angle.
-    pub angles: Angles<f64>,
+    pub angles: Angles<D>,
     /// Coulomb friction coefficient `$f \ge 0$`.
-    pub friction: f64,
+    pub friction: D,
     /// Which side drives.
     pub direction: Direction,
     /// Size and load, if the torque is wanted.
-    pub transmission: Option<Transmission>,
+    pub transmission: Option<Transmission<D>>,
+}
+
+impl<D: Scalar> ClosedForm<D> {
+    /// Efficiency, and torque if there is one.
+    pub(crate) fn transmitted(&self) -> Transmitted<D> {
+        let efficiency = self.angles.efficiency(self.direction, self.friction);
+        let ratio = self.angles.load_ratio(self.direction, self.friction);
+        let torques = self
+            .transmission
+            .and_then(|t| t.torques(self.direction, self.angles.lead, efficiency, ratio));
+        Transmitted { efficiency, screw_torque: torques.map(|(_, torque)| torque) }
+    }
 }
 
 impl ClosedForm {

@@ -3,7 +3,9 @@
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S1) to (S11).
 
-use bsm_kin::{BallFrame, Motion, Scalar};
+mod sensitivities;
+
+use bsm_kin::{BallFrame, Motion, Over, Scalar};
 use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
 use nalgebra::Vector3;
 
@@ -30,9 +32,9 @@ const PATH_STEPS: usize = 6;
 
 /// Inputs of the elastic model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Elastic {
+pub struct Elastic<D = f64> {
     /// The screw at its operating point; friction positive.
-    pub screw: ElasticScrew,
+    pub screw: ElasticScrew<D>,
 }
 
 /// Memory of the solves.
@@ -55,10 +57,10 @@ struct State<D> {
 
 /// Saturated friction on a pair of contacts; unknowns `$Q_A/F_a,\; \nu,\; Q_B/F_a,\; p,\; \lambda,\;
 /// \theta,\; s$` (S1).
-struct Saturated<'a>(&'a Pair);
+struct Saturated<'a, P = f64>(&'a Pair<P>);
 
-impl Saturated<'_> {
-    fn state<D: Scalar>(&self, y: &[D; BALL]) -> Result<State<D>, EvalError> {
+impl<P: Scalar> Saturated<'_, P> {
+    fn state<D: Over<P>>(&self, y: &[D; BALL]) -> Result<State<D>, EvalError> {
         let pair = self.0;
         let loaded = pair.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
         let [nut, screw] = loaded.contacts;
@@ -106,12 +108,14 @@ impl Saturated<'_> {
         Ok(State { loaded, to_nut, slip, wrench })
     }
 
-    fn residual<D: Scalar>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+    fn residual<D: Over<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
         let state = self.state(y)?;
         let motion = self.0.absolute(&state.to_nut, &state.loaded.frame);
         Ok(self.0.balance(&state.loaded, &motion, &state.wrench))
     }
+}
 
+impl Saturated<'_> {
     /// The motion without inertia at the static contact angle, tilt and slip to first order.
     fn start(&self) -> Result<[f64; BALL], (Status, Reason)> {
         let pair = self.0;
@@ -189,18 +193,7 @@ impl Skid {
 
     /// The root, if its slip is against friction.
     pub(crate) fn of(pair: &Pair, newton: &mut Workspace) -> Result<Self, (Status, Reason)> {
-        let y = Saturated(pair).start()?;
-        let rate = y[PRECESSION] * pair.sign() + pair.nut_speed;
-        let slowness = pair.inertia_ratio() * rate * rate / pair.friction;
-        let (y, steps, residual) = if slowness < SLOW {
-            slow_root(pair, SLOW / slowness, newton)?
-        } else {
-            root(pair, y, newton)?
-        };
-        if y[SLIP] <= 0.0 {
-            // The slip would point along friction, not against it; other roots are not excluded.
-            return Err((Status::NotConverged, Reason::SlipAlongFriction { slip: y[SLIP] }));
-        }
+        let (y, steps, residual) = find(pair, newton)?;
         let state = Saturated(pair).state(&y).map_err(refused)?;
         Ok(Self { state, steps, residual })
     }
@@ -208,6 +201,26 @@ impl Skid {
 
 /// Unknowns, Newton steps of all solves, residual.
 type Found = ([f64; BALL], usize, f64);
+
+/// How many times as much inertia it takes for a ball to be no longer slow.
+fn slowness(pair: &Pair, start: &[f64; BALL]) -> f64 {
+    let rate = start[PRECESSION] * pair.sign() + pair.nut_speed;
+    SLOW / (pair.inertia_ratio() * rate * rate / pair.friction)
+}
+
+/// The root, if its slip is against friction.
+fn find(pair: &Pair, newton: &mut Workspace) -> Result<Found, (Status, Reason)> {
+    let y = Saturated(pair).start()?;
+    let factor = slowness(pair, &y);
+    let found =
+        if factor > 1.0 { slow_root(pair, factor, newton)? } else { root(pair, y, newton)? };
+    let slip = found.0[SLIP];
+    if slip <= 0.0 {
+        // The slip would point along friction, not against it; other roots are not excluded.
+        return Err((Status::NotConverged, Reason::SlipAlongFriction { slip }));
+    }
+    Ok(found)
+}
 
 /// Newton from the first order `y`; where inertia has grown too large for it, the root is followed
 /// there.
@@ -268,13 +281,19 @@ fn slow_root(pair: &Pair, factor: f64, newton: &mut Workspace) -> Result<Found, 
     Ok((y, steps, residual))
 }
 
-/// One damped Newton solve from `y`.
-fn run(pair: &Pair, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+/// Weights of the equations near `y`, and the size of the inertia forces there.
+fn weights(pair: &Pair, y: &[f64; BALL]) -> ([f64; BALL], f64) {
     let rate = (y[PRECESSION] * pair.sign() + pair.nut_speed).abs();
     let size = pair.inertia_ratio() * rate.powi(2).max(1.0);
     let mut weights = [size.max(1.0).recip(); BALL];
     // The moment about the mean normal has inertia-sized terms only.
     weights[MOMENT_NORMAL] = (size * rate.min(1.0)).max(f64::MIN_POSITIVE).recip();
+    (weights, size)
+}
+
+/// One damped Newton solve from `y`.
+fn run(pair: &Pair, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+    let (weights, size) = weights(pair, y);
     let scales = Scales { x: &[1.0; BALL], f: &weights };
     // A residual `r` leaves an error of `r/size` in the slip, and of that in the power balance.
     let residual_goal = (1e-12 * size).clamp(1e-15, 1e-13);

@@ -7,7 +7,7 @@ mod kernel;
 use std::f64::consts::{PI, TAU};
 use std::num::NonZeroUsize;
 
-use bsm_kin::{BallFrame, Contact, Jet, Motion, Scalar};
+use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 use gauss_quad::GaussLegendre;
 
 use self::kernel::{MOTION, Nodes, Point};
@@ -57,7 +57,7 @@ impl Quadrature {
 
 /// A loaded contact ellipse on the ball.
 #[derive(Debug, Clone, Copy)]
-pub struct Ellipse<D> {
+pub struct Ellipse<D, P = f64> {
     /// Where it sits.
     pub contact: Contact<D>,
     /// Normal load `$Q$` \[N\].
@@ -65,18 +65,18 @@ pub struct Ellipse<D> {
     /// Semi-axes across and along the groove \[m\].
     pub semi_axes: (D, D),
     /// Radius of the pressed surface across the groove `$R_c$` \[m\] (E2).
-    pub pressed_radius: f64,
+    pub pressed_radius: P,
     /// Ball radius `$r_b$` \[m\].
-    pub ball_radius: f64,
+    pub ball_radius: P,
 }
 
 /// Radius of the surface that ball and groove press each other to \[m\] (E2).
 ///
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, the harmonic mean of
 /// ball and groove.
-pub fn pressed_radius(conformity: f64, ball_radius: f64) -> f64 {
+pub fn pressed_radius<D: Scalar>(conformity: D, ball_radius: D) -> D {
     // R_c = 2 f_c (2 r_b) / (2 f_c + 1)                                   (E2)
-    4.0 * conformity * ball_radius / (2.0 * conformity + 1.0)
+    conformity * 4.0 * ball_radius / (conformity * 2.0 + 1.0)
 }
 
 /// Motion of the ball against the body of a contact, in the contact's own axes.
@@ -122,7 +122,7 @@ impl<D: Scalar> Integral<D> {
     }
 }
 
-impl<D: Scalar> Ellipse<D> {
+impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
     /// Friction of the whole ellipse on the ball, and the power that it takes (E3) to (E6).
     ///
     /// * `motion`: of the ball, relative to the body of this contact.
@@ -158,10 +158,11 @@ impl<D: Scalar> Ellipse<D> {
         let mut sum = Integral { force: [zero; 2], moment: [zero; 3] };
         let mut power = zero;
         let [w_t, w_n, w_c] = local.omega;
+        let curvature = self.pressed_radius.recip() * -0.5;
         for (x, y, weight) in &quadrature.nodes {
             let (x, y) = (self.semi_axes.0 * *x, self.semi_axes.1 * *y);
             // r = −N (r_b − x²/(2 R_c)) + x e + y t,  e = t × N           (E3)
-            let h = x.square() * (-0.5 / self.pressed_radius) + self.ball_radius;
+            let h = x.square() * curvature + self.ball_radius;
             let (v_t, v_c) = (local.along + w_n * x + w_c * h, -w_t * h - w_n * y);
             // dF = −f dQ v/√(v² + v_e²)                                   (E4)
             let square = v_t.square() + v_c.square();
@@ -180,15 +181,24 @@ impl<D: Scalar> Ellipse<D> {
     }
 }
 
-/// Scalars for which the friction of an ellipse is summed fast.
-pub(crate) trait Lanes: Scalar {
+/// Scalars over constants of type `P` in which the friction of an ellipse can be summed: fast over
+/// numbers, by the law itself over jets.
+pub(crate) trait Lanes<P>: Over<P> {
     /// Friction over `$f Q$`, as [`Ellipse::integrate`].
     fn integrate(
-        ellipse: &Ellipse<Self>,
+        ellipse: &Ellipse<Self, P>,
         local: &Local<Self>,
         creep: f64,
         quadrature: &Quadrature,
     ) -> Integral<Self>;
+
+    /// Power that friction takes, over `$f Q$`.
+    fn power(
+        ellipse: &Ellipse<Self, P>,
+        local: &Local<Self>,
+        creep: f64,
+        quadrature: &Quadrature,
+    ) -> Self;
 }
 
 impl<D: Scalar> Ellipse<D> {
@@ -217,7 +227,7 @@ impl<D: Copy> Integral<D> {
     }
 }
 
-impl Lanes for f64 {
+impl Lanes<f64> for f64 {
     fn integrate(
         ellipse: &Ellipse<f64>,
         local: &Local<f64>,
@@ -226,9 +236,18 @@ impl Lanes for f64 {
     ) -> Integral<f64> {
         Integral::from_sums(kernel::sums(&ellipse.point(local, creep), quadrature).0)
     }
+
+    fn power(
+        ellipse: &Ellipse<f64>,
+        local: &Local<f64>,
+        creep: f64,
+        quadrature: &Quadrature,
+    ) -> f64 {
+        kernel::sums(&ellipse.point(local, creep), quadrature).1
+    }
 }
 
-impl<const N: usize> Lanes for Jet<N> {
+impl<const N: usize> Lanes<f64> for Jet<N> {
     fn integrate(
         ellipse: &Ellipse<Self>,
         local: &Local<Self>,
@@ -247,12 +266,34 @@ impl<const N: usize> Lanes for Jet<N> {
             }),
         }))
     }
+
+    fn power(
+        ellipse: &Ellipse<Self>,
+        local: &Local<Self>,
+        creep: f64,
+        quadrature: &Quadrature,
+    ) -> Self {
+        ellipse.integrate(local, creep, quadrature).1
+    }
 }
 
-impl Ellipse<f64> {
-    /// Power that friction takes, over `$f Q$`.
-    pub(crate) fn power(&self, local: &Local<f64>, creep: f64, quadrature: &Quadrature) -> f64 {
-        kernel::sums(&self.point(local, creep), quadrature).1
+impl<const N: usize> Lanes<Self> for Jet<N> {
+    fn integrate(
+        ellipse: &Ellipse<Self, Self>,
+        local: &Local<Self>,
+        creep: f64,
+        quadrature: &Quadrature,
+    ) -> Integral<Self> {
+        ellipse.integrate(local, creep, quadrature).0
+    }
+
+    fn power(
+        ellipse: &Ellipse<Self, Self>,
+        local: &Local<Self>,
+        creep: f64,
+        quadrature: &Quadrature,
+    ) -> Self {
+        ellipse.integrate(local, creep, quadrature).1
     }
 }
 

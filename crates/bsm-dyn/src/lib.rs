@@ -4,7 +4,7 @@
 //! operating point with the inputs of one model; [`Problem::solve`] returns a [`Solution`], which
 //! is data also when there is none.
 //!
-//! Theory: `docs/theory`, chapters 02 to 10, 13 and 14.
+//! Theory: `docs/theory`, chapters 02 to 10 and 12 to 14.
 
 mod auto;
 pub mod balance;
@@ -24,6 +24,7 @@ mod pair;
 mod quasi_static;
 mod raceway_control;
 mod rigid;
+mod sensitivity;
 mod settled;
 mod slip;
 mod solution;
@@ -49,6 +50,7 @@ pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
 pub use rigid::{
     FirstOrder, MODERATE_INERTIA, Rigid, RigidRoot, RigidSystem, RigidUnknowns, RigidWorkspace,
 };
+pub use sensitivity::Transmitted;
 pub use settled::{FIRST_YIELD, Settled, yield_ratio};
 pub use slip::{FrictionLaw, SlipPower, SteadyBall, Touch, rim_speed};
 pub use solution::{Direction, Reason, Solution, Status};

@@ -25,7 +25,7 @@ pub enum Model {
 /// Memory of the solves, reused from point to point; one for each thread.
 #[derive(Default)]
 pub struct ModelWorkspace {
-    rigid: RigidWorkspace,
+    pub(crate) rigid: RigidWorkspace,
     pub(crate) raceway: RacewayWorkspace,
     pub(crate) elastic: ElasticWorkspace,
     pub(crate) traction: TractionWorkspace,
@@ -62,21 +62,21 @@ impl Model {
 
 /// Inputs of one model at one operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Problem {
+pub enum Problem<D = f64> {
     /// Inputs of [`Model::ClosedForm`].
-    ClosedForm(ClosedForm),
+    ClosedForm(ClosedForm<D>),
     /// Inputs of [`Model::QuasiStatic`].
-    QuasiStatic(QuasiStatic),
+    QuasiStatic(QuasiStatic<D>),
     /// Inputs of [`Model::Rigid`].
-    Rigid(Rigid),
+    Rigid(Rigid<D>),
     /// Inputs of [`Model::RacewayControl`].
-    RacewayControl(RacewayControl),
+    RacewayControl(RacewayControl<D>),
     /// Inputs of [`Model::Elastic`].
-    Elastic(Elastic),
+    Elastic(Elastic<D>),
     /// Inputs of [`Model::Traction`].
-    Traction(Traction),
+    Traction(Traction<D>),
     /// Inputs of the choice by error bounds.
-    Auto(Auto),
+    Auto(Auto<D>),
 }
 
 impl Problem {

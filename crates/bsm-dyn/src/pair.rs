@@ -2,61 +2,86 @@
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1) to (P7).
 
-use std::f64::consts::{FRAC_PI_2, PI};
+mod start;
 
-use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Scalar, Site};
+use std::f64::consts::FRAC_PI_2;
+
+use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Over, Scalar, Site};
 use bsm_newton::EvalError;
 
 use crate::balance::{
-    Ball, OwnUnits, POWER_BALANCE_TOL, axial_force, ideal_torque, newton_euler, torque,
+    Ball, OwnUnits, POWER_BALANCE_TOL, axial_force, efficiency, ideal_torque, newton_euler, torque,
 };
-use crate::ellipse::{Local, Quadrature};
+use crate::ellipse::{Lanes, Local, Quadrature};
 use crate::hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 use crate::jones::Jones;
 use crate::layout::{self, BALL};
-use crate::{Direction, Ellipse, Load, Outputs, Reason, Status, Wrench, pressed_radius};
+use crate::{
+    Direction, Ellipse, Load, Outputs, Reason, Status, Transmitted, Wrench, pressed_radius,
+};
 
 /// A ball screw whose balls touch nut and screw at one elastic contact each, at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ElasticScrew {
+pub struct ElasticScrew<D = f64> {
     /// Helix of the ball centres.
-    pub helix: Helix<f64>,
+    pub helix: Helix<D>,
     /// Unloaded contact angle `$\beta_0$` \[rad\], in (0, π/2).
-    pub contact_angle: f64,
+    pub contact_angle: D,
     /// The ball.
-    pub ball: Ball<f64>,
+    pub ball: Ball<D>,
     /// Conformities of nut and screw, groove radius over ball diameter, above 1/2.
-    pub conformity: (f64, f64),
+    pub conformity: (D, D),
     /// Elastic constants of races and ball.
-    pub material: (Material, Material),
+    pub material: (Material<D>, Material<D>),
     /// Coulomb friction coefficient `$f \ge 0$`.
-    pub friction: f64,
+    pub friction: D,
     /// Speeds of screw and nut.
-    pub drive: Drive<f64>,
+    pub drive: Drive<D>,
     /// Load on the balls.
-    pub load: Load,
+    pub load: Load<D>,
 }
 
-impl ElasticScrew {
+impl<D: Scalar> ElasticScrew<D> {
     /// Hertz contacts at nut and screw.
     ///
     /// # Errors
     ///
     /// [`Reason::CurvaturesNotHertzian`].
-    pub fn hertz(&self) -> Result<[Hertz; 2], Reason> {
+    pub fn hertz(&self) -> Result<[Hertz<D>; 2], Reason> {
         let modulus = contact_modulus(&self.material.0, &self.material.1);
         let [nut, screw] = self.curvatures();
         Ok([Hertz::of(&nut, modulus)?, Hertz::of(&screw, modulus)?])
     }
 
     /// Relative curvatures at nut and screw.
-    pub(crate) fn curvatures(&self) -> [Curvatures; 2] {
+    pub(crate) fn curvatures(&self) -> [Curvatures<D>; 2] {
         let (r_m, r_b) = (self.helix.radius, self.ball.radius);
         let (lead, beta) = (self.helix.lead_angle, self.contact_angle);
         self.grooves().map(|groove| groove.curvatures(r_m, r_b, lead, beta))
     }
 
-    pub(crate) fn grooves(&self) -> [Groove; 2] {
+    /// The same screw without derivatives.
+    pub(crate) fn values(&self) -> ElasticScrew {
+        let material = |m: &Material<D>| Material {
+            youngs_modulus: m.youngs_modulus.re(),
+            poisson_ratio: m.poisson_ratio.re(),
+        };
+        ElasticScrew {
+            helix: Helix { radius: self.helix.radius.re(), lead_angle: self.helix.lead_angle.re() },
+            contact_angle: self.contact_angle.re(),
+            ball: Ball { radius: self.ball.radius.re(), mass: self.ball.mass.re() },
+            conformity: (self.conformity.0.re(), self.conformity.1.re()),
+            material: (material(&self.material.0), material(&self.material.1)),
+            friction: self.friction.re(),
+            drive: Drive {
+                screw_speed: self.drive.screw_speed.re(),
+                nut_speed: self.drive.nut_speed.re(),
+            },
+            load: Load { axial: self.load.axial.re(), balls: self.load.balls.re() },
+        }
+    }
+
+    pub(crate) fn grooves(&self) -> [Groove<D>; 2] {
         [
             Groove { member: Member::Nut, conformity: self.conformity.0 },
             Groove { member: Member::Screw, conformity: self.conformity.1 },
@@ -65,33 +90,34 @@ impl ElasticScrew {
 
     /// Refuses a point without friction, for models in which friction takes part in the balance.
     pub(crate) fn require_friction(&self) -> Result<(), (Status, Reason)> {
-        if self.friction < LEAST_FRICTION {
+        if self.friction.re() < LEAST_FRICTION {
             return Err((Status::InvalidInput, Reason::Frictionless));
         }
         Ok(())
     }
 
     /// The point in units of ball radius, axial load per ball and relative speed (P1).
-    pub(crate) fn pair(&self) -> Result<Pair, (Status, Reason)> {
+    pub(crate) fn pair(&self) -> Result<Pair<D>, (Status, Reason)> {
         let invalid = |reason| (Status::InvalidInput, reason);
         // Lengths in r_b, forces in F_a, speeds in |W|, Eq (R1)           (P1)
         let OwnUnits { helix, ball, nut_speed, direction } =
             OwnUnits::of(&self.helix, &self.ball, &self.drive, &self.load).map_err(invalid)?;
         let hertz = self.hertz().map_err(invalid)?;
         let (r_b, load) = (self.ball.radius, self.load.per_ball());
-        let [nut_offset, screw_offset] = self.grooves().map(|groove| groove.offset(1.0));
+        let one = D::from(1.0);
+        let [nut_offset, screw_offset] = self.grooves().map(|groove| groove.offset(one));
         Ok(Pair {
             helix,
             arc: helix.arc_length_per_radian(),
             jones: Jones { nut_offset, screw_offset, contact_angle: self.contact_angle },
-            approach: hertz.map(|h| (load / h.stiffness).cbrt().powi(2) / r_b),
+            approach: hertz.map(|h| (load / h.stiffness).cbrt().square() / r_b),
             semi_axes: hertz.map(|h| {
                 let (a, b) = h.semi_axes(load);
                 (a / r_b, b / r_b)
             }),
             pressed_radius: [
-                pressed_radius(self.conformity.0, 1.0),
-                pressed_radius(self.conformity.1, 1.0),
+                pressed_radius(self.conformity.0, one),
+                pressed_radius(self.conformity.1, one),
             ],
             friction: self.friction,
             ball,
@@ -104,29 +130,29 @@ impl ElasticScrew {
 
 /// One operating point in scaled units.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Pair {
+pub(crate) struct Pair<P = f64> {
     /// Helix with radius `$r_m/r_b$`.
-    pub(crate) helix: Helix<f64>,
+    pub(crate) helix: Helix<P>,
     /// Arc length per radian of the helix.
-    pub(crate) arc: f64,
+    pub(crate) arc: P,
     /// Offsets of the groove arcs and unloaded contact angle.
-    pub(crate) jones: Jones<f64>,
+    pub(crate) jones: Jones<P>,
     /// Approaches at nut and screw under the axial load.
-    approach: [f64; 2],
+    approach: [P; 2],
     /// Semi-axes at nut and screw under the axial load.
-    pub(crate) semi_axes: [(f64, f64); 2],
+    pub(crate) semi_axes: [(P, P); 2],
     /// Radii of the pressed surfaces.
-    pub(crate) pressed_radius: [f64; 2],
+    pub(crate) pressed_radius: [P; 2],
     /// Coulomb coefficient.
-    pub(crate) friction: f64,
+    pub(crate) friction: P,
     /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
-    pub(crate) ball: Ball<f64>,
+    pub(crate) ball: Ball<P>,
     /// Nut speed over `$|W|$`.
-    pub(crate) nut_speed: f64,
+    pub(crate) nut_speed: P,
     /// Sign of `$W$`.
     pub(crate) direction: Direction,
     /// Contacts in SI units.
-    pub(crate) hertz: [Hertz; 2],
+    pub(crate) hertz: [Hertz<P>; 2],
 }
 
 /// What loads and tilt say about the two contacts.
@@ -151,19 +177,19 @@ impl<D: Scalar> Loaded<D> {
     }
 }
 
-impl Pair {
+impl<P: Scalar> Pair<P> {
     /// Sign of the relative speed.
     pub(crate) fn sign(&self) -> f64 {
         self.direction.sign()
     }
 
     /// `$m r_m W^2/F_a$`, the size of the inertia forces.
-    pub(crate) fn inertia_ratio(&self) -> f64 {
+    pub(crate) fn inertia_ratio(&self) -> P {
         self.ball.mass * self.helix.radius
     }
 
     /// Approaches over ball radius of loads over axial load (P2).
-    fn approaches<D: Scalar>(&self, loads: [D; 2]) -> [D; 2] {
+    fn approaches<D: Over<P>>(&self, loads: [D; 2]) -> [D; 2] {
         // δ = (Q/K_H)^{2/3}, Eq (H9)                                      (P2)
         std::array::from_fn(|i| loads[i].cbrt().square() * self.approach[i])
     }
@@ -173,7 +199,11 @@ impl Pair {
     /// # Errors
     ///
     /// [`EvalError`] if a contact is lost.
-    pub(crate) fn loaded<D: Scalar>(&self, loads: [D; 2], tilt: D) -> Result<Loaded<D>, EvalError> {
+    pub(crate) fn loaded<D: Over<P>>(
+        &self,
+        loads: [D; 2],
+        tilt: D,
+    ) -> Result<Loaded<D>, EvalError> {
         let least = loads[0].re().min(loads[1].re());
         if least.is_nan() || least <= 0.0 {
             return Err(EvalError {
@@ -200,92 +230,11 @@ impl Pair {
         Self { ball, ..*self }
     }
 
-    /// Load and mean contact angle of the saturated balance without inertia, for a friction term
-    /// `$f D$` of the contact angle (P4).
-    ///
-    /// A few passes of a contraction: a start, not a solution. Where friction holds the load at an
-    /// angle, the load pushes the ball to a steeper one.
-    pub(crate) fn static_load(
-        &self,
-        friction_term: impl Fn(f64) -> f64,
-    ) -> Result<(f64, f64), (Status, Reason)> {
-        let mut angle = self.jones.contact_angle;
-        let mut load = f64::NAN;
-        for _ in 0..4 {
-            // q = 1/[cosα (sinβ − f D)], Eq (C4)                          (P4)
-            let at = |angle: f64| {
-                (self.helix.lead_angle.cos() * (angle.sin() - friction_term(angle))).recip()
-            };
-            load = at(angle);
-            for _ in 0..20 {
-                if load > 0.0 && load.is_finite() {
-                    break;
-                }
-                angle += 0.2 * (FRAC_PI_2 - angle);
-                load = at(angle);
-            }
-            let deformed = self.jones.deformed(self.approaches([load; 2]), 0.0);
-            angle = deformed.map_err(refused)?.mean_angle;
-        }
-        if load > 0.0 {
-            return Ok((load, angle));
-        }
-        let (sin_contact_angle, friction_term) = (angle.sin(), friction_term(angle));
-        Err((Status::NotConverged, Reason::SelfLocking { sin_contact_angle, friction_term }))
-    }
-
-    /// Loads and tilt of the frictionless balance with the centrifugal force of a precession rate
-    /// over `$|W|$`; to two digits, a start.
-    ///
-    /// With the axial and the centrifugal force given, the force triangle leaves one unknown,
-    /// `$\beta_B$`, from the unloaded angle upwards; what (J7) needs falls with it.
-    pub(crate) fn static_balance(&self, rate: f64) -> [f64; 3] {
-        let axial = self.helix.lead_angle.cos().recip();
-        let centrifugal = self.inertia_ratio() * rate * rate / axial;
-        let jones = &self.jones;
-        let target = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos();
-        let at = |screw: f64| {
-            // cotβ_A − cotβ_B = m r_m P² cosα / F_a
-            let nut = 1.0_f64.atan2(centrifugal + screw.cos() / screw.sin());
-            let loads = [axial / nut.sin(), axial / screw.sin()];
-            let [a, b] = self.approaches(loads);
-            let reach = (jones.nut_offset + a) * nut.cos() + (jones.screw_offset + b) * screw.cos();
-            ([loads[0], loads[1], 0.5 * (screw - nut)], reach / target - 1.0)
-        };
-        // Regula falsi with the Illinois rule.
-        let (mut low, mut high) = (jones.contact_angle, PI);
-        let (mut too_far, mut short) = (at(low).1, -2.0 / target);
-        let mut kept = 0;
-        let mut state = at(low).0;
-        for _ in 0..60 {
-            let screw = (low * short - high * too_far) / (short - too_far);
-            let (found, excess) = at(screw);
-            state = found;
-            if excess.abs() <= 1e-3 {
-                break;
-            }
-            if excess > 0.0 {
-                (low, too_far) = (screw, excess);
-                if kept == 1 {
-                    short *= 0.5;
-                }
-                kept = 1;
-            } else {
-                (high, short) = (screw, excess);
-                if kept == -1 {
-                    too_far *= 0.5;
-                }
-                kept = -1;
-            }
-        }
-        state
-    }
-
     /// The seven equations (P5): force and moment balance in (t, N, e_x) of the mean normal, and
     /// the axial load.
     ///
     /// * `motion`: absolute. * `wrenches`: of nut and screw on the ball.
-    pub(crate) fn balance<D: Scalar>(
+    pub(crate) fn balance<D: Over<P>>(
         &self,
         loaded: &Loaded<D>,
         motion: &Motion<D>,
@@ -300,26 +249,25 @@ impl Pair {
     }
 
     /// Friction power of both ellipses at a motion relative to the nut (P7).
-    pub(crate) fn friction_power(
+    pub(crate) fn friction_power<D: Lanes<P>>(
         &self,
-        loaded: &Loaded<f64>,
-        to_nut: &Motion<f64>,
+        loaded: &Loaded<D>,
+        to_nut: &Motion<D>,
         creep: f64,
         quadrature: &Quadrature,
-    ) -> f64 {
+    ) -> D {
         let motions = self.relative(to_nut, &loaded.frame);
-        (0..2)
-            .map(|i| {
-                let local = Local::of(&motions[i], &loaded.contacts[i], self.arc);
-                let power = self.ellipse(i, loaded).power(&local, creep, quadrature);
-                // P_f = Σ f Q ∫ dP                                        (P7)
-                self.friction * loaded.loads[i] * power
-            })
-            .sum()
+        let [nut, screw] = [0, 1].map(|i| {
+            let local = Local::of(&motions[i], &loaded.contacts[i], D::from(self.arc));
+            let power = D::power(&self.ellipse(i, loaded), &local, creep, quadrature);
+            // P_f = Σ f Q ∫ dP                                            (P7)
+            loaded.loads[i] * self.friction * power
+        });
+        nut + screw
     }
 
     /// Motion relative to nut and to screw of a motion relative to the nut.
-    pub(crate) fn relative<D: Scalar>(
+    pub(crate) fn relative<D: Over<P>>(
         &self,
         to_nut: &Motion<D>,
         frame: &BallFrame<D>,
@@ -328,7 +276,7 @@ impl Pair {
     }
 
     /// Absolute motion of a motion relative to the nut.
-    pub(crate) fn absolute<D: Scalar>(
+    pub(crate) fn absolute<D: Over<P>>(
         &self,
         to_nut: &Motion<D>,
         frame: &BallFrame<D>,
@@ -337,7 +285,7 @@ impl Pair {
     }
 
     /// The loaded ellipse at nut (0) or screw (1) (P6).
-    pub(crate) fn ellipse<D: Scalar>(&self, i: usize, loaded: &Loaded<D>) -> Ellipse<D> {
+    pub(crate) fn ellipse<D: Over<P>>(&self, i: usize, loaded: &Loaded<D>) -> Ellipse<D, P> {
         // a ~ Q^{1/3}                                                     (P6)
         let (load, (a, b)) = (loaded.loads[i], self.semi_axes[i]);
         let growth = load.cbrt();
@@ -346,8 +294,37 @@ impl Pair {
             load,
             semi_axes: (growth * a, growth * b),
             pressed_radius: self.pressed_radius[i],
-            ball_radius: 1.0,
+            ball_radius: P::from(1.0),
         }
+    }
+}
+
+impl<D: Scalar> ElasticScrew<D> {
+    /// Torque of the frictionless screw.
+    pub(crate) fn ideal_torque(&self) -> D {
+        ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle)
+    }
+
+    /// Torque on the screw from its scaled wrench on the ball.
+    pub(crate) fn screw_torque(
+        &self,
+        pair: &Pair<D>,
+        frame: &BallFrame<D>,
+        screw: &Wrench<D>,
+    ) -> D {
+        torque(screw, pair.helix.radius, frame) * (self.ball.radius * self.load.axial)
+    }
+
+    /// Efficiency and torque of a scaled wrench of the screw on the ball.
+    pub(crate) fn transmitted(
+        &self,
+        pair: &Pair<D>,
+        frame: &BallFrame<D>,
+        screw: &Wrench<D>,
+    ) -> Transmitted<D> {
+        let torque = self.screw_torque(pair, frame, screw);
+        let efficiency = efficiency(pair.direction, self.ideal_torque(), torque);
+        Transmitted { efficiency, screw_torque: Some(torque) }
     }
 }
 
@@ -406,8 +383,8 @@ impl ElasticScrew {
         friction_power: f64,
     ) -> Result<(), (Status, Reason)> {
         let unit = self.ball.radius * self.load.axial;
-        let screw_torque = torque(screw, pair.helix.radius, frame) * unit;
-        let ideal = ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle);
+        let screw_torque = self.screw_torque(pair, frame, screw);
+        let ideal = self.ideal_torque();
         let speed = self.drive.relative_speed();
         let power = outputs.set_transmission(pair.direction, ideal, screw_torque, speed);
         let imbalance = power.imbalance(friction_power * unit * speed.abs());

@@ -2,26 +2,28 @@
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (Q1) to (Q4).
 
+use bsm_kin::Scalar;
+
 use crate::closed_form::{Angles, Transmission};
-use crate::{Direction, Model, Outputs, Reason, Solution, Status};
+use crate::{Direction, Model, Outputs, Reason, Solution, Status, Transmitted};
 
 /// Inputs of the quasi-static model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct QuasiStatic {
+pub struct QuasiStatic<D = f64> {
     /// Lead and contact angle.
-    pub angles: Angles<f64>,
+    pub angles: Angles<D>,
     /// Coulomb friction coefficient `$f \ge 0$`.
-    pub friction: f64,
+    pub friction: D,
     /// Ball radius over pitch radius `$r_b/r_m$`.
-    pub size_ratio: f64,
+    pub size_ratio: D,
     /// Lever arm of rolling resistance over ball radius `$f_r/r_b \ge 0$`.
-    pub rolling_ratio: f64,
+    pub rolling_ratio: D,
     /// Which member turns; the torque is that of the turning one.
     pub driven: Driven,
     /// Which side drives.
     pub direction: Direction,
     /// Size and load, if the torque is wanted.
-    pub transmission: Option<Transmission>,
+    pub transmission: Option<Transmission<D>>,
 }
 
 /// The member that turns.
@@ -35,7 +37,7 @@ pub enum Driven {
     Both,
 }
 
-impl QuasiStatic {
+impl<D: Scalar> QuasiStatic<D> {
     /// Efficiency from rotary to linear with the friction terms multiplied by `sign` (Q1) to (Q3).
     ///
     /// ```math
@@ -48,23 +50,24 @@ impl QuasiStatic {
     /// `$\epsilon = 2\cos\beta$` for a turning nut.
     ///
     /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 1-4.
-    fn forward_efficiency(&self, sign: f64) -> f64 {
+    fn forward_efficiency(&self, sign: f64) -> D {
         let (sin_b, cos_b) = self.angles.contact.sin_cos();
         let (sin_a, cos_a) = self.angles.lead.sin_cos();
-        let f = sign * self.friction;
+        let f = self.friction * sign;
         // tanρ = f_r / (r_b sinβ)                                         (Q1)
-        let tan_rho = sign * self.rolling_ratio / sin_b;
+        let tan_rho = self.rolling_ratio * sign / sin_b;
         let (loss, lever) = match self.driven {
             // screw: f r_b/r_m,  r_b/r_m − cosβ                           (Q2)
             Driven::Screw | Driven::Both => (f * self.size_ratio, self.size_ratio - cos_b),
             // nut: f (r_b/r_m + 2 cosβ),  r_b/r_m + cosβ                  (Q3)
-            Driven::Nut => (f * (self.size_ratio + 2.0 * cos_b), self.size_ratio + cos_b),
+            Driven::Nut => (f * (self.size_ratio + cos_b * 2.0), self.size_ratio + cos_b),
         };
-        1.0 - (loss + tan_rho / (cos_a * sin_a)) / (sin_b + f * lever + tan_rho * cos_a / sin_a)
+        let effort = sin_b + f * lever + tan_rho * cos_a / sin_a;
+        -(loss + tan_rho / (cos_a * sin_a)) / effort + 1.0
     }
 
     /// Efficiency in the direction of the input; back-driving turns every friction term round.
-    pub fn efficiency(&self) -> f64 {
+    pub fn efficiency(&self) -> D {
         match self.direction {
             Direction::RotaryToLinear => self.forward_efficiency(1.0),
             Direction::LinearToRotary => self.forward_efficiency(-1.0).recip(),
@@ -72,26 +75,44 @@ impl QuasiStatic {
     }
 
     /// Normal load over axial load per ball (Q4); not positive if friction holds any load.
-    pub fn load_ratio(&self) -> f64 {
+    pub fn load_ratio(&self) -> D {
         let (sin_b, cos_b) = self.angles.contact.sin_cos();
         let (sin_a, cos_a) = self.angles.lead.sin_cos();
         let sign = self.direction.sign();
-        let (f, tan_rho) = (sign * self.friction, sign * self.rolling_ratio / sin_b);
+        let (f, tan_rho) = (self.friction * sign, self.rolling_ratio * sign / sin_b);
         // Q/F_a = 1 / [cosα (sinβ − f cosβ) − sinα tanρ]                  (Q4)
         (cos_a * (sin_b - f * cos_b) - sin_a * tan_rho).recip()
     }
 
+    /// Refuses a point that has no balance.
+    pub(crate) fn require_balance(&self) -> Result<(), (Status, Reason)> {
+        if self.driven == Driven::Both {
+            return Err((Status::InvalidInput, Reason::DualDrive));
+        }
+        let load_ratio = self.load_ratio().re();
+        if load_ratio <= 0.0 {
+            return Err((Status::NoSolution, Reason::FrictionHoldsLoad { load_ratio }));
+        }
+        Ok(())
+    }
+
+    /// Efficiency, and torque if there is one.
+    pub(crate) fn transmitted(&self) -> Transmitted<D> {
+        let (efficiency, ratio) = (self.efficiency(), self.load_ratio());
+        let torques = self
+            .transmission
+            .and_then(|t| t.torques(self.direction, self.angles.lead, efficiency, ratio));
+        Transmitted { efficiency, screw_torque: torques.map(|(_, torque)| torque) }
+    }
+}
+
+impl QuasiStatic {
     /// Evaluates the equations.
     pub fn solve(&self) -> Solution {
-        if self.driven == Driven::Both {
-            return Solution::failed(Model::QuasiStatic, Status::InvalidInput, Reason::DualDrive);
+        if let Err((status, reason)) = self.require_balance() {
+            return Solution::failed(Model::QuasiStatic, status, reason);
         }
-        let ratio = self.load_ratio();
-        if ratio <= 0.0 {
-            let reason = Reason::FrictionHoldsLoad { load_ratio: ratio };
-            return Solution::failed(Model::QuasiStatic, Status::NoSolution, reason);
-        }
-        let eta = self.efficiency();
+        let (eta, ratio) = (self.efficiency(), self.load_ratio());
         let mut outputs = Outputs {
             efficiency: Some(eta),
             nut_contact_angle: Some(self.angles.contact),

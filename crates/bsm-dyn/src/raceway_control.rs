@@ -3,13 +3,14 @@
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W11).
 
+mod sensitivities;
+
 use std::num::NonZeroUsize;
 
-use bsm_kin::{Motion, Scalar};
+use bsm_kin::{Motion, Over, Scalar};
 use bsm_newton::{EvalError, MatMut, Options, Scales, System, Workspace, solve};
 use nalgebra::Vector3;
 
-use crate::balance::ideal_torque;
 use crate::ellipse::Quadrature;
 use crate::jacobian::linearize;
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
@@ -29,9 +30,9 @@ pub enum Control {
 
 /// Inputs of the raceway-control model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RacewayControl {
+pub struct RacewayControl<D = f64> {
     /// The screw at its operating point.
-    pub screw: ElasticScrew,
+    pub screw: ElasticScrew<D>,
     /// The controlling race; `None` decides by (W7).
     pub control: Option<Control>,
 }
@@ -88,13 +89,13 @@ pub(crate) fn rolling<D: Scalar>(
 }
 
 /// Static balance of the ball in the normal plane.
-struct Balance<'a> {
-    pair: &'a Pair,
+struct Balance<'a, P = f64> {
+    pair: &'a Pair<P>,
     control: Control,
 }
 
-impl Balance<'_> {
-    fn equations<D: Scalar>(&self, x: &[D; STATIC]) -> Result<[D; STATIC], EvalError> {
+impl<P: Scalar> Balance<'_, P> {
+    fn equations<D: Over<P>>(&self, x: &[D; STATIC]) -> Result<[D; STATIC], EvalError> {
         let [q_a, q_b, tilt] = *x;
         // Q = K_H δ^{3/2} by the loads as unknowns, Eq (P2)               (W1)
         let [beta_a, beta_b] = self.pair.loaded([q_a, q_b], tilt)?.angles();
@@ -111,6 +112,25 @@ impl Balance<'_> {
         ])
     }
 
+    fn loaded<D: Over<P>>(
+        &self,
+        &[q_a, q_b, tilt]: &[D; STATIC],
+    ) -> Result<Loaded<D>, (Status, Reason)> {
+        self.pair.loaded([q_a, q_b], tilt).map_err(refused)
+    }
+
+    /// Rolling motion relative to the nut over `$|W|$`.
+    fn rolling<D: Over<P>>(&self, loaded: &Loaded<D>) -> Motion<D> {
+        let (helix, sign) = (&self.pair.helix, self.pair.sign());
+        let [nut, screw] = loaded.angles();
+        let (lead, size) = (D::from(helix.lead_angle), D::from(helix.radius.recip()));
+        let (p, omega) = rolling(self.control, lead, size, nut, screw);
+        let omega = loaded.frame.from_frenet(&(omega * D::from(sign)));
+        Motion { precession: p * sign, omega }
+    }
+}
+
+impl Balance<'_> {
     /// Loads and tilt to start from: the balance with the centrifugal force of equal angles.
     fn start(&self) -> [f64; STATIC] {
         let pair = self.pair;
@@ -120,16 +140,9 @@ impl Balance<'_> {
         pair.static_balance(p * pair.sign() + pair.nut_speed)
     }
 
-    fn loaded(&self, &[q_a, q_b, tilt]: &[f64; STATIC]) -> Result<Loaded<f64>, (Status, Reason)> {
-        self.pair.loaded([q_a, q_b], tilt).map_err(refused)
-    }
-
-    /// Rolling motion relative to the nut over `$|W|$`.
-    fn rolling(&self, loaded: &Loaded<f64>) -> Motion<f64> {
-        let (helix, sign) = (&self.pair.helix, self.pair.sign());
-        let [nut, screw] = loaded.angles();
-        let (p, omega) = rolling(self.control, helix.lead_angle, helix.radius.recip(), nut, screw);
-        Motion { precession: p * sign, omega: loaded.frame.from_frenet(&(omega * sign)) }
+    /// Weights of the equations.
+    fn weights(&self) -> [f64; STATIC] {
+        [self.pair.inertia_ratio().max(1.0).recip(); STATIC]
     }
 }
 
@@ -156,6 +169,8 @@ impl System for Balance<'_> {
 /// The state of a ball that grips.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Grip {
+    /// The race that was taken to control.
+    control: Control,
     pub(crate) loaded: Loaded<f64>,
     /// Motion relative to the nut over `$|W|$`.
     pub(crate) to_nut: Motion<f64>,
@@ -180,7 +195,8 @@ impl Grip {
             (steps, residual) = (steps + more.0, more.1);
             loaded = balance.loaded(&x)?;
         }
-        Ok(Self { loaded, to_nut: balance.rolling(&loaded), steps, residual })
+        let (control, to_nut) = (balance.control, balance.rolling(&loaded));
+        Ok(Self { control, loaded, to_nut, steps, residual })
     }
 
     /// The same to two digits, also where centrifugal forces are so large that raceway control
@@ -188,8 +204,8 @@ impl Grip {
     pub(crate) fn guess(pair: &Pair) -> Result<Self, (Status, Reason)> {
         let balance = Balance { pair, control: Control::Nut };
         let loaded = balance.loaded(&balance.start())?;
-        let to_nut = balance.rolling(&loaded);
-        Ok(Self { loaded, to_nut, steps: 0, residual: f64::INFINITY })
+        let (control, to_nut) = (balance.control, balance.rolling(&loaded));
+        Ok(Self { control, loaded, to_nut, steps: 0, residual: f64::INFINITY })
     }
 
     /// Gyroscopic over friction moment (W9).
@@ -239,6 +255,16 @@ impl RacewayControl {
     }
 }
 
+impl<D: Scalar> ElasticScrew<D> {
+    /// Torques of the frictionless screw and on the screw, from the scaled friction power.
+    fn rolling_torques(&self, pair: &Pair<D>, friction_power: D) -> (D, D) {
+        let ideal = self.ideal_torque();
+        // T = T₀ + P_f/W                                                  (W8)
+        let torque = ideal + friction_power * pair.sign() * self.ball.radius * self.load.axial;
+        (ideal, torque)
+    }
+}
+
 impl RacewayWorkspace {
     /// The gripping ball.
     pub(crate) fn grip(
@@ -260,9 +286,7 @@ impl RacewayWorkspace {
         let friction_power =
             pair.friction_power(loaded, &grip.to_nut, RacewayControl::CREEP, quadrature);
         let mut outputs = screw.describe(pair, loaded, &grip.to_nut)?;
-        let ideal = ideal_torque(screw.load.axial, screw.helix.radius, screw.helix.lead_angle);
-        // T = T₀ + P_f/W                                                  (W8)
-        let torque = ideal + friction_power * pair.sign() * screw.ball.radius * screw.load.axial;
+        let (ideal, torque) = screw.rolling_torques(pair, friction_power);
         outputs.set_transmission(pair.direction, ideal, torque, screw.drive.relative_speed());
         outputs.set_regime(grip.skid_number(pair), grip.cross_slip(pair));
         outputs.iterations = Some(grip.steps);
@@ -291,8 +315,7 @@ fn solve_static(
     x: &mut [f64; STATIC],
     newton: &mut Workspace,
 ) -> Result<(usize, f64), (Status, Reason)> {
-    let weight = balance.pair.inertia_ratio().max(1.0).recip();
-    let scales = Scales { x: &[1.0; STATIC], f: &[weight, weight, weight] };
+    let scales = Scales { x: &[1.0; STATIC], f: &balance.weights() };
     let options = Options { residual_goal: 1e-13, ..Options::default() };
     let report = solve(balance, x, &scales, &options, newton)
         .expect("sizes are constant and the weights positive");

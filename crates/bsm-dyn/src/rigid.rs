@@ -6,6 +6,7 @@
 pub(crate) mod first_order;
 mod root;
 mod scaled;
+mod sensitivities;
 
 use bsm_kin::{Drive, Helix, Scalar};
 use bsm_newton::{EvalError, MatMut, System};
@@ -20,23 +21,23 @@ use crate::layout::BALL;
 use crate::layout::unknown::{
     MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
 };
-use crate::{Direction, Load, Model, Outputs, Reason, Solution, Status};
+use crate::{Load, Model, Outputs, Reason, Solution, Status};
 
 /// Inputs of the rigid model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rigid {
+pub struct Rigid<D = f64> {
     /// Helix of the ball centres.
-    pub helix: Helix<f64>,
+    pub helix: Helix<D>,
     /// Contact angle `$\beta$` of all three contacts \[rad\], in (0, π/2).
-    pub contact_angle: f64,
+    pub contact_angle: D,
     /// The ball.
-    pub ball: Ball<f64>,
+    pub ball: Ball<D>,
     /// Coulomb friction coefficient `$f > 0$`.
-    pub friction: f64,
+    pub friction: D,
     /// Speeds of screw and nut.
-    pub drive: Drive<f64>,
+    pub drive: Drive<D>,
     /// Load on the balls.
-    pub load: Load,
+    pub load: Load<D>,
 }
 
 /// A root of the rigid equations in the unknowns of the theory.
@@ -101,19 +102,29 @@ impl System for RigidSystem {
     }
 }
 
-impl Rigid {
+impl<D: Scalar> Rigid<D> {
     /// The point in the model's own units, or why there is none.
-    fn scaled(&self) -> Result<Scaled<f64>, NoRoot> {
+    fn scaled(&self) -> Result<Scaled<D>, NoRoot> {
         let invalid = |reason| NoRoot { status: Status::InvalidInput, reason };
         let OwnUnits { helix, ball, nut_speed, direction } =
             OwnUnits::of(&self.helix, &self.ball, &self.drive, &self.load).map_err(invalid)?;
-        if self.friction <= 0.0 {
+        if self.friction.re() <= 0.0 {
             return Err(invalid(Reason::Frictionless));
         }
         let (beta, sign) = (self.contact_angle, direction.sign());
         Ok(Scaled::new(helix, beta, self.friction, ball.mass, nut_speed, sign))
     }
 
+    /// Torques of the frictionless screw and on the screw.
+    fn torques(&self, case: &Scaled<D>, state: &State<D>) -> (D, D) {
+        let ideal = ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle);
+        let moment = self.ball.radius * self.load.per_ball();
+        let screw = torque(&state.wrench[2], case.helix.radius, &case.frame);
+        (ideal, screw * moment * self.load.balls)
+    }
+}
+
+impl Rigid {
     /// The first-order solution, which also tells whether a root exists.
     ///
     /// `None` without friction or relative speed.
@@ -191,8 +202,7 @@ impl Rigid {
     fn outputs(&self, case: &Scaled<f64>, root: &Root) -> Outputs {
         let state = case.state(&root.unknowns).expect("the residual was evaluated at the root");
         let (w, r_b) = (self.drive.relative_speed().abs(), self.ball.radius);
-        let (per_ball, balls) = (self.load.per_ball(), self.load.balls);
-        let moment = r_b * per_ball;
+        let per_ball = self.load.per_ball();
 
         let mut outputs = Outputs {
             nut_normal_load: Some(root.unknowns[NUT_LOAD] * per_ball),
@@ -213,13 +223,10 @@ impl Rigid {
             outputs.set_contact(contact, &motion, &(slip * (w * r_b)), w);
         }
 
-        let screw_torque =
-            torque(&state.wrench[2], case.helix.radius, &case.frame) * moment * balls;
-        let ideal = ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle);
-        let direction =
-            if case.sign > 0.0 { Direction::RotaryToLinear } else { Direction::LinearToRotary };
-        let power = outputs.set_transmission(direction, ideal, screw_torque, case.sign * w);
-        let friction_power = friction_power(case, &state, &root.unknowns) * moment * w * balls;
+        let (ideal, screw_torque) = self.torques(case, &state);
+        let power = outputs.set_transmission(case.direction(), ideal, screw_torque, case.sign * w);
+        let friction_power =
+            friction_power(case, &state, &root.unknowns) * (r_b * per_ball) * w * self.load.balls;
         outputs.power_balance = Some(power.imbalance(friction_power));
         outputs
     }

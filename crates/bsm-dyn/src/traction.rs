@@ -2,9 +2,11 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T3).
 
+mod sensitivities;
+
 use std::num::NonZeroUsize;
 
-use bsm_kin::Motion;
+use bsm_kin::{Motion, Scalar};
 use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
 use nalgebra::Vector3;
 
@@ -34,9 +36,9 @@ const MOST_STEPS: usize = 20;
 
 /// Inputs of the traction model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Traction {
+pub struct Traction<D = f64> {
     /// The screw at its operating point; friction positive.
-    pub screw: ElasticScrew,
+    pub screw: ElasticScrew<D>,
     /// Order of the quadrature over the ellipses.
     pub order: NonZeroUsize,
     /// Creep speed `$v_e$` over `$r_b |W|$`, positive.
@@ -76,8 +78,8 @@ impl TractionWorkspace {
 }
 
 /// The equations of a point.
-struct Rolling<'a> {
-    pair: &'a Pair,
+struct Rolling<'a, P = f64> {
+    pair: &'a Pair<P>,
     quadrature: &'a Quadrature,
     creep: f64,
 }
@@ -88,8 +90,8 @@ struct State<D> {
     wrench: [Wrench<D>; 2],
 }
 
-impl Rolling<'_> {
-    fn state<D: Lanes>(&self, y: &[D; BALL]) -> Result<State<D>, EvalError> {
+impl<P: Scalar> Rolling<'_, P> {
+    fn state<D: Lanes<P>>(&self, y: &[D; BALL]) -> Result<State<D>, EvalError> {
         let pair = self.pair;
         let loaded = pair.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
         let omega = Vector3::from(OMEGA.map(|i| y[i]));
@@ -111,7 +113,7 @@ impl Rolling<'_> {
         Ok(State { loaded, to_nut, wrench })
     }
 
-    fn residual<D: Lanes>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+    fn residual<D: Lanes<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
         let state = self.state(y)?;
         let motion = self.pair.absolute(&state.to_nut, &state.loaded.frame);
         Ok(self.pair.balance(&state.loaded, &motion, &state.wrench))
@@ -173,12 +175,17 @@ impl Rolling<'_> {
         Ok(Root { unknowns: y, steps, residual })
     }
 
-    /// One damped Newton solve from `y`.
-    fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+    /// Weights of the equations.
+    fn weights(&self) -> [f64; BALL] {
         // D_F = diag(w, w, w, w/f, w/f, w/f, w),  w = 1/max(1, μ)          (T3)
         let force = self.pair.inertia_ratio().max(1.0).recip();
         let moment = force / self.pair.friction.min(1.0);
-        let weights = [force, force, force, moment, moment, moment, force];
+        [force, force, force, moment, moment, moment, force]
+    }
+
+    /// One damped Newton solve from `y`.
+    fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+        let weights = self.weights();
         let scales = Scales { x: &[1.0; BALL], f: &weights };
         let options = Options { residual_goal: 1e-13, max_steps: MOST_STEPS, ..Options::default() };
         solve(self, y, &scales, &options, newton)
@@ -250,7 +257,7 @@ impl Traction {
     }
 
     /// Solves with orders from 4 on, each twice the last, until the error of the efficiency is at
-    /// most `tolerance` or the order is `finest`; returns the outputs, their order and the error.
+    /// most `tolerance` or the order is `finest`; returns the root, its order and the error.
     ///
     /// The error is the last change of the efficiency, which is larger than what is left, and for
     /// changes that are small by chance the loss over the cube of the order (A6). Where a finer
@@ -261,7 +268,7 @@ impl Traction {
         tolerance: f64,
         finest: NonZeroUsize,
         work: &mut TractionWorkspace,
-    ) -> Result<(Outputs, NonZeroUsize, f64), (Status, Reason)> {
+    ) -> Result<(Found, NonZeroUsize, f64), (Status, Reason)> {
         let mut case = Self { order: COARSEST, ..*self };
         let mut found = case.outputs(start, None, work);
         // A coarse quadrature may have no root where a finer one has.
@@ -288,7 +295,7 @@ impl Traction {
             }
         }
         found.outputs.iterations = Some(steps);
-        Ok((found.outputs, case.order, error))
+        Ok((found, case.order, error))
     }
 
     /// The root and its numbers, from the root of another order if there is one.
@@ -328,7 +335,7 @@ impl<'a> Start<'a> {
 }
 
 /// A root and its numbers.
-struct Found {
-    outputs: Outputs,
-    unknowns: [f64; BALL],
+pub(crate) struct Found {
+    pub(crate) outputs: Outputs,
+    pub(crate) unknowns: [f64; BALL],
 }

@@ -63,6 +63,15 @@ impl<const N: usize> Scalar for Jet<N> {
         self.chain(inverse, -inverse * inverse)
     }
 
+    fn powf(&self, exponent: f64) -> Self {
+        let power = self.re.powf(exponent);
+        self.chain(power, exponent * power / self.re)
+    }
+
+    fn atan(&self) -> Self {
+        self.chain(self.re.atan(), (1.0 + self.re * self.re).recip())
+    }
+
     fn atan2(&self, other: Self) -> Self {
         let square = self.re * self.re + other.re * other.re;
         self.combine(other.re / square, other, -self.re / square, self.re.atan2(other.re))
@@ -185,7 +194,7 @@ mod tests {
     fn everything<D: Scalar>(x: D, y: D) -> D {
         let (sin, cos) = (x * y).sin_cos();
         let mut z = (sin / (cos + 2.0) - y.recip()) * (x.square() + y.square()).sqrt();
-        z += x.atan2(y) * 0.3 - 1.5;
+        z += x.atan2(y) * 0.3 - x.atan() * y.powf(-1.5) - 1.5;
         z -= -x.tan();
         z *= x.cos() + D::one() * y.sin() + y.cbrt();
         z /= y + D::from(3.0);

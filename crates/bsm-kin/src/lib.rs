@@ -19,4 +19,4 @@ pub use frame::BallFrame;
 pub use helix::{FrenetFrame, Helix};
 pub use jet::Jet;
 pub use motion::{Drive, Motion};
-pub use scalar::Scalar;
+pub use scalar::{Over, Scalar};

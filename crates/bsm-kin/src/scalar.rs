@@ -36,6 +36,12 @@ pub trait Scalar:
     /// One over the value.
     #[must_use]
     fn recip(&self) -> Self;
+    /// The value to a constant power.
+    #[must_use]
+    fn powf(&self, exponent: f64) -> Self;
+    /// Angle of this tangent.
+    #[must_use]
+    fn atan(&self) -> Self;
     /// Angle of the point (`other`, `self`) from the first axis.
     #[must_use]
     fn atan2(&self, other: Self) -> Self;
@@ -63,6 +69,18 @@ pub trait Scalar:
     }
 }
 
+/// Scalar that constants of the type `P` enter: a jet in the unknowns over numbers, or the same jet
+/// over constants that are jets themselves.
+pub trait Over<P>:
+    Scalar + From<P> + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self>
+{
+}
+
+impl<P, D> Over<P> for D where
+    D: Scalar + From<P> + Add<P, Output = D> + Sub<P, Output = D> + Mul<P, Output = D>
+{
+}
+
 impl<T: DualNumCopy + DualNum<Primitive = f64>> Scalar for T {
     fn re(&self) -> f64 {
         num_dual::DualStruct::re(self)
@@ -82,6 +100,14 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Scalar for T {
 
     fn recip(&self) -> Self {
         DualNum::recip(self)
+    }
+
+    fn powf(&self, exponent: f64) -> Self {
+        DualNum::powf(self, exponent)
+    }
+
+    fn atan(&self) -> Self {
+        DualNum::atan(self)
     }
 
     fn atan2(&self, other: Self) -> Self {

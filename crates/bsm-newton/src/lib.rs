@@ -5,9 +5,10 @@
 //! equations mean, prints nothing, and allocates nothing inside the iteration; it is the only
 //! one that names faer.
 //!
-//! Theory: `docs/theory/05-newton.md`, inequalities (N1) to (N6).
+//! Theory: `docs/theory/05-newton.md`, inequalities (N1) to (N6) and equation (N7).
 
 mod error;
+mod implicit;
 mod lu;
 mod options;
 mod report;
@@ -16,6 +17,7 @@ mod system;
 
 pub use error::{EvalError, NotConverged, UsageError};
 pub use faer::MatMut;
+pub use implicit::implicit_slopes;
 pub use options::{Options, Scales};
 pub use report::{Report, Status, Step};
 pub use solve::{Workspace, solve};

@@ -40,9 +40,10 @@ impl DenseLu {
         }
     }
 
-    /// Factorizes in place and overwrites `rhs` with the solution.
+    /// Factorizes in place and overwrites `rhs`, one or more columns one after the other, with the
+    /// solutions.
     ///
-    /// Returns false if a pivot is zero or if the solution is not finite. Small pivots are no
+    /// Returns false if a pivot is zero or if a solution is not finite. Small pivots are no
     /// reason to give up: in these systems an unknown may legitimately act at the size of the
     /// inertia forces only, and the residual decides about success.
     pub(crate) fn solve(&mut self, rhs: &mut [f64]) -> bool {
@@ -59,14 +60,16 @@ impl DenseLu {
         if (0..n).any(|i| self.factors[(i, i)] == 0.0) {
             return false;
         }
-        solve::solve_in_place(
-            self.factors.as_ref(),
-            self.factors.as_ref(),
-            perm,
-            ColMut::from_slice_mut(rhs).as_mat_mut(),
-            Par::Seq,
-            stack,
-        );
+        for column in rhs.chunks_exact_mut(n) {
+            solve::solve_in_place(
+                self.factors.as_ref(),
+                self.factors.as_ref(),
+                perm,
+                ColMut::from_slice_mut(column).as_mat_mut(),
+                Par::Seq,
+                stack,
+            );
+        }
         rhs.iter().all(|v| v.is_finite())
     }
 }

@@ -5,10 +5,10 @@ use crate::{Options, Report, Scales, Status, Step, System, UsageError};
 
 /// Memory of a solve, reused by the next one; nothing is allocated per step.
 pub struct Workspace {
-    r: Vec<f64>,
+    pub(crate) r: Vec<f64>,
     dx: Vec<f64>,
     x_trial: Vec<f64>,
-    lu: DenseLu,
+    pub(crate) lu: DenseLu,
 }
 
 impl Workspace {

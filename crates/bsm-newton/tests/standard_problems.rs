@@ -5,7 +5,7 @@
 
 use bsm_newton::{
     EvalError, MatMut, NotConverged, Options, Report, Scales, Status, System, UsageError,
-    Workspace, solve,
+    Workspace, implicit_slopes, solve,
 };
 
 /// A system given by a function that returns values and rows of the Jacobian.
@@ -244,6 +244,46 @@ fn misuse_is_an_error_with_the_numbers() {
         call(&mut [0.0; 2], &ones, &zero, 2),
         Err(UsageError::Scale { name: "f", index: 1, value: 0.0 })
     );
+}
+
+/// Circle of radius r through a line of slope p: x = r/√(1 + p²), y = p x, in closed form.
+#[test]
+fn a_root_moves_with_its_parameters() {
+    let (r, p) = (1.7_f64, 0.6_f64);
+    let root = (1.0 + p * p).sqrt();
+    let x = [r / root, p * r / root];
+    let system = Given(move |x: &[f64]| {
+        let f = [x[0] * x[0] + x[1] * x[1] - r * r, x[1] - p * x[0]];
+        Ok((f, [[2.0 * x[0], 2.0 * x[1]], [-p, 1.0]]))
+    });
+    // ∂F/∂r, then ∂F/∂p; the scales must not matter.
+    let mut columns = [-2.0 * r, 0.0, 0.0, -x[0]];
+    let mut work = Workspace::new(2);
+    let moved = implicit_slopes(&system, &x, &[1e-3, 50.0], &mut columns, &mut work);
+    assert_eq!(moved, Ok(Status::Converged));
+    let cube = root.powi(3);
+    let expected = [x[0] / r, x[1] / r, -p * r / cube, r / root - p * p * r / cube];
+    for (slope, expected) in columns.iter().zip(expected) {
+        // Rounding of a system of two equations of condition 10.
+        assert!((slope - expected).abs() <= 1e-14, "{columns:?}");
+    }
+}
+
+#[test]
+fn a_root_that_does_not_move_smoothly_is_told() {
+    let ones = [1.0; 4];
+    let moved = |x: &[f64], columns: &mut [f64], work: &mut Workspace| {
+        implicit_slopes(&Given(powell_singular), x, &ones, columns, work)
+    };
+    let mut work = Workspace::new(4);
+    assert_eq!(moved(&[0.0; 4], &mut [1.0; 4], &mut work), Ok(Status::SingularJacobian));
+    let refused =
+        implicit_slopes(&Given(logarithm), &[-1.0], &ones[..1], &mut [1.0], &mut Workspace::new(1));
+    assert_eq!(refused, Ok(Status::ModelRefused));
+    let wrong = |name, found| Err(UsageError::Dimension { name, expected: 4, found });
+    assert_eq!(moved(&[0.0; 3], &mut [1.0; 4], &mut work), wrong("x", 3));
+    assert_eq!(moved(&[0.0; 4], &mut [1.0; 6], &mut work), wrong("columns", 6));
+    assert_eq!(moved(&[0.0; 4], &mut [1.0; 4], &mut Workspace::new(2)), wrong("work", 2));
 }
 
 /// The list of steps is the only allocation, however many steps are taken.

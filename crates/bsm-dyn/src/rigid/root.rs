@@ -12,7 +12,7 @@ use crate::{Angles, Reason, Status};
 
 /// Below this ratio of inertia to friction, rounding of the loads would decide about the slip at
 /// A; the root is then interpolated between no inertia and this much. The error is the square.
-const SLOW: f64 = 1e-6;
+pub(super) const SLOW: f64 = 1e-6;
 
 /// Up to this ratio of inertia to friction, Newton from the first order stays on its branch.
 pub const MODERATE_INERTIA: f64 = 0.2;
@@ -48,7 +48,7 @@ fn none(reason: Reason) -> NoRoot {
 }
 
 /// Memory of the solves.
-pub struct RigidWorkspace(Workspace);
+pub struct RigidWorkspace(pub(super) Workspace);
 
 impl Default for RigidWorkspace {
     fn default() -> Self {

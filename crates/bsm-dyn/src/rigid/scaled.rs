@@ -6,7 +6,6 @@ use bsm_kin::{BallFrame, Contact, Helix, Motion, Scalar, Site};
 use bsm_newton::{EvalError, MatMut, System};
 use nalgebra::{SVector, Vector3};
 
-use crate::Wrench;
 use crate::balance::{Ball, axial_force, newton_euler};
 use crate::coulomb::friction_force;
 use crate::jacobian::linearize;
@@ -14,6 +13,7 @@ use crate::layout::unknown::{
     MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
 };
 use crate::layout::{self, BALL, MOMENT_NORMAL};
+use crate::{Direction, Wrench};
 
 /// One operating point in units of ball radius, axial load per ball and `$|W|$` (R1).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,6 +68,41 @@ impl<D: Scalar> Scaled<D> {
         let ball = Ball { radius: D::from(1.0), mass };
         let arc = helix.arc_length_per_radian();
         Self { helix, arc, frame, contacts, contact_angle, friction, ball, nut_speed, sign }
+    }
+
+    /// Which side drives.
+    pub(crate) fn direction(&self) -> Direction {
+        if self.sign > 0.0 { Direction::RotaryToLinear } else { Direction::LinearToRotary }
+    }
+
+    /// The same point with the inertia multiplied by `factor`.
+    pub(crate) fn with_inertia(&self, factor: f64) -> Self {
+        let ball = Ball { mass: self.ball.mass * factor, ..self.ball };
+        Self { ball, ..*self }
+    }
+
+    /// The same point with its numbers turned into another scalar.
+    pub(crate) fn map<E: Scalar>(&self, to: impl Fn(D) -> E) -> Scaled<E> {
+        let vector = |v: &Vector3<D>| v.map(&to);
+        Scaled {
+            helix: Helix { radius: to(self.helix.radius), lead_angle: to(self.helix.lead_angle) },
+            arc: to(self.arc),
+            frame: BallFrame {
+                turn: to(self.frame.turn),
+                k: vector(&self.frame.k),
+                n: vector(&self.frame.n),
+            },
+            contacts: self.contacts.map(|c| Contact {
+                site: c.site,
+                normal: vector(&c.normal),
+                across: vector(&c.across),
+            }),
+            contact_angle: to(self.contact_angle),
+            friction: to(self.friction),
+            ball: Ball { radius: to(self.ball.radius), mass: to(self.ball.mass) },
+            nut_speed: to(self.nut_speed),
+            sign: self.sign,
+        }
     }
 
     /// Motion of the ball relative to the nut: precession, and `u`, `τ` from the slip at A.
@@ -148,12 +183,6 @@ impl Scaled<f64> {
         self.ball.mass * self.helix.radius
     }
 
-    /// The same point with the inertia multiplied by `factor`.
-    pub(crate) fn with_inertia(&self, factor: f64) -> Self {
-        let ball = Ball { mass: self.ball.mass * factor, ..self.ball };
-        Self { ball, ..*self }
-    }
-
     /// Weights of the equations (R10).
     ///
     /// The unit of force is the larger of axial load and inertia force. The moment about the
@@ -181,29 +210,7 @@ impl Scaled<f64> {
 
     /// The same point as constants of another scalar.
     pub(crate) fn lift<D: Scalar>(&self) -> Scaled<D> {
-        let vector = |v: &Vector3<f64>| v.map(D::from);
-        Scaled {
-            helix: Helix {
-                radius: D::from(self.helix.radius),
-                lead_angle: D::from(self.helix.lead_angle),
-            },
-            arc: D::from(self.arc),
-            frame: BallFrame {
-                turn: D::from(self.frame.turn),
-                k: vector(&self.frame.k),
-                n: vector(&self.frame.n),
-            },
-            contacts: self.contacts.map(|c| Contact {
-                site: c.site,
-                normal: vector(&c.normal),
-                across: vector(&c.across),
-            }),
-            contact_angle: D::from(self.contact_angle),
-            friction: D::from(self.friction),
-            ball: Ball { radius: D::from(self.ball.radius), mass: D::from(self.ball.mass) },
-            nut_speed: D::from(self.nut_speed),
-            sign: self.sign,
-        }
+        self.map(D::from)
     }
 }
 

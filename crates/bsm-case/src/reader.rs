@@ -1,0 +1,180 @@
+//! From the inputs of a scene to the SI problem of a model.
+
+use std::f64::consts::PI;
+
+use bsm_dyn::{
+    Angles, Auto, Ball, ClosedForm, Direction, Driven, Elastic, ElasticScrew, Load, Material,
+    Model, Problem, QuasiStatic, RacewayControl, Rigid, Traction, Transmission,
+};
+use bsm_kin::{Drive, Helix, Scalar};
+
+use crate::units::{DEG, GPA, MM, RPM};
+use crate::{InputKey, ModelChoice, Scene, Settings};
+
+/// The inputs by their keys, given or default, in any scalar: numbers to solve with, jets to take
+/// derivatives with.
+pub(crate) struct Reader<F>(pub(crate) F);
+
+impl Scene {
+    /// Its numbers.
+    pub(crate) fn reader(&self) -> Reader<impl Fn(InputKey) -> Option<f64>> {
+        Reader(|key| self.value_or_default(key))
+    }
+}
+
+impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
+    /// The problem of a model whose inputs [`Scene::choose`] has checked.
+    pub(crate) fn problem(&self, model: ModelChoice, settings: &Settings) -> Problem<D> {
+        let model = match model {
+            ModelChoice::Auto => {
+                let (screw, tolerance) = (self.elastic_screw(), settings.tolerance);
+                return Problem::Auto(Auto { screw, tolerance });
+            }
+            ModelChoice::Fixed(model) => model,
+        };
+        match model {
+            Model::ClosedForm => Problem::ClosedForm(ClosedForm {
+                angles: self.angles(),
+                friction: self.value(InputKey::friction_coefficient),
+                direction: self.direction(),
+                transmission: self.transmission(),
+            }),
+            Model::QuasiStatic => Problem::QuasiStatic(self.quasi_static()),
+            Model::Rigid => Problem::Rigid(self.rigid()),
+            Model::RacewayControl => Problem::RacewayControl(RacewayControl {
+                screw: self.elastic_screw(),
+                control: settings.control,
+            }),
+            Model::Elastic => Problem::Elastic(Elastic { screw: self.elastic_screw() }),
+            Model::Traction => Problem::Traction(Traction {
+                screw: self.elastic_screw(),
+                order: settings.quadrature,
+                creep: settings.creep,
+            }),
+        }
+    }
+
+    #[inline]
+    fn given(&self, key: InputKey) -> Option<D> {
+        (self.0)(key)
+    }
+
+    /// An input that the model needs.
+    #[inline]
+    fn value(&self, key: InputKey) -> D {
+        self.given(key).expect("required inputs were checked")
+    }
+
+    /// Lead angle \[rad\], from the angle or from lead and pitch circle.
+    pub(crate) fn lead_angle(&self) -> Option<D> {
+        if let Some(deg) = self.given(InputKey::lead_angle_deg) {
+            return Some(deg * DEG);
+        }
+        let lead = self.given(InputKey::lead_mm)?;
+        Some(lead_angle(lead, self.given(InputKey::pitch_circle_diameter_mm)?))
+    }
+
+    fn angles(&self) -> Angles<D> {
+        Angles {
+            lead: self.lead_angle().expect("required inputs were checked"),
+            contact: self.value(InputKey::contact_angle_deg) * DEG,
+        }
+    }
+
+    /// Speeds of screw and nut, if that of the screw is given.
+    fn drive(&self) -> Option<Drive<D>> {
+        let screw = self.given(InputKey::screw_speed_rpm)?;
+        let nut = self.value(InputKey::nut_speed_rpm);
+        Some(Drive { screw_speed: screw * RPM, nut_speed: nut * RPM })
+    }
+
+    /// Rotary to linear unless the speeds say otherwise.
+    fn direction(&self) -> Direction {
+        self.drive()
+            .and_then(|drive| Direction::of(drive.relative_speed().re()))
+            .unwrap_or(Direction::RotaryToLinear)
+    }
+
+    fn load(&self) -> Option<Load<D>> {
+        let axial = self.given(InputKey::axial_load_N)?;
+        Some(Load { axial, balls: self.given(InputKey::loaded_balls)? })
+    }
+
+    fn transmission(&self) -> Option<Transmission<D>> {
+        Some(Transmission {
+            pitch_radius: self.given(InputKey::pitch_circle_diameter_mm)? * (0.5 * MM),
+            load: self.load()?,
+            relative_speed: self.drive().map(|drive| drive.relative_speed()),
+        })
+    }
+
+    fn quasi_static(&self) -> QuasiStatic<D> {
+        let ball = self.value(InputKey::ball_diameter_mm);
+        let driven = match self.drive().map(|d| (d.screw_speed.re(), d.nut_speed.re())) {
+            Some((screw, nut)) if screw == 0.0 && nut != 0.0 => Driven::Nut,
+            Some((_, nut)) if nut != 0.0 => Driven::Both,
+            _ => Driven::Screw,
+        };
+        QuasiStatic {
+            angles: self.angles(),
+            friction: self.value(InputKey::friction_coefficient),
+            size_ratio: ball / self.value(InputKey::pitch_circle_diameter_mm),
+            rolling_ratio: self.value(InputKey::rolling_friction_mm) / (ball * 0.5),
+            driven,
+            direction: self.direction(),
+            transmission: self.transmission(),
+        }
+    }
+
+    /// Elastic constants of races and balls.
+    pub(crate) fn materials(&self) -> (Material<D>, Material<D>) {
+        let races = Material {
+            youngs_modulus: self.value(InputKey::youngs_modulus_GPa) * GPA,
+            poisson_ratio: self.value(InputKey::poisson_ratio),
+        };
+        let (modulus, ratio) = (InputKey::ball_youngs_modulus_GPa, InputKey::ball_poisson_ratio);
+        let balls = Material {
+            youngs_modulus: self.given(modulus).map_or(races.youngs_modulus, |e| e * GPA),
+            poisson_ratio: self.given(ratio).unwrap_or(races.poisson_ratio),
+        };
+        (races, balls)
+    }
+
+    pub(crate) fn elastic_screw(&self) -> ElasticScrew<D> {
+        let Rigid { helix, contact_angle, ball, friction, drive, load } = self.rigid();
+        ElasticScrew {
+            helix,
+            contact_angle,
+            ball,
+            conformity: (
+                self.value(InputKey::nut_conformity),
+                self.value(InputKey::screw_conformity),
+            ),
+            material: self.materials(),
+            friction,
+            drive,
+            load,
+        }
+    }
+
+    pub(crate) fn rigid(&self) -> Rigid<D> {
+        let angles = self.angles();
+        let radius = self.value(InputKey::ball_diameter_mm) * (0.5 * MM);
+        Rigid {
+            helix: Helix {
+                radius: self.value(InputKey::pitch_circle_diameter_mm) * (0.5 * MM),
+                lead_angle: angles.lead,
+            },
+            contact_angle: angles.contact,
+            ball: Ball::of_density(radius, self.value(InputKey::density_kg_m3)),
+            friction: self.value(InputKey::friction_coefficient),
+            drive: self.drive().expect("required inputs were checked"),
+            load: self.load().expect("required inputs were checked"),
+        }
+    }
+}
+
+/// tanα = L / (π d)
+pub(crate) fn lead_angle<D: Scalar>(lead_mm: D, pitch_circle_diameter_mm: D) -> D {
+    (lead_mm / (pitch_circle_diameter_mm * PI)).atan()
+}

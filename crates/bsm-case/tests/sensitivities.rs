@@ -1,0 +1,327 @@
+//! Derivatives by the inputs against differences of full solves and against exact identities.
+
+use approx::assert_relative_eq;
+use bsm_case::{Jets, Scene, Sensitivities, Sensitivity, Settings};
+use bsm_dyn::{Basis, Control, Model, ModelWorkspace, Outputs, Traction, Transmitted};
+use proptest::prelude::*;
+
+/// The answer in jets and its rows; `None` if there is no solution.
+fn derived(scene: &Scene, settings: &Settings) -> Option<(Transmitted<Jets>, Vec<Sensitivity>)> {
+    let inputs = Sensitivities::of(scene, settings).expect("complete scene");
+    let answer = inputs.problem.sensitivities(&mut ModelWorkspace::default()).ok()?;
+    Some((answer, inputs.rows(&answer)))
+}
+
+/// A full solve in numbers.
+fn solved(scene: &Scene, settings: &Settings) -> Option<Outputs> {
+    let problem = scene.problem(settings).expect("complete scene");
+    let solution = problem.solve(&mut ModelWorkspace::default());
+    solution.outputs.efficiency.map(|_| solution.outputs)
+}
+
+/// A scene with its speed, load and who drives; every other input away from limits.
+fn scenes() -> impl Strategy<Value = Scene> {
+    (
+        (8.0..40.0_f64, 35.0..60.0_f64, 0.02..0.1_f64, 0.07..0.2_f64),
+        (0.51..0.56_f64, 0.51..0.56_f64, 1.0..3.5_f64, 50.0..2000.0_f64),
+        (any::<bool>(), 0..3_u8, any::<bool>(), any::<bool>()),
+    )
+        .prop_map(|((lead, contact, friction, size), (f_n, f_s, log_rpm, load), choices)| {
+            let (back, drive, by_lead, own_ball) = choices;
+            let rpm = 10.0_f64.powf(log_rpm) * if back { -1.0 } else { 1.0 };
+            let pitch = 48.6;
+            let mut scene = Scene {
+                ball_diameter_mm: Some(pitch * size),
+                pitch_circle_diameter_mm: Some(pitch),
+                contact_angle_deg: Some(contact),
+                nut_conformity: Some(f_n),
+                screw_conformity: Some(f_s),
+                friction_coefficient: Some(friction),
+                axial_load_N: Some(3.0 * load),
+                loaded_balls: Some(3.0),
+                ..Scene::default()
+            };
+            (scene.screw_speed_rpm, scene.nut_speed_rpm) = match drive {
+                0 => (Some(rpm), None),
+                1 => (Some(0.0), Some(-rpm)),
+                _ => (Some(1.3 * rpm), Some(0.3 * rpm)),
+            };
+            if by_lead {
+                scene.lead_mm = Some(std::f64::consts::PI * pitch * lead.to_radians().tan());
+            } else {
+                scene.lead_angle_deg = Some(lead);
+            }
+            if own_ball {
+                scene.ball_youngs_modulus_GPa = Some(310.0);
+                scene.ball_poisson_ratio = Some(0.26);
+            }
+            scene
+        })
+}
+
+/// No dual drive, which quasi-static does not cover.
+fn single_drive(mut scene: Scene) -> Scene {
+    if scene.screw_speed_rpm != Some(0.0) {
+        scene.nut_speed_rpm = None;
+    }
+    scene.rolling_friction_mm = Some(0.004);
+    scene
+}
+
+/// Each derivative against differences of full solves with a step of `h` of the input, of which
+/// Richardson's rule leaves an error of the fourth order. Returns the largest error over the
+/// changes that a whole input makes.
+fn worst_difference(scene: &Scene, settings: &Settings, h: f64) -> Option<f64> {
+    let (answer, rows) = derived(scene, settings)?;
+    let mut worst: f64 = 0.0;
+    for row in &rows {
+        // Which member turns is all that quasi-static asks of the speeds, no number to change.
+        if settings.model == Model::QuasiStatic.into() && row.input.unit == "rpm" {
+            assert_eq!((row.efficiency, row.screw_torque), (0.0, Some(0.0)));
+            continue;
+        }
+        let speed = [scene.screw_speed_rpm, scene.nut_speed_rpm].into_iter().flatten();
+        // Both speeds in units of the relative one.
+        let unit = if row.input.unit == "rpm" {
+            speed.reduce(|screw, nut| screw - nut).expect("a speed").abs()
+        } else {
+            row.value
+        };
+        let at = |steps: f64| {
+            let mut moved = scene.clone();
+            moved.set(row.input.name, row.value + steps * h * unit).expect("known name");
+            let o = solved(&moved, settings)?;
+            Some((o.efficiency?, o.screw_torque?))
+        };
+        let difference = |steps: f64| {
+            let (high, low) = (at(steps)?, at(-steps)?);
+            let over = 2.0 * steps * h;
+            Some(((high.0 - low.0) / over, (high.1 - low.1) / over))
+        };
+        let (near, far) = (difference(1.0)?, difference(2.0)?);
+        let richardson = |near: f64, far: f64| near + (near - far) / 3.0;
+        let efficiency = richardson(near.0, far.0);
+        let torque = richardson(near.1, far.1);
+        let own = row.screw_torque.expect("a torque") * unit;
+        let scale = answer.screw_torque.expect("a torque").re;
+        let error = (efficiency - row.efficiency * unit).abs().max(((torque - own) / scale).abs());
+        worst = worst.max(error);
+    }
+    Some(worst)
+}
+
+/// Exponents of mass, length and time of an input, if it has a dimension.
+fn dimension(key: &str) -> [f64; 3] {
+    match key {
+        "ball_diameter_mm" | "pitch_circle_diameter_mm" | "lead_mm" | "rolling_friction_mm" => {
+            [0.0, 1.0, 0.0]
+        }
+        "density_kg_m3" => [1.0, -3.0, 0.0],
+        "youngs_modulus_GPa" | "ball_youngs_modulus_GPa" => [1.0, -1.0, -2.0],
+        "screw_speed_rpm" | "nut_speed_rpm" => [0.0, 0.0, -1.0],
+        "axial_load_N" => [1.0, 1.0, -2.0],
+        _ => [0.0; 3],
+    }
+}
+
+/// Euler's identity: largest violation over masses, lengths and times, of efficiency and torque.
+fn worst_identity((answer, rows): &(Transmitted<Jets>, Vec<Sensitivity>)) -> f64 {
+    let torque = answer.screw_torque.expect("a torque").re;
+    let exponents = [1.0, 2.0, -2.0];
+    (0..3).fold(0.0, |worst: f64, unit| {
+        let sum = |of: &dyn Fn(&Sensitivity) -> f64| -> f64 {
+            rows.iter().map(|row| dimension(row.input.name)[unit] * row.value * of(row)).sum()
+        };
+        let efficiency = sum(&|row| row.efficiency);
+        let own = sum(&|row| row.screw_torque.expect("a torque")) / torque;
+        worst.max(efficiency.abs()).max((own - exponents[unit]).abs())
+    })
+}
+
+/// Largest violation of Euler's identity: rounding of sums of terms of the size of their sum, and of
+/// the Jacobian.
+const IDENTITY: f64 = 1e-11;
+
+/// Largest error of a difference over the change that a whole input makes. Over steps of 1e-4 the
+/// residuals of the solves, 1e-13, leave 1e-9 times what the equations amplify; the fourth order that
+/// Richardson's rule leaves is less.
+const DIFFERENCE: f64 = 1e-7;
+
+fn check(scene: &Scene, settings: &Settings) -> Result<(), TestCaseError> {
+    let (found, numbers) = (derived(scene, settings), solved(scene, settings));
+    prop_assert_eq!(found.is_some(), numbers.is_some());
+    let (Some(found), Some(numbers)) = (found, numbers) else {
+        return Err(TestCaseError::reject("no solution"));
+    };
+    // The values that come with the derivatives are those of the solve, to rounding.
+    let torque = |o: Option<f64>| o.expect("a torque");
+    let eta = numbers.efficiency.expect("solved");
+    assert_relative_eq!(found.0.efficiency.re, eta, max_relative = 1e-10, epsilon = 1e-12);
+    let own = torque(found.0.screw_torque.map(|t| t.re));
+    assert_relative_eq!(own, torque(numbers.screw_torque), max_relative = 1e-10);
+    let identity = worst_identity(&found);
+    prop_assert!(identity <= IDENTITY, "{identity:e}");
+    // A neighbour without solution, or with another branch, tells nothing.
+    let difference = worst_difference(scene, settings, 1e-4);
+    prop_assert!(difference.is_none_or(|d| d <= DIFFERENCE), "{difference:?}");
+    Ok(())
+}
+
+/// The same point a thousand to a million times slower.
+fn slow(mut scene: Scene, log_factor: f64) -> Scene {
+    let factor = 10.0_f64.powf(-log_factor);
+    for speed in [&mut scene.screw_speed_rpm, &mut scene.nut_speed_rpm] {
+        *speed = speed.map(|rpm| rpm * factor);
+    }
+    scene
+}
+
+/// Lin's screw at a speed, with conformities.
+fn lin(rpm: f64) -> Scene {
+    Scene {
+        ball_diameter_mm: Some(8.74),
+        pitch_circle_diameter_mm: Some(48.6),
+        lead_angle_deg: Some(10.0),
+        contact_angle_deg: Some(45.0),
+        nut_conformity: Some(0.53),
+        screw_conformity: Some(0.53),
+        friction_coefficient: Some(0.075),
+        screw_speed_rpm: Some(rpm),
+        axial_load_N: Some(2113.0),
+        loaded_balls: Some(1.0),
+        ..Scene::default()
+    }
+}
+
+fn row(scene: &Scene, model: Model, name: &str) -> Sensitivity {
+    let (_, rows) = derived(scene, &model.into()).expect("solved");
+    rows.into_iter().find(|row| row.input.name == name).expect("the model uses the input")
+}
+
+/// Closed form by hand, both directions: dη/df = −D / [cos²α sinβ (D + f sinβ)²] and
+/// −sinβ / [cos²α D (sinβ + f D)²].
+#[test]
+fn friction_in_the_closed_form() {
+    let (a, b, f) = (10.0_f64.to_radians(), 45.0_f64.to_radians(), 0.075);
+    let (cos2, s) = (a.cos().powi(2), b.sin());
+    let d = (b.cos().powi(2) + a.tan().powi(2)).sqrt();
+    let driving = row(&lin(2000.0), Model::ClosedForm, "friction_coefficient").efficiency;
+    let expected = -d / (cos2 * s * (d + f * s).powi(2));
+    assert_relative_eq!(driving, expected, max_relative = 1e-13);
+    let driven = row(&lin(-2000.0), Model::ClosedForm, "friction_coefficient").efficiency;
+    let expected = -s / (cos2 * d * (s + f * d).powi(2));
+    assert_relative_eq!(driven, expected, max_relative = 1e-13);
+}
+
+/// What the inertia of slow balls does is proportional to it, also below the speeds, 15 rpm in rigid
+/// and 47 in elastic, at which the answer begins to come from faster balls.
+#[test]
+fn density_acts_with_the_square_of_the_speed() {
+    for model in [Model::Rigid, Model::Elastic] {
+        let at = |rpm| row(&lin(rpm), model, "density_kg_m3").efficiency / rpm.powi(2);
+        let faster = at(100.0);
+        for rpm in [4.0, 10.0, 40.0] {
+            // The product of derivative and density is 1e-11 at 4 rpm, with the rounding of η.
+            assert_relative_eq!(at(rpm), faster, max_relative = 1e-2);
+        }
+    }
+}
+
+/// What the model does not read has no row, what it needs a number for has no relative size.
+#[test]
+fn rows_are_the_inputs_that_the_model_reads() {
+    let names = |model: Model| {
+        let rows = derived(&lin(2000.0), &model.into()).expect("solved").1;
+        let mut names: Vec<_> = rows.iter().map(|row| row.input.name).collect();
+        names.sort_unstable();
+        names
+    };
+    let rigid = names(Model::Rigid);
+    assert!(rigid.contains(&"density_kg_m3") && rigid.contains(&"nut_speed_rpm"), "{rigid:?}");
+    assert!(!rigid.contains(&"nut_conformity") && !rigid.contains(&"lead_mm"), "{rigid:?}");
+    assert!(names(Model::Elastic).contains(&"youngs_modulus_GPa"));
+    let still = row(&lin(2000.0), Model::Rigid, "nut_speed_rpm");
+    assert!(still.relative_efficiency.is_none() && still.efficiency != 0.0);
+    let (_, rows) = derived(&lin(2000.0), &Model::Rigid.into()).expect("solved");
+    let sizes: Vec<_> = rows.iter().filter_map(|r| r.relative_efficiency).map(f64::abs).collect();
+    assert!(sizes.is_sorted_by(|a, b| a >= b), "{sizes:?}");
+}
+
+/// Without load the closed form has no torque, and without solution there are no derivatives.
+#[test]
+fn what_is_not_there_has_no_derivative() {
+    let scene = Scene { axial_load_N: None, ..lin(2000.0) };
+    let friction = row(&scene, Model::ClosedForm, "friction_coefficient");
+    assert!(friction.screw_torque.is_none() && friction.efficiency < 0.0);
+    let mut shallow = lin(2000.0);
+    shallow.lead_angle_deg = Some(5.0);
+    assert!(derived(&shallow, &Model::Rigid.into()).is_none());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn closed_form(scene in scenes()) {
+        check(&scene, &Model::ClosedForm.into())?;
+    }
+
+    #[test]
+    fn quasi_static(scene in scenes()) {
+        check(&single_drive(scene), &Model::QuasiStatic.into())?;
+    }
+
+    #[test]
+    fn rigid(scene in scenes()) {
+        check(&scene, &Model::Rigid.into())?;
+    }
+
+    #[test]
+    fn elastic(scene in scenes()) {
+        check(&scene, &Model::Elastic.into())?;
+    }
+
+    #[test]
+    fn traction(scene in scenes()) {
+        check(&scene, &Model::Traction.into())?;
+    }
+
+    /// With a given race: at a tie of (W7) differences see both.
+    #[test]
+    fn raceway_control(scene in scenes(), at_nut in any::<bool>()) {
+        let control = if at_nut { Control::Nut } else { Control::Screw };
+        check(&scene, &Settings { control: Some(control), ..Model::RacewayControl.into() })?;
+    }
+
+    /// Balls so slow that the answer comes from faster ones.
+    #[test]
+    fn slow_balls(scene in scenes(), log_factor in 3.0..6.0_f64) {
+        let scene = slow(scene, log_factor);
+        for model in [Model::Rigid, Model::Elastic, Model::Traction] {
+            check(&scene, &model.into())?;
+        }
+    }
+
+    /// The choice has the derivatives of the model that it chose, with its dials.
+    #[test]
+    fn auto_is_the_model_that_it_chose(scene in scenes(), log_tolerance in -6.0..-0.5_f64) {
+        let auto = Settings { tolerance: 10.0_f64.powf(log_tolerance), ..Settings::default() };
+        let solution = scene.problem(&auto).expect("complete").solve(&mut ModelWorkspace::default());
+        let found = derived(&scene, &auto).expect("auto has an answer");
+        let order = match solution.choice.expect("a choice").basis {
+            Basis::Integrated { order } => order,
+            _ => Traction::ORDER,
+        };
+        let own = Settings { quadrature: order, ..solution.model.into() };
+        let own = derived(&scene, &own).expect("the model has an answer");
+        for row in &found.1 {
+            // What the chosen model does not use at all has no row there.
+            let same = own.1.iter().find(|own| own.input.name == row.input.name);
+            let expected = same.map_or(0.0, |own| own.efficiency);
+            // Two solves of the same root from different starts.
+            let error = (row.efficiency - expected) * row.value.abs().max(1.0);
+            prop_assert!(error.abs() <= 1e-8, "{row:?} {expected}");
+        }
+        prop_assert!(worst_identity(&found) <= IDENTITY);
+    }
+}

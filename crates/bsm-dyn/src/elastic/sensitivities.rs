@@ -1,0 +1,31 @@
+//! Derivatives of the elastic model's efficiency and torque.
+//!
+//! Theory: `docs/theory/12-sensitivities.md`.
+
+use bsm_kin::Jet;
+
+use super::{Elastic, ElasticWorkspace, Saturated, find, slowness, weights};
+use crate::pair::refused;
+use crate::sensitivity::{moving_root, told_by_inertia};
+use crate::{Reason, Status, Transmitted};
+
+impl<const M: usize> Elastic<Jet<M>> {
+    /// Efficiency and torque with their derivatives.
+    pub(crate) fn sensitivities(
+        &self,
+        ElasticWorkspace(newton): &mut ElasticWorkspace,
+    ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
+        self.screw.require_friction()?;
+        let (inputs, point) = (self.screw.pair()?, self.screw.values().pair()?);
+        let start = Saturated(&point).start()?;
+        told_by_inertia(slowness(&point, &start), |factor| {
+            let (inputs, point) = (inputs.with_inertia(factor), point.with_inertia(factor));
+            let (root, ..) = find(&point, newton)?;
+            let (weights, _) = weights(&point, &root);
+            let residual = |y: &_| Saturated(&inputs).residual(y);
+            let y = moving_root(&Saturated(&point), &root, &weights, residual, newton)?;
+            let state = Saturated(&inputs).state(&y).map_err(refused)?;
+            Ok(self.screw.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
+        })
+    }
+}

@@ -1,0 +1,33 @@
+//! Derivatives of raceway control's efficiency and torque.
+//!
+//! Theory: `docs/theory/12-sensitivities.md`.
+
+use bsm_kin::Jet;
+
+use super::{Balance, Grip, RacewayControl, RacewayWorkspace};
+use crate::balance::efficiency;
+use crate::sensitivity::moving_root;
+use crate::{Reason, Status, Transmitted};
+
+impl<const M: usize> RacewayControl<Jet<M>> {
+    /// Efficiency and torque with their derivatives, for the race that controls.
+    pub(crate) fn sensitivities(
+        &self,
+        RacewayWorkspace { newton, quadrature }: &mut RacewayWorkspace,
+    ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
+        let (inputs, point) = (self.screw.pair()?, self.screw.values().pair()?);
+        let Grip { control, loaded, .. } = Grip::of(&point, self.control, newton)?;
+        let unknowns = [loaded.loads[0], loaded.loads[1], loaded.tilt];
+        let system = Balance { pair: &point, control };
+        let equations = Balance { pair: &inputs, control };
+        let residual = |x: &_| equations.equations(x);
+        let x = moving_root(&system, &unknowns, &system.weights(), residual, newton)?;
+        let loaded = equations.loaded(&x)?;
+        let to_nut = equations.rolling(&loaded);
+        let power =
+            inputs.friction_power(&loaded, &to_nut, RacewayControl::<f64>::CREEP, quadrature);
+        let (ideal, torque) = self.screw.rolling_torques(&inputs, power);
+        let efficiency = efficiency(inputs.direction, ideal, torque);
+        Ok(Transmitted { efficiency, screw_torque: Some(torque) })
+    }
+}

@@ -1,0 +1,39 @@
+//! Derivatives of the rigid model's efficiency and torque.
+//!
+//! Theory: `docs/theory/12-sensitivities.md`.
+
+use bsm_kin::Jet;
+
+use super::first_order::FirstOrder;
+use super::root::{self, NoRoot, SLOW};
+use super::{Rigid, RigidWorkspace};
+use crate::balance::efficiency;
+use crate::layout::BALL;
+use crate::pair::refused;
+use crate::sensitivity::{moving_root, told_by_inertia};
+use crate::{Reason, Status, Transmitted};
+
+impl<const M: usize> Rigid<Jet<M>> {
+    /// Efficiency and torque with their derivatives.
+    pub(crate) fn sensitivities(
+        &self,
+        work: &mut RigidWorkspace,
+    ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
+        let failed = |NoRoot { status, reason }| (status, reason);
+        let inputs = self.scaled().map_err(failed)?;
+        let start = FirstOrder::of(&inputs.map(|x| x.re));
+        told_by_inertia(SLOW * self.friction.re / start.size, |factor| {
+            let inputs = inputs.with_inertia(factor);
+            let point = inputs.map(|x| x.re);
+            let root = root::find(&point, work).map_err(failed)?;
+            let weights = point.weights(FirstOrder::of(&point).normal_moment());
+            let residual = |y: &[_; BALL]| Ok(inputs.residual(&(*y).into())?.into());
+            let unknowns =
+                moving_root(&point, &root.unknowns.into(), &weights, residual, &mut work.0)?;
+            let state = inputs.state(&unknowns.into()).map_err(refused)?;
+            let (ideal, torque) = self.torques(&inputs, &state);
+            let efficiency = efficiency(point.direction(), ideal, torque);
+            Ok(Transmitted { efficiency, screw_torque: Some(torque) })
+        })
+    }
+}

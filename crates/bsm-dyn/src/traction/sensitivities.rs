@@ -1,0 +1,47 @@
+//! Derivatives of the traction model's efficiency and torque.
+//!
+//! Theory: `docs/theory/12-sensitivities.md`.
+
+use bsm_kin::Jet;
+
+use super::{Rolling, Start, Traction, TractionWorkspace};
+use crate::layout::BALL;
+use crate::pair::refused;
+use crate::raceway_control::Grip;
+use crate::sensitivity::moving_root;
+use crate::{Reason, Status, Transmitted};
+
+impl<const M: usize> Traction<Jet<M>> {
+    /// Efficiency and torque with their derivatives, at the order and the creep of the model.
+    pub(crate) fn sensitivities(
+        &self,
+        work: &mut TractionWorkspace,
+    ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
+        let screw = self.screw.values();
+        screw.require_friction()?;
+        let pair = screw.pair()?;
+        let grip = Grip::of(&pair, None, &mut work.statics);
+        let start = Start::new(&pair, grip.ok())?;
+        let case = Traction { screw, order: self.order, creep: self.creep };
+        let root = case.outputs(&start, None, work)?.unknowns;
+        self.sensitivities_at(&root, work)
+    }
+
+    /// The same at a root that is known.
+    pub(crate) fn sensitivities_at(
+        &self,
+        root: &[f64; BALL],
+        work: &mut TractionWorkspace,
+    ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
+        let (inputs, point) = (self.screw.pair()?, self.screw.values().pair()?);
+        let place = work.quadrature(self.order);
+        let TractionWorkspace { newton, quadratures, .. } = work;
+        let (quadrature, creep) = (&quadratures[place].1, self.creep);
+        let system = Rolling { pair: &point, quadrature, creep };
+        let equations = Rolling { pair: &inputs, quadrature, creep };
+        let residual = |y: &_| equations.residual(y);
+        let y = moving_root(&system, root, &system.weights(), residual, newton)?;
+        let state = equations.state(&y).map_err(refused)?;
+        Ok(self.screw.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
+    }
+}
