@@ -1,11 +1,14 @@
 //! Optimum contact angles and self-locking limits in the vocabulary.
 
+use std::cell::RefCell;
+
 use bsm_design::CONTACT_ANGLES;
-use bsm_dyn::{Angles, Direction, Optimum};
+use bsm_design::search::minimum_of;
+use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum};
 use serde_json::{Map, Value, json};
 
 use crate::units::DEG;
-use crate::{CaseError, Scene};
+use crate::{CaseError, Scene, Settings};
 
 /// Both directions at one lead angle and friction coefficient.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,18 +18,35 @@ pub struct OptimumReport {
     locking_deg: [Option<f64>; 2],
     /// Efficiency at the scene's own contact angle, if it has one.
     own_efficiency: Option<[f64; 2]>,
+    /// The optimum that a model finds in the direction of the scene's speeds.
+    by_model: Option<ByModel>,
 }
+
+/// Best contact angle of a model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct ByModel {
+    model: Model,
+    direction: Direction,
+    /// `None` if the model has no solution at any contact angle, or the best one is an end of the range.
+    best: Option<Optimum>,
+}
+
+/// Contact angles among which a model's best one is looked for \[deg\], and points between them.
+const SEARCHED_DEG: (f64, f64) = (5.0, 85.0);
+const SEARCHED: u32 = 40;
 
 const DIRECTIONS: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
 
 impl OptimumReport {
-    /// Optimum and limits for lead angle and friction coefficient of a scene.
+    /// Optimum and limits for lead angle and friction coefficient of a scene in closed form; with a
+    /// model, its best contact angle in the direction of the scene's speeds besides.
     ///
     /// # Errors
     ///
     /// [`CaseError`] if one of them is missing or breaks its rule.
-    pub fn of(scene: &Scene) -> Result<Self, CaseError> {
+    pub fn of(scene: &Scene, model: Option<Model>) -> Result<Self, CaseError> {
         scene.check()?;
+        let by_model = model.map(|model| ByModel::of(scene, model)).transpose()?;
         let (Some(lead), Some(friction)) = (scene.lead_angle(), scene.friction_coefficient) else {
             let mut missing = Vec::new();
             if scene.lead_angle().is_none() {
@@ -45,6 +65,7 @@ impl OptimumReport {
             locking_deg: DIRECTIONS
                 .map(|d| Angles::locking_contact_angle(d, lead, friction).map(|b| b / DEG)),
             own_efficiency: own.map(|angles| DIRECTIONS.map(|d| angles.efficiency(d, friction))),
+            by_model,
         })
     }
 
@@ -59,6 +80,17 @@ impl OptimumReport {
         ];
         if let Some(own) = self.own_efficiency {
             rows.push(("efficiency at the scene's contact angle", "", own.map(Some)));
+        }
+        if let Some(found) = &self.by_model {
+            let row = |value: fn(&Optimum) -> f64| {
+                DIRECTIONS.map(|d| found.best.as_ref().filter(|_| d == found.direction).map(value))
+            };
+            rows.push((
+                "contact angle of best efficiency by the model",
+                "deg",
+                row(|b| b.contact_angle / DEG),
+            ));
+            rows.push(("efficiency of the model there", "", row(|b| b.efficiency)));
         }
         rows
     }
@@ -93,8 +125,47 @@ impl OptimumReport {
             });
             map.insert(name.to_owned(), entry);
         }
+        if let Some(found) = &self.by_model {
+            let entry = json!({
+                "model": found.model.name(),
+                "optimum_contact_angle_deg": found.best.map(|b| b.contact_angle / DEG),
+                "optimum_efficiency": found.best.map(|b| b.efficiency),
+            });
+            map.insert("by_model".to_owned(), entry);
+        }
         map.insert("warnings".to_owned(), json!(self.warnings()));
         Value::Object(map)
+    }
+}
+
+impl ByModel {
+    /// Scans the contact angles, and closes in on the best one.
+    fn of(scene: &Scene, model: Model) -> Result<Self, CaseError> {
+        let settings = Settings::from(model);
+        let speeds = scene.speeds_rpm().map_or(1.0, |(screw, nut)| screw - nut);
+        let direction = Direction::of(speeds).unwrap_or(Direction::RotaryToLinear);
+        let work = RefCell::new(ModelWorkspace::default());
+        let loss = |deg: f64| -> Result<f64, CaseError> {
+            let scene = Scene { contact_angle_deg: Some(deg), ..scene.clone() };
+            let outputs = scene.problem(&settings)?.solve(&mut work.borrow_mut()).outputs;
+            // Worse than any loss of a screw that moves.
+            Ok(outputs.efficiency.map_or(f64::MAX, |eta| 1.0 - eta))
+        };
+        let (low, high) = SEARCHED_DEG;
+        let step = (high - low) / f64::from(SEARCHED);
+        let scan = (0..=SEARCHED).map(|i| {
+            let deg = low + step * f64::from(i);
+            Ok((deg, loss(deg)?))
+        });
+        let scan = scan.collect::<Result<Vec<_>, CaseError>>()?;
+        let best = scan.iter().min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(deg, loss)| {
+            // At an end of the range it would not be an optimum.
+            *loss < 1.0 && *deg > low + 0.5 * step && *deg < high - 0.5 * step
+        });
+        let best = best.and_then(|(deg, _)| minimum_of(loss, deg - step, deg + step).ok());
+        let best =
+            best.map(|deg| Ok(Optimum { contact_angle: deg * DEG, efficiency: 1.0 - loss(deg)? }));
+        Ok(Self { model, direction, best: best.transpose()? })
     }
 }
 

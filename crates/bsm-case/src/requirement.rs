@@ -235,10 +235,6 @@ impl Given {
         if !missing.is_empty() {
             return Err(CaseError::MissingForDesign { missing });
         }
-        if rpm == 0.0 {
-            let (key, rule) = ("screw_speed_rpm".to_owned(), "not 0".to_owned());
-            return Err(CaseError::OutOfRange { key, value: rpm, rule });
-        }
         let conformity = match (scene.nut_conformity, scene.screw_conformity) {
             (Some(nut), Some(screw)) if (nut - screw).abs() > 1e-12 => {
                 return Err(CaseError::TwoConformities { nut, screw });

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use bsm_case::{CaseError, ModelChoice, Settings};
-use bsm_dyn::Control;
+use bsm_dyn::{Control, Model};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -254,6 +254,9 @@ pub(crate) struct OptimumArgs {
     /// Set or replace an input; without a scene, --set `lead_angle_deg=10` --set `friction_coefficient=0.075`.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     pub(crate) settings: Vec<String>,
+    /// Model whose best contact angle is searched for besides; the scene needs its inputs.
+    #[arg(long, value_parser = PossibleValuesParser::new(Model::ALL.map(Model::name)))]
+    pub(crate) model: Option<String>,
     /// How to print the result.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,

@@ -1,6 +1,7 @@
 //! `bsm optimum`: best contact angle and self-locking limits.
 
 use bsm_case::{CaseError, OptimumReport, Scene};
+use bsm_dyn::Model;
 use bsm_validate::number;
 
 use crate::args::{Format, OptimumArgs};
@@ -16,7 +17,8 @@ pub(crate) fn run(args: &OptimumArgs) -> Result<(), Failure> {
         apply(&mut scene, &args.settings)?;
         scene
     };
-    let report = OptimumReport::of(&scene).map_err(|e: CaseError| match &args.scene {
+    let model = args.model.as_deref().and_then(Model::from_name);
+    let report = OptimumReport::of(&scene, model).map_err(|e: CaseError| match &args.scene {
         Some(path) => Failure::scene(path, &e),
         None => Failure::Input(format!("{e}; give a scene file or --set")),
     })?;

@@ -1,7 +1,7 @@
 //! Design of ball screws, SI units: ratings, rigidity, mass and life of a nut, the catalogue of all
 //! nuts of standard sizes, and the choice of a screw for a requirement.
 //!
-//! Theory: `docs/theory/11-ratings.md` and `12-design.md`.
+//! Theory: `docs/theory/11-ratings.md` and `15-design.md`.
 
 mod body;
 mod catalogue;

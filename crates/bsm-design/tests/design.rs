@@ -1,0 +1,195 @@
+//! The search for a screw against full searches, and what it says when there is none.
+
+use std::f64::consts::PI;
+
+use bsm_design::{
+    Blocked, Demand, Design, Fixed, Nut, Objective, Outcome, Pitch, Quantity, Reach, Requirement,
+    Why,
+};
+use bsm_dyn::{Angles, Direction, Material};
+
+const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
+
+/// Balls of the tests \[m\].
+const STOCK: [f64; 6] = [3.175e-3, 3.969e-3, 4.763e-3, 5.556e-3, 6.35e-3, 7.144e-3];
+
+fn feed_drive() -> Requirement {
+    Requirement {
+        demand: Demand::Load(8e3),
+        direction: Direction::RotaryToLinear,
+        pitch: Pitch::Lead(10e-3),
+        reach: Reach::Stroke(0.7),
+        speed: 50.0 * PI,
+        life: Some(3.6e7),
+        friction: 0.05,
+        material: (STEEL, STEEL),
+        pressure: 4.2e9,
+        speed_number: 70.0 * PI / 30.0,
+        ball_over_lead: 0.7,
+        largest_diameter: 0.125,
+        least_efficiency: None,
+        objective: Objective::Mass,
+        fixed: Fixed::default(),
+        stock: STOCK.to_vec(),
+    }
+}
+
+/// Efficiency in closed form, which needs no model.
+fn efficiency(nut: &Nut, _load: f64) -> Option<f64> {
+    let angles = Angles { lead: nut.lead_angle(), contact: nut.contact_angle };
+    Some(angles.efficiency(Direction::RotaryToLinear, 0.05))
+}
+
+fn found(requirement: &Requirement) -> (Design, Vec<Quantity>) {
+    match requirement.choose(&efficiency) {
+        Outcome::Found { design, active } => (design, active),
+        Outcome::Infeasible { blocking, .. } => panic!("{blocking:?}"),
+    }
+}
+
+fn nut(pitch: f64, ball: f64, balls: f64, turns: f64, beta: f64, conformity: f64) -> Nut {
+    Nut {
+        ball_diameter: ball,
+        pitch_diameter: pitch,
+        lead: 10e-3,
+        contact_angle: beta,
+        conformity: (conformity, conformity),
+        material: (STEEL, STEEL),
+        balls_per_turn: balls,
+        turns,
+    }
+}
+
+/// Contact angles in steps of a degree, and conformities with their limits.
+fn angles_and_conformities() -> impl Iterator<Item = (f64, f64)> {
+    let conformities = (0..=5).map(|i| 0.5 / (0.97 - 0.004 * f64::from(i)));
+    (30..=75)
+        .flat_map(move |deg| conformities.clone().map(move |f| (f64::from(deg).to_radians(), f)))
+}
+
+/// The best of all screws with whole balls, angles in steps of a degree.
+fn full_search(requirement: &Requirement) -> f64 {
+    let mut best = f64::INFINITY;
+    for turns in 2..=6 {
+        for ball in STOCK {
+            for count in 10..=45 {
+                let length = f64::from(count) * ball;
+                let exact = (length * length - 1e-4).sqrt() / PI;
+                let pitch = (exact / 1e-5).ceil() * 1e-5;
+                for (beta, f) in angles_and_conformities() {
+                    let nut = nut(pitch, ball, f64::from(count - 4), f64::from(turns), beta, f);
+                    let design = Design::of(requirement, nut, None);
+                    if design.is_feasible() {
+                        best = best.min(design.objective(requirement.objective));
+                    }
+                }
+            }
+        }
+    }
+    best
+}
+
+/// The search is at least as good as a full one. In steps of a degree the full search can miss 2e-3 of
+/// the optimum at most; the search may stop 1e-3 before it.
+#[test]
+fn the_search_finds_what_a_full_one_does() {
+    for objective in [Objective::Mass, Objective::Capacity] {
+        let requirement = Requirement { objective, ..feed_drive() };
+        let (design, active) = found(&requirement);
+        assert!(design.is_feasible(), "{design:?}");
+        assert!(STOCK.iter().any(|ball| (ball - design.nut.ball_diameter).abs() < 1e-12));
+        assert!(design.nut.balls_per_turn.fract() < 1e-9, "{design:?}");
+        let ours = design.objective(objective);
+        let full = full_search(&requirement);
+        assert!(ours <= full + 1e-3, "{objective:?}: {ours} {full} {design:?}");
+        assert!(ours >= full - 3e-2, "{objective:?}: too good to be true, {ours} {full}");
+        assert!(!active.is_empty(), "{objective:?}");
+    }
+}
+
+/// A longer life than any screw has blocks alone, and the best one is that of a full search with
+/// fractions of balls.
+#[test]
+fn what_blocks_is_named_with_its_best_value() {
+    let requirement = Requirement { life: Some(3.6e9), ..feed_drive() };
+    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency) else {
+        panic!("a million hours")
+    };
+    let alone = blocking.iter().find_map(|b| match b {
+        Blocked { check, why: Why::Alone(best) } if check.quantity == Quantity::Life => Some(*best),
+        _ => None,
+    });
+    let mut best: f64 = 0.0;
+    let free = Requirement { life: None, ..requirement };
+    for step in 0..=200 {
+        let pitch = 40e-3 + 0.05e-3 * f64::from(step);
+        for share in 0..=20 {
+            let ball = pitch * (0.1 + 0.005 * f64::from(share));
+            let balls = (PI * pitch).hypot(10e-3) / ball - 4.0;
+            for deg in (60..=75).map(f64::from) {
+                let nut = nut(pitch, ball, balls, 6.0, deg.to_radians(), 0.5 / 0.97);
+                let design = Design::of(&free, nut, None);
+                if design.is_feasible() {
+                    best = best.max(design.value(Quantity::Life));
+                }
+            }
+        }
+    }
+    let alone = alone.expect("life blocks alone");
+    // The life goes with the cube of the rating; the grid is 1 % of it apart.
+    assert!((alone / best - 1.0).abs() < 0.02, "{alone} {best}");
+}
+
+/// What is fixed stays, and a fixed value outside its limit is what blocks.
+#[test]
+fn fixed_numbers_stay() {
+    let fixed = Fixed {
+        pitch_diameter: Some(40e-3),
+        ball: Some(6.35e-3),
+        contact_angle: Some(PI / 4.0),
+        conformity: Some(0.52),
+        turns: Some(5.0),
+    };
+    let requirement = Requirement { fixed, life: Some(3.6e6), ..feed_drive() };
+    let (design, _) = found(&requirement);
+    let nut = design.nut;
+    let kept = [
+        nut.pitch_diameter / 40e-3,
+        nut.ball_diameter / 6.35e-3,
+        nut.contact_angle * 4.0 / PI,
+        nut.conformity.0 / 0.52,
+        nut.turns / 5.0,
+    ];
+    assert!(kept.iter().all(|ratio| (ratio - 1.0).abs() < 1e-12), "{nut:?}");
+
+    let fixed = Fixed { contact_angle: Some(0.2), ..Fixed::default() };
+    let requirement = Requirement { fixed, life: None, ..feed_drive() };
+    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency) else {
+        panic!("11 degrees are not easy to make")
+    };
+    let alone =
+        |b: &Blocked| b.check.quantity == Quantity::ContactAngle && matches!(b.why, Why::Alone(_));
+    assert!(blocking.iter().any(alone), "{blocking:?}");
+}
+
+/// A torque is a load (L1), and friction plays no part in it: the same screw.
+#[test]
+fn a_torque_is_a_load() {
+    let torque = 8e3 * 10e-3 / (2.0 * PI);
+    let (by_load, _) = found(&feed_drive());
+    let (by_torque, _) = found(&Requirement { demand: Demand::Torque(torque), ..feed_drive() });
+    // Rounding of the load moves the search by its tolerance.
+    assert!((by_load.load / by_torque.load - 1.0).abs() < 1e-9);
+    let masses = [by_load, by_torque].map(|d| d.value(Quantity::Mass));
+    assert!((masses[0] / masses[1] - 1.0).abs() < 1e-3, "{masses:?}");
+}
+
+/// With everything but whole balls met, the answer says that whole balls are what is missing.
+#[test]
+fn whole_balls_can_be_what_is_missing() {
+    let requirement = Requirement { stock: vec![1e-3], ..feed_drive() };
+    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency) else {
+        panic!("balls of 1 mm carry 8 kN for 10 000 h")
+    };
+    assert!(!blocking.is_empty() && blocking.iter().all(|b| b.why == Why::WholeBalls));
+}
