@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
-use bsm_design::{Body, Duty, Nut, PRELOAD, ROLLING_LEVER, life};
+use bsm_design::{
+    Body, Duty, DynamicRating, Nut, PRELOAD, ROLLING_LEVER, Rigidity, StaticRating, life,
+};
 use serde_json::{Map, Value, json};
 
 use crate::record::message;
@@ -36,23 +38,7 @@ impl CapacityReport {
     pub fn of(scene: &Scene, spectrum: Option<&Spectrum>) -> Result<Self, CaseError> {
         scene.check()?;
         let nut = nut(scene)?;
-        let mut body = Body::usual(&nut, nut.pitch_diameter);
-        if let Some(outer) = scene.nut_outer_diameter_mm {
-            body.outer = outer * MM;
-        }
-        if let Some(length) = scene.nut_length_mm {
-            body.length = length * MM;
-        }
-        let widest = nut.pitch_diameter + nut.ball_diameter;
-        if body.outer <= widest {
-            let (value, rule) =
-                (body.outer / MM, format!("> {} mm, where the balls are", widest / MM));
-            return Err(CaseError::OutOfRange {
-                key: "nut_outer_diameter_mm".to_owned(),
-                value,
-                rule,
-            });
-        }
+        let body = body(scene, &nut)?;
         let (dynamic, static_) = (nut.dynamic_rating(), nut.static_rating());
         let (force, preloaded) = match (scene.preload_N, scene.axial_load_N) {
             (None, Some(load)) => (load, false),
@@ -96,29 +82,9 @@ impl CapacityReport {
                 ("life_h", "h", life.time / 3600.0),
             ]
         }));
-        let steps = vec![
-            ("lead_angle_deg", "deg", nut.lead_angle() / DEG),
-            ("gamma", "", dynamic.gamma),
-            ("f_c", "", dynamic.shape),
-            ("C_s_N", "N", dynamic.screw),
-            ("C_s_over_C_n", "", dynamic.ratio),
-            ("screw_curvature_along_1_mm", "1/mm", static_.curvatures.along * MM),
-            ("screw_curvature_across_1_mm", "1/mm", static_.curvatures.across * MM),
-            ("k_0_N_mm2", "N/mm2", static_.factor),
-            ("nut_approach_um_N23", "um/N^(2/3)", rigidity.approaches[0] / UM),
-            ("screw_approach_um_N23", "um/N^(2/3)", rigidity.approaches[1] / UM),
-        ];
+        let steps = steps(&nut, &dynamic, &static_, &rigidity);
         let mut warnings = scene.warnings();
-        for (name, conformity) in
-            [("nut_conformity", nut.conformity.0), ("screw_conformity", nut.conformity.1)]
-        {
-            let (low, high) = CONFORMITIES;
-            if !(low..=high).contains(&conformity) {
-                warnings.push(format!(
-                    "{name} = {conformity}: the ratings were fitted for {low} to {high}"
-                ));
-            }
-        }
+        warnings.extend(doubts(&nut, &body));
         let heaviest = life.map_or(force, |life| life.mean_load.max(force));
         if heaviest > dynamic.rating {
             warnings.push(format!(
@@ -163,6 +129,76 @@ impl CapacityReport {
         map.insert("warnings".to_owned(), json!(self.warnings));
         Value::Object(map)
     }
+}
+
+/// The body of the nut of a scene, which must hold its balls.
+fn body(scene: &Scene, nut: &Nut) -> Result<Body, CaseError> {
+    let mut body = Body::usual(nut, nut.pitch_diameter);
+    if let Some(outer) = scene.nut_outer_diameter_mm {
+        body.outer = outer * MM;
+    }
+    if let Some(length) = scene.nut_length_mm {
+        body.length = length * MM;
+    }
+    let widest = nut.pitch_diameter + nut.ball_diameter;
+    if body.outer <= widest {
+        let (value, rule) = (body.outer / MM, format!("> {} mm, where the balls are", widest / MM));
+        return Err(CaseError::OutOfRange { key: "nut_outer_diameter_mm".to_owned(), value, rule });
+    }
+    let turn = nut.turn_length() / nut.ball_diameter;
+    if nut.balls_per_turn > turn * (1.0 + 1e-9) {
+        let (value, rule) = (nut.balls_per_turn, format!("<= {turn:.3}, which fill a turn"));
+        return Err(CaseError::OutOfRange { key: "loaded_balls_per_turn".to_owned(), value, rule });
+    }
+    Ok(body)
+}
+
+/// What lies between the inputs and the ratings.
+fn steps(
+    nut: &Nut,
+    dynamic: &DynamicRating,
+    static_: &StaticRating,
+    rigidity: &Rigidity,
+) -> Vec<Row> {
+    vec![
+        ("lead_angle_deg", "deg", nut.lead_angle() / DEG),
+        ("gamma", "", dynamic.gamma),
+        ("f_c", "", dynamic.shape),
+        ("C_s_N", "N", dynamic.screw),
+        ("C_s_over_C_n", "", dynamic.ratio),
+        ("screw_curvature_along_1_mm", "1/mm", static_.curvatures.along * MM),
+        ("screw_curvature_across_1_mm", "1/mm", static_.curvatures.across * MM),
+        ("k_0_N_mm2", "N/mm2", static_.factor),
+        ("nut_approach_um_N23", "um/N^(2/3)", rigidity.approaches[0] / UM),
+        ("screw_approach_um_N23", "um/N^(2/3)", rigidity.approaches[1] / UM),
+    ]
+}
+
+/// What makes the numbers of a nut doubtful.
+fn doubts(nut: &Nut, body: &Body) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if body.length < nut.turns * nut.lead {
+        warnings.push(format!(
+            "a nut of {:.3} mm has no room for {} loaded turns of {:.3} mm",
+            body.length / MM,
+            nut.turns,
+            nut.lead / MM
+        ));
+    }
+    if body.mass(nut) <= 0.0 {
+        warnings.push("the grooves of such a nut take more than its body has: no mass".to_owned());
+    }
+    for (name, conformity) in
+        [("nut_conformity", nut.conformity.0), ("screw_conformity", nut.conformity.1)]
+    {
+        let (low, high) = CONFORMITIES;
+        if !(low..=high).contains(&conformity) {
+            warnings.push(format!(
+                "{name} = {conformity}: the ratings were fitted for {low} to {high}"
+            ));
+        }
+    }
+    warnings
 }
 
 /// The nut of a scene.

@@ -69,8 +69,9 @@ impl Catalogue {
             }
             all.insert(key, value);
         }
-        let file: File = serde_path_to_error::deserialize(Value::Object(all))
-            .map_err(|e| CaseError::NotAList { key: e.path().to_string(), what: e.to_string() })?;
+        let file: File = serde_path_to_error::deserialize(Value::Object(all)).map_err(|e| {
+            CaseError::NotAList { key: e.path().to_string(), what: e.inner().to_string() }
+        })?;
         file.catalogue()
     }
 
@@ -100,6 +101,14 @@ impl File {
         };
         if lists.len() > MOST {
             return Err(CaseError::GridTooLarge { limit: MOST });
+        }
+        for (key, (low, high)) in
+            [("turns_range", self.turns_range), ("conformity_range", self.conformity_range)]
+        {
+            if low > high {
+                let what = format!("from {low} to {high} is no range");
+                return Err(CaseError::NotAList { key: key.to_owned(), what });
+            }
         }
         let (low, high) = self.conformity_range;
         for value in [low, high] {

@@ -2,8 +2,8 @@
 
 use std::cell::RefCell;
 
-use bsm_design::{Blocked, Check, Nut, Outcome, Quantity, Why};
-use bsm_dyn::{ModelWorkspace, Status};
+use bsm_design::{Blocked, Check, Demand, Nut, Outcome, Quantity, Why};
+use bsm_dyn::{Direction, ModelWorkspace, Status};
 use serde_json::{Map, Value, json};
 
 use crate::optimum::hard_to_make;
@@ -60,19 +60,15 @@ impl DesignReport {
             let solution = WORK.with_borrow_mut(|work| problem.solve(work));
             solution.outputs.efficiency.filter(|_| solution.status == Status::Converged)
         };
-        let (design, reasons, found) = match wish.requirement.choose(&efficiency) {
-            Outcome::Found { design, active } => {
-                (design, active.into_iter().map(|q| label(q).0.to_owned()).collect(), true)
-            }
-            Outcome::Infeasible { design, blocking } => {
-                // What blocks alone is the answer; the rest is what the compromise gives up for it.
-                let alone = |b: &&Blocked| matches!(b.why, Why::Alone(_));
-                let any = blocking.iter().any(|b| alone(&b));
-                let told = blocking.iter().filter(|b| !any || alone(b));
-                let reasons = told.map(blocks).collect();
-                (design, reasons, false)
-            }
-        };
+        let (design, reasons, found): (_, Vec<String>, _) =
+            match wish.requirement.choose(&efficiency) {
+                Outcome::Found { design, active } => {
+                    (design, active.into_iter().map(|q| label(q).0.to_owned()).collect(), true)
+                }
+                Outcome::Infeasible { design, blocking } => {
+                    (design, blocking.iter().map(blocks).collect(), false)
+                }
+            };
         let scene = scene(wish, &design.nut, design.load);
         let mut warnings = scene.warnings();
         let best = design.value(Quantity::BestContactAngle) / DEG;
@@ -84,6 +80,34 @@ impl DesignReport {
             let model = wish.model.name();
             warnings.push(format!("model {model} has no solution for this screw: see bsm solve"));
         }
+        if let Demand::Torque(torque) = wish.requirement.demand {
+            let eta = design.value(Quantity::Efficiency);
+            let driving = wish.requirement.direction == Direction::RotaryToLinear;
+            let needed = if driving { torque / eta } else { torque * eta };
+            if needed.is_finite() {
+                warnings.push(format!(
+                    "screw_torque_Nm is that of a screw without friction (Lin's step 7); with an \
+                     efficiency of {eta:.4} this load goes with a torque of {} N m",
+                    digits(needed)
+                ));
+            }
+        }
+        let nut = &design.nut;
+        let gap = nut.turn_length() / nut.ball_diameter - nut.balls_per_turn;
+        if found && gap.fract() > 0.1 + 1e-6 {
+            warnings.push(format!(
+                "the balls of a turn leave a gap of {:.2} of a ball on this pitch circle",
+                gap.fract()
+            ));
+        }
+        let reasons = if found || !reasons.is_empty() {
+            reasons
+        } else {
+            vec![format!(
+                "model {} has no efficiency for any screw that keeps the limits",
+                wish.model.name()
+            )]
+        };
         Ok(Self { rows: design.checks.iter().map(row).collect(), found, reasons, warnings, scene })
     }
 
@@ -151,6 +175,7 @@ fn label(quantity: Quantity) -> (&'static str, &'static str, f64) {
         Quantity::BallOverLead => ("ball_diameter_over_lead", "", 1.0),
         Quantity::BallOverGroove => ("ball_radius_over_groove_radius", "", 1.0),
         Quantity::Conformity => ("conformity", "", 1.0),
+        Quantity::Turns => ("loaded_turns", "", 1.0),
         Quantity::AxialLoad => ("axial_load_N", "N", 1.0),
         Quantity::NormalLoad => ("normal_load_per_ball_N", "N", 1.0),
         Quantity::Advance => ("advance_mm_s", "mm/s", MM),
@@ -206,22 +231,25 @@ fn digits(value: f64) -> String {
     }
 }
 
-/// A limit that is not kept, by how much, and why.
+/// A limit that blocks, by how much, and why.
 fn blocks(Blocked { check, why }: &Blocked) -> String {
     let (name, unit, _) = label(check.quantity);
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    let number = |value: f64| digits(in_unit(check, value));
-    let why = match why {
+    let number = |value: f64| format!("{}{unit}", digits(in_unit(check, value)));
+    let rule = format!("{name} must be {}{unit}", required(check).unwrap_or_default());
+    match why {
         Why::Alone(best) => {
-            format!("with all other limits kept the best is {}{unit}", number(*best))
+            format!("{rule}: with all other limits kept it can be {} at best", number(*best))
         }
-        Why::WithOthers => "the other limits cannot all be kept even without this one".to_owned(),
-        Why::WholeBalls => {
-            "only fractions of balls, or a ball that is not in stock, would do; this is \
-                            the nearest screw of whole ones"
-                .to_owned()
+        Why::WithOthers => {
+            format!(
+                "{rule}: the nearest compromise has {}, and others fail too",
+                number(check.value)
+            )
         }
-    };
-    let required = required(check).unwrap_or_default();
-    format!("{name} = {}{unit} must be {required}{unit}: {why}", number(check.value))
+        Why::WholeBalls => format!(
+            "{rule}: the nearest screw with whole balls from stock has {}; fractions of balls would do",
+            number(check.value)
+        ),
+    }
 }

@@ -144,6 +144,19 @@ pub enum CaseError {
         /// The name.
         name: String,
     },
+    /// An output that a model does not have.
+    #[error(
+        "model {model} gives no {output} here{}",
+        if missing.is_empty() { String::new() } else { format!("; {} required by model traction", list(missing)) }
+    )]
+    NoOutput {
+        /// The output.
+        output: &'static str,
+        /// The model.
+        model: &'static str,
+        /// What the most complete model lacks.
+        missing: Vec<String>,
+    },
     /// Where to look for an input is not known.
     #[error("`{key}` is not in the scene: tell with --range LOW:HIGH where to look for it")]
     NoRange {

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use crate::{
     CaseError, INPUTS, Input, ModelChoice, Output, Record, Rule, Scene, Settings, nearest_input,
+    required_inputs,
 };
 
 /// Points between which the output is followed.
@@ -132,6 +133,15 @@ impl Fit {
         let mut work = ModelWorkspace::default();
         let mut excess = |value: f64| -> Result<f64, CaseError> {
             let record = self.answer(scene, settings, value, &mut work)?;
+            if record.status() == Status::Converged && record.number(self.output.name).is_none() {
+                let given = |name: &&&str| scene.get(name).is_none() && !name.starts_with("lead");
+                let missing = required_inputs(Model::Traction).iter().filter(given);
+                return Err(CaseError::NoOutput {
+                    output: self.output.name,
+                    model: record.model().name(),
+                    missing: missing.map(|name| (*name).to_owned()).collect(),
+                });
+            }
             let output =
                 record.number(self.output.name).filter(|_| record.status() == Status::Converged);
             Ok(output.map_or(f64::NAN, |output| output - self.measured))

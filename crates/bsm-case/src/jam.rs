@@ -52,7 +52,10 @@ impl Analysis {
         }
         report.inertia_and_drag(scene, &solved, &wedge);
         report.locking(&wedge);
-        report.returner(scene, &solved, [nut, screw]);
+        let [nut_load, screw_load] = wedge.loads;
+        let contacts =
+            [SolvedContact { load: nut_load, ..nut }, SolvedContact { load: screw_load, ..screw }];
+        report.returner(scene, &solved, contacts);
         Ok(report)
     }
 

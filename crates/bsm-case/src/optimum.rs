@@ -99,6 +99,14 @@ impl OptimumReport {
     pub fn warnings(&self) -> Vec<String> {
         let names = ["rotary to linear", "linear to rotary"];
         let mut warnings = Vec::new();
+        if let Some(ByModel { model, best: None, .. }) = &self.by_model {
+            let (low, high) = SEARCHED_DEG;
+            warnings.push(format!(
+                "model {}: no best contact angle between {low} and {high} deg; its efficiency is largest at \
+                 an end of that range",
+                model.name()
+            ));
+        }
         for (best, name) in self.best.iter().zip(names) {
             match best.map(|b| b.contact_angle / DEG) {
                 None => warnings.push(format!(

@@ -48,6 +48,13 @@ pub const REQUIREMENT_INPUTS: &[Input] = &[
         "room for the screw",
     ),
     input(
+        "largest_loaded_turns",
+        "",
+        Rule::AtLeast(2.0),
+        Some(6.0),
+        "most turns of loaded balls, 12 at most",
+    ),
+    input(
         "largest_ball_over_lead",
         "",
         Rule::Above(0.0),
@@ -262,6 +269,7 @@ impl Given {
             speed_number: speed_number.unwrap_or(f64::NAN) * MM * RPM,
             ball_over_lead: limit("largest_ball_over_lead"),
             largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,
+            largest_turns: limit("largest_loaded_turns"),
             least_efficiency: self.number("least_efficiency"),
             objective: match self.word("objective") {
                 "capacity" => Objective::Capacity,

@@ -52,6 +52,10 @@ impl Spectrum {
             }
             duty.push(Duty { load: axial_load_N, speed: screw_speed_rpm * RPM, time: time_share });
         }
+        if duty.is_empty() {
+            let what = format!("has no rows; the columns are {COLUMNS}");
+            return Err(CaseError::Spectrum { what });
+        }
         if duty.iter().all(|d| d.speed * d.time == 0.0) {
             let what = format!("nothing turns; the columns are {COLUMNS}");
             return Err(CaseError::Spectrum { what });

@@ -43,15 +43,31 @@ pub(crate) enum Command {
     #[command(after_help = EXIT_CODES)]
     Optimum(OptimumArgs),
     /// Load ratings, rigidity and efficiency of a nut from its geometry.
+    ///
+    /// The nut is a scene with ball diameter, pitch circle, lead, contact angle, conformities,
+    /// loaded_balls_per_turn and loaded_turns. Rigidity is that of a preloaded pair of nuts (preload_N, or
+    /// 0.15 of the dynamic rating), or of one nut under axial_load_N. Life needs axial_load_N and
+    /// screw_speed_rpm, or a spectrum.
     #[command(after_help = EXIT_CODES)]
     Capacity(CapacityArgs),
     /// Friction coefficient, or another input, from a measured torque or another output.
+    ///
+    /// Such as: bsm fit examples/feed_drive.json --measured screw_torque_Nm=26. All values in the range
+    /// are found, with the answer of the model at each. Model auto is the most complete one here.
     #[command(after_help = EXIT_CODES)]
     Fit(FitArgs),
     /// The best screw for a requirement: load, motion, lead, length, speed, life.
+    ///
+    /// The steps of Lin, Velinsky and Ravani (1994): each with its number, what it must be, and whether it
+    /// is. What the requirement leaves open is chosen for the largest efficiency or load rating, or the
+    /// smallest mass, with a ball from stock and whole numbers of balls in a turn.
     #[command(after_help = EXIT_CODES)]
     Design(DesignArgs),
     /// All nuts of standard sizes: filter, sort, write them as a table.
+    ///
+    /// Every combination of the lists within their limits, with ratings, rigidity of the preloaded pair,
+    /// mass and efficiency. Such as: bsm catalog --require dynamic_load_rating_N>=50000
+    /// --require total_rigidity_N_um>=2000 --require lead_mm=10 --sort mass_kg
     #[command(after_help = EXIT_CODES)]
     Catalog(CatalogArgs),
     /// Slip of the balls, in published and in exact form, and the power that each part of it takes.
@@ -262,10 +278,6 @@ pub(crate) struct OptimumArgs {
     pub(crate) format: Format,
 }
 
-/// The nut is a scene with ball diameter, pitch circle, lead, contact angle, conformities,
-/// loaded_balls_per_turn and loaded_turns. Rigidity is that of a preloaded pair of nuts (preload_N, or
-/// 0.15 of the dynamic rating), or of one nut under axial_load_N. Life needs axial_load_N and
-/// screw_speed_rpm, or a spectrum.
 #[derive(Debug, Args)]
 pub(crate) struct CapacityArgs {
     #[command(flatten)]
@@ -298,8 +310,6 @@ pub(crate) struct AnalysisArgs {
     pub(crate) plot: Option<PathBuf>,
 }
 
-/// Such as: bsm fit examples/feed_drive.json --measured screw_torque_Nm=12.9. All values in the range
-/// are found, with the answer of the model at each. Model auto is the most complete one here.
 #[derive(Debug, Args)]
 pub(crate) struct FitArgs {
     #[command(flatten)]
@@ -329,9 +339,6 @@ fn range(text: &str) -> Result<(f64, f64), String> {
     }
 }
 
-/// The steps of Lin, Velinsky and Ravani (1994): each with its number, what it must be, and whether it
-/// is. What the requirement leaves open is chosen for the largest efficiency or load rating, or the
-/// smallest mass, with a ball from stock and whole numbers of balls in a turn.
 #[derive(Debug, Args)]
 pub(crate) struct DesignArgs {
     /// Requirement in JSON; `-` reads standard input. Without it, the keys of a requirement are printed.
@@ -353,9 +360,6 @@ pub(crate) struct DesignArgs {
     pub(crate) format: Format,
 }
 
-/// Every combination of the lists within their limits, with ratings, rigidity of the preloaded pair,
-/// mass and efficiency. Such as: bsm catalog --require dynamic_load_rating_N>=50000
-/// --require total_rigidity_N_um>=2000 --require lead_mm=10 --sort mass_kg
 #[derive(Debug, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "switches of the command line")]
 pub(crate) struct CatalogArgs {
@@ -431,7 +435,7 @@ pub(crate) struct TradeoffArgs {
 pub(crate) enum Format {
     /// For reading.
     Table,
-    /// For programs; results of points have the names of `bsm schema output`.
+    /// For programs; the numbers have their names, those of points as in `bsm schema output`.
     Json,
 }
 

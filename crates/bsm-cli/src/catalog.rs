@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use bsm_batch::{NumberColumn, Numbers, TableError};
+use bsm_case::units::GPA;
 use bsm_case::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Requirement, STANDARD_CATALOGUE, candidate_json,
     pareto,
@@ -46,6 +47,12 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     }
 
     let all = catalogue.candidates();
+    if all.is_empty() {
+        let limits =
+            "turns_range, conformity_range, largest_ball_over_lead, largest_ball_over_diameter";
+        warn("note", &format!("no combination of the lists keeps the limits: {limits}"));
+        return Err(Failure::Unsolved);
+    }
     let mut chosen: Vec<_> =
         all.iter().filter(|c| requirements.iter().all(|(_, r)| r.is_met(c))).copied().collect();
     if chosen.is_empty() {
@@ -122,6 +129,9 @@ fn scene(candidate: &Candidate) -> Value {
     let mut nut = candidate_json(candidate);
     let inputs: Vec<_> = bsm_case::INPUTS.iter().map(|input| input.name).collect();
     nut.retain(|name, _| inputs.contains(&name.as_str()));
+    let races = candidate.nut.material.0;
+    nut.insert("youngs_modulus_GPa".to_owned(), json!(races.youngs_modulus / GPA));
+    nut.insert("poisson_ratio".to_owned(), json!(races.poisson_ratio));
     Value::Object(nut)
 }
 

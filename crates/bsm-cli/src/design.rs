@@ -65,7 +65,10 @@ fn describe(report: &DesignReport, output: Option<&Path>) -> String {
         };
         format!("what holds it back: {held}\n{next}")
     } else {
-        format!("no screw meets the requirement:\n  {}", report.reasons.join("\n  "))
+        format!(
+            "no screw meets the requirement; what blocks it:\n  {}",
+            report.reasons.join("\n  ")
+        )
     };
     format!("{table}\n\n{verdict}")
 }

@@ -52,7 +52,7 @@ fn requirements_that_cannot_be_met_are_answered() {
     let (code, text, _) = set("life_h=1e6");
     assert_eq!(code, Some(3), "{text}");
     assert!(
-        text.contains("FAIL") && text.contains("with all other limits kept the best is"),
+        text.contains("FAIL") && text.contains("with all other limits kept it can be"),
         "{text}"
     );
     assert!(!dir.path().join("none.json").exists());

@@ -52,9 +52,8 @@ impl Body {
         // A_g = r² arccos(h/r) − h √(r² − h²)                             (D11)
         let groove = radius.powi(2) * (depth / radius).acos()
             - depth * (radius.powi(2) - depth.powi(2)).sqrt();
-        let turn = (PI * nut.pitch_diameter).hypot(nut.lead);
         // m = ρ [π/4 (D² − D_b²) L_n − A_g (L_n/P) L]                     (D11)
         let tube = 0.25 * PI * (self.outer.powi(2) - self.bore.powi(2)) * self.length;
-        STEEL * (tube - groove * self.length / nut.lead * turn)
+        STEEL * (tube - groove * self.length / nut.lead * nut.turn_length())
     }
 }

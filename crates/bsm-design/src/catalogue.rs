@@ -1,11 +1,11 @@
 //! All nuts of standard sizes.
 
 use std::cmp::Ordering;
-use std::f64::consts::PI;
 
 use bsm_dyn::Material;
 use rayon::prelude::*;
 
+use crate::nut::turn_length;
 use crate::{Body, Nut, Rigidity};
 
 /// Balls of a turn that stand in the return and carry nothing.
@@ -99,8 +99,7 @@ pub fn loaded_balls(diameter: f64, lead: f64, ball: f64) -> (f64, f64) {
     let (lead, ball) = (lead / STEP, ball / STEP);
     let mut steps = (diameter / STEP).round();
     loop {
-        // L = √((π d)² + P²)                                              (D16)
-        let length = (PI * steps).hypot(lead).round();
+        let length = turn_length(steps, lead).round();
         // Whole numbers of balls must not be missed by rounding.
         let balls = length / ball + 1e-9;
         // frac(L/d_k) ≤ 0.10                                              (D17)

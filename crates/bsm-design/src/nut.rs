@@ -60,6 +60,11 @@ impl Nut {
         (self.lead / (PI * self.pitch_diameter)).atan()
     }
 
+    /// Length of a turn of the ball centres \[m\] (D16).
+    pub fn turn_length(&self) -> f64 {
+        turn_length(self.pitch_diameter, self.lead)
+    }
+
     /// Dynamic axial load rating `$C_a$` \[N\]: a million revolutions that 90 % survive (D1) to (D4).
     ///
     /// ```math
@@ -132,4 +137,10 @@ impl Nut {
         let (radius, ball) = (0.5 * self.pitch_diameter, 0.5 * self.ball_diameter);
         Groove { member, conformity }.curvatures(radius, ball, lead_angle, self.contact_angle)
     }
+}
+
+/// Length of a turn of the ball centres (D16), in the unit of its arguments.
+pub(crate) fn turn_length(pitch_diameter: f64, lead: f64) -> f64 {
+    // L = √((π d)² + P²)                                                  (D16)
+    (PI * pitch_diameter).hypot(lead)
 }

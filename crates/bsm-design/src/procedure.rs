@@ -5,12 +5,22 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use crate::catalogue::{IDLE_BALLS, STEP};
+use crate::nut::turn_length;
 use crate::requirement::{BALL_RATIOS, CONTACT_ANGLES, GROOVE_RATIOS};
 use crate::search::{SLACK, Value, minimise};
 use crate::{Check, Design, EfficiencyOf, Nut, Objective, Pitch, Quantity, Requirement};
 
-/// Loaded turns that are tried.
-const TURNS: [f64; 5] = [2.0, 3.0, 4.0, 5.0, 6.0];
+/// Fewest loaded turns that are tried, and most if nothing else helps.
+const TURNS: (u32, u32) = (2, 12);
+
+/// Steps of contact angle and conformity in the first look at a pitch circle.
+const LOOKS: (u32, u32) = (9, 2);
+
+/// Pitch circles that are optimised to the end: the best at first look.
+const POLISHED: usize = 24;
+
+/// How much a first look may break a limit.
+const ROUGH: f64 = 0.1;
 
 /// Starts of the search, in the unit cube of pitch diameter, ball ratio, contact angle and conformity.
 const STARTS: [[f64; 4]; 6] = [
@@ -31,18 +41,19 @@ const NEAR: f64 = 2e-3;
 /// What the search says.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
-    /// A screw that meets the requirement.
+    /// A screw that meets the requirement, with whole numbers of balls and a ball from stock.
     Found {
-        /// The screw, with whole numbers of balls and a ball from stock.
+        /// The screw.
         design: Design,
-        /// What holds back the best screw with any ball size and fractions of balls.
+        /// The limits that it meets with nothing to spare.
         active: Vec<Quantity>,
     },
     /// None meets it.
     Infeasible {
         /// The compromise that fails least.
         design: Design,
-        /// The limits that it fails.
+        /// The limits that block: each that alone, left out, would let all others be kept; or else
+        /// what the compromise fails. Empty if the model has no efficiency for any screw.
         blocking: Vec<Blocked>,
     },
 }
@@ -70,34 +81,48 @@ pub enum Why {
 impl Requirement {
     /// The best screw for the requirement.
     ///
-    /// The free numbers are optimised for each number of turns from several starts, first with any
-    /// ball and fractions of balls in a turn; then with the nearest balls in stock and whole numbers
-    /// of them, which fix the pitch circle, contact angle and conformity are optimised again.
+    /// Every ball in stock and every whole number of them that the limits of size allow fixes a pitch
+    /// circle. The best of these at a first look over contact angles and conformities are optimised in
+    /// both. If none keeps all limits, a search with any ball and fractions of balls tells why.
     pub fn choose(&self, efficiency: EfficiencyOf<'_>) -> Outcome {
         let needed = self.objective == Objective::Efficiency || self.least_efficiency.is_some();
         let search = Search { requirement: self, efficiency: needed.then_some(efficiency) };
         let complete = |nut: Nut| Design::of(self, nut, Some(efficiency));
-        let turns = self.fixed.turns.map_or_else(|| TURNS.to_vec(), |turns| vec![turns]);
-        let relaxed: Vec<_> = turns.par_iter().map(|turns| search.relaxed(*turns)).collect();
-        let feasible: Vec<_> = relaxed.iter().filter(|at| search.value(at).is_feasible()).collect();
-        let exact: Vec<_> = feasible.par_iter().flat_map(|at| search.exact(at)).collect();
+        let turns = self.turns();
+        let exact = search.exact(&turns);
         let value = |design: &&Design| search.value_of(design);
-        let objective = |at: &&&Place| search.value(at).objective;
-        if let Some(design) =
-            least(exact.iter().filter(|d| d.is_feasible()), |d| value(d).objective)
-        {
-            let best = least(feasible.iter(), objective);
-            let active = best.map_or_else(Vec::new, |at| search.active(at));
+        let feasible = exact
+            .iter()
+            .filter(|design| design.is_feasible() && design.objective(self.objective).is_finite());
+        if let Some(design) = least(feasible, |design| value(design).objective) {
+            let near = |check: &&Check| check.excess().is_some_and(|excess| excess > -NEAR);
+            let active = design.checks.iter().filter(near).map(|check| check.quantity).collect();
             return Outcome::Found { design: complete(design.nut), active };
         }
-        if let Some(design) = least(exact.iter(), |d| value(d).worst()) {
-            let blocked = |check: &Check| Blocked { check: *check, why: Why::WholeBalls };
-            let failed = design.checks.iter().filter(|check| !check.passes());
-            let blocking = failed.map(blocked).collect();
-            return Outcome::Infeasible { design: complete(design.nut), blocking };
-        }
+        // Only what is limited matters now.
+        let limited = self.least_efficiency.is_some();
+        let search = Search { efficiency: limited.then_some(efficiency), ..search };
         let (at, blocking) = search.conflict(&turns);
-        Outcome::Infeasible { design: complete(search.nut(&at)), blocking }
+        if !blocking.is_empty() {
+            return Outcome::Infeasible { design: complete(search.nut(&at)), blocking };
+        }
+        let Some(design) = least(exact.iter(), |d| search.value_of(d).worst()) else {
+            return Outcome::Infeasible { design: complete(search.nut(&at)), blocking };
+        };
+        let blocked = |check: &Check| Blocked { check: *check, why: Why::WholeBalls };
+        let blocking = design.checks.iter().filter(|check| !check.passes()).map(blocked).collect();
+        Outcome::Infeasible { design: complete(design.nut), blocking }
+    }
+
+    /// Numbers of turns to try.
+    fn turns(&self) -> Vec<f64> {
+        match self.fixed.turns {
+            Some(turns) => vec![turns],
+            None => (TURNS.0..=TURNS.1)
+                .map(f64::from)
+                .filter(|turns| *turns <= self.largest_turns.max(f64::from(TURNS.0)))
+                .collect(),
+        }
     }
 }
 
@@ -156,7 +181,7 @@ impl Search<'_> {
     /// Length of a turn over the ball diameter.
     fn balls(&self, numbers: &Numbers) -> f64 {
         let lead = self.requirement.lead(numbers.pitch_diameter);
-        (PI * numbers.pitch_diameter).hypot(lead) / numbers.ball
+        turn_length(numbers.pitch_diameter, lead) / numbers.ball
     }
 
     fn nut_of(&self, numbers: &Numbers, balls_per_turn: f64, turns: f64) -> Nut {
@@ -195,59 +220,90 @@ impl Search<'_> {
         }
     }
 
-    /// The best place with this number of turns, any ball and fractions of balls.
-    fn relaxed(&self, turns: f64) -> Place {
-        self.best_of_starts(turns, |at| self.value(at))
-    }
-
     /// The best of the minima from all starts.
     fn best_of_starts(&self, turns: f64, value: impl Fn(&Place) -> Value + Sync) -> Place {
         let free = self.is_free();
-        let best = STARTS.par_iter().map(|start| {
+        let places = STARTS.par_iter().map(|start| {
             let start: Vec<_> =
                 start.iter().zip(free).filter(|(_, free)| *free).map(|(x, _)| *x).collect();
             let place = |x: &[f64]| Place { turns, free: x.to_vec() };
             place(&minimise(|x| value(&place(x)), &start))
         });
-        let rank = |at: &Place| {
-            let value = value(at);
-            (value.worst().max(SLACK), value.objective)
-        };
-        let best = best.min_by(|a, b| {
-            let (a, b) = (rank(a), rank(b));
-            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
-        });
-        best.expect("there are starts")
+        best_place(places.collect(), &value)
     }
 
-    /// Designs near a place with balls in stock and whole numbers of them.
-    fn exact(&self, at: &Place) -> Vec<Design> {
-        const BALLS: usize = 6;
-        let near = self.numbers(&at.free);
+    /// Designs with balls in stock and whole numbers of them: those that are the best at first look,
+    /// optimised.
+    fn exact(&self, turns: &[f64]) -> Vec<Design> {
         let fixed = &self.requirement.fixed;
-        let mut balls = fixed.ball.map_or_else(|| self.requirement.stock.clone(), |b| vec![b]);
-        let distance = |ball: &f64| (ball / near.ball).ln().abs();
-        balls.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        balls.truncate(BALLS);
-        let mut designs = Vec::new();
-        for ball in balls {
-            let full = (self.balls(&Numbers { ball, ..near }) + 1e-9).floor();
-            let counts = if fixed.pitch_diameter.is_some() {
-                vec![full]
-            } else {
-                (-1..=3).map(|more| full + f64::from(more)).collect()
-            };
-            for count in counts {
-                let pitch_diameter =
-                    fixed.pitch_diameter.unwrap_or_else(|| self.filled_diameter(ball, count));
-                if pitch_diameter.is_nan() || count - IDLE_BALLS < 1.0 {
-                    continue;
+        let balls = fixed.ball.map_or_else(|| self.requirement.stock.clone(), |ball| vec![ball]);
+        let (slimmest, thickest) = BALL_RATIOS;
+        let mut nuts = Vec::new();
+        for turns in turns {
+            for ball in &balls {
+                let any = Numbers { ball: *ball, ..self.numbers(&[0.5; 4]) };
+                let circle = |pitch_diameter| Numbers { pitch_diameter, ..any };
+                let full = |pitch_diameter| (self.balls(&circle(pitch_diameter)) + 1e-9).floor();
+                let circles: Vec<_> = match fixed.pitch_diameter {
+                    Some(pitch_diameter) => vec![(pitch_diameter, full(pitch_diameter))],
+                    None => whole(full(ball / thickest), full(ball / slimmest) + 1.0)
+                        .map(|count| (self.filled_diameter(*ball, count), count))
+                        .collect(),
+                };
+                for (pitch_diameter, count) in circles {
+                    let loaded = count - IDLE_BALLS;
+                    let nut = self.nut_of(&circle(pitch_diameter), loaded, *turns);
+                    if loaded >= 1.0 && !pitch_diameter.is_nan() {
+                        nuts.push(nut);
+                    }
                 }
-                let whole = Numbers { pitch_diameter, ball, ..near };
-                designs.push(self.polished(&whole, count - IDLE_BALLS, at));
             }
         }
-        designs
+        // Without any that fits, the others tell why.
+        let fitting: Vec<_> = nuts.iter().filter(|nut| self.fits(nut)).copied().collect();
+        let nuts = if fitting.is_empty() { nuts } else { fitting };
+        let mut looks: Vec<_> = nuts.par_iter().map(|nut| self.first_look(nut)).collect();
+        // Those that can hardly be feasible come last.
+        looks.sort_by(|(a, _), (b, _)| {
+            let rough = |value: &Value| value.worst().max(ROUGH);
+            rough(a).total_cmp(&rough(b)).then(a.objective.total_cmp(&b.objective))
+        });
+        looks.truncate(POLISHED.max(looks.len() / 10).min(4 * POLISHED));
+        looks.par_iter().map(|(_, nut)| self.polished(nut)).collect()
+    }
+
+    /// True if the size of a nut keeps the limits, whatever its contact angle and conformity; a size that
+    /// is fixed is left for the checks to tell.
+    fn fits(&self, nut: &Nut) -> bool {
+        let free = self.is_free();
+        !(free[0] && free[1])
+            || Design::of(self.requirement, *nut, None)
+                .checks
+                .iter()
+                .all(|check| check.passes() || !check.quantity.is_of_size())
+    }
+
+    /// The best contact angle and conformity of a few.
+    fn first_look(&self, nut: &Nut) -> (Value, Nut) {
+        let [.., angle, conformity] = self.is_free();
+        let steps = |free: bool, steps: u32| {
+            let last = if free { steps } else { 0 };
+            (0..=last).map(move |i| f64::from(i) / f64::from(last.max(1)))
+        };
+        let looks = steps(angle, LOOKS.0).flat_map(|x| {
+            let last = steps(conformity, LOOKS.1);
+            last.map(move |y| [(angle, x), (conformity, y)])
+        });
+        let looks = looks.map(|look| {
+            let free = look.iter().filter(|(free, _)| *free).map(|(_, x)| *x).collect::<Vec<_>>();
+            let nut = self.shaped(nut, &free);
+            (self.value_of(&self.design(nut)), nut)
+        });
+        let rank = |(value, _): &(Value, Nut)| {
+            let worst = value.worst();
+            if worst <= SLACK { value.objective.clamp(-1e3, 1e3) } else { 1e4 + worst }
+        };
+        least(looks, rank).expect("at least one look")
     }
 
     /// The pitch circle that so many balls fill, rounded up to 0.01 mm; NaN if the lead alone is
@@ -261,65 +317,101 @@ impl Search<'_> {
         (diameter / STEP).ceil() * STEP
     }
 
-    /// A design with contact angle and conformity optimised, the rest as it is.
-    fn polished(&self, whole: &Numbers, balls: f64, at: &Place) -> Design {
+    /// A nut with contact angle and conformity from numbers in the unit cube, as far as they are free.
+    fn shaped(&self, nut: &Nut, free: &[f64]) -> Nut {
         let [diameter, ball, ..] = self.is_free();
-        let skip = usize::from(diameter) + usize::from(ball);
-        let nut = |x: &[f64]| {
-            let mut free = vec![0.0; skip];
-            free.extend_from_slice(x);
-            let Numbers { contact_angle, conformity, .. } = self.numbers(&free);
-            self.nut_of(&Numbers { contact_angle, conformity, ..*whole }, balls, at.turns)
-        };
-        // What these two numbers do not change needs no search.
-        let first = Design::of(self.requirement, nut(&at.free[skip..]), None);
-        if first.checks.iter().any(|check| check.quantity.is_of_size() && !check.passes()) {
-            return first;
-        }
-        let best = minimise(|x| self.value_of(&self.design(nut(x))), &at.free[skip..]);
-        self.design(nut(&best))
+        let mut all = vec![0.5; usize::from(diameter) + usize::from(ball)];
+        all.extend_from_slice(free);
+        let Numbers { contact_angle, conformity, .. } = self.numbers(&all);
+        Nut { contact_angle, conformity: (conformity, conformity), ..*nut }
     }
 
-    /// The limits that a place meets with nothing to spare.
-    fn active(&self, at: &Place) -> Vec<Quantity> {
-        let checks = self.design(self.nut(at)).checks;
-        let near = checks.iter().filter(|c| c.excess().is_some_and(|excess| excess > -NEAR));
-        near.map(|check| check.quantity).collect()
+    /// A design with contact angle and conformity optimised from those of `nut`.
+    fn polished(&self, nut: &Nut) -> Design {
+        let [.., angle, conformity] = self.is_free();
+        let share = |(low, high): (f64, f64), value: f64| (value - low) / (high - low);
+        let start = [
+            (angle, share(CONTACT_ANGLES, nut.contact_angle)),
+            (conformity, share(GROOVE_RATIOS, 0.5 / nut.conformity.0)),
+        ];
+        let start: Vec<_> = start.iter().filter(|(free, _)| *free).map(|(_, x)| *x).collect();
+        let value = |x: &[f64]| self.value_of(&self.design(self.shaped(nut, x)));
+        self.design(self.shaped(nut, &minimise(value, &start)))
     }
 
-    /// The place that fails least, and what it fails.
+    /// The place that fails least with any ball and fractions of balls, and the limits that block;
+    /// none if it fails nothing.
     fn conflict(&self, turns: &[f64]) -> (Place, Vec<Blocked>) {
         let failure = |at: &Place| {
             let excess = self.value(at).excess;
             excess.iter().map(|g| g.max(0.0).powi(2)).sum::<f64>()
         };
         let only = |at: &Place| Value { objective: failure(at), excess: Vec::new() };
-        let places: Vec<_> =
-            turns.par_iter().map(|turns| self.best_of_starts(*turns, only)).collect();
-        let at = least(places.into_iter(), failure).expect("some turns");
+        let at = self.best_of_all(turns, only);
         let checks = self.design(self.nut(&at)).checks;
-        let failed = checks.iter().filter(|check| !check.passes());
-        let blocked =
-            |check: &Check| Blocked { check: *check, why: self.without(check.quantity, at.turns) };
-        let blocking = failed.map(blocked).collect();
+        if checks.iter().all(Check::passes) {
+            return (at, Vec::new());
+        }
+        let limited: Vec<_> = checks.iter().filter(|check| check.excess().is_some()).collect();
+        let alone = limited.par_iter().filter_map(|check| self.without(check, turns));
+        let mut blocking: Vec<_> = alone.collect();
+        if blocking.is_empty() {
+            let together = |check: &Check| Blocked { check: *check, why: Why::WithOthers };
+            blocking = checks.iter().filter(|check| !check.passes()).map(together).collect();
+        }
         (at, blocking)
     }
 
-    /// What a quantity can be with all other limits kept.
-    fn without(&self, quantity: Quantity, turns: f64) -> Why {
-        let alone = |at: &Place| {
-            let checks = self.design(self.nut(at)).checks;
-            let excess = |own: bool| {
-                let kept = checks.iter().filter(move |c| (c.quantity == quantity) == own);
-                kept.filter_map(Check::excess)
+    /// What a quantity can be with all other limits kept; `None` if these cannot all be.
+    fn without(&self, check: &Check, turns: &[f64]) -> Option<Blocked> {
+        let blocked = |best| Blocked { check: *check, why: Why::Alone(best) };
+        if check.quantity == Quantity::Turns {
+            let more = (TURNS.0..=TURNS.1).map(f64::from).filter(|more| !turns.contains(more));
+            let feasible = |turns: &f64| {
+                let at =
+                    self.best_of_starts(*turns, |at| Value { objective: 0.0, ..self.value(at) });
+                let excess = self.design(self.nut(&at)).checks.into_iter();
+                excess.filter(|c| c.quantity != check.quantity).all(|c| c.passes())
             };
-            Value { objective: excess(true).sum(), excess: excess(false).collect() }
-        };
-        let at = self.best_of_starts(turns, alone);
-        if alone(&at).is_feasible() {
-            Why::Alone(self.design(self.nut(&at)).value(quantity))
-        } else {
-            Why::WithOthers
+            return more.into_iter().find(feasible).map(blocked);
         }
+        let split = |at: &Place| {
+            let checks = self.design(self.nut(at)).checks;
+            let others = checks.iter().filter(|c| c.quantity != check.quantity);
+            let excess = others.filter_map(Check::excess).collect();
+            let own = checks.iter().find(|c| c.quantity == check.quantity);
+            // How far from the limit, in powers of e: even where it is many times the value.
+            let far = |c: &Check| {
+                let below = c.least.map_or(f64::NEG_INFINITY, |least| (least / c.value).ln());
+                below.max(c.most.map_or(f64::NEG_INFINITY, |most| (c.value / most).ln()))
+            };
+            Value { objective: own.map_or(f64::NAN, far), excess }
+        };
+        let at = self.best_of_all(turns, split);
+        let best = self.design(self.nut(&at)).value(check.quantity);
+        split(&at).is_feasible().then(|| blocked(best))
     }
+
+    /// The best of the minima of all numbers of turns.
+    fn best_of_all(&self, turns: &[f64], value: impl Fn(&Place) -> Value + Sync) -> Place {
+        let places: Vec<_> =
+            turns.par_iter().map(|turns| self.best_of_starts(*turns, &value)).collect();
+        best_place(places, value)
+    }
+}
+
+/// The place of the least objective among those that keep the constraints best.
+fn best_place(places: Vec<Place>, value: impl Fn(&Place) -> Value) -> Place {
+    let rank = |at: &Place| {
+        let value = value(at);
+        (value.worst().max(SLACK), value.objective)
+    };
+    let ranked = places.into_iter().map(|at| (rank(&at), at));
+    let best = ranked.min_by(|(a, _), (b, _)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    best.expect("there are places").1
+}
+
+/// Whole numbers from one to another.
+fn whole(low: f64, high: f64) -> impl Iterator<Item = f64> {
+    std::iter::successors(Some(low), |n| Some(n + 1.0)).take_while(move |n| *n <= high)
 }

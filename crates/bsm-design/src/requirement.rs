@@ -87,6 +87,8 @@ pub struct Requirement {
     pub ball_over_lead: f64,
     /// Largest pitch circle diameter \[m\].
     pub largest_diameter: f64,
+    /// Most loaded turns, unless they are fixed.
+    pub largest_turns: f64,
     /// Least efficiency.
     pub least_efficiency: Option<f64>,
     /// What is to be best.
@@ -111,6 +113,7 @@ pub enum Quantity {
     BallOverLead,
     BallOverGroove,
     Conformity,
+    Turns,
     AxialLoad,
     NormalLoad,
     Advance,
@@ -240,6 +243,8 @@ impl Design {
         let in_groove = 0.5 / nut.conformity.0;
         add(6, Quantity::BallOverGroove, in_groove, Some(low), Some(high));
         add(6, Quantity::Conformity, nut.conformity.0, None, None);
+        let most = Some(requirement.largest_turns).filter(|_| requirement.fixed.turns.is_none());
+        add(7, Quantity::Turns, nut.turns, None, most);
         add(7, Quantity::AxialLoad, load, None, None);
         add(7, Quantity::NormalLoad, normal, None, None);
         // v = r_m tanα W                                                  (L6)

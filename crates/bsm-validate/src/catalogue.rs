@@ -135,7 +135,8 @@ fn figure(
     Figure {
         key: format!("catalogue-{number}"),
         title: format!("{} over {}", capital(quantity), x.name()),
-        caption: "Around a nut of 40 mm, lead 10 mm, balls of 5 mm, 4 turns, conformity 0.53."
+        caption: "Around a nut of 40 mm, lead 10 mm, balls of 5 mm, 4 turns, conformity 0.53; the \
+                  seven largest values where a list has more."
             .to_owned(),
         x: Axis::linear(&format!("{}{}", x.name(), if x.is_length() { ", mm" } else { "" })),
         y: Axis::linear(label),

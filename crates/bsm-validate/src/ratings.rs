@@ -70,6 +70,9 @@ impl Row {
             Check::new(&key, TABLES, claim)
         };
         let fits = "exact Hertz in place of the fits of the table";
+        // With the printed characteristic of 41 in place of 40.25 the nut of 20 mm has 525.2 N/um.
+        let softer =
+            "1 % for two of the rows; the smallest is 1.1 % off because its characteristic is";
         vec![
             check("dynamic", "dynamic load rating").measured(rating, "N").equals(
                 self.dynamic_load_rating_N,
@@ -85,7 +88,7 @@ impl Row {
                 ),
             check("rigidity", "rigidity of the preloaded pair")
                 .measured(of(|r| r.total) * UM, "N/um")
-                .equals(self.total_rigidity_N_um, 0.012 * self.total_rigidity_N_um, fits),
+                .equals(self.total_rigidity_N_um, 0.012 * self.total_rigidity_N_um, softer),
             check("diameter", "diameter of ball centres that the balls fill")
                 .measured(pitch_diameter / MM, "mm")
                 .equals(self.calculated_diameter_mm, 0.001, "steps of 0.01 mm"),

@@ -78,6 +78,9 @@ fn field(scene: &Scene) -> Result<[Check; 2], ValidateError> {
         let (helix, radius, drive) = (case.screw.helix, case.screw.ball.radius, case.screw.drive);
         let ball = SteadyBall { helix, radius, drive, motion };
         let angles = [solution.outputs.nut_contact_angle, solution.outputs.screw_contact_angle];
+        // Of the model, which knows the motion in its own units and axes.
+        let slip_outputs =
+            [solution.outputs.nut_slip_velocity, solution.outputs.screw_slip_velocity];
         for (i, site) in [Site::Nut, Site::Screw].into_iter().enumerate() {
             let touch = Touch { site, angle: angles[i].unwrap_or(f64::NAN) };
             let contact = ball.contact(&touch);
@@ -89,7 +92,7 @@ fn field(scene: &Scene) -> Result<[Check; 2], ValidateError> {
             };
             let name = ["nut", "screw"][i];
             let slip = number(&format!("{name}_differential_slip_m_s"));
-            value = value.max((at(0.0).norm() / slip - 1.0).abs());
+            value = value.max((slip_outputs[i].unwrap_or(f64::NAN) / slip - 1.0).abs());
             // The field of a rigid motion is linear: a wide step has no truncation.
             let spin = number(&format!("{name}_spin_rad_s"));
             let difference = (at(1e-3) - at(-1e-3)).dot(&tangent) / 2e-3;
