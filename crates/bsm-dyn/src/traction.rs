@@ -17,7 +17,7 @@ use crate::jacobian::linearize;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::layout::{self, BALL};
 use crate::pair::{ElasticScrew, Loaded, Pair};
-use crate::raceway_control::Grip;
+use crate::raceway_control::{Grip, STATIC};
 use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
 
 /// Places of the angular velocity in (t, N, e_x) of the mean normal.
@@ -62,7 +62,7 @@ pub struct TractionWorkspace {
 
 impl Default for TractionWorkspace {
     fn default() -> Self {
-        let (statics, newton) = (Workspace::new(3), Workspace::new(BALL));
+        let (statics, newton) = (Workspace::new(STATIC), Workspace::new(BALL));
         Self { statics, newton, quadratures: Vec::new() }
     }
 }
