@@ -35,6 +35,10 @@ validate *FLAGS:
 tradeoff *FLAGS:
     cargo run --release --locked -p bsm-cli -- tradeoff {{FLAGS}}
 
+# Random points of extreme ranges in every model, checked; `just extremes 1000000 --model rigid`.
+extremes *FLAGS:
+    cargo run --release --locked -p bsm-validate --example extremes -- {{FLAGS}}
+
 # The pictures of README and docs.
 pictures: (validate "--out" "target/report") (tradeoff "--out" "target/tradeoff")
     cp target/report/figures/{transition,lin-efficiency-lead-angle}.svg target/tradeoff/figures/pareto-single.svg docs/img/

@@ -1,6 +1,6 @@
 //! The answer in the vocabulary.
 
-use bsm_dyn::{Basis, GRIPS_BELOW, Model, Motion, Outputs, Reason, Solution, Status};
+use bsm_dyn::{Basis, Control, GRIPS_BELOW, Model, Motion, Outputs, Reason, Solution, Status};
 use serde_json::{Map, Value, json};
 
 use crate::units::{DEG, MPA};
@@ -234,6 +234,15 @@ pub(crate) fn message(reason: &Reason) -> String {
              speed",
             nut / DEG,
             screw / DEG
+        ),
+        Reason::FlanksCannotHold { control, held, centrifugal } => format!(
+            "the ball leaves its flanks: at no contact angles between 0 and 90 deg do they hold the \
+             centrifugal force. At most they hold {held:.3e} of the axial load, where it is \
+             {centrifugal:.3e} with the {} in control. Raise axial_load_N or lower the speed",
+            match control {
+                Control::Nut => "nut",
+                Control::Screw => "screw",
+            }
         ),
         Reason::SlipAlongFriction { slip } => format!(
             "only a root was found whose slip at the nut, {slip:.3e} r_b |W|, points along \

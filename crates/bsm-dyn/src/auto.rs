@@ -102,7 +102,7 @@ impl Auto {
         let traction =
             Traction { screw: self.screw, order: Traction::ORDER, creep: Traction::CREEP };
         let integrated = self.screw.require_friction().and_then(|()| {
-            let start = Start::new(&pair, grip)?;
+            let start = Start::new(&pair, grip.as_ref())?;
             traction.solve_to(&start, self.tolerance, FINEST, &mut work.traction)
         });
         match integrated {

@@ -1,7 +1,7 @@
 //! Gross slip on elastic contacts: saturated friction at the contact centres, contact angles that
 //! follow load and speed.
 //!
-//! Theory: `docs/theory/08-elastic.md`, equations (S1) to (S11).
+//! Theory: `docs/theory/08-elastic.md`, equations (S1) to (S12).
 
 mod sensitivities;
 
@@ -23,6 +23,9 @@ const SLOW: f64 = 1e-5;
 
 /// Inertia ratio at which the first order is a safe start.
 const CALM: f64 = 0.3;
+
+/// Below this ratio of inertia to friction the first order decides about existence (S12).
+const SURE: f64 = 0.05;
 
 /// A solve may take this many steps; more means that the start was not near the root.
 const MOST_STEPS: usize = 12;
@@ -121,7 +124,13 @@ impl Saturated<'_> {
         let pair = self.0;
         let (alpha, signed) = (pair.helix.lead_angle, pair.friction * pair.sign());
         let factor = |beta| Angles { lead: alpha, contact: beta }.slip_factor();
-        let (load, beta) = pair.static_load(|beta| signed * factor(beta))?;
+        let static_load = pair.static_load(|beta| signed * factor(beta));
+        let (load, beta) = static_load.map_err(|(status, reason)| {
+            // sinβ > f D(β) at an angle only if it holds at 90 deg: f tanα < 1  (S12)
+            let holds = signed * alpha.tan() >= 1.0;
+            let calm = inertia_over_friction(pair, 1.0 + pair.nut_speed.abs()) < SURE;
+            (if holds && calm { Status::NoSolution } else { status }, reason)
+        })?;
         let ((sin_a, cos_a), (sin_b, cos_b)) = (alpha.sin_cos(), beta.sin_cos());
         let angles = Angles { lead: alpha, contact: beta };
         let size = pair.helix.radius.recip();
@@ -208,16 +217,25 @@ fn slowness(pair: &Pair, start: &[f64; BALL]) -> f64 {
     SLOW / (pair.inertia_ratio() * rate * rate / pair.friction)
 }
 
+/// Size of the inertia forces over that of friction, at a precession rate over `$|W|$`.
+fn inertia_over_friction(pair: &Pair, rate: f64) -> f64 {
+    pair.inertia_ratio() * (rate * rate).max(1.0) / pair.friction
+}
+
 /// The root, if its slip is against friction.
 fn find(pair: &Pair, newton: &mut Workspace) -> Result<Found, (Status, Reason)> {
     let y = Saturated(pair).start()?;
+    let (first, rate) = (y[SLIP], y[PRECESSION] * pair.sign() + pair.nut_speed);
     let factor = slowness(pair, &y);
     let found =
         if factor > 1.0 { slow_root(pair, factor, newton)? } else { root(pair, y, newton)? };
     let slip = found.0[SLIP];
     if slip <= 0.0 {
-        // The slip would point along friction, not against it; other roots are not excluded.
-        return Err((Status::NotConverged, Reason::SlipAlongFriction { slip }));
+        // The slip would point along friction, not against it. With little inertia there is no
+        // other root; with more, others are not excluded.
+        let sure = first < 0.0 && inertia_over_friction(pair, rate) < SURE;
+        let status = if sure { Status::NoSolution } else { Status::NotConverged };
+        return Err((status, Reason::SlipAlongFriction { slip }));
     }
     Ok(found)
 }
@@ -336,3 +354,6 @@ impl Elastic {
         Ok(outputs)
     }
 }
+
+#[cfg(test)]
+mod tests;

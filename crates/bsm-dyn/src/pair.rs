@@ -162,19 +162,14 @@ pub(crate) struct Loaded<D> {
     pub(crate) loads: [D; 2],
     /// Half the difference of the contact angles \[rad\].
     pub(crate) tilt: D,
+    /// Contact angles at nut and screw \[rad\].
+    pub(crate) angles: [D; 2],
     /// Triad turned to the mean contact normal.
     pub(crate) frame: BallFrame<D>,
     /// Contacts at nut and screw.
     pub(crate) contacts: [Contact<D>; 2],
     /// Axial displacement of the nut.
     pub(crate) displacement: D,
-}
-
-impl<D: Scalar> Loaded<D> {
-    /// Contact angles at nut and screw \[rad\].
-    pub(crate) fn angles(&self) -> [D; 2] {
-        [self.frame.turn - self.tilt, self.frame.turn + self.tilt]
-    }
 }
 
 impl<P: Scalar> Pair<P> {
@@ -191,7 +186,12 @@ impl<P: Scalar> Pair<P> {
     /// Approaches over ball radius of loads over axial load (P2).
     fn approaches<D: Over<P>>(&self, loads: [D; 2]) -> [D; 2] {
         // δ = (Q/K_H)^{2/3}, Eq (H9)                                      (P2)
-        std::array::from_fn(|i| loads[i].cbrt().square() * self.approach[i])
+        std::array::from_fn(|i| self.approach_of(i, loads[i]))
+    }
+
+    /// Approach over ball radius at nut (0) or screw (1) of a load over the axial load (P2).
+    pub(crate) fn approach_of<D: Over<P>>(&self, i: usize, load: D) -> D {
+        load.cbrt().square() * self.approach[i]
     }
 
     /// Contacts and displacement of two loads and a tilt (P2) to (P4).
@@ -221,7 +221,9 @@ impl<P: Scalar> Pair<P> {
         // β_A = β − ν,  β_B = β + ν                                       (P3)
         let contacts = [Contact::tilted(Site::Nut, -tilt), Contact::tilted(Site::Screw, tilt)];
         let frame = BallFrame::turned(D::from(self.helix.lead_angle), deformed.mean_angle);
-        Ok(Loaded { loads, tilt, frame, contacts, displacement: deformed.displacement.nut })
+        let angles = [deformed.mean_angle - tilt, deformed.mean_angle + tilt];
+        let displacement = deformed.displacement.nut;
+        Ok(Loaded { loads, tilt, angles, frame, contacts, displacement })
     }
 
     /// The same point with the inertia multiplied by `factor`.
@@ -339,13 +341,12 @@ impl ElasticScrew {
         loaded: &Loaded<f64>,
         to_nut: &Motion<f64>,
     ) -> Result<Outputs, (Status, Reason)> {
-        let [nut, screw] = loaded.angles();
-        if ![nut, screw].iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
+        let angles @ [nut, screw] = loaded.angles;
+        if !angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
             return Err((Status::NotConverged, Reason::BallLeavesFlank { nut, screw }));
         }
         let (w, r_b) = (self.drive.relative_speed().abs(), self.ball.radius);
         let loads = loaded.loads.map(|q| q * self.load.per_ball());
-        let angles = loaded.angles();
         let approach = pair.approaches(loaded.loads).map(|a| a * r_b);
         let axes = [0, 1].map(|i| pair.hertz[i].semi_axes(loads[i]));
         let mut outputs = Outputs {

@@ -1,23 +1,22 @@
 //! Raceway control: elastic contacts without friction in the balance, rolling kinematics, and
 //! friction power from the slip that is left.
 //!
-//! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W11).
+//! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W15).
 
+mod balance;
 mod sensitivities;
 
 use std::num::NonZeroUsize;
 
-use bsm_kin::{Motion, Over, Scalar};
-use bsm_newton::{EvalError, MatMut, Options, Scales, System, Workspace, solve};
+use bsm_kin::{Motion, Scalar};
+use bsm_newton::Workspace;
 use nalgebra::Vector3;
 
+pub(crate) use self::balance::STATIC;
+use self::balance::{Balance, Root};
 use crate::ellipse::Quadrature;
-use crate::jacobian::linearize;
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
 use crate::{Model, Outputs, Reason, Solution, Status};
-
-/// Unknowns of the static balance: loads and tilt.
-const STATIC: usize = 3;
 
 /// The race at which the ball does not spin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,19 +67,17 @@ pub(crate) fn rolling<D: Scalar>(
     let between = cos_n * cos_s + sin_n * sin_s;
     // Radius of the ball over arc length per radian, r_b/d.
     let lever = size * cos_a;
+    let p = precession(control, lever * cos_a, (cos_n, cos_s), between);
     // ω'_t = W sinα / 2                                                   (W3)
     let along = sin_a * 0.5;
     let one = D::from(1.0);
     match control {
         Control::Nut => {
-            // p = (1 − (r_b/d) cosα cosβ_B) / (1 + cos(β_A − β_B))        (W4)
-            let p = (one - lever * cos_a * cos_s) / (one + between);
             // (ω'_n, ω'_b) = −p (d/r_b) (−sinβ_A, cosβ_A)                 (W5)
             let rate = -p / lever;
             (p, Vector3::new(along, -rate * sin_n, rate * cos_n))
         }
         Control::Screw => {
-            let p = (between - lever * cos_a * cos_n) / (one + between);
             // (ω'_n, ω'_b − cosα) = (p − 1)(d/r_b) (−sinβ_B, cosβ_B)      (W6)
             let rate = (p - one) / lever;
             (p, Vector3::new(along, -rate * sin_s, rate * cos_s + cos_a))
@@ -88,81 +85,17 @@ pub(crate) fn rolling<D: Scalar>(
     }
 }
 
-/// Static balance of the ball in the normal plane.
-struct Balance<'a, P = f64> {
-    pair: &'a Pair<P>,
-    control: Control,
-}
-
-impl<P: Scalar> Balance<'_, P> {
-    fn equations<D: Over<P>>(&self, x: &[D; STATIC]) -> Result<[D; STATIC], EvalError> {
-        let [q_a, q_b, tilt] = *x;
-        // Q = K_H δ^{3/2} by the loads as unknowns, Eq (P2)               (W1)
-        let [beta_a, beta_b] = self.pair.loaded([q_a, q_b], tilt)?.angles();
-        let (lead, size) = (self.pair.helix.lead_angle, self.pair.helix.radius.recip());
-        let (p, _) = rolling(self.control, D::from(lead), D::from(size), beta_a, beta_b);
-        let rate = p * self.pair.sign() + self.pair.nut_speed;
-        let ((sin_a, cos_a), (sin_b, cos_b)) = (beta_a.sin_cos(), beta_b.sin_cos());
-        // Q_A cosβ_A − Q_B cosβ_B = m r_m P²,  Q_A sinβ_A = Q_B sinβ_B,
-        // Q_A sinβ_A cosα = F_a                                           (W2)
-        Ok([
-            q_a * cos_a - q_b * cos_b - rate.square() * self.pair.inertia_ratio(),
-            q_a * sin_a - q_b * sin_b,
-            q_a * sin_a * lead.cos() - 1.0,
-        ])
-    }
-
-    fn loaded<D: Over<P>>(
-        &self,
-        &[q_a, q_b, tilt]: &[D; STATIC],
-    ) -> Result<Loaded<D>, (Status, Reason)> {
-        self.pair.loaded([q_a, q_b], tilt).map_err(refused)
-    }
-
-    /// Rolling motion relative to the nut over `$|W|$`.
-    fn rolling<D: Over<P>>(&self, loaded: &Loaded<D>) -> Motion<D> {
-        let (helix, sign) = (&self.pair.helix, self.pair.sign());
-        let [nut, screw] = loaded.angles();
-        let (lead, size) = (D::from(helix.lead_angle), D::from(helix.radius.recip()));
-        let (p, omega) = rolling(self.control, lead, size, nut, screw);
-        let omega = loaded.frame.from_frenet(&(omega * D::from(sign)));
-        Motion { precession: p * sign, omega }
-    }
-}
-
-impl Balance<'_> {
-    /// Loads and tilt to start from: the balance with the centrifugal force of equal angles.
-    fn start(&self) -> [f64; STATIC] {
-        let pair = self.pair;
-        let (lead, size) = (pair.helix.lead_angle, pair.helix.radius.recip());
-        let beta = pair.jones.contact_angle;
-        let p = rolling(self.control, lead, size, beta, beta).0;
-        pair.static_balance(p * pair.sign() + pair.nut_speed)
-    }
-
-    /// Weights of the equations.
-    fn weights(&self) -> [f64; STATIC] {
-        [self.pair.inertia_ratio().max(1.0).recip(); STATIC]
-    }
-}
-
-impl System for Balance<'_> {
-    fn dim(&self) -> usize {
-        STATIC
-    }
-
-    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
-        r.copy_from_slice(&self.equations(&[x[0], x[1], x[2]])?);
-        Ok(())
-    }
-
-    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        linearize(|x| self.equations(&x), x, r, jac)
-    }
-
-    fn equation(&self, i: usize) -> String {
-        let names = ["radial force balance", "axial force balance of the ball", "axial load"];
-        names[i].to_owned()
+/// Precession of the rolling ball relative to the nut over the relative speed, from the cosines of
+/// both contact angles and of their difference (W4), (W6).
+///
+/// * `lever`: `$(r_b/d)\cos\alpha$`.
+fn precession<D: Scalar>(control: Control, lever: D, (nut, screw): (D, D), between: D) -> D {
+    let one = D::from(1.0);
+    match control {
+        // p = (1 − (r_b/d) cosα cosβ_B) / (1 + cos(β_A − β_B))            (W4)
+        Control::Nut => (one - lever * screw) / (one + between),
+        // p = (cos(β_A − β_B) − (r_b/d) cosα cosβ_A) / (1 + cos(β_A − β_B))  (W6)
+        Control::Screw => (between - lever * nut) / (one + between),
     }
 }
 
@@ -171,6 +104,8 @@ impl System for Balance<'_> {
 pub(crate) struct Grip {
     /// The race that was taken to control.
     control: Control,
+    /// Unknowns of the balance.
+    unknowns: [f64; STATIC],
     pub(crate) loaded: Loaded<f64>,
     /// Motion relative to the nut over `$|W|$`.
     pub(crate) to_nut: Motion<f64>,
@@ -180,32 +115,56 @@ pub(crate) struct Grip {
 
 impl Grip {
     /// Solves the static balance and takes the rolling motion of the controlling race.
+    ///
+    /// Which race controls is decided by (W7) at the first root of the ball that the nut controls.
+    /// Where that has none, the screw controls if it does so by (W7) at its own first root.
     pub(crate) fn of(
         pair: &Pair,
         control: Option<Control>,
         newton: &mut Workspace,
     ) -> Result<Self, (Status, Reason)> {
-        let mut balance = Balance { pair, control: control.unwrap_or(Control::Nut) };
-        let mut x = balance.start();
-        let (mut steps, mut residual) = solve_static(&balance, &mut x, newton)?;
-        let mut loaded = balance.loaded(&x)?;
-        if control.is_none() && control_of(pair, &loaded) == Control::Screw {
-            balance.control = Control::Screw;
-            let more = solve_static(&balance, &mut x, newton)?;
-            (steps, residual) = (steps + more.0, more.1);
-            loaded = balance.loaded(&x)?;
+        let nut = Self::controlled(pair, control.unwrap_or(Control::Nut), newton);
+        if control.is_some() {
+            return nut;
         }
-        let (control, to_nut) = (balance.control, balance.rolling(&loaded));
-        Ok(Self { control, loaded, to_nut, steps, residual })
+        match nut {
+            Ok(nut) if control_of(pair, &nut.loaded) == Control::Nut => Ok(nut),
+            Ok(nut) => {
+                let screw = Self::controlled(pair, Control::Screw, newton)?;
+                Ok(Self { steps: nut.steps + screw.steps, ..screw })
+            }
+            Err(none) => match Self::controlled(pair, Control::Screw, newton) {
+                Ok(screw) if control_of(pair, &screw.loaded) == Control::Screw => Ok(screw),
+                _ => Err(none),
+            },
+        }
+    }
+
+    /// The first root with this race in control.
+    fn controlled(
+        pair: &Pair,
+        control: Control,
+        newton: &mut Workspace,
+    ) -> Result<Self, (Status, Reason)> {
+        let balance = Balance::new(pair, control);
+        let Root { unknowns, steps, residual } = balance.first_root(newton)?;
+        let loaded = balance.loaded(&unknowns);
+        let to_nut = balance.rolling(&loaded);
+        Ok(Self { control, unknowns, loaded, to_nut, steps, residual })
     }
 
     /// The same to two digits, also where centrifugal forces are so large that raceway control
     /// has no solution.
     pub(crate) fn guess(pair: &Pair) -> Result<Self, (Status, Reason)> {
-        let balance = Balance { pair, control: Control::Nut };
-        let loaded = balance.loaded(&balance.start())?;
+        let balance = Balance::new(pair, Control::Nut);
+        let (lead, size) = (pair.helix.lead_angle, pair.helix.radius.recip());
+        let beta = pair.jones.contact_angle;
+        let p = rolling(Control::Nut, lead, size, beta, beta).0;
+        let [nut, screw, tilt] = pair.static_balance(p * pair.sign() + pair.nut_speed);
+        let loaded = pair.loaded([nut, screw], tilt).map_err(refused)?;
         let (control, to_nut) = (balance.control, balance.rolling(&loaded));
-        Ok(Self { control, loaded, to_nut, steps: 0, residual: f64::INFINITY })
+        let unknowns = [f64::NAN; STATIC];
+        Ok(Self { control, unknowns, loaded, to_nut, steps: 0, residual: f64::INFINITY })
     }
 
     /// Gyroscopic over friction moment (W9).
@@ -307,22 +266,6 @@ fn control_of(pair: &Pair, loaded: &Loaded<f64>) -> Control {
     // Q_A a_A E_A cos(β_A − β_B) > Q_B a_B E_B                            (W7)
     let nut = moment(0) * (2.0 * loaded.tilt).cos();
     if nut > moment(1) { Control::Nut } else { Control::Screw }
-}
-
-/// Newton on the static balance; steps and residual.
-fn solve_static(
-    balance: &Balance<'_>,
-    x: &mut [f64; STATIC],
-    newton: &mut Workspace,
-) -> Result<(usize, f64), (Status, Reason)> {
-    let scales = Scales { x: &[1.0; STATIC], f: &balance.weights() };
-    let options = Options { residual_goal: 1e-13, ..Options::default() };
-    let report = solve(balance, x, &scales, &options, newton)
-        .expect("sizes are constant and the weights positive");
-    if report.converged() {
-        return Ok((report.steps.len(), report.residual));
-    }
-    Err((Status::NotConverged, Reason::from(report)))
 }
 
 #[cfg(test)]

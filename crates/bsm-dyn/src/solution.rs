@@ -2,7 +2,7 @@
 
 use bsm_newton::{EvalError, Report, Status as NewtonStatus};
 
-use crate::{Choice, Model, Outputs};
+use crate::{Choice, Control, Model, Outputs};
 
 /// Which side drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,6 +116,17 @@ pub enum Reason {
         nut: f64,
         /// At the screw \[rad\].
         screw: f64,
+    },
+    /// The flanks cannot hold the centrifugal force of the rolling ball at any contact angles
+    /// between 0 and 90 degrees.
+    FlanksCannotHold {
+        /// The race in control.
+        control: Control,
+        /// Centrifugal force that they hold over the axial load, with the screw's contact angle
+        /// at 90 degrees.
+        held: f64,
+        /// Centrifugal force over the axial load there.
+        centrifugal: f64,
     },
     /// The slip at the nut of a root with saturated friction points along friction, not against
     /// it.

@@ -17,7 +17,7 @@ use crate::jacobian::linearize;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::layout::{self, BALL};
 use crate::pair::{ElasticScrew, Loaded, Pair};
-use crate::raceway_control::Grip;
+use crate::raceway_control::{Grip, STATIC};
 use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
 
 /// Places of the angular velocity in (t, N, e_x) of the mean normal.
@@ -62,7 +62,7 @@ pub struct TractionWorkspace {
 
 impl Default for TractionWorkspace {
     fn default() -> Self {
-        let (statics, newton) = (Workspace::new(3), Workspace::new(BALL));
+        let (statics, newton) = (Workspace::new(STATIC), Workspace::new(BALL));
         Self { statics, newton, quadratures: Vec::new() }
     }
 }
@@ -247,7 +247,7 @@ impl Traction {
         let found = self.screw.require_friction().and_then(|()| {
             let pair = self.screw.pair()?;
             let grip = Grip::of(&pair, None, &mut work.statics);
-            let start = Start::new(&pair, grip.ok())?;
+            let start = Start::new(&pair, grip.ok().as_ref())?;
             self.outputs(&start, None, work)
         });
         match found {
@@ -329,8 +329,8 @@ pub(crate) struct Start<'a> {
 
 impl<'a> Start<'a> {
     /// From a gripping ball, or from a guess where there is none.
-    pub(crate) fn new(pair: &'a Pair, grip: Option<Grip>) -> Result<Self, (Status, Reason)> {
-        Ok(Self { pair, grip: grip.map_or_else(|| Grip::guess(pair), Ok)? })
+    pub(crate) fn new(pair: &'a Pair, grip: Option<&Grip>) -> Result<Self, (Status, Reason)> {
+        Ok(Self { pair, grip: grip.map_or_else(|| Grip::guess(pair), |grip| Ok(*grip))? })
     }
 }
 

@@ -16,13 +16,12 @@ impl<const M: usize> RacewayControl<Jet<M>> {
         RacewayWorkspace { newton, quadrature }: &mut RacewayWorkspace,
     ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
         let (inputs, point) = (self.screw.pair()?, self.screw.values().pair()?);
-        let Grip { control, loaded, .. } = Grip::of(&point, self.control, newton)?;
-        let unknowns = [loaded.loads[0], loaded.loads[1], loaded.tilt];
-        let system = Balance { pair: &point, control };
-        let equations = Balance { pair: &inputs, control };
-        let residual = |x: &_| equations.equations(x);
+        let Grip { control, unknowns, .. } = Grip::of(&point, self.control, newton)?;
+        let system = Balance::new(&point, control);
+        let equations = Balance::new(&inputs, control);
+        let residual = |x: &_| Ok(equations.equations(x));
         let x = moving_root(&system, &unknowns, &system.weights(), residual, newton)?;
-        let loaded = equations.loaded(&x)?;
+        let loaded = equations.loaded(&x);
         let to_nut = equations.rolling(&loaded);
         let power =
             inputs.friction_power(&loaded, &to_nut, RacewayControl::<f64>::CREEP, quadrature);

@@ -21,7 +21,7 @@ impl<const M: usize> Traction<Jet<M>> {
         screw.require_friction()?;
         let pair = screw.pair()?;
         let grip = Grip::of(&pair, None, &mut work.statics);
-        let start = Start::new(&pair, grip.ok())?;
+        let start = Start::new(&pair, grip.ok().as_ref())?;
         let case = Traction { screw, order: self.order, creep: self.creep };
         let root = case.outputs(&start, None, work)?.unknowns;
         self.sensitivities_at(&root, work)

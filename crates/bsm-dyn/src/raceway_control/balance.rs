@@ -1,0 +1,364 @@
+//! Static balance of the gripping ball in two unknowns, and its first root.
+//!
+//! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12) to (W15).
+
+use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar, Site};
+use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
+
+use super::{Control, precession, rolling};
+use crate::jacobian::linearize;
+use crate::pair::{Loaded, Pair};
+use crate::{Reason, Status};
+
+/// Unknowns: the difference of the cotangents of the contact angles, and that at the screw (W12).
+pub(crate) const STATIC: usize = 2;
+
+/// Newton steps before the first root is looked for by brackets.
+const MOST_STEPS: usize = 8;
+
+/// Passes of the rising bound (W14). Each is a fixed-point step; thousands are needed where the
+/// centrifugal force nearly touches what the flanks hold.
+const MOST_PASSES: usize = 20_000;
+
+/// Halvings of a bracket: more than a double has bits, and than it has binary orders of magnitude
+/// in a cotangent.
+const MOST_HALVINGS: usize = 200;
+
+/// Static balance of the ball in the normal plane.
+pub(super) struct Balance<'a, P = f64> {
+    pub(super) pair: &'a Pair<P>,
+    pub(super) control: Control,
+    /// `$1/\cos\alpha$`.
+    axial: P,
+    /// `$\mu\cos\alpha$`.
+    inertia: P,
+    /// `$(r_b/d)\cos\alpha$`.
+    lever: P,
+    /// `$A_2$`.
+    reach: P,
+}
+
+/// A contact at the cotangent of its angle.
+struct Flank<D> {
+    sin: D,
+    cos: D,
+    load: D,
+    /// `$\delta$`.
+    approach: D,
+    /// `$l$`.
+    length: D,
+}
+
+impl<D: Scalar> Flank<D> {
+    /// `$l\cos\beta$`.
+    fn reach(&self) -> D {
+        self.length * self.cos
+    }
+
+    /// Its derivative by the cotangent, positive.
+    fn slope(&self) -> D {
+        // d cosβ = sin³β d cotβ,  dδ = ⅔ δ sinβ cosβ d cotβ by δ ~ Q^{2/3}
+        self.sin * self.sin * self.sin * self.length
+            + self.approach * self.sin * self.cos * self.cos * (2.0 / 3.0)
+    }
+}
+
+impl<'a, P: Scalar> Balance<'a, P> {
+    pub(super) fn new(pair: &'a Pair<P>, control: Control) -> Self {
+        let (cos, jones) = (pair.helix.lead_angle.cos(), &pair.jones);
+        Self {
+            pair,
+            control,
+            axial: cos.recip(),
+            inertia: pair.inertia_ratio() * cos,
+            lever: cos * cos / pair.helix.radius,
+            reach: (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos(),
+        }
+    }
+
+    /// The contact at nut (0) or screw (1) with this cotangent of its angle.
+    fn flank<D: Over<P>>(&self, i: usize, cot: D) -> Flank<D> {
+        let offsets = [self.pair.jones.nut_offset, self.pair.jones.screw_offset];
+        let length = (cot.square() + 1.0).sqrt();
+        let sin = length.recip();
+        // Q sinβ cosα = F_a                                               (W2)
+        let load = length * self.axial;
+        // Q = K_H δ^{3/2}, Eq (P2)                                        (W1)
+        let approach = self.pair.approach_of(i, load);
+        Flank { sin, cos: cot * sin, load, approach, length: approach + offsets[i] }
+    }
+
+    /// `$P/W$` of the rolling ball.
+    fn rate<D: Over<P>>(&self, nut: &Flank<D>, screw: &Flank<D>) -> D {
+        let between = nut.cos * screw.cos + nut.sin * screw.sin;
+        let p = precession(self.control, D::from(self.lever), (nut.cos, screw.cos), between);
+        p + D::from(self.pair.nut_speed) * self.pair.sign()
+    }
+
+    /// What is left of the radial balance and of the triangle of the arc centres (W12), (W13).
+    pub(super) fn equations<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> [D; STATIC] {
+        let [a, b] = [self.flank(0, screw + c), self.flank(1, screw)];
+        [
+            // c − μ cosα (P/W)² = 0,  c = cotβ_A − cotβ_B                  (W12)
+            c - self.rate(&a, &b).square() * self.inertia,
+            // l_A cosβ_A + l_B cosβ_B = A₂, Eq (J7)                       (W13)
+            (a.reach() + b.reach()) * D::from(self.reach).recip() - 1.0,
+        ]
+    }
+
+    /// Loads, angles and contacts of the unknowns.
+    pub(super) fn loaded<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> Loaded<D> {
+        let jones = &self.pair.jones;
+        let nut = screw + c;
+        let [a, b] = [self.flank(0, nut), self.flank(1, screw)];
+        let one = D::from(1.0);
+        let angles = [one.atan2(nut), one.atan2(screw)];
+        // tan 2ν = (cotβ_A − cotβ_B) / (1 + cotβ_A cotβ_B)
+        let tilt = c.atan2(nut * screw + 1.0) * 0.5;
+        let contacts = [Contact::tilted(Site::Nut, -tilt), Contact::tilted(Site::Screw, tilt)];
+        let mean = angles[1] - tilt;
+        let frame = BallFrame::turned(D::from(self.pair.helix.lead_angle), mean);
+        let unloaded = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.sin();
+        // δ_a = l_A sinβ_A + l_B sinβ_B − (l_A0 + l_B0) sinβ₀, Eq (J8)
+        let displacement = a.length * a.sin + b.length * b.sin - unloaded;
+        Loaded { loads: [a.load, b.load], tilt, angles, frame, contacts, displacement }
+    }
+
+    /// Rolling motion relative to the nut over `$|W|$`.
+    pub(super) fn rolling<D: Over<P>>(&self, loaded: &Loaded<D>) -> Motion<D> {
+        let (helix, sign) = (&self.pair.helix, self.pair.sign());
+        let [nut, screw] = loaded.angles;
+        let (lead, size) = (D::from(helix.lead_angle), D::from(helix.radius.recip()));
+        let (p, omega) = rolling(self.control, lead, size, nut, screw);
+        let omega = loaded.frame.from_frenet(&(omega * D::from(sign)));
+        Motion { precession: p * sign, omega }
+    }
+}
+
+/// A root of the balance.
+pub(super) struct Root {
+    pub(super) unknowns: [f64; STATIC],
+    pub(super) steps: usize,
+    pub(super) residual: f64,
+}
+
+impl Balance<'_> {
+    /// One over the sizes of both equations.
+    pub(super) fn weights(&self) -> [f64; STATIC] {
+        let rate = self.pair.nut_speed.abs().max(1.0);
+        // As far as a double goes.
+        let size = (self.inertia * rate * rate).clamp(f64::MIN_POSITIVE, 0.25 * f64::MAX);
+        [size.recip(), 1.0]
+    }
+
+    /// The root with the smallest difference of the contact angles, or the proof that there is
+    /// none on the flanks.
+    pub(super) fn first_root(&self, newton: &mut Workspace) -> Result<Root, (Status, Reason)> {
+        let mut steps = 0;
+        if let Some(mut x) = self.start() {
+            let report = self.run(&mut x, newton);
+            steps = report.steps.len();
+            if report.converged() && self.is_first(&x) {
+                return Ok(Root { unknowns: x, steps, residual: report.residual });
+            }
+        }
+        let bracketed = self.bracketed()?;
+        let mut x = bracketed;
+        let report = self.run(&mut x, newton);
+        steps += report.steps.len();
+        // Where two roots meet, Newton may go to the other.
+        if report.converged() && x[1] > 0.0 && (x[0] - bracketed[0]).abs() <= 1e-3 * bracketed[0] {
+            return Ok(Root { unknowns: x, steps, residual: report.residual });
+        }
+        Err((Status::NotConverged, Reason::from(report)))
+    }
+
+    /// Equal angles, turned apart by their centrifugal force; `None` where that is too much.
+    fn start(&self) -> Option<[f64; STATIC]> {
+        let angle = self.pair.jones.contact_angle;
+        let unloaded = angle.cos() / angle.sin();
+        let [a, b] = [0, 1].map(|i| self.flank(i, unloaded));
+        // The angle that the loads of the unloaded angle lead to.
+        let cos = self.reach / (a.length + b.length);
+        let cot = cos / (1.0 - cos * cos).sqrt();
+        let [a, b] = [0, 1].map(|i| self.flank(i, cot));
+        let c = self.centrifugal(self.rate(&a, &b));
+        (c < cot).then_some([c, cot - 0.5 * c])
+    }
+
+    /// `$\mu\cos\alpha\,(P/W)^2$`.
+    fn centrifugal(&self, rate: f64) -> f64 {
+        self.inertia * rate * rate
+    }
+
+    /// Newton from `x`.
+    fn run(&self, x: &mut [f64; STATIC], newton: &mut Workspace) -> Report {
+        let weights = self.weights();
+        let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };
+        // The displacement is a difference of lengths: down to their rounding.
+        let options = Options { residual_goal: 3e-15, max_steps: MOST_STEPS, ..Options::default() };
+        solve(self, x, &scales, &options, newton)
+            .expect("sizes are constant and the weights positive")
+    }
+
+    /// True if (W15) shows that no other root on the flanks has a smaller difference of the angles.
+    fn is_first(&self, &[c, screw]: &[f64; STATIC]) -> bool {
+        if !(c >= 0.0 && screw > 0.0) {
+            return false;
+        }
+        let [a, b] = [self.flank(0, screw + c), self.flank(1, screw)];
+        let rate = self.rate(&a, &b);
+        let p = rate - self.pair.nut_speed * self.pair.sign();
+        let (outwards, part) = match self.control {
+            Control::Nut => (rate, p),
+            Control::Screw => (-rate, 1.0 - p),
+        };
+        if outwards <= 0.0 {
+            return true;
+        }
+        let half = (1.0 + a.cos * b.cos + a.sin * b.sin).recip();
+        let twist = b.sin * a.cos - b.cos * a.sin;
+        // |∂p/∂cotβ| ≤ sin²β_B [π tan(D/2) + (r_b/d) cosα sinβ_B/(1 + cosD)]  (W15)
+        let slope = b.sin * b.sin * (part * twist + self.lever * b.sin) * half;
+        2.0 * self.inertia * outwards * slope < 1.0
+    }
+
+    /// Cotangent of the screw's contact angle that closes the triangle at a difference `c`, by
+    /// Newton within a bracket: (W13) rises with it.
+    fn closed(&self, c: f64) -> f64 {
+        let angle = self.pair.jones.contact_angle;
+        let (mut low, mut high) = (0.0, angle.cos() / angle.sin());
+        let mut cot = 0.5 * high;
+        for _ in 0..MOST_HALVINGS {
+            let [a, b] = [self.flank(0, cot + c), self.flank(1, cot)];
+            let excess = a.reach() + b.reach() - self.reach;
+            if excess > 0.0 {
+                high = cot;
+            } else {
+                low = cot;
+            }
+            let mut next = cot - excess / (a.slope() + b.slope());
+            if !(next > low && next < high) {
+                next = 0.5 * (low + high);
+            }
+            let settled = (next - cot).abs() <= 2.0 * f64::EPSILON * cot;
+            cot = next;
+            if settled {
+                break;
+            }
+        }
+        cot
+    }
+
+    /// Largest difference of the cotangents on the flanks: the screw's contact angle is 90 deg there.
+    fn farthest(&self) -> f64 {
+        let (mut low, mut high) = (0.0, 1.0);
+        while self.flank(0, high).reach() < self.reach && high < f64::MAX.sqrt() {
+            (low, high) = (high, 4.0 * high);
+        }
+        for _ in 0..MOST_HALVINGS {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            if self.flank(0, middle).reach() < self.reach {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
+    /// `$P/W$` at a difference of the cotangents.
+    fn rate_at(&self, c: f64) -> f64 {
+        let screw = self.closed(c);
+        self.rate(&self.flank(0, screw + c), &self.flank(1, screw))
+    }
+
+    /// The first root by brackets, in any inertia; or the proof that there is none.
+    ///
+    /// The rate is monotone in the difference of the cotangents, so that one of two cases holds up
+    /// to where it changes its sign: the centrifugal force falls, and meets the straight line `c`
+    /// at most once; or it rises, and its value at any lower bound of the first root is one too.
+    fn bracketed(&self) -> Result<[f64; STATIC], (Status, Reason)> {
+        let farthest = self.farthest();
+        let outwards = match self.control {
+            Control::Nut => 1.0,
+            Control::Screw => -1.0,
+        };
+        let none = || {
+            let rate = self.rate_at(farthest);
+            let (held, centrifugal) = (farthest * self.axial, self.centrifugal(rate) * self.axial);
+            let reason = Reason::FlanksCannotHold { control: self.control, held, centrifugal };
+            (Status::NoSolution, reason)
+        };
+        let at_rest = self.rate_at(0.0);
+        let c = if outwards * at_rest >= 0.0 {
+            self.rising(farthest).ok_or_else(none)?
+        } else {
+            // Beyond a rate of zero the line is above.
+            let above = |c: f64| {
+                let rate = self.rate_at(c);
+                outwards * rate >= 0.0 || c >= self.centrifugal(rate)
+            };
+            if !above(farthest) {
+                return Err(none());
+            }
+            let (mut low, mut high) = (0.0, self.centrifugal(at_rest).min(farthest));
+            for _ in 0..MOST_HALVINGS {
+                let middle = 0.5 * (low + high);
+                if middle <= low || middle >= high {
+                    break;
+                }
+                if above(middle) {
+                    high = middle;
+                } else {
+                    low = middle;
+                }
+            }
+            high
+        };
+        Ok([c, self.closed(c)])
+    }
+
+    /// The first root where the centrifugal force rises with the difference of the cotangents.
+    fn rising(&self, farthest: f64) -> Option<f64> {
+        let mut bound = 0.0;
+        for _ in 0..MOST_PASSES {
+            // c ← μ cosα (P(c)/W)²                                        (W14)
+            let next = self.centrifugal(self.rate_at(bound));
+            if next > farthest {
+                return None;
+            }
+            let settled = next <= bound * (1.0 + 4.0 * f64::EPSILON);
+            bound = next.max(bound);
+            if settled {
+                break;
+            }
+        }
+        Some(bound)
+    }
+}
+
+impl System for Balance<'_> {
+    fn dim(&self) -> usize {
+        STATIC
+    }
+
+    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
+        r.copy_from_slice(&self.equations(&[x[0], x[1]]));
+        Ok(())
+    }
+
+    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
+        linearize(|x: [Jet<STATIC>; STATIC]| Ok(self.equations(&x)), x, r, jac)
+    }
+
+    fn equation(&self, i: usize) -> String {
+        ["radial force balance", "triangle of the groove-arc centres"][i].to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,133 @@
+//! The first root against a search that knows nothing of brackets and bounds.
+
+use std::f64::consts::FRAC_PI_2;
+
+use bsm_kin::{Drive, Helix};
+use proptest::prelude::*;
+
+use super::*;
+use crate::pair::ElasticScrew;
+use crate::{Ball, Load, Material};
+
+/// Points of the search.
+const GRID: usize = 1500;
+
+/// Screws with inertia forces from a hundredth of the load to a hundred times as much, in which
+/// most answers are not the obvious one.
+fn screws() -> impl Strategy<Value = ElasticScrew> {
+    let shape = (0.5..80.0_f64, 3.0..87.0_f64, 0.02..0.45_f64, 0.505..0.8_f64, 0.505..0.8_f64);
+    let state = (-2.0..2.0_f64, 1e-9..1e-1_f64, -3.0..3.0_f64, any::<bool>());
+    (shape, state).prop_map(|((lead, beta, size, f_n, f_s), (inertia, soft, nut, back))| {
+        let ball = Ball::of_density(3e-3, 7800.0);
+        let radius = ball.radius / size;
+        // The load in units of the modulus, and the speed that makes the inertia ratio.
+        let axial = 100.0;
+        let modulus = axial / (soft * ball.radius * ball.radius);
+        let speed = (10.0_f64.powf(inertia) * axial / (ball.mass * radius)).sqrt();
+        let speed = if back { -speed } else { speed };
+        let material = Material { youngs_modulus: modulus, poisson_ratio: 0.3 };
+        ElasticScrew {
+            helix: Helix { radius, lead_angle: lead.to_radians() },
+            contact_angle: beta.to_radians(),
+            ball,
+            conformity: (f_n, f_s),
+            material: (material, material),
+            friction: 0.1,
+            drive: Drive { screw_speed: (1.0 + nut) * speed, nut_speed: nut * speed },
+            load: Load { axial, balls: 1.0 },
+        }
+    })
+}
+
+/// What is left of the radial balance at a contact angle of the screw, written in angles; `None`
+/// where no angle of the nut closes the triangle, or where the nut's would be the larger one.
+fn left(pair: &Pair, control: Control, screw: f64) -> Option<f64> {
+    let jones = &pair.jones;
+    let lead = pair.helix.lead_angle;
+    let load = |angle: f64| (lead.cos() * angle.sin()).recip();
+    let along = |i: usize, offset: f64, angle: f64| {
+        (offset + pair.approach_of(i, load(angle))) * angle.cos()
+    };
+    let reach = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos();
+    let rest = reach - along(1, jones.screw_offset, screw);
+    let (mut low, mut high) = (1e-9, screw);
+    if along(0, jones.nut_offset, low) < rest || along(0, jones.nut_offset, high) > rest {
+        return None;
+    }
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if along(0, jones.nut_offset, middle) > rest {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let nut = 0.5 * (low + high);
+    let (p, _) = rolling(control, lead, pair.helix.radius.recip(), nut, screw);
+    let rate = p * pair.sign() + pair.nut_speed;
+    let centrifugal = pair.inertia_ratio() * rate * rate;
+    Some(load(nut) * nut.cos() - load(screw) * screw.cos() - centrifugal)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    /// The root that is returned is the first of a dense search, and where none is returned the
+    /// search finds none.
+    #[test]
+    fn the_first_root_is_that_of_a_dense_search(screw in screws(), nut in any::<bool>()) {
+        let control = if nut { Control::Nut } else { Control::Screw };
+        let Ok(pair) = screw.pair() else { return Ok(()) };
+        let found = Balance::new(&pair, control).first_root(&mut Workspace::new(STATIC));
+        #[expect(clippy::cast_precision_loss, reason = "a small count")]
+        let angles = (1..GRID).map(|i| FRAC_PI_2 * i as f64 / GRID as f64);
+        let mut before = None;
+        let crossed = angles.filter_map(|angle| Some((angle, left(&pair, control, angle)?))).find(|at| {
+            // The balance begins below zero, at equal angles.
+            let here = at.1 >= 0.0 && before.is_some_and(|(_, left)| left < 0.0);
+            if !here {
+                before = Some(*at);
+            }
+            here
+        });
+        let step = FRAC_PI_2 / 1500.0;
+        match found {
+            Ok(root) => {
+                let [c, cot] = root.unknowns;
+                prop_assert!(c >= 0.0 && cot > 0.0 && root.residual <= 1e-10);
+                let angle = cot.recip().atan();
+                let residual = left(&pair, control, angle);
+                // Angles near 0 have few digits in this form, and few steps of the search.
+                if let (Some(left), Some((_, around))) = (residual, before) {
+                    let size = 1.0 + around.abs().max((c + cot) / pair.helix.lead_angle.cos());
+                    prop_assert!(left.abs() <= 1e-6 * size, "{left}");
+                }
+                if let Some((beyond, _)) = crossed {
+                    // Two roots within a step of the search are not seen by it.
+                    prop_assert!(angle <= beyond + step, "{angle} {beyond}");
+                }
+            }
+            Err((status, reason)) => {
+                prop_assert_eq!(status, Status::NoSolution, "{:?}", reason);
+                prop_assert!(crossed.is_none(), "{:?} {:?}", crossed, reason);
+                let Reason::FlanksCannotHold { held, centrifugal, .. } = reason else {
+                    panic!("{reason:?}")
+                };
+                prop_assert!(held < centrifugal);
+            }
+        }
+    }
+
+    /// The hand-written slope of the reach along the normal against the jet.
+    #[test]
+    fn the_slope_of_the_reach_is_that_of_the_jet(screw in screws(), cot in 1e-3..1e3_f64) {
+        let Ok(pair) = screw.pair() else { return Ok(()) };
+        let balance = Balance::new(&pair, Control::Nut);
+        for i in 0..2 {
+            let exact = balance.flank(i, Jet::<1>::variable(cot, 0)).reach().eps[0];
+            let slope = balance.flank(i, cot).slope();
+            // The jet cancels for large cotangents, 1e-16 cot² of it.
+            prop_assert!((slope - exact).abs() <= 1e-8 * exact.abs(), "{slope} {exact}");
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! Seeded points of the extreme ranges in every model, a bounded version of `just extremes`: no
+//! panic, nothing false among what converged, and identities that hold everywhere.
+
+use std::f64::consts::PI;
+use std::num::NonZeroUsize;
+
+use approx::assert_relative_eq;
+use bsm_dyn::{
+    Angles, Ball, Control, Direction, Elastic, ElasticScrew, Load, Material, ModelWorkspace,
+    Problem, RacewayControl, Reason, Rigid, Solution, Status, Traction,
+};
+use bsm_kin::{Drive, Helix};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Screws of the ranges of the extremes; speeds, loads, sizes and moduli spread over their orders of
+/// magnitude.
+fn extremes(seed: u64) -> impl Iterator<Item = ElasticScrew> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    std::iter::from_fn(move || {
+        let mut log =
+            |low: f64, high: f64| (low.ln() + rng.random::<f64>() * (high / low).ln()).exp();
+        let (ball, size) = (log(0.05e-3, 0.1), log(0.01, 0.45));
+        let (axial, speed, other) = (log(1e-6, 1e6), log(1e-4, 1e5), log(1e-4, 1e5));
+        let friction = log(1e-6, 1.0);
+        let conformity = (0.5 + log(1e-3, 0.3), 0.5 + log(1e-3, 0.3));
+        let mut steel = || Material { youngs_modulus: log(1e7, 1e12), poisson_ratio: 0.3 };
+        let material = (steel(), steel());
+        let mut flip = |x: f64| if rng.random_bool(0.5) { x } else { -x };
+        let (speed, other) = (flip(speed), flip(other));
+        let (screw_speed, nut_speed) = match rng.random_range(0..3) {
+            0 => (speed, 0.0),
+            1 => (0.0, speed),
+            _ => (speed, other),
+        };
+        Some(ElasticScrew {
+            helix: Helix {
+                radius: ball / size,
+                lead_angle: rng.random_range(0.05_f64..85.0).to_radians(),
+            },
+            contact_angle: rng.random_range(1.0_f64..89.0).to_radians(),
+            ball: Ball::of_density(ball, 7800.0),
+            conformity,
+            material,
+            friction,
+            drive: Drive { screw_speed, nut_speed },
+            load: Load { axial, balls: 1.0 },
+        })
+    })
+}
+
+fn rigid(screw: &ElasticScrew) -> Problem {
+    let ElasticScrew { helix, contact_angle, ball, friction, drive, load, .. } = *screw;
+    Problem::Rigid(Rigid { helix, contact_angle, ball, friction, drive, load })
+}
+
+fn rolling(screw: ElasticScrew, control: Option<Control>) -> Problem {
+    Problem::RacewayControl(RacewayControl { screw, control })
+}
+
+/// Nothing false; returns whether there is an answer.
+fn check(screw: &ElasticScrew, solution: &Solution) -> bool {
+    let o = &solution.outputs;
+    if solution.status != Status::Converged {
+        assert!(solution.reason.is_some() && o.efficiency.is_none(), "{screw:?}");
+        return solution.status == Status::NoSolution;
+    }
+    let words = format!("{o:?}");
+    assert!(!words.contains("NaN") && !words.contains("inf"), "{screw:?} {words}");
+    assert!(o.residual_norm.is_some_and(|r| r <= 1e-10), "{screw:?} {words}");
+    assert!(o.power_balance.unwrap_or(0.0).abs() <= 1e-9, "{screw:?} {words}");
+    assert!(o.efficiency.is_some_and(|eta| eta <= 1.0), "{screw:?} {words}");
+    let loads = [o.nut_normal_load, o.screw_normal_load, o.minor_normal_load];
+    assert!(loads.into_iter().flatten().all(|q| q > 0.0), "{screw:?} {words}");
+    let mut angles = [o.nut_contact_angle, o.screw_contact_angle].into_iter().flatten();
+    assert!(angles.all(|beta| (0.0..=0.5 * PI).contains(&beta)), "{screw:?} {words}");
+    true
+}
+
+/// Points without an answer among `count`.
+fn unanswered(count: usize, problem: impl Fn(ElasticScrew) -> Problem) -> usize {
+    let mut work = ModelWorkspace::default();
+    let solve = |screw: ElasticScrew| check(&screw, &problem(screw).solve(&mut work));
+    extremes(1994).take(count).map(solve).filter(|answered| !answered).count()
+}
+
+/// Every point has a root or the proof that it has none, whichever race is in control.
+#[test]
+fn raceway_control_always_answers() {
+    for control in [None, Some(Control::Nut), Some(Control::Screw)] {
+        assert_eq!(unanswered(4000, |screw| rolling(screw, control)), 0, "{control:?}");
+    }
+}
+
+#[test]
+fn rigid_says_nothing_false() {
+    // Known: inertia forces far above the load.
+    assert!(unanswered(2000, |screw| rigid(&screw)) <= 400);
+}
+
+#[test]
+fn elastic_says_nothing_false() {
+    unanswered(600, |screw| Problem::Elastic(Elastic { screw }));
+}
+
+#[test]
+fn traction_says_nothing_false() {
+    let order = NonZeroUsize::new(4).expect("not zero");
+    unanswered(300, |screw| Problem::Traction(Traction { screw, order, creep: 1e-4 }));
+}
+
+/// Nothing depends on the units of length, force and time: the same ratios give the same efficiency.
+#[test]
+fn units_do_not_matter() {
+    let mut work = ModelWorkspace::default();
+    for screw in extremes(7).take(1000) {
+        // Lengths 4 fold, pressures 8 fold, times a half; powers of two round alike.
+        let stiff = |m: Material| Material { youngs_modulus: 8.0 * m.youngs_modulus, ..m };
+        let other = ElasticScrew {
+            helix: Helix { radius: 4.0 * screw.helix.radius, ..screw.helix },
+            ball: Ball { radius: 4.0 * screw.ball.radius, mass: 8.0 * screw.ball.mass },
+            material: (stiff(screw.material.0), stiff(screw.material.1)),
+            drive: Drive {
+                screw_speed: 2.0 * screw.drive.screw_speed,
+                nut_speed: 2.0 * screw.drive.nut_speed,
+            },
+            load: Load { axial: 128.0 * screw.load.axial, ..screw.load },
+            ..screw
+        };
+        for (one, two) in [
+            (rigid(&screw), rigid(&other)),
+            (rolling(screw, None), rolling(other, None)),
+            (Problem::Elastic(Elastic { screw }), Problem::Elastic(Elastic { screw: other })),
+        ] {
+            let (one, two) = (one.solve(&mut work), two.solve(&mut work));
+            // Cube roots do not round alike, and points at the border of a tolerance may change.
+            if let Some((a, b)) = one.outputs.efficiency.zip(two.outputs.efficiency) {
+                assert_relative_eq!(a, b, max_relative = 1e-6, epsilon = 1e-6);
+            }
+            if let Problem::RacewayControl(_) = rolling(screw, None) {
+                assert!(one.model != bsm_dyn::Model::RacewayControl || one.status == two.status);
+            }
+        }
+    }
+}
+
+/// Friction has no part in the balance of a rolling ball, so that the loss of back-driving is that
+/// of driving: `1/η − 1 = 1 − η'`. In the closed form back-driving is driving with `-f`.
+#[test]
+fn back_driving_mirrors_driving() {
+    let mut work = ModelWorkspace::default();
+    let mut tried = 0;
+    for screw in extremes(3).take(2000) {
+        let Drive { screw_speed, nut_speed } = screw.drive;
+        let drive = Drive { screw_speed: -screw_speed, nut_speed: -nut_speed };
+        let [one, other] = [screw, ElasticScrew { drive, ..screw }]
+            .map(|screw| rolling(screw, None).solve(&mut work));
+        assert_eq!(one.status, other.status, "{screw:?}");
+        if let Some((one, other)) = one.outputs.efficiency.zip(other.outputs.efficiency) {
+            let forward = screw.drive.relative_speed() > 0.0;
+            let (driving, driven) = if forward { (one, other) } else { (other, one) };
+            let (lost, loss) = (driving.recip() - 1.0, 1.0 - driven);
+            // The differences cancel where next to nothing is lost.
+            assert_relative_eq!(lost, loss, max_relative = 1e-9, epsilon = 1e-12);
+            tried += 1;
+        }
+        let angles = Angles { lead: screw.helix.lead_angle, contact: screw.contact_angle };
+        let driving = angles.efficiency(Direction::RotaryToLinear, -screw.friction);
+        let driven = angles.efficiency(Direction::LinearToRotary, screw.friction);
+        assert_relative_eq!(driven, driving.recip(), max_relative = 1e-9, epsilon = 1e-12);
+    }
+    assert!(tried > 1000, "{tried}");
+}
+
+/// Along a fine sweep of the speed the angles of the nut-controlled ball move in small steps, until
+/// the flanks cannot hold it any more; from there on they never do.
+#[test]
+fn a_sweep_of_speed_has_no_jumps() {
+    let mut work = ModelWorkspace::default();
+    let mut ended = 0;
+    for screw in extremes(11).filter(|screw| screw.drive.nut_speed.total_cmp(&0.0).is_eq()).take(8)
+    {
+        let unit = screw.ball.mass * screw.helix.radius / screw.load.axial;
+        let (mut before, mut left): (Option<f64>, bool) = (None, false);
+        for i in 0..1500 {
+            let inertia = 10.0_f64.powf(f64::from(i) / 250.0 - 4.0);
+            let drive = Drive { screw_speed: (inertia / unit).sqrt(), nut_speed: 0.0 };
+            let case = rolling(ElasticScrew { drive, ..screw }, Some(Control::Nut));
+            let solution = case.solve(&mut work);
+            match solution.status {
+                Status::Converged => {
+                    assert!(!left, "{screw:?} {inertia}");
+                    let angle = solution.outputs.nut_contact_angle.expect("angle");
+                    // A step of a per cent of the inertia; a fold would jump by tenths.
+                    let step = before.map_or(0.0, |before| before - angle);
+                    assert!((-1e-9..0.03).contains(&step), "{screw:?} {inertia} {step}");
+                    before = Some(angle);
+                }
+                Status::NoSolution => {
+                    let reason = solution.reason.expect("a reason");
+                    assert!(matches!(reason, Reason::FlanksCannotHold { .. }), "{reason:?}");
+                    left = true;
+                }
+                other => panic!("{screw:?} {other:?}"),
+            }
+        }
+        ended += usize::from(left);
+    }
+    assert!(ended > 0, "no ball left its flanks");
+}
