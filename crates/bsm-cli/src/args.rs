@@ -66,8 +66,8 @@ pub(crate) enum Command {
     /// All nuts of standard sizes: filter, sort, write them as a table.
     ///
     /// Every combination of the lists within their limits, with ratings, rigidity of the preloaded pair,
-    /// mass and efficiency. Such as: bsm catalog --require dynamic_load_rating_N>=50000
-    /// --require total_rigidity_N_um>=2000 --require lead_mm=10 --sort mass_kg
+    /// mass and efficiency. Such as: bsm catalog --require 'dynamic_load_rating_N>=50000'
+    /// --require 'total_rigidity_N_um>=2000' --require lead_mm=10 --sort mass_kg
     #[command(after_help = EXIT_CODES)]
     Catalog(CatalogArgs),
     /// Slip of the balls, in published and in exact form, and the power that each part of it takes.
