@@ -1,12 +1,11 @@
 //! Ratings of a nut in the vocabulary.
 
-use std::f64::consts::PI;
-
 use bsm_design::{
     Body, Duty, DynamicRating, Nut, PRELOAD, ROLLING_LEVER, Rigidity, StaticRating, life,
 };
 use serde_json::{Map, Value, json};
 
+use crate::reader::lead_mm;
 use crate::record::message;
 use crate::units::{DEG, MM, RPM, UM};
 use crate::{CaseError, InputKey, Scene, Spectrum};
@@ -211,8 +210,7 @@ fn nut(scene: &Scene) -> Result<Nut, CaseError> {
         })
     };
     let pitch_mm = need("pitch_circle_diameter_mm", scene.pitch_circle_diameter_mm);
-    let lead_angle = scene.lead_angle_deg.map(|deg| deg * DEG);
-    let lead_mm = scene.lead_mm.or_else(|| Some(PI * pitch_mm * lead_angle?.tan()));
+    let lead_mm = scene.lead_mm.or_else(|| Some(lead_mm(scene.lead_angle_deg? * DEG, pitch_mm)));
     let nut = Nut {
         ball_diameter: need("ball_diameter_mm", scene.ball_diameter_mm) * MM,
         pitch_diameter: pitch_mm * MM,

@@ -121,14 +121,18 @@ impl File {
             youngs_modulus: positive("youngs_modulus_GPa", self.youngs_modulus_GPa, any)? * GPA,
             poisson_ratio: positive("poisson_ratio", self.poisson_ratio, 0.5)?,
         };
-        let ball_over = |key: &str, value: f64| positive(key, value, any);
         Ok(Catalogue {
             lists,
             limits: Limits {
-                ball_over_lead: ball_over("largest_ball_over_lead", self.largest_ball_over_lead)?,
-                ball_over_diameter: ball_over(
+                ball_over_lead: positive(
+                    "largest_ball_over_lead",
+                    self.largest_ball_over_lead,
+                    any,
+                )?,
+                ball_over_diameter: positive(
                     "largest_ball_over_diameter",
                     self.largest_ball_over_diameter,
+                    any,
                 )?,
                 turns: self.turns_range,
                 conformity: self.conformity_range,
@@ -217,13 +221,13 @@ impl CatalogueColumn {
 
 /// A condition on a column.
 #[derive(Debug, Clone, Copy)]
-pub struct Requirement {
+pub struct Condition {
     column: &'static CatalogueColumn,
     least: f64,
     most: f64,
 }
 
-impl Requirement {
+impl Condition {
     /// Parses `name>=value`, `name<=value` or `name=value`.
     ///
     /// # Errors

@@ -49,12 +49,8 @@ thread_local! {
 }
 
 impl DesignReport {
-    /// Searches for the best screw.
-    ///
-    /// # Errors
-    ///
-    /// None yet; a requirement that cannot be met is a result.
-    pub fn of(wish: &Wish) -> Result<Self, CaseError> {
+    /// Searches for the best screw; a requirement that cannot be met is a result.
+    pub fn of(wish: &Wish) -> Self {
         let efficiency = |nut: &Nut, load: f64| {
             let problem = scene(wish, nut, load).problem(&wish.model.into()).ok()?;
             let solution = WORK.with_borrow_mut(|work| problem.solve(work));
@@ -108,7 +104,7 @@ impl DesignReport {
                 wish.model.name()
             )]
         };
-        Ok(Self { rows: design.checks.iter().map(row).collect(), found, reasons, warnings, scene })
+        Self { rows: design.checks.iter().map(row).collect(), found, reasons, warnings, scene }
     }
 
     /// JSON object: `found`, `steps`, `reasons`, `warnings`, and the screw as `scene`.

@@ -1,12 +1,13 @@
 //! An input from a measured output.
 
+use std::cell::RefCell;
+
 use bsm_design::search::{SearchError, root_of};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::{Value, json};
 
 use crate::{
     CaseError, INPUTS, Input, ModelChoice, Output, Record, Rule, Scene, Settings, nearest_input,
-    required_inputs,
 };
 
 /// Points between which the output is followed.
@@ -130,16 +131,15 @@ impl Fit {
             ModelChoice::Fixed(model) => Settings { model: model.into(), ..*settings },
         };
         let scene = &scene;
-        let mut work = ModelWorkspace::default();
-        let mut excess = |value: f64| -> Result<f64, CaseError> {
-            let record = self.answer(scene, settings, value, &mut work)?;
+        let work = RefCell::new(ModelWorkspace::default());
+        let answer = |value: f64| self.answer(scene, settings, value, &mut work.borrow_mut());
+        let excess = |value: f64| -> Result<f64, CaseError> {
+            let record = answer(value)?;
             if record.status() == Status::Converged && record.number(self.output.name).is_none() {
-                let given = |name: &&&str| scene.get(name).is_none() && !name.starts_with("lead");
-                let missing = required_inputs(Model::Traction).iter().filter(given);
                 return Err(CaseError::NoOutput {
                     output: self.output.name,
                     model: record.model().name(),
-                    missing: missing.map(|name| (*name).to_owned()).collect(),
+                    missing: scene.missing(Model::Traction),
                 });
             }
             let output =
@@ -157,13 +157,11 @@ impl Fit {
             let root = if v[1] == 0.0 {
                 Some(x[1])
             } else if v[0] * v[1] < 0.0 {
-                let work = std::cell::RefCell::new(ModelWorkspace::default());
-                let function = |value: f64| {
-                    let record = self.answer(scene, settings, value, &mut work.borrow_mut());
-                    let output = record.ok().and_then(|r| r.number(self.output.name));
-                    output.map(|o| o - self.measured).ok_or_else(|| SearchError::msg("no solution"))
+                let solved = |value: f64| match excess(value) {
+                    Ok(excess) if excess.is_nan() => Err(SearchError::msg("no solution")),
+                    excess => excess.map_err(SearchError::from),
                 };
-                root_of(function, x[0], x[1]).ok()
+                root_of(solved, x[0], x[1]).ok()
             } else {
                 None
             };
@@ -171,8 +169,7 @@ impl Fit {
                 let step = 1e-4 * value.abs();
                 let slope = (excess(value + step)? - excess(value - step)?) / (2.0 * step);
                 let response = self.measured / (value * slope);
-                let record = self.answer(scene, settings, value, &mut ModelWorkspace::default())?;
-                found.push(Fitted { value, response, record });
+                found.push(Fitted { value, response, record: answer(value)? });
             }
         }
         let ends =

@@ -30,7 +30,7 @@ pub mod units;
 pub use analysis::{Analysis, Block, Line, Values};
 pub use capacity::CapacityReport;
 pub use catalogue::{
-    CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Requirement, STANDARD_CATALOGUE, candidate_json,
+    CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
     pareto,
 };
 pub use design::{DesignReport, DesignRow, stock};

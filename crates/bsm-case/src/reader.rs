@@ -178,3 +178,8 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
 pub(crate) fn lead_angle<D: Scalar>(lead_mm: D, pitch_circle_diameter_mm: D) -> D {
     (lead_mm / (pitch_circle_diameter_mm * PI)).atan()
 }
+
+/// L = π d tanα
+pub(crate) fn lead_mm(lead_angle: f64, pitch_circle_diameter_mm: f64) -> f64 {
+    PI * pitch_circle_diameter_mm * lead_angle.tan()
+}

@@ -8,7 +8,7 @@ use std::path::Path;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::{Value, json};
 
-use crate::reader::lead_angle;
+use crate::reader::{lead_angle, lead_mm};
 use crate::units::{DEG, RPM};
 use crate::{CaseError, INPUTS, Input, Scene};
 
@@ -155,7 +155,7 @@ impl Scene {
         let mut warnings = Vec::new();
         let lead = self.lead_mm.or_else(|| {
             let pitch = self.pitch_circle_diameter_mm?;
-            Some(std::f64::consts::PI * pitch * self.lead_angle()?.tan())
+            Some(lead_mm(self.lead_angle()?, pitch))
         });
         if let (Some(ball), Some(lead)) = (self.ball_diameter_mm, lead)
             && ball >= lead

@@ -1,6 +1,6 @@
 //! The catalogue in the vocabulary, and the life of a nut.
 
-use bsm_case::{CapacityReport, Catalogue, CatalogueColumn, Requirement, Scene, Spectrum, pareto};
+use bsm_case::{CapacityReport, Catalogue, CatalogueColumn, Condition, Scene, Spectrum, pareto};
 
 /// Small lists; what they do not give is standard.
 const SMALL: &[u8] =
@@ -14,7 +14,7 @@ fn published_nuts_are_in_the_catalogue() {
     let all = Catalogue::from_json(SMALL).expect("lists").candidates();
     let has = |conditions: &[&str]| {
         let conditions: Vec<_> =
-            conditions.iter().map(|c| Requirement::parse(c).expect("a condition")).collect();
+            conditions.iter().map(|c| Condition::parse(c).expect("a condition")).collect();
         all.iter().filter(|nut| conditions.iter().all(|c| c.is_met(nut))).count()
     };
     let small = ["nominal_diameter_mm=20", "lead_mm=5", "loaded_turns=2", "nut_conformity=0.52"];
@@ -57,7 +57,7 @@ fn lists_are_checked() {
         ("mass_kg>=heavy", "is not of the form"),
         ("mass_kg", "is not of the form"),
     ] {
-        let error = Requirement::parse(text).expect_err(words).to_string();
+        let error = Condition::parse(text).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     }
     assert!(CatalogueColumn::named("efficiency").is_ok());

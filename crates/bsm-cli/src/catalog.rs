@@ -6,7 +6,7 @@ use std::path::Path;
 use bsm_batch::{NumberColumn, Numbers, TableError};
 use bsm_case::units::GPA;
 use bsm_case::{
-    CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Requirement, STANDARD_CATALOGUE, candidate_json,
+    CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
     pareto,
 };
 use bsm_design::Candidate;
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     let requirements: Vec<_> = args
         .require
         .iter()
-        .map(|text| Requirement::parse(text).map(|requirement| (text, requirement)))
+        .map(|text| Condition::parse(text).map(|requirement| (text, requirement)))
         .collect::<Result<_, _>>()
         .map_err(|e| Failure::Input(format!("--require: {e}")))?;
     let order = args.sort.as_deref().map(CatalogueColumn::named).transpose();
@@ -105,8 +105,8 @@ fn count(all: &[Candidate], met: usize, left: usize, args: &CatalogArgs) -> Stri
 }
 
 /// Why there is none, by the requirement.
-fn none(all: &[Candidate], requirements: &[(&String, Requirement)]) -> String {
-    let without = |(i, (name, requirement)): (usize, &(&String, Requirement))| {
+fn none(all: &[Candidate], requirements: &[(&String, Condition)]) -> String {
+    let without = |(i, (name, requirement)): (usize, &(&String, Condition))| {
         let others = |c: &&Candidate| {
             requirements.iter().enumerate().all(|(j, (_, r))| j == i || r.is_met(c))
         };

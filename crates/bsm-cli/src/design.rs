@@ -18,7 +18,7 @@ pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
     let in_file = |e| Failure::scene(path, &e);
     let wish =
         Wish::from_json(&json, &args.settings, stock().map_err(in_file)?).map_err(in_file)?;
-    let report = DesignReport::of(&wish).map_err(in_file)?;
+    let report = DesignReport::of(&wish);
     if let Some(output) = args.output.as_deref().filter(|_| report.found) {
         files::write(output, &(pretty_json(&report.scene.to_json()) + "\n"))?;
     }

@@ -102,16 +102,16 @@ impl Requirement {
         // Only what is limited matters now.
         let limited = self.least_efficiency.is_some();
         let search = Search { efficiency: limited.then_some(efficiency), ..search };
-        let (at, blocking) = search.conflict(&turns);
-        if !blocking.is_empty() {
-            return Outcome::Infeasible { design: complete(search.nut(&at)), blocking };
+        let (at, mut blocking) = search.conflict(&turns);
+        let mut nut = search.nut(&at);
+        if blocking.is_empty()
+            && let Some(design) = least(exact.iter(), |d| search.value_of(d).worst())
+        {
+            let blocked = |check: &Check| Blocked { check: *check, why: Why::WholeBalls };
+            blocking = design.checks.iter().filter(|check| !check.passes()).map(blocked).collect();
+            nut = design.nut;
         }
-        let Some(design) = least(exact.iter(), |d| search.value_of(d).worst()) else {
-            return Outcome::Infeasible { design: complete(search.nut(&at)), blocking };
-        };
-        let blocked = |check: &Check| Blocked { check: *check, why: Why::WholeBalls };
-        let blocking = design.checks.iter().filter(|check| !check.passes()).map(blocked).collect();
-        Outcome::Infeasible { design: complete(design.nut), blocking }
+        Outcome::Infeasible { design: complete(nut), blocking }
     }
 
     /// Numbers of turns to try.

@@ -41,9 +41,7 @@ impl Nut {
         let modulus = contact_modulus(&self.material.0, &self.material.1);
         let lead = self.lead_angle();
         let approach = |member| -> Result<f64, Reason> {
-            let contact = Hertz::of(&self.curvatures(member, lead), modulus)?;
-            // δ = (Q/K)^⅔                                                 (H9)
-            Ok(contact.stiffness.cbrt().powi(-2))
+            Ok(Hertz::of(&self.curvatures(member, lead), modulus)?.approach(1.0))
         };
         let approaches = [approach(Member::Nut)?, approach(Member::Screw)?];
         let direction = self.contact_angle.sin() * lead.cos();

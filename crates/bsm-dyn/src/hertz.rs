@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_kin::Scalar;
+use bsm_kin::{Over, Scalar};
 use ellip::ellipke;
 
 use crate::Reason;
@@ -151,6 +151,12 @@ impl<D: Scalar> Hertz<D> {
         // δ = 3 Q K / (2 π a E*) = c Q^{2/3},  K_H = c^{−3/2}             (H9)
         let compliance = k * 3.0 / (semi_axis * (2.0 * PI) * modulus);
         Ok(Self { ratio, semi_axis, stiffness: compliance.powf(-1.5), second_integral: e })
+    }
+
+    /// Elastic approach under the load `load` \[N\], in m (H9).
+    pub fn approach<L: Over<D>>(&self, load: L) -> L {
+        // δ = (Q/K_H)^⅔                                                   (H9)
+        (load / L::from(self.stiffness)).cbrt().square()
     }
 
     /// Semi-axes across and along the groove under the load `load` \[N\], in m.

@@ -110,7 +110,7 @@ impl<D: Scalar> ElasticScrew<D> {
             helix,
             arc: helix.arc_length_per_radian(),
             jones: Jones { nut_offset, screw_offset, contact_angle: self.contact_angle },
-            approach: hertz.map(|h| (load / h.stiffness).cbrt().square() / r_b),
+            approach: hertz.map(|h| h.approach(load) / r_b),
             semi_axes: hertz.map(|h| {
                 let (a, b) = h.semi_axes(load);
                 (a / r_b, b / r_b)

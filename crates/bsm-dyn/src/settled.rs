@@ -109,7 +109,7 @@ impl Closing {
 
     /// Elastic and permanent approaches at nut and screw.
     fn approaches<D: Scalar>(&self, loads: [D; 2]) -> [[D; 2]; 2] {
-        let elastic = |i: usize| (loads[i] * self.hertz[i].stiffness.recip()).cbrt().square();
+        let elastic = |i: usize| self.hertz[i].approach(loads[i]);
         let unit = |i: usize| self.curvatures[i].permanent_approach(1.0, self.ball_radius);
         let permanent = |i: usize| loads[i].square() * unit(i);
         [[elastic(0), elastic(1)], [permanent(0), permanent(1)]]
