@@ -1,0 +1,185 @@
+//! One point asked, and what is wrong with its answer.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::{Duration, Instant};
+
+use bsm_batch::{Cell as Value, Chunk, Column, Columns};
+use bsm_case::units::{MM, RPM};
+use bsm_case::{Cell, INPUTS, InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Settings};
+use bsm_dyn::{Ball, ModelWorkspace, Solution, Status};
+
+/// Largest scaled residual and power balance of an answer.
+const RESIDUAL: f64 = 1e-10;
+const BALANCE: f64 = 1e-9;
+
+/// Largest relative difference of an efficiency between the batch and the model: inertia far below
+/// the load is known to some digits only, and both are accepted on their residuals.
+const BATCH: f64 = 1e-7;
+
+/// How bad an answer is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Order {
+    Converged,
+    NoSolution,
+    Invalid,
+    NotConverged,
+    False,
+}
+
+impl From<Status> for Order {
+    fn from(status: Status) -> Self {
+        match status {
+            Status::Converged => Self::Converged,
+            Status::NoSolution => Self::NoSolution,
+            Status::InvalidInput => Self::Invalid,
+            Status::NotConverged => Self::NotConverged,
+        }
+    }
+}
+
+/// An answer and what is wrong with it.
+pub(crate) struct Answer {
+    pub(crate) order: Order,
+    /// Status and regime, or status and reason.
+    pub(crate) kind: String,
+    /// What the program says.
+    pub(crate) words: String,
+    pub(crate) residual: f64,
+    pub(crate) balance: f64,
+    pub(crate) time: Duration,
+    efficiency: Option<f64>,
+}
+
+impl Answer {
+    fn new(order: Order, kind: String) -> Self {
+        let (words, residual, balance, time) = (String::new(), 0.0, 0.0, Duration::ZERO);
+        Self { order, kind, words, residual, balance, time, efficiency: None }
+    }
+
+    fn turns_false(&mut self, what: &str) {
+        (self.order, self.kind) = (Order::False, format!("false {what}"));
+    }
+}
+
+/// The answer of a model.
+pub(crate) fn ask(scene: &Scene, model: ModelChoice, work: &mut ModelWorkspace) -> Answer {
+    let problem = match scene.problem(&settings(model)) {
+        Ok(problem) => problem,
+        Err(error) => return Answer::new(Order::Invalid, format!("invalid_input: {error}")),
+    };
+    let begin = Instant::now();
+    let solved = catch_unwind(AssertUnwindSafe(|| problem.solve(work)));
+    let time = begin.elapsed();
+    let Ok(solution) = solved else {
+        *work = ModelWorkspace::default();
+        return Answer::new(Order::False, "panic".to_owned());
+    };
+    let reason = cause(&solution);
+    let record = Record::new(solution);
+    let mut answer = Answer::new(record.status().into(), String::new());
+    answer.time = time;
+    record.message().unwrap_or_default().clone_into(&mut answer.words);
+    if record.status() != Status::Converged {
+        answer.kind = format!("{} {reason}", record.status_name());
+        return answer;
+    }
+    answer.kind = format!("converged {}", record.regime().unwrap_or_default());
+    answer.residual = record.number("residual_norm").unwrap_or(0.0);
+    answer.balance = record.number("power_balance").unwrap_or(0.0).abs();
+    answer.efficiency = record.number("efficiency");
+    if let Some(wrong) = wrong(&record, scene, &answer) {
+        answer.turns_false(&wrong);
+    }
+    answer
+}
+
+fn settings(model: ModelChoice) -> Settings {
+    Settings { model, ..Settings::default() }
+}
+
+/// Holds the answers against those of the batch, which solves some models by lanes.
+pub(crate) fn in_batch(scenes: &[Scene], model: ModelChoice, answers: &mut [Answer]) {
+    let given = |key| scenes.iter().any(|scene| scene.get(key).is_some());
+    let names = INPUTS.iter().map(|input| input.name).filter(|name| given(name));
+    let columns = Columns::sort(names, &[]).expect("names of inputs, each once");
+    let column = |name: &&str| {
+        let mut column = Column::with_capacity(scenes.len());
+        column.extend(scenes.iter().map(|s| s.get(name).map_or(Value::Missing, Value::Number)));
+        column
+    };
+    let inputs = columns.inputs.iter().map(column).collect();
+    let chunk = Chunk { first: 1, len: scenes.len(), inputs, kept: Vec::new() };
+    let efficiency = Output::named("efficiency").expect("an output");
+    let solve =
+        || bsm_batch::solve(&chunk, &columns, &Scene::default(), &settings(model), &[efficiency]);
+    let Ok(batch) = catch_unwind(AssertUnwindSafe(solve)) else {
+        for answer in answers {
+            answer.turns_false("panic in the batch");
+        }
+        return;
+    };
+    for ((answer, verdict), eta) in answers.iter_mut().zip(&batch.verdicts).zip(&batch.columns[0]) {
+        let known = answer.efficiency.unwrap_or(f64::NAN);
+        let differs = (eta - known).abs() > BATCH * known.abs();
+        if answer.order < Order::False && Order::from(verdict.status) != answer.order {
+            answer.turns_false("status in the batch");
+        } else if differs {
+            answer.turns_false("efficiency in the batch");
+        }
+    }
+}
+
+/// Name of the reason, with the way the iteration ended.
+fn cause(solution: &Solution) -> String {
+    let text = solution.reason.as_ref().map(|reason| format!("{reason:?}")).unwrap_or_default();
+    let name: String = text.chars().take_while(char::is_ascii_alphanumeric).collect();
+    match &solution.reason {
+        Some(bsm_dyn::Reason::Newton { status, .. }) => format!("{name} {status:?}"),
+        _ => name,
+    }
+}
+
+/// How large the inertia forces `$m r_m W^2$` are against the load.
+pub(crate) fn inertia(scene: &Scene) -> f64 {
+    let get = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+    let ball = 0.5 * MM * get(InputKey::ball_diameter_mm);
+    let mass = Ball::of_density(ball, get(InputKey::density_kg_m3)).mass;
+    let pitch = 0.5 * MM * get(InputKey::pitch_circle_diameter_mm);
+    let speed = RPM * (get(InputKey::screw_speed_rpm) - get(InputKey::nut_speed_rpm));
+    mass * pitch * speed * speed / get(InputKey::axial_load_N)
+}
+
+/// What no converged answer may be.
+fn wrong(record: &Record, scene: &Scene, answer: &Answer) -> Option<String> {
+    for output in OUTPUTS {
+        if let Some(Cell::Number(x)) = record.cell(output)
+            && !x.is_finite()
+        {
+            return Some(format!("{} not finite", output.name));
+        }
+    }
+    if answer.residual > RESIDUAL {
+        return Some("residual".to_owned());
+    }
+    if answer.balance > BALANCE {
+        return Some("power balance".to_owned());
+    }
+    for name in ["nut_normal_load_N", "screw_normal_load_N", "minor_normal_load_N"] {
+        // No contact pulls.
+        if record.number(name).is_some_and(|load| load <= 0.0) {
+            return Some(format!("{name} not positive"));
+        }
+    }
+    for name in ["nut_contact_angle_deg", "screw_contact_angle_deg"] {
+        if record.number(name).is_some_and(|angle| !(0.0..=90.0).contains(&angle)) {
+            return Some(format!("{name} beyond 0 to 90"));
+        }
+    }
+    // Friction takes power; rounding of the powers may hide that little.
+    let taken = record.number("dissipated_power_W").zip(record.number("input_power_W"));
+    if taken.is_some_and(|(lost, input)| lost < -1e-12 * input.abs()) {
+        return Some("dissipated power negative".to_owned());
+    }
+    let most = if scene.friction_coefficient == Some(0.0) { 1.0 } else { 1.0 + 1e-12 };
+    answer.efficiency.filter(|eta| *eta > most).map(|_| "efficiency above one".to_owned())
+}

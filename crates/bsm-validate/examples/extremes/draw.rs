@@ -1,0 +1,55 @@
+//! The points: the ranges of the extremes.
+
+use bsm_case::{ModelChoice, Scene};
+use bsm_dyn::Model;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Point `number` of a seed, whatever the number of threads.
+pub(crate) fn point(seed: u64, number: usize, model: ModelChoice) -> Scene {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(number as u64);
+    draw(&mut rng, model)
+}
+
+/// A point of the ranges.
+fn draw(rng: &mut impl Rng, model: ModelChoice) -> Scene {
+    let mut log = |low: f64, high: f64| {
+        let x = (low.ln() + rng.random::<f64>() * (high / low).ln()).exp();
+        format!("{x:.6e}").parse().unwrap_or(x)
+    };
+    let (ball, ratio) = (log(0.1, 200.0), log(0.01, 0.45));
+    let (load, speed, other) = (log(1e-6, 1e6), log(1e-3, 1e6), log(1e-3, 1e6));
+    let friction = log(1e-6, 1.0);
+    let (modulus, ball_modulus, density) = (log(1e-2, 1e3), log(1e-2, 1e3), log(500.0, 2e4));
+    let (nut, screw) = (0.5 + log(1e-3, 0.3), 0.5 + log(1e-3, 0.3));
+    let mut flip = |x: f64| if rng.random_bool(0.5) { x } else { -x };
+    let (speed, other) = (flip(speed), flip(other));
+    let (screw_speed, nut_speed) = match rng.random_range(0..5) {
+        0 | 1 => (speed, 0.0),
+        2 | 3 => (0.0, speed),
+        // Quasi-static covers one of both.
+        _ if model == Model::QuasiStatic.into() => (speed, 0.0),
+        _ => (speed, other),
+    };
+    // Models in whose balance friction takes part refuse none.
+    let needs = [Model::Rigid, Model::Elastic, Model::Traction].map(ModelChoice::from);
+    let friction = if !needs.contains(&model) && rng.random_ratio(1, 50) { 0.0 } else { friction };
+    Scene {
+        ball_diameter_mm: Some(ball),
+        pitch_circle_diameter_mm: Some(ball / ratio),
+        lead_angle_deg: Some(rng.random_range(0.05..85.0)),
+        contact_angle_deg: Some(rng.random_range(1.0..89.0)),
+        nut_conformity: Some(nut),
+        screw_conformity: Some(screw),
+        friction_coefficient: Some(friction),
+        density_kg_m3: Some(density),
+        youngs_modulus_GPa: Some(modulus),
+        ball_youngs_modulus_GPa: Some(ball_modulus),
+        screw_speed_rpm: Some(screw_speed),
+        nut_speed_rpm: Some(nut_speed),
+        axial_load_N: Some(load),
+        loaded_balls: Some(1.0),
+        ..Scene::default()
+    }
+}

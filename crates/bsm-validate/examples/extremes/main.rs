@@ -1,0 +1,107 @@
+//! A seeded campaign over the ranges of the extremes: every model is asked at random points, every
+//! answer is checked, and what should not be is written as a scene that reproduces it:
+//!
+//!     cargo run --release -p bsm-validate --example extremes -- 100000
+//!     cargo run --release -p bsm-validate --example extremes -- 20000 --model elastic --seed 3
+//!     bsm solve target/extremes/elastic-not_converged-RootEnds-17.json --model elastic
+//!
+//! Ranges: lead angle 0.05 to 85 deg, contact angle 1 to 89 deg, friction 0 and 1e-6 to 1, 1e-3 to
+//! 1e6 rpm both ways with screw, nut or both turning, 1e-6 to 1e6 N a ball, balls of 0.1 to 200 mm,
+//! 0.01 to 0.45 of the pitch radius, conformities 0.501 to 0.8, Young's modulus 0.01 to 1000 GPa,
+//! density 500 to 20 000 kg/m³. Speeds, loads, sizes and moduli are spread evenly over their orders of
+//! magnitude. Every point depends on seed and number only, whatever the number of threads.
+//!
+//! The exit code is 1 if an answer is false: a panic, a converged row with a number that is not
+//! finite, a residual above 1e-10, a power balance above 1e-9, an implausible sign, or another answer
+//! of the batch.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "the report of a program")]
+
+mod answer;
+mod draw;
+mod tally;
+
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use bsm_case::ModelChoice;
+use bsm_dyn::ModelWorkspace;
+use rayon::prelude::*;
+
+use answer::{ask, in_batch};
+use tally::Tally;
+
+/// Where the anomalies go.
+const FOLDER: &str = "target/extremes";
+
+/// Points that one thread takes at a time.
+const STRIDE: usize = 256;
+
+/// What the command line asks for.
+struct Asked {
+    points: usize,
+    seed: u64,
+    model: Option<ModelChoice>,
+}
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let Asked { points, seed, model } = asked(std::env::args().skip(1))?;
+    fs::create_dir_all(FOLDER)?;
+    // Panics are counted, their words are in the scene.
+    std::panic::set_hook(Box::new(|_| {}));
+    let models = match model {
+        Some(model) => vec![model],
+        None => ModelChoice::names().map(ModelChoice::from_name).collect::<Result<_, _>>()?,
+    };
+    let mut sound = true;
+    for model in models {
+        eprintln!("{}: {points} points, seed {seed}", model.name());
+        let begin = Instant::now();
+        let tally = campaign(model, points, seed);
+        println!(
+            "\n## {}, seed {seed}, {:.1} s\n\n{tally}",
+            model.name(),
+            begin.elapsed().as_secs_f64()
+        );
+        sound &= tally.is_sound();
+        tally.write_anomalies(Path::new(FOLDER), model)?;
+    }
+    eprintln!("anomalies: {FOLDER}");
+    Ok(if sound { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+fn asked(mut words: impl Iterator<Item = String>) -> Result<Asked, Box<dyn Error>> {
+    let mut asked = Asked { points: 10_000, seed: 8, model: None };
+    while let Some(word) = words.next() {
+        let mut value = || words.next().ok_or_else(|| format!("{word} needs a value"));
+        match word.as_str() {
+            "--seed" => asked.seed = value()?.parse()?,
+            "--model" => asked.model = Some(ModelChoice::from_name(&value()?)?),
+            count => {
+                let wanted = "the number of points, --seed N or --model M";
+                asked.points = count.parse().map_err(|_| format!("{count}: expected {wanted}"))?;
+            }
+        }
+    }
+    Ok(asked)
+}
+
+fn campaign(model: ModelChoice, points: usize, seed: u64) -> Tally {
+    let strides: Vec<_> = (0..points).step_by(STRIDE).collect();
+    strides
+        .into_par_iter()
+        .map_init(ModelWorkspace::default, |work, first| {
+            let numbers = first..points.min(first + STRIDE);
+            let scenes: Vec<_> = numbers.clone().map(|i| draw::point(seed, i, model)).collect();
+            let mut answers: Vec<_> = scenes.iter().map(|scene| ask(scene, model, work)).collect();
+            in_batch(&scenes, model, &mut answers);
+            let mut tally = Tally::default();
+            for ((number, scene), answer) in numbers.zip(&scenes).zip(&answers) {
+                tally.add(number, scene, answer);
+            }
+            tally
+        })
+        .reduce(Tally::default, Tally::and)
+}

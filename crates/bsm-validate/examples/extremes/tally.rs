@@ -1,0 +1,126 @@
+//! Counts of what came out, worst numbers, and the anomalies.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::fmt;
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use bsm_case::{ModelChoice, Scene};
+
+use crate::answer::{Answer, Order, inertia};
+
+/// Scenes that are written of each kind of anomaly.
+const EACH: usize = 5;
+
+/// Upper ends of the bands of the inertia ratio `$m r_m W^2/F_a$`, but for the last.
+const BANDS: [f64; 3] = [1e-6, 1e-2, 3.0];
+
+/// Points of one kind of answer, with the first of them as scenes if it is an anomaly.
+#[derive(Default)]
+struct Kind {
+    /// By band of the inertia ratio.
+    counts: [usize; BANDS.len() + 1],
+    scenes: Vec<(usize, Scene)>,
+}
+
+/// What came out.
+#[derive(Default)]
+pub(crate) struct Tally {
+    points: usize,
+    kinds: BTreeMap<(Order, String), Kind>,
+    residual: (f64, usize),
+    balance: (f64, usize),
+    slowest: (Duration, usize),
+}
+
+impl Tally {
+    pub(crate) fn add(&mut self, number: usize, scene: &Scene, answer: &Answer) {
+        self.points += 1;
+        let kind = self.kinds.entry((answer.order, answer.kind.clone())).or_default();
+        let inertia = inertia(scene);
+        kind.counts[BANDS.iter().filter(|end| inertia >= **end).count()] += 1;
+        if answer.order >= Order::NotConverged && kind.scenes.len() < EACH {
+            let description = Some(format!("extremes, point {number}: {}", answer.words));
+            kind.scenes.push((number, Scene { description, ..scene.clone() }));
+        }
+        self.worst((answer.residual, number), (answer.balance, number), (answer.time, number));
+    }
+
+    fn worst(&mut self, residual: (f64, usize), balance: (f64, usize), slow: (Duration, usize)) {
+        if residual.0 > self.residual.0 {
+            self.residual = residual;
+        }
+        if balance.0 > self.balance.0 {
+            self.balance = balance;
+        }
+        if slow.0 > self.slowest.0 {
+            self.slowest = slow;
+        }
+    }
+
+    /// Both together; `self` has the earlier points.
+    pub(crate) fn and(mut self, other: Self) -> Self {
+        self.points += other.points;
+        for (place, kind) in other.kinds {
+            let mine = self.kinds.entry(place).or_default();
+            for (count, more) in mine.counts.iter_mut().zip(kind.counts) {
+                *count += more;
+            }
+            mine.scenes.extend(kind.scenes);
+            mine.scenes.truncate(EACH);
+        }
+        self.worst(other.residual, other.balance, other.slowest);
+        self
+    }
+
+    /// True if no answer is false.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.kinds.keys().all(|(order, _)| *order < Order::False)
+    }
+
+    /// Writes a scene for each anomaly that was kept.
+    pub(crate) fn write_anomalies(
+        &self,
+        folder: &Path,
+        model: ModelChoice,
+    ) -> Result<(), Box<dyn Error>> {
+        for ((_, kind), Kind { scenes, .. }) in &self.kinds {
+            for (number, scene) in scenes {
+                let file = format!("{}-{kind}-{number}.json", model.name()).replace(' ', "-");
+                let text = serde_json::to_string_pretty(&scene.to_json())?;
+                fs::write(folder.join(file), text + "\n")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Tally {
+    /// A table in Markdown, and the worst numbers.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [low, middle, high] = BANDS;
+        let points = self.points;
+        writeln!(
+            f,
+            "| {points} points | share | all | inertia ratio < {low:e} | < {middle} | < {high} | more |"
+        )?;
+        writeln!(f, "|---|--:|--:|--:|--:|--:|--:|")?;
+        for ((_, name), Kind { counts, .. }) in &self.kinds {
+            let all: usize = counts.iter().sum();
+            #[expect(clippy::cast_precision_loss, reason = "counts")]
+            let share = 100.0 * all as f64 / points as f64;
+            let [one, two, three, four] = counts;
+            writeln!(f, "| {name} | {share:.4} % | {all} | {one} | {two} | {three} | {four} |")?;
+        }
+        let ((residual, r), (balance, b), (slowest, s)) =
+            (self.residual, self.balance, self.slowest);
+        let slowest = 1e3 * slowest.as_secs_f64();
+        write!(
+            f,
+            "\nworst residual {residual:.1e} (point {r}), worst power balance {balance:.1e} (point {b}), \
+             slowest {slowest:.3} ms (point {s})"
+        )
+    }
+}
