@@ -172,6 +172,38 @@ fn back_driving_mirrors_driving() {
     assert!(tried > 1000, "{tried}");
 }
 
+/// As inertia vanishes, saturated friction is the closed form: with rigid contacts at the given
+/// contact angle, with elastic ones at the loaded one.
+#[test]
+fn saturated_friction_without_inertia_is_the_closed_form() {
+    let mut work = ModelWorkspace::default();
+    let mut tried = [0; 2];
+    for screw in extremes(5).take(2000) {
+        let Drive { screw_speed, nut_speed } = screw.drive;
+        let speed = screw.drive.relative_speed();
+        let fastest = screw_speed.abs().max(nut_speed.abs());
+        // Inertia of 1e-8 of friction at the speed of the faster side.
+        let mass =
+            1e-8 * screw.friction * screw.load.axial / (screw.helix.radius * fastest.powi(2));
+        let screw = ElasticScrew { ball: Ball { mass, ..screw.ball }, ..screw };
+        let direction = Direction::of(speed).expect("turning");
+        for (i, case) in
+            [rigid(&screw), Problem::Elastic(Elastic { screw })].into_iter().enumerate()
+        {
+            let o = case.solve(&mut work).outputs;
+            let Some(eta) = o.efficiency else { continue };
+            let loaded = o.nut_contact_angle.zip(o.screw_contact_angle);
+            let contact = loaded.map_or(screw.contact_angle, |(nut, screw)| 0.5 * (nut + screw));
+            let angles = Angles { lead: screw.helix.lead_angle, contact };
+            let closed = angles.efficiency(direction, screw.friction);
+            // First order in inertia over friction.
+            assert_relative_eq!(eta, closed, max_relative = 1e-7, epsilon = 1e-7);
+            tried[i] += 1;
+        }
+    }
+    assert!(tried.iter().all(|tried| *tried > 800), "{tried:?}");
+}
+
 /// Along a fine sweep of the speed the angles of the nut-controlled ball move in small steps, until
 /// the flanks cannot hold it any more; from there on they never do.
 #[test]
