@@ -258,14 +258,15 @@ impl Regime {
         let (eta, onset, cross) = (grip.efficiency?, grip.onset_number?, grip.cross_slip?);
         let (f, direction) = (pair.friction, pair.direction);
         let angles = |contact| Angles { lead: pair.helix.lead_angle, contact };
-        // Saturated friction at the angle that the load leaves.
-        let range = pair.static_load(|beta| f * pair.sign() * angles(beta).slip_factor()).map_or(
-            f64::INFINITY,
-            |(_, beta)| {
-                let sliding = angles(beta).efficiency(direction, f);
-                (eta - sliding).abs()
-            },
-        );
+        // Saturated friction at the angle that the load leaves; where it holds any load nothing
+        // comes out.
+        let loaded = pair.static_load(|beta| f * pair.sign() * angles(beta).slip_factor());
+        let sliding = match loaded {
+            Ok((_, beta)) => angles(beta).efficiency(direction, f),
+            Err((_, Reason::SelfLocking { .. })) => 0.0,
+            Err(_) => return None,
+        };
+        let range = (eta - sliding).abs();
         // A = 0.02 + 1.7 f + 0.35/(1 + (χ/0.6)²)                          (A2)
         let rolling = 0.02 + 1.7 * f + 0.35 / (1.0 + (cross / 0.6).powi(2));
         // σ = min(1, (S/0.27)⁶)                                           (A3)
