@@ -5,8 +5,10 @@ use std::time::{Duration, Instant};
 
 use bsm_batch::{Cell as Value, Chunk, Column, Columns};
 use bsm_case::units::{MM, RPM};
-use bsm_case::{Cell, INPUTS, InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Settings};
-use bsm_dyn::{Ball, ModelWorkspace, Solution, Status};
+use bsm_case::{
+    Cell, INPUTS, InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Sensitivities, Settings,
+};
+use bsm_dyn::{Ball, ModelWorkspace, Reason, Status};
 
 /// Largest scaled residual and power balance of an answer.
 const RESIDUAL: f64 = 1e-10;
@@ -59,6 +61,11 @@ impl Answer {
     fn turns_false(&mut self, what: &str) {
         (self.order, self.kind) = (Order::False, format!("false {what}"));
     }
+
+    fn no_sensitivities(&mut self, reason: &Reason) {
+        let kind = format!("converged, no sensitivities: {}", name(reason));
+        (self.order, self.kind) = (Order::NotConverged, kind);
+    }
 }
 
 /// The answer of a model.
@@ -74,7 +81,7 @@ pub(crate) fn ask(scene: &Scene, model: ModelChoice, work: &mut ModelWorkspace) 
         *work = ModelWorkspace::default();
         return Answer::new(Order::False, "panic".to_owned());
     };
-    let reason = cause(&solution);
+    let reason = solution.reason.as_ref().map(name).unwrap_or_default();
     let record = Record::new(solution);
     let mut answer = Answer::new(record.status().into(), String::new());
     answer.time = time;
@@ -95,6 +102,35 @@ pub(crate) fn ask(scene: &Scene, model: ModelChoice, work: &mut ModelWorkspace) 
 
 fn settings(model: ModelChoice) -> Settings {
     Settings { model, ..Settings::default() }
+}
+
+/// Asks for the sensitivities of a converged answer: they are finite, or it is said why there are
+/// none.
+pub(crate) fn with_sensitivities(
+    scene: &Scene,
+    model: ModelChoice,
+    answer: &mut Answer,
+    work: &mut ModelWorkspace,
+) {
+    if answer.order != Order::Converged {
+        return;
+    }
+    let asked = Sensitivities::of(scene, &settings(model)).expect("the point was solved");
+    let found = catch_unwind(AssertUnwindSafe(|| asked.problem.sensitivities(work)));
+    match found {
+        Err(_) => {
+            *work = ModelWorkspace::default();
+            answer.turns_false("panic in the sensitivities");
+        }
+        Ok(Err((_, reason))) => answer.no_sensitivities(&reason),
+        Ok(Ok(found)) => {
+            let rows = asked.rows(&found);
+            let mut slopes = rows.iter().flat_map(|row| [Some(row.efficiency), row.screw_torque]);
+            if !slopes.all(|slope| slope.is_none_or(f64::is_finite)) {
+                answer.turns_false("sensitivity not finite");
+            }
+        }
+    }
 }
 
 /// Holds the answers against those of the batch, which solves some models by lanes.
@@ -130,11 +166,11 @@ pub(crate) fn in_batch(scenes: &[Scene], model: ModelChoice, answers: &mut [Answ
 }
 
 /// Name of the reason, with the way the iteration ended.
-fn cause(solution: &Solution) -> String {
-    let text = solution.reason.as_ref().map(|reason| format!("{reason:?}")).unwrap_or_default();
+fn name(reason: &Reason) -> String {
+    let text = format!("{reason:?}");
     let name: String = text.chars().take_while(char::is_ascii_alphanumeric).collect();
-    match &solution.reason {
-        Some(bsm_dyn::Reason::Newton { status, .. }) => format!("{name} {status:?}"),
+    match reason {
+        Reason::Newton { status, .. } => format!("{name} {status:?}"),
         _ => name,
     }
 }

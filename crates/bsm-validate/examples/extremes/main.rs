@@ -30,7 +30,7 @@ use bsm_case::ModelChoice;
 use bsm_dyn::ModelWorkspace;
 use rayon::prelude::*;
 
-use answer::{ask, in_batch};
+use answer::{ask, in_batch, with_sensitivities};
 use tally::Tally;
 
 /// Where the anomalies go.
@@ -38,6 +38,9 @@ const FOLDER: &str = "target/extremes";
 
 /// Points that one thread takes at a time.
 const STRIDE: usize = 256;
+
+/// One point in so many is asked for its sensitivities too, which take several solves.
+const SENSITIVE: usize = 8;
 
 /// What the command line asks for.
 struct Asked {
@@ -97,6 +100,9 @@ fn campaign(model: ModelChoice, points: usize, seed: u64) -> Tally {
             let scenes: Vec<_> = numbers.clone().map(|i| draw::point(seed, i, model)).collect();
             let mut answers: Vec<_> = scenes.iter().map(|scene| ask(scene, model, work)).collect();
             in_batch(&scenes, model, &mut answers);
+            for (scene, answer) in scenes.iter().zip(&mut answers).step_by(SENSITIVE) {
+                with_sensitivities(scene, model, answer, work);
+            }
             let mut tally = Tally::default();
             for ((number, scene), answer) in numbers.zip(&scenes).zip(&answers) {
                 tally.add(number, scene, answer);
