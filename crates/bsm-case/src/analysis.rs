@@ -100,7 +100,7 @@ impl Analysis {
             blocks: Vec::new(),
             verdicts: Vec::new(),
             lacks: Vec::new(),
-            warnings: scene.warnings().into_iter().chain(record.warnings()).collect(),
+            warnings: scene.warnings().into_iter().chain(record.warnings(scene)).collect(),
         }
     }
 

@@ -3,8 +3,8 @@
 use bsm_dyn::{Basis, Control, GRIPS_BELOW, Model, Motion, Outputs, Reason, Solution, Status};
 use serde_json::{Map, Value, json};
 
-use crate::units::{DEG, MPA};
-use crate::{CaseError, Cell, ModelChoice, OUTPUTS, Output};
+use crate::units::{DEG, MM, MPA};
+use crate::{CaseError, Cell, ModelChoice, OUTPUTS, Output, Scene};
 
 /// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
 /// load rating of ISO 76 is made from it.
@@ -118,8 +118,8 @@ impl Record {
         Some(format!("error of the efficiency at most {bound:.1e}: {why}"))
     }
 
-    /// What an engineer should know before using the numbers.
-    pub fn warnings(&self) -> Vec<String> {
+    /// What an engineer should know before using the numbers; `scene` is what was asked.
+    pub fn warnings(&self, scene: &Scene) -> Vec<String> {
         let o = &self.solution.outputs;
         let mut warnings = Vec::new();
         if let (Some(spin), Model::Rigid | Model::Elastic, None) =
@@ -160,6 +160,9 @@ impl Record {
                 MARKS_ABOVE / MPA
             ));
         }
+        if let Some(ball) = scene.ball_diameter_mm {
+            warnings.extend(self.cut_off(0.5 * MM * ball));
+        }
         if o.self_locking == Some(true) {
             warnings.push(match self.solution.outputs.efficiency {
                 Some(eta) => format!(
@@ -170,6 +173,27 @@ impl Record {
             });
         }
         warnings
+    }
+
+    /// A warning if a contact ellipse reaches over the bottom of its groove, or beyond the axial
+    /// direction, where no groove is.
+    fn cut_off(&self, ball_radius: f64) -> Option<String> {
+        let o = &self.solution.outputs;
+        let contacts = [
+            ("nut", o.nut_contact_angle, o.nut_ellipse_a),
+            ("screw", o.screw_contact_angle, o.screw_ellipse_a),
+        ];
+        contacts.into_iter().find_map(|(member, angle, semi_axis)| {
+            let (angle, half) = (angle?, (semi_axis? / ball_radius).min(1.0).asin());
+            let (from, to) = ((angle - half) / DEG, (angle + half) / DEG);
+            (from < 0.0 || to > 90.0).then(|| {
+                format!(
+                    "the contact ellipse at the {member} reaches from {from:.0} to {to:.0} deg \
+                     around the ball, beyond the 0 to 90 deg of a groove's flank, which would cut it \
+                     off: Hertz's contact is no good here; check the load, or take more or larger balls"
+                )
+            })
+        })
     }
 
     /// JSON object with the names of the vocabulary; what a model has not is null.

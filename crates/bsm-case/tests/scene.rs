@@ -334,6 +334,20 @@ fn overlapping_turns_are_warned_about() {
     assert!(lin.warnings()[0].contains("neighbouring turns"), "{:?}", lin.warnings());
 }
 
+/// An ellipse of 0.81 ball radii at 61 deg reaches to 115 deg.
+#[test]
+fn an_ellipse_wider_than_its_flank_is_warned_about() {
+    let warnings = |load: &str| {
+        let mut drive = scene(include_str!("../../../examples/feed_drive.json"));
+        drive.apply(load).expect("known name");
+        let problem = drive.problem(&Model::RacewayControl.into()).expect("complete");
+        Record::new(problem.solve(&mut ModelWorkspace::default())).warnings(&drive)
+    };
+    assert!(warnings("axial_load_N=8e3").is_empty());
+    let heavy = warnings("axial_load_N=1e6");
+    assert!(heavy.iter().any(|w| w.contains("a groove's flank")), "{heavy:?}");
+}
+
 proptest! {
     /// The parser never panics, whatever the bytes.
     #[test]

@@ -56,7 +56,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
     };
     let of_answers = answers.iter().filter(rolls).flat_map(|a| {
         let model = a.record.model().name();
-        a.record.warnings().into_iter().map(move |text| format!("{model}: {text}"))
+        a.record.warnings(&scene).into_iter().map(move |text| format!("{model}: {text}"))
     });
     for warning in scene.warnings().into_iter().chain(of_answers) {
         warn("warning", &warning);

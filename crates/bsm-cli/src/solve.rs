@@ -55,7 +55,7 @@ fn print_with(
         let text = record.message().unwrap_or("the model refuses the input");
         return Err(Failure::in_scene(path, text));
     }
-    for warning in scene.warnings().into_iter().chain(record.warnings()) {
+    for warning in scene.warnings().into_iter().chain(record.warnings(scene)) {
         warn("warning", &warning);
     }
     match format {
