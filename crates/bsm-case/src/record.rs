@@ -4,7 +4,7 @@ use bsm_dyn::{Basis, Control, GRIPS_BELOW, Model, Motion, Outputs, Reason, Solut
 use serde_json::{Map, Value, json};
 
 use crate::units::{DEG, MPA};
-use crate::{CaseError, Cell, ModelChoice, OUTPUTS, Output};
+use crate::{CaseError, Cell, ModelChoice, OUTPUTS, Output, OutputKey};
 
 /// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
 /// load rating of ISO 76 is made from it.
@@ -19,8 +19,18 @@ pub struct Record {
 }
 
 impl Record {
-    /// Wraps the answer of a model.
+    /// Wraps the answer of a model; one with a number beyond double precision is none.
     pub fn new(solution: Solution) -> Self {
+        let number = |output: &Output| match output.read(&solution.outputs) {
+            // An error without a bound is a statement.
+            Some(Cell::Number(x)) if output.key != OutputKey::efficiency_error_bound => Some(x),
+            _ => None,
+        };
+        let endless = |output: &&Output| number(output).is_some_and(|x| !x.is_finite());
+        if let Some(output) = OUTPUTS.iter().find(endless) {
+            let error = CaseError::BeyondDouble { output: output.name };
+            return Self::invalid(ModelChoice::Fixed(solution.model), &error);
+        }
         let message = solution.reason.as_ref().map(message);
         Self { model: ModelChoice::Fixed(solution.model), solution, message }
     }
