@@ -2,6 +2,8 @@
 
 use std::io;
 
+use bsm_case::brief;
+
 /// A table that cannot be read or written as a whole; a row that is wrong is a row with a status.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -9,9 +11,41 @@ pub enum TableError {
     /// The file or the disk.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// Not CSV, or rows of different lengths.
+    /// Not CSV.
     #[error("not a CSV table: {0}")]
     Csv(csv::Error),
+    /// A row with another number of cells than the first.
+    #[error("row {row} has {found} cells, but the table has {columns} columns")]
+    Ragged {
+        /// Number of the row, from 1.
+        row: u64,
+        /// Cells of the row.
+        found: u64,
+        /// Columns of the table.
+        columns: u64,
+    },
+    /// A row that is not UTF-8.
+    #[error("{} not UTF-8 text; save the table as UTF-8",
+        if *row == 0 { "the names of the columns are".to_owned() } else { format!("row {row} is") })]
+    NotUtf8 {
+        /// Number of the row, from 1; 0 for the names of the columns.
+        row: u64,
+    },
+    /// A row that does not end.
+    #[error("row {row} is longer than {} MiB; is a quote or an end of line missing?", most >> 20)]
+    LongRow {
+        /// Number of the row, from 1; 0 for the names of the columns.
+        row: u64,
+        /// Bytes that a row may have.
+        most: u64,
+    },
+    /// Cells that are separated by something else.
+    #[error("the names of the columns are separated by `{}`; cells are separated by commas, and the \
+        decimal sign is a point", separator.escape_debug())]
+    Separator {
+        /// By what.
+        separator: char,
+    },
     /// A line is no JSON object.
     #[error("row {row}: not a JSON object: {reason}")]
     Json {
@@ -24,8 +58,8 @@ pub enum TableError {
     #[error("not a Parquet table: {0}")]
     Parquet(String),
     /// A column that is no input.
-    #[error("column `{name}` is no input{}; leave it out, or carry it through with --keep {name}",
-        nearest.as_ref().map_or_else(String::new, |n| format!(", did you mean `{n}`?")))]
+    #[error("column `{0}` is no input{1}; leave it out, or carry it through with --keep {0}",
+        brief(name), nearest.as_ref().map_or_else(String::new, |n| format!(", did you mean `{n}`?")))]
     UnknownColumn {
         /// Its name.
         name: String,
@@ -33,7 +67,7 @@ pub enum TableError {
         nearest: Option<String>,
     },
     /// A column stands twice.
-    #[error("column `{name}` stands twice")]
+    #[error("column `{}` stands twice", brief(name))]
     RepeatedColumn {
         /// Its name.
         name: String,
@@ -76,6 +110,14 @@ impl From<csv::Error> for TableError {
                 csv::ErrorKind::Io(io) => Self::Io(io),
                 _ => unreachable!("the kind was asked"),
             },
+            csv::ErrorKind::Utf8 { pos, .. } => {
+                Self::NotUtf8 { row: pos.as_ref().map_or(0, csv::Position::record) }
+            }
+            csv::ErrorKind::UnequalLengths { pos, expected_len, len } => Self::Ragged {
+                row: pos.as_ref().map_or(0, csv::Position::record),
+                found: *len,
+                columns: *expected_len,
+            },
             _ => Self::Csv(error),
         }
     }
@@ -83,7 +125,14 @@ impl From<csv::Error> for TableError {
 
 impl From<parquet::errors::ParquetError> for TableError {
     fn from(error: parquet::errors::ParquetError) -> Self {
-        Self::Parquet(error.to_string())
+        use parquet::errors::ParquetError;
+        match error {
+            ParquetError::External(inner) => match inner.downcast::<io::Error>() {
+                Ok(io) => Self::Io(*io),
+                Err(other) => Self::Parquet(other.to_string()),
+            },
+            other => Self::Parquet(other.to_string()),
+        }
     }
 }
 

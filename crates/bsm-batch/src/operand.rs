@@ -61,7 +61,7 @@ impl<'a> Operands<'a> {
                 let value = base.get(input.name).or(input.default);
                 *operand = Operand::Column(input.rule, chunk.inputs[place].filled(value));
             } else if let Some(value) = asked.get(input.name) {
-                if !input.rule.holds(value) {
+                if !input.rule.holds(value) || !is_plain(value) {
                     return None;
                 }
                 *operand = Operand::Constant(value);
@@ -71,6 +71,14 @@ impl<'a> Operands<'a> {
         }
         Some((Self(operands), model))
     }
+}
+
+/// Sizes whose products of a few stay numbers; what is beyond is left to the model, which looks closer.
+const PLAIN: [f64; 2] = [1e-60, 1e60];
+
+fn is_plain(value: f64) -> bool {
+    let size = value.abs();
+    size <= 0.0 || (PLAIN[0]..=PLAIN[1]).contains(&size)
 }
 
 /// The inputs of as many points as a lane holds.
@@ -136,6 +144,7 @@ impl<S: Simd> Given<'_, S> {
     pub(crate) fn lawful(&self) -> Mask<S> {
         let zero = Lane::splat(self.simd, 0.0);
         let endless = zero.constant(f64::INFINITY);
+        let [least, most] = PLAIN.map(|x| zero.constant(x));
         let mut lawful = zero.lt(endless);
         for operand in &self.operands.0 {
             // Constants were checked.
@@ -147,7 +156,8 @@ impl<S: Simd> Given<'_, S> {
                 Rule::AtLeast(low) => zero.constant(low).le(x) & x.lt(endless),
                 Rule::Between(low, high) => x.gt(zero.constant(low)) & x.lt(zero.constant(high)),
             };
-            lawful = lawful & holds;
+            let size = x.abs();
+            lawful = lawful & holds & (size.le(zero) | (least.le(size) & size.le(most)));
         }
         let ball = self.try_get(InputKey::ball_diameter_mm);
         if let (Some(ball), Some(pitch)) = (ball, self.try_get(InputKey::pitch_circle_diameter_mm))

@@ -6,18 +6,24 @@ use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use arrow_array::{ArrayRef, BooleanArray, Float64Array, RecordBatch, StringArray, UInt64Array};
+use arrow_array::{
+    Array, ArrayRef, BooleanArray, Float64Array, RecordBatch, StringArray, StringViewArray,
+    UInt64Array,
+};
 use arrow_buffer::NullBuffer;
 use arrow_cast::cast;
 use arrow_schema::{DataType, Field, Schema};
 use bsm_case::{INPUTS, Output};
-use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use parquet::arrow::arrow_reader::{
+    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader,
+    ParquetRecordBatchReaderBuilder,
+};
+use parquet::arrow::{ArrowWriter, ProjectionMask};
 use parquet::basic::Compression;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::reader::ChunkReader;
 
-use crate::rows::{ANSWERS, Answers, Cell, Chunk, Column, Columns};
+use crate::rows::{ANSWERS, Answers, Cell, Chunk, Column, Columns, TEXT};
 use crate::{Sink, Source, TableError};
 
 /// Rows of a Parquet table.
@@ -37,9 +43,11 @@ impl ParquetSource {
     ///
     /// [`TableError`] if it is not Parquet, or its columns are not inputs of numbers or in `keep`.
     pub fn new(file: impl ChunkReader + 'static, keep: &[String]) -> Result<Self, TableError> {
-        let builder = ParquetRecordBatchReaderBuilder::try_new(file)?;
-        let fields = builder.schema().fields().clone();
-        let columns = Columns::sort(fields.iter().map(|f| f.name().as_str()), keep)?;
+        // What Arrow adds to the types of Parquet is not needed, and panics where it is damaged.
+        let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
+        let found = ArrowReaderMetadata::load(&file, plain)?;
+        let fields = found.schema().fields().clone();
+        let mut columns = Columns::sort(fields.iter().map(|f| f.name().as_str()), keep)?;
         for (name, place) in columns.inputs.iter().zip(&columns.input_places) {
             let found = fields[*place].data_type();
             if !(found.is_numeric() || *found == DataType::Null) {
@@ -47,24 +55,35 @@ impl ParquetSource {
                 return Err(TableError::NotNumbers { name, found });
             }
         }
-        let len = u64::try_from(builder.metadata().file_metadata().num_rows()).unwrap_or(0);
-        Ok(Self { reader: builder.build()?, columns, len, row: 0, rest: None })
+        // A text that stands in many rows stays one text.
+        let views = fields.iter().map(|field| match field.data_type() {
+            DataType::Utf8 | DataType::LargeUtf8 => {
+                Arc::new(field.as_ref().clone().with_data_type(DataType::Utf8View))
+            }
+            _ => field.clone(),
+        });
+        let schema = Arc::new(Schema::new(views.collect::<Vec<_>>()));
+        let options = ArrowReaderOptions::new().with_schema(schema);
+        let metadata = ArrowReaderMetadata::try_new(found.metadata().clone(), options)?;
+        let len = u64::try_from(metadata.metadata().file_metadata().num_rows()).unwrap_or(0);
+        // What is passed over is not read.
+        let mut read = [&columns.input_places[..], &columns.kept_places].concat();
+        read.sort_unstable();
+        let mask = ProjectionMask::roots(metadata.parquet_schema(), read.iter().copied());
+        for place in columns.input_places.iter_mut().chain(&mut columns.kept_places) {
+            *place = read.partition_point(|other| other < place);
+        }
+        let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata);
+        let reader = builder.with_projection(mask).build()?;
+        Ok(Self { reader, columns, len, row: 0, rest: None })
     }
 
-    /// The next batch of at most `rows` rows.
-    fn batch(&mut self, rows: usize) -> Result<Option<RecordBatch>, TableError> {
-        let batch = match self.rest.take() {
-            Some(batch) => batch,
-            None => match self.reader.next() {
-                Some(batch) => batch?,
-                None => return Ok(None),
-            },
-        };
-        if batch.num_rows() > rows {
-            self.rest = Some(batch.slice(rows, batch.num_rows() - rows));
-            return Ok(Some(batch.slice(0, rows)));
-        }
-        Ok(Some(batch))
+    /// What is left of the last batch, or else the next one.
+    fn batch(&mut self) -> Result<Option<RecordBatch>, TableError> {
+        Ok(match self.rest.take() {
+            Some(batch) => Some(batch),
+            None => self.reader.next().transpose()?,
+        })
     }
 }
 
@@ -79,15 +98,27 @@ impl Source for ParquetSource {
 
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
         let mut chunk = Chunk::empty(self.row + 1, &self.columns, rows);
-        while chunk.len < rows {
-            let Some(batch) = self.batch(rows - chunk.len)? else { break };
+        let mut text = 0;
+        while chunk.len < rows && text < TEXT {
+            let Some(batch) = self.batch()? else { break };
+            let texts = self.columns.kept_places.iter().map(|i| words(batch.column(*i)));
+            let texts: Vec<_> = texts.collect::<Result<_, _>>()?;
+            let mut taken = 0;
+            while taken < batch.num_rows() && chunk.len < rows && text < TEXT {
+                for (cells, texts) in chunk.kept.iter_mut().zip(&texts) {
+                    let cell = if texts.is_valid(taken) { texts.value(taken) } else { "" };
+                    cells.push(cell.to_owned());
+                    text += cell.len();
+                }
+                chunk.len += 1;
+                taken += 1;
+            }
             for (cells, place) in chunk.inputs.iter_mut().zip(&self.columns.input_places) {
-                numbers(batch.column(*place), cells)?;
+                numbers(&batch.column(*place).slice(0, taken), cells)?;
             }
-            for (cells, place) in chunk.kept.iter_mut().zip(&self.columns.kept_places) {
-                words(batch.column(*place), cells)?;
+            if taken < batch.num_rows() {
+                self.rest = Some(batch.slice(taken, batch.num_rows() - taken));
             }
-            chunk.len += batch.num_rows();
         }
         self.row += chunk.len as u64;
         Ok(chunk.filled())
@@ -102,12 +133,9 @@ fn numbers(column: &ArrayRef, cells: &mut Column) -> Result<(), TableError> {
     Ok(())
 }
 
-/// Appends a column as text; null is empty.
-fn words(column: &ArrayRef, cells: &mut Vec<String>) -> Result<(), TableError> {
-    let column = cast(column, &DataType::Utf8)?;
-    let texts = column.as_string::<i32>();
-    cells.extend(texts.iter().map(|text| text.unwrap_or_default().to_owned()));
-    Ok(())
+/// A column as text.
+fn words(column: &ArrayRef) -> Result<StringViewArray, TableError> {
+    Ok(cast(column, &DataType::Utf8View)?.as_string_view().clone())
 }
 
 /// Parquet with the columns of the source, then model, status, message and outputs.

@@ -150,6 +150,10 @@ impl Extend<Cell> for Column {
     }
 }
 
+/// Text that a chunk may hold, but for its last row \[B\]: few rows of long texts are as much work as
+/// many of numbers.
+pub(crate) const TEXT: usize = 32 << 20;
+
 /// Some rows of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chunk {

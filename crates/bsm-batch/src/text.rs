@@ -2,10 +2,10 @@
 
 use std::io::{self, BufRead, Read, Write};
 
-use bsm_case::Output;
+use bsm_case::{CaseError, Output, brief, entries};
 use serde_json::{Map, Value, json};
 
-use crate::rows::{ANSWERS, Answers, Cell, Chunk, Columns, is_answer};
+use crate::rows::{ANSWERS, Answers, Cell, Chunk, Columns, TEXT, is_answer};
 use crate::{Sink, Source, TableError};
 
 /// A value as it stands in a text cell.
@@ -17,9 +17,30 @@ fn parse(text: &str) -> Cell {
     text.parse().map_or_else(|_| Cell::Text(text.to_owned()), Cell::Number)
 }
 
+/// Bytes that a row may have: a quote that is not closed must not take the whole table.
+const LONGEST: u64 = 16 << 20;
+
+/// A reader that ends a row that is too long.
+struct Limited<R> {
+    reader: R,
+    /// What the row may still take.
+    left: u64,
+}
+
+impl<R: Read> Read for Limited<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.left == 0 {
+            return Err(io::ErrorKind::FileTooLarge.into());
+        }
+        let read = self.reader.read(buffer)?;
+        self.left = self.left.saturating_sub(read as u64);
+        Ok(read)
+    }
+}
+
 /// Rows of a CSV table; the first row names the columns.
 pub struct CsvSource<R> {
-    reader: csv::Reader<R>,
+    reader: csv::Reader<Limited<R>>,
     columns: Columns,
     row: u64,
 }
@@ -31,15 +52,31 @@ impl<R: Read> CsvSource<R> {
     ///
     /// [`TableError`] if they are not those of inputs or of `keep`.
     pub fn new(reader: R, keep: &[String]) -> Result<Self, TableError> {
-        let mut reader = csv::ReaderBuilder::new().from_reader(reader);
-        let header = reader.headers()?.clone();
+        let limited = Limited { reader, left: LONGEST };
+        let reader = csv::ReaderBuilder::new().from_reader(limited);
+        let mut source = Self { reader, columns: Columns::default(), row: 0 };
+        let header = source.reader.headers().cloned();
+        let header = header.map_err(|e| source.wrong(e, 0))?;
         if header.is_empty() {
             return Err(TableError::NoHeader);
         }
         // Some programs begin a file with a byte order mark.
         let names = header.iter().map(|name| name.trim_start_matches('\u{feff}'));
-        let columns = Columns::sort(names, keep)?;
-        Ok(Self { reader, columns, row: 0 })
+        source.columns = Columns::sort(names, keep).map_err(|error| match &header[0] {
+            one if header.len() == 1 => {
+                let separator = one.chars().find(|c| [';', '\t', '|', '\0'].contains(c));
+                separator.map_or(error, |separator| TableError::Separator { separator })
+            }
+            _ => error,
+        })?;
+        Ok(source)
+    }
+
+    fn wrong(&self, error: csv::Error, row: u64) -> TableError {
+        match self.reader.get_ref().left {
+            0 => TableError::LongRow { row, most: LONGEST },
+            _ => error.into(),
+        }
     }
 }
 
@@ -51,7 +88,13 @@ impl<R: Read + Send> Source for CsvSource<R> {
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
         let mut chunk = Chunk::empty(self.row + 1, &self.columns, rows);
         let mut record = csv::StringRecord::new();
-        while chunk.len < rows && self.reader.read_record(&mut record)? {
+        let mut text = 0;
+        while chunk.len < rows && text < TEXT {
+            self.reader.get_mut().left = LONGEST;
+            let row = chunk.first + chunk.len as u64;
+            if !self.reader.read_record(&mut record).map_err(|e| self.wrong(e, row))? {
+                break;
+            }
             for (cells, place) in chunk.inputs.iter_mut().zip(&self.columns.input_places) {
                 cells.push(parse(&record[*place]));
             }
@@ -59,6 +102,7 @@ impl<R: Read + Send> Source for CsvSource<R> {
                 cells.push(record[*place].to_owned());
             }
             chunk.len += 1;
+            text += record.as_slice().len();
         }
         self.row += chunk.len as u64;
         Ok(chunk.filled())
@@ -68,8 +112,9 @@ impl<R: Read + Send> Source for CsvSource<R> {
 /// Rows of JSON Lines: one object a line; the first one names the columns, a later one may leave
 /// some out.
 pub struct JsonSource<R> {
-    lines: std::io::Lines<R>,
-    first: Option<Map<String, Value>>,
+    reader: R,
+    line: Vec<u8>,
+    first: Option<Vec<(String, Value)>>,
     columns: Columns,
     row: u64,
 }
@@ -81,34 +126,39 @@ impl<R: BufRead> JsonSource<R> {
     ///
     /// [`TableError`] if it is no object, or has keys that are neither inputs nor in `keep`.
     pub fn new(reader: R, keep: &[String]) -> Result<Self, TableError> {
-        let mut source =
-            Self { lines: reader.lines(), first: None, columns: Columns::default(), row: 0 };
+        let columns = Columns::default();
+        let mut source = Self { reader, line: Vec::new(), first: None, columns, row: 0 };
         let first = source.object()?.ok_or(TableError::NoHeader)?;
-        source.columns = Columns::sort(first.keys().map(String::as_str), keep)?;
+        source.columns = Columns::sort(first.iter().map(|(key, _)| key.as_str()), keep)?;
         source.first = Some(first);
         source.row = 0;
         Ok(source)
     }
 
     /// The next object; empty lines are skipped.
-    fn object(&mut self) -> Result<Option<Map<String, Value>>, TableError> {
+    fn object(&mut self) -> Result<Option<Vec<(String, Value)>>, TableError> {
         if let Some(first) = self.first.take() {
             self.row += 1;
             return Ok(Some(first));
         }
-        for line in self.lines.by_ref() {
-            let line = line?;
-            if line.trim().is_empty() {
-                continue;
+        loop {
+            self.line.clear();
+            let read = self.reader.by_ref().take(LONGEST).read_until(b'\n', &mut self.line)? as u64;
+            if read == 0 {
+                return Ok(None);
             }
-            self.row += 1;
-            return match serde_json::from_str(&line) {
-                Ok(Value::Object(map)) => Ok(Some(map)),
-                Ok(_) => Err(TableError::Json { row: self.row, reason: "another value".into() }),
-                Err(e) => Err(TableError::Json { row: self.row, reason: e.to_string() }),
+            if read == LONGEST {
+                return Err(TableError::LongRow { row: self.row + 1, most: LONGEST });
+            }
+            return match entries(&self.line) {
+                Err(CaseError::Empty) => continue,
+                Ok(object) => {
+                    self.row += 1;
+                    Ok(Some(object))
+                }
+                Err(e) => Err(TableError::Json { row: self.row + 1, reason: e.to_string() }),
             };
         }
-        Ok(None)
     }
 }
 
@@ -119,8 +169,10 @@ impl<R: BufRead + Send> Source for JsonSource<R> {
 
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
         let mut chunk = Chunk::empty(self.row + 1, &self.columns, rows);
-        while chunk.len < rows {
-            let Some(mut object) = self.object()? else { break };
+        let mut text = 0;
+        while chunk.len < rows && text < TEXT {
+            let Some(object) = self.object()? else { break };
+            let mut object: Map<String, Value> = object.into_iter().collect();
             for (cells, name) in chunk.inputs.iter_mut().zip(&self.columns.inputs) {
                 cells.push(match object.remove(*name) {
                     None | Some(Value::Null) => Cell::Missing,
@@ -137,10 +189,11 @@ impl<R: BufRead + Send> Source for JsonSource<R> {
             }
             if let Some(name) = object.keys().find(|name| !is_answer(name)) {
                 // A key that the first row does not have.
-                let reason = format!("`{name}` is not in the first row");
+                let reason = format!("`{}` is not in the first row", brief(name));
                 return Err(TableError::Json { row: self.row, reason });
             }
             chunk.len += 1;
+            text += self.line.len();
         }
         Ok(chunk.filled())
     }

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use crate::units::{DEG, GPA, MM, UM};
-use crate::{CaseError, nearest};
+use crate::{CaseError, entries, nearest};
 
 /// The standard lists and limits, to copy and edit.
 pub const STANDARD_CATALOGUE: &str = include_str!("catalogue.json");
@@ -61,8 +61,7 @@ impl Catalogue {
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
         let mut all: Map<String, Value> =
             serde_json::from_str(STANDARD_CATALOGUE).map_err(CaseError::Syntax)?;
-        let given: Map<String, Value> = serde_json::from_slice(json).map_err(CaseError::Syntax)?;
-        for (key, value) in given {
+        for (key, value) in entries(json)? {
             if !all.contains_key(&key) {
                 let nearest = nearest(&key, all.keys().map(String::as_str)).map(str::to_owned);
                 return Err(CaseError::UnknownListKey { key, nearest });

@@ -34,7 +34,7 @@ pub enum CaseError {
         found: &'static str,
     },
     /// A key that is not in the vocabulary.
-    #[error("unknown key `{}`{}; `bsm schema input` lists all keys", key.escape_debug(), nearest_hint(nearest.as_deref()))]
+    #[error("unknown key `{}`{}; `bsm schema input` lists all keys", brief(key), nearest_hint(nearest.as_deref()))]
     UnknownKey {
         /// The key.
         key: String,
@@ -42,7 +42,7 @@ pub enum CaseError {
         nearest: Option<String>,
     },
     /// A key that stands twice.
-    #[error("key `{}` is given twice; keep one", key.escape_debug())]
+    #[error("key `{}` is given twice; keep one", brief(key))]
     DuplicateKey {
         /// The key.
         key: String,
@@ -68,7 +68,7 @@ pub enum CaseError {
         rule: String,
     },
     /// A key that the lists of the catalogue do not have.
-    #[error("unknown key `{}`{}; `bsm catalog --lists` prints all keys", key.escape_debug(), nearest_hint(nearest.as_deref()))]
+    #[error("unknown key `{}`{}; `bsm catalog --lists` prints all keys", brief(key), nearest_hint(nearest.as_deref()))]
     UnknownListKey {
         /// The key.
         key: String,
@@ -84,7 +84,7 @@ pub enum CaseError {
         what: String,
     },
     /// A column that the catalogue does not have.
-    #[error("no column is named `{}`{}; `bsm catalog --columns` lists them", name.escape_debug(), nearest_hint(nearest.as_deref()))]
+    #[error("no column is named `{}`{}; `bsm catalog --columns` lists them", brief(name), nearest_hint(nearest.as_deref()))]
     UnknownColumn {
         /// The name.
         name: String,
@@ -106,7 +106,7 @@ pub enum CaseError {
         missing: Vec<String>,
     },
     /// A key that requirements do not have.
-    #[error("unknown key `{}`{}; `bsm design` without a file lists all keys", key.escape_debug(), nearest_hint(nearest.as_deref()))]
+    #[error("unknown key `{}`{}; `bsm design` without a file lists all keys", brief(key), nearest_hint(nearest.as_deref()))]
     UnknownRequirement {
         /// The key.
         key: String,
@@ -139,7 +139,7 @@ pub enum CaseError {
         screw: f64,
     },
     /// An output that does not exist, or is no number.
-    #[error("no numeric output is named `{}`; `bsm schema output` lists them", name.escape_debug())]
+    #[error("no numeric output is named `{}`; `bsm schema output` lists them", brief(name))]
     UnknownOutput {
         /// The name.
         name: String,
@@ -241,7 +241,7 @@ pub enum CaseError {
         known: String,
     },
     /// A setting or axis on the command line that cannot be read.
-    #[error("`{}` is not of the form {form}", text.escape_debug())]
+    #[error("`{}` is not of the form {form}", brief(text))]
     BadSetting {
         /// What was given.
         text: String,
@@ -269,6 +269,12 @@ pub enum CaseError {
         /// The model.
         model: &'static str,
     },
+    /// A result that no double holds.
+    #[error("{output} is beyond double precision; check the magnitudes of the inputs")]
+    BeyondDouble {
+        /// The output.
+        output: &'static str,
+    },
     /// More points than can be counted.
     #[error("the grid has more than {limit} points; use fewer values per axis")]
     GridTooLarge {
@@ -280,13 +286,23 @@ pub enum CaseError {
 impl CaseError {
     /// An input whose value is some text.
     pub fn not_a_number(key: &str, text: &str) -> Self {
-        let found = format!("`{}`", text.escape_debug());
+        let found = format!("`{}`", brief(text));
         Self::WrongType { key: key.to_owned(), found, expected: "a number".to_owned() }
     }
 
     /// True if the file system is at fault, not the input.
     pub fn is_io(&self) -> bool {
         matches!(self, Self::Unreadable { .. })
+    }
+}
+
+/// A text of a user as a message shows it: its beginning, nothing that a terminal obeys.
+pub fn brief(text: &str) -> String {
+    // About a line; names of the vocabulary are half as long.
+    const MOST: usize = 60;
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", text[..end].escape_debug()),
+        None => text.escape_debug().to_string(),
     }
 }
 

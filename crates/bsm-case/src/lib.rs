@@ -34,7 +34,7 @@ pub use catalogue::{
     pareto,
 };
 pub use design::{DesignReport, DesignRow, stock};
-pub use error::CaseError;
+pub use error::{CaseError, brief};
 pub use fit::{Fit, FitReport, Fitted};
 pub use grid::{Axis, Grid};
 pub use input::{INPUTS, Input, InputKey, Rule, Scene};
@@ -44,7 +44,7 @@ pub use problem::{ModelChoice, Settings, required_inputs};
 pub use record::Record;
 pub use requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, Wish};
 pub(crate) use scene::nearest;
-pub use scene::nearest_input;
+pub use scene::{entries, nearest_input};
 pub use schema::{input_schema, output_schema};
 pub use sensitivity::{Jets, Sensitivities, Sensitivity};
 pub use spectrum::Spectrum;

@@ -19,8 +19,16 @@ pub struct Record {
 }
 
 impl Record {
-    /// Wraps the answer of a model.
+    /// Wraps the answer of a model; one with a number beyond double precision is none.
     pub fn new(solution: Solution) -> Self {
+        let endless = |output: &&Output| {
+            let cell = output.read(&solution.outputs);
+            matches!(cell, Some(Cell::Number(x)) if !x.is_finite())
+        };
+        if let Some(output) = OUTPUTS.iter().find(endless) {
+            let error = CaseError::BeyondDouble { output: output.name };
+            return Self::invalid(ModelChoice::Fixed(solution.model), &error);
+        }
         let message = solution.reason.as_ref().map(message);
         Self { model: ModelChoice::Fixed(solution.model), solution, message }
     }

@@ -8,6 +8,7 @@ use std::path::Path;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::{Value, json};
 
+use crate::error::brief;
 use crate::reader::{lead_angle, lead_mm};
 use crate::units::{DEG, RPM};
 use crate::{CaseError, INPUTS, Input, Scene};
@@ -170,7 +171,11 @@ impl Scene {
 }
 
 /// The entries of a JSON object, in order, none twice.
-pub(crate) fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
+///
+/// # Errors
+///
+/// [`CaseError`] for syntax and repeated keys.
+pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
     // Some editors begin a file with a byte order mark.
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     if json.iter().all(u8::is_ascii_whitespace) {
@@ -213,6 +218,8 @@ pub fn nearest_input(key: &str) -> Option<&'static str> {
 
 /// The name that is nearest to `key`, if any is near.
 pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    // What is so long is not near anything, and would take as long to compare.
+    let names = names.filter(|name| key.len() <= 2 * name.len());
     let key = key.to_lowercase();
     let part = if key.len() < 3 { "no part of a name" } else { key.as_str() };
     names
@@ -227,7 +234,7 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
 
 pub(crate) fn wrong_type(key: String, value: &Value, expected: &str) -> CaseError {
     let found = match value {
-        Value::String(text) => format!("the text {text:?}"),
+        Value::String(text) => format!("the text \"{}\"", brief(text)),
         other => kind(other).to_owned(),
     };
     CaseError::WrongType { key, found, expected: expected.to_owned() }

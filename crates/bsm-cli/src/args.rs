@@ -164,6 +164,13 @@ fn order(text: &str) -> Result<NonZeroUsize, String> {
     }
 }
 
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    match text.parse::<NonZeroUsize>() {
+        Ok(threads) if threads.get() <= 1024 => Ok(threads),
+        _ => Err("must be a whole number from 1 to 1024, such as 4".to_owned()),
+    }
+}
+
 fn positive(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
@@ -208,8 +215,8 @@ pub(crate) struct TableArgs {
     /// Outputs to write, in this order; all unless given.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) columns: Option<Vec<String>>,
-    /// Threads; all cores unless given. Results do not depend on it.
-    #[arg(long, value_name = "N")]
+    /// Threads, at most 1024; all cores unless given. Results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub(crate) threads: Option<NonZeroUsize>,
     /// Exit with 3 if any row has no result.
     #[arg(long)]

@@ -16,6 +16,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), Failure> {
     let mut base = Scene::default();
     if let Some(path) = &args.base {
         base = read_scene(path, &[])?;
+        files::keep(path, Some(&args.table.output))?;
     }
     files::apply(&mut base, &args.settings)?;
     let settings = args.model.settings().map_err(|e| Failure::Input(e.to_string()))?;
@@ -35,7 +36,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), Failure> {
     }
     let origin = || origin(&args.points);
     task.run(source.as_mut(), origin, |_, _| {}).map_err(|e| match e {
-        Failure::Table(text) => Failure::Input(format!("{}: {text}", args.points.display())),
+        Failure::Table(error) => Failure::table(&args.points, &error),
         other => other,
     })
 }
@@ -65,10 +66,7 @@ fn origin(path: &Path) -> Result<String, Failure> {
 /// Opens a table by the ending of its name; `-` is CSV on standard input.
 pub(crate) fn open(path: &Path, keep: &[String]) -> Result<Box<dyn Source>, Failure> {
     let kind = Kind::of(path, "POINTS")?;
-    let failed = |e: TableError| match e {
-        TableError::Io(e) => Failure::files("read", path, &e),
-        other => Failure::Input(format!("{}: {other}", path.display())),
-    };
+    let failed = |e: TableError| Failure::table(path, &e);
     let file = || File::open(path).map_err(|e| Failure::files("read", path, &e));
     Ok(match kind {
         Kind::Parquet => Box::new(ParquetSource::new(file()?, keep).map_err(failed)?),

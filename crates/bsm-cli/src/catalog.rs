@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use bsm_batch::{NumberColumn, Numbers, TableError};
+use bsm_batch::{NumberColumn, Numbers};
 use bsm_case::units::GPA;
 use bsm_case::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
@@ -41,6 +41,10 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     let order = order.map_err(|e| Failure::Input(format!("--sort: {e}")))?;
     let kind = args.output.as_deref().map(|path| Kind::of(path, "--output")).transpose()?;
     let catalogue = read(args.catalogue.as_deref())?;
+    if let Some(lists) = &args.catalogue {
+        files::keep(lists, args.output.as_deref())?;
+        files::keep(lists, args.pick.as_deref())?;
+    }
     if let Some(folder) = &args.plot {
         write_figures(folder, &catalogue_figures(&catalogue))?;
         warn("note", &format!("wrote figures as SVG and CSV in {}", folder.display()));
@@ -148,11 +152,7 @@ fn write(path: &Path, kind: Kind, chosen: &[Candidate]) -> Result<(), Failure> {
         Kind::JsonLines => table.write_json_lines(out),
         Kind::Parquet => table.write_parquet(out),
     };
-    let failed = |error: TableError| match error {
-        TableError::Io(e) => Output::failure(path, &e),
-        other => unwritable(path, &other),
-    };
-    written.map_err(failed)?.complete()
+    written.map_err(|error| unwritable(path, &error))?.complete()
 }
 
 fn show(chosen: &[Candidate], args: &CatalogArgs) -> Result<(), Failure> {

@@ -15,6 +15,7 @@ pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
         return print(&keys());
     };
     let json = read(path)?;
+    files::keep(path, args.output.as_deref())?;
     let in_file = |e| Failure::scene(path, &e);
     let wish =
         Wish::from_json(&json, &args.settings, stock().map_err(in_file)?).map_err(in_file)?;

@@ -4,9 +4,12 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use bsm_batch::TableError;
 use bsm_case::CaseError;
 use bsm_validate::ValidateError;
 use thiserror::Error;
+
+use crate::files::Output;
 
 #[derive(Debug, Error)]
 pub(crate) enum Failure {
@@ -20,11 +23,8 @@ pub(crate) enum Failure {
     #[error("unsolved")]
     Unsolved,
     /// A table of points that cannot be read on.
-    #[error("{0}")]
-    Table(String),
-    /// The user has interrupted the work; nothing unfinished is left under a final name.
-    #[error("interrupted; nothing unfinished was kept (a folder goes on with --resume)")]
-    Interrupted,
+    #[error(transparent)]
+    Table(#[from] TableError),
     /// The reader of standard output has gone: nothing is left to do.
     #[error("closed pipe")]
     ClosedPipe,
@@ -49,9 +49,22 @@ impl Failure {
         Self::Input(format!("{name}: {text}"))
     }
 
+    /// A table that cannot be read: the file or the disk, or what is in it.
+    pub(crate) fn table(path: &Path, error: &TableError) -> Self {
+        match error {
+            TableError::Io(e) => Self::files("read", path, e),
+            other => Self::in_scene(path, &other.to_string()),
+        }
+    }
+
     /// What was being done, to what, and what the system said.
     pub(crate) fn files(doing: &str, path: &Path, error: &io::Error) -> Self {
-        Self::Files(format!("cannot {doing} {}: {error}", path.display()))
+        let path = path.display();
+        // Without the name of the temporary file, which tells nobody anything.
+        match error.get_ref().and_then(|inner| inner.source()) {
+            Some(cause) => Self::Files(format!("cannot {doing} {path}: {cause}")),
+            None => Self::Files(format!("cannot {doing} {path}: {error}")),
+        }
     }
 
     /// Prints the failure to standard error.
@@ -61,7 +74,6 @@ impl Failure {
             Self::Unsolved => return ExitCode::from(3),
             Self::Files(_) => 1,
             Self::Input(_) | Self::Table(_) => 2,
-            Self::Interrupted => 130,
         };
         warn("error", &self.to_string());
         ExitCode::from(code)
@@ -80,6 +92,14 @@ impl From<ValidateError> for Failure {
             }
             _ => Self::Input(error.to_string()),
         }
+    }
+}
+
+/// Prints what the command line asks for, help or version, or what is wrong with it.
+pub(crate) fn usage(told: &clap::Error) -> ExitCode {
+    match told.print() {
+        Err(error) if !told.use_stderr() => Output::failure(Path::new("-"), &error).report(),
+        _ => ExitCode::from(u8::try_from(told.exit_code()).unwrap_or(2)),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Standard output, scenes, and files that appear only when they are complete.
 
+use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -9,6 +10,7 @@ use serde_json::Value;
 use tempfile::NamedTempFile;
 
 use crate::failure::{Failure, warn};
+use crate::unfinished;
 
 /// Beginning of the names of unfinished files.
 pub(crate) const TEMPORARY: &str = ".bsm-";
@@ -31,7 +33,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
         read.map_err(|e| Failure::files("read", Path::new("standard input"), &e))?;
         return Ok(bytes);
     }
-    std::fs::read(path).map_err(|e| Failure::files("read", path, &e))
+    fs::read(path).map_err(|e| Failure::files("read", path, &e))
 }
 
 /// Reads a scene, `-` from standard input, and applies settings.
@@ -52,6 +54,13 @@ pub(crate) fn apply(scene: &mut Scene, settings: &[String]) -> Result<(), Failur
 pub(crate) enum Output {
     /// Standard output.
     Stdout(io::Stdout),
+    /// A pipe or a device, which must not be replaced by a file.
+    Special {
+        /// It.
+        file: BufWriter<File>,
+        /// Its path.
+        path: PathBuf,
+    },
     /// A temporary file in the folder of the final path.
     File {
         /// What is written so far.
@@ -67,9 +76,30 @@ impl Output {
         if path.as_os_str() == "-" {
             return Ok(Self::Stdout(io::stdout()));
         }
-        if path.is_dir() {
-            return Err(Failure::Files(format!("cannot write {}: it is a folder", path.display())));
-        }
+        let path = match fs::metadata(path) {
+            Ok(found) if found.is_dir() => return Err(refused(path, "it is a folder")),
+            Ok(found) if !found.is_file() => {
+                let file = File::options().write(true).open(path);
+                let file = file.map_err(|e| Failure::files("write", path, &e))?;
+                return Ok(Self::Special { file: BufWriter::new(file), path: path.to_owned() });
+            }
+            // A new file could take its name, but not what protects it.
+            Ok(found) if found.permissions().readonly() => {
+                return Err(refused(
+                    path,
+                    "it is read-only; make it writable or take another name",
+                ));
+            }
+            // Behind a link is what is meant.
+            Ok(_) => fs::canonicalize(path).map_err(|e| Failure::files("write", path, &e))?,
+            Err(_) if path.is_symlink() => {
+                return Err(refused(
+                    path,
+                    "it is a link to nothing; remove it or take another name",
+                ));
+            }
+            Err(_) => path.to_owned(),
+        };
         let folder = match path.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
@@ -82,7 +112,8 @@ impl Output {
         let file = builder
             .tempfile_in(folder)
             .map_err(|e| Failure::files("write in folder", folder, &e))?;
-        Ok(Self::File { file: BufWriter::new(file), path: path.to_owned() })
+        unfinished::add(file.path().to_owned());
+        Ok(Self::File { file: BufWriter::new(file), path })
     }
 
     /// A failed write.
@@ -101,11 +132,13 @@ impl Output {
         let flushed = self.flush();
         match self {
             Self::Stdout(_) => flushed.map_err(|e| Self::failure(Path::new("-"), &e)),
+            Self::Special { path, .. } => flushed.map_err(|e| Self::failure(&path, &e)),
             Self::File { file, path } => {
                 let named = || -> io::Result<()> {
                     flushed?;
                     let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
                     file.as_file().sync_all()?;
+                    let _uninterrupted = unfinished::hold();
                     file.persist(&path).map_err(|e| e.error)?;
                     Ok(())
                 };
@@ -119,6 +152,7 @@ impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
             Self::Stdout(out) => out.write(bytes),
+            Self::Special { file, .. } => file.write(bytes),
             Self::File { file, .. } => file.write(bytes),
         }
     }
@@ -126,8 +160,25 @@ impl Write for Output {
     fn flush(&mut self) -> io::Result<()> {
         match self {
             Self::Stdout(out) => out.flush(),
+            Self::Special { file, .. } => file.flush(),
             Self::File { file, .. } => file.flush(),
         }
+    }
+}
+
+/// A path that cannot be written to.
+fn refused(path: &Path, why: &str) -> Failure {
+    Failure::Files(format!("cannot write {}: {why}", path.display()))
+}
+
+/// Refuses to replace what was read; `None` and `-` are no files.
+pub(crate) fn keep(input: &Path, output: Option<&Path>) -> Result<(), Failure> {
+    let real = |path: &Path| fs::canonicalize(path).ok();
+    match output {
+        Some(output) if output.is_file() && real(input) == real(output) => Err(Failure::Input(
+            format!("{} is an input, which would be lost; take another name", output.display()),
+        )),
+        _ => Ok(()),
     }
 }
 
@@ -147,7 +198,7 @@ pub(crate) fn make_report_folder(folder: &Path) -> Result<PathBuf, Failure> {
 
 /// Makes a folder and those above it.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|e| Failure::files("make folder", folder, &e))
+    fs::create_dir_all(folder).map_err(|e| Failure::files("make folder", folder, &e))
 }
 
 /// Writes each figure as SVG and as a table into a folder, which it makes.

@@ -16,6 +16,7 @@ mod stream;
 mod sweep;
 mod table;
 mod tradeoff;
+mod unfinished;
 mod validate;
 
 use std::process::ExitCode;
@@ -27,7 +28,11 @@ use crate::args::{Cli, Command, SchemaKind};
 use crate::files::{pretty_json, print};
 
 fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    let command = match Cli::try_parse() {
+        Ok(cli) => cli.command,
+        Err(usage) => return failure::usage(&usage),
+    };
+    let result = match command {
         Command::Solve(args) => solve::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Sweep(args) => sweep::run(&args),

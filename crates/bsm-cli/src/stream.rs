@@ -1,10 +1,9 @@
-//! From a source of rows to a table: chunks solved on all cores, progress, clean interruption.
+//! From a source of rows to a table: chunks solved on all cores, with progress.
 
-use std::fs;
-use std::io::{self, IsTerminal};
+use std::fs::{self, File, TryLockError};
+use std::io::{self, IsTerminal, Read, Write};
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
@@ -23,9 +22,6 @@ use crate::files::{self, Output};
 
 /// Rows that are in memory at a time.
 const ROWS: usize = 1 << 16;
-
-/// Set by an interrupt.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// What all rows have in common, and where they go.
 pub(crate) struct Task<'a> {
@@ -92,21 +88,15 @@ impl<'a> Task<'a> {
         target: &Target<'_>,
         mut each: impl FnMut(&Chunk, &[f64]),
     ) -> Result<Count, Failure> {
-        // A second interrupt ends the program at once. Where handlers exist already, the default
-        // one ends it at the first.
-        let _ = ctrlc::set_handler(|| {
-            if INTERRUPTED.swap(true, Ordering::Relaxed) {
-                std::process::exit(130);
-            }
-        });
         let bar = progress(source.len_hint(), "rows", self.table.quiet);
         let mut count = Count::default();
-        let parts = target.parts(source, self)?;
+        let lock = target.parts(source, self)?;
+        let parts = lock.is_some();
         let mut done = Ok(true);
         for part in 0_u64.. {
             let path = target.file(part);
             if parts && path.exists() {
-                unreadable(source.skip(PART))?;
+                source.skip(PART)?;
                 bar.inc(PART);
                 continue;
             }
@@ -139,7 +129,7 @@ impl<'a> Task<'a> {
         limit: u64,
         each: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<bool, Failure> {
-        let first = unreadable(source.next(ROWS))?;
+        let first = source.next(ROWS)?;
         if first.is_none() && limit < u64::MAX {
             return Ok(false);
         }
@@ -153,10 +143,10 @@ impl<'a> Task<'a> {
             let writer = scope.spawn(move || write_behind(sink, &answered));
             let mut done = Ok(());
             for chunk in chunks {
-                let chunk = match unreadable(chunk) {
+                let chunk = match chunk {
                     Ok(chunk) => chunk,
                     Err(error) => {
-                        done = Err(error);
+                        done = Err(Failure::from(error));
                         break;
                     }
                 };
@@ -166,19 +156,11 @@ impl<'a> Task<'a> {
                     // The writer has failed, and says why itself.
                     break;
                 }
-                if INTERRUPTED.load(Ordering::Relaxed) {
-                    done = Err(Failure::Interrupted);
-                    break;
-                }
             }
             drop(solved);
             let file = writer.join().unwrap_or_else(|panic| resume_unwind(panic));
             done?;
-            let file = file.map_err(|error| match error {
-                TableError::Io(e) => Output::failure(path, &e),
-                other => unwritable(path, &other),
-            })?;
-            file.complete()?;
+            file.map_err(|error| unwritable(path, &error))?.complete()?;
             Ok(true)
         })
     }
@@ -217,13 +199,15 @@ fn write_behind(
     file.finish()
 }
 
+/// A table that cannot be written.
 pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
-    Failure::Files(format!("cannot write {}: {error}", path.display()))
-}
-
-/// A table of points that cannot be read on.
-fn unreadable<T>(read: Result<T, TableError>) -> Result<T, Failure> {
-    read.map_err(|error| Failure::Table(error.to_string()))
+    match error {
+        TableError::Io(e) => Output::failure(path, e),
+        TableError::Parquet(why) => {
+            Failure::Files(format!("cannot write {}: {why}", path.display()))
+        }
+        other => Failure::Files(format!("cannot write {}: {other}", path.display())),
+    }
 }
 
 /// Where a table goes.
@@ -273,10 +257,10 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// Makes the folder ready, and checks that the parts in it are of the same task; false for a
-    /// file.
-    fn parts(&self, source: &dyn Source, task: &Task<'_>) -> Result<bool, Failure> {
-        let Self::Folder { path, origin, resume } = self else { return Ok(false) };
+    /// Makes the folder ready, and checks that the parts in it are of the same task; `None` for a
+    /// file. Nobody else writes into the folder while what is returned is open.
+    fn parts(&self, source: &dyn Source, task: &Task<'_>) -> Result<Option<File>, Failure> {
+        let Self::Folder { path, origin, resume } = self else { return Ok(None) };
         let columns = source.columns();
         let manifest = format!(
             "{:#}\n",
@@ -293,36 +277,44 @@ impl<'a> Target<'a> {
         );
         fs::create_dir_all(path).map_err(|e| Failure::files("make folder", path, &e))?;
         let file = path.join(MANIFEST);
-        match fs::read_to_string(&file) {
-            Ok(found) if !resume => Err(Failure::Input(format!(
+        let entries = fs::read_dir(path).map_err(|e| Failure::files("read folder", path, &e))?;
+        if !file.exists() && entries.count() > 0 {
+            return Err(Failure::Input(format!(
+                "{} is a folder with something else in it",
+                path.display()
+            )));
+        }
+        let failed = |e: io::Error| Failure::files("write", &file, &e);
+        let open = File::options().read(true).write(true).create(true).truncate(false).open(&file);
+        let mut open = open.map_err(failed)?;
+        if matches!(open.try_lock(), Err(TryLockError::WouldBlock)) {
+            return Err(Failure::Files(format!(
+                "cannot write {}: another bsm is writing there",
+                path.display()
+            )));
+        }
+        let mut found = Vec::new();
+        open.read_to_end(&mut found).map_err(failed)?;
+        let same = found == manifest.as_bytes();
+        if found.is_empty() {
+            let written = open.write_all(manifest.as_bytes()).and_then(|()| open.sync_all());
+            written.map_err(failed)?;
+        } else if !resume {
+            return Err(Failure::Input(format!(
                 "{} holds the parts of {} task; go on with --resume, or take another folder",
                 path.display(),
-                if found == manifest { "this" } else { "another" }
-            ))),
-            Ok(found) if found != manifest => Err(Failure::Input(format!(
+                if same { "this" } else { "another" }
+            )));
+        } else if !same {
+            return Err(Failure::Input(format!(
                 "--resume: {} holds the parts of another task (see {}): input, base scene, \
                  settings and columns must be the same",
                 path.display(),
                 file.display()
-            ))),
-            Ok(_) => {
-                remove_unfinished(path)?;
-                Ok(true)
-            }
-            Err(e) if e.kind() == io::ErrorKind::NotFound => {
-                let mut entries =
-                    fs::read_dir(path).map_err(|e| Failure::files("read folder", path, &e))?;
-                if entries.next().is_some() {
-                    return Err(Failure::Input(format!(
-                        "{} is a folder with something else in it",
-                        path.display()
-                    )));
-                }
-                files::write(&file, &manifest)?;
-                Ok(true)
-            }
-            Err(e) => Err(Failure::files("read", &file, &e)),
+            )));
         }
+        remove_unfinished(path)?;
+        Ok(Some(open))
     }
 }
 

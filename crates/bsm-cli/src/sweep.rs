@@ -1,7 +1,7 @@
 //! `bsm sweep`: a full grid, one row a point.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bsm_batch::{Chunk, GridSource};
 use bsm_case::{Axis as GridAxis, CaseError, Grid, ModelChoice, Output as OutputColumn};
@@ -9,11 +9,14 @@ use bsm_validate::figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 
 use crate::args::SweepArgs;
 use crate::failure::Failure;
-use crate::files::{Output, read_scene};
+use crate::files::{self, Output, read_scene};
 use crate::stream::Task;
 
 pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let base = read_scene(&args.scene.scene, &args.scene.settings)?;
+    for output in [Some(&args.table.output), args.plot.as_ref()] {
+        files::keep(&args.scene.scene, output.map(PathBuf::as_path))?;
+    }
     let in_file = |e: CaseError| Failure::scene(&args.scene.scene, &e);
     let usage = |e: CaseError| Failure::Input(format!("--vary: {e}"));
     let axes: Vec<_> =

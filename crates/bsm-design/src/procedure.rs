@@ -253,7 +253,7 @@ impl Search<'_> {
                 for (pitch_diameter, count) in circles {
                     let loaded = count - IDLE_BALLS;
                     let nut = self.nut_of(&circle(pitch_diameter), loaded, *turns);
-                    if loaded >= 1.0 && !pitch_diameter.is_nan() {
+                    if loaded >= 1.0 && loaded.is_finite() && pitch_diameter.is_finite() {
                         nuts.push(nut);
                     }
                 }
@@ -411,7 +411,16 @@ fn best_place(places: Vec<Place>, value: impl Fn(&Place) -> Value) -> Place {
     best.expect("there are places").1
 }
 
-/// Whole numbers from one to another.
+/// Whole numbers from one to another; of more than two hundred, which only a screw whose lead is many
+/// times its circumference has, every so many.
 fn whole(low: f64, high: f64) -> impl Iterator<Item = f64> {
-    std::iter::successors(Some(low), |n| Some(n + 1.0)).take_while(move |n| *n <= high)
+    const MOST: f64 = 200.0;
+    let stride = ((high - low) / MOST).ceil().max(1.0);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "two hundred at most, none if there is no number"
+    )]
+    let count = ((high - low) / stride) as u32;
+    (0..=count).map(move |i| low + f64::from(i) * stride)
 }

@@ -1,0 +1,33 @@
+//! What an interrupt leaves behind: nothing under a final name, and no temporary file.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::exit;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::failure::warn;
+
+/// Temporary files that were made; those that are complete have another name by now.
+static FILES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Who holds it is not interrupted.
+pub(crate) fn hold() -> MutexGuard<'static, Vec<PathBuf>> {
+    FILES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Has a temporary file removed if the program is interrupted.
+pub(crate) fn add(path: PathBuf) {
+    // Fails from the second file on. It also fails where signals are ignored, as under nohup: that stays.
+    let _ = ctrlc::try_set_handler(interrupted);
+    hold().push(path);
+}
+
+/// Runs on a thread of its own, so that it waits for nobody but those who hold the files.
+fn interrupted() {
+    let files = hold();
+    for file in files.iter() {
+        let _ = fs::remove_file(file);
+    }
+    warn("error", "interrupted; nothing unfinished was kept (a folder goes on with --resume)");
+    exit(130);
+}

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Coverage-guided fuzzing on the stable toolchain: fuzz/run.sh SECONDS [TARGET...]
+# Takes cargo and a C++ compiler. What is found lies in target/fuzz/<target>/found; new inputs beside it.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+seconds="${1:-60}"
+shift || true
+[ $# -gt 0 ] || set -- scene solve words csv json-lines parquet spectrum requirement catalogue
+
+# What cargo-fuzz sets, less the sanitizers, which need nightly. With --target build scripts stay as they are.
+host="$(rustc -vV | sed -n 's/host: //p')"
+coverage="-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4
+    -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table
+    -Cllvm-args=-sanitizer-coverage-trace-compares"
+RUSTFLAGS="$(echo $coverage)" cargo build --profile fuzz --locked -p bsm-fuzz --features libfuzzer \
+    --target "$host" --target-dir target/fuzz/build
+
+for target in "$@"; do
+    work="target/fuzz/$target"
+    mkdir -p "$work/corpus" "$work/found"
+    seeds=("fuzz/corpus/$target")
+    [ "$target" != scene ] || seeds+=(examples)
+    [ "$target" != requirement ] || seeds+=(examples/requirements)
+    # One thread: memory is counted on it.
+    RAYON_NUM_THREADS=1 BSM_FUZZ="$target" "target/fuzz/build/$host/fuzz/fuzz" -max_total_time="$seconds" \
+        -timeout=20 -rss_limit_mb=4096 -max_len=16384 -len_control=0 -print_final_stats=1 \
+        -artifact_prefix="$work/found/" "$work/corpus" "${seeds[@]}"
+done

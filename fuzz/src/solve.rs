@@ -1,0 +1,63 @@
+//! A scene through every model and every analysis.
+
+use bsm_case::{
+    Analysis, CapacityReport, Cell, Fit, ModelChoice, OUTPUTS, OptimumReport, OutputKey, Record,
+    Scene, Sensitivities, Settings,
+};
+use bsm_dyn::{Model, ModelWorkspace, Status};
+
+/// Scenes that settings start from.
+pub(crate) const BASES: [(&str, &str); 5] = [
+    ("feed_drive", include_str!("../../examples/feed_drive.json")),
+    ("lin1994", include_str!("../../examples/lin1994.json")),
+    ("dong2020", include_str!("../../examples/dong2020.json")),
+    ("nut", include_str!("../../examples/nut.json")),
+    ("back_driving", include_str!("../../examples/back_driving.json")),
+];
+
+/// Asks everything that can be asked of a scene.
+pub(crate) fn everything(scene: &Scene) {
+    let _ = scene.warnings();
+    let work = &mut ModelWorkspace::default();
+    for name in ModelChoice::names() {
+        let model = ModelChoice::from_name(name).expect("one of the names");
+        let settings = Settings { model, ..Settings::default() };
+        let Ok(problem) = scene.problem(&settings) else { continue };
+        let solution = problem.solve(work);
+        let record = Record::new(solution.clone());
+        let _ = (record.to_json(), record.regime(), record.warnings());
+        if record.status() != Status::Converged {
+            assert!(record.message().is_some(), "{name} does not say why: {scene:?}");
+            continue;
+        }
+        for output in OUTPUTS {
+            let number = match record.cell(output) {
+                // An error without a bound is a statement.
+                Some(Cell::Number(x)) if output.key != OutputKey::efficiency_error_bound => x,
+                _ => 0.0,
+            };
+            assert!(number.is_finite(), "{name}: {} = {number} of {scene:?}", output.name);
+        }
+        let _ = Sensitivities::of(scene, &settings).map(|inputs| {
+            let answer = inputs.problem.sensitivities(work);
+            answer.map(|answer| inputs.rows(&answer))
+        });
+        for analysis in
+            [Analysis::slip(scene, &settings, &solution), Analysis::jam(scene, &solution)]
+        {
+            let _ = analysis.map(|analysis| analysis.to_json());
+        }
+    }
+    let _ = CapacityReport::of(scene, None).map(|report| report.to_json().to_string());
+    for model in [None, Some(Model::RacewayControl)] {
+        let _ = OptimumReport::of(scene, model).map(|report| report.to_json().to_string());
+    }
+    for (input, measured) in
+        [("friction_coefficient", "screw_torque_Nm=26"), ("axial_load_N", "efficiency=0.9")]
+    {
+        if let Ok(fit) = Fit::new(scene, input, None, measured) {
+            let report = fit.run(scene, &Model::RacewayControl.into());
+            let _ = report.map(|report| fit.to_json(&report).to_string());
+        }
+    }
+}

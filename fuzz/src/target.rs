@@ -1,0 +1,218 @@
+//! The targets: what is fed with bytes, and what it must keep.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use allocation_counter::measure;
+use bsm_batch::{
+    Answers, Columns, CsvSink, CsvSource, JsonSink, JsonSource, ParquetSink, ParquetSource, Sink,
+    Source, TableError, solve as answer,
+};
+use bsm_case::{
+    Axis, CapacityReport, Catalogue, Condition, DesignReport, Fit, Grid, Scene, Spectrum, Wish,
+    candidate_json, pareto, stock,
+};
+use bsm_dyn::Model;
+use bytes::Bytes;
+
+use crate::solve::{BASES, everything};
+
+/// Something that is fed with bytes.
+#[derive(Debug, Clone, Copy)]
+pub struct Target {
+    /// Its name, and that of its folder in the corpus.
+    pub name: &'static str,
+    /// The examples that are seeds too, by folder and ending.
+    examples: Option<(&'static str, &'static str)>,
+    run: fn(&[u8]),
+}
+
+/// All of them.
+pub const TARGETS: [Target; 9] = [
+    Target { name: "scene", examples: Some(("", "json")), run: scene },
+    Target { name: "solve", examples: None, run: solve },
+    Target { name: "words", examples: None, run: words },
+    Target { name: "csv", examples: None, run: csv },
+    Target { name: "json-lines", examples: None, run: json_lines },
+    Target { name: "parquet", examples: None, run: parquet },
+    Target { name: "spectrum", examples: None, run: spectrum },
+    Target { name: "requirement", examples: Some(("requirements", "json")), run: requirement },
+    Target { name: "catalogue", examples: None, run: catalogue },
+];
+
+/// Longest time of an input: a hundred times what the slowest of the corpus takes in a debug build.
+const LONGEST: Duration = Duration::from_secs(20);
+
+/// Most memory of an input besides [`SHARE`]: a chunk of a table, its answers and the buffers of the
+/// writers.
+const MEMORY: u64 = 64 << 20;
+
+/// Most memory of an input over its length: a page of Parquet may expand by Snappy and by dictionary.
+const SHARE: u64 = 256;
+
+impl Target {
+    /// The target of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        TARGETS.into_iter().find(|target| target.name == name)
+    }
+
+    /// Feeds an input.
+    ///
+    /// # Panics
+    ///
+    /// If the program would, or if it takes too long or too much memory on this thread.
+    pub fn check(&self, input: &[u8]) {
+        let start = Instant::now();
+        let memory = measure(|| (self.run)(input)).bytes_max;
+        let time = start.elapsed();
+        assert!(time < LONGEST, "{} took {time:?}", self.name);
+        let most = MEMORY + SHARE * input.len() as u64;
+        assert!(memory < most, "{} took {memory} bytes for {}", self.name, input.len());
+    }
+
+    /// Its corpus: files with a name that says what each is, and the examples.
+    ///
+    /// # Panics
+    ///
+    /// If it cannot be read.
+    pub fn corpus(&self) -> Vec<(String, Vec<u8>)> {
+        let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let mut folders = vec![(here.join("corpus").join(self.name), None)];
+        if let Some((folder, ending)) = self.examples {
+            folders.push((here.join("../examples").join(folder), Some(ending)));
+        }
+        let mut files: Vec<PathBuf> = folders.iter().flat_map(|(f, e)| files(f, *e)).collect();
+        files.sort();
+        let name = |path: &Path| path.file_name().expect("a file").to_string_lossy().into_owned();
+        files.iter().map(|path| (name(path), fs::read(path).expect("corpus"))).collect()
+    }
+}
+
+fn files(folder: &Path, ending: Option<&str>) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("corpus");
+    let paths = entries.map(|entry| entry.expect("corpus").path());
+    let fits = |path: &PathBuf| {
+        path.is_file() && ending.is_none_or(|end| path.extension().is_some_and(|e| e == end))
+    };
+    paths.filter(fits).collect()
+}
+
+/// A scene file.
+fn scene(input: &[u8]) {
+    let Ok(scene) = Scene::from_json(input) else { return };
+    let again = Scene::from_json(scene.to_json().to_string().as_bytes());
+    assert_eq!(again.expect("a scene that was written"), scene);
+    everything(&scene);
+}
+
+/// A base scene and settings, one a line: unlike JSON they may be infinite or NaN.
+fn solve(input: &[u8]) {
+    let text = String::from_utf8_lossy(input);
+    let mut lines = text.lines();
+    let base = lines.next().and_then(|name| BASES.iter().find(|(base, _)| *base == name.trim()));
+    let (_, base) = base.unwrap_or(&BASES[0]);
+    let mut scene = Scene::from_json(base.as_bytes()).expect("an example");
+    for line in lines {
+        // What is wrong with it has been told to the user.
+        let _ = scene.apply(line);
+    }
+    everything(&scene);
+}
+
+/// The small languages of the command line, one word a line.
+fn words(input: &[u8]) {
+    let text = String::from_utf8_lossy(input);
+    let base = Scene::from_json(BASES[0].1.as_bytes()).expect("an example");
+    let mut axes: Vec<Axis> = Vec::new();
+    for line in text.lines() {
+        axes.extend(Axis::parse(line));
+        let _ = base.clone().apply(line);
+        let _ = Condition::parse(line);
+        if let Ok(fit) = Fit::new(&base, "friction_coefficient", None, line) {
+            let report = fit.run(&base, &Model::ClosedForm.into());
+            let _ = report.map(|report| fit.to_json(&report).to_string());
+        }
+    }
+    if let Ok(grid) = Grid::new(axes) {
+        let fixed = grid.fixed(&base);
+        for point in [0, grid.len() / 2, grid.len() - 1] {
+            let _ = grid.scene(&fixed, &grid.point(point)).check();
+        }
+    }
+}
+
+fn csv(input: &[u8]) {
+    table(|keep| Ok(Box::new(CsvSource::new(std::io::Cursor::new(input.to_vec()), keep)?)));
+}
+
+fn json_lines(input: &[u8]) {
+    table(|keep| Ok(Box::new(JsonSource::new(std::io::Cursor::new(input.to_vec()), keep)?)));
+}
+
+fn parquet(input: &[u8]) {
+    table(|keep| Ok(Box::new(ParquetSource::new(Bytes::copy_from_slice(input), keep)?)));
+}
+
+/// Rows of a table that are solved at most, so that an input stays quick.
+const ROWS: usize = 3000;
+
+/// Reads a table, with a column to keep and without, and writes the answers in all forms.
+fn table(open: impl Fn(&[String]) -> Result<Box<dyn Source>, TableError>) {
+    for keep in [&[][..], &["id".to_owned()]] {
+        // What is wrong with it has been told to the user.
+        let _ = open(keep).and_then(|mut source| rewrite(source.as_mut()));
+    }
+}
+
+fn rewrite(source: &mut dyn Source) -> Result<(), TableError> {
+    let base = Scene::from_json(BASES[0].1.as_bytes()).expect("an example");
+    let outputs = Answers::select(Some(&["efficiency".to_owned()]))?;
+    let columns: Columns = source.columns().clone();
+    let mut csv = CsvSink::new(Vec::new(), &columns, &outputs)?;
+    let mut lines = JsonSink::new(Vec::new(), columns.clone(), &outputs);
+    let mut parquet = ParquetSink::new(Vec::new(), &columns, &outputs)?;
+    let mut rows = 0;
+    while rows < ROWS
+        && let Some(chunk) = source.next(512)?
+    {
+        assert!(chunk.len <= 512 && chunk.len > 0);
+        rows += chunk.len;
+        let answers = answer(&chunk, &columns, &base, &Model::ClosedForm.into(), &outputs);
+        assert_eq!(answers.verdicts.len(), chunk.len);
+        for sink in [&mut csv as &mut dyn Sink, &mut lines, &mut parquet] {
+            sink.write(chunk.clone(), answers.clone())?;
+        }
+    }
+    source.skip(10)?;
+    csv.finish()?;
+    parquet.finish()?;
+    Ok(())
+}
+
+/// The loads of a nut as a table.
+fn spectrum(input: &[u8]) {
+    let Ok(spectrum) = Spectrum::from_csv(input) else { return };
+    let (_, nut) = BASES.iter().find(|(name, _)| *name == "nut").expect("a nut");
+    let nut = Scene::from_json(nut.as_bytes()).expect("an example");
+    let _ = CapacityReport::of(&nut, Some(&spectrum)).map(|report| report.to_json().to_string());
+}
+
+fn requirement(input: &[u8]) {
+    let stock = stock().expect("a list that is compiled in");
+    // The cheapest model: the others have a target of their own.
+    let settings = ["model=closed-form".to_owned()];
+    if let Ok(wish) = Wish::from_json(input, &settings, stock) {
+        let _ = DesignReport::of(&wish).to_json().to_string();
+    }
+}
+
+fn catalogue(input: &[u8]) {
+    let Ok(catalogue) = Catalogue::from_json(input) else { return };
+    // Combinations that are made at most, so that an input stays quick.
+    if catalogue.lists.len() <= 2000 {
+        for candidate in pareto(&catalogue.candidates()) {
+            let _ = candidate_json(&candidate);
+        }
+    }
+}
