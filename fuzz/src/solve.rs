@@ -1,8 +1,8 @@
 //! A scene through every model and every analysis.
 
 use bsm_case::{
-    Analysis, CapacityReport, Cell, Fit, ModelChoice, OUTPUTS, OptimumReport, OutputKey, Record,
-    Scene, Sensitivities, Settings,
+    Analysis, CapacityReport, Cell, Fit, ModelChoice, OUTPUTS, OptimumReport, Record, Scene,
+    Sensitivities, Settings,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
@@ -25,17 +25,13 @@ pub(crate) fn everything(scene: &Scene) {
         let Ok(problem) = scene.problem(&settings) else { continue };
         let solution = problem.solve(work);
         let record = Record::new(solution.clone());
-        let _ = (record.to_json(), record.regime(), record.warnings());
+        let _ = (record.to_json(), record.regime(), record.warnings(scene));
         if record.status() != Status::Converged {
             assert!(record.message().is_some(), "{name} does not say why: {scene:?}");
             continue;
         }
         for output in OUTPUTS {
-            let number = match record.cell(output) {
-                // An error without a bound is a statement.
-                Some(Cell::Number(x)) if output.key != OutputKey::efficiency_error_bound => x,
-                _ => 0.0,
-            };
+            let Some(Cell::Number(number)) = record.cell(output) else { continue };
             assert!(number.is_finite(), "{name}: {} = {number} of {scene:?}", output.name);
         }
         let _ = Sensitivities::of(scene, &settings).map(|inputs| {
