@@ -19,8 +19,10 @@ mod tradeoff;
 mod unfinished;
 mod validate;
 
+use std::panic;
 use std::process::ExitCode;
 
+use bsm_batch::decodes_parquet;
 use bsm_case::{input_schema, output_schema};
 use clap::{CommandFactory, Parser};
 
@@ -28,6 +30,13 @@ use crate::args::{Cli, Command, SchemaKind};
 use crate::files::{pretty_json, print};
 
 fn main() -> ExitCode {
+    let tell = panic::take_hook();
+    panic::set_hook(Box::new(move |panic| {
+        // Damaged tables are told as errors.
+        if !decodes_parquet() {
+            tell(panic);
+        }
+    }));
     let command = match Cli::try_parse() {
         Ok(cli) => cli.command,
         Err(usage) => return failure::usage(&usage),
