@@ -399,12 +399,7 @@ fn tables_of_other_programs() {
             "row 2 has 1 cells, but the table has 2",
         ),
         ("quote.csv", quote.as_bytes(), 2, "row 1 is longer than 16 MiB; is a quote"),
-        (
-            "deep.jsonl",
-            deep.as_bytes(),
-            2,
-            "row 1: is not valid JSON: recursion",
-        ),
+        ("deep.jsonl", deep.as_bytes(), 2, "row 1: is not valid JSON: recursion"),
     ] {
         fs::write(dir.path().join(name), bytes).expect("table");
         let drive = example("feed_drive.json");
@@ -462,4 +457,7 @@ fn the_environment_changes_nothing() {
         assert_eq!(output.status.code(), Some(2), "{threads}");
         assert!(stderr(&output).contains("a whole number from 1 to 1024"), "{}", stderr(&output));
     }
+    let mut command = program(&["solve", &drive], dir.path());
+    let output = command.env("RAYON_NUM_THREADS", "100000").output().expect("the program runs");
+    assert_told(&output, 2, "RAYON_NUM_THREADS must be a whole number from 1 to 1024");
 }
