@@ -39,6 +39,10 @@ tradeoff *FLAGS:
 extremes *FLAGS:
     cargo run --release --locked -p bsm-validate --example extremes -- {{FLAGS}}
 
+# Coverage-guided fuzzing on the stable toolchain; `just fuzz 600 parquet` takes ten minutes for one target.
+fuzz *FLAGS:
+    fuzz/run.sh {{FLAGS}}
+
 # The pictures of README and docs.
 pictures: (validate "--out" "target/report") (tradeoff "--out" "target/tradeoff")
     cp target/report/figures/{transition,lin-efficiency-lead-angle}.svg target/tradeoff/figures/pareto-single.svg docs/img/

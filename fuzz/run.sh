@@ -23,6 +23,6 @@ for target in "$@"; do
     [ "$target" != requirement ] || seeds+=(examples/requirements)
     # One thread: memory is counted on it.
     RAYON_NUM_THREADS=1 BSM_FUZZ="$target" "target/fuzz/build/$host/fuzz/fuzz" -max_total_time="$seconds" \
-        -timeout=20 -rss_limit_mb=4096 -max_len=16384 -len_control=0 -print_final_stats=1 \
+        -timeout=20 -rss_limit_mb=4096 -max_len=8192 -len_control=0 -print_final_stats=1 \
         -artifact_prefix="$work/found/" "$work/corpus" "${seeds[@]}"
 done

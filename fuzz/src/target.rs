@@ -1,13 +1,14 @@
 //! The targets: what is fed with bytes, and what it must keep.
 
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Once;
 use std::time::{Duration, Instant};
+use std::{fs, panic};
 
 use allocation_counter::measure;
 use bsm_batch::{
     Answers, Columns, CsvSink, CsvSource, JsonSink, JsonSource, ParquetSink, ParquetSource, Sink,
-    Source, TableError, solve as answer,
+    Source, TableError, decodes_parquet, solve as answer,
 };
 use bsm_case::{
     Axis, CapacityReport, Catalogue, Condition, DesignReport, Fit, Grid, Scene, Spectrum, Wish,
@@ -51,6 +52,8 @@ const MEMORY: u64 = 64 << 20;
 /// Most memory of an input over its length: a page of Parquet may expand by Snappy and by dictionary.
 const SHARE: u64 = 256;
 
+static HOOK: Once = Once::new();
+
 impl Target {
     /// The target of that name.
     pub fn named(name: &str) -> Option<Self> {
@@ -63,6 +66,15 @@ impl Target {
     ///
     /// If the program would, or if it takes too long or too much memory on this thread.
     pub fn check(&self, input: &[u8]) {
+        // As the program does: a panic in a damaged table is told as an error.
+        HOOK.call_once(|| {
+            let tell = panic::take_hook();
+            panic::set_hook(Box::new(move |panic| {
+                if !decodes_parquet() {
+                    tell(panic);
+                }
+            }));
+        });
         let start = Instant::now();
         let memory = measure(|| (self.run)(input)).bytes_max;
         let time = start.elapsed();

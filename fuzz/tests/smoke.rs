@@ -81,7 +81,7 @@ fn spectra() {
 
 #[test]
 fn requirements() {
-    smoke("requirement", 20);
+    smoke("requirement", 10);
 }
 
 #[test]

@@ -46,8 +46,8 @@ pub enum TableError {
         /// By what.
         separator: char,
     },
-    /// A line is no JSON object.
-    #[error("row {row}: not a JSON object: {reason}")]
+    /// A line is no JSON object, or not one like the first.
+    #[error("row {row}: {reason}")]
     Json {
         /// Number of the row, from 1.
         row: u64,

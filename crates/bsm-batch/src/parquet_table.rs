@@ -1,7 +1,9 @@
 //! Tables as Parquet, units in the metadata of the columns.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::io::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
@@ -23,8 +25,26 @@ use parquet::basic::Compression;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::reader::ChunkReader;
 
-use crate::rows::{ANSWERS, Answers, Cell, Chunk, Column, Columns, TEXT};
+use crate::rows::{self, ANSWERS, Answers, Chunk, Column, Columns, TEXT};
 use crate::{Sink, Source, TableError};
+
+thread_local! {
+    static DECODES: Cell<bool> = const { Cell::new(false) };
+}
+
+/// True while this thread decodes Parquet: a panic there is an error that is told as one, so that a
+/// panic hook need not.
+pub fn decodes_parquet() -> bool {
+    DECODES.get()
+}
+
+/// What `decode` says, with its panics as errors: the parquet crate panics at some damaged pages.
+fn decoded<T>(decode: impl FnOnce() -> Result<T, TableError>) -> Result<T, TableError> {
+    DECODES.set(true);
+    let said = catch_unwind(AssertUnwindSafe(decode));
+    DECODES.set(false);
+    said.unwrap_or_else(|_| Err(TableError::Parquet("it is damaged".to_owned())))
+}
 
 /// Rows of a Parquet table.
 pub struct ParquetSource {
@@ -43,6 +63,10 @@ impl ParquetSource {
     ///
     /// [`TableError`] if it is not Parquet, or its columns are not inputs of numbers or in `keep`.
     pub fn new(file: impl ChunkReader + 'static, keep: &[String]) -> Result<Self, TableError> {
+        decoded(|| Self::open(file, keep))
+    }
+
+    fn open(file: impl ChunkReader + 'static, keep: &[String]) -> Result<Self, TableError> {
         // What Arrow adds to the types of Parquet is not needed, and panics where it is damaged.
         let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let found = ArrowReaderMetadata::load(&file, plain)?;
@@ -82,7 +106,7 @@ impl ParquetSource {
     fn batch(&mut self) -> Result<Option<RecordBatch>, TableError> {
         Ok(match self.rest.take() {
             Some(batch) => Some(batch),
-            None => self.reader.next().transpose()?,
+            None => decoded(|| Ok(self.reader.next().transpose()?))?,
         })
     }
 }
@@ -129,7 +153,7 @@ impl Source for ParquetSource {
 fn numbers(column: &ArrayRef, cells: &mut Column) -> Result<(), TableError> {
     let column = cast(column, &DataType::Float64)?;
     let values = column.as_primitive::<Float64Type>();
-    cells.extend(values.iter().map(|x| x.map_or(Cell::Missing, Cell::Number)));
+    cells.extend(values.iter().map(|x| x.map_or(rows::Cell::Missing, rows::Cell::Number)));
     Ok(())
 }
 

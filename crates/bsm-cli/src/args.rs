@@ -164,7 +164,8 @@ fn order(text: &str) -> Result<NonZeroUsize, String> {
     }
 }
 
-fn threads(text: &str) -> Result<NonZeroUsize, String> {
+/// A number of threads; far more of them stop the machine.
+pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
     match text.parse::<NonZeroUsize>() {
         Ok(threads) if threads.get() <= 1024 => Ok(threads),
         _ => Err("must be a whole number from 1 to 1024, such as 4".to_owned()),

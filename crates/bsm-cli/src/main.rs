@@ -20,18 +20,34 @@ mod unfinished;
 mod validate;
 
 use std::process::ExitCode;
+use std::{env, panic};
 
+use bsm_batch::decodes_parquet;
 use bsm_case::{input_schema, output_schema};
 use clap::{CommandFactory, Parser};
 
 use crate::args::{Cli, Command, SchemaKind};
+use crate::failure::Failure;
 use crate::files::{pretty_json, print};
 
 fn main() -> ExitCode {
+    let tell = panic::take_hook();
+    panic::set_hook(Box::new(move |panic| {
+        // Damaged tables are told as errors.
+        if !decodes_parquet() {
+            tell(panic);
+        }
+    }));
     let command = match Cli::try_parse() {
         Ok(cli) => cli.command,
         Err(usage) => return failure::usage(&usage),
     };
+    // Rayon starts as many as it is told; 0 and what is no number mean all cores there.
+    let asked =
+        env::var("RAYON_NUM_THREADS").ok().filter(|n| n.parse::<usize>().is_ok_and(|n| n > 0));
+    if let Some(Err(what)) = asked.as_deref().map(args::threads) {
+        return Failure::Input(format!("RAYON_NUM_THREADS {what}")).report();
+    }
     let result = match command {
         Command::Solve(args) => solve::run(&args),
         Command::Compare(args) => compare::run(&args),

@@ -298,7 +298,11 @@ impl<'a> Target<'a> {
         let same = found == manifest.as_bytes();
         if found.is_empty() {
             let written = open.write_all(manifest.as_bytes()).and_then(|()| open.sync_all());
-            written.map_err(failed)?;
+            if let Err(error) = written {
+                // Half of it would pass for another task.
+                let _ = open.set_len(0);
+                return Err(failed(error));
+            }
         } else if !resume {
             return Err(Failure::Input(format!(
                 "{} holds the parts of {} task; go on with --resume, or take another folder",

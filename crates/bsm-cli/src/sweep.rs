@@ -12,6 +12,9 @@ use crate::failure::Failure;
 use crate::files::{self, Output, read_scene};
 use crate::stream::Task;
 
+/// Points of a plot: beyond, a viewer of SVG chokes.
+const MOST_POINTS: usize = 100_000;
+
 pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let base = read_scene(&args.scene.scene, &args.scene.settings)?;
     for output in [Some(&args.table.output), args.plot.as_ref()] {
@@ -106,6 +109,13 @@ impl Curves {
         if count > MOST_CURVES {
             return Err(Failure::Input(format!(
                 "--plot draws at most {MOST_CURVES} lines; give the second --vary fewer than {count} values"
+            )));
+        }
+        if grid.len() > MOST_POINTS {
+            return Err(Failure::Input(format!(
+                "--plot draws at most {MOST_POINTS} points, and holds them in memory; give --vary fewer \
+                 than {} values",
+                grid.len()
             )));
         }
         let lines = (0..count)

@@ -329,7 +329,11 @@ fn malformed_tables_are_told() {
     fs::write(dir.path().join("cut.parquet"), b"PAR1 and no more").expect("file");
     let base = lin();
     for (points, stdin, part) in [
-        ("-", "axial_load_N,screw_speed_rpm\n1,2\n3\n", "found record with 1 fields"),
+        (
+            "-",
+            "axial_load_N,screw_speed_rpm\n1,2\n3\n",
+            "row 2 has 1 cells, but the table has 2 columns",
+        ),
         ("-", "axial_lod_N\n1\n", "did you mean `axial_load_N`"),
         ("-", "axial_load_N,axial_load_N\n1,2\n", "stands twice"),
         ("-", "", "the first row must name the columns"),

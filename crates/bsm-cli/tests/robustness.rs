@@ -377,13 +377,19 @@ fn tables_of_other_programs() {
         ("tabs.csv", b"axial_load_N\tlead_mm\n2000\t10\n", 2, "separated by `\\t`; cells are"),
         ("utf16.csv", &marked, 2, "the names of the columns are not UTF-8 text; save"),
         ("utf16-unmarked.csv", &utf16("axial_load_N\n2\n"), 2, "separated by `\\0`"),
-        ("utf16.jsonl", &marked, 2, "row 1: not a JSON object"),
+        ("utf16.jsonl", &marked, 2, "row 1: is not valid JSON"),
         ("latin1.csv", b"axial_load_N,model\n1,a\n2,M\xfcller\n", 2, "row 2 is not UTF-8 text"),
-        ("latin1.jsonl", b"{\"axial_load_N\": \"\xfc\"}\n", 2, "row 1: not a JSON object"),
+        ("latin1.jsonl", b"{\"axial_load_N\": \"\xfc\"}\n", 2, "row 1: is not valid JSON"),
         ("nul.csv", b"axial_load_N\x00\n2000\n", 2, "separated by `\\0`"),
         ("empty.csv", b"", 2, "the table is empty: the first row must name the columns"),
         ("empty.jsonl", b"\n \n", 2, "the table is empty: the first row must name the columns"),
         ("empty.parquet", b"", 2, "not a Parquet table"),
+        (
+            "damaged.parquet",
+            include_bytes!("../../../fuzz/corpus/parquet/damaged-levels.parquet"),
+            2,
+            "not a Parquet table: it is damaged",
+        ),
         ("twice.csv", b"axial_load_N,axial_load_N\n1,2\n", 2, "`axial_load_N` stands twice"),
         ("twice.jsonl", b"{\"axial_load_N\": 1, \"axial_load_N\": 2}\n", 2, "is given twice"),
         (
@@ -393,12 +399,7 @@ fn tables_of_other_programs() {
             "row 2 has 1 cells, but the table has 2",
         ),
         ("quote.csv", quote.as_bytes(), 2, "row 1 is longer than 16 MiB; is a quote"),
-        (
-            "deep.jsonl",
-            deep.as_bytes(),
-            2,
-            "row 1: not a JSON object: is not valid JSON: recursion",
-        ),
+        ("deep.jsonl", deep.as_bytes(), 2, "row 1: is not valid JSON: recursion"),
     ] {
         fs::write(dir.path().join(name), bytes).expect("table");
         let drive = example("feed_drive.json");
@@ -456,4 +457,7 @@ fn the_environment_changes_nothing() {
         assert_eq!(output.status.code(), Some(2), "{threads}");
         assert!(stderr(&output).contains("a whole number from 1 to 1024"), "{}", stderr(&output));
     }
+    let mut command = program(&["solve", &drive], dir.path());
+    let output = command.env("RAYON_NUM_THREADS", "100000").output().expect("the program runs");
+    assert_told(&output, 2, "RAYON_NUM_THREADS must be a whole number from 1 to 1024");
 }

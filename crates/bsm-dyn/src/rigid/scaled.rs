@@ -190,8 +190,9 @@ impl Scaled<f64> {
     /// `normal_moment`, see [`FirstOrder`](super::FirstOrder).
     pub(crate) fn weights(&self, normal_moment: f64) -> [f64; BALL] {
         // D_F = diag(w, w, w, w, 1/M_N, w, w),  w = 1/max(1, μ)           (R10)
-        let mut weights = [self.inertia_ratio().max(1.0).recip(); BALL];
-        weights[MOMENT_NORMAL] = normal_moment.max(f64::MIN_POSITIVE).recip();
+        let mut weights = [self.inertia_ratio().max(1.0).recip().max(f64::MIN_POSITIVE); BALL];
+        weights[MOMENT_NORMAL] =
+            normal_moment.max(f64::MIN_POSITIVE).recip().max(f64::MIN_POSITIVE);
         weights
     }
 
