@@ -256,9 +256,10 @@ pub(crate) fn message(reason: &Reason) -> String {
             "relative curvatures of {along:.3e} 1/m along and {across:.3e} 1/m across the groove give \
              no contact ellipse across the groove; set nut_conformity and screw_conformity towards 0.52"
         ),
-        Reason::Undecided { inertia } => format!(
-            "no admissible root was found; with inertia forces of {inertia:.3} times friction that \
-             proves nothing about others. Raise axial_load_N or lower the speed"
+        Reason::NoRootAtInertia { inertia_ratio } => format!(
+            "a search over all directions of slip finds no steady motion with the inertia forces of \
+             this speed and load; the nearest has {inertia_ratio:.3e} in the place of m r_m W^2/F_a. \
+             Change axial_load_N or the speed"
         ),
         Reason::Refused { error } => error.to_string(),
         Reason::BallDoesNotCircle => {

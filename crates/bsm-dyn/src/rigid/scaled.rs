@@ -36,6 +36,9 @@ pub(crate) struct Scaled<D> {
     pub(crate) nut_speed: D,
     /// Sign of `$W$`.
     pub(crate) sign: f64,
+    /// True if the unknown of the precession counts from the ground, `$P/W$` in the place of `$p$`:
+    /// where the ball hardly circles, the sum `$p + \Omega_n/W$` would lose its digits.
+    pub(crate) from_ground: bool,
 }
 
 /// The seven unknowns (R2) of the rigid model: `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\; \lambda,\; \theta,\; s$`.
@@ -67,7 +70,18 @@ impl<D: Scalar> Scaled<D> {
             .map(|site| Contact::new(site, contact_angle, &frame));
         let ball = Ball { radius: D::from(1.0), mass };
         let arc = helix.arc_length_per_radian();
-        Self { helix, arc, frame, contacts, contact_angle, friction, ball, nut_speed, sign }
+        Self {
+            helix,
+            arc,
+            frame,
+            contacts,
+            contact_angle,
+            friction,
+            ball,
+            nut_speed,
+            sign,
+            from_ground: false,
+        }
     }
 
     /// Which side drives.
@@ -79,6 +93,18 @@ impl<D: Scalar> Scaled<D> {
     pub(crate) fn with_inertia(&self, factor: f64) -> Self {
         let ball = Ball { mass: self.ball.mass * factor, ..self.ball };
         Self { ball, ..*self }
+    }
+
+    /// The same point with the unknown of the precession counted from the ground or from the nut.
+    pub(crate) fn counted(&self, from_ground: bool) -> Self {
+        Self { from_ground, ..*self }
+    }
+
+    /// Precession `$p$` relative to the nut and absolute `$P/W$`, over relative speed.
+    pub(crate) fn rates(&self, y: &Unknowns<D>) -> (D, D) {
+        let (counted, nut) = (y[PRECESSION], self.nut_speed * self.sign);
+        // P = Ω_n + p W                                                   (R3)
+        if self.from_ground { (counted - nut, counted) } else { (counted, counted + nut) }
     }
 
     /// The same point with its numbers turned into another scalar.
@@ -102,15 +128,15 @@ impl<D: Scalar> Scaled<D> {
             ball: Ball { radius: to(self.ball.radius), mass: to(self.ball.mass) },
             nut_speed: to(self.nut_speed),
             sign: self.sign,
+            from_ground: self.from_ground,
         }
     }
 
     /// Motion of the ball relative to the nut: precession, and `u`, `τ` from the slip at A.
     fn relative_motion(&self, y: &Unknowns<D>) -> Result<Motion<D>, EvalError> {
-        let (p, slip) = (y[PRECESSION], y[SLIP]);
+        let (p, rate) = self.rates(y);
+        let (precession, slip) = (rate * self.sign, y[SLIP]);
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
-        // P = Ω_n + p W                                                   (R3)
-        let precession = self.nut_speed + p * self.sign;
         if precession.re() == 0.0 {
             return Err(EvalError {
                 quantity: "precession rate P of the ball over |W|",
@@ -193,6 +219,20 @@ impl Scaled<f64> {
         let mut weights = [self.inertia_ratio().max(1.0).recip(); BALL];
         weights[MOMENT_NORMAL] = normal_moment.max(f64::MIN_POSITIVE).recip();
         weights
+    }
+
+    /// Weights of the equations by the size of their terms at a root (R44), for inertia forces that may
+    /// be anything against the load.
+    pub(crate) fn own_weights(&self, y: &Unknowns<f64>) -> [f64; BALL] {
+        let (p, rate) = self.rates(y);
+        let (p, rate, inertia) = (p.abs(), rate.abs(), self.inertia_ratio());
+        // F = max(1, μ(P/W)²),  M = max(F, I |P| (|λ| + |p| d/r_b))       (R44)
+        let force = (inertia * rate * rate).max(1.0);
+        let moment = (self.ball.inertia() * rate * (y[SLIP].abs() + p * self.arc)).max(force);
+        // M_N = μ |P/W| (|p| + f |P/W|)                                   (R44)
+        let normal = inertia * rate * (p + self.friction * rate);
+        let [f, m, n] = [force, moment, normal].map(|unit| unit.max(f64::MIN_POSITIVE).recip());
+        [f, f, f, m, n, m, f]
     }
 
     /// The same point with another lead angle.

@@ -1,0 +1,182 @@
+//! Search for roots of the rigid equations along the curve of all inertias.
+//!
+//! Theory: `docs/theory/04-rigid.md`, section on fast balls.
+
+use std::f64::consts::PI;
+
+use super::curve::{Curve, Point, Sample};
+
+/// The search begins at this turn of the slip at B over the inertia of the first order, and there at
+/// the latest and earliest \[rad\]: no root is that near to no inertia.
+const BEGIN: f64 = 1e-6;
+const LATEST: f64 = 1e-7;
+const EARLIEST: f64 = 1e-16;
+
+/// Growth of its steps, and the longest one \[rad\].
+const GROWTH: f64 = 1.5;
+const LONGEST: f64 = 0.04;
+
+/// Sheets are told apart by the direction of slip at A': it moves less than this in a step \[rad\].
+const NEAR: f64 = 0.2;
+
+/// Below this excess at both ends of a step, two roots may be in it.
+const CLOSE: f64 = 0.2;
+
+/// Most halvings of a step where a sheet that may have a root ends or moves far; where the slip at A'
+/// turns fast, within the friction coefficient of a turn; where a demand breaks; and where two roots
+/// may be close.
+const TORN: u32 = 45;
+const FAST: u32 = 30;
+const BREAKS: u32 = 8;
+const PAIR: u32 = 4;
+
+/// Newton on the full equations goes on from this excess.
+const ENOUGH: f64 = 1e-9;
+
+/// The search, with what is done with a root that it finds.
+pub(super) struct Search<'a, F> {
+    curve: &'a Curve,
+    visit: F,
+    /// The inertia ratio nearest to that of the point at which an admissible state was met.
+    pub(super) nearest_inertia: Option<f64>,
+}
+
+impl Sample {
+    fn nearest(&self, point: &Point) -> Option<Point> {
+        let sheets = self.sheets.iter().flatten();
+        sheets.min_by(|x, y| x.apart(point).total_cmp(&y.apart(point))).copied()
+    }
+}
+
+impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
+    pub(super) fn new(curve: &'a Curve, visit: F) -> Self {
+        Self { curve, visit, nearest_inertia: None }
+    }
+
+    /// Visits the roots in the order of the turn upwards from zero, then downwards, until a visit
+    /// says that it is enough; returns whether one did. `inertia`: `$\\varepsilon$` of the first order.
+    pub(super) fn run(&mut self, inertia: f64) -> bool {
+        let first = (BEGIN * inertia).clamp(EARLIEST, LATEST);
+        [1.0, -1.0].into_iter().any(|side| {
+            let mut turn = first;
+            let mut before = self.sample(side * turn);
+            while turn < PI {
+                turn = (turn * GROWTH).min(turn + LONGEST).min(PI);
+                let here = self.sample(side * turn);
+                if self.between(&before, &here, 0) {
+                    return true;
+                }
+                before = here;
+            }
+            false
+        })
+    }
+
+    fn sample(&mut self, turn: f64) -> Sample {
+        let sample = self.curve.sample(turn);
+        for point in sample.sheets.iter().flatten().filter(|point| point.broken == 0) {
+            let far = |ratio: f64| (ratio / self.curve.inertia).ln().abs();
+            let here = point.inertia_ratio();
+            if self.nearest_inertia.is_none_or(|nearest| far(here) < far(nearest)) {
+                self.nearest_inertia = Some(here);
+            }
+        }
+        sample
+    }
+
+    /// The roots between two turns, a step that was halved so many times.
+    fn between(&mut self, a: &Sample, b: &Sample, halved: u32) -> bool {
+        let pairs = a.sheets.map(|one| {
+            let one = one?;
+            let other = b.nearest(&one)?;
+            (a.nearest(&other)?.direction == one.direction).then_some((one, other))
+        });
+        let live = || pairs.iter().flatten().filter(|(one, other)| one.broken & other.broken == 0);
+        let most = if torn(a, b, &pairs) || live().any(|(one, other)| one.apart(other) > NEAR) {
+            TORN
+        } else if (a.drive > 0.0) != (b.drive > 0.0) {
+            FAST
+        } else if live().any(|(one, other)| one.broken != other.broken) {
+            BREAKS
+        } else if live().any(|(one, other)| {
+            let (x, y) = (one.excess(), other.excess());
+            x * y > 0.0 && x.abs().max(y.abs()) < CLOSE
+        }) {
+            PAIR
+        } else {
+            0
+        };
+        if halved < most {
+            let middle = self.sample(0.5 * (a.turn + b.turn));
+            return self.between(a, &middle, halved + 1) || self.between(&middle, b, halved + 1);
+        }
+        pairs.iter().flatten().any(|(one, other)| {
+            if one.broken & other.broken != 0 {
+                return false;
+            }
+            if (one.sense > 0.0) == (other.sense > 0.0) {
+                return self.crossing(one, other);
+            }
+            // P = 0 between them, where any inertia is too much, and a root on either side of it.
+            let still = self.bracketed(one, other, |point| point.sense, 0.0);
+            self.crossing(one, &still) || self.crossing(&still, other)
+        })
+    }
+
+    /// Visits the root between two points of one sheet if there is one.
+    fn crossing(&mut self, one: &Point, other: &Point) -> bool {
+        if (one.excess() > 0.0) == (other.excess() > 0.0) {
+            return false;
+        }
+        let root = self.bracketed(one, other, Point::excess, ENOUGH);
+        // Where two sheets are mistaken for one, rounding ends up between them instead.
+        root.broken == 0 && root.excess().abs() < CLOSE && (self.visit)(&root)
+    }
+
+    /// The point between two points of one sheet where `value` changes sign.
+    fn bracketed(
+        &mut self,
+        one: &Point,
+        other: &Point,
+        value: impl Fn(&Point) -> f64,
+        enough: f64,
+    ) -> Point {
+        /// Secants, every third time a half: enough for rounding.
+        const MOST_STEPS: usize = 150;
+        let (mut low, mut high) = (*one, *other);
+        for step in 0..MOST_STEPS {
+            let (at_low, at_high) = (value(&low), value(&high));
+            if at_low.abs().min(at_high.abs()) <= enough {
+                break;
+            }
+            let share =
+                if step % 3 == 2 { 0.5 } else { (at_low / (at_low - at_high)).clamp(0.02, 0.98) };
+            let turn = low.turn + share * (high.turn - low.turn);
+            if turn == low.turn || turn == high.turn {
+                break;
+            }
+            let middle = self.sample(turn);
+            let near = |point: &Point| point.apart(&low).min(point.apart(&high));
+            let sheets = middle.sheets.iter().flatten();
+            let Some(point) = sheets.min_by(|x, y| near(x).total_cmp(&near(y))) else { break };
+            if (value(point) > 0.0) == (at_high > 0.0) {
+                high = *point;
+            } else {
+                low = *point;
+            }
+        }
+        if value(&low).abs() < value(&high).abs() { low } else { high }
+    }
+}
+
+/// True if a sheet that may have a root has no partner.
+fn torn(a: &Sample, b: &Sample, pairs: &[Option<(Point, Point)>; 4]) -> bool {
+    let alone = |sheet: &Point| {
+        sheet.broken == 0
+            && !pairs
+                .iter()
+                .flatten()
+                .any(|(x, y)| x.direction == sheet.direction || y.direction == sheet.direction)
+    };
+    a.sheets.iter().chain(&b.sheets).flatten().any(alone)
+}
