@@ -11,7 +11,7 @@ mod scaled;
 mod search;
 mod sensitivities;
 
-use bsm_kin::{Drive, Helix, Scalar};
+use bsm_kin::{Drive, Helix, Motion, Scalar};
 use bsm_newton::{EvalError, MatMut, System};
 
 pub use self::first_order::FirstOrder;
@@ -216,8 +216,9 @@ impl Rigid {
             residual_norm: Some(root.residual),
             ..Outputs::default()
         };
-        outputs.set_motion(&state.motion, &case.frame, w);
-        let to_nut = state.motion.relative_to(case.nut_speed, &case.frame);
+        let to_nut = state.to_nut;
+        let motion = to_nut.relative_to(-case.nut_speed, &case.frame);
+        outputs.set_motion(&Motion { precession: state.precession, ..motion }, &case.frame, w);
         let to_screw = to_nut.relative_to(case.sign, &case.frame);
         for ((contact, slip), motion) in
             case.contacts.iter().zip(&state.slip).zip([to_nut, to_nut, to_screw])
@@ -239,3 +240,6 @@ fn friction_power(case: &Scaled<f64>, state: &State<f64>, y: &Unknowns<f64>) -> 
     // P_f = Σ f Q_c |V_c|                                                 (R21)
     state.slip.iter().zip(y.iter()).map(|(v, q)| case.friction * q * v.norm()).sum()
 }
+
+#[cfg(test)]
+mod tests;

@@ -47,8 +47,10 @@ pub type Unknowns<D> = SVector<D, BALL>;
 /// Motion, slips and wrenches that belong to a set of unknowns.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct State<D> {
-    /// Absolute motion of the ball.
-    pub(crate) motion: Motion<D>,
+    /// Motion of the ball relative to the nut.
+    pub(crate) to_nut: Motion<D>,
+    /// Absolute precession over `$|W|$`.
+    pub(crate) precession: D,
     /// Slip velocities at A, A', B.
     pub(crate) slip: [Vector3<D>; 3],
     /// Wrenches of A, A', B on the ball.
@@ -161,7 +163,7 @@ impl<D: Scalar> Scaled<D> {
     /// [`EvalError`] where friction or the gyroscopic moment has no direction.
     pub(crate) fn state(&self, y: &Unknowns<D>) -> Result<State<D>, EvalError> {
         let to_nut = self.relative_motion(y)?;
-        let motion = to_nut.relative_to(-self.nut_speed, &self.frame);
+        let precession = self.rates(y).1 * self.sign;
         let to_screw = to_nut.relative_to(D::from(self.sign), &self.frame);
         let points = self.contacts.map(|c| c.point(self.ball.radius));
 
@@ -183,7 +185,7 @@ impl<D: Scalar> Scaled<D> {
         let wrench = std::array::from_fn(|i| {
             Wrench::at_contact(&self.contacts[i].normal, &points[i], loads[i], &friction[i])
         });
-        Ok(State { motion, slip, wrench })
+        Ok(State { to_nut, precession, slip, wrench })
     }
 
     /// The seven equations (R8): force and moment balance in (t, N, e_x), axial load.
@@ -195,8 +197,9 @@ impl<D: Scalar> Scaled<D> {
         let state = self.state(y)?;
         let [a, minor, b] = state.wrench;
         let nut = a + minor;
-        let left =
-            newton_euler(&(nut + b), &self.ball, self.helix.radius, &state.motion, &self.frame);
+        // The speed of the nut, along k, has no gyroscopic moment but for its rounding.
+        let motion = Motion { precession: state.precession, ..state.to_nut };
+        let left = newton_euler(&(nut + b), &self.ball, self.helix.radius, &motion, &self.frame);
         // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (R8)
         Ok(layout::rows(&left, axial_force(&nut.force, &self.frame) - 1.0).into())
     }
@@ -226,13 +229,12 @@ impl Scaled<f64> {
     pub(crate) fn own_weights(&self, y: &Unknowns<f64>) -> [f64; BALL] {
         let (p, rate) = self.rates(y);
         let (p, rate, inertia) = (p.abs(), rate.abs(), self.inertia_ratio());
-        // F = max(1, μ(P/W)²),  M = max(F, I |P| (|λ| + |p| d/r_b))       (R44)
-        let force = (inertia * rate * rate).max(1.0);
-        let moment = (self.ball.inertia() * rate * (y[SLIP].abs() + p * self.arc)).max(force);
+        // D_F = diag(w, w, w, w, 1/M_N, w, w),  w = 1/max(1, μ(P/W)²)     (R44)
+        let mut weights = [(inertia * rate * rate).max(1.0).recip(); BALL];
         // M_N = μ |P/W| (|p| + f |P/W|)                                   (R44)
         let normal = inertia * rate * (p + self.friction * rate);
-        let [f, m, n] = [force, moment, normal].map(|unit| unit.max(f64::MIN_POSITIVE).recip());
-        [f, f, f, m, n, m, f]
+        weights[MOMENT_NORMAL] = normal.max(f64::MIN_POSITIVE).recip();
+        weights
     }
 
     /// The same point with another lead angle.
