@@ -106,23 +106,21 @@ impl Point {
         self.centrifugal / (self.axial * self.rate * self.rate)
     }
 
-    /// Angle between the directions of two points: how far apart they are on their curve.
+    /// Distance of the directions of two points on the unit circle, squared.
     pub(super) fn apart(&self, other: &Self) -> f64 {
+        let minor = |point: &Self| point.friction[1].map(|x| x / point.loads[1]);
         let (one, two) = if self.at_nut == other.at_nut {
             (self.direction, other.direction)
         } else {
-            (self.friction[1], other.friction[1])
+            (minor(self), minor(other))
         };
-        cross(one, two).atan2(dot(one, two)).abs()
+        let apart = [one[0] - two[0], one[1] - two[1]];
+        dot(apart, apart)
     }
 }
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
 }
 
 impl Curve {
@@ -144,6 +142,12 @@ impl Curve {
             axis: [cos_a * cos_b, sin_a],
             thrust: cos_a * sin_b,
         }
+    }
+
+    /// True if the axial load and the loads of A and A' can be positive with this turn.
+    pub(super) fn bears(&self, turn: f64) -> bool {
+        let fan = self.fan(turn);
+        fan.axial > 0.0 && fan.curvature > 0.0
     }
 
     /// Everything that the direction of slip at B tells.

@@ -229,12 +229,14 @@ impl Scaled<f64> {
     pub(crate) fn own_weights(&self, y: &Unknowns<f64>) -> [f64; BALL] {
         let (p, rate) = self.rates(y);
         let (p, rate, inertia) = (p.abs(), rate.abs(), self.inertia_ratio());
-        // D_F = diag(w, w, w, w, 1/M_N, w, w),  w = 1/max(1, μ(P/W)²)     (R44)
-        let mut weights = [(inertia * rate * rate).max(1.0).recip(); BALL];
+        // U = max(1, μ(P/W)²),  M = max(U, I |P/W| (|λ| + |p| d/r_b))     (R44)
+        let force = (inertia * rate * rate).max(1.0);
+        let moment = (self.ball.inertia() * rate * (y[SLIP].abs() + p * self.arc)).max(force);
         // M_N = μ |P/W| (|p| + f |P/W|)                                   (R44)
         let normal = inertia * rate * (p + self.friction * rate);
-        weights[MOMENT_NORMAL] = normal.max(f64::MIN_POSITIVE).recip();
-        weights
+        // D_F = diag(1/U, 1/U, 1/U, 1/M, 1/M_N, 1/M, 1/U)                 (R44)
+        let [u, m, n] = [force, moment, normal].map(|unit| unit.max(f64::MIN_POSITIVE).recip());
+        [u, u, u, m, n, m, u]
     }
 
     /// The same point with another lead angle.

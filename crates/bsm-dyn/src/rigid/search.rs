@@ -16,11 +16,15 @@ const EARLIEST: f64 = 1e-16;
 const GROWTH: f64 = 1.5;
 const LONGEST: f64 = 0.04;
 
-/// Sheets are told apart by the direction of slip at A': it moves less than this in a step \[rad\].
-const NEAR: f64 = 0.2;
+/// A direction moves less than this in a step, as the square of its distance on the unit circle:
+/// sheets are told apart by it.
+const NEAR: f64 = 0.04;
 
 /// Below this excess at both ends of a step, two roots may be in it.
 const CLOSE: f64 = 0.2;
+
+/// Where a demand breaks, inertia that is this far off at both ends of a step has no root in it.
+const FAR: f64 = 0.99;
 
 /// Most halvings of a step where a sheet that may have a root ends or moves far; where the slip at A'
 /// turns fast, within the friction coefficient of a turn; where a demand breaks; and where two roots
@@ -54,19 +58,26 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
     }
 
     /// Visits the roots in the order of the turn upwards from zero, then downwards, until a visit
-    /// says that it is enough; returns whether one did. `inertia`: `$\\varepsilon$` of the first order.
+    /// says that it is enough; returns whether one did. `inertia`: `$\varepsilon$` of the first order.
     pub(super) fn run(&mut self, inertia: f64) -> bool {
         let first = (BEGIN * inertia).clamp(EARLIEST, LATEST);
         [1.0, -1.0].into_iter().any(|side| {
             let mut turn = first;
-            let mut before = self.sample(side * turn);
+            let mut before: Option<Sample> = None;
             while turn < PI {
-                turn = (turn * GROWTH).min(turn + LONGEST).min(PI);
-                let here = self.sample(side * turn);
-                if self.between(&before, &here, 0) {
+                let next = (turn * GROWTH).min(turn + LONGEST).min(PI);
+                let turns = [side * turn, 0.5 * side * (turn + next), side * next];
+                turn = next;
+                if !turns.into_iter().any(|turn| self.curve.bears(turn)) {
+                    before = None;
+                    continue;
+                }
+                let one = before.unwrap_or_else(|| self.sample(turns[0]));
+                let other = self.sample(turns[2]);
+                if self.between(&one, &other, 0) {
                     return true;
                 }
-                before = here;
+                before = Some(other);
             }
             false
         })
@@ -75,7 +86,7 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
     fn sample(&mut self, turn: f64) -> Sample {
         let sample = self.curve.sample(turn);
         for point in sample.sheets.iter().flatten().filter(|point| point.broken == 0) {
-            let far = |ratio: f64| (ratio / self.curve.inertia).ln().abs();
+            let far = |ratio: f64| (ratio / self.curve.inertia).max(self.curve.inertia / ratio);
             let here = point.inertia_ratio();
             if self.nearest_inertia.is_none_or(|nearest| far(here) < far(nearest)) {
                 self.nearest_inertia = Some(here);
@@ -96,7 +107,9 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
             TORN
         } else if (a.drive > 0.0) != (b.drive > 0.0) {
             FAST
-        } else if live().any(|(one, other)| one.broken != other.broken) {
+        } else if live().any(|(one, other)| {
+            one.broken != other.broken && one.excess().abs().min(other.excess().abs()) < FAR
+        }) {
             BREAKS
         } else if live().any(|(one, other)| {
             let (x, y) = (one.excess(), other.excess());

@@ -76,8 +76,7 @@ fn start(case: &Scaled<f64>, rng: &mut impl Rng) -> Option<(Unknowns<f64>, bool)
     let (none, one) = (at_screw(0.0), at_screw(1.0) - at_screw(0.0));
     let normal = case.contacts[2].normal;
     let slip = -none.cross(&slips[2]).dot(&normal) / one.cross(&slips[2]).dot(&normal);
-    let moment: f64 =
-        (0..3).map(|i| points[i].cross(&(slips[i] * -friction * loads[i])).x).sum();
+    let moment: f64 = (0..3).map(|i| points[i].cross(&(slips[i] * -friction * loads[i])).x).sum();
     let tau = slip * angles[0].sin() - p * case.arc;
     let gyroscopic = case.ball.inertia() * rate * tau * case.frame.k.y;
     let spin = (gyroscopic - moment) / case.frame.k.z;
@@ -104,8 +103,7 @@ fn many_starts(
             let scales = Scales { x: &[1.0; BALL], f: &weights };
             let options = Options { max_steps: 30, ..Options::default() };
             let report = solve(&case, y.as_mut_slice(), &scales, &options, newton).ok()?;
-            let pushes =
-                [NUT_LOAD, MINOR_LOAD, SCREW_LOAD, SLIP].into_iter().all(|i| y[i] > 0.0);
+            let pushes = [NUT_LOAD, MINOR_LOAD, SCREW_LOAD, SLIP].into_iter().all(|i| y[i] > 0.0);
             if report.converged() && report.steps.is_empty() && pushes {
                 // The root at infinity does not balance the powers.
                 let root = Root { unknowns: y, from_ground, steps: 0, residual: report.residual };
