@@ -287,16 +287,21 @@ impl Curve {
         let b_t = -self.psi[0] * cos - self.psi[1] * sin;
         let tau = point.slip[1] - self.arc * point.precession;
         let from_ground = point.rate.abs() < point.precession.abs();
+        // Q_B = F_a/A, or as it balances the inertia where A vanishes against its parts  (R42)
+        let balanced = self.inertia * point.rate * point.rate / point.centrifugal;
+        let lost = point.axial * (point.precession.abs() + self.nut.abs());
+        let screw =
+            if lost < self.thrust * point.rate.abs() { balanced } else { point.axial.recip() };
+        // s = I P tanβ τ + 2 F Q_B b_t/k_t                                (R43)
+        let gyroscopic = 0.4 * self.inertia / self.radius * point.rate * tau * sin_b / cos_b;
         let unknowns = Unknowns::from([
-            nut / point.axial,
-            minor / point.axial,
-            point.axial.recip(),
+            nut * screw,
+            minor * screw,
+            screw,
             if from_ground { point.rate } else { point.precession },
             point.slip[0].hypot(point.slip[1]),
             point.friction[0][1].atan2(point.friction[0][0]),
-            // s = I P tanβ τ + 2 F b_t/(k_t A)                                (R43)
-            0.4 * self.inertia / self.radius * point.rate * tau * sin_b / cos_b
-                + 2.0 * self.signed * b_t / (self.axis[1] * point.axial),
+            gyroscopic + 2.0 * self.signed * screw * b_t / self.axis[1],
         ]);
         (unknowns, from_ground)
     }

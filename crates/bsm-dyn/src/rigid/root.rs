@@ -16,15 +16,21 @@ use crate::{Angles, Reason, Status};
 /// A; the root is then interpolated between no inertia and this much. The error is the square.
 pub(super) const SLOW: f64 = 1e-6;
 
-/// Up to this ratio of inertia to friction the first order is a guide: Newton from it stays on its
-/// branch, and what it denies by more than its error is not there.
+/// Up to this ratio of inertia to friction Newton from the first order stays on its branch.
 pub const MODERATE_INERTIA: f64 = 0.2;
+
+/// Up to this ratio of inertia to friction what the first order denies by more than its error is not
+/// there; above it, friction of order one leaves roots further from the first order.
+const SMALL_INERTIA: f64 = 0.01;
 
 /// Relative error of the first-order existence test over the ratio of inertia to friction.
 const FIRST_ORDER_ERROR: f64 = 0.1;
 
 /// A solve may take this many steps; more means that the start was not near the root.
 const MOST_STEPS: usize = 8;
+
+/// At larger inertia a solve that takes more may have met another root than the one of small inertia.
+const SURE_STEPS: usize = 5;
 
 /// Speeds beyond this multiple of `$d/r_b$`, in units of `$|W|$`, belong to the root at infinity,
 /// where the scaled residual vanishes without a solution. Real roots stay below one.
@@ -75,7 +81,7 @@ pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root
         return Err(none(Reason::BallDoesNotCircle));
     }
     let inertia = start.size / case.friction;
-    if inertia < MODERATE_INERTIA
+    if inertia < SMALL_INERTIA
         && let Some(denial) = denied(case, &start, inertia, work)
     {
         return Err(denial);
@@ -86,29 +92,39 @@ pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root
         return accept(case, root, work);
     }
 
-    // Straight from the first order, where it goes straight to a root that the first order expects.
+    // Straight from the first order, where it goes straight to its root.
+    let mut denial = None;
     if inertia < MODERATE_INERTIA || start.exists() {
         let (unknowns, report) = newton(case, &start, start.unknowns(), work);
         if near(&report) {
             let (steps, residual) = (report.steps.len(), report.residual);
             let root = Root { unknowns, from_ground: false, steps, residual };
-            if inertia < MODERATE_INERTIA {
-                return accept(case, root, work);
-            }
-            if let Ok(root) = settled(case, root, work)
-                && root.is_admissible()
-            {
-                return Ok(root);
+            if inertia >= MODERATE_INERTIA {
+                let root = (steps <= SURE_STEPS).then(|| settled(case, root, work).ok()).flatten();
+                if let Some(root) = root.filter(Root::is_admissible) {
+                    return Ok(root);
+                }
+            } else {
+                match accept(case, root, work) {
+                    Err(reason) if inertia >= SMALL_INERTIA => {
+                        // A branch whose contacts pull already without inertia says nothing.
+                        denial = (start.load > 0.0 && start.minor > 0.0).then_some(reason);
+                    }
+                    verdict => return verdict,
+                }
             }
         }
     }
-    search(case, &start, work)
+    search(case, &start, denial, work)
 }
 
 /// The root of smallest turn of the slip at B among all there are, or why there is none.
+///
+/// * `denial`: what an inadmissible root near the first order says, if there is one.
 fn search(
     case: &Scaled<f64>,
     start: &FirstOrder,
+    denial: Option<NoRoot>,
     work: &mut RigidWorkspace,
 ) -> Result<Root, NoRoot> {
     let curve = Curve::of(case);
@@ -129,7 +145,7 @@ fn search(
         (None, Some(report)) => {
             Err(NoRoot { status: Status::NotConverged, reason: Reason::from(report) })
         }
-        (None, None) => Err(none(why_none(case, start, nearest, work))),
+        (None, None) => Err(denial.unwrap_or_else(|| none(why_none(case, start, nearest, work)))),
     }
 }
 

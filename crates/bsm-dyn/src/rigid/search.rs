@@ -34,6 +34,9 @@ const FAST: u32 = 30;
 const BREAKS: u32 = 8;
 const PAIR: u32 = 4;
 
+/// Halves no step any more after so many samples, ten times what was ever needed.
+const MOST_SAMPLES: usize = 10_000;
+
 /// Newton on the full equations goes on from this excess.
 const ENOUGH: f64 = 1e-9;
 
@@ -43,6 +46,7 @@ pub(super) struct Search<'a, F> {
     visit: F,
     /// The inertia ratio nearest to that of the point at which an admissible state was met.
     pub(super) nearest_inertia: Option<f64>,
+    samples: usize,
 }
 
 impl Sample {
@@ -54,7 +58,7 @@ impl Sample {
 
 impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
     pub(super) fn new(curve: &'a Curve, visit: F) -> Self {
-        Self { curve, visit, nearest_inertia: None }
+        Self { curve, visit, nearest_inertia: None, samples: 0 }
     }
 
     /// Visits the roots in the order of the turn upwards from zero, then downwards, until a visit
@@ -84,6 +88,7 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
     }
 
     fn sample(&mut self, turn: f64) -> Sample {
+        self.samples += 1;
         let sample = self.curve.sample(turn);
         for point in sample.sheets.iter().flatten().filter(|point| point.broken == 0) {
             let far = |ratio: f64| (ratio / self.curve.inertia).max(self.curve.inertia / ratio);
@@ -119,7 +124,7 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
         } else {
             0
         };
-        if halved < most {
+        if halved < most && self.samples < MOST_SAMPLES {
             let middle = self.sample(0.5 * (a.turn + b.turn));
             return self.between(a, &middle, halved + 1) || self.between(&middle, b, halved + 1);
         }
