@@ -138,11 +138,7 @@ fn bracketed(a: &[f64], (mut low, mut high): (f64, f64), rises: bool) -> f64 {
             slope = slope * t + value;
             value = value * t + x;
         }
-        if (value > 0.0) == rises {
-            high = t
-        } else {
-            low = t
-        }
+        *(if (value > 0.0) == rises { &mut high } else { &mut low }) = t;
         let next = t - value / slope;
         let next = if next > low && next < high { next } else { 0.5 * (low + high) };
         // A step of rounding: there.

@@ -71,7 +71,7 @@ pub(super) struct Point {
     /// `$\delta$`: turn of the slip at B against the ball without inertia \[rad\].
     pub(super) turn: f64,
     /// The direction that it was found by, and whether it is that at A.
-    pub(super) direction: [f64; 2],
+    direction: [f64; 2],
     at_nut: bool,
     /// Friction vectors of A and A' over `$F Q_B$`, and their loads over that of B.
     friction: [[f64; 2]; 2],
@@ -262,6 +262,10 @@ impl Curve {
             dot(at_minor, friction[1]),
             dot(at_screw, fan.b),
         ];
+        let broken = demands.iter().fold(0, |bits, x| {
+            let met = *x > 0.0;
+            2 * bits + u16::from(!met)
+        });
         Point {
             turn: fan.turn,
             direction: c,
@@ -273,7 +277,7 @@ impl Curve {
             precession,
             rate: precession + self.nut,
             slip,
-            broken: demands.iter().fold(0, |bits, x| 2 * bits + u16::from(!(*x > 0.0))),
+            broken,
             inertia: [given, resistance * resistance],
             sense,
         }

@@ -29,7 +29,7 @@ const FIRST_ORDER_ERROR: f64 = 0.1;
 /// A solve may take this many steps; more means that the start was not near the root.
 const MOST_STEPS: usize = 8;
 
-/// At larger inertia a solve that takes more may have met another root than the one of small inertia.
+/// At larger inertia a solve that takes more steps may have met another root than the one of small inertia.
 const SURE_STEPS: usize = 5;
 
 /// Speeds beyond this multiple of `$d/r_b$`, in units of `$|W|$`, belong to the root at infinity,
@@ -77,9 +77,6 @@ impl Default for RigidWorkspace {
 /// Finds the root, or the reason why there is none.
 pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root, NoRoot> {
     let start = FirstOrder::of(case);
-    if start.rate == 0.0 {
-        return Err(none(Reason::BallDoesNotCircle));
-    }
     let inertia = start.size / case.friction;
     if inertia < SMALL_INERTIA
         && let Some(denial) = denied(case, &start, inertia, work)
@@ -91,40 +88,47 @@ pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root
     {
         return accept(case, root, work);
     }
-
-    // Straight from the first order, where it goes straight to its root.
     let mut denial = None;
-    if inertia < MODERATE_INERTIA || start.exists() {
-        let (unknowns, report) = newton(case, &start, start.unknowns(), work);
-        if near(&report) {
-            let (steps, residual) = (report.steps.len(), report.residual);
-            let root = Root { unknowns, from_ground: false, steps, residual };
-            if inertia >= MODERATE_INERTIA {
-                let root = (steps <= SURE_STEPS).then(|| settled(case, root, work).ok()).flatten();
-                if let Some(root) = root.filter(Root::is_admissible) {
-                    return Ok(root);
-                }
-            } else {
-                match accept(case, root, work) {
-                    Err(reason) if inertia >= SMALL_INERTIA => {
-                        // A branch whose contacts pull already without inertia says nothing.
-                        denial = (start.load > 0.0 && start.minor > 0.0).then_some(reason);
-                    }
-                    verdict => return verdict,
-                }
-            }
+    if let Some(root) = direct(case, &start, inertia, work) {
+        match accept(case, root, work) {
+            Ok(root) => return Ok(root),
+            Err(reason) if inertia < SMALL_INERTIA => return Err(reason),
+            // A branch whose contacts pull already without inertia says nothing.
+            Err(reason) => denial = (start.load > 0.0 && start.minor > 0.0).then_some(reason),
         }
     }
-    search(case, &start, denial, work)
+    search(case, &start, work).map_err(|none| match (none.status, denial) {
+        (Status::NoSolution, Some(exact)) => exact,
+        _ => none,
+    })
+}
+
+/// The root that Newton goes straight to from the first order, where that is a guide.
+fn direct(
+    case: &Scaled<f64>,
+    start: &FirstOrder,
+    inertia: f64,
+    work: &mut RigidWorkspace,
+) -> Option<Root> {
+    let moderate = inertia < MODERATE_INERTIA;
+    if !(moderate || start.exists()) {
+        return None;
+    }
+    let (unknowns, report) = newton(case, start, start.unknowns(), work);
+    let most_steps = if moderate { MOST_STEPS - 1 } else { SURE_STEPS };
+    let straight = report.steps.len() <= most_steps && report.steps.iter().all(|s| s.lambda > 0.5);
+    if !(report.converged() && straight && is_slow(case, &unknowns)) {
+        return None;
+    }
+    let (steps, residual) = (report.steps.len(), report.residual);
+    let root = Root { unknowns, from_ground: false, steps, residual };
+    if moderate { Some(root) } else { settled(case, root, work).ok() }
 }
 
 /// The root of smallest turn of the slip at B among all there are, or why there is none.
-///
-/// * `denial`: what an inadmissible root near the first order says, if there is one.
 fn search(
     case: &Scaled<f64>,
     start: &FirstOrder,
-    denial: Option<NoRoot>,
     work: &mut RigidWorkspace,
 ) -> Result<Root, NoRoot> {
     let curve = Curve::of(case);
@@ -134,19 +138,13 @@ fn search(
         let root = Root { unknowns, from_ground, steps: 0, residual: f64::NAN };
         match settled(case, root, work) {
             Ok(root) => found = root.is_admissible().then_some(root),
-            Err(report) => failure = Some(report),
+            Err(none) => failure = Some(none),
         }
         found.is_some()
     });
     search.run(start.inertia);
     let nearest = search.nearest_inertia;
-    match (found, failure) {
-        (Some(root), _) => Ok(root),
-        (None, Some(report)) => {
-            Err(NoRoot { status: Status::NotConverged, reason: Reason::from(report) })
-        }
-        (None, None) => Err(denial.unwrap_or_else(|| none(why_none(case, start, nearest, work)))),
-    }
+    found.ok_or_else(|| failure.unwrap_or_else(|| none(why_none(case, start, nearest, work))))
 }
 
 /// What to say of a point where the search found no root.
@@ -157,24 +155,20 @@ fn why_none(
     work: &mut RigidWorkspace,
 ) -> Reason {
     match nearest {
-        Some(inertia_ratio) => Reason::NoRootAtInertia { inertia_ratio },
+        Some(nearest) => Reason::NoRootAtInertia { inertia_ratio: case.inertia_ratio(), nearest },
         None if start.load <= 0.0 => self_locking(case),
         None if start.minor <= 0.0 => minor_would_pull(start),
         None => would_roll(case, start, work),
     }
 }
 
-/// A root on weights of its own size, which large inertia needs.
-///
-/// # Errors
-///
-/// The report of the solve that did not converge.
-fn settled(case: &Scaled<f64>, mut root: Root, work: &mut RigidWorkspace) -> Result<Root, Report> {
+/// A root on weights of its own size (R44), which large inertia needs.
+fn settled(case: &Scaled<f64>, mut root: Root, work: &mut RigidWorkspace) -> Result<Root, NoRoot> {
     let case = case.counted(root.from_ground);
     let weights = case.own_weights(&root.unknowns);
     let report = run(&case, &mut root.unknowns, &weights, (MOST_STEPS, 1e-13), work);
     if !report.converged() {
-        return Err(report);
+        return Err(NoRoot { status: Status::NotConverged, reason: Reason::from(report) });
     }
     root.residual = report.residual;
     root.steps += report.steps.len();
@@ -195,7 +189,7 @@ fn run<S: System>(
         .expect("sizes are constant and the weights positive")
 }
 
-/// One damped Newton solve from `y`; a root that it meets with its last step is refined.
+/// One damped Newton solve from `y`.
 ///
 /// A residual `$r$` leaves an error of `$r/\iota$` in the slip at A, and of `$r$` in the power
 /// balance. Below the tolerance the steps therefore go on towards `$10^{-12}\iota$`, between
@@ -208,20 +202,13 @@ fn newton(
 ) -> (Unknowns<f64>, Report) {
     let limits = (MOST_STEPS, (1e-12 * start.size).clamp(1e-15, 1e-13));
     let weights = case.weights(start.normal_moment());
-    let mut report = run(case, &mut y, &weights, limits, work);
-    if report.converged() && report.steps.len() == MOST_STEPS {
-        let refined = run(case, &mut y, &weights, limits, work);
-        report.residual = refined.residual;
-        report.steps.extend(refined.steps);
-    }
+    let report = run(case, &mut y, &weights, limits, work);
     (y, report)
 }
 
-/// True if the solve went to its root straight away: the start was on the same branch.
-fn near(report: &Report) -> bool {
-    report.converged()
-        && report.steps.len() < MOST_STEPS
-        && report.steps.iter().all(|s| s.lambda > 0.5)
+/// False at the root at infinity.
+fn is_slow(case: &Scaled<f64>, y: &Unknowns<f64>) -> bool {
+    y[SLIP].abs().max(y[PRECESSION].abs()) <= SPEED_LIMIT * case.arc
 }
 
 /// The root for inertia so small that loads in double precision cannot tell it from none.
@@ -239,7 +226,7 @@ fn interpolate(
     let faster = case.with_inertia(fraction.recip());
     let at = FirstOrder::of(&faster);
     let (mut far, report) = newton(&faster, &at, at.unknowns(), work);
-    if !report.converged() {
+    if !(report.converged() && is_slow(&faster, &far)) {
         return None;
     }
     // Q_A' itself is proportional to the inertia; what varies little is its ratio.
@@ -259,10 +246,6 @@ fn interpolate(
 /// Accepts a converged root of the extended equations if it is one of the physical ones.
 fn accept(case: &Scaled<f64>, root: Root, work: &mut RigidWorkspace) -> Result<Root, NoRoot> {
     let y = &root.unknowns;
-    let speed_ratio = y[SLIP].abs().max(y[PRECESSION].abs());
-    if speed_ratio > SPEED_LIMIT * case.arc {
-        return Err(none(Reason::RootAtInfinity { speed_ratio }));
-    }
     if y[NUT_LOAD] <= 0.0 || y[SCREW_LOAD] <= 0.0 {
         let (nut_load_ratio, screw_load_ratio) = (y[NUT_LOAD], y[SCREW_LOAD]);
         return Err(none(Reason::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio }));
@@ -289,6 +272,9 @@ fn denied(
     inertia: f64,
     work: &mut RigidWorkspace,
 ) -> Option<NoRoot> {
+    if start.rate == 0.0 {
+        return Some(none(Reason::BallDoesNotCircle));
+    }
     let error = FIRST_ORDER_ERROR * inertia;
     if start.load <= 0.0 {
         // The denominator of the loads (R17), over its friction term.

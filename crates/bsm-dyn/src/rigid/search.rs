@@ -50,9 +50,18 @@ pub(super) struct Search<'a, F> {
 }
 
 impl Sample {
-    fn nearest(&self, point: &Point) -> Option<Point> {
-        let sheets = self.sheets.iter().flatten();
-        sheets.min_by(|x, y| x.apart(point).total_cmp(&y.apart(point))).copied()
+    /// Number of the sheet whose point is nearest.
+    fn nearest(&self, point: &Point) -> Option<usize> {
+        let apart = |i: &usize| self.sheets[*i].map_or(f64::INFINITY, |sheet| sheet.apart(point));
+        (0..4).min_by(|i, j| apart(i).total_cmp(&apart(j))).filter(|i| self.sheets[*i].is_some())
+    }
+
+    /// The sheets of both samples that are nearest to each other.
+    fn pairs(&self, other: &Self) -> [Option<(usize, usize)>; 4] {
+        std::array::from_fn(|i| {
+            let j = other.nearest(&self.sheets[i]?)?;
+            (self.nearest(&other.sheets[j]?)? == i).then_some((i, j))
+        })
     }
 }
 
@@ -102,24 +111,30 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
 
     /// The roots between two turns, a step that was halved so many times.
     fn between(&mut self, a: &Sample, b: &Sample, halved: u32) -> bool {
-        let pairs = a.sheets.map(|one| {
-            let one = one?;
-            let other = b.nearest(&one)?;
-            (a.nearest(&other)?.direction == one.direction).then_some((one, other))
+        let pairs = a.pairs(b);
+        // A sheet that may have a root and has no partner.
+        let torn = (0..4).any(|i| {
+            let alone = |sheet: &Option<Point>, paired: bool| {
+                !paired && sheet.is_some_and(|point| point.broken == 0)
+            };
+            alone(&a.sheets[i], pairs[i].is_some())
+                || alone(&b.sheets[i], pairs.iter().flatten().any(|(_, j)| *j == i))
         });
-        let live = || pairs.iter().flatten().filter(|(one, other)| one.broken & other.broken == 0);
-        let most = if torn(a, b, &pairs) || live().any(|(one, other)| one.apart(other) > NEAR) {
+        // Pairs that may have one: no demand is broken at both ends.
+        let live = pairs.map(|pair| {
+            let (one, other) = pair.and_then(|(i, j)| a.sheets[i].zip(b.sheets[j]))?;
+            (one.broken & other.broken == 0).then_some((one, other))
+        });
+        let any = |test: fn(&Point, &Point) -> bool| {
+            live.iter().flatten().any(|(one, other)| test(one, other))
+        };
+        let most = if torn || any(|one, other| one.apart(other) > NEAR) {
             TORN
         } else if (a.drive > 0.0) != (b.drive > 0.0) {
             FAST
-        } else if live().any(|(one, other)| {
-            one.broken != other.broken && one.excess().abs().min(other.excess().abs()) < FAR
-        }) {
+        } else if any(breaks) {
             BREAKS
-        } else if live().any(|(one, other)| {
-            let (x, y) = (one.excess(), other.excess());
-            x * y > 0.0 && x.abs().max(y.abs()) < CLOSE
-        }) {
+        } else if any(is_close) {
             PAIR
         } else {
             0
@@ -128,14 +143,11 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
             let middle = self.sample(0.5 * (a.turn + b.turn));
             return self.between(a, &middle, halved + 1) || self.between(&middle, b, halved + 1);
         }
-        pairs.iter().flatten().any(|(one, other)| {
-            if one.broken & other.broken != 0 {
-                return false;
-            }
+        live.iter().flatten().any(|(one, other)| {
             if (one.sense > 0.0) == (other.sense > 0.0) {
                 return self.crossing(one, other);
             }
-            // P = 0 between them, where any inertia is too much, and a root on either side of it.
+            // P = 0 between them, where any inertia is too little, and a root on either side of it.
             let still = self.bracketed(one, other, |point| point.sense, 0.0);
             self.crossing(one, &still) || self.crossing(&still, other)
         })
@@ -170,31 +182,26 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
             let share =
                 if step % 3 == 2 { 0.5 } else { (at_low / (at_low - at_high)).clamp(0.02, 0.98) };
             let turn = low.turn + share * (high.turn - low.turn);
-            if turn == low.turn || turn == high.turn {
+            if turn <= low.turn.min(high.turn) || turn >= low.turn.max(high.turn) {
                 break;
             }
             let middle = self.sample(turn);
             let near = |point: &Point| point.apart(&low).min(point.apart(&high));
             let sheets = middle.sheets.iter().flatten();
             let Some(point) = sheets.min_by(|x, y| near(x).total_cmp(&near(y))) else { break };
-            if (value(point) > 0.0) == (at_high > 0.0) {
-                high = *point;
-            } else {
-                low = *point;
-            }
+            *(if (value(point) > 0.0) == (at_high > 0.0) { &mut high } else { &mut low }) = *point;
         }
         if value(&low).abs() < value(&high).abs() { low } else { high }
     }
 }
 
-/// True if a sheet that may have a root has no partner.
-fn torn(a: &Sample, b: &Sample, pairs: &[Option<(Point, Point)>; 4]) -> bool {
-    let alone = |sheet: &Point| {
-        sheet.broken == 0
-            && !pairs
-                .iter()
-                .flatten()
-                .any(|(x, y)| x.direction == sheet.direction || y.direction == sheet.direction)
-    };
-    a.sheets.iter().chain(&b.sheets).flatten().any(alone)
+/// True if a demand breaks between two points that may have a root between them.
+fn breaks(one: &Point, other: &Point) -> bool {
+    one.broken != other.broken && one.excess().abs().min(other.excess().abs()) < FAR
+}
+
+/// True if two points on the same side of a root are so near to it that two may be between them.
+fn is_close(one: &Point, other: &Point) -> bool {
+    let (x, y) = (one.excess(), other.excess());
+    x * y > 0.0 && x.abs().max(y.abs()) < CLOSE
 }
