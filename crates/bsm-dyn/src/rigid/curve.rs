@@ -230,14 +230,13 @@ impl Curve {
     fn point(&self, fan: &Fan, c: [f64; 2]) -> Point {
         let [k_e, k_t] = self.axis;
         let reach = fan.reach.at(c);
-        let (load, loads) = (fan.curvature / reach, |load: f64| [load, load + fan.gap]);
+        let load = fan.curvature / reach;
         let own = [load * c[0], load * c[1]];
         let other = fan.other.map(|line| line.at(c) / reach);
         let (loads, friction) = if fan.at_nut {
-            (loads(load), [own, other])
+            ([load, load + fan.gap], [own, other])
         } else {
-            let [minor, nut] = loads(load);
-            ([nut, minor], [other, own])
+            ([load + fan.gap, load], [other, own])
         };
         // V_A = B₀ S/N₂,  G = B₀ Δ X/N₂,  p = B₀ N₁/(k_t d N₂)            (R40)
         let (resistance, centrifugal, cross) =

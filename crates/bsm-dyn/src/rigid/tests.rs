@@ -184,6 +184,34 @@ fn the_reduction_solves_the_equations() {
     }
 }
 
+/// Newton from the first order is believed at large inertia only where it meets the root that the search
+/// prefers.
+#[test]
+fn newton_and_the_search_find_the_same_root() {
+    let mut rng = ChaCha8Rng::seed_from_u64(50);
+    let mut work = RigidWorkspace::default();
+    let mut tried = 0;
+    while tried < 1000 {
+        let Ok(case) = extreme(&mut rng).scaled() else { continue };
+        let start = FirstOrder::of(&case);
+        if start.size < MODERATE_INERTIA * case.friction {
+            continue;
+        }
+        let Ok(root) = root::find(&case, &mut work) else { continue };
+        tried += 1;
+        let curve = Curve::of(&case);
+        let mut first = None;
+        search::Search::new(&curve, |point| {
+            first = Some(curve.unknowns(point).0);
+            true
+        })
+        .run(start.inertia);
+        let load = first.expect("the search finds what Newton found")[SCREW_LOAD];
+        // Start of the last Newton solve.
+        assert_relative_eq!(load, root.unknowns[SCREW_LOAD], max_relative = 1e-3);
+    }
+}
+
 /// A point by lead and contact angle \[rad\], ball and pitch radius \[m\], mass, friction, speeds of screw
 /// and nut \[rad/s\] and load.
 fn at(
