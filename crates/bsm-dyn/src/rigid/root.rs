@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, sections on existence, slow and fast balls.
 
-use bsm_newton::{Options, Report, Scales, System, Workspace, solve};
+use bsm_newton::{Options, Report, Scales, Status as NewtonStatus, System, Workspace, solve};
 
 use super::curve::Curve;
 use super::first_order::FirstOrder;
@@ -143,7 +143,12 @@ fn search(
         found.is_some()
     });
     search.run(start.inertia);
-    let nearest = search.nearest_inertia;
+    let (nearest, cut_short) = (search.nearest_inertia, search.is_cut_short());
+    if cut_short && failure.is_none() {
+        let (residual, worst_equation) = (f64::NAN, String::new());
+        let reason = Reason::Newton { status: NewtonStatus::MaxSteps, residual, worst_equation };
+        failure = Some(NoRoot { status: Status::NotConverged, reason });
+    }
     found.ok_or_else(|| failure.unwrap_or_else(|| none(why_none(case, start, nearest, work))))
 }
 

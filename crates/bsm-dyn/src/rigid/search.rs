@@ -96,6 +96,11 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
         })
     }
 
+    /// True if steps were left that should have been halved further.
+    pub(super) fn is_cut_short(&self) -> bool {
+        self.samples >= MOST_SAMPLES
+    }
+
     fn sample(&mut self, turn: f64) -> Sample {
         self.samples += 1;
         let sample = self.curve.sample(turn);
@@ -139,7 +144,7 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
         } else {
             0
         };
-        if halved < most && self.samples < MOST_SAMPLES {
+        if halved < most && !self.is_cut_short() {
             let middle = self.sample(0.5 * (a.turn + b.turn));
             return self.between(a, &middle, halved + 1) || self.between(&middle, b, halved + 1);
         }
