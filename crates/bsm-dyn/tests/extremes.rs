@@ -94,7 +94,7 @@ fn raceway_control_always_answers() {
 
 #[test]
 fn rigid_says_nothing_false() {
-    // Known: a few in a million, `just extremes`.
+    // Known: some ten in a million, `just extremes`.
     assert_eq!(unanswered(4000, |screw| rigid(&screw)), 0);
 }
 
