@@ -256,10 +256,6 @@ pub(crate) fn message(reason: &Reason) -> String {
             "a loaded contact would have to pull: loads of {nut_load_ratio:.3e} (nut) and \
              {screw_load_ratio:.3e} (screw) of the axial load"
         ),
-        Reason::RootAtInfinity { speed_ratio } => format!(
-            "only the spurious root at infinity is left, with speeds of {speed_ratio:.1e} times \
-             the relative speed"
-        ),
         Reason::BallLeavesFlank { nut, screw } => format!(
             "the ball leaves its flanks: contact angles of {:.2} deg (nut) and {:.2} deg (screw), \
              beyond 0 to 90 deg, where other flanks would carry. Raise axial_load_N or lower the \
@@ -288,9 +284,10 @@ pub(crate) fn message(reason: &Reason) -> String {
             "relative curvatures of {along:.3e} 1/m along and {across:.3e} 1/m across the groove give \
              no contact ellipse across the groove; set nut_conformity and screw_conformity towards 0.52"
         ),
-        Reason::Undecided { inertia } => format!(
-            "no admissible root was found; with inertia forces of {inertia:.3} times friction that \
-             proves nothing about others. Raise axial_load_N or lower the speed"
+        Reason::NoRootAtInertia { inertia_ratio, nearest } => format!(
+            "a search over all directions of slip finds no steady motion with saturated friction: \
+             inertia forces over axial load, m r_m W^2/F_a, are {inertia_ratio:.3e}, and the nearest \
+             that allow one {nearest:.3e}. Change axial_load_N or the speed"
         ),
         Reason::Refused { error } => error.to_string(),
         Reason::BallDoesNotCircle => {

@@ -3,12 +3,15 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`.
 
+mod circle;
+mod curve;
 pub(crate) mod first_order;
 mod root;
 mod scaled;
+mod search;
 mod sensitivities;
 
-use bsm_kin::{Drive, Helix, Scalar};
+use bsm_kin::{Drive, Helix, Motion, Scalar};
 use bsm_newton::{EvalError, MatMut, System};
 
 pub use self::first_order::FirstOrder;
@@ -18,9 +21,7 @@ pub use self::scaled::Unknowns as RigidUnknowns;
 use self::scaled::{Scaled, State, Unknowns};
 use crate::balance::{Ball, OwnUnits, POWER_BALANCE_TOL, ideal_torque, torque};
 use crate::layout::BALL;
-use crate::layout::unknown::{
-    MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
-};
+use crate::layout::unknown::{MINOR_LOAD, NUT_LOAD, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN};
 use crate::{Load, Model, Outputs, Reason, Solution, Status};
 
 /// Inputs of the rigid model.
@@ -156,16 +157,17 @@ impl Rigid {
     ///
     /// Status and reason if there is none.
     pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, (Status, Reason)> {
-        let (case, Root { unknowns: y, steps, residual }) =
+        let (case, Root { unknowns: y, steps, residual, .. }) =
             self.find(work).map_err(|e| (e.status, e.reason))?;
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
+        let (p, _) = case.rates(&y);
         Ok(RigidRoot {
             nut_load: y[NUT_LOAD],
             minor_load: y[MINOR_LOAD],
             screw_load: y[SCREW_LOAD],
-            p: y[PRECESSION],
+            p,
             u: -y[SLIP] * cos,
-            tau: y[SLIP] * sin - y[PRECESSION] * case.arc,
+            tau: y[SLIP] * sin - p * case.arc,
             s: y[SPIN],
             steps,
             residual,
@@ -175,7 +177,7 @@ impl Rigid {
     fn find(&self, work: &mut RigidWorkspace) -> Result<(Scaled<f64>, Root), NoRoot> {
         let case = self.scaled()?;
         let root = root::find(&case, work)?;
-        Ok((case, root))
+        Ok((case.counted(root.from_ground), root))
     }
 
     /// Solves for the steady motion of the ball.
@@ -214,8 +216,9 @@ impl Rigid {
             residual_norm: Some(root.residual),
             ..Outputs::default()
         };
-        outputs.set_motion(&state.motion, &case.frame, w);
-        let to_nut = state.motion.relative_to(case.nut_speed, &case.frame);
+        let to_nut = state.to_nut;
+        let motion = to_nut.relative_to(-case.nut_speed, &case.frame);
+        outputs.set_motion(&Motion { precession: state.precession, ..motion }, &case.frame, w);
         let to_screw = to_nut.relative_to(case.sign, &case.frame);
         for ((contact, slip), motion) in
             case.contacts.iter().zip(&state.slip).zip([to_nut, to_nut, to_screw])
@@ -237,3 +240,6 @@ fn friction_power(case: &Scaled<f64>, state: &State<f64>, y: &Unknowns<f64>) -> 
     // P_f = Σ f Q_c |V_c|                                                 (R21)
     state.slip.iter().zip(y.iter()).map(|(v, q)| case.friction * q * v.norm()).sum()
 }
+
+#[cfg(test)]
+mod tests;

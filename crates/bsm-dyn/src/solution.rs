@@ -99,16 +99,12 @@ pub enum Reason {
         /// `$Q_B/F_a$`.
         screw_load_ratio: f64,
     },
-    /// The only root found is the spurious one at infinity, `$P \to \Omega_n$`.
-    RootAtInfinity {
-        /// Largest speed of the root over `$|W|$`.
-        speed_ratio: f64,
-    },
-    /// Only roots with a contact that pulls or with slip against friction were found, at inertia
-    /// forces so large that this proves nothing about others.
-    Undecided {
-        /// Inertia forces over friction forces.
-        inertia: f64,
+    /// No directions of slip balance the inertia forces of this speed and load.
+    NoRootAtInertia {
+        /// Their inertia ratio `$m r_m W^2/F_a$`.
+        inertia_ratio: f64,
+        /// The nearest one, the rest of the point kept, at which a steady motion was met.
+        nearest: f64,
     },
     /// The contact angle of a root is not between 0 and 90 degrees.
     BallLeavesFlank {

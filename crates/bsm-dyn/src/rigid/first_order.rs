@@ -71,12 +71,6 @@ pub(crate) fn spin_moment(angles: &Angles<f64>, signed: f64, load: f64) -> f64 {
 
 impl FirstOrder {
     pub(crate) fn of(case: &Scaled<f64>) -> Self {
-        Self::with_precession_sign(case, 1.0)
-    }
-
-    /// The first order, with the precession of its own sign (1) or of the opposite one (-1),
-    /// which inertia may bring about.
-    pub(crate) fn with_precession_sign(case: &Scaled<f64>, own: f64) -> Self {
         let (sin_a, cos_a) = case.helix.lead_angle.sin_cos();
         let (sin_b, cos_b) = case.contact_angle.sin_cos();
         let (f, ball, sign) = (case.friction, case.helix.radius.recip(), case.sign);
@@ -88,7 +82,7 @@ impl FirstOrder {
         let inertia = case.inertia_ratio() * rate * rate;
         // κ = (sinβ − F D) / [sin2β − F (cos2β + h sinψ) D/cosβ]          (R15)
         let signed = f * sign;
-        let h = (rate * sign).signum() * own;
+        let h = (rate * sign).signum();
         let (sin_2b, cos_2b) = (2.0 * sin_b * cos_b, (cos_b - sin_b) * (cos_b + sin_b));
         let denominator = sin_2b - signed * (cos_2b + h * sin_psi) / cos_psi;
         let minor = (sin_b - signed * d) / denominator;

@@ -2,10 +2,12 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, sections on existence, slow and fast balls.
 
-use bsm_newton::{Options, Report, Scales, System, Workspace, solve};
+use bsm_newton::{Options, Report, Scales, Status as NewtonStatus, System, Workspace, solve};
 
+use super::curve::Curve;
 use super::first_order::FirstOrder;
 use super::scaled::{ExistenceLimit, Scaled, Unknowns};
+use super::search::Search;
 use crate::layout::BALL;
 use crate::layout::unknown::{MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP};
 use crate::{Angles, Reason, Status};
@@ -14,14 +16,21 @@ use crate::{Angles, Reason, Status};
 /// A; the root is then interpolated between no inertia and this much. The error is the square.
 pub(super) const SLOW: f64 = 1e-6;
 
-/// Up to this ratio of inertia to friction, Newton from the first order stays on its branch.
+/// Up to this ratio of inertia to friction Newton from the first order stays on its branch.
 pub const MODERATE_INERTIA: f64 = 0.2;
+
+/// Up to this ratio of inertia to friction what the first order denies by more than its error is not
+/// there; above it, friction of order one leaves roots further from the first order.
+const SMALL_INERTIA: f64 = 0.01;
 
 /// Relative error of the first-order existence test over the ratio of inertia to friction.
 const FIRST_ORDER_ERROR: f64 = 0.1;
 
 /// A solve may take this many steps; more means that the start was not near the root.
 const MOST_STEPS: usize = 8;
+
+/// At larger inertia a solve that takes more steps may have met another root than the one of small inertia.
+const SURE_STEPS: usize = 5;
 
 /// Speeds beyond this multiple of `$d/r_b$`, in units of `$|W|$`, belong to the root at infinity,
 /// where the scaled residual vanishes without a solution. Real roots stay below one.
@@ -31,9 +40,18 @@ const SPEED_LIMIT: f64 = 10.0;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Root {
     pub(crate) unknowns: Unknowns<f64>,
+    /// What the unknown of the precession counts from, see [`Scaled`].
+    pub(crate) from_ground: bool,
     /// Newton steps of all solves.
     pub(crate) steps: usize,
     pub(crate) residual: f64,
+}
+
+impl Root {
+    /// True if all contacts push and the slip at A is against its friction.
+    fn is_admissible(&self) -> bool {
+        [NUT_LOAD, MINOR_LOAD, SCREW_LOAD, SLIP].into_iter().all(|i| self.unknowns[i] > 0.0)
+    }
 }
 
 /// Why no root is returned.
@@ -59,11 +77,10 @@ impl Default for RigidWorkspace {
 /// Finds the root, or the reason why there is none.
 pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root, NoRoot> {
     let start = FirstOrder::of(case);
-    if start.rate == 0.0 {
-        return Err(none(Reason::BallDoesNotCircle));
-    }
     let inertia = start.size / case.friction;
-    if let Some(denial) = denied(case, &start, inertia, work) {
+    if inertia < SMALL_INERTIA
+        && let Some(denial) = denied(case, &start, inertia, work)
+    {
         return Err(denial);
     }
     if inertia < SLOW
@@ -71,39 +88,96 @@ pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root
     {
         return accept(case, root, work);
     }
-
-    let (unknowns, report) = newton(case, &start, start.unknowns(), work);
-    let (steps, residual) = (report.steps.len(), report.residual);
-    let direct = report.converged().then(|| accept(case, Root { unknowns, steps, residual }, work));
-    // A branch whose contacts pull already without inertia proves nothing about other branches.
-    let pushes = start.load > 0.0 && start.minor > 0.0;
-    if let Some(verdict) = &direct
-        && near(&report)
-        && (inertia < MODERATE_INERTIA || (verdict.is_ok() == start.exists() && pushes))
-    {
-        return verdict.clone();
-    }
-
-    // Far from the first order: follow the branch of small inertia, then try what else there is.
-    let followed = follow_inertia(case, &start, steps, work).map(|root| accept(case, root, work));
-    if let Some(Ok(root)) = followed {
-        return Ok(root);
-    }
-    if let Some(Ok(root)) = direct {
-        return Ok(root);
-    }
-    let turned = FirstOrder::with_precession_sign(case, -1.0);
-    let (unknowns, other) = newton(case, &start, turned.unknowns(), work);
-    if other.converged() {
-        let (steps, residual) = (steps + other.steps.len(), other.residual);
-        if let Ok(root) = accept(case, Root { unknowns, steps, residual }, work) {
-            return Ok(root);
+    let mut denial = None;
+    if let Some(root) = direct(case, &start, inertia, work) {
+        match accept(case, root, work) {
+            Ok(root) => return Ok(root),
+            Err(reason) if inertia < SMALL_INERTIA => return Err(reason),
+            // A branch whose contacts pull already without inertia says nothing.
+            Err(reason) => denial = (start.load > 0.0 && start.minor > 0.0).then_some(reason),
         }
     }
-    match followed {
-        Some(Err(denial)) if pushes => Err(denial),
-        _ => Err(undecided(report, inertia)),
+    search(case, &start, work).map_err(|none| match (none.status, denial) {
+        (Status::NoSolution, Some(exact)) => exact,
+        _ => none,
+    })
+}
+
+/// The root that Newton goes straight to from the first order, where that is a guide.
+fn direct(
+    case: &Scaled<f64>,
+    start: &FirstOrder,
+    inertia: f64,
+    work: &mut RigidWorkspace,
+) -> Option<Root> {
+    let moderate = inertia < MODERATE_INERTIA;
+    if !(moderate || start.exists()) {
+        return None;
     }
+    let (unknowns, report) = newton(case, start, start.unknowns(), work);
+    let most_steps = if moderate { MOST_STEPS - 1 } else { SURE_STEPS };
+    let straight = report.steps.len() <= most_steps && report.steps.iter().all(|s| s.lambda > 0.5);
+    if !(report.converged() && straight && is_slow(case, &unknowns)) {
+        return None;
+    }
+    let (steps, residual) = (report.steps.len(), report.residual);
+    let root = Root { unknowns, from_ground: false, steps, residual };
+    if moderate { Some(root) } else { settled(case, root, work).ok() }
+}
+
+/// The root of smallest turn of the slip at B among all there are, or why there is none.
+fn search(
+    case: &Scaled<f64>,
+    start: &FirstOrder,
+    work: &mut RigidWorkspace,
+) -> Result<Root, NoRoot> {
+    let curve = Curve::of(case);
+    let (mut found, mut failure) = (None, None);
+    let mut search = Search::new(&curve, |point| {
+        let (unknowns, from_ground) = curve.unknowns(point);
+        let root = Root { unknowns, from_ground, steps: 0, residual: f64::NAN };
+        match settled(case, root, work) {
+            Ok(root) => found = root.is_admissible().then_some(root),
+            Err(none) => failure = Some(none),
+        }
+        found.is_some()
+    });
+    search.run(start.inertia);
+    let (nearest, cut_short) = (search.nearest_inertia, search.is_cut_short());
+    if cut_short && failure.is_none() {
+        let (residual, worst_equation) = (f64::NAN, String::new());
+        let reason = Reason::Newton { status: NewtonStatus::MaxSteps, residual, worst_equation };
+        failure = Some(NoRoot { status: Status::NotConverged, reason });
+    }
+    found.ok_or_else(|| failure.unwrap_or_else(|| none(why_none(case, start, nearest, work))))
+}
+
+/// What to say of a point where the search found no root.
+fn why_none(
+    case: &Scaled<f64>,
+    start: &FirstOrder,
+    nearest: Option<f64>,
+    work: &mut RigidWorkspace,
+) -> Reason {
+    match nearest {
+        Some(nearest) => Reason::NoRootAtInertia { inertia_ratio: case.inertia_ratio(), nearest },
+        None if start.load <= 0.0 => self_locking(case),
+        None if start.minor <= 0.0 => minor_would_pull(start),
+        None => would_roll(case, start, work),
+    }
+}
+
+/// A root on weights of its own size (R44), which large inertia needs.
+fn settled(case: &Scaled<f64>, mut root: Root, work: &mut RigidWorkspace) -> Result<Root, NoRoot> {
+    let case = case.counted(root.from_ground);
+    let weights = case.own_weights(&root.unknowns);
+    let report = run(&case, &mut root.unknowns, &weights, (MOST_STEPS, 1e-13), work);
+    if !report.converged() {
+        return Err(NoRoot { status: Status::NotConverged, reason: Reason::from(report) });
+    }
+    root.residual = report.residual;
+    root.steps += report.steps.len();
+    Ok(root)
 }
 
 /// The one call of the solver: at most `max_steps` from `y`, on towards `residual_goal`.
@@ -120,7 +194,7 @@ fn run<S: System>(
         .expect("sizes are constant and the weights positive")
 }
 
-/// One damped Newton solve from `y`; a root that it meets with its last step is refined.
+/// One damped Newton solve from `y`.
 ///
 /// A residual `$r$` leaves an error of `$r/\iota$` in the slip at A, and of `$r$` in the power
 /// balance. Below the tolerance the steps therefore go on towards `$10^{-12}\iota$`, between
@@ -133,20 +207,13 @@ fn newton(
 ) -> (Unknowns<f64>, Report) {
     let limits = (MOST_STEPS, (1e-12 * start.size).clamp(1e-15, 1e-13));
     let weights = case.weights(start.normal_moment());
-    let mut report = run(case, &mut y, &weights, limits, work);
-    if report.converged() && report.steps.len() == MOST_STEPS {
-        let refined = run(case, &mut y, &weights, limits, work);
-        report.residual = refined.residual;
-        report.steps.extend(refined.steps);
-    }
+    let report = run(case, &mut y, &weights, limits, work);
     (y, report)
 }
 
-/// True if the solve went to its root straight away: the start was on the same branch.
-fn near(report: &Report) -> bool {
-    report.converged()
-        && report.steps.len() < MOST_STEPS
-        && report.steps.iter().all(|s| s.lambda > 0.5)
+/// False at the root at infinity.
+fn is_slow(case: &Scaled<f64>, y: &Unknowns<f64>) -> bool {
+    y[SLIP].abs().max(y[PRECESSION].abs()) <= SPEED_LIMIT * case.arc
 }
 
 /// The root for inertia so small that loads in double precision cannot tell it from none.
@@ -164,7 +231,7 @@ fn interpolate(
     let faster = case.with_inertia(fraction.recip());
     let at = FirstOrder::of(&faster);
     let (mut far, report) = newton(&faster, &at, at.unknowns(), work);
-    if !report.converged() {
+    if !(report.converged() && is_slow(&faster, &far)) {
         return None;
     }
     // Q_A' itself is proportional to the inertia; what varies little is its ratio.
@@ -178,75 +245,12 @@ fn interpolate(
     let weights = case.weights(start.normal_moment());
     let check = run(case, &mut unknowns, &weights, (0, Options::default().residual_goal), work);
     let (steps, residual) = (report.steps.len(), check.residual);
-    check.converged().then_some(Root { unknowns, steps, residual })
-}
-
-/// Follows the root from small inertia to the full one, where the first-order start is bad.
-///
-/// The path in the inertia is smooth, through `$\lambda = 0$` too. Each unknown is predicted as a
-/// power of the inertia: the loads and speeds have power laws at both ends of the path. The step
-/// of the logarithm is halved when a solve strays and grows again afterwards. `steps` counts
-/// those already taken. `None` if the path ends before full inertia.
-fn follow_inertia(
-    case: &Scaled<f64>,
-    start: &FirstOrder,
-    mut steps: usize,
-    work: &mut RigidWorkspace,
-) -> Option<Root> {
-    /// Ratio of inertia to friction at which the first-order start is safe.
-    const BEGIN: f64 = 5e-3;
-    /// Longest and shortest step of the logarithm, and solves in all, before giving up.
-    const LONGEST: f64 = 0.5;
-    const SHORTEST: f64 = 1e-4;
-    const MOST_SOLVES: usize = 200;
-    /// A solve of the path that takes more steps may have changed the branch.
-    const PATH_STEPS: usize = 5;
-
-    let mut solve_at = |log: f64, guess: Option<Unknowns<f64>>| {
-        let slower = case.with_inertia(log.exp());
-        let first = FirstOrder::of(&slower);
-        let (y, report) = newton(&slower, &first, guess.unwrap_or(first.unknowns()), work);
-        steps += report.steps.len();
-        let kept = near(&report) && (guess.is_none() || report.steps.len() <= PATH_STEPS);
-        kept.then_some(Root { unknowns: y, steps, residual: report.residual })
-    };
-    let mut log = (BEGIN * case.friction / start.size).min(1.0).ln();
-    let mut at = solve_at(log, None)?;
-    // Exponents d ln y / d ln μ: at first Q_A' alone grows.
-    let mut exponents = Unknowns::zeros();
-    exponents[MINOR_LOAD] = 1.0;
-    let mut stride = LONGEST;
-    for _ in 0..MOST_SOLVES {
-        if log >= 0.0 {
-            return Some(at);
-        }
-        let next = (log + stride).min(0.0);
-        let guess = at.unknowns.zip_map(&exponents, |y, e| y * (e * (next - log)).exp());
-        if let Some(found) = solve_at(next, Some(guess)) {
-            exponents = found.unknowns.zip_map(&at.unknowns, |new, old| {
-                let ratio = new / old;
-                // An unknown on its way through zero follows no power law.
-                if ratio > 0.0 { (ratio.ln() / (next - log)).clamp(-2.0, 2.0) } else { 0.0 }
-            });
-            (at, log) = (found, next);
-            stride = (1.5 * stride).min(LONGEST);
-        } else {
-            stride *= 0.5;
-            if stride < SHORTEST {
-                return None;
-            }
-        }
-    }
-    None
+    check.converged().then_some(Root { unknowns, from_ground: false, steps, residual })
 }
 
 /// Accepts a converged root of the extended equations if it is one of the physical ones.
 fn accept(case: &Scaled<f64>, root: Root, work: &mut RigidWorkspace) -> Result<Root, NoRoot> {
     let y = &root.unknowns;
-    let speed_ratio = y[SLIP].abs().max(y[PRECESSION].abs());
-    if speed_ratio > SPEED_LIMIT * case.arc {
-        return Err(none(Reason::RootAtInfinity { speed_ratio }));
-    }
     if y[NUT_LOAD] <= 0.0 || y[SCREW_LOAD] <= 0.0 {
         let (nut_load_ratio, screw_load_ratio) = (y[NUT_LOAD], y[SCREW_LOAD]);
         return Err(none(Reason::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio }));
@@ -262,27 +266,26 @@ fn accept(case: &Scaled<f64>, root: Root, work: &mut RigidWorkspace) -> Result<R
     Ok(root)
 }
 
-/// Denies a root if the first order does so by more than its error.
+/// Denies a root at small inertia if the first order does so by more than its error.
 ///
-/// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia to friction, at most 1. The
-/// constant is measured: no root of `tests/rigid_campaign.rs` goes further against the first
-/// order than 0.077 of that ratio, and the test watches it.
+/// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia to friction. The constant is
+/// measured: no root of `tests/rigid_campaign.rs` goes further against the first order than 0.077 of
+/// that ratio, and the test watches it.
 fn denied(
     case: &Scaled<f64>,
     start: &FirstOrder,
     inertia: f64,
     work: &mut RigidWorkspace,
 ) -> Option<NoRoot> {
-    let error = FIRST_ORDER_ERROR * inertia.min(1.0);
+    if start.rate == 0.0 {
+        return Some(none(Reason::BallDoesNotCircle));
+    }
+    let error = FIRST_ORDER_ERROR * inertia;
     if start.load <= 0.0 {
-        // Lin's Eq 16.
-        let angles = Angles { lead: case.helix.lead_angle, contact: case.contact_angle };
-        let sin_contact_angle = angles.contact.sin();
-        let friction_term = case.friction * angles.slip_factor();
-        // Large inertia has its own balance, whatever the friction.
-        let sure = inertia < MODERATE_INERTIA
-            && friction_term - sin_contact_angle >= error * friction_term;
-        return sure.then(|| none(Reason::SelfLocking { sin_contact_angle, friction_term }));
+        // The denominator of the loads (R17), over its friction term.
+        let (sin_contact_angle, friction_term) = locking_terms(case);
+        let sure = friction_term - sin_contact_angle >= error * friction_term;
+        return sure.then(|| none(self_locking(case)));
     }
     // κ depends on the sign of P, which inertia may turn where P is small: seen up to 0.13 |W|.
     if start.rate.abs() <= 2.0 * error {
@@ -290,22 +293,30 @@ fn denied(
     }
     // κ < 0 lies beyond κ = ∞, where the margin is -∞ already.
     if start.minor <= 0.0 {
-        let load_ratio = start.minor * start.inertia;
-        return Some(none(Reason::MinorContactWouldPull { load_ratio }));
+        return Some(none(minor_would_pull(start)));
     }
     let sure = -start.margin > error * start.precession.abs() * case.helix.lead_angle.tan();
-    sure.then(|| {
-        let critical_lead_angle = critical_lead_angle(case, work);
-        let (slip, exact) = (start.slip, false);
-        none(Reason::NutContactWouldRoll { slip, exact, critical_lead_angle })
-    })
+    sure.then(|| none(would_roll(case, start, work)))
 }
 
-/// No admissible root was found, and none is proven not to exist.
-fn undecided(report: Report, inertia: f64) -> NoRoot {
-    let reason =
-        if report.converged() { Reason::Undecided { inertia } } else { Reason::from(report) };
-    NoRoot { status: Status::NotConverged, reason }
+/// Both sides of Lin's Eq 16.
+fn locking_terms(case: &Scaled<f64>) -> (f64, f64) {
+    let angles = Angles { lead: case.helix.lead_angle, contact: case.contact_angle };
+    (angles.contact.sin(), case.friction * angles.slip_factor())
+}
+
+fn self_locking(case: &Scaled<f64>) -> Reason {
+    let (sin_contact_angle, friction_term) = locking_terms(case);
+    Reason::SelfLocking { sin_contact_angle, friction_term }
+}
+
+fn minor_would_pull(start: &FirstOrder) -> Reason {
+    Reason::MinorContactWouldPull { load_ratio: start.minor * start.inertia }
+}
+
+fn would_roll(case: &Scaled<f64>, start: &FirstOrder, work: &mut RigidWorkspace) -> Reason {
+    let critical_lead_angle = critical_lead_angle(case, work);
+    Reason::NutContactWouldRoll { slip: start.slip, exact: false, critical_lead_angle }
 }
 
 /// Smallest lead angle above the point's at which the slip at A is no longer negative.

@@ -36,6 +36,9 @@ pub(crate) struct Scaled<D> {
     pub(crate) nut_speed: D,
     /// Sign of `$W$`.
     pub(crate) sign: f64,
+    /// True if the unknown of the precession counts from the ground, `$P/W$` in the place of `$p$`:
+    /// where the ball hardly circles, the sum `$p + \Omega_n/W$` would lose its digits.
+    pub(crate) from_ground: bool,
 }
 
 /// The seven unknowns (R2) of the rigid model: `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\; \lambda,\; \theta,\; s$`.
@@ -44,8 +47,10 @@ pub type Unknowns<D> = SVector<D, BALL>;
 /// Motion, slips and wrenches that belong to a set of unknowns.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct State<D> {
-    /// Absolute motion of the ball.
-    pub(crate) motion: Motion<D>,
+    /// Motion of the ball relative to the nut.
+    pub(crate) to_nut: Motion<D>,
+    /// Absolute precession over `$|W|$`.
+    pub(crate) precession: D,
     /// Slip velocities at A, A', B.
     pub(crate) slip: [Vector3<D>; 3],
     /// Wrenches of A, A', B on the ball.
@@ -67,7 +72,18 @@ impl<D: Scalar> Scaled<D> {
             .map(|site| Contact::new(site, contact_angle, &frame));
         let ball = Ball { radius: D::from(1.0), mass };
         let arc = helix.arc_length_per_radian();
-        Self { helix, arc, frame, contacts, contact_angle, friction, ball, nut_speed, sign }
+        Self {
+            helix,
+            arc,
+            frame,
+            contacts,
+            contact_angle,
+            friction,
+            ball,
+            nut_speed,
+            sign,
+            from_ground: false,
+        }
     }
 
     /// Which side drives.
@@ -79,6 +95,18 @@ impl<D: Scalar> Scaled<D> {
     pub(crate) fn with_inertia(&self, factor: f64) -> Self {
         let ball = Ball { mass: self.ball.mass * factor, ..self.ball };
         Self { ball, ..*self }
+    }
+
+    /// The same point with the unknown of the precession counted from the ground or from the nut.
+    pub(crate) fn counted(&self, from_ground: bool) -> Self {
+        Self { from_ground, ..*self }
+    }
+
+    /// Precession `$p$` relative to the nut and absolute `$P/W$`, over relative speed.
+    pub(crate) fn rates(&self, y: &Unknowns<D>) -> (D, D) {
+        let (counted, nut) = (y[PRECESSION], self.nut_speed * self.sign);
+        // P = Ω_n + p W                                                   (R3)
+        if self.from_ground { (counted - nut, counted) } else { (counted, counted + nut) }
     }
 
     /// The same point with its numbers turned into another scalar.
@@ -102,15 +130,15 @@ impl<D: Scalar> Scaled<D> {
             ball: Ball { radius: to(self.ball.radius), mass: to(self.ball.mass) },
             nut_speed: to(self.nut_speed),
             sign: self.sign,
+            from_ground: self.from_ground,
         }
     }
 
     /// Motion of the ball relative to the nut: precession, and `u`, `τ` from the slip at A.
     fn relative_motion(&self, y: &Unknowns<D>) -> Result<Motion<D>, EvalError> {
-        let (p, slip) = (y[PRECESSION], y[SLIP]);
+        let (p, rate) = self.rates(y);
+        let (precession, slip) = (rate * self.sign, y[SLIP]);
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
-        // P = Ω_n + p W                                                   (R3)
-        let precession = self.nut_speed + p * self.sign;
         if precession.re() == 0.0 {
             return Err(EvalError {
                 quantity: "precession rate P of the ball over |W|",
@@ -135,7 +163,7 @@ impl<D: Scalar> Scaled<D> {
     /// [`EvalError`] where friction or the gyroscopic moment has no direction.
     pub(crate) fn state(&self, y: &Unknowns<D>) -> Result<State<D>, EvalError> {
         let to_nut = self.relative_motion(y)?;
-        let motion = to_nut.relative_to(-self.nut_speed, &self.frame);
+        let precession = self.rates(y).1 * self.sign;
         let to_screw = to_nut.relative_to(D::from(self.sign), &self.frame);
         let points = self.contacts.map(|c| c.point(self.ball.radius));
 
@@ -157,7 +185,7 @@ impl<D: Scalar> Scaled<D> {
         let wrench = std::array::from_fn(|i| {
             Wrench::at_contact(&self.contacts[i].normal, &points[i], loads[i], &friction[i])
         });
-        Ok(State { motion, slip, wrench })
+        Ok(State { to_nut, precession, slip, wrench })
     }
 
     /// The seven equations (R8): force and moment balance in (t, N, e_x), axial load.
@@ -169,8 +197,9 @@ impl<D: Scalar> Scaled<D> {
         let state = self.state(y)?;
         let [a, minor, b] = state.wrench;
         let nut = a + minor;
-        let left =
-            newton_euler(&(nut + b), &self.ball, self.helix.radius, &state.motion, &self.frame);
+        // The speed of the nut, along k, has no gyroscopic moment but for its rounding.
+        let motion = Motion { precession: state.precession, ..state.to_nut };
+        let left = newton_euler(&(nut + b), &self.ball, self.helix.radius, &motion, &self.frame);
         // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (R8)
         Ok(layout::rows(&left, axial_force(&nut.force, &self.frame) - 1.0).into())
     }
@@ -194,6 +223,21 @@ impl Scaled<f64> {
         weights[MOMENT_NORMAL] =
             normal_moment.max(f64::MIN_POSITIVE).recip().max(f64::MIN_POSITIVE);
         weights
+    }
+
+    /// Weights of the equations by the size of their terms at a root (R44), for inertia forces that may
+    /// be anything against the load.
+    pub(crate) fn own_weights(&self, y: &Unknowns<f64>) -> [f64; BALL] {
+        let (p, rate) = self.rates(y);
+        let (p, rate, inertia) = (p.abs(), rate.abs(), self.inertia_ratio());
+        // U = max(1, μ(P/W)²),  M = max(U, I |P/W| (|λ| + |p| d/r_b))     (R44)
+        let force = (inertia * rate * rate).max(1.0);
+        let moment = (self.ball.inertia() * rate * (y[SLIP].abs() + p * self.arc)).max(force);
+        // M_N = μ |P/W| (|p| + f |P/W|)                                   (R44)
+        let normal = inertia * rate * (p + self.friction * rate);
+        // D_F = diag(1/U, 1/U, 1/U, 1/M, 1/M_N, 1/M, 1/U)                 (R44)
+        let [u, m, n] = [force, moment, normal].map(|unit| unit.max(f64::MIN_POSITIVE).recip());
+        [u, u, u, m, n, m, u]
     }
 
     /// The same point with another lead angle.

@@ -26,7 +26,9 @@ impl<const M: usize> Rigid<Jet<M>> {
             let inputs = inputs.with_inertia(factor);
             let point = inputs.map(|x| x.re);
             let root = root::find(&point, work).map_err(failed)?;
-            let weights = point.weights(FirstOrder::of(&point).normal_moment());
+            let (point, inputs) =
+                (point.counted(root.from_ground), inputs.counted(root.from_ground));
+            let weights = point.own_weights(&root.unknowns);
             let residual = |y: &[_; BALL]| Ok(inputs.residual(&(*y).into())?.into());
             let unknowns =
                 moving_root(&point, &root.unknowns.into(), &weights, residual, &mut work.0)?;

@@ -1,0 +1,212 @@
+//! Search for roots of the rigid equations along the curve of all inertias.
+//!
+//! Theory: `docs/theory/04-rigid.md`, section on fast balls.
+
+use std::f64::consts::PI;
+
+use super::curve::{Curve, Point, Sample};
+
+/// The search begins at this turn of the slip at B over the inertia of the first order, and there at
+/// the latest and earliest \[rad\]: no root is that near to no inertia.
+const BEGIN: f64 = 1e-6;
+const LATEST: f64 = 1e-7;
+const EARLIEST: f64 = 1e-16;
+
+/// Growth of its steps, and the longest one \[rad\].
+const GROWTH: f64 = 1.5;
+const LONGEST: f64 = 0.04;
+
+/// A direction moves less than this in a step, as the square of its distance on the unit circle:
+/// sheets are told apart by it.
+const NEAR: f64 = 0.04;
+
+/// Below this excess at both ends of a step, two roots may be in it.
+const CLOSE: f64 = 0.2;
+
+/// Where a demand breaks, inertia that is this far off at both ends of a step has no root in it.
+const FAR: f64 = 0.99;
+
+/// Most halvings of a step where a sheet that may have a root ends or moves far; where the slip at A'
+/// turns fast, within the friction coefficient of a turn; where a demand breaks; and where two roots
+/// may be close.
+const TORN: u32 = 45;
+const FAST: u32 = 30;
+const BREAKS: u32 = 8;
+const PAIR: u32 = 4;
+
+/// Halves no step any more after so many samples, ten times what was ever needed.
+const MOST_SAMPLES: usize = 10_000;
+
+/// Newton on the full equations goes on from this excess.
+const ENOUGH: f64 = 1e-9;
+
+/// The search, with what is done with a root that it finds.
+pub(super) struct Search<'a, F> {
+    curve: &'a Curve,
+    visit: F,
+    /// The inertia ratio nearest to that of the point at which an admissible state was met.
+    pub(super) nearest_inertia: Option<f64>,
+    samples: usize,
+}
+
+impl Sample {
+    /// Number of the sheet whose point is nearest.
+    fn nearest(&self, point: &Point) -> Option<usize> {
+        let apart = |i: &usize| self.sheets[*i].map_or(f64::INFINITY, |sheet| sheet.apart(point));
+        (0..4).min_by(|i, j| apart(i).total_cmp(&apart(j))).filter(|i| self.sheets[*i].is_some())
+    }
+
+    /// The sheets of both samples that are nearest to each other.
+    fn pairs(&self, other: &Self) -> [Option<(usize, usize)>; 4] {
+        std::array::from_fn(|i| {
+            let j = other.nearest(&self.sheets[i]?)?;
+            (self.nearest(&other.sheets[j]?)? == i).then_some((i, j))
+        })
+    }
+}
+
+impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
+    pub(super) fn new(curve: &'a Curve, visit: F) -> Self {
+        Self { curve, visit, nearest_inertia: None, samples: 0 }
+    }
+
+    /// Visits the roots in the order of the turn upwards from zero, then downwards, until a visit
+    /// says that it is enough; returns whether one did. `inertia`: `$\varepsilon$` of the first order.
+    pub(super) fn run(&mut self, inertia: f64) -> bool {
+        let first = (BEGIN * inertia).clamp(EARLIEST, LATEST);
+        [1.0, -1.0].into_iter().any(|side| {
+            let mut turn = first;
+            let mut before: Option<Sample> = None;
+            while turn < PI {
+                let next = (turn * GROWTH).min(turn + LONGEST).min(PI);
+                let turns = [side * turn, 0.5 * side * (turn + next), side * next];
+                turn = next;
+                if !turns.into_iter().any(|turn| self.curve.bears(turn)) {
+                    before = None;
+                    continue;
+                }
+                let one = before.unwrap_or_else(|| self.sample(turns[0]));
+                let other = self.sample(turns[2]);
+                if self.between(&one, &other, 0) {
+                    return true;
+                }
+                before = Some(other);
+            }
+            false
+        })
+    }
+
+    /// True if steps were left that should have been halved further.
+    pub(super) fn is_cut_short(&self) -> bool {
+        self.samples >= MOST_SAMPLES
+    }
+
+    fn sample(&mut self, turn: f64) -> Sample {
+        self.samples += 1;
+        let sample = self.curve.sample(turn);
+        for point in sample.sheets.iter().flatten().filter(|point| point.broken == 0) {
+            let far = |ratio: f64| (ratio / self.curve.inertia).max(self.curve.inertia / ratio);
+            let here = point.inertia_ratio();
+            if self.nearest_inertia.is_none_or(|nearest| far(here) < far(nearest)) {
+                self.nearest_inertia = Some(here);
+            }
+        }
+        sample
+    }
+
+    /// The roots between two turns, a step that was halved so many times.
+    fn between(&mut self, a: &Sample, b: &Sample, halved: u32) -> bool {
+        let pairs = a.pairs(b);
+        // A sheet that may have a root and has no partner.
+        let torn = (0..4).any(|i| {
+            let alone = |sheet: &Option<Point>, paired: bool| {
+                !paired && sheet.is_some_and(|point| point.broken == 0)
+            };
+            alone(&a.sheets[i], pairs[i].is_some())
+                || alone(&b.sheets[i], pairs.iter().flatten().any(|(_, j)| *j == i))
+        });
+        // Pairs that may have one: no demand is broken at both ends.
+        let live = pairs.map(|pair| {
+            let (one, other) = pair.and_then(|(i, j)| a.sheets[i].zip(b.sheets[j]))?;
+            (one.broken & other.broken == 0).then_some((one, other))
+        });
+        let any = |test: fn(&Point, &Point) -> bool| {
+            live.iter().flatten().any(|(one, other)| test(one, other))
+        };
+        let most = if torn || any(|one, other| one.apart(other) > NEAR) {
+            TORN
+        } else if (a.drive > 0.0) != (b.drive > 0.0) {
+            FAST
+        } else if any(breaks) {
+            BREAKS
+        } else if any(is_close) {
+            PAIR
+        } else {
+            0
+        };
+        if halved < most && !self.is_cut_short() {
+            let middle = self.sample(0.5 * (a.turn + b.turn));
+            return self.between(a, &middle, halved + 1) || self.between(&middle, b, halved + 1);
+        }
+        live.iter().flatten().any(|(one, other)| {
+            if (one.sense > 0.0) == (other.sense > 0.0) {
+                return self.crossing(one, other);
+            }
+            // P = 0 between them, where any inertia is too little, and a root on either side of it.
+            let still = self.bracketed(one, other, |point| point.sense, 0.0);
+            self.crossing(one, &still) || self.crossing(&still, other)
+        })
+    }
+
+    /// Visits the root between two points of one sheet if there is one.
+    fn crossing(&mut self, one: &Point, other: &Point) -> bool {
+        if (one.excess() > 0.0) == (other.excess() > 0.0) {
+            return false;
+        }
+        let root = self.bracketed(one, other, Point::excess, ENOUGH);
+        // Where two sheets are mistaken for one, rounding ends up between them instead.
+        root.broken == 0 && root.excess().abs() < CLOSE && (self.visit)(&root)
+    }
+
+    /// The point between two points of one sheet where `value` changes sign.
+    fn bracketed(
+        &mut self,
+        one: &Point,
+        other: &Point,
+        value: impl Fn(&Point) -> f64,
+        enough: f64,
+    ) -> Point {
+        /// Secants, every third time a half: enough for rounding.
+        const MOST_STEPS: usize = 150;
+        let (mut low, mut high) = (*one, *other);
+        for step in 0..MOST_STEPS {
+            let (at_low, at_high) = (value(&low), value(&high));
+            if at_low.abs().min(at_high.abs()) <= enough {
+                break;
+            }
+            let share =
+                if step % 3 == 2 { 0.5 } else { (at_low / (at_low - at_high)).clamp(0.02, 0.98) };
+            let turn = low.turn + share * (high.turn - low.turn);
+            if turn <= low.turn.min(high.turn) || turn >= low.turn.max(high.turn) {
+                break;
+            }
+            let middle = self.sample(turn);
+            let near = |point: &Point| point.apart(&low).min(point.apart(&high));
+            let sheets = middle.sheets.iter().flatten();
+            let Some(point) = sheets.min_by(|x, y| near(x).total_cmp(&near(y))) else { break };
+            *(if (value(point) > 0.0) == (at_high > 0.0) { &mut high } else { &mut low }) = *point;
+        }
+        if value(&low).abs() < value(&high).abs() { low } else { high }
+    }
+}
+
+/// True if a demand breaks between two points that may have a root between them.
+fn breaks(one: &Point, other: &Point) -> bool {
+    one.broken != other.broken && one.excess().abs().min(other.excess().abs()) < FAR
+}
+
+/// True if two points on the same side of a root are so near to it that two may be between them.
+fn is_close(one: &Point, other: &Point) -> bool {
+    let (x, y) = (one.excess(), other.excess());
+    x * y > 0.0 && x.abs().max(y.abs()) < CLOSE
+}
