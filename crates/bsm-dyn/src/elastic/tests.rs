@@ -12,6 +12,38 @@ use crate::{Ball, Load, Material};
 /// Starts of the search of one point.
 const STARTS: usize = 300;
 
+/// A screw of the ranges of the extremes.
+pub(super) fn extreme(rng: &mut impl Rng) -> ElasticScrew {
+    let mut log = |low: f64, high: f64| (low.ln() + rng.random::<f64>() * (high / low).ln()).exp();
+    let (ball, size) = (log(0.05e-3, 0.1), log(0.01, 0.45));
+    let (axial, speed, other) = (log(1e-6, 1e6), log(1e-4, 1e5), log(1e-4, 1e5));
+    let friction = log(1e-6, 1.0);
+    let conformity = (0.5 + log(1e-3, 0.3), 0.5 + log(1e-3, 0.3));
+    let density = log(500.0, 2e4);
+    let mut steel = || Material { youngs_modulus: log(1e7, 1e12), poisson_ratio: 0.3 };
+    let material = (steel(), steel());
+    let mut flip = |x: f64| if rng.random_bool(0.5) { x } else { -x };
+    let (speed, other) = (flip(speed), flip(other));
+    let (screw_speed, nut_speed) = match rng.random_range(0..5) {
+        0 | 1 => (speed, 0.0),
+        2 | 3 => (0.0, speed),
+        _ => (speed, other),
+    };
+    ElasticScrew {
+        helix: Helix {
+            radius: ball / size,
+            lead_angle: rng.random_range(0.05_f64..85.0).to_radians(),
+        },
+        contact_angle: rng.random_range(1.0_f64..89.0).to_radians(),
+        ball: Ball::of_density(ball, density),
+        conformity,
+        material,
+        friction,
+        drive: Drive { screw_speed, nut_speed },
+        load: Load { axial, balls: 1.0 },
+    }
+}
+
 /// A screw of little inertia.
 fn calm(rng: &mut impl Rng) -> ElasticScrew {
     let ball = Ball::of_density(3e-3, 7800.0);
@@ -48,7 +80,7 @@ fn search(pair: &Pair, rng: &mut impl Rng, newton: &mut Workspace) -> Option<[f6
         y[SLIP] = size * rng.random_range(-5.0..2.0_f64).exp();
         y[SLIP_ANGLE] = rng.random_range(-PI..PI);
         y[SPIN] = rng.random_range(-2.5..2.5_f64) * pair.friction * load;
-        let (weights, _) = weights(pair, &y);
+        let weights = weights(pair, &y);
         let scales = Scales { x: &[1.0; BALL], f: &weights };
         let options = Options { residual_tol: 1e-11, max_steps: 60, ..Options::default() };
         let report = solve(&Saturated(pair), &mut y, &scales, &options, newton).ok()?;
