@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S25) to (S27).
 
-use super::forces::{Forces, Kinematics, State};
+use super::forces::{Forces, Kinematics, Place, State};
 use crate::layout::BALL;
 use crate::pair::Pair;
 use crate::{Reason, Status};
@@ -10,7 +10,7 @@ use crate::{Reason, Status};
 /// Logarithm of a `$q$` without inertia to all digits, in which any state still is a number.
 const NO_INERTIA: f64 = -600.0;
 
-/// Longest and shortest step along the curve, in `$\ln q$`.
+/// Longest and shortest step along the curve, in units of [`Forces::scale`].
 const LONGEST: f64 = 1.0;
 const SHORTEST: f64 = 1e-4;
 
@@ -20,10 +20,8 @@ const MOST_NODES: usize = 4000;
 /// A state on the curve.
 #[derive(Debug, Clone, Copy)]
 struct Node {
-    /// `$\ln q$`.
-    place: f64,
-    /// `$C$` and `$c$`.
-    x: [f64; 2],
+    /// `$\ln q$` and `$c$`.
+    q_c: (f64, f64),
     state: State<f64>,
     kinematics: Kinematics,
     /// What is left of (S25) for `$P/W > 0$` and for `$P/W < 0$`.
@@ -31,18 +29,23 @@ struct Node {
 }
 
 impl Node {
+    /// The place, by the `$x$` of one contact.
+    fn place(&self, known: usize) -> Place {
+        let (q, c) = self.q_c;
+        Place::new(q, self.state.across[known], c)
+    }
+
+    /// What is a large step from here.
+    fn scale(&self, known: usize, forces: &Forces<'_>) -> Place {
+        forces.scale(&self.place(known), self.state.across.iter().sum())
+    }
+
     /// True if the ball slides against friction on its flanks.
     fn is_admissible(&self) -> bool {
         let State { sin, cos, .. } = &self.state;
         self.kinematics.slip.iter().all(|slip| *slip > 0.0)
             && sin.iter().all(|sin| *sin >= 0.0)
             && cos.iter().all(|cos| *cos > 0.0)
-    }
-
-    /// Place and shape on the line through `self` and `other`.
-    fn towards(&self, other: &Self, place: f64) -> [f64; 2] {
-        let part = (place - self.place) / (other.place - self.place);
-        [0, 1].map(|i| self.x[i] + (other.x[i] - self.x[i]) * part)
     }
 }
 
@@ -68,12 +71,12 @@ struct Curve<'a> {
 }
 
 impl Curve<'_> {
-    fn node(&mut self, place: f64, guess: [f64; 2]) -> Option<Node> {
+    fn node(&mut self, known: usize, guess: Place, direction: &Place, scale: &Place) -> Option<Node> {
         self.tried += 1;
-        let (x, state) = self.forces.closed(place.exp(), guess)?;
+        let (place, state) = self.forces.closed(known, guess, direction, scale)?;
         let kinematics = self.forces.kinematics(&state);
         let left = self.forces.excess(&state, &kinematics);
-        Some(Node { place, x, state, kinematics, left })
+        Some(Node { q_c: (place[0], place[2]), state, kinematics, left })
     }
 
     fn first_root(mut self) -> Result<([f64; BALL], usize), (Status, Reason)> {
@@ -96,105 +99,119 @@ impl Curve<'_> {
         Err((status, reason))
     }
 
-    /// The begin of the curve: up to where its root cannot be, or its lower end.
+    /// The begin of the curve, or where its root cannot be before.
     fn begin(&mut self) -> Option<Node> {
-        let Some(guess) = self.forces.begin() else { return self.lower_end() };
-        let level = self.node(NO_INERTIA, guess)?;
-        let (a, b) = (level.kinematics.inertia, level.kinematics.drive);
+        let Some([x, c]) = self.forces.begin() else { return self.end_below() };
+        let place = Place::new(NO_INERTIA, x, c);
+        let scale = self.forces.scale(&place, 2.0 * x);
+        let level = self.node(1, place, &UP, &scale)?;
+        let inertia = Forces::inertia(&level.state, &level.kinematics);
         // M ~ q here: half a per cent of the root, where the curve is straight up to there.
-        let root = level.place + (self.forces.inertia_ratio() / Forces::inertia(&level.state, &level.kinematics)).ln();
-        let mut place = root.min(0.0) - 5.0;
-        while place > level.place {
-            if let Some(node) = self.node(place, level.x) {
-                let growth = node.state.centrifugal / level.state.centrifugal / (place - level.place).exp();
+        let root = NO_INERTIA + (self.forces.inertia_ratio() / inertia).ln();
+        let mut rise = root.min(0.0) - 5.0 - NO_INERTIA;
+        while rise > 0.0 {
+            if let Some(node) = self.node(1, level.place(1) + UP * rise, &UP, &scale) {
                 let near = |x: f64, y: f64| (x - y).abs() <= 0.01 * y.abs();
-                if near(growth, 1.0) && near(node.kinematics.inertia, a) && near(node.kinematics.drive, b) {
+                if near(node.state.centrifugal / level.state.centrifugal, rise.exp())
+                    && near(node.kinematics.inertia, level.kinematics.inertia)
+                    && near(node.kinematics.drive, level.kinematics.drive)
+                {
                     return Some(node);
                 }
             }
-            place -= 3.0;
+            rise -= 3.0;
         }
         Some(level)
     }
 
     /// The lower end of a curve that does not begin without inertia.
-    fn lower_end(&mut self) -> Option<Node> {
-        let mut node = None;
-        'found: for i in 0..24 {
-            let place = 0.5 * f64::from(i) - 8.0;
+    fn end_below(&mut self) -> Option<Node> {
+        let mut found = None;
+        'search: for i in 0..24 {
             for j in 1..16 {
                 let angle = 0.1 * f64::from(j);
-                let guess = self.forces.level(angle.cos() / angle.sin());
-                node = self.node(place, guess);
-                if node.is_some() {
-                    break 'found;
+                let [x, c] = self.forces.level(angle.cos() / angle.sin());
+                let place = Place::new(0.5 * f64::from(i) - 8.0, x, c);
+                found = self.node(1, place, &UP, &self.forces.scale(&place, 2.0 * x));
+                if found.is_some() {
+                    break 'search;
                 }
             }
         }
-        let mut node = node?;
-        let mut step = LONGEST;
-        while step > SHORTEST && node.place > NO_INERTIA {
-            match self.node(node.place - step, node.x) {
-                Some(next) => node = next,
-                None => step *= 0.5,
-            }
+        let mut along = Along::from(found?, -UP, &self.forces);
+        for _ in 0..MOST_NODES {
+            let Some(next) = self.next(&mut along) else { break };
+            along.go(next, &self.forces);
         }
-        Some(node)
+        Some(along.at)
+    }
+
+    /// The next state.
+    fn next(&mut self, along: &mut Along) -> Option<Node> {
+        while along.step >= SHORTEST {
+            let guess = along.at.place(along.known) + along.direction * along.step;
+            if let Some(next) = self.node(along.known, guess, &along.direction, &along.scale)
+                && (along.step < 2.0 * SHORTEST || along.is_smooth(&guess, &next))
+            {
+                return Some(next);
+            }
+            along.step *= 0.5;
+        }
+        None
     }
 
     /// Along the curve to its first root, or to its end.
     fn walk(&mut self, begin: Node, seen: &mut Seen) -> Option<(Node, f64)> {
-        let (mut at, mut before) = (begin, None::<Node>);
-        let mut step = LONGEST;
+        let mut along = Along::from(begin, UP, &self.forces);
         for _ in 0..MOST_NODES {
+            let at = along.at;
+            if std::env::var("ONE").is_ok() { eprintln!("{} {} {:?} ok {} {:?}", along.step, along.last, at.place(1), at.is_admissible(), at); }
             if at.is_admissible() {
                 let inertia = Forces::inertia(&at.state, &at.kinematics);
                 let (least, most) = seen.inertia.unwrap_or((inertia, inertia));
                 seen.inertia = Some((least.min(inertia), most.max(inertia)));
             }
-            let next = loop {
-                if step < SHORTEST {
-                    seen.lost = at.is_admissible();
-                    return None;
-                }
-                let place = at.place + step;
-                let guess = before.map_or(at.x, |before| before.towards(&at, place));
-                if let Some(next) = self.node(place, guess)
-                    && (step < 2.0 * SHORTEST || is_smooth(before.as_ref(), &at, &next, guess))
-                {
-                    break next;
-                }
-                step *= 0.5;
+            let Some(next) = self.next(&mut along) else {
+                if std::env::var("ONE").is_ok() { eprintln!("no next"); }
+                seen.lost |= at.is_admissible();
+                return None;
             };
             for h in 0..2 {
                 if (at.left[h] > 0.0) != (next.left[h] > 0.0) {
-                    match self.refined(at, next, h) {
+                    match self.refined(along.known, at, next, h) {
                         Some(root) if root.is_admissible() => {
                             return Some((root, if h == 0 { 1.0 } else { -1.0 }));
                         }
                         Some(_) => {}
-                        None => seen.lost = true,
+                        None => if std::env::var("ONE").is_ok() { eprintln!("not refined"); seen.lost = true } else {seen.lost |= at.is_admissible() || next.is_admissible()},
                     }
                 }
             }
-            (before, at) = (Some(at), next);
-            step = (1.5 * step).min(LONGEST);
+            // Slip against friction is behind.
+            let [nut, screw] = next.state.across;
+            if next.q_c.0 < NO_INERTIA || screw < 0.0 || nut < -self.forces.least() {
+                return None;
+            }
+            along.go(next, &self.forces);
         }
         seen.lost = true;
         None
     }
 
-    /// The root between two states, regula falsi with the Illinois rule in the root of `$q$`.
-    fn refined(&mut self, mut low: Node, mut high: Node, h: usize) -> Option<Node> {
+    /// The root between two states, regula falsi with the Illinois rule.
+    fn refined(&mut self, known: usize, mut low: Node, mut high: Node, h: usize) -> Option<Node> {
         let (mut below, mut above) = (low.left[h], high.left[h]);
         let mut kept = 0;
         for _ in 0..100 {
-            let [a, b] = [low.place, high.place].map(|place| (0.5 * place).exp());
-            let place = 2.0 * ((a * above - b * below) / (above - below)).ln();
-            if !(place > low.place && place < high.place) {
+            let place = low.place(known);
+            let direction = high.place(known) - place;
+            let scale = low.scale(known, &self.forces);
+            let part = below / (below - above);
+            let way = part * direction.component_div(&scale).amax();
+            if way <= f64::EPSILON || part >= 1.0 {
                 break;
             }
-            let node = self.node(place, low.towards(&high, place))?;
+            let node = self.node(known, place + direction * part, &direction, &scale)?;
             let left = node.left[h];
             if left.abs() <= 4.0 * f64::EPSILON * node.kinematics.drive.abs() {
                 return Some(node);
@@ -217,17 +234,52 @@ impl Curve<'_> {
     }
 }
 
-/// True if the step from `at` to `next` hides no pair of roots and no jump of the state.
-fn is_smooth(before: Option<&Node>, at: &Node, next: &Node, guess: [f64; 2]) -> bool {
-    let moved = (next.x[0] / guess[0] - 1.0).abs().max((next.x[1] - guess[1]).abs() / (1.0 + next.x[1].abs()));
-    moved <= 0.05
-        && before.is_none_or(|before| {
-            let part = (next.place - at.place) / (at.place - before.place);
-            (0..2).all(|h| {
-                let straight = at.left[h] + (at.left[h] - before.left[h]) * part;
-                let bend = (next.left[h] - straight).abs();
-                let crosses = (at.left[h] > 0.0) != (next.left[h] > 0.0);
-                crosses || bend <= 0.5 * at.left[h].abs().min(next.left[h].abs())
-            })
-        })
+/// Towards more inertia.
+const UP: Place = Place::new(1.0, 0.0, 0.0);
+
+/// A walk along the curve.
+struct Along {
+    at: Node,
+    before: Option<Node>,
+    /// The contact whose `$x$` is a coordinate.
+    known: usize,
+    /// Towards the next state, of length one in units of [`Forces::scale`].
+    direction: Place,
+    scale: Place,
+    step: f64,
+    last: f64,
+}
+
+impl Along {
+    fn from(at: Node, direction: Place, forces: &Forces<'_>) -> Self {
+        let scale = at.scale(1, forces);
+        Self { at, before: None, known: 1, direction, scale, step: LONGEST, last: LONGEST }
+    }
+
+    fn go(&mut self, next: Node, forces: &Forces<'_>) {
+        // The smaller one does not vanish in a square root.
+        let [nut, screw] = next.state.across;
+        self.known = usize::from(screw <= nut);
+        self.scale = next.scale(self.known, forces);
+        let way = next.place(self.known) - self.at.place(self.known);
+        self.last = way.component_div(&self.scale).norm();
+        self.direction = way / self.last;
+        (self.before, self.at) = (Some(self.at), next);
+        self.step = (1.5 * self.step).min(LONGEST);
+    }
+
+    /// True if the step to `next` hides no pair of roots and no jump of the state.
+    fn is_smooth(&self, guess: &Place, next: &Node) -> bool {
+        let (at, part) = (&self.at, self.step / self.last);
+        let off = (next.place(self.known) - guess).component_div(&self.scale).amax();
+        let is_straight = |h: usize| {
+            let Some(before) = &self.before else { return true };
+            let straight = at.left[h] + (at.left[h] - before.left[h]) * part;
+            let bend = (next.left[h] - straight).abs();
+            let crosses = (at.left[h] > 0.0) != (next.left[h] > 0.0);
+            crosses || bend <= 0.5 * at.left[h].abs().min(next.left[h].abs())
+        };
+        let concerns = at.is_admissible() || next.is_admissible();
+        off <= 0.05 && (!concerns || (is_straight(0) && is_straight(1)))
+    }
 }

@@ -3,6 +3,7 @@
 //! Theory: `docs/theory/08-elastic.md`, equations (S13) to (S24).
 
 use bsm_kin::{Jet, Scalar};
+use nalgebra::Vector3;
 
 use crate::layout::BALL;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
@@ -29,11 +30,14 @@ pub(super) struct Forces<'a> {
     reach: f64,
 }
 
+/// `$\ln q$`, the `$x$` of one contact, `$c$`.
+pub(super) type Place = Vector3<f64>;
+
 /// A state of force; at nut (0) and screw (1).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct State<D> {
     /// `$x_A,\; x_B$`.
-    across: [D; 2],
+    pub(super) across: [D; 2],
     /// Sines and cosines of the contact angles.
     pub(super) sin: [D; 2],
     pub(super) cos: [D; 2],
@@ -76,15 +80,21 @@ impl<'a> Forces<'a> {
         }
     }
 
-    /// The state of `$q$`, `$C$` and `$c$`, and what it leaves of (S20) and (S21); none if no
-    /// directions of friction belong to them.
-    pub(super) fn state<D: Scalar>(&self, q: f64, [sum, c]: [D; 2]) -> Option<(State<D>, [D; 2])> {
+    /// The state of `$q$`, `$c$` and the `$x$` of one contact, nut (0) or screw (1), and what it
+    /// leaves of (S20) and (S21); none if no directions of friction belong to them.
+    pub(super) fn state<D: Scalar>(&self, known: usize, [q, x, c]: [D; 3]) -> Option<(State<D>, [D; 2])> {
         let f = self.friction;
         let v = 1.0 + f * f;
-        let kappa = sum * self.cot;
+        // R_A²/R_B² − 1
         let beyond = (c * 2.0 + q) * q / (c.square() + 1.0);
-        let nut = direction(kappa, beyond, v)?;
-        let screw = direction(kappa, -beyond / (beyond + 1.0), v)?;
+        let more = if known == 1 { beyond } else { -beyond / (beyond + 1.0) };
+        let square = x.square() * (more + 1.0) + more * v.recip();
+        if !(square.re() >= 0.0) {
+            return None;
+        }
+        let other = square.sqrt();
+        let [nut, screw] = if known == 1 { [other, x] } else { [x, other] };
+        let sum = (nut + screw) * self.cot.recip();
         let across = [nut, screw];
         let w = across.map(|x| (x.square() + 1.0).sqrt());
         let e = ((screw.square() * v + 1.0) / (c.square() + 1.0)).sqrt();
@@ -170,35 +180,46 @@ impl<'a> Forces<'a> {
         y
     }
 
-    /// The state of this `$q$` next to a guess of `$C$` and `$c$`, by Newton.
-    pub(super) fn closed(&self, q: f64, guess: [f64; 2]) -> Option<([f64; 2], State<f64>)> {
-        let (mut x, mut step) = (guess, [0.0; 2]);
+    /// The state next to a guess, in the plane across `direction`, by Newton.
+    pub(super) fn closed(&self, known: usize, guess: Place, direction: &Place, scale: &Place) -> Option<(Place, State<f64>)> {
+        let across = direction.component_div(scale).component_div(scale);
+        let (mut x, mut step) = (guess, Place::zeros());
         for _ in 0..MOST_STEPS {
-            let jets = [Jet::<2>::variable(x[0], 0), Jet::variable(x[1], 1)];
-            let Some((_, [a, b])) = self.state(q, jets) else {
+            let q = x[0].exp();
+            let jets = [Jet { re: q, eps: [q, 0.0, 0.0] }, Jet::variable(x[1], 1), Jet::variable(x[2], 2)];
+            let Some((_, [a, b])) = self.state(known, jets) else {
                 // Half the way back; a guess outside stays there.
-                step = step.map(|s| 0.5 * s);
-                x = [x[0] - step[0], x[1] - step[1]];
+                step *= 0.5;
+                x -= step;
                 continue;
             };
-            let det = a.eps[0] * b.eps[1] - a.eps[1] * b.eps[0];
-            step = [
-                (a.eps[1] * b.re - b.eps[1] * a.re) / det,
-                (b.eps[0] * a.re - a.eps[0] * b.re) / det,
-            ];
-            let size = (step[0] / x[0]).abs().max(step[1].abs() / (1.0 + x[1].abs()));
+            let [by_a, by_b] = [Place::from(a.eps), Place::from(b.eps)];
+            let (one, two) = (by_b.cross(&across), across.cross(&by_a));
+            step = -(one * a.re + two * b.re) / by_a.dot(&one);
+            let size = step.component_div(scale).amax();
             if !size.is_finite() {
                 return None;
             }
-            step = step.map(|s| s * (0.5 / size).min(1.0));
-            x = [x[0] + step[0], x[1] + step[1]];
+            step *= (2.0 / size).min(1.0);
+            x += step;
             // A step leaves an error of about its square.
             if size < 1e-7 {
-                let (state, [a, b]) = self.state(q, x)?;
+                let (state, [a, b]) = self.state(known, [x[0].exp(), x[1], x[2]])?;
                 return (a.abs().max(b.abs()) < CLOSED).then_some((x, state));
             }
         }
         None
+    }
+
+    /// `$(r_b/d)\sin\alpha$`.
+    pub(super) fn least(&self) -> f64 {
+        self.sin / self.pair.arc
+    }
+
+    /// What is a large step from a state.
+    pub(super) fn scale(&self, place: &Place, sum: f64) -> Place {
+        let [_, x, c] = (*place).into();
+        Place::new(1.0, 0.3 * (x.abs() + self.least()), 0.3 * (c.abs() + sum / (1.0 + sum)))
     }
 
     /// Guess of the state of equal contact angles at the cotangent of the angle.
@@ -207,19 +228,22 @@ impl<'a> Forces<'a> {
         let (cos, f) = (cot * sin, self.friction);
         let x = cos * self.cot;
         let w = x.hypot(1.0);
-        [2.0 * cos, (w * cos + f * x * sin) / (w * sin - f * x * cos)]
+        [x, (w * cos + f * x * sin) / (w * sin - f * x * cos)]
     }
 
-    /// The state without inertia, to six digits.
+    /// The state without inertia.
     pub(super) fn begin(&self) -> Option<[f64; 2]> {
         let angle = self.pair.jones.contact_angle;
         // The load turns the ball to a steeper angle, up to next to 90 deg on soft material.
         let (mut low, mut high) = (1e-12, angle.cos() / angle.sin());
-        let short = |cot: f64| self.state(0.0, self.level(cot)).is_some_and(|(_, left)| left[1] < 0.0);
+        let short = |cot: f64| {
+            let [x, c] = self.level(cot);
+            self.state(1, [0.0, x, c]).is_some_and(|(_, left)| left[1] < 0.0)
+        };
         if !short(low) {
             return None;
         }
-        while high > low * (1.0 + 1e-6) {
+        while high > low * (1.0 + 1e-12) {
             // Evenly over the orders of magnitude at first.
             let middle = if high > 2.0 * low { (low * high).sqrt() } else { 0.5 * (low + high) };
             if short(middle) {
@@ -230,11 +254,4 @@ impl<'a> Forces<'a> {
         }
         Some(self.level(low))
     }
-}
-
-/// Cotangent of the direction of friction at the contact whose ratio of squares is `1 + beyond`.
-fn direction<D: Scalar>(kappa: D, beyond: D, v: f64) -> Option<D> {
-    let grown = (beyond + 1.0) * v * kappa.square();
-    let square = (grown - beyond.square()) * v;
-    (square.re() >= 0.0).then(|| (grown + beyond) / ((beyond + 1.0) * kappa * v + square.sqrt()))
 }
