@@ -179,7 +179,9 @@ fn slowness(pair: &Pair, root: &[f64; BALL]) -> f64 {
 fn weights(pair: &Pair, y: &[f64; BALL]) -> [f64; BALL] {
     let rate = (y[PRECESSION] * pair.sign() + pair.nut_speed).abs();
     let size = pair.inertia_ratio() * rate.powi(2).max(1.0);
-    let mut weights = [size.max(1.0).recip(); BALL];
+    // Where friction all but holds the load, the load is a small difference of large forces.
+    let largest = size.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
+    let mut weights = [largest.recip(); BALL];
     // The moment about the mean normal has inertia-sized terms only.
     weights[MOMENT_NORMAL] = (size * rate.min(1.0)).max(f64::MIN_POSITIVE).recip();
     weights
@@ -189,12 +191,7 @@ fn weights(pair: &Pair, y: &[f64; BALL]) -> [f64; BALL] {
 fn run(pair: &Pair, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
     let weights = weights(pair, y);
     let scales = Scales { x: &[1.0; BALL], f: &weights };
-    let options = Options {
-        residual_tol: 1e-11,
-        residual_goal: 1e-11,
-        max_steps: MOST_STEPS,
-        ..Options::default()
-    };
+    let options = Options { max_steps: MOST_STEPS, ..Options::default() };
     solve(&Saturated(pair), y, &scales, &options, newton)
         .expect("sizes are constant and the weights positive")
 }
