@@ -175,15 +175,18 @@ fn slowness(pair: &Pair, root: &[f64; BALL]) -> f64 {
     SLOW / (pair.inertia_ratio() * rate * rate / pair.friction)
 }
 
-/// Weights of the equations near `y`.
+/// Weights of the equations near `y`: one over the largest term of each. None of them vanishes where
+/// the ball stops circling, P → 0.
 fn weights(pair: &Pair, y: &[f64; BALL]) -> [f64; BALL] {
     let rate = (y[PRECESSION] * pair.sign() + pair.nut_speed).abs();
-    let size = pair.inertia_ratio() * rate.powi(2).max(1.0);
-    // Where friction all but holds the load, the load is a small difference of large forces.
-    let largest = size.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
-    let mut weights = [largest.recip(); BALL];
-    // The moment about the mean normal has inertia-sized terms only.
-    weights[MOMENT_NORMAL] = (size * rate.min(1.0)).max(f64::MIN_POSITIVE).recip();
+    let centrifugal = pair.inertia_ratio() * rate * rate;
+    let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
+    // I P ω of the rolling ball, all there is of the moment about the mean normal.
+    let gyroscopic = pair.ball.inertia() * rate * (1.0 + y[PRECESSION].abs() * pair.arc);
+    let mut weights = [force.recip(); BALL];
+    weights[MOMENT_NORMAL - 1] = force.max(gyroscopic).recip();
+    weights[MOMENT_NORMAL + 1] = weights[MOMENT_NORMAL - 1];
+    weights[MOMENT_NORMAL] = gyroscopic.max(f64::MIN_POSITIVE).recip();
     weights
 }
 
