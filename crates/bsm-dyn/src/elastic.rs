@@ -1,7 +1,7 @@
 //! Gross slip on elastic contacts: saturated friction at the contact centres, contact angles that
 //! follow load and speed.
 //!
-//! Theory: `docs/theory/08-elastic.md`, equations (S1) to (S12).
+//! Theory: `docs/theory/08-elastic.md`, equations (S1) to (S6), (S11).
 
 mod curve;
 mod forces;

@@ -138,7 +138,7 @@ pub enum Reason {
     NoSkidAtInertia {
         /// `$m r_m W^2/F_a$`.
         inertia: f64,
-        /// Smallest and largest one that was found.
+        /// Smallest one of such a ball.
         least: f64,
         /// Largest one.
         most: f64,

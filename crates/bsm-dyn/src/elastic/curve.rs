@@ -110,7 +110,7 @@ impl Curve<'_> {
         let slip = level.kinematics.slip[0];
         let mut seen = Seen { inertia: None, lost: false };
         if level.is_admissible() {
-            seen.inertia = Some((here, here));
+            seen.inertia = Some((0.0, here));
         }
         if let Some((root, sign)) = self.walk(begin, &mut seen) {
             return Ok((self.forces.unknowns(&root.state, &root.kinematics, sign), self.tried));

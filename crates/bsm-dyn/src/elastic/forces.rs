@@ -88,7 +88,7 @@ impl<'a> Forces<'a> {
         self.pair.inertia_ratio()
     }
 
-    /// `$(r_b/d)\sin\alpha$`: nut friction across the groove is less than this times that along it.
+    /// `$(r_b/d)\sin\alpha$`, below which `$-x_A$` stays.
     pub(super) fn least(&self) -> f64 {
         self.sin / self.pair.arc
     }
@@ -141,6 +141,9 @@ impl<'a> Forces<'a> {
         Some((state, left))
     }
 
+    /// The motion of a state.
+    ///
+    /// Assumes: `$r_m > 1.21\,r_b$`, so that slips against friction have `$Y > 0$`.
     pub(super) fn kinematics(&self, s: &State<f64>) -> Kinematics {
         let (d, [x_a, x_b]) = (self.pair.arc, s.across);
         let share = ((x_a + x_b) * (1.0 + x_a * x_b)).recip();

@@ -87,13 +87,16 @@ fn search(
         let report = solve(&Saturated(pair), &mut y, &scales, &options, newton).ok()?;
         let state = Saturated(pair).state(&y).ok()?;
         let flanks = state.loaded.angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle));
-        // Those of the end, a million times closer in the moments than friction.
+        // In the weights of the start anything is a root where P → 0 or P → ∞. A residual counts
+        // against the forces at the end, in the moments against friction, and about the mean normal
+        // against inertia.
         let left = Saturated(pair).residual(&y).ok()?;
         let load = y[NUT_LOAD].max(y[SCREW_LOAD]);
         let force =
             load.max(pair.inertia_ratio() * (y[PRECESSION] * pair.sign() + pair.nut_speed).powi(2));
         let is_root = [0, 1, 2, 6].into_iter().all(|i| left[i].abs() < 1e-9 * force)
-            && [3, 4, 5].into_iter().all(|i| left[i].abs() < 1e-6 * pair.friction * load);
+            && [3, 5].into_iter().all(|i| left[i].abs() < 1e-6 * pair.friction * load)
+            && (left[MOMENT_NORMAL] * weights(pair, &y)[MOMENT_NORMAL]).abs() < 1e-6;
         // Slips below the rounding of the moment about N (R23) have no direction.
         let rate = y[PRECESSION] * pair.sign() + pair.nut_speed;
         let told = pair.inertia_ratio() * rate * rate > 1e-9 * pair.friction && y[SLIP] > 1e-6;
@@ -153,9 +156,9 @@ fn many_starts_find_no_root_where_one_is_denied() {
 }
 
 #[test]
-#[ignore = "minutes: 2000 points of 1000 starts"]
+#[ignore = "minutes: 1000 points of 1000 starts"]
 fn thousands_of_starts_find_no_root_where_one_is_denied() {
-    let tally = confirm(2026, 1000, 1000);
+    let tally = confirm(2026, 500, 1000);
     println!(
         "{} denied, {} refuted, {} of {} seen",
         tally.denied,
