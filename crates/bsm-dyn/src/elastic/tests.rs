@@ -205,7 +205,7 @@ fn a_slow_ball_moves_to_first_order() {
         let slip = tangent * pair.arc * rigid / (cos_psi + tangent * sin_psi);
         // Second order in an inertia of 1e-8, over the smallest cosine and resonance.
         let close = |x: f64, y: f64| {
-            assert_relative_eq!(x, y, max_relative = 1e-4, epsilon = 1e-4 * inertia)
+            assert_relative_eq!(x, y, max_relative = 1e-4, epsilon = 1e-4 * inertia);
         };
         close(y[PRECESSION], p);
         close(y[TILT], tilt);
