@@ -276,9 +276,9 @@ pub(crate) fn message(reason: &Reason) -> String {
             "only a root was found whose slip at the nut, {slip:.3e} r_b |W|, points along \
              friction; balls with saturated friction cannot move like that"
         ),
-        Reason::RootEnds { inertia_fraction } => format!(
-            "the steady motion of smaller inertia ends at {inertia_fraction:.3} of the inertia \
-             forces: none is known beyond. Raise axial_load_N or lower the speed"
+        Reason::NoSkidAtInertia { inertia, least, most } => format!(
+            "m r_m W^2 is {inertia:.3e} of the axial load: balls that slide on both flanks have \
+             between {least:.3e} and {most:.3e} of it. Raise axial_load_N or lower the speed"
         ),
         Reason::CurvaturesNotHertzian { along, across } => format!(
             "relative curvatures of {along:.3e} 1/m along and {across:.3e} 1/m across the groove give \

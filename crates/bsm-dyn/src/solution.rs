@@ -130,10 +130,14 @@ pub enum Reason {
         /// Slip speed over `$r_b|W|$`, not positive.
         slip: f64,
     },
-    /// The root of smaller inertia forces ends on the way to the full ones.
-    RootEnds {
-        /// Inertia up to which it was followed, over the full one.
-        inertia_fraction: f64,
+    /// A ball that slides against friction on both flanks has other inertia forces.
+    NoSkidAtInertia {
+        /// `$m r_m W^2/F_a$`.
+        inertia: f64,
+        /// Smallest one of such a ball.
+        least: f64,
+        /// Largest one.
+        most: f64,
     },
     /// The curvatures of ball and groove give no ellipse across the groove.
     CurvaturesNotHertzian {

@@ -102,7 +102,8 @@ fn rigid_says_nothing_false() {
 
 #[test]
 fn elastic_says_nothing_false() {
-    unanswered(600, |screw| Problem::Elastic(Elastic { screw }));
+    // Known: friction that all but holds the load, 0.1 %.
+    assert!(unanswered(4000, |screw| Problem::Elastic(Elastic { screw })) <= 12);
 }
 
 #[test]

@@ -17,11 +17,11 @@ impl<const M: usize> Elastic<Jet<M>> {
     ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
         self.screw.require_friction()?;
         let (inputs, point) = (self.screw.pair()?, self.screw.values().pair()?);
-        let start = Saturated(&point).start()?;
-        told_by_inertia(slowness(&point, &start), |factor| {
+        let (root, ..) = find(&point, newton)?;
+        told_by_inertia(slowness(&point, &root), |factor| {
             let (inputs, point) = (inputs.with_inertia(factor), point.with_inertia(factor));
             let (root, ..) = find(&point, newton)?;
-            let (weights, _) = weights(&point, &root);
+            let weights = weights(&point, &root);
             let residual = |y: &_| Saturated(&inputs).residual(y);
             let y = moving_root(&Saturated(&point), &root, &weights, residual, newton)?;
             let state = Saturated(&inputs).state(&y).map_err(refused)?;

@@ -1,92 +1,237 @@
-//! Denials against searches from many starts.
+//! The curve against the seven equations, its own limit, and searches from many starts.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use approx::assert_relative_eq;
 use bsm_kin::{Drive, Helix};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::{Ball, Load, Material};
+use crate::rigid::first_order::{Sliding, spin_moment};
+use crate::{Angles, Ball, Load, Material};
 
-/// Starts of the search of one point.
-const STARTS: usize = 300;
-
-/// A screw of little inertia.
-fn calm(rng: &mut impl Rng) -> ElasticScrew {
-    let ball = Ball::of_density(3e-3, 7800.0);
-    let radius = ball.radius / rng.random_range(0.02..0.45);
-    let friction = 10.0_f64.powf(rng.random_range(-3.0..0.0));
-    let inertia = 10.0_f64.powf(rng.random_range(-4.0..-1.3)) * friction;
-    let speed = (inertia * 100.0 / (ball.mass * radius)).sqrt();
-    let speed = if rng.random_bool(0.5) { speed } else { -speed };
-    let steel = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
+/// A screw of the ranges of the extremes.
+fn extreme(rng: &mut impl Rng) -> ElasticScrew {
+    let mut log = |low: f64, high: f64| (low.ln() + rng.random::<f64>() * (high / low).ln()).exp();
+    let (ball, size) = (log(0.05e-3, 0.1), log(0.01, 0.45));
+    let (axial, speed, other) = (log(1e-6, 1e6), log(1e-4, 1e5), log(1e-4, 1e5));
+    let friction = log(1e-6, 1.0);
+    let conformity = (0.5 + log(1e-3, 0.3), 0.5 + log(1e-3, 0.3));
+    let density = log(500.0, 2e4);
+    let mut steel = || Material { youngs_modulus: log(1e7, 1e12), poisson_ratio: 0.3 };
+    let material = (steel(), steel());
+    let mut flip = |x: f64| if rng.random_bool(0.5) { x } else { -x };
+    let (speed, other) = (flip(speed), flip(other));
+    let (screw_speed, nut_speed) = match rng.random_range(0..5) {
+        0 | 1 => (speed, 0.0),
+        2 | 3 => (0.0, speed),
+        _ => (speed, other),
+    };
     ElasticScrew {
-        helix: Helix { radius, lead_angle: rng.random_range(1.0_f64..85.0).to_radians() },
-        contact_angle: rng.random_range(3.0_f64..87.0).to_radians(),
-        ball,
-        conformity: (rng.random_range(0.51..0.6), rng.random_range(0.51..0.6)),
-        material: (steel, steel),
+        helix: Helix {
+            radius: ball / size,
+            lead_angle: rng.random_range(0.05_f64..85.0).to_radians(),
+        },
+        contact_angle: rng.random_range(1.0_f64..89.0).to_radians(),
+        ball: Ball::of_density(ball, density),
+        conformity,
+        material,
         friction,
-        drive: Drive { screw_speed: speed, nut_speed: 0.0 },
-        load: Load { axial: 100.0, balls: 1.0 },
+        drive: Drive { screw_speed, nut_speed },
+        load: Load { axial, balls: 1.0 },
     }
 }
 
-/// An admissible root from random starts, if one is found.
-fn search(pair: &Pair, rng: &mut impl Rng, newton: &mut Workspace) -> Option<[f64; BALL]> {
-    let size = pair.arc;
-    (0..STARTS).find_map(|_| {
-        let mut y = [0.0; BALL];
-        let load = pair.helix.lead_angle.cos().recip() * rng.random_range(0.0..1.5_f64).exp();
-        // Tilt and difference of the loads are of the size of the inertia.
-        let inertia = 3.0 * pair.inertia_ratio();
-        y[NUT_LOAD] = load + rng.random_range(-inertia..inertia);
-        y[SCREW_LOAD] = load;
-        y[TILT] = rng.random_range(-inertia..inertia);
-        y[PRECESSION] = rng.random_range(-1.5..2.0);
-        y[SLIP] = size * rng.random_range(-5.0..2.0_f64).exp();
-        y[SLIP_ANGLE] = rng.random_range(-PI..PI);
-        y[SPIN] = rng.random_range(-2.5..2.5_f64) * pair.friction * load;
-        let (weights, _) = weights(pair, &y);
-        let scales = Scales { x: &[1.0; BALL], f: &weights };
+/// Random loads, angles and directions that carry the axial load at the nut, in the unknowns (S1).
+fn start(pair: &Pair, rng: &mut impl Rng) -> Option<[f64; BALL]> {
+    let (sin, cos) = pair.helix.lead_angle.sin_cos();
+    let friction = pair.friction * pair.sign();
+    let mut log = |low: f64, high: f64| (low.ln() + rng.random::<f64>() * (high / low).ln()).exp();
+    let (mu, spread) = (pair.inertia_ratio(), log(1e-9, 1.0));
+    let (circling, slip, scatter) = (log(1e-9, 1e3), log(1e-4, 30.0), log(1e-4, 1.0));
+    let nut = rng.random_range(0.0..FRAC_PI_2);
+    let tilt = 0.5 * spread * rng.random_range(-0.2..1.0) * (FRAC_PI_2 - nut);
+    // Sliding along (R12), or anywhere.
+    let along = (sin / cos).atan2(nut.cos()) + scatter * rng.random_range(-PI..PI);
+    let effect = nut.sin() * cos - friction * (along.cos() * cos * nut.cos() + along.sin() * sin);
+    let load = effect.recip();
+    // Precessions of a few W, or with a centrifugal force of any size.
+    let rate = if rng.random_bool(0.5) {
+        rng.random_range(-1.5..2.0) + pair.nut_speed * pair.sign()
+    } else {
+        (circling / mu).sqrt() * if rng.random_bool(0.5) { 1.0 } else { -1.0 }
+    };
+    let mut y = [0.0; BALL];
+    y[NUT_LOAD] = load;
+    y[SCREW_LOAD] = load * (1.0 + spread * rng.random_range(-1.0..0.2));
+    y[TILT] = tilt;
+    y[PRECESSION] = rate - pair.nut_speed * pair.sign();
+    y[SLIP] = pair.arc * slip;
+    y[SLIP_ANGLE] = along;
+    y[SPIN] = -2.0 * friction * load * along.sin() / sin * rng.random_range(0.5..1.5);
+    (load > 0.0).then_some(y)
+}
+
+/// An admissible root of the seven equations from random starts, if one is found.
+fn search(
+    pair: &Pair,
+    starts: usize,
+    rng: &mut impl Rng,
+    newton: &mut Workspace,
+) -> Option<[f64; BALL]> {
+    (0..starts).find_map(|_| {
+        let mut y = start(pair, rng)?;
+        let scales = Scales { x: &[1.0; BALL], f: &weights(pair, &y) };
         let options = Options { residual_tol: 1e-11, max_steps: 60, ..Options::default() };
         let report = solve(&Saturated(pair), &mut y, &scales, &options, newton).ok()?;
-        let angles = Saturated(pair).state(&y).ok()?.loaded.angles;
-        let flanks = angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle));
-        // The root at infinity: a ball that hardly circles, P → 0, and spins without bounds.
+        let state = Saturated(pair).state(&y).ok()?;
+        let flanks = state.loaded.angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle));
+        // In the weights of the start anything is a root where P → 0 or P → ∞. A residual counts
+        // against the forces at the end, in the moments against friction, and about the mean normal
+        // against inertia.
+        let left = Saturated(pair).residual(&y).ok()?;
+        let load = y[NUT_LOAD].max(y[SCREW_LOAD]);
+        let force =
+            load.max(pair.inertia_ratio() * (y[PRECESSION] * pair.sign() + pair.nut_speed).powi(2));
+        let is_root = [0, 1, 2, 6].into_iter().all(|i| left[i].abs() < 1e-9 * force)
+            && [3, 5].into_iter().all(|i| left[i].abs() < 1e-6 * pair.friction * load)
+            && (left[MOMENT_NORMAL] * weights(pair, &y)[MOMENT_NORMAL]).abs() < 1e-6;
+        // Slips below the rounding of the moment about N (R23) have no direction.
         let rate = y[PRECESSION] * pair.sign() + pair.nut_speed;
-        let finite = rate.abs() > 1e-6 && y[SLIP] < 10.0 * size && y[PRECESSION].abs() < 10.0;
-        (report.converged() && y[SLIP] > 0.0 && flanks && finite).then_some(y)
+        let told = pair.inertia_ratio() * rate * rate > 1e-9 * pair.friction && y[SLIP] > 1e-6;
+        (report.converged() && is_root && y[SLIP] > 0.0 && flanks && told).then_some(y)
     })
+}
+
+/// What the search says about the answers of the model.
+#[derive(Debug, Default)]
+struct Tally {
+    denied: usize,
+    found: usize,
+    seen: usize,
+    refuted: Vec<(ElasticScrew, Reason, [f64; BALL])>,
+}
+
+/// Searches at as many denials and as many roots.
+fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut newton = Workspace::new(BALL);
+    let mut tally = Tally::default();
+    while tally.denied < points || tally.found < points {
+        let screw = extreme(&mut rng);
+        let Ok(pair) = screw.pair() else { continue };
+        // The search cannot tell the roots of slower balls from none.
+        if pair.inertia_ratio() < 1e-8 * pair.friction {
+            continue;
+        }
+        match find(&pair, &mut newton) {
+            Err((Status::NoSolution, reason)) if tally.denied < points => {
+                tally.denied += 1;
+                if let Some(y) = search(&pair, starts, &mut rng, &mut newton) {
+                    tally.refuted.push((screw, reason, y));
+                }
+            }
+            Ok((y, ..)) if tally.found < points => {
+                let rate = y[PRECESSION] * pair.sign() + pair.nut_speed;
+                if pair.inertia_ratio() * rate * rate > 1e-9 * pair.friction {
+                    tally.found += 1;
+                    let seen = search(&pair, starts, &mut rng, &mut newton);
+                    tally.seen += usize::from(seen.is_some());
+                }
+            }
+            _ => {}
+        }
+    }
+    tally
 }
 
 /// Where a root is denied, searches from many starts find none; where one is found, they mostly find
 /// it too.
 #[test]
 fn many_starts_find_no_root_where_one_is_denied() {
-    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let tally = confirm(12, 12, 100);
+    assert!(tally.refuted.is_empty(), "{tally:#?}");
+    assert!(tally.seen * 2 > tally.found, "{tally:?}");
+}
+
+#[test]
+#[ignore = "minutes: 1000 points of 1000 starts"]
+fn thousands_of_starts_find_no_root_where_one_is_denied() {
+    let tally = confirm(2026, 500, 1000);
+    println!(
+        "{} denied, {} refuted, {} of {} seen",
+        tally.denied,
+        tally.refuted.len(),
+        tally.seen,
+        tally.found
+    );
+    assert!(tally.refuted.is_empty(), "{:#?}", tally.refuted);
+}
+
+/// Limit: with hardly any inertia the root is the closed form of the first order.
+#[test]
+fn a_slow_ball_moves_to_first_order() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
     let mut newton = Workspace::new(BALL);
-    let (mut denied, mut found, mut seen) = (0, 0, 0);
-    let mut refuted = Vec::new();
-    for _ in 0..200 {
-        let screw = calm(&mut rng);
-        let Ok(pair) = screw.pair() else { continue };
-        match Skid::of(&pair, &mut newton) {
-            Err((Status::NoSolution, reason)) => {
-                denied += 1;
-                if let Some(y) = search(&pair, &mut rng, &mut newton) {
-                    refuted.push((screw, reason, y));
-                }
-            }
-            Ok(_) if found < 15 => {
-                found += 1;
-                seen += usize::from(search(&pair, &mut rng, &mut newton).is_some());
-            }
-            _ => {}
+    let mut tried = 0;
+    while tried < 300 {
+        let Ok(pair) = extreme(&mut rng).pair() else { continue };
+        let pair = pair.with_inertia(1e-12 / pair.inertia_ratio());
+        let Ok((y, ..)) = find(&pair, &mut newton) else { continue };
+        let loaded = Saturated(&pair).state(&y).expect("a root").loaded;
+        let (alpha, beta) = (pair.helix.lead_angle, loaded.angles[0] + y[TILT]);
+        let ((sin_a, cos_a), (sin_b, cos_b)) = (alpha.sin_cos(), beta.sin_cos());
+        let angles = Angles { lead: alpha, contact: beta };
+        let (signed, load) = (pair.friction * pair.sign(), y[NUT_LOAD]);
+        let Sliding { slip_factor: d, sin_psi, cos_psi, precession: rigid, .. } =
+            Sliding::of(&angles, pair.helix.radius.recip());
+        // γ = sinβ − F (cosβ + F cosψ sinβ)/[cosψ (1 + F²)]               (S7)
+        let gamma = sin_b
+            - signed * (cos_b + signed * cos_psi * sin_b) / (cos_psi * (1.0 + signed * signed));
+        // g = (5/2) F γ / D,  p = (p_R + g Ω_n/W)/(1 − g)                 (S8)
+        let g = 2.5 * signed * gamma / d;
+        let p = (rigid + g * pair.nut_speed * pair.sign()) / (1.0 - g);
+        let rate = p + pair.nut_speed * pair.sign();
+        let inertia = pair.inertia_ratio() * rate * rate;
+        // Far from resonance, g = 1, and from pulling friction; else the first order holds for less.
+        if inertia > 1e-8 || (1.0 - g).abs() < 0.1 || load > 20.0 || cos_b < 0.05 {
+            continue;
         }
+        // ν = m r_m P² γ / (2 Q)                                          (S9)
+        let tilt = 0.5 * inertia * gamma / load;
+        // λ = p_R d T / (cosψ + T sinψ),  T = tanα/cosβ                   (S10)
+        let tangent = sin_a / (cos_a * cos_b);
+        let slip = tangent * pair.arc * rigid / (cos_psi + tangent * sin_psi);
+        // Second order in an inertia of 1e-8, over the smallest cosine and resonance.
+        let close = |x: f64, y: f64| {
+            assert_relative_eq!(x, y, max_relative = 1e-4, epsilon = 1e-4 * inertia);
+        };
+        close(y[PRECESSION], p);
+        close(y[TILT], tilt);
+        close(y[SLIP], slip);
+        close(y[SLIP_ANGLE], sin_psi.atan2(cos_psi));
+        close(y[SPIN], spin_moment(&angles, signed, load));
+        tried += 1;
     }
-    println!("{denied} denied, {} refuted, {seen} of {found} seen", refuted.len());
-    assert!(refuted.is_empty(), "{refuted:#?}");
-    assert!(denied > 10 && seen * 2 > found, "{denied} {seen} {found}");
+}
+
+/// Found in the campaign: roots at infinity, P → 0 or P → ∞, had a vanishing residual in the weights of
+/// the start. Roots of the curve circle with the inertia that belongs to their centrifugal force.
+#[test]
+fn no_root_is_at_infinity() {
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let mut newton = Workspace::new(BALL);
+    for _ in 0..300 {
+        let Ok(pair) = extreme(&mut rng).pair() else { continue };
+        let Ok((y, ..)) = find(&pair, &mut newton) else { continue };
+        let state = Saturated(&pair).state(&y).expect("a root");
+        let rate = y[PRECESSION] + pair.nut_speed * pair.sign();
+        // The centrifugal force is what the contacts hold, relative to their difference.
+        let held = state.wrench[0].force + state.wrench[1].force;
+        let held = held.dot(&state.loaded.frame.n) / pair.inertia_ratio();
+        let rounding = 1e-13 * y[NUT_LOAD] / pair.inertia_ratio();
+        assert_relative_eq!(held, rate * rate, max_relative = 1e-9, epsilon = rounding);
+        assert!(rate.abs() > 0.0 && rate.is_finite());
+    }
 }

@@ -37,7 +37,7 @@ fn campaign(
                 assert!(o.efficiency.is_some_and(|eta| eta < 1.0), "{screw:?}");
                 assert!(o.residual_norm.is_some_and(|r| r <= 1e-10), "{screw:?}");
             }
-            (Status::NotConverged, Some(Reason::RootEnds { .. })) => tally.ended += 1,
+            (Status::NoSolution, Some(Reason::NoSkidAtInertia { .. })) => tally.ended += 1,
             _ => tally.other += 1,
         }
     }
@@ -65,7 +65,7 @@ fn elastic_converges_where_it_has_a_root() {
     let mut work = ElasticWorkspace::default();
     let tally = campaign(real_screws(2026), |screw| Elastic { screw }.solve(&mut work));
     println!("{tally:?}");
-    // Roots that end in a fold on the way to the full inertia: no root is known there.
+    // Inertia forces of up to thousands of times the load: the largest have no root.
     assert!(tally.ended <= 4 && tally.other == 0, "{tally:?}");
     assert!(tally.worst_balance <= 1e-9, "{tally:?}");
 }

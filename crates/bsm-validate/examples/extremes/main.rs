@@ -3,7 +3,7 @@
 //!
 //!     cargo run --release -p bsm-validate --example extremes -- 100000
 //!     cargo run --release -p bsm-validate --example extremes -- 20000 --model elastic --seed 3
-//!     bsm solve target/extremes/elastic-not_converged-RootEnds-17.json --model elastic
+//!     bsm solve target/extremes/elastic-not_converged-NoSkidAtInertia-17.json --model elastic
 //!
 //! Ranges: lead angle 0.05 to 85 deg, contact angle 1 to 89 deg, friction 0 and 1e-6 to 1, 1e-3 to
 //! 1e6 rpm both ways with screw, nut or both turning, 1e-6 to 1e6 N a ball, balls of 0.1 to 200 mm,

@@ -1,0 +1,304 @@
+//! The first steady motion on the curve of all states of force.
+//!
+//! Theory: `docs/theory/08-elastic.md`, equations (S12), (S26).
+
+use super::forces::{Forces, Kinematics, Place, State};
+use crate::layout::BALL;
+use crate::pair::Pair;
+use crate::{Reason, Status};
+
+/// Logarithm of a `$q$` without inertia: next to the smallest normal number.
+const NO_INERTIA: f64 = -700.0;
+
+/// Longest and shortest step along the curve, in units of [`Forces::scale`]. A pair of roots that is
+/// closer than the shortest step may be missed.
+const LONGEST: f64 = 1.0;
+const SHORTEST: f64 = 1e-4;
+
+/// Distance of a state from the line through the last two, in the same units, up to which the step is
+/// believed to have stayed on the curve.
+const BEND: f64 = 0.05;
+
+/// Steps along one curve; fifty are usual.
+const MOST_STEPS: usize = 4000;
+
+/// Steps of the regula falsi; ten are usual.
+const MOST_TRIES: usize = 100;
+
+/// A state on the curve.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    /// `$\ln q$` and `$c$`.
+    q_c: (f64, f64),
+    state: State<f64>,
+    kinematics: Kinematics,
+    /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
+    left: [f64; 2],
+}
+
+impl Node {
+    /// The place, by the `$x$` of one contact.
+    fn place(&self, known: usize) -> Place {
+        let (q, c) = self.q_c;
+        Place::new(q, self.state.across[known], c)
+    }
+
+    /// What is a large step from here.
+    fn scale(&self, known: usize, forces: &Forces<'_>) -> Place {
+        forces.scale(&self.place(known), self.state.across.iter().sum())
+    }
+
+    /// True if the ball slides against friction on its flanks.
+    fn is_admissible(&self) -> bool {
+        let State { sin, cos, .. } = &self.state;
+        self.kinematics.slip.iter().all(|slip| *slip > 0.0)
+            && sin.iter().all(|sin| *sin >= 0.0)
+            && cos.iter().all(|cos| *cos > 0.0)
+    }
+}
+
+/// What was seen of the curve.
+struct Seen {
+    /// Smallest and largest inertia ratio of a ball that slides against friction on its flanks.
+    inertia: Option<(f64, f64)>,
+    /// True if the curve was lost where such a ball still is on it.
+    lost: bool,
+}
+
+/// Unknowns of the first root on the curve, and the states that were tried.
+pub(super) fn first_root(pair: &Pair) -> Result<([f64; BALL], usize), (Status, Reason)> {
+    Curve { forces: Forces::new(pair), tried: 0 }.first_root()
+}
+
+struct Curve<'a> {
+    forces: Forces<'a>,
+    tried: usize,
+}
+
+impl Curve<'_> {
+    fn node(
+        &mut self,
+        known: usize,
+        guess: Place,
+        direction: &Place,
+        scale: &Place,
+    ) -> Option<Node> {
+        self.tried += 1;
+        let (place, state) = self.forces.closed(known, guess, direction, scale)?;
+        let kinematics = self.forces.kinematics(&state);
+        let left = self.forces.excess(&state, &kinematics);
+        Some(Node { q_c: (place[0], place[2]), state, kinematics, left })
+    }
+
+    fn first_root(mut self) -> Result<([f64; BALL], usize), (Status, Reason)> {
+        let friction_term = self.forces.friction_term();
+        let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
+        // F tanα < 1, or no contact angles carry an axial load            (S12)
+        if friction_term >= 1.0 {
+            return Err((Status::NoSolution, locks));
+        }
+        let inertia = self.forces.inertia_ratio();
+        let level = self.level().ok_or((Status::NotConverged, locks))?;
+        // M ~ q, up to where the curve bends.
+        let here = Forces::inertia(&level.state, &level.kinematics);
+        let root = NO_INERTIA + (inertia / here).ln();
+        if root < NO_INERTIA {
+            let reason = Reason::InertiaOutOfRange { inertia_ratio: inertia };
+            return Err((Status::InvalidInput, reason));
+        }
+        let begin = self.below(level, root);
+        let slip = level.kinematics.slip[0];
+        let mut seen = Seen { inertia: None, lost: false };
+        if level.is_admissible() {
+            seen.inertia = Some((0.0, here));
+        }
+        if let Some((root, sign)) = self.walk(begin, &mut seen) {
+            return Ok((self.forces.unknowns(&root.state, &root.kinematics, sign), self.tried));
+        }
+        let reason = match seen.inertia {
+            Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
+            None => Reason::SlipAlongFriction { slip },
+        };
+        let status = if seen.lost { Status::NotConverged } else { Status::NoSolution };
+        Err((status, reason))
+    }
+
+    /// The state without inertia.
+    fn level(&mut self) -> Option<Node> {
+        let [x, c] = self.forces.begin()?;
+        let place = Place::new(NO_INERTIA, x, c);
+        self.node(1, place, &UP, &self.forces.scale(&place, 2.0 * x))
+    }
+
+    /// A state below the first root, if that is at `root`: up to there the curve is straight.
+    fn below(&mut self, level: Node, root: f64) -> Node {
+        let scale = level.scale(1, &self.forces);
+        // exp(−5): less than a hundredth of the inertia.
+        let mut rise = root.min(0.0) - 5.0 - NO_INERTIA;
+        while rise > 0.0 {
+            if let Some(node) = self.node(1, level.place(1) + UP * rise, &UP, &scale) {
+                // A root moves by a few per cent, not by a factor of a hundred.
+                let near = |x: f64, y: f64| (x - y).abs() <= 0.01 * y.abs();
+                if near(node.state.centrifugal / level.state.centrifugal, rise.exp())
+                    && near(node.kinematics.inertia, level.kinematics.inertia)
+                    && near(node.kinematics.drive, level.kinematics.drive)
+                {
+                    return node;
+                }
+            }
+            rise -= 3.0;
+        }
+        level
+    }
+
+    /// The next state.
+    fn next(&mut self, along: &mut Along) -> Option<Node> {
+        while along.step >= SHORTEST {
+            let guess = along.at.place(along.known) + along.direction * along.step;
+            if let Some(next) = self.node(along.known, guess, &along.direction, &along.scale)
+                && (along.step < 2.0 * SHORTEST || along.is_smooth(&guess, &next))
+            {
+                return Some(next);
+            }
+            along.step *= 0.5;
+        }
+        None
+    }
+
+    /// Along the curve to its first root, or to its end.
+    fn walk(&mut self, begin: Node, seen: &mut Seen) -> Option<(Node, f64)> {
+        let mut along = Along::from(begin, &self.forces);
+        for _ in 0..MOST_STEPS {
+            let at = along.at;
+            if at.is_admissible() {
+                let inertia = Forces::inertia(&at.state, &at.kinematics);
+                let (least, most) = seen.inertia.unwrap_or((inertia, inertia));
+                seen.inertia = Some((least.min(inertia), most.max(inertia)));
+            }
+            let Some(next) = self.next(&mut along) else {
+                seen.lost |= at.is_admissible();
+                return None;
+            };
+            let mut first: Option<(Node, f64)> = None;
+            for (h, sign) in [1.0, -1.0].into_iter().enumerate() {
+                if (at.left[h] > 0.0) == (next.left[h] > 0.0) {
+                    continue;
+                }
+                let Some(root) = self.refined(along.known, at, next, h) else {
+                    seen.lost |= at.is_admissible() || next.is_admissible();
+                    continue;
+                };
+                let way = |node: &Node| along.way(node);
+                if root.is_admissible() && first.is_none_or(|(other, _)| way(&root) < way(&other)) {
+                    first = Some((root, sign));
+                }
+            }
+            if first.is_some() {
+                return first;
+            }
+            // Beyond, friction is along the slip.
+            let [nut, screw] = next.state.across;
+            if next.q_c.0 < NO_INERTIA || screw < 0.0 || nut < -self.forces.least() {
+                return None;
+            }
+            along.go(next, &self.forces);
+        }
+        seen.lost = true;
+        None
+    }
+
+    /// The root between two states, regula falsi with the Illinois rule.
+    fn refined(&mut self, known: usize, mut low: Node, mut high: Node, h: usize) -> Option<Node> {
+        let (mut below, mut above) = (low.left[h], high.left[h]);
+        let mut kept = 0;
+        for _ in 0..MOST_TRIES {
+            let place = low.place(known);
+            let direction = high.place(known) - place;
+            let scale = low.scale(known, &self.forces);
+            let part = below / (below - above);
+            let way = part * direction.component_div(&scale).amax();
+            // The logarithm of q has no finer digits.
+            let digit = 4.0 * f64::EPSILON * place[0].abs().max(1.0);
+            if way <= digit || part >= 1.0 || direction.component_div(&scale).amax() <= 4.0 * digit
+            {
+                break;
+            }
+            let node = self.node(known, place + direction * part, &direction, &scale)?;
+            let left = node.left[h];
+            if left.abs() <= 4.0 * f64::EPSILON * node.kinematics.drive.abs() {
+                return Some(node);
+            }
+            if (left > 0.0) == (low.left[h] > 0.0) {
+                (low, below) = (node, left);
+                if kept == 1 {
+                    above *= 0.5;
+                }
+                kept = 1;
+            } else {
+                (high, above) = (node, left);
+                if kept == -1 {
+                    below *= 0.5;
+                }
+                kept = -1;
+            }
+        }
+        Some(if low.left[h].abs() < high.left[h].abs() { low } else { high })
+    }
+}
+
+/// Towards more inertia.
+const UP: Place = Place::new(1.0, 0.0, 0.0);
+
+/// A walk along the curve.
+struct Along {
+    at: Node,
+    before: Option<Node>,
+    /// The contact whose `$x$` is a coordinate.
+    known: usize,
+    /// Towards the next state, of length one in units of [`Forces::scale`].
+    direction: Place,
+    scale: Place,
+    /// Length of the next step and of the last one.
+    step: f64,
+    last: f64,
+}
+
+impl Along {
+    fn from(at: Node, forces: &Forces<'_>) -> Self {
+        let scale = at.scale(1, forces);
+        Self { at, before: None, known: 1, direction: UP, scale, step: LONGEST, last: LONGEST }
+    }
+
+    fn go(&mut self, next: Node, forces: &Forces<'_>) {
+        // The smaller one does not vanish in a square root.
+        let [nut, screw] = next.state.across;
+        self.known = usize::from(screw <= nut);
+        self.scale = next.scale(self.known, forces);
+        let way = next.place(self.known) - self.at.place(self.known);
+        self.last = way.component_div(&self.scale).norm();
+        self.direction = way / self.last;
+        (self.before, self.at) = (Some(self.at), next);
+        self.step = (1.5 * self.step).min(LONGEST);
+    }
+
+    /// Way along the step to a state.
+    fn way(&self, node: &Node) -> f64 {
+        let way = node.place(self.known) - self.at.place(self.known);
+        way.component_div(&self.scale).norm()
+    }
+
+    /// True if the step to `next` hides no pair of roots and no jump of the state.
+    fn is_smooth(&self, guess: &Place, next: &Node) -> bool {
+        let (at, part) = (&self.at, self.step / self.last);
+        let off = (next.place(self.known) - guess).component_div(&self.scale).amax();
+        let is_straight = |h: usize| {
+            let Some(before) = &self.before else { return true };
+            let straight = at.left[h] + (at.left[h] - before.left[h]) * part;
+            let bend = (next.left[h] - straight).abs();
+            let crosses = (at.left[h] > 0.0) != (next.left[h] > 0.0);
+            crosses || bend <= 0.5 * at.left[h].abs().min(next.left[h].abs())
+        };
+        let concerns = at.is_admissible() || next.is_admissible();
+        off <= BEND && (!concerns || (is_straight(0) && is_straight(1)))
+    }
+}
