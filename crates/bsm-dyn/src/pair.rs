@@ -286,6 +286,16 @@ impl<P: Scalar> Pair<P> {
         to_nut.relative_to(D::from(-self.nut_speed), frame)
     }
 
+    /// Largest speed over `$r_b |W|$` at which a relative speed moves the points of ellipses longer
+    /// than the ball.
+    pub(crate) fn slip_scale(&self) -> f64 {
+        let height = |i: usize| {
+            let a = self.semi_axes[i].0.re();
+            0.5 * a * a / self.pressed_radius[i].re()
+        };
+        height(0).max(height(1)).max(1.0)
+    }
+
     /// The loaded ellipse at nut (0) or screw (1) (P6).
     pub(crate) fn ellipse<D: Over<P>>(&self, i: usize, loaded: &Loaded<D>) -> Ellipse<D, P> {
         // a ~ Q^{1/3}                                                     (P6)

@@ -2,6 +2,7 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T3).
 
+mod path;
 mod sensitivities;
 
 use std::num::NonZeroUsize;
@@ -92,10 +93,18 @@ struct State<D> {
 
 impl<P: Scalar> Rolling<'_, P> {
     fn state<D: Lanes<P>>(&self, y: &[D; BALL]) -> Result<State<D>, EvalError> {
+        self.rubbed(y, D::from(self.pair.friction))
+    }
+
+    /// The state with another friction coefficient.
+    fn rubbed<D: Lanes<P>>(&self, y: &[D; BALL], friction: D) -> Result<State<D>, EvalError> {
         let pair = self.pair;
         let loaded = pair.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
-        let omega = Vector3::from(OMEGA.map(|i| y[i]));
-        let to_nut = Motion { precession: y[PRECESSION], omega };
+        // ω' = ω'_k k + ω'_n n + ω'_c k × n                               (T4)
+        let [k, n] = [loaded.frame.k, loaded.frame.n];
+        let [along, radial, around] = OMEGA.map(|i| y[i]);
+        let omega = k * along + n * radial + k.cross(&n) * around;
+        let to_nut = Motion { precession: y[PRECESSION] + (self.offset() - pair.nut_speed), omega };
         let motions = pair.relative(&to_nut, &loaded.frame);
         let wrench = std::array::from_fn(|i| {
             let contact = &loaded.contacts[i];
@@ -103,7 +112,7 @@ impl<P: Scalar> Rolling<'_, P> {
             let ellipse = pair.ellipse(i, &loaded);
             let unit = D::integrate(&ellipse, &local, self.creep, self.quadrature);
             // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                            (T2)
-            let pull = loaded.loads[i] * pair.friction;
+            let pull = loaded.loads[i] * friction;
             let friction = unit.wrench(contact);
             Wrench {
                 force: contact.normal * loaded.loads[i] + friction.force * pull,
@@ -113,10 +122,25 @@ impl<P: Scalar> Rolling<'_, P> {
         Ok(State { loaded, to_nut, wrench })
     }
 
+    /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far
+    /// above the relative speed, so that neither the rate nor the slip loses its digits.
+    fn offset(&self) -> P {
+        let nut = self.pair.nut_speed;
+        if nut.re().abs() > 2.0 { nut } else { P::from(0.0) }
+    }
+
     fn residual<D: Lanes<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
-        let state = self.state(y)?;
-        let motion = self.pair.absolute(&state.to_nut, &state.loaded.frame);
-        Ok(self.pair.balance(&state.loaded, &motion, &state.wrench))
+        let rate = y[PRECESSION] + self.offset();
+        Ok(self.left(y, &self.state(y)?, rate))
+    }
+
+    /// What the balance leaves over, with the inertia forces of a precession rate.
+    fn left<D: Lanes<P>>(&self, y: &[D; BALL], state: &State<D>, rate: D) -> [D; BALL] {
+        // k × ω = ω'_n k × n − ω'_c n                                     (T5)
+        let [_, radial, around] = OMEGA.map(|i| y[i]);
+        let n = state.loaded.frame.n;
+        let omega = n * radial + state.loaded.frame.k.cross(&n) * around;
+        self.pair.balance(&state.loaded, &Motion { precession: rate, omega }, &state.wrench)
     }
 }
 
@@ -137,7 +161,7 @@ impl Rolling<'_> {
         near: Option<&[f64; BALL]>,
         newton: &mut Workspace,
     ) -> Result<Root, (Status, Reason)> {
-        let gripping = unknowns(&grip.loaded, &grip.to_nut);
+        let gripping = self.unknowns(&grip.loaded, &grip.to_nut);
         let mut steps = 0;
         let mut failure = None;
         let skids = grip.skid_number(self.pair) > SKIDS;
@@ -149,7 +173,7 @@ impl Rolling<'_> {
                 Begin::Skid => {
                     let Ok(skid) = Skid::of(self.pair, newton) else { continue };
                     steps += skid.steps();
-                    unknowns(skid.state().0, skid.state().1)
+                    self.unknowns(skid.state().0, skid.state().1)
                 }
             };
             let report = self.run(&mut y, newton);
@@ -175,17 +199,44 @@ impl Rolling<'_> {
         Ok(Root { unknowns: y, steps, residual })
     }
 
+    /// The unknowns (T1) of a state.
+    fn unknowns(&self, loaded: &Loaded<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
+        let mut y = [0.0; BALL];
+        [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
+        y[TILT] = loaded.tilt;
+        y[PRECESSION] = to_nut.precession + self.pair.nut_speed - self.offset();
+        let [k, n] = [loaded.frame.k, loaded.frame.n];
+        for (place, axis) in OMEGA.iter().zip([k, n, k.cross(&n)]) {
+            y[*place] = to_nut.omega.dot(&axis);
+        }
+        y
+    }
+
     /// Weights of the equations.
-    fn weights(&self) -> [f64; BALL] {
+    fn weights(&self, y: &[f64; BALL]) -> [f64; BALL] {
         // D_F = diag(w, w, w, w/f, w/f, w/f, w),  w = 1/max(1, μ)          (T3)
-        let force = self.pair.inertia_ratio().max(1.0).recip();
-        let moment = force / self.pair.friction.min(1.0);
+        self.weights_of(y, self.pair.friction, y[PRECESSION] + self.offset())
+    }
+
+    /// The same with the friction and the inertia forces of a path.
+    fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
+        let force = (self.pair.inertia_ratio() * rate * rate).clamp(1.0, f64::MAX.sqrt()).recip();
+        let moment = force / friction.min(1.0) / self.lever(y);
         [force, force, force, moment, moment, moment, force]
+    }
+
+    fn lever(&self, y: &[f64; BALL]) -> f64 {
+        let pair = self.pair;
+        let lever = |i: usize, load: f64| {
+            let a = pair.semi_axes[i].0 * load.cbrt();
+            a.max(a * a / (2.0 * pair.pressed_radius[i]))
+        };
+        lever(0, y[NUT_LOAD]).max(lever(1, y[SCREW_LOAD])).max(1.0)
     }
 
     /// One damped Newton solve from `y`.
     fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
-        let weights = self.weights();
+        let weights = self.weights(y);
         let scales = Scales { x: &[1.0; BALL], f: &weights };
         let options = Options { residual_goal: 1e-13, max_steps: MOST_STEPS, ..Options::default() };
         solve(self, y, &scales, &options, newton)
@@ -208,18 +259,6 @@ impl Begin<'_> {
     fn of(skids: bool) -> Self {
         if skids { Self::Skid } else { Self::Grip }
     }
-}
-
-/// The unknowns (T1) of a state.
-fn unknowns(loaded: &Loaded<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
-    let mut y = [0.0; BALL];
-    [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
-    y[TILT] = loaded.tilt;
-    y[PRECESSION] = to_nut.precession;
-    for (place, omega) in OMEGA.iter().zip(&to_nut.omega) {
-        y[*place] = *omega;
-    }
-    y
 }
 
 impl System for Rolling<'_> {
@@ -307,11 +346,12 @@ impl Traction {
     ) -> Result<Found, (Status, Reason)> {
         let quadrature = work.quadrature(self.order);
         let quadrature = &work.quadratures[quadrature].1;
-        let system = Rolling { pair, quadrature, creep: self.creep };
+        let creep = self.creep * pair.slip_scale();
+        let system = Rolling { pair, quadrature, creep };
         let Root { unknowns, steps, residual } = system.find(grip, from, &mut work.newton)?;
         let state = system.state(&unknowns).expect("the residual was evaluated at the root");
         let mut outputs = self.screw.describe(pair, &state.loaded, &state.to_nut)?;
-        let power = pair.friction_power(&state.loaded, &state.to_nut, self.creep, quadrature);
+        let power = pair.friction_power(&state.loaded, &state.to_nut, creep, quadrature);
         let frame = &state.loaded.frame;
         self.screw.transmit(&mut outputs, pair, frame, &state.wrench[1], power)?;
         outputs.set_regime(grip.skid_number(pair), grip.cross_slip(pair));
@@ -339,3 +379,6 @@ pub(crate) struct Found {
     pub(crate) outputs: Outputs,
     pub(crate) unknowns: [f64; BALL],
 }
+
+#[cfg(test)]
+mod tests;
