@@ -23,6 +23,7 @@ pub(super) enum End {
 pub(super) struct Trace {
     pub(super) steps: usize,
     pub(super) points: usize,
+    pub(super) other: bool,
     pub(super) static_angles: [f64; 2],
     pub(super) static_rate: f64,
 }
@@ -73,7 +74,8 @@ impl Path<'_> {
         let mut column = [0.0; PATH];
         column[BALL] = -1.0;
         let status = implicit_slopes(self, z, &self.weights(z), &mut column, newton).expect("sizes");
-        (status == bsm_newton::Status::Converged).then_some(column)
+        let sign = newton.orientation();
+        (status == bsm_newton::Status::Converged).then_some(column.map(|x| x * sign))
     }
 
     fn weights(&self, z: &[f64; PATH]) -> [f64; PATH] {
@@ -115,7 +117,7 @@ fn on_flanks(angles: [f64; 2]) -> bool {
 }
 
 impl Rolling<'_> {
-    fn angles(&self, y: &[f64; BALL]) -> [f64; 2] {
+    pub(super) fn angles(&self, y: &[f64; BALL]) -> [f64; 2] {
         self.state(y).map_or([f64::NAN; 2], |s| s.loaded.angles)
     }
 
@@ -143,7 +145,9 @@ impl Rolling<'_> {
         direction[BALL] = 1.0;
         let start = Path { at: self, along, from: *z, towards: direction };
         let Some(tangent) = start.tangent(z, newton) else { return false };
-        direction = tangent;
+        // u grows first.
+        let oriented = tangent[BALL].signum();
+        direction = tangent.map(|x| x * oriented);
         for _ in 0..2000 {
             trace.points += 1;
             let scale: [f64; PATH] = std::array::from_fn(|i| if i == BALL { 1.0 } else { 1.0 + z[i].abs() });
@@ -188,14 +192,37 @@ impl Rolling<'_> {
                 }
             }
             *z = next;
-            direction = tangent.expect("calm");
+            direction = tangent.expect("calm").map(|x| x * oriented);
             length = distance * if report.steps.len() <= 4 { 1.6 } else if report.steps.len() > 7 { 0.7 } else { 1.0 };
             length = length.min(1.0);
+            if std::env::var("SHOW").is_ok() { let y: [f64; BALL] = std::array::from_fn(|i| z[i]); let held = along.at(self.pair.friction, z[BALL]).0[1]; println!("  {:3} P^ {held:.3e} P {:.3e} loads {:.3e} {:.3e} omega {:.2e} {:.2e} {:.2e} angles {:.3?}", trace.points, self.rate(&y), y[0], y[2], y[4], y[5], y[6], self.angles(&y)); }
             if ends(z) {
                 return true;
             }
         }
         false
+    }
+
+    pub(super) fn show(&self, y: &[f64; BALL], sign: f64) {
+        let mut wide = Workspace::new(PATH);
+        let (rate, mu) = (self.rate(y), self.pair.inertia_ratio());
+        let unit = rate.signum() * rate.abs().min((0.1 / mu).sqrt()).min(self.pair.friction / mu);
+        let mut z = [0.0; PATH];
+        z[..BALL].copy_from_slice(y);
+        z[BALL] = (rate / unit).asinh();
+        let mut trace = Trace::default();
+        let mut n = std::cell::Cell::new(0);
+        // reversed: u -> -u
+        z[BALL] *= sign;
+        let along = Along::Rate { unit: unit * sign };
+        let ok = self.track(along, &mut z, 0.1, &mut trace, &mut wide, |_| 1.0, |y| (true, false, 0), |z| {
+            let y: [f64; BALL] = std::array::from_fn(|i| z[i]);
+            n.set(n.get() + 1);
+            let held = unit * sign * z[BALL].sinh();
+            if n.get() % 3 == 0 { println!("  {:3} P^ {held:.3e} c {:.2e} P {:.3e} loads {:.3e} {:.3e} omega {:.2e} {:.2e} {:.2e} angles {:.3?}", n.get(), mu * held * held, self.rate(&y), y[0], y[2], y[4], y[5], y[6], self.angles(&y)); }
+            n.get() > 150 || !self.angles(&y).iter().all(|a| (-1.2..FRAC_PI_2 + 1.2).contains(a))
+        });
+        println!("  ended {ok} after {}", n.get());
     }
 
     pub(super) fn followed(&self, newton: &mut Workspace, trace: &mut Trace) -> Result<([f64; BALL], f64), End> {
@@ -243,13 +270,13 @@ impl Rolling<'_> {
                 let at = Rolling { pair: &slow, ..*self };
                 let r = at.run(y, newton);
                 (r.converged(), true, r.steps.len())
-            }, |z| outside(z, 0.3) || z[BALL] < faint.ln() - 2.0);
+            }, |z| outside(z, 1.2) || z[BALL] < faint.ln() - 2.0);
             y.copy_from_slice(&z[..BALL]);
             let angles = self.angles(&y);
             if !ok {
                 return Err(if outside(&z, 0.0) { End::Left(angles, "friction stops") } else { End::Friction(z[BALL].exp() / self.pair.friction, angles) });
             }
-            if outside(&z, 0.3) { return Err(End::Left(angles, "friction far")); }
+            if outside(&z, 1.2) { return Err(End::Left(angles, "friction far")); }
         }
         trace.static_angles = self.angles(&y);
         trace.static_rate = self.rate(&y);
@@ -257,27 +284,36 @@ impl Rolling<'_> {
         let unit = rate.signum() * rate.abs().min((0.1 / mu).sqrt()).min(self.pair.friction / mu);
         let most = 2.0 * (1.0 + self.pair.nut_speed.abs());
         let at = |u: f64| unit * u.sinh();
-        z[BALL] = 0.0;
         let mut left = None;
         let mut residual = 0.0;
-        let ok = self.track(Along::Rate { unit }, &mut z, (rate / unit).asinh().min(1.0), trace, &mut wide, |z| {
-            let y: [f64; BALL] = std::array::from_fn(|i| z[i]);
-            self.rate(&y) - at(z[BALL])
-        }, |y| {
-            let r = self.run(y, newton);
-            residual = r.residual;
-            let angles = self.angles(y);
-            let stop = r.converged() && on_flanks(angles);
-            if r.converged() && !stop && left.is_none() { left = Some(angles); }
-            (r.converged(), stop, r.steps.len())
-        }, |z| outside(z, 0.3) || at(z[BALL]).abs() > most);
-        y.copy_from_slice(&z[..BALL]);
-        let angles = self.angles(&y);
-        if !ok {
-            return Err(if outside(&z, 0.0) { End::Left(left.unwrap_or(angles), if left.is_some() { "root" } else { "stops" }) } else { End::Rate(at(z[BALL]), self.rate(&y), angles) });
+        let begin = y;
+        let mut result = Err(End::Left([0.0; 2], "?"));
+        for sign in [1.0, -1.0] {
+            z[..BALL].copy_from_slice(&begin);
+            z[BALL] = 0.0;
+            let ok = self.track(Along::Rate { unit: sign * unit }, &mut z, (rate / unit).asinh().min(1.0), trace, &mut wide, |z| {
+                let y: [f64; BALL] = std::array::from_fn(|i| z[i]);
+                self.rate(&y) - sign * at(z[BALL])
+            }, |y| {
+                let r = self.run(y, newton);
+                residual = r.residual;
+                let angles = self.angles(y);
+                let stop = r.converged() && on_flanks(angles);
+                if r.converged() && !stop && left.is_none() { left = Some(angles); }
+                (r.converged(), stop, r.steps.len())
+            }, |z| outside(z, 1.2) || at(z[BALL]).abs() > most);
+            y.copy_from_slice(&z[..BALL]);
+            let angles = self.angles(&y);
+            let end = sign * at(z[BALL]);
+            if !ok {
+                let e = if outside(&z, 0.0) { End::Left(left.unwrap_or(angles), if left.is_some() { "root" } else { "stops" }) } else { End::Rate(end, self.rate(&y), angles) };
+                if sign > 0.0 { result = Err(e); }
+            }
+            else if outside(&z, 1.2) { if sign > 0.0 { result = Err(End::Left(left.unwrap_or(angles), if left.is_some() { "root" } else { "far" })); }}
+            else if end.abs() > most { if sign > 0.0 { result = Err(match left { Some(x) => End::Left(x, "root"), None => End::Rate(end, self.rate(&y), angles) }); }}
+            else { trace.other = sign < 0.0; return Ok((y, residual)); }
         }
-        if outside(&z, 0.3) { return Err(End::Left(left.unwrap_or(angles), if left.is_some() { "root" } else { "far" })); }
-        if at(z[BALL]).abs() > most { return Err(match left { Some(x) => End::Left(x, "root"), None => End::Rate(at(z[BALL]), self.rate(&y), angles) }); }
+        return result;
         Ok((y, residual))
     }
 }

@@ -108,7 +108,7 @@ fn paths() {
                     let q = y[PRECESSION] + pair.nut_speed;
                     if (p - q).abs() <= 1e-6 * q.abs() { agree += 1 } else { differ += 1; println!("differ {number} {p} {q} {:?} {:?} mu {:.3e}", st.loaded.angles, (s.outputs.nut_contact_angle, s.outputs.screw_contact_angle), pair.inertia_ratio()); }
                 }
-                format!("ok {}", if out { "but left" } else { "" })
+                format!("ok {}", if out { "but left" } else if trace.other { "other sign" } else { "" })
             }
             Err(path::End::Guess(_)) => "guess".into(),
             Err(path::End::First(_)) => "first".into(),
@@ -124,5 +124,103 @@ fn paths() {
     println!("{n} points, {:.1} s, path {path_time:.1} s, worst {:.1} ms; agree {agree}, differ {differ}", begin.elapsed().as_secs_f64(), 1e3 * worst);
     for (key, list) in &bins {
         println!("{key:40} {:6} {:.2} %  {:?}", list.len(), 100.0 * list.len() as f64 / n as f64, &list[..list.len().min(8)]);
+    }
+}
+
+/// An admissible root from random starts, if one is found.
+fn search(system: &Rolling, starts: usize, rng: &mut impl rand::Rng, newton: &mut Workspace) -> Option<[f64; BALL]> {
+    use std::f64::consts::FRAC_PI_2;
+    let pair = system.pair;
+    let (lead, mu) = (pair.helix.lead_angle, pair.inertia_ratio());
+    (0..starts).find_map(|_| {
+        let mut y = [0.0; BALL];
+        // Angles on the flanks, near 0 or 90 deg as well as between.
+        let angle = |rng: &mut dyn rand::Rng| {
+            let small = 10.0_f64.powf(rng.random_range(-4.0..0.0)) * 0.5 * FRAC_PI_2;
+            match rng.random_range(0..4) { 0 => small, 1 => FRAC_PI_2 - small, _ => rng.random_range(0.0..FRAC_PI_2) }
+        };
+        let (a, b) = match rng.random_range(0..3) {
+            0 => (angle(rng), angle(rng)),
+            1 => { let beta = pair.jones.contact_angle; (beta * rng.random_range(0.0..1.0), beta + (FRAC_PI_2 - beta) * rng.random_range(0.0..1.0)) }
+            _ => { let (q, m) = pair.static_load(|_| 0.0).ok()?; let t = rng.random_range(-0.2..0.2) * pair.friction.min(1.0); (m - t, m + t) }
+        };
+        let wild = |rng: &mut dyn rand::Rng| rng.random_range(-1.0..1.0_f64).exp();
+        y[NUT_LOAD] = wild(rng) / (a.sin().max(1e-6) * lead.cos());
+        y[SCREW_LOAD] = wild(rng) / (b.sin().max(1e-6) * lead.cos());
+        y[TILT] = 0.5 * (b - a);
+        // Rates between those of both members, or so slow that inertia is of the size of load or friction.
+        let p = rng.random_range(-0.5..1.5) * pair.sign();
+        let slow = (rng.random_range(-8.0..0.0_f64).exp() * if rng.random_bool(0.5) { pair.friction / mu } else { mu.recip().sqrt() }).min(1.0);
+        let rate = if rng.random_bool(0.5) { pair.nut_speed + p } else { slow * p.signum() };
+        y[PRECESSION] = rate - system.offset();
+        // Rolling, more or less, with any spin.
+        let spin = rng.random_range(-3.0..3.0) * pair.arc;
+        y[OMEGA[0]] = -(rate - pair.nut_speed) * pair.arc * rng.random_range(0.0..1.5) + spin * rng.random_range(-0.1..0.1);
+        y[OMEGA[1]] = spin * rng.random_range(-1.0..1.0);
+        y[OMEGA[2]] = rng.random_range(-0.6..0.6);
+        let begin = (0.0_f64).max(system.creep.ln() + 1.0) + pair.slip_scale().ln();
+        let stride = Stride { first: 1.5, shortest: 0.05 };
+        let begin = match rng.random_range(0..3) { 0 => system.creep.ln(), 1 => 0.5 * (system.creep.ln() + begin), _ => begin };
+        let found = follow(&mut y, (begin, system.creep.ln()), stride, |log, y| {
+            Rolling { creep: log.exp(), ..*system }.run(y, newton).converged()
+        });
+        let angles = system.state(&y).ok()?.loaded.angles;
+        (found.is_ok() && y.iter().all(|y| y.abs() < 1e20) && angles.iter().all(|a| (0.0..FRAC_PI_2).contains(a))).then_some(y)
+    })
+}
+
+#[test]
+fn searches() {
+    let mut work = TractionWorkspace::default();
+    let mut rng = ChaCha8Rng::seed_from_u64(77);
+    let mut bins = std::collections::BTreeMap::<String, [usize; 2]>::new();
+    let starts = env("STARTS", 60) as usize;
+    let limit = env("LIMIT", 1000000);
+    for number in env("FROM", 0)..env("POINTS", 4000) {
+        let screw = draw(env("SEED", 8), number);
+        let Ok(pair) = screw.pair() else { continue };
+        let case = Traction { screw, order: Traction::ORDER, creep: Traction::CREEP };
+        let s = case.solve(&mut work);
+        if s.status == Status::Converged { continue }
+        let place = work.quadrature(case.order);
+        let system = Rolling { pair: &pair, quadrature: &work.quadratures[place].1, creep: case.creep * pair.slip_scale() };
+        let mut trace = path::Trace::default();
+        let r = system.followed(&mut work.newton, &mut trace);
+        let key = match &r {
+            Ok(_) => "known".to_owned(),
+            Err(path::End::Left(_, how)) => format!("none {how}"),
+            Err(_) => "undecided".to_owned(),
+        };
+        let found = search(&system, starts, &mut rng, &mut work.newton);
+        let bin = bins.entry(key.clone()).or_default();
+        bin[0] += 1;
+        bin[1] += usize::from(found.is_some());
+        if let Some(y) = found {
+            if key != "known" {
+                println!("{key} {number} mu {:.2e} f {:.2e} a {:.1e} static {:?} {:.2e} {:?} {y:?} rate {:.3e} angles {:?}", pair.inertia_ratio(), pair.friction, pair.semi_axes[0].0, trace.static_angles, trace.static_rate, r.err(), y[PRECESSION] + system.offset(), system.state(&y).unwrap().loaded.angles);
+            }
+        }
+    }
+    println!("{bins:#?}");
+}
+
+#[test]
+fn component() {
+    let mut work = TractionWorkspace::default();
+    let mut rng = ChaCha8Rng::seed_from_u64(77);
+    for number in [env("ONE", 383)] {
+        let screw = draw(env("SEED", 8), number);
+        let Ok(pair) = screw.pair() else { continue };
+        let place = work.quadrature(Traction::ORDER);
+        let system = Rolling { pair: &pair, quadrature: &work.quadratures[place].1, creep: Traction::CREEP * pair.slip_scale() };
+        let found = search(&system, 2000, &mut rng, &mut work.newton).expect("found");
+        println!("pair mu {:.3e} f {:.3e} nut {:.3e} alpha {:.2} beta {:.2} root {found:?} {:?}", pair.inertia_ratio(), pair.friction, pair.nut_speed, pair.helix.lead_angle.to_degrees(), pair.jones.contact_angle.to_degrees(), system.angles(&found));
+        for sign in [1.0, -1.0] {
+            println!("direction {sign}");
+            system.show(&found, sign);
+        }
+        println!("from static");
+        let mut trace = path::Trace::default();
+        println!("{:?} {} {:?}", system.followed(&mut work.newton, &mut trace), trace.static_rate, trace.static_angles);
     }
 }
