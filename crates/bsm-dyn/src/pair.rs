@@ -232,6 +232,11 @@ impl<P: Scalar> Pair<P> {
         Self { ball, ..*self }
     }
 
+    /// The same point with another friction.
+    pub(crate) fn with_friction(&self, friction: P) -> Self {
+        Self { friction, ..*self }
+    }
+
     /// The seven equations (P5): force and moment balance in (t, N, e_x) of the mean normal, and
     /// the axial load.
     ///

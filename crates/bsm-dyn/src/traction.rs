@@ -3,13 +3,13 @@
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T3).
 
 mod path;
+mod scatter;
 mod sensitivities;
 
 use std::num::NonZeroUsize;
 
 use bsm_kin::{Motion, Scalar};
 use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
-use nalgebra::Vector3;
 
 use crate::elastic::Skid;
 use crate::ellipse::{Lanes, Local, Quadrature};
@@ -19,6 +19,7 @@ use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::layout::{self, BALL};
 use crate::pair::{ElasticScrew, Loaded, Pair};
 use crate::raceway_control::{Grip, STATIC};
+use self::path::{PATH, Shown};
 use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
 
 /// Places of the angular velocity in (t, N, e_x) of the mean normal.
@@ -31,6 +32,10 @@ const TWO: NonZeroUsize = NonZeroUsize::new(2).expect("not zero");
 
 /// Skid number from which the skidding ball is the nearer start.
 const SKIDS: f64 = 0.3;
+
+/// No ball turns that fast: where all friction is along the axis of the screw, turning about it
+/// faster and faster takes the residual to zero without a root.
+const FASTEST: f64 = 1e12;
 
 /// A solve may take this many steps.
 const MOST_STEPS: usize = 20;
@@ -58,13 +63,14 @@ impl Traction {
 pub struct TractionWorkspace {
     statics: Workspace,
     newton: Workspace,
+    path: Workspace,
     quadratures: Vec<(NonZeroUsize, Quadrature)>,
 }
 
 impl Default for TractionWorkspace {
     fn default() -> Self {
         let (statics, newton) = (Workspace::new(STATIC), Workspace::new(BALL));
-        Self { statics, newton, quadratures: Vec::new() }
+        Self { statics, newton, path: Workspace::new(PATH), quadratures: Vec::new() }
     }
 }
 
@@ -154,12 +160,16 @@ struct Root {
 
 impl Rolling<'_> {
     /// The root, from a root near by, from the gripping ball or from the skidding one; if none of
-    /// them leads to it, from friction that is nearly proportional to the slip.
+    /// them leads to it, from friction that is nearly proportional to the slip, along the path of
+    /// growing inertia, and from starts all over.
+    ///
+    /// Where the roots of the path are all beyond the flanks, and no other is found, there is none.
     fn find(
         &self,
         grip: &Grip,
         near: Option<&[f64; BALL]>,
         newton: &mut Workspace,
+        wide: &mut Workspace,
     ) -> Result<Root, (Status, Reason)> {
         let gripping = self.unknowns(&grip.loaded, &grip.to_nut);
         let mut steps = 0;
@@ -178,7 +188,7 @@ impl Rolling<'_> {
             };
             let report = self.run(&mut y, newton);
             steps += report.steps.len();
-            if report.converged() {
+            if report.converged() && self.is_admissible(&y) {
                 return Ok(Root { unknowns: y, steps, residual: report.residual });
             }
             failure = Some(report);
@@ -186,17 +196,32 @@ impl Rolling<'_> {
         let mut y = gripping;
         let mut residual = f64::INFINITY;
         let stride = Stride { first: 1.0, shortest: 0.05 };
-        follow(&mut y, (0.0, self.creep.ln()), stride, |log, y| {
+        let arrived = follow(&mut y, (0.0, self.creep.ln()), stride, |log, y| {
             let report = Self { creep: log.exp(), ..*self }.run(y, newton);
             steps += report.steps.len();
             residual = report.residual;
             report.converged()
-        })
-        .map_err(|_| {
-            let report = failure.expect("the gripping start was tried");
-            (Status::NotConverged, Reason::from(report))
-        })?;
-        Ok(Root { unknowns: y, steps, residual })
+        });
+        if arrived.is_ok() && self.is_admissible(&y) {
+            return Ok(Root { unknowns: y, steps, residual });
+        }
+        let shown = self.followed(newton, wide, &mut steps);
+        if let Shown::Root(unknowns, residual) = shown {
+            return Ok(Root { unknowns, steps, residual });
+        }
+        if let Some((unknowns, residual)) = self.scatter(newton, &mut steps) {
+            return Ok(Root { unknowns, steps, residual });
+        }
+        if let Shown::Beyond([nut, screw]) = shown {
+            return Err((Status::NoSolution, Reason::BallLeavesFlank { nut, screw }));
+        }
+        let report = failure.expect("the gripping start was tried");
+        Err((Status::NotConverged, Reason::from(report)))
+    }
+
+    /// True for a root with both contacts on their flanks.
+    fn is_admissible(&self, y: &[f64; BALL]) -> bool {
+        !self.is_beyond(y, 0.0) && y.iter().all(|y| y.abs() < FASTEST)
     }
 
     /// The unknowns (T1) of a state.
@@ -311,7 +336,7 @@ impl Traction {
         let mut case = Self { order: COARSEST, ..*self };
         let mut found = case.outputs(start, None, work);
         // A coarse quadrature may have no root where a finer one has.
-        while found.is_err() && case.order < finest {
+        while matches!(found, Err((Status::NotConverged, _))) && case.order < finest {
             case.order = case.order.saturating_mul(TWO).min(finest);
             found = case.outputs(start, None, work);
         }
@@ -348,7 +373,7 @@ impl Traction {
         let quadrature = &work.quadratures[quadrature].1;
         let creep = self.creep * pair.slip_scale();
         let system = Rolling { pair, quadrature, creep };
-        let Root { unknowns, steps, residual } = system.find(grip, from, &mut work.newton)?;
+        let Root { unknowns, steps, residual } = system.find(grip, from, &mut work.newton, &mut work.path)?;
         let state = system.state(&unknowns).expect("the residual was evaluated at the root");
         let mut outputs = self.screw.describe(pair, &state.loaded, &state.to_nut)?;
         let power = pair.friction_power(&state.loaded, &state.to_nut, creep, quadrature);

@@ -1,95 +1,123 @@
-#![allow(warnings)]
-//! experiment
+//! The root of a ball whose inertia grows, where no start leads to one.
+//!
+//! Theory: `docs/theory/09-traction.md`, equations (T6) to (T8).
+
+use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
 
-use bsm_newton::implicit_slopes;
+use bsm_newton::{
+    EvalError, MatMut, Options, Report, Scales, Status, System, Workspace, implicit_slopes, solve,
+};
 
-use super::*;
+use super::Rolling;
+use crate::ellipse::Lanes;
+use crate::follow::{Stride, follow};
+use crate::jacobian::linearize;
+use crate::layout::unknown::PRECESSION;
+use crate::layout::{self, BALL};
+use crate::raceway_control::Grip;
 
-const PATH: usize = BALL + 1;
+/// Unknowns of a path: those of the ball, and what is varied.
+pub(super) const PATH: usize = BALL + 1;
 
-/// What the path met.
-#[derive(Debug, Clone)]
-pub(super) enum End {
-    Guess(Reason),
-    First(Reason),
-    Creep(f64),
-    Friction(f64, [f64; 2]),
-    Rate(f64, f64, [f64; 2]),
-    Left([f64; 2], &'static str),
+/// Friction so small that it hardly turns the contact angles.
+const FAINT: f64 = 1e-3;
+
+/// Points of a path before it is given up; few take a hundred.
+const MOST_POINTS: usize = 600;
+
+/// Steps of length 1 change what is varied by a factor of e; a tenth of a millionth is none.
+const LONGEST: f64 = 1.0;
+const SHORTEST: f64 = 1e-7;
+
+/// Least cosine between the path and a step, so that no step goes to another path.
+const STRAIGHT: f64 = 0.9;
+
+/// What the path shows.
+pub(super) enum Shown {
+    /// A root on the flanks, and its residual.
+    Root([f64; BALL], f64),
+    /// All roots on the path have contact angles beyond the flanks; those of the first, or of the
+    /// end of the path.
+    Beyond([f64; 2]),
+    /// The path could not be followed to its end.
+    Nothing,
 }
 
-#[derive(Default)]
-pub(super) struct Trace {
-    pub(super) steps: usize,
-    pub(super) points: usize,
-    pub(super) other: bool,
-    pub(super) static_angles: [f64; 2],
-    pub(super) static_rate: f64,
-}
-
-#[derive(Clone, Copy)]
+/// What is varied.
+#[derive(Debug, Clone, Copy)]
 enum Along {
+    /// The friction of a ball without inertia.
     Friction,
+    /// The precession rate of the inertia forces.
     Rate { unit: f64 },
 }
 
-struct Path<'a> {
-    at: &'a Rolling<'a>,
-    along: Along,
-    /// The prediction and the direction of the path, over the scale of each unknown.
-    from: [f64; PATH],
-    towards: [f64; PATH],
-}
-
 impl Along {
-    /// Friction and rate, and their derivative by u
-    fn at(self, friction: f64, u: f64) -> ([f64; 2], [f64; 2]) {
+    /// Friction and rate, and their derivatives by `u`.
+    fn at(self, friction: f64, u: f64) -> [(f64, f64); 2] {
         match self {
-            Self::Friction => ([u.exp(), 0.0], [u.exp(), 0.0]),
-            Self::Rate { unit } => ([friction, unit * u.sinh()], [0.0, unit * u.cosh()]),
+            // f = eᵘ                                                      (T6)
+            Self::Friction => [(u.exp(), u.exp()), (0.0, 0.0)],
+            // P̂ = P₀ sinh u                                               (T7)
+            Self::Rate { unit } => [(friction, 0.0), (unit * u.sinh(), unit * u.cosh())],
         }
     }
+}
+
+/// The equations of a point of a path: those of the ball, and a plane across the path.
+struct Path<'a> {
+    ball: &'a Rolling<'a>,
+    along: Along,
+    foot: [f64; PATH],
+    normal: [f64; PATH],
 }
 
 impl Path<'_> {
     fn residual<D: Lanes<f64>>(&self, z: &[D; PATH]) -> Result<[D; PATH], EvalError> {
-        let y: [D; BALL] = std::array::from_fn(|i| z[i]);
-        let u = z[BALL];
-        let ([friction, rate], slope) = self.along.at(self.at.pair.friction, u.re());
-        let du = u - u.re();
-        let friction = du * slope[0] + friction;
-        let rate = du * slope[1] + rate;
-        let state = self.at.rubbed(&y, friction)?;
-        let left = self.at.left(&y, &state, rate);
+        let y: [D; BALL] = from_fn(|i| z[i]);
+        let du = z[BALL] - z[BALL].re();
+        let [friction, rate] = self
+            .along
+            .at(self.ball.pair.friction, z[BALL].re())
+            .map(|(value, slope)| du * slope + value);
+        let left = self.ball.left(&y, &self.ball.rubbed(&y, friction)?, rate);
+        // (z − z₀)·t = 0                                                  (T8)
         let mut plane = D::from(0.0);
-        for (i, z) in z.iter().enumerate() {
-            plane += (*z - self.from[i]) * self.towards[i];
+        for ((z, foot), normal) in z.iter().zip(&self.foot).zip(&self.normal) {
+            plane += (*z - *foot) * *normal;
         }
-        Ok(std::array::from_fn(|i| if i < BALL { left[i] } else { plane }))
-    }
-
-    /// Direction of the path at a point.
-    fn tangent(&self, z: &[f64; PATH], newton: &mut Workspace) -> Option<[f64; PATH]> {
-        let mut column = [0.0; PATH];
-        column[BALL] = -1.0;
-        let status = implicit_slopes(self, z, &self.weights(z), &mut column, newton).expect("sizes");
-        let sign = newton.orientation();
-        (status == bsm_newton::Status::Converged).then_some(column.map(|x| x * sign))
+        Ok(from_fn(|i| if i < BALL { left[i] } else { plane }))
     }
 
     fn weights(&self, z: &[f64; PATH]) -> [f64; PATH] {
-        let y: [f64; BALL] = std::array::from_fn(|i| z[i]);
-        let ([friction, rate], _) = self.along.at(self.at.pair.friction, z[BALL]);
-        let weights = self.at.weights_of(&y, friction, rate);
-        std::array::from_fn(|i| if i < BALL { weights[i] } else { 1.0 })
+        let [(friction, _), (rate, _)] = self.along.at(self.ball.pair.friction, z[BALL]);
+        let ball = self.ball.weights_of(&ball(z), friction, rate);
+        from_fn(|i| if i < BALL { ball[i] } else { 1.0 })
     }
 
+    /// The point of the path in the plane. It is a guess for the next one: eight digits are enough.
     fn run(&self, z: &mut [f64; PATH], newton: &mut Workspace) -> Report {
-        let weights = self.weights(z);
-        let scales = Scales { x: &[1.0; PATH], f: &weights };
-        let options = Options { residual_tol: 1e-8, residual_goal: 1e-8, max_steps: self.at.most_steps(), ..Options::default() };
-        solve(self, z, &scales, &options, newton).expect("sizes")
+        let scales = Scales { x: &[1.0; PATH], f: &self.weights(z) };
+        let enough = 1e-8;
+        let options = Options {
+            residual_tol: enough,
+            residual_goal: enough,
+            max_steps: 10,
+            ..Options::default()
+        };
+        solve(self, z, &scales, &options, newton)
+            .expect("sizes are constant and the weights positive")
+    }
+
+    /// The direction of the path at `z`; its sense is the same all along the path.
+    fn direction(&self, z: &[f64; PATH], newton: &mut Workspace) -> Option<[f64; PATH]> {
+        let mut column = [0.0; PATH];
+        column[BALL] = -1.0;
+        let status = implicit_slopes(self, z, &self.weights(z), &mut column, newton)
+            .expect("sizes are constant");
+        let sense = newton.orientation();
+        (status == Status::Converged).then(|| column.map(|x| x * sense))
     }
 }
 
@@ -104,216 +132,213 @@ impl System for Path<'_> {
     }
 
     fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        linearize(|y| Path::residual(self, &y), x, r, jac)
+        linearize(|z| Path::residual(self, &z), x, r, jac)
     }
 
     fn equation(&self, i: usize) -> String {
-        if i < BALL { layout::equation(i).to_owned() } else { "path".to_owned() }
+        if i < BALL { layout::equation(i) } else { "plane across the path" }.to_owned()
     }
 }
 
-fn on_flanks(angles: [f64; 2]) -> bool {
-    angles.iter().all(|a| (0.0..FRAC_PI_2).contains(a))
+/// What is to be done after a step.
+enum Next {
+    On,
+    /// The step was too long.
+    Shorter,
+    Stop,
+}
+
+/// The unknowns of the ball.
+fn ball(z: &[f64; PATH]) -> [f64; BALL] {
+    from_fn(|i| z[i])
+}
+
+/// A point of a path.
+fn point(y: &[f64; BALL], u: f64) -> [f64; PATH] {
+    from_fn(|i| if i < BALL { y[i] } else { u })
+}
+
+/// Unknowns of a ball between two points of a path, where a quantity that is `from` and `to` there
+/// vanishes.
+fn between(a: &[f64; PATH], b: &[f64; PATH], from: f64, to: f64) -> [f64; BALL] {
+    let part = from / (from - to);
+    from_fn(|i| a[i] + part * (b[i] - a[i]))
+}
+
+/// Distance of two states over the size of their numbers.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let square = |(a, b): (&f64, &f64)| ((b - a) / (1.0 + a.abs())).powi(2);
+    a.iter().zip(b).map(square).sum::<f64>().sqrt()
 }
 
 impl Rolling<'_> {
-    pub(super) fn angles(&self, y: &[f64; BALL]) -> [f64; 2] {
-        self.state(y).map_or([f64::NAN; 2], |s| s.loaded.angles)
-    }
-
-    fn rate(&self, y: &[f64; BALL]) -> f64 {
+    pub(super) fn rate(&self, y: &[f64; BALL]) -> f64 {
         y[PRECESSION] + self.offset()
     }
 
-    fn most_steps(&self) -> usize { if self.creep > 0.5 { 50 } else { 10 } }
+    /// Contact angles at nut and screw.
+    pub(super) fn angles(&self, y: &[f64; BALL]) -> [f64; 2] {
+        self.state(y).map_or([f64::NAN; 2], |state| state.loaded.angles)
+    }
 
-    /// Follows; `event` is what changes its sign where the path is to be left, `land` solves there
-    /// and says whether to stop.
+    /// True if a contact is more than `margin` beyond its flank.
+    pub(super) fn is_beyond(&self, y: &[f64; BALL], margin: f64) -> bool {
+        !self.angles(y).iter().all(|angle| (-margin..FRAC_PI_2 + margin).contains(angle))
+    }
+
+    /// True if the path may come back to the flanks no more: a right angle beyond them.
+    fn is_far(&self, z: &[f64; PATH]) -> bool {
+        self.is_beyond(&ball(z), FRAC_PI_2)
+    }
+
+    /// The first root on the flanks along the path of growing inertia forces.
+    pub(super) fn followed(
+        &self,
+        newton: &mut Workspace,
+        wide: &mut Workspace,
+        steps: &mut usize,
+    ) -> Shown {
+        let still = self.pair.with_inertia(0.0);
+        let slippery = still.with_friction(self.pair.friction.min(FAINT));
+        let Ok(guess) = Grip::guess(&still) else { return Shown::Nothing };
+        let mut y = self.unknowns(&guess.loaded, &guess.to_nut);
+        // Friction that is nearly proportional to the slip, then less and less.
+        let begin = (10.0 * self.lever(&y)).ln();
+        let stride = Stride { first: 2.0, shortest: 1e-3 };
+        let settled = follow(&mut y, (begin, self.creep.ln()), stride, |log, y| {
+            let report = Rolling { pair: &slippery, creep: log.exp(), ..*self }.run(y, newton);
+            *steps += report.steps.len();
+            report.converged()
+        });
+        if settled.is_err() {
+            return Shown::Nothing;
+        }
+        if slippery.friction < self.pair.friction {
+            let resting = Rolling { pair: &still, ..*self };
+            let (goal, mut z) = (self.pair.friction.ln(), point(&y, slippery.friction.ln()));
+            let mut landed = false;
+            let ended = resting.track(Along::Friction, &mut z, wide, steps, |from, to| {
+                if to[BALL] < goal {
+                    let over = resting.is_far(to) || to[BALL] < 2.0 * FAINT.ln();
+                    return if over { Next::Stop } else { Next::On };
+                }
+                y = between(from, to, goal - from[BALL], goal - to[BALL]);
+                let guess = y;
+                landed = resting.run(&mut y, newton).converged();
+                let calm = landed && distance(&guess, &y) <= distance(from, to);
+                if calm { Next::Stop } else { Next::Shorter }
+            });
+            if !(ended && landed) {
+                let end = ball(&z);
+                let none = self.is_beyond(&end, 0.0);
+                return if none { Shown::Beyond(self.angles(&end)) } else { Shown::Nothing };
+            }
+        }
+        let forwards = self.from_rest(&y, 1.0, newton, wide, steps);
+        if matches!(forwards, Shown::Root(..)) {
+            return forwards;
+        }
+        match self.from_rest(&y, -1.0, newton, wide, steps) {
+            root @ Shown::Root(..) => root,
+            _ => forwards,
+        }
+    }
+
+    /// The first root on the flanks from a ball without inertia on, towards its own precession rate
+    /// or, with a negative `sense`, away from it.
+    fn from_rest(
+        &self,
+        y: &[f64; BALL],
+        sense: f64,
+        newton: &mut Workspace,
+        wide: &mut Workspace,
+        steps: &mut usize,
+    ) -> Shown {
+        let (at_rest, mu) = (self.rate(y), self.pair.inertia_ratio());
+        // Rates up to which inertia is small against load and friction.
+        let small = at_rest.abs().min((0.1 / mu).sqrt()).min(self.pair.friction / mu);
+        let unit = sense * small.copysign(at_rest);
+        // No ball circles that fast.
+        let most = 2.0 * (1.0 + self.pair.nut_speed.abs());
+        let held = |z: &[f64; PATH]| unit * z[BALL].sinh();
+        let (mut found, mut beyond) = (None, None);
+        let mut z = point(y, 0.0);
+        let ended = self.track(Along::Rate { unit }, &mut z, wide, steps, |from, to| {
+            let [before, after] = [from, to].map(|z| self.rate(&ball(z)) - held(z));
+            if before * after <= 0.0 && before != 0.0 {
+                let guess = between(from, to, before, after);
+                let mut y = guess;
+                let report = self.run(&mut y, newton);
+                if !report.converged() || distance(&guess, &y) > distance(from, to) {
+                    return Next::Shorter;
+                }
+                if !self.is_beyond(&y, 0.0) {
+                    found = Some(Shown::Root(y, report.residual));
+                    return Next::Stop;
+                }
+                beyond = beyond.or(Some(self.angles(&y)));
+            }
+            if self.is_far(to) || held(to).abs() > most { Next::Stop } else { Next::On }
+        });
+        let end = ball(&z);
+        found.unwrap_or_else(|| match beyond {
+            _ if !ended && !self.is_beyond(&end, 0.0) => Shown::Nothing,
+            Some(angles) => Shown::Beyond(angles),
+            None if self.is_beyond(&end, 0.0) => Shown::Beyond(self.angles(&end)),
+            None => Shown::Nothing,
+        })
+    }
+
+    /// Goes along a path from `z` on, first towards larger `u`, in steps of its length, through
+    /// folds too, until `visit` says stop; `visit` is given both ends of each step. False if the
+    /// path is lost.
     fn track(
         &self,
         along: Along,
         z: &mut [f64; PATH],
-        first: f64,
-        trace: &mut Trace,
         newton: &mut Workspace,
-        event: impl Fn(&[f64; PATH]) -> f64,
-        mut land: impl FnMut(&mut [f64; BALL]) -> (bool, bool, usize),
-        ends: impl Fn(&[f64; PATH]) -> bool,
+        steps: &mut usize,
+        mut visit: impl FnMut(&[f64; PATH], &[f64; PATH]) -> Next,
     ) -> bool {
-        let mut length = first;
-        let mut direction = [0.0; PATH];
-        direction[BALL] = 1.0;
-        let start = Path { at: self, along, from: *z, towards: direction };
-        let Some(tangent) = start.tangent(z, newton) else { return false };
-        // u grows first.
-        let oriented = tangent[BALL].signum();
-        direction = tangent.map(|x| x * oriented);
-        for _ in 0..2000 {
-            trace.points += 1;
-            let scale: [f64; PATH] = std::array::from_fn(|i| if i == BALL { 1.0 } else { 1.0 + z[i].abs() });
-            // direction is d z/ds with |d z / scale| = 1
-            let norm = (0..PATH).map(|i| (direction[i] / scale[i]).powi(2)).sum::<f64>().sqrt();
-            for d in &mut direction { *d /= norm; }
-            let from: [f64; PATH] = std::array::from_fn(|i| z[i] + length * direction[i]);
-            let towards = std::array::from_fn(|i| direction[i] / scale[i].powi(2));
-            let path = Path { at: self, along, from, towards };
-            let mut next = from;
+        let upwards = from_fn(|i| if i < BALL { 0.0 } else { 1.0 });
+        let begin = Path { ball: self, along, foot: *z, normal: upwards };
+        let Some(direction) = begin.direction(z, newton) else { return false };
+        let sense = direction[BALL].signum();
+        let mut direction = direction.map(|x| x * sense);
+        let mut length = 0.5 * LONGEST;
+        for _ in 0..MOST_POINTS {
+            let scale = z.map(|z| 1.0 + z.abs());
+            let speed = (0..PATH).map(|i| (direction[i] / scale[i]).powi(2)).sum::<f64>().sqrt();
+            let foot = from_fn(|i| z[i] + length * direction[i] / speed);
+            let normal = from_fn(|i| direction[i] / (speed * scale[i] * scale[i]));
+            let path = Path { ball: self, along, foot, normal };
+            let mut next = foot;
             let report = path.run(&mut next, newton);
-            trace.steps += report.steps.len();
-            let moved: [f64; PATH] = std::array::from_fn(|i| next[i] - z[i]);
-            let distance = (0..PATH).map(|i| (moved[i] / scale[i]).powi(2)).sum::<f64>().sqrt();
-            let cosine = (0..PATH).map(|i| moved[i] * towards[i]).sum::<f64>() / distance;
-            let tangent = if report.converged() { path.tangent(&next, newton) } else { None };
-            let calm = report.converged() && cosine > 0.9 && tangent.is_some();
-            if !calm {
-                length *= 0.5;
-                if length < 1e-7 {
-                    if std::env::var("VERBOSE").is_ok() { println!("   {:?} {:.2e} {} lambda {:?} {:?} cos {cosine} z {z:?} dir {direction:?}", report.status, report.residual, report.worst_equation_name, report.steps.iter().map(|s| (s.residual as f32, s.lambda as f32)).collect::<Vec<_>>(), report.refusal); }
-                    return false;
+            *steps += report.steps.len();
+            let moved = distance(z, &next);
+            let cosine = (0..PATH).map(|i| (next[i] - z[i]) * normal[i]).sum::<f64>() / moved;
+            let ahead = (report.converged() && cosine > STRAIGHT)
+                .then(|| path.direction(&next, newton))
+                .flatten();
+            let verdict = ahead.map(|ahead| (ahead, visit(z, &next)));
+            match verdict {
+                Some((_, Next::Shorter)) | None => {
+                    length *= 0.4;
+                    if length < SHORTEST {
+                        return false;
+                    }
                 }
-                continue;
-            }
-            let (before, after) = (event(z), event(&next));
-            if before * after <= 0.0 && before != 0.0 {
-                let t = before / (before - after);
-                let mut y = std::array::from_fn(|i| z[i] + t * moved[i]);
-                let guess: [f64; BALL] = y;
-                let (converged, stop, steps) = land(&mut y);
-                trace.steps += steps;
-                let off = (0..BALL).map(|i| ((y[i] - guess[i]) / scale[i]).powi(2)).sum::<f64>().sqrt();
-                if !converged || off > distance {
-                    length = 0.3 * distance;
-                    if length < 1e-7 { return false; }
-                    continue;
+                Some((ahead, verdict)) => {
+                    *z = next;
+                    direction = ahead.map(|x| x * sense);
+                    if matches!(verdict, Next::Stop) {
+                        return true;
+                    }
+                    let easy = report.steps.len() <= 4;
+                    length = (moved * if easy { 1.6 } else { 1.0 }).min(LONGEST);
                 }
-                if stop {
-                    z[..BALL].copy_from_slice(&y);
-                    return true;
-                }
-            }
-            *z = next;
-            direction = tangent.expect("calm").map(|x| x * oriented);
-            length = distance * if report.steps.len() <= 4 { 1.6 } else if report.steps.len() > 7 { 0.7 } else { 1.0 };
-            length = length.min(1.0);
-            if std::env::var("SHOW").is_ok() { let y: [f64; BALL] = std::array::from_fn(|i| z[i]); let held = along.at(self.pair.friction, z[BALL]).0[1]; println!("  {:3} P^ {held:.3e} P {:.3e} loads {:.3e} {:.3e} omega {:.2e} {:.2e} {:.2e} angles {:.3?}", trace.points, self.rate(&y), y[0], y[2], y[4], y[5], y[6], self.angles(&y)); }
-            if ends(z) {
-                return true;
             }
         }
         false
-    }
-
-    pub(super) fn show(&self, y: &[f64; BALL], sign: f64) {
-        let mut wide = Workspace::new(PATH);
-        let (rate, mu) = (self.rate(y), self.pair.inertia_ratio());
-        let unit = rate.signum() * rate.abs().min((0.1 / mu).sqrt()).min(self.pair.friction / mu);
-        let mut z = [0.0; PATH];
-        z[..BALL].copy_from_slice(y);
-        z[BALL] = (rate / unit).asinh();
-        let mut trace = Trace::default();
-        let mut n = std::cell::Cell::new(0);
-        // reversed: u -> -u
-        z[BALL] *= sign;
-        let along = Along::Rate { unit: unit * sign };
-        let ok = self.track(along, &mut z, 0.1, &mut trace, &mut wide, |_| 1.0, |y| (true, false, 0), |z| {
-            let y: [f64; BALL] = std::array::from_fn(|i| z[i]);
-            n.set(n.get() + 1);
-            let held = unit * sign * z[BALL].sinh();
-            if n.get() % 3 == 0 { println!("  {:3} P^ {held:.3e} c {:.2e} P {:.3e} loads {:.3e} {:.3e} omega {:.2e} {:.2e} {:.2e} angles {:.3?}", n.get(), mu * held * held, self.rate(&y), y[0], y[2], y[4], y[5], y[6], self.angles(&y)); }
-            n.get() > 150 || !self.angles(&y).iter().all(|a| (-1.2..FRAC_PI_2 + 1.2).contains(a))
-        });
-        println!("  ended {ok} after {}", n.get());
-    }
-
-    pub(super) fn followed(&self, newton: &mut Workspace, trace: &mut Trace) -> Result<([f64; BALL], f64), End> {
-        let still = self.pair.with_inertia(0.0);
-        let guess = Grip::guess(&still).map_err(|e| End::Guess(e.1))?;
-        let mut y = self.unknowns(&guess.loaded, &guess.to_nut);
-        let faint = self.pair.friction.min(1e-3);
-        let begin = 10.0 * self.lever(&y);
-        let mut last = None;
-        let stride = Stride { first: 2.0, shortest: 1e-3 };
-        let slow = self.pair.with_inertia(0.0);
-        let mut steps = 0;
-        let mut wide = Workspace::new(PATH);
-        let mut z = [0.0; PATH];
-        z[..BALL].copy_from_slice(&y);
-        follow(&mut y, (begin.ln(), self.creep.ln()), stride, |log, y| {
-            let at = Rolling { pair: &slow, creep: log.exp(), ..*self };
-            z[..BALL].copy_from_slice(y);
-            z[BALL] = faint.ln();
-            let mut towards = [0.0; PATH];
-            towards[BALL] = 1.0;
-            let path = Path { at: &at, along: Along::Friction, from: z, towards };
-            let mut end = z;
-            let r = path.run(&mut end, &mut wide);
-            y.copy_from_slice(&end[..BALL]);
-            steps += r.steps.len();
-            let c = r.converged();
-            last = Some(r);
-            c
-        }).map_err(|e| match e { None => {
-            let r = last.take().unwrap();
-            if std::env::var("VERBOSE").is_ok() { println!("   first {:?} {:.2e} {} lambda {:?} {:?} z {z:?} loads {:?} axes {:?} angles {:?}", r.status, r.residual, r.worst_equation_name, r.steps.iter().map(|s| (s.residual as f32, s.lambda as f32)).collect::<Vec<_>>(), r.refusal, guess.loaded.loads, self.pair.semi_axes, guess.loaded.angles); }
-            End::First(Reason::from(r))
-        }, Some(x) => End::Creep(x) })?;
-        trace.steps = steps;
-        z[..BALL].copy_from_slice(&y);
-        z[BALL] = faint.ln();
-        let goal = self.pair.friction.ln();
-        let outside = |z: &[f64; PATH], margin: f64| {
-            let y: [f64; BALL] = std::array::from_fn(|i| z[i]);
-            !self.angles(&y).iter().all(|a| (-margin..FRAC_PI_2 + margin).contains(a))
-        };
-        if faint < self.pair.friction {
-            let ok = self.track(Along::Friction, &mut z, 0.5, trace, &mut wide, |z| z[BALL] - goal, |y| {
-                let at = Rolling { pair: &slow, ..*self };
-                let r = at.run(y, newton);
-                (r.converged(), true, r.steps.len())
-            }, |z| outside(z, 1.2) || z[BALL] < faint.ln() - 2.0);
-            y.copy_from_slice(&z[..BALL]);
-            let angles = self.angles(&y);
-            if !ok {
-                return Err(if outside(&z, 0.0) { End::Left(angles, "friction stops") } else { End::Friction(z[BALL].exp() / self.pair.friction, angles) });
-            }
-            if outside(&z, 1.2) { return Err(End::Left(angles, "friction far")); }
-        }
-        trace.static_angles = self.angles(&y);
-        trace.static_rate = self.rate(&y);
-        let (rate, mu) = (self.rate(&y), self.pair.inertia_ratio());
-        let unit = rate.signum() * rate.abs().min((0.1 / mu).sqrt()).min(self.pair.friction / mu);
-        let most = 2.0 * (1.0 + self.pair.nut_speed.abs());
-        let at = |u: f64| unit * u.sinh();
-        let mut left = None;
-        let mut residual = 0.0;
-        let begin = y;
-        let mut result = Err(End::Left([0.0; 2], "?"));
-        for sign in [1.0, -1.0] {
-            z[..BALL].copy_from_slice(&begin);
-            z[BALL] = 0.0;
-            let ok = self.track(Along::Rate { unit: sign * unit }, &mut z, (rate / unit).asinh().min(1.0), trace, &mut wide, |z| {
-                let y: [f64; BALL] = std::array::from_fn(|i| z[i]);
-                self.rate(&y) - sign * at(z[BALL])
-            }, |y| {
-                let r = self.run(y, newton);
-                residual = r.residual;
-                let angles = self.angles(y);
-                let stop = r.converged() && on_flanks(angles);
-                if r.converged() && !stop && left.is_none() { left = Some(angles); }
-                (r.converged(), stop, r.steps.len())
-            }, |z| outside(z, 1.2) || at(z[BALL]).abs() > most);
-            y.copy_from_slice(&z[..BALL]);
-            let angles = self.angles(&y);
-            let end = sign * at(z[BALL]);
-            if !ok {
-                let e = if outside(&z, 0.0) { End::Left(left.unwrap_or(angles), if left.is_some() { "root" } else { "stops" }) } else { End::Rate(end, self.rate(&y), angles) };
-                if sign > 0.0 { result = Err(e); }
-            }
-            else if outside(&z, 1.2) { if sign > 0.0 { result = Err(End::Left(left.unwrap_or(angles), if left.is_some() { "root" } else { "far" })); }}
-            else if end.abs() > most { if sign > 0.0 { result = Err(match left { Some(x) => End::Left(x, "root"), None => End::Rate(end, self.rate(&y), angles) }); }}
-            else { trace.other = sign < 0.0; return Ok((y, residual)); }
-        }
-        return result;
-        Ok((y, residual))
     }
 }

@@ -72,61 +72,6 @@ fn statistics() {
     }
 }
 
-#[test]
-fn paths() {
-    let mut work = TractionWorkspace::default();
-    let mut bins = std::collections::BTreeMap::<String, Vec<u64>>::new();
-    let mut n = 0;
-    let begin = std::time::Instant::now();
-    let mut path_time = 0.0;
-    let (mut worst, mut agree, mut differ) = (0.0_f64, 0, 0);
-    let verbose = env("VERBOSE", 0) == 1;
-    for number in env("FROM", 0)..env("POINTS", 4000) {
-        let screw = draw(env("SEED", 8), number);
-        let Ok(pair) = screw.pair() else { continue };
-        n += 1;
-        let case = Traction { screw, order: Traction::ORDER, creep: Traction::CREEP };
-        let s = case.solve(&mut work);
-        if s.status == Status::Converged && env("ALL", 0) == 0 { continue }
-        let place = work.quadrature(case.order);
-        let system = Rolling { pair: &pair, quadrature: &work.quadratures[place].1, creep: case.creep * pair.slip_scale() };
-        let t0 = std::time::Instant::now();
-        let mut trace = path::Trace::default();
-        let r = system.followed(&mut work.newton, &mut trace);
-        let t = t0.elapsed().as_secs_f64();
-        path_time += t;
-        worst = worst.max(t);
-        let a = pair.semi_axes[0].0.max(pair.semi_axes[1].0);
-        let long = if a > 100.0 { "a>100" } else if a > 10.0 { "a>10" } else if a > 1.0 { "a>1" } else { "" };
-        let left = |[a, b]: [f64; 2]| a.is_nan() || a < 0.0 || b >= std::f64::consts::FRAC_PI_2 || b < 0.0 || a >= std::f64::consts::FRAC_PI_2;
-        let key = match &r {
-            Ok((y, _)) => {
-                let st = system.state(y).unwrap();
-                let out = left(st.loaded.angles);
-                if s.status == Status::Converged {
-                    let p = s.outputs.precession.unwrap() / screw.drive.relative_speed().abs();
-                    let q = y[PRECESSION] + pair.nut_speed;
-                    if (p - q).abs() <= 1e-6 * q.abs() { agree += 1 } else { differ += 1; println!("differ {number} {p} {q} {:?} {:?} mu {:.3e}", st.loaded.angles, (s.outputs.nut_contact_angle, s.outputs.screw_contact_angle), pair.inertia_ratio()); }
-                }
-                format!("ok {}", if out { "but left" } else if trace.other { "other sign" } else { "" })
-            }
-            Err(path::End::Guess(_)) => "guess".into(),
-            Err(path::End::First(_)) => "first".into(),
-            Err(path::End::Creep(_)) => "creep".into(),
-            Err(path::End::Friction(_, angles)) => format!("friction {} ", if left(*angles) { "left" } else { "inside" }),
-            Err(path::End::Rate(_, _, angles)) => format!("rate {} {}", if left(*angles) { "left" } else { "inside" }, if left(trace.static_angles) { "static left" } else { "" }),
-            Err(path::End::Left(_, how)) => format!("NONE {how}"),
-        };
-        let key = format!("{} {key} {long}", if s.status == Status::Converged { "CONV" } else { "" });
-        if verbose { println!("{number} {key} {:?} {:.3e} f {:.2e} a {a:.2e} steps {} points {} {:.1} ms {:?} {:?} nut speed {:.2e} static {:?} {}", r.as_ref().err(), pair.inertia_ratio(), pair.friction, trace.steps, trace.points, 1e3 * t, s.status, s.reason, pair.nut_speed, trace.static_angles, trace.static_rate); }
-        bins.entry(key).or_default().push(number);
-    }
-    println!("{n} points, {:.1} s, path {path_time:.1} s, worst {:.1} ms; agree {agree}, differ {differ}", begin.elapsed().as_secs_f64(), 1e3 * worst);
-    for (key, list) in &bins {
-        println!("{key:40} {:6} {:.2} %  {:?}", list.len(), 100.0 * list.len() as f64 / n as f64, &list[..list.len().min(8)]);
-    }
-}
-
 /// An admissible root from random starts, if one is found.
 fn search(system: &Rolling, starts: usize, rng: &mut impl rand::Rng, newton: &mut Workspace) -> Option<[f64; BALL]> {
     use std::f64::consts::FRAC_PI_2;
@@ -165,7 +110,7 @@ fn search(system: &Rolling, starts: usize, rng: &mut impl rand::Rng, newton: &mu
             Rolling { creep: log.exp(), ..*system }.run(y, newton).converged()
         });
         let angles = system.state(&y).ok()?.loaded.angles;
-        (found.is_ok() && y.iter().all(|y| y.abs() < 1e20) && angles.iter().all(|a| (0.0..FRAC_PI_2).contains(a))).then_some(y)
+        (found.is_ok() && y.iter().all(|y| y.abs() < 1e12) && angles.iter().all(|a| (0.0..FRAC_PI_2).contains(a))).then_some(y)
     })
 }
 
@@ -181,46 +126,21 @@ fn searches() {
         let Ok(pair) = screw.pair() else { continue };
         let case = Traction { screw, order: Traction::ORDER, creep: Traction::CREEP };
         let s = case.solve(&mut work);
-        if s.status == Status::Converged { continue }
+        let hard = s.outputs.iterations.is_none_or(|n| n > 150);
+        if !hard { continue }
         let place = work.quadrature(case.order);
         let system = Rolling { pair: &pair, quadrature: &work.quadratures[place].1, creep: case.creep * pair.slip_scale() };
-        let mut trace = path::Trace::default();
-        let r = system.followed(&mut work.newton, &mut trace);
-        let key = match &r {
-            Ok(_) => "known".to_owned(),
-            Err(path::End::Left(_, how)) => format!("none {how}"),
-            Err(_) => "undecided".to_owned(),
-        };
         let found = search(&system, starts, &mut rng, &mut work.newton);
+        let key = format!("{:?}", s.status);
         let bin = bins.entry(key.clone()).or_default();
         bin[0] += 1;
         bin[1] += usize::from(found.is_some());
         if let Some(y) = found {
-            if key != "known" {
-                println!("{key} {number} mu {:.2e} f {:.2e} a {:.1e} static {:?} {:.2e} {:?} {y:?} rate {:.3e} angles {:?}", pair.inertia_ratio(), pair.friction, pair.semi_axes[0].0, trace.static_angles, trace.static_rate, r.err(), y[PRECESSION] + system.offset(), system.state(&y).unwrap().loaded.angles);
+            if s.status != Status::Converged {
+                println!("{key} {number} mu {:.2e} f {:.2e} a {:.1e} {:?} {y:?} rate {:.3e} angles {:?}", pair.inertia_ratio(), pair.friction, pair.semi_axes[0].0, s.reason, y[PRECESSION] + system.offset(), system.angles(&y));
             }
         }
     }
     println!("{bins:#?}");
 }
 
-#[test]
-fn component() {
-    let mut work = TractionWorkspace::default();
-    let mut rng = ChaCha8Rng::seed_from_u64(77);
-    for number in [env("ONE", 383)] {
-        let screw = draw(env("SEED", 8), number);
-        let Ok(pair) = screw.pair() else { continue };
-        let place = work.quadrature(Traction::ORDER);
-        let system = Rolling { pair: &pair, quadrature: &work.quadratures[place].1, creep: Traction::CREEP * pair.slip_scale() };
-        let found = search(&system, 2000, &mut rng, &mut work.newton).expect("found");
-        println!("pair mu {:.3e} f {:.3e} nut {:.3e} alpha {:.2} beta {:.2} root {found:?} {:?}", pair.inertia_ratio(), pair.friction, pair.nut_speed, pair.helix.lead_angle.to_degrees(), pair.jones.contact_angle.to_degrees(), system.angles(&found));
-        for sign in [1.0, -1.0] {
-            println!("direction {sign}");
-            system.show(&found, sign);
-        }
-        println!("from static");
-        let mut trace = path::Trace::default();
-        println!("{:?} {} {:?}", system.followed(&mut work.newton, &mut trace), trace.static_rate, trace.static_angles);
-    }
-}
