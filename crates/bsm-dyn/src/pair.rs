@@ -291,9 +291,10 @@ impl<P: Scalar> Pair<P> {
         to_nut.relative_to(D::from(-self.nut_speed), frame)
     }
 
-    /// Largest speed over `$r_b |W|$` at which a relative speed moves the points of ellipses longer
-    /// than the ball.
+    /// Speed over `$r_b |W|$` of the ends of the longer ellipse under the axial load when the ball
+    /// turns against a race at `$|W|$`; 1 for ellipses shorter than the ball (T9).
     pub(crate) fn slip_scale(&self) -> f64 {
+        // max(1, a²/2R_c)                                                 (T9)
         let height = |i: usize| {
             let a = self.semi_axes[i].0.re();
             0.5 * a * a / self.pressed_radius[i].re()

@@ -1,8 +1,9 @@
 //! Rolling, partial and gross slip in one model: friction integrated over the contact ellipses.
 //!
-//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T3).
+//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T9).
 
 mod path;
+mod root;
 mod scatter;
 mod sensitivities;
 
@@ -11,31 +12,23 @@ use std::num::NonZeroUsize;
 use bsm_kin::{Motion, Scalar};
 use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
 
-use crate::elastic::Skid;
+use self::path::PATH;
+use self::root::Root;
 use crate::ellipse::{Lanes, Local, Quadrature};
-use crate::follow::{Stride, follow};
 use crate::jacobian::linearize;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::layout::{self, BALL};
 use crate::pair::{ElasticScrew, Loaded, Pair};
 use crate::raceway_control::{Grip, STATIC};
-use self::path::{PATH, Shown};
 use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
 
-/// Places of the angular velocity in (t, N, e_x) of the mean normal.
+/// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 const OMEGA: [usize; 3] = [4, 5, 6];
 
 /// Order that [`Traction::solve_to`] begins with.
 const COARSEST: NonZeroUsize = NonZeroUsize::new(4).expect("not zero");
 
 const TWO: NonZeroUsize = NonZeroUsize::new(2).expect("not zero");
-
-/// Skid number from which the skidding ball is the nearer start.
-const SKIDS: f64 = 0.3;
-
-/// No ball turns that fast: where all friction is along the axis of the screw, turning about it
-/// faster and faster takes the residual to zero without a root.
-const FASTEST: f64 = 1e12;
 
 /// A solve may take this many steps.
 const MOST_STEPS: usize = 20;
@@ -150,80 +143,7 @@ impl<P: Scalar> Rolling<'_, P> {
     }
 }
 
-/// A root of the equations of a point.
-struct Root {
-    unknowns: [f64; BALL],
-    /// Newton steps of all solves.
-    steps: usize,
-    residual: f64,
-}
-
 impl Rolling<'_> {
-    /// The root, from a root near by, from the gripping ball or from the skidding one; if none of
-    /// them leads to it, from friction that is nearly proportional to the slip, along the path of
-    /// growing inertia, and from starts all over.
-    ///
-    /// Where the roots of the path are all beyond the flanks, and no other is found, there is none.
-    fn find(
-        &self,
-        grip: &Grip,
-        near: Option<&[f64; BALL]>,
-        newton: &mut Workspace,
-        wide: &mut Workspace,
-    ) -> Result<Root, (Status, Reason)> {
-        let gripping = self.unknowns(&grip.loaded, &grip.to_nut);
-        let mut steps = 0;
-        let mut failure = None;
-        let skids = grip.skid_number(self.pair) > SKIDS;
-        let starts = [near.map(Begin::Near), Some(Begin::of(skids)), Some(Begin::of(!skids))];
-        for start in starts.into_iter().flatten() {
-            let mut y = match start {
-                Begin::Near(root) => *root,
-                Begin::Grip => gripping,
-                Begin::Skid => {
-                    let Ok(skid) = Skid::of(self.pair, newton) else { continue };
-                    steps += skid.steps();
-                    self.unknowns(skid.state().0, skid.state().1)
-                }
-            };
-            let report = self.run(&mut y, newton);
-            steps += report.steps.len();
-            if report.converged() && self.is_admissible(&y) {
-                return Ok(Root { unknowns: y, steps, residual: report.residual });
-            }
-            failure = Some(report);
-        }
-        let mut y = gripping;
-        let mut residual = f64::INFINITY;
-        let stride = Stride { first: 1.0, shortest: 0.05 };
-        let arrived = follow(&mut y, (0.0, self.creep.ln()), stride, |log, y| {
-            let report = Self { creep: log.exp(), ..*self }.run(y, newton);
-            steps += report.steps.len();
-            residual = report.residual;
-            report.converged()
-        });
-        if arrived.is_ok() && self.is_admissible(&y) {
-            return Ok(Root { unknowns: y, steps, residual });
-        }
-        let shown = self.followed(newton, wide, &mut steps);
-        if let Shown::Root(unknowns, residual) = shown {
-            return Ok(Root { unknowns, steps, residual });
-        }
-        if let Some((unknowns, residual)) = self.scatter(newton, &mut steps) {
-            return Ok(Root { unknowns, steps, residual });
-        }
-        if let Shown::Beyond([nut, screw]) = shown {
-            return Err((Status::NoSolution, Reason::BallLeavesFlank { nut, screw }));
-        }
-        let report = failure.expect("the gripping start was tried");
-        Err((Status::NotConverged, Reason::from(report)))
-    }
-
-    /// True for a root with both contacts on their flanks.
-    fn is_admissible(&self, y: &[f64; BALL]) -> bool {
-        !self.is_beyond(y, 0.0) && y.iter().all(|y| y.abs() < FASTEST)
-    }
-
     /// The unknowns (T1) of a state.
     fn unknowns(&self, loaded: &Loaded<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
         let mut y = [0.0; BALL];
@@ -239,17 +159,19 @@ impl Rolling<'_> {
 
     /// Weights of the equations.
     fn weights(&self, y: &[f64; BALL]) -> [f64; BALL] {
-        // D_F = diag(w, w, w, w/f, w/f, w/f, w),  w = 1/max(1, μ)          (T3)
         self.weights_of(y, self.pair.friction, y[PRECESSION] + self.offset())
     }
 
     /// The same with the friction and the inertia forces of a path.
     fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
+        // D_F = diag(w, w, w, w/(f h), w/(f h), w/(f h), w),  w = 1/max(1, μ (P/W)²)  (T3)
         let force = (self.pair.inertia_ratio() * rate * rate).clamp(1.0, f64::MAX.sqrt()).recip();
         let moment = force / friction.min(1.0) / self.lever(y);
         [force, force, force, moment, moment, moment, force]
     }
 
+    /// Lever arm of friction over the ball radius `$h$`, that of the ends of ellipses longer than the
+    /// ball.
     fn lever(&self, y: &[f64; BALL]) -> f64 {
         let pair = self.pair;
         let lever = |i: usize, load: f64| {
@@ -266,23 +188,6 @@ impl Rolling<'_> {
         let options = Options { residual_goal: 1e-13, max_steps: MOST_STEPS, ..Options::default() };
         solve(self, y, &scales, &options, newton)
             .expect("sizes are constant and the weights positive")
-    }
-}
-
-/// Where a solve begins.
-#[derive(Clone, Copy)]
-enum Begin<'a> {
-    /// At a root of the same point with another quadrature.
-    Near(&'a [f64; BALL]),
-    /// At the gripping ball.
-    Grip,
-    /// At the skidding ball.
-    Skid,
-}
-
-impl Begin<'_> {
-    fn of(skids: bool) -> Self {
-        if skids { Self::Skid } else { Self::Grip }
     }
 }
 
@@ -373,7 +278,8 @@ impl Traction {
         let quadrature = &work.quadratures[quadrature].1;
         let creep = self.creep * pair.slip_scale();
         let system = Rolling { pair, quadrature, creep };
-        let Root { unknowns, steps, residual } = system.find(grip, from, &mut work.newton, &mut work.path)?;
+        let Root { unknowns, steps, residual } =
+            system.find(grip, from, &mut work.newton, &mut work.path)?;
         let state = system.state(&unknowns).expect("the residual was evaluated at the root");
         let mut outputs = self.screw.describe(pair, &state.loaded, &state.to_nut)?;
         let power = pair.friction_power(&state.loaded, &state.to_nut, creep, quadrature);
@@ -395,7 +301,9 @@ pub(crate) struct Start<'a> {
 impl<'a> Start<'a> {
     /// From a gripping ball, or from a guess where there is none.
     pub(crate) fn new(pair: &'a Pair, grip: Option<&Grip>) -> Result<Self, (Status, Reason)> {
-        Ok(Self { pair, grip: grip.map_or_else(|| Grip::guess(pair), |grip| Ok(*grip))? })
+        // Centrifugal forces may be beyond a guess; the ball without them is one too.
+        let guess = || Grip::guess(pair).or_else(|_| Grip::guess(&pair.with_inertia(0.0)));
+        Ok(Self { pair, grip: grip.map_or_else(guess, |grip| Ok(*grip))? })
     }
 }
 
@@ -404,6 +312,3 @@ pub(crate) struct Found {
     pub(crate) outputs: Outputs,
     pub(crate) unknowns: [f64; BALL],
 }
-
-#[cfg(test)]
-mod tests;

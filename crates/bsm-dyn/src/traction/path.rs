@@ -35,11 +35,13 @@ const STRAIGHT: f64 = 0.9;
 
 /// What the path shows.
 pub(super) enum Shown {
-    /// A root on the flanks, and its residual.
+    /// A root on the flanks, and its residual; its powers may not balance.
     Root([f64; BALL], f64),
     /// All roots on the path have contact angles beyond the flanks; those of the first, or of the
     /// end of the path.
     Beyond([f64; 2]),
+    /// A ball without inertia has left its flanks before friction was all there.
+    Stopped([f64; 2]),
     /// The path could not be followed to its end.
     Nothing,
 }
@@ -231,14 +233,16 @@ impl Rolling<'_> {
             if !(ended && landed) {
                 let end = ball(&z);
                 let none = self.is_beyond(&end, 0.0);
-                return if none { Shown::Beyond(self.angles(&end)) } else { Shown::Nothing };
+                return if none { Shown::Stopped(self.angles(&end)) } else { Shown::Nothing };
             }
         }
-        let forwards = self.from_rest(&y, 1.0, newton, wide, steps);
-        if matches!(forwards, Shown::Root(..)) {
+        let forwards = self.beginning_at_rest(&y, 1.0, newton, wide, steps);
+        if let Shown::Root(y, _) = &forwards
+            && self.is_balanced(y)
+        {
             return forwards;
         }
-        match self.from_rest(&y, -1.0, newton, wide, steps) {
+        match self.beginning_at_rest(&y, -1.0, newton, wide, steps) {
             root @ Shown::Root(..) => root,
             _ => forwards,
         }
@@ -246,7 +250,7 @@ impl Rolling<'_> {
 
     /// The first root on the flanks from a ball without inertia on, towards its own precession rate
     /// or, with a negative `sense`, away from it.
-    fn from_rest(
+    fn beginning_at_rest(
         &self,
         y: &[f64; BALL],
         sense: f64,
@@ -272,11 +276,14 @@ impl Rolling<'_> {
                 if !report.converged() || distance(&guess, &y) > distance(from, to) {
                     return Next::Shorter;
                 }
-                if !self.is_beyond(&y, 0.0) {
+                if self.is_beyond(&y, 0.0) {
+                    beyond = beyond.or(Some(self.angles(&y)));
+                } else {
                     found = Some(Shown::Root(y, report.residual));
-                    return Next::Stop;
+                    if self.is_balanced(&y) {
+                        return Next::Stop;
+                    }
                 }
-                beyond = beyond.or(Some(self.angles(&y)));
             }
             if self.is_far(to) || held(to).abs() > most { Next::Stop } else { Next::On }
         });

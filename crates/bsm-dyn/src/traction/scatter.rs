@@ -9,8 +9,9 @@ use crate::follow::{Stride, follow};
 use crate::layout::BALL;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 
-/// Starts of a point.
-const STARTS: u32 = 60;
+/// Starts of a point, and of one whose path says little.
+pub(super) const STARTS: u32 = 200;
+pub(super) const MANY: u32 = 800;
 
 /// Square roots of primes: their multiples modulo 1 fill the box of the starts evenly.
 const PRIMES: [f64; BALL + 1] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
@@ -58,12 +59,13 @@ impl Rolling<'_> {
     /// A root on the flanks from one of the starts, and its residual.
     pub(super) fn scatter(
         &self,
+        starts: u32,
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Option<([f64; BALL], f64)> {
         let stride = Stride { first: 2.0, shortest: 0.2 };
         let end = self.creep.ln();
-        (0..STARTS).find_map(|number| {
+        (0..starts).find_map(|number| {
             let mut y = self.scattered(number);
             // From friction nearly proportional to the slip on, or as it is.
             let begin = if number % 2 == 0 { end } else { self.lever(&y).ln().max(end) };
@@ -74,7 +76,8 @@ impl Rolling<'_> {
                 residual = report.residual;
                 report.converged()
             });
-            (arrived.is_ok() && self.is_admissible(&y)).then_some((y, residual))
+            (arrived.is_ok() && self.is_admissible(&y) && self.is_balanced(&y))
+                .then_some((y, residual))
         })
     }
 }
