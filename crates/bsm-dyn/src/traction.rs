@@ -312,3 +312,6 @@ pub(crate) struct Found {
     pub(crate) outputs: Outputs,
     pub(crate) unknowns: [f64; BALL],
 }
+
+#[cfg(test)]
+mod tests;
