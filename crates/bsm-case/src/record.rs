@@ -259,7 +259,7 @@ pub(crate) fn message(reason: &Reason) -> String {
         Reason::BallLeavesFlank { nut, screw } => format!(
             "the ball leaves its flanks: contact angles of {:.2} deg (nut) and {:.2} deg (screw), \
              beyond 0 to 90 deg, where other flanks would carry. Raise axial_load_N or lower the \
-             speed",
+             speed or the friction",
             nut / DEG,
             screw / DEG
         ),

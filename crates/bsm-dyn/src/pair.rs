@@ -232,6 +232,11 @@ impl<P: Scalar> Pair<P> {
         Self { ball, ..*self }
     }
 
+    /// The same point with another friction.
+    pub(crate) fn with_friction(&self, friction: P) -> Self {
+        Self { friction, ..*self }
+    }
+
     /// The seven equations (P5): force and moment balance in (t, N, e_x) of the mean normal, and
     /// the axial load.
     ///
@@ -284,6 +289,17 @@ impl<P: Scalar> Pair<P> {
         frame: &BallFrame<D>,
     ) -> Motion<D> {
         to_nut.relative_to(D::from(-self.nut_speed), frame)
+    }
+
+    /// Speed over `$r_b |W|$` of the ends of the longer ellipse under the axial load when the ball
+    /// turns against a race at `$|W|$`; 1 for ellipses shorter than the ball (T9).
+    pub(crate) fn slip_scale(&self) -> f64 {
+        // max(1, a²/2R_c)                                                 (T9)
+        let height = |i: usize| {
+            let a = self.semi_axes[i].0.re();
+            0.5 * a * a / self.pressed_radius[i].re()
+        };
+        height(0).max(height(1)).max(1.0)
     }
 
     /// The loaded ellipse at nut (0) or screw (1) (P6).

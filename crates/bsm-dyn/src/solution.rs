@@ -106,7 +106,9 @@ pub enum Reason {
         /// The nearest one, the rest of the point kept, at which a steady motion was met.
         nearest: f64,
     },
-    /// The contact angle of a root is not between 0 and 90 degrees.
+    /// The contact angle of the root is not between 0 and 90 degrees; with `no_solution`, that of
+    /// the first root or of the end of a path on which no root has both between them, and no other
+    /// root is known.
     BallLeavesFlank {
         /// At the nut \[rad\].
         nut: f64,

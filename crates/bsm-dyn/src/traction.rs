@@ -1,18 +1,20 @@
 //! Rolling, partial and gross slip in one model: friction integrated over the contact ellipses.
 //!
-//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T3).
+//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T9).
 
+mod path;
+mod root;
+mod scatter;
 mod sensitivities;
 
 use std::num::NonZeroUsize;
 
 use bsm_kin::{Motion, Scalar};
 use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
-use nalgebra::Vector3;
 
-use crate::elastic::Skid;
+use self::path::PATH;
+use self::root::Root;
 use crate::ellipse::{Lanes, Local, Quadrature};
-use crate::follow::{Stride, follow};
 use crate::jacobian::linearize;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::layout::{self, BALL};
@@ -20,16 +22,13 @@ use crate::pair::{ElasticScrew, Loaded, Pair};
 use crate::raceway_control::{Grip, STATIC};
 use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
 
-/// Places of the angular velocity in (t, N, e_x) of the mean normal.
+/// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 const OMEGA: [usize; 3] = [4, 5, 6];
 
 /// Order that [`Traction::solve_to`] begins with.
 const COARSEST: NonZeroUsize = NonZeroUsize::new(4).expect("not zero");
 
 const TWO: NonZeroUsize = NonZeroUsize::new(2).expect("not zero");
-
-/// Skid number from which the skidding ball is the nearer start.
-const SKIDS: f64 = 0.3;
 
 /// A solve may take this many steps.
 const MOST_STEPS: usize = 20;
@@ -57,13 +56,14 @@ impl Traction {
 pub struct TractionWorkspace {
     statics: Workspace,
     newton: Workspace,
+    path: Workspace,
     quadratures: Vec<(NonZeroUsize, Quadrature)>,
 }
 
 impl Default for TractionWorkspace {
     fn default() -> Self {
         let (statics, newton) = (Workspace::new(STATIC), Workspace::new(BALL));
-        Self { statics, newton, quadratures: Vec::new() }
+        Self { statics, newton, path: Workspace::new(PATH), quadratures: Vec::new() }
     }
 }
 
@@ -92,10 +92,18 @@ struct State<D> {
 
 impl<P: Scalar> Rolling<'_, P> {
     fn state<D: Lanes<P>>(&self, y: &[D; BALL]) -> Result<State<D>, EvalError> {
+        self.rubbed(y, D::from(self.pair.friction))
+    }
+
+    /// The state with another friction coefficient.
+    fn rubbed<D: Lanes<P>>(&self, y: &[D; BALL], friction: D) -> Result<State<D>, EvalError> {
         let pair = self.pair;
         let loaded = pair.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
-        let omega = Vector3::from(OMEGA.map(|i| y[i]));
-        let to_nut = Motion { precession: y[PRECESSION], omega };
+        // ω' = ω'_k k + ω'_n n + ω'_c k × n                               (T4)
+        let [k, n] = [loaded.frame.k, loaded.frame.n];
+        let [along, radial, around] = OMEGA.map(|i| y[i]);
+        let omega = k * along + n * radial + k.cross(&n) * around;
+        let to_nut = Motion { precession: y[PRECESSION] + (self.offset() - pair.nut_speed), omega };
         let motions = pair.relative(&to_nut, &loaded.frame);
         let wrench = std::array::from_fn(|i| {
             let contact = &loaded.contacts[i];
@@ -103,7 +111,7 @@ impl<P: Scalar> Rolling<'_, P> {
             let ellipse = pair.ellipse(i, &loaded);
             let unit = D::integrate(&ellipse, &local, self.creep, self.quadrature);
             // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                            (T2)
-            let pull = loaded.loads[i] * pair.friction;
+            let pull = loaded.loads[i] * friction;
             let friction = unit.wrench(contact);
             Wrench {
                 force: contact.normal * loaded.loads[i] + friction.force * pull,
@@ -113,113 +121,74 @@ impl<P: Scalar> Rolling<'_, P> {
         Ok(State { loaded, to_nut, wrench })
     }
 
-    fn residual<D: Lanes<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
-        let state = self.state(y)?;
-        let motion = self.pair.absolute(&state.to_nut, &state.loaded.frame);
-        Ok(self.pair.balance(&state.loaded, &motion, &state.wrench))
+    /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far
+    /// above the relative speed, so that neither the rate nor the slip loses its digits.
+    fn offset(&self) -> P {
+        let nut = self.pair.nut_speed;
+        if nut.re().abs() > 2.0 { nut } else { P::from(0.0) }
     }
-}
 
-/// A root of the equations of a point.
-struct Root {
-    unknowns: [f64; BALL],
-    /// Newton steps of all solves.
-    steps: usize,
-    residual: f64,
+    fn residual<D: Lanes<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+        let rate = y[PRECESSION] + self.offset();
+        Ok(self.left(y, &self.state(y)?, rate))
+    }
+
+    /// What the balance leaves over, with the inertia forces of a precession rate.
+    fn left<D: Lanes<P>>(&self, y: &[D; BALL], state: &State<D>, rate: D) -> [D; BALL] {
+        // k × ω = ω'_n k × n − ω'_c n                                     (T5)
+        let [_, radial, around] = OMEGA.map(|i| y[i]);
+        let n = state.loaded.frame.n;
+        let omega = n * radial + state.loaded.frame.k.cross(&n) * around;
+        self.pair.balance(&state.loaded, &Motion { precession: rate, omega }, &state.wrench)
+    }
 }
 
 impl Rolling<'_> {
-    /// The root, from a root near by, from the gripping ball or from the skidding one; if none of
-    /// them leads to it, from friction that is nearly proportional to the slip.
-    fn find(
-        &self,
-        grip: &Grip,
-        near: Option<&[f64; BALL]>,
-        newton: &mut Workspace,
-    ) -> Result<Root, (Status, Reason)> {
-        let gripping = unknowns(&grip.loaded, &grip.to_nut);
-        let mut steps = 0;
-        let mut failure = None;
-        let skids = grip.skid_number(self.pair) > SKIDS;
-        let starts = [near.map(Begin::Near), Some(Begin::of(skids)), Some(Begin::of(!skids))];
-        for start in starts.into_iter().flatten() {
-            let mut y = match start {
-                Begin::Near(root) => *root,
-                Begin::Grip => gripping,
-                Begin::Skid => {
-                    let Ok(skid) = Skid::of(self.pair, newton) else { continue };
-                    steps += skid.steps();
-                    unknowns(skid.state().0, skid.state().1)
-                }
-            };
-            let report = self.run(&mut y, newton);
-            steps += report.steps.len();
-            if report.converged() {
-                return Ok(Root { unknowns: y, steps, residual: report.residual });
-            }
-            failure = Some(report);
+    /// The unknowns (T1) of a state.
+    fn unknowns(&self, loaded: &Loaded<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
+        let mut y = [0.0; BALL];
+        [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
+        y[TILT] = loaded.tilt;
+        y[PRECESSION] = to_nut.precession + self.pair.nut_speed - self.offset();
+        let [k, n] = [loaded.frame.k, loaded.frame.n];
+        for (place, axis) in OMEGA.iter().zip([k, n, k.cross(&n)]) {
+            y[*place] = to_nut.omega.dot(&axis);
         }
-        let mut y = gripping;
-        let mut residual = f64::INFINITY;
-        let stride = Stride { first: 1.0, shortest: 0.05 };
-        follow(&mut y, (0.0, self.creep.ln()), stride, |log, y| {
-            let report = Self { creep: log.exp(), ..*self }.run(y, newton);
-            steps += report.steps.len();
-            residual = report.residual;
-            report.converged()
-        })
-        .map_err(|_| {
-            let report = failure.expect("the gripping start was tried");
-            (Status::NotConverged, Reason::from(report))
-        })?;
-        Ok(Root { unknowns: y, steps, residual })
+        y
     }
 
     /// Weights of the equations.
-    fn weights(&self) -> [f64; BALL] {
-        // D_F = diag(w, w, w, w/f, w/f, w/f, w),  w = 1/max(1, μ)          (T3)
-        let force = self.pair.inertia_ratio().max(1.0).recip();
-        let moment = force / self.pair.friction.min(1.0);
+    fn weights(&self, y: &[f64; BALL]) -> [f64; BALL] {
+        self.weights_of(y, self.pair.friction, y[PRECESSION] + self.offset())
+    }
+
+    /// The same with the friction and the inertia forces of a path.
+    fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
+        // D_F = diag(w, w, w, w/(f h), w/(f h), w/(f h), w),  w = 1/max(1, μ (P/W)²)  (T3)
+        let force = (self.pair.inertia_ratio() * rate * rate).clamp(1.0, f64::MAX.sqrt()).recip();
+        let moment = force / friction.min(1.0) / self.lever(y);
         [force, force, force, moment, moment, moment, force]
+    }
+
+    /// Lever arm of friction over the ball radius `$h$`, that of the ends of ellipses longer than the
+    /// ball.
+    fn lever(&self, y: &[f64; BALL]) -> f64 {
+        let pair = self.pair;
+        let lever = |i: usize, load: f64| {
+            let a = pair.semi_axes[i].0 * load.cbrt();
+            a.max(a * a / (2.0 * pair.pressed_radius[i]))
+        };
+        lever(0, y[NUT_LOAD]).max(lever(1, y[SCREW_LOAD])).max(1.0)
     }
 
     /// One damped Newton solve from `y`.
     fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
-        let weights = self.weights();
+        let weights = self.weights(y);
         let scales = Scales { x: &[1.0; BALL], f: &weights };
         let options = Options { residual_goal: 1e-13, max_steps: MOST_STEPS, ..Options::default() };
         solve(self, y, &scales, &options, newton)
             .expect("sizes are constant and the weights positive")
     }
-}
-
-/// Where a solve begins.
-#[derive(Clone, Copy)]
-enum Begin<'a> {
-    /// At a root of the same point with another quadrature.
-    Near(&'a [f64; BALL]),
-    /// At the gripping ball.
-    Grip,
-    /// At the skidding ball.
-    Skid,
-}
-
-impl Begin<'_> {
-    fn of(skids: bool) -> Self {
-        if skids { Self::Skid } else { Self::Grip }
-    }
-}
-
-/// The unknowns (T1) of a state.
-fn unknowns(loaded: &Loaded<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
-    let mut y = [0.0; BALL];
-    [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
-    y[TILT] = loaded.tilt;
-    y[PRECESSION] = to_nut.precession;
-    for (place, omega) in OMEGA.iter().zip(&to_nut.omega) {
-        y[*place] = *omega;
-    }
-    y
 }
 
 impl System for Rolling<'_> {
@@ -272,7 +241,7 @@ impl Traction {
         let mut case = Self { order: COARSEST, ..*self };
         let mut found = case.outputs(start, None, work);
         // A coarse quadrature may have no root where a finer one has.
-        while found.is_err() && case.order < finest {
+        while matches!(found, Err((Status::NotConverged, _))) && case.order < finest {
             case.order = case.order.saturating_mul(TWO).min(finest);
             found = case.outputs(start, None, work);
         }
@@ -307,11 +276,13 @@ impl Traction {
     ) -> Result<Found, (Status, Reason)> {
         let quadrature = work.quadrature(self.order);
         let quadrature = &work.quadratures[quadrature].1;
-        let system = Rolling { pair, quadrature, creep: self.creep };
-        let Root { unknowns, steps, residual } = system.find(grip, from, &mut work.newton)?;
+        let creep = self.creep * pair.slip_scale();
+        let system = Rolling { pair, quadrature, creep };
+        let Root { unknowns, steps, residual } =
+            system.find(grip, from, &mut work.newton, &mut work.path)?;
         let state = system.state(&unknowns).expect("the residual was evaluated at the root");
         let mut outputs = self.screw.describe(pair, &state.loaded, &state.to_nut)?;
-        let power = pair.friction_power(&state.loaded, &state.to_nut, self.creep, quadrature);
+        let power = pair.friction_power(&state.loaded, &state.to_nut, creep, quadrature);
         let frame = &state.loaded.frame;
         self.screw.transmit(&mut outputs, pair, frame, &state.wrench[1], power)?;
         outputs.set_regime(grip.skid_number(pair), grip.cross_slip(pair));
@@ -330,7 +301,9 @@ pub(crate) struct Start<'a> {
 impl<'a> Start<'a> {
     /// From a gripping ball, or from a guess where there is none.
     pub(crate) fn new(pair: &'a Pair, grip: Option<&Grip>) -> Result<Self, (Status, Reason)> {
-        Ok(Self { pair, grip: grip.map_or_else(|| Grip::guess(pair), |grip| Ok(*grip))? })
+        // Centrifugal forces may be beyond a guess; the ball without them is one too.
+        let guess = || Grip::guess(pair).or_else(|_| Grip::guess(&pair.with_inertia(0.0)));
+        Ok(Self { pair, grip: grip.map_or_else(guess, |grip| Ok(*grip))? })
     }
 }
 
@@ -339,3 +312,6 @@ pub(crate) struct Found {
     pub(crate) outputs: Outputs,
     pub(crate) unknowns: [f64; BALL],
 }
+
+#[cfg(test)]
+mod tests;

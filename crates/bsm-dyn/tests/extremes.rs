@@ -109,7 +109,10 @@ fn elastic_says_nothing_false() {
 #[test]
 fn traction_says_nothing_false() {
     let order = NonZeroUsize::new(4).expect("not zero");
-    unanswered(300, |screw| Problem::Traction(Traction { screw, order, creep: 1e-4 }));
+    let unanswered =
+        unanswered(300, |screw| Problem::Traction(Traction { screw, order, creep: 1e-4 }));
+    // Known: inertia forces far above load and friction, where a path is lost or rounding eats a root.
+    assert!(unanswered <= 3, "{unanswered}");
 }
 
 /// The choice states a finite bound, where saturated friction would lock the screw too.

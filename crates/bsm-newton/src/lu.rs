@@ -40,6 +40,20 @@ impl DenseLu {
         }
     }
 
+    /// Sign of the determinant of the matrix that was factorized last.
+    pub(crate) fn determinant_sign(&self) -> f64 {
+        let mut sign = 1.0;
+        for i in 0..self.factors.nrows() {
+            sign *= self.factors[(i, i)].signum();
+            // Each pair in the wrong order turns the sign.
+            let passed = self.perm[..i].iter().filter(|before| **before > self.perm[i]).count();
+            if passed % 2 == 1 {
+                sign = -sign;
+            }
+        }
+        sign
+    }
+
     /// Factorizes in place and overwrites `rhs`, one or more columns one after the other, with the
     /// solutions.
     ///

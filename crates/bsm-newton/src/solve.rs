@@ -16,6 +16,13 @@ impl Workspace {
     pub fn new(n: usize) -> Self {
         Self { r: vec![0.0; n], dx: vec![0.0; n], x_trial: vec![0.0; n], lu: DenseLu::new(n) }
     }
+
+    /// Sign of the determinant of the Jacobian that was factorized last; 1 before the first. Along a
+    /// path whose last equation is a plane across it, the sign changes where the plane meets the
+    /// path from the other side.
+    pub fn orientation(&self) -> f64 {
+        self.lu.determinant_sign()
+    }
 }
 
 /// Solves `$F(x) = 0$` by Newton steps `$\delta x$` damped by `$\lambda$`.

@@ -269,6 +269,20 @@ fn a_root_moves_with_its_parameters() {
     }
 }
 
+/// Sign of the determinant: of each order of the rows, and of a negative entry.
+#[test]
+fn the_jacobian_has_an_orientation() {
+    let rows = [[2.0, 0.0, 0.0], [0.0, 3.0, 0.0], [0.0, 0.0, -0.5]];
+    for (order, sign) in [([0, 1, 2], -1.0), ([1, 0, 2], 1.0), ([1, 2, 0], -1.0), ([2, 1, 0], 1.0)]
+    {
+        let system = Given(|_: &[f64]| Ok(([0.0; 3], order.map(|i| rows[i]))));
+        let mut work = Workspace::new(3);
+        let moved = implicit_slopes(&system, &[0.0; 3], &[1.0; 3], &mut [1.0; 3], &mut work);
+        assert_eq!(moved, Ok(Status::Converged));
+        assert!((work.orientation() - sign).abs() < f64::EPSILON, "{order:?}");
+    }
+}
+
 #[test]
 fn a_root_that_does_not_move_smoothly_is_told() {
     let ones = [1.0; 4];

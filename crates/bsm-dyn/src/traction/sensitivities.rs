@@ -36,11 +36,11 @@ impl<const M: usize> Traction<Jet<M>> {
         let (inputs, point) = (self.screw.pair()?, self.screw.values().pair()?);
         let place = work.quadrature(self.order);
         let TractionWorkspace { newton, quadratures, .. } = work;
-        let (quadrature, creep) = (&quadratures[place].1, self.creep);
+        let (quadrature, creep) = (&quadratures[place].1, self.creep * point.slip_scale());
         let system = Rolling { pair: &point, quadrature, creep };
         let equations = Rolling { pair: &inputs, quadrature, creep };
         let residual = |y: &_| equations.residual(y);
-        let y = moving_root(&system, root, &system.weights(), residual, newton)?;
+        let y = moving_root(&system, root, &system.weights(root), residual, newton)?;
         let state = equations.state(&y).map_err(refused)?;
         Ok(self.screw.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
     }

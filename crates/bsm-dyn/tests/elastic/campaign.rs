@@ -51,13 +51,13 @@ fn traction_converges() {
     let mut solve = |screw| Traction { screw, order, creep: Traction::CREEP }.solve(&mut work);
     let tally = campaign(real_screws(2026), &mut solve);
     println!("{tally:?}");
-    assert!(tally.converged >= 1998, "{tally:?}");
+    assert!(tally.converged >= 1999, "{tally:?}");
     // Tolerance of a result; the worst is seen at 1e-10.
     assert!(tally.worst_balance <= 1e-9, "{tally:?}");
-    // Centrifugal forces up to thousands of times the load included: 97 % have a root that is found.
+    // Centrifugal forces up to thousands of times the load included: 98.7 % have a root that is found.
     let all = campaign(screws(2026), &mut solve);
     println!("{all:?}");
-    assert!(all.converged >= 1900 && all.worst_balance <= 1e-9, "{all:?}");
+    assert!(all.converged >= 1970 && all.worst_balance <= 1e-9, "{all:?}");
 }
 
 #[test]

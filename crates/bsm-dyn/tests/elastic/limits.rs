@@ -243,7 +243,7 @@ fn next_to_no_friction_is_none() {
 fn a_ball_that_leaves_its_flank_is_no_result() {
     let solution = Traction { screw: lin(5.0, 45.0, -30_000.0, 5.0), order: order(8), creep: 1e-4 }
         .solve(&mut TractionWorkspace::default());
-    assert_eq!(solution.status, Status::NotConverged);
+    assert_eq!(solution.status, Status::NoSolution);
     let Some(Reason::BallLeavesFlank { nut, .. }) = solution.reason else { panic!("{solution:?}") };
     assert!(nut < 0.0, "{nut}");
 }

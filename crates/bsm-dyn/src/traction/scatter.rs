@@ -1,0 +1,83 @@
+//! Starts spread over what a ball can do, for roots that no path leads to.
+
+use std::f64::consts::FRAC_PI_2;
+
+use bsm_newton::Workspace;
+
+use super::{OMEGA, Rolling};
+use crate::follow::{Stride, follow};
+use crate::layout::BALL;
+use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
+
+/// Starts of a point, and of one whose path says little.
+pub(super) const STARTS: u32 = 200;
+pub(super) const MANY: u32 = 800;
+
+/// Square roots of primes: their multiples modulo 1 fill the box of the starts evenly.
+const PRIMES: [f64; BALL + 1] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
+
+impl Rolling<'_> {
+    /// A start.
+    fn scattered(&self, number: u32) -> [f64; BALL] {
+        let pair = self.pair;
+        let [tilt, nut, screw, rate, slow, along, radial, around] =
+            PRIMES.map(|prime| (f64::from(number) * prime.sqrt()).fract());
+        let unloaded = pair.jones.contact_angle;
+        // Angles apart as inertia turns them, or as friction does.
+        let angles = match number % 3 {
+            0 => [unloaded * (1.0 - tilt), unloaded + (FRAC_PI_2 - unloaded) * nut],
+            1 => [FRAC_PI_2 * tilt, FRAC_PI_2 * nut],
+            _ => {
+                let turn = 0.4 * (tilt - 0.5) * pair.friction.min(1.0);
+                [unloaded - turn, unloaded + turn]
+            }
+        };
+        let cos = pair.helix.lead_angle.cos();
+        let load = |angle: f64, part: f64| (2.0 * part - 1.0).exp() / (angle.sin().max(1e-6) * cos);
+        // Rates between those of both members, or so slow that inertia is of the size of load or
+        // friction.
+        let mu = pair.inertia_ratio();
+        let rate = match number % 4 {
+            0 => pair.nut_speed + (2.0 * rate - 0.5) * pair.sign(),
+            kind => {
+                let size = if kind == 1 { pair.friction / mu } else { mu.recip().sqrt() };
+                (size * (2.0 - 8.0 * slow).exp()).min(1.0).copysign(rate - 0.5)
+            }
+        };
+        let spin = pair.arc * 6.0 * (radial - 0.5);
+        let mut y = [0.0; BALL];
+        (y[NUT_LOAD], y[SCREW_LOAD]) = (load(angles[0], screw), load(angles[1], nut));
+        y[TILT] = 0.5 * (angles[1] - angles[0]);
+        y[PRECESSION] = rate - self.offset();
+        // Rolling, more or less.
+        y[OMEGA[0]] = (pair.nut_speed - rate) * pair.arc * 1.5 * along;
+        y[OMEGA[1]] = spin;
+        y[OMEGA[2]] = around - 0.5;
+        y
+    }
+
+    /// A root on the flanks from one of the starts, and its residual.
+    pub(super) fn scatter(
+        &self,
+        starts: u32,
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Option<([f64; BALL], f64)> {
+        let stride = Stride { first: 2.0, shortest: 0.2 };
+        let end = self.creep.ln();
+        (0..starts).find_map(|number| {
+            let mut y = self.scattered(number);
+            // From friction nearly proportional to the slip on, or as it is.
+            let begin = if number % 2 == 0 { end } else { self.lever(&y).ln().max(end) };
+            let mut residual = f64::INFINITY;
+            let arrived = follow(&mut y, (begin, end), stride, |log, y| {
+                let report = Self { creep: log.exp(), ..*self }.run(y, newton);
+                *steps += report.steps.len();
+                residual = report.residual;
+                report.converged()
+            });
+            (arrived.is_ok() && self.is_admissible(&y) && self.is_balanced(&y))
+                .then_some((y, residual))
+        })
+    }
+}
