@@ -273,8 +273,8 @@ pub(crate) fn message(reason: &Reason) -> String {
             }
         ),
         Reason::SlipAlongFriction { slip } => format!(
-            "only a root was found whose slip at the nut, {slip:.3e} r_b |W|, points along \
-             friction; balls with saturated friction cannot move like that"
+            "wherever the forces of sliding balls balance, a slip points along friction; without \
+             inertia the one at the nut is {slip:.3e} r_b |W|. The balls roll there: see model traction"
         ),
         Reason::NoSkidAtInertia { inertia, least, most } => format!(
             "m r_m W^2 is {inertia:.3e} of the axial load: balls that slide on both flanks have \

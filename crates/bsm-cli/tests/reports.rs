@@ -89,7 +89,7 @@ fn tradeoff_measures_a_table() {
     let text = stderr(&output);
     assert!(text.contains("short.csv: row 1") && text.contains("nut_conformity"), "{text}");
     // No model carries this point to an end: there is nothing to measure against.
-    let hopeless = format!("{}\n40,8,30,45,0.05,0.53,0.53,0,100000,0.1,1\n", few[0]);
+    let hopeless = format!("{}\n40,8,30,85,1,0.53,0.53,0,100,100,1\n", few[0]);
     fs::write(dir.path().join("hopeless.csv"), hopeless).expect("written");
     let output = bsm(dir.path(), &["tradeoff", "hopeless.csv"], "");
     assert_eq!(output.status.code(), Some(3));

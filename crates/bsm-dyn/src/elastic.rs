@@ -15,7 +15,7 @@ use self::curve::first_root;
 use crate::coulomb::friction_force;
 use crate::jacobian::linearize;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
-use crate::layout::{self, BALL, MOMENT_NORMAL};
+use crate::layout::{self, BALL, MOMENT_NORMAL, weight};
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
 use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
 
@@ -104,9 +104,11 @@ impl<P: Scalar> Saturated<'_, P> {
     }
 
     fn residual<D: Over<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
-        let state = self.state(y)?;
-        let motion = self.0.absolute(&state.to_nut, &state.loaded.frame);
-        Ok(self.0.balance(&state.loaded, &motion, &state.wrench))
+        let (pair, state) = (self.0, self.state(y)?);
+        // The speed of the nut, along k, has no gyroscopic moment but for its rounding.
+        let precession = y[PRECESSION] * pair.sign() + pair.nut_speed;
+        let motion = Motion { precession, ..state.to_nut };
+        Ok(pair.balance(&state.loaded, &motion, &state.wrench))
     }
 }
 
@@ -183,10 +185,10 @@ fn weights(pair: &Pair, y: &[f64; BALL]) -> [f64; BALL] {
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
     // I P ω of the rolling ball, all there is of the moment about the mean normal.
     let gyroscopic = pair.ball.inertia() * rate * (1.0 + y[PRECESSION].abs() * pair.arc);
-    let mut weights = [force.recip(); BALL];
-    weights[MOMENT_NORMAL - 1] = force.max(gyroscopic).recip();
+    let mut weights = [weight(force); BALL];
+    weights[MOMENT_NORMAL - 1] = weight(force.max(gyroscopic));
     weights[MOMENT_NORMAL + 1] = weights[MOMENT_NORMAL - 1];
-    weights[MOMENT_NORMAL] = gyroscopic.max(f64::MIN_POSITIVE).recip();
+    weights[MOMENT_NORMAL] = weight(gyroscopic);
     weights
 }
 

@@ -48,6 +48,12 @@ pub(crate) fn rows<D: Scalar>(left: &Wrench<D>, axial_load: D) -> [D; BALL] {
     [force.x, force.y, force.z, moment.x, moment.y, moment.z, axial_load]
 }
 
+/// Weight of an equation whose terms are of this size: one over it, as far as a double goes. A size
+/// that is no number is left to the solve, which says so.
+pub(crate) fn weight(size: f64) -> f64 {
+    if size.is_nan() { 1.0 } else { size.clamp(1e-300, 1e300).recip() }
+}
+
 /// Equation of one ball in words.
 pub(crate) fn equation(row: usize) -> &'static str {
     ROWS[row]

@@ -414,7 +414,7 @@ impl ElasticScrew {
 }
 
 /// Friction below this is none: it would drown in the rounding of the loads.
-const LEAST_FRICTION: f64 = 1e-12;
+pub(crate) const LEAST_FRICTION: f64 = 1e-12;
 
 /// The answer where the model cannot be evaluated.
 pub(crate) fn refused(error: EvalError) -> (Status, Reason) {

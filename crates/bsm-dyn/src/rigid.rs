@@ -22,6 +22,7 @@ use self::scaled::{Scaled, State, Unknowns};
 use crate::balance::{Ball, OwnUnits, POWER_BALANCE_TOL, ideal_torque, torque};
 use crate::layout::BALL;
 use crate::layout::unknown::{MINOR_LOAD, NUT_LOAD, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN};
+use crate::pair::LEAST_FRICTION;
 use crate::{Load, Model, Outputs, Reason, Solution, Status};
 
 /// Inputs of the rigid model.
@@ -109,7 +110,7 @@ impl<D: Scalar> Rigid<D> {
         let invalid = |reason| NoRoot { status: Status::InvalidInput, reason };
         let OwnUnits { helix, ball, nut_speed, direction } =
             OwnUnits::of(&self.helix, &self.ball, &self.drive, &self.load).map_err(invalid)?;
-        if self.friction.re() <= 0.0 {
+        if self.friction.re() < LEAST_FRICTION {
             return Err(invalid(Reason::Frictionless));
         }
         let (beta, sign) = (self.contact_angle, direction.sign());

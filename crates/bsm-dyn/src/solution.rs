@@ -126,10 +126,10 @@ pub enum Reason {
         /// Centrifugal force over the axial load there.
         centrifugal: f64,
     },
-    /// The slip at the nut of a root with saturated friction points along friction, not against
-    /// it.
+    /// With saturated friction a slip points along friction, not against it, wherever the forces
+    /// balance.
     SlipAlongFriction {
-        /// Slip speed over `$r_b|W|$`, not positive.
+        /// Slip speed at the nut without inertia, over `$r_b|W|$`.
         slip: f64,
     },
     /// A ball that slides against friction on both flanks has other inertia forces.

@@ -17,7 +17,7 @@ use self::root::Root;
 use crate::ellipse::{Lanes, Local, Quadrature};
 use crate::jacobian::linearize;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::layout::{self, BALL};
+use crate::layout::{self, BALL, weight};
 use crate::pair::{ElasticScrew, Loaded, Pair};
 use crate::raceway_control::{Grip, STATIC};
 use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
@@ -165,8 +165,8 @@ impl Rolling<'_> {
     /// The same with the friction and the inertia forces of a path.
     fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
         // D_F = diag(w, w, w, w/(f h), w/(f h), w/(f h), w),  w = 1/max(1, μ (P/W)²)  (T3)
-        let force = (self.pair.inertia_ratio() * rate * rate).clamp(1.0, f64::MAX.sqrt()).recip();
-        let moment = force / friction.min(1.0) / self.lever(y);
+        let size = (self.pair.inertia_ratio() * rate * rate).max(1.0);
+        let (force, moment) = (weight(size), weight(size * friction.min(1.0) * self.lever(y)));
         [force, force, force, moment, moment, moment, force]
     }
 
@@ -212,12 +212,22 @@ impl System for Rolling<'_> {
 
 impl Traction {
     /// Solves for the steady motion of the ball.
+    ///
+    /// Orders above [`Traction::ORDER`] refine the root of that order: whether there is a root is
+    /// decided there, where it costs little.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
         let found = self.screw.require_friction().and_then(|()| {
             let pair = self.screw.pair()?;
             let grip = Grip::of(&pair, None, &mut work.statics);
             let start = Start::new(&pair, grip.ok().as_ref())?;
-            self.outputs(&start, None, work)
+            let coarse = Self { order: self.order.min(Self::ORDER), ..*self };
+            let mut found = coarse.outputs(&start, None, work)?;
+            if coarse.order < self.order {
+                let steps = found.outputs.iterations.unwrap_or(0) - start.grip.steps;
+                found = self.outputs(&start, Some(&found.unknowns), work)?;
+                found.outputs.iterations = found.outputs.iterations.map(|more| steps + more);
+            }
+            Ok(found)
         });
         match found {
             Ok(Found { outputs, .. }) => Solution::converged(Model::Traction, outputs),
@@ -241,8 +251,8 @@ impl Traction {
         let mut case = Self { order: COARSEST, ..*self };
         let mut found = case.outputs(start, None, work);
         // A coarse quadrature may have no root where a finer one has.
-        while matches!(found, Err((Status::NotConverged, _))) && case.order < finest {
-            case.order = case.order.saturating_mul(TWO).min(finest);
+        if found.is_err() {
+            case.order = Self::ORDER.min(finest);
             found = case.outputs(start, None, work);
         }
         let mut found = found?;

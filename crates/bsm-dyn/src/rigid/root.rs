@@ -137,7 +137,14 @@ fn search(
         let (unknowns, from_ground) = curve.unknowns(point);
         let root = Root { unknowns, from_ground, steps: 0, residual: f64::NAN };
         match settled(case, root, work) {
-            Ok(root) => found = root.is_admissible().then_some(root),
+            Ok(root) if root.is_admissible() => found = Some(root),
+            // Newton has left the crossing for another root.
+            Ok(root) => {
+                let (residual, worst_equation) = (root.residual, String::new());
+                let status = NewtonStatus::Stalled;
+                let reason = Reason::Newton { status, residual, worst_equation };
+                failure = Some(NoRoot { status: Status::NotConverged, reason });
+            }
             Err(none) => failure = Some(none),
         }
         found.is_some()

@@ -12,7 +12,7 @@ use crate::jacobian::linearize;
 use crate::layout::unknown::{
     MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
 };
-use crate::layout::{self, BALL, MOMENT_NORMAL};
+use crate::layout::{self, BALL, MOMENT_NORMAL, weight};
 use crate::{Direction, Wrench};
 
 /// One operating point in units of ball radius, axial load per ball and `$|W|$` (R1).
@@ -219,9 +219,8 @@ impl Scaled<f64> {
     /// `normal_moment`, see [`FirstOrder`](super::FirstOrder).
     pub(crate) fn weights(&self, normal_moment: f64) -> [f64; BALL] {
         // D_F = diag(w, w, w, w, 1/M_N, w, w),  w = 1/max(1, μ)           (R10)
-        let mut weights = [self.inertia_ratio().max(1.0).recip().max(f64::MIN_POSITIVE); BALL];
-        weights[MOMENT_NORMAL] =
-            normal_moment.max(f64::MIN_POSITIVE).recip().max(f64::MIN_POSITIVE);
+        let mut weights = [weight(self.inertia_ratio().max(1.0)); BALL];
+        weights[MOMENT_NORMAL] = weight(normal_moment);
         weights
     }
 
@@ -236,7 +235,7 @@ impl Scaled<f64> {
         // M_N = μ |P/W| (|p| + f |P/W|)                                   (R44)
         let normal = inertia * rate * (p + self.friction * rate);
         // D_F = diag(1/U, 1/U, 1/U, 1/M, 1/M_N, 1/M, 1/U)                 (R44)
-        let [u, m, n] = [force, moment, normal].map(|unit| unit.max(f64::MIN_POSITIVE).recip());
+        let [u, m, n] = [force, moment, normal].map(weight);
         [u, u, u, m, n, m, u]
     }
 

@@ -226,9 +226,9 @@ impl Rolling<'_> {
                 }
                 y = between(from, to, goal - from[BALL], goal - to[BALL]);
                 let guess = y;
-                landed = resting.run(&mut y, newton).converged();
-                let calm = landed && distance(&guess, &y) <= distance(from, to);
-                if calm { Next::Stop } else { Next::Shorter }
+                landed = resting.run(&mut y, newton).converged()
+                    && distance(&guess, &y) <= distance(from, to);
+                if landed { Next::Stop } else { Next::Shorter }
             });
             if !(ended && landed) {
                 let end = ball(&z);

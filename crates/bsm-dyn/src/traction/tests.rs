@@ -95,7 +95,9 @@ fn search(ball: &Rolling<'_>, starts: usize, rng: &mut impl Rng) -> Option<[f64;
 struct Confirmed {
     denied: [usize; 2],
     undecided: [usize; 2],
-    /// Roots that no start of Newton led to.
+    /// The first hundred roots.
+    found: [usize; 2],
+    /// Further ones that no start of Newton led to.
     hard: [usize; 2],
 }
 
@@ -114,6 +116,7 @@ fn confirmed(seed: u64, points: u64, starts: usize) -> Confirmed {
         let count = match solution.status {
             Status::NoSolution => &mut counts.denied,
             Status::NotConverged => &mut counts.undecided,
+            Status::Converged if counts.found[0] < 100 => &mut counts.found,
             Status::Converged if solution.outputs.iterations > Some(150) => &mut counts.hard,
             _ => continue,
         };
@@ -129,13 +132,13 @@ fn confirmed(seed: u64, points: u64, starts: usize) -> Confirmed {
     counts
 }
 
-/// Where a root is denied, searches from many starts find none; where one was hard to find, they
-/// mostly find it too.
+/// Where a root is denied, searches from many starts find none; where there is one they mostly find
+/// it.
 #[test]
 fn many_starts_find_no_root_where_one_is_denied() {
-    let Confirmed { denied, hard, .. } = confirmed(12, 250, 40);
+    let Confirmed { denied, found, .. } = confirmed(12, 250, 40);
     assert_eq!(denied[1], 0, "{denied:?}");
-    assert!(denied[0] > 30 && hard[1] * 3 > hard[0], "{denied:?} {hard:?}");
+    assert!(denied[0] > 30 && found[1] * 2 > found[0], "{denied:?} {found:?}");
 }
 
 /// The same at length: `cargo test --release -p bsm-dyn --lib denied_at_length -- --ignored --nocapture`.
