@@ -143,21 +143,24 @@ impl<S: Simd> Given<'_, S> {
     #[inline(always)]
     pub(crate) fn lawful(&self) -> Mask<S> {
         let zero = Lane::splat(self.simd, 0.0);
-        let endless = zero.constant(f64::INFINITY);
         let [least, most] = PLAIN.map(|x| zero.constant(x));
-        let mut lawful = zero.lt(endless);
+        let mut lawful = zero.le(zero);
         for operand in &self.operands.0 {
             // Constants were checked.
             let Operand::Column(rule, values) = operand else { continue };
             let x = self.load(values);
-            let holds = match *rule {
-                Rule::Any => x.abs().lt(endless),
-                Rule::Above(low) => x.gt(zero.constant(low)) & x.lt(endless),
-                Rule::AtLeast(low) => zero.constant(low).le(x) & x.lt(endless),
-                Rule::Between(low, high) => x.gt(zero.constant(low)) & x.lt(zero.constant(high)),
-            };
+            // Neither infinite nor NaN, whatever the rule.
             let size = x.abs();
-            lawful = lawful & holds & (size.le(zero) | (least.le(size) & size.le(most)));
+            let plain = size.le(zero) | (least.le(size) & size.le(most));
+            lawful = lawful
+                & match *rule {
+                    Rule::Any => plain,
+                    Rule::Above(low) => plain & x.gt(zero.constant(low)),
+                    Rule::AtLeast(low) => plain & zero.constant(low).le(x),
+                    Rule::Between(low, high) => {
+                        plain & x.gt(zero.constant(low)) & x.lt(zero.constant(high))
+                    }
+                };
         }
         let ball = self.try_get(InputKey::ball_diameter_mm);
         if let (Some(ball), Some(pitch)) = (ball, self.try_get(InputKey::pitch_circle_diameter_mm))

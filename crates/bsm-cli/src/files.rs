@@ -167,7 +167,7 @@ impl Write for Output {
 }
 
 /// A path that cannot be written to.
-fn refused(path: &Path, why: &str) -> Failure {
+pub(crate) fn refused(path: &Path, why: &str) -> Failure {
     Failure::Files(format!("cannot write {}: {why}", path.display()))
 }
 

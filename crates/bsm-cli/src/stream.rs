@@ -203,10 +203,8 @@ fn write_behind(
 pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
     match error {
         TableError::Io(e) => Output::failure(path, e),
-        TableError::Parquet(why) => {
-            Failure::Files(format!("cannot write {}: {why}", path.display()))
-        }
-        other => Failure::Files(format!("cannot write {}: {other}", path.display())),
+        TableError::Parquet(why) => files::refused(path, why),
+        other => files::refused(path, &other.to_string()),
     }
 }
 
@@ -288,10 +286,7 @@ impl<'a> Target<'a> {
         let open = File::options().read(true).write(true).create(true).truncate(false).open(&file);
         let mut open = open.map_err(failed)?;
         if matches!(open.try_lock(), Err(TryLockError::WouldBlock)) {
-            return Err(Failure::Files(format!(
-                "cannot write {}: another bsm is writing there",
-                path.display()
-            )));
+            return Err(files::refused(path, "another bsm is writing there"));
         }
         let mut found = Vec::new();
         open.read_to_end(&mut found).map_err(failed)?;

@@ -46,6 +46,8 @@ impl Default for ElasticWorkspace {
 struct State<D> {
     loaded: Loaded<D>,
     to_nut: Motion<D>,
+    /// `$P$`.
+    precession: D,
     slip: [Vector3<D>; 2],
     wrench: [Wrench<D>; 2],
 }
@@ -100,14 +102,13 @@ impl<P: Scalar> Saturated<'_, P> {
             let normal = &loaded.contacts[i].normal;
             Wrench::at_contact(normal, &points[i], loaded.loads[i], &friction[i])
         });
-        Ok(State { loaded, to_nut, slip, wrench })
+        Ok(State { loaded, to_nut, precession, slip, wrench })
     }
 
     fn residual<D: Over<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
         let (pair, state) = (self.0, self.state(y)?);
         // The speed of the nut, along k, has no gyroscopic moment but for its rounding.
-        let precession = y[PRECESSION] * pair.sign() + pair.nut_speed;
-        let motion = Motion { precession, ..state.to_nut };
+        let motion = Motion { precession: state.precession, ..state.to_nut };
         Ok(pair.balance(&state.loaded, &motion, &state.wrench))
     }
 }
@@ -150,7 +151,7 @@ impl Skid {
         self.steps
     }
 
-    /// The root, if its slip is against friction.
+    /// The first root on the curve of all states of force.
     pub(crate) fn of(pair: &Pair, newton: &mut Workspace) -> Result<Self, (Status, Reason)> {
         let (y, steps, residual) = find(pair, newton)?;
         let state = Saturated(pair).state(&y).map_err(refused)?;

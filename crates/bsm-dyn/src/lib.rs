@@ -8,6 +8,7 @@
 
 mod auto;
 pub mod balance;
+mod bracket;
 mod closed_form;
 mod coulomb;
 mod elastic;

@@ -295,11 +295,13 @@ impl<P: Scalar> Pair<P> {
     /// turns against a race at `$|W|$`; 1 for ellipses shorter than the ball (T9).
     pub(crate) fn slip_scale(&self) -> f64 {
         // max(1, a²/2R_c)                                                 (T9)
-        let height = |i: usize| {
-            let a = self.semi_axes[i].0.re();
-            0.5 * a * a / self.pressed_radius[i].re()
-        };
-        height(0).max(height(1)).max(1.0)
+        let [nut, screw] = [0, 1].map(|i| self.depth(i, self.semi_axes[i].0.re()));
+        nut.max(screw).max(1.0)
+    }
+
+    /// How far the pressed surface at nut (0) or screw (1) falls off at a distance across the groove.
+    pub(crate) fn depth(&self, i: usize, across: f64) -> f64 {
+        across * across / (2.0 * self.pressed_radius[i].re())
     }
 
     /// The loaded ellipse at nut (0) or screw (1) (P6).

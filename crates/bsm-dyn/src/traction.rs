@@ -176,7 +176,7 @@ impl Rolling<'_> {
         let pair = self.pair;
         let lever = |i: usize, load: f64| {
             let a = pair.semi_axes[i].0 * load.cbrt();
-            a.max(a * a / (2.0 * pair.pressed_radius[i]))
+            a.max(pair.depth(i, a))
         };
         lever(0, y[NUT_LOAD]).max(lever(1, y[SCREW_LOAD])).max(1.0)
     }

@@ -3,6 +3,7 @@
 //! Theory: `docs/theory/08-elastic.md`, equations (S12), (S26).
 
 use super::forces::{Forces, Kinematics, Place, State};
+use crate::bracket::Bracket;
 use crate::layout::BALL;
 use crate::pair::Pair;
 use crate::{Reason, Status};
@@ -208,10 +209,10 @@ impl Curve<'_> {
     }
 
     /// The root between two states, regula falsi with the Illinois rule.
-    fn refined(&mut self, known: usize, mut low: Node, mut high: Node, h: usize) -> Option<Node> {
-        let (mut below, mut above) = (low.left[h], high.left[h]);
-        let mut kept = 0;
+    fn refined(&mut self, known: usize, low: Node, high: Node, h: usize) -> Option<Node> {
+        let mut bracket = Bracket::new([low, high], [low.left[h], high.left[h]]);
         for _ in 0..MOST_TRIES {
+            let ([low, high], [below, above]) = (bracket.ends, bracket.values);
             let place = low.place(known);
             let direction = high.place(known) - place;
             let scale = low.scale(known, &self.forces);
@@ -228,20 +229,9 @@ impl Curve<'_> {
             if left.abs() <= 4.0 * f64::EPSILON * node.kinematics.drive.abs() {
                 return Some(node);
             }
-            if (left > 0.0) == (low.left[h] > 0.0) {
-                (low, below) = (node, left);
-                if kept == 1 {
-                    above *= 0.5;
-                }
-                kept = 1;
-            } else {
-                (high, above) = (node, left);
-                if kept == -1 {
-                    below *= 0.5;
-                }
-                kept = -1;
-            }
+            bracket.tighten(usize::from((left > 0.0) != (low.left[h] > 0.0)), node, left);
         }
+        let [low, high] = bracket.ends;
         Some(if low.left[h].abs() < high.left[h].abs() { low } else { high })
     }
 }

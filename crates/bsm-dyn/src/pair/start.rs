@@ -5,6 +5,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::{Pair, refused};
+use crate::bracket::Bracket;
 use crate::{Reason, Status};
 
 impl Pair {
@@ -61,30 +62,17 @@ impl Pair {
             ([loads[0], loads[1], 0.5 * (screw - nut)], reach / target - 1.0)
         };
         // Regula falsi with the Illinois rule.
-        let (mut low, mut high) = (jones.contact_angle, PI);
-        let (mut too_far, mut short) = (at(low).1, -2.0 / target);
-        let mut kept = 0;
-        let mut state = at(low).0;
+        let (mut state, too_far) = at(jones.contact_angle);
+        let mut bracket = Bracket::new([jones.contact_angle, PI], [too_far, -2.0 / target]);
         for _ in 0..60 {
+            let ([low, high], [too_far, short]) = (bracket.ends, bracket.values);
             let screw = (low * short - high * too_far) / (short - too_far);
             let (found, excess) = at(screw);
             state = found;
             if excess.abs() <= 1e-3 {
                 break;
             }
-            if excess > 0.0 {
-                (low, too_far) = (screw, excess);
-                if kept == 1 {
-                    short *= 0.5;
-                }
-                kept = 1;
-            } else {
-                (high, short) = (screw, excess);
-                if kept == -1 {
-                    too_far *= 0.5;
-                }
-                kept = -1;
-            }
+            bracket.tighten(usize::from(excess <= 0.0), screw, excess);
         }
         state
     }

@@ -131,6 +131,10 @@ fn search(
     start: &FirstOrder,
     work: &mut RigidWorkspace,
 ) -> Result<Root, NoRoot> {
+    let lost = |status, residual| {
+        let reason = Reason::Newton { status, residual, worst_equation: String::new() };
+        NoRoot { status: Status::NotConverged, reason }
+    };
     let curve = Curve::of(case);
     let (mut found, mut failure) = (None, None);
     let mut search = Search::new(&curve, |point| {
@@ -139,12 +143,7 @@ fn search(
         match settled(case, root, work) {
             Ok(root) if root.is_admissible() => found = Some(root),
             // Newton has left the crossing for another root.
-            Ok(root) => {
-                let (residual, worst_equation) = (root.residual, String::new());
-                let status = NewtonStatus::Stalled;
-                let reason = Reason::Newton { status, residual, worst_equation };
-                failure = Some(NoRoot { status: Status::NotConverged, reason });
-            }
+            Ok(root) => failure = Some(lost(NewtonStatus::Stalled, root.residual)),
             Err(none) => failure = Some(none),
         }
         found.is_some()
@@ -152,9 +151,7 @@ fn search(
     search.run(start.inertia);
     let (nearest, cut_short) = (search.nearest_inertia, search.is_cut_short());
     if cut_short && failure.is_none() {
-        let (residual, worst_equation) = (f64::NAN, String::new());
-        let reason = Reason::Newton { status: NewtonStatus::MaxSteps, residual, worst_equation };
-        failure = Some(NoRoot { status: Status::NotConverged, reason });
+        failure = Some(lost(NewtonStatus::MaxSteps, f64::NAN));
     }
     found.ok_or_else(|| failure.unwrap_or_else(|| none(why_none(case, start, nearest, work))))
 }
