@@ -8,9 +8,8 @@ use std::num::NonZeroUsize;
 use bsm_kin::{Jet, Scalar};
 
 use crate::elastic::Elastic;
-use crate::layout::BALL;
 use crate::pair::{ElasticScrew, Pair};
-use crate::traction::{Start, Traction};
+use crate::traction::{Root, Start, Traction};
 use crate::{
     Angles, ClosedForm, Direction, Model, ModelWorkspace, Outputs, RacewayControl, Reason,
     Solution, Status, Transmission, Transmitted,
@@ -68,7 +67,7 @@ impl Auto {
     }
 
     /// The solution, and the root of the traction model if it is the one that was chosen.
-    fn solve_for_root(&self, work: &mut ModelWorkspace) -> (Solution, Option<[f64; BALL]>) {
+    fn solve_for_root(&self, work: &mut ModelWorkspace) -> (Solution, Option<Root>) {
         let failed = |(status, reason)| Solution::failed(Model::RacewayControl, status, reason);
         let pair = match self.screw.pair() {
             Ok(pair) => pair,
@@ -108,7 +107,7 @@ impl Auto {
         match integrated {
             Ok((found, order, error)) => {
                 let solution = Solution::converged(Model::Traction, found.outputs);
-                (self.chosen(solution, error, Basis::Integrated { order }), Some(found.unknowns))
+                (self.chosen(solution, error, Basis::Integrated { order }), Some(found.root))
             }
             Err((status, reason)) => {
                 let solution = match regime {

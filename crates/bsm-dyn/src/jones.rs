@@ -1,6 +1,6 @@
 //! Jones geometry: how the contact angles follow the ball centre and the load.
 //!
-//! Theory: `docs/theory/06-elastic-contact.md`, equations (J1) to (J8).
+//! Theory: `docs/theory/06-elastic-contact.md`, equations (J1) to (J9).
 
 use bsm_kin::Scalar;
 use bsm_newton::EvalError;
@@ -80,12 +80,11 @@ impl<D: Scalar> Jones<D> {
     ///
     /// [`EvalError`] if no contact angles between 0 and π/2 have this tilt.
     pub fn deformed(&self, [nut, screw]: [D; 2], tilt: D) -> Result<Deformed<D>, EvalError> {
-        let (sin_0, cos_0) = self.contact_angle.sin_cos();
         let both = self.nut_offset + self.screw_offset;
         let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);
         let (sin, cos) = tilt.sin_cos();
         // l_A cos(β − ν) + l_B cos(β + ν) = A₂ = S cosβ + D sinβ          (J7)
-        let (s, d, a_2) = ((l_a + l_b) * cos, (l_a - l_b) * sin, both * cos_0);
+        let (s, d, a_2) = ((l_a + l_b) * cos, (l_a - l_b) * sin, both * self.contact_angle.cos());
         let square = s.square() + d.square() - a_2.square();
         if square.re() <= 0.0 || s.re() <= 0.0 {
             return Err(EvalError {
@@ -97,14 +96,48 @@ impl<D: Scalar> Jones<D> {
         // β = atan2(D, S) + acos(A₂/√(S² + D²))
         let a_1 = square.sqrt();
         let mean_angle = (a_1 * s + a_2 * d).atan2(a_2 * s - a_1 * d);
-        let (sin_a, cos_a) = (mean_angle - tilt).sin_cos();
-        let displacement = Displacement {
+        let displacement = self.displacement([l_a, l_b], [mean_angle - tilt, mean_angle + tilt]);
+        Ok(Deformed { mean_angle, displacement })
+    }
+
+    /// Contact angle at the screw \[rad\] and displacements of two approaches \[m\] and a contact
+    /// angle at the nut \[rad\] (J9), for a ball that is thrown against the nut: the angle there is
+    /// small, and the difference of mean angle and tilt has lost its digits.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if no contact angle at the screw goes with it.
+    pub fn opposite(
+        &self,
+        [nut, screw]: [D; 2],
+        nut_angle: D,
+    ) -> Result<(D, Displacement<D>), EvalError> {
+        let both = self.nut_offset + self.screw_offset;
+        let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);
+        // cosβ_B = (A₂ − l_A cosβ_A)/l_B                                  (J9)
+        let cos = (both * self.contact_angle.cos() - l_a * nut_angle.cos()) / l_b;
+        let square = (-cos + 1.0) * (cos + 1.0);
+        if square.re().is_nan() || square.re() <= 0.0 {
+            return Err(EvalError {
+                quantity: "cosine of the contact angle at the screw",
+                value: cos.re(),
+                requirement: "between -1 and 1: the groove arcs do not meet",
+            });
+        }
+        let screw_angle = square.sqrt().atan2(cos);
+        Ok((screw_angle, self.displacement([l_a, l_b], [nut_angle, screw_angle])))
+    }
+
+    /// Of the distances of the arc centres from the ball centre, and the contact angles.
+    fn displacement(&self, [l_a, l_b]: [D; 2], [nut, screw]: [D; 2]) -> Displacement<D> {
+        let (sin_0, cos_0) = self.contact_angle.sin_cos();
+        let (sin_a, cos_a) = nut.sin_cos();
+        Displacement {
             axial: l_a * sin_a - self.nut_offset * sin_0,
             radial: l_a * cos_a - self.nut_offset * cos_0,
             // δ_a = l_A sinβ_A + l_B sinβ_B − (l_A0 + l_B0) sinβ₀         (J8)
-            nut: l_a * sin_a + l_b * (mean_angle + tilt).sin() - both * sin_0,
-        };
-        Ok(Deformed { mean_angle, displacement })
+            nut: l_a * sin_a + l_b * screw.sin() - (self.nut_offset + self.screw_offset) * sin_0,
+        }
     }
 }
 
@@ -143,6 +176,27 @@ mod tests {
             assert_relative_eq!(side.angle, 0.78, max_relative = 1e-15);
             assert_relative_eq!(side.approach, 0.0, epsilon = 1e-18);
         }
+    }
+
+    proptest! {
+        /// Identity: the angle at the nut says as much as the tilt.
+        #[test]
+        fn opposite_is_deformed_by_the_angle_at_the_nut(
+            nut in 0.0..1e-4_f64, screw in 0.0..1e-4_f64, tilt in -0.3..0.3_f64,
+        ) {
+            let deformed = SCREW.deformed([nut, screw], tilt).unwrap();
+            let angle = deformed.mean_angle - tilt;
+            let (opposite, displacement) = SCREW.opposite([nut, screw], angle).unwrap();
+            // Rounding, larger where the angle is small and its cosine flat.
+            assert_relative_eq!(opposite, deformed.mean_angle + tilt, max_relative = 1e-13);
+            assert_relative_eq!(displacement.nut, deformed.displacement.nut, epsilon = 1e-16);
+        }
+    }
+
+    /// Expected failure: an approach so deep that the arcs no longer meet.
+    #[test]
+    fn a_ball_pressed_through_its_groove_is_refused() {
+        assert!(SCREW.opposite([1e-3, 0.0], 0.0).is_err());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A ball between elastic races: inputs, units, and the state that belongs to loads and tilt.
 //!
-//! Theory: `docs/theory/06-elastic-contact.md`, equations (P1) to (P7).
+//! Theory: `docs/theory/06-elastic-contact.md`, equations (P1) to (P8).
 
 mod start;
 
@@ -164,7 +164,7 @@ pub(crate) struct Loaded<D> {
     pub(crate) tilt: D,
     /// Contact angles at nut and screw \[rad\].
     pub(crate) angles: [D; 2],
-    /// Triad turned to the mean contact normal.
+    /// Triad turned to the mean contact normal, or to the nut's (P8).
     pub(crate) frame: BallFrame<D>,
     /// Contacts at nut and screw.
     pub(crate) contacts: [Contact<D>; 2],
@@ -204,6 +204,38 @@ impl<P: Scalar> Pair<P> {
         loads: [D; 2],
         tilt: D,
     ) -> Result<Loaded<D>, EvalError> {
+        let (jones, approaches) = self.pressed(loads)?;
+        let deformed = jones.deformed(approaches, tilt)?;
+        // β_A = β − ν,  β_B = β + ν                                       (P3)
+        let contacts = [Contact::tilted(Site::Nut, -tilt), Contact::tilted(Site::Screw, tilt)];
+        let frame = BallFrame::turned(D::from(self.helix.lead_angle), deformed.mean_angle);
+        let angles = [deformed.mean_angle - tilt, deformed.mean_angle + tilt];
+        let displacement = deformed.displacement.nut;
+        Ok(Loaded { loads, tilt, angles, frame, contacts, displacement })
+    }
+
+    /// The same of two loads and the contact angle at the nut (P8).
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if a contact is lost.
+    pub(crate) fn loaded_at_nut<D: Over<P>>(
+        &self,
+        loads: [D; 2],
+        nut: D,
+    ) -> Result<Loaded<D>, EvalError> {
+        let (jones, approaches) = self.pressed(loads)?;
+        let (screw, displacement) = jones.opposite(approaches, nut)?;
+        // The triad is turned to β_A, and B from there by β_B − β_A       (P8)
+        let frame = BallFrame::turned(D::from(self.helix.lead_angle), nut);
+        let contacts =
+            [Contact::tilted(Site::Nut, D::from(0.0)), Contact::tilted(Site::Screw, screw - nut)];
+        let (tilt, angles) = ((screw - nut) * 0.5, [nut, screw]);
+        Ok(Loaded { loads, tilt, angles, frame, contacts, displacement: displacement.nut })
+    }
+
+    /// Groove arcs, and the approaches of two loads (P2).
+    fn pressed<D: Over<P>>(&self, loads: [D; 2]) -> Result<(Jones<D>, [D; 2]), EvalError> {
         let least = loads[0].re().min(loads[1].re());
         if least.is_nan() || least <= 0.0 {
             return Err(EvalError {
@@ -217,13 +249,7 @@ impl<P: Scalar> Pair<P> {
             screw_offset: D::from(self.jones.screw_offset),
             contact_angle: D::from(self.jones.contact_angle),
         };
-        let deformed = jones.deformed(self.approaches(loads), tilt)?;
-        // β_A = β − ν,  β_B = β + ν                                       (P3)
-        let contacts = [Contact::tilted(Site::Nut, -tilt), Contact::tilted(Site::Screw, tilt)];
-        let frame = BallFrame::turned(D::from(self.helix.lead_angle), deformed.mean_angle);
-        let angles = [deformed.mean_angle - tilt, deformed.mean_angle + tilt];
-        let displacement = deformed.displacement.nut;
-        Ok(Loaded { loads, tilt, angles, frame, contacts, displacement })
+        Ok((jones, self.approaches(loads)))
     }
 
     /// The same point with the inertia multiplied by `factor`.

@@ -1,6 +1,6 @@
 //! Rolling, partial and gross slip in one model: friction integrated over the contact ellipses.
 //!
-//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T9).
+//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T9) to (T11).
 
 mod path;
 mod root;
@@ -13,7 +13,7 @@ use bsm_kin::{Motion, Scalar};
 use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
 
 use self::path::PATH;
-use self::root::Root;
+pub(crate) use self::root::Root;
 use crate::ellipse::{Lanes, Local, Quadrature};
 use crate::jacobian::linearize;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
@@ -82,6 +82,8 @@ struct Rolling<'a, P = f64> {
     pair: &'a Pair<P>,
     quadrature: &'a Quadrature,
     creep: f64,
+    /// The unknowns are those of a ball that is thrown against the nut (T10).
+    at_nut: bool,
 }
 
 struct State<D> {
@@ -98,7 +100,13 @@ impl<P: Scalar> Rolling<'_, P> {
     /// The state with another friction coefficient.
     fn rubbed<D: Lanes<P>>(&self, y: &[D; BALL], friction: D) -> Result<State<D>, EvalError> {
         let pair = self.pair;
-        let loaded = pair.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
+        let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
+        let loaded = if self.at_nut {
+            // (Q_A/F_a, β_A, Q_B/F_a, (P − Ω_n)/|W|, …)                   (T10)
+            pair.loaded_at_nut(loads, y[TILT])?
+        } else {
+            pair.loaded(loads, y[TILT])?
+        };
         // ω' = ω'_k k + ω'_n n + ω'_c k × n                               (T4)
         let [k, n] = [loaded.frame.k, loaded.frame.n];
         let [along, radial, around] = OMEGA.map(|i| y[i]);
@@ -122,10 +130,11 @@ impl<P: Scalar> Rolling<'_, P> {
     }
 
     /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far
-    /// above the relative speed, so that neither the rate nor the slip loses its digits.
+    /// above the relative speed, so that neither the rate nor the slip loses its digits, or where the
+    /// ball all but sticks to the nut.
     fn offset(&self) -> P {
         let nut = self.pair.nut_speed;
-        if nut.re().abs() > 2.0 { nut } else { P::from(0.0) }
+        if self.at_nut || nut.re().abs() > 2.0 { nut } else { P::from(0.0) }
     }
 
     fn residual<D: Lanes<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
@@ -148,7 +157,7 @@ impl Rolling<'_> {
     fn unknowns(&self, loaded: &Loaded<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
         let mut y = [0.0; BALL];
         [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
-        y[TILT] = loaded.tilt;
+        y[TILT] = if self.at_nut { loaded.angles[0] } else { loaded.tilt };
         y[PRECESSION] = to_nut.precession + self.pair.nut_speed - self.offset();
         let [k, n] = [loaded.frame.k, loaded.frame.n];
         for (place, axis) in OMEGA.iter().zip([k, n, k.cross(&n)]) {
@@ -164,10 +173,23 @@ impl Rolling<'_> {
 
     /// The same with the friction and the inertia forces of a path.
     fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
-        // D_F = diag(w, w, w, w/(f h), w/(f h), w/(f h), w),  w = 1/max(1, μ (P/W)²)  (T3)
-        let size = (self.pair.inertia_ratio() * rate * rate).max(1.0);
-        let (force, moment) = (weight(size), weight(size * friction.min(1.0) * self.lever(y)));
-        [force, force, force, moment, moment, moment, force]
+        // D_F = diag(w, w₀, w, w/(f h), w/(f h), w/(f h), w)              (T3)
+        let thrown = self.pair.inertia_ratio() * rate * rate;
+        let across =
+            if self.at_nut { thrown.min(self.rubbing(y, friction, thrown)) } else { thrown };
+        let [pressing, across] = [thrown, across].map(|size| size.max(1.0));
+        let (force, moment) = (weight(across), weight(across * friction.min(1.0) * self.lever(y)));
+        [force, weight(pressing), force, moment, moment, moment, force]
+    }
+
+    /// Size of the friction at the nut that the digits of its slip are worth.
+    fn rubbing(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {
+        // f C (|P − Ω_n| r_m + |ω'|)/v_e                                  (T11)
+        let slip = OMEGA
+            .iter()
+            .map(|i| y[*i].abs())
+            .fold(y[PRECESSION].abs() * self.pair.helix.radius, f64::max);
+        friction * load * slip / self.creep
     }
 
     /// Lever arm of friction over the ball radius `$h$`, that of the ends of ellipses longer than the
@@ -224,7 +246,7 @@ impl Traction {
             let mut found = coarse.outputs(&start, None, work)?;
             if coarse.order < self.order {
                 let steps = found.outputs.iterations.unwrap_or(0) - start.grip.steps;
-                found = self.outputs(&start, Some(&found.unknowns), work)?;
+                found = self.outputs(&start, Some(&found.root), work)?;
                 found.outputs.iterations = found.outputs.iterations.map(|more| steps + more);
             }
             Ok(found)
@@ -261,7 +283,7 @@ impl Traction {
         let mut steps = found.outputs.iterations.unwrap_or(0);
         while case.order < finest {
             let finer = Self { order: case.order.saturating_mul(TWO).min(finest), ..case };
-            let Ok(next) = finer.outputs(start, Some(&found.unknowns), work) else { break };
+            let Ok(next) = finer.outputs(start, Some(&found.root), work) else { break };
             #[expect(clippy::cast_precision_loss, reason = "a small count")]
             let order = finer.order.get() as f64;
             // |η_n − η_{n/2}| + |1 − η|/n³ + 5·10⁻⁷                        (A6)
@@ -281,24 +303,25 @@ impl Traction {
     fn outputs(
         &self,
         Start { pair, grip }: &Start<'_>,
-        from: Option<&[f64; BALL]>,
+        from: Option<&Root>,
         work: &mut TractionWorkspace,
     ) -> Result<Found, (Status, Reason)> {
         let quadrature = work.quadrature(self.order);
         let quadrature = &work.quadratures[quadrature].1;
         let creep = self.creep * pair.slip_scale();
-        let system = Rolling { pair, quadrature, creep };
-        let Root { unknowns, steps, residual } =
-            system.find(grip, from, &mut work.newton, &mut work.path)?;
-        let state = system.state(&unknowns).expect("the residual was evaluated at the root");
+        let system = Rolling { pair, quadrature, creep, at_nut: false };
+        let mut steps = grip.steps;
+        let root = system.find(grip, from, (&mut work.newton, &mut work.path), &mut steps)?;
+        let state =
+            system.of(&root).state(&root.unknowns).expect("the residual was evaluated at the root");
         let mut outputs = self.screw.describe(pair, &state.loaded, &state.to_nut)?;
         let power = pair.friction_power(&state.loaded, &state.to_nut, creep, quadrature);
         let frame = &state.loaded.frame;
         self.screw.transmit(&mut outputs, pair, frame, &state.wrench[1], power)?;
         outputs.set_regime(grip.skid_number(pair), grip.cross_slip(pair));
-        outputs.iterations = Some(grip.steps + steps);
-        outputs.residual_norm = Some(residual);
-        Ok(Found { outputs, unknowns })
+        outputs.iterations = Some(steps);
+        outputs.residual_norm = Some(root.residual);
+        Ok(Found { outputs, root })
     }
 }
 
@@ -320,7 +343,7 @@ impl<'a> Start<'a> {
 /// A root and its numbers.
 pub(crate) struct Found {
     pub(crate) outputs: Outputs,
-    pub(crate) unknowns: [f64; BALL],
+    pub(crate) root: Root,
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use bsm_newton::{
 };
 
 use super::Rolling;
+use super::root::Root;
 use crate::ellipse::Lanes;
 use crate::follow::{Stride, follow};
 use crate::jacobian::linearize;
@@ -30,13 +31,19 @@ const MOST_POINTS: usize = 600;
 const LONGEST: f64 = 1.0;
 const SHORTEST: f64 = 1e-7;
 
+/// Roots of a path that are nearer to each other may be missed.
+const SHORTEST_DIP: f64 = 1e-3;
+
+/// Angle \[rad\] beyond a flank that is not the rounding of large loads.
+const CLEARLY: f64 = 1e-6;
+
 /// Least cosine between the path and a step, so that no step goes to another path.
 const STRAIGHT: f64 = 0.9;
 
 /// What the path shows.
 pub(super) enum Shown {
-    /// A root on the flanks, and its residual; its powers may not balance.
-    Root([f64; BALL], f64),
+    /// A root on the flanks; its powers may not balance.
+    Root(Root),
     /// All roots on the path have contact angles beyond the flanks; those of the first, or of the
     /// end of the path.
     Beyond([f64; 2]),
@@ -142,6 +149,14 @@ impl System for Path<'_> {
     }
 }
 
+/// A step along a path.
+struct Leg<'a> {
+    from: &'a [f64; PATH],
+    to: &'a [f64; PATH],
+    /// Directions of the path at both ends, as long as the step.
+    directions: [[f64; PATH]; 2],
+}
+
 /// What is to be done after a step.
 enum Next {
     On,
@@ -167,10 +182,23 @@ fn between(a: &[f64; PATH], b: &[f64; PATH], from: f64, to: f64) -> [f64; BALL] 
     from_fn(|i| a[i] + part * (b[i] - a[i]))
 }
 
+/// True if a quantity with these values and slopes at both ends of a step, alike in sign, may have
+/// two zeros between. It has none if it is a parabola, with four times the room that this takes.
+fn may_dip([from, to]: [f64; 2], [leaving, arriving]: [f64; 2]) -> bool {
+    let there_and_back = from * leaving < 0.0 && to * arriving > 0.0;
+    there_and_back && from.abs().min(to.abs()) <= leaving.abs().max(arriving.abs())
+}
+
 /// Distance of two states over the size of their numbers.
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     let square = |(a, b): (&f64, &f64)| ((b - a) / (1.0 + a.abs())).powi(2);
     a.iter().zip(b).map(square).sum::<f64>().sqrt()
+}
+
+/// A direction at a point of a path, of a length in the size of its numbers.
+fn stretched(direction: &[f64; PATH], z: &[f64; PATH], length: f64) -> [f64; PATH] {
+    let size = direction.iter().zip(z).map(|(d, z)| (d / (1.0 + z.abs())).powi(2)).sum::<f64>();
+    direction.map(|d| d * length / size.sqrt())
 }
 
 impl Rolling<'_> {
@@ -219,26 +247,27 @@ impl Rolling<'_> {
             let resting = Rolling { pair: &still, ..*self };
             let (goal, mut z) = (self.pair.friction.ln(), point(&y, slippery.friction.ln()));
             let mut landed = false;
-            let ended = resting.track(Along::Friction, &mut z, wide, steps, |from, to| {
-                if to[BALL] < goal {
-                    let over = resting.is_far(to) || to[BALL] < 2.0 * FAINT.ln();
-                    return if over { Next::Stop } else { Next::On };
-                }
-                y = between(from, to, goal - from[BALL], goal - to[BALL]);
-                let guess = y;
-                landed = resting.run(&mut y, newton).converged()
-                    && distance(&guess, &y) <= distance(from, to);
-                if landed { Next::Stop } else { Next::Shorter }
-            });
+            let ended =
+                resting.track(Along::Friction, &mut z, wide, steps, |Leg { from, to, .. }| {
+                    if to[BALL] < goal {
+                        let over = resting.is_far(to) || to[BALL] < 2.0 * FAINT.ln();
+                        return if over { Next::Stop } else { Next::On };
+                    }
+                    y = between(from, to, goal - from[BALL], goal - to[BALL]);
+                    let guess = y;
+                    landed = resting.run(&mut y, newton).converged()
+                        && distance(&guess, &y) <= distance(from, to);
+                    if landed { Next::Stop } else { Next::Shorter }
+                });
             if !(ended && landed) {
                 let end = ball(&z);
-                let none = self.is_beyond(&end, 0.0);
+                let none = self.is_beyond(&end, CLEARLY);
                 return if none { Shown::Stopped(self.angles(&end)) } else { Shown::Nothing };
             }
         }
         let forwards = self.beginning_at_rest(&y, 1.0, newton, wide, steps);
-        if let Shown::Root(y, _) = &forwards
-            && self.is_balanced(y)
+        if let Shown::Root(root) = &forwards
+            && self.is_balanced(root)
         {
             return forwards;
         }
@@ -265,10 +294,18 @@ impl Rolling<'_> {
         // No ball circles that fast.
         let most = 2.0 * (1.0 + self.pair.nut_speed.abs());
         let held = |z: &[f64; PATH]| unit * z[BALL].sinh();
-        let (mut found, mut beyond) = (None, None);
+        let (mut found, mut beyond, mut more) = (None, None, 0);
         let mut z = point(y, 0.0);
-        let ended = self.track(Along::Rate { unit }, &mut z, wide, steps, |from, to| {
+        let ended = self.track(Along::Rate { unit }, &mut z, wide, steps, |leg| {
+            let Leg { from, to, directions } = leg;
             let [before, after] = [from, to].map(|z| self.rate(&ball(z)) - held(z));
+            let slope = |z: &[f64; PATH], way: &[f64; PATH]| {
+                way[PRECESSION] - unit * z[BALL].cosh() * way[BALL]
+            };
+            let slopes = [slope(from, &directions[0]), slope(to, &directions[1])];
+            if may_dip([before, after], slopes) && distance(from, to) > SHORTEST_DIP {
+                return Next::Shorter;
+            }
             if before * after <= 0.0 && before != 0.0 {
                 let guess = between(from, to, before, after);
                 let mut y = guess;
@@ -276,36 +313,38 @@ impl Rolling<'_> {
                 if !report.converged() || distance(&guess, &y) > distance(from, to) {
                     return Next::Shorter;
                 }
-                if self.is_beyond(&y, 0.0) {
-                    beyond = beyond.or(Some(self.angles(&y)));
-                } else {
-                    found = Some(Shown::Root(y, report.residual));
-                    if self.is_balanced(&y) {
+                let root = self.thrown(y, report.residual, newton, &mut more);
+                if self.is_admissible(&root) {
+                    found = Some(Shown::Root(root));
+                    if self.is_balanced(&root) {
                         return Next::Stop;
                     }
+                } else {
+                    beyond = beyond.or(Some(self.of(&root).angles(&root.unknowns)));
                 }
             }
             if self.is_far(to) || held(to).abs() > most { Next::Stop } else { Next::On }
         });
+        *steps += more;
         let end = ball(&z);
+        let is_off = self.is_beyond(&end, CLEARLY);
         found.unwrap_or_else(|| match beyond {
-            _ if !ended && !self.is_beyond(&end, 0.0) => Shown::Nothing,
+            _ if !ended && !is_off => Shown::Nothing,
             Some(angles) => Shown::Beyond(angles),
-            None if self.is_beyond(&end, 0.0) => Shown::Beyond(self.angles(&end)),
+            None if is_off => Shown::Beyond(self.angles(&end)),
             None => Shown::Nothing,
         })
     }
 
     /// Goes along a path from `z` on, first towards larger `u`, in steps of its length, through
-    /// folds too, until `visit` says stop; `visit` is given both ends of each step. False if the
-    /// path is lost.
+    /// folds too, until `visit` says stop. False if the path is lost.
     fn track(
         &self,
         along: Along,
         z: &mut [f64; PATH],
         newton: &mut Workspace,
         steps: &mut usize,
-        mut visit: impl FnMut(&[f64; PATH], &[f64; PATH]) -> Next,
+        mut visit: impl FnMut(Leg<'_>) -> Next,
     ) -> bool {
         let upwards = from_fn(|i| if i < BALL { 0.0 } else { 1.0 });
         let begin = Path { ball: self, along, foot: *z, normal: upwards };
@@ -315,9 +354,9 @@ impl Rolling<'_> {
         let mut length = 0.5 * LONGEST;
         for _ in 0..MOST_POINTS {
             let scale = z.map(|z| 1.0 + z.abs());
-            let speed = (0..PATH).map(|i| (direction[i] / scale[i]).powi(2)).sum::<f64>().sqrt();
-            let foot = from_fn(|i| z[i] + length * direction[i] / speed);
-            let normal = from_fn(|i| direction[i] / (speed * scale[i] * scale[i]));
+            let unit = stretched(&direction, z, 1.0);
+            let foot = from_fn(|i| z[i] + length * unit[i]);
+            let normal = from_fn(|i| unit[i] / (scale[i] * scale[i]));
             let path = Path { ball: self, along, foot, normal };
             let mut next = foot;
             let report = path.run(&mut next, newton);
@@ -327,7 +366,12 @@ impl Rolling<'_> {
             let ahead = (report.converged() && cosine > STRAIGHT)
                 .then(|| path.direction(&next, newton))
                 .flatten();
-            let verdict = ahead.map(|ahead| (ahead, visit(z, &next)));
+            let verdict = ahead.map(|ahead| {
+                let arriving = ahead.map(|x| x * sense);
+                let directions =
+                    [stretched(&direction, z, moved), stretched(&arriving, &next, moved)];
+                (arriving, visit(Leg { from: z, to: &next, directions }))
+            });
             match verdict {
                 Some((_, Next::Shorter)) | None => {
                     length *= 0.4;
@@ -335,9 +379,8 @@ impl Rolling<'_> {
                         return false;
                     }
                 }
-                Some((ahead, verdict)) => {
-                    *z = next;
-                    direction = ahead.map(|x| x * sense);
+                Some((arriving, verdict)) => {
+                    (*z, direction) = (next, arriving);
                     if matches!(verdict, Next::Stop) {
                         return true;
                     }

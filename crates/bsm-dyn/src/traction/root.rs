@@ -1,8 +1,8 @@
 //! Where the root of a point is looked for, and when there is none.
 //!
-//! Theory: `docs/theory/09-traction.md`, sections "Starts" and "Existence".
+//! Theory: `docs/theory/09-traction.md`, equation (T10), sections "Starts" and "Existence".
 
-use bsm_newton::{Report, Workspace};
+use bsm_newton::Workspace;
 
 use super::path::Shown;
 use super::scatter::{MANY, STARTS};
@@ -23,104 +23,171 @@ const FASTEST: f64 = 1e9;
 /// Inertia over friction below which a path that leaves the flanks is not asked about twice.
 const CALM: f64 = 1e-3;
 
+/// Centrifugal force over the load from which the contact angle at the nut has less than ten digits as
+/// a difference of two others.
+const THROWN: f64 = 1e6;
+
 /// A root of the equations of a point.
-pub(super) struct Root {
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Root {
     pub(super) unknowns: [f64; BALL],
-    /// Newton steps of all solves.
-    pub(super) steps: usize,
+    /// The unknowns are those of a ball that is thrown against the nut (T10).
+    pub(super) at_nut: bool,
     pub(super) residual: f64,
 }
 
 impl Rolling<'_> {
-    /// The root, from a root near by, from the gripping ball or from the skidding one; if none of
-    /// them leads to it, from friction that is nearly proportional to the slip, along the path of
-    /// growing inertia, and from starts all over. The last two are for a point that has not been
-    /// solved with another quadrature.
+    /// The root, from one near by, or from a search; [`search`](Self::search) knows the errors.
     ///
-    /// Where the roots of the path are all beyond the flanks, and no start leads to another, the
-    /// answer is that there is none.
+    /// * `near`: root of the same point with another quadrature. It has been searched for all over.
+    /// * `steps`: Newton steps of all solves are added.
     pub(super) fn find(
         &self,
         grip: &Grip,
-        near: Option<&[f64; BALL]>,
-        newton: &mut Workspace,
-        wide: &mut Workspace,
+        near: Option<&Root>,
+        (newton, wide): (&mut Workspace, &mut Workspace),
+        steps: &mut usize,
+    ) -> Result<Root, (Status, Reason)> {
+        if let Some(near) = near
+            && let Ok(root) = self.of(near).solved(near.unknowns, newton, steps)
+        {
+            return Ok(root);
+        }
+        self.search(grip, near.is_none(), (newton, wide), steps)
+    }
+
+    /// The root from the gripping ball or from the skidding one; if none of them leads to it, from
+    /// friction that is nearly proportional to the slip, and, if it is to be searched `all_over`, along
+    /// the path of growing inertia, and from scattered starts.
+    ///
+    /// Where the roots of the path are all beyond the flanks, and no start leads to another, the
+    /// answer is that there is none.
+    fn search(
+        &self,
+        grip: &Grip,
+        all_over: bool,
+        (newton, wide): (&mut Workspace, &mut Workspace),
+        steps: &mut usize,
     ) -> Result<Root, (Status, Reason)> {
         let gripping = self.unknowns(&grip.loaded, &grip.to_nut);
-        let mut steps = 0;
         let mut failure = None;
         let skids = grip.skid_number(self.pair) > SKIDS;
-        let starts = [near.map(Begin::Near), Some(Begin::of(skids)), Some(Begin::of(!skids))];
-        for start in starts.into_iter().flatten() {
-            let mut y = match start {
-                Begin::Near(root) => *root,
-                Begin::Grip => gripping,
-                Begin::Skid => {
-                    let Ok(skid) = Skid::of(self.pair, newton) else { continue };
-                    steps += skid.steps();
-                    self.unknowns(skid.state().0, skid.state().1)
-                }
+        for skids in [skids, !skids] {
+            let y = if skids {
+                let Ok(skid) = Skid::of(self.pair, newton) else { continue };
+                *steps += skid.steps();
+                self.unknowns(skid.state().0, skid.state().1)
+            } else {
+                gripping
             };
-            let report = self.run(&mut y, newton);
-            steps += report.steps.len();
-            if report.converged() && self.is_admissible(&y) {
-                return Ok(Root { unknowns: y, steps, residual: report.residual });
+            match self.solved(y, newton, steps) {
+                Ok(root) => return Ok(root),
+                Err(reason) => failure = Some(reason),
             }
-            failure = Some(report);
         }
         let mut y = gripping;
-        let mut residual = f64::INFINITY;
         let stride = Stride { first: 1.0, shortest: 0.05 };
-        let arrived = follow(&mut y, (0.0, self.creep.ln()), stride, |log, y| {
+        let mut arrived = None;
+        let ended = follow(&mut y, (0.0, self.creep.ln()), stride, |log, y| {
             let report = Self { creep: log.exp(), ..*self }.run(y, newton);
-            steps += report.steps.len();
-            residual = report.residual;
-            report.converged()
+            *steps += report.steps.len();
+            arrived = report.converged().then_some(report.residual);
+            arrived.is_some()
         });
-        if arrived.is_ok() && self.is_admissible(&y) {
-            return Ok(Root { unknowns: y, steps, residual });
+        if let (Ok(()), Some(residual)) = (ended, arrived) {
+            let root = self.thrown(y, residual, newton, steps);
+            if self.is_admissible(&root) {
+                return Ok(root);
+            }
         }
-        let failed = |failure: Option<Report>| {
-            let report = failure.expect("the gripping start was tried");
-            Err((Status::NotConverged, Reason::from(report)))
-        };
-        if near.is_some() {
-            return failed(failure);
+        let failure = (Status::NotConverged, failure.expect("the gripping start was tried"));
+        if !all_over {
+            return Err(failure);
         }
-        let shown = self.followed(newton, wide, &mut steps);
-        if let Shown::Root(unknowns, residual) = shown
-            && self.is_balanced(&unknowns)
+        let mut shown = self.followed(newton, wide, steps);
+        if matches!(shown, Shown::Nothing) {
+            // It may be the digits that were lost.
+            shown = Self { at_nut: true, ..*self }.followed(newton, wide, steps);
+        }
+        if let Shown::Root(root) = shown
+            && self.is_balanced(&root)
         {
-            return Ok(Root { unknowns, steps, residual });
+            return Ok(root);
         }
         let starts = match shown {
             Shown::Beyond(_) if self.is_calm() => 0,
             Shown::Stopped(_) => MANY,
             _ => STARTS,
         };
-        if let Some((unknowns, residual)) = self.scatter(starts, newton, &mut steps) {
-            return Ok(Root { unknowns, steps, residual });
+        if let Some(root) = self.scatter(starts, newton, steps) {
+            return Ok(root);
         }
         match shown {
             // Rounding has eaten it, which its powers will show.
-            Shown::Root(unknowns, residual) => Ok(Root { unknowns, steps, residual }),
+            Shown::Root(root) => Ok(root),
             Shown::Beyond([nut, screw]) | Shown::Stopped([nut, screw]) => {
                 Err((Status::NoSolution, Reason::BallLeavesFlank { nut, screw }))
             }
-            Shown::Nothing => failed(failure),
+            Shown::Nothing => Err(failure),
         }
     }
 
+    /// The root that Newton finds from `y`, if it is on the flanks.
+    fn solved(
+        &self,
+        mut y: [f64; BALL],
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Result<Root, Reason> {
+        let report = self.run(&mut y, newton);
+        *steps += report.steps.len();
+        if report.converged() {
+            let root = self.thrown(y, report.residual, newton, steps);
+            if self.is_admissible(&root) {
+                return Ok(root);
+            }
+        }
+        Err(report.into())
+    }
+
+    /// The root with these unknowns; in the unknowns (T10) if the ball is thrown against the nut.
+    pub(super) fn thrown(
+        &self,
+        y: [f64; BALL],
+        residual: f64,
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Root {
+        let root = Root { unknowns: y, at_nut: self.at_nut, residual };
+        let rate = self.rate(&y);
+        if self.at_nut || self.pair.inertia_ratio() * rate * rate <= THROWN {
+            return root;
+        }
+        let Ok(State { loaded, to_nut, .. }) = self.state(&y) else { return root };
+        let ball = Self { at_nut: true, ..*self };
+        let mut unknowns = ball.unknowns(&loaded, &to_nut);
+        let report = ball.run(&mut unknowns, newton);
+        *steps += report.steps.len();
+        let settled = Root { unknowns, at_nut: true, residual: report.residual };
+        if report.converged() { settled } else { root }
+    }
+
+    /// The equations in the unknowns of a root.
+    pub(super) fn of(&self, root: &Root) -> Self {
+        Self { at_nut: root.at_nut, ..*self }
+    }
+
     /// True for a root with both contacts on their flanks.
-    pub(super) fn is_admissible(&self, y: &[f64; BALL]) -> bool {
-        !self.is_beyond(y, 0.0) && OMEGA.iter().all(|i| y[*i].abs() < FASTEST)
+    pub(super) fn is_admissible(&self, root: &Root) -> bool {
+        let y = &root.unknowns;
+        !self.of(root).is_beyond(y, 0.0) && OMEGA.iter().all(|i| y[*i].abs() < FASTEST)
     }
 
     /// True for a root whose powers balance. Where a ball turns faster and faster about the axis the
     /// residual vanishes without a root, and the powers do not balance.
-    pub(super) fn is_balanced(&self, y: &[f64; BALL]) -> bool {
+    pub(super) fn is_balanced(&self, root: &Root) -> bool {
         let (pair, radius) = (self.pair, self.pair.helix.radius);
-        self.state(y).is_ok_and(|State { loaded, to_nut, wrench }| {
+        self.of(root).state(&root.unknowns).is_ok_and(|State { loaded, to_nut, wrench }| {
             let friction = pair.friction_power(&loaded, &to_nut, self.creep, self.quadrature);
             let torque = torque(&wrench[1], radius, &loaded.frame);
             let ideal = ideal_torque(1.0, radius, pair.helix.lead_angle);
@@ -133,22 +200,5 @@ impl Rolling<'_> {
     fn is_calm(&self) -> bool {
         let rate = self.pair.nut_speed.abs().max(1.0);
         self.pair.inertia_ratio() * rate * rate < CALM * self.pair.friction
-    }
-}
-
-/// Where a solve begins.
-#[derive(Clone, Copy)]
-enum Begin<'a> {
-    /// At a root of the same point with another quadrature.
-    Near(&'a [f64; BALL]),
-    /// At the gripping ball.
-    Grip,
-    /// At the skidding ball.
-    Skid,
-}
-
-impl Begin<'_> {
-    fn of(skids: bool) -> Self {
-        if skids { Self::Skid } else { Self::Grip }
     }
 }

@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use bsm_newton::Workspace;
 
+use super::root::Root;
 use super::{OMEGA, Rolling};
 use crate::follow::{Stride, follow};
 use crate::layout::BALL;
@@ -56,13 +57,13 @@ impl Rolling<'_> {
         y
     }
 
-    /// A root on the flanks from one of the starts, and its residual.
+    /// A root on the flanks from one of the starts.
     pub(super) fn scatter(
         &self,
         starts: u32,
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Option<([f64; BALL], f64)> {
+    ) -> Option<Root> {
         let stride = Stride { first: 2.0, shortest: 0.2 };
         let end = self.creep.ln();
         (0..starts).find_map(|number| {
@@ -76,8 +77,9 @@ impl Rolling<'_> {
                 residual = report.residual;
                 report.converged()
             });
-            (arrived.is_ok() && self.is_admissible(&y) && self.is_balanced(&y))
-                .then_some((y, residual))
+            arrived.ok()?;
+            let root = self.thrown(y, residual, newton, steps);
+            (self.is_admissible(&root) && self.is_balanced(&root)).then_some(root)
         })
     }
 }

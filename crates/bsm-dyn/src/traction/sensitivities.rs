@@ -4,8 +4,7 @@
 
 use bsm_kin::Jet;
 
-use super::{Rolling, Start, Traction, TractionWorkspace};
-use crate::layout::BALL;
+use super::{Rolling, Root, Start, Traction, TractionWorkspace};
 use crate::pair::refused;
 use crate::raceway_control::Grip;
 use crate::sensitivity::moving_root;
@@ -23,24 +22,25 @@ impl<const M: usize> Traction<Jet<M>> {
         let grip = Grip::of(&pair, None, &mut work.statics);
         let start = Start::new(&pair, grip.ok().as_ref())?;
         let case = Traction { screw, order: self.order, creep: self.creep };
-        let root = case.outputs(&start, None, work)?.unknowns;
+        let root = case.outputs(&start, None, work)?.root;
         self.sensitivities_at(&root, work)
     }
 
     /// The same at a root that is known.
     pub(crate) fn sensitivities_at(
         &self,
-        root: &[f64; BALL],
+        root: &Root,
         work: &mut TractionWorkspace,
     ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
         let (inputs, point) = (self.screw.pair()?, self.screw.values().pair()?);
         let place = work.quadrature(self.order);
         let TractionWorkspace { newton, quadratures, .. } = work;
         let (quadrature, creep) = (&quadratures[place].1, self.creep * point.slip_scale());
-        let system = Rolling { pair: &point, quadrature, creep };
-        let equations = Rolling { pair: &inputs, quadrature, creep };
+        let Root { unknowns, at_nut, .. } = root;
+        let system = Rolling { pair: &point, quadrature, creep, at_nut: *at_nut };
+        let equations = Rolling { pair: &inputs, quadrature, creep, at_nut: *at_nut };
         let residual = |y: &_| equations.residual(y);
-        let y = moving_root(&system, root, &system.weights(root), residual, newton)?;
+        let y = moving_root(&system, unknowns, &system.weights(unknowns), residual, newton)?;
         let state = equations.state(&y).map_err(refused)?;
         Ok(self.screw.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
     }
