@@ -12,9 +12,14 @@ use crate::layout::BALL;
 use crate::layout::unknown::{MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP};
 use crate::{Angles, Reason, Status};
 
-/// Below this ratio of inertia to friction, rounding of the loads would decide about the slip at
-/// A; the root is then interpolated between no inertia and this much. The error is the square.
+/// Below this ratio of inertia to friction, rounding of loads of the size of the axial load would
+/// decide about the slip at A; the root is then interpolated between no inertia and this much. The
+/// error is the square.
 pub(super) const SLOW: f64 = 1e-6;
+
+/// Near self-locking the loads are larger, and their rounding with them; the ratio grows with them so
+/// many times.
+const MOST_LOAD: f64 = 100.0;
 
 /// Up to this ratio of inertia to friction Newton from the first order stays on its branch.
 pub const MODERATE_INERTIA: f64 = 0.2;
@@ -83,8 +88,9 @@ pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root
     {
         return Err(denial);
     }
-    if inertia < SLOW
-        && let Some(root) = interpolate(case, &start, inertia, work)
+    let slow = SLOW * start.load.clamp(1.0, MOST_LOAD);
+    if inertia < slow
+        && let Some(root) = interpolate(case, &start, inertia / slow, work)
     {
         return accept(case, root, work);
     }
@@ -222,16 +228,16 @@ fn is_slow(case: &Scaled<f64>, y: &Unknowns<f64>) -> bool {
 
 /// The root for inertia so small that loads in double precision cannot tell it from none.
 ///
-/// The root is analytic in the inertia. Between its limit, the first order, and the root at a
-/// ratio of [`SLOW`] it is a straight line, but for a relative error of the square of that ratio.
-/// `None` if the residual does not bear this out.
+/// The root is analytic in the inertia. Between its limit, the first order, and a root of some more
+/// inertia, of which the inertia of the point is a `fraction`, it is a straight line. Where large loads
+/// have eaten the load of A' and the slip at A there too, by more than the error of the first order,
+/// these two stay at the first order. `None` if the residual does not bear this out.
 fn interpolate(
     case: &Scaled<f64>,
     start: &FirstOrder,
-    inertia: f64,
+    fraction: f64,
     work: &mut RigidWorkspace,
 ) -> Option<Root> {
-    let fraction = inertia / SLOW;
     let faster = case.with_inertia(fraction.recip());
     let at = FirstOrder::of(&faster);
     let (mut far, report) = newton(&faster, &at, at.unknowns(), work);
@@ -243,6 +249,11 @@ fn interpolate(
     let mut limit = start.unknowns();
     limit[MINOR_LOAD] = start.minor;
     let mut unknowns = limit + (far - limit) * fraction;
+    // Loads round by Q ε, Q_A' is some ι/Q, and the loads vary by Q ι/f.
+    let load = start.load.max(1.0);
+    if load * load * f64::EPSILON / at.size > load * start.size / case.friction {
+        (unknowns[MINOR_LOAD], unknowns[SLIP]) = (limit[MINOR_LOAD], limit[SLIP]);
+    }
     unknowns[MINOR_LOAD] *= start.inertia;
 
     // No step: only the residual is asked for.
@@ -260,7 +271,11 @@ fn accept(case: &Scaled<f64>, root: Root, work: &mut RigidWorkspace) -> Result<R
         return Err(none(Reason::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio }));
     }
     if y[MINOR_LOAD] <= 0.0 {
-        return Err(none(Reason::MinorContactWouldPull { load_ratio: y[MINOR_LOAD] }));
+        let reason = Reason::MinorContactWouldPull { load_ratio: y[MINOR_LOAD] };
+        // The sign may be that of the rounding of the other loads, a few times their last digit.
+        let eaten = y[MINOR_LOAD].abs() <= 16.0 * f64::EPSILON * y[NUT_LOAD];
+        let status = if eaten { Status::NotConverged } else { Status::NoSolution };
+        return Err(NoRoot { status, reason });
     }
     if y[SLIP] <= 0.0 {
         let critical_lead_angle = critical_lead_angle(case, work);
