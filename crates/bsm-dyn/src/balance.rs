@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use std::ops::Add;
 
 use bsm_kin::{BallFrame, Drive, Helix, Motion, Scalar};
+use bsm_newton::EvalError;
 use nalgebra::Vector3;
 
 use crate::{Direction, Reason};
@@ -14,6 +15,13 @@ use crate::{Direction, Reason};
 /// root has rounding only; more means that rounding has eaten the result, as it does when the
 /// inertia forces are many orders above the load.
 pub const POWER_BALANCE_TOL: f64 = 1e-9;
+
+/// The refusal of a ball that stands still in space, where the moment of its spin is an unknown.
+pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
+    quantity: "precession rate P of the ball over |W|",
+    value: 0.0,
+    requirement: "not zero: a ball that does not circle has no gyroscopic moment",
+};
 
 /// A homogeneous ball.
 #[derive(Debug, Clone, Copy, PartialEq)]

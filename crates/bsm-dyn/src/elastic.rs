@@ -12,6 +12,7 @@ use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, 
 use nalgebra::Vector3;
 
 use self::curve::first_root;
+use crate::balance::DOES_NOT_CIRCLE;
 use crate::coulomb::friction_force;
 use crate::jacobian::linearize;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
@@ -64,11 +65,7 @@ impl<P: Scalar> Saturated<'_, P> {
         // P = Ω_n + p W                                                   (S2)
         let precession = y[PRECESSION] * pair.sign() + pair.nut_speed;
         if precession.re() == 0.0 {
-            return Err(EvalError {
-                quantity: "precession rate P of the ball over |W|",
-                value: 0.0,
-                requirement: "not zero: a ball that does not circle has no gyroscopic moment",
-            });
+            return Err(DOES_NOT_CIRCLE);
         }
         // σ = s r_b F_a / (I P), about the mean normal                    (S3)
         let sigma = y[SPIN] / (precession * pair.ball.inertia());

@@ -13,6 +13,8 @@ mod closed_form;
 mod coulomb;
 mod elastic;
 mod ellipse;
+#[cfg(test)]
+mod extreme;
 mod follow;
 mod hertz;
 mod jacobian;

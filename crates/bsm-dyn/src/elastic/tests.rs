@@ -3,45 +3,13 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use approx::assert_relative_eq;
-use bsm_kin::{Drive, Helix};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
+use crate::Angles;
+use crate::extreme::extreme;
 use crate::rigid::first_order::{Sliding, spin_moment};
-use crate::{Angles, Ball, Load, Material};
-
-/// A screw of the ranges of the extremes.
-fn extreme(rng: &mut impl Rng) -> ElasticScrew {
-    let mut log = |low: f64, high: f64| (low.ln() + rng.random::<f64>() * (high / low).ln()).exp();
-    let (ball, size) = (log(0.05e-3, 0.1), log(0.01, 0.45));
-    let (axial, speed, other) = (log(1e-6, 1e6), log(1e-4, 1e5), log(1e-4, 1e5));
-    let friction = log(1e-6, 1.0);
-    let conformity = (0.5 + log(1e-3, 0.3), 0.5 + log(1e-3, 0.3));
-    let density = log(500.0, 2e4);
-    let mut steel = || Material { youngs_modulus: log(1e7, 1e12), poisson_ratio: 0.3 };
-    let material = (steel(), steel());
-    let mut flip = |x: f64| if rng.random_bool(0.5) { x } else { -x };
-    let (speed, other) = (flip(speed), flip(other));
-    let (screw_speed, nut_speed) = match rng.random_range(0..5) {
-        0 | 1 => (speed, 0.0),
-        2 | 3 => (0.0, speed),
-        _ => (speed, other),
-    };
-    ElasticScrew {
-        helix: Helix {
-            radius: ball / size,
-            lead_angle: rng.random_range(0.05_f64..85.0).to_radians(),
-        },
-        contact_angle: rng.random_range(1.0_f64..89.0).to_radians(),
-        ball: Ball::of_density(ball, density),
-        conformity,
-        material,
-        friction,
-        drive: Drive { screw_speed, nut_speed },
-        load: Load { axial, balls: 1.0 },
-    }
-}
 
 /// Random loads, angles and directions that carry the axial load at the nut, in the unknowns (S1).
 fn start(pair: &Pair, rng: &mut impl Rng) -> Option<[f64; BALL]> {

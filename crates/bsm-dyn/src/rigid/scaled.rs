@@ -6,7 +6,7 @@ use bsm_kin::{BallFrame, Contact, Helix, Motion, Scalar, Site};
 use bsm_newton::{EvalError, MatMut, System};
 use nalgebra::{SVector, Vector3};
 
-use crate::balance::{Ball, axial_force, newton_euler};
+use crate::balance::{Ball, DOES_NOT_CIRCLE, axial_force, newton_euler};
 use crate::coulomb::friction_force;
 use crate::jacobian::linearize;
 use crate::layout::unknown::{
@@ -140,11 +140,7 @@ impl<D: Scalar> Scaled<D> {
         let (precession, slip) = (rate * self.sign, y[SLIP]);
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
         if precession.re() == 0.0 {
-            return Err(EvalError {
-                quantity: "precession rate P of the ball over |W|",
-                value: 0.0,
-                requirement: "not zero: a ball that does not circle has no gyroscopic moment",
-            });
+            return Err(DOES_NOT_CIRCLE);
         }
         // u = −λ cosθ,  τ = λ sinθ − p d/r_b                              (R4)
         let u = -slip * cos;

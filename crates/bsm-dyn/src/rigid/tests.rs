@@ -12,6 +12,8 @@ use rand_chacha::ChaCha8Rng;
 
 use super::curve::Curve;
 use super::*;
+use crate::ElasticScrew;
+use crate::extreme::extreme;
 
 /// Directions of slip that are tried at one point, and Newton solves among them.
 const DIRECTIONS: usize = 20_000;
@@ -21,29 +23,9 @@ const STARTS: usize = 200;
 const DENIED: usize = 100;
 
 /// A screw of the ranges of the extremes.
-fn extreme(rng: &mut impl Rng) -> Rigid {
-    let mut log = |low: f64, high: f64| (low.ln() + rng.random::<f64>() * (high / low).ln()).exp();
-    let (ball, size) = (log(0.05e-3, 0.1), log(0.01, 0.45));
-    let (axial, speed, other) = (log(1e-6, 1e6), log(1e-4, 1e5), log(1e-4, 1e5));
-    let (friction, density) = (log(1e-6, 1.0), log(500.0, 2e4));
-    let mut flip = |x: f64| if rng.random_bool(0.5) { x } else { -x };
-    let (speed, other) = (flip(speed), flip(other));
-    let (screw_speed, nut_speed) = match rng.random_range(0..5) {
-        0 | 1 => (speed, 0.0),
-        2 | 3 => (0.0, speed),
-        _ => (speed, other),
-    };
-    Rigid {
-        helix: Helix {
-            radius: ball / size,
-            lead_angle: rng.random_range(0.05_f64..85.0).to_radians(),
-        },
-        contact_angle: rng.random_range(1.0_f64..89.0).to_radians(),
-        ball: Ball::of_density(ball, density),
-        friction,
-        drive: Drive { screw_speed, nut_speed },
-        load: Load { axial, balls: 1.0 },
-    }
+fn screw(rng: &mut impl Rng) -> Rigid {
+    let ElasticScrew { helix, contact_angle, ball, friction, drive, load, .. } = extreme(rng);
+    Rigid { helix, contact_angle, ball, friction, drive, load }
 }
 
 /// A start from random directions of slip at A, A' and B: the loads and the rate follow from the force
@@ -130,7 +112,7 @@ fn many_starts_find_no_root_where_one_is_denied() {
     let (mut denied, mut found, mut seen) = (0, 0, 0);
     let mut refuted = Vec::new();
     while denied < DENIED {
-        let rigid = extreme(&mut rng);
+        let rigid = screw(&mut rng);
         let Ok(case) = rigid.scaled() else { continue };
         let answer = root::find(&case, &mut work);
         // Without inertia the first order is a proof.
@@ -162,7 +144,7 @@ fn the_reduction_solves_the_equations() {
     let mut rng = ChaCha8Rng::seed_from_u64(34);
     let mut tried = 0;
     while tried < 1000 {
-        let rigid = extreme(&mut rng);
+        let rigid = screw(&mut rng);
         let Ok(case) = rigid.scaled() else { continue };
         let curve = Curve::of(&case);
         let turn = rng.random_range(-3.0..3.0_f64) * 10.0_f64.powf(rng.random_range(-3.0..0.0));
@@ -192,7 +174,7 @@ fn newton_and_the_search_find_the_same_root() {
     let mut work = RigidWorkspace::default();
     let mut tried = 0;
     while tried < 1000 {
-        let Ok(case) = extreme(&mut rng).scaled() else { continue };
+        let Ok(case) = screw(&mut rng).scaled() else { continue };
         let start = FirstOrder::of(&case);
         if start.size < MODERATE_INERTIA * case.friction {
             continue;
@@ -347,7 +329,7 @@ fn the_nearest_inertia_has_a_root() {
     let mut work = RigidWorkspace::default();
     let mut named = 0;
     while named < 50 {
-        let rigid = extreme(&mut rng);
+        let rigid = screw(&mut rng);
         let Some(Reason::NoRootAtInertia { inertia_ratio, nearest }) =
             rigid.solve(&mut work).reason
         else {

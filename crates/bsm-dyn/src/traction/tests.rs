@@ -1,44 +1,19 @@
 //! Denials against searches from many starts, and points that were hard.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 use approx::assert_relative_eq;
-use bsm_kin::{Drive, Helix};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::{Ball, Load, Material};
+use crate::extreme::extreme;
 
-/// A screw of the ranges of the extremes.
-fn extreme(seed: u64, number: u64) -> ElasticScrew {
+/// The point of a seed and a number.
+fn point(seed: u64, number: u64) -> ElasticScrew {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
-    let mut log = |low: f64, high: f64| (low.ln() + rng.random::<f64>() * (high / low).ln()).exp();
-    let (radius, size) = (0.5e-3 * log(0.1, 200.0), log(0.01, 0.45));
-    let (axial, speed, other) = (log(1e-6, 1e6), log(1e-3, 1e6), log(1e-3, 1e6));
-    let friction = log(1e-6, 1.0);
-    let (groove, ball, density) = (log(1e7, 1e12), log(1e7, 1e12), log(500.0, 2e4));
-    let conformity = (0.5 + log(1e-3, 0.3), 0.5 + log(1e-3, 0.3));
-    let mut flip = |x: f64| if rng.random_bool(0.5) { x } else { -x };
-    let [speed, other] = [speed, other].map(|rpm| flip(rpm) * PI / 30.0);
-    let (screw_speed, nut_speed) = match rng.random_range(0..5) {
-        0 | 1 => (speed, 0.0),
-        2 | 3 => (0.0, speed),
-        _ => (speed, other),
-    };
-    let lead_angle = rng.random_range(0.05_f64..85.0).to_radians();
-    let material = |youngs_modulus| Material { youngs_modulus, poisson_ratio: 0.3 };
-    ElasticScrew {
-        helix: Helix { radius: radius / size, lead_angle },
-        contact_angle: rng.random_range(1.0_f64..89.0).to_radians(),
-        ball: Ball::of_density(radius, density),
-        conformity,
-        material: (material(groove), material(ball)),
-        friction,
-        drive: Drive { screw_speed, nut_speed },
-        load: Load { axial, balls: 1.0 },
-    }
+    extreme(&mut rng)
 }
 
 fn solved(screw: ElasticScrew, work: &mut TractionWorkspace) -> Solution {
@@ -108,7 +83,7 @@ fn confirmed(seed: u64, points: u64, starts: usize) -> Confirmed {
     let mut rng = ChaCha8Rng::seed_from_u64(seed + 1);
     let mut counts = Confirmed::default();
     for number in 0..points {
-        let screw = extreme(seed, number);
+        let screw = point(seed, number);
         let Ok(pair) = screw.pair() else { continue };
         let solution = solved(screw, &mut work);
         let place = work.quadrature(Traction::ORDER);
@@ -169,7 +144,7 @@ fn hard_points_are_solved() {
         (2031, 2483, "two roots within a step of the path, balls that hardly circle"),
         (2031, 1922, "the same at an inertia ratio of 5e11"),
     ] {
-        let solution = solved(extreme(seed, number), &mut work);
+        let solution = solved(point(seed, number), &mut work);
         let place = format!("{seed} {number}, {what}: {:?}", solution.reason);
         assert_eq!(solution.status, Status::Converged, "{place}");
     }
@@ -181,7 +156,7 @@ fn both_sets_of_unknowns_have_the_same_roots() {
     let (mut work, mut newton) = (TractionWorkspace::default(), Workspace::new(BALL));
     let mut seen = 0;
     for number in 0..60 {
-        let screw = extreme(8, number);
+        let screw = point(8, number);
         let solution = solved(screw, &mut work);
         let Ok(pair) = screw.pair() else { continue };
         // More inertia eats the digits of one set, none those of the other.
@@ -217,7 +192,7 @@ fn both_sets_of_unknowns_have_the_same_roots() {
 fn a_ball_pressed_through_its_groove_has_no_root() {
     let mut work = TractionWorkspace::default();
     for number in [1255, 2595] {
-        let solution = solved(extreme(3, number), &mut work);
+        let solution = solved(point(3, number), &mut work);
         let Some(Reason::BallLeavesFlank { screw, .. }) = solution.reason else {
             panic!("{number}: {solution:?}")
         };
@@ -229,7 +204,7 @@ fn a_ball_pressed_through_its_groove_has_no_root() {
 #[test]
 fn friction_turns_a_ball_off_its_flanks() {
     let mut work = TractionWorkspace::default();
-    let solution = solved(extreme(8, 53), &mut work);
+    let solution = solved(point(8, 53), &mut work);
     assert_eq!(solution.status, Status::NoSolution, "{solution:?}");
     let Some(Reason::BallLeavesFlank { screw, .. }) = solution.reason else { panic!() };
     assert!(screw > FRAC_PI_2, "{screw}");

@@ -1,0 +1,38 @@
+//! Points of the extreme ranges, for tests.
+
+use std::f64::consts::PI;
+
+use bsm_kin::{Drive, Helix};
+use rand::{Rng, RngExt};
+
+use crate::{Ball, ElasticScrew, Load, Material};
+
+/// A screw of the ranges of the extremes; speeds, loads, sizes, moduli, friction and density spread over
+/// their orders of magnitude.
+pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticScrew {
+    let mut log = |low: f64, high: f64| (low.ln() + rng.random::<f64>() * (high / low).ln()).exp();
+    let (radius, size) = (0.5e-3 * log(0.1, 200.0), log(0.01, 0.45));
+    let (axial, speed, other) = (log(1e-6, 1e6), log(1e-3, 1e6), log(1e-3, 1e6));
+    let friction = log(1e-6, 1.0);
+    let (groove, ball, density) = (log(1e7, 1e12), log(1e7, 1e12), log(500.0, 2e4));
+    let conformity = (0.5 + log(1e-3, 0.3), 0.5 + log(1e-3, 0.3));
+    let mut flip = |x: f64| if rng.random_bool(0.5) { x } else { -x };
+    let [speed, other] = [speed, other].map(|rpm| flip(rpm) * PI / 30.0);
+    let (screw_speed, nut_speed) = match rng.random_range(0..5) {
+        0 | 1 => (speed, 0.0),
+        2 | 3 => (0.0, speed),
+        _ => (speed, other),
+    };
+    let lead_angle = rng.random_range(0.05_f64..85.0).to_radians();
+    let material = |youngs_modulus| Material { youngs_modulus, poisson_ratio: 0.3 };
+    ElasticScrew {
+        helix: Helix { radius: radius / size, lead_angle },
+        contact_angle: rng.random_range(1.0_f64..89.0).to_radians(),
+        ball: Ball::of_density(radius, density),
+        conformity,
+        material: (material(groove), material(ball)),
+        friction,
+        drive: Drive { screw_speed, nut_speed },
+        load: Load { axial, balls: 1.0 },
+    }
+}
