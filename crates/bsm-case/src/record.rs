@@ -267,19 +267,21 @@ pub(crate) fn message(reason: &Reason) -> String {
             "the ball leaves its flanks: at no contact angles between 0 and 90 deg do they hold the \
              centrifugal force. At most they hold {held:.3e} of the axial load, where it is \
              {centrifugal:.3e} with the {} in control. Raise axial_load_N or lower the speed",
-            match control {
-                Control::Nut => "nut",
-                Control::Screw => "screw",
-            }
+            if *control == Control::Nut { "nut" } else { "screw" }
         ),
         Reason::SlipAlongFriction { slip } => format!(
             "wherever the forces of sliding balls balance, a slip points along friction; without \
              inertia the one at the nut is {slip:.3e} r_b |W|. The balls roll there: see model traction"
         ),
         Reason::NoSkidAtInertia { inertia, least, most } => format!(
-            "m r_m W^2 is {inertia:.3e} of the axial load: balls that slide on both flanks have \
-             between {least:.3e} and {most:.3e} of it. Raise axial_load_N or lower the speed"
+            "m r_m W^2 is {inertia:.3e} of the axial load, and no ball slides on both flanks there; \
+             those that do have between {least:.3e} and {most:.3e} of it. Change axial_load_N or the speed"
         ),
+        Reason::SearchLost => {
+            "the search for a steady motion was lost before its end: none is found, \
+             and none excluded. Vary the point a little, or take another model"
+                .to_owned()
+        }
         Reason::CurvaturesNotHertzian { along, across } => format!(
             "relative curvatures of {along:.3e} 1/m along and {across:.3e} 1/m across the groove give \
              no contact ellipse across the groove; set nut_conformity and screw_conformity towards 0.52"
@@ -312,6 +314,9 @@ pub(crate) fn message(reason: &Reason) -> String {
             .to_owned(),
         Reason::PowerDoesNotBalance { imbalance } => {
             format!("rounding has eaten the result: the powers differ by {imbalance:.1e}")
+        }
+        Reason::Newton { status, worst_equation, .. } if worst_equation.is_empty() => {
+            status.describe().to_owned()
         }
         Reason::Newton { status, residual, worst_equation } => format!(
             "{}: scaled residual {residual:.1e}, largest in the {worst_equation}",

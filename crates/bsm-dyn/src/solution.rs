@@ -141,6 +141,8 @@ pub enum Reason {
         /// Largest one.
         most: f64,
     },
+    /// The search along all candidates was lost before its end: no root is found, and none excluded.
+    SearchLost,
     /// The curvatures of ball and groove give no ellipse across the groove.
     CurvaturesNotHertzian {
         /// Along the track \[1/m\].

@@ -93,13 +93,14 @@ impl Curve<'_> {
 
     fn first_root(mut self) -> Result<([f64; BALL], usize), (Status, Reason)> {
         let friction_term = self.forces.friction_term();
-        let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
         // F tanα < 1, or no contact angles carry an axial load            (S12)
         if friction_term >= 1.0 {
+            let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
             return Err((Status::NoSolution, locks));
         }
         let inertia = self.forces.inertia_ratio();
-        let level = self.level().ok_or((Status::NotConverged, locks))?;
+        let lost = (Status::NotConverged, Reason::SearchLost);
+        let Some(level) = self.level() else { return Err(lost) };
         // M ~ q, up to where the curve bends.
         let here = Forces::inertia(&level.state, &level.kinematics);
         let root = NO_INERTIA + (inertia / here).ln();
@@ -116,12 +117,14 @@ impl Curve<'_> {
         if let Some((root, sign)) = self.walk(begin, &mut seen) {
             return Ok((self.forces.unknowns(&root.state, &root.kinematics, sign), self.tried));
         }
+        if seen.lost {
+            return Err(lost);
+        }
         let reason = match seen.inertia {
             Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
             None => Reason::SlipAlongFriction { slip },
         };
-        let status = if seen.lost { Status::NotConverged } else { Status::NoSolution };
-        Err((status, reason))
+        Err((Status::NoSolution, reason))
     }
 
     /// The state without inertia.

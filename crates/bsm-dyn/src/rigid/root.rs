@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, sections on existence, slow and fast balls.
 
-use bsm_newton::{Options, Report, Scales, Status as NewtonStatus, System, Workspace, solve};
+use bsm_newton::{Options, Report, Scales, System, Workspace, solve};
 
 use super::curve::Curve;
 use super::first_order::FirstOrder;
@@ -137,10 +137,7 @@ fn search(
     start: &FirstOrder,
     work: &mut RigidWorkspace,
 ) -> Result<Root, NoRoot> {
-    let lost = |status, residual| {
-        let reason = Reason::Newton { status, residual, worst_equation: String::new() };
-        NoRoot { status: Status::NotConverged, reason }
-    };
+    let lost = NoRoot { status: Status::NotConverged, reason: Reason::SearchLost };
     let curve = Curve::of(case);
     let (mut found, mut failure) = (None, None);
     let mut search = Search::new(&curve, |point| {
@@ -149,7 +146,7 @@ fn search(
         match settled(case, root, work) {
             Ok(root) if root.is_admissible() => found = Some(root),
             // Newton has left the crossing for another root.
-            Ok(root) => failure = Some(lost(NewtonStatus::Stalled, root.residual)),
+            Ok(_) => failure = Some(lost.clone()),
             Err(none) => failure = Some(none),
         }
         found.is_some()
@@ -157,7 +154,7 @@ fn search(
     search.run(start.inertia);
     let (nearest, cut_short) = (search.nearest_inertia, search.is_cut_short());
     if cut_short && failure.is_none() {
-        failure = Some(lost(NewtonStatus::MaxSteps, f64::NAN));
+        failure = Some(lost);
     }
     found.ok_or_else(|| failure.unwrap_or_else(|| none(why_none(case, start, nearest, work))))
 }
