@@ -108,10 +108,14 @@ impl Record {
     /// Why this model was chosen, if it was chosen by the bound of its error.
     pub fn choice(&self) -> Option<String> {
         let bound = self.solution.outputs.error_bound?;
-        let why = match self.solution.choice?.basis {
+        let choice = self.solution.choice?;
+        let why = match choice.basis {
             Basis::NoWorseThanSliding => {
                 "even the whole loss of sliding balls is no more".to_owned()
             }
+            Basis::Grips { onset_number } if bound > choice.tolerance => format!(
+                "no finer model has an answer here; raceway control, with a skid onset number of {onset_number:.2e}"
+            ),
             Basis::Grips { onset_number } => {
                 format!("the balls grip, skid onset number {onset_number:.2e}")
             }

@@ -3,7 +3,7 @@
 //! Theory: `docs/theory/02-balance.md`, equations (B1) to (B10).
 
 use std::f64::consts::PI;
-use std::ops::Add;
+use std::ops::{Add, RangeInclusive};
 
 use bsm_kin::{BallFrame, Drive, Helix, Motion, Scalar};
 use bsm_newton::EvalError;
@@ -22,6 +22,10 @@ pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
     value: 0.0,
     requirement: "not zero: a ball that does not circle has no gyroscopic moment",
 };
+
+/// Inertia ratios whose squares and ratios to loads double precision has room for. The extremes of
+/// practice and far beyond are between 1e-45 and 1e20.
+const INERTIA: RangeInclusive<f64> = 1e-100..=1e28;
 
 /// A homogeneous ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,7 +83,7 @@ impl<D: Scalar> OwnUnits<D> {
         let mass = ball.mass * r_b * w * w / load.per_ball();
         let nut_speed = drive.nut_speed / w;
         let inertia_ratio = (mass * helix.radius).re();
-        if !(inertia_ratio.is_normal() && mass.re().is_normal() && nut_speed.re().is_finite()) {
+        if !INERTIA.contains(&inertia_ratio) || !nut_speed.re().is_finite() {
             return Err(Reason::InertiaOutOfRange { inertia_ratio });
         }
         Ok(Self { helix, ball: Ball { radius: D::from(1.0), mass }, nut_speed, direction })

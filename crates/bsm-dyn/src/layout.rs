@@ -14,11 +14,11 @@ pub(crate) mod unknown {
     pub(crate) const NUT_LOAD: usize = 0;
     /// Load of A' over the axial load per ball.
     pub(crate) const MINOR_LOAD: usize = 1;
-    /// Half the difference of the contact angles at B and A \[rad\].
+    /// Half the difference of the contact angles at B and A, or the one at A (T10) \[rad\].
     pub(crate) const TILT: usize = 1;
     /// Load of B over the axial load per ball.
     pub(crate) const SCREW_LOAD: usize = 2;
-    /// Precession relative to the nut over relative speed.
+    /// Precession over relative speed, from the nut's on or absolute.
     pub(crate) const PRECESSION: usize = 3;
     /// Slip at A, signed.
     pub(crate) const SLIP: usize = 4;

@@ -263,7 +263,7 @@ impl<P: Scalar> Pair<P> {
         Self { friction, ..*self }
     }
 
-    /// The seven equations (P5): force and moment balance in (t, N, e_x) of the mean normal, and
+    /// The seven equations (P5): force and moment balance in (t, N, e_x) of the loaded contacts, and
     /// the axial load.
     ///
     /// * `motion`: absolute. * `wrenches`: of nut and screw on the ball.

@@ -185,10 +185,8 @@ impl Rolling<'_> {
     /// Size of the friction at the nut that the digits of its slip are worth.
     fn rubbing(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {
         // f C (|P − Ω_n| r_m + |ω'|)/v_e                                  (T11)
-        let slip = OMEGA
-            .iter()
-            .map(|i| y[*i].abs())
-            .fold(y[PRECESSION].abs() * self.pair.helix.radius, f64::max);
+        let turning = OMEGA.iter().map(|i| y[*i].abs()).sum::<f64>();
+        let slip = y[PRECESSION].abs() * self.pair.helix.radius + turning;
         friction * load * slip / self.creep
     }
 

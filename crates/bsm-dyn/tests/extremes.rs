@@ -125,6 +125,7 @@ fn the_choice_says_nothing_false() {
 #[test]
 fn units_do_not_matter() {
     let mut work = ModelWorkspace::default();
+    let (mut compared, mut differ) = ([0; 3], [0; 3]);
     for screw in extremes(7).take(1000) {
         // Lengths 4 fold, pressures 8 fold, times a half; powers of two round alike.
         let stiff = |m: Material| Material { youngs_modulus: 8.0 * m.youngs_modulus, ..m };
@@ -139,21 +140,24 @@ fn units_do_not_matter() {
             load: Load { axial: 128.0 * screw.load.axial, ..screw.load },
             ..screw
         };
-        for (one, two) in [
+        let pairs = [
             (rigid(&screw), rigid(&other)),
             (rolling(screw, None), rolling(other, None)),
             (Problem::Elastic(Elastic { screw }), Problem::Elastic(Elastic { screw: other })),
-        ] {
+        ];
+        for (model, (one, two)) in pairs.into_iter().enumerate() {
             let (one, two) = (one.solve(&mut work), two.solve(&mut work));
-            // Cube roots do not round alike, and points at the border of a tolerance may change.
+            differ[model] += usize::from(one.status != two.status);
+            // Cube roots do not round alike.
             if let Some((a, b)) = one.outputs.efficiency.zip(two.outputs.efficiency) {
                 assert_relative_eq!(a, b, max_relative = 1e-6, epsilon = 1e-6);
-            }
-            if let Problem::RacewayControl(_) = rolling(screw, None) {
-                assert!(one.model != bsm_dyn::Model::RacewayControl || one.status == two.status);
+                compared[model] += 1;
             }
         }
     }
+    // Points at the border of a tolerance may change: known are none.
+    assert_eq!(differ, [0; 3]);
+    assert!(compared.into_iter().all(|count| count > 500), "{compared:?}");
 }
 
 /// Friction has no part in the balance of a rolling ball, so that the loss of back-driving is that

@@ -24,6 +24,10 @@ const MOST_SWEEPS: usize = 24;
 /// same first order at every one of 300 000 seeded points.
 const MOST_INERTIA: f64 = 100.0;
 
+/// Where friction holds all but this share of the load, rounding of the normal loads decides; the model
+/// looks closer.
+const LOCKED: f64 = 1e-3;
+
 /// What the directions may still change.
 const SETTLED: f64 = 1e-12;
 
@@ -92,8 +96,8 @@ impl<S: Simd> Scaled<S> {
         self.friction.gt(least)
             & self.inertia.gt(least)
             & self.inertia_ratio.gt(least)
-            // sinβ > F D, κ > 0, margin > 0
-            & self.k_n.gt(self.signed * self.h)
+            // sinβ > F D by more than a hair, κ > 0, margin > 0
+            & (self.k_n - self.signed * self.h).gt(self.k_n * LOCKED)
             & first.minor.gt(zero)
             & first.slip.gt(zero)
             & self.size(first.rate).lt(self.friction * MOST_INERTIA)

@@ -101,9 +101,10 @@ impl Curve<'_> {
         let inertia = self.forces.inertia_ratio();
         let lost = (Status::NotConverged, Reason::SearchLost);
         let Some(level) = self.level() else { return Err(lost) };
-        // M ~ q, up to where the curve bends.
-        let here = Forces::inertia(&level.state, &level.kinematics);
-        let root = NO_INERTIA + (inertia / here).ln();
+        // M ~ q, up to where the curve bends. Where nut and screw turn together, the inertia here
+        // underflows, its logarithm does not.
+        let here = Forces::log_inertia(&level.state, &level.kinematics);
+        let root = NO_INERTIA + inertia.ln() - here;
         if root < NO_INERTIA {
             let reason = Reason::InertiaOutOfRange { inertia_ratio: inertia };
             return Err((Status::InvalidInput, reason));
@@ -112,7 +113,7 @@ impl Curve<'_> {
         let slip = level.kinematics.slip[0];
         let mut seen = Seen { inertia: None, lost: false };
         if level.is_admissible() {
-            seen.inertia = Some((0.0, here));
+            seen.inertia = Some((0.0, here.exp()));
         }
         if let Some((root, sign)) = self.walk(begin, &mut seen) {
             return Ok((self.forces.unknowns(&root.state, &root.kinematics, sign), self.tried));

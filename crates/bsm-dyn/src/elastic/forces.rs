@@ -172,6 +172,11 @@ impl<'a> Forces<'a> {
         s.centrifugal * (k.inertia / k.drive).powi(2)
     }
 
+    /// Its logarithm.
+    pub(super) fn log_inertia(s: &State<f64>, k: &Kinematics) -> f64 {
+        s.centrifugal.ln() + 2.0 * (k.inertia / k.drive).abs().ln()
+    }
+
     /// Unknowns (S1) of a root of (S26), `sign` that of `$P/W$`.
     pub(super) fn unknowns(&self, s: &State<f64>, k: &Kinematics, sign: f64) -> [f64; BALL] {
         let rate = sign * (s.centrifugal / self.inertia_ratio()).sqrt();

@@ -203,3 +203,24 @@ fn no_root_is_at_infinity() {
         assert!(rate.abs() > 0.0 && rate.is_finite());
     }
 }
+
+/// Nut and screw that turn nearly together: inertia by the relative speed underflows on the curve, and
+/// a root was denied whose inertia the curve had.
+#[test]
+fn nut_and_screw_that_turn_together_are_not_denied() {
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let mut work = ElasticWorkspace::default();
+    let mut converged = 0;
+    for _ in 0..1000 {
+        let mut screw = extreme(&mut rng);
+        let speed = screw.drive.relative_speed();
+        let apart = 10_f64.powf(rng.random_range(-12.0..-1.0));
+        screw.drive = bsm_kin::Drive { screw_speed: speed, nut_speed: speed * (1.0 - apart) };
+        let solution = Elastic { screw }.solve(&mut work);
+        converged += usize::from(solution.status == Status::Converged);
+        if let Some(Reason::NoSkidAtInertia { inertia, least, most }) = solution.reason {
+            assert!(!(least..=most).contains(&inertia), "{inertia} {least} {most} {screw:?}");
+        }
+    }
+    assert!(converged > 200, "{converged}");
+}

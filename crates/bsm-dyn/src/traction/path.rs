@@ -272,7 +272,7 @@ impl Rolling<'_> {
             return forwards;
         }
         match self.beginning_at_rest(&y, -1.0, newton, wide, steps) {
-            root @ Shown::Root(..) => root,
+            root @ Shown::Root(_) => root,
             _ => forwards,
         }
     }

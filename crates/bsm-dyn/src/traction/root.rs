@@ -37,9 +37,9 @@ pub(crate) struct Root {
 }
 
 impl Rolling<'_> {
-    /// The root, from one near by, or from a search; [`search`](Self::search) knows the errors.
+    /// The root, from one near by, or from a search.
     ///
-    /// * `near`: root of the same point with another quadrature. It has been searched for all over.
+    /// * `near`: root of the same point with another quadrature, for which all has been searched.
     /// * `steps`: Newton steps of all solves are added.
     pub(super) fn find(
         &self,
@@ -100,9 +100,9 @@ impl Rolling<'_> {
                 return Ok(root);
             }
         }
-        let failure = (Status::NotConverged, failure.expect("the gripping start was tried"));
         if !all_over {
-            return Err(failure);
+            let reason = failure.expect("the gripping start was tried");
+            return Err((Status::NotConverged, reason));
         }
         let mut shown = self.followed(newton, wide, steps);
         if matches!(shown, Shown::Nothing) {
@@ -128,7 +128,7 @@ impl Rolling<'_> {
             Shown::Beyond([nut, screw]) | Shown::Stopped([nut, screw]) => {
                 Err((Status::NoSolution, Reason::BallLeavesFlank { nut, screw }))
             }
-            Shown::Nothing => Err(failure),
+            Shown::Nothing => Err((Status::NotConverged, Reason::SearchLost)),
         }
     }
 

@@ -14,22 +14,25 @@ use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 pub(super) const STARTS: u32 = 200;
 pub(super) const MANY: u32 = 800;
 
-/// Square roots of primes: their multiples modulo 1 fill the box of the starts evenly.
-const PRIMES: [f64; BALL + 1] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
+/// Their square roots' multiples modulo 1 fill the box of the starts evenly.
+const PRIMES: [f64; 9] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0];
 
 impl Rolling<'_> {
-    /// A start.
+    /// A start: one of three kinds of contact angles, with one of four kinds of rates.
     fn scattered(&self, number: u32) -> [f64; BALL] {
         let pair = self.pair;
-        let [tilt, nut, screw, rate, slow, along, radial, around] =
+        let [nut_angle, screw_angle, nut_load, screw_load, rate, slow, along, radial, around] =
             PRIMES.map(|prime| (f64::from(number) * prime.sqrt()).fract());
         let unloaded = pair.jones.contact_angle;
         // Angles apart as inertia turns them, or as friction does.
         let angles = match number % 3 {
-            0 => [unloaded * (1.0 - tilt), unloaded + (FRAC_PI_2 - unloaded) * nut],
-            1 => [FRAC_PI_2 * tilt, FRAC_PI_2 * nut],
+            0 => {
+                let beyond = (FRAC_PI_2 - unloaded) * screw_angle;
+                [unloaded * (1.0 - nut_angle), unloaded + beyond]
+            }
+            1 => [FRAC_PI_2 * nut_angle, FRAC_PI_2 * screw_angle],
             _ => {
-                let turn = 0.4 * (tilt - 0.5) * pair.friction.min(1.0);
+                let turn = 0.4 * (nut_angle - 0.5) * pair.friction.min(1.0);
                 [unloaded - turn, unloaded + turn]
             }
         };
@@ -38,21 +41,20 @@ impl Rolling<'_> {
         // Rates between those of both members, or so slow that inertia is of the size of load or
         // friction.
         let mu = pair.inertia_ratio();
-        let rate = match number % 4 {
+        let rate = match number / 3 % 4 {
             0 => pair.nut_speed + (2.0 * rate - 0.5) * pair.sign(),
             kind => {
                 let size = if kind == 1 { pair.friction / mu } else { mu.recip().sqrt() };
                 (size * (2.0 - 8.0 * slow).exp()).min(1.0).copysign(rate - 0.5)
             }
         };
-        let spin = pair.arc * 6.0 * (radial - 0.5);
         let mut y = [0.0; BALL];
-        (y[NUT_LOAD], y[SCREW_LOAD]) = (load(angles[0], screw), load(angles[1], nut));
+        (y[NUT_LOAD], y[SCREW_LOAD]) = (load(angles[0], nut_load), load(angles[1], screw_load));
         y[TILT] = 0.5 * (angles[1] - angles[0]);
         y[PRECESSION] = rate - self.offset();
         // Rolling, more or less.
         y[OMEGA[0]] = (pair.nut_speed - rate) * pair.arc * 1.5 * along;
-        y[OMEGA[1]] = spin;
+        y[OMEGA[1]] = pair.arc * 6.0 * (radial - 0.5);
         y[OMEGA[2]] = around - 0.5;
         y
     }
@@ -69,7 +71,7 @@ impl Rolling<'_> {
         (0..starts).find_map(|number| {
             let mut y = self.scattered(number);
             // From friction nearly proportional to the slip on, or as it is.
-            let begin = if number % 2 == 0 { end } else { self.lever(&y).ln().max(end) };
+            let begin = if number / 12 % 2 == 0 { end } else { self.lever(&y).ln().max(end) };
             let mut residual = f64::INFINITY;
             let arrived = follow(&mut y, (begin, end), stride, |log, y| {
                 let report = Self { creep: log.exp(), ..*self }.run(y, newton);

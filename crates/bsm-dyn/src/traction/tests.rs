@@ -1,13 +1,15 @@
 //! Denials against searches from many starts, and points that were hard.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use approx::assert_relative_eq;
+use bsm_kin::{Drive, Helix};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
 use crate::extreme::extreme;
+use crate::{Ball, Load, Material};
 
 /// The point of a seed and a number.
 fn point(seed: u64, number: u64) -> ElasticScrew {
@@ -147,6 +149,45 @@ fn hard_points_are_solved() {
         let solution = solved(point(seed, number), &mut work);
         let place = format!("{seed} {number}, {what}: {:?}", solution.reason);
         assert_eq!(solution.status, Status::Converged, "{place}");
+    }
+}
+
+/// Denied once, between speeds at which they were solved: strong friction, balls that hardly circle.
+#[test]
+fn strong_friction_has_roots_that_only_starts_lead_to() {
+    let material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
+    let screw =
+        |[ball, pitch, lead, contact]: [f64; 4], conformity, friction, load, rpm: [f64; 2]| {
+            let [screw_speed, nut_speed] = rpm.map(|rpm| rpm * PI / 30.0);
+            ElasticScrew {
+                helix: Helix { radius: 0.5e-3 * pitch, lead_angle: lead.to_radians() },
+                contact_angle: contact.to_radians(),
+                ball: Ball::of_density(0.5e-3 * ball, 7800.0),
+                conformity,
+                material: (material, material),
+                friction,
+                drive: Drive { screw_speed, nut_speed },
+                load: Load { axial: load, balls: 1.0 },
+            }
+        };
+    let mut work = TractionWorkspace::default();
+    for screw in [
+        screw(
+            [41.480_347_672_9, 99.790_490_489_8, 76.528_496_368, 14.279_940_078_7],
+            (0.799_177_170_97, 0.776_885_308_19),
+            0.365_451_064_10,
+            0.005_236_698_200_8,
+            [-81.563_097_984_6, 57.094_168_589_2],
+        ),
+        screw(
+            [11.365_161_020_2, 59.258_571_664_7, 21.207_023_132_4, 5.563_086_325_5],
+            (0.502_446_362_02, 0.508_335_509_33),
+            0.297_702_054_26,
+            1.111_893_871_1,
+            [0.0, 50_493.148_990_886],
+        ),
+    ] {
+        assert_eq!(solved(screw, &mut work).status, Status::Converged, "{screw:?}");
     }
 }
 

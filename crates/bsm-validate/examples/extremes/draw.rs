@@ -1,15 +1,41 @@
 //! The points: the ranges of the extremes.
 
 use bsm_case::{ModelChoice, Scene};
-use bsm_dyn::Model;
+use bsm_dyn::{Angles, Model};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Point `number` of a seed, whatever the number of threads.
-pub(crate) fn point(seed: u64, number: usize, model: ModelChoice) -> Scene {
+/// Point `number` of a seed, whatever the number of threads; moved next to an edge if asked for.
+pub(crate) fn point(seed: u64, number: usize, model: ModelChoice, edges: bool) -> Scene {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number as u64);
-    draw(&mut rng, model)
+    let mut scene = draw(&mut rng, model);
+    if edges {
+        to_an_edge(&mut scene, &mut rng, model);
+    }
+    scene
+}
+
+/// Moves one input next to where something begins or ends.
+fn to_an_edge(scene: &mut Scene, rng: &mut impl Rng, model: ModelChoice) {
+    let far = 10_f64.powf(rng.random_range(-12.0..-1.0));
+    let next = if rng.random_bool(0.5) { 1.0 + far } else { 1.0 - far };
+    let radians = |angle: Option<f64>| angle.expect("drawn").to_radians();
+    let lead = radians(scene.lead_angle_deg);
+    let angles = Angles { lead, contact: radians(scene.contact_angle_deg) };
+    let turning = scene.screw_speed_rpm.zip(scene.nut_speed_rpm).map(|(screw, nut)| screw + nut);
+    let together = rng.random_bool(0.5);
+    // Both speeds alike, which quasi-static does not cover.
+    if together && model != Model::QuasiStatic.into() {
+        scene.screw_speed_rpm = turning;
+        scene.nut_speed_rpm = turning.map(|speed| speed * next);
+    } else {
+        // Friction that just holds the load: f D = sinβ (Lin's Eq 16), or f tanα = 1 at 90 deg.
+        let holds = angles.contact.sin() / angles.slip_factor();
+        let steep = lead.tan() > 1.0 && rng.random_bool(0.5);
+        let friction = if steep { lead.tan().recip() } else { holds };
+        scene.friction_coefficient = Some(friction * next);
+    }
 }
 
 /// A point of the ranges.

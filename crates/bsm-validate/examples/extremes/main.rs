@@ -11,6 +11,9 @@
 //! density 500 to 20 000 kg/m³. Speeds, loads, sizes and moduli are spread evenly over their orders of
 //! magnitude. Every point depends on seed and number only, whatever the number of threads.
 //!
+//! With `--edges` one input of each point is next to where something begins or ends, at a relative
+//! distance of 1e-1 to 1e-12: both speeds alike, or friction that just holds the load.
+//!
 //! The exit code is 1 if an answer is false: a panic, a converged row with a number that is not
 //! finite, a residual above 1e-10, a power balance above 1e-9, an implausible sign, or another answer
 //! of the batch.
@@ -47,10 +50,12 @@ struct Asked {
     points: usize,
     seed: u64,
     model: Option<ModelChoice>,
+    /// Points next to where something begins or ends.
+    edges: bool,
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
-    let Asked { points, seed, model } = asked(std::env::args().skip(1))?;
+    let Asked { points, seed, model, edges } = asked(std::env::args().skip(1))?;
     fs::create_dir_all(FOLDER)?;
     // Panics are counted, their words are in the scene.
     std::panic::set_hook(Box::new(|_| {}));
@@ -62,7 +67,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     for model in models {
         eprintln!("{}: {points} points, seed {seed}", model.name());
         let begin = Instant::now();
-        let tally = campaign(model, points, seed);
+        let tally = campaign(model, points, seed, edges);
         println!(
             "\n## {}, seed {seed}, {:.1} s\n\n{tally}",
             model.name(),
@@ -76,14 +81,15 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 }
 
 fn asked(mut words: impl Iterator<Item = String>) -> Result<Asked, Box<dyn Error>> {
-    let mut asked = Asked { points: 10_000, seed: 8, model: None };
+    let mut asked = Asked { points: 10_000, seed: 8, model: None, edges: false };
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or_else(|| format!("{word} needs a value"));
         match word.as_str() {
             "--seed" => asked.seed = value()?.parse()?,
+            "--edges" => asked.edges = true,
             "--model" => asked.model = Some(ModelChoice::from_name(&value()?)?),
             count => {
-                let wanted = "the number of points, --seed N or --model M";
+                let wanted = "the number of points, --seed N, --model M or --edges";
                 asked.points = count.parse().map_err(|_| format!("{count}: expected {wanted}"))?;
             }
         }
@@ -91,13 +97,14 @@ fn asked(mut words: impl Iterator<Item = String>) -> Result<Asked, Box<dyn Error
     Ok(asked)
 }
 
-fn campaign(model: ModelChoice, points: usize, seed: u64) -> Tally {
+fn campaign(model: ModelChoice, points: usize, seed: u64, edges: bool) -> Tally {
     let strides: Vec<_> = (0..points).step_by(STRIDE).collect();
     strides
         .into_par_iter()
         .map_init(ModelWorkspace::default, |work, first| {
             let numbers = first..points.min(first + STRIDE);
-            let scenes: Vec<_> = numbers.clone().map(|i| draw::point(seed, i, model)).collect();
+            let scenes: Vec<_> =
+                numbers.clone().map(|i| draw::point(seed, i, model, edges)).collect();
             let mut answers: Vec<_> = scenes.iter().map(|scene| ask(scene, model, work)).collect();
             in_batch(&scenes, model, &mut answers);
             for (scene, answer) in scenes.iter().zip(&mut answers).step_by(SENSITIVE) {

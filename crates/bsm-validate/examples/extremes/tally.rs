@@ -75,9 +75,9 @@ impl Tally {
         self
     }
 
-    /// True if no answer is false.
+    /// True if no answer is false; every point is one that the models take.
     pub(crate) fn is_sound(&self) -> bool {
-        self.kinds.keys().all(|(order, _)| *order < Order::False)
+        self.kinds.keys().all(|(order, _)| !matches!(order, Order::False | Order::Invalid))
     }
 
     /// Writes a scene for each anomaly that was kept.
