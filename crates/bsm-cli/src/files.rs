@@ -109,10 +109,8 @@ impl Output {
         // Temporary files are private; a result gets what the user's mask leaves of 0666.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder
-            .tempfile_in(folder)
+        let file = unfinished::make(|| builder.tempfile_in(folder))
             .map_err(|e| Failure::files("write in folder", folder, &e))?;
-        unfinished::add(file.path().to_owned());
         Ok(Self::File { file: BufWriter::new(file), path })
     }
 
