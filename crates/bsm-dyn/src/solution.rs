@@ -152,7 +152,8 @@ pub enum Reason {
     },
     /// `$P = 0$`: a ball that does not circle has no gyroscopic moment to carry the friction couple.
     BallDoesNotCircle,
-    /// The inertia ratio `$m r_m W^2/F_a$` is not a normal number of double precision.
+    /// The inertia ratio `$m r_m W^2/F_a$` is beyond what double precision can balance: below 1e-100 or
+    /// above 1e28.
     InertiaOutOfRange {
         /// Its value.
         inertia_ratio: f64,

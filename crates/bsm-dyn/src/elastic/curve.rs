@@ -176,7 +176,7 @@ impl Curve<'_> {
         for _ in 0..MOST_STEPS {
             let at = along.at;
             if at.is_admissible() {
-                let inertia = Forces::inertia(&at.state, &at.kinematics);
+                let inertia = Forces::log_inertia(&at.state, &at.kinematics).exp();
                 let (least, most) = seen.inertia.unwrap_or((inertia, inertia));
                 seen.inertia = Some((least.min(inertia), most.max(inertia)));
             }

@@ -166,14 +166,9 @@ impl<'a> Forces<'a> {
         [circling - k.drive, circling + k.drive]
     }
 
-    /// `$\mu$` with which the state is that of a steady motion.
-    pub(super) fn inertia(s: &State<f64>, k: &Kinematics) -> f64 {
-        // μ = M [(1 − g)/(π/d + Ω_n/W)]²                                  (S27)
-        s.centrifugal * (k.inertia / k.drive).powi(2)
-    }
-
-    /// Its logarithm.
+    /// Logarithm of the `$\mu$` with which the state is that of a steady motion.
     pub(super) fn log_inertia(s: &State<f64>, k: &Kinematics) -> f64 {
+        // μ = M [(1 − g)/(π/d + Ω_n/W)]²                                  (S27)
         s.centrifugal.ln() + 2.0 * (k.inertia / k.drive).abs().ln()
     }
 

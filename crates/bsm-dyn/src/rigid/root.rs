@@ -88,10 +88,9 @@ pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root
     root_near(case, &start, work).map_err(|none| {
         let loaded = start.size / case.friction * start.load;
         let error = FIRST_ORDER_ERROR * loaded;
-        let surplus = start.margin - error * start.precession.abs() * case.helix.lead_angle.tan();
         let sure = loaded < SMALL_INERTIA
             && start.exists()
-            && surplus > 0.0
+            && start.margin > margin_error(case, &start, error)
             && start.rate.abs() > 2.0 * error;
         if sure && none.status == Status::NoSolution { lost() } else { none }
     })
@@ -271,9 +270,9 @@ fn interpolate(
     let mut limit = start.unknowns();
     limit[MINOR_LOAD] = start.minor;
     let mut unknowns = limit + (far - limit) * fraction;
-    // Loads round by Q ε, Q_A' is some ι/Q, and the loads vary by Q ι/f.
-    let load = start.load.max(1.0);
-    if load * load * f64::EPSILON / at.size > load * start.size / case.friction {
+    // Loads round by Q ε and vary by Q ι/f, and Q_A' is some ι/Q: known to Q² ε/ι there, to Q ι/f to
+    // first order.
+    if start.load.max(1.0) * f64::EPSILON / at.size > start.size / case.friction {
         (unknowns[MINOR_LOAD], unknowns[SLIP]) = (limit[MINOR_LOAD], limit[SLIP]);
     }
     unknowns[MINOR_LOAD] *= start.inertia;
@@ -335,8 +334,13 @@ fn denied(
     if start.minor <= 0.0 {
         return Some(none(minor_would_pull(start)));
     }
-    let sure = -start.margin > error * start.precession.abs() * case.helix.lead_angle.tan();
+    let sure = -start.margin > margin_error(case, start, error);
     sure.then(|| none(would_roll(case, start, work)))
+}
+
+/// What a relative error of the first order makes of its margin.
+fn margin_error(case: &Scaled<f64>, start: &FirstOrder, error: f64) -> f64 {
+    error * start.precession.abs() * case.helix.lead_angle.tan()
 }
 
 /// Both sides of Lin's Eq 16.

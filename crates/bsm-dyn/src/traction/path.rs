@@ -195,10 +195,10 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(square).sum::<f64>().sqrt()
 }
 
-/// A direction at a point of a path, of a length in the size of its numbers.
-fn stretched(direction: &[f64; PATH], z: &[f64; PATH], length: f64) -> [f64; PATH] {
+/// A direction at a point of a path, of length one in the size of its numbers.
+fn unit(direction: &[f64; PATH], z: &[f64; PATH]) -> [f64; PATH] {
     let size = direction.iter().zip(z).map(|(d, z)| (d / (1.0 + z.abs())).powi(2)).sum::<f64>();
-    direction.map(|d| d * length / size.sqrt())
+    direction.map(|d| d / size.sqrt())
 }
 
 impl Rolling<'_> {
@@ -354,9 +354,9 @@ impl Rolling<'_> {
         let mut length = 0.5 * LONGEST;
         for _ in 0..MOST_POINTS {
             let scale = z.map(|z| 1.0 + z.abs());
-            let unit = stretched(&direction, z, 1.0);
-            let foot = from_fn(|i| z[i] + length * unit[i]);
-            let normal = from_fn(|i| unit[i] / (scale[i] * scale[i]));
+            let leaving = unit(&direction, z);
+            let foot = from_fn(|i| z[i] + length * leaving[i]);
+            let normal = from_fn(|i| leaving[i] / (scale[i] * scale[i]));
             let path = Path { ball: self, along, foot, normal };
             let mut next = foot;
             let report = path.run(&mut next, newton);
@@ -369,7 +369,7 @@ impl Rolling<'_> {
             let verdict = ahead.map(|ahead| {
                 let arriving = ahead.map(|x| x * sense);
                 let directions =
-                    [stretched(&direction, z, moved), stretched(&arriving, &next, moved)];
+                    [leaving, unit(&arriving, &next)].map(|way| way.map(|x| x * moved));
                 (arriving, visit(Leg { from: z, to: &next, directions }))
             });
             match verdict {

@@ -85,20 +85,9 @@ impl Rolling<'_> {
                 Err(reason) => failure = Some(reason),
             }
         }
-        let mut y = gripping;
         let stride = Stride { first: 1.0, shortest: 0.05 };
-        let mut arrived = None;
-        let ended = follow(&mut y, (0.0, self.creep.ln()), stride, |log, y| {
-            let report = Self { creep: log.exp(), ..*self }.run(y, newton);
-            *steps += report.steps.len();
-            arrived = report.converged().then_some(report.residual);
-            arrived.is_some()
-        });
-        if let (Ok(()), Some(residual)) = (ended, arrived) {
-            let root = self.thrown(y, residual, newton, steps);
-            if self.is_admissible(&root) {
-                return Ok(root);
-            }
+        if let Some(root) = self.lowered(gripping, 0.0, stride, newton, steps) {
+            return Ok(root);
         }
         if !all_over {
             let reason = failure.expect("the gripping start was tried");
@@ -148,6 +137,28 @@ impl Rolling<'_> {
             }
         }
         Err(report.into())
+    }
+
+    /// The root that `y` leads to while the logarithm of the creep speed goes from `begin` to its own, if
+    /// it is on the flanks.
+    pub(super) fn lowered(
+        &self,
+        mut y: [f64; BALL],
+        begin: f64,
+        stride: Stride,
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Option<Root> {
+        let mut residual = f64::INFINITY;
+        let arrived = follow(&mut y, (begin, self.creep.ln()), stride, |log, y| {
+            let report = Self { creep: log.exp(), ..*self }.run(y, newton);
+            *steps += report.steps.len();
+            residual = report.residual;
+            report.converged()
+        });
+        arrived.ok()?;
+        let root = self.thrown(y, residual, newton, steps);
+        self.is_admissible(&root).then_some(root)
     }
 
     /// The root with these unknowns; in the unknowns (T10) if the ball is thrown against the nut.

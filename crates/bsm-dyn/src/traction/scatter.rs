@@ -6,7 +6,7 @@ use bsm_newton::Workspace;
 
 use super::root::Root;
 use super::{OMEGA, Rolling};
-use crate::follow::{Stride, follow};
+use crate::follow::Stride;
 use crate::layout::BALL;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 
@@ -14,7 +14,7 @@ use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 pub(super) const STARTS: u32 = 200;
 pub(super) const MANY: u32 = 800;
 
-/// Their square roots' multiples modulo 1 fill the box of the starts evenly.
+/// Primes: the multiples of their square roots, modulo 1, fill the box of the starts evenly.
 const PRIMES: [f64; 9] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0];
 
 impl Rolling<'_> {
@@ -69,19 +69,11 @@ impl Rolling<'_> {
         let stride = Stride { first: 2.0, shortest: 0.2 };
         let end = self.creep.ln();
         (0..starts).find_map(|number| {
-            let mut y = self.scattered(number);
+            let y = self.scattered(number);
             // From friction nearly proportional to the slip on, or as it is.
             let begin = if number / 12 % 2 == 0 { end } else { self.lever(&y).ln().max(end) };
-            let mut residual = f64::INFINITY;
-            let arrived = follow(&mut y, (begin, end), stride, |log, y| {
-                let report = Self { creep: log.exp(), ..*self }.run(y, newton);
-                *steps += report.steps.len();
-                residual = report.residual;
-                report.converged()
-            });
-            arrived.ok()?;
-            let root = self.thrown(y, residual, newton, steps);
-            (self.is_admissible(&root) && self.is_balanced(&root)).then_some(root)
+            let root = self.lowered(y, begin, stride, newton, steps)?;
+            self.is_balanced(&root).then_some(root)
         })
     }
 }
