@@ -1,16 +1,12 @@
 //! Analyses of a solved motion: their numbers, and what they are made from.
 
-use bsm_dyn::{Model, Solution, SteadyBall, Touch};
-use bsm_kin::Site;
+use bsm_dyn::{Model, SITES, Solution, SteadyBall, Touch};
 use serde_json::{Map, Value, json};
 
 use crate::record::message;
 use crate::{CaseError, ModelChoice, Record, Scene, Settings};
 
-/// The contacts of a line, in its order.
-pub(crate) const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutMinor];
-
-/// Their names in keys.
+/// Names of the contacts of a line in keys, in the order of [`SITES`].
 const PREFIXES: [&str; 3] = ["nut", "screw", "minor"];
 
 /// The numbers of a line.
@@ -139,9 +135,9 @@ impl Analysis {
     }
 }
 
-/// A loaded contact of the solved ball.
+/// A contact of a ball in motion.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct SolvedContact {
+pub(crate) struct MovingContact {
     pub(crate) touch: Touch<f64>,
     /// Normal load \[N\].
     pub(crate) load: f64,
@@ -151,59 +147,46 @@ pub(crate) struct SolvedContact {
     pub(crate) semi_axes: Option<(f64, f64)>,
 }
 
-/// What the analyses take from a model.
+/// What the analyses take from a model: a ball whose motion and loads are known.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Solved {
+pub(crate) struct MovingBall {
     pub(crate) ball: SteadyBall<f64>,
-    /// At nut, screw and minor contact.
-    pub(crate) contacts: [Option<SolvedContact>; 3],
+    /// At [`SITES`].
+    pub(crate) contacts: [Option<MovingContact>; 3],
 }
 
-impl Solved {
+impl MovingBall {
     /// Motion and contacts of a solution.
     ///
     /// # Errors
     ///
     /// [`CaseError::NoMotion`] if the model has none, [`CaseError::NotRated`] if there is no solution.
     pub(crate) fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
-        if let Some(reason) = &solution.reason {
-            return Err(CaseError::NotRated(message(reason)));
-        }
-        let o = &solution.outputs;
-        let no_motion = || CaseError::NoMotion {
+        let state = match &solution.answer {
+            Ok(solved) => &solved.ball,
+            Err(none) => return Err(CaseError::NotRated(message(&none.reason))),
+        };
+        let motion = state.motion.ok_or_else(|| CaseError::NoMotion {
             model: solution.model.name(),
             missing: scene.missing(Model::Rigid),
-        };
-        let motion = o.motion().ok_or_else(no_motion)?;
+        })?;
         let case = scene.reader().rigid();
         let ball =
             SteadyBall { helix: case.helix, radius: case.ball.radius, drive: case.drive, motion };
-        let contact = |site, angle: Option<f64>, load: Option<f64>, slip: Option<f64>, axes| {
-            let touch = Touch { site, angle: angle? };
-            Some(SolvedContact { touch, load: load?, slip_angle: slip?, semi_axes: axes })
-        };
-        let axes = |a: Option<f64>, b: Option<f64>| a.zip(b);
-        let nut_axes = axes(o.nut_ellipse_a, o.nut_ellipse_b);
-        let screw_axes = axes(o.screw_ellipse_a, o.screw_ellipse_b);
-        let [nut, screw, minor] = SITES;
-        let (beta, psi) = (o.nut_contact_angle, o.nut_slip_angle);
-        let contacts = [
-            contact(nut, beta, o.nut_normal_load, psi, nut_axes),
-            contact(
-                screw,
-                o.screw_contact_angle,
-                o.screw_normal_load,
-                o.screw_slip_angle,
-                screw_axes,
-            ),
-            // The minor contact sits at the same angle on the other flank.
-            contact(minor, beta, o.minor_normal_load, o.minor_slip_angle, None),
-        ];
+        let contacts = std::array::from_fn(|i| {
+            let contact = state.contacts[i]?;
+            Some(MovingContact {
+                touch: Touch { site: SITES[i], angle: contact.angle },
+                load: contact.load?,
+                slip_angle: contact.slip_angle?,
+                semi_axes: contact.pressed.map(|pressed| pressed.semi_axes),
+            })
+        });
         Ok(Self { ball, contacts })
     }
 
     /// A number of each contact.
-    pub(crate) fn each(&self, number: impl Fn(&SolvedContact) -> f64) -> [Option<f64>; 3] {
+    pub(crate) fn each(&self, number: impl Fn(&MovingContact) -> f64) -> [Option<f64>; 3] {
         self.contacts.map(|contact| contact.as_ref().map(&number))
     }
 }
@@ -217,7 +200,7 @@ impl Scene {
         found: &Solution,
     ) -> Option<(Settings, String)> {
         let next = Model::RacewayControl;
-        let lacks = found.outputs.motion().is_none() && found.reason.is_none();
+        let lacks = found.solved().is_some_and(|solved| solved.ball.motion.is_none());
         let asked = settings.model == ModelChoice::Auto && self.suits(next);
         (lacks && asked).then(|| {
             let words = format!(

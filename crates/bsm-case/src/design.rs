@@ -54,7 +54,7 @@ impl DesignReport {
         let efficiency = |nut: &Nut, load: f64| {
             let problem = scene(wish, nut, load).problem(&wish.model.into()).ok()?;
             let solution = WORK.with_borrow_mut(|work| problem.solve(work));
-            solution.outputs.efficiency.filter(|_| solution.status == Status::Converged)
+            solution.efficiency()
         };
         let (design, reasons, found): (_, Vec<String>, _) =
             match wish.requirement.choose(&efficiency) {

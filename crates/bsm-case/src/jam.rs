@@ -5,7 +5,7 @@ use bsm_dyn::{
     contact_modulus, flat_stiffness, impact_force, step_thrust, viscous_drag, yield_ratio,
 };
 
-use crate::analysis::{Solved, SolvedContact};
+use crate::analysis::{MovingBall, MovingContact};
 use crate::record::message;
 use crate::units::{DEG, MPA, UM};
 use crate::{Analysis, Block, CaseError, Scene};
@@ -26,7 +26,7 @@ impl Analysis {
     /// [`CaseError::NoMotion`] if the model has no motion of the ball, [`CaseError::NotRated`] if
     /// the contacts have no state with permanent approach.
     pub fn jam(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
-        let solved = Solved::of(scene, solution)?;
+        let solved = MovingBall::of(scene, solution)?;
         let mut report = Self::of(scene, solution);
         let [Some(nut), Some(screw), _] = solved.contacts else {
             unreachable!("every model with a motion has loads and angles of both contacts")
@@ -54,7 +54,7 @@ impl Analysis {
         report.locking(&wedge);
         let [nut_load, screw_load] = wedge.loads;
         let contacts =
-            [SolvedContact { load: nut_load, ..nut }, SolvedContact { load: screw_load, ..screw }];
+            [MovingContact { load: nut_load, ..nut }, MovingContact { load: screw_load, ..screw }];
         report.returner(scene, &solved, contacts);
         Ok(report)
     }
@@ -106,7 +106,7 @@ impl Analysis {
         Ok(block)
     }
 
-    fn inertia_and_drag(&mut self, scene: &Scene, solved: &Solved, wedge: &Wedge<f64>) {
+    fn inertia_and_drag(&mut self, scene: &Scene, solved: &MovingBall, wedge: &Wedge<f64>) {
         let mut block = Block::new("forces of the motion, per ball");
         let (ball, load) = (&solved.ball, wedge.loads[0].min(wedge.loads[1]));
         let to_nut = ball.motion.precession - ball.drive.nut_speed;
@@ -173,7 +173,7 @@ impl Analysis {
         self.verdicts.push(("friction_self_locking", locks, words));
     }
 
-    fn returner(&mut self, scene: &Scene, solved: &Solved, contacts: [SolvedContact; 2]) {
+    fn returner(&mut self, scene: &Scene, solved: &MovingBall, contacts: [MovingContact; 2]) {
         let mut block = Block::new("returner");
         let case = scene.reader().rigid();
         let ball = &solved.ball;
@@ -208,7 +208,7 @@ impl Analysis {
         let turn = [("loaded_balls_per_turn", scene.loaded_balls_per_turn)];
         if let Some([balls]) = self.need("friction that pushes through the returner", turn) {
             let at =
-                |slip_angle: fn(&SolvedContact) -> f64| contacts.map(|c| (c.load, slip_angle(&c)));
+                |slip_angle: fn(&MovingContact) -> f64| contacts.map(|c| (c.load, slip_angle(&c)));
             let largest =
                 available_friction(balls, case.friction, at(|_| std::f64::consts::FRAC_PI_2));
             let available = available_friction(balls, case.friction, at(|c| c.slip_angle));

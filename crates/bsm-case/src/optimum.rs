@@ -155,9 +155,9 @@ impl ByModel {
         let work = RefCell::new(ModelWorkspace::default());
         let loss = |deg: f64| -> Result<f64, CaseError> {
             let scene = Scene { contact_angle_deg: Some(deg), ..scene.clone() };
-            let outputs = scene.problem(&settings)?.solve(&mut work.borrow_mut()).outputs;
+            let solution = scene.problem(&settings)?.solve(&mut work.borrow_mut());
             // Worse than any loss of a screw that moves.
-            Ok(outputs.efficiency.map_or(f64::MAX, |eta| 1.0 - eta))
+            Ok(solution.efficiency().map_or(f64::MAX, |eta| 1.0 - eta))
         };
         let (low, high) = SEARCHED_DEG;
         let step = (high - low) / f64::from(SEARCHED);

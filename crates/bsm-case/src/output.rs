@@ -1,6 +1,8 @@
 //! The outputs: one table that records, tables and schema are made from.
 
-use bsm_dyn::Outputs;
+use bsm_dyn::{Solution, Transmission};
+use bsm_kin::Motion;
+use bsm_kin::Site::{Nut, NutMinor, Screw};
 
 use crate::units::{DEG, MM, MPA, UM};
 
@@ -28,13 +30,13 @@ pub struct Output {
     pub about: &'static str,
     /// Place in [`OUTPUTS`].
     pub key: OutputKey,
-    read: fn(&Outputs) -> Option<Cell>,
+    read: fn(&Solution) -> Option<Cell>,
 }
 
 impl Output {
-    /// The value in `outputs`, in the unit of the vocabulary; `None` if the model has none.
-    pub fn read(&self, outputs: &Outputs) -> Option<Cell> {
-        (self.read)(outputs)
+    /// The value in a solution, in the unit of the vocabulary; `None` if it has none.
+    pub fn read(&self, solution: &Solution) -> Option<Cell> {
+        (self.read)(solution)
     }
 
     /// The output of that name.
@@ -44,7 +46,7 @@ impl Output {
 }
 
 macro_rules! outputs {
-    ($($name:ident [$unit:literal] $kind:ident($field:ident $(/ $factor:expr)?), $about:literal;)*) => {
+    ($($name:ident [$unit:literal] $kind:ident($read:expr), $about:literal;)*) => {
         /// All outputs, in the order of the documentation.
         pub const OUTPUTS: &[Output] = &[$(Output {
             name: stringify!($name),
@@ -52,7 +54,10 @@ macro_rules! outputs {
             json_type: outputs!(@json $kind),
             about: $about,
             key: OutputKey::$name,
-            read: |outputs| outputs.$field.map(|value| Cell::$kind(value $(/ $factor)?)),
+            read: |solution| {
+                let read: fn(&Solution) -> Option<_> = $read;
+                read(solution).map(Cell::$kind)
+            },
         },)*];
 
         /// An output as a number: its place in [`OUTPUTS`].
@@ -67,43 +72,51 @@ macro_rules! outputs {
     (@json Flag) => { "boolean" };
 }
 
+fn transmission(solution: &Solution) -> Option<&Transmission> {
+    Some(&solution.solved()?.transmission)
+}
+
+fn motion(solution: &Solution) -> Option<Motion<f64>> {
+    solution.solved()?.ball.motion
+}
+
 outputs! {
-    efficiency [""] Number(efficiency), "power out over power in; negative: self-locking";
-    screw_torque_Nm ["N m"] Number(screw_torque), "torque on the screw that holds the steady state, all balls";
-    nut_normal_load_N ["N"] Number(nut_normal_load), "normal load of a ball on the nut";
-    screw_normal_load_N ["N"] Number(screw_normal_load), "normal load of a ball on the screw";
-    minor_normal_load_N ["N"] Number(minor_normal_load), "normal load of a ball on the opposite flank of the nut";
-    nut_contact_angle_deg ["deg"] Number(nut_contact_angle / DEG), "contact angle at the nut";
-    screw_contact_angle_deg ["deg"] Number(screw_contact_angle / DEG), "contact angle at the screw";
-    nut_slip_angle_deg ["deg"] Number(nut_slip_angle / DEG), "direction of friction on the ball at the nut";
-    screw_slip_angle_deg ["deg"] Number(screw_slip_angle / DEG), "direction of friction on the ball at the screw";
-    minor_slip_angle_deg ["deg"] Number(minor_slip_angle / DEG), "direction of friction on the ball at the minor contact";
-    nut_slip_velocity_m_s ["m/s"] Number(nut_slip_velocity), "slip speed at the nut";
-    screw_slip_velocity_m_s ["m/s"] Number(screw_slip_velocity), "slip speed at the screw";
-    minor_slip_velocity_m_s ["m/s"] Number(minor_slip_velocity), "slip speed at the minor contact";
-    nut_spin_rad_s ["rad/s"] Number(nut_spin), "spin about the contact normal, against the nut";
-    screw_spin_rad_s ["rad/s"] Number(screw_spin), "spin about the contact normal, against the screw";
-    ball_precession_rad_s ["rad/s"] Number(precession), "rate of the ball centre about the screw axis";
-    ball_omega_t_rad_s ["rad/s"] Number(omega_t), "angular velocity of the ball along the helix";
-    ball_omega_n_rad_s ["rad/s"] Number(omega_n), "angular velocity of the ball towards the axis";
-    ball_omega_b_rad_s ["rad/s"] Number(omega_b), "angular velocity of the ball along the binormal";
-    nut_max_pressure_MPa ["MPa"] Number(nut_max_pressure / MPA), "largest Hertz pressure at the nut";
-    screw_max_pressure_MPa ["MPa"] Number(screw_max_pressure / MPA), "largest Hertz pressure at the screw";
-    nut_ellipse_a_mm ["mm"] Number(nut_ellipse_a / MM), "semi-axis across the groove, nut";
-    nut_ellipse_b_mm ["mm"] Number(nut_ellipse_b / MM), "semi-axis along the groove, nut";
-    screw_ellipse_a_mm ["mm"] Number(screw_ellipse_a / MM), "semi-axis across the groove, screw";
-    screw_ellipse_b_mm ["mm"] Number(screw_ellipse_b / MM), "semi-axis along the groove, screw";
-    nut_approach_um ["um"] Number(nut_approach / UM), "elastic approach at the nut";
-    screw_approach_um ["um"] Number(screw_approach / UM), "elastic approach at the screw";
-    axial_displacement_um ["um"] Number(axial_displacement / UM), "axial displacement of the nut";
-    input_power_W ["W"] Number(input_power), "power put in, all balls";
-    output_power_W ["W"] Number(output_power), "power got out, all balls";
-    dissipated_power_W ["W"] Number(dissipated_power), "power lost, all balls";
-    power_balance [""] Number(power_balance), "relative violation of the power balance, an identity at any root";
-    iterations [""] Count(iterations), "Newton steps";
-    residual_norm [""] Number(residual_norm), "scaled residual";
-    skid_number [""] Number(skid_number), "gyroscopic over friction moment of the gripping ball";
-    onset_number [""] Number(onset_number), "skid number of a ball whose friction is spent on the slip of the lead: below 0.1 it grips, above 2 it skids";
-    efficiency_error_bound [""] Number(error_bound), "bound of the error of the efficiency against model traction, kept by 99 % of all points (model auto)";
-    self_locking [""] Flag(self_locking), "true if the screw locks itself in this direction";
+    efficiency [""] Number(|s| s.efficiency()), "power out over power in; negative: self-locking";
+    screw_torque_Nm ["N m"] Number(|s| transmission(s)?.screw_torque), "torque on the screw that holds the steady state, all balls";
+    nut_normal_load_N ["N"] Number(|s| s.contact(Nut)?.load), "normal load of a ball on the nut";
+    screw_normal_load_N ["N"] Number(|s| s.contact(Screw)?.load), "normal load of a ball on the screw";
+    minor_normal_load_N ["N"] Number(|s| s.contact(NutMinor)?.load), "normal load of a ball on the opposite flank of the nut";
+    nut_contact_angle_deg ["deg"] Number(|s| Some(s.contact(Nut)?.angle / DEG)), "contact angle at the nut";
+    screw_contact_angle_deg ["deg"] Number(|s| Some(s.contact(Screw)?.angle / DEG)), "contact angle at the screw";
+    nut_slip_angle_deg ["deg"] Number(|s| Some(s.contact(Nut)?.slip_angle? / DEG)), "direction of friction on the ball at the nut";
+    screw_slip_angle_deg ["deg"] Number(|s| Some(s.contact(Screw)?.slip_angle? / DEG)), "direction of friction on the ball at the screw";
+    minor_slip_angle_deg ["deg"] Number(|s| Some(s.contact(NutMinor)?.slip_angle? / DEG)), "direction of friction on the ball at the minor contact";
+    nut_slip_velocity_m_s ["m/s"] Number(|s| Some(s.contact(Nut)?.slip?.speed)), "slip speed at the nut";
+    screw_slip_velocity_m_s ["m/s"] Number(|s| Some(s.contact(Screw)?.slip?.speed)), "slip speed at the screw";
+    minor_slip_velocity_m_s ["m/s"] Number(|s| Some(s.contact(NutMinor)?.slip?.speed)), "slip speed at the minor contact";
+    nut_spin_rad_s ["rad/s"] Number(|s| Some(s.contact(Nut)?.slip?.spin)), "spin about the contact normal, against the nut";
+    screw_spin_rad_s ["rad/s"] Number(|s| Some(s.contact(Screw)?.slip?.spin)), "spin about the contact normal, against the screw";
+    ball_precession_rad_s ["rad/s"] Number(|s| Some(motion(s)?.precession)), "rate of the ball centre about the screw axis";
+    ball_omega_t_rad_s ["rad/s"] Number(|s| Some(motion(s)?.omega.x)), "angular velocity of the ball along the helix";
+    ball_omega_n_rad_s ["rad/s"] Number(|s| Some(motion(s)?.omega.y)), "angular velocity of the ball towards the axis";
+    ball_omega_b_rad_s ["rad/s"] Number(|s| Some(motion(s)?.omega.z)), "angular velocity of the ball along the binormal";
+    nut_max_pressure_MPa ["MPa"] Number(|s| Some(s.contact(Nut)?.pressed?.max_pressure / MPA)), "largest Hertz pressure at the nut";
+    screw_max_pressure_MPa ["MPa"] Number(|s| Some(s.contact(Screw)?.pressed?.max_pressure / MPA)), "largest Hertz pressure at the screw";
+    nut_ellipse_a_mm ["mm"] Number(|s| Some(s.contact(Nut)?.pressed?.semi_axes.0 / MM)), "semi-axis across the groove, nut";
+    nut_ellipse_b_mm ["mm"] Number(|s| Some(s.contact(Nut)?.pressed?.semi_axes.1 / MM)), "semi-axis along the groove, nut";
+    screw_ellipse_a_mm ["mm"] Number(|s| Some(s.contact(Screw)?.pressed?.semi_axes.0 / MM)), "semi-axis across the groove, screw";
+    screw_ellipse_b_mm ["mm"] Number(|s| Some(s.contact(Screw)?.pressed?.semi_axes.1 / MM)), "semi-axis along the groove, screw";
+    nut_approach_um ["um"] Number(|s| Some(s.contact(Nut)?.pressed?.approach / UM)), "elastic approach at the nut";
+    screw_approach_um ["um"] Number(|s| Some(s.contact(Screw)?.pressed?.approach / UM)), "elastic approach at the screw";
+    axial_displacement_um ["um"] Number(|s| Some(s.solved()?.ball.axial_displacement? / UM)), "axial displacement of the nut";
+    input_power_W ["W"] Number(|s| Some(transmission(s)?.power?.input)), "power put in, all balls";
+    output_power_W ["W"] Number(|s| Some(transmission(s)?.power?.output)), "power got out, all balls";
+    dissipated_power_W ["W"] Number(|s| Some(transmission(s)?.power?.dissipated)), "power lost, all balls";
+    power_balance [""] Number(|s| transmission(s)?.power_balance), "relative violation of the power balance, an identity at any root";
+    iterations [""] Count(|s| Some(s.solved()?.info?.steps)), "Newton steps";
+    residual_norm [""] Number(|s| Some(s.solved()?.info?.residual)), "scaled residual";
+    skid_number [""] Number(|s| s.solved()?.skid?.skid_number()), "gyroscopic over friction moment of the gripping ball";
+    onset_number [""] Number(|s| s.solved()?.skid?.onset_number()), "skid number of a ball whose friction is spent on the slip of the lead: below 0.1 it grips, above 2 it skids";
+    efficiency_error_bound [""] Number(|s| Some(s.choice?.error_bound)), "bound of the error of the efficiency against model traction, kept by 99 % of all points (model auto)";
+    self_locking [""] Flag(|s| s.self_locking()), "true if the screw locks itself in this direction";
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use bsm_dyn::{
     Angles, Auto, Ball, ClosedForm, Direction, Driven, Elastic, ElasticScrew, Load, Material,
-    Model, Problem, QuasiStatic, RacewayControl, Rigid, Traction, Transmission,
+    Model, Problem, QuasiStatic, RacewayControl, Rigid, Size, Traction,
 };
 use bsm_kin::{Drive, Helix, Scalar};
 
@@ -37,7 +37,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
                 angles: self.angles(),
                 friction: self.value(InputKey::friction_coefficient),
                 direction: self.direction(),
-                transmission: self.transmission(),
+                size: self.size(),
             }),
             Model::QuasiStatic => Problem::QuasiStatic(self.quasi_static()),
             Model::Rigid => Problem::Rigid(self.rigid()),
@@ -100,8 +100,8 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         Some(Load { axial, balls: self.given(InputKey::loaded_balls)? })
     }
 
-    fn transmission(&self) -> Option<Transmission<D>> {
-        Some(Transmission {
+    fn size(&self) -> Option<Size<D>> {
+        Some(Size {
             pitch_radius: self.given(InputKey::pitch_circle_diameter_mm)? * (0.5 * MM),
             load: self.load()?,
             relative_speed: self.drive().map(|drive| drive.relative_speed()),
@@ -122,7 +122,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
             rolling_ratio: self.value(InputKey::rolling_friction_mm) / (ball * 0.5),
             driven,
             direction: self.direction(),
-            transmission: self.transmission(),
+            size: self.size(),
         }
     }
 

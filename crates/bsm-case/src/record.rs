@@ -1,6 +1,10 @@
 //! The answer in the vocabulary.
 
-use bsm_dyn::{Basis, Control, GRIPS_BELOW, Model, Motion, Outputs, Reason, Solution, Status};
+use bsm_dyn::{
+    Basis, Choice, ContactState, Control, GRIPS_BELOW, Model, Reason, Slip, SlipRegime, Solution,
+    Solved, Status,
+};
+use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
 use crate::units::{DEG, MM, MPA};
@@ -14,7 +18,8 @@ const MARKS_ABOVE: f64 = 4.2e9;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     model: ModelChoice,
-    solution: Solution,
+    /// `None` where the scene could not be asked.
+    solution: Option<Solution>,
     message: Option<String>,
 }
 
@@ -22,27 +27,20 @@ impl Record {
     /// Wraps the answer of a model; one with a number beyond double precision is none.
     pub fn new(solution: Solution) -> Self {
         let endless = |output: &&Output| {
-            let cell = output.read(&solution.outputs);
+            let cell = output.read(&solution);
             matches!(cell, Some(Cell::Number(x)) if !x.is_finite())
         };
         if let Some(output) = OUTPUTS.iter().find(endless) {
             let error = CaseError::BeyondDouble { output: output.name };
             return Self::invalid(ModelChoice::Fixed(solution.model), &error);
         }
-        let message = solution.reason.as_ref().map(message);
-        Self { model: ModelChoice::Fixed(solution.model), solution, message }
+        let message = solution.reason().map(message);
+        Self { model: ModelChoice::Fixed(solution.model), solution: Some(solution), message }
     }
 
     /// The record of a scene that `model` could not be asked.
     pub fn invalid(model: ModelChoice, error: &CaseError) -> Self {
-        let solution = Solution {
-            model: Model::ClosedForm,
-            status: Status::InvalidInput,
-            reason: None,
-            choice: None,
-            outputs: Outputs::default(),
-        };
-        Self { model, solution, message: Some(error.to_string()) }
+        Self { model, solution: None, message: Some(error.to_string()) }
     }
 
     /// The model that answered, or that was to be asked.
@@ -50,14 +48,19 @@ impl Record {
         self.model
     }
 
-    /// The model that answered.
-    pub fn solved_by(&self) -> Model {
-        self.solution.model
+    /// The numbers, if it converged.
+    fn solved(&self) -> Option<&Solved> {
+        self.solution.as_ref()?.solved()
+    }
+
+    /// What the choice of the model rests on, if it was chosen by the bound of its error.
+    fn chosen(&self) -> Option<Choice> {
+        self.solution.as_ref()?.choice
     }
 
     /// How the solve ended.
     pub fn status(&self) -> Status {
-        self.solution.status
+        self.solution.as_ref().map_or(Status::InvalidInput, Solution::status)
     }
 
     /// Name of the status in files.
@@ -67,7 +70,7 @@ impl Record {
 
     /// The value of an output.
     pub fn cell(&self, output: &Output) -> Option<Cell> {
-        output.read(&self.solution.outputs)
+        output.read(self.solution.as_ref()?)
     }
 
     /// The value of a numeric output by name, if there is one.
@@ -85,30 +88,29 @@ impl Record {
 
     /// What the numbers mean physically, in a few words.
     pub fn regime(&self) -> Option<&'static str> {
-        if self.solution.status != Status::Converged {
-            return None;
-        }
-        if self.solution.outputs.self_locking == Some(true) {
+        let solution = self.solution.as_ref()?;
+        let solved = solution.solved()?;
+        if solved.transmission.self_locking {
             return Some("self-locking in this direction");
         }
-        let motion = self.solution.outputs.onset_number.map(Motion::of);
-        Some(match (self.solution.model, motion) {
+        let regime = solved.skid.and_then(|skid| skid.regime());
+        Some(match (solution.model, regime) {
             (Model::ClosedForm, _) => "gross skid and little inertia, by assumption",
             (Model::QuasiStatic, _) => "slip across the groove only, by assumption",
             (Model::Rigid | Model::Elastic, _) => {
                 "gross skid: friction saturated at every contact, by assumption"
             }
-            (_, Some(Motion::Grips)) => "rolling, the balls grip",
+            (_, Some(SlipRegime::Grips)) => "rolling, the balls grip",
             (Model::RacewayControl, _) => "skidding: raceway control does not hold",
-            (_, Some(Motion::SkidsPartly)) => "partial skid, between rolling and sliding",
+            (_, Some(SlipRegime::SkidsPartly)) => "partial skid, between rolling and sliding",
             _ => "gross skid, friction nearly saturated",
         })
     }
 
     /// Why this model was chosen, if it was chosen by the bound of its error.
     pub fn choice(&self) -> Option<String> {
-        let bound = self.solution.outputs.error_bound?;
-        let choice = self.solution.choice?;
+        let choice = self.chosen()?;
+        let bound = choice.error_bound;
         let why = match choice.basis {
             Basis::NoWorseThanSliding => {
                 "even the whole loss of sliding balls is no more".to_owned()
@@ -132,13 +134,14 @@ impl Record {
 
     /// What an engineer should know before using the numbers; `scene` is what was asked.
     pub fn warnings(&self, scene: &Scene) -> Vec<String> {
-        let o = &self.solution.outputs;
         let mut warnings = Vec::new();
-        if let (Some(spin), Model::Rigid | Model::Elastic, None) =
-            (o.nut_spin, self.solution.model, self.solution.choice)
+        let Some(solution) = &self.solution else { return warnings };
+        let slip = |site| solution.contact(site).and_then(|contact| contact.slip);
+        if let (Some(Slip { spin, .. }), Model::Rigid | Model::Elastic, None) =
+            (slip(Site::Nut), solution.model, solution.choice)
         {
-            let minor = o.minor_slip_velocity.map_or_else(String::new, |slip| {
-                format!(", slip {slip:.0} m/s at the minor contact")
+            let minor = slip(Site::NutMinor).map_or_else(String::new, |slip| {
+                format!(", slip {:.0} m/s at the minor contact", slip.speed)
             });
             warnings.push(format!(
                 "ball spin {:.2e} rad/s{minor}: saturated friction is the gross-skid limit; a \
@@ -147,23 +150,27 @@ impl Record {
                 spin.abs()
             ));
         }
+        let onset = self.solved().and_then(|solved| solved.skid?.onset_number());
         if let (Model::RacewayControl, Some(onset)) =
-            (self.solution.model, o.onset_number.filter(|s| *s >= GRIPS_BELOW))
+            (solution.model, onset.filter(|s| *s >= GRIPS_BELOW))
         {
             warnings.push(format!(
                 "skid onset number {onset:.2}: above {GRIPS_BELOW} the balls begin to skid, which \
                  raceway control excludes; use model traction"
             ));
         }
-        if let (Some(bound), Some(choice)) = (o.error_bound, self.solution.choice)
-            && bound > choice.tolerance
+        if let Some(Choice { error_bound, tolerance, .. }) = solution.choice
+            && error_bound > tolerance
         {
             warnings.push(format!(
-                "tolerance {:.1e} is not met: the best model here has an error of up to {bound:.1e}",
-                choice.tolerance
+                "tolerance {tolerance:.1e} is not met: the best model here has an error of up to \
+                 {error_bound:.1e}"
             ));
         }
-        let pressure = o.nut_max_pressure.unwrap_or(0.0).max(o.screw_max_pressure.unwrap_or(0.0));
+        let pressed = |site| solution.contact(site).and_then(|contact| contact.pressed);
+        let pressures =
+            [Site::Nut, Site::Screw].map(|s| pressed(s).map_or(0.0, |p| p.max_pressure));
+        let pressure = pressures[0].max(pressures[1]);
         if pressure > MARKS_ABOVE {
             warnings.push(format!(
                 "pressure {:.0} MPa: above {:.0} MPa balls leave permanent marks (ISO 76), the \
@@ -175,8 +182,8 @@ impl Record {
         if let Some(ball) = scene.ball_diameter_mm {
             warnings.extend(self.cut_off(0.5 * MM * ball));
         }
-        if o.self_locking == Some(true) {
-            warnings.push(match self.solution.outputs.efficiency {
+        if solution.self_locking() == Some(true) {
+            warnings.push(match solution.efficiency() {
                 Some(eta) => format!(
                     "efficiency {eta:.4} is not positive: the screw does not move by itself in \
                      this direction"
@@ -190,13 +197,10 @@ impl Record {
     /// A warning if a contact ellipse reaches over the bottom of its groove, or beyond the axial
     /// direction, where no groove is.
     fn cut_off(&self, ball_radius: f64) -> Option<String> {
-        let o = &self.solution.outputs;
-        let contacts = [
-            ("nut", o.nut_contact_angle, o.nut_ellipse_a),
-            ("screw", o.screw_contact_angle, o.screw_ellipse_a),
-        ];
-        contacts.into_iter().find_map(|(member, angle, semi_axis)| {
-            let (angle, half) = (angle?, (semi_axis? / ball_radius).min(1.0).asin());
+        let ball = &self.solved()?.ball;
+        [("nut", Site::Nut), ("screw", Site::Screw)].into_iter().find_map(|(member, site)| {
+            let ContactState { angle, pressed, .. } = *ball.contact(site)?;
+            let half = (pressed?.semi_axes.0 / ball_radius).min(1.0).asin();
             let (from, to) = ((angle - half) / DEG, (angle + half) / DEG);
             (from < 0.0 || to > 90.0).then(|| {
                 format!(

@@ -6,7 +6,7 @@ use bsm_dyn::{
 };
 use bsm_kin::Site;
 
-use crate::analysis::{Solved, SolvedContact};
+use crate::analysis::{MovingBall, MovingContact};
 use crate::{Analysis, Block, CaseError, Scene, Settings};
 
 /// Relative difference of friction power and dissipated power that rounding explains: the motion is
@@ -27,7 +27,7 @@ impl Analysis {
         settings: &Settings,
         solution: &Solution,
     ) -> Result<Self, CaseError> {
-        let solved = Solved::of(scene, solution)?;
+        let solved = MovingBall::of(scene, solution)?;
         let mut report = Self::of(scene, solution);
         report.blocks = vec![between(&solved), at_contacts(&solved)];
         if solved.contacts[0].is_some_and(|c| c.semi_axes.is_none()) {
@@ -38,7 +38,10 @@ impl Analysis {
             );
         }
         let powers = Powers::of(scene, settings, solution, &solved)?;
-        let dissipated = solution.outputs.dissipated_power.unwrap_or(f64::NAN);
+        let dissipated = solution
+            .solved()
+            .and_then(|solved| solved.transmission.power)
+            .map_or(f64::NAN, |power| power.dissipated);
         let difference = powers.total() / dissipated - 1.0;
         if difference.abs() > POWERS_AGREE {
             report.warnings.push(format!(
@@ -52,7 +55,7 @@ impl Analysis {
     }
 }
 
-fn between(solved: &Solved) -> Block {
+fn between(solved: &MovingBall) -> Block {
     let ball = &solved.ball;
     let mut block = Block::new("slip between neighbouring balls");
     block.whole("ball_slip_published_m_s", "m/s", "as published", ball.ball_slip_published());
@@ -60,10 +63,10 @@ fn between(solved: &Solved) -> Block {
     block
 }
 
-fn at_contacts(solved: &Solved) -> Block {
+fn at_contacts(solved: &MovingBall) -> Block {
     let ball = &solved.ball;
     let mut block = Block::new("slip at the contacts");
-    let mut line = |key, unit, about, number: &dyn Fn(&SolvedContact) -> f64| {
+    let mut line = |key, unit, about, number: &dyn Fn(&MovingContact) -> f64| {
         block.contacts(key, unit, about, solved.each(number));
     };
     line("differential_slip_m_s", "m/s", "differential slip, at the centre", &|c| {
@@ -81,7 +84,7 @@ fn at_contacts(solved: &Solved) -> Block {
     line("orbit_spin_rad_s", "rad/s", "part of the orbit in the spin", &|c| {
         ball.orbit_spin(&c.touch)
     });
-    let rim = |rate: &dyn Fn(&SolvedContact) -> f64| {
+    let rim = |rate: &dyn Fn(&MovingContact) -> f64| {
         solved.contacts.map(|c| {
             let contact = c?;
             Some(rim_speed(rate(&contact), contact.semi_axes?.0))
@@ -102,7 +105,7 @@ impl Powers {
         scene: &Scene,
         settings: &Settings,
         solution: &Solution,
-        solved: &Solved,
+        solved: &MovingBall,
     ) -> Result<Self, CaseError> {
         let case = scene.reader().rigid();
         let unit = case.ball.radius * case.drive.relative_speed().abs();
@@ -113,7 +116,7 @@ impl Powers {
         };
         let quadrature = &Quadrature::new(order);
         let saturated = matches!(solution.model, Model::Rigid | Model::Elastic);
-        let power = |contact: &SolvedContact| {
+        let power = |contact: &MovingContact| {
             let law = match contact.semi_axes {
                 Some(semi_axes) if !saturated => {
                     let conformity = match contact.touch.site {
@@ -139,7 +142,7 @@ impl Powers {
             })
         };
         let [nut, screw, minor] = solved.contacts.each_ref();
-        let power = |contact: &Option<SolvedContact>| contact.as_ref().map(power).transpose();
+        let power = |contact: &Option<MovingContact>| contact.as_ref().map(power).transpose();
         Ok(Self([power(nut)?, power(screw)?, power(minor)?]))
     }
 

@@ -11,8 +11,8 @@ use crate::elastic::Elastic;
 use crate::pair::{ElasticScrew, Pair};
 use crate::traction::{Root, Start, Traction};
 use crate::{
-    Angles, ClosedForm, Direction, Model, ModelWorkspace, Outputs, RacewayControl, Reason,
-    Solution, Status, Transmission, Transmitted,
+    Angles, ClosedForm, Direction, Model, ModelWorkspace, RacewayControl, Reason, Size, Solution,
+    Solved, Status, Transmitted, Unsolved,
 };
 
 /// The finest quadrature that is tried.
@@ -32,6 +32,9 @@ pub struct Auto<D = f64> {
 pub struct Choice {
     /// What the bound of its error comes from.
     pub basis: Basis,
+    /// Bound of the error of the efficiency against the traction model, which 99 % of all points
+    /// keep.
+    pub error_bound: f64,
     /// What was asked; the bound may be larger where no model is that exact.
     pub tolerance: f64,
 }
@@ -68,33 +71,31 @@ impl Auto {
 
     /// The solution, and the root of the traction model if it is the one that was chosen.
     fn solve_for_root(&self, work: &mut ModelWorkspace) -> (Solution, Option<Root>) {
-        let failed = |(status, reason)| Solution::failed(Model::RacewayControl, status, reason);
         let pair = match self.screw.pair() {
             Ok(pair) => pair,
-            Err(invalid) => return (failed(invalid), None),
+            Err(invalid) => return (Solution::new(Model::RacewayControl, Err(invalid)), None),
         };
         if let Some(solution) = self.closed_form(&pair) {
             return (solution, None);
         }
         let grip = work.raceway.grip(&pair, None).ok();
-        let gripping = grip.and_then(|grip| work.raceway.outputs(&self.screw, &pair, &grip).ok());
+        let gripping = grip.and_then(|grip| work.raceway.solved(&self.screw, &pair, &grip).ok());
         let regime = gripping.and_then(|o| Some((o, Regime::of(&pair, &o)?)));
-        if let Some((outputs, regime)) = &regime {
+        if let Some((solved, regime)) = &regime {
             if regime.grip_bound <= self.tolerance {
-                return (self.gripping(outputs, regime), None);
+                return (self.gripping(solved, regime), None);
             }
             if regime.skid_bound(regime.range) <= self.tolerance
                 && let Ok(skid) = self
                     .screw
                     .require_friction()
-                    .and_then(|()| Elastic { screw: self.screw }.outputs(&pair, &mut work.elastic))
+                    .and_then(|()| Elastic { screw: self.screw }.solved(&pair, &mut work.elastic))
             {
-                let eta = |o: &Outputs| o.efficiency.unwrap_or(f64::NAN);
-                let bound = regime.skid_bound((eta(outputs) - eta(&skid)).abs());
+                let eta = |solved: &Solved| solved.transmission.efficiency;
+                let bound = regime.skid_bound((eta(solved) - eta(&skid)).abs());
                 if bound <= self.tolerance {
                     let basis = Basis::Skids { onset_number: regime.onset };
-                    let solution = Solution::converged(Model::Elastic, skid);
-                    return (self.chosen(solution, bound, basis), None);
+                    return (self.chosen(Model::Elastic, skid, bound, basis), None);
                 }
             }
         }
@@ -106,14 +107,14 @@ impl Auto {
         });
         match integrated {
             Ok((found, order, error)) => {
-                let solution = Solution::converged(Model::Traction, found.outputs);
-                (self.chosen(solution, error, Basis::Integrated { order }), Some(found.root))
+                let basis = Basis::Integrated { order };
+                (self.chosen(Model::Traction, found.solved(), error, basis), Some(found.root))
             }
-            Err((status, reason)) => {
+            Err(none) => {
                 let solution = match regime {
                     // A rough answer with its bound is better than none.
-                    Some((outputs, regime)) => self.gripping(&outputs, &regime),
-                    None => Solution::failed(Model::Traction, status, reason),
+                    Some((solved, regime)) => self.gripping(&solved, &regime),
+                    None => Solution::new(Model::Traction, Err(none)),
                 };
                 (solution, None)
             }
@@ -121,16 +122,15 @@ impl Auto {
     }
 
     /// The gripping ball with the bound of its error.
-    fn gripping(&self, outputs: &Outputs, regime: &Regime) -> Solution {
-        let solution = Solution::converged(Model::RacewayControl, *outputs);
-        self.chosen(solution, regime.grip_bound, Basis::Grips { onset_number: regime.onset })
+    fn gripping(&self, solved: &Solved, regime: &Regime) -> Solution {
+        let basis = Basis::Grips { onset_number: regime.onset };
+        self.chosen(Model::RacewayControl, *solved, regime.grip_bound, basis)
     }
 
     /// A solution with the bound of its error.
-    fn chosen(&self, mut solution: Solution, error_bound: f64, basis: Basis) -> Solution {
-        solution.outputs.error_bound = Some(error_bound);
-        solution.choice = Some(Choice { basis, tolerance: self.tolerance });
-        solution
+    fn chosen(&self, model: Model, solved: Solved, error_bound: f64, basis: Basis) -> Solution {
+        let choice = Some(Choice { basis, error_bound, tolerance: self.tolerance });
+        Solution { model, answer: Ok(solved), choice }
     }
 
     /// The closed form, if even the way from saturated friction to none, and spin at both contacts
@@ -139,7 +139,7 @@ impl Auto {
         let Self { screw, tolerance } = self;
         let lead = screw.helix.lead_angle;
         let solution = screw.sliding(pair.direction).solve();
-        let eta = solution.outputs.efficiency.filter(|eta| *eta > 0.0)?;
+        let eta = solution.efficiency().filter(|eta| *eta > 0.0)?;
         if 1.0 - eta > *tolerance {
             return None;
         }
@@ -147,7 +147,9 @@ impl Auto {
         // |δη| ≤ (1 − η)(1 + μ) + 2 f a / (r_m tanα)                      (A1)
         let bound = (1.0 - eta) * (1.0 + pair.inertia_ratio())
             + 2.0 * screw.friction * a / (pair.helix.radius * lead.tan());
-        (bound <= *tolerance).then(|| self.chosen(solution, bound, Basis::NoWorseThanSliding))
+        let solved = *solution.solved()?;
+        (bound <= *tolerance)
+            .then(|| self.chosen(Model::ClosedForm, solved, bound, Basis::NoWorseThanSliding))
     }
 }
 
@@ -158,7 +160,7 @@ impl<D: Scalar> ElasticScrew<D> {
             angles: Angles { lead: self.helix.lead_angle, contact: self.contact_angle },
             friction: self.friction,
             direction,
-            transmission: Some(Transmission {
+            size: Some(Size {
                 pitch_radius: self.helix.radius,
                 load: self.load,
                 relative_speed: Some(self.drive.relative_speed()),
@@ -175,9 +177,9 @@ impl<const M: usize> Auto<Jet<M>> {
     ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
         let Self { screw, tolerance } = *self;
         let (solution, root) = Auto { screw: screw.values(), tolerance }.solve_for_root(work);
-        let basis = match (solution.reason, solution.choice) {
-            (Some(reason), _) => return Err((solution.status, reason)),
-            (None, choice) => choice.map(|choice| choice.basis),
+        let basis = match solution.answer {
+            Err(Unsolved { status, reason }) => return Err((status, reason)),
+            Ok(_) => solution.choice.map(|choice| choice.basis),
         };
         match (basis, root) {
             (Some(Basis::NoWorseThanSliding), _) => {
@@ -206,7 +208,7 @@ const SKIDS_ABOVE: f64 = 2.0;
 
 /// What a ball does, by its onset number (W11).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Motion {
+pub enum SlipRegime {
     /// It rolls on both races.
     Grips,
     /// Between rolling and sliding.
@@ -215,7 +217,7 @@ pub enum Motion {
     Skids,
 }
 
-impl Motion {
+impl SlipRegime {
     /// From gripping to skidding.
     pub const ALL: [Self; 3] = [Self::Grips, Self::SkidsPartly, Self::Skids];
 
@@ -253,8 +255,9 @@ struct Regime {
 
 impl Regime {
     /// From the numbers of a gripping ball.
-    fn of(pair: &Pair, grip: &Outputs) -> Option<Self> {
-        let (eta, onset, cross) = (grip.efficiency?, grip.onset_number?, grip.cross_slip?);
+    fn of(pair: &Pair, grip: &Solved) -> Option<Self> {
+        let (eta, skid) = (grip.transmission.efficiency, grip.skid?);
+        let (onset, cross) = (skid.onset_number()?, skid.cross_slip()?);
         let (f, direction) = (pair.friction, pair.direction);
         let angles = |contact| Angles { lead: pair.helix.lead_angle, contact };
         // Saturated friction at the angle that the load leaves; where it holds any load nothing

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use bsm_kin::Scalar;
 
 use crate::balance::{Power, ideal_torque};
-use crate::{Direction, Load, Model, Outputs, Solution, Transmitted};
+use crate::{BallState, Direction, Load, Model, Solution, Solved, Transmission, Transmitted};
 
 /// Lead angle and contact angle of a screw whose two loaded contacts have equal angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -148,9 +148,9 @@ impl Optimum {
     }
 }
 
-/// What the torque of a model without inertia needs beyond its efficiency.
+/// Size and load of a screw: what the torque of a model without inertia needs beyond its efficiency.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Transmission<D = f64> {
+pub struct Size<D = f64> {
     /// Pitch-circle radius `$r_m$` \[m\].
     pub pitch_radius: D,
     /// Load on the balls.
@@ -159,7 +159,7 @@ pub struct Transmission<D = f64> {
     pub relative_speed: Option<D>,
 }
 
-impl<D: Scalar> Transmission<D> {
+impl<D: Scalar> Size<D> {
     /// Torque of the frictionless screw and torque on the screw, of a model that is given by its
     /// efficiency and the ratio of normal to axial load; `None` if the screw cannot be turned.
     pub(crate) fn torques(
@@ -182,27 +182,33 @@ impl<D: Scalar> Transmission<D> {
     }
 }
 
-impl Transmission {
-    /// Torque, loads and powers of a model that is given by its efficiency and the ratio of
-    /// normal to axial load; nothing if the screw cannot be turned.
-    pub(crate) fn complete(
-        &self,
-        outputs: &mut Outputs,
-        direction: Direction,
-        lead_angle: f64,
-        efficiency: f64,
-        load_ratio: f64,
-    ) {
-        let torques = self.torques(direction, lead_angle, efficiency, load_ratio);
-        let Some((ideal, torque)) = torques else { return };
-        let normal_load = load_ratio * self.load.per_ball();
-        outputs.screw_torque = Some(torque);
-        outputs.nut_normal_load = Some(normal_load);
-        outputs.screw_normal_load = Some(normal_load);
-        if let Some(speed) = self.relative_speed {
-            outputs.set_power(&Power::transmitted(torque, ideal, speed));
+/// The answer of a model that is given by its efficiency and the ratio of normal to axial load: no
+/// torque and no loads if the screw cannot be turned.
+pub(crate) fn answer(
+    mut ball: BallState,
+    (efficiency, self_locking): (f64, bool),
+    load_ratio: f64,
+    size: Option<&Size>,
+    (direction, lead_angle): (Direction, f64),
+) -> Solved {
+    let mut transmission = Transmission {
+        efficiency,
+        self_locking,
+        screw_torque: None,
+        power: None,
+        power_balance: None,
+    };
+    let torques =
+        size.and_then(|s| Some((s, s.torques(direction, lead_angle, efficiency, load_ratio)?)));
+    if let Some((size, (ideal, torque))) = torques {
+        transmission.screw_torque = Some(torque);
+        transmission.power =
+            size.relative_speed.map(|speed| Power::transmitted(torque, ideal, speed));
+        for contact in ball.contacts.iter_mut().flatten() {
+            contact.load = Some(load_ratio * size.load.per_ball());
         }
     }
+    Solved { ball, transmission, skid: None, info: None }
 }
 
 /// Inputs of the closed-form model.
@@ -215,7 +221,7 @@ pub struct ClosedForm<D = f64> {
     /// Which side drives.
     pub direction: Direction,
     /// Size and load, if the torque is wanted.
-    pub transmission: Option<Transmission<D>>,
+    pub size: Option<Size<D>>,
 }
 
 impl<D: Scalar> ClosedForm<D> {
@@ -223,9 +229,8 @@ impl<D: Scalar> ClosedForm<D> {
     pub(crate) fn transmitted(&self) -> Transmitted<D> {
         let efficiency = self.angles.efficiency(self.direction, self.friction);
         let ratio = self.angles.load_ratio(self.direction, self.friction);
-        let torques = self
-            .transmission
-            .and_then(|t| t.torques(self.direction, self.angles.lead, efficiency, ratio));
+        let torques =
+            self.size.and_then(|t| t.torques(self.direction, self.angles.lead, efficiency, ratio));
         Transmitted { efficiency, screw_torque: torques.map(|(_, torque)| torque) }
     }
 }
@@ -236,21 +241,16 @@ impl ClosedForm {
         let (angles, f, direction) = (&self.angles, self.friction, self.direction);
         let eta = angles.efficiency(direction, f);
         let psi = angles.screw_slip_angle(direction);
-        let mut outputs = Outputs {
-            efficiency: Some(eta),
-            nut_contact_angle: Some(angles.contact),
-            screw_contact_angle: Some(angles.contact),
-            // ψ_A = ψ_B ± π, in (−π, π]                                   (C11)
-            nut_slip_angle: Some(if psi > 0.0 { psi - PI } else { psi + PI }),
-            screw_slip_angle: Some(psi),
-            self_locking: Some(angles.self_locking(direction, f)),
-            ..Outputs::default()
-        };
-        if let Some(transmission) = &self.transmission {
-            let ratio = angles.load_ratio(direction, f);
-            transmission.complete(&mut outputs, direction, angles.lead, eta, ratio);
+        let mut ball = BallState::at_angle(angles.contact);
+        // ψ_A = ψ_B ± π, in (−π, π]                                       (C11)
+        let slip_angles = [if psi > 0.0 { psi - PI } else { psi + PI }, psi];
+        for (contact, slip_angle) in ball.contacts.iter_mut().flatten().zip(slip_angles) {
+            contact.slip_angle = Some(slip_angle);
         }
-        Solution::converged(Model::ClosedForm, outputs)
+        let (locks, ratio) = (angles.self_locking(direction, f), angles.load_ratio(direction, f));
+        let along = (direction, angles.lead);
+        let solved = answer(ball, (eta, locks), ratio, self.size.as_ref(), along);
+        Solution::new(Model::ClosedForm, Ok(solved))
     }
 }
 
@@ -283,17 +283,15 @@ mod tests {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
         let friction = angles.contact.sin() / angles.slip_factor();
         let load = Load { axial: 2113.0, balls: 1.0 };
-        let transmission = Transmission { pitch_radius: 24.3e-3, load, relative_speed: None };
-        let case = ClosedForm {
-            angles,
-            friction,
-            direction: Direction::RotaryToLinear,
-            transmission: Some(transmission),
-        };
-        let outputs = case.solve().outputs;
-        for value in [outputs.screw_torque, outputs.nut_normal_load].into_iter().flatten() {
+        let size = Size { pitch_radius: 24.3e-3, load, relative_speed: None };
+        let case =
+            ClosedForm { angles, friction, direction: Direction::RotaryToLinear, size: Some(size) };
+        let solution = case.solve();
+        let torque = solution.solved().expect("converged").transmission.screw_torque;
+        let load = solution.contact(Site::Nut).expect("a contact").load;
+        for value in [torque, load].into_iter().flatten() {
             // One unit in the last place on the good side is still a number, if a large one.
-            assert!(value.is_finite() && value > 0.0, "{outputs:?}");
+            assert!(value.is_finite() && value > 0.0, "{solution:?}");
         }
     }
 

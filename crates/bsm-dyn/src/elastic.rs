@@ -18,7 +18,7 @@ use crate::jacobian::linearize;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
 use crate::layout::{self, BALL, MOMENT_NORMAL, weight};
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
-use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
+use crate::{Model, Reason, Solution, SolveInfo, Solved, Status, Wrench};
 
 /// Below this ratio of inertia to friction the rounding of the loads shows in the slip.
 const SLOW: f64 = 1e-5;
@@ -202,33 +202,30 @@ fn run(pair: &Pair, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
 impl Elastic {
     /// Solves for the steady motion of the ball.
     pub fn solve(&self, work: &mut ElasticWorkspace) -> Solution {
-        let outputs = self
+        let solved = self
             .screw
             .require_friction()
             .and_then(|()| self.screw.pair())
-            .and_then(|pair| self.outputs(&pair, work));
-        match outputs {
-            Ok(outputs) => Solution::converged(Model::Elastic, outputs),
-            Err((status, reason)) => Solution::failed(Model::Elastic, status, reason),
-        }
+            .and_then(|pair| self.solved(&pair, work));
+        Solution::new(Model::Elastic, solved)
     }
 
-    /// The numbers of the root.
-    pub(crate) fn outputs(
+    /// The answer of the root.
+    pub(crate) fn solved(
         &self,
         pair: &Pair,
         work: &mut ElasticWorkspace,
-    ) -> Result<Outputs, (Status, Reason)> {
+    ) -> Result<Solved, (Status, Reason)> {
         let Skid { state, steps, residual } = Skid::of(pair, &mut work.0)?;
-        let mut outputs = self.screw.describe(pair, &state.loaded, &state.to_nut)?;
+        let ball = self.screw.ball_state(pair, &state.loaded, &state.to_nut)?;
         // P_f = Σ f Q_c |V_c|, Eq (R21)
         let friction_power =
             (0..2).map(|i| pair.friction * state.loaded.loads[i] * state.slip[i].norm()).sum();
         let frame = &state.loaded.frame;
-        self.screw.transmit(&mut outputs, pair, frame, &state.wrench[1], friction_power)?;
-        outputs.iterations = Some(steps);
-        outputs.residual_norm = Some(residual);
-        Ok(outputs)
+        let transmission =
+            self.screw.transmission(pair, frame, &state.wrench[1], friction_power)?;
+        let info = Some(SolveInfo { steps, residual });
+        Ok(Solved { ball, transmission, skid: None, info })
     }
 }
 

@@ -22,7 +22,6 @@ mod jam;
 mod jones;
 mod layout;
 mod model;
-mod outputs;
 mod pair;
 mod quasi_static;
 mod raceway_control;
@@ -31,11 +30,12 @@ mod sensitivity;
 mod settled;
 mod slip;
 mod solution;
+mod state;
 mod traction;
 
-pub use auto::{Auto, Basis, Choice, GRIPS_BELOW, Motion};
+pub use auto::{Auto, Basis, Choice, GRIPS_BELOW, SlipRegime};
 pub use balance::{Ball, Load, POWER_BALANCE_TOL, Wrench};
-pub use closed_form::{Angles, ClosedForm, Optimum, Transmission};
+pub use closed_form::{Angles, ClosedForm, Optimum, Size};
 pub use coulomb::friction_force;
 pub use elastic::{Elastic, ElasticWorkspace};
 pub use ellipse::{Ellipse, Quadrature, pressed_radius};
@@ -46,7 +46,6 @@ pub use jam::{
 };
 pub use jones::{Deformed, Displacement, Jones, Side};
 pub use model::{Model, ModelWorkspace, Problem};
-pub use outputs::Outputs;
 pub use pair::ElasticScrew;
 pub use quasi_static::{Driven, QuasiStatic};
 pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
@@ -56,5 +55,8 @@ pub use rigid::{
 pub use sensitivity::Transmitted;
 pub use settled::{FIRST_YIELD, Settled, yield_ratio};
 pub use slip::{FrictionLaw, SlipPower, SteadyBall, Touch, rim_speed};
-pub use solution::{Direction, Reason, Solution, Status};
+pub use solution::{Direction, Reason, Solution, Status, Unsolved};
+pub use state::{
+    BallState, ContactState, Pressed, SITES, SkidNumbers, Slip, SolveInfo, Solved, Transmission,
+};
 pub use traction::{Traction, TractionWorkspace};

@@ -16,8 +16,10 @@ use crate::ellipse::{Lanes, Local, Quadrature};
 use crate::hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 use crate::jones::Jones;
 use crate::layout::{self, BALL};
+use crate::state::in_frenet;
 use crate::{
-    Direction, Ellipse, Load, Outputs, Reason, Status, Transmitted, Wrench, pressed_radius,
+    BallState, ContactState, Direction, Ellipse, Load, Pressed, Reason, Status, Transmission,
+    Transmitted, Wrench, pressed_radius,
 };
 
 /// A ball screw whose balls touch nut and screw at one elastic contact each, at an operating point.
@@ -375,67 +377,59 @@ impl<D: Scalar> ElasticScrew<D> {
 }
 
 impl ElasticScrew {
-    /// Outputs in SI units of a state of the pair; efficiency and powers are not among them.
+    /// The ball in SI units, of a state of the pair.
     ///
     /// A ball that has left its flanks is no result: at the bottom of the groove a gothic arch
     /// touches with its other flank, and no groove reaches beyond the axial direction.
-    pub(crate) fn describe(
+    pub(crate) fn ball_state(
         &self,
         pair: &Pair,
         loaded: &Loaded<f64>,
         to_nut: &Motion<f64>,
-    ) -> Result<Outputs, (Status, Reason)> {
+    ) -> Result<BallState, (Status, Reason)> {
         let angles @ [nut, screw] = loaded.angles;
         if !angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
             return Err((Status::NotConverged, Reason::BallLeavesFlank { nut, screw }));
         }
         let (w, r_b) = (self.drive.relative_speed().abs(), self.ball.radius);
-        let loads = loaded.loads.map(|q| q * self.load.per_ball());
-        let approach = pair.approaches(loaded.loads).map(|a| a * r_b);
-        let axes = [0, 1].map(|i| pair.hertz[i].semi_axes(loads[i]));
-        let mut outputs = Outputs {
-            nut_normal_load: Some(loads[0]),
-            screw_normal_load: Some(loads[1]),
-            nut_contact_angle: Some(angles[0]),
-            screw_contact_angle: Some(angles[1]),
-            nut_max_pressure: Some(pair.hertz[0].max_pressure(loads[0])),
-            screw_max_pressure: Some(pair.hertz[1].max_pressure(loads[1])),
-            nut_ellipse_a: Some(axes[0].0),
-            nut_ellipse_b: Some(axes[0].1),
-            screw_ellipse_a: Some(axes[1].0),
-            screw_ellipse_b: Some(axes[1].1),
-            nut_approach: Some(approach[0]),
-            screw_approach: Some(approach[1]),
+        let motions = pair.relative(to_nut, &loaded.frame);
+        let approaches = pair.approaches(loaded.loads);
+        let [nut, screw] = std::array::from_fn(|i| {
+            let (contact, hertz, motion) = (&loaded.contacts[i], &pair.hertz[i], &motions[i]);
+            let load = loaded.loads[i] * self.load.per_ball();
+            let slip = motion.slip_velocity(pair.arc, &contact.point(1.0)) * (w * r_b);
+            let pressed = Some(Pressed {
+                semi_axes: hertz.semi_axes(load),
+                max_pressure: hertz.max_pressure(load),
+                approach: approaches[i] * r_b,
+            });
+            let sliding = ContactState::sliding((angles[i], load), contact, motion, &slip, w);
+            Some(ContactState { pressed, ..sliding })
+        });
+        Ok(BallState {
+            motion: Some(in_frenet(&pair.absolute(to_nut, &loaded.frame), &loaded.frame, w)),
+            contacts: [nut, screw, None],
             axial_displacement: Some(loaded.displacement * r_b),
-            ..Outputs::default()
-        };
-        outputs.set_motion(&pair.absolute(to_nut, &loaded.frame), &loaded.frame, w);
-        for (contact, motion) in loaded.contacts.iter().zip(pair.relative(to_nut, &loaded.frame)) {
-            let slip = motion.slip_velocity(pair.arc, &contact.point(1.0));
-            outputs.set_contact(contact, &motion, &(slip * (w * r_b)), w);
-        }
-        Ok(outputs)
+        })
     }
 
-    /// Adds torque, efficiency and powers to `outputs`, and their balance against the friction
-    /// power, from the wrench of the screw; both scaled.
-    pub(crate) fn transmit(
+    /// Torque, efficiency and powers of the wrench of the screw, and their balance against the
+    /// friction power; both scaled.
+    pub(crate) fn transmission(
         &self,
-        outputs: &mut Outputs,
         pair: &Pair,
         frame: &BallFrame<f64>,
         screw: &Wrench<f64>,
         friction_power: f64,
-    ) -> Result<(), (Status, Reason)> {
+    ) -> Result<Transmission, (Status, Reason)> {
         let unit = self.ball.radius * self.load.axial;
-        let screw_torque = self.screw_torque(pair, frame, screw);
-        let ideal = self.ideal_torque();
+        let torque = self.screw_torque(pair, frame, screw);
         let speed = self.drive.relative_speed();
-        let power = outputs.set_transmission(pair.direction, ideal, screw_torque, speed);
-        let imbalance = power.imbalance(friction_power * unit * speed.abs());
-        outputs.power_balance = Some(imbalance);
+        let transmission = Transmission::of(pair.direction, self.ideal_torque(), torque, speed)
+            .against(friction_power * unit * speed.abs());
+        let imbalance = transmission.power_balance.unwrap_or(f64::NAN);
         if imbalance.abs() <= POWER_BALANCE_TOL {
-            return Ok(());
+            return Ok(transmission);
         }
         Err((Status::NotConverged, Reason::PowerDoesNotBalance { imbalance }))
     }

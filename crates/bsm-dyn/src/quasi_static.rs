@@ -4,8 +4,8 @@
 
 use bsm_kin::Scalar;
 
-use crate::closed_form::{Angles, Transmission};
-use crate::{Direction, Model, Outputs, Reason, Solution, Status, Transmitted};
+use crate::closed_form::{Angles, Size, answer};
+use crate::{BallState, Direction, Model, Reason, Solution, Solved, Status, Transmitted};
 
 /// Inputs of the quasi-static model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,7 +23,7 @@ pub struct QuasiStatic<D = f64> {
     /// Which side drives.
     pub direction: Direction,
     /// Size and load, if the torque is wanted.
-    pub transmission: Option<Transmission<D>>,
+    pub size: Option<Size<D>>,
 }
 
 /// The member that turns.
@@ -99,9 +99,8 @@ impl<D: Scalar> QuasiStatic<D> {
     /// Efficiency, and torque if there is one.
     pub(crate) fn transmitted(&self) -> Transmitted<D> {
         let (efficiency, ratio) = (self.efficiency(), self.load_ratio());
-        let torques = self
-            .transmission
-            .and_then(|t| t.torques(self.direction, self.angles.lead, efficiency, ratio));
+        let torques =
+            self.size.and_then(|t| t.torques(self.direction, self.angles.lead, efficiency, ratio));
         Transmitted { efficiency, screw_torque: torques.map(|(_, torque)| torque) }
     }
 }
@@ -109,21 +108,14 @@ impl<D: Scalar> QuasiStatic<D> {
 impl QuasiStatic {
     /// Evaluates the equations.
     pub fn solve(&self) -> Solution {
-        if let Err((status, reason)) = self.require_balance() {
-            return Solution::failed(Model::QuasiStatic, status, reason);
-        }
+        Solution::new(Model::QuasiStatic, self.require_balance().map(|()| self.balanced()))
+    }
+
+    fn balanced(&self) -> Solved {
         let (eta, ratio) = (self.efficiency(), self.load_ratio());
-        let mut outputs = Outputs {
-            efficiency: Some(eta),
-            nut_contact_angle: Some(self.angles.contact),
-            screw_contact_angle: Some(self.angles.contact),
-            self_locking: Some(eta <= 0.0),
-            ..Outputs::default()
-        };
-        if let Some(transmission) = &self.transmission {
-            transmission.complete(&mut outputs, self.direction, self.angles.lead, eta, ratio);
-        }
-        Solution::converged(Model::QuasiStatic, outputs)
+        let ball = BallState::at_angle(self.angles.contact);
+        let along = (self.direction, self.angles.lead);
+        answer(ball, (eta, eta <= 0.0), ratio, self.size.as_ref(), along)
     }
 }
 
@@ -143,7 +135,7 @@ mod tests {
         rolling_ratio: 0.0,
         driven: Driven::Screw,
         direction: Direction::RotaryToLinear,
-        transmission: None,
+        size: None,
     };
 
     /// Lin's case by hand: 0.075 × 0.179835 / (0.707107 + 0.075 (0.179835 − 0.707107)).
@@ -171,10 +163,10 @@ mod tests {
                 rolling_ratio: rolling,
                 driven: if nut { Driven::Nut } else { Driven::Screw },
                 direction: if back { Direction::LinearToRotary } else { Direction::RotaryToLinear },
-                transmission: None,
+                size: None,
             };
             let solution = case.solve();
-            let (eta, locked) = (solution.outputs.efficiency, solution.outputs.self_locking);
+            let (eta, locked) = (solution.efficiency(), solution.self_locking());
             let fits = eta.map_or(locked == Some(true), |eta| eta <= 1.0 + 1e-12);
             prop_assert!(fits, "{case:?} {solution:?}");
         }
@@ -207,7 +199,7 @@ mod tests {
     #[test]
     fn dual_drive_is_refused() {
         let solution = QuasiStatic { driven: Driven::Both, ..LIN }.solve();
-        assert_eq!(solution.status, Status::InvalidInput);
-        assert_eq!(solution.outputs, Outputs::default());
+        assert_eq!(solution.status(), Status::InvalidInput);
+        assert_eq!(solution.self_locking(), None);
     }
 }

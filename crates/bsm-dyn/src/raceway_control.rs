@@ -16,7 +16,7 @@ pub(crate) use self::balance::STATIC;
 use self::balance::{Balance, Root};
 use crate::ellipse::Quadrature;
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
-use crate::{Model, Outputs, Reason, Solution, Status};
+use crate::{Model, Reason, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission};
 
 /// The race at which the ball does not spin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -167,6 +167,11 @@ impl Grip {
         Ok(Self { control, unknowns, loaded, to_nut, steps: 0, residual: f64::INFINITY })
     }
 
+    /// Gyroscopic over friction moment (W9), and slip of the lead over that of spin (W10).
+    pub(crate) fn skid(&self, pair: &Pair) -> SkidNumbers {
+        SkidNumbers::new(self.skid_number(pair), self.cross_slip(pair))
+    }
+
     /// Gyroscopic over friction moment (W9).
     pub(crate) fn skid_number(&self, pair: &Pair) -> f64 {
         let motion = pair.absolute(&self.to_nut, &self.loaded.frame);
@@ -178,7 +183,7 @@ impl Grip {
 
     /// Slip that the lead forces across the grooves over the slip of the spin at the end of the
     /// ellipse (W10).
-    pub(crate) fn cross_slip(&self, pair: &Pair) -> f64 {
+    fn cross_slip(&self, pair: &Pair) -> f64 {
         let motions = pair.relative(&self.to_nut, &self.loaded.frame);
         let spin = (0..2)
             .map(|i| {
@@ -205,12 +210,9 @@ impl RacewayControl {
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
         let solved = self.screw.pair().and_then(|pair| {
             let grip = memory.grip(&pair, self.control)?;
-            memory.outputs(&self.screw, &pair, &grip)
+            memory.solved(&self.screw, &pair, &grip)
         });
-        match solved {
-            Ok(outputs) => Solution::converged(Model::RacewayControl, outputs),
-            Err((status, reason)) => Solution::failed(Model::RacewayControl, status, reason),
-        }
+        Solution::new(Model::RacewayControl, solved)
     }
 }
 
@@ -234,23 +236,22 @@ impl RacewayWorkspace {
         Grip::of(pair, control, &mut self.newton)
     }
 
-    /// Its numbers.
-    pub(crate) fn outputs(
+    /// Its answer.
+    pub(crate) fn solved(
         &self,
         screw: &ElasticScrew,
         pair: &Pair,
         grip: &Grip,
-    ) -> Result<Outputs, (Status, Reason)> {
+    ) -> Result<Solved, (Status, Reason)> {
         let (loaded, quadrature) = (&grip.loaded, &self.quadrature);
         let friction_power =
             pair.friction_power(loaded, &grip.to_nut, RacewayControl::CREEP, quadrature);
-        let mut outputs = screw.describe(pair, loaded, &grip.to_nut)?;
+        let ball = screw.ball_state(pair, loaded, &grip.to_nut)?;
         let (ideal, torque) = screw.rolling_torques(pair, friction_power);
-        outputs.set_transmission(pair.direction, ideal, torque, screw.drive.relative_speed());
-        outputs.set_regime(grip.skid_number(pair), grip.cross_slip(pair));
-        outputs.iterations = Some(grip.steps);
-        outputs.residual_norm = Some(grip.residual);
-        Ok(outputs)
+        let speed = screw.drive.relative_speed();
+        let transmission = Transmission::of(pair.direction, ideal, torque, speed);
+        let info = Some(SolveInfo { steps: grip.steps, residual: grip.residual });
+        Ok(Solved { ball, transmission, skid: Some(grip.skid(pair)), info })
     }
 }
 

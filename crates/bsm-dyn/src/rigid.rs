@@ -11,7 +11,7 @@ mod scaled;
 mod search;
 mod sensitivities;
 
-use bsm_kin::{Drive, Helix, Motion, Scalar};
+use bsm_kin::{Drive, Helix, Motion, Scalar, Site};
 use bsm_newton::{EvalError, MatMut, System};
 
 pub use self::first_order::FirstOrder;
@@ -23,7 +23,10 @@ use crate::balance::{Ball, OwnUnits, POWER_BALANCE_TOL, ideal_torque, torque};
 use crate::layout::BALL;
 use crate::layout::unknown::{MINOR_LOAD, NUT_LOAD, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN};
 use crate::pair::LEAST_FRICTION;
-use crate::{Load, Model, Outputs, Reason, Solution, Status};
+use crate::state::in_frenet;
+use crate::{
+    BallState, ContactState, Load, Model, Reason, Solution, SolveInfo, Solved, Status, Transmission,
+};
 
 /// Inputs of the rigid model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -183,56 +186,50 @@ impl Rigid {
 
     /// Solves for the steady motion of the ball.
     pub fn solve(&self, work: &mut RigidWorkspace) -> Solution {
-        match self.find(work) {
-            Ok((case, root)) => {
-                let outputs = self.outputs(&case, &root);
-                match outputs.power_balance {
-                    Some(imbalance) if imbalance.abs() <= POWER_BALANCE_TOL => {
-                        Solution::converged(Model::Rigid, outputs)
-                    }
-                    imbalance => {
-                        let imbalance = imbalance.unwrap_or(f64::NAN);
-                        let reason = Reason::PowerDoesNotBalance { imbalance };
-                        Solution::failed(Model::Rigid, Status::NotConverged, reason)
-                    }
-                }
-            }
-            Err(NoRoot { status, reason }) => Solution::failed(Model::Rigid, status, reason),
-        }
+        let solved = self.find(work).map_err(|NoRoot { status, reason }| (status, reason));
+        Solution::new(Model::Rigid, solved.and_then(|(case, root)| self.balanced(&case, &root)))
     }
 
-    /// Outputs in SI units.
-    fn outputs(&self, case: &Scaled<f64>, root: &Root) -> Outputs {
+    /// The answer of a root whose powers balance.
+    fn balanced(&self, case: &Scaled<f64>, root: &Root) -> Result<Solved, (Status, Reason)> {
+        let solved = self.solved(case, root);
+        let imbalance = solved.transmission.power_balance.unwrap_or(f64::NAN);
+        if imbalance.abs() <= POWER_BALANCE_TOL {
+            return Ok(solved);
+        }
+        Err((Status::NotConverged, Reason::PowerDoesNotBalance { imbalance }))
+    }
+
+    /// The answer in SI units.
+    fn solved(&self, case: &Scaled<f64>, root: &Root) -> Solved {
         let state = case.state(&root.unknowns).expect("the residual was evaluated at the root");
         let (w, r_b) = (self.drive.relative_speed().abs(), self.ball.radius);
         let per_ball = self.load.per_ball();
 
-        let mut outputs = Outputs {
-            nut_normal_load: Some(root.unknowns[NUT_LOAD] * per_ball),
-            minor_normal_load: Some(root.unknowns[MINOR_LOAD] * per_ball),
-            screw_normal_load: Some(root.unknowns[SCREW_LOAD] * per_ball),
-            nut_contact_angle: Some(self.contact_angle),
-            screw_contact_angle: Some(self.contact_angle),
-            iterations: Some(root.steps),
-            residual_norm: Some(root.residual),
-            ..Outputs::default()
-        };
         let to_nut = state.to_nut;
         let motion = to_nut.relative_to(-case.nut_speed, &case.frame);
-        outputs.set_motion(&Motion { precession: state.precession, ..motion }, &case.frame, w);
+        let motion = Motion { precession: state.precession, ..motion };
         let to_screw = to_nut.relative_to(case.sign, &case.frame);
-        for ((contact, slip), motion) in
-            case.contacts.iter().zip(&state.slip).zip([to_nut, to_nut, to_screw])
-        {
-            outputs.set_contact(contact, &motion, &(slip * (w * r_b)), w);
-        }
+        // Of A, A' and B in the order of the unknowns.
+        let [nut, minor, screw] = std::array::from_fn(|i| {
+            let (contact, load) = (&case.contacts[i], root.unknowns[i] * per_ball);
+            let motion = if contact.site == Site::Screw { &to_screw } else { &to_nut };
+            let slip = state.slip[i] * (w * r_b);
+            Some(ContactState::sliding((self.contact_angle, load), contact, motion, &slip, w))
+        });
+        let ball = BallState {
+            motion: Some(in_frenet(&motion, &case.frame, w)),
+            contacts: [nut, screw, minor],
+            axial_displacement: None,
+        };
 
         let (ideal, screw_torque) = self.torques(case, &state);
-        let power = outputs.set_transmission(case.direction(), ideal, screw_torque, case.sign * w);
         let friction_power =
             friction_power(case, &state, &root.unknowns) * (r_b * per_ball) * w * self.load.balls;
-        outputs.power_balance = Some(power.imbalance(friction_power));
-        outputs
+        let transmission = Transmission::of(case.direction(), ideal, screw_torque, case.sign * w);
+        let transmission = transmission.against(friction_power);
+        let info = SolveInfo { steps: root.steps, residual: root.residual };
+        Solved { ball, transmission, skid: None, info: Some(info) }
     }
 }
 

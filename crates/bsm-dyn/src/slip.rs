@@ -10,7 +10,7 @@ use bsm_newton::EvalError;
 use nalgebra::Vector3;
 
 use crate::raceway_control::rolling;
-use crate::{Control, Ellipse, Outputs, Quadrature, Wrench, friction_force};
+use crate::{Control, Ellipse, Quadrature, Wrench, friction_force};
 
 /// A ball in steady motion between the members of a screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -265,14 +265,6 @@ impl<D: Scalar> SteadyBall<D> {
                 Ok(Wrench::at_contact(&contact.normal, &point, D::from(0.0), &force))
             }
         }
-    }
-}
-
-impl Outputs {
-    /// Absolute motion of the ball in the Frenet-Serret triad, if the model has one.
-    pub fn motion(&self) -> Option<Motion<f64>> {
-        let omega = Vector3::new(self.omega_t?, self.omega_n?, self.omega_b?);
-        Some(Motion { precession: self.precession?, omega })
     }
 }
 

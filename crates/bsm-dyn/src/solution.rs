@@ -1,8 +1,9 @@
 //! The answer of a model, in SI units.
 
+use bsm_kin::Site;
 use bsm_newton::{EvalError, Report, Status as NewtonStatus};
 
-use crate::{Choice, Control, Model, Outputs};
+use crate::{Choice, ContactState, Control, Model, Solved};
 
 /// Which side drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -196,33 +197,68 @@ impl From<Report> for Reason {
     }
 }
 
+/// Why a model has no answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unsolved {
+    /// How the solve ended; not [`Status::Converged`].
+    pub status: Status,
+    /// Why.
+    pub reason: Reason,
+}
+
 /// The result of one model at one operating point.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "a solution may say that there is none"]
 pub struct Solution {
     /// The model.
     pub model: Model,
-    /// How the solve ended.
-    pub status: Status,
-    /// Why, unless it converged.
-    pub reason: Option<Reason>,
+    /// The numbers, or why there are none.
+    pub answer: Result<Solved, Unsolved>,
     /// Why the model was chosen, if it was chosen by the bound of its error.
     pub choice: Option<Choice>,
-    /// The numbers; all empty unless it converged (`self_locking` may be known).
-    pub outputs: Outputs,
 }
 
 impl Solution {
-    /// A solution with its numbers.
-    pub fn converged(model: Model, outputs: Outputs) -> Self {
-        Self { model, status: Status::Converged, reason: None, choice: None, outputs }
+    /// The answer of a model that was asked for.
+    pub fn new(model: Model, answer: Result<Solved, (Status, Reason)>) -> Self {
+        let answer = answer.map_err(|(status, reason)| Unsolved { status, reason });
+        Self { model, answer, choice: None }
     }
 
-    /// The statement that there is none.
-    pub fn failed(model: Model, status: Status, reason: Reason) -> Self {
-        let locks = matches!(reason, Reason::SelfLocking { .. } | Reason::FrictionHoldsLoad { .. });
-        let locking = locks.then_some(true);
-        let outputs = Outputs { self_locking: locking, ..Outputs::default() };
-        Self { model, status, reason: Some(reason), choice: None, outputs }
+    /// How the solve ended.
+    pub fn status(&self) -> Status {
+        self.answer.as_ref().map_or_else(|none| none.status, |_| Status::Converged)
+    }
+
+    /// Why there is no answer.
+    pub fn reason(&self) -> Option<&Reason> {
+        self.answer.as_ref().err().map(|none| &none.reason)
+    }
+
+    /// The numbers, if it converged.
+    pub fn solved(&self) -> Option<&Solved> {
+        self.answer.as_ref().ok()
+    }
+
+    /// The contact at a site, if it converged and the model has it.
+    pub fn contact(&self, site: Site) -> Option<&ContactState> {
+        self.solved()?.ball.contact(site)
+    }
+
+    /// Efficiency, if it converged.
+    pub fn efficiency(&self) -> Option<f64> {
+        Some(self.solved()?.transmission.efficiency)
+    }
+
+    /// True or false if it is known that friction holds the screw in this direction.
+    pub fn self_locking(&self) -> Option<bool> {
+        match &self.answer {
+            Ok(solved) => Some(solved.transmission.self_locking),
+            Err(Unsolved {
+                reason: Reason::SelfLocking { .. } | Reason::FrictionHoldsLoad { .. },
+                ..
+            }) => Some(true),
+            Err(_) => None,
+        }
     }
 }

@@ -20,7 +20,10 @@ use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::layout::{self, BALL, weight};
 use crate::pair::{ElasticScrew, Loaded, Pair};
 use crate::raceway_control::{Grip, STATIC};
-use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
+use crate::{
+    BallState, Model, Reason, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission,
+    Wrench,
+};
 
 /// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 const OMEGA: [usize; 3] = [4, 5, 6];
@@ -241,18 +244,15 @@ impl Traction {
             let grip = Grip::of(&pair, None, &mut work.statics);
             let start = Start::new(&pair, grip.ok().as_ref())?;
             let coarse = Self { order: self.order.min(Self::ORDER), ..*self };
-            let mut found = coarse.outputs(&start, None, work)?;
+            let mut found = coarse.found(&start, None, work)?;
             if coarse.order < self.order {
-                let steps = found.outputs.iterations.unwrap_or(0) - start.grip.steps;
-                found = self.outputs(&start, Some(&found.root), work)?;
-                found.outputs.iterations = found.outputs.iterations.map(|more| steps + more);
+                let steps = found.info.steps - start.grip.steps;
+                found = self.found(&start, Some(&found.root), work)?;
+                found.info.steps += steps;
             }
-            Ok(found)
+            Ok(found.solved())
         });
-        match found {
-            Ok(Found { outputs, .. }) => Solution::converged(Model::Traction, outputs),
-            Err((status, reason)) => Solution::failed(Model::Traction, status, reason),
-        }
+        Solution::new(Model::Traction, found)
     }
 
     /// Solves with orders from 4 on, each twice the last, until the error of the efficiency is at
@@ -269,36 +269,36 @@ impl Traction {
         work: &mut TractionWorkspace,
     ) -> Result<(Found, NonZeroUsize, f64), (Status, Reason)> {
         let mut case = Self { order: COARSEST, ..*self };
-        let mut found = case.outputs(start, None, work);
+        let mut found = case.found(start, None, work);
         // A coarse quadrature may have no root where a finer one has.
         if found.is_err() {
             case.order = Self::ORDER.min(finest);
-            found = case.outputs(start, None, work);
+            found = case.found(start, None, work);
         }
         let mut found = found?;
-        let eta = |found: &Found| found.outputs.efficiency.unwrap_or(f64::NAN);
+        let eta = |found: &Found| found.transmission.efficiency;
         let mut error = (1.0 - eta(&found)).abs();
-        let mut steps = found.outputs.iterations.unwrap_or(0);
+        let mut steps = found.info.steps;
         while case.order < finest {
             let finer = Self { order: case.order.saturating_mul(TWO).min(finest), ..case };
-            let Ok(next) = finer.outputs(start, Some(&found.root), work) else { break };
+            let Ok(next) = finer.found(start, Some(&found.root), work) else { break };
             #[expect(clippy::cast_precision_loss, reason = "a small count")]
             let order = finer.order.get() as f64;
             // |η_n − η_{n/2}| + |1 − η|/n³ + 5·10⁻⁷                        (A6)
             error =
                 (eta(&next) - eta(&found)).abs() + (1.0 - eta(&next)).abs() / order.powi(3) + 5e-7;
-            steps += next.outputs.iterations.unwrap_or(0) - start.grip.steps;
+            steps += next.info.steps - start.grip.steps;
             (case, found) = (finer, next);
             if error <= tolerance {
                 break;
             }
         }
-        found.outputs.iterations = Some(steps);
+        found.info.steps = steps;
         Ok((found, case.order, error))
     }
 
-    /// The root and its numbers, from the root of another order if there is one.
-    fn outputs(
+    /// The root and its answer, from the root of another order if there is one.
+    fn found(
         &self,
         Start { pair, grip }: &Start<'_>,
         from: Option<&Root>,
@@ -312,14 +312,12 @@ impl Traction {
         let root = system.find(grip, from, (&mut work.newton, &mut work.path), &mut steps)?;
         let state =
             system.of(&root).state(&root.unknowns).expect("the residual was evaluated at the root");
-        let mut outputs = self.screw.describe(pair, &state.loaded, &state.to_nut)?;
+        let ball = self.screw.ball_state(pair, &state.loaded, &state.to_nut)?;
         let power = pair.friction_power(&state.loaded, &state.to_nut, creep, quadrature);
         let frame = &state.loaded.frame;
-        self.screw.transmit(&mut outputs, pair, frame, &state.wrench[1], power)?;
-        outputs.set_regime(grip.skid_number(pair), grip.cross_slip(pair));
-        outputs.iterations = Some(steps);
-        outputs.residual_norm = Some(root.residual);
-        Ok(Found { outputs, root })
+        let transmission = self.screw.transmission(pair, frame, &state.wrench[1], power)?;
+        let info = SolveInfo { steps, residual: root.residual };
+        Ok(Found { ball, transmission, skid: grip.skid(pair), info, root })
     }
 }
 
@@ -338,10 +336,20 @@ impl<'a> Start<'a> {
     }
 }
 
-/// A root and its numbers.
+/// A root and its answer.
 pub(crate) struct Found {
-    pub(crate) outputs: Outputs,
+    ball: BallState,
+    transmission: Transmission,
+    skid: SkidNumbers,
+    info: SolveInfo,
     pub(crate) root: Root,
+}
+
+impl Found {
+    pub(crate) fn solved(&self) -> Solved {
+        let Self { ball, transmission, skid, info, .. } = *self;
+        Solved { ball, transmission, skid: Some(skid), info: Some(info) }
+    }
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use std::error::Error;
 use std::io;
 
 use bsm_case::Scene;
-use bsm_dyn::{Model, ModelWorkspace, Motion, Problem};
+use bsm_dyn::{Model, ModelWorkspace, SlipRegime, Problem};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut work = ModelWorkspace::default();
     let mut table = csv::Writer::from_writer(io::stdout().lock());
     table.write_record(INPUTS)?;
-    let mut counts = Motion::ALL.map(|motion| (motion, 0));
+    let mut counts = SlipRegime::ALL.map(|motion| (motion, 0));
     while counts.iter().any(|(_, count)| *count < EACH) {
         let point = draw(&mut rng);
         let mut scene = Scene::default();
@@ -57,8 +57,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         if ball.mass * radius * speed * speed > 3.0 * case.screw.load.per_ball() {
             continue;
         }
-        let Some(onset) = problem.solve(&mut work).outputs.onset_number else { continue };
-        let count = counts.iter_mut().find(|(motion, _)| *motion == Motion::of(onset));
+        let solution = problem.solve(&mut work);
+        let regime = solution.solved().and_then(|solved| solved.skid?.regime());
+        let count = counts.iter_mut().find(|(counted, _)| Some(*counted) == regime);
         if let Some((_, count)) = count.filter(|(_, count)| *count < EACH) {
             *count += 1;
             table.write_record(point.map(|value| value.to_string()))?;

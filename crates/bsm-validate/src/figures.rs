@@ -3,7 +3,7 @@
 
 use bsm_case::{Scene, Settings};
 use bsm_design::search::minimum_of;
-use bsm_dyn::{Angles, Control, Direction, Model, ModelWorkspace, Optimum, Outputs};
+use bsm_dyn::{Angles, Control, Direction, Model, ModelWorkspace, Optimum, Solution};
 
 use crate::figure::{Axis, Curve, Figure, Stroke};
 use crate::{Published, ValidateError, dong2020, elastic, xu2015};
@@ -33,7 +33,7 @@ const LEAD: (&str, &str) = ("lead_angle_deg", "lead angle, deg");
 const CONTACT: (&str, &str) = ("contact_angle_deg", "contact angle, deg");
 
 /// An output; a missing one is a gap.
-type Read = fn(&Outputs) -> Option<f64>;
+type Read = fn(&Solution) -> Option<f64>;
 
 /// An output over an input.
 fn points(
@@ -47,8 +47,8 @@ fn points(
     let mut scene = scene.clone();
     let point = |value: &f64| {
         scene.set(input, *value)?;
-        let outputs = scene.problem(settings)?.solve(&mut work).outputs;
-        Ok((*value, read(&outputs).unwrap_or(f64::NAN)))
+        let solution = scene.problem(settings)?.solve(&mut work);
+        Ok((*value, read(&solution).unwrap_or(f64::NAN)))
     };
     values.iter().map(point).collect()
 }
@@ -88,8 +88,8 @@ fn exact_and_closed(
 }
 
 /// Efficiency where the screw moves: none where it locks.
-fn moving(outputs: &Outputs) -> Option<f64> {
-    outputs.efficiency.filter(|eta| *eta > 0.0)
+fn moving(solution: &Solution) -> Option<f64> {
+    solution.efficiency().filter(|eta| *eta > 0.0)
 }
 
 fn lead_angle(lin: &Scene) -> Result<Figure, ValidateError> {
@@ -237,10 +237,10 @@ fn exact_optimum(lin: &Scene, direction: Direction) -> Result<Vec<(f64, f64)>, V
         };
         let loss = |contact: f64| {
             let scene = Scene { contact_angle_deg: Some(contact), ..scene.clone() };
-            let outputs =
+            let solution =
                 scene.problem(&Model::Rigid.into())?.solve(&mut ModelWorkspace::default());
             // Without a root nothing moves: all is lost.
-            Ok::<_, ValidateError>(1.0 - outputs.outputs.efficiency.unwrap_or(0.0))
+            Ok::<_, ValidateError>(1.0 - solution.efficiency().unwrap_or(0.0))
         };
         let (low, high) = (30.0, 85.0);
         let best = minimum_of(loss, low, high)?;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use bsm_case::Scene;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Problem, RigidWorkspace, Status};
+use bsm_kin::Site;
 use serde::Deserialize;
 
 use crate::sweep::{Sweep, deviation};
@@ -134,21 +135,22 @@ fn statements(
     suffix: &str,
     claims: &Claims,
 ) -> Result<Vec<Check>, ValidateError> {
-    let (mut minor, mut slip) = ((0.0, String::new()), (0.0, String::new()));
+    let (mut minor, mut turned) = ((0.0, String::new()), (0.0, String::new()));
     let (half_turn, statement) = claims.get("slip-angle-difference")?;
     for sweep in sweeps {
         for point in &sweep.points {
-            let o = &point.outputs;
             let place = || format!("at {} = {:.4} {}", sweep.input, point.at, sweep.unit);
-            if let (Some(small), Some(large)) = (o.minor_normal_load, o.nut_normal_load)
+            let load = |site| point.rigid.contact(site).and_then(|contact| contact.load);
+            if let (Some(small), Some(large)) = (load(Site::NutMinor), load(Site::Nut))
                 && small / large > minor.0
             {
                 minor = (small / large, place());
             }
-            if let (Some(nut), Some(screw)) = (o.nut_slip_angle, o.screw_slip_angle) {
+            let slip = |site| point.rigid.contact(site).and_then(|contact| contact.slip_angle);
+            if let (Some(nut), Some(screw)) = (slip(Site::Nut), slip(Site::Screw)) {
                 let turn = (nut - screw).to_degrees().rem_euclid(360.0);
-                if (turn - half_turn).abs() > slip.0 {
-                    slip = ((turn - half_turn).abs(), place());
+                if (turn - half_turn).abs() > turned.0 {
+                    turned = ((turn - half_turn).abs(), place());
                 }
             }
         }
@@ -163,8 +165,8 @@ fn statements(
         .note(minor.1)
         .at_most(0.01, "two orders of magnitude, over speeds to 10000 rpm and all lead angles"),
         Check::new(&format!("lin1994/slip-angle-difference-{suffix}"), source, statement)
-            .measured(half_turn + slip.0, "deg")
-            .note(slip.1)
+            .measured(half_turn + turned.0, "deg")
+            .note(turned.1)
             .equals(
                 *half_turn,
                 0.5,

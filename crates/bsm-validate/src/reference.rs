@@ -61,7 +61,7 @@ fn check(row: &Row, case: &Scene, work: &mut RigidWorkspace) -> Result<Check, Va
 
     let problem = scene.problem(&bsm_dyn::Model::Rigid.into())?;
     let Problem::Rigid(case) = problem else { unreachable!("the model was fixed") };
-    let efficiency = case.solve(work).outputs.efficiency;
+    let efficiency = case.solve(work).efficiency();
     let (Some(efficiency), Ok(root)) = (efficiency, case.root(work)) else {
         return Ok(check.measured(f64::NAN, "").at_most(1.0, "the point must converge"));
     };

@@ -1,7 +1,7 @@
 //! Sweeps of a scene: the closed form against the rigid equations.
 
 use bsm_case::Scene;
-use bsm_dyn::{Model, ModelWorkspace, Outputs};
+use bsm_dyn::{Model, ModelWorkspace, Solution};
 
 use crate::ValidateError;
 
@@ -10,7 +10,7 @@ pub(crate) struct Point {
     pub(crate) at: f64,
     /// |η − η(14) or (17)| in percentage points.
     deviation: f64,
-    pub(crate) outputs: Outputs,
+    pub(crate) rigid: Solution,
 }
 
 /// A sweep of Lin's case over one input.
@@ -34,7 +34,7 @@ impl Sweep {
             let mut scene = lin.clone();
             scene.set(input, at)?;
             match deviation(&scene, work)? {
-                Some((deviation, outputs)) => points.push(Point { at, deviation, outputs }),
+                Some((deviation, rigid)) => points.push(Point { at, deviation, rigid }),
                 None => denied += 1,
             }
         }
@@ -80,14 +80,14 @@ impl Sweep {
 pub(crate) fn deviation(
     scene: &Scene,
     work: &mut ModelWorkspace,
-) -> Result<Option<(f64, Outputs)>, ValidateError> {
+) -> Result<Option<(f64, Solution)>, ValidateError> {
     let eta = |model: Model, work: &mut ModelWorkspace| -> Result<_, ValidateError> {
         Ok(scene.problem(&model.into())?.solve(work))
     };
     let rigid = eta(Model::Rigid, work)?;
     let closed = eta(Model::ClosedForm, work)?;
-    Ok(match (rigid.outputs.efficiency, closed.outputs.efficiency) {
-        (Some(exact), Some(closed)) => Some((100.0 * (exact - closed).abs(), rigid.outputs)),
+    Ok(match (rigid.efficiency(), closed.efficiency()) {
+        (Some(exact), Some(closed)) => Some((100.0 * (exact - closed).abs(), rigid)),
         _ => None,
     })
 }

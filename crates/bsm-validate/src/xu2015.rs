@@ -73,16 +73,15 @@ fn field(scene: &Scene) -> Result<[Check; 2], ValidateError> {
     let number = |name: &str| report.number(name).unwrap_or(f64::NAN);
     let (mut value, mut slope): (f64, f64) = (0.0, 0.0);
     if let (Some(motion), Ok(bsm_dyn::Problem::Traction(case))) =
-        (solution.outputs.motion(), scene.problem(&settings))
+        (solution.solved().and_then(|solved| solved.ball.motion), scene.problem(&settings))
     {
         let (helix, radius, drive) = (case.screw.helix, case.screw.ball.radius, case.screw.drive);
         let ball = SteadyBall { helix, radius, drive, motion };
-        let angles = [solution.outputs.nut_contact_angle, solution.outputs.screw_contact_angle];
-        // Of the model, which knows the motion in its own units and axes.
-        let slip_outputs =
-            [solution.outputs.nut_slip_velocity, solution.outputs.screw_slip_velocity];
         for (i, site) in [Site::Nut, Site::Screw].into_iter().enumerate() {
-            let touch = Touch { site, angle: angles[i].unwrap_or(f64::NAN) };
+            let state = solution.contact(site);
+            let touch = Touch { site, angle: state.map_or(f64::NAN, |contact| contact.angle) };
+            // Of the model, which knows the motion in its own units and axes.
+            let own = state.and_then(|contact| contact.slip).map_or(f64::NAN, |slip| slip.speed);
             let contact = ball.contact(&touch);
             let tangent = BallFrame::<f64>::tangent();
             let across = tangent.cross(&contact.normal);
@@ -92,7 +91,7 @@ fn field(scene: &Scene) -> Result<[Check; 2], ValidateError> {
             };
             let name = ["nut", "screw"][i];
             let slip = number(&format!("{name}_differential_slip_m_s"));
-            value = value.max((slip_outputs[i].unwrap_or(f64::NAN) / slip - 1.0).abs());
+            value = value.max((own / slip - 1.0).abs());
             // The field of a rigid motion is linear: a wide step has no truncation.
             let spin = number(&format!("{name}_spin_rad_s"));
             let difference = (at(1e-3) - at(-1e-3)).dot(&tangent) / 2e-3;

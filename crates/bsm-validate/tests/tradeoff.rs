@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use bsm_batch::CsvSource;
 use bsm_case::{Output, Settings};
-use bsm_dyn::{Model, ModelWorkspace, Motion, Status};
+use bsm_dyn::{Model, ModelWorkspace, SlipRegime, Status};
 use bsm_validate::tradeoff::{self, Group, Points, Tradeoff};
 use bsm_validate::{ValidateError, tradeoff_page};
 
@@ -30,8 +30,8 @@ fn solutions_are_as_committed() {
     for (scene, row) in points.scenes().iter().zip(table.records()) {
         let row = row.expect("a row");
         let solution = scene.problem(&settings).expect("complete").solve(&mut work);
-        assert_eq!(solution.status, Status::Converged);
-        motions.extend(solution.outputs.onset_number.map(Motion::of));
+        assert_eq!(solution.status(), Status::Converged);
+        motions.extend(solution.solved().and_then(|solved| solved.skid?.regime()));
         let record = bsm_case::Record::new(solution);
         for (place, output) in &outputs {
             let golden: f64 = row[*place].parse().expect("a number");
@@ -41,7 +41,7 @@ fn solutions_are_as_committed() {
             assert!(off < 1e-8, "{}: {ours} for {golden}", output.name);
         }
     }
-    for motion in Motion::ALL {
+    for motion in SlipRegime::ALL {
         assert_eq!(motions.iter().filter(|m| **m == motion).count(), 100, "{motion:?}");
     }
 }

@@ -22,7 +22,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let grip = Grip::of(&pair, None, &mut work.statics);
         let start = Start::new(&pair, grip.ok().as_ref())?;
         let case = Traction { screw, order: self.order, creep: self.creep };
-        let root = case.outputs(&start, None, work)?.root;
+        let root = case.found(&start, None, work)?.root;
         self.sensitivities_at(&root, work)
     }
 

@@ -1,7 +1,8 @@
 //! Errors against the reference, by motion of the balls.
 
 use bsm_case::{CaseError, Scene, Settings};
-use bsm_dyn::{ModelWorkspace, Motion, Outputs, Status};
+use bsm_dyn::{ModelWorkspace, SlipRegime, Solution};
+use bsm_kin::Site;
 use serde::{Serialize, Serializer};
 
 use super::reference_settings;
@@ -94,17 +95,15 @@ pub struct Errors {
 }
 
 /// The reference of each point, where it has one.
-pub(super) struct Reference(Vec<Option<(Motion, Outputs)>>);
+pub(super) struct Reference(Vec<Option<(SlipRegime, Solution)>>);
 
 impl Reference {
     pub(super) fn of(scenes: &[Scene], work: &mut ModelWorkspace) -> Result<Self, ValidateError> {
         let settings = reference_settings();
         let points = scenes.iter().map(|scene| {
             let solution = scene.problem(&settings)?.solve(work);
-            let motion = solution.outputs.onset_number.map(Motion::of);
-            let there =
-                solution.status == Status::Converged && solution.outputs.efficiency.is_some();
-            Ok(motion.filter(|_| there).map(|motion| (motion, solution.outputs)))
+            let regime = solution.solved().and_then(|solved| solved.skid?.regime());
+            Ok(regime.map(|regime| (regime, solution)))
         });
         let points: Vec<_> = points.collect::<Result<_, CaseError>>()?;
         if points.iter().all(Option::is_none) {
@@ -121,7 +120,7 @@ impl Reference {
     /// The groups that have points, and the places of those.
     pub(super) fn groups(&self) -> Vec<(Group, Vec<usize>)> {
         let places = |group: Group| {
-            let holds = |(place, point): (usize, &Option<(Motion, Outputs)>)| {
+            let holds = |(place, point): (usize, &Option<(SlipRegime, Solution)>)| {
                 point.as_ref().filter(|(motion, _)| group.holds(*motion)).map(|_| place)
             };
             self.0.iter().enumerate().filter_map(holds).collect::<Vec<_>>()
@@ -141,39 +140,41 @@ impl Reference {
         let mut answers = Vec::with_capacity(scenes.len());
         for scene in scenes {
             let solution = scene.problem(settings)?.solve(work);
-            let solved = solution.status == Status::Converged;
-            answers.push(Some(solution.outputs).filter(|o| solved && o.efficiency.is_some()));
+            answers.push(Some(solution).filter(|solution| solution.solved().is_some()));
         }
         let errors = |(group, places): &(_, Vec<_>)| self.errors_of(*group, places, &answers);
         Ok(groups.iter().map(errors).collect())
     }
 
-    fn errors_of(&self, group: Group, places: &[usize], answers: &[Option<Outputs>]) -> Errors {
+    fn errors_of(&self, group: Group, places: &[usize], answers: &[Option<Solution>]) -> Errors {
         let pairs: Vec<_> = places
             .iter()
             .filter_map(|place| Some((answers[*place].as_ref()?, &self.0[*place].as_ref()?.1)))
             .collect();
-        let quantiles = |error: fn(&Outputs, &Outputs) -> Option<f64>| {
+        let quantiles = |error: fn(&Solution, &Solution) -> Option<f64>| {
             Quantiles::of(pairs.iter().filter_map(|(ours, exact)| error(ours, exact)).collect())
         };
         let bounds: Vec<_> = pairs
             .iter()
-            .filter_map(|(ours, exact)| Some((ours.error_bound?, efficiency(ours, exact)?)))
+            .filter_map(|(ours, exact)| Some((ours.choice?.error_bound, efficiency(ours, exact)?)))
             .collect();
         let broken = bounds.iter().filter(|(bound, error)| error > bound).count();
         Errors {
             group,
             solved: share(pairs.len(), places.len()),
             efficiency: quantiles(efficiency),
-            torque: quantiles(|o, exact| relative(o.screw_torque?, exact.screw_torque?)),
-            loads: quantiles(|o, exact| {
-                let nut = relative(o.nut_normal_load?, exact.nut_normal_load?)?;
-                Some(nut.max(relative(o.screw_normal_load?, exact.screw_normal_load?)?))
+            torque: quantiles(|ours, exact| {
+                let torque = |s: &Solution| s.solved()?.transmission.screw_torque;
+                relative(torque(ours)?, torque(exact)?)
             }),
-            angles_deg: quantiles(|o, exact| {
-                let nut = (o.nut_contact_angle? - exact.nut_contact_angle?).abs();
-                let screw = (o.screw_contact_angle? - exact.screw_contact_angle?).abs();
-                Some(nut.max(screw).to_degrees())
+            loads: quantiles(|ours, exact| {
+                let load = |s: &Solution, site| s.contact(site)?.load;
+                let off = |site| relative(load(ours, site)?, load(exact, site)?);
+                Some(off(Site::Nut)?.max(off(Site::Screw)?))
+            }),
+            angles_deg: quantiles(|ours, exact| {
+                let off = |site| Some((ours.contact(site)?.angle - exact.contact(site)?.angle).abs());
+                Some(off(Site::Nut)?.max(off(Site::Screw)?).to_degrees())
             }),
             bound_broken: (!bounds.is_empty()).then(|| share(broken, bounds.len())),
         }
@@ -185,8 +186,8 @@ fn share(part: usize, whole: usize) -> f64 {
     part as f64 / whole as f64
 }
 
-fn efficiency(ours: &Outputs, exact: &Outputs) -> Option<f64> {
-    Some((ours.efficiency? - exact.efficiency?).abs())
+fn efficiency(ours: &Solution, exact: &Solution) -> Option<f64> {
+    Some((ours.efficiency()? - exact.efficiency()?).abs())
 }
 
 fn relative(ours: f64, exact: f64) -> Option<f64> {
