@@ -43,8 +43,10 @@ enum How {
 }
 
 fn sources() -> Vec<Source> {
-    let source = |name: &str, commands, takes, how| Source { name: name.to_owned(), commands, takes, how };
-    let mut all = vec![source("shown", "the `bsm` commands of README and guides", "2 s", How::Shown)];
+    let source =
+        |name: &str, commands, takes, how| Source { name: name.to_owned(), commands, takes, how };
+    let mut all =
+        vec![source("shown", "the `bsm` commands of README and guides", "2 s", How::Shown)];
     for (name, make) in fast::BLOCKS {
         let (commands, takes) = match *name {
             "checks" => ("bsm validate", "1 s"),
@@ -57,7 +59,12 @@ fn sources() -> Vec<Source> {
     }
     all.extend([
         source("tradeoff", "bsm tradeoff", "1 min", How::Slow(slow::tradeoff)),
-        source("seeded", "cargo bench -p bsm-benches -- seeded", "3 min, build", How::Slow(slow::seeded)),
+        source(
+            "seeded",
+            "cargo bench -p bsm-benches -- seeded",
+            "3 min, build",
+            How::Slow(slow::seeded),
+        ),
         source("many", "bsm sweep, bsm batch", "2 min, 2 GB of disk", How::Slow(slow::many)),
         source("build", "cargo build --release", "5 min", How::Slow(slow::build)),
         source("peers", "benches/peers/run.sh", "5 min, Python", How::Slow(slow::peers)),

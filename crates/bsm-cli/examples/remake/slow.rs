@@ -47,6 +47,11 @@ impl Site {
         if self.quick { full.div_ceil(1000).max(20) } else { full }
     }
 
+    /// Quick runs take what the tests have built.
+    fn profile(&self) -> &'static str {
+        if self.quick { "test" } else { "release" }
+    }
+
     fn folder(&self) -> Result<PathBuf> {
         let folder = self.root.join(WORK);
         fs::create_dir_all(&folder)?;
@@ -108,7 +113,8 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let few = site.folder()?.join("few.csv");
     let words = if site.quick {
         let scenes = site.root.join("validation/golden/tradeoff/scenes.csv");
-        let lines: Vec<_> = fs::read_to_string(scenes)?.lines().step_by(30).map(str::to_owned).collect();
+        let lines: Vec<_> =
+            fs::read_to_string(scenes)?.lines().step_by(30).map(str::to_owned).collect();
         fs::write(&few, lines.join("\n") + "\n")?;
         format!("tradeoff --quiet --format json {WORK}/few.csv")
     } else {
@@ -120,7 +126,8 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let all = advice.iter().map(advice_row).collect::<Result<Vec<_>>>()?;
     let times = list(measured, "dials")?.iter().map(times_row).collect::<Result<Vec<_>>>()?;
     let header = "| error of the efficiency | where the ball | one point | us | errs more where it | batch, one core | us |";
-    let of_times = "| model and dial | grips | skids partly | skids | batch: grips | skids partly | skids |";
+    let of_times =
+        "| model and dial | grips | skids partly | skids | batch: grips | skids partly | skids |";
     Ok(vec![
         ("tradeoff/summary", Text::Whole(summary(advice)?)),
         ("tradeoff/advice", Text::Whole(table(header, &all))),
@@ -147,7 +154,12 @@ fn summary(advice: &[Value]) -> Result<String> {
             picked(advice.iter().find(place).map_or(&Value::Null, |a| &a["single"]))
         };
         let percent = 100.0 * tolerance.as_f64().ok_or("no tolerance")?;
-        rows.push(format!("| {percent} % | {} | {} | {} |", pick("all")?, pick("grips")?, pick("skids")?));
+        rows.push(format!(
+            "| {percent} % | {} | {} | {} |",
+            pick("all")?,
+            pick("grips")?,
+            pick("skids")?
+        ));
     }
     Ok(table("| error of the efficiency | balls do anything | balls grip | balls slide |", &rows))
 }
@@ -165,7 +177,8 @@ fn advice_row(advice: &Value) -> Result<String> {
         "all" => "does anything",
         group => group,
     };
-    let ([single, us, fails], [batch, batch_us, _]) = (cells(&advice["single"])?, cells(&advice["batch"])?);
+    let ([single, us, fails], [batch, batch_us, _]) =
+        (cells(&advice["single"])?, cells(&advice["batch"])?);
     let percent = 100.0 * number(advice, "tolerance")?;
     Ok(format!("| {percent} % | {group} | {single} | {us} | {fails} | {batch} | {batch_us} |"))
 }
@@ -187,8 +200,11 @@ fn times_row(dial: &Value) -> Result<String> {
 /// `cargo bench -- seeded`: medians over the seeded points, with the ratio to `rigid`.
 pub(crate) fn seeded(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     // With --test criterion runs each group once; the medians are printed anyhow.
-    let words = "bench --quiet --locked -p bsm-benches --bench models -- seeded --test";
-    let (_, printed) = site.run("cargo", words)?;
+    let words = format!(
+        "bench --quiet --locked --profile {} -p bsm-benches --bench models -- seeded --test",
+        if site.quick { "test" } else { "bench" }
+    );
+    let (_, printed) = site.run("cargo", &words)?;
     let rows: Vec<Vec<&str>> = printed
         .lines()
         .filter_map(|line| line.strip_prefix("seeded | "))
@@ -203,7 +219,11 @@ pub(crate) fn seeded(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             None => format!("`{}`", row[0]),
         };
         let steps = row.get(2).ok_or("no steps")?;
-        Ok::<_, Box<dyn Error>>(format!("| {label} | {} | {} us | {steps} |", short(ns / rigid), micro(ns)))
+        Ok::<_, Box<dyn Error>>(format!(
+            "| {label} | {} | {} us | {steps} |",
+            short(ns / rigid),
+            micro(ns)
+        ))
     };
     let rows = rows.iter().map(row).collect::<Result<Vec<_>>>()?;
     let header = "| model | time over that of `rigid` | time | Newton steps |";
@@ -287,13 +307,18 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         );
         site.took(folder, &words)
     };
-    let (rigid, closed, small) = (grid("rigid", axis)?, grid("closed-form", axis)?, grid("rigid", axis / 10)?);
+    let (rigid, closed, small) =
+        (grid("rigid", axis)?, grid("closed-form", axis)?, grid("rigid", axis / 10)?);
     #[expect(clippy::cast_precision_loss, reason = "a hundred million")]
     let points = (axis * axis) as f64;
     let bytes = parquet_bytes(&folder.join(format!("rigid-{axis}")))? / points;
     let memory = match (rigid.memory, small.memory) {
         (Some(large), Some(small)) => {
-            format!("{} of memory ({} for a hundredth of the points), ", megabytes(large), megabytes(small))
+            format!(
+                "{} of memory ({} for a hundredth of the points), ",
+                megabytes(large),
+                megabytes(small)
+            )
         }
         _ => String::new(),
     };
@@ -306,7 +331,9 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         site.took(folder, &words)?;
     }
     let table = |end: &str| {
-        let words = format!("batch points.{end} --base {scene} --model rigid --columns efficiency -o out.{end}");
+        let words = format!(
+            "batch points.{end} --base {scene} --model rigid --columns efficiency -o out.{end}"
+        );
         site.took(folder, &words)
     };
     let (parquet, csv) = (table("parquet")?, table("csv")?);
@@ -315,7 +342,12 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         Text::Whole(format!(
             "\nThese {points:e} points take {} (`closed-form` {}), {memory}and {bytes:.1} bytes a row. {:e} rows with three varied\n\
              inputs take {} from Parquet to Parquet and {} from CSV to CSV. ({})\n",
-            seconds(&rigid), seconds(&closed), cube * cube * cube, seconds(&parquet), seconds(&csv), site.machine()?
+            seconds(&rigid),
+            seconds(&closed),
+            cube * cube * cube,
+            seconds(&parquet),
+            seconds(&csv),
+            site.machine()?
         )),
     )])
 }
@@ -344,12 +376,14 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let header = "| peer | time over bsm batch, 1 thread | over Newton on nalgebra | ns/point | solved | \
                   worst η, Q_A, Q_B, p, s | worst Q_A', u, τ | the same × inertia |";
     let versions: Vec<_> = list(&report, "versions")?.iter().filter_map(Value::as_str).collect();
-    let with = if versions.is_empty() { String::new() } else { format!("; {}", versions.join(", ")) };
+    let with =
+        if versions.is_empty() { String::new() } else { format!("; {}", versions.join(", ")) };
     let times = |line: &Value| {
         let name = word(line, "peer")?;
         Ok::<_, Box<dyn Error>>(format!("{name} {}", short(number(line, "over_batch")?)))
     };
-    let others = lines.iter().filter(|line| !line["peer"].as_str().unwrap_or("bsm").starts_with("bsm"));
+    let others =
+        lines.iter().filter(|line| !line["peer"].as_str().unwrap_or("bsm").starts_with("bsm"));
     let others = others.map(times).collect::<Result<Vec<_>>>()?;
     let sentence = format!(
         "\nThe same points, on one core, with all set-up and outputs, take other solvers so many times as long as a batch of `rigid`\n\
@@ -370,7 +404,9 @@ pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Te
     let ask = |points: usize, more: &str| {
         let just = format!("just extremes {points} --model {model} --seed {seed}{more}");
         let words = format!(
-            "run --quiet --release --locked -p bsm-validate --example extremes -- {points} --model {model} --seed {seed}{more}"
+            "run --quiet --locked --profile {} -p bsm-validate --example extremes -- \
+             {points} --model {model} --seed {seed}{more}",
+            site.profile()
         );
         let printed = site.run("cargo", &words)?.0;
         Ok::<_, Box<dyn Error>>((just, Campaign::read(&printed)?))
@@ -405,7 +441,8 @@ const OUTCOMES: [&str; 3] = ["converged", "no_solution", "not_converged"];
 impl Campaign {
     fn read(printed: &str) -> Result<Self> {
         let rows = printed.lines().filter(|line| line.starts_with("| "));
-        let mut rows = rows.map(|line| line.trim_matches(['|', ' ']).split(" | ").collect::<Vec<_>>());
+        let mut rows =
+            rows.map(|line| line.trim_matches(['|', ' ']).split(" | ").collect::<Vec<_>>());
         let header = rows.next().ok_or("no table")?;
         let points = header[0].trim_end_matches(" points").parse()?;
         let mut kinds = Vec::new();
@@ -432,7 +469,8 @@ impl Campaign {
     /// By outcome, most frequent first.
     fn reasons(&self) -> [String; 3] {
         [0, 1, 2].map(|place| {
-            let mut of: Vec<_> = self.kinds.iter().filter(|(outcome, ..)| *outcome == place).collect();
+            let mut of: Vec<_> =
+                self.kinds.iter().filter(|(outcome, ..)| *outcome == place).collect();
             of.sort_by(|a, b| b.2.total_cmp(&a.2));
             let say = |(_, words, count): &&(usize, String, f64)| {
                 format!("{words} {}", percent(count / self.points)).trim_start().to_owned()
@@ -492,8 +530,14 @@ pub(crate) fn build(site: &Site) -> Result<Vec<(&'static str, Text)>> {
 
 /// What a test prints that runs at length: `line` is its command, as it stands in a document.
 pub(crate) fn test_output(site: &Site, line: &str) -> Result<String> {
-    let words = line.strip_prefix("cargo ").ok_or_else(|| format!("not a command of cargo: {line}"))?;
-    let (stdout, _) = site.run("cargo", &words.replacen("test ", "test --quiet --locked ", 1))?;
+    let words =
+        line.strip_prefix("cargo ").ok_or_else(|| format!("not a command of cargo: {line}"))?;
+    let mut words = words.replacen("test ", "test --quiet --locked ", 1);
+    if site.quick {
+        // That there is such a test.
+        words = words.replace(" --release", "").replace(" --nocapture", " --nocapture --list");
+    }
+    let (stdout, _) = site.run("cargo", &words)?;
     let noise = ["running ", "test result", "test "];
     let mut lines: Vec<_> = stdout.lines().map(str::trim_end).collect();
     // `--quiet` prints a dot for each test, in front of what comes next.
