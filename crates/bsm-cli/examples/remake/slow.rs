@@ -325,7 +325,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     for end in ["parquet", "csv"] {
         let words = format!(
             "sweep {scene} --set lead_mm=25 --model closed-form --vary axial_load_N=2000:8000:{cube} \
-             --vary screw_speed_rpm=100:1500:{cube} --vary friction_coefficient=0.01:0.1:{cube} \
+             --vary screw_speed_rpm=100:1500:{cube} --vary friction_coefficient=0.03:0.05:{cube} \
              --columns screw_torque_Nm -o points.{end}"
         );
         site.took(folder, &words)?;
@@ -375,9 +375,11 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let rows = lines.iter().map(row).collect::<Result<Vec<_>>>()?;
     let header = "| peer | time over bsm batch, 1 thread | over Newton on nalgebra | ns/point | solved | \
                   worst η, Q_A, Q_B, p, s | worst Q_A', u, τ | the same × inertia |";
-    let versions: Vec<_> = list(&report, "versions")?.iter().filter_map(Value::as_str).collect();
-    let with =
-        if versions.is_empty() { String::new() } else { format!("; {}", versions.join(", ")) };
+    let said = |name: &str| -> Result<Vec<&str>> {
+        Ok(list(&report, name)?.iter().filter_map(Value::as_str).collect())
+    };
+    let mut with = said("versions")?.iter().map(|v| format!("; {v}")).collect::<String>();
+    with.extend(said("missing")?.iter().map(|what| format!("; left out: {what}")));
     let times = |line: &Value| {
         let name = word(line, "peer")?;
         Ok::<_, Box<dyn Error>>(format!("{name} {}", short(number(line, "over_batch")?)))
