@@ -147,7 +147,7 @@ fn make(site: &Site, source: &Source) -> Result<()> {
     }
 }
 
-fn write_all(site: &Site, made: &Made) -> Result<()> {
+fn write_all(site: &Site, made: &[(&str, Text)]) -> Result<()> {
     made.iter().try_for_each(|(name, text)| write(site, name, text))
 }
 

@@ -191,7 +191,7 @@ fn times_row(dial: &Value) -> Result<String> {
             let there = times.iter().find(|t| t["group"] == **group);
             there.map_or(Ok(String::new()), |t| Ok(micro(number(t, way)?)))
         };
-        ["grips", "skids partly", "skids"].iter().map(|group| of(group)).collect()
+        ["grips", "skids partly", "skids"].iter().map(of).collect()
     };
     let cells = [cells("single")?, cells("batch")?].concat();
     Ok(format!("| `{}` | {} |", name.trim_end(), cells.join(" | ")))
@@ -378,8 +378,10 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let said = |name: &str| -> Result<Vec<&str>> {
         Ok(list(&report, name)?.iter().filter_map(Value::as_str).collect())
     };
-    let mut with = said("versions")?.iter().map(|v| format!("; {v}")).collect::<String>();
-    with.extend(said("missing")?.iter().map(|what| format!("; left out: {what}")));
+    let missing: Vec<_> = said("missing")?.iter().map(|what| format!("left out: {what}")).collect();
+    let with =
+        [vec![site.machine()?], said("versions")?.iter().map(|&v| v.to_owned()).collect(), missing];
+    let with = with.concat().join("; ");
     let times = |line: &Value| {
         let name = word(line, "peer")?;
         Ok::<_, Box<dyn Error>>(format!("{name} {}", short(number(line, "over_batch")?)))
@@ -394,7 +396,7 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     );
     Ok(vec![
         ("peers", Text::Whole(table(header, &rows))),
-        ("peers/machine", Text::Whole(format!("({}{with})", site.machine()?))),
+        ("peers/machine", Text::Whole(format!("({with})"))),
         ("peers/summary", Text::Whole(sentence)),
     ])
 }
@@ -455,6 +457,9 @@ impl Campaign {
             // "converged, no sensitivities: ..." is no full answer.
             let outcome = outcome.or_else(|| first.ends_with(',').then_some(2));
             let outcome = outcome.ok_or_else(|| format!("an outcome without a place: {name}"))?;
+            // A regime explains itself after a comma or colon.
+            let rest =
+                if outcome == 0 { rest.split([',', ':']).next().unwrap_or("") } else { rest };
             kinds.push((outcome, words(rest), row.get(2).ok_or("no count")?.parse()?));
         }
         let slowest = printed.split("slowest ").nth(1).and_then(|rest| rest.split(' ').next());
