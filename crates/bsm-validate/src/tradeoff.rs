@@ -150,16 +150,19 @@ impl Tradeoff {
     }
 }
 
+/// A dial and its errors, over all points and by motion of the balls.
+pub type DialErrors = (Dial, Vec<Errors>);
+
 /// Errors of every dial over `points`, all points first, without times.
 ///
 /// # Errors
 ///
 /// [`ValidateError`] if no point has a reference.
-pub fn accuracy(points: &Points) -> Result<Vec<(Dial, Vec<Errors>)>, ValidateError> {
+pub fn accuracy(points: &Points) -> Result<Vec<DialErrors>, ValidateError> {
     Ok(errors(points)?.1)
 }
 
-fn errors(points: &Points) -> Result<(Reference, Vec<(Dial, Vec<Errors>)>), ValidateError> {
+fn errors(points: &Points) -> Result<(Reference, Vec<DialErrors>), ValidateError> {
     let mut work = ModelWorkspace::default();
     let reference = Reference::of(points.scenes(), &mut work)?;
     let groups = reference.groups();
