@@ -33,7 +33,9 @@ fn chunk(scenes: &[Scene]) -> (Chunk, Columns, Scene) {
     let mut inputs = vec![Column::default(); INPUTS.len()];
     for scene in scenes {
         for (name, column) in INPUTS.iter().zip(&mut inputs) {
-            column.push(Cell::Number(scene[InputKey::named(name).expect("known name")].expect("complete scene")));
+            column.push(Cell::Number(
+                scene[InputKey::named(name).expect("known name")].expect("complete scene"),
+            ));
         }
     }
     let columns = Columns::sort(INPUTS, &[]).expect("known names");

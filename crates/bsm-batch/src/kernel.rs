@@ -163,8 +163,7 @@ mod tests {
         }
         let chunk = Chunk { first: 1, len: COUNT, inputs, kept: Vec::new() };
         let settings = Settings::from(Model::Rigid);
-        let (operands, model) =
-            Operands::of(&chunk, &columns, &base, &settings).expect("complete");
+        let (operands, model) = Operands::of(&chunk, &columns, &base, &settings).expect("complete");
         let mut done = vec![false; COUNT];
         let wanted = &Wanted::of(&[]);
         let rows =

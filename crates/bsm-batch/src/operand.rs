@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use bsm_case::units::{DEG, RPM};
 use bsm_case::{
-    INPUTS, Input, InputKey, InputSet, Inputs, ModelChoice, Relation, Rule, Scene, Settings, covered,
+    INPUTS, Input, InputKey, InputSet, Inputs, ModelChoice, Relation, Rule, Scene, Settings,
+    covered,
 };
 use bsm_dyn::Model;
 use bsm_simd::Simd;
@@ -55,7 +56,9 @@ impl<'a> Operands<'a> {
             let Input { rule, default, .. } = *key.input();
             if let Some(place) = columns.inputs.iter().position(|column| *column == key) {
                 // A row without this cell is ordinary if its other cells leave the value to the base.
-                let has_same = |set: InputSet| set | InputSet::WITH_DEFAULT == ordinary | InputSet::WITH_DEFAULT;
+                let has_same = |set: InputSet| {
+                    set | InputSet::WITH_DEFAULT == ordinary | InputSet::WITH_DEFAULT
+                };
                 let filled = has_same(in_row(cells - InputSet::of(&[key])));
                 let value = base.value_or_default(key).filter(|_| filled);
                 *operand = Operand::Column(rule, chunk.inputs[place].filled(value));

@@ -2,9 +2,7 @@
 
 use std::borrow::Cow;
 
-use bsm_case::{
-    CaseError, InputKey, InputSet, ModelChoice, OUTPUTS, Output, Scene, nearest_input,
-};
+use bsm_case::{CaseError, InputKey, InputSet, ModelChoice, OUTPUTS, Output, Scene, nearest_input};
 use bsm_dyn::Status;
 
 use crate::TableError;
@@ -58,7 +56,8 @@ impl Columns {
         let mut columns = Self::default();
         for (place, name) in names.into_iter().enumerate() {
             let name = name.trim();
-            let seen = columns.inputs.iter().any(|key| key.name() == name) || columns.kept.iter().any(|k| k == name);
+            let seen = columns.inputs.iter().any(|key| key.name() == name)
+                || columns.kept.iter().any(|k| k == name);
             if seen {
                 return Err(TableError::RepeatedColumn { name: name.to_owned() });
             }

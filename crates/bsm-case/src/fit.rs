@@ -6,9 +6,7 @@ use bsm_design::search::{SearchError, root_of};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::{Value, json};
 
-use crate::{
-    CaseError, InputKey, ModelChoice, Output, Record, Rule, Scene, Settings,
-};
+use crate::{CaseError, InputKey, ModelChoice, Output, Record, Rule, Scene, Settings};
 
 /// Points between which the output is followed.
 const POINTS: i32 = 64;

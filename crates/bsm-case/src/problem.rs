@@ -157,7 +157,8 @@ impl Needs {
                 None => missing.push((*words).to_owned()),
                 Some(form) => {
                     let besides = lacks(form);
-                    missing.extend(besides.iter().map(|key| format!("{} ({})", key.name(), form.to)));
+                    missing
+                        .extend(besides.iter().map(|key| format!("{} ({})", key.name(), form.to)));
                 }
             }
         }

@@ -170,8 +170,7 @@ impl Given {
             self.numbers.insert(key.to_owned(), value.clone());
             return Ok(());
         }
-        let known =
-            key == "description" || FROM_SCENES.iter().any(|k| k.name() == key);
+        let known = key == "description" || FROM_SCENES.iter().any(|k| k.name() == key);
         if !known {
             let names = FROM_SCENES.iter().map(|k| k.name());
             let names = names.chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));
@@ -239,7 +238,8 @@ impl Given {
                 f64::NAN
             })
         };
-        let (rpm, friction) = (need(InputKey::screw_speed_rpm), need(InputKey::friction_coefficient));
+        let (rpm, friction) =
+            (need(InputKey::screw_speed_rpm), need(InputKey::friction_coefficient));
         if !missing.is_empty() {
             return Err(CaseError::MissingForDesign { missing });
         }

@@ -126,9 +126,7 @@ pub fn covered<I: Inputs>(model: Model, inputs: &I) -> Option<Mask<I>> {
 /// What to say of a scene that a model does not cover.
 pub(crate) fn not_covered(model: Model, scene: &Scene) -> CaseError {
     let (key, rule) = match model {
-        Model::QuasiStatic => {
-            (InputKey::nut_speed_rpm, "0 while the screw turns (no dual drive)")
-        }
+        Model::QuasiStatic => (InputKey::nut_speed_rpm, "0 while the screw turns (no dual drive)"),
         _ => (
             InputKey::friction_coefficient,
             "> 0 (without friction nothing fixes the rotation of the ball)",

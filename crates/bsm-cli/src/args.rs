@@ -258,7 +258,8 @@ pub(crate) struct SweepArgs {
 #[derive(Debug, Args)]
 pub(crate) struct BatchArgs {
     /// Table of points: .csv, .jsonl or .parquet, columns named as inputs; `-` is CSV on standard
-    /// input. An empty cell takes the value of the base scene; columns of an earlier answer are
+    /// input. A row is answered as by `bsm solve --set` with its values: an empty cell takes the value
+    /// of the base scene, a lead replaces its lead angle and the other way round. Columns of an earlier answer are
     /// passed over.
     #[arg(value_name = "POINTS")]
     pub(crate) points: PathBuf,

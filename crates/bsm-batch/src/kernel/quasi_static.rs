@@ -25,8 +25,7 @@ impl Kernel for QuasiStatic {
         // tanρ = f_r / (r_b sinβ)                                         (Q1)
         let rolling = sign * given.get(InputKey::rolling_friction_mm);
         let tan_rho = rolling / (ball * 0.5) / sin_b;
-        let nut_turns =
-            given.speeds().map_or(zero.lt(zero), |(screw, _)| screw.abs().le(zero));
+        let nut_turns = given.speeds().map_or(zero.lt(zero), |(screw, _)| screw.abs().le(zero));
         // f r_b/r_m,  r_b/r_m − cosβ  or  f (r_b/r_m + 2 cosβ),  r_b/r_m + cosβ  (Q2), (Q3)
         let loss = f * nut_turns.select(size + cos_b * 2.0, size);
         let lever = nut_turns.select(size + cos_b, size - cos_b);
