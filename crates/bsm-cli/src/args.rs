@@ -259,8 +259,8 @@ pub(crate) struct SweepArgs {
 pub(crate) struct BatchArgs {
     /// Table of points: .csv, .jsonl or .parquet, columns named as inputs; `-` is CSV on standard
     /// input. A row is answered as by `bsm solve --set` with its values: an empty cell takes the value
-    /// of the base scene, a lead replaces its lead angle and the other way round. Columns of an earlier answer are
-    /// passed over.
+    /// of the base scene, a lead replaces its lead angle and the other way round. Columns of an
+    /// earlier answer are passed over.
     #[arg(value_name = "POINTS")]
     pub(crate) points: PathBuf,
     /// Scene with the inputs that the table does not have.
