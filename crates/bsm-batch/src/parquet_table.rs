@@ -15,7 +15,7 @@ use arrow_array::{
 use arrow_buffer::NullBuffer;
 use arrow_cast::cast;
 use arrow_schema::{DataType, Field, Schema};
-use bsm_case::{INPUTS, Output};
+use bsm_case::Output;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader,
     ParquetRecordBatchReaderBuilder,
@@ -72,10 +72,10 @@ impl ParquetSource {
         let found = ArrowReaderMetadata::load(&file, plain)?;
         let fields = found.schema().fields().clone();
         let mut columns = Columns::sort(fields.iter().map(|f| f.name().as_str()), keep)?;
-        for (name, place) in columns.inputs.iter().zip(&columns.input_places) {
+        for (key, place) in columns.inputs.iter().zip(&columns.input_places) {
             let found = fields[*place].data_type();
             if !(found.is_numeric() || *found == DataType::Null) {
-                let (name, found) = ((*name).to_owned(), found.to_string());
+                let (name, found) = (key.name().to_owned(), found.to_string());
                 return Err(TableError::NotNumbers { name, found });
             }
         }
@@ -182,9 +182,8 @@ impl<W: Write + Send> ParquetSink<W> {
     ) -> Result<Self, TableError> {
         let unit = |unit: &str| HashMap::from([("unit".to_owned(), unit.to_owned())]);
         let kept = columns.kept.iter().map(|name| Field::new(name, DataType::Utf8, true));
-        let inputs = columns.inputs.iter().map(|name| {
-            let known = INPUTS.iter().find(|input| input.name == *name).map_or("", |i| i.unit);
-            Field::new(*name, DataType::Float64, true).with_metadata(unit(known))
+        let inputs = columns.inputs.iter().map(|key| {
+            Field::new(key.name(), DataType::Float64, true).with_metadata(unit(key.input().unit))
         });
         let words = ANSWERS.map(|name| Field::new(name, DataType::Utf8, name == "message"));
         let answers = outputs.iter().map(|output| {

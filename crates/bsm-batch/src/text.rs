@@ -173,8 +173,8 @@ impl<R: BufRead + Send> Source for JsonSource<R> {
         while chunk.len < rows && text < TEXT {
             let Some(object) = self.object()? else { break };
             let mut object: Map<String, Value> = object.into_iter().collect();
-            for (cells, name) in chunk.inputs.iter_mut().zip(&self.columns.inputs) {
-                cells.push(match object.remove(*name) {
+            for (cells, key) in chunk.inputs.iter_mut().zip(&self.columns.inputs) {
+                cells.push(match object.remove(key.name()) {
                     None | Some(Value::Null) => Cell::Missing,
                     Some(Value::Number(n)) => n.as_f64().map_or(Cell::Missing, Cell::Number),
                     Some(other) => Cell::Text(other.to_string()),
@@ -218,7 +218,7 @@ impl<W: Write> CsvSink<W> {
     ) -> Result<Self, TableError> {
         let mut writer = csv::Writer::from_writer(writer);
         let kept = columns.kept.iter().map(String::as_str);
-        let names = kept.chain(columns.inputs.iter().copied());
+        let names = kept.chain(columns.inputs.iter().map(|key| key.name()));
         writer.write_record(names.chain(ANSWERS).chain(outputs.iter().map(|o| o.name)))?;
         Ok(Self { writer, outputs: outputs.to_vec() })
     }
@@ -305,9 +305,9 @@ impl<W: Write> Sink for JsonSink<W> {
             for (name, texts) in self.columns.kept.iter().zip(&chunk.kept) {
                 line.insert(name.clone(), json!(texts[row]));
             }
-            for (name, column) in self.columns.inputs.iter().zip(&chunk.inputs) {
+            for (key, column) in self.columns.inputs.iter().zip(&chunk.inputs) {
                 line.insert(
-                    (*name).to_owned(),
+                    key.name().to_owned(),
                     match column.cell(row) {
                         Cell::Missing => Value::Null,
                         Cell::Number(value) => json!(value),

@@ -267,7 +267,7 @@ impl<'a> Target<'a> {
                 "rows_of_a_part": PART,
                 "origin": origin,
                 "columns": columns.kept.iter().map(String::as_str)
-                    .chain(columns.inputs.iter().copied()).collect::<Vec<_>>(),
+                    .chain(columns.inputs.iter().map(|key| key.name())).collect::<Vec<_>>(),
                 "base": format!("{:?}", task.base),
                 "settings": format!("{:?}", task.settings),
                 "outputs": task.outputs.iter().map(|o| o.name).collect::<Vec<_>>(),

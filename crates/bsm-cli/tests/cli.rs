@@ -409,7 +409,7 @@ fn models_have_dials() {
     let control = |race| eta(&["--model", "raceway-control", "--control", race]);
     assert!((control("nut") - control("screw")).abs() > 1e-6);
     for (args, part) in [
-        (["--tolerance", "0"], "must be a number > 0"),
+        (["--tolerance", "0"], "must be a number, finite and > 0"),
         (["--quadrature", "0"], "--quadrature"),
         (["--control", "ball"], "possible values: nut, screw"),
     ] {

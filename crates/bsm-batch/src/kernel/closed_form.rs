@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use bsm_case::units::{DEG, MM};
 use bsm_case::{InputKey, OutputKey};
+use bsm_dyn::Model;
 use bsm_simd::Simd;
 
 use super::{Kernel, Out};
@@ -12,6 +13,8 @@ use crate::operand::{Given, Lane, Mask};
 pub(super) struct ClosedForm;
 
 impl Kernel for ClosedForm {
+    const MODEL: Model = Model::ClosedForm;
+
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
         let (sin_a, cos_a) = given.lead();

@@ -6,7 +6,7 @@ mod sweep;
 
 use bsm_case::OutputKey;
 use bsm_case::units::DEG;
-use bsm_dyn::POWER_BALANCE_TOL;
+use bsm_dyn::{Model, POWER_BALANCE_TOL};
 use bsm_simd::Simd;
 
 use self::sweep::{Plane, Scaled, State, dot, times};
@@ -38,6 +38,8 @@ const RESIDUAL: f64 = 1e-10;
 const LEAST_RATE: f64 = 0.1;
 
 impl Kernel for Rigid {
+    const MODEL: Model = Model::Rigid;
+
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
         let (case, si) = Scaled::of(given);
