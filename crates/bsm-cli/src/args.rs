@@ -252,7 +252,8 @@ pub(crate) struct SweepArgs {
 pub(crate) struct BatchArgs {
     /// Table of points: .csv, .jsonl or .parquet, columns named as inputs; `-` is CSV on standard
     /// input. An empty cell takes the value of the base scene; columns of an earlier answer are
-    /// passed over.
+    /// passed over. A row of text is one line: a quoted cell ends on its line, and blank lines stand
+    /// at the end only.
     #[arg(value_name = "POINTS")]
     pub(crate) points: PathBuf,
     /// Scene with the inputs that the table does not have.
