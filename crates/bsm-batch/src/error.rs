@@ -88,6 +88,29 @@ pub enum TableError {
     /// Not Parquet, or cut off.
     #[error("not a Parquet table: {0}")]
     Parquet(String),
+    /// Parquet of a kind that is not read.
+    #[error(
+        "the Parquet table is written with {0}, which is not read here; write it with Snappy \
+        compression and without encryption"
+    )]
+    Unread(String),
+    /// A Parquet table with fewer or more rows than it says.
+    #[error("the table announces {announced} rows, but holds {found}; it is damaged")]
+    LostRows {
+        /// Rows by its footer.
+        announced: u64,
+        /// Rows that were read.
+        found: u64,
+    },
+    /// A column to keep that holds lists, maps or structures.
+    #[error(
+        "--keep {name}: its cells are lists, maps or structures, which are not carried through; \
+        leave it out, or take it apart"
+    )]
+    NotText {
+        /// Its name.
+        name: String,
+    },
     /// A column that is no input.
     #[error("column `{0}` is no input{1}; leave it out, or carry it through with --keep {0}",
         brief(name), nearest.as_ref().map_or_else(String::new, |n| format!(", did you mean `{n}`?")))]
@@ -154,6 +177,16 @@ impl From<parquet::errors::ParquetError> for TableError {
                 Ok(io) => Self::Io(*io),
                 Err(other) => Self::Parquet(other.to_string()),
             },
+            ParquetError::General(text) if text.contains("encrypted footer") => {
+                Self::Unread("encryption".to_owned())
+            }
+            ParquetError::General(text) => {
+                match text.split_once("Disabled feature at compile time: ") {
+                    Some((_, codec)) => Self::Unread(format!("{codec} compression")),
+                    None => Self::Parquet(text),
+                }
+            }
+            ParquetError::NYI(text) => Self::Unread(format!("something else ({text})")),
             other => Self::Parquet(other.to_string()),
         }
     }
