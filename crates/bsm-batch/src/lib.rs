@@ -11,6 +11,7 @@
 
 mod error;
 mod kernel;
+mod lines;
 mod numbers;
 mod operand;
 mod parquet_table;

@@ -260,7 +260,8 @@ pub(crate) struct BatchArgs {
     /// Table of points: .csv, .jsonl or .parquet, columns named as inputs; `-` is CSV on standard
     /// input. A row is answered as by `bsm solve --set` with its values: an empty cell takes the value
     /// of the base scene, a lead replaces its lead angle and the other way round. Columns of an
-    /// earlier answer are passed over.
+    /// earlier answer are passed over. A row of text is one line: a quoted cell ends on its line, and
+    /// blank lines stand at the end only.
     #[arg(value_name = "POINTS")]
     pub(crate) points: PathBuf,
     /// Scene with the inputs that the table does not have.

@@ -361,7 +361,7 @@ fn tables_of_other_programs() {
     let unknown = format!("{}axial_load_N\n", "x,".repeat(1_000_000));
     let long = format!("{}\n1\n", "x".repeat(1_000_000));
     let key = format!("{{\"{}\": 1}}\n", "x".repeat(1_000_000));
-    let quote = format!("id,axial_load_N\n\"1,2000\n{}", "2,3000\n".repeat(3_000_000));
+    let quote = format!("id,axial_load_N\n\"1,2000\n{}", "2,3000\n".repeat(3));
     let deep = "{\"lead_mm\":".repeat(100_000);
     for (name, bytes, code, part) in [
         ("bom.csv", &b"\xef\xbb\xbfaxial_load_N\n2000\n"[..], 0, ""),
@@ -375,12 +375,12 @@ fn tables_of_other_programs() {
         ("long-key.jsonl", key.as_bytes(), 2, "xxx…` is no input; leave it out"),
         ("semicolons.csv", b"axial_load_N;lead_mm\n2000,5;10\n", 2, "separated by `;`; cells are"),
         ("tabs.csv", b"axial_load_N\tlead_mm\n2000\t10\n", 2, "separated by `\\t`; cells are"),
-        ("utf16.csv", &marked, 2, "the names of the columns are not UTF-8 text; save"),
-        ("utf16-unmarked.csv", &utf16("axial_load_N\n2\n"), 2, "separated by `\\0`"),
-        ("utf16.jsonl", &marked, 2, "row 1: is not valid JSON"),
-        ("latin1.csv", b"axial_load_N,model\n1,a\n2,M\xfcller\n", 2, "row 2 is not UTF-8 text"),
-        ("latin1.jsonl", b"{\"axial_load_N\": \"\xfc\"}\n", 2, "row 1: is not valid JSON"),
-        ("nul.csv", b"axial_load_N\x00\n2000\n", 2, "separated by `\\0`"),
+        ("utf16.csv", &marked, 2, "line 1 has a NUL byte; save the table as UTF-8 text"),
+        ("utf16-unmarked.csv", &utf16("axial_load_N\n2\n"), 2, "line 1 has a NUL byte; save"),
+        ("utf16.jsonl", &marked, 2, "line 1 has a NUL byte; save"),
+        ("latin1.csv", b"axial_load_N,model\n1,a\n2,M\xfcller\n", 2, "line 3 is not UTF-8 text"),
+        ("latin1.jsonl", b"{\"axial_load_N\": \"\xfc\"}\n", 2, "line 1 is not UTF-8 text; save"),
+        ("nul.csv", b"axial_load_N\n2000\x00\n", 2, "line 2 has a NUL byte; save"),
         ("empty.csv", b"", 2, "the table is empty: the first row must name the columns"),
         ("empty.jsonl", b"\n \n", 2, "the table is empty: the first row must name the columns"),
         ("empty.parquet", b"", 2, "not a Parquet table"),
@@ -394,12 +394,13 @@ fn tables_of_other_programs() {
         ("twice.jsonl", b"{\"axial_load_N\": 1, \"axial_load_N\": 2}\n", 2, "is given twice"),
         (
             "ragged.csv",
-            b"axial_load_N,model\n1,a\n\n2\n",
+            b"axial_load_N,model\n1,a\n2\n",
             2,
-            "row 2 has 1 cells, but the table has 2",
+            "line 3 has 1 cells, but the table has 2",
         ),
-        ("quote.csv", quote.as_bytes(), 2, "row 1 is longer than 16 MiB; is a quote"),
-        ("deep.jsonl", deep.as_bytes(), 2, "row 1: is not valid JSON: recursion"),
+        ("quote.csv", quote.as_bytes(), 2, "line 2: a quoted cell does not end on its line"),
+        ("blank.csv", b"axial_load_N\n1\n\n2000\n", 2, "line 3 is blank; a row is one line"),
+        ("deep.jsonl", deep.as_bytes(), 2, "line 1: is not valid JSON: recursion"),
     ] {
         fs::write(dir.path().join(name), bytes).expect("table");
         let drive = example("feed_drive.json");
