@@ -161,10 +161,10 @@ type Found = ([f64; BALL], usize, f64);
 
 /// The first root on the curve of all states of force, as (S1) has it.
 fn find(pair: &Pair, newton: &mut Workspace) -> Result<Found, (Status, Reason)> {
-    let (mut y, tried) = first_root(pair)?;
+    let (mut y, steps) = first_root(pair)?;
     let report = run(pair, &mut y, newton);
     if report.converged() {
-        return Ok((y, tried + report.steps.len(), report.residual));
+        return Ok((y, steps + report.steps.len(), report.residual));
     }
     Err((Status::NotConverged, Reason::from(report)))
 }
