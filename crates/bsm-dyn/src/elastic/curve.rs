@@ -31,6 +31,9 @@ const MOST_TRIES: usize = 100;
 const BEGINS: f64 = 0.01;
 const RISES: f64 = 0.1;
 
+/// [`Forces::scale`] is some third of a place: a third of a relative change in its units.
+const LARGE: f64 = 3.0;
+
 /// A state on the curve.
 #[derive(Debug, Clone, Copy)]
 struct Node {
@@ -55,12 +58,20 @@ impl Node {
     }
 
     /// True if the centrifugal force is proportional to `$q$` from `level` to here, a `rise` of its
-    /// logarithm, and nothing else in (S27) changes; to a relative `change`.
-    fn is_straight_from(&self, level: &Self, rise: f64, change: f64) -> bool {
+    /// logarithm, and nothing else in (S27) changes, nor the place but for `$q$`; to a relative
+    /// `change`.
+    fn is_straight_from(&self, level: &Self, rise: f64, change: f64, forces: &Forces<'_>) -> bool {
         let near = |x: f64, y: f64| (x - y).abs() <= change * y.abs();
+        // A place may be far from the begin and have the factors of the begin again.
+        let stays = |known| {
+            let off = self.place(known) - level.place(known) - UP * rise;
+            off.component_div(&level.scale(known, forces)).amax() <= LARGE * change
+        };
         near(self.state.centrifugal / level.state.centrifugal, rise.exp())
             && near(self.kinematics.inertia, level.kinematics.inertia)
             && near(self.kinematics.drive, level.kinematics.drive)
+            && stays(0)
+            && stays(1)
     }
 
     /// True if the ball slides against friction on its flanks.
@@ -156,7 +167,7 @@ impl Curve<'_> {
         let (place, state) = self.forces.steady(level.place(1) + rise, &scale, &mut self.steps)?;
         let node = self.at(place, state);
         let sign = (level.kinematics.drive * level.kinematics.inertia).signum();
-        let is_first = node.is_straight_from(level, place[0] - NO_INERTIA, RISES);
+        let is_first = node.is_straight_from(level, place[0] - NO_INERTIA, RISES, &self.forces);
         (is_first && node.is_admissible()).then_some((node, sign))
     }
 
@@ -198,7 +209,7 @@ impl Curve<'_> {
         while rise > 0.0 {
             // A root moves by a few per cent, not by a factor of a hundred.
             if let Some(node) = self.node(1, level.place(1) + UP * rise, &UP, &scale)
-                && node.is_straight_from(&level, rise, BEGINS)
+                && node.is_straight_from(&level, rise, BEGINS, &self.forces)
             {
                 return node;
             }

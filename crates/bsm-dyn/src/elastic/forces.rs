@@ -12,11 +12,11 @@ use crate::pair::Pair;
 /// Newton steps to a state of force; more means that the guess was not near it.
 const MOST_STEPS: usize = 12;
 
-/// Newton steps to where the curve begins; eight are usual, and halving alone takes some 30 from the
-/// whole range of angles.
-const MOST_LEVEL_STEPS: usize = 60;
+/// Newton steps to where the curve begins; four are usual. Halving alone takes some 60 from the whole
+/// range of angles to the last digit, and every second step halves.
+const MOST_LEVEL_STEPS: usize = 120;
 
-/// Relative step in the cotangent at the begin of the curve that is the last one.
+/// What may be left of (S20) before the last Newton step to the begin of the curve.
 const LEVEL: f64 = 1e-6;
 
 /// Range of the cotangent of a loaded contact angle. The load turns the ball to a steeper angle, up to
@@ -294,8 +294,7 @@ impl<'a> Forces<'a> {
         (effect.re() > 0.0).then(|| [x, (w * cos + x * sin * f) / effect])
     }
 
-    /// `$x$` and `$c$` where the curve begins, without inertia, to the square of six digits; counts
-    /// Newton steps.
+    /// `$x$` and `$c$` where the curve begins, without inertia; counts Newton steps.
     pub(super) fn begin(&self, steps: &mut usize) -> Option<[f64; 2]> {
         // What (S20) leaves at the angle whose cotangent has this logarithm; none if friction holds.
         let mut left = |log: f64| {
@@ -312,19 +311,23 @@ impl<'a> Forces<'a> {
         let (mut log, mut last) = (-self.pair.jones.contact_angle.tan().ln(), high - low);
         log = log.clamp(low, high);
         for _ in 0..MOST_LEVEL_STEPS {
-            // Newton where it stays inside and halves its step, else the middle.
             let tried = left(log);
             let is_short = tried.is_some_and(|(left, _)| left < 0.0);
             *(if is_short { &mut low } else { &mut high }) = log;
             let mut step = tried.map_or(f64::INFINITY, |(left, slope)| -left / slope);
+            if tried.is_some_and(|(left, _)| left.abs() <= LEVEL) {
+                return self.level((log + step).exp());
+            }
+            // Where friction all but holds the load, angles have no digits between too short and held.
+            if high - low <= 4.0 * f64::EPSILON {
+                return self.level(low.exp());
+            }
+            // Newton where it stays inside and halves its step, else the middle.
             let inside = low < log + step && log + step < high;
-            if !(step.abs() <= LEVEL || inside && step.abs() <= 0.5 * last) {
+            if !(inside && step.abs() <= 0.5 * last) {
                 step = 0.5 * (low + high) - log;
             }
             (log, last) = (log + step, step.abs());
-            if last <= LEVEL {
-                return self.level(log.exp());
-            }
         }
         None
     }
