@@ -361,3 +361,58 @@ impl Along {
         off <= BEND && (!concerns || (is_straight(0) && is_straight(1)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::extreme::{extreme, practical};
+
+    /// Newton where the curve is straight goes to the root that the search along the curve meets first.
+    #[test]
+    fn the_straight_begin_has_the_first_root() {
+        let mut rng = ChaCha8Rng::seed_from_u64(13);
+        let (mut of_practice, mut of_extremes) = (0, 0);
+        for number in 0..2000 {
+            let (screw, found) = if number % 2 == 0 {
+                (practical(&mut rng), &mut of_practice)
+            } else {
+                (extreme(&mut rng), &mut of_extremes)
+            };
+            let Ok(pair) = screw.pair() else { continue };
+            let mut curve = Curve { forces: Forces::new(&pair), steps: 0 };
+            let Ok(begin) = curve.begin() else { continue };
+            let Some((straight, sign)) = curve.straight(&begin) else { continue };
+            let (first, same) = curve.search(begin).expect("a root");
+            // Where friction all but holds the load a million times the axial load is left, ten digits;
+            // another root differs by per cent.
+            let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
+            close(straight.state.centrifugal, first.state.centrifugal);
+            close(straight.state.across[1], first.state.across[1]);
+            close(sign, same);
+            *found += 1;
+        }
+        // Of 1000 each; all but a few points of practice, and the slow ones of the extremes.
+        assert!(of_practice > 900 && of_extremes > 300, "{of_practice} {of_extremes}");
+    }
+
+    /// Found in an audit: the search for the begin did not end for an angle whose cotangent is no number.
+    #[test]
+    fn the_begin_is_found_in_a_bounded_number_of_steps() {
+        let mut rng = ChaCha8Rng::seed_from_u64(14);
+        for number in 0..1000 {
+            let mut screw = extreme(&mut rng);
+            if let Some(angle) = [5e-324, 1.7e-309, 1e-150, 1e-17].get(number % 8) {
+                screw.contact_angle = *angle;
+            }
+            let Ok(pair) = screw.pair() else { continue };
+            let mut curve = Curve { forces: Forces::new(&pair), steps: 0 };
+            let _ = curve.begin();
+            // Those to the angle, one to ask whether there is any, and those onto the curve.
+            assert!(curve.steps <= 121 + 12, "{} {screw:?}", curve.steps);
+        }
+    }
+}

@@ -5,6 +5,7 @@
 use bsm_kin::{Jet, Scalar};
 use nalgebra::Vector3;
 
+use crate::cost;
 use crate::layout::BALL;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
 use crate::pair::Pair;
@@ -107,6 +108,7 @@ impl<'a> Forces<'a> {
     /// The state of `$q$`, `$c$` and the `$x$` of the contact `known`, nut (0) or screw (1), and what
     /// it leaves of (S14) and (S20); none if no forces belong to them.
     fn state<D: Scalar>(&self, known: usize, [q, x, c]: [D; 3]) -> Option<(State<D>, [D; 2])> {
+        cost::evaluated();
         let (f, v) = (self.friction, 1.0 + self.friction * self.friction);
         // δ = q (2c + q)/(1 + c²),  x_A² = (1 + δ) x_B² + δ/(1 + F²)      (S19)
         let beyond = (c * 2.0 + q) * q / (c.square() + 1.0);
