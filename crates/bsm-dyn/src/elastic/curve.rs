@@ -168,7 +168,10 @@ impl Curve<'_> {
         let node = self.at(place, state);
         let sign = (level.kinematics.drive * level.kinematics.inertia).signum();
         let is_first = node.is_straight_from(level, place[0] - NO_INERTIA, RISES, &self.forces);
-        (is_first && node.is_admissible()).then_some((node, sign))
+        // Where rounding decides, the search does its best.
+        let left = node.left[usize::from(sign < 0.0)].abs();
+        let is_exact = left <= digit(place[0]) * node.kinematics.drive.abs();
+        (is_first && is_exact && node.is_admissible()).then_some((node, sign))
     }
 
     /// The first root along the whole curve, or why there is none.
@@ -284,8 +287,7 @@ impl Curve<'_> {
             let scale = low.scale(known, &self.forces);
             let part = below / (below - above);
             let way = part * direction.component_div(&scale).amax();
-            // The logarithm of q has no finer digits.
-            let digit = 4.0 * f64::EPSILON * place[0].abs().max(1.0);
+            let digit = digit(place[0]);
             if way <= digit || part >= 1.0 || direction.component_div(&scale).amax() <= 4.0 * digit
             {
                 break;
@@ -307,6 +309,11 @@ const LOST: (Status, Reason) = (Status::NotConverged, Reason::SearchLost);
 
 /// Towards more inertia.
 const UP: Place = Place::new(1.0, 0.0, 0.0);
+
+/// What the logarithm of `$q$` has no finer digits than.
+fn digit(log: f64) -> f64 {
+    4.0 * f64::EPSILON * log.abs().max(1.0)
+}
 
 /// A walk along the curve.
 struct Along {

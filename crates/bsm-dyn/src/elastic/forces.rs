@@ -234,13 +234,12 @@ impl<'a> Forces<'a> {
         scale: &Place,
         steps: &mut usize,
     ) -> Option<(Place, State<f64>)> {
-        let inertia = self.inertia_ratio().ln();
         self.newton(1, guess, scale, steps, |s| {
             let Kinematics { inertia: i, drive: d, .. } = self.kinematics(s);
-            // ln μ = ln M + 2 ln|(1 − g)/(π/d + Ω_n/W)|                   (S27)
+            // 0 = ln[(M/μ) ((1 − g)/(π/d + Ω_n/W))²], to the last digit of its argument  (S27)
+            let left = (s.centrifugal.re / self.inertia_ratio() * (i.re / d.re).powi(2)).ln();
             let slope = |jet: Jet<3>| Place::from(jet.eps) / jet.re;
-            let log = s.centrifugal.re.ln() + 2.0 * (i.re / d.re).abs().ln();
-            (log - inertia, slope(s.centrifugal) + (slope(i) - slope(d)) * 2.0)
+            (left, slope(s.centrifugal) + (slope(i) - slope(d)) * 2.0)
         })
     }
 
@@ -275,8 +274,8 @@ impl<'a> Forces<'a> {
             }
             step *= (2.0 / size).min(1.0);
             place += step;
-            // A step leaves an error of about its square.
-            if size < 1e-7 {
+            // A step leaves an error of about its square: rounding.
+            if size < 1e-8 {
                 let (state, [a, b]) = self.state(known, [place[0].exp(), place[1], place[2]])?;
                 // Where friction all but holds the load, Y is one over a small difference.
                 let tolerance = CLOSED.max(16.0 * f64::EPSILON * state.along);
@@ -321,7 +320,7 @@ impl<'a> Forces<'a> {
                 return self.level((log + step).exp());
             }
             // Where friction all but holds the load, angles have no digits between too short and held.
-            if high - low <= 4.0 * f64::EPSILON {
+            if high - low <= 4.0 * f64::EPSILON * low.abs().max(1.0) {
                 return self.level(low.exp());
             }
             // Newton where it stays inside and halves its step, else the middle.
