@@ -130,12 +130,14 @@ fn report_median(label: &str, problems: &[Problem], work: &mut ModelWorkspace) {
     times.sort_unstable();
     steps.sort_unstable();
     let middle = problems.len() / 2;
+    let steps = match (steps.get(steps.len() / 2), steps.last()) {
+        (Some(median), Some(most)) => format!(", median {median} Newton steps, most {most}"),
+        _ => String::new(),
+    };
     eprintln!(
-        "{label}, {} seeded points: median cold solve {} ns, median {:?} Newton steps, most {:?}",
+        "{label}, {} seeded points: median cold solve {} ns{steps}",
         problems.len(),
-        times[middle],
-        steps.get(steps.len() / 2),
-        steps.last()
+        times[middle]
     );
 }
 

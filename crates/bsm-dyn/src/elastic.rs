@@ -18,7 +18,7 @@ use crate::jacobian::linearize;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
 use crate::layout::{self, BALL, MOMENT_NORMAL, weight};
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
-use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
+use crate::{Model, Outputs, Reason, Solution, Status, Wrench, cost};
 
 /// Below this ratio of inertia to friction the rounding of the loads shows in the slip.
 const SLOW: f64 = 1e-5;
@@ -59,6 +59,7 @@ struct Saturated<'a, P = f64>(&'a Pair<P>);
 
 impl<P: Scalar> Saturated<'_, P> {
     fn state<D: Over<P>>(&self, y: &[D; BALL]) -> Result<State<D>, EvalError> {
+        cost::evaluated();
         let pair = self.0;
         let loaded = pair.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
         let [nut, screw] = loaded.contacts;
@@ -161,10 +162,10 @@ type Found = ([f64; BALL], usize, f64);
 
 /// The first root on the curve of all states of force, as (S1) has it.
 fn find(pair: &Pair, newton: &mut Workspace) -> Result<Found, (Status, Reason)> {
-    let (mut y, tried) = first_root(pair)?;
+    let (mut y, steps) = first_root(pair)?;
     let report = run(pair, &mut y, newton);
     if report.converged() {
-        return Ok((y, tried + report.steps.len(), report.residual));
+        return Ok((y, steps + report.steps.len(), report.residual));
     }
     Err((Status::NotConverged, Reason::from(report)))
 }

@@ -10,6 +10,7 @@ mod auto;
 pub mod balance;
 mod bracket;
 mod closed_form;
+mod cost;
 mod coulomb;
 mod elastic;
 mod ellipse;

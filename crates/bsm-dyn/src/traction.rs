@@ -20,7 +20,7 @@ use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::layout::{self, BALL, weight};
 use crate::pair::{ElasticScrew, Loaded, Pair};
 use crate::raceway_control::{Grip, STATIC};
-use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
+use crate::{Model, Outputs, Reason, Solution, Status, Wrench, cost};
 
 /// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 const OMEGA: [usize; 3] = [4, 5, 6];
@@ -99,6 +99,7 @@ impl<P: Scalar> Rolling<'_, P> {
 
     /// The state with another friction coefficient.
     fn rubbed<D: Lanes<P>>(&self, y: &[D; BALL], friction: D) -> Result<State<D>, EvalError> {
+        cost::evaluated();
         let pair = self.pair;
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
         let loaded = if self.at_nut {

@@ -8,7 +8,7 @@ use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, 
 use super::{Control, precession, rolling};
 use crate::jacobian::linearize;
 use crate::pair::{Loaded, Pair};
-use crate::{Reason, Status};
+use crate::{Reason, Status, cost};
 
 /// Unknowns: the difference of the cotangents of the contact angles, and that at the screw (W12).
 pub(crate) const STATIC: usize = 2;
@@ -78,6 +78,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
 
     /// The contact at nut (0) or screw (1) with this cotangent of its angle.
     fn flank<D: Over<P>>(&self, i: usize, cot: D) -> Flank<D> {
+        cost::evaluated();
         let offsets = [self.pair.jones.nut_offset, self.pair.jones.screw_offset];
         let length = (cot.square() + 1.0).sqrt();
         let sin = length.recip();

@@ -13,7 +13,7 @@ use crate::layout::unknown::{
     MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
 };
 use crate::layout::{self, BALL, MOMENT_NORMAL, weight};
-use crate::{Direction, Wrench};
+use crate::{Direction, Wrench, cost};
 
 /// One operating point in units of ball radius, axial load per ball and `$|W|$` (R1).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -190,6 +190,7 @@ impl<D: Scalar> Scaled<D> {
     ///
     /// As [`state`](Self::state).
     pub(crate) fn residual(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
+        cost::evaluated();
         let state = self.state(y)?;
         let [a, minor, b] = state.wrench;
         let nut = a + minor;
