@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead, Read, Write};
 
-use bsm_case::{CaseError, Output, brief, entries};
+use bsm_case::{CaseError, Output, brief, entries, write_exact};
 use serde_json::{Map, Value, json};
 
 use crate::rows::{ANSWERS, Answers, Cell, Chunk, Columns, TEXT, is_answer};
@@ -245,7 +245,7 @@ impl<W: Write> Sink for CsvSink<W> {
                     Cell::Missing => self.writer.write_field("")?,
                     Cell::Number(value) => {
                         digits.clear();
-                        write!(digits, "{value}")?;
+                        write_exact(&mut digits, value)?;
                         self.writer.write_field(&digits)?;
                     }
                     Cell::Text(text) => self.writer.write_field(text)?,
@@ -258,7 +258,10 @@ impl<W: Write> Sink for CsvSink<W> {
                 digits.clear();
                 match json(output, column[row]) {
                     Value::Null => {}
-                    value => serde_json::to_writer(&mut digits, &value).map_err(io::Error::from)?,
+                    Value::Number(number) if number.is_f64() => {
+                        write_exact(&mut digits, column[row])?;
+                    }
+                    value => write!(digits, "{value}")?,
                 }
                 self.writer.write_field(&digits)?;
             }

@@ -140,11 +140,7 @@ fn compare(settings: &Settings, count: usize) {
             assert_eq!(found.is_some(), known.is_some(), "row {row}, {name}");
             let (Some(found), Some(known)) = (found, known) else { continue };
             let tolerance = 1e-10 * known.abs() + scatter(unit, &chunk, row);
-            let mut difference = (found - known).abs();
-            if unit == "deg" {
-                // Rounding may turn 180 degrees into -180.
-                difference = difference.min((difference - 360.0).abs());
-            }
+            let difference = (found - known).abs();
             assert!(difference <= tolerance, "row {row}, {name}: {found} {known}");
         }
     }

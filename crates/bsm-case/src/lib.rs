@@ -14,6 +14,7 @@ mod fit;
 mod grid;
 mod input;
 mod jam;
+mod number;
 mod optimum;
 mod output;
 mod problem;
@@ -31,13 +32,13 @@ pub use analysis::{Analysis, Block, Line, Values};
 pub use capacity::CapacityReport;
 pub use catalogue::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
-    pareto,
 };
 pub use design::{DesignReport, DesignRow, stock};
-pub use error::{CaseError, brief};
+pub use error::{CaseError, brief, printable};
 pub use fit::{Fit, FitReport, Fitted};
 pub use grid::{Axis, Grid};
 pub use input::{INPUTS, Input, InputKey, Rule, Scene};
+pub use number::{exact, write_exact};
 pub use optimum::OptimumReport;
 pub use output::{Cell, OUTPUTS, Output, OutputKey};
 pub use problem::{ModelChoice, Settings, required_inputs};
