@@ -172,7 +172,8 @@ impl Analysis {
             if locks { "reaches" } else { "is below" },
             match critical {
                 0.0 => "0".to_owned(),
-                f64::INFINITY => "which no friction reaches without slip across the grooves".to_owned(),
+                f64::INFINITY =>
+                    "which no friction reaches without slip across the grooves".to_owned(),
                 _ => format!("{critical:.2e}"),
             },
             if locks { "holds" } else { "cannot hold" },
