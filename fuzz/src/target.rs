@@ -12,7 +12,7 @@ use bsm_batch::{
 };
 use bsm_case::{
     Axis, CapacityReport, Catalogue, Condition, DesignReport, Fit, Grid, Scene, Spectrum, Wish,
-    candidate_json, pareto, stock,
+    candidate_json, stock,
 };
 use bsm_dyn::Model;
 use bytes::Bytes;
@@ -223,8 +223,7 @@ fn catalogue(input: &[u8]) {
     let Ok(catalogue) = Catalogue::from_json(input) else { return };
     // Combinations that are made at most, so that an input stays quick.
     if catalogue.lists.len() <= 2000 {
-        for candidate in pareto(&catalogue.candidates()) {
-            let _ = candidate_json(&candidate);
-        }
+        let best = catalogue.pareto(&catalogue.places());
+        let _ = catalogue.map(&best, |_, nut| Some(candidate_json(nut)));
     }
 }

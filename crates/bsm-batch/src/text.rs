@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::{self, Read, Write};
 use std::mem;
 
-use bsm_case::{Output, brief, entries};
+use bsm_case::{Output, brief, entries, write_exact};
 use serde_json::{Map, Value, json};
 
 use crate::lines::Lines;
@@ -247,7 +247,7 @@ impl<W: Write> Sink for CsvSink<W> {
                     Cell::Missing => self.writer.write_field("")?,
                     Cell::Number(value) => {
                         digits.clear();
-                        write!(digits, "{value}")?;
+                        write_exact(&mut digits, value)?;
                         self.writer.write_field(&digits)?;
                     }
                     Cell::Text(text) => self.writer.write_field(text)?,
@@ -260,7 +260,10 @@ impl<W: Write> Sink for CsvSink<W> {
                 digits.clear();
                 match json(output, column[row]) {
                     Value::Null => {}
-                    value => serde_json::to_writer(&mut digits, &value).map_err(io::Error::from)?,
+                    Value::Number(number) if number.is_f64() => {
+                        write_exact(&mut digits, column[row])?;
+                    }
+                    value => write!(digits, "{value}")?,
                 }
                 self.writer.write_field(&digits)?;
             }

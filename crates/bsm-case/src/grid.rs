@@ -71,7 +71,12 @@ impl Axis {
                 }
                 #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^52")]
                 let fraction = i as f64 / (*count - 1) as f64;
-                start + (stop - start) * fraction
+                let span = stop - start;
+                if span.is_finite() {
+                    start + span * fraction
+                } else {
+                    start * (1.0 - fraction) + stop * fraction
+                }
             }
             Values::List(values) => values[i],
         }

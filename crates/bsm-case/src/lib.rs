@@ -20,6 +20,7 @@ mod grid;
 mod input;
 mod input_set;
 mod jam;
+mod number;
 mod optimum;
 mod output;
 mod problem;
@@ -38,14 +39,14 @@ pub use analysis::{Analysis, Block, Line, Values};
 pub use capacity::CapacityReport;
 pub use catalogue::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
-    pareto,
 };
 pub use design::{DesignReport, DesignRow, stock};
-pub use error::{CaseError, brief};
+pub use error::{CaseError, brief, printable};
 pub use fit::{Fit, FitReport, Fitted};
 pub use grid::{Axis, Grid};
 pub use input::{INPUTS, Input, InputKey, Rule, Scene};
 pub use input_set::InputSet;
+pub use number::{exact, write_exact};
 pub use optimum::OptimumReport;
 pub use output::{Cell, OUTPUTS, Output, OutputKey};
 pub use problem::{ModelChoice, Needs, Settings};

@@ -10,8 +10,9 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// What the exit codes mean, at the end of every help text.
-const EXIT_CODES: &str = "Exit codes: 0 all solved and all checks passed; 1 a file or disk problem; \
-                          2 bad input or usage; 3 no solution, not converged, or a check failed.";
+const EXIT_CODES: &str = "Exit codes: 0 all solved and all checks passed; 1 a problem of files, disk, \
+                          threads or memory; 2 bad input or usage; 3 no solution, not converged, or \
+                          a check failed; 128 and the number of the signal if interrupted.";
 
 /// Steady motion of the balls of a ball screw: loads, slip, spin, torque, efficiency.
 ///

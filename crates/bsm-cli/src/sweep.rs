@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use bsm_batch::{Chunk, GridSource};
-use bsm_case::{Axis as GridAxis, CaseError, Grid, ModelChoice, Output as OutputColumn};
+use bsm_case::{Axis as GridAxis, CaseError, Grid, ModelChoice, Output as OutputColumn, exact};
 use bsm_validate::figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 
 use crate::args::SweepArgs;
@@ -115,7 +115,8 @@ impl Curves {
         let lines = (0..count)
             .map(|i| Curve {
                 marks: Vec::new(),
-                label: series.map(|axis| format!("{} = {}", axis.key.name(), axis.value(i))),
+                label: series
+                    .map(|axis| format!("{} = {}", axis.key.name(), exact(axis.value(i)))),
                 color: i,
                 stroke: Stroke::Solid,
                 points: Vec::new(),

@@ -5,7 +5,7 @@
 mod sweep;
 
 use bsm_case::OutputKey;
-use bsm_case::units::DEG;
+use bsm_case::units::direction_deg;
 use bsm_dyn::{Model, POWER_BALANCE_TOL};
 use bsm_simd::Simd;
 
@@ -244,6 +244,6 @@ fn outputs<S: Simd>(
 #[inline(always)]
 fn slip_angle<S: Simd>(out: &mut Out<'_, '_>, key: OutputKey, friction: Plane<S>) {
     if out.wants(&[key]) {
-        out.set(key, friction[1].zip(friction[0], f64::atan2) / DEG);
+        out.set(key, friction[1].zip(friction[0], f64::atan2).each(direction_deg));
     }
 }

@@ -63,11 +63,7 @@ pub(crate) fn assert_alike(
         assert_eq!(found.is_some(), known.is_some(), "{}, {name}", what());
         let (Some(found), Some(known)) = (found, known) else { continue };
         let tolerance = 1e-10 * known.abs() + scatter(unit, scene);
-        let mut difference = (found - known).abs();
-        if unit == "deg" {
-            // Rounding may turn 180 degrees into -180.
-            difference = difference.min((difference - 360.0).abs());
-        }
+        let difference = (found - known).abs();
         assert!(difference <= tolerance, "{}, {name}: {found} {known}", what());
     }
     status == Status::Converged
