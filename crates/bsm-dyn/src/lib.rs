@@ -13,11 +13,11 @@ mod closed_form;
 mod coulomb;
 mod elastic;
 mod ellipse;
+mod equations;
 #[cfg(test)]
 mod extreme;
 mod follow;
 mod hertz;
-mod jacobian;
 mod jam;
 mod jones;
 mod layout;

@@ -2,11 +2,11 @@
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12) to (W15).
 
-use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar, Site};
-use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
+use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
+use bsm_newton::{EvalError, Options, Report, Scales, solve};
 
 use super::{Control, precession, rolling};
-use crate::jacobian::linearize;
+use crate::equations::{Workspace, equations};
 use crate::pair::{Loaded, Pair};
 use crate::{Reason, Status};
 
@@ -106,6 +106,10 @@ impl<'a, P: Scalar> Balance<'a, P> {
         ]
     }
 
+    fn residual<D: Over<P>>(&self, x: &[D; STATIC]) -> Result<[D; STATIC], EvalError> {
+        Ok(self.equations(x))
+    }
+
     /// Loads, angles and contacts of the unknowns.
     pub(super) fn loaded<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> Loaded<D> {
         let jones = &self.pair.jones;
@@ -153,7 +157,7 @@ impl Balance<'_> {
 
     /// The root with the smallest difference of the contact angles, or the proof that there is
     /// none on the flanks.
-    pub(super) fn first_root(&self, newton: &mut Workspace) -> Result<Root, (Status, Reason)> {
+    pub(super) fn first_root(&self, newton: &mut Workspace<STATIC>) -> Result<Root, (Status, Reason)> {
         let mut steps = 0;
         if let Some(mut x) = self.start() {
             let report = self.run(&mut x, newton);
@@ -192,13 +196,12 @@ impl Balance<'_> {
     }
 
     /// Newton from `x`.
-    fn run(&self, x: &mut [f64; STATIC], newton: &mut Workspace) -> Report {
+    fn run(&self, x: &mut [f64; STATIC], newton: &mut Workspace<STATIC>) -> Report {
         let weights = self.weights();
         let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };
         // The displacement is a difference of lengths: down to their rounding.
         let options = Options { residual_goal: 3e-15, max_steps: MOST_STEPS, ..Options::default() };
         solve(self, x, &scales, &options, newton)
-            .expect("sizes are constant and the weights positive")
     }
 
     /// True if (W15) shows that no other root on the flanks has a smaller difference of the angles.
@@ -341,24 +344,12 @@ impl Balance<'_> {
     }
 }
 
-impl System for Balance<'_> {
-    fn dim(&self) -> usize {
-        STATIC
-    }
-
-    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
-        r.copy_from_slice(&self.equations(&[x[0], x[1]]));
-        Ok(())
-    }
-
-    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        linearize(|x: [Jet<STATIC>; STATIC]| Ok(self.equations(&x)), x, r, jac)
-    }
-
-    fn equation(&self, i: usize) -> String {
-        ["radial force balance", "triangle of the groove-arc centres"][i].to_owned()
-    }
-}
+equations!(
+    Balance<'_>,
+    STATIC,
+    Balance::residual,
+    ["radial force balance", "triangle of the groove-arc centres"]
+);
 
 #[cfg(test)]
 mod tests;
