@@ -9,7 +9,7 @@
 //! separate types. Nothing is printed, nothing is allocated inside an iteration, and every outcome
 //! is data. The crate is the only one that names faer.
 //!
-//! Theory: `docs/theory/05-newton.md`, (N1) to (N7).
+//! Theory: `docs/theory/05-newton.md`, (N1) to (N13).
 
 mod bracket;
 mod error;

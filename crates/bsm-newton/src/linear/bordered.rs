@@ -119,7 +119,7 @@ impl<const K: usize> LinearSolver for Bordered<K> {
         for (columns, d) in self.above.iter_mut().zip(chain) {
             columns.iter_mut().for_each(|column| times(column, d));
         }
-        for (rows, d) in self.below.iter_mut().zip(&chain[1..]) {
+        for (rows, d) in self.below.iter_mut().zip(chain.iter().skip(1)) {
             for (row, d) in rows.iter_mut().zip(d) {
                 row.iter_mut().for_each(|entry| *entry *= d);
             }
