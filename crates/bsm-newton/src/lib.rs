@@ -3,13 +3,14 @@
 //! * [`solve`]: damped Newton iteration, for a few [`Equations`] or for a [`System`] whose Jacobian
 //!   has a structure of its own.
 //! * [`LinearSolver`]: the matrices, dense or of many small blocks with a border.
-//! * [`implicit_slopes`], [`path_direction`]: how a root moves with its parameters.
+//! * [`Bracket`]: the root of one variable between two places of different sign.
+//! * [`implicit_slopes`], [`trace`]: how a root moves with its parameters, a little and far.
 //!
 //! Problem, algorithm, memory ([`Workspace`]), options ([`Options`]) and outcome ([`Report`]) are
 //! separate types. Nothing is printed, nothing is allocated inside an iteration, and every outcome
 //! is data. The crate is the only one that names faer.
 //!
-//! Theory: `docs/theory/05-newton.md`, (N1) to (N13).
+//! Theory: `docs/theory/05-newton.md`, (N1) to (N14).
 
 mod bracket;
 mod error;
@@ -26,7 +27,9 @@ pub use error::{DimensionError, EvalError, NotConverged, Singular};
 pub use implicit::implicit_slopes;
 pub use linear::{Bordered, Dense, DynamicDense, LinearSolver};
 pub use options::{Options, Scales};
-pub use path::path_direction;
+pub use path::{
+    Crossing, End, Family, Resolution, Seed, Stride, Trace, path_direction, trace,
+};
 pub use report::{Report, Status, Step};
 pub use solve::{Workspace, solve, solve_system};
 pub use system::{Equations, Linear, System, VectorOf};
