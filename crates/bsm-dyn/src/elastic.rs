@@ -16,7 +16,7 @@ use crate::balance::DOES_NOT_CIRCLE;
 use crate::coulomb::friction_force;
 use crate::equations::{Workspace, equations};
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
-use crate::layout::{BALL, ROWS, MOMENT_NORMAL, weight};
+use crate::layout::{BALL, MOMENT_NORMAL, ROWS, weight};
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
 use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
 

@@ -27,9 +27,7 @@ pub use error::{DimensionError, EvalError, NotConverged, Singular};
 pub use implicit::implicit_slopes;
 pub use linear::{Bordered, Dense, DynamicDense, LinearSolver};
 pub use options::{Options, Scales};
-pub use path::{
-    Crossing, End, Family, Resolution, Seed, Stride, Trace, path_direction, trace,
-};
+pub use path::{Crossing, End, Family, Resolution, Seed, Stride, Trace, path_direction, trace};
 pub use report::{Report, Status, Step};
 pub use solve::{Workspace, solve, solve_system};
 pub use system::{Equations, Linear, System, VectorOf};

@@ -10,7 +10,8 @@ struct Draw(u64);
 
 impl Draw {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         f64::from(u32::try_from(self.0 >> 32).expect("32 bits")) / 2.0_f64.powi(31) - 1.0
     }
 }
@@ -213,7 +214,9 @@ impl System for Stack {
             jacobian.add(n, i, -above);
             jacobian.add(n, n, above);
             if i + 1 < n {
-                for (row, column, sign) in [(i, i, 1.0), (i + 1, i + 1, 1.0), (i, i + 1, -1.0), (i + 1, i, -1.0)] {
+                for (row, column, sign) in
+                    [(i, i, 1.0), (i + 1, i + 1, 1.0), (i, i + 1, -1.0), (i + 1, i, -1.0)]
+                {
                     jacobian.add(row, column, sign * self.bar);
                 }
             }

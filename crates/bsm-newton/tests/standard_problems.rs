@@ -154,7 +154,10 @@ fn no_root_ends_in_the_line_search_or_a_singular_jacobian() {
 /// Expected failure: a zero column.
 #[test]
 fn a_singular_jacobian_is_told() {
-    let report = run(|x: &[f64; 2]| Ok(([x[0] - 1.0, x[0] - 2.0], [[1.0, 0.0], [1.0, 0.0]])), &mut [0.0, 0.0]);
+    let report = run(
+        |x: &[f64; 2]| Ok(([x[0] - 1.0, x[0] - 2.0], [[1.0, 0.0], [1.0, 0.0]])),
+        &mut [0.0, 0.0],
+    );
     assert_eq!(report.status, Status::SingularJacobian);
     assert_eq!(report.worst_equation, 1);
     assert_eq!(report.worst_equation_name, "row 1 of 2");
@@ -164,7 +167,8 @@ fn a_singular_jacobian_is_told() {
 /// Expected failure: a NaN is caught by the driver, not by the model.
 #[test]
 fn a_nan_is_told() {
-    let report = run(|x: &[f64; 2]| Ok(([x[0], f64::NAN], [[1.0, 0.0], [0.0, 1.0]])), &mut [1.0, 1.0]);
+    let report =
+        run(|x: &[f64; 2]| Ok(([x[0], f64::NAN], [[1.0, 0.0], [0.0, 1.0]])), &mut [1.0, 1.0]);
     assert_eq!(report.status, Status::NotFinite);
     assert_eq!(report.worst_equation, 1);
 }

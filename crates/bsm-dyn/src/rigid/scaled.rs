@@ -352,8 +352,7 @@ mod tests {
         let weights = case.weights(FirstOrder::of(&case).normal_moment());
         let scales = Scales { x: &[1.0; BALL], f: &weights };
         let options = Options { residual_goal: 1e-14, ..Options::default() };
-        let report =
-            solve(&case, &mut y.data.0[0], &scales, &options, &mut Workspace::default());
+        let report = solve(&case, &mut y.data.0[0], &scales, &options, &mut Workspace::default());
         assert!(report.converged(), "{report}");
         let small: Vec<f64> =
             report.steps.iter().map(|s| s.residual).filter(|r| (1e-6..1e-1).contains(r)).collect();

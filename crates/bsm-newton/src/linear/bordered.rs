@@ -172,7 +172,8 @@ impl<const K: usize> LinearSolver for Bordered<K> {
         }
         for r in 0..border {
             for c in 0..border {
-                let part = |i: usize| dot(&self.bottom[i * border + r], &self.right[i * border + c]);
+                let part =
+                    |i: usize| dot(&self.bottom[i * border + r], &self.right[i * border + c]);
                 let inside: f64 = (0..count).map(part).sum();
                 // S = C − B T⁻¹ R                                         (N11)
                 let entry = &mut self.corner[r * border + c];
