@@ -34,13 +34,8 @@ pub struct Elastic<D = f64> {
 }
 
 /// Memory of the solves.
+#[derive(Default)]
 pub struct ElasticWorkspace(Workspace);
-
-impl Default for ElasticWorkspace {
-    fn default() -> Self {
-        Self(Workspace::default())
-    }
-}
 
 /// Contacts, motion, slips and wrenches that belong to a set of unknowns.
 #[derive(Debug)]

@@ -70,7 +70,7 @@ fn a_pole_is_told_by_its_value() {
 #[test]
 fn the_signs_of_the_ends_are_enough() {
     let bracket = Bracket::new([0.0, 10.0], [f64::NEG_INFINITY, f64::INFINITY]);
-    let found = bracket.root(|x| x.ln()).root().expect("a sign change");
+    let found = bracket.root(f64::ln).root().expect("a sign change");
     assert!((found.x - 1.0).abs() <= 1e-15, "{found:?}");
 }
 
@@ -90,7 +90,8 @@ fn a_predicate_changes_between_neighbours() {
 /// Functions that lead interpolation astray stay within the bound, and the answer is a sign change.
 #[test]
 fn hostile_functions_stay_within_the_bound() {
-    let hostile: [(fn(f64) -> f64, [f64; 2]); 6] = [
+    type Case = (fn(f64) -> f64, [f64; 2]);
+    let hostile: [Case; 6] = [
         (|x| (x - 1.0).powi(9), [0.0, 10.0]),
         (|x| x.cbrt(), [-1.0, 8.0]),
         (|x| if x == 0.0 { 0.0 } else { x * (-x.powi(-2)).exp() }, [-1.0, 4.0]),

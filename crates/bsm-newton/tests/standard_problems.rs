@@ -66,6 +66,7 @@ fn powell_singular(x: &[f64; 4]) -> Values<4> {
 }
 
 /// ln x = 0, refused for x <= 0.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the shape that a model has")]
 fn logarithm(x: &[f64; 1]) -> Values<1> {
     if x[0] > 0.0 {
         Ok(([x[0].ln()], [[1.0 / x[0]]]))

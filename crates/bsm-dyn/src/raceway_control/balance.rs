@@ -102,6 +102,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
         ]
     }
 
+    #[expect(clippy::unnecessary_wraps, reason = "the shape that equations have")]
     fn residual<D: Over<P>>(&self, x: &[D; STATIC]) -> Result<[D; STATIC], EvalError> {
         Ok(self.equations(x))
     }

@@ -72,13 +72,8 @@ fn none(reason: Reason) -> NoRoot {
 }
 
 /// Memory of the solves.
+#[derive(Default)]
 pub struct RigidWorkspace(pub(super) Workspace);
-
-impl Default for RigidWorkspace {
-    fn default() -> Self {
-        Self(Workspace::default())
-    }
-}
 
 /// Finds the root, or the reason why there is none.
 ///

@@ -117,22 +117,30 @@ impl<const K: usize> LinearSolver for Bordered<K> {
             block.scale_rows(d);
         }
         for (columns, d) in self.above.iter_mut().zip(chain) {
-            columns.iter_mut().for_each(|column| times(column, d));
+            for column in columns {
+                times(column, d);
+            }
         }
         for (rows, d) in self.below.iter_mut().zip(chain.iter().skip(1)) {
             for (row, d) in rows.iter_mut().zip(d) {
-                row.iter_mut().for_each(|entry| *entry *= d);
+                for entry in row {
+                    *entry *= d;
+                }
             }
         }
         if self.border == 0 {
             return;
         }
         for (columns, d) in self.right.chunks_exact_mut(self.border).zip(chain) {
-            columns.iter_mut().for_each(|column| times(column, d));
+            for column in columns {
+                times(column, d);
+            }
         }
         for (r, d) in border_scale.enumerate() {
             for row in self.bottom.iter_mut().skip(r).step_by(self.border) {
-                row.iter_mut().for_each(|entry| *entry *= d);
+                for entry in row {
+                    *entry *= d;
+                }
             }
             for entry in &mut self.corner[r * self.border..][..self.border] {
                 *entry *= d;
