@@ -8,15 +8,15 @@ mod forces;
 mod sensitivities;
 
 use bsm_kin::{BallFrame, Motion, Over, Scalar};
-use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
+use bsm_newton::{EvalError, Options, Report, Scales, solve};
 use nalgebra::Vector3;
 
 use self::curve::first_root;
 use crate::balance::DOES_NOT_CIRCLE;
 use crate::coulomb::friction_force;
-use crate::jacobian::linearize;
+use crate::equations::{Workspace, equations};
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
-use crate::layout::{self, BALL, MOMENT_NORMAL, weight};
+use crate::layout::{BALL, MOMENT_NORMAL, ROWS, weight};
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
 use crate::{Model, Outputs, Reason, Solution, Status, Wrench, cost};
 
@@ -34,13 +34,8 @@ pub struct Elastic<D = f64> {
 }
 
 /// Memory of the solves.
+#[derive(Default)]
 pub struct ElasticWorkspace(Workspace);
-
-impl Default for ElasticWorkspace {
-    fn default() -> Self {
-        Self(Workspace::new(BALL))
-    }
-}
 
 /// Contacts, motion, slips and wrenches that belong to a set of unknowns.
 #[derive(Debug)]
@@ -111,24 +106,7 @@ impl<P: Scalar> Saturated<'_, P> {
     }
 }
 
-impl System for Saturated<'_> {
-    fn dim(&self) -> usize {
-        BALL
-    }
-
-    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
-        r.copy_from_slice(&Saturated::residual(self, x.try_into().expect("seven unknowns"))?);
-        Ok(())
-    }
-
-    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        linearize(|y| Saturated::residual(self, &y), x, r, jac)
-    }
-
-    fn equation(&self, i: usize) -> String {
-        layout::equation(i).to_owned()
-    }
-}
+equations!(Saturated<'_>, BALL, Saturated::residual, ROWS);
 
 /// A root of the elastic equations.
 #[derive(Debug)]
@@ -197,7 +175,6 @@ fn run(pair: &Pair, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
     let scales = Scales { x: &[1.0; BALL], f: &weights };
     let options = Options { max_steps: MOST_STEPS, ..Options::default() };
     solve(&Saturated(pair), y, &scales, &options, newton)
-        .expect("sizes are constant and the weights positive")
 }
 
 impl Elastic {

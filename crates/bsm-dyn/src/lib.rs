@@ -14,11 +14,11 @@ mod cost;
 mod coulomb;
 mod elastic;
 mod ellipse;
+mod equations;
 #[cfg(test)]
 mod extreme;
 mod follow;
 mod hertz;
-mod jacobian;
 mod jam;
 mod jones;
 mod layout;
