@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use bsm_batch::{NumberColumn, Numbers};
+use bsm_batch::{Format as TableFormat, NumberColumn, Numbers};
 use bsm_case::units::GPA;
 use bsm_case::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 use crate::args::{CatalogArgs, Format};
 use crate::failure::{Failure, warn};
 use crate::files::{self, Output, pretty_json, print, write_figures};
-use crate::stream::{Kind, unwritable};
+use crate::stream::{format_of, unwritable};
 use crate::table;
 
 /// Rows that a screen shows.
@@ -39,7 +39,7 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         .map_err(|e| Failure::Input(format!("--require: {e}")))?;
     let order = args.sort.as_deref().map(CatalogueColumn::named).transpose();
     let order = order.map_err(|e| Failure::Input(format!("--sort: {e}")))?;
-    let kind = args.output.as_deref().map(|path| Kind::of(path, "--output")).transpose()?;
+    let kind = args.output.as_deref().map(|path| format_of(path, "--output")).transpose()?;
     let catalogue = read(args.catalogue.as_deref())?;
     if let Some(lists) = &args.catalogue {
         files::keep(lists, args.output.as_deref())?;
@@ -139,7 +139,7 @@ fn scene(candidate: &Candidate) -> Value {
     Value::Object(nut)
 }
 
-fn write(path: &Path, kind: Kind, chosen: &[Candidate]) -> Result<(), Failure> {
+fn write(path: &Path, kind: TableFormat, chosen: &[Candidate]) -> Result<(), Failure> {
     let column = |c: &CatalogueColumn| NumberColumn {
         name: c.name,
         unit: c.unit,
@@ -148,9 +148,9 @@ fn write(path: &Path, kind: Kind, chosen: &[Candidate]) -> Result<(), Failure> {
     let table = Numbers(CATALOGUE_COLUMNS.iter().map(column).collect());
     let out = Output::create(path)?;
     let written = match kind {
-        Kind::Csv => table.write_csv(out),
-        Kind::JsonLines => table.write_json_lines(out),
-        Kind::Parquet => table.write_parquet(out),
+        TableFormat::Csv => table.write_csv(out),
+        TableFormat::JsonLines => table.write_json_lines(out),
+        TableFormat::Parquet => table.write_parquet(out),
     };
     written.map_err(|error| unwritable(path, &error))?.complete()
 }

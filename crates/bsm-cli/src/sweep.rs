@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use bsm_batch::dataset::Points;
 use bsm_batch::{Chunk, GridSource};
 use bsm_case::{Axis as GridAxis, CaseError, Grid, ModelChoice, Output as OutputColumn};
 use bsm_validate::figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
@@ -10,7 +11,7 @@ use bsm_validate::figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 use crate::args::SweepArgs;
 use crate::failure::Failure;
 use crate::files::{self, Output, read_scene};
-use crate::stream::Task;
+use crate::stream::Job;
 
 /// Points of a plot: beyond, a viewer of SVG chokes.
 const MOST_POINTS: usize = 100_000;
@@ -47,22 +48,20 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
         }
         None => None,
     };
-    let mut task = Task::new(&base, &settings, &args.table)?;
-    task.watched = plot.as_ref().map(|(curves, ..)| curves.output);
+    let mut job = Job::new(&base, &settings, &args.table)?;
+    if let Some((curves, ..)) = &plot {
+        job.watch(curves.output);
+    }
     if plot.is_some() && args.table.resume {
         let text = "--plot needs all points; it does not go with --resume";
         return Err(Failure::Input(text.to_owned()));
     }
-    let mut source = GridSource::new(grid);
-    let solved = task.run(
-        &mut source,
-        || Ok(args.vary.join(" ")),
-        |chunk, values| {
-            if let Some((curves, ..)) = &mut plot {
-                curves.add(chunk, values);
-            }
-        },
-    );
+    let mut source = GridSource::new(grid.clone());
+    let solved = job.run(&mut source, &Points::Grid(grid), |chunk, values| {
+        if let Some((curves, ..)) = &mut plot {
+            curves.add(chunk, values);
+        }
+    });
     if !matches!(solved, Ok(()) | Err(Failure::Unsolved)) {
         return solved;
     }
