@@ -271,7 +271,10 @@ fn resume_looks_at_finished_parts() {
     let text = fs::read_to_string(&plan).expect("a plan");
     let foreign = map.join("data/notes.txt");
     type Harm<'a> = Box<dyn Fn() + 'a>;
-    let put = |bytes: Vec<u8>| -> Harm<'_> { Box::new(move || fs::write(&part, &bytes).expect("writable")) };
+    let target = part.as_path();
+    let put = |bytes: Vec<u8>| -> Harm<'_> {
+        Box::new(move || fs::write(target, &bytes).expect("writable"))
+    };
     let end = bytes.len();
     let broken = "its footer proves nothing; move it away, and it is solved again with --resume";
     let damages: Vec<(&str, Harm<'_>, Said)> = vec![
