@@ -86,7 +86,9 @@ pub enum DatasetError {
         found: &'static str,
     },
     /// Points with fewer rows than before.
-    #[error("the points have changed while they were solved: part {shard} has {found} of {rows} rows")]
+    #[error(
+        "the points have changed while they were solved: part {shard} has {found} of {rows} rows"
+    )]
     PointsChanged {
         /// The part.
         shard: u64,
@@ -96,8 +98,10 @@ pub enum DatasetError {
         found: u64,
     },
     /// More parts than a folder takes.
-    #[error("{rows} rows in parts of {rows_per_shard} are more than {MOST_SHARDS} parts; take at least \
-        {least} rows for a part")]
+    #[error(
+        "{rows} rows in parts of {rows_per_shard} are more than {MOST_SHARDS} parts; take at least \
+        {least} rows for a part"
+    )]
     TooManyShards {
         /// All rows.
         rows: u64,
@@ -220,13 +224,16 @@ impl Dataset {
     /// [`DatasetError`].
     pub fn resume(folder: &Path, plan: Plan, make: MakeTemporary) -> Result<Self, DatasetError> {
         let this = Self { folder: folder.to_owned(), plan, make };
-        match fs::symlink_metadata(this.plan_file()) {
-            Ok(_) => {
-                this.compare()?;
-                this.make_folders()?;
-            }
-            Err(_) => this.begin()?,
+        let begun = || fs::symlink_metadata(this.plan_file()).is_ok();
+        if !begun()
+            && let Err(error) = this.begin()
+            && !begun()
+        {
+            return Err(error);
         }
+        // Somebody else may have begun it in the meantime.
+        this.compare()?;
+        this.make_folders()?;
         Ok(this)
     }
 
@@ -238,8 +245,7 @@ impl Dataset {
     pub fn open(folder: &Path, make: MakeTemporary) -> Result<Self, DatasetError> {
         let path = folder.join(PLAN);
         let text = read_plan(&path)?;
-        let plan =
-            Plan::from_text(&text).map_err(|why| DatasetError::NotAPlan { path, why })?;
+        let plan = Plan::from_text(&text).map_err(|why| DatasetError::NotAPlan { path, why })?;
         Ok(Self { folder: folder.to_owned(), plan, make })
     }
 

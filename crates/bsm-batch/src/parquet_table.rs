@@ -113,9 +113,10 @@ impl ParquetSource {
                 group += 1;
             }
             let (file, metadata) = (file.clone(), metadata.clone());
-            let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata.clone())
-                .with_row_groups((group..metadata.metadata().num_row_groups()).collect())
-                .with_offset(usize::try_from(row - skipped).unwrap_or(usize::MAX));
+            let builder =
+                ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata.clone())
+                    .with_row_groups((group..metadata.metadata().num_row_groups()).collect())
+                    .with_offset(usize::try_from(row - skipped).unwrap_or(usize::MAX));
             Ok(builder.with_projection(mask.clone()).build()?)
         });
         let reader = from_row(0)?;

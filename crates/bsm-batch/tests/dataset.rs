@@ -95,7 +95,8 @@ fn bytes_depend_on_the_plan_only() {
     assert_eq!(count, Count { rows: 120, failed: 40 });
     let expected = files(first.path());
     let names: Vec<_> = expected.keys().map(String::as_str).collect();
-    let parts = ["data/part-000000.parquet", "data/part-000001.parquet", "data/part-000002.parquet"];
+    let parts =
+        ["data/part-000000.parquet", "data/part-000001.parquet", "data/part-000002.parquet"];
     assert_eq!(names, [&parts[..], &["plan.json", "shards.parquet"]].concat());
 
     for threads in [2, 5] {
@@ -113,7 +114,10 @@ fn bytes_depend_on_the_plan_only() {
         source.skip(shard * 50).expect("a grid");
         let part = parts.run_shard(shard, &task, source.as_mut(), &workers, &mut |_| {});
         let part = part.expect("solved");
-        assert_eq!((part.shard, part.first_row, part.rows), (shard, shard * 50, [50, 20][shard as usize / 2]));
+        assert_eq!(
+            (part.shard, part.first_row, part.rows),
+            (shard, shard * 50, [50, 20][shard as usize / 2])
+        );
     }
     // Opened with nothing but the folder.
     let parts = Dataset::open(other.path(), make).expect("a folder");

@@ -79,7 +79,10 @@ impl<'a> Job<'a> {
         }
         warn(
             "note",
-            &format!("{failed} of {rows} rows have no result; they say why in {}", output.display()),
+            &format!(
+                "{failed} of {rows} rows have no result; they say why in {}",
+                output.display()
+            ),
         );
         if self.table.keep_going { Ok(()) } else { Err(Failure::Unsolved) }
     }
@@ -90,7 +93,11 @@ impl<'a> Job<'a> {
         if self.is_folder()? && once {
             return Err(Failure::Input(format!(
                 "{}: a folder of parts needs points that can be read twice, from a file",
-                if points.as_os_str() == "-" { "standard input".into() } else { points.to_string_lossy() }
+                if points.as_os_str() == "-" {
+                    "standard input".into()
+                } else {
+                    points.to_string_lossy()
+                }
             )));
         }
         Ok(())
@@ -108,7 +115,11 @@ impl<'a> Job<'a> {
                 "--resume cannot go on with {}: a single table appears when it is complete, and a run \
                  that is stopped leaves nothing; write a folder of parts, --output {}/, and --resume \
                  goes on with it",
-                if path.as_os_str() == "-" { "standard output".into() } else { path.to_string_lossy() },
+                if path.as_os_str() == "-" {
+                    "standard output".into()
+                } else {
+                    path.to_string_lossy()
+                },
                 folder.with_extension("").display()
             )));
         }
@@ -234,7 +245,11 @@ pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressB
 
 /// Rows a second in whole numbers.
 fn rate(per_second: f64) -> String {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rate to look at")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a rate to look at"
+    )]
     let whole = per_second.round() as u64;
     let mut text = HumanCount(whole).to_string();
     text.push_str("/s");

@@ -2,6 +2,7 @@
 //! acceptance, and nothing left but after SIGKILL. The long version is `just kills`.
 #![cfg(unix)]
 
+#[expect(dead_code, reason = "other tests use the rest")]
 mod program;
 
 use std::collections::BTreeMap;
@@ -10,7 +11,7 @@ use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -165,7 +166,10 @@ fn kill(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally
             (left, tally.late) = (0, tally.late + 1);
             continue;
         }
-        assert!(now == left || signal == "-KILL" && now == left + 1, "{source} {signal}: {found:?}");
+        assert!(
+            now == left || signal == "-KILL" && now == left + 1,
+            "{source} {signal}: {found:?}"
+        );
         tally.left_by_sigkill += now - left;
         tally.parts_at_kills += found.keys().filter(|name| name.starts_with("data")).count();
         (left, killed) = (now, killed + 1);
@@ -228,6 +232,9 @@ fn a_hundred_kills() {
     println!("0 wrong bytes: {tally:?}");
 }
 
+/// Does some damage.
+type Harm<'a> = Box<dyn Fn() + 'a>;
+
 /// What `--resume` says to a damaged folder.
 enum Said {
     /// Exit code and words, and that the damage is left as it is.
@@ -251,7 +258,10 @@ fn resume_looks_at_finished_parts() {
     // 16 parts, plan and list, and nothing else; in `data/` there are parts only.
     assert_eq!(expected.len(), 18);
     let parts = expected.keys().filter(|name| name.starts_with("data"));
-    assert!(parts.clone().count() == 16 && parts.clone().all(|p| p.extension().is_some_and(|e| e == "parquet")));
+    assert!(
+        parts.clone().count() == 16
+            && parts.clone().all(|p| p.extension().is_some_and(|e| e == "parquet"))
+    );
     let other = [points.args("grid", "other/"), strings(&["--set=density_kg_m3=7000"])].concat();
     assert_eq!(run(&other, dir.path()).status.code(), Some(3));
     let resume = [&args[..], &strings(&["--resume"])].concat();
@@ -270,7 +280,6 @@ fn resume_looks_at_finished_parts() {
     let plan = map.join("plan.json");
     let text = fs::read_to_string(&plan).expect("a plan");
     let foreign = map.join("data/notes.txt");
-    type Harm<'a> = Box<dyn Fn() + 'a>;
     let target = part.as_path();
     let put = |bytes: Vec<u8>| -> Harm<'_> {
         Box::new(move || fs::write(target, &bytes).expect("writable"))
@@ -281,7 +290,11 @@ fn resume_looks_at_finished_parts() {
         ("cut to 100 bytes", put(bytes[..100].to_vec()), Refused(3, broken)),
         ("cut by a byte", put(bytes[..end - 1].to_vec()), Refused(3, broken)),
         ("emptied", put(Vec::new()), Refused(3, "part-000003.parquet is empty; move it away")),
-        ("a bit of the data", put(flipped(500)), Refused(3, "has been changed: its bytes do not have")),
+        (
+            "a bit of the data",
+            put(flipped(500)),
+            Refused(3, "has been changed: its bytes do not have"),
+        ),
         ("a bit of the first letters", put(flipped(0)), Refused(3, "has been changed: its bytes")),
         ("a bit of the footer", put(flipped(end - 1500)), Refused(3, broken)),
         ("a bit of the length of the footer", put(flipped(end - 8)), Refused(3, broken)),
@@ -352,7 +365,9 @@ fn resume_looks_at_finished_parts() {
         ),
         (
             "a bit of the plan",
-            Box::new(|| fs::write(&plan, text.replace("\"rows\":", "\"rowr\":")).expect("writable")),
+            Box::new(|| {
+                fs::write(&plan, text.replace("\"rows\":", "\"rowr\":")).expect("writable")
+            }),
             Refused(2, "plan.json is not the plan of this task: it is damaged"),
         ),
         (
@@ -412,7 +427,10 @@ fn resume_looks_at_finished_parts() {
         // What the message advises: away with what is not as it was, the plan put back.
         for name in files(&map).keys() {
             let path = map.join(name);
-            if !path.is_file() || path.is_symlink() || fs::read(&path).ok() != expected.get(name).cloned().flatten() {
+            if !path.is_file()
+                || path.is_symlink()
+                || fs::read(&path).ok() != expected.get(name).cloned().flatten()
+            {
                 fs::remove_file(path).expect("removable");
             }
         }
@@ -433,16 +451,24 @@ fn resume_looks_at_finished_parts() {
 fn another_grid_is_not_mixed_in() {
     let dir = folder();
     let run = |args: Vec<String>| run(&args, dir.path());
-    let args = |loads, more: &[&str]| {
-        [Points::new(loads).args("grid", "map/"), strings(more)].concat()
-    };
+    let args =
+        |loads, more: &[&str]| [Points::new(loads).args("grid", "map/"), strings(more)].concat();
     assert_eq!(run(args(20, &[])).status.code(), Some(3));
     let before = files(&dir.path().join("map"));
     for (args, words) in [
-        (args(20, &[]), "map/ holds the parts of this task; go on with --resume, or take another folder"),
+        (
+            args(20, &[]),
+            "map/ holds the parts of this task; go on with --resume, or take another folder",
+        ),
         (args(24, &[]), "map/ holds the parts of another task; go on with --resume"),
-        (args(24, &["--resume"]), "which differs in: points, rows (80, now 96), rows_per_shard (5, now 6)"),
-        (args(20, &["--resume", "--set=density_kg_m3=7000"]), "another task, which differs in: base"),
+        (
+            args(24, &["--resume"]),
+            "which differs in: points, rows (80, now 96), rows_per_shard (5, now 6)",
+        ),
+        (
+            args(20, &["--resume", "--set=density_kg_m3=7000"]),
+            "another task, which differs in: base",
+        ),
         (args(20, &["--resume", "--tolerance=1e-5"]), "another task, which differs in: model"),
     ] {
         let output = run(args);
@@ -453,7 +479,9 @@ fn another_grid_is_not_mixed_in() {
     assert_eq!(run(args(24, &["--resume"])).status.code(), Some(2));
     let after = files(&dir.path().join("map"));
     assert_eq!(before.len(), after.len());
-    assert!(before.iter().all(|(name, bytes)| name.ends_with("plan.json") || after[name] == *bytes));
+    assert!(
+        before.iter().all(|(name, bytes)| name.ends_with("plan.json") || after[name] == *bytes)
+    );
 }
 
 /// Found by the audit: a resumed run lost the exit code and the note about rows of finished parts.
@@ -551,7 +579,11 @@ fn what_cannot_be_resumed_says_what_to_do() {
     fs::write(dir.path().join("old/part-000000.parquet"), "PAR1").expect("writable");
     let said = resume("old/");
     assert_eq!(said.status.code(), Some(2));
-    assert!(stderr(&said).contains("old/ holds the parts of an older version of bsm"), "{}", stderr(&said));
+    assert!(
+        stderr(&said).contains("old/ holds the parts of an older version of bsm"),
+        "{}",
+        stderr(&said)
+    );
     assert_eq!(fs::read_dir(dir.path().join("old")).expect("folder").count(), 2);
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }

@@ -363,7 +363,8 @@ fn rows_of_a_shard(rows: u64, outputs: u64, model: ModelChoice) -> NonZeroU64 {
             && (rows.div_ceil(count) >= ENOUGH || time <= SHORT)
     };
     let power = (POWERS[0]..=POWERS[1]).rev().find(fits).unwrap_or(POWERS[0]);
-    let mut count = NonZeroU64::MIN.saturating_mul(NonZeroU64::new(1 << power).unwrap_or(NonZeroU64::MIN));
+    let mut count =
+        NonZeroU64::MIN.saturating_mul(NonZeroU64::new(1 << power).unwrap_or(NonZeroU64::MIN));
     while rows.div_ceil(count.get()) > MOST_SHARDS {
         count = count.saturating_add(count.get());
     }
@@ -420,7 +421,10 @@ mod tests {
         let Points::Grid(grid) = points else { unreachable!("made above") };
         assert_eq!(again.grid().expect("axes"), Some(grid));
         let (a, b) = (task(), again.task().expect("a task"));
-        assert_eq!((&a.base, a.settings, a.outputs[0].name), (&b.base, b.settings, b.outputs[0].name));
+        assert_eq!(
+            (&a.base, a.settings, a.outputs[0].name),
+            (&b.base, b.settings, b.outputs[0].name)
+        );
         for (text, part) in [
             (plan.text().replace("0.0001", "1e-4"), "not in canonical form"),
             (plan.text().replace("}\n", "}"), "not in canonical form"),
@@ -486,7 +490,11 @@ mod tests {
             (u64::MAX, 38, Model::Traction.into(), 65_536, 48),
         ] {
             let count = rows_of_a_shard(rows, outputs, model);
-            assert_eq!((rows.div_ceil(count.get()), count.get()), (shards, 1 << power), "{model:?}");
+            assert_eq!(
+                (rows.div_ceil(count.get()), count.get()),
+                (shards, 1 << power),
+                "{model:?}"
+            );
         }
     }
 
