@@ -487,13 +487,18 @@ impl Dataset {
                 .and_then(|_| sync_folder(&self.folder))
                 .map_err(|e| DatasetError::io("write", &path, e))
         };
+        let written = || fs::read(&path).is_ok_and(|bytes| bytes == list);
         match fs::symlink_metadata(&path) {
             Ok(found) if !found.is_file() => {
                 let other = io::Error::other(format!("it is {}", kind(&found)));
                 return Err(DatasetError::io("write", &path, other));
             }
-            Ok(_) if fs::read(&path).is_ok_and(|bytes| bytes == list) => {}
-            _ => write()?,
+            Ok(_) if written() => {}
+            _ => match write() {
+                // Somebody else may have finished in the meantime, and may have tidied up.
+                Err(error) if !written() => return Err(error),
+                _ => {}
+            },
         }
         let unfinished = self.folder.join(UNFINISHED);
         for entry in entries(&unfinished)? {
