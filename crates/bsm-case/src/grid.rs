@@ -1,5 +1,6 @@
 //! Grids over inputs, generated on the fly.
 
+use std::fmt::{self, Display, Formatter};
 use std::ops::Range;
 
 use crate::{CaseError, InputKey, InputSet, Scene};
@@ -86,6 +87,22 @@ impl Axis {
         match &self.values {
             Values::Range { start, stop, .. } => vec![*start, *stop],
             Values::List(values) => values.clone(),
+        }
+    }
+}
+
+/// The form that [`Axis::parse`] reads, with the shortest digits that give the same values.
+impl Display for Axis {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let number = |value: &f64| format!("{value:?}").trim_end_matches(".0").to_owned();
+        write!(f, "{}=", self.key.name())?;
+        match &self.values {
+            Values::Range { start, stop, count } => {
+                write!(f, "{}:{}:{count}", number(start), number(stop))
+            }
+            Values::List(values) => {
+                f.write_str(&values.iter().map(number).collect::<Vec<_>>().join(","))
+            }
         }
     }
 }

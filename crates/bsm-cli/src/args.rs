@@ -1,6 +1,6 @@
 //! Command-line arguments.
 
-use std::num::NonZeroUsize;
+use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -214,22 +214,26 @@ pub(crate) struct CompareArgs {
 /// The table to write, and how.
 #[derive(Debug, Args)]
 pub(crate) struct TableArgs {
-    /// Table to write: .csv, .jsonl or .parquet; `-` is CSV on standard output; FOLDER/ gets
-    /// Parquet files of a million rows.
+    /// Table to write: .csv, .jsonl or .parquet; `-` is CSV on standard output; FOLDER/ gets Parquet
+    /// files in FOLDER/data, which a stopped run goes on with.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// Go on in a folder where an earlier run of the same task was stopped.
+    /// Go on in a folder where an earlier run of the same task was stopped: finished parts are checked
+    /// bit by bit and kept, the others are solved.
     #[arg(long)]
     pub(crate) resume: bool,
+    /// Rows of a part of a folder; from number of rows, outputs and model unless given.
+    #[arg(long, value_name = "N")]
+    pub(crate) rows_per_shard: Option<NonZeroU64>,
     /// Outputs to write, in this order; all unless given.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) columns: Option<Vec<String>>,
     /// Threads, at most 1024; all cores unless given. Results do not depend on it.
     #[arg(long, value_name = "N", value_parser = threads)]
     pub(crate) threads: Option<NonZeroUsize>,
-    /// Exit with 3 if any row has no result.
+    /// Exit with 0 although some rows have no result, and not with 3; the table is complete either way.
     #[arg(long)]
-    pub(crate) strict: bool,
+    pub(crate) keep_going: bool,
     /// No progress bar.
     #[arg(long)]
     pub(crate) quiet: bool,

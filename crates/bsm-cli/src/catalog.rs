@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use bsm_batch::{NumberColumn, NumberSink};
+use bsm_batch::{Format as TableFormat, NumberColumn, NumberSink};
 use bsm_case::units::GPA;
 use bsm_case::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use crate::args::{CatalogArgs, Format};
 use crate::failure::{Failure, warn};
 use crate::files::{self, Output, pretty_json, print, write_figures};
-use crate::stream::{Kind, unwritable};
+use crate::stream::{format_of, unwritable};
 use crate::table;
 
 /// Rows that a screen shows.
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         .map_err(|e| Failure::Input(format!("--require: {e}")))?;
     let order = args.sort.as_deref().map(CatalogueColumn::named).transpose();
     let order = order.map_err(|e| Failure::Input(format!("--sort: {e}")))?;
-    let kind = args.output.as_deref().map(|path| Kind::of(path, "--output")).transpose()?;
+    let kind = args.output.as_deref().map(|path| format_of(path, "--output")).transpose()?;
     let catalogue = read(args.catalogue.as_deref())?;
     if let Some(lists) = &args.catalogue {
         files::keep(lists, args.output.as_deref())?;
@@ -144,15 +144,20 @@ fn scene(candidate: &Candidate) -> Value {
     Value::Object(nut)
 }
 
-fn write(path: &Path, kind: Kind, catalogue: &Catalogue, chosen: &[u32]) -> Result<(), Failure> {
+fn write(
+    path: &Path,
+    format: TableFormat,
+    catalogue: &Catalogue,
+    chosen: &[u32],
+) -> Result<(), Failure> {
     let column = |c: &CatalogueColumn| NumberColumn { name: c.name, unit: c.unit };
     let columns: Vec<_> = CATALOGUE_COLUMNS.iter().map(column).collect();
     let out = Output::create(path)?;
     let written = || {
-        let mut table = match kind {
-            Kind::Csv => NumberSink::csv(out, &columns)?,
-            Kind::JsonLines => NumberSink::json_lines(out, &columns),
-            Kind::Parquet => NumberSink::parquet(out, &columns)?,
+        let mut table = match format {
+            TableFormat::Csv => NumberSink::csv(out, &columns)?,
+            TableFormat::JsonLines => NumberSink::json_lines(out, &columns),
+            TableFormat::Parquet => NumberSink::parquet(out, &columns)?,
         };
         for part in chosen.chunks(PART) {
             let nuts = catalogue.map(part, |_, nut| Some(*nut));

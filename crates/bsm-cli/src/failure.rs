@@ -22,6 +22,9 @@ pub(crate) enum Failure {
     /// Ran, but a point has no solution or a check failed; the words are printed already.
     #[error("unsolved")]
     Unsolved,
+    /// What was written before is not what it should be.
+    #[error("{0}")]
+    Check(String),
     /// A table of points that cannot be read on.
     #[error(transparent)]
     Table(#[from] TableError),
@@ -81,6 +84,7 @@ impl Failure {
             Self::ClosedPipe => return ExitCode::SUCCESS,
             Self::Unsolved => return ExitCode::from(3),
             Self::Files(_) => 1,
+            Self::Check(_) => 3,
             Self::Input(_) | Self::Table(_) => 2,
         };
         warn("error", &self.to_string());

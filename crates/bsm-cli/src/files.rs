@@ -31,13 +31,6 @@ pub(crate) const MOST_OF_A_SPECTRUM: u64 = 16 << 20;
 /// A write was refused because the file would be too large (`ulimit -f`).
 pub(crate) static FILE_TOO_LARGE: AtomicBool = AtomicBool::new(false);
 
-/// The final name of an unfinished file of ours; `None` for any other file.
-pub(crate) fn final_name(temporary: &str) -> Option<&str> {
-    let (name, random) = temporary.strip_prefix(TEMPORARY)?.rsplit_once('-')?;
-    let ours = random.len() == RANDOM && random.bytes().all(|b| b.is_ascii_alphanumeric());
-    ours.then_some(name)
-}
-
 /// Prints to standard output.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     write(Path::new("-"), &format!("{}\n", text.trim_end()))

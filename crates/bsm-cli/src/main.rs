@@ -57,17 +57,21 @@ fn main() -> ExitCode {
     let result = match command {
         Command::Solve(args) => solve::run(&args),
         Command::Compare(args) => compare::run(&args),
-        Command::Sweep(args) => on_threads(args.table.threads.or(asked), || sweep::run(&args)),
-        Command::Batch(args) => on_threads(args.table.threads.or(asked), || batch::run(&args)),
+        Command::Sweep(args) => {
+            on_threads(args.table.threads.or(asked), |workers| sweep::run(&args, workers))
+        }
+        Command::Batch(args) => {
+            on_threads(args.table.threads.or(asked), |workers| batch::run(&args, workers))
+        }
         Command::Optimum(args) => optimum::run(&args),
         Command::Capacity(args) => capacity::run(&args),
-        Command::Catalog(args) => on_threads(asked, || catalog::run(&args)),
+        Command::Catalog(args) => on_threads(asked, |_| catalog::run(&args)),
         Command::Fit(args) => fit::run(&args),
-        Command::Design(args) => on_threads(asked, || design::run(&args)),
+        Command::Design(args) => on_threads(asked, |_| design::run(&args)),
         Command::Slip(args) => motion::slip(&args),
         Command::Jam(args) => motion::jam(&args),
-        Command::Validate(args) => on_threads(asked, || validate::run(&args)),
-        Command::Tradeoff(args) => on_threads(asked, || tradeoff::run(&args)),
+        Command::Validate(args) => on_threads(asked, |_| validate::run(&args)),
+        Command::Tradeoff(args) => on_threads(asked, |_| tradeoff::run(&args)),
         Command::Schema { kind } => print(&pretty_json(&match kind {
             SchemaKind::Input => input_schema(),
             SchemaKind::Output => output_schema(),

@@ -3,19 +3,20 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use bsm_batch::{Chunk, GridSource};
+use bsm_batch::dataset::Points;
+use bsm_batch::{Chunk, GridSource, Workers};
 use bsm_case::{Axis as GridAxis, CaseError, Grid, ModelChoice, Output as OutputColumn, exact};
 use bsm_validate::figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 
 use crate::args::SweepArgs;
 use crate::failure::Failure;
 use crate::files::{self, Output, read_scene};
-use crate::stream::Task;
+use crate::stream::Job;
 
 /// Points of a plot: beyond, a viewer of SVG chokes.
 const MOST_POINTS: usize = 100_000;
 
-pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let base = read_scene(&args.scene.scene, &args.scene.settings)?;
     for output in [Some(&args.table.output), args.plot.as_ref()] {
         files::keep(&args.scene.scene, output.map(PathBuf::as_path))?;
@@ -41,22 +42,20 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
         }
         None => None,
     };
-    let mut task = Task::new(&base, &settings, &args.table)?;
-    task.watched = plot.as_ref().map(|(curves, ..)| curves.output);
+    let mut job = Job::new(&base, &settings, &args.table)?;
+    if let Some((curves, ..)) = &plot {
+        job.watch(curves.output);
+    }
     if plot.is_some() && args.table.resume {
         let text = "--plot needs all points; it does not go with --resume";
         return Err(Failure::Input(text.to_owned()));
     }
-    let mut source = GridSource::new(grid);
-    let solved = task.run(
-        &mut source,
-        || Ok(args.vary.join(" ")),
-        |chunk, values| {
-            if let Some((curves, ..)) = &mut plot {
-                curves.add(chunk, values);
-            }
-        },
-    );
+    let mut source = GridSource::new(grid.clone());
+    let solved = job.run(&mut source, &Points::Grid(grid), workers, |chunk, values| {
+        if let Some((curves, ..)) = &mut plot {
+            curves.add(chunk, values);
+        }
+    });
     if !matches!(solved, Ok(()) | Err(Failure::Unsolved)) {
         return solved;
     }
@@ -115,8 +114,7 @@ impl Curves {
         let lines = (0..count)
             .map(|i| Curve {
                 marks: Vec::new(),
-                label: series
-                    .map(|axis| format!("{} = {}", axis.key.name(), exact(axis.value(i)))),
+                label: series.map(|axis| format!("{} = {}", axis.key.name(), exact(axis.value(i)))),
                 color: i,
                 stroke: Stroke::Solid,
                 points: Vec::new(),
