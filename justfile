@@ -47,6 +47,10 @@ kills:
 fuzz *FLAGS:
     fuzz/run.sh {{FLAGS}}
 
+# The numbers of README and docs, from the commands behind them; `just remake --list`.
+remake *FLAGS:
+    docs/remake {{FLAGS}}
+
 # The pictures of README and docs.
 pictures: (validate "--out" "target/report") (tradeoff "--out" "target/tradeoff")
     cp target/report/figures/{transition,lin-efficiency-lead-angle}.svg target/tradeoff/figures/pareto-single.svg docs/img/
