@@ -305,6 +305,7 @@ fn signals_are_heard_under_nohup_and_in_the_background() {
 }
 
 /// A shell with limits, or `None` with the reason if it does not know them.
+#[expect(clippy::print_stdout, reason = "a test that was skipped says so")]
 fn limited(limits: &str, args: &[&str], folder: &Path) -> Option<Output> {
     let script = format!("{limits} || exit 99; exec \"$0\" \"$@\"");
     let mut sh = Command::new("bash");

@@ -12,6 +12,9 @@ use serde_json::Value;
 /// A block and its text.
 type Made = Result<String, Box<dyn Error>>;
 
+/// What makes the text of a block.
+type Make = fn(&Program) -> Made;
+
 /// The program `bsm` in a folder that has the examples in it.
 pub(crate) struct Program {
     pub(crate) path: PathBuf,
@@ -19,7 +22,7 @@ pub(crate) struct Program {
 }
 
 /// The blocks by name.
-pub(crate) const BLOCKS: &[(&str, fn(&Program) -> Made)] = &[
+pub(crate) const BLOCKS: &[(&str, Make)] = &[
     ("checks", checks),
     ("quadrature", quadrature),
     ("slip-powers", slip_powers),
