@@ -41,7 +41,7 @@ extremes *FLAGS:
 
 # Runs killed at random moments by four signals, gone on with, and compared bit by bit.
 kills:
-    cargo test --locked -p bsm-cli --test resume -- --include-ignored --nocapture
+    cargo test --workspace --locked --test resume -- --include-ignored --nocapture
 
 # Coverage-guided fuzzing on the stable toolchain; `just fuzz 600 parquet` takes ten minutes for one target.
 fuzz *FLAGS:
