@@ -13,17 +13,20 @@ use arrow_array::{
     UInt64Array,
 };
 use arrow_buffer::NullBuffer;
-use arrow_cast::cast;
+use arrow_cast::display::FormatOptions;
+use arrow_cast::{CastOptions, cast_with_options};
 use arrow_schema::{DataType, Field, Schema};
-use bsm_case::{INPUTS, Output};
+use bsm_case::Output;
+use bytes::Bytes;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader,
     ParquetRecordBatchReaderBuilder,
 };
 use parquet::arrow::{ArrowWriter, ProjectionMask};
 use parquet::basic::Compression;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
-use parquet::file::reader::ChunkReader;
+use parquet::file::reader::{ChunkReader, Length};
 
 use crate::rows::{self, ANSWERS, Answers, Chunk, Column, Columns, TEXT};
 use crate::{Sink, Source, TableError};
@@ -39,7 +42,7 @@ pub fn decodes_parquet() -> bool {
 }
 
 /// What `decode` says, with its panics as errors: the parquet crate panics at some damaged pages.
-fn decoded<T>(decode: impl FnOnce() -> Result<T, TableError>) -> Result<T, TableError> {
+pub(crate) fn decoded<T>(decode: impl FnOnce() -> Result<T, TableError>) -> Result<T, TableError> {
     DECODES.set(true);
     let said = catch_unwind(AssertUnwindSafe(decode));
     DECODES.set(false);
@@ -49,9 +52,13 @@ fn decoded<T>(decode: impl FnOnce() -> Result<T, TableError>) -> Result<T, Table
 /// Rows of a Parquet table.
 pub struct ParquetSource {
     reader: ParquetRecordBatchReader,
+    /// A reader from a row on.
+    from_row: Box<dyn Fn(u64) -> Result<ParquetRecordBatchReader, TableError> + Send>,
     columns: Columns,
     len: u64,
     row: u64,
+    /// Rows of the batches that were read.
+    read: u64,
     /// What is left of the last batch that was read.
     rest: Option<RecordBatch>,
 }
@@ -72,11 +79,17 @@ impl ParquetSource {
         let found = ArrowReaderMetadata::load(&file, plain)?;
         let fields = found.schema().fields().clone();
         let mut columns = Columns::sort(fields.iter().map(|f| f.name().as_str()), keep)?;
-        for (name, place) in columns.inputs.iter().zip(&columns.input_places) {
+        for (key, place) in columns.inputs.iter().zip(&columns.input_places) {
             let found = fields[*place].data_type();
             if !(found.is_numeric() || *found == DataType::Null) {
-                let (name, found) = ((*name).to_owned(), found.to_string());
+                let (name, found) = (key.name().to_owned(), found.to_string());
                 return Err(TableError::NotNumbers { name, found });
+            }
+        }
+        for (name, place) in columns.kept.iter().zip(&columns.kept_places) {
+            let found = fields[*place].data_type();
+            if found.is_nested() {
+                return Err(TableError::NotText { name: name.clone() });
             }
         }
         // A text that stands in many rows stays one text.
@@ -97,17 +110,39 @@ impl ParquetSource {
         for place in columns.input_places.iter_mut().chain(&mut columns.kept_places) {
             *place = read.partition_point(|other| other < place);
         }
-        let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata);
-        let reader = builder.with_projection(mask).build()?;
-        Ok(Self { reader, columns, len, row: 0, rest: None })
+        let file = Shared(Arc::new(file));
+        let from_row = Box::new(move |row: u64| {
+            // The row groups before it are not read.
+            let (mut group, mut skipped) = (0, 0);
+            let groups = metadata.metadata().row_groups();
+            while let Some(rows) = groups.get(group).and_then(|g| u64::try_from(g.num_rows()).ok())
+                && skipped + rows <= row
+            {
+                skipped += rows;
+                group += 1;
+            }
+            let (file, metadata) = (file.clone(), metadata.clone());
+            let builder =
+                ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata.clone())
+                    .with_row_groups((group..metadata.metadata().num_row_groups()).collect())
+                    .with_offset(usize::try_from(row - skipped).unwrap_or(usize::MAX));
+            Ok(builder.with_projection(mask.clone()).build()?)
+        });
+        let reader = from_row(0)?;
+        Ok(Self { reader, from_row, columns, len, row: 0, read: 0, rest: None })
     }
 
     /// What is left of the last batch, or else the next one.
     fn batch(&mut self) -> Result<Option<RecordBatch>, TableError> {
-        Ok(match self.rest.take() {
-            Some(batch) => Some(batch),
-            None => decoded(|| Ok(self.reader.next().transpose()?))?,
-        })
+        if let Some(batch) = self.rest.take() {
+            return Ok(Some(batch));
+        }
+        let batch = decoded(|| Ok(self.reader.next().transpose()?))?;
+        self.read += batch.as_ref().map_or(0, |batch| batch.num_rows() as u64);
+        if batch.is_none() && self.read != self.len {
+            return Err(TableError::LostRows { announced: self.len, found: self.read });
+        }
+        Ok(batch)
     }
 }
 
@@ -147,11 +182,50 @@ impl Source for ParquetSource {
         self.row += chunk.len as u64;
         Ok(chunk.filled())
     }
+
+    fn skip(&mut self, rows: u64) -> Result<(), TableError> {
+        if rows > 0 {
+            self.row = self.row.saturating_add(rows).min(self.len);
+            (self.read, self.rest) = (self.row, None);
+            self.reader = decoded(|| (self.from_row)(self.row))?;
+        }
+        Ok(())
+    }
 }
+
+/// A file that several readers read, one after the other.
+struct Shared<R>(Arc<R>);
+
+impl<R> Clone for Shared<R> {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
+
+impl<R: ChunkReader> Length for Shared<R> {
+    fn len(&self) -> u64 {
+        self.0.len()
+    }
+}
+
+impl<R: ChunkReader> ChunkReader for Shared<R> {
+    type T = R::T;
+
+    fn get_read(&self, start: u64) -> parquet::errors::Result<R::T> {
+        self.0.get_read(start)
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> parquet::errors::Result<Bytes> {
+        self.0.get_bytes(start, length)
+    }
+}
+
+/// What cannot be converted is an error, not null.
+const STRICT: CastOptions<'_> = CastOptions { safe: false, format_options: FormatOptions::new() };
 
 /// Appends a column of numbers; null is not given.
 fn numbers(column: &ArrayRef, cells: &mut Column) -> Result<(), TableError> {
-    let column = cast(column, &DataType::Float64)?;
+    let column = cast_with_options(column, &DataType::Float64, &STRICT)?;
     let values = column.as_primitive::<Float64Type>();
     cells.extend(values.iter().map(|x| x.map_or(rows::Cell::Missing, rows::Cell::Number)));
     Ok(())
@@ -159,8 +233,11 @@ fn numbers(column: &ArrayRef, cells: &mut Column) -> Result<(), TableError> {
 
 /// A column as text.
 fn words(column: &ArrayRef) -> Result<StringViewArray, TableError> {
-    Ok(cast(column, &DataType::Utf8View)?.as_string_view().clone())
+    Ok(cast_with_options(column, &DataType::Utf8View, &STRICT)?.as_string_view().clone())
 }
+
+/// Rows of a row group: a compromise of memory, which holds one, and the readers' work.
+const ROW_GROUP: usize = 1 << 18;
 
 /// Parquet with the columns of the source, then model, status, message and outputs.
 pub struct ParquetSink<W: Write + Send> {
@@ -182,9 +259,8 @@ impl<W: Write + Send> ParquetSink<W> {
     ) -> Result<Self, TableError> {
         let unit = |unit: &str| HashMap::from([("unit".to_owned(), unit.to_owned())]);
         let kept = columns.kept.iter().map(|name| Field::new(name, DataType::Utf8, true));
-        let inputs = columns.inputs.iter().map(|name| {
-            let known = INPUTS.iter().find(|input| input.name == *name).map_or("", |i| i.unit);
-            Field::new(*name, DataType::Float64, true).with_metadata(unit(known))
+        let inputs = columns.inputs.iter().map(|key| {
+            Field::new(key.name(), DataType::Float64, true).with_metadata(unit(key.input().unit))
         });
         let words = ANSWERS.map(|name| Field::new(name, DataType::Utf8, name == "message"));
         let answers = outputs.iter().map(|output| {
@@ -199,6 +275,9 @@ impl<W: Write + Send> ParquetSink<W> {
         let schema = Arc::new(Schema::new(fields));
         let mut properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
+            .set_max_row_group_row_count(Some(ROW_GROUP))
+            // The footer follows the rows at once, so that one hash covers all before it.
+            .set_offset_index_disabled(true)
             .set_statistics_enabled(EnabledStatistics::Chunk);
         for output in outputs {
             // Numbers that hardly repeat.
@@ -216,6 +295,20 @@ impl<W: Write + Send> ParquetSink<W> {
     /// [`TableError`].
     pub fn finish(self) -> Result<W, TableError> {
         Ok(self.writer.into_inner()?)
+    }
+
+    /// [`finish`](Self::finish) with keys in the footer, which are asked for when all before the
+    /// footer is written.
+    pub(crate) fn finish_with(
+        mut self,
+        keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,
+    ) -> Result<W, TableError> {
+        self.writer.flush()?;
+        self.writer.sync()?;
+        for (key, value) in keys(self.writer.inner_mut()) {
+            self.writer.append_key_value_metadata(KeyValue::new(key.to_owned(), value));
+        }
+        self.finish()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Answers for a chunk of rows.
 
 use std::cell::RefCell;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use bsm_case::{Cell as Answer, Output, Record, Scene, Settings};
 use bsm_dyn::ModelWorkspace;
@@ -52,8 +53,35 @@ pub fn solve_on(
     settings: &Settings,
     outputs: &[&Output],
 ) -> Answers {
+    answer(arch, &AtomicBool::new(false), chunk, columns, base, settings, outputs)
+}
+
+/// [`solve`] unless `stop` becomes true before the end: that is looked at before every row of a model,
+/// and before every stride of a kernel.
+pub(crate) fn solve_until(
+    stop: &AtomicBool,
+    chunk: &Chunk,
+    columns: &Columns,
+    base: &Scene,
+    settings: &Settings,
+    outputs: &[&Output],
+) -> Option<Answers> {
+    let answers = answer(Arch::new(), stop, chunk, columns, base, settings, outputs);
+    (!stop.load(Ordering::Relaxed)).then_some(answers)
+}
+
+/// The answers, complete unless `stop` has become true.
+fn answer(
+    arch: Arch,
+    stop: &AtomicBool,
+    chunk: &Chunk,
+    columns: &Columns,
+    base: &Scene,
+    settings: &Settings,
+    outputs: &[&Output],
+) -> Answers {
     let wanted = Wanted::of(outputs);
-    let operands = Operands::of(chunk, columns, base, settings.model);
+    let operands = Operands::of(chunk, columns, base, settings);
     let model = operands.as_ref().map_or(settings.model, |(_, model)| (*model).into());
     let mut answers = Answers::empty(chunk.len, outputs.len(), model);
 
@@ -73,6 +101,9 @@ pub fn solve_on(
         .into_par_iter()
         .map(|mut part| {
             let mut done = vec![false; part.verdicts.len()];
+            if stop.load(Ordering::Relaxed) {
+                return Vec::new();
+            }
             if let Some((operands, model)) = &operands {
                 let (wanted, columns) = (&wanted, &mut part.columns[..]);
                 let rows = Rows { operands, wanted, first: part.first, columns, done: &mut done };
@@ -80,6 +111,9 @@ pub fn solve_on(
             }
             let mut messages = Vec::new();
             for (i, _) in done.iter().enumerate().filter(|(_, done)| !**done) {
+                if stop.load(Ordering::Relaxed) {
+                    break;
+                }
                 let row = part.first + i;
                 let problem = chunk.scene(columns, base, row).and_then(|s| s.problem(settings));
                 let record = match problem {

@@ -4,7 +4,7 @@ use bsm_dyn::{Solution, Transmission};
 use bsm_kin::Motion;
 use bsm_kin::Site::{Nut, NutMinor, Screw};
 
-use crate::units::{DEG, MM, MPA, UM};
+use crate::units::{DEG, MM, MPA, UM, direction_deg};
 
 /// A value of one output.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,9 +88,9 @@ outputs! {
     minor_normal_load_N ["N"] Number(|s| s.contact(NutMinor)?.load), "normal load of a ball on the opposite flank of the nut";
     nut_contact_angle_deg ["deg"] Number(|s| Some(s.contact(Nut)?.angle / DEG)), "contact angle at the nut";
     screw_contact_angle_deg ["deg"] Number(|s| Some(s.contact(Screw)?.angle / DEG)), "contact angle at the screw";
-    nut_slip_angle_deg ["deg"] Number(|s| Some(s.contact(Nut)?.slip_angle? / DEG)), "direction of friction on the ball at the nut";
-    screw_slip_angle_deg ["deg"] Number(|s| Some(s.contact(Screw)?.slip_angle? / DEG)), "direction of friction on the ball at the screw";
-    minor_slip_angle_deg ["deg"] Number(|s| Some(s.contact(NutMinor)?.slip_angle? / DEG)), "direction of friction on the ball at the minor contact";
+    nut_slip_angle_deg ["deg"] Number(|s| Some(direction_deg(s.contact(Nut)?.slip_angle?))), "direction of friction on the ball at the nut";
+    screw_slip_angle_deg ["deg"] Number(|s| Some(direction_deg(s.contact(Screw)?.slip_angle?))), "direction of friction on the ball at the screw";
+    minor_slip_angle_deg ["deg"] Number(|s| Some(direction_deg(s.contact(NutMinor)?.slip_angle?))), "direction of friction on the ball at the minor contact";
     nut_slip_velocity_m_s ["m/s"] Number(|s| Some(s.contact(Nut)?.slip?.speed)), "slip speed at the nut";
     screw_slip_velocity_m_s ["m/s"] Number(|s| Some(s.contact(Screw)?.slip?.speed)), "slip speed at the screw";
     minor_slip_velocity_m_s ["m/s"] Number(|s| Some(s.contact(NutMinor)?.slip?.speed)), "slip speed at the minor contact";

@@ -51,7 +51,7 @@ impl Analysis {
             ));
         }
         report.blocks.push(powers.block(dissipated, difference));
-        Ok(report)
+        report.finite()
     }
 }
 

@@ -1,18 +1,18 @@
 //! `bsm batch`: one row in, one row out.
 
-use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, Read};
 use std::path::Path;
 
-use bsm_batch::{CsvSource, JsonSource, ParquetSource, Source, TableError};
-use bsm_case::{CaseError, Scene};
+use bsm_batch::dataset::Points;
+use bsm_batch::{CsvSource, Source, TableError, Workers};
+use bsm_case::Scene;
 
 use crate::args::BatchArgs;
 use crate::failure::Failure;
 use crate::files::{self, read_scene};
-use crate::stream::{Kind, Task};
+use crate::stream::{Job, format_of};
 
-pub(crate) fn run(args: &BatchArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &BatchArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let mut base = Scene::default();
     if let Some(path) = &args.base {
         base = read_scene(path, &[])?;
@@ -20,63 +20,32 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), Failure> {
     }
     files::apply(&mut base, &args.settings)?;
     let settings = args.model.settings().map_err(|e| Failure::Input(e.to_string()))?;
-    let task = Task::new(&base, &settings, &args.table)?;
+    let job = Job::new(&base, &settings, &args.table)?;
+    job.needs_a_file(&args.points)?;
     let mut source = open(&args.points, &args.keep)?;
     // Without its inputs no row can be solved: that is told once, not on every row.
-    let mut asked = base.clone();
-    for name in &source.columns().inputs {
-        // Any number stands for the column; rules are checked row by row.
-        asked.set(name, 1.0).map_err(|e| Failure::Input(e.to_string()))?;
-    }
-    if let Err(error @ CaseError::Missing { .. }) = asked.choose(settings.model) {
+    let most = base.given() | source.columns().set();
+    if let Err(error) = settings.model.resolve(most, |_| Ok(())) {
         return Err(Failure::Input(format!(
             "{}: {error}; add columns, a --base scene or --set",
             args.points.display()
         )));
     }
-    let origin = || origin(&args.points);
-    task.run(source.as_mut(), origin, |_, _| {}).map_err(|e| match e {
+    let points = Points::Table { path: args.points.clone(), keep: args.keep.clone() };
+    job.run(source.as_mut(), &points, workers, |_, _| {}).map_err(|e| match e {
         Failure::Table(error) => Failure::table(&args.points, &error),
         other => other,
     })
 }
 
-/// Name and checksum of a table, which tell whether it has changed.
-fn origin(path: &Path) -> Result<String, Failure> {
-    if path.as_os_str() == "-" {
-        let text = "a folder needs points from a file: standard input cannot be read again";
-        return Err(Failure::Input(text.to_owned()));
-    }
-    let failed = |e: io::Error| Failure::files("read", path, &e);
-    let mut file = BufReader::new(File::open(path).map_err(failed)?);
-    let mut sum = crc32fast::Hasher::new();
-    let mut buffer = vec![0; 1 << 16];
-    let mut length = 0_u64;
-    loop {
-        let read = file.read(&mut buffer).map_err(failed)?;
-        if read == 0 {
-            break;
-        }
-        sum.update(&buffer[..read]);
-        length += read as u64;
-    }
-    Ok(format!("{} bytes, CRC-32 {:08x}", length, sum.finalize()))
-}
-
 /// Opens a table by the ending of its name; `-` is CSV on standard input.
 pub(crate) fn open(path: &Path, keep: &[String]) -> Result<Box<dyn Source>, Failure> {
-    let kind = Kind::of(path, "POINTS")?;
-    let failed = |e: TableError| Failure::table(path, &e);
-    let file = || File::open(path).map_err(|e| Failure::files("read", path, &e));
-    Ok(match kind {
-        Kind::Parquet => Box::new(ParquetSource::new(file()?, keep).map_err(failed)?),
-        Kind::JsonLines => {
-            Box::new(JsonSource::new(BufReader::new(file()?), keep).map_err(failed)?)
-        }
-        Kind::Csv => {
-            let reader: Box<dyn Read + Send> =
-                if path.as_os_str() == "-" { Box::new(io::stdin()) } else { Box::new(file()?) };
-            Box::new(CsvSource::new(reader, keep).map_err(failed)?)
-        }
-    })
+    let format = format_of(path, "POINTS")?;
+    let source: Result<Box<dyn Source>, TableError> = if path.as_os_str() == "-" {
+        let reader: Box<dyn Read + Send> = Box::new(io::stdin());
+        CsvSource::new(reader, keep).map(|source| Box::new(source) as Box<dyn Source>)
+    } else {
+        format.open(path, keep)
+    };
+    source.map_err(|e| Failure::table(path, &e))
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use bsm_batch::TableError;
-use bsm_case::CaseError;
+use bsm_case::{CaseError, printable};
 use bsm_validate::ValidateError;
 use thiserror::Error;
 
@@ -22,6 +22,9 @@ pub(crate) enum Failure {
     /// Ran, but a point has no solution or a check failed; the words are printed already.
     #[error("unsolved")]
     Unsolved,
+    /// What was written before is not what it should be.
+    #[error("{0}")]
+    Check(String),
     /// A table of points that cannot be read on.
     #[error(transparent)]
     Table(#[from] TableError),
@@ -67,12 +70,21 @@ impl Failure {
         }
     }
 
+    /// The system has no thread left.
+    pub(crate) fn no_thread(error: &io::Error) -> Self {
+        Self::Files(format!(
+            "cannot start a thread: {error}; raise the limits of processes and memory (ulimit -u, \
+             ulimit -v), or give --threads 1"
+        ))
+    }
+
     /// Prints the failure to standard error.
     pub(crate) fn report(&self) -> ExitCode {
         let code = match self {
             Self::ClosedPipe => return ExitCode::SUCCESS,
             Self::Unsolved => return ExitCode::from(3),
             Self::Files(_) => 1,
+            Self::Check(_) => 3,
             Self::Input(_) | Self::Table(_) => 2,
         };
         warn("error", &self.to_string());
@@ -105,5 +117,5 @@ pub(crate) fn usage(told: &clap::Error) -> ExitCode {
 
 /// One paragraph to standard error; nobody is left to tell if that fails.
 pub(crate) fn warn(kind: &str, text: &str) {
-    let _ = writeln!(io::stderr(), "{kind}: {text}");
+    let _ = writeln!(io::stderr(), "{kind}: {}", printable(text));
 }

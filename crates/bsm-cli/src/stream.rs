@@ -1,202 +1,201 @@
-//! From a source of rows to a table: chunks solved on all cores, with progress.
+//! From points to a table or a folder of tables: the arguments, the bar and the words of the batch pipeline.
 
-use std::fs::{self, File, TryLockError};
-use std::io::{self, IsTerminal, Read, Write};
-use std::panic::resume_unwind;
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread;
+use std::fs;
+use std::io::{self, IsTerminal};
+use std::path::Path;
 
+use bsm_batch::dataset::{Dataset, DatasetError, Event, Plan, Points};
 use bsm_batch::{
-    Answers, Chunk, Columns, CsvSink, JsonSink, ParquetSink, Sink, Source, TableError, solve,
+    Answers, Chunk, Count, Format, RunError, Source, TableError, TableSink, Task, Workers,
 };
 use bsm_case::{Output as Column, Scene, Settings};
-use bsm_dyn::Status;
-use bsm_validate::PROGRAM;
-use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::json;
+use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
 
 use crate::args::TableArgs;
 use crate::failure::{Failure, warn};
 use crate::files::{self, Output};
-
-/// Rows that are in memory at a time.
-const ROWS: usize = 1 << 16;
+use crate::unfinished;
 
 /// What all rows have in common, and where they go.
-pub(crate) struct Task<'a> {
-    base: Scene,
-    settings: &'a Settings,
-    /// Outputs to write.
-    outputs: Vec<&'static Column>,
-    /// An output that is only looked at.
-    pub(crate) watched: Option<&'static Column>,
+pub(crate) struct Job<'a> {
+    task: Task,
     table: &'a TableArgs,
 }
 
-/// How many rows there were, and how many of them have no result.
-#[derive(Debug, Default, Clone, Copy)]
-struct Count {
-    rows: u64,
-    failed: u64,
-}
-
-impl<'a> Task<'a> {
+impl<'a> Job<'a> {
     pub(crate) fn new(
         base: &Scene,
-        settings: &'a Settings,
+        settings: &Settings,
         table: &'a TableArgs,
     ) -> Result<Self, Failure> {
         let outputs = Answers::select(table.columns.as_deref())
             .map_err(|e| Failure::Input(format!("--columns: {e}")))?;
-        let base = Scene { description: None, ..base.clone() };
-        Ok(Self { base, settings, outputs, watched: None, table })
+        let task = Task { base: base.clone(), settings: *settings, outputs, watched: None };
+        Ok(Self { task, table })
     }
 
-    /// Solves all rows of `source` into a table, or into a folder of tables, and tells how many
-    /// have no result; `each` sees the watched output of every chunk that is solved.
+    /// An output that is shown and not written.
+    pub(crate) fn watch(&mut self, output: &'static Column) {
+        self.task.watched = Some(output);
+    }
+
+    /// Solves all rows into a table, or into a folder of tables, and tells how many have no result;
+    /// `each` sees the watched output of every chunk that is solved.
     ///
-    /// * `origin`: what the rows are made from, in words that change if it does; asked for folders
-    ///   only.
+    /// * `source`: the rows.
+    /// * `points`: where they come from, for a folder.
     pub(crate) fn run(
         &self,
         source: &mut dyn Source,
-        origin: impl FnOnce() -> Result<String, Failure>,
-        each: impl FnMut(&Chunk, &[f64]),
+        points: &Points,
+        workers: &Workers<'_>,
+        mut each: impl FnMut(&Chunk, &[f64]),
     ) -> Result<(), Failure> {
-        if let Some(threads) = self.table.threads {
-            // The first and only time that the pool is built.
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(threads.get())
-                .build_global()
-                .map_err(|e| Failure::Files(format!("cannot start {threads} threads: {e}")))?;
-        }
-        let target = Target::of(&self.table.output, self.table.resume, origin)?;
-        let Count { rows, failed } = self.solve(source, &target, each)?;
-        if failed > 0 {
-            warn("note", &format!("{failed} of {rows} rows have no result; they say why"));
-            if self.table.strict {
-                return Err(Failure::Unsolved);
+        let TableArgs { output, quiet, .. } = self.table;
+        let folder = self.is_folder()?;
+        let mut watch = |chunk: &Chunk, answers: &Answers| {
+            if let (Some(_), Some(watched)) = (self.task.watched, answers.columns.last()) {
+                each(chunk, watched);
             }
+        };
+        let Count { rows, failed } = if folder {
+            self.fill_folder(points, workers, &mut watch)?
+        } else {
+            let bar = progress(source.len_hint(), "rows", *quiet);
+            let count = self.write_file(source, workers, &mut |chunk, answers| {
+                bar.inc(chunk.len as u64);
+                watch(chunk, answers);
+            });
+            bar.finish_and_clear();
+            count?
+        };
+        if failed == 0 {
+            return Ok(());
+        }
+        warn(
+            "note",
+            &format!(
+                "{failed} of {rows} rows have no result; they say why in {}",
+                output.display()
+            ),
+        );
+        if self.table.keep_going { Ok(()) } else { Err(Failure::Unsolved) }
+    }
+
+    /// Refuses points for a folder that cannot be read twice, before anything is read.
+    pub(crate) fn needs_a_file(&self, points: &Path) -> Result<(), Failure> {
+        let once = points.as_os_str() == "-" || fs::metadata(points).is_ok_and(|p| !p.is_file());
+        if self.is_folder()? && once {
+            return Err(Failure::Input(format!(
+                "{}: a folder of parts needs points that can be read twice, from a file",
+                if points.as_os_str() == "-" {
+                    "standard input".into()
+                } else {
+                    points.to_string_lossy()
+                }
+            )));
         }
         Ok(())
     }
 
-    fn solve(
+    /// A folder if the path ends like one or is one, else a file.
+    fn is_folder(&self) -> Result<bool, Failure> {
+        let path = self.table.output.as_path();
+        if path.as_os_str().to_string_lossy().ends_with(['/', '\\']) || path.is_dir() {
+            return Ok(true);
+        }
+        if self.table.resume {
+            let folder = if path.as_os_str() == "-" { Path::new("map") } else { path };
+            return Err(Failure::Input(format!(
+                "--resume cannot go on with {}: a single table appears when it is complete, and a run \
+                 that is stopped leaves nothing; write a folder of parts, --output {}/, and --resume \
+                 goes on with it",
+                if path.as_os_str() == "-" {
+                    "standard output".into()
+                } else {
+                    path.to_string_lossy()
+                },
+                folder.with_extension("").display()
+            )));
+        }
+        if self.table.rows_per_shard.is_some() {
+            let text = "--rows-per-shard is for folders, such as --output map/";
+            return Err(Failure::Input(text.to_owned()));
+        }
+        Ok(false)
+    }
+
+    fn write_file(
         &self,
         source: &mut dyn Source,
-        target: &Target<'_>,
-        mut each: impl FnMut(&Chunk, &[f64]),
+        workers: &Workers<'_>,
+        seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
-        let bar = progress(source.len_hint(), "rows", self.table.quiet);
-        let mut count = Count::default();
-        let lock = target.parts(source, self)?;
-        let parts = lock.is_some();
-        let mut done = Ok(true);
-        for part in 0_u64.. {
-            let path = target.file(part);
-            if parts && path.exists() {
-                source.skip(PART)?;
-                bar.inc(PART);
-                continue;
-            }
-            let limit = if parts { PART } else { u64::MAX };
-            done = self.write(source, &path, limit, &mut |chunk, answers| {
-                let verdicts = &answers.verdicts;
-                count.rows += verdicts.len() as u64;
-                let failed = verdicts.iter().filter(|v| v.status != Status::Converged).count();
-                count.failed += failed as u64;
-                bar.inc(verdicts.len() as u64);
-                if let (Some(_), Some(watched)) = (self.watched, answers.columns.last()) {
-                    each(chunk, watched);
-                }
-            });
-            if !parts || !matches!(done, Ok(true)) {
-                break;
-            }
-        }
-        bar.finish_and_clear();
-        done.map(|_| count)
+        let path = self.table.output.as_path();
+        let format = format_of(path, "--output")?;
+        let failed = |e: TableError| unwritable(path, &e);
+        let out = Output::create(path)?;
+        let sink = TableSink::new(format, out, source.columns(), &self.task.outputs);
+        let run = self.task.run(source, sink.map_err(failed)?, u64::MAX, workers, seen);
+        let (sink, count) = run.map_err(|error| match error {
+            RunError::Read(error) => Failure::Table(error),
+            RunError::Write(error) => failed(error),
+            RunError::Thread(error) => Failure::no_thread(&error),
+            RunError::Stopped => Failure::Files(error.to_string()),
+        })?;
+        sink.finish().map_err(failed)?.complete()?;
+        Ok(count)
     }
 
-    /// Writes one table of at most `limit` rows; false if the source ended before its first row.
-    ///
-    /// One thread reads ahead and one writes behind those that solve.
-    fn write(
+    fn fill_folder(
         &self,
-        source: &mut dyn Source,
-        path: &Path,
-        limit: u64,
-        each: &mut dyn FnMut(&Chunk, &Answers),
-    ) -> Result<bool, Failure> {
-        let first = source.next(ROWS)?;
-        if first.is_none() && limit < u64::MAX {
-            return Ok(false);
+        points: &Points,
+        workers: &Workers<'_>,
+        watch: &mut dyn FnMut(&Chunk, &Answers),
+    ) -> Result<Count, Failure> {
+        let TableArgs { output: folder, resume, rows_per_shard, quiet, .. } = self.table;
+        let failed = |error: DatasetError| dataset(folder, error);
+        let plan = Plan::new(&self.task, points, *rows_per_shard, workers).map_err(failed)?;
+        let begin = if *resume { Dataset::resume } else { Dataset::create };
+        let parts = begin(folder, plan, |file| unfinished::make(file)).map_err(failed)?;
+        // Parts are trusted when their bytes are as they were written.
+        let found = parts.survey(true, workers).map_err(failed)?;
+        if let Some(one) = found.foreign.first() {
+            let text = format!(
+                "{} is no part of this table, and is left alone; who reads the folder reads it too",
+                one.display()
+            );
+            warn("warning", &text);
         }
-        let columns = source.columns().clone();
-        let sink = TableFile::create(path, &columns, &self.outputs)?;
-        let outputs: Vec<_> = self.outputs.iter().copied().chain(self.watched).collect();
-        let (read, chunks) = sync_channel(1);
-        let (solved, answered) = sync_channel(1);
-        thread::scope(|scope| {
-            scope.spawn(move || read_ahead(source, first, limit, &read));
-            let writer = scope.spawn(move || write_behind(sink, &answered));
-            let mut done = Ok(());
-            for chunk in chunks {
-                let chunk = match chunk {
-                    Ok(chunk) => chunk,
-                    Err(error) => {
-                        done = Err(Failure::from(error));
-                        break;
-                    }
-                };
-                let answers = solve(&chunk, &columns, &self.base, self.settings, &outputs);
-                each(&chunk, &answers);
-                if solved.send((chunk, answers)).is_err() {
-                    // The writer has failed, and says why itself.
-                    break;
-                }
+        let bar = progress(Some(parts.plan().rows()), "rows", *quiet);
+        let count = parts.run(&self.task, points, found, workers, &mut |event| match event {
+            Event::Found(rows) => bar.inc(rows),
+            Event::Solved(chunk, answers) => {
+                bar.inc(chunk.len as u64);
+                watch(chunk, answers);
             }
-            drop(solved);
-            let file = writer.join().unwrap_or_else(|panic| resume_unwind(panic));
-            done?;
-            file.map_err(|error| unwritable(path, &error))?.complete()?;
-            Ok(true)
-        })
+        });
+        bar.finish_and_clear();
+        count.map_err(failed)
     }
 }
 
-/// Sends the rows of a source, at most `limit`, until it ends, fails, or nobody listens.
-fn read_ahead(
-    source: &mut dyn Source,
-    mut first: Option<Chunk>,
-    limit: u64,
-    to: &SyncSender<Result<Chunk, TableError>>,
-) {
-    let mut rows = 0;
-    while rows < limit {
-        let most = usize::try_from(limit - rows).unwrap_or(ROWS).min(ROWS);
-        let Some(chunk) =
-            first.take().map_or_else(|| source.next(most).transpose(), |c| Some(Ok(c)))
-        else {
-            break;
-        };
-        rows += chunk.as_ref().map_or(limit, |chunk| chunk.len as u64);
-        if to.send(chunk).is_err() {
-            break;
-        }
+/// What is wrong with a folder, with the exit code of its kind.
+fn dataset(folder: &Path, error: DatasetError) -> Failure {
+    match error {
+        DatasetError::Read(error) => Failure::Table(error),
+        DatasetError::Write { path, error } => unwritable(&path, &error),
+        DatasetError::Io { doing, path, error } => Failure::files(doing, &path, &error),
+        DatasetError::Thread(error) => Failure::no_thread(&error),
+        DatasetError::Stopped => Failure::Files(error.to_string()),
+        DatasetError::Damaged(_) => Failure::Check(error.to_string()),
+        DatasetError::AnotherPlan { .. } => Failure::Input(format!("--resume: {error}")),
+        DatasetError::NotAPlan { .. } => Failure::Input(format!(
+            "{error}; take another folder than {}, or put the plan back",
+            folder.display()
+        )),
+        other => Failure::Input(other.to_string()),
     }
-}
-
-/// Writes what comes, and then the end of the table.
-fn write_behind(
-    mut file: TableFile,
-    from: &Receiver<(Chunk, Answers)>,
-) -> Result<Output, TableError> {
-    for (chunk, answers) in from {
-        file.sink().write(chunk, answers)?;
-    }
-    file.finish()
 }
 
 /// A table that cannot be written.
@@ -208,193 +207,16 @@ pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
     }
 }
 
-/// Where a table goes.
-enum Target<'a> {
-    /// One file, or standard output.
-    File(&'a Path),
-    /// A folder of Parquet files of [`PART`] rows.
-    Folder {
-        path: &'a Path,
-        /// What the rows are made from, in words that change if it does.
-        origin: String,
-        /// Keep the parts that are there.
-        resume: bool,
-    },
-}
-
-/// Rows of a part.
-const PART: u64 = 1 << 20;
-
-/// Name of the file in a folder that says what its parts are.
-const MANIFEST: &str = "parts.json";
-
-impl<'a> Target<'a> {
-    /// A folder if the path ends like one, else a file.
-    fn of(
-        path: &'a Path,
-        resume: bool,
-        origin: impl FnOnce() -> Result<String, Failure>,
-    ) -> Result<Self, Failure> {
-        let ends_like_one = path.as_os_str().to_string_lossy().ends_with(['/', '\\']);
-        if ends_like_one || path.is_dir() {
-            return Ok(Self::Folder { path, origin: origin()?, resume });
-        }
-        if resume {
-            return Err(Failure::Input(format!(
-                "--resume works on folders, such as --output {}/",
-                path.with_extension("").display()
-            )));
-        }
-        Ok(Self::File(path))
-    }
-
-    fn file(&self, part: u64) -> PathBuf {
-        match self {
-            Self::File(path) => path.to_path_buf(),
-            Self::Folder { path, .. } => path.join(format!("part-{part:06}.parquet")),
-        }
-    }
-
-    /// Makes the folder ready, and checks that the parts in it are of the same task; `None` for a
-    /// file. Nobody else writes into the folder while what is returned is open.
-    fn parts(&self, source: &dyn Source, task: &Task<'_>) -> Result<Option<File>, Failure> {
-        let Self::Folder { path, origin, resume } = self else { return Ok(None) };
-        let columns = source.columns();
-        let manifest = format!(
-            "{:#}\n",
-            json!({
-                "program": PROGRAM,
-                "rows_of_a_part": PART,
-                "origin": origin,
-                "columns": columns.kept.iter().map(String::as_str)
-                    .chain(columns.inputs.iter().copied()).collect::<Vec<_>>(),
-                "base": format!("{:?}", task.base),
-                "settings": format!("{:?}", task.settings),
-                "outputs": task.outputs.iter().map(|o| o.name).collect::<Vec<_>>(),
-            })
-        );
-        fs::create_dir_all(path).map_err(|e| Failure::files("make folder", path, &e))?;
-        let file = path.join(MANIFEST);
-        let entries = fs::read_dir(path).map_err(|e| Failure::files("read folder", path, &e))?;
-        if !file.exists() && entries.count() > 0 {
-            return Err(Failure::Input(format!(
-                "{} is a folder with something else in it",
-                path.display()
-            )));
-        }
-        let failed = |e: io::Error| Failure::files("write", &file, &e);
-        let open = File::options().read(true).write(true).create(true).truncate(false).open(&file);
-        let mut open = open.map_err(failed)?;
-        if matches!(open.try_lock(), Err(TryLockError::WouldBlock)) {
-            return Err(files::refused(path, "another bsm is writing there"));
-        }
-        let mut found = Vec::new();
-        open.read_to_end(&mut found).map_err(failed)?;
-        let same = found == manifest.as_bytes();
-        if found.is_empty() {
-            let written = open.write_all(manifest.as_bytes()).and_then(|()| open.sync_all());
-            if let Err(error) = written {
-                // Half of it would pass for another task.
-                let _ = open.set_len(0);
-                return Err(failed(error));
-            }
-        } else if !resume {
-            return Err(Failure::Input(format!(
-                "{} holds the parts of {} task; go on with --resume, or take another folder",
-                path.display(),
-                if same { "this" } else { "another" }
-            )));
-        } else if !same {
-            return Err(Failure::Input(format!(
-                "--resume: {} holds the parts of another task (see {}): input, base scene, \
-                 settings and columns must be the same",
-                path.display(),
-                file.display()
-            )));
-        }
-        remove_unfinished(path)?;
-        Ok(Some(open))
-    }
-}
-
-/// Removes what a killed run has left behind.
-fn remove_unfinished(folder: &Path) -> Result<(), Failure> {
-    let entries = fs::read_dir(folder).map_err(|e| Failure::files("read folder", folder, &e))?;
-    for entry in entries.flatten() {
-        if entry.file_name().to_string_lossy().starts_with(files::TEMPORARY) {
-            fs::remove_file(entry.path())
-                .map_err(|e| Failure::files("remove", &entry.path(), &e))?;
-        }
-    }
-    Ok(())
-}
-
-/// A table that is being written, by the ending of its name.
-enum TableFile {
-    Csv(Box<CsvSink<Output>>),
-    Json(JsonSink<Output>),
-    Parquet(Box<ParquetSink<Output>>),
-}
-
-impl TableFile {
-    fn create(
-        path: &Path,
-        columns: &Columns,
-        outputs: &[&'static Column],
-    ) -> Result<Self, Failure> {
-        let kind = Kind::of(path, "--output")?;
-        let out = Output::create(path)?;
-        let failed = |e: TableError| unwritable(path, &e);
-        Ok(match kind {
-            Kind::Csv => Self::Csv(Box::new(CsvSink::new(out, columns, outputs).map_err(failed)?)),
-            Kind::JsonLines => Self::Json(JsonSink::new(out, columns.clone(), outputs)),
-            Kind::Parquet => {
-                Self::Parquet(Box::new(ParquetSink::new(out, columns, outputs).map_err(failed)?))
-            }
-        })
-    }
-
-    fn sink(&mut self) -> &mut dyn Sink {
-        match self {
-            Self::Csv(sink) => sink.as_mut(),
-            Self::Json(sink) => sink,
-            Self::Parquet(sink) => sink.as_mut(),
-        }
-    }
-
-    fn finish(self) -> Result<Output, TableError> {
-        match self {
-            Self::Csv(sink) => sink.finish(),
-            Self::Json(sink) => Ok(sink.finish()),
-            Self::Parquet(sink) => sink.finish(),
-        }
-    }
-}
-
-/// Forms of a table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
-    Csv,
-    JsonLines,
-    Parquet,
-}
-
-impl Kind {
-    /// By the ending of the name; `-` is CSV.
-    pub(crate) fn of(path: &Path, what: &str) -> Result<Self, Failure> {
-        let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-        match ending.as_deref() {
-            Some("csv") => Ok(Self::Csv),
-            Some("jsonl" | "ndjson") => Ok(Self::JsonLines),
-            Some("parquet") => Ok(Self::Parquet),
-            _ if path.as_os_str() == "-" => Ok(Self::Csv),
-            _ => Err(Failure::Input(format!(
-                "{what} {}: the file must end in .csv, .jsonl or .parquet, or be - for CSV on the \
-                 standard streams",
-                path.display()
-            ))),
-        }
-    }
+/// The form of a table by the ending of its name; `-` is CSV.
+pub(crate) fn format_of(path: &Path, what: &str) -> Result<Format, Failure> {
+    let stream = (path.as_os_str() == "-").then_some(Format::Csv);
+    Format::of(path).or(stream).ok_or_else(|| {
+        Failure::Input(format!(
+            "{what} {}: the file must end in .csv, .jsonl or .parquet, or be - for CSV on the standard \
+             streams",
+            path.display()
+        ))
+    })
 }
 
 /// A bar on a terminal, nothing elsewhere.
@@ -405,12 +227,40 @@ pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressB
     let (bar, template) = match total {
         Some(total) => (
             ProgressBar::new(total),
-            format!("{{wide_bar}} {{human_pos}}/{{human_len}} {what}, {{per_sec}}, {{eta}} left"),
+            format!("{{wide_bar}} {{human_pos}}/{{human_len}} {what}, {{rate}}, {{eta}} left"),
         ),
-        None => {
-            (ProgressBar::new_spinner(), format!("{{spinner}} {{human_pos}} {what}, {{per_sec}}"))
-        }
+        None => (ProgressBar::new_spinner(), format!("{{spinner}} {{human_pos}} {what}, {{rate}}")),
     };
-    let style = ProgressStyle::with_template(&template);
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    let style = ProgressStyle::with_template(&template)
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+            // A bar that cannot be drawn is nobody's loss.
+            let _ = text.write_str(&rate(state.per_sec()));
+        });
+    bar.with_style(style)
+}
+
+/// Rows a second in whole numbers.
+fn rate(per_second: f64) -> String {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a rate to look at"
+    )]
+    let whole = per_second.round() as u64;
+    let mut text = HumanCount(whole).to_string();
+    text.push_str("/s");
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Found by a user: `20,083.5883/s`.
+    #[test]
+    fn progress_is_in_whole_numbers() {
+        assert_eq!(rate(20_083.588_3), "20,084/s");
+        assert_eq!(rate(0.2), "0/s");
+    }
 }

@@ -3,19 +3,20 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use bsm_batch::{Chunk, GridSource};
-use bsm_case::{Axis as GridAxis, CaseError, Grid, ModelChoice, Output as OutputColumn};
+use bsm_batch::dataset::Points;
+use bsm_batch::{Chunk, GridSource, Workers};
+use bsm_case::{Axis as GridAxis, CaseError, Grid, ModelChoice, Output as OutputColumn, exact};
 use bsm_validate::figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 
 use crate::args::SweepArgs;
 use crate::failure::Failure;
 use crate::files::{self, Output, read_scene};
-use crate::stream::Task;
+use crate::stream::Job;
 
 /// Points of a plot: beyond, a viewer of SVG chokes.
 const MOST_POINTS: usize = 100_000;
 
-pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let base = read_scene(&args.scene.scene, &args.scene.settings)?;
     for output in [Some(&args.table.output), args.plot.as_ref()] {
         files::keep(&args.scene.scene, output.map(PathBuf::as_path))?;
@@ -27,19 +28,13 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let grid = Grid::new(axes).map_err(usage)?;
 
     // Everything that can be told before the work: the fixed inputs, the model, the outputs.
-    grid.fixed(&base).check().map_err(in_file)?;
+    grid.check(&base).map_err(in_file)?;
     let mut settings = args.model.settings().map_err(in_file)?;
-    // One choice for all rows, even if it does not cover the first or last point.
-    let [first, last] =
-        [0, grid.len() - 1].map(|i| grid.scene(&base, &grid.point(i)).choose(settings.model));
-    settings.model = match (first, last) {
-        (Ok(ModelChoice::Fixed(first)), Ok(ModelChoice::Fixed(last))) => {
-            ModelChoice::Fixed(first.max(last))
-        }
-        (Ok(_), Ok(_)) => ModelChoice::Auto,
-        (Ok(model), Err(_)) | (Err(_), Ok(model)) => model,
-        (Err(error), Err(_)) => return Err(in_file(error)),
-    };
+    // One choice for all rows, of what covers one end of the grid at least.
+    let ends = [0, grid.len() - 1].map(|i| grid.scene(&base, &grid.point(i)));
+    let covers = |model| ends[0].covered_by(model).or_else(|_| ends[1].covered_by(model));
+    let given = base.given().overridden_by(grid.varied());
+    settings.model = settings.model.resolve(given, covers).map_err(in_file)?;
     let mut plot = match &args.plot {
         Some(path) => {
             let curves = Curves::new(&grid, &args.plot_output, path)?;
@@ -47,22 +42,20 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
         }
         None => None,
     };
-    let mut task = Task::new(&base, &settings, &args.table)?;
-    task.watched = plot.as_ref().map(|(curves, ..)| curves.output);
+    let mut job = Job::new(&base, &settings, &args.table)?;
+    if let Some((curves, ..)) = &plot {
+        job.watch(curves.output);
+    }
     if plot.is_some() && args.table.resume {
         let text = "--plot needs all points; it does not go with --resume";
         return Err(Failure::Input(text.to_owned()));
     }
-    let mut source = GridSource::new(grid);
-    let solved = task.run(
-        &mut source,
-        || Ok(args.vary.join(" ")),
-        |chunk, values| {
-            if let Some((curves, ..)) = &mut plot {
-                curves.add(chunk, values);
-            }
-        },
-    );
+    let mut source = GridSource::new(grid.clone());
+    let solved = job.run(&mut source, &Points::Grid(grid), workers, |chunk, values| {
+        if let Some((curves, ..)) = &mut plot {
+            curves.add(chunk, values);
+        }
+    });
     if !matches!(solved, Ok(()) | Err(Failure::Unsolved)) {
         return solved;
     }
@@ -121,13 +114,13 @@ impl Curves {
         let lines = (0..count)
             .map(|i| Curve {
                 marks: Vec::new(),
-                label: series.map(|axis| format!("{} = {}", axis.name, axis.value(i))),
+                label: series.map(|axis| format!("{} = {}", axis.key.name(), exact(axis.value(i)))),
                 color: i,
                 stroke: Stroke::Solid,
                 points: Vec::new(),
             })
             .collect();
-        Ok(Self { output, x_name: x.name, lines })
+        Ok(Self { output, x_name: x.key.name(), lines })
     }
 
     /// Adds the points of a chunk, of which the second axis runs fastest; one without a result

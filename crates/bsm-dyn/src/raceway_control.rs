@@ -9,12 +9,12 @@ mod sensitivities;
 use std::num::NonZeroUsize;
 
 use bsm_kin::{Motion, Scalar};
-use bsm_newton::Workspace;
 use nalgebra::Vector3;
 
 pub(crate) use self::balance::STATIC;
 use self::balance::{Balance, Root};
 use crate::ellipse::Quadrature;
+use crate::equations::Workspace;
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
 use crate::{Model, Reason, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission};
 
@@ -38,13 +38,13 @@ pub struct RacewayControl<D = f64> {
 
 /// Memory of the solves.
 pub struct RacewayWorkspace {
-    newton: Workspace,
+    newton: Workspace<STATIC>,
     quadrature: Quadrature,
 }
 
 impl Default for RacewayWorkspace {
     fn default() -> Self {
-        Self { newton: Workspace::new(STATIC), quadrature: Quadrature::new(RacewayControl::ORDER) }
+        Self { newton: Workspace::default(), quadrature: Quadrature::new(RacewayControl::ORDER) }
     }
 }
 
@@ -121,7 +121,7 @@ impl Grip {
     pub(crate) fn of(
         pair: &Pair,
         control: Option<Control>,
-        newton: &mut Workspace,
+        newton: &mut Workspace<STATIC>,
     ) -> Result<Self, (Status, Reason)> {
         let nut = Self::controlled(pair, control.unwrap_or(Control::Nut), newton);
         if control.is_some() {
@@ -144,7 +144,7 @@ impl Grip {
     fn controlled(
         pair: &Pair,
         control: Control,
-        newton: &mut Workspace,
+        newton: &mut Workspace<STATIC>,
     ) -> Result<Self, (Status, Reason)> {
         let balance = Balance::new(pair, control);
         let Root { unknowns, steps, residual } = balance.first_root(newton)?;
@@ -317,7 +317,7 @@ mod tests {
         let fine = Quadrature::new(NonZeroUsize::new(48).expect("positive"));
         for (axial, rpm) in [(2113.0, 2000.0), (20.0, 500.0), (5000.0, -30.0)] {
             let eta = |quadrature: Quadrature| {
-                let mut memory = RacewayWorkspace { quadrature, newton: Workspace::new(STATIC) };
+                let mut memory = RacewayWorkspace { quadrature, newton: Workspace::default() };
                 lin(axial, rpm).solve(&mut memory).outputs.efficiency.expect("efficiency")
             };
             let exact = eta(fine.clone());

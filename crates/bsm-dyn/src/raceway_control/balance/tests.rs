@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use bsm_kin::{Drive, Helix};
+use bsm_kin::{Drive, Helix, Jet};
 use proptest::prelude::*;
 
 use super::*;
@@ -78,7 +78,7 @@ proptest! {
     fn the_first_root_is_that_of_a_dense_search(screw in screws(), nut in any::<bool>()) {
         let control = if nut { Control::Nut } else { Control::Screw };
         let Ok(pair) = screw.pair() else { return Ok(()) };
-        let found = Balance::new(&pair, control).first_root(&mut Workspace::new(STATIC));
+        let found = Balance::new(&pair, control).first_root(&mut Workspace::default());
         #[expect(clippy::cast_precision_loss, reason = "a small count")]
         let angles = (1..GRID).map(|i| FRAC_PI_2 * i as f64 / GRID as f64);
         let mut before = None;

@@ -1,0 +1,257 @@
+//! A part: a Parquet file that proves itself.
+//!
+//! Its footer says of which plan it is, which of its parts, and holds two hashes: one of all bytes before
+//! the footer and one of the footer itself with zeros in place of that hash. No bit of the file can
+//! change unnoticed, and there is no log that could get lost or out of step.
+
+use std::fs::{self, File};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
+use std::path::Path;
+
+use parquet::file::metadata::ParquetMetaDataReader;
+use sha2::{Digest, Sha256};
+
+use super::digest;
+use crate::parquet_table::{ParquetSink, decoded};
+use crate::{TableError, Workers};
+
+const PLAN: &str = "bsm.plan";
+const SHARD: &str = "bsm.shard";
+const ROWS: &str = "bsm.rows";
+const FAILED: &str = "bsm.failed";
+const DATA_BYTES: &str = "bsm.data_bytes";
+const DATA_SHA256: &str = "bsm.data_sha256";
+const FOOTER_SHA256: &str = "bsm.footer_sha256";
+
+/// What stands in place of the hash of the footer while that is taken.
+const ZEROS: [u8; 64] = [b'0'; 64];
+
+/// Length of the footer and the letters at the end of a Parquet file.
+const TAIL: u64 = 8;
+
+/// Longest footer \[B\]: fifty times that of the largest part with all outputs.
+const LONGEST_FOOTER: u64 = 64 << 20;
+
+/// Which part of which plan a file should be.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place<'a> {
+    /// Id of the plan.
+    pub(super) plan: &'a str,
+    pub(super) shard: u64,
+    pub(super) first_row: u64,
+    pub(super) rows: u64,
+}
+
+/// A finished part.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Part {
+    /// Its number, from 0.
+    pub shard: u64,
+    /// Its first row, from 0.
+    pub first_row: u64,
+    /// Its rows.
+    pub rows: u64,
+    /// Rows without a result.
+    pub failed: u64,
+    /// Bytes before the footer.
+    pub data_bytes: u64,
+    /// Their hash.
+    pub data_sha256: String,
+}
+
+/// What is wrong with what stands under the name of a part.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Damage {
+    /// It cannot be read.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// It is something else than a file.
+    #[error("is {0}, not a file")]
+    NotAFile(&'static str),
+    /// The plan has no such part.
+    #[error("the plan has no part of that name")]
+    NotInThePlan,
+    /// Nothing is in it.
+    #[error("is empty")]
+    Empty,
+    /// It has no footer, or none of a part.
+    #[error("is cut off, changed, or no part of bsm: its footer proves nothing")]
+    Footer,
+    /// A part of something else.
+    #[error("is a part of another plan")]
+    OtherPlan,
+    /// Another part of the plan.
+    #[error("is a copy of part {0}")]
+    OtherPart(String),
+    /// The bytes before the footer are not those that the footer was made of.
+    #[error("has been changed: its bytes do not have the SHA-256 of its footer")]
+    Changed,
+}
+
+/// A writer that hashes what goes through it, and holds back the footer until its hash is in it.
+#[derive(Debug)]
+pub(super) struct Proving<W> {
+    out: W,
+    hash: Sha256,
+    data_bytes: u64,
+    footer: Option<Vec<u8>>,
+}
+
+impl<W: Write> Proving<W> {
+    pub(super) fn new(out: W) -> Self {
+        Self { out, hash: Sha256::new(), data_bytes: 0, footer: None }
+    }
+}
+
+impl<W: Write> Write for Proving<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if let Some(footer) = &mut self.footer {
+            footer.extend_from_slice(bytes);
+            return Ok(bytes.len());
+        }
+        let written = self.out.write(bytes)?;
+        self.hash.update(&bytes[..written]);
+        self.data_bytes += written as u64;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// Writes the end of a part, and returns the writer.
+pub(super) fn seal<W: Write + Send>(
+    sink: ParquetSink<Proving<W>>,
+    place: Place<'_>,
+    failed: u64,
+) -> Result<(W, Part), TableError> {
+    let Place { plan, shard, first_row, rows } = place;
+    let mut part =
+        Part { shard, first_row, rows, failed, data_bytes: 0, data_sha256: String::new() };
+    let written = sink.finish_with(|file| {
+        part.data_bytes = file.data_bytes;
+        part.data_sha256 = digest::hex(file.hash.clone());
+        file.footer = Some(Vec::new());
+        vec![
+            (PLAN, plan.to_owned()),
+            (SHARD, shard.to_string()),
+            (ROWS, format!("{first_row}:{rows}")),
+            (FAILED, failed.to_string()),
+            (DATA_BYTES, part.data_bytes.to_string()),
+            (DATA_SHA256, part.data_sha256.clone()),
+            (FOOTER_SHA256, String::from_utf8_lossy(&ZEROS).into_owned()),
+        ]
+    })?;
+    let Proving { mut out, footer, .. } = written;
+    let mut footer = footer.unwrap_or_default();
+    let hash = digest::of_bytes(&footer);
+    let place = place_of_hash(&footer)
+        .ok_or_else(|| TableError::Parquet("the footer is not as expected".to_owned()))?;
+    footer[place].copy_from_slice(hash.as_bytes());
+    out.write_all(&footer)?;
+    Ok((out, part))
+}
+
+/// Where the hash of a footer stands in it: behind its key, the type of the field and its length, as
+/// Thrift's compact protocol has them.
+fn place_of_hash(footer: &[u8]) -> Option<Range<usize>> {
+    const FIELD: [u8; 2] = [0x18, 64];
+    let key = FOOTER_SHA256.as_bytes();
+    let at = footer.windows(key.len()).rposition(|bytes| bytes == key)? + key.len();
+    (footer.get(at..at + 2)? == FIELD).then_some(at + 2..at + 2 + ZEROS.len())
+}
+
+/// The part that stands at a path, if it is the one of this place.
+///
+/// * `deep`: whether all bytes are looked at, or those of the footer only.
+///
+/// `None` if the workers are stopped before that is known.
+pub(super) fn prove(
+    path: &Path,
+    place: Place<'_>,
+    deep: bool,
+    workers: &Workers<'_>,
+) -> Result<Option<Part>, Damage> {
+    let found = fs::symlink_metadata(path)?;
+    if !found.is_file() {
+        return Err(Damage::NotAFile(kind(&found)));
+    }
+    if found.len() == 0 {
+        return Err(Damage::Empty);
+    }
+    let mut file = File::open(path)?;
+    let (mut footer, data_bytes) = read_footer(&mut file, found.len())?.ok_or(Damage::Footer)?;
+
+    // The footer proves itself before anything in it is believed.
+    let hash_place = place_of_hash(&footer).ok_or(Damage::Footer)?;
+    let said = footer.get(hash_place.clone()).ok_or(Damage::Footer)?.to_owned();
+    footer[hash_place].copy_from_slice(&ZEROS);
+    if digest::of_bytes(&footer).as_bytes() != said {
+        return Err(Damage::Footer);
+    }
+    let thrift = &footer[..footer.len() - 8];
+    let metadata = decoded(|| Ok(ParquetMetaDataReader::decode_metadata(thrift)?));
+    let metadata = metadata.map_err(|_| Damage::Footer)?;
+    let metadata = metadata.file_metadata();
+    let value = |key: &str| {
+        let keys = metadata.key_value_metadata()?;
+        keys.iter().rev().find(|entry| entry.key == key)?.value.as_deref()
+    };
+    if value(PLAN) != Some(place.plan) {
+        return Err(Damage::OtherPlan);
+    }
+    let shard = value(SHARD).unwrap_or("?");
+    let rows = format!("{}:{}", place.first_row, place.rows);
+    if shard != place.shard.to_string() || value(ROWS) != Some(rows.as_str()) {
+        return Err(Damage::OtherPart(shard.to_owned()));
+    }
+    let failed = value(FAILED).and_then(|n| n.parse().ok()).ok_or(Damage::Footer)?;
+    let data_sha256 = value(DATA_SHA256).ok_or(Damage::Footer)?.to_owned();
+    if value(DATA_BYTES) != Some(data_bytes.to_string().as_str())
+        || u64::try_from(metadata.num_rows()) != Ok(place.rows)
+    {
+        return Err(Damage::Footer);
+    }
+    if deep {
+        file.seek(SeekFrom::Start(0))?;
+        match digest::of_reader(&mut file.take(data_bytes), || workers.stopped())? {
+            None => return Ok(None),
+            Some((hash, _)) if hash == data_sha256 => {}
+            Some(_) => return Err(Damage::Changed),
+        }
+    }
+    let Place { shard, first_row, rows, .. } = place;
+    Ok(Some(Part { shard, first_row, rows, failed, data_bytes, data_sha256 }))
+}
+
+/// The footer of a file with its tail, and how many bytes are before it; `None` if it has none.
+fn read_footer(file: &mut File, len: u64) -> io::Result<Option<(Vec<u8>, u64)>> {
+    let Some(at_tail) = len.checked_sub(TAIL) else { return Ok(None) };
+    let mut tail = [0; 8];
+    file.seek(SeekFrom::Start(at_tail))?;
+    file.read_exact(&mut tail)?;
+    let [a, b, c, d, letters @ ..] = tail;
+    let footer = u64::from(u32::from_le_bytes([a, b, c, d]));
+    let Some(data_bytes) = at_tail.checked_sub(footer) else { return Ok(None) };
+    if letters != *b"PAR1" || footer > LONGEST_FOOTER {
+        return Ok(None);
+    }
+    file.seek(SeekFrom::Start(data_bytes))?;
+    let mut bytes = Vec::new();
+    file.take(footer + TAIL).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 == footer + TAIL).then_some((bytes, data_bytes)))
+}
+
+/// What something is that is no file.
+pub(super) fn kind(found: &fs::Metadata) -> &'static str {
+    if found.is_dir() {
+        "a folder"
+    } else if found.is_symlink() {
+        "a link"
+    } else {
+        "a pipe or a device"
+    }
+}

@@ -1,0 +1,513 @@
+//! The plan of a folder: all that the bytes of its parts depend on, and nothing else.
+
+use std::io;
+use std::num::{NonZeroU64, NonZeroUsize};
+use std::path::Path;
+
+use bsm_case::{Axis, CaseError, Grid, ModelChoice, Output, Scene, Settings};
+use bsm_dyn::{Control, Model};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::part::Place;
+use super::{DatasetError, digest};
+use crate::{Answers, Format, GridSource, Source, TableError, Task, Workers};
+
+/// Goes up by one with each entry under "Changed numbers" in the changelog: parts of two revisions are
+/// not mixed.
+pub const RESULTS: u32 = 3;
+
+/// Form of the file itself.
+const FORMAT: u32 = 1;
+
+/// Most parts of a folder.
+pub const MOST_SHARDS: u64 = 100_000;
+
+/// Rows that points come from, and can come from again.
+#[derive(Debug, Clone)]
+pub enum Points {
+    /// A grid.
+    Grid(Grid),
+    /// A table.
+    Table {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Columns to carry through.
+        keep: Vec<String>,
+    },
+}
+
+impl Points {
+    /// All rows from the first on.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`] if the table cannot be opened.
+    pub fn open(&self) -> Result<Box<dyn Source>, TableError> {
+        match self {
+            Self::Grid(grid) => Ok(Box::new(GridSource::new(grid.clone()))),
+            Self::Table { path, keep } => {
+                let format = Format::of(path).ok_or_else(|| {
+                    let words = "a table ends in .csv, .jsonl or .parquet";
+                    io::Error::new(io::ErrorKind::InvalidInput, words)
+                })?;
+                format.open(path, keep)
+            }
+        }
+    }
+
+    /// What a plan says of them, and their number. A table is read to its end for that: its hash, and its
+    /// rows where no footer tells them.
+    fn written(&self, workers: &Workers<'_>) -> Result<(WrittenPoints, u64), DatasetError> {
+        let (path, keep) = match self {
+            Self::Grid(grid) => {
+                let axes = grid.axes().iter().map(ToString::to_string).collect();
+                return Ok((WrittenPoints::Grid(axes), grid.len() as u64));
+            }
+            Self::Table { path, keep } => (path, keep),
+        };
+        let unreadable = |error: io::Error| DatasetError::io("read", path, error);
+        let found = path.metadata().map_err(unreadable)?;
+        if !found.is_file() {
+            let found = super::part::kind(&found);
+            return Err(DatasetError::NotReadTwice { path: path.clone(), found });
+        }
+        let mut file = std::fs::File::open(path).map_err(unreadable)?;
+        let hash = digest::of_reader(&mut file, || workers.stopped()).map_err(unreadable)?;
+        let (sha256, bytes) = hash.ok_or(DatasetError::Stopped)?;
+        let mut source = self.open().map_err(DatasetError::Read)?;
+        let known = source.len_hint();
+        let mut rows = known.unwrap_or(0);
+        while known.is_none()
+            && let Some(chunk) = source.next(crate::pipeline::ROWS).map_err(DatasetError::Read)?
+        {
+            rows += chunk.len as u64;
+            if workers.stopped() {
+                return Err(DatasetError::Stopped);
+            }
+        }
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let table = WrittenTable { name, bytes, sha256, rows, keep: keep.clone() };
+        Ok((WrittenPoints::Table(table), rows))
+    }
+}
+
+/// What a folder is to hold.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    written: Written,
+    text: String,
+    id: String,
+}
+
+/// A plan as it stands in its file: the order of the keys is that of the fields.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Written {
+    format: u32,
+    program: Program,
+    points: WrittenPoints,
+    base: Value,
+    model: WrittenModel,
+    columns: Vec<String>,
+    rows: u64,
+    rows_per_shard: NonZeroU64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Program {
+    name: String,
+    version: String,
+    results: u32,
+}
+
+impl Program {
+    fn this() -> Self {
+        let (name, version) = ("bsm".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
+        Self { name, version, results: RESULTS }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum WrittenPoints {
+    Grid(Vec<String>),
+    Table(WrittenTable),
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenTable {
+    name: String,
+    bytes: u64,
+    sha256: String,
+    rows: u64,
+    keep: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenModel {
+    name: String,
+    tolerance: f64,
+    quadrature: NonZeroUsize,
+    creep: f64,
+    control: Option<Race>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Race {
+    Nut,
+    Screw,
+}
+
+impl WrittenModel {
+    fn of(settings: &Settings) -> Self {
+        let Settings { model, tolerance, quadrature, creep, control } = *settings;
+        let control = control.map(|race| match race {
+            Control::Nut => Race::Nut,
+            Control::Screw => Race::Screw,
+        });
+        Self { name: model.name().to_owned(), tolerance, quadrature, creep, control }
+    }
+
+    fn settings(&self) -> Result<Settings, CaseError> {
+        Ok(Settings {
+            model: ModelChoice::from_name(&self.name)?,
+            tolerance: self.tolerance,
+            quadrature: self.quadrature,
+            creep: self.creep,
+            control: self.control.map(|race| match race {
+                Race::Nut => Control::Nut,
+                Race::Screw => Control::Screw,
+            }),
+        })
+    }
+}
+
+impl Plan {
+    /// The plan of a task over points; the rows of a part follow from the others unless given.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if the points cannot be read, or there would be more than [`MOST_SHARDS`] parts.
+    pub fn new(
+        task: &Task,
+        points: &Points,
+        rows_per_shard: Option<NonZeroU64>,
+        workers: &Workers<'_>,
+    ) -> Result<Self, DatasetError> {
+        let (points, rows) = points.written(workers)?;
+        let rule = || rows_of_a_shard(rows, task.outputs.len() as u64, task.settings.model);
+        let rows_per_shard = rows_per_shard.unwrap_or_else(rule);
+        if rows.div_ceil(rows_per_shard.get()) > MOST_SHARDS {
+            let least = rows.div_ceil(MOST_SHARDS);
+            return Err(DatasetError::TooManyShards { rows, rows_per_shard, least });
+        }
+        let base = Scene { description: None, ..task.base.clone() };
+        let written = Written {
+            format: FORMAT,
+            program: Program::this(),
+            points,
+            base: base.to_json(),
+            model: WrittenModel::of(&task.settings),
+            columns: task.outputs.iter().map(|output| output.name.to_owned()).collect(),
+            rows,
+            rows_per_shard,
+        };
+        let text = serde_json::to_string(&written).map_err(io::Error::from);
+        let text = text.map_err(|e| DatasetError::io("write", Path::new("plan.json"), e))? + "\n";
+        let id = digest::of_bytes(text.as_bytes());
+        Ok(Self { written, text, id })
+    }
+
+    /// Reads a plan.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with it, in words: it is no plan, of another program, or not in canonical form.
+    pub fn from_text(text: &str) -> Result<Self, String> {
+        let written: Written = serde_json::from_str(text).map_err(|e| e.to_string())?;
+        let canonical = serde_json::to_string(&written).map_err(|e| e.to_string())? + "\n";
+        if canonical != text {
+            return Err("it is not in canonical form".to_owned());
+        }
+        let (found, this) = (&written.program, Program::this());
+        if (written.format, found) != (FORMAT, &this) {
+            return Err(format!(
+                "it is of {} {} with results {}, this is {} {} with results {}",
+                found.name, found.version, found.results, this.name, this.version, this.results
+            ));
+        }
+        let id = digest::of_bytes(text.as_bytes());
+        Ok(Self { written, text: canonical, id })
+    }
+
+    /// The task.
+    ///
+    /// # Errors
+    ///
+    /// What in the plan names nothing, in words.
+    pub fn task(&self) -> Result<Task, String> {
+        let base = serde_json::to_vec(&self.written.base).map_err(|e| e.to_string())?;
+        let base = Scene::from_json(&base).map_err(|e| e.to_string())?;
+        let settings = self.written.model.settings().map_err(|e| e.to_string())?;
+        let outputs: Vec<&'static Output> =
+            Answers::select(Some(&self.written.columns)).map_err(|e| e.to_string())?;
+        Ok(Task { base, settings, outputs, watched: None })
+    }
+
+    /// The grid, if the points are one.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for an axis that is none.
+    pub fn grid(&self) -> Result<Option<Grid>, CaseError> {
+        let WrittenPoints::Grid(axes) = &self.written.points else { return Ok(None) };
+        let axes: Result<_, _> = axes.iter().map(|axis| Axis::parse(axis)).collect();
+        Grid::new(axes?).map(Some)
+    }
+
+    /// The text of its file.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// SHA-256 of its file.
+    pub fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// All rows.
+    pub fn rows(&self) -> u64 {
+        self.written.rows
+    }
+
+    /// Rows of a part but the last, which may have fewer.
+    pub fn rows_per_shard(&self) -> u64 {
+        self.written.rows_per_shard.get()
+    }
+
+    /// Number of parts, at least one: a table without rows is a part without rows.
+    pub fn shards(&self) -> u64 {
+        self.rows().div_ceil(self.rows_per_shard()).max(1)
+    }
+
+    pub(super) fn place(&self, shard: u64) -> Place<'_> {
+        let first_row = shard * self.rows_per_shard();
+        let rows = self.rows_per_shard().min(self.rows() - first_row);
+        Place { plan: &self.id, shard, first_row, rows }
+    }
+
+    /// Which keys of another plan's text are not as here, with both values where they are short; `None`
+    /// if that is no plan.
+    pub(super) fn differences(&self, other: &str) -> Option<String> {
+        let parse = |text: &str| match serde_json::from_str(text) {
+            Ok(Value::Object(keys)) => Some(keys),
+            _ => None,
+        };
+        let (this, other) = (parse(&self.text)?, parse(other)?);
+        let all_there = this.keys().all(|key| other.contains_key(key));
+        let differ = this.iter().filter(|(key, value)| other.get(*key) != Some(value));
+        let words = differ.map(|(key, value)| {
+            let both = (value.to_string(), other.get(key).map_or(String::new(), Value::to_string));
+            match both {
+                (now, then) if now.len() + then.len() < 60 => format!("{key} ({then}, now {now})"),
+                _ => key.clone(),
+            }
+        });
+        let words: Vec<_> = words.collect();
+        (all_there && !words.is_empty()).then(|| words.join(", "))
+    }
+}
+
+/// Nominal time of a row \[s\].
+fn seconds(model: ModelChoice) -> f64 {
+    let microseconds = match model {
+        ModelChoice::Fixed(Model::ClosedForm | Model::QuasiStatic) => 0.15,
+        ModelChoice::Fixed(Model::Rigid) => 0.2,
+        ModelChoice::Fixed(Model::RacewayControl) => 0.4,
+        ModelChoice::Auto => 10.0,
+        ModelChoice::Fixed(Model::Elastic) => 16.0,
+        ModelChoice::Fixed(Model::Traction) => 60.0,
+    };
+    1e-6 * microseconds
+}
+
+/// Rows of a part: the largest power of two that keeps parts small enough in memory and in time, and
+/// leaves enough of them to share; then more until there are few enough.
+fn rows_of_a_shard(rows: u64, outputs: u64, model: ModelChoice) -> NonZeroU64 {
+    /// Binary logarithm of the fewest and the most rows.
+    const POWERS: [u32; 2] = [12, 26];
+    /// Most numbers of a part \[B\].
+    const MOST_BYTES: u64 = 512 << 20;
+    /// Longest nominal time of a part on one core \[s\].
+    const LONGEST: f64 = 300.0;
+    /// Parts of a job at least, unless they are shorter than [`SHORT`] \[s\].
+    const ENOUGH: u64 = 64;
+    const SHORT: f64 = 1.0;
+
+    let fits = |power: &u32| {
+        let count = 1_u64 << power;
+        #[expect(clippy::cast_precision_loss, reason = "counts are below 2^26")]
+        let time = count as f64 * seconds(model);
+        8 * (outputs + 1) * count <= MOST_BYTES
+            && time <= LONGEST
+            && (rows.div_ceil(count) >= ENOUGH || time <= SHORT)
+    };
+    let power = (POWERS[0]..=POWERS[1]).rev().find(fits).unwrap_or(POWERS[0]);
+    let mut count =
+        NonZeroU64::MIN.saturating_mul(NonZeroU64::new(1 << power).unwrap_or(NonZeroU64::MIN));
+    while rows.div_ceil(count.get()) > MOST_SHARDS {
+        count = count.saturating_add(count.get());
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use super::*;
+
+    static NEVER: AtomicBool = AtomicBool::new(false);
+
+    fn workers() -> Workers<'static> {
+        Workers::start(NonZeroUsize::new(1), &NEVER).expect("a thread")
+    }
+
+    fn task() -> Task {
+        let base = Scene { axial_load_N: Some(0.1), ..Scene::default() };
+        let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");
+        Task { base, settings: Settings::from(Model::Rigid), outputs, watched: None }
+    }
+
+    fn grid(axes: &[&str]) -> Points {
+        let axes = axes.iter().map(|axis| Axis::parse(axis).expect("an axis")).collect();
+        Points::Grid(Grid::new(axes).expect("a grid"))
+    }
+
+    fn plan(task: &Task, points: &Points, rows: u64) -> Plan {
+        Plan::new(task, points, NonZeroU64::new(rows), &workers()).expect("a plan")
+    }
+
+    #[test]
+    fn a_plan_is_one_line_of_canonical_json() {
+        let points = grid(&["lead_mm = 5:1e1:11", "screw_speed_rpm=1e300,-0.1,1500.0"]);
+        let plan = plan(&task(), &points, 16);
+        let version = env!("CARGO_PKG_VERSION");
+        assert_eq!(
+            plan.text(),
+            format!(
+                "{{\"format\":1,\"program\":{{\"name\":\"bsm\",\"version\":\"{version}\",\
+                 \"results\":{RESULTS}}},\"points\":{{\"grid\":[\"lead_mm=5:10:11\",\
+                 \"screw_speed_rpm=1e300,-0.1,1500\"]}},\"base\":{{\"axial_load_N\":0.1}},\
+                 \"model\":{{\"name\":\"rigid\",\"tolerance\":0.01,\"quadrature\":12,\
+                 \"creep\":0.0001,\"control\":null}},\"columns\":[\"efficiency\"],\"rows\":33,\
+                 \"rows_per_shard\":16}}\n"
+            )
+        );
+        assert_eq!(plan.id(), digest::of_bytes(plan.text().as_bytes()));
+        let again = Plan::from_text(plan.text()).expect("its own text");
+        assert_eq!((again.id(), again.shards(), again.rows()), (plan.id(), 3, 33));
+        assert_eq!(again.place(2).rows, 1);
+        let Points::Grid(grid) = points else { unreachable!("made above") };
+        assert_eq!(again.grid().expect("axes"), Some(grid));
+        let (a, b) = (task(), again.task().expect("a task"));
+        assert_eq!(
+            (&a.base, a.settings, a.outputs[0].name),
+            (&b.base, b.settings, b.outputs[0].name)
+        );
+        for (text, part) in [
+            (plan.text().replace("0.0001", "1e-4"), "not in canonical form"),
+            (plan.text().replace("}\n", "}"), "not in canonical form"),
+            (plan.text().replace(",\"rows\":33", ""), "missing field `rows`"),
+            (plan.text().replace("\"name\":\"bsm\"", "\"name\":\"msb\""), "it is of msb"),
+            (String::new(), "EOF"),
+        ] {
+            let said = Plan::from_text(&text).expect_err("another text");
+            assert!(said.contains(part), "{said}");
+        }
+    }
+
+    /// Every input of the result changes the id, and is named as the difference; the description of a
+    /// scene and what is only looked at do not.
+    #[test]
+    fn the_id_changes_with_everything_that_the_bytes_depend_on() {
+        let points = grid(&["lead_mm=5:10:11"]);
+        let first = plan(&task(), &points, 16);
+        let with = |change: fn(&mut Task)| {
+            let mut task = task();
+            change(&mut task);
+            plan(&task, &points, 16)
+        };
+        let same = with(|t| {
+            t.base.description = Some("words".to_owned());
+            t.watched = Output::named("efficiency");
+        });
+        assert_eq!(same.id(), first.id());
+        assert_eq!(first.differences(same.text()), None);
+        let all = |t: &mut Task| t.outputs = Answers::select(None).expect("all");
+        for (other, key) in [
+            (with(|t| t.base.axial_load_N = Some(0.2)), "base ({\"axial_load_N\":0.2}, now "),
+            (with(|t| t.settings.model = Model::Traction.into()), "model"),
+            (with(|t| t.settings.tolerance = 0.02), "model"),
+            (with(|t| t.settings.creep = 0.02), "model"),
+            (with(|t| t.settings.control = Some(Control::Nut)), "model"),
+            (with(|t| t.settings.quadrature = NonZeroUsize::MIN), "model"),
+            (with(all), "columns"),
+            (plan(&task(), &points, 17), "rows_per_shard (17, now 16)"),
+            (plan(&task(), &grid(&["lead_mm=5:11:11"]), 16), "points"),
+        ] {
+            assert_ne!(other.id(), first.id(), "{key}");
+            let said = first.differences(other.text()).expect("another plan");
+            assert!(said.starts_with(key) && !said.contains(", ") | said.contains("now"), "{said}");
+        }
+        assert_eq!(first.differences("{}"), None);
+    }
+
+    /// The table of the specification: rows of a part by the size of the job, its outputs and its model.
+    #[test]
+    fn rows_of_a_part_follow_one_rule() {
+        for (rows, outputs, model, shards, power) in [
+            (1_000_000, 1, Model::Rigid.into(), 1, 22),
+            (1_000_000, 1, Model::Traction.into(), 62, 14),
+            (1_000_000_000, 1, Model::Rigid.into(), 120, 23),
+            (1_000_000_000, 1, Model::Traction.into(), 239, 22),
+            (1_000_000_000_000, 1, Model::ClosedForm.into(), 29_803, 25),
+            (1_000_000_000_000, 1, Model::Rigid.into(), 29_803, 25),
+            (1_000_000_000_000, 4, Model::RacewayControl.into(), 59_605, 24),
+            (1_000_000_000_000, 1, Model::Elastic.into(), 59_605, 24),
+            (1_000_000_000_000, 1, Model::Traction.into(), 59_605, 24),
+            (0, 1, ModelChoice::Auto, 0, 16),
+            (u64::MAX, 38, Model::Traction.into(), 65_536, 48),
+        ] {
+            let count = rows_of_a_shard(rows, outputs, model);
+            assert_eq!(
+                (rows.div_ceil(count.get()), count.get()),
+                (shards, 1 << power),
+                "{model:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn more_parts_than_a_folder_takes_are_refused() {
+        let points = grid(&["lead_mm=5:10:1000001"]);
+        let refused = Plan::new(&task(), &points, NonZeroU64::new(10), &workers());
+        let said = refused.expect_err("too many").to_string();
+        assert!(said.contains("at least 11"), "{said}");
+    }
+
+    /// Who changes numbers writes it down, and makes folders of before refuse to go on.
+    #[test]
+    fn the_revision_of_the_results_counts_the_entries_of_the_changelog() {
+        let log = include_str!("../../../../CHANGELOG.md");
+        let sections = log.split("\n### Changed numbers\n").skip(1);
+        let entries = sections.flat_map(|text| text.split("\n#").next().unwrap_or("").lines());
+        let count = entries.filter(|l| l.starts_with("- ") && !l.starts_with("- None")).count();
+        assert_eq!(u32::try_from(count), Ok(RESULTS), "raise RESULTS with each entry");
+    }
+}

@@ -1,0 +1,196 @@
+//! From a source of rows to a sink: chunks solved on all cores, read ahead and written behind.
+
+use std::io;
+use std::num::NonZeroUsize;
+use std::panic::resume_unwind;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::{self, available_parallelism};
+use std::time::Duration;
+
+use bsm_case::{Output, Scene, Settings};
+use bsm_dyn::Status;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::solve::solve_until;
+use crate::{Answers, Chunk, Sink, Source, TableError};
+
+/// Rows that are in memory at a time. The pages of a Parquet table end where chunks do, so that its bytes
+/// depend on this number.
+pub(crate) const ROWS: usize = 1 << 16;
+
+/// What all rows of a table have in common.
+#[derive(Debug, Clone)]
+pub struct Task {
+    /// The inputs that are no columns.
+    pub base: Scene,
+    /// The model and its dials.
+    pub settings: Settings,
+    /// Outputs to write.
+    pub outputs: Vec<&'static Output>,
+    /// An output that is only looked at: the last column of the answers that are shown.
+    pub watched: Option<&'static Output>,
+}
+
+/// How many rows there were, and how many of them have no result.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub struct Count {
+    /// All rows.
+    pub rows: u64,
+    /// Rows that did not converge.
+    pub failed: u64,
+}
+
+/// What solves: threads, and an interrupt that they look at.
+#[derive(Debug)]
+pub struct Workers<'a> {
+    pub(crate) pool: ThreadPool,
+    pub(crate) stop: &'a AtomicBool,
+}
+
+impl<'a> Workers<'a> {
+    /// Starts threads, one a core unless told otherwise; fewer if the system starts no more.
+    ///
+    /// * `stop`: once it is true, what the threads do ends with [`RunError::Stopped`], at the latest after
+    ///   the points that are being solved, one on each thread.
+    ///
+    /// # Errors
+    ///
+    /// [`io::Error`] if not even one can be started.
+    pub fn start(threads: Option<NonZeroUsize>, stop: &'a AtomicBool) -> io::Result<Self> {
+        let mut threads =
+            threads.or_else(|| available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+        let mut last_tries = 20;
+        loop {
+            let error = match ThreadPoolBuilder::new().num_threads(threads).build() {
+                Ok(pool) => return Ok(Self { pool, stop }),
+                Err(error) => error,
+            };
+            if threads > 1 {
+                threads /= 2;
+            } else if last_tries == 0 {
+                return Err(io::Error::other(error));
+            } else {
+                last_tries -= 1;
+            }
+            // The threads of this try are still ending, and have their memory until then.
+            thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// How many threads were started.
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// Runs `work` on these threads.
+    pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        self.pool.install(work)
+    }
+
+    pub(crate) fn stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+/// A table that was not solved to its end.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The rows cannot be read on.
+    #[error(transparent)]
+    Read(TableError),
+    /// The answers cannot be written.
+    #[error(transparent)]
+    Write(TableError),
+    /// A thread cannot be started.
+    #[error("cannot start a thread: {0}")]
+    Thread(io::Error),
+    /// It was asked to stop.
+    #[error("stopped")]
+    Stopped,
+}
+
+impl Task {
+    /// Solves the next rows of `source`, at most `most`, into `sink`, which it returns.
+    ///
+    /// One thread reads ahead and one writes behind those that solve.
+    ///
+    /// * `seen`: is shown every chunk that is solved.
+    ///
+    /// # Errors
+    ///
+    /// [`RunError`]; the sink is lost.
+    pub fn run<S: Sink + Send>(
+        &self,
+        source: &mut dyn Source,
+        sink: S,
+        most: u64,
+        workers: &Workers<'_>,
+        seen: &mut dyn FnMut(&Chunk, &Answers),
+    ) -> Result<(S, Count), RunError> {
+        let columns = source.columns().clone();
+        let outputs: Vec<_> = self.outputs.iter().copied().chain(self.watched).collect();
+        let (read, chunks) = sync_channel(1);
+        let (solved, answered) = sync_channel(1);
+        thread::scope(|scope| {
+            thread::Builder::new()
+                .spawn_scoped(scope, move || read_ahead(source, most, &read))
+                .map_err(RunError::Thread)?;
+            let writer = thread::Builder::new()
+                .spawn_scoped(scope, move || write_behind(sink, &answered))
+                .map_err(RunError::Thread)?;
+            let mut count = Count::default();
+            let mut done = Ok(());
+            for chunk in chunks {
+                let answers = chunk.map_err(RunError::Read).and_then(|chunk| {
+                    let answers = workers.pool.install(|| {
+                        let (base, settings) = (&self.base, &self.settings);
+                        solve_until(workers.stop, &chunk, &columns, base, settings, &outputs)
+                    });
+                    Ok((chunk, answers.ok_or(RunError::Stopped)?))
+                });
+                let (chunk, answers) = match answers {
+                    Ok(answered) => answered,
+                    Err(error) => {
+                        done = Err(error);
+                        break;
+                    }
+                };
+                let verdicts = &answers.verdicts;
+                count.rows += verdicts.len() as u64;
+                count.failed +=
+                    verdicts.iter().filter(|v| v.status != Status::Converged).count() as u64;
+                seen(&chunk, &answers);
+                if solved.send((chunk, answers)).is_err() {
+                    // The writer has failed, and says why itself.
+                    break;
+                }
+            }
+            drop(solved);
+            let sink = writer.join().unwrap_or_else(|panic| resume_unwind(panic));
+            done?;
+            Ok((sink.map_err(RunError::Write)?, count))
+        })
+    }
+}
+
+/// Sends the rows of a source, at most `most`, until it ends, fails, or nobody listens.
+fn read_ahead(source: &mut dyn Source, most: u64, to: &SyncSender<Result<Chunk, TableError>>) {
+    let mut left = most;
+    while left > 0 {
+        let rows = usize::try_from(left).unwrap_or(ROWS).min(ROWS);
+        let Some(chunk) = source.next(rows).transpose() else { break };
+        left = chunk.as_ref().map_or(0, |chunk| left - chunk.len as u64);
+        if to.send(chunk).is_err() {
+            break;
+        }
+    }
+}
+
+/// Writes what comes.
+fn write_behind<S: Sink>(mut sink: S, from: &Receiver<(Chunk, Answers)>) -> Result<S, TableError> {
+    for (chunk, answers) in from {
+        sink.write(chunk, answers)?;
+    }
+    Ok(sink)
+}
