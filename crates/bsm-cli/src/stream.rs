@@ -34,11 +34,13 @@ pub(crate) struct Task<'a> {
     table: &'a TableArgs,
 }
 
-/// How many rows there were, and how many of them have no result.
+/// How many rows there were, and how many of them have no result or several.
 #[derive(Debug, Default, Clone, Copy)]
 struct Count {
     rows: u64,
     failed: u64,
+    /// Rows that are known to have other solutions.
+    several: u64,
 }
 
 impl<'a> Task<'a> {
@@ -72,7 +74,14 @@ impl<'a> Task<'a> {
                 .map_err(|e| Failure::Files(format!("cannot start {threads} threads: {e}")))?;
         }
         let target = Target::of(&self.table.output, self.table.resume, origin)?;
-        let Count { rows, failed } = self.solve(source, &target, each)?;
+        let Count { rows, failed, several } = self.solve(source, &target, each)?;
+        if several > 0 {
+            let have = if several == 1 { "has" } else { "have" };
+            warn(
+                "note",
+                &format!("{several} of {rows} rows {have} another solution; see other_solutions"),
+            );
+        }
         if failed > 0 {
             warn("note", &format!("{failed} of {rows} rows have no result; they say why"));
             if self.table.strict {
@@ -106,6 +115,7 @@ impl<'a> Task<'a> {
                 count.rows += verdicts.len() as u64;
                 let failed = verdicts.iter().filter(|v| v.status != Status::Converged).count();
                 count.failed += failed as u64;
+                count.several += verdicts.iter().filter(|v| v.has_others).count() as u64;
                 bar.inc(verdicts.len() as u64);
                 if let (Some(_), Some(watched)) = (self.watched, answers.columns.last()) {
                     each(chunk, watched);

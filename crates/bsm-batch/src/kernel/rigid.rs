@@ -6,7 +6,7 @@ mod sweep;
 
 use bsm_case::OutputKey;
 use bsm_case::units::DEG;
-use bsm_dyn::POWER_BALANCE_TOL;
+use bsm_dyn::{POWER_BALANCE_TOL, UNIQUE_BELOW};
 use bsm_simd::Simd;
 
 use self::sweep::{Plane, Scaled, State, dot, times};
@@ -73,6 +73,7 @@ impl Kernel for Rigid {
         contact_angles(given, out);
         out.set(OutputKey::iterations, sweeps);
         out.set(OutputKey::residual_norm, residual);
+        out.set_unique(residual);
         found & imbalance.abs().le(case.constant(POWER_BALANCE_TOL))
     }
 }
@@ -89,18 +90,21 @@ struct Contacts<S: Simd> {
 
 impl<S: Simd> Scaled<S> {
     /// Points that the sweeps may answer: with friction, numbers that do not underflow, a root to
-    /// first order, and not more inertia than tested.
+    /// first order, and not more inertia than tested or than one root has.
     #[inline(always)]
     fn expected(&self, first: &State<S>) -> Mask<S> {
         let (zero, least) = (self.constant(0.0), self.constant(f64::MIN_POSITIVE));
+        let (holds, size) = (self.k_n - self.signed * self.h, self.size(first.rate));
         self.friction.gt(least)
             & self.inertia.gt(least)
             & self.inertia_ratio.gt(least)
             // sinβ > F D by more than a hair, κ > 0, margin > 0
-            & (self.k_n - self.signed * self.h).gt(self.k_n * LOCKED)
+            & holds.gt(self.k_n * LOCKED)
             & first.minor.gt(zero)
             & first.slip.gt(zero)
-            & self.size(first.rate).lt(self.friction * MOST_INERTIA)
+            & size.lt(self.friction * MOST_INERTIA)
+            // q ι < 300 f (P/W)²,  q = 1/(cosα sinβ − F h)                (R45)
+            & size.lt(self.friction * first.rate * first.rate * holds * UNIQUE_BELOW)
     }
 
     /// `$\iota$` of a rate (R23).

@@ -5,6 +5,10 @@
 use super::scaled::{Scaled, Unknowns};
 use crate::Angles;
 
+/// Inertia forces times the load of a contact, over friction and over `$(P/W)^2$`, up to which no point was
+/// seen to have a second root: the least of those that have one is [1100](crate::FirstOrder::is_unique).
+pub const UNIQUE_BELOW: f64 = 300.0;
+
 /// First-order solution in the inertia ratio.
 ///
 /// Loads are exact to first order in `$\varepsilon = m r_m P^2/F_a$`, the motion to zeroth.
@@ -123,6 +127,13 @@ impl FirstOrder {
     /// Size of the moment about the normal over `$r_b F_a$`: gyroscopic or friction of A'.
     pub(crate) fn normal_moment(&self) -> f64 {
         self.size * self.rate.abs().min(1.0)
+    }
+
+    /// True if inertia is too little for a second root, by (R45). The bound is measured, see
+    /// `docs/theory/04-rigid.md`.
+    pub fn is_unique(&self, friction: f64) -> bool {
+        // q ι < 300 f (P/W)²                                              (R45)
+        self.load.abs() * self.size < UNIQUE_BELOW * friction * self.rate * self.rate
     }
 
     /// True if a finite root exists, to first order: the contacts push and the ball slides on
