@@ -12,7 +12,7 @@ use bsm_batch::{
     Source, solve_on,
 };
 use bsm_benches::seeded;
-use bsm_case::{Output, Scene, Settings};
+use bsm_case::{InputKey, Output, Scene, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Problem};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use parquet::arrow::ArrowWriter;
@@ -33,7 +33,9 @@ fn chunk(scenes: &[Scene]) -> (Chunk, Columns, Scene) {
     let mut inputs = vec![Column::default(); INPUTS.len()];
     for scene in scenes {
         for (name, column) in INPUTS.iter().zip(&mut inputs) {
-            column.push(Cell::Number(scene.get(name).expect("complete scene")));
+            column.push(Cell::Number(
+                scene[InputKey::named(name).expect("known name")].expect("complete scene"),
+            ));
         }
     }
     let columns = Columns::sort(INPUTS, &[]).expect("known names");

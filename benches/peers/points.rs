@@ -1,6 +1,6 @@
 //! The operating points, in the units that a user writes.
 
-use bsm_case::Scene;
+use bsm_case::{InputKey, Scene};
 
 /// Inputs of the rigid model, in the order of a [`Point`].
 pub(crate) const INPUTS: [&str; 10] = [
@@ -19,10 +19,8 @@ pub(crate) const INPUTS: [&str; 10] = [
 /// Values of [`INPUTS`].
 pub(crate) type Point = [f64; INPUTS.len()];
 
-/// Density that the program takes when a scene has none.
-const STEEL: f64 = 7800.0;
-
 /// The numbers of a scene.
 pub(crate) fn point(scene: &Scene) -> Point {
-    INPUTS.map(|name| scene.get(name).unwrap_or(if name == "density_kg_m3" { STEEL } else { 0.0 }))
+    let value = |key| scene.value_or_default(key).expect("complete scene");
+    INPUTS.map(|name| value(InputKey::named(name).expect("known name")))
 }

@@ -12,7 +12,7 @@ use bsm_batch::{
 };
 use bsm_case::{
     Axis, CapacityReport, Catalogue, Condition, DesignReport, Fit, Grid, Scene, Spectrum, Wish,
-    candidate_json, pareto, stock,
+    candidate_json, stock,
 };
 use bsm_dyn::Model;
 use bytes::Bytes;
@@ -127,7 +127,7 @@ fn solve(input: &[u8]) {
     let mut scene = Scene::from_json(base.as_bytes()).expect("an example");
     for line in lines {
         // What is wrong with it has been told to the user.
-        let _ = scene.apply(line);
+        let _ = scene.apply(&[line]);
     }
     everything(&scene);
 }
@@ -139,7 +139,7 @@ fn words(input: &[u8]) {
     let mut axes: Vec<Axis> = Vec::new();
     for line in text.lines() {
         axes.extend(Axis::parse(line));
-        let _ = base.clone().apply(line);
+        let _ = base.clone().apply(&[line]);
         let _ = Condition::parse(line);
         if let Ok(fit) = Fit::new(&base, "friction_coefficient", None, line) {
             let report = fit.run(&base, &Model::ClosedForm.into());
@@ -147,9 +147,9 @@ fn words(input: &[u8]) {
         }
     }
     if let Ok(grid) = Grid::new(axes) {
-        let fixed = grid.fixed(&base);
+        let _ = grid.check(&base);
         for point in [0, grid.len() / 2, grid.len() - 1] {
-            let _ = grid.scene(&fixed, &grid.point(point)).check();
+            let _ = grid.scene(&base, &grid.point(point)).check();
         }
     }
 }
@@ -223,8 +223,7 @@ fn catalogue(input: &[u8]) {
     let Ok(catalogue) = Catalogue::from_json(input) else { return };
     // Combinations that are made at most, so that an input stays quick.
     if catalogue.lists.len() <= 2000 {
-        for candidate in pareto(&catalogue.candidates()) {
-            let _ = candidate_json(&candidate);
-        }
+        let best = catalogue.pareto(&catalogue.places());
+        let _ = catalogue.map(&best, |_, nut| Some(candidate_json(nut)));
     }
 }

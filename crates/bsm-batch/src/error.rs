@@ -11,33 +11,64 @@ pub enum TableError {
     /// The file or the disk.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// Not CSV.
-    #[error("not a CSV table: {0}")]
+    /// Not to be written as CSV.
+    #[error("cannot be written as CSV: {0}")]
     Csv(csv::Error),
-    /// A row with another number of cells than the first.
-    #[error("row {row} has {found} cells, but the table has {columns} columns")]
+    /// A line with another number of cells than the first.
+    #[error("line {line} has {found} cells, but the table has {columns} columns")]
     Ragged {
-        /// Number of the row, from 1.
-        row: u64,
-        /// Cells of the row.
-        found: u64,
+        /// Number of the line, from 1.
+        line: u64,
+        /// Cells of the line.
+        found: usize,
         /// Columns of the table.
-        columns: u64,
+        columns: usize,
     },
-    /// A row that is not UTF-8.
-    #[error("{} not UTF-8 text; save the table as UTF-8",
-        if *row == 0 { "the names of the columns are".to_owned() } else { format!("row {row} is") })]
+    /// A line without a row before the last row.
+    #[error(
+        "line {line} is blank; a row is one line, so write an empty cell as \"\" or remove the line"
+    )]
+    BlankLine {
+        /// Number of the line, from 1.
+        line: u64,
+    },
+    /// A quoted cell without its second quote.
+    #[error(
+        "line {line}: a quoted cell does not end on its line; close the quote, or take the \
+        line break out of the cell"
+    )]
+    OpenQuote {
+        /// Number of the line, from 1.
+        line: u64,
+    },
+    /// A quote in a cell that is not in quotes, or after the quote that ends it.
+    #[error(
+        "line {line}: a quote stands inside a cell; put the whole cell in quotes and double \
+        those in it, or take the quotes out"
+    )]
+    StrayQuote {
+        /// Number of the line, from 1.
+        line: u64,
+    },
+    /// A byte of zero, which is no text.
+    #[error("line {line} has a NUL byte; save the table as UTF-8 text")]
+    Nul {
+        /// Number of the line, from 1.
+        line: u64,
+    },
+    /// A line that is not UTF-8.
+    #[error("line {line} is not UTF-8 text; save the table as UTF-8")]
     NotUtf8 {
-        /// Number of the row, from 1; 0 for the names of the columns.
-        row: u64,
+        /// Number of the line, from 1.
+        line: u64,
     },
-    /// A row that does not end.
-    #[error("row {row} is longer than {} MiB; is a quote or an end of line missing?", most >> 20)]
-    LongRow {
-        /// Number of the row, from 1; 0 for the names of the columns.
-        row: u64,
-        /// Bytes that a row may have.
-        most: u64,
+    /// A line that does not end.
+    #[error("line {line} is longer than {} MiB; is an end of line missing?", most >> 20)]
+    LongLine {
+        /// Number of the line, from 1.
+        line: u64,
+        /// Bytes that a line may have.
+        most: usize,
     },
     /// Cells that are separated by something else.
     #[error("the names of the columns are separated by `{}`; cells are separated by commas, and the \
@@ -47,16 +78,39 @@ pub enum TableError {
         separator: char,
     },
     /// A line is no JSON object, or not one like the first.
-    #[error("row {row}: {reason}")]
+    #[error("line {line}: {reason}")]
     Json {
-        /// Number of the row, from 1.
-        row: u64,
+        /// Number of the line, from 1.
+        line: u64,
         /// Why.
         reason: String,
     },
     /// Not Parquet, or cut off.
     #[error("not a Parquet table: {0}")]
     Parquet(String),
+    /// Parquet of a kind that is not read.
+    #[error(
+        "the Parquet table is written with {0}, which is not read here; write it with Snappy \
+        compression and without encryption"
+    )]
+    Unread(String),
+    /// A Parquet table with fewer or more rows than it says.
+    #[error("the table announces {announced} rows, but holds {found}; it is damaged")]
+    LostRows {
+        /// Rows by its footer.
+        announced: u64,
+        /// Rows that were read.
+        found: u64,
+    },
+    /// A column to keep that holds lists, maps or structures.
+    #[error(
+        "--keep {name}: its cells are lists, maps or structures, which are not carried through; \
+        leave it out, or take it apart"
+    )]
+    NotText {
+        /// Its name.
+        name: String,
+    },
     /// A column that is no input.
     #[error("column `{0}` is no input{1}; leave it out, or carry it through with --keep {0}",
         brief(name), nearest.as_ref().map_or_else(String::new, |n| format!(", did you mean `{n}`?")))]
@@ -110,14 +164,6 @@ impl From<csv::Error> for TableError {
                 csv::ErrorKind::Io(io) => Self::Io(io),
                 _ => unreachable!("the kind was asked"),
             },
-            csv::ErrorKind::Utf8 { pos, .. } => {
-                Self::NotUtf8 { row: pos.as_ref().map_or(0, csv::Position::record) }
-            }
-            csv::ErrorKind::UnequalLengths { pos, expected_len, len } => Self::Ragged {
-                row: pos.as_ref().map_or(0, csv::Position::record),
-                found: *len,
-                columns: *expected_len,
-            },
             _ => Self::Csv(error),
         }
     }
@@ -131,6 +177,16 @@ impl From<parquet::errors::ParquetError> for TableError {
                 Ok(io) => Self::Io(*io),
                 Err(other) => Self::Parquet(other.to_string()),
             },
+            ParquetError::General(text) if text.contains("encrypted footer") => {
+                Self::Unread("encryption".to_owned())
+            }
+            ParquetError::General(text) => {
+                match text.split_once("Disabled feature at compile time: ") {
+                    Some((_, codec)) => Self::Unread(format!("{codec} compression")),
+                    None => Self::Parquet(text),
+                }
+            }
+            ParquetError::NYI(text) => Self::Unread(format!("something else ({text})")),
             other => Self::Parquet(other.to_string()),
         }
     }

@@ -28,6 +28,9 @@ pub fn exists(model: Model) -> bool {
 
 /// A model by lanes.
 trait Kernel {
+    /// The model.
+    const MODEL: Model;
+
     /// Solves a lane of points, and says for which of them the numbers are the answer.
     fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S>;
 }
@@ -126,7 +129,7 @@ impl<K: Kernel> WithSimd for Run<'_, '_, K> {
             let given = Given { simd, operands, row: first + row };
             let mut out = Out { wanted, columns: &mut *columns, row };
             let solved = self.kernel.solve(&given, &mut out);
-            (solved & given.lawful()).store(&mut done[row..]);
+            (solved & given.lawful(K::MODEL)).store(&mut done[row..]);
         }
     }
 }
@@ -166,8 +169,7 @@ mod tests {
         }
         let chunk = Chunk { first: 1, len: COUNT, inputs, kept: Vec::new() };
         let settings = Settings::from(Model::Rigid);
-        let (operands, model) =
-            Operands::of(&chunk, &columns, &base, settings.model).expect("complete");
+        let (operands, model) = Operands::of(&chunk, &columns, &base, &settings).expect("complete");
         let mut done = vec![false; COUNT];
         let wanted = &Wanted::of(&[]);
         let rows =

@@ -11,6 +11,7 @@
 
 mod error;
 mod kernel;
+mod lines;
 mod numbers;
 mod operand;
 mod parquet_table;
@@ -21,7 +22,7 @@ mod text;
 
 pub use error::TableError;
 pub use kernel::exists as has_kernel;
-pub use numbers::{NumberColumn, Numbers};
+pub use numbers::{NumberColumn, NumberRows, NumberSink};
 pub use parquet_table::{ParquetSink, ParquetSource, decodes_parquet};
 pub use rows::{Answers, Cell, Chunk, Column, Columns, Verdict};
 pub use solve::{solve, solve_on};

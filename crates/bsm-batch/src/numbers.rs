@@ -1,4 +1,4 @@
-//! Tables of numbers only, written at once.
+//! Tables of numbers only, written some rows at a time.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -6,74 +6,116 @@ use std::sync::Arc;
 
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};
+use bsm_case::write_exact;
 use parquet::arrow::ArrowWriter;
 use serde_json::{Map, json};
 
 use crate::TableError;
 
 /// A column of numbers.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NumberColumn {
     /// Name.
     pub name: &'static str,
     /// Unit, for the metadata.
     pub unit: &'static str,
-    /// Values.
-    pub values: Vec<f64>,
 }
 
-/// A table of numbers; all columns have the same length.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Numbers(pub Vec<NumberColumn>);
+/// Rows of numbers, the values of each column.
+pub type NumberRows = [Vec<f64>];
 
-impl Numbers {
-    fn rows(&self) -> usize {
-        self.0.first().map_or(0, |column| column.values.len())
-    }
+/// A table of numbers that is being written.
+pub enum NumberSink<W: Write + Send> {
+    /// Comma-separated values.
+    Csv(csv::Writer<W>),
+    /// One JSON object a line.
+    JsonLines(W, Vec<NumberColumn>),
+    /// Parquet, units in the metadata of the columns.
+    Parquet(Box<ArrowWriter<W>>, Arc<Schema>),
+}
 
-    /// Writes it as CSV and returns the writer.
+impl<W: Write + Send> NumberSink<W> {
+    /// Writes the names of the columns as CSV.
     ///
     /// # Errors
     ///
     /// [`TableError`].
-    pub fn write_csv<W: Write>(&self, writer: W) -> Result<W, TableError> {
+    pub fn csv(writer: W, columns: &[NumberColumn]) -> Result<Self, TableError> {
         let mut table = csv::Writer::from_writer(writer);
-        table.write_record(self.0.iter().map(|column| column.name))?;
-        for row in 0..self.rows() {
-            table.write_record(self.0.iter().map(|column| column.values[row].to_string()))?;
-        }
-        table.into_inner().map_err(|e| io::Error::from(e.error().kind()).into())
+        table.write_record(columns.iter().map(|column| column.name))?;
+        Ok(Self::Csv(table))
     }
 
-    /// Writes it as JSON Lines and returns the writer.
+    /// JSON Lines of these columns.
+    pub fn json_lines(writer: W, columns: &[NumberColumn]) -> Self {
+        Self::JsonLines(writer, columns.to_vec())
+    }
+
+    /// Parquet of these columns.
     ///
     /// # Errors
     ///
     /// [`TableError`].
-    pub fn write_json_lines<W: Write>(&self, mut writer: W) -> Result<W, TableError> {
-        for row in 0..self.rows() {
-            let cell = |c: &NumberColumn| (c.name.to_owned(), json!(c.values[row]));
-            let line: Map<_, _> = self.0.iter().map(cell).collect();
-            serde_json::to_writer(&mut writer, &line).map_err(io::Error::from)?;
-            writeln!(writer)?;
-        }
-        Ok(writer)
-    }
-
-    /// Writes it as Parquet, units in the metadata of the columns, and returns the writer.
-    ///
-    /// # Errors
-    ///
-    /// [`TableError`].
-    pub fn write_parquet<W: Write + Send>(self, writer: W) -> Result<W, TableError> {
+    pub fn parquet(writer: W, columns: &[NumberColumn]) -> Result<Self, TableError> {
         let field = |column: &NumberColumn| {
             let unit = HashMap::from([("unit".to_owned(), column.unit.to_owned())]);
             Field::new(column.name, DataType::Float64, false).with_metadata(unit)
         };
-        let schema = Arc::new(Schema::new(self.0.iter().map(field).collect::<Vec<_>>()));
-        let mut table = ArrowWriter::try_new(writer, schema.clone(), None)?;
-        let array = |c: NumberColumn| Arc::new(Float64Array::from(c.values)) as ArrayRef;
-        table.write(&RecordBatch::try_new(schema, self.0.into_iter().map(array).collect())?)?;
-        Ok(table.into_inner()?)
+        let schema = Arc::new(Schema::new(columns.iter().map(field).collect::<Vec<_>>()));
+        let table = ArrowWriter::try_new(writer, schema.clone(), None)?;
+        Ok(Self::Parquet(Box::new(table), schema))
+    }
+
+    /// Writes rows; all columns have the same length.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`].
+    pub fn write(&mut self, rows: &NumberRows) -> Result<(), TableError> {
+        let count = rows.first().map_or(0, Vec::len);
+        match self {
+            Self::Csv(table) => {
+                let mut digits = Vec::new();
+                for row in 0..count {
+                    for values in rows {
+                        digits.clear();
+                        write_exact(&mut digits, values[row])?;
+                        table.write_field(&digits)?;
+                    }
+                    table.write_record(None::<&[u8]>)?;
+                }
+            }
+            Self::JsonLines(writer, columns) => {
+                for row in 0..count {
+                    let cell = |(column, values): (&NumberColumn, &Vec<f64>)| {
+                        (column.name.to_owned(), json!(values[row]))
+                    };
+                    let line: Map<_, _> = columns.iter().zip(rows).map(cell).collect();
+                    serde_json::to_writer(&mut *writer, &line).map_err(io::Error::from)?;
+                    writeln!(writer)?;
+                }
+            }
+            Self::Parquet(table, schema) => {
+                let array = |values: &Vec<f64>| {
+                    Arc::new(Float64Array::from_iter_values(values.iter().copied())) as ArrayRef
+                };
+                let arrays = rows.iter().map(array).collect();
+                table.write(&RecordBatch::try_new(schema.clone(), arrays)?)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the end of the table and returns the writer.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`].
+    pub fn finish(self) -> Result<W, TableError> {
+        match self {
+            Self::Csv(table) => table.into_inner().map_err(|e| TableError::Io(e.into_error())),
+            Self::JsonLines(writer, _) => Ok(writer),
+            Self::Parquet(table, _) => Ok(table.into_inner()?),
+        }
     }
 }

@@ -3,7 +3,10 @@
 use std::borrow::Cow;
 
 use bsm_case::units::{DEG, RPM};
-use bsm_case::{INPUTS, InputKey, ModelChoice, Rule, Scene};
+use bsm_case::{
+    INPUTS, Input, InputKey, InputSet, Inputs, ModelChoice, Relation, Rule, Scene, Settings,
+    covered,
+};
 use bsm_dyn::Model;
 use bsm_simd::Simd;
 
@@ -29,43 +32,42 @@ enum Operand<'a> {
 pub(crate) struct Operands<'a>([Operand<'a>; INPUTS.len()]);
 
 impl<'a> Operands<'a> {
-    /// The inputs, and the model that `choice` comes to for ordinary rows; `None` if it depends on
-    /// the row or has no kernel, or if something is wrong that every row must tell.
+    /// The inputs, and the model that answers ordinary rows, which have a value in every column;
+    /// `None` if the model depends on the row or has no kernel, or if something is wrong that every
+    /// row must tell.
     pub(crate) fn of(
         chunk: &'a Chunk,
         columns: &Columns,
         base: &Scene,
-        choice: ModelChoice,
+        settings: &Settings,
     ) -> Option<(Self, Model)> {
-        // A lead angle replaces a lead and the other way round, as in a scene.
-        let mut asked = base.clone();
-        for name in &columns.inputs {
-            asked.set(name, f64::NAN).ok()?;
-        }
-        if asked.lead_angle_deg.is_some() && asked.lead_mm.is_some() {
-            return None;
-        }
-        let has = |model: &Model| asked.missing(*model).is_empty();
-        let model = match choice {
-            ModelChoice::Fixed(model) => Some(model).filter(has)?,
-            ModelChoice::Auto if has(&Model::RacewayControl) => return None,
-            ModelChoice::Auto => Model::ALL.into_iter().rev().find(has)?,
-        };
+        settings.check().ok()?;
+        let in_row = |cells: InputSet| base.given().overridden_by(cells);
+        let cells = columns.set();
+        let ordinary = in_row(cells);
+        // Rows that a model does not cover are not ordinary either.
+        let choice = settings.model.resolve(ordinary, |_| Ok(())).ok()?;
+        let ModelChoice::Fixed(model) = choice else { return None };
         if !kernel::exists(model) {
             return None;
         }
         let mut operands = [const { Operand::Absent }; INPUTS.len()];
-        for (input, operand) in INPUTS.iter().zip(&mut operands) {
-            let column = columns.inputs.iter().position(|name| *name == input.name);
-            if let Some(place) = column {
-                let value = base.get(input.name).or(input.default);
-                *operand = Operand::Column(input.rule, chunk.inputs[place].filled(value));
-            } else if let Some(value) = asked.get(input.name) {
-                if !input.rule.holds(value) || !is_plain(value) {
+        for (key, operand) in InputKey::ALL.into_iter().zip(&mut operands) {
+            let Input { rule, default, .. } = *key.input();
+            if let Some(place) = columns.inputs.iter().position(|column| *column == key) {
+                // A row without this cell is ordinary if its other cells leave the value to the base.
+                let has_same = |set: InputSet| {
+                    set | InputSet::WITH_DEFAULT == ordinary | InputSet::WITH_DEFAULT
+                };
+                let filled = has_same(in_row(cells - InputSet::of(&[key])));
+                let value = base.value_or_default(key).filter(|_| filled);
+                *operand = Operand::Column(rule, chunk.inputs[place].filled(value));
+            } else if let Some(value) = base[key].filter(|_| ordinary.contains(key)) {
+                if !rule.holds(value) || !is_plain(value) {
                     return None;
                 }
                 *operand = Operand::Constant(value);
-            } else if let Some(value) = input.default {
+            } else if let Some(value) = default {
                 *operand = Operand::Constant(value);
             }
         }
@@ -121,9 +123,10 @@ impl<S: Simd> Given<'_, S> {
     /// Sine and cosine of the lead angle, from the angle or from the lead.
     #[inline(always)]
     pub(crate) fn lead(&self) -> (Lane<S>, Lane<S>) {
-        match self.try_get(InputKey::lead_mm) {
-            None => self.sin_cos(InputKey::lead_angle_deg),
-            Some(lead) => {
+        match self.try_get(InputKey::lead_angle_deg) {
+            Some(_) => self.sin_cos(InputKey::lead_angle_deg),
+            None => {
+                let lead = self.get(InputKey::lead_mm);
                 let pitch = self.get(InputKey::pitch_circle_diameter_mm);
                 let tan = lead / (pitch * std::f64::consts::PI);
                 let cos = (tan * tan + 1.0).sqrt().recip();
@@ -139,9 +142,10 @@ impl<S: Simd> Given<'_, S> {
         Some((self.try_get(InputKey::screw_speed_rpm)? * RPM, nut * RPM))
     }
 
-    /// Where the values of all columns keep their rules, alone and against each other.
+    /// Where the values of all columns keep their rules, alone and against each other, and the model
+    /// covers them.
     #[inline(always)]
-    pub(crate) fn lawful(&self) -> Mask<S> {
+    pub(crate) fn lawful(&self, model: Model) -> Mask<S> {
         let zero = Lane::splat(self.simd, 0.0);
         let [least, most] = PLAIN.map(|x| zero.constant(x));
         let mut lawful = zero.le(zero);
@@ -149,27 +153,27 @@ impl<S: Simd> Given<'_, S> {
             // Constants were checked.
             let Operand::Column(rule, values) = operand else { continue };
             let x = self.load(values);
-            // Neither infinite nor NaN, whatever the rule.
             let size = x.abs();
             let plain = size.le(zero) | (least.le(size) & size.le(most));
-            lawful = lawful
-                & match *rule {
-                    Rule::Any => plain,
-                    Rule::Above(low) => plain & x.gt(zero.constant(low)),
-                    Rule::AtLeast(low) => plain & zero.constant(low).le(x),
-                    Rule::Between(low, high) => {
-                        plain & x.gt(zero.constant(low)) & x.lt(zero.constant(high))
-                    }
-                };
+            lawful = lawful & plain & rule.holds(x);
         }
-        let ball = self.try_get(InputKey::ball_diameter_mm);
-        if let (Some(ball), Some(pitch)) = (ball, self.try_get(InputKey::pitch_circle_diameter_mm))
-        {
-            lawful = lawful & ball.lt(pitch * 0.5);
+        for relation in Relation::ALL {
+            if let Some(holds) = relation.holds(self) {
+                lawful = lawful & holds;
+            }
         }
-        if let Some((screw, nut)) = self.speeds() {
-            lawful = lawful & (screw - nut).abs().gt(zero);
+        match covered(model, self) {
+            Some(covered) => lawful & covered,
+            None => lawful,
         }
-        lawful
+    }
+}
+
+impl<S: Simd> Inputs for Given<'_, S> {
+    type Number = Lane<S>;
+
+    #[inline(always)]
+    fn value(&self, key: InputKey) -> Option<Lane<S>> {
+        self.try_get(key)
     }
 }

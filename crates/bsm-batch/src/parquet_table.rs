@@ -13,9 +13,10 @@ use arrow_array::{
     UInt64Array,
 };
 use arrow_buffer::NullBuffer;
-use arrow_cast::cast;
+use arrow_cast::display::FormatOptions;
+use arrow_cast::{CastOptions, cast_with_options};
 use arrow_schema::{DataType, Field, Schema};
-use bsm_case::{INPUTS, Output};
+use bsm_case::Output;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader,
     ParquetRecordBatchReaderBuilder,
@@ -52,6 +53,8 @@ pub struct ParquetSource {
     columns: Columns,
     len: u64,
     row: u64,
+    /// Rows of the batches that were read.
+    read: u64,
     /// What is left of the last batch that was read.
     rest: Option<RecordBatch>,
 }
@@ -72,11 +75,17 @@ impl ParquetSource {
         let found = ArrowReaderMetadata::load(&file, plain)?;
         let fields = found.schema().fields().clone();
         let mut columns = Columns::sort(fields.iter().map(|f| f.name().as_str()), keep)?;
-        for (name, place) in columns.inputs.iter().zip(&columns.input_places) {
+        for (key, place) in columns.inputs.iter().zip(&columns.input_places) {
             let found = fields[*place].data_type();
             if !(found.is_numeric() || *found == DataType::Null) {
-                let (name, found) = ((*name).to_owned(), found.to_string());
+                let (name, found) = (key.name().to_owned(), found.to_string());
                 return Err(TableError::NotNumbers { name, found });
+            }
+        }
+        for (name, place) in columns.kept.iter().zip(&columns.kept_places) {
+            let found = fields[*place].data_type();
+            if found.is_nested() {
+                return Err(TableError::NotText { name: name.clone() });
             }
         }
         // A text that stands in many rows stays one text.
@@ -99,15 +108,20 @@ impl ParquetSource {
         }
         let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata);
         let reader = builder.with_projection(mask).build()?;
-        Ok(Self { reader, columns, len, row: 0, rest: None })
+        Ok(Self { reader, columns, len, row: 0, read: 0, rest: None })
     }
 
     /// What is left of the last batch, or else the next one.
     fn batch(&mut self) -> Result<Option<RecordBatch>, TableError> {
-        Ok(match self.rest.take() {
-            Some(batch) => Some(batch),
-            None => decoded(|| Ok(self.reader.next().transpose()?))?,
-        })
+        if let Some(batch) = self.rest.take() {
+            return Ok(Some(batch));
+        }
+        let batch = decoded(|| Ok(self.reader.next().transpose()?))?;
+        self.read += batch.as_ref().map_or(0, |batch| batch.num_rows() as u64);
+        if batch.is_none() && self.read != self.len {
+            return Err(TableError::LostRows { announced: self.len, found: self.read });
+        }
+        Ok(batch)
     }
 }
 
@@ -149,9 +163,12 @@ impl Source for ParquetSource {
     }
 }
 
+/// What cannot be converted is an error, not null.
+const STRICT: CastOptions<'_> = CastOptions { safe: false, format_options: FormatOptions::new() };
+
 /// Appends a column of numbers; null is not given.
 fn numbers(column: &ArrayRef, cells: &mut Column) -> Result<(), TableError> {
-    let column = cast(column, &DataType::Float64)?;
+    let column = cast_with_options(column, &DataType::Float64, &STRICT)?;
     let values = column.as_primitive::<Float64Type>();
     cells.extend(values.iter().map(|x| x.map_or(rows::Cell::Missing, rows::Cell::Number)));
     Ok(())
@@ -159,7 +176,7 @@ fn numbers(column: &ArrayRef, cells: &mut Column) -> Result<(), TableError> {
 
 /// A column as text.
 fn words(column: &ArrayRef) -> Result<StringViewArray, TableError> {
-    Ok(cast(column, &DataType::Utf8View)?.as_string_view().clone())
+    Ok(cast_with_options(column, &DataType::Utf8View, &STRICT)?.as_string_view().clone())
 }
 
 /// Parquet with the columns of the source, then model, status, message and outputs.
@@ -182,9 +199,8 @@ impl<W: Write + Send> ParquetSink<W> {
     ) -> Result<Self, TableError> {
         let unit = |unit: &str| HashMap::from([("unit".to_owned(), unit.to_owned())]);
         let kept = columns.kept.iter().map(|name| Field::new(name, DataType::Utf8, true));
-        let inputs = columns.inputs.iter().map(|name| {
-            let known = INPUTS.iter().find(|input| input.name == *name).map_or("", |i| i.unit);
-            Field::new(*name, DataType::Float64, true).with_metadata(unit(known))
+        let inputs = columns.inputs.iter().map(|key| {
+            Field::new(key.name(), DataType::Float64, true).with_metadata(unit(key.input().unit))
         });
         let words = ANSWERS.map(|name| Field::new(name, DataType::Utf8, name == "message"));
         let answers = outputs.iter().map(|output| {

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use bsm_case::{CaseError, INPUTS, ModelChoice, OUTPUTS, Output, Scene, nearest_input};
+use bsm_case::{CaseError, InputKey, InputSet, ModelChoice, OUTPUTS, Output, Scene, nearest_input};
 use bsm_dyn::Status;
 
 use crate::TableError;
@@ -30,7 +30,7 @@ pub(crate) fn is_answer(name: &str) -> bool {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
     /// Inputs, in the order of the table.
-    pub inputs: Vec<&'static str>,
+    pub inputs: Vec<InputKey>,
     /// Places of the inputs in the table.
     pub(crate) input_places: Vec<usize>,
     /// Columns that are carried through as text.
@@ -56,15 +56,16 @@ impl Columns {
         let mut columns = Self::default();
         for (place, name) in names.into_iter().enumerate() {
             let name = name.trim();
-            let seen = columns.inputs.contains(&name) || columns.kept.iter().any(|k| k == name);
+            let seen = columns.inputs.iter().any(|key| key.name() == name)
+                || columns.kept.iter().any(|k| k == name);
             if seen {
                 return Err(TableError::RepeatedColumn { name: name.to_owned() });
             }
             if keep.iter().any(|kept| kept == name) {
                 columns.kept.push(name.to_owned());
                 columns.kept_places.push(place);
-            } else if let Some(input) = INPUTS.iter().find(|input| input.name == name) {
-                columns.inputs.push(input.name);
+            } else if let Some(key) = InputKey::ALL.into_iter().find(|key| key.name() == name) {
+                columns.inputs.push(key);
                 columns.input_places.push(place);
             } else if !is_answer(name) {
                 let nearest = nearest_input(name).map(str::to_owned);
@@ -75,6 +76,11 @@ impl Columns {
             Some(name) => Err(TableError::NothingToKeep { name: name.clone() }),
             None => Ok(columns),
         }
+    }
+
+    /// The inputs as a set.
+    pub fn set(&self) -> InputSet {
+        self.inputs.iter().copied().collect()
     }
 }
 
@@ -178,20 +184,21 @@ impl Chunk {
         }
     }
 
-    /// The scene of a row: `base` with the values of the row.
+    /// The scene of a row: `base` with the given cells of the row as settings.
     ///
     /// # Errors
     ///
     /// [`CaseError`] for a text in place of a number.
     pub fn scene(&self, columns: &Columns, base: &Scene, row: usize) -> Result<Scene, CaseError> {
-        let mut scene = base.clone();
-        for (name, column) in columns.inputs.iter().zip(&self.inputs) {
+        let (mut scene, mut settings) = (base.clone(), Scene::default());
+        for (key, column) in columns.inputs.iter().zip(&self.inputs) {
             match column.cell(row) {
                 Cell::Missing => {}
-                Cell::Number(value) => scene.set(name, value)?,
-                Cell::Text(text) => return Err(CaseError::not_a_number(name, &text)),
+                Cell::Number(value) => settings[*key] = Some(value),
+                Cell::Text(text) => return Err(CaseError::not_a_number(key.name(), &text)),
             }
         }
+        scene.override_with(&settings);
         Ok(scene)
     }
 

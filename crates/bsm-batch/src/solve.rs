@@ -53,7 +53,7 @@ pub fn solve_on(
     outputs: &[&Output],
 ) -> Answers {
     let wanted = Wanted::of(outputs);
-    let operands = Operands::of(chunk, columns, base, settings.model);
+    let operands = Operands::of(chunk, columns, base, settings);
     let model = operands.as_ref().map_or(settings.model, |(_, model)| (*model).into());
     let mut answers = Answers::empty(chunk.len, outputs.len(), model);
 

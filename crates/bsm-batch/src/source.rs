@@ -52,7 +52,7 @@ pub struct GridSource {
 impl GridSource {
     /// All points of `grid`, its last axis fastest.
     pub fn new(grid: Grid) -> Self {
-        let inputs: Vec<_> = grid.axes().iter().map(|axis| axis.name).collect();
+        let inputs: Vec<_> = grid.axes().iter().map(|axis| axis.key).collect();
         let columns =
             Columns { input_places: (0..inputs.len()).collect(), inputs, ..Columns::default() };
         Self { grid, columns, at: 0 }

@@ -1,10 +1,13 @@
 //! Tables as text: CSV and JSON Lines.
 
-use std::io::{self, BufRead, Read, Write};
+use std::borrow::Cow;
+use std::io::{self, Read, Write};
+use std::mem;
 
-use bsm_case::{CaseError, Output, brief, entries};
+use bsm_case::{Output, brief, entries, write_exact};
 use serde_json::{Map, Value, json};
 
+use crate::lines::Lines;
 use crate::rows::{ANSWERS, Answers, Cell, Chunk, Columns, TEXT, is_answer};
 use crate::{Sink, Source, TableError};
 
@@ -17,31 +20,12 @@ fn parse(text: &str) -> Cell {
     text.parse().map_or_else(|_| Cell::Text(text.to_owned()), Cell::Number)
 }
 
-/// Bytes that a row may have: a quote that is not closed must not take the whole table.
-const LONGEST: u64 = 16 << 20;
-
-/// A reader that ends a row that is too long.
-struct Limited<R> {
-    reader: R,
-    /// What the row may still take.
-    left: u64,
-}
-
-impl<R: Read> Read for Limited<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if self.left == 0 {
-            return Err(io::ErrorKind::FileTooLarge.into());
-        }
-        let read = self.reader.read(buffer)?;
-        self.left = self.left.saturating_sub(read as u64);
-        Ok(read)
-    }
-}
-
-/// Rows of a CSV table; the first row names the columns.
+/// Rows of a CSV table; the first line names the columns, and every other line is a row.
 pub struct CsvSource<R> {
-    reader: csv::Reader<Limited<R>>,
+    lines: Lines<R>,
     columns: Columns,
+    /// Number of columns, those that are passed over too.
+    width: usize,
     row: u64,
 }
 
@@ -52,32 +36,62 @@ impl<R: Read> CsvSource<R> {
     ///
     /// [`TableError`] if they are not those of inputs or of `keep`.
     pub fn new(reader: R, keep: &[String]) -> Result<Self, TableError> {
-        let limited = Limited { reader, left: LONGEST };
-        let reader = csv::ReaderBuilder::new().from_reader(limited);
-        let mut source = Self { reader, columns: Columns::default(), row: 0 };
-        let header = source.reader.headers().cloned();
-        let header = header.map_err(|e| source.wrong(e, 0))?;
-        if header.is_empty() {
-            return Err(TableError::NoHeader);
-        }
-        // Some programs begin a file with a byte order mark.
-        let names = header.iter().map(|name| name.trim_start_matches('\u{feff}'));
-        source.columns = Columns::sort(names, keep).map_err(|error| match &header[0] {
-            one if header.len() == 1 => {
-                let separator = one.chars().find(|c| [';', '\t', '|', '\0'].contains(c));
-                separator.map_or(error, |separator| TableError::Separator { separator })
+        let mut lines = Lines::new(reader);
+        let header = lines.next()?.ok_or(TableError::NoHeader)?;
+        let sorted = split(header, 1).and_then(|names| {
+            let columns = Columns::sort(names.iter().map(AsRef::as_ref), keep)?;
+            Ok((columns, names.len()))
+        });
+        let (columns, width) = sorted.map_err(|error| {
+            let separator = header.chars().find(|c| [';', '\t', '|'].contains(c));
+            match separator.filter(|_| !header.contains(',')) {
+                Some(separator) => TableError::Separator { separator },
+                None => error,
             }
-            _ => error,
         })?;
-        Ok(source)
+        Ok(Self { lines, columns, width, row: 0 })
     }
+}
 
-    fn wrong(&self, error: csv::Error, row: u64) -> TableError {
-        match self.reader.get_ref().left {
-            0 => TableError::LongRow { row, most: LONGEST },
-            _ => error.into(),
-        }
+/// The cells of a line of CSV. A cell that begins with a quote ends with one, may hold commas, and
+/// quotes twice; no other cell holds a quote. So no quote that is forgotten or one too many can join
+/// cells or lines.
+fn split(text: &str, line: u64) -> Result<Vec<Cow<'_, str>>, TableError> {
+    if memchr::memchr(b'"', text.as_bytes()).is_none() {
+        return Ok(text.split(',').map(Cow::Borrowed).collect());
     }
+    let mut cells = Vec::new();
+    let mut rest = Some(text);
+    while let Some(text) = rest {
+        let (cell, after) = if let Some(quoted) = text.strip_prefix('"') {
+            // Quotes in pairs belong to the cell; the first one alone ends it.
+            let mut end = 0;
+            loop {
+                end += quoted[end..].find('"').ok_or(TableError::OpenQuote { line })?;
+                if !quoted[end + 1..].starts_with('"') {
+                    break;
+                }
+                end += 2;
+            }
+            let (cell, after) = (&quoted[..end], &quoted[end + 1..]);
+            if !(after.is_empty() || after.starts_with(',')) {
+                return Err(TableError::StrayQuote { line });
+            }
+            (Cow::Owned(cell.replace("\"\"", "\"")), after.strip_prefix(','))
+        } else {
+            let (cell, after) = match text.split_once(',') {
+                Some((cell, after)) => (cell, Some(after)),
+                None => (text, None),
+            };
+            if cell.contains('"') {
+                return Err(TableError::StrayQuote { line });
+            }
+            (Cow::Borrowed(cell), after)
+        };
+        cells.push(cell);
+        rest = after;
+    }
+    Ok(cells)
 }
 
 impl<R: Read + Send> Source for CsvSource<R> {
@@ -87,82 +101,66 @@ impl<R: Read + Send> Source for CsvSource<R> {
 
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
         let mut chunk = Chunk::empty(self.row + 1, &self.columns, rows);
-        let mut record = csv::StringRecord::new();
         let mut text = 0;
         while chunk.len < rows && text < TEXT {
-            self.reader.get_mut().left = LONGEST;
-            let row = chunk.first + chunk.len as u64;
-            if !self.reader.read_record(&mut record).map_err(|e| self.wrong(e, row))? {
-                break;
+            let line = self.lines.number() + 1;
+            let Some(row) = self.lines.next()? else { break };
+            let mut cells = split(row, line)?;
+            if cells.len() != self.width {
+                let (found, columns) = (cells.len(), self.width);
+                return Err(TableError::Ragged { line, found, columns });
             }
-            for (cells, place) in chunk.inputs.iter_mut().zip(&self.columns.input_places) {
-                cells.push(parse(&record[*place]));
+            text += row.len();
+            for (values, place) in chunk.inputs.iter_mut().zip(&self.columns.input_places) {
+                values.push(parse(&cells[*place]));
             }
-            for (cells, place) in chunk.kept.iter_mut().zip(&self.columns.kept_places) {
-                cells.push(record[*place].to_owned());
+            for (texts, place) in chunk.kept.iter_mut().zip(&self.columns.kept_places) {
+                texts.push(mem::take(&mut cells[*place]).into_owned());
             }
             chunk.len += 1;
-            text += record.as_slice().len();
         }
         self.row += chunk.len as u64;
         Ok(chunk.filled())
     }
 }
 
+/// An object of JSON, in its order.
+type Object = Vec<(String, Value)>;
+
 /// Rows of JSON Lines: one object a line; the first one names the columns, a later one may leave
 /// some out.
 pub struct JsonSource<R> {
-    reader: R,
-    line: Vec<u8>,
-    first: Option<Vec<(String, Value)>>,
+    lines: Lines<R>,
+    first: Option<Object>,
     columns: Columns,
     row: u64,
 }
 
-impl<R: BufRead> JsonSource<R> {
+impl<R: Read> JsonSource<R> {
     /// Reads the first line.
     ///
     /// # Errors
     ///
     /// [`TableError`] if it is no object, or has keys that are neither inputs nor in `keep`.
     pub fn new(reader: R, keep: &[String]) -> Result<Self, TableError> {
-        let columns = Columns::default();
-        let mut source = Self { reader, line: Vec::new(), first: None, columns, row: 0 };
-        let first = source.object()?.ok_or(TableError::NoHeader)?;
-        source.columns = Columns::sort(first.iter().map(|(key, _)| key.as_str()), keep)?;
-        source.first = Some(first);
-        source.row = 0;
-        Ok(source)
-    }
-
-    /// The next object; empty lines are skipped.
-    fn object(&mut self) -> Result<Option<Vec<(String, Value)>>, TableError> {
-        if let Some(first) = self.first.take() {
-            self.row += 1;
-            return Ok(Some(first));
-        }
-        loop {
-            self.line.clear();
-            let read = self.reader.by_ref().take(LONGEST).read_until(b'\n', &mut self.line)? as u64;
-            if read == 0 {
-                return Ok(None);
-            }
-            if read == LONGEST {
-                return Err(TableError::LongRow { row: self.row + 1, most: LONGEST });
-            }
-            return match entries(&self.line) {
-                Err(CaseError::Empty) => continue,
-                Ok(object) => {
-                    self.row += 1;
-                    Ok(Some(object))
-                }
-                Err(e) => Err(TableError::Json { row: self.row + 1, reason: e.to_string() }),
-            };
-        }
+        let mut lines = Lines::new(reader);
+        let (first, _) = object(&mut lines)?.ok_or(TableError::NoHeader)?;
+        let columns = Columns::sort(first.iter().map(|(key, _)| key.as_str()), keep)?;
+        Ok(Self { lines, first: Some(first), columns, row: 0 })
     }
 }
 
-impl<R: BufRead + Send> Source for JsonSource<R> {
+/// The object of the next line, and the length of the line.
+fn object<R: Read>(lines: &mut Lines<R>) -> Result<Option<(Object, usize)>, TableError> {
+    let Some(text) = lines.next()? else { return Ok(None) };
+    let (read, length) = (entries(text.as_bytes()), text.len());
+    match read {
+        Ok(object) => Ok(Some((object, length))),
+        Err(e) => Err(TableError::Json { line: lines.number(), reason: e.to_string() }),
+    }
+}
+
+impl<R: Read + Send> Source for JsonSource<R> {
     fn columns(&self) -> &Columns {
         &self.columns
     }
@@ -171,10 +169,14 @@ impl<R: BufRead + Send> Source for JsonSource<R> {
         let mut chunk = Chunk::empty(self.row + 1, &self.columns, rows);
         let mut text = 0;
         while chunk.len < rows && text < TEXT {
-            let Some(object) = self.object()? else { break };
+            let next = match self.first.take() {
+                Some(first) => Some((first, 0)),
+                None => object(&mut self.lines)?,
+            };
+            let Some((object, length)) = next else { break };
             let mut object: Map<String, Value> = object.into_iter().collect();
-            for (cells, name) in chunk.inputs.iter_mut().zip(&self.columns.inputs) {
-                cells.push(match object.remove(*name) {
+            for (cells, key) in chunk.inputs.iter_mut().zip(&self.columns.inputs) {
+                cells.push(match object.remove(key.name()) {
                     None | Some(Value::Null) => Cell::Missing,
                     Some(Value::Number(n)) => n.as_f64().map_or(Cell::Missing, Cell::Number),
                     Some(other) => Cell::Text(other.to_string()),
@@ -188,13 +190,13 @@ impl<R: BufRead + Send> Source for JsonSource<R> {
                 });
             }
             if let Some(name) = object.keys().find(|name| !is_answer(name)) {
-                // A key that the first row does not have.
-                let reason = format!("`{}` is not in the first row", brief(name));
-                return Err(TableError::Json { row: self.row, reason });
+                let reason = format!("`{}` is not in the first line", brief(name));
+                return Err(TableError::Json { line: self.lines.number(), reason });
             }
             chunk.len += 1;
-            text += self.line.len();
+            text += length;
         }
+        self.row += chunk.len as u64;
         Ok(chunk.filled())
     }
 }
@@ -218,7 +220,7 @@ impl<W: Write> CsvSink<W> {
     ) -> Result<Self, TableError> {
         let mut writer = csv::Writer::from_writer(writer);
         let kept = columns.kept.iter().map(String::as_str);
-        let names = kept.chain(columns.inputs.iter().copied());
+        let names = kept.chain(columns.inputs.iter().map(|key| key.name()));
         writer.write_record(names.chain(ANSWERS).chain(outputs.iter().map(|o| o.name)))?;
         Ok(Self { writer, outputs: outputs.to_vec() })
     }
@@ -245,7 +247,7 @@ impl<W: Write> Sink for CsvSink<W> {
                     Cell::Missing => self.writer.write_field("")?,
                     Cell::Number(value) => {
                         digits.clear();
-                        write!(digits, "{value}")?;
+                        write_exact(&mut digits, value)?;
                         self.writer.write_field(&digits)?;
                     }
                     Cell::Text(text) => self.writer.write_field(text)?,
@@ -258,7 +260,10 @@ impl<W: Write> Sink for CsvSink<W> {
                 digits.clear();
                 match json(output, column[row]) {
                     Value::Null => {}
-                    value => serde_json::to_writer(&mut digits, &value).map_err(io::Error::from)?,
+                    Value::Number(number) if number.is_f64() => {
+                        write_exact(&mut digits, column[row])?;
+                    }
+                    value => write!(digits, "{value}")?,
                 }
                 self.writer.write_field(&digits)?;
             }
@@ -306,9 +311,9 @@ impl<W: Write> Sink for JsonSink<W> {
             for (name, texts) in self.columns.kept.iter().zip(&chunk.kept) {
                 line.insert(name.clone(), json!(texts[row]));
             }
-            for (name, column) in self.columns.inputs.iter().zip(&chunk.inputs) {
+            for (key, column) in self.columns.inputs.iter().zip(&chunk.inputs) {
                 line.insert(
-                    (*name).to_owned(),
+                    key.name().to_owned(),
                     match column.cell(row) {
                         Cell::Missing => Value::Null,
                         Cell::Number(value) => json!(value),

@@ -1,10 +1,14 @@
 //! Models by lanes against the models themselves, over seeded points.
 
+mod alike;
+
 use bsm_batch::{Answers, Cell, Chunk, Column, Columns, solve, solve_on};
 use bsm_case::{Output, Record, Scene, Settings};
-use bsm_dyn::{Ball, Control, Model, ModelWorkspace, Status};
+use bsm_dyn::{Control, Model, ModelWorkspace};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+use alike::assert_alike;
 
 const INPUTS: [&str; 16] = [
     "lead_angle_deg",
@@ -27,9 +31,6 @@ const INPUTS: [&str; 16] = [
 
 const KERNELS: [Model; 4] =
     [Model::ClosedForm, Model::QuasiStatic, Model::Rigid, Model::RacewayControl];
-
-/// Outputs that tell of the way to a root, not of the root.
-const OF_THE_WAY: [&str; 3] = ["iterations", "residual_norm", "power_balance"];
 
 /// Points of practice and somewhat beyond: screw drive, nut drive and both, both ways.
 fn points(count: usize) -> (Chunk, Columns) {
@@ -74,11 +75,15 @@ fn points(count: usize) -> (Chunk, Columns) {
     (Chunk { first: 1, len: count, inputs, kept: Vec::new() }, columns)
 }
 
-fn record(chunk: &Chunk, base: &Scene, settings: &Settings, row: usize) -> Record {
+fn scene(chunk: &Chunk, base: &Scene, row: usize) -> Scene {
     let mut scene = base.clone();
     for (name, column) in INPUTS.iter().zip(&chunk.inputs) {
         scene.set(name, column.values()[row]).expect("known name");
     }
+    scene
+}
+
+fn record(scene: &Scene, settings: &Settings) -> Record {
     match scene.problem(settings) {
         Ok(problem) => Record::new(problem.solve(&mut ModelWorkspace::default())),
         Err(error) => Record::invalid(settings.model, &error),
@@ -89,60 +94,17 @@ fn all() -> Vec<&'static Output> {
     Answers::select(None).expect("all outputs")
 }
 
-/// The scatter that a difference in an output is compared with, beyond its own size.
-///
-/// The model's Newton stops at 1e-13 of the load, or at 1e-12 of the inertia forces if they are
-/// less, and rounding of the loads leaves some 1e-16: what hangs on inertia, which is `iota` of the load,
-/// is known to that only.
-fn scatter(unit: &str, chunk: &Chunk, row: usize) -> f64 {
-    let value = |i: usize| chunk.inputs[i].values()[row];
-    let (ball, pitch) = (0.5e-3 * value(3), 0.5e-3 * value(4));
-    let speed = (value(5) - value(6)).abs() * std::f64::consts::PI / 30.0;
-    let load = value(7) / value(8);
-    let mass = Ball::of_density(ball, value(11)).mass;
-    let iota = mass * pitch * speed * speed / load;
-    let motion = 1e-10 + 1e-14 / iota;
-    match unit {
-        "N" => 1e-13 * load,
-        "deg" => 1e-10 * 90.0,
-        // Slip is a difference of speeds of this size.
-        "rad/s" => motion * speed * pitch / ball,
-        "m/s" => motion * speed * pitch,
-        // Displacement is a difference of lengths up to 1 mm.
-        "um" => 1e-11,
-        // Lost power is a difference of powers of this size.
-        "W" => 1e-12 * value(7) * pitch * speed,
-        _ => 0.0,
-    }
-}
-
 /// Compares every output of every point: 1e-10 of it, and the scatter.
 fn compare(settings: &Settings, count: usize) {
     let (base, (chunk, columns), outputs) = (Scene::default(), points(count), all());
     let answers = solve(&chunk, &columns, &base, settings, &outputs);
     let mut solved = 0;
     for row in 0..count {
-        let expected = record(&chunk, &base, settings, row);
-        let verdict = &answers.verdicts[row];
-        assert_eq!(verdict.status, expected.status(), "row {row}");
-        solved += usize::from(verdict.status == Status::Converged);
-        for (output, column) in outputs.iter().zip(&answers.columns) {
-            if OF_THE_WAY.contains(&output.name) {
-                continue;
-            }
-            let found = (!column[row].is_nan()).then_some(column[row]);
-            let known = expected.cell(output).map(bsm_case::Cell::number);
-            let (name, unit) = (output.name, output.unit);
-            assert_eq!(found.is_some(), known.is_some(), "row {row}, {name}");
-            let (Some(found), Some(known)) = (found, known) else { continue };
-            let tolerance = 1e-10 * known.abs() + scatter(unit, &chunk, row);
-            let mut difference = (found - known).abs();
-            if unit == "deg" {
-                // Rounding may turn 180 degrees into -180.
-                difference = difference.min((difference - 360.0).abs());
-            }
-            assert!(difference <= tolerance, "row {row}, {name}: {found} {known}");
-        }
+        let scene = scene(&chunk, &base, row);
+        let expected = record(&scene, settings);
+        let what = || format!("row {row}");
+        let converged = assert_alike(&what, (&answers, row), &outputs, (&expected, &scene));
+        solved += usize::from(converged);
     }
     assert!(solved > count / 4, "{solved}");
 }

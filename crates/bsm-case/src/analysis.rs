@@ -117,12 +117,28 @@ impl Analysis {
         self.blocks.iter().flat_map(|block| &block.lines).flat_map(of_line)
     }
 
+    /// The analysis, if every number of it is one.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::BeyondDouble`] with the first that is not.
+    pub(crate) fn finite(self) -> Result<Self, CaseError> {
+        let endless = |line: &&Line| match line.values {
+            Values::Whole(value) => !value.is_finite(),
+            Values::Contacts(values) => values.iter().flatten().any(|value| !value.is_finite()),
+        };
+        match self.blocks.iter().flat_map(|block| &block.lines).find(endless) {
+            Some(line) => Err(CaseError::BeyondDouble { output: line.key }),
+            None => Ok(self),
+        }
+    }
+
     /// A number by name.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.entries().find(|(key, _)| key == name).map(|(_, value)| value)
     }
 
-    /// JSON object of model, numbers, verdicts and words; a number that is not finite is null.
+    /// JSON object of model, numbers, verdicts and words.
     pub fn to_json(&self) -> Map<String, Value> {
         let mut map = Map::new();
         map.insert("model".to_owned(), json!(self.model.name()));

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use crate::reader::lead_mm;
 use crate::record::message;
 use crate::units::{DEG, MM, RPM, UM};
-use crate::{CaseError, InputKey, Scene, Spectrum};
+use crate::{CaseError, InputKey, Scene, Spectrum, exact};
 
 /// Conformities that the fits behind the ratings were made for.
 const CONFORMITIES: (f64, f64) = (0.51, 0.57);
@@ -82,12 +82,20 @@ impl CapacityReport {
             ]
         }));
         let steps = steps(&nut, &dynamic, &static_, &rigidity);
+        if let Some(&(output, ..)) = rows.iter().chain(&steps).find(|(.., x)| !x.is_finite()) {
+            return Err(CaseError::BeyondDouble { output });
+        }
+        // A load of a spectrum may leave no life that a number could tell.
+        if let Some(&(output, ..)) = rows.iter().find(|(name, _, x)| is_life(name) && *x <= 0.0) {
+            return Err(CaseError::BeyondDouble { output });
+        }
         let mut warnings = scene.warnings();
         warnings.extend(doubts(&nut, &body));
         let heaviest = life.map_or(force, |life| life.mean_load.max(force));
         if heaviest > dynamic.rating {
             warnings.push(format!(
-                "a force of {heaviest:.0} N is more than the dynamic rating of {:.0} N",
+                "a force of {} N is more than the dynamic rating of {:.0} N",
+                exact(heaviest.round()),
                 dynamic.rating
             ));
         }
@@ -128,6 +136,11 @@ impl CapacityReport {
         map.insert("warnings".to_owned(), json!(self.warnings));
         Value::Object(map)
     }
+}
+
+/// True for a life, which no load makes zero.
+fn is_life(name: &str) -> bool {
+    ["life_revolutions", "life_h"].contains(&name)
 }
 
 /// The body of the nut of a scene, which must hold its balls.

@@ -14,6 +14,12 @@ pub const STANDARD_CATALOGUE: &str = include_str!("catalogue.json");
 /// Combinations that a list may make.
 const MOST: usize = 20_000_000;
 
+/// Nuts that are compared at a time.
+const PART: usize = 1 << 16;
+
+/// Least length in a list \[mm\].
+const LEAST: f64 = 1e-3;
+
 /// Lists of sizes, and the limits that a combination must keep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Catalogue {
@@ -74,9 +80,32 @@ impl Catalogue {
         file.catalogue()
     }
 
-    /// Every combination within the limits with its numbers, in the order of the lists.
-    pub fn candidates(&self) -> Vec<Candidate> {
-        self.lists.candidates(&self.limits)
+    /// Places of the nuts within the limits among all combinations, in the order of the lists: a nut
+    /// takes sixty times the memory of its place, and is made again where it is looked at.
+    pub fn places(&self) -> Vec<u32> {
+        self.lists.places(&self.limits)
+    }
+
+    /// What `each` makes of the nuts of some places, in their order.
+    pub fn map<R: Send>(
+        &self,
+        places: &[u32],
+        each: impl Fn(u32, &Candidate) -> Option<R> + Sync + Send,
+    ) -> Vec<R> {
+        self.lists.map(&self.limits, places, each)
+    }
+
+    /// Leaves the places of the nuts that no other one beats in dynamic rating, rigidity and mass.
+    #[must_use]
+    pub fn pareto(&self, places: &[u32]) -> Vec<u32> {
+        let mut best: Vec<(u32, [f64; 3])> = Vec::new();
+        // Who is beaten within a part is beaten by the whole.
+        for part in places.chunks(PART) {
+            best.extend(self.map(part, |place, nut| Some((place, nut.costs()))));
+            let costs: Vec<_> = best.iter().map(|(_, costs)| *costs).collect();
+            best = front(&costs).into_iter().map(|i| best[i]).collect();
+        }
+        best.into_iter().map(|(place, _)| place).collect()
     }
 }
 
@@ -87,7 +116,14 @@ impl File {
                 let what = "the list is empty".to_owned();
                 return Err(CaseError::NotAList { key: key.to_owned(), what });
             }
-            list.iter().map(|value| positive(key, *value, below).map(|v| v * unit)).collect()
+            let one = |value: &f64| {
+                if key.ends_with("_mm") && (0.0..LEAST).contains(value) && *value > 0.0 {
+                    let (value, rule) = (*value, format!(">= {LEAST}"));
+                    return Err(CaseError::OutOfRange { key: key.to_owned(), value, rule });
+                }
+                positive(key, *value, below).map(|v| v * unit)
+            };
+            list.iter().map(one).collect()
         };
         let any = f64::INFINITY;
         let lists = Lists {
@@ -259,18 +295,16 @@ impl Condition {
         (self.least..=self.most).contains(&(self.column.read)(candidate))
     }
 
-    /// The value of some nuts that comes nearest to it, if there are any.
-    pub fn nearest_of(&self, candidates: &[Candidate]) -> Option<f64> {
-        let miss = |value: f64| (self.least - value).max(value - self.most);
-        let values = candidates.iter().map(self.column.read);
-        values.min_by(|a, b| miss(*a).total_cmp(&miss(*b)))
+    /// What it asks of.
+    pub fn column(&self) -> &'static CatalogueColumn {
+        self.column
     }
-}
 
-/// Leaves the nuts that no other one beats in dynamic rating, rigidity and mass.
-#[must_use]
-pub fn pareto(candidates: &[Candidate]) -> Vec<Candidate> {
-    front(candidates).into_iter().map(|i| candidates[i]).collect()
+    /// The value that comes nearest to it, if there are any.
+    pub fn nearest_of(&self, values: &[f64]) -> Option<f64> {
+        let miss = |value: f64| (self.least - value).max(value - self.most);
+        values.iter().copied().min_by(|a, b| miss(*a).total_cmp(&miss(*b)))
+    }
 }
 
 /// A nut as JSON object with the names of the columns.

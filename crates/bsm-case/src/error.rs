@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::exact;
+
 /// A scene, a setting or a grid that cannot be used.
 ///
 /// Messages do not name the file; the caller that knows it puts it in front.
@@ -58,7 +60,7 @@ pub enum CaseError {
         expected: String,
     },
     /// A number outside its range.
-    #[error("`{key}` = {value} must be {rule}")]
+    #[error("`{key}` = {} must be {rule}", exact(*value))]
     OutOfRange {
         /// The key.
         key: String,
@@ -258,7 +260,7 @@ pub enum CaseError {
     #[error("lead_mm and lead_angle_deg are two forms of the same input; vary one of them")]
     VariedLeadTwice,
     /// A model does not cover what the scene asks for.
-    #[error("`{key}` = {value} must be {rule} for model {model}")]
+    #[error("`{key}` = {} must be {rule} for model {model}", exact(*value))]
     NotCovered {
         /// The key.
         key: &'static str,
@@ -304,6 +306,24 @@ pub fn brief(text: &str) -> String {
         Some((end, _)) => format!("{}…", text[..end].escape_debug()),
         None => text.escape_debug().to_string(),
     }
+}
+
+/// A text with nothing in it that a terminal obeys: control characters, but for line ends, and those
+/// that turn the direction of writing stand as their numbers.
+pub fn printable(text: &str) -> String {
+    let obeyed = |c: char| {
+        (c.is_control() && c != '\n')
+            || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    let mut printable = String::with_capacity(text.len());
+    for c in text.chars() {
+        if obeyed(c) {
+            printable.extend(c.escape_default());
+        } else {
+            printable.push(c);
+        }
+    }
+    printable
 }
 
 fn nearest_hint(nearest: Option<&str>) -> String {

@@ -6,9 +6,7 @@ use bsm_design::search::{SearchError, root_of};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::{Value, json};
 
-use crate::{
-    CaseError, INPUTS, Input, ModelChoice, Output, Record, Rule, Scene, Settings, nearest_input,
-};
+use crate::{CaseError, InputKey, ModelChoice, Output, Record, Rule, Scene, Settings};
 
 /// Points between which the output is followed.
 const POINTS: i32 = 64;
@@ -22,7 +20,7 @@ const AROUND: (f64, f64) = (0.25, 4.0);
 /// What is known and what is sought.
 #[derive(Debug, Clone)]
 pub struct Fit {
-    input: &'static Input,
+    input: InputKey,
     range: (f64, f64),
     output: &'static Output,
     measured: f64,
@@ -65,11 +63,7 @@ impl Fit {
         range: Option<(f64, f64)>,
         measurement: &str,
     ) -> Result<Self, CaseError> {
-        let known = INPUTS.iter().find(|known| known.name == input);
-        let input = known.ok_or_else(|| CaseError::UnknownKey {
-            key: input.to_owned(),
-            nearest: nearest_input(input).map(str::to_owned),
-        })?;
+        let input = InputKey::named(input)?;
         let form = "output=value, such as screw_torque_Nm=1.5";
         let bad = || CaseError::BadSetting { text: measurement.to_owned(), form };
         let (name, value) = measurement.split_once('=').ok_or_else(bad)?;
@@ -78,16 +72,17 @@ impl Fit {
             output.ok_or_else(|| CaseError::UnknownOutput { name: name.trim().to_owned() })?;
         let measured: f64 =
             value.trim().parse().ok().filter(|v| f64::is_finite(*v)).ok_or_else(bad)?;
-        let range = match (range, input.name, scene.get(input.name)) {
+        let range = match (range, input, scene[input]) {
             (Some(range), ..) => range,
-            (None, "friction_coefficient", _) => FRICTION,
+            (None, InputKey::friction_coefficient, _) => FRICTION,
             (None, _, Some(value)) if value != 0.0 => {
                 let (a, b) = (AROUND.0 * value, AROUND.1 * value);
                 (a.min(b), a.max(b))
             }
-            _ => return Err(CaseError::NoRange { key: input.name }),
+            _ => return Err(CaseError::NoRange { key: input.name() }),
         };
-        let range = match input.rule {
+        let rule = input.input().rule;
+        let range = match rule {
             // Values in a scene may be near the end of what is allowed.
             Rule::Between(low, high) => {
                 let inset = 1e-6 * (high - low);
@@ -96,8 +91,8 @@ impl Fit {
             _ => range,
         };
         let ends = [range.0, range.1];
-        if !(range.0 < range.1 && ends.iter().all(|value| input.rule.holds(*value))) {
-            return Err(CaseError::BadRange { key: input.name, low: range.0, high: range.1 });
+        if !(range.0 < range.1 && ends.iter().all(|value| rule.holds(*value))) {
+            return Err(CaseError::BadRange { key: input.name(), low: range.0, high: range.1 });
         }
         Ok(Self { input, range, output, measured })
     }
@@ -111,7 +106,7 @@ impl Fit {
         work: &mut ModelWorkspace,
     ) -> Result<Record, CaseError> {
         let mut scene = scene.clone();
-        scene.set(self.input.name, value)?;
+        scene.set(self.input.name(), value)?;
         Ok(Record::new(scene.problem(settings)?.solve(work)))
     }
 
@@ -125,7 +120,7 @@ impl Fit {
     /// [`CaseError`] if the scene has no inputs for the model.
     pub fn run(&self, scene: &Scene, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut scene = scene.clone();
-        scene.set(self.input.name, self.range.0)?;
+        scene.set(self.input.name(), self.range.0)?;
         let settings = &match scene.choose(settings.model)? {
             ModelChoice::Auto => Settings { model: Model::Traction.into(), ..*settings },
             ModelChoice::Fixed(model) => Settings { model: model.into(), ..*settings },
@@ -193,7 +188,7 @@ impl Fit {
 
     /// What was found, in words.
     pub fn describe(&self, report: &FitReport) -> String {
-        let (input, output) = (self.input.name, self.output.name);
+        let (input, output) = (self.input.name(), self.output.name);
         if let [first, ..] = &report.found[..] {
             let all: Vec<_> = report
                 .found
@@ -229,7 +224,7 @@ impl Fit {
     pub fn to_json(&self, report: &FitReport) -> Value {
         let fitted = |f: &Fitted| {
             json!({
-                self.input.name: f.value,
+                self.input.name(): f.value,
                 "relative_response": f.response,
                 "result": f.record.to_json(),
             })

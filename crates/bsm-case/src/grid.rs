@@ -2,20 +2,13 @@
 
 use std::ops::Range;
 
-use crate::scene::{in_range, unknown_key};
-use crate::{CaseError, INPUTS, Scene};
-
-/// Two ways to give the same thing.
-const LEADS: [&str; 2] = ["lead_angle_deg", "lead_mm"];
-
-/// Inputs that are checked together.
-const SPEEDS: [&str; 2] = ["screw_speed_rpm", "nut_speed_rpm"];
+use crate::{CaseError, InputKey, InputSet, Scene};
 
 /// One varied input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// The input.
-    pub name: &'static str,
+    pub key: InputKey,
     /// Its values.
     values: Values,
 }
@@ -38,10 +31,7 @@ impl Axis {
             form: "name=start:stop:count or name=v1,v2,... with finite numbers and a count of at least 2",
         };
         let (name, values) = text.split_once('=').ok_or_else(bad)?;
-        let input = INPUTS
-            .iter()
-            .find(|input| input.name == name.trim())
-            .ok_or_else(|| unknown_key(name.trim().to_owned()))?;
+        let key = InputKey::named(name.trim())?;
         let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
         let values = match values.split(':').collect::<Vec<_>>()[..] {
             [start, stop, count] => Values::Range {
@@ -55,10 +45,10 @@ impl Axis {
             }
             _ => return Err(bad()),
         };
-        let axis = Self { name: input.name, values };
+        let axis = Self { key, values };
         // The rules are intervals, so that the ends of a range speak for it.
         for value in axis.ends() {
-            in_range(input, value)?;
+            key.input().rule.check(key.name(), value)?;
         }
         Ok(axis)
     }
@@ -81,7 +71,12 @@ impl Axis {
                 }
                 #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^52")]
                 let fraction = i as f64 / (*count - 1) as f64;
-                start + (stop - start) * fraction
+                let span = stop - start;
+                if span.is_finite() {
+                    start + span * fraction
+                } else {
+                    start * (1.0 - fraction) + stop * fraction
+                }
             }
             Values::List(values) => values[i],
         }
@@ -110,10 +105,11 @@ impl Grid {
     /// [`CaseError`] if an input stands twice or the points cannot be counted.
     pub fn new(axes: Vec<Axis>) -> Result<Self, CaseError> {
         for (i, axis) in axes.iter().enumerate() {
-            if axes[..i].iter().any(|other| other.name == axis.name) {
-                return Err(CaseError::VariedTwice { key: axis.name.to_owned() });
+            let former: InputSet = axes[..i].iter().map(|other| other.key).collect();
+            if former.contains(axis.key) {
+                return Err(CaseError::VariedTwice { key: axis.key.name().to_owned() });
             }
-            if axis.name == LEADS[1] && axes.iter().any(|other| other.name == LEADS[0]) {
+            if former.replaced().contains(axis.key) {
                 return Err(CaseError::VariedLeadTwice);
             }
         }
@@ -165,29 +161,28 @@ impl Grid {
         }
     }
 
-    /// `base` without the varied inputs: what can be checked before any point.
-    #[must_use]
-    pub fn fixed(&self, base: &Scene) -> Scene {
-        let mut scene = base.clone();
-        for axis in &self.axes {
-            if let Some(slot) = scene.slot(axis.name) {
-                *slot = None;
-            }
-            // Speeds are checked by their difference only.
-            if SPEEDS.contains(&axis.name) {
-                (scene.screw_speed_rpm, scene.nut_speed_rpm) = (None, None);
-            }
-        }
-        scene
+    /// The inputs that are varied.
+    pub fn varied(&self) -> InputSet {
+        self.axes.iter().map(|axis| axis.key).collect()
+    }
+
+    /// Checks what of `base` can be checked before any point.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scene::check`].
+    pub fn check(&self, base: &Scene) -> Result<(), CaseError> {
+        base.check_but(self.varied().replaced())
     }
 
     /// `base` with the values of a [`point`](Self::point).
-    #[expect(clippy::missing_panics_doc, reason = "the names were checked by Axis::parse")]
+    #[must_use]
     pub fn scene(&self, base: &Scene, point: &[f64]) -> Scene {
-        let mut scene = base.clone();
+        let (mut scene, mut settings) = (base.clone(), Scene::default());
         for (axis, value) in self.axes.iter().zip(point) {
-            scene.set(axis.name, *value).expect("axes name inputs");
+            settings[axis.key] = Some(*value);
         }
+        scene.override_with(&settings);
         scene
     }
 }

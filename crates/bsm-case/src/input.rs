@@ -1,5 +1,12 @@
 //! The inputs: one table that scene, checks, schema and help are made from.
 
+use std::ops::{Index, IndexMut};
+
+use bsm_simd::Compare;
+
+use crate::CaseError;
+use crate::scene::unknown_key;
+
 /// What a value must satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
@@ -11,18 +18,40 @@ pub enum Rule {
     AtLeast(f64),
     /// Strictly between the bounds.
     Between(f64, f64),
+    /// Between the bounds or one of them.
+    Within(f64, f64),
 }
 
 impl Rule {
-    /// True if `value` is finite and satisfies the rule.
-    pub fn holds(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Self::Any => true,
-                Self::Above(low) => value > low,
-                Self::AtLeast(low) => value >= low,
-                Self::Between(low, high) => value > low && value < high,
+    /// Where a value is finite and satisfies the rule.
+    #[inline(always)]
+    pub fn holds<N: Compare>(self, value: N) -> N::Mask {
+        let finite = value.abs().lt(value.constant(f64::INFINITY));
+        match self {
+            Self::Any => finite,
+            Self::Above(low) => finite & value.gt(value.constant(low)),
+            Self::AtLeast(low) => finite & value.constant(low).le(value),
+            Self::Between(low, high) => {
+                value.gt(value.constant(low)) & value.lt(value.constant(high))
             }
+            Self::Within(low, high) => {
+                value.constant(low).le(value) & value.le(value.constant(high))
+            }
+        }
+    }
+
+    /// Checks a value.
+    ///
+    /// * `key`: the name of what has it.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::OutOfRange`].
+    pub fn check(self, key: &str, value: f64) -> Result<(), CaseError> {
+        if self.holds(value) {
+            return Ok(());
+        }
+        Err(CaseError::OutOfRange { key: key.to_owned(), value, rule: self.describe() })
     }
 
     /// The rule in words, after "must be".
@@ -32,6 +61,7 @@ impl Rule {
             Self::Above(low) => format!("finite and > {low}"),
             Self::AtLeast(low) => format!("finite and >= {low}"),
             Self::Between(low, high) => format!("between {low} and {high} (exclusive)"),
+            Self::Within(low, high) => format!("from {low} to {high}"),
         }
     }
 }
@@ -72,39 +102,69 @@ macro_rules! inputs {
             about: $about,
         },)*];
 
-        /// An input as a number: its place in [`INPUTS`].
+        /// The address of an input: its place in [`INPUTS`] and in a [`Scene`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
         pub enum InputKey {
             $(#[doc = $about] $name,)*
         }
 
-        impl Scene {
-            /// The value of an input, or else its default.
+        impl InputKey {
+            /// All inputs, in the order of the documentation.
+            pub const ALL: [Self; INPUTS.len()] = [$(Self::$name),*];
+        }
+
+        impl Index<InputKey> for Scene {
+            type Output = Option<f64>;
+
             #[inline]
-            pub fn value_or_default(&self, key: InputKey) -> Option<f64> {
+            fn index(&self, key: InputKey) -> &Option<f64> {
                 match key {
-                    $(InputKey::$name => self.$name.or($default),)*
+                    $(InputKey::$name => &self.$name,)*
                 }
             }
+        }
 
-            /// The place of an input, or `None` if there is no such input.
-            pub(crate) fn slot(&mut self, name: &str) -> Option<&mut Option<f64>> {
-                match name {
-                    $(stringify!($name) => Some(&mut self.$name),)*
-                    _ => None,
-                }
-            }
-
-            /// The value of an input, if it exists and is given.
-            pub fn get(&self, name: &str) -> Option<f64> {
-                match name {
-                    $(stringify!($name) => self.$name,)*
-                    _ => None,
+        impl IndexMut<InputKey> for Scene {
+            #[inline]
+            fn index_mut(&mut self, key: InputKey) -> &mut Option<f64> {
+                match key {
+                    $(InputKey::$name => &mut self.$name,)*
                 }
             }
         }
     };
+}
+
+impl InputKey {
+    /// Its row of the table.
+    #[inline]
+    pub fn input(self) -> &'static Input {
+        &INPUTS[self as usize]
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        self.input().name
+    }
+
+    /// The input of that name.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::UnknownKey`] with the nearest name.
+    pub fn named(name: &str) -> Result<Self, CaseError> {
+        let found = Self::ALL.into_iter().find(|key| key.name() == name);
+        found.ok_or_else(|| unknown_key(name.to_owned()))
+    }
+}
+
+impl Scene {
+    /// The value of an input, or else its default.
+    #[inline]
+    pub fn value_or_default(&self, key: InputKey) -> Option<f64> {
+        self[key].or(key.input().default)
+    }
 }
 
 use Rule::{Above, Any, AtLeast, Between};

@@ -24,7 +24,8 @@ impl Analysis {
     /// # Errors
     ///
     /// [`CaseError::NoMotion`] if the model has no motion of the ball, [`CaseError::NotRated`] if
-    /// the contacts have no state with permanent approach.
+    /// the contacts have no state with permanent approach, [`CaseError::BeyondDouble`] for a number
+    /// that no double holds.
     pub fn jam(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
         let solved = Solved::of(scene, solution)?;
         let mut report = Self::of(scene, solution);
@@ -56,7 +57,7 @@ impl Analysis {
         let contacts =
             [SolvedContact { load: nut_load, ..nut }, SolvedContact { load: screw_load, ..screw }];
         report.returner(scene, &solved, contacts);
-        Ok(report)
+        report.finite()
     }
 
     /// Loads, angles and approaches with permanent approach, which `wedge` takes over.
@@ -153,13 +154,15 @@ impl Analysis {
         if expelling > ROUNDING * holding {
             block.whole("locking_ratio", "", "the one over the other", holding / expelling);
         }
-        block.whole("critical_friction_coefficient", "", "critical friction coefficient", critical);
-        block.whole(
-            "critical_friction_published",
-            "",
-            "as published, without centrifugal force",
-            published,
-        );
+        // Without slip across the grooves no friction holds the ball, and there is no such number.
+        for (key, about, number) in [
+            ("critical_friction_coefficient", "critical friction coefficient", critical),
+            ("critical_friction_published", "as published, without centrifugal force", published),
+        ] {
+            if number < f64::INFINITY {
+                block.whole(key, "", about, number);
+            }
+        }
         self.blocks.push(block);
         let locks = wedge.friction >= critical;
         let words = format!(
@@ -167,7 +170,12 @@ impl Analysis {
              between the races",
             wedge.friction,
             if locks { "reaches" } else { "is below" },
-            if critical == 0.0 { "0".to_owned() } else { format!("{critical:.2e}") },
+            match critical {
+                0.0 => "0".to_owned(),
+                f64::INFINITY =>
+                    "which no friction reaches without slip across the grooves".to_owned(),
+                _ => format!("{critical:.2e}"),
+            },
             if locks { "holds" } else { "cannot hold" },
         );
         self.verdicts.push(("friction_self_locking", locks, words));
@@ -221,8 +229,11 @@ impl Analysis {
             );
             block.whole("largest_friction_N", "N", "if all of it pointed there", largest);
             if let Some(thrust) = apex.into_iter().chain(step).reduce(f64::max) {
-                block.whole("returner_margin", "", "friction over thrust", available / thrust);
-                block.whole("largest_margin", "", "if all of it pointed there", largest / thrust);
+                if thrust > 0.0 {
+                    let margins = [available, largest].map(|friction| friction / thrust);
+                    block.whole("returner_margin", "", "friction over thrust", margins[0]);
+                    block.whole("largest_margin", "", "if all of it pointed there", margins[1]);
+                }
                 self.jams(thrust, available, largest);
             }
         }

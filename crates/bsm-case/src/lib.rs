@@ -5,6 +5,11 @@
 //! the answer back. Ratings, designs, fits and analyses are asked and answered here in the same words; how a
 //! model solves its problem is not known here.
 
+#![expect(
+    clippy::inline_always,
+    reason = "rules over several points take the instruction set of their caller only inline"
+)]
+
 mod analysis;
 mod capacity;
 mod catalogue;
@@ -13,13 +18,16 @@ mod error;
 mod fit;
 mod grid;
 mod input;
+mod input_set;
 mod jam;
+mod number;
 mod optimum;
 mod output;
 mod problem;
 mod reader;
 mod record;
 mod requirement;
+mod rules;
 mod scene;
 mod schema;
 mod sensitivity;
@@ -31,18 +39,20 @@ pub use analysis::{Analysis, Block, Line, Values};
 pub use capacity::CapacityReport;
 pub use catalogue::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
-    pareto,
 };
 pub use design::{DesignReport, DesignRow, stock};
-pub use error::{CaseError, brief};
+pub use error::{CaseError, brief, printable};
 pub use fit::{Fit, FitReport, Fitted};
 pub use grid::{Axis, Grid};
 pub use input::{INPUTS, Input, InputKey, Rule, Scene};
+pub use input_set::InputSet;
+pub use number::{exact, write_exact};
 pub use optimum::OptimumReport;
 pub use output::{Cell, OUTPUTS, Output, OutputKey};
-pub use problem::{ModelChoice, Settings, required_inputs};
+pub use problem::{ModelChoice, Needs, Settings};
 pub use record::Record;
 pub use requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, Wish};
+pub use rules::{Inputs, Relation, covered};
 pub(crate) use scene::nearest;
 pub use scene::{entries, nearest_input};
 pub use schema::{input_schema, output_schema};

@@ -2,7 +2,7 @@
 
 use bsm_dyn::{Control, Outputs};
 
-use crate::units::{DEG, MM, MPA, UM};
+use crate::units::{DEG, MM, MPA, UM, direction_deg};
 
 /// A value of one output.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +69,7 @@ impl Output {
 }
 
 macro_rules! outputs {
-    ($($name:ident [$unit:literal] $kind:ident($field:ident $(/ $factor:expr)?), $about:literal;)*) => {
+    ($($name:ident [$unit:literal] $kind:ident($field:ident $(/ $factor:expr)? $(=> $convert:ident)?), $about:literal;)*) => {
         /// All outputs, in the order of the documentation.
         pub const OUTPUTS: &[Output] = &[$(Output {
             name: stringify!($name),
@@ -78,7 +78,7 @@ macro_rules! outputs {
             words: outputs!(@words $kind),
             about: $about,
             key: OutputKey::$name,
-            read: |outputs| outputs.$field.map(|value| Cell::$kind(value $(/ $factor)?)),
+            read: |outputs| outputs.$field.map(|value| Cell::$kind($($convert)?(value $(/ $factor)?))),
         },)*];
 
         /// An output as a number: its place in [`OUTPUTS`].
@@ -104,9 +104,9 @@ outputs! {
     minor_normal_load_N ["N"] Number(minor_normal_load), "normal load of a ball on the opposite flank of the nut";
     nut_contact_angle_deg ["deg"] Number(nut_contact_angle / DEG), "contact angle at the nut";
     screw_contact_angle_deg ["deg"] Number(screw_contact_angle / DEG), "contact angle at the screw";
-    nut_slip_angle_deg ["deg"] Number(nut_slip_angle / DEG), "direction of friction on the ball at the nut";
-    screw_slip_angle_deg ["deg"] Number(screw_slip_angle / DEG), "direction of friction on the ball at the screw";
-    minor_slip_angle_deg ["deg"] Number(minor_slip_angle / DEG), "direction of friction on the ball at the minor contact";
+    nut_slip_angle_deg ["deg"] Number(nut_slip_angle => direction_deg), "direction of friction on the ball at the nut";
+    screw_slip_angle_deg ["deg"] Number(screw_slip_angle => direction_deg), "direction of friction on the ball at the screw";
+    minor_slip_angle_deg ["deg"] Number(minor_slip_angle => direction_deg), "direction of friction on the ball at the minor contact";
     nut_slip_velocity_m_s ["m/s"] Number(nut_slip_velocity), "slip speed at the nut";
     screw_slip_velocity_m_s ["m/s"] Number(screw_slip_velocity), "slip speed at the screw";
     minor_slip_velocity_m_s ["m/s"] Number(minor_slip_velocity), "slip speed at the minor contact";

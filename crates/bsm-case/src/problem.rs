@@ -4,7 +4,9 @@ use std::num::NonZeroUsize;
 
 use bsm_dyn::{Control, Model, Problem, Traction};
 
-use crate::{CaseError, Scene};
+use crate::input_set::{Form, LEAD, Quantity};
+use crate::rules::{covered, not_covered};
+use crate::{CaseError, InputKey, InputSet, Rule, Scene};
 
 /// The model to solve with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -58,11 +60,11 @@ impl ModelChoice {
 pub struct Settings {
     /// The model.
     pub model: ModelChoice,
-    /// Error of the efficiency that the choice `auto` may leave, positive.
+    /// Error of the efficiency that the choice `auto` may leave, see [`Self::TOLERANCE`].
     pub tolerance: f64,
-    /// Order of the quadrature over the contact ellipses in model traction.
+    /// Order of the quadrature over the contact ellipses in model traction, see [`Self::QUADRATURE`].
     pub quadrature: NonZeroUsize,
-    /// Creep speed over `$r_b|W|$` in model traction, positive: it makes friction smooth.
+    /// Creep speed over `$r_b|W|$` in model traction, see [`Self::CREEP`]: it makes friction smooth.
     pub creep: f64,
     /// The controlling race in model raceway-control; `None` decides by the spin moments.
     pub control: Option<Control>,
@@ -87,108 +89,160 @@ impl From<Model> for Settings {
     }
 }
 
-/// Stands for "lead_angle_deg, or lead_mm and the pitch circle".
-const LEAD: &str = "lead_angle_deg (or lead_mm)";
+impl Settings {
+    /// What [`tolerance`](Self::tolerance) must be.
+    pub const TOLERANCE: Rule = Rule::Above(0.0);
+    /// What [`quadrature`](Self::quadrature) must be: the weights of order 1 do not even sum to 1.
+    pub const QUADRATURE: Rule = Rule::Within(2.0, 128.0);
+    /// What [`creep`](Self::creep) must be.
+    pub const CREEP: Rule = Rule::Above(0.0);
 
-/// Inputs without default, most basic first; each model needs a number of them.
-const REQUIRED: [&str; 10] = [
-    LEAD,
-    "contact_angle_deg",
-    "friction_coefficient",
-    "ball_diameter_mm",
-    "pitch_circle_diameter_mm",
-    "screw_speed_rpm",
-    "axial_load_N",
-    "loaded_balls",
-    "nut_conformity",
-    "screw_conformity",
-];
+    /// Checks the dials.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::OutOfRange`].
+    pub fn check(&self) -> Result<(), CaseError> {
+        #[expect(clippy::cast_precision_loss, reason = "what is rounded is far beyond the rule")]
+        let order = self.quadrature.get() as f64;
+        Self::TOLERANCE.check("tolerance", self.tolerance)?;
+        Self::QUADRATURE.check("quadrature", order)?;
+        Self::CREEP.check("creep", self.creep)
+    }
+}
 
-/// Inputs without default that a model needs, most basic first.
-pub fn required_inputs(model: Model) -> &'static [&'static str] {
-    match model {
-        Model::ClosedForm => &REQUIRED[..3],
-        Model::QuasiStatic => &REQUIRED[..5],
-        Model::Rigid => &REQUIRED[..8],
-        Model::RacewayControl | Model::Elastic | Model::Traction => &REQUIRED,
+/// Inputs without default that a model needs.
+#[derive(Debug, Clone, Copy)]
+pub struct Needs {
+    /// All of these.
+    all: InputSet,
+    /// A form of each of these.
+    quantities: &'static [Quantity],
+}
+
+impl Needs {
+    /// What a model needs.
+    pub const fn of(model: Model) -> Self {
+        use InputKey as K;
+        const FRICTION: InputSet = InputSet::of(&[K::contact_angle_deg, K::friction_coefficient]);
+        const SIZES: InputSet = InputSet::of(&[K::ball_diameter_mm, K::pitch_circle_diameter_mm]);
+        const MOTION: InputSet =
+            InputSet::of(&[K::screw_speed_rpm, K::axial_load_N, K::loaded_balls]);
+        const GROOVES: InputSet = InputSet::of(&[K::nut_conformity, K::screw_conformity]);
+        let all = match model {
+            Model::ClosedForm => FRICTION,
+            Model::QuasiStatic => FRICTION.and(SIZES),
+            Model::Rigid => FRICTION.and(SIZES).and(MOTION),
+            Model::RacewayControl | Model::Elastic | Model::Traction => {
+                FRICTION.and(SIZES).and(MOTION).and(GROOVES)
+            }
+        };
+        Self { all, quantities: &[LEAD] }
+    }
+
+    /// True if the inputs are among those that are given.
+    pub fn are_met(&self, given: InputSet) -> bool {
+        let complete = |form: &Form| given.contains(form.key) && given.contains_all(form.with);
+        given.contains_all(self.all) && self.quantities.iter().all(|q| q.forms.iter().any(complete))
+    }
+
+    /// What lacks among the inputs that are given, in words.
+    pub fn missing(&self, given: InputSet) -> Vec<String> {
+        let mut missing = Vec::new();
+        for Quantity { words, forms } in self.quantities {
+            let begun = forms.iter().filter(|form| given.contains(form.key));
+            // What is needed anyway is told below.
+            let lacks = |form: &Form| form.with - given - self.all;
+            match begun.min_by_key(|form| lacks(form).iter().count()) {
+                None => missing.push((*words).to_owned()),
+                Some(form) => {
+                    let besides = lacks(form);
+                    missing
+                        .extend(besides.iter().map(|key| format!("{} ({})", key.name(), form.to)));
+                }
+            }
+        }
+        missing.extend((self.all - given).iter().map(|key| key.name().to_owned()));
+        missing
+    }
+}
+
+impl ModelChoice {
+    /// What the choice comes to for points that have the inputs `given`: `auto` stays where they
+    /// are those of raceway control, which tell the error of a model, and is the most complete other
+    /// model elsewhere.
+    ///
+    /// * `covers`: whether a model covers the values of the inputs.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::Missing`] if not even the cheapest model has its inputs, and what `covers` says of
+    /// a fixed one.
+    pub fn resolve(
+        self,
+        given: InputSet,
+        covers: impl Fn(Model) -> Result<(), CaseError>,
+    ) -> Result<Self, CaseError> {
+        let suits = |model: &Model| Needs::of(*model).are_met(given) && covers(*model).is_ok();
+        let model = match self {
+            Self::Fixed(model) => model,
+            Self::Auto if suits(&Model::RacewayControl) => return Ok(self),
+            Self::Auto => Model::ALL.into_iter().rev().find(suits).unwrap_or(Model::ClosedForm),
+        };
+        let needs = Needs::of(model);
+        if !needs.are_met(given) {
+            return Err(CaseError::Missing { missing: needs.missing(given), model: model.name() });
+        }
+        covers(model).map(|()| Self::Fixed(model))
     }
 }
 
 impl Scene {
     /// Inputs that `model` needs and the scene has not.
     pub fn missing(&self, model: Model) -> Vec<String> {
-        let mut missing: Vec<_> = required_inputs(model)
-            .iter()
-            .filter(|name| match **name {
-                LEAD => self.lead_angle_deg.is_none() && self.lead_mm.is_none(),
-                name => self.get(name).is_none(),
-            })
-            .map(|name| (*name).to_owned())
-            .collect();
-        let pitch = "pitch_circle_diameter_mm";
-        let from_lead = self.lead_angle_deg.is_none() && self.lead_mm.is_some();
-        if from_lead && self.get(pitch).is_none() && !missing.iter().any(|m| m == pitch) {
-            missing.push(format!("{pitch} (to turn lead_mm into an angle)"));
-        }
-        missing
+        Needs::of(model).missing(self.given())
     }
 
-    /// What `model` does not cover of a scene that has its inputs.
-    fn not_covered(&self, model: Model) -> Option<CaseError> {
-        let not_covered = |key, value, rule| {
-            Some(CaseError::NotCovered { key, value, rule, model: model.name() })
-        };
-        match (model, self.friction_coefficient, self.speeds_rpm()) {
-            (Model::Rigid | Model::Elastic | Model::Traction, Some(friction), _)
-                if friction <= 0.0 =>
-            {
-                let rule = "> 0 (without friction nothing fixes the rotation of the ball)";
-                not_covered("friction_coefficient", friction, rule)
-            }
-            (Model::QuasiStatic, _, Some((screw, nut))) if screw != 0.0 && nut != 0.0 => {
-                not_covered("nut_speed_rpm", nut, "0 while the screw turns (no dual drive)")
-            }
-            _ => None,
+    /// Whether `model` covers the values of the scene.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::NotCovered`].
+    pub fn covered_by(&self, model: Model) -> Result<(), CaseError> {
+        match covered(model, self) {
+            Some(false) => Err(not_covered(model, self)),
+            _ => Ok(()),
         }
     }
 
     /// True if the scene has the inputs of `model` and the model covers them.
     pub fn suits(&self, model: Model) -> bool {
-        self.missing(model).is_empty() && self.not_covered(model).is_none()
+        self.choose(model.into()).is_ok()
     }
 
-    /// What a choice comes to: `auto` stays where the scene has the inputs of raceway control,
-    /// which tell the error of a model, and is the most complete other model elsewhere.
+    /// What a choice comes to, see [`ModelChoice::resolve`].
     ///
     /// # Errors
     ///
-    /// [`CaseError::Missing`] if not even the cheapest model has its inputs,
-    /// [`CaseError::NotCovered`] if a fixed one does not cover them.
+    /// [`CaseError::Missing`], [`CaseError::NotCovered`].
     pub fn choose(&self, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
-        let model = match choice {
-            ModelChoice::Fixed(model) => model,
-            ModelChoice::Auto if self.suits(Model::RacewayControl) => return Ok(choice),
-            ModelChoice::Auto => Model::ALL
-                .into_iter()
-                .rev()
-                .find(|model| self.suits(*model))
-                .unwrap_or(Model::ClosedForm),
-        };
-        let missing = self.missing(model);
-        if !missing.is_empty() {
-            return Err(CaseError::Missing { missing, model: model.name() });
-        }
-        self.not_covered(model).map_or(Ok(ModelChoice::Fixed(model)), Err)
+        choice.resolve(self.given(), |model| self.covered_by(model))
+    }
+
+    /// What a choice comes to, after every check.
+    pub(crate) fn ask(&self, settings: &Settings) -> Result<ModelChoice, CaseError> {
+        settings.check()?;
+        self.check()?;
+        self.choose(settings.model)
     }
 
     /// The SI problem of a model.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a value breaks a rule or an input of the model is missing.
+    /// [`CaseError`] if a value or a dial breaks a rule or an input of the model is missing.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
-        self.check()?;
-        let model = self.choose(settings.model)?;
+        let model = self.ask(settings)?;
         Ok(self.reader().problem(model, settings))
     }
 }

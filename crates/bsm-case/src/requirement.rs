@@ -4,9 +4,9 @@ use bsm_design::{Demand, Fixed, Objective, Pitch, Reach, Requirement};
 use bsm_dyn::{Direction, Model};
 use serde_json::{Map, Value};
 
-use crate::scene::{entries, in_range, wrong_type};
+use crate::scene::{entries, wrong_type};
 use crate::units::{DEG, MM, MPA, RPM};
-use crate::{CaseError, INPUTS, Input, InputKey, Rule, Scene, nearest};
+use crate::{CaseError, Input, InputKey, Rule, Scene, nearest};
 
 /// Numbers that only requirements have.
 pub const REQUIREMENT_INPUTS: &[Input] = &[
@@ -166,14 +166,13 @@ impl Given {
         if let Some(input) = REQUIREMENT_INPUTS.iter().find(|input| input.name == key) {
             let number =
                 value.as_f64().ok_or_else(|| wrong_type(key.to_owned(), value, "a number"))?;
-            in_range(input, number)?;
+            input.rule.check(input.name, number)?;
             self.numbers.insert(key.to_owned(), value.clone());
             return Ok(());
         }
-        let known =
-            key == "description" || FROM_SCENES.iter().any(|k| INPUTS[*k as usize].name == key);
+        let known = key == "description" || FROM_SCENES.iter().any(|k| k.name() == key);
         if !known {
-            let names = FROM_SCENES.iter().map(|k| INPUTS[*k as usize].name);
+            let names = FROM_SCENES.iter().map(|k| k.name());
             let names = names.chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));
             let names = names.chain(REQUIREMENT_WORDS.iter().map(|(name, ..)| *name));
             let nearest = nearest(key, names).map(str::to_owned);
@@ -195,7 +194,8 @@ impl Given {
 
     /// One of two forms of a demand.
     fn one_of<T>(&self, forms: [Form<T>; 2]) -> Result<T, CaseError> {
-        let value = |key| self.scene.get(key).or_else(|| self.number(key));
+        let in_scene = |key| InputKey::named(key).ok().and_then(|key| self.scene[key]);
+        let value = |key| in_scene(key).or_else(|| self.number(key));
         match forms.map(|(key, form)| value(key).map(form)) {
             [Some(one), None] | [None, Some(one)] => Ok(one),
             found => Err(CaseError::OneOfTwo {
@@ -232,13 +232,14 @@ impl Given {
             }
         };
         let mut missing = Vec::new();
-        let mut need = |key: &str| {
-            scene.get(key).unwrap_or_else(|| {
-                missing.push(key.to_owned());
+        let mut need = |key: InputKey| {
+            scene[key].unwrap_or_else(|| {
+                missing.push(key.name().to_owned());
                 f64::NAN
             })
         };
-        let (rpm, friction) = (need("screw_speed_rpm"), need("friction_coefficient"));
+        let (rpm, friction) =
+            (need(InputKey::screw_speed_rpm), need(InputKey::friction_coefficient));
         if !missing.is_empty() {
             return Err(CaseError::MissingForDesign { missing });
         }

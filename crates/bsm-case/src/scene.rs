@@ -9,9 +9,9 @@ use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::{Value, json};
 
 use crate::error::brief;
-use crate::reader::{lead_angle, lead_mm};
-use crate::units::{DEG, RPM};
-use crate::{CaseError, INPUTS, Input, Scene};
+use crate::reader::lead_mm;
+use crate::rules::Relation;
+use crate::{CaseError, INPUTS, InputKey, InputSet, Scene};
 
 /// Key of the free text.
 const DESCRIPTION: &str = "description";
@@ -47,8 +47,8 @@ impl Scene {
     /// JSON object of the inputs that are given.
     pub fn to_json(&self) -> Value {
         let text = self.description.iter().map(|text| (DESCRIPTION.to_owned(), json!(text)));
-        let number = |input: &Input| Some((input.name.to_owned(), json!(self.get(input.name)?)));
-        Value::Object(text.chain(INPUTS.iter().filter_map(number)).collect())
+        let number = |key: InputKey| Some((key.name().to_owned(), json!(self[key]?)));
+        Value::Object(text.chain(InputKey::ALL.into_iter().filter_map(number)).collect())
     }
 
     pub(crate) fn assign_json(&mut self, key: String, value: &Value) -> Result<(), CaseError> {
@@ -62,10 +62,7 @@ impl Scene {
                 other => Err(wrong_type(key, other, "text")),
             };
         }
-        let Some(slot) = self.slot(&key) else {
-            return Err(unknown_key(key));
-        };
-        *slot = match value {
+        self[InputKey::named(&key)?] = match value {
             Value::Null => None,
             Value::Number(number) => number.as_f64(),
             other => return Err(wrong_type(key, other, "a number")),
@@ -73,38 +70,36 @@ impl Scene {
         Ok(())
     }
 
-    /// Sets an input, as `--set` and batch columns do; a lead replaces a lead angle and the
-    /// other way round.
+    /// Sets one input, see [`override_with`](Self::override_with).
     ///
     /// # Errors
     ///
     /// [`CaseError::UnknownKey`].
-    pub fn set(&mut self, key: &str, value: f64) -> Result<(), CaseError> {
-        let slot = self.slot(key).ok_or_else(|| unknown_key(key.to_owned()))?;
-        *slot = Some(value);
-        match key {
-            "lead_mm" => self.lead_angle_deg = None,
-            "lead_angle_deg" => self.lead_mm = None,
-            _ => {}
-        }
+    pub fn set(&mut self, name: &str, value: f64) -> Result<(), CaseError> {
+        let mut setting = Self::default();
+        setting[InputKey::named(name)?] = Some(value);
+        self.override_with(&setting);
         Ok(())
     }
 
-    /// Applies a setting `name=value`.
+    /// Applies settings `name=value` all at once, see [`override_with`](Self::override_with); of two
+    /// for one input the later holds.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if it has another form, another name or no number.
-    pub fn apply(&mut self, setting: &str) -> Result<(), CaseError> {
-        let (key, value) = setting.split_once('=').ok_or_else(|| CaseError::BadSetting {
-            text: setting.to_owned(),
-            form: "name=value",
-        })?;
-        let (key, value) = (key.trim(), value.trim());
-        let number = value.parse().map_err(|_| CaseError::not_a_number(key, value));
-        // The unknown name is the more helpful complaint of the two.
-        self.set(key, *number.as_ref().unwrap_or(&f64::NAN))?;
-        number.map(|_: f64| ())
+    /// [`CaseError`] if one has another form, another name or no number.
+    pub fn apply<S: AsRef<str>>(&mut self, settings: &[S]) -> Result<(), CaseError> {
+        let mut given = Self::default();
+        for setting in settings {
+            let text = setting.as_ref();
+            let bad = || CaseError::BadSetting { text: text.to_owned(), form: "name=value" };
+            let (name, value) = text.split_once('=').ok_or_else(bad)?;
+            let (key, value) = (InputKey::named(name.trim())?, value.trim());
+            let number = value.parse().map_err(|_| CaseError::not_a_number(key.name(), value))?;
+            given[key] = Some(number);
+        }
+        self.override_with(&given);
+        Ok(())
     }
 
     /// Checks every given value against its rule, and values against each other.
@@ -113,30 +108,20 @@ impl Scene {
     ///
     /// [`CaseError`] with key, value and rule.
     pub fn check(&self) -> Result<(), CaseError> {
-        for input in INPUTS {
-            if let Some(value) = self.get(input.name) {
-                in_range(input, value)?;
+        self.check_but(InputSet::default())
+    }
+
+    /// Checks everything that does not depend on some inputs.
+    pub(crate) fn check_but(&self, open: InputSet) -> Result<(), CaseError> {
+        for key in (self.given() - open).iter() {
+            let value = self[key].unwrap_or(f64::NAN);
+            key.input().rule.check(key.name(), value)?;
+        }
+        let relations = Relation::ALL.into_iter().filter(|relation| !relation.inputs().meets(open));
+        for relation in relations {
+            if relation.holds(self) == Some(false) {
+                return Err(relation.broken(self));
             }
-        }
-        if let (Some(ball), Some(pitch)) = (self.ball_diameter_mm, self.pitch_circle_diameter_mm)
-            && ball >= 0.5 * pitch
-        {
-            let (ball_diameter_mm, pitch_radius_mm) = (ball, 0.5 * pitch);
-            return Err(CaseError::BallTooLarge { ball_diameter_mm, pitch_radius_mm });
-        }
-        if let (Some(lead_angle_deg), Some(lead_mm), Some(pitch)) =
-            (self.lead_angle_deg, self.lead_mm, self.pitch_circle_diameter_mm)
-        {
-            let implied_deg = lead_angle(lead_mm, pitch) / DEG;
-            // Both may be given if they agree to 1e-9.
-            if (implied_deg - lead_angle_deg).abs() > 1e-9 * lead_angle_deg {
-                return Err(CaseError::LeadConflict { lead_angle_deg, lead_mm, implied_deg });
-            }
-        }
-        if let Some((screw_rpm, nut_rpm)) = self.speeds_rpm()
-            && (screw_rpm - nut_rpm) * RPM == 0.0
-        {
-            return Err(CaseError::NoRelativeSpeed { screw_rpm, nut_rpm });
         }
         Ok(())
     }
@@ -195,15 +180,6 @@ pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
         Some((key, _)) => Err(CaseError::DuplicateKey { key: key.clone() }),
         None => Ok(entries),
     }
-}
-
-/// Checks a value against the rule of its input.
-pub(crate) fn in_range(input: &Input, value: f64) -> Result<(), CaseError> {
-    if input.rule.holds(value) {
-        return Ok(());
-    }
-    let (key, rule) = (input.name.to_owned(), input.rule.describe());
-    Err(CaseError::OutOfRange { key, value, rule })
 }
 
 pub(crate) fn unknown_key(key: String) -> CaseError {

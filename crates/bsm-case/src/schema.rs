@@ -23,6 +23,10 @@ pub fn input_schema() -> Value {
             Rule::AtLeast(low) => {
                 property.insert("minimum".to_owned(), json!(low));
             }
+            Rule::Within(low, high) => {
+                property.insert("minimum".to_owned(), json!(low));
+                property.insert("maximum".to_owned(), json!(high));
+            }
             Rule::Between(low, high) => {
                 property.insert("exclusiveMinimum".to_owned(), json!(low));
                 property.insert("exclusiveMaximum".to_owned(), json!(high));

@@ -48,8 +48,7 @@ impl Sensitivities {
     ///
     /// As [`Scene::problem`].
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
-        scene.check()?;
-        let model = scene.choose(settings.model)?;
+        let model = scene.ask(settings)?;
         let asked = Cell::new([None; INPUTS.len()]);
         let reader = Reader(|key: InputKey| {
             let value = scene.value_or_default(key)?;

@@ -48,7 +48,7 @@ impl Analysis {
             ));
         }
         report.blocks.push(powers.block(dissipated, difference));
-        Ok(report)
+        report.finite()
     }
 }
 

@@ -14,3 +14,12 @@ pub const RPM: f64 = PI / 30.0;
 pub const GPA: f64 = 1e9;
 /// Pascals per megapascal.
 pub const MPA: f64 = 1e6;
+
+/// Next to -180 deg a direction is 180: rounding decides on which side of it a solve ends \[deg\].
+const TURN_ROUNDING: f64 = 1e-9;
+
+/// An angle \[rad\] as a direction in (-180, 180\] deg.
+pub fn direction_deg(angle: f64) -> f64 {
+    let degrees = angle / DEG;
+    if degrees + 180.0 < TURN_ROUNDING { 180.0 } else { degrees }
+}

@@ -2,15 +2,17 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::str::FromStr;
 
-use bsm_case::{CaseError, ModelChoice, Settings};
+use bsm_case::{CaseError, ModelChoice, Rule, Settings};
 use bsm_dyn::{Control, Model};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// What the exit codes mean, at the end of every help text.
-const EXIT_CODES: &str = "Exit codes: 0 all solved and all checks passed; 1 a file or disk problem; \
-                          2 bad input or usage; 3 no solution, not converged, or a check failed.";
+const EXIT_CODES: &str = "Exit codes: 0 all solved and all checks passed; 1 a problem of files, disk, \
+                          threads or memory; 2 bad input or usage; 3 no solution, not converged, or \
+                          a check failed; 128 and the number of the signal if interrupted.";
 
 /// Steady motion of the balls of a ball screw: loads, slip, spin, torque, efficiency.
 ///
@@ -120,13 +122,13 @@ pub(crate) struct ModelArgs {
     #[arg(long, default_value = "auto", value_parser = PossibleValuesParser::new(ModelChoice::names()))]
     pub(crate) model: String,
     /// Error of the efficiency that model auto may leave against model traction.
-    #[arg(long, value_name = "T", default_value_t = Settings::default().tolerance, value_parser = positive)]
+    #[arg(long, value_name = "T", default_value_t = Settings::default().tolerance, value_parser = tolerance)]
     pub(crate) tolerance: f64,
     /// Order of the quadrature over the contact ellipses in model traction, 2 to 128.
     #[arg(long, value_name = "N", default_value_t = Settings::default().quadrature, value_parser = order)]
     pub(crate) quadrature: NonZeroUsize,
     /// Creep speed in model traction, over the ball's rolling speed: smaller is closer to Coulomb.
-    #[arg(long, value_name = "V", default_value_t = Settings::default().creep, value_parser = positive)]
+    #[arg(long, value_name = "V", default_value_t = Settings::default().creep, value_parser = creep)]
     pub(crate) creep: f64,
     /// Race at which the ball does not spin in model raceway-control; the one with the larger
     /// friction moment unless given.
@@ -158,9 +160,22 @@ pub(crate) enum Race {
 }
 
 fn order(text: &str) -> Result<NonZeroUsize, String> {
-    match text.parse::<NonZeroUsize>() {
-        Ok(order) if (2..=128).contains(&order.get()) => Ok(order),
-        _ => Err("must be a whole number from 2 to 128, such as 12".to_owned()),
+    dial(text, "a whole number", Settings::QUADRATURE)
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    dial(text, "a number", Settings::TOLERANCE)
+}
+
+fn creep(text: &str) -> Result<f64, String> {
+    dial(text, "a number", Settings::CREEP)
+}
+
+/// The value of a dial, which is held against its rule.
+fn dial<T: FromStr>(text: &str, kind: &str, rule: Rule) -> Result<T, String> {
+    match (text.parse(), text.parse()) {
+        (Ok(value), Ok(number)) if rule.holds::<f64>(number) => Ok(value),
+        _ => Err(format!("must be {kind}, {}", rule.describe())),
     }
 }
 
@@ -169,13 +184,6 @@ pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
     match text.parse::<NonZeroUsize>() {
         Ok(threads) if threads.get() <= 1024 => Ok(threads),
         _ => Err("must be a whole number from 1 to 1024, such as 4".to_owned()),
-    }
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
-        _ => Err("must be a number > 0, such as 1e-3".to_owned()),
     }
 }
 
@@ -251,8 +259,10 @@ pub(crate) struct SweepArgs {
 #[derive(Debug, Args)]
 pub(crate) struct BatchArgs {
     /// Table of points: .csv, .jsonl or .parquet, columns named as inputs; `-` is CSV on standard
-    /// input. An empty cell takes the value of the base scene; columns of an earlier answer are
-    /// passed over.
+    /// input. A row is answered as by `bsm solve --set` with its values: an empty cell takes the value
+    /// of the base scene, a lead replaces its lead angle and the other way round. Columns of an
+    /// earlier answer are passed over. A row of text is one line: a quoted cell ends on its line, and
+    /// blank lines stand at the end only.
     #[arg(value_name = "POINTS")]
     pub(crate) points: PathBuf,
     /// Scene with the inputs that the table does not have.

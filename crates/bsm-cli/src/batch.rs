@@ -5,7 +5,7 @@ use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 use bsm_batch::{CsvSource, JsonSource, ParquetSource, Source, TableError};
-use bsm_case::{CaseError, Scene};
+use bsm_case::Scene;
 
 use crate::args::BatchArgs;
 use crate::failure::Failure;
@@ -23,12 +23,8 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), Failure> {
     let task = Task::new(&base, &settings, &args.table)?;
     let mut source = open(&args.points, &args.keep)?;
     // Without its inputs no row can be solved: that is told once, not on every row.
-    let mut asked = base.clone();
-    for name in &source.columns().inputs {
-        // Any number stands for the column; rules are checked row by row.
-        asked.set(name, 1.0).map_err(|e| Failure::Input(e.to_string()))?;
-    }
-    if let Err(error @ CaseError::Missing { .. }) = asked.choose(settings.model) {
+    let most = base.given() | source.columns().set();
+    if let Err(error) = settings.model.resolve(most, |_| Ok(())) {
         return Err(Failure::Input(format!(
             "{}: {error}; add columns, a --base scene or --set",
             args.points.display()

@@ -7,7 +7,7 @@ use bsm_validate::number;
 
 use crate::args::{CapacityArgs, Format};
 use crate::failure::{Failure, warn};
-use crate::files::{pretty_json, print, read, read_scene};
+use crate::files::{MOST_OF_A_SPECTRUM, pretty_json, print, read, read_scene};
 use crate::table;
 
 pub(crate) fn run(args: &CapacityArgs) -> Result<(), Failure> {
@@ -42,5 +42,5 @@ fn table_rows(rows: &[(&str, &str, f64)]) -> Vec<Vec<String>> {
 }
 
 fn read_spectrum(path: &Path) -> Result<Spectrum, Failure> {
-    Spectrum::from_csv(&read(path)?).map_err(|e| Failure::scene(path, &e))
+    Spectrum::from_csv(&read(path, MOST_OF_A_SPECTRUM)?).map_err(|e| Failure::scene(path, &e))
 }

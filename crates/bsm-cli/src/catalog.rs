@@ -3,11 +3,10 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use bsm_batch::{NumberColumn, Numbers};
+use bsm_batch::{NumberColumn, NumberSink};
 use bsm_case::units::GPA;
 use bsm_case::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
-    pareto,
 };
 use bsm_design::Candidate;
 use bsm_validate::{catalogue_figures, number};
@@ -21,6 +20,9 @@ use crate::table;
 
 /// Rows that a screen shows.
 const SHOWN: usize = 20;
+
+/// Rows that are in memory at a time.
+const PART: usize = 1 << 14;
 
 pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     if args.lists {
@@ -50,38 +52,40 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         warn("note", &format!("wrote figures as SVG and CSV in {}", folder.display()));
     }
 
-    let all = catalogue.candidates();
+    let all = catalogue.places();
     if all.is_empty() {
         let limits =
             "turns_range, conformity_range, largest_ball_over_lead, largest_ball_over_diameter";
         warn("note", &format!("no combination of the lists keeps the limits: {limits}"));
         return Err(Failure::Unsolved);
     }
-    let mut chosen: Vec<_> =
-        all.iter().filter(|c| requirements.iter().all(|(_, r)| r.is_met(c))).copied().collect();
+    let meets = |nut: &Candidate| requirements.iter().all(|(_, r)| r.is_met(nut));
+    let mut chosen = catalogue.map(&all, |place, nut| meets(nut).then_some(place));
     if chosen.is_empty() {
-        warn("note", &none(&all, &requirements));
+        warn("note", &none(&catalogue, &all, &requirements));
         return Err(Failure::Unsolved);
     }
     let met = chosen.len();
     if args.pareto {
-        chosen = pareto(&chosen);
+        chosen = catalogue.pareto(&chosen);
     }
     if let Some(column) = order {
-        let value = |c: &Candidate| (column.read)(c);
-        chosen.sort_by(|a, b| value(a).total_cmp(&value(b)));
+        let mut keys = catalogue.map(&chosen, |place, nut| Some(((column.read)(nut), place)));
+        keys.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         if args.descending {
-            chosen.reverse();
+            keys.reverse();
         }
+        chosen = keys.into_iter().map(|(_, place)| place).collect();
     }
-    warn("note", &count(&all, met, chosen.len(), args));
+    warn("note", &count(all.len(), met, chosen.len(), args));
     chosen.truncate(args.first.map_or(usize::MAX, NonZeroUsize::get));
     if let Some(path) = &args.pick {
-        files::write(path, &(pretty_json(&scene(&chosen[0])) + "\n"))?;
+        let picked = catalogue.map(&chosen[..1], |_, nut| Some(scene(nut)));
+        files::write(path, &(pretty_json(&picked[0]) + "\n"))?;
     }
     match (&args.output, kind) {
-        (Some(path), Some(kind)) => write(path, kind, &chosen),
-        _ => show(&chosen, args),
+        (Some(path), Some(kind)) => write(path, kind, &catalogue, &chosen),
+        _ => show(&catalogue, &chosen, args),
     }
 }
 
@@ -89,10 +93,10 @@ fn read(path: Option<&Path>) -> Result<Catalogue, Failure> {
     let Some(path) = path else {
         return Catalogue::standard().map_err(|e| Failure::Input(e.to_string()));
     };
-    Catalogue::from_json(&files::read(path)?).map_err(|e| Failure::scene(path, &e))
+    Catalogue::from_json(&files::read_json(path)?).map_err(|e| Failure::scene(path, &e))
 }
 
-fn count(all: &[Candidate], met: usize, left: usize, args: &CatalogArgs) -> String {
+fn count(all: usize, met: usize, left: usize, args: &CatalogArgs) -> String {
     let met = if args.require.is_empty() {
         String::new()
     } else {
@@ -105,16 +109,17 @@ fn count(all: &[Candidate], met: usize, left: usize, args: &CatalogArgs) -> Stri
     } else {
         String::new()
     };
-    format!("{} nuts within the limits{met}{left}", all.len())
+    format!("{all} nuts within the limits{met}{left}")
 }
 
 /// Why there is none, by the requirement.
-fn none(all: &[Candidate], requirements: &[(&String, Condition)]) -> String {
+fn none(catalogue: &Catalogue, all: &[u32], requirements: &[(&String, Condition)]) -> String {
     let without = |(i, (name, requirement)): (usize, &(&String, Condition))| {
-        let others = |c: &&Candidate| {
-            requirements.iter().enumerate().all(|(j, (_, r))| j == i || r.is_met(c))
+        let others = |nut: &Candidate| {
+            requirements.iter().enumerate().all(|(j, (_, r))| j == i || r.is_met(nut))
         };
-        let rest: Vec<_> = all.iter().filter(others).copied().collect();
+        let read = requirement.column().read;
+        let rest = catalogue.map(all, |_, nut| others(nut).then(|| read(nut)));
         match requirement.nearest_of(&rest) {
             Some(value) => format!(
                 "\n  without {name}: {} nuts, which come as near to it as {}",
@@ -139,24 +144,30 @@ fn scene(candidate: &Candidate) -> Value {
     Value::Object(nut)
 }
 
-fn write(path: &Path, kind: Kind, chosen: &[Candidate]) -> Result<(), Failure> {
-    let column = |c: &CatalogueColumn| NumberColumn {
-        name: c.name,
-        unit: c.unit,
-        values: chosen.iter().map(c.read).collect(),
-    };
-    let table = Numbers(CATALOGUE_COLUMNS.iter().map(column).collect());
+fn write(path: &Path, kind: Kind, catalogue: &Catalogue, chosen: &[u32]) -> Result<(), Failure> {
+    let column = |c: &CatalogueColumn| NumberColumn { name: c.name, unit: c.unit };
+    let columns: Vec<_> = CATALOGUE_COLUMNS.iter().map(column).collect();
     let out = Output::create(path)?;
-    let written = match kind {
-        Kind::Csv => table.write_csv(out),
-        Kind::JsonLines => table.write_json_lines(out),
-        Kind::Parquet => table.write_parquet(out),
+    let written = || {
+        let mut table = match kind {
+            Kind::Csv => NumberSink::csv(out, &columns)?,
+            Kind::JsonLines => NumberSink::json_lines(out, &columns),
+            Kind::Parquet => NumberSink::parquet(out, &columns)?,
+        };
+        for part in chosen.chunks(PART) {
+            let nuts = catalogue.map(part, |_, nut| Some(*nut));
+            let values = |c: &CatalogueColumn| nuts.iter().map(c.read).collect();
+            table.write(&CATALOGUE_COLUMNS.iter().map(values).collect::<Vec<_>>())?;
+        }
+        table.finish()
     };
-    written.map_err(|error| unwritable(path, &error))?.complete()
+    written().map_err(|error| unwritable(path, &error))?.complete()
 }
 
-fn show(chosen: &[Candidate], args: &CatalogArgs) -> Result<(), Failure> {
+fn show(catalogue: &Catalogue, chosen: &[u32], args: &CatalogArgs) -> Result<(), Failure> {
     let shown = &chosen[..chosen.len().min(args.first.map_or(SHOWN, NonZeroUsize::get))];
+    let more = chosen.len() - shown.len();
+    let shown = catalogue.map(shown, |_, nut| Some(*nut));
     if args.format == Format::Json {
         let rows: Vec<_> = shown.iter().map(|c| Value::Object(candidate_json(c))).collect();
         return print(&pretty_json(&json!(rows)));
@@ -171,7 +182,6 @@ fn show(chosen: &[Candidate], args: &CatalogArgs) -> Result<(), Failure> {
     };
     let row = |nut: &Candidate| columns.iter().map(|c| cell((c.read)(nut))).collect();
     let rows: Vec<Vec<_>> = shown.iter().map(row).collect();
-    let more = chosen.len() - shown.len();
     let rest = if more > 0 {
         format!("\n\nand {more} more; --first N shows others, -o OUT writes all with all columns")
     } else {

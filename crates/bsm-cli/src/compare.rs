@@ -113,7 +113,7 @@ fn text(scene: &Scene, answers: &[Answer], left_out: &[String]) -> String {
                 .collect()
         })
         .collect();
-    let mut blocks: Vec<_> = scene.description.iter().cloned().collect();
+    let mut blocks: Vec<_> = table::title(scene).into_iter().collect();
     if let Some(regime) = regime(answers) {
         blocks.push(format!("regime  {regime}"));
     }

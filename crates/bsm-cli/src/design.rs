@@ -7,14 +7,14 @@ use bsm_validate::number;
 
 use crate::args::{DesignArgs, Format};
 use crate::failure::{Failure, warn};
-use crate::files::{self, pretty_json, print, read};
+use crate::files::{self, pretty_json, print, read_json};
 use crate::table;
 
 pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
     let Some(path) = &args.requirement else {
         return print(&keys());
     };
-    let json = read(path)?;
+    let json = read_json(path)?;
     files::keep(path, args.output.as_deref())?;
     let in_file = |e| Failure::scene(path, &e);
     let wish =

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use bsm_batch::TableError;
-use bsm_case::CaseError;
+use bsm_case::{CaseError, printable};
 use bsm_validate::ValidateError;
 use thiserror::Error;
 
@@ -67,6 +67,14 @@ impl Failure {
         }
     }
 
+    /// The system has no thread left.
+    pub(crate) fn no_thread(error: &io::Error) -> Self {
+        Self::Files(format!(
+            "cannot start a thread: {error}; raise the limits of processes and memory (ulimit -u, \
+             ulimit -v), or give --threads 1"
+        ))
+    }
+
     /// Prints the failure to standard error.
     pub(crate) fn report(&self) -> ExitCode {
         let code = match self {
@@ -105,5 +113,5 @@ pub(crate) fn usage(told: &clap::Error) -> ExitCode {
 
 /// One paragraph to standard error; nobody is left to tell if that fails.
 pub(crate) fn warn(kind: &str, text: &str) {
-    let _ = writeln!(io::stderr(), "{kind}: {text}");
+    let _ = writeln!(io::stderr(), "{kind}: {}", printable(text));
 }

@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use bsm_case::{CaseError, Scene};
 use bsm_validate::figure::Figure;
@@ -12,8 +13,30 @@ use tempfile::NamedTempFile;
 use crate::failure::{Failure, warn};
 use crate::unfinished;
 
-/// Beginning of the names of unfinished files.
-pub(crate) const TEMPORARY: &str = ".bsm-";
+/// Beginning of the names of unfinished files; the final name and [`RANDOM`] follow.
+const TEMPORARY: &str = ".bsm-";
+
+/// Random letters and digits at the end of such a name.
+const RANDOM: usize = 16;
+
+/// Characters of a final name that a temporary one repeats: names may have 255 bytes.
+const REPEATED: usize = 40;
+
+/// Bytes of a scene, a requirement or lists of the catalogue; those in use have some kB.
+const MOST_OF_JSON: u64 = 1 << 20;
+
+/// Bytes of a spectrum: about a million rows.
+pub(crate) const MOST_OF_A_SPECTRUM: u64 = 16 << 20;
+
+/// A write was refused because the file would be too large (`ulimit -f`).
+pub(crate) static FILE_TOO_LARGE: AtomicBool = AtomicBool::new(false);
+
+/// The final name of an unfinished file of ours; `None` for any other file.
+pub(crate) fn final_name(temporary: &str) -> Option<&str> {
+    let (name, random) = temporary.strip_prefix(TEMPORARY)?.rsplit_once('-')?;
+    let ours = random.len() == RANDOM && random.bytes().all(|b| b.is_ascii_alphanumeric());
+    ours.then_some(name)
+}
 
 /// Prints to standard output.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
@@ -25,29 +48,40 @@ pub(crate) fn pretty_json(value: &Value) -> String {
     format!("{value:#}")
 }
 
-/// Reads a file, `-` from standard input.
-pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
-    if path.as_os_str() == "-" {
-        let mut bytes = Vec::new();
-        let read = io::stdin().read_to_end(&mut bytes);
-        read.map_err(|e| Failure::files("read", Path::new("standard input"), &e))?;
-        return Ok(bytes);
+/// Reads a file of JSON, `-` from standard input.
+pub(crate) fn read_json(path: &Path) -> Result<Vec<u8>, Failure> {
+    read(path, MOST_OF_JSON)
+}
+
+/// Reads a file of at most so many bytes, `-` from standard input; devices and pipes without end
+/// are read no further.
+pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
+    let mut bytes = Vec::new();
+    let read = if path.as_os_str() == "-" {
+        io::stdin().take(most + 1).read_to_end(&mut bytes)
+    } else {
+        File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes))
+    };
+    let shown = if path.as_os_str() == "-" { Path::new("standard input") } else { path };
+    read.map_err(|e| Failure::files("read", shown, &e))?;
+    if bytes.len() as u64 > most {
+        let text =
+            format!("is longer than {} MiB, the most that is read of such a file", most >> 20);
+        return Err(Failure::in_scene(path, &text));
     }
-    fs::read(path).map_err(|e| Failure::files("read", path, &e))
+    Ok(bytes)
 }
 
 /// Reads a scene, `-` from standard input, and applies settings.
 pub(crate) fn read_scene(path: &Path, settings: &[String]) -> Result<Scene, Failure> {
-    let mut scene = Scene::from_json(&read(path)?).map_err(|e| Failure::scene(path, &e))?;
+    let mut scene = Scene::from_json(&read_json(path)?).map_err(|e| Failure::scene(path, &e))?;
     apply(&mut scene, settings)?;
     Ok(scene)
 }
 
 /// Applies `--set` settings.
 pub(crate) fn apply(scene: &mut Scene, settings: &[String]) -> Result<(), Failure> {
-    settings.iter().try_for_each(|setting| {
-        scene.apply(setting).map_err(|e: CaseError| Failure::Input(format!("--set: {e}")))
-    })
+    scene.apply(settings).map_err(|e: CaseError| Failure::Input(format!("--set: {e}")))
 }
 
 /// Where a table goes: standard output, or a file that gets its name when it is complete.
@@ -104,11 +138,17 @@ impl Output {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         };
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let name: String = name.chars().take(REPEATED).collect();
+        let prefix = format!("{TEMPORARY}{name}-");
         let mut builder = tempfile::Builder::new();
-        builder.prefix(TEMPORARY);
-        // Temporary files are private; a result gets what the user's mask leaves of 0666.
+        builder.prefix(&prefix).rand_bytes(RANDOM);
+        // A new result gets what the user's mask leaves of 0666; one that replaces a file is private
+        // until it takes over what protects that.
         #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        if !path.exists() {
+            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        }
         let file = unfinished::make(|| builder.tempfile_in(folder))
             .map_err(|e| Failure::files("write in folder", folder, &e))?;
         Ok(Self::File { file: BufWriter::new(file), path })
@@ -135,9 +175,12 @@ impl Output {
                 let named = || -> io::Result<()> {
                     flushed?;
                     let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+                    take_over(file.as_file(), &path)?;
                     file.as_file().sync_all()?;
-                    let _uninterrupted = unfinished::hold();
+                    let temporary = file.path().to_owned();
+                    let mut held = unfinished::hold();
                     file.persist(&path).map_err(|e| e.error)?;
+                    held.finished(&temporary);
                     Ok(())
                 };
                 named().map_err(|e| Self::failure(&path, &e))
@@ -148,20 +191,58 @@ impl Output {
 
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match self {
+        noted(match self {
             Self::Stdout(out) => out.write(bytes),
             Self::Special { file, .. } => file.write(bytes),
             Self::File { file, .. } => file.write(bytes),
-        }
+        })
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        match self {
+        noted(match self {
             Self::Stdout(out) => out.flush(),
             Self::Special { file, .. } => file.flush(),
             Self::File { file, .. } => file.flush(),
-        }
+        })
     }
+}
+
+/// Notes a write that was refused because the file would be too large.
+fn noted<T>(written: io::Result<T>) -> io::Result<T> {
+    if written.as_ref().is_err_and(|e| e.kind() == ErrorKind::FileTooLarge) {
+        FILE_TOO_LARGE.store(true, Ordering::Relaxed);
+    }
+    written
+}
+
+/// Gives a new file the mode, the owner and the group of the one that it is going to replace.
+#[cfg(unix)]
+fn take_over(file: &File, path: &Path) -> io::Result<()> {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
+    let Ok(former) = fs::metadata(path) else { return Ok(()) };
+    let new = file.metadata()?;
+    let owner = new.uid() == former.uid() || fchown(file, Some(former.uid()), None).is_ok();
+    let group = new.gid() == former.gid() || fchown(file, None, Some(former.gid())).is_ok();
+    let mut mode = former.mode() & 0o7777;
+    if !group {
+        // What the former group was allowed is not for another one.
+        mode &= !0o2070;
+    }
+    if !(owner && group) {
+        let kept = format!("{} cannot keep its owner and group, and is yours now", path.display());
+        warn("note", &kept);
+    }
+    if new.mode() & 0o7777 != mode {
+        file.set_permissions(fs::Permissions::from_mode(mode))?;
+    }
+    Ok(())
+}
+
+/// Nothing to take over.
+#[cfg(not(unix))]
+#[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
+fn take_over(_: &File, _: &Path) -> io::Result<()> {
+    Ok(())
 }
 
 /// A path that cannot be written to.

@@ -18,7 +18,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     match args.format {
         Format::Json => print(&pretty_json(&fit.to_json(&report)))?,
         Format::Table => {
-            let records = report.found.iter().map(|found| table::record(&found.record));
+            let records = report.found.iter().map(|found| table::record(&scene, &found.record));
             let blocks: Vec<_> = std::iter::once(fit.describe(&report)).chain(records).collect();
             print(&blocks.join("\n\n"))?;
         }

@@ -15,6 +15,7 @@ mod solve;
 mod stream;
 mod sweep;
 mod table;
+mod threads;
 mod tradeoff;
 mod unfinished;
 mod validate;
@@ -29,6 +30,7 @@ use clap::{CommandFactory, Parser};
 use crate::args::{Cli, Command, SchemaKind};
 use crate::failure::Failure;
 use crate::files::{pretty_json, print};
+use crate::threads::on_threads;
 
 fn main() -> ExitCode {
     let tell = panic::take_hook();
@@ -38,6 +40,9 @@ fn main() -> ExitCode {
             tell(panic);
         }
     }));
+    if let Err(error) = unfinished::prepare() {
+        return Failure::Files(format!("cannot handle signals: {error}")).report();
+    }
     let command = match Cli::try_parse() {
         Ok(cli) => cli.command,
         Err(usage) => return failure::usage(&usage),
@@ -45,23 +50,24 @@ fn main() -> ExitCode {
     // Rayon starts as many as it is told; 0 and what is no number mean all cores there.
     let asked =
         env::var("RAYON_NUM_THREADS").ok().filter(|n| n.parse::<usize>().is_ok_and(|n| n > 0));
-    if let Some(Err(what)) = asked.as_deref().map(args::threads) {
-        return Failure::Input(format!("RAYON_NUM_THREADS {what}")).report();
-    }
+    let asked = match asked.as_deref().map(args::threads).transpose() {
+        Ok(asked) => asked,
+        Err(what) => return Failure::Input(format!("RAYON_NUM_THREADS {what}")).report(),
+    };
     let result = match command {
         Command::Solve(args) => solve::run(&args),
         Command::Compare(args) => compare::run(&args),
-        Command::Sweep(args) => sweep::run(&args),
-        Command::Batch(args) => batch::run(&args),
+        Command::Sweep(args) => on_threads(args.table.threads.or(asked), || sweep::run(&args)),
+        Command::Batch(args) => on_threads(args.table.threads.or(asked), || batch::run(&args)),
         Command::Optimum(args) => optimum::run(&args),
         Command::Capacity(args) => capacity::run(&args),
-        Command::Catalog(args) => catalog::run(&args),
+        Command::Catalog(args) => on_threads(asked, || catalog::run(&args)),
         Command::Fit(args) => fit::run(&args),
-        Command::Design(args) => design::run(&args),
+        Command::Design(args) => on_threads(asked, || design::run(&args)),
         Command::Slip(args) => motion::slip(&args),
         Command::Jam(args) => motion::jam(&args),
-        Command::Validate(args) => validate::run(&args),
-        Command::Tradeoff(args) => tradeoff::run(&args),
+        Command::Validate(args) => on_threads(asked, || validate::run(&args)),
+        Command::Tradeoff(args) => on_threads(asked, || tradeoff::run(&args)),
         Command::Schema { kind } => print(&pretty_json(&match kind {
             SchemaKind::Input => input_schema(),
             SchemaKind::Output => output_schema(),

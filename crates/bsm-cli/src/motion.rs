@@ -61,8 +61,7 @@ fn run(args: &AnalysisArgs, analyse: Analyse, sweep: Sweep) -> Result<(), Failur
             for warning in &report.warnings {
                 warn("warning", warning);
             }
-            let title =
-                scene.description.as_deref().map_or_else(String::new, |d| format!("{d}\n\n"));
+            let title = table::title(&scene).map_or_else(String::new, |t| format!("{t}\n\n"));
             let trends = study.map_or_else(String::new, |s| format!("\n\n{}", table::trends(&s)));
             print(&format!("{title}{}{trends}", table::analysis(&report)))
         }

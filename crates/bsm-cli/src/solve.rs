@@ -70,8 +70,8 @@ fn print_with(
         }
         Format::Table => {
             let blocks = [
-                scene.description.clone(),
-                Some(table::record(&record)),
+                table::title(scene),
+                Some(table::record(scene, &record)),
                 sensitivities.map(table::sensitivities),
             ];
             files::print(&blocks.into_iter().flatten().collect::<Vec<_>>().join("\n\n"))?;

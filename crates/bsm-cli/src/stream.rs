@@ -66,13 +66,6 @@ impl<'a> Task<'a> {
         origin: impl FnOnce() -> Result<String, Failure>,
         each: impl FnMut(&Chunk, &[f64]),
     ) -> Result<(), Failure> {
-        if let Some(threads) = self.table.threads {
-            // The first and only time that the pool is built.
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(threads.get())
-                .build_global()
-                .map_err(|e| Failure::Files(format!("cannot start {threads} threads: {e}")))?;
-        }
         let target = Target::of(&self.table.output, self.table.resume, origin)?;
         let Count { rows, failed, several } = self.solve(source, &target, each)?;
         if several > 0 {
@@ -149,8 +142,13 @@ impl<'a> Task<'a> {
         let (read, chunks) = sync_channel(1);
         let (solved, answered) = sync_channel(1);
         thread::scope(|scope| {
-            scope.spawn(move || read_ahead(source, first, limit, &read));
-            let writer = scope.spawn(move || write_behind(sink, &answered));
+            let no_thread = |e: io::Error| Failure::no_thread(&e);
+            thread::Builder::new()
+                .spawn_scoped(scope, move || read_ahead(source, first, limit, &read))
+                .map_err(no_thread)?;
+            let writer = thread::Builder::new()
+                .spawn_scoped(scope, move || write_behind(sink, &answered))
+                .map_err(no_thread)?;
             let mut done = Ok(());
             for chunk in chunks {
                 let chunk = match chunk {
@@ -277,7 +275,7 @@ impl<'a> Target<'a> {
                 "rows_of_a_part": PART,
                 "origin": origin,
                 "columns": columns.kept.iter().map(String::as_str)
-                    .chain(columns.inputs.iter().copied()).collect::<Vec<_>>(),
+                    .chain(columns.inputs.iter().map(|key| key.name())).collect::<Vec<_>>(),
                 "base": format!("{:?}", task.base),
                 "settings": format!("{:?}", task.settings),
                 "outputs": task.outputs.iter().map(|o| o.name).collect::<Vec<_>>(),
@@ -327,11 +325,14 @@ impl<'a> Target<'a> {
     }
 }
 
-/// Removes what a killed run has left behind.
+/// Removes unfinished parts that a killed run has left behind.
 fn remove_unfinished(folder: &Path) -> Result<(), Failure> {
     let entries = fs::read_dir(folder).map_err(|e| Failure::files("read folder", folder, &e))?;
     for entry in entries.flatten() {
-        if entry.file_name().to_string_lossy().starts_with(files::TEMPORARY) {
+        let name = entry.file_name();
+        let is_part = |name: &str| name.starts_with("part-") && name.ends_with(".parquet");
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        if is_file && name.to_str().and_then(files::final_name).is_some_and(is_part) {
             fs::remove_file(entry.path())
                 .map_err(|e| Failure::files("remove", &entry.path(), &e))?;
         }

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use bsm_batch::{Chunk, GridSource};
-use bsm_case::{Axis as GridAxis, CaseError, Grid, ModelChoice, Output as OutputColumn};
+use bsm_case::{Axis as GridAxis, CaseError, Grid, ModelChoice, Output as OutputColumn, exact};
 use bsm_validate::figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 
 use crate::args::SweepArgs;
@@ -27,19 +27,13 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let grid = Grid::new(axes).map_err(usage)?;
 
     // Everything that can be told before the work: the fixed inputs, the model, the outputs.
-    grid.fixed(&base).check().map_err(in_file)?;
+    grid.check(&base).map_err(in_file)?;
     let mut settings = args.model.settings().map_err(in_file)?;
-    // One choice for all rows, even if it does not cover the first or last point.
-    let [first, last] =
-        [0, grid.len() - 1].map(|i| grid.scene(&base, &grid.point(i)).choose(settings.model));
-    settings.model = match (first, last) {
-        (Ok(ModelChoice::Fixed(first)), Ok(ModelChoice::Fixed(last))) => {
-            ModelChoice::Fixed(first.max(last))
-        }
-        (Ok(_), Ok(_)) => ModelChoice::Auto,
-        (Ok(model), Err(_)) | (Err(_), Ok(model)) => model,
-        (Err(error), Err(_)) => return Err(in_file(error)),
-    };
+    // One choice for all rows, of what covers one end of the grid at least.
+    let ends = [0, grid.len() - 1].map(|i| grid.scene(&base, &grid.point(i)));
+    let covers = |model| ends[0].covered_by(model).or_else(|_| ends[1].covered_by(model));
+    let given = base.given().overridden_by(grid.varied());
+    settings.model = settings.model.resolve(given, covers).map_err(in_file)?;
     let mut plot = match &args.plot {
         Some(path) => {
             let curves = Curves::new(&grid, &args.plot_output, path)?;
@@ -121,13 +115,14 @@ impl Curves {
         let lines = (0..count)
             .map(|i| Curve {
                 marks: Vec::new(),
-                label: series.map(|axis| format!("{} = {}", axis.name, axis.value(i))),
+                label: series
+                    .map(|axis| format!("{} = {}", axis.key.name(), exact(axis.value(i)))),
                 color: i,
                 stroke: Stroke::Solid,
                 points: Vec::new(),
             })
             .collect();
-        Ok(Self { output, x_name: x.name, lines })
+        Ok(Self { output, x_name: x.key.name(), lines })
     }
 
     /// Adds the points of a chunk, of which the second axis runs fastest; one without a result

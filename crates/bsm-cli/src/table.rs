@@ -1,6 +1,9 @@
 //! Tables for reading.
 
-use bsm_case::{Analysis, Block, Cell, Output, Record, Sensitivity, Values};
+use bsm_case::units::MM;
+use bsm_case::{
+    Analysis, Block, Cell, OUTPUTS, Output, Record, Scene, Sensitivity, Values, printable,
+};
 use bsm_validate::{Study, number};
 use comfy_table::{CellAlignment, Table, presets};
 
@@ -16,6 +19,37 @@ pub(crate) fn plain(header: Option<&[&str]>, rows: &[Vec<String>], first_number:
         column.set_cell_alignment(CellAlignment::Right);
     }
     table.trim_fmt()
+}
+
+/// The free text of a scene, as the title of what is printed.
+pub(crate) fn title(scene: &Scene) -> Option<String> {
+    scene.description.as_deref().map(printable)
+}
+
+/// Below this part of what is usual for its unit a number is rounding, and is printed as 0.
+const ROUNDING: f64 = 1e-12;
+
+/// What is usual for a unit in one table: the largest number that has it; 180 for angles.
+struct Scales(Vec<(&'static str, f64)>);
+
+impl Scales {
+    fn of(numbers: impl Iterator<Item = (&'static str, f64)>) -> Self {
+        let mut scales = vec![("deg", 180.0)];
+        for (unit, value) in numbers {
+            match scales.iter_mut().find(|(known, _)| *known == unit) {
+                Some((_, largest)) => *largest = value.abs().max(*largest),
+                None => scales.push((unit, value.abs())),
+            }
+        }
+        Self(scales)
+    }
+
+    /// A number with its rounding left out. What has no unit has no scale.
+    fn print(&self, unit: &str, value: f64) -> String {
+        let scale = self.0.iter().find(|(known, _)| *known == unit && !unit.is_empty());
+        let noise = scale.is_some_and(|(_, largest)| value.abs() < ROUNDING * largest);
+        number(if noise { 0.0 } else { value })
+    }
 }
 
 /// Overall results: label, output.
@@ -51,7 +85,7 @@ const CONTACTS: &[(&str, [&str; 3])] = &[
 ];
 
 /// One solved point.
-pub(crate) fn record(record: &Record) -> String {
+pub(crate) fn record(scene: &Scene, record: &Record) -> String {
     let mut status = record.status_name().to_owned();
     if let Some(Cell::Count(steps)) = Output::named("iterations").and_then(|o| record.cell(o)) {
         status = format!("{status} in {steps} Newton steps");
@@ -78,7 +112,18 @@ pub(crate) fn record(record: &Record) -> String {
         head.into_iter().filter_map(|(label, text)| Some(format!("{label}  {}", text?))).collect();
     let mut blocks = vec![head.join("\n")];
 
-    let cell = |name: &str| record.number(name).map(number);
+    // A ball that rolls has slips that are all rounding: the speed of its surface tells.
+    let surface = record.number("ball_omega_t_rad_s").map_or(0.0, |omega_t| {
+        let rates = ["ball_omega_n_rad_s", "ball_omega_b_rad_s"].map(|name| record.number(name));
+        let fastest = rates.into_iter().flatten().fold(omega_t.abs(), |a, b| a.max(b.abs()));
+        0.5 * MM * scene.ball_diameter_mm.unwrap_or(0.0) * fastest
+    });
+    let numbers = OUTPUTS.iter().filter_map(|o| Some((o.unit, record.number(o.name)?)));
+    let scales = Scales::of(numbers.chain([("m/s", surface)]));
+    let cell = |name: &str| {
+        let output = Output::named(name)?;
+        record.number(name).map(|value| scales.print(output.unit, value))
+    };
     let unit = |name: &str| Output::named(name).map_or("", |o| o.unit).to_owned();
     let overall: Vec<_> = OVERALL
         .iter()
@@ -107,7 +152,15 @@ pub(crate) fn analysis(report: &Analysis) -> String {
     let head = [("model ", Some(report.model.name())), ("chosen", choice)];
     let head = head.into_iter().filter_map(|(label, text)| Some(format!("{label}  {}", text?)));
     let mut blocks = vec![head.collect::<Vec<_>>().join("\n")];
-    blocks.extend(report.blocks.iter().map(block));
+    let lines = report.blocks.iter().flat_map(|block| &block.lines);
+    let scales = Scales::of(lines.flat_map(|line| {
+        let values = match line.values {
+            Values::Whole(value) => vec![value],
+            Values::Contacts(values) => values.into_iter().flatten().collect(),
+        };
+        values.into_iter().map(|value| (line.unit, value))
+    }));
+    blocks.extend(report.blocks.iter().map(|b| block(b, &scales)));
     let verdicts = report.verdicts.iter().map(|(name, answer, words)| {
         format!("{name}: {}; {words}", if *answer { "yes" } else { "no" })
     });
@@ -117,16 +170,17 @@ pub(crate) fn analysis(report: &Analysis) -> String {
 }
 
 /// A block of an analysis: what the ball has, then what its contacts have.
-fn block(block: &Block) -> String {
+fn block(block: &Block, scales: &Scales) -> String {
     let (mut whole, mut contacts) = (Vec::new(), Vec::new());
     for line in &block.lines {
+        let print = |value| scales.print(line.unit, value);
         let row = |cells: Vec<String>| {
             [vec![line.about.to_owned(), line.unit.to_owned()], cells].concat()
         };
         match line.values {
-            Values::Whole(value) => whole.push(row(vec![number(value)])),
+            Values::Whole(value) => whole.push(row(vec![print(value)])),
             Values::Contacts(values) => {
-                let cells = values.map(|v| v.map_or_else(String::new, number));
+                let cells = values.map(|v| v.map_or_else(String::new, print));
                 contacts.push(row(cells.to_vec()));
             }
         }

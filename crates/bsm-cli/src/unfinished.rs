@@ -1,39 +1,130 @@
 //! What an interrupt leaves behind: nothing under a final name, and no temporary file.
 
-use std::fs;
 use std::io;
-use std::path::PathBuf;
-use std::process::exit;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
-use crate::failure::warn;
+/// Temporary files that are not complete yet.
+#[derive(Debug)]
+pub(crate) struct Unfinished {
+    files: Vec<PathBuf>,
+    /// True once interrupts are heard.
+    listening: bool,
+}
 
-/// Temporary files that were made; those that are complete have another name by now.
-static FILES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+static UNFINISHED: Mutex<Unfinished> =
+    Mutex::new(Unfinished { files: Vec::new(), listening: false });
 
-/// Who holds it is not interrupted.
-pub(crate) fn hold() -> MutexGuard<'static, Vec<PathBuf>> {
-    FILES.lock().unwrap_or_else(PoisonError::into_inner)
+/// While the guard lives, an interrupt waits.
+pub(crate) fn hold() -> MutexGuard<'static, Unfinished> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Unfinished {
+    /// The file has its final name.
+    pub(crate) fn finished(&mut self, temporary: &Path) {
+        self.files.retain(|file| file != temporary);
+    }
 }
 
 /// Makes a temporary file that is removed if the program is interrupted, from its first moment on.
 pub(crate) fn make(file: impl FnOnce() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
-    // Fails from the second file on. It also fails where signals are ignored, as under nohup: that stays.
-    let _ = ctrlc::try_set_handler(interrupted);
-    let mut files = hold();
+    let mut held = hold();
+    if !held.listening {
+        signals::listen()?;
+        held.listening = true;
+    }
     let file = file()?;
-    files.push(file.path().to_owned());
+    held.files.push(file.path().to_owned());
     Ok(file)
 }
 
-/// Runs on a thread of its own, so that it waits for nobody but those who hold the files.
-fn interrupted() {
-    let files = hold();
-    for file in files.iter() {
-        let _ = fs::remove_file(file);
+pub(crate) use signals::prepare;
+
+#[cfg(unix)]
+mod signals {
+    use std::process::exit;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::time::Duration;
+    use std::{fs, io, thread};
+
+    use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ};
+    use signal_hook::{flag, iterator::Signals};
+
+    use crate::failure::warn;
+    use crate::files::FILE_TOO_LARGE;
+
+    /// Interrupts; each ends the program with 128 and its number.
+    const INTERRUPTS: [i32; 5] = [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ];
+
+    /// Time after which a write that was too long has failed.
+    const FAILS_WITHIN: Duration = Duration::from_millis(200);
+
+    /// Turns two ends of the program without a word into failures with exit code 1.
+    pub(crate) fn prepare() -> io::Result<()> {
+        // A write beyond `ulimit -f` fails, and is told as that.
+        flag::register(SIGXFSZ, Arc::default())?;
+        // Without memory Rust says so and aborts.
+        flag::register_conditional_shutdown(SIGABRT, 1, Arc::new(AtomicBool::new(true)))?;
+        Ok(())
     }
-    warn("error", "interrupted; nothing unfinished was kept (a folder goes on with --resume)");
-    exit(130);
+
+    /// Hears the interrupts on a thread of its own, so that it waits for nobody but those who hold
+    /// the files.
+    pub(super) fn listen() -> io::Result<()> {
+        let ignored = ignored();
+        let heard = INTERRUPTS.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
+        let mut signals = Signals::new(heard)?;
+        thread::Builder::new().name("interrupts".to_owned()).spawn(move || {
+            for signal in &mut signals {
+                if signal != SIGXFSZ || !write_failed() {
+                    interrupted(signal);
+                }
+            }
+        })?;
+        Ok(())
+    }
+
+    /// True if SIGXFSZ came from a write of ours, which is told where it fails.
+    fn write_failed() -> bool {
+        thread::sleep(FAILS_WITHIN);
+        FILE_TOO_LARGE.load(Ordering::Relaxed)
+    }
+
+    fn interrupted(signal: i32) {
+        let held = super::hold();
+        for file in &held.files {
+            let _ = fs::remove_file(file);
+        }
+        warn("error", "interrupted; nothing unfinished was kept (a folder goes on with --resume)");
+        exit(128 + signal);
+    }
+
+    /// Signals that the program was started to ignore, a bit each from SIGHUP on: `nohup` and the
+    /// background of a script do that, and it stays. Known on Linux only.
+    fn ignored() -> u64 {
+        let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+        mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
+    }
+}
+
+#[cfg(not(unix))]
+mod signals {
+    use std::io;
+
+    /// Nothing to do.
+    #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
+    pub(crate) fn prepare() -> io::Result<()> {
+        Ok(())
+    }
+
+    /// Interrupts end the program at once; the former file is whole, a temporary one stays.
+    #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
+    pub(super) fn listen() -> io::Result<()> {
+        Ok(())
+    }
 }

@@ -332,7 +332,7 @@ fn malformed_tables_are_told() {
         (
             "-",
             "axial_load_N,screw_speed_rpm\n1,2\n3\n",
-            "row 2 has 1 cells, but the table has 2 columns",
+            "line 3 has 1 cells, but the table has 2 columns",
         ),
         ("-", "axial_lod_N\n1\n", "did you mean `axial_load_N`"),
         ("-", "axial_load_N,axial_load_N\n1,2\n", "stands twice"),
@@ -409,7 +409,7 @@ fn models_have_dials() {
     let control = |race| eta(&["--model", "raceway-control", "--control", race]);
     assert!((control("nut") - control("screw")).abs() > 1e-6);
     for (args, part) in [
-        (["--tolerance", "0"], "must be a number > 0"),
+        (["--tolerance", "0"], "must be a number, finite and > 0"),
         (["--quadrature", "0"], "--quadrature"),
         (["--control", "ball"], "possible values: nut, screw"),
     ] {

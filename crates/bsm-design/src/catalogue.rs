@@ -145,7 +145,7 @@ impl Limits {
         let body = Body::usual(&nut, size.diameter);
         let dynamic_rating = nut.dynamic_rating().rating;
         let preload = self.preload * dynamic_rating;
-        Some(Candidate {
+        let candidate = Candidate {
             size: *size,
             nut,
             body,
@@ -155,14 +155,31 @@ impl Limits {
             rigidity: nut.rigidity(&body, preload, true).ok()?,
             mass: body.mass(&nut),
             efficiency: nut.rolling_efficiency(self.rolling_lever),
-        })
+        };
+        candidate.is_finite().then_some(candidate)
+    }
+}
+
+impl Candidate {
+    /// False if a number is beyond double precision.
+    fn is_finite(&self) -> bool {
+        let Rigidity { turn, contacts, total, .. } = self.rigidity;
+        let ratings = [self.dynamic_rating, self.static_rating, self.preload];
+        let others = [turn, contacts, total, self.mass, self.efficiency];
+        ratings.iter().chain(&others).all(|number| number.is_finite())
+    }
+
+    /// What a front is made of, the less the better: dynamic rating and rigidity with the sign
+    /// turned, and mass.
+    pub fn costs(&self) -> [f64; 3] {
+        [-self.dynamic_rating, -self.rigidity.total, self.mass]
     }
 }
 
 impl Lists {
     /// Number of combinations, within the limits or not.
     pub fn len(&self) -> usize {
-        self.lists().map(Vec::len).iter().product()
+        self.lists().map(Vec::len).into_iter().fold(1, usize::saturating_mul)
     }
 
     /// True if a list is empty.
@@ -186,31 +203,41 @@ impl Lists {
         Size { diameter, lead, ball, turns, conformity, contact_angle }
     }
 
-    /// All combinations within the limits, in the order of the lists, made on all cores.
-    pub fn candidates(&self, limits: &Limits) -> Vec<Candidate> {
-        (0..self.len()).into_par_iter().filter_map(|i| limits.candidate(&self.size(i))).collect()
+    /// Places of the combinations within the limits, in the order of the lists.
+    pub fn places(&self, limits: &Limits) -> Vec<u32> {
+        let all = 0..u32::try_from(self.len()).unwrap_or(u32::MAX);
+        all.into_par_iter().filter(|place| self.candidate(limits, *place).is_some()).collect()
+    }
+
+    /// What `each` makes of the nuts of some places, in their order; no nut is kept.
+    pub fn map<R: Send>(
+        &self,
+        limits: &Limits,
+        places: &[u32],
+        each: impl Fn(u32, &Candidate) -> Option<R> + Sync + Send,
+    ) -> Vec<R> {
+        let one = |place: &u32| each(*place, &self.candidate(limits, *place)?);
+        places.par_iter().filter_map(one).collect()
+    }
+
+    fn candidate(&self, limits: &Limits, place: u32) -> Option<Candidate> {
+        limits.candidate(&self.size(usize::try_from(place).ok()?))
     }
 }
 
-/// Places of the candidates that no other one beats: at least the same dynamic rating and rigidity at
-/// no more mass, and one of them better. In the order of `candidates`.
-pub fn front(candidates: &[Candidate]) -> Vec<usize> {
-    let value = |i: usize| {
-        let c = &candidates[i];
-        [-c.dynamic_rating, -c.rigidity.total, c.mass]
-    };
-    let mut order: Vec<_> = (0..candidates.len()).collect();
+/// Places of the [costs](Candidate::costs) that no others beat: none of them more, and one less.
+/// In the order of `costs`.
+pub fn front(costs: &[[f64; 3]]) -> Vec<usize> {
+    let mut order: Vec<_> = (0..costs.len()).collect();
     // Whoever beats a candidate comes before it.
     order.sort_by(|a, b| {
-        let (a, b) = (value(*a), value(*b));
-        a.iter().zip(&b).map(|(a, b)| a.total_cmp(b)).fold(Ordering::Equal, Ordering::then)
+        let pairs = costs[*a].iter().zip(&costs[*b]);
+        pairs.map(|(a, b)| a.total_cmp(b)).fold(Ordering::Equal, Ordering::then)
     });
     let mut front: Vec<usize> = Vec::new();
     for i in order {
-        let v = value(i);
         let beaten = front.iter().any(|other| {
-            let o = value(*other);
-            let mut pairs = o.iter().zip(&v);
+            let mut pairs = costs[*other].iter().zip(&costs[i]);
             pairs.clone().all(|(o, v)| o <= v) && pairs.any(|(o, v)| o < v)
         });
         if !beaten {
@@ -262,7 +289,7 @@ mod tests {
             conformities: vec![0.5, 0.52, 0.55],
             contact_angles: vec![0.7, 0.8],
         };
-        let all = lists.candidates(&LIMITS);
+        let all = lists.map(&LIMITS, &lists.places(&LIMITS), |_, nut| Some(*nut));
         assert!(all.iter().all(|c| c.size.turns < 6.5 && c.size.conformity > 0.505));
         assert!(all.iter().all(|c| c.size.ball <= 0.6 * c.size.lead * (1.0 + 1e-9)));
         let beats = |a: &Candidate, b: &Candidate| {
@@ -275,7 +302,8 @@ mod tests {
         };
         let by_pairs: Vec<_> =
             (0..all.len()).filter(|i| !all.iter().any(|other| beats(other, &all[*i]))).collect();
-        assert_eq!(front(&all), by_pairs);
+        let costs: Vec<_> = all.iter().map(Candidate::costs).collect();
+        assert_eq!(front(&costs), by_pairs);
         assert!(by_pairs.len() > 4 && by_pairs.len() < all.len(), "{}", by_pairs.len());
     }
 }

@@ -1,8 +1,9 @@
-//! Searches for roots and minima, by argmin.
+//! Searches for roots, and for minima by argmin.
 
 use argmin::core::{CostFunction, Executor};
-use argmin::solver::brent::{BrentOpt, BrentRoot};
+use argmin::solver::brent::BrentOpt;
 use argmin::solver::neldermead::NelderMead;
+use bsm_newton::{Bracket, Found};
 
 pub use argmin::core::Error as SearchError;
 
@@ -22,17 +23,24 @@ impl<E: Into<SearchError>, F: Fn(f64) -> Result<f64, E>> CostFunction for OneVar
 ///
 /// # Errors
 ///
-/// [`SearchError`] if the signs are equal or `function` fails.
+/// [`SearchError`] if the signs are equal, or `function` fails or returns NaN.
 pub fn root_of<E: Into<SearchError>>(
     function: impl Fn(f64) -> Result<f64, E>,
     low: f64,
     high: f64,
 ) -> Result<f64, SearchError> {
-    let solver = BrentRoot::new(low, high, 1e-10);
-    let found = Executor::new(OneVariable(function), solver)
-        .configure(|state| state.param(0.5 * (low + high)).max_iters(200))
-        .run()?;
-    Ok(found.state.best_param.unwrap_or(f64::NAN))
+    let (ends, mut failure) = ([low, high], None);
+    let mut value = |x: f64| {
+        function(x).unwrap_or_else(|error| {
+            failure = Some(error.into());
+            f64::NAN
+        })
+    };
+    let bracket = Bracket { x_tol: 1e-10, ..Bracket::new(ends, ends.map(&mut value)) };
+    match bracket.root(value) {
+        Found::Root(root) => Ok(root.x),
+        none => Err(failure.unwrap_or_else(|| SearchError::msg(format!("no root: {none:?}")))),
+    }
 }
 
 /// Minimum of `function` between two points.

@@ -8,17 +8,17 @@ mod forces;
 mod sensitivities;
 
 use bsm_kin::{BallFrame, Motion, Over, Scalar};
-use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
+use bsm_newton::{EvalError, Options, Report, Scales, solve};
 use nalgebra::Vector3;
 
 use self::curve::first_root;
 use crate::balance::DOES_NOT_CIRCLE;
 use crate::coulomb::friction_force;
-use crate::jacobian::linearize;
+use crate::equations::{Workspace, equations};
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
-use crate::layout::{self, BALL, MOMENT_NORMAL, weight};
+use crate::layout::{BALL, MOMENT_NORMAL, ROWS, weight};
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
-use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
+use crate::{Model, Outputs, Reason, Solution, Status, Wrench, cost};
 
 /// Below this ratio of inertia to friction the rounding of the loads shows in the slip.
 const SLOW: f64 = 1e-5;
@@ -34,13 +34,8 @@ pub struct Elastic<D = f64> {
 }
 
 /// Memory of the solves.
+#[derive(Default)]
 pub struct ElasticWorkspace(Workspace);
-
-impl Default for ElasticWorkspace {
-    fn default() -> Self {
-        Self(Workspace::new(BALL))
-    }
-}
 
 /// Contacts, motion, slips and wrenches that belong to a set of unknowns.
 #[derive(Debug)]
@@ -59,6 +54,7 @@ struct Saturated<'a, P = f64>(&'a Pair<P>);
 
 impl<P: Scalar> Saturated<'_, P> {
     fn state<D: Over<P>>(&self, y: &[D; BALL]) -> Result<State<D>, EvalError> {
+        cost::evaluated();
         let pair = self.0;
         let loaded = pair.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
         let [nut, screw] = loaded.contacts;
@@ -110,24 +106,7 @@ impl<P: Scalar> Saturated<'_, P> {
     }
 }
 
-impl System for Saturated<'_> {
-    fn dim(&self) -> usize {
-        BALL
-    }
-
-    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
-        r.copy_from_slice(&Saturated::residual(self, x.try_into().expect("seven unknowns"))?);
-        Ok(())
-    }
-
-    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        linearize(|y| Saturated::residual(self, &y), x, r, jac)
-    }
-
-    fn equation(&self, i: usize) -> String {
-        layout::equation(i).to_owned()
-    }
-}
+equations!(Saturated<'_>, BALL, Saturated::residual, ROWS);
 
 /// A root of the elastic equations.
 #[derive(Debug)]
@@ -161,10 +140,10 @@ type Found = ([f64; BALL], usize, f64);
 
 /// The first root on the curve of all states of force, as (S1) has it.
 fn find(pair: &Pair, newton: &mut Workspace) -> Result<Found, (Status, Reason)> {
-    let (mut y, tried) = first_root(pair)?;
+    let (mut y, steps) = first_root(pair)?;
     let report = run(pair, &mut y, newton);
     if report.converged() {
-        return Ok((y, tried + report.steps.len(), report.residual));
+        return Ok((y, steps + report.steps.len(), report.residual));
     }
     Err((Status::NotConverged, Reason::from(report)))
 }
@@ -196,7 +175,6 @@ fn run(pair: &Pair, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
     let scales = Scales { x: &[1.0; BALL], f: &weights };
     let options = Options { max_steps: MOST_STEPS, ..Options::default() };
     solve(&Saturated(pair), y, &scales, &options, newton)
-        .expect("sizes are constant and the weights positive")
 }
 
 impl Elastic {

@@ -32,7 +32,7 @@ pub(crate) mod unknown {
 pub(crate) const MOMENT_NORMAL: usize = 4;
 
 /// Rows: force and moment in the triad (t, N, e_x) of the loaded contacts, then the axial load.
-const ROWS: [&str; BALL] = [
+pub(crate) const ROWS: [&str; BALL] = [
     "force balance along the helix (t)",
     "force balance along the contact normal (N)",
     "force balance across the groove (e_x)",
@@ -52,9 +52,4 @@ pub(crate) fn rows<D: Scalar>(left: &Wrench<D>, axial_load: D) -> [D; BALL] {
 /// that is no number is left to the solve, which says so.
 pub(crate) fn weight(size: f64) -> f64 {
     if size.is_nan() { 1.0 } else { size.clamp(1e-300, 1e300).recip() }
-}
-
-/// Equation of one ball in words.
-pub(crate) fn equation(row: usize) -> &'static str {
-    ROWS[row]
 }

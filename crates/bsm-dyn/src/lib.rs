@@ -10,14 +10,15 @@ mod auto;
 pub mod balance;
 mod bracket;
 mod closed_form;
+mod cost;
 mod coulomb;
 mod elastic;
 mod ellipse;
+mod equations;
 #[cfg(test)]
 mod extreme;
 mod follow;
 mod hertz;
-mod jacobian;
 mod jam;
 mod jones;
 mod layout;

@@ -9,12 +9,12 @@ mod sensitivities;
 use std::num::NonZeroUsize;
 
 use bsm_kin::{Motion, Scalar};
-use bsm_newton::Workspace;
 use nalgebra::Vector3;
 
 pub(crate) use self::balance::STATIC;
 use self::balance::{Balance, Root};
 use crate::ellipse::Quadrature;
+use crate::equations::Workspace;
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
 use crate::{Model, Outputs, Reason, Solution, Status};
 
@@ -51,13 +51,13 @@ pub struct RacewayControl<D = f64> {
 
 /// Memory of the solves.
 pub struct RacewayWorkspace {
-    newton: Workspace,
+    newton: Workspace<STATIC>,
     quadrature: Quadrature,
 }
 
 impl Default for RacewayWorkspace {
     fn default() -> Self {
-        Self { newton: Workspace::new(STATIC), quadrature: Quadrature::new(RacewayControl::ORDER) }
+        Self { newton: Workspace::default(), quadrature: Quadrature::new(RacewayControl::ORDER) }
     }
 }
 
@@ -134,7 +134,7 @@ impl Grip {
     pub(crate) fn of(
         pair: &Pair,
         control: Option<Control>,
-        newton: &mut Workspace,
+        newton: &mut Workspace<STATIC>,
     ) -> Result<Self, (Status, Reason)> {
         let nut = Self::controlled(pair, control.unwrap_or(Control::Nut), newton);
         if control.is_some() {
@@ -157,7 +157,7 @@ impl Grip {
     fn controlled(
         pair: &Pair,
         control: Control,
-        newton: &mut Workspace,
+        newton: &mut Workspace<STATIC>,
     ) -> Result<Self, (Status, Reason)> {
         let balance = Balance::new(pair, control);
         Ok(Self::at(&balance, balance.first_root(newton)?))
@@ -177,7 +177,7 @@ impl Grip {
 
     /// Other balls that could be the answer: of the same race farther from equal contact angles, and
     /// of the screw where (W7) names the nut at the nut's ball and the screw at the screw's.
-    fn others(&self, pair: &Pair, control: Option<Control>, newton: &mut Workspace) -> Vec<Self> {
+    fn others(&self, pair: &Pair, control: Option<Control>, newton: &mut Workspace<STATIC>) -> Vec<Self> {
         let same = Balance::new(pair, self.control);
         let farther = same.farther_roots(&self.unknowns, newton);
         let mut others: Vec<_> = farther.into_iter().map(|root| Self::at(&same, root)).collect();
@@ -397,7 +397,7 @@ mod tests {
         let fine = Quadrature::new(NonZeroUsize::new(48).expect("positive"));
         for (axial, rpm) in [(2113.0, 2000.0), (20.0, 500.0), (5000.0, -30.0)] {
             let eta = |quadrature: Quadrature| {
-                let mut memory = RacewayWorkspace { quadrature, newton: Workspace::new(STATIC) };
+                let mut memory = RacewayWorkspace { quadrature, newton: Workspace::default() };
                 lin(axial, rpm).solve(&mut memory).outputs.efficiency.expect("efficiency")
             };
             let exact = eta(fine.clone());
@@ -484,7 +484,7 @@ mod tests {
     #[test]
     fn a_clear_decision_is_that_of_both_balls() {
         let mut rng = ChaCha8Rng::seed_from_u64(33);
-        let mut newton = Workspace::new(STATIC);
+        let mut newton = Workspace::default();
         let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);
         while solved < 6000 {
             let mut screw = extreme(&mut rng);

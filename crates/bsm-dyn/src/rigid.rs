@@ -12,7 +12,7 @@ mod search;
 mod sensitivities;
 
 use bsm_kin::{Drive, Helix, Motion, Scalar};
-use bsm_newton::{EvalError, MatMut, System};
+use bsm_newton::{Equations, EvalError, Linear};
 
 pub use self::first_order::{FirstOrder, UNIQUE_BELOW};
 pub use self::root::{MODERATE_INERTIA, RigidWorkspace};
@@ -86,17 +86,13 @@ impl RigidSystem {
     }
 }
 
-impl System for RigidSystem {
-    fn dim(&self) -> usize {
-        self.equations.dim()
+impl Equations<BALL> for RigidSystem {
+    fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
+        Equations::residual(&self.equations, x)
     }
 
-    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
-        System::residual(&self.equations, x, r)
-    }
-
-    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        self.equations.linearize(x, r, jac)
+    fn linearize(&self, x: &[f64; BALL]) -> Result<Linear<BALL>, EvalError> {
+        self.equations.linearize(x)
     }
 
     fn equation(&self, i: usize) -> String {

@@ -3,9 +3,12 @@
 //! The inputs are jets, one variable each. Theory: `docs/theory/12-sensitivities.md`, equations (V1)
 //! to (V3), (V5).
 
-use bsm_kin::{Jet, Scalar};
-use bsm_newton::{EvalError, System, Workspace, implicit_slopes};
+use std::array::from_fn;
 
+use bsm_kin::{Jet, Scalar};
+use bsm_newton::{Equations, EvalError, implicit_slopes};
+
+use crate::equations::Workspace;
 use crate::pair::refused;
 use crate::{ModelWorkspace, Problem, Reason, Status};
 
@@ -35,31 +38,22 @@ impl<D: Scalar> Transmitted<D> {
 ///
 /// * `weights`: of the equations, as in the solve.
 pub(crate) fn moving_root<const N: usize, const M: usize>(
-    system: &impl System,
+    system: &impl Equations<N>,
     x: &[f64; N],
     weights: &[f64; N],
     residual: impl FnOnce(&[Jet<M>; N]) -> Result<[Jet<M>; N], EvalError>,
-    newton: &mut Workspace,
+    newton: &mut Workspace<N>,
 ) -> Result<[Jet<M>; N], (Status, Reason)> {
     // F_p = ∂F(x, p)/∂p at constant x                                     (V1)
     let by_inputs = residual(&x.map(Jet::from)).map_err(refused)?;
-    let mut columns = vec![0.0; N * M];
-    for (i, column) in columns.chunks_exact_mut(N).enumerate() {
-        for (entry, f) in column.iter_mut().zip(&by_inputs) {
-            *entry = f.eps[i];
-        }
-    }
+    let mut columns: [[f64; N]; M] = from_fn(|i| from_fn(|row| by_inputs[row].eps[i]));
     // dx/dp = −J⁻¹ F_p                                                    (V2)
-    let status = implicit_slopes(system, x, weights, &mut columns, newton)
-        .expect("sizes are constant and match");
+    let status = implicit_slopes(system, x, weights, &mut columns, newton);
     if status != bsm_newton::Status::Converged {
         let (residual, worst_equation) = (f64::NAN, String::new());
         return Err((Status::NotConverged, Reason::Newton { status, residual, worst_equation }));
     }
-    Ok(std::array::from_fn(|row| Jet {
-        re: x[row],
-        eps: std::array::from_fn(|i| columns[i * N + row]),
-    }))
+    Ok(from_fn(|row| Jet { re: x[row], eps: from_fn(|i| columns[i][row]) }))
 }
 
 /// The answer of a point whose inertia must be `factor` times as large for loads in double precision

@@ -6,9 +6,9 @@
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_kin::Scalar;
-use bsm_newton::{EvalError, MatMut, Options, Scales, System, Workspace, solve};
+use bsm_newton::{EvalError, Options, Scales, solve};
 
-use crate::jacobian::linearize;
+use crate::equations::{Workspace, equations};
 use crate::pair::{ElasticScrew, refused};
 use crate::{Curvatures, Hertz, Reason, Status};
 
@@ -40,7 +40,6 @@ impl ElasticScrew {
     /// # Errors
     ///
     /// Status and reason if the curvatures give no ellipse, or no state is found.
-    #[expect(clippy::missing_panics_doc, reason = "sizes are constant and the weights positive")]
     pub fn settled(&self, loads: [f64; 2], angles: [f64; 2]) -> Result<Settled, (Status, Reason)> {
         let invalid = |reason| (Status::InvalidInput, reason);
         let hertz = self.hertz().map_err(invalid)?;
@@ -61,8 +60,7 @@ impl ElasticScrew {
         let mut x = [angles[1].tan().recip()];
         let scales = Scales { x: &[1.0], f: &[1.0] };
         let options = Options { residual_goal: 1e-14, ..Options::default() };
-        let report = solve(&closing, &mut x, &scales, &options, &mut Workspace::new(1))
-            .expect("sizes are constant and the weights positive");
+        let report = solve(&closing, &mut x, &scales, &options, &mut Workspace::default());
         if !report.converged() {
             return Err((Status::NotConverged, Reason::from(report)));
         }
@@ -75,6 +73,9 @@ impl ElasticScrew {
         Ok(Settled { loads, angles: [nut, screw], elastic, permanent })
     }
 }
+
+/// Its unknowns.
+const CLOSING: usize = 1;
 
 /// The radial closing of the triangle of arc centres, in one unknown, the cotangent of the contact
 /// angle at the screw.
@@ -115,7 +116,7 @@ impl Closing {
         [[elastic(0), elastic(1)], [permanent(0), permanent(1)]]
     }
 
-    fn equation<D: Scalar>(&self, screw: D) -> Result<[D; 1], EvalError> {
+    fn residual<D: Scalar>(&self, &[screw]: &[D; CLOSING]) -> Result<[D; CLOSING], EvalError> {
         let (loads, cotangents) = self.forces(screw)?;
         let [elastic, permanent] = self.approaches(loads);
         let part = |i: usize| {
@@ -128,24 +129,7 @@ impl Closing {
     }
 }
 
-impl System for Closing {
-    fn dim(&self) -> usize {
-        1
-    }
-
-    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
-        r.copy_from_slice(&self.equation(x[0])?);
-        Ok(())
-    }
-
-    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        linearize(|[x]| self.equation(x), x, r, jac)
-    }
-
-    fn equation(&self, _: usize) -> String {
-        "radial closing of the groove arcs".to_owned()
-    }
-}
+equations!(Closing, CLOSING, Closing::residual, ["radial closing of the groove arcs"]);
 
 /// Largest pressure over that at which the softer of two bodies first yields (M4).
 ///

@@ -10,17 +10,17 @@ mod sensitivities;
 use std::num::NonZeroUsize;
 
 use bsm_kin::{Motion, Scalar};
-use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
+use bsm_newton::{EvalError, Options, Report, Scales, solve};
 
 use self::path::PATH;
 pub(crate) use self::root::Root;
 use crate::ellipse::{Lanes, Local, Quadrature};
-use crate::jacobian::linearize;
+use crate::equations::{Workspace, equations};
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::layout::{self, BALL, weight};
+use crate::layout::{BALL, ROWS, weight};
 use crate::pair::{ElasticScrew, Loaded, Pair};
 use crate::raceway_control::{Grip, STATIC};
-use crate::{Model, Outputs, Reason, Solution, Status, Wrench};
+use crate::{Model, Outputs, Reason, Solution, Status, Wrench, cost};
 
 /// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 const OMEGA: [usize; 3] = [4, 5, 6];
@@ -54,16 +54,16 @@ impl Traction {
 
 /// Memory of the solves.
 pub struct TractionWorkspace {
-    statics: Workspace,
+    statics: Workspace<STATIC>,
     newton: Workspace,
-    path: Workspace,
+    path: Workspace<PATH>,
     quadratures: Vec<(NonZeroUsize, Quadrature)>,
 }
 
 impl Default for TractionWorkspace {
     fn default() -> Self {
-        let (statics, newton) = (Workspace::new(STATIC), Workspace::new(BALL));
-        Self { statics, newton, path: Workspace::new(PATH), quadratures: Vec::new() }
+        let (statics, newton) = (Workspace::default(), Workspace::default());
+        Self { statics, newton, path: Workspace::default(), quadratures: Vec::new() }
     }
 }
 
@@ -99,6 +99,7 @@ impl<P: Scalar> Rolling<'_, P> {
 
     /// The state with another friction coefficient.
     fn rubbed<D: Lanes<P>>(&self, y: &[D; BALL], friction: D) -> Result<State<D>, EvalError> {
+        cost::evaluated();
         let pair = self.pair;
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
         let loaded = if self.at_nut {
@@ -207,28 +208,10 @@ impl Rolling<'_> {
         let scales = Scales { x: &[1.0; BALL], f: &weights };
         let options = Options { residual_goal: 1e-13, max_steps: MOST_STEPS, ..Options::default() };
         solve(self, y, &scales, &options, newton)
-            .expect("sizes are constant and the weights positive")
     }
 }
 
-impl System for Rolling<'_> {
-    fn dim(&self) -> usize {
-        BALL
-    }
-
-    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
-        r.copy_from_slice(&Rolling::residual(self, x.try_into().expect("seven unknowns"))?);
-        Ok(())
-    }
-
-    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        linearize(|y| Rolling::residual(self, &y), x, r, jac)
-    }
-
-    fn equation(&self, i: usize) -> String {
-        layout::equation(i).to_owned()
-    }
-}
+equations!(Rolling<'_>, BALL, Rolling::residual, ROWS);
 
 impl Traction {
     /// Solves for the steady motion of the ball.

@@ -13,6 +13,9 @@ use bsm_kin::{Drive, Helix};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+/// Inputs of a screw that are made absurd one by one.
+const INPUTS: usize = 12;
+
 /// Screws of the ranges of the extremes; speeds, loads, sizes and moduli spread over their orders of
 /// magnitude.
 fn extremes(seed: u64) -> impl Iterator<Item = ElasticScrew> {
@@ -113,6 +116,66 @@ fn traction_says_nothing_false() {
         unanswered(300, |screw| Problem::Traction(Traction { screw, order, creep: 1e-4 }));
     // Known: inertia forces far above load and friction, where a path is lost or rounding eats a root.
     assert!(unanswered <= 3, "{unanswered}");
+}
+
+/// Found in an audit: elastic gave no answer in 30 s for a contact angle of 1e-307 deg, whose cotangent
+/// is no number. Each input in turn, next to the smallest and the largest number that there is.
+#[test]
+fn a_contact_angle_of_1e_307_deg_is_answered_in_time() {
+    const ABSURD: [f64; 8] = [5e-324, 1e-310, 1e-307, 1e-150, 1e-30, 1e30, 1e150, f64::MAX];
+    let steel = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
+    let screw = ElasticScrew {
+        helix: Helix { radius: 24.3e-3, lead_angle: 0.17 },
+        contact_angle: 0.79,
+        ball: Ball::of_density(4.37e-3, 7800.0),
+        conformity: (0.53, 0.53),
+        material: (steel, steel),
+        friction: 0.075,
+        drive: Drive { screw_speed: 209.0, nut_speed: 0.0 },
+        load: Load { axial: 100.0, balls: 1.0 },
+    };
+    let absurd = move |input: usize, value: f64| {
+        let mut screw = screw;
+        *[
+            &mut screw.contact_angle,
+            &mut screw.helix.lead_angle,
+            &mut screw.helix.radius,
+            &mut screw.ball.radius,
+            &mut screw.ball.mass,
+            &mut screw.conformity.0,
+            &mut screw.material.0.youngs_modulus,
+            &mut screw.friction,
+            &mut screw.drive.screw_speed,
+            &mut screw.drive.nut_speed,
+            &mut screw.load.axial,
+            &mut screw.load.balls,
+        ][input] = value;
+        screw
+    };
+    let order = NonZeroUsize::new(4).expect("not zero");
+    let problems = move |screw: ElasticScrew| {
+        [
+            rigid(&screw),
+            rolling(screw, None),
+            Problem::Elastic(Elastic { screw }),
+            Problem::Traction(Traction { screw, order, creep: 1e-4 }),
+        ]
+    };
+    for (input, value) in (0..INPUTS).flat_map(|input| ABSURD.map(|value| (input, value))) {
+        for (model, problem) in problems(absurd(input, value)).into_iter().enumerate() {
+            let (done, answer) = std::sync::mpsc::channel();
+            std::thread::spawn(move || {
+                // Nobody listens any more if this comes too late.
+                let _ = done.send(problem.solve(&mut ModelWorkspace::default()));
+            });
+            // The slowest answer takes a quarter of a second, some twenty times that in a debug build,
+            // and other tests run at the same time.
+            let answer = answer.recv_timeout(std::time::Duration::from_secs(60));
+            let solution = answer.unwrap_or_else(|e| panic!("{input} {value:e} {model}: {e}"));
+            let answered = solution.outputs.efficiency.is_some_and(f64::is_finite);
+            assert_eq!(answered, solution.status == Status::Converged, "{input} {value:e} {model}");
+        }
+    }
 }
 
 /// The choice states a finite bound, where saturated friction would lock the screw too.

@@ -1,24 +1,33 @@
-//! Damped Newton iteration for any square system `$F(x) = 0$`.
+//! Algorithms for nonlinear equations that know nothing of what the equations mean.
 //!
-//! Problem ([`System`], [`Scales`]), algorithm ([`solve`]), memory ([`Workspace`]), options
-//! ([`Options`]) and outcome ([`Report`]) are separate types. The crate knows nothing of what the
-//! equations mean, prints nothing, and allocates nothing inside the iteration; it is the only
-//! one that names faer.
+//! * [`solve`]: damped Newton iteration, for a few [`Equations`] or for a [`System`] whose Jacobian
+//!   has a structure of its own.
+//! * [`LinearSolver`]: the matrices, dense or of many small blocks with a border.
+//! * [`Bracket`]: the root of one variable between two places of different sign.
+//! * [`implicit_slopes`], [`trace`]: how a root moves with its parameters, a little and far.
 //!
-//! Theory: `docs/theory/05-newton.md`, inequalities (N1) to (N6) and equation (N7).
+//! Problem, algorithm, memory ([`Workspace`]), options ([`Options`]) and outcome ([`Report`]) are
+//! separate types. Nothing is printed, nothing is allocated inside an iteration, and every outcome
+//! is data. The crate is the only one that names faer.
+//!
+//! Theory: `docs/theory/05-newton.md`, (N1) to (N14).
 
+mod bracket;
 mod error;
 mod implicit;
-mod lu;
+mod linear;
 mod options;
+mod path;
 mod report;
 mod solve;
 mod system;
 
-pub use error::{EvalError, NotConverged, UsageError};
-pub use faer::MatMut;
+pub use bracket::{Bracket, Found, Root, Sample};
+pub use error::{DimensionError, EvalError, NotConverged, Singular};
 pub use implicit::implicit_slopes;
+pub use linear::{Bordered, Dense, DynamicDense, LinearSolver};
 pub use options::{Options, Scales};
+pub use path::{Crossing, End, Family, Resolution, Seed, Stride, Trace, path_direction, trace};
 pub use report::{Report, Status, Step};
-pub use solve::{Workspace, solve};
-pub use system::System;
+pub use solve::{Workspace, solve, solve_system};
+pub use system::{Equations, Linear, System, VectorOf};

@@ -34,11 +34,11 @@ impl Default for Options {
 /// Diagonals of the scaling matrices `$D_x$` and `$D_F$`.
 ///
 /// `x[j]` is one over the typical size of unknown `j`, `f[i]` one over the typical size of
-/// equation `i`, so that metres, radians and newtons weigh alike.
+/// equation `i`, so that unknowns and equations of different units weigh alike.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Scales<'a> {
-    /// Diagonal of `$D_x$`, length `$n$`, positive.
-    pub x: &'a [f64],
-    /// Diagonal of `$D_F$`, length `$n$`, positive.
-    pub f: &'a [f64],
+pub struct Scales<'a, V> {
+    /// Diagonal of `$D_x$`, positive.
+    pub x: &'a V,
+    /// Diagonal of `$D_F$`, positive.
+    pub f: &'a V,
 }

@@ -20,6 +20,8 @@ pub enum Status {
     SingularJacobian,
     /// The residual is NaN or infinite.
     NotFinite,
+    /// A scale is zero, negative or not finite: no step was taken.
+    BadScale,
     /// The model cannot be evaluated at the starting point, or not linearized; see [`Report::refusal`].
     ModelRefused,
 }
@@ -34,6 +36,7 @@ impl Status {
             Self::Stalled => "the steps became too small",
             Self::SingularJacobian => "the Jacobian is singular",
             Self::NotFinite => "the residual is not finite",
+            Self::BadScale => "a scale is not positive and finite",
             Self::ModelRefused => "the model refused the starting point",
         }
     }
@@ -62,8 +65,8 @@ pub struct Report {
     pub residual: f64,
     /// Index of the equation with the largest scaled residual.
     pub worst_equation: usize,
-    /// That equation in words, from [`System::equation`](crate::System::equation); empty if the
-    /// solve converged.
+    /// That equation in words, from its
+    /// [`equation`](crate::Equations::equation); empty if the solve converged.
     pub worst_equation_name: String,
     /// Residual evaluations: one at the start, one a trial step.
     pub n_residual: usize,

@@ -1,59 +1,94 @@
 //! The iteration.
 
-use crate::lu::DenseLu;
-use crate::{Options, Report, Scales, Status, Step, System, UsageError};
+use crate::system::{Square, VectorOf};
+use crate::{
+    Dense, DimensionError, Equations, LinearSolver, Options, Report, Scales, Status, Step, System,
+};
 
 /// Memory of a solve, reused by the next one; nothing is allocated per step.
-pub struct Workspace {
-    pub(crate) r: Vec<f64>,
-    dx: Vec<f64>,
-    x_trial: Vec<f64>,
-    pub(crate) lu: DenseLu,
+#[derive(Debug, Clone)]
+pub struct Workspace<L: LinearSolver> {
+    r: L::Vector,
+    dx: L::Vector,
+    x_trial: L::Vector,
+    pub(crate) linear: L,
 }
 
-impl Workspace {
-    /// Memory for systems of `n` unknowns.
-    pub fn new(n: usize) -> Self {
-        Self { r: vec![0.0; n], dx: vec![0.0; n], x_trial: vec![0.0; n], lu: DenseLu::new(n) }
+impl<L: LinearSolver> Workspace<L> {
+    /// Memory for systems whose Jacobian has the structure of `linear`.
+    pub fn new(linear: L) -> Self {
+        Self { r: linear.zeros(), dx: linear.zeros(), x_trial: linear.zeros(), linear }
     }
 
-    /// Sign of the determinant of the Jacobian that was factorized last; 1 before the first. Along a
-    /// path whose last equation is a plane across it, the sign changes where the plane meets the
-    /// path from the other side.
-    pub fn orientation(&self) -> f64 {
-        self.lu.determinant_sign()
+    /// The Jacobian as the last solve left it, factorized.
+    pub fn jacobian(&self) -> &L {
+        &self.linear
     }
 }
 
-/// Solves `$F(x) = 0$` by Newton steps `$\delta x$` damped by `$\lambda$`.
+impl<const N: usize> Default for Workspace<Dense<N>> {
+    fn default() -> Self {
+        Self::new(Dense::default())
+    }
+}
+
+/// Solves a few equations `$F(x) = 0$` by Newton steps `$\delta x$` damped by `$\lambda$`.
 ///
 /// ```math
 /// J(x_k)\,\delta x_k = -F(x_k), \qquad x_{k+1} = x_k + \lambda_k\,\delta x_k
 /// ```
 ///
-/// * `x`: initial guess on entry, best iterate on return; length `n`.
+/// * `x`: initial guess on entry, best iterate on return.
 /// * `scales`: what counts as one unit of each unknown and equation.
-/// * `work`: memory for `n` unknowns.
 ///
 /// A solve that fails to converge is a [`Report`], not an error. The only memory taken is the
 /// report's list of steps, at the start.
 ///
 /// Source: Dennis and Schnabel, *Numerical Methods for Unconstrained Optimization and Nonlinear
 /// Equations*, §6.3 and §6.5 (backtracking on the squared residual).
+pub fn solve<const N: usize, E: Equations<N> + ?Sized>(
+    equations: &E,
+    x: &mut [f64; N],
+    scales: &Scales<'_, [f64; N]>,
+    options: &Options,
+    work: &mut Workspace<Dense<N>>,
+) -> Report {
+    run(&Square::<N, E>(equations), x, scales, options, work)
+}
+
+/// [`solve`] for a system whose Jacobian has a structure of its own.
 ///
 /// # Errors
 ///
-/// [`UsageError`] if a length is not `n` or a scale is not positive and finite.
-pub fn solve<S: System + ?Sized>(
+/// [`DimensionError`] if a vector does not have the size of the matrix in `work`.
+pub fn solve_system<S: System + ?Sized>(
     system: &S,
-    x: &mut [f64],
-    scales: &Scales<'_>,
+    x: &mut VectorOf<S>,
+    scales: &Scales<'_, VectorOf<S>>,
     options: &Options,
-    work: &mut Workspace,
-) -> Result<Report, UsageError> {
-    check(system.dim(), x, scales, work)?;
+    work: &mut Workspace<S::Jacobian>,
+) -> Result<Report, DimensionError> {
+    let expected = work.r.as_ref().len();
+    let lengths = [
+        ("x", x.as_ref().len()),
+        ("scales.x", scales.x.as_ref().len()),
+        ("scales.f", scales.f.as_ref().len()),
+    ];
+    match lengths.into_iter().find(|(_, found)| *found != expected) {
+        Some((name, found)) => Err(DimensionError { name, expected, found }),
+        None => Ok(run(system, x, scales, options, work)),
+    }
+}
+
+fn run<S: System + ?Sized>(
+    system: &S,
+    x: &mut VectorOf<S>,
+    scales: &Scales<'_, VectorOf<S>>,
+    options: &Options,
+    work: &mut Workspace<S::Jacobian>,
+) -> Report {
     let mut report = Report {
-        status: Status::ModelRefused,
+        status: Status::BadScale,
         residual: f64::INFINITY,
         worst_equation: 0,
         worst_equation_name: String::new(),
@@ -62,19 +97,24 @@ pub fn solve<S: System + ?Sized>(
         refusal: None,
         steps: Vec::with_capacity(options.max_steps),
     };
-    report.status = iterate(system, x, scales, options, work, &mut report);
+    let diagonals = [scales.x, scales.f].map(AsRef::as_ref);
+    let bad = |d: &[f64]| d.iter().position(|d| !(*d > 0.0 && d.is_finite()));
+    match diagonals.into_iter().find_map(bad) {
+        Some(index) => report.worst_equation = index,
+        None => report.status = iterate(system, x, scales, options, work, &mut report),
+    }
     if !report.converged() {
         report.worst_equation_name = system.equation(report.worst_equation);
     }
-    Ok(report)
+    report
 }
 
 fn iterate<S: System + ?Sized>(
     system: &S,
-    x: &mut [f64],
-    scales: &Scales<'_>,
+    x: &mut VectorOf<S>,
+    scales: &Scales<'_, VectorOf<S>>,
     options: &Options,
-    work: &mut Workspace,
+    work: &mut Workspace<S::Jacobian>,
     report: &mut Report,
 ) -> Status {
     report.n_residual += 1;
@@ -82,9 +122,10 @@ fn iterate<S: System + ?Sized>(
         report.refusal = Some(refusal);
         return Status::ModelRefused;
     }
+    let (d_x, d_f) = (scales.x.as_ref(), scales.f.as_ref());
     loop {
         // ‖D_F F(x_k)‖₂ ≤ residual_tol                                    (N1)
-        (report.residual, report.worst_equation) = scaled_norm(&work.r, scales.f);
+        (report.residual, report.worst_equation) = scaled_norm(work.r.as_ref(), d_f);
         if !report.residual.is_finite() {
             return Status::NotFinite;
         }
@@ -102,21 +143,26 @@ fn iterate<S: System + ?Sized>(
 
         let ended = |status| if solved { Status::Converged } else { status };
         report.n_jacobian += 1;
-        if let Err(refusal) = system.linearize(x, &mut work.r, work.lu.matrix()) {
+        if let Err(refusal) = system.linearize(x, &mut work.r, &mut work.linear) {
             report.refusal = Some(refusal);
             return ended(Status::ModelRefused);
         }
         // D_F J(x_k) δx_k = −D_F F(x_k)
-        work.lu.scale_rows(scales.f);
-        for ((dx, r), d) in work.dx.iter_mut().zip(&work.r).zip(scales.f) {
+        work.linear.scale_rows(scales.f);
+        for ((dx, r), d) in work.dx.as_mut().iter_mut().zip(work.r.as_ref()).zip(d_f) {
             *dx = -r * d;
         }
-        if !work.lu.solve(&mut work.dx) {
+        if work.linear.factorize().is_err() {
+            return ended(Status::SingularJacobian);
+        }
+        work.linear.solve(&mut work.dx);
+        let dx = work.dx.as_ref();
+        if !dx.iter().all(|dx| dx.is_finite()) {
             return ended(Status::SingularJacobian);
         }
 
         // ‖D_x δx_k‖∞ < step_tol                                          (N3)
-        let step = work.dx.iter().zip(scales.x).fold(0.0, |m: f64, (v, d)| m.max((v * d).abs()));
+        let step = dx.iter().zip(d_x).fold(0.0, |m: f64, (v, d)| m.max((v * d).abs()));
         if step < options.step_tol {
             return ended(Status::Stalled);
         }
@@ -124,7 +170,7 @@ fn iterate<S: System + ?Sized>(
         let Some(lambda) = backtrack(system, x, scales, options, work, report, solved) else {
             return ended(Status::LineSearchFailed);
         };
-        x.copy_from_slice(&work.x_trial);
+        x.as_mut().copy_from_slice(work.x_trial.as_ref());
         report.steps.push(Step { residual: report.residual, step, lambda });
     }
 }
@@ -135,10 +181,10 @@ fn iterate<S: System + ?Sized>(
 /// already is a solution is only refined by full steps.
 fn backtrack<S: System + ?Sized>(
     system: &S,
-    x: &[f64],
-    scales: &Scales<'_>,
+    x: &VectorOf<S>,
+    scales: &Scales<'_, VectorOf<S>>,
     options: &Options,
-    work: &mut Workspace,
+    work: &mut Workspace<S::Jacobian>,
     report: &mut Report,
     solved: bool,
 ) -> Option<f64> {
@@ -146,14 +192,15 @@ fn backtrack<S: System + ?Sized>(
     let phi_0 = 0.5 * report.residual.powi(2);
     let mut lambda = 1.0;
     for _ in 0..=if solved { 0 } else { options.max_halvings } {
-        for ((t, x), dx) in work.x_trial.iter_mut().zip(x).zip(&work.dx) {
+        let trial = work.x_trial.as_mut().iter_mut();
+        for ((t, x), dx) in trial.zip(x.as_ref()).zip(work.dx.as_ref()) {
             *t = x + lambda * dx;
         }
         report.n_residual += 1;
         match system.residual(&work.x_trial, &mut work.r) {
             // φ(λ) ≤ (1 − 2 γ λ) φ(0)                                     (N5)
             Ok(()) => {
-                let phi = 0.5 * scaled_norm(&work.r, scales.f).0.powi(2);
+                let phi = 0.5 * scaled_norm(work.r.as_ref(), scales.f.as_ref()).0.powi(2);
                 if phi <= (1.0 - 2.0 * options.armijo * lambda) * phi_0 {
                     return Some(lambda);
                 }
@@ -180,26 +227,4 @@ fn scaled_norm(v: &[f64], d: &[f64]) -> (f64, usize) {
         }
     }
     (sum.sqrt(), at)
-}
-
-fn check(n: usize, x: &[f64], scales: &Scales<'_>, work: &Workspace) -> Result<(), UsageError> {
-    let lengths = [
-        ("x", x.len()),
-        ("scales.x", scales.x.len()),
-        ("scales.f", scales.f.len()),
-        ("work", work.r.len()),
-    ];
-    for (name, found) in lengths {
-        if found != n {
-            return Err(UsageError::Dimension { name, expected: n, found });
-        }
-    }
-    for (name, diagonal) in [("x", scales.x), ("f", scales.f)] {
-        for (index, &value) in diagonal.iter().enumerate() {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(UsageError::Scale { name, index, value });
-            }
-        }
-    }
-    Ok(())
 }

@@ -1,33 +1,93 @@
 //! What a model provides.
 
-use faer::MatMut;
+use crate::{Dense, EvalError, LinearSolver};
 
-use crate::EvalError;
+/// Values of `N` functions of `N` unknowns, and the rows of their Jacobian
+/// `$J_{ij} = \partial F_i/\partial x_j$`.
+pub type Linear<const N: usize> = ([f64; N], [[f64; N]; N]);
 
-/// A square system `$F(x) = 0$`, `$F: \mathbb{R}^n \to \mathbb{R}^n$`.
+/// `N` equations `$F(x) = 0$` of `N` unknowns, a handful, with a dense Jacobian.
 ///
 /// Implementations are pure: equal `x` gives bit-equal output.
-pub trait System {
-    /// Number of unknowns and equations `$n$`.
-    fn dim(&self) -> usize;
-
-    /// Writes `$F(x)$` into `r`; `x` and `r` have length [`dim`](Self::dim).
+pub trait Equations<const N: usize> {
+    /// `$F(x)$`.
     ///
     /// # Errors
     ///
     /// [`EvalError`] if `x` is outside the model's domain. The solver then shortens the step and
     /// tries again.
-    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError>;
+    fn residual(&self, x: &[f64; N]) -> Result<[f64; N], EvalError>;
 
-    /// Writes `$F(x)$` into `r` and `$J_{ij} = \partial F_i/\partial x_j$` into `jac` (`n`×`n`).
+    /// `$F(x)$` and its Jacobian.
     ///
     /// # Errors
     ///
     /// As [`residual`](Self::residual).
-    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError>;
+    fn linearize(&self, x: &[f64; N]) -> Result<Linear<N>, EvalError>;
 
     /// Equation `i` in words, for reports.
     fn equation(&self, i: usize) -> String {
         format!("equation {i}")
+    }
+}
+
+/// A square system `$F(x) = 0$` whose Jacobian has a structure of its own.
+///
+/// Implementations are pure: equal `x` gives bit-equal output.
+pub trait System {
+    /// The matrix that holds the Jacobian.
+    type Jacobian: LinearSolver;
+
+    /// Writes `$F(x)$` into `r`.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if `x` is outside the model's domain, as in [`Equations::residual`].
+    fn residual(&self, x: &VectorOf<Self>, r: &mut VectorOf<Self>) -> Result<(), EvalError>;
+
+    /// Writes `$F(x)$` into `r` and every entry of its Jacobian into `jacobian`.
+    ///
+    /// # Errors
+    ///
+    /// As [`residual`](Self::residual).
+    fn linearize(
+        &self,
+        x: &VectorOf<Self>,
+        r: &mut VectorOf<Self>,
+        jacobian: &mut Self::Jacobian,
+    ) -> Result<(), EvalError>;
+
+    /// Equation `i` in words, for reports.
+    fn equation(&self, i: usize) -> String {
+        format!("equation {i}")
+    }
+}
+
+/// Vector of the unknowns of a system.
+pub type VectorOf<S> = <<S as System>::Jacobian as LinearSolver>::Vector;
+
+/// Equations as a system with a dense matrix.
+pub(crate) struct Square<'a, const N: usize, E: ?Sized>(pub(crate) &'a E);
+
+impl<const N: usize, E: Equations<N> + ?Sized> System for Square<'_, N, E> {
+    type Jacobian = Dense<N>;
+
+    fn residual(&self, x: &[f64; N], r: &mut [f64; N]) -> Result<(), EvalError> {
+        *r = self.0.residual(x)?;
+        Ok(())
+    }
+
+    fn linearize(
+        &self,
+        x: &[f64; N],
+        r: &mut [f64; N],
+        jacobian: &mut Dense<N>,
+    ) -> Result<(), EvalError> {
+        (*r, *jacobian.rows_mut()) = self.0.linearize(x)?;
+        Ok(())
+    }
+
+    fn equation(&self, i: usize) -> String {
+        self.0.equation(i)
     }
 }

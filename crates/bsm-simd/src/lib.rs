@@ -9,10 +9,12 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
+mod compare;
 mod lane;
 mod root;
 mod trigonometry;
 
+pub use compare::Compare;
 pub use lane::{Lane, Mask};
 pub use pulp::{Arch, Simd, WithSimd};
 

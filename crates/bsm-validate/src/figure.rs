@@ -1,5 +1,6 @@
 //! Figures as SVG and as tables; the only file that names the plotting library.
 
+use bsm_case::exact;
 use kuva::prelude::*;
 
 use crate::ValidateError;
@@ -136,7 +137,9 @@ impl Figure {
         if self.y.log {
             layout = layout.with_log_y();
         }
-        scalable(&kuva::render_to_svg(plots, title(layout)))
+        let mut svg = kuva::render_to_svg(plots, title(layout));
+        svg.retain(is_xml);
+        scalable(&svg)
     }
 
     /// The points as CSV, one row each; one without a result has no y.
@@ -151,8 +154,8 @@ impl Figure {
             let label = curve.label.as_deref().unwrap_or_default();
             for (i, (x, y)) in curve.points.iter().enumerate() {
                 let mark = curve.marks.get(i).map_or("", String::as_str);
-                let y = if y.is_finite() { y.to_string() } else { String::new() };
-                table.write_record([label, mark, &x.to_string(), &y])?;
+                let y = if y.is_finite() { exact(*y) } else { String::new() };
+                table.write_record([label, mark, &exact(*x), &y])?;
             }
         }
         let bytes = table.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
@@ -201,6 +204,11 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
         shape,
         dasharray: line_style(stroke).dasharray(),
     }
+}
+
+/// True for what XML 1.0 can hold; a title with another character would make the file unreadable.
+fn is_xml(c: char) -> bool {
+    matches!(c, '\t' | '\n' | '\r' | ' '..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..)
 }
 
 /// Lets a figure shrink with the page: the library gives it a size, but no view box.

@@ -3,6 +3,7 @@
 mod jam;
 mod slip;
 
+use bsm_case::exact;
 use serde::Serialize;
 
 use crate::ValidateError;
@@ -150,8 +151,8 @@ impl Study {
         table.write_record(header)?;
         for trend in &self.trends {
             let holds = if trend.holds { "yes" } else { "no" };
-            let [a, b, c, d] = [trend.first.0, trend.first.1, trend.last.0, trend.last.1]
-                .map(|number| number.to_string());
+            let [a, b, c, d] =
+                [trend.first.0, trend.first.1, trend.last.0, trend.last.1].map(exact);
             let (claim, shape) = (trend.claim.word(), trend.describe());
             let row = [&trend.curve, &trend.over, claim, holds, &a, &b, &c, &d, &shape];
             table.write_record(row)?;

@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
-use bsm_case::units::{DEG, MM};
+use bsm_case::units::{MM, direction_deg};
 use bsm_case::{InputKey, OutputKey};
+use bsm_dyn::Model;
 use bsm_simd::Simd;
 
 use super::{Kernel, Out};
@@ -12,6 +13,8 @@ use crate::operand::{Given, Lane, Mask};
 pub(super) struct ClosedForm;
 
 impl Kernel for ClosedForm {
+    const MODEL: Model = Model::ClosedForm;
+
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
         let (sin_a, cos_a) = given.lead();
@@ -36,8 +39,14 @@ impl Kernel for ClosedForm {
             // ψ_B = atan(tanα / cosβ), turned by π if the load drives     (C5), (C11)
             let forward = (tan_a / cos_b).each(f64::atan);
             let turned = forward - PI;
-            out.set(OutputKey::screw_slip_angle_deg, back.select(turned, forward) / DEG);
-            out.set(OutputKey::nut_slip_angle_deg, back.select(forward, turned) / DEG);
+            out.set(
+                OutputKey::screw_slip_angle_deg,
+                back.select(turned, forward).each(direction_deg),
+            );
+            out.set(
+                OutputKey::nut_slip_angle_deg,
+                back.select(forward, turned).each(direction_deg),
+            );
         }
         out.set_flag(OutputKey::self_locking, locked);
         transmit(given, out, &Transmitted { back, tan_a, eta, ratio });

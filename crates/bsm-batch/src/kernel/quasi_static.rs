@@ -1,6 +1,7 @@
 //! Two contacts without inertia by lanes, Eqs (Q1) to (Q4).
 
 use bsm_case::{InputKey, OutputKey};
+use bsm_dyn::Model;
 use bsm_simd::Simd;
 
 use super::closed_form::{Transmitted, backwards, contact_angles, transmit};
@@ -10,6 +11,8 @@ use crate::operand::{Given, Mask};
 pub(super) struct QuasiStatic;
 
 impl Kernel for QuasiStatic {
+    const MODEL: Model = Model::QuasiStatic;
+
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
         let (sin_a, cos_a) = given.lead();
@@ -22,13 +25,7 @@ impl Kernel for QuasiStatic {
         // tanρ = f_r / (r_b sinβ)                                         (Q1)
         let rolling = sign * given.get(InputKey::rolling_friction_mm);
         let tan_rho = rolling / (ball * 0.5) / sin_b;
-        let (nut_turns, covered) = match given.speeds() {
-            None => (zero.lt(zero), zero.le(zero)),
-            Some((screw, nut)) => {
-                let screw_rests = screw.abs().le(zero);
-                (screw_rests, screw_rests | nut.abs().le(zero))
-            }
-        };
+        let nut_turns = given.speeds().map_or(zero.lt(zero), |(screw, _)| screw.abs().le(zero));
         // f r_b/r_m,  r_b/r_m − cosβ  or  f (r_b/r_m + 2 cosβ),  r_b/r_m + cosβ  (Q2), (Q3)
         let loss = f * nut_turns.select(size + cos_b * 2.0, size);
         let lever = nut_turns.select(size + cos_b, size - cos_b);
@@ -42,6 +39,6 @@ impl Kernel for QuasiStatic {
         contact_angles(given, out);
         out.set_flag(OutputKey::self_locking, eta.le(zero));
         transmit(given, out, &Transmitted { back, tan_a: sin_a / cos_a, eta, ratio });
-        covered & ratio.gt(zero)
+        ratio.gt(zero)
     }
 }

@@ -6,7 +6,7 @@ mod hertz;
 
 use bsm_case::units::{DEG, MM, MPA, UM};
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::Control;
+use bsm_dyn::{Control, Model};
 use bsm_simd::Simd;
 
 use self::balance::{Grip, Pair};
@@ -23,6 +23,8 @@ pub(super) struct Raceway {
 }
 
 impl Kernel for Raceway {
+    const MODEL: Model = Model::RacewayControl;
+
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
         let units = Units::of(given);

@@ -5,8 +5,8 @@
 mod sweep;
 
 use bsm_case::OutputKey;
-use bsm_case::units::DEG;
-use bsm_dyn::{POWER_BALANCE_TOL, UNIQUE_BELOW};
+use bsm_case::units::direction_deg;
+use bsm_dyn::{Model, POWER_BALANCE_TOL, UNIQUE_BELOW};
 use bsm_simd::Simd;
 
 use self::sweep::{Plane, Scaled, State, dot, times};
@@ -38,6 +38,8 @@ const RESIDUAL: f64 = 1e-10;
 const LEAST_RATE: f64 = 0.1;
 
 impl Kernel for Rigid {
+    const MODEL: Model = Model::Rigid;
+
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
         let (case, si) = Scaled::of(given);
@@ -246,6 +248,6 @@ fn outputs<S: Simd>(
 #[inline(always)]
 fn slip_angle<S: Simd>(out: &mut Out<'_, '_>, key: OutputKey, friction: Plane<S>) {
     if out.wants(&[key]) {
-        out.set(key, friction[1].zip(friction[0], f64::atan2) / DEG);
+        out.set(key, friction[1].zip(friction[0], f64::atan2).each(direction_deg));
     }
 }

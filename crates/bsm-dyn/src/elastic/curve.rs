@@ -26,13 +26,21 @@ const MOST_STEPS: usize = 4000;
 /// Steps of the regula falsi; ten are usual.
 const MOST_TRIES: usize = 100;
 
+/// Relative changes of the factors of (S27) from where the curve begins, up to which the curve is
+/// straight: a walk may begin there, and the inertia has only risen up to there.
+const BEGINS: f64 = 0.01;
+const RISES: f64 = 0.1;
+
+/// [`Forces::scale`] is some third of a place: a third of a relative change in its units.
+const LARGE: f64 = 3.0;
+
 /// A state on the curve.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     /// `$\ln q$` and `$c$`.
     q_c: (f64, f64),
     state: State<f64>,
-    kinematics: Kinematics,
+    kinematics: Kinematics<f64>,
     /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
     left: [f64; 2],
 }
@@ -47,6 +55,23 @@ impl Node {
     /// What is a large step from here.
     fn scale(&self, known: usize, forces: &Forces<'_>) -> Place {
         forces.scale(&self.place(known), self.state.across.iter().sum())
+    }
+
+    /// True if the centrifugal force is proportional to `$q$` from `level` to here, a `rise` of its
+    /// logarithm, and nothing else in (S27) changes, nor the place but for `$q$`; to a relative
+    /// `change`.
+    fn is_straight_from(&self, level: &Self, rise: f64, change: f64, forces: &Forces<'_>) -> bool {
+        let near = |x: f64, y: f64| (x - y).abs() <= change * y.abs();
+        // A place may be far from the begin and have the factors of the begin again.
+        let stays = |known| {
+            let off = self.place(known) - level.place(known) - UP * rise;
+            off.component_div(&level.scale(known, forces)).amax() <= LARGE * change
+        };
+        near(self.state.centrifugal / level.state.centrifugal, rise.exp())
+            && near(self.kinematics.inertia, level.kinematics.inertia)
+            && near(self.kinematics.drive, level.kinematics.drive)
+            && stays(0)
+            && stays(1)
     }
 
     /// True if the ball slides against friction on its flanks.
@@ -66,14 +91,32 @@ struct Seen {
     lost: bool,
 }
 
-/// Unknowns of the first root on the curve, and the states that were tried.
+/// A steady motion on the curve: its state, and the sign of `$P/W$`.
+type Root = (Node, f64);
+
+/// Unknowns of the first root on the curve, and Newton steps.
 pub(super) fn first_root(pair: &Pair) -> Result<([f64; BALL], usize), (Status, Reason)> {
-    Curve { forces: Forces::new(pair), tried: 0 }.first_root()
+    let mut curve = Curve { forces: Forces::new(pair), steps: 0 };
+    let begin = curve.begin()?;
+    let (root, sign) = match curve.straight(&begin) {
+        Some(root) => root,
+        None => curve.search(begin)?,
+    };
+    Ok((curve.forces.unknowns(&root.state, &root.kinematics, sign), curve.steps))
+}
+
+/// Where the curve begins.
+struct Begin {
+    /// The state without inertia.
+    level: Node,
+    /// `$\ln q$` of the root, if the curve were straight up to it.
+    root: f64,
 }
 
 struct Curve<'a> {
     forces: Forces<'a>,
-    tried: usize,
+    /// Newton steps.
+    steps: usize,
 }
 
 impl Curve<'_> {
@@ -84,14 +127,18 @@ impl Curve<'_> {
         direction: &Place,
         scale: &Place,
     ) -> Option<Node> {
-        self.tried += 1;
-        let (place, state) = self.forces.closed(known, guess, direction, scale)?;
-        let kinematics = self.forces.kinematics(&state);
-        let left = self.forces.excess(&state, &kinematics);
-        Some(Node { q_c: (place[0], place[2]), state, kinematics, left })
+        let (place, state) = self.forces.closed(known, guess, direction, scale, &mut self.steps)?;
+        Some(self.at(place, state))
     }
 
-    fn first_root(mut self) -> Result<([f64; BALL], usize), (Status, Reason)> {
+    fn at(&self, place: Place, state: State<f64>) -> Node {
+        let kinematics = self.forces.kinematics(&state);
+        let left = self.forces.excess(&state, &kinematics);
+        Node { q_c: (place[0], place[2]), state, kinematics, left }
+    }
+
+    /// Where the curve begins, if it does.
+    fn begin(&mut self) -> Result<Begin, (Status, Reason)> {
         let friction_term = self.forces.friction_term();
         // F tanα < 1, or no contact angles carry an axial load            (S12)
         if friction_term >= 1.0 {
@@ -99,8 +146,7 @@ impl Curve<'_> {
             return Err((Status::NoSolution, locks));
         }
         let inertia = self.forces.inertia_ratio();
-        let lost = (Status::NotConverged, Reason::SearchLost);
-        let Some(level) = self.level() else { return Err(lost) };
+        let level = self.level().ok_or(LOST)?;
         // M ~ q, up to where the curve bends. Where nut and screw turn together, the inertia here
         // underflows, its logarithm does not.
         let here = Forces::log_inertia(&level.state, &level.kinematics);
@@ -109,17 +155,40 @@ impl Curve<'_> {
             let reason = Reason::InertiaOutOfRange { inertia_ratio: inertia };
             return Err((Status::InvalidInput, reason));
         }
+        Ok(Begin { level, root })
+    }
+
+    /// The first root, if it is where the curve is straight: up to there the inertia (S27) has only
+    /// risen, so that no other root is before it.
+    fn straight(&mut self, begin: &Begin) -> Option<Root> {
+        let Begin { level, root } = begin;
+        let rise = Place::new(root - NO_INERTIA, 0.0, 0.0);
+        let scale = level.scale(1, &self.forces);
+        let (place, state) = self.forces.steady(level.place(1) + rise, &scale, &mut self.steps)?;
+        let node = self.at(place, state);
+        let sign = (level.kinematics.drive * level.kinematics.inertia).signum();
+        let is_first = node.is_straight_from(level, place[0] - NO_INERTIA, RISES, &self.forces);
+        // Where rounding decides, the search does its best.
+        let left = node.left[usize::from(sign < 0.0)].abs();
+        let is_exact = left <= digit(place[0]) * node.kinematics.drive.abs();
+        (is_first && is_exact && node.is_admissible()).then_some((node, sign))
+    }
+
+    /// The first root along the whole curve, or why there is none.
+    fn search(&mut self, Begin { level, root }: Begin) -> Result<Root, (Status, Reason)> {
+        let inertia = self.forces.inertia_ratio();
+        let here = Forces::log_inertia(&level.state, &level.kinematics);
         let begin = self.below(level, root);
         let slip = level.kinematics.slip[0];
         let mut seen = Seen { inertia: None, lost: false };
         if level.is_admissible() {
             seen.inertia = Some((0.0, here.exp()));
         }
-        if let Some((root, sign)) = self.walk(begin, &mut seen) {
-            return Ok((self.forces.unknowns(&root.state, &root.kinematics, sign), self.tried));
+        if let Some(root) = self.walk(begin, &mut seen) {
+            return Ok(root);
         }
         if seen.lost {
-            return Err(lost);
+            return Err(LOST);
         }
         let reason = match seen.inertia {
             Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
@@ -130,7 +199,7 @@ impl Curve<'_> {
 
     /// The state without inertia.
     fn level(&mut self) -> Option<Node> {
-        let [x, c] = self.forces.begin()?;
+        let [x, c] = self.forces.begin(&mut self.steps)?;
         let place = Place::new(NO_INERTIA, x, c);
         self.node(1, place, &UP, &self.forces.scale(&place, 2.0 * x))
     }
@@ -141,15 +210,11 @@ impl Curve<'_> {
         // exp(−5): less than a hundredth of the inertia.
         let mut rise = root.min(0.0) - 5.0 - NO_INERTIA;
         while rise > 0.0 {
-            if let Some(node) = self.node(1, level.place(1) + UP * rise, &UP, &scale) {
-                // A root moves by a few per cent, not by a factor of a hundred.
-                let near = |x: f64, y: f64| (x - y).abs() <= 0.01 * y.abs();
-                if near(node.state.centrifugal / level.state.centrifugal, rise.exp())
-                    && near(node.kinematics.inertia, level.kinematics.inertia)
-                    && near(node.kinematics.drive, level.kinematics.drive)
-                {
-                    return node;
-                }
+            // A root moves by a few per cent, not by a factor of a hundred.
+            if let Some(node) = self.node(1, level.place(1) + UP * rise, &UP, &scale)
+                && node.is_straight_from(&level, rise, BEGINS, &self.forces)
+            {
+                return node;
             }
             rise -= 3.0;
         }
@@ -171,7 +236,7 @@ impl Curve<'_> {
     }
 
     /// Along the curve to its first root, or to its end.
-    fn walk(&mut self, begin: Node, seen: &mut Seen) -> Option<(Node, f64)> {
+    fn walk(&mut self, begin: Node, seen: &mut Seen) -> Option<Root> {
         let mut along = Along::from(begin, &self.forces);
         for _ in 0..MOST_STEPS {
             let at = along.at;
@@ -184,7 +249,7 @@ impl Curve<'_> {
                 seen.lost |= at.is_admissible();
                 return None;
             };
-            let mut first: Option<(Node, f64)> = None;
+            let mut first: Option<Root> = None;
             for (h, sign) in [1.0, -1.0].into_iter().enumerate() {
                 if (at.left[h] > 0.0) == (next.left[h] > 0.0) {
                     continue;
@@ -222,8 +287,7 @@ impl Curve<'_> {
             let scale = low.scale(known, &self.forces);
             let part = below / (below - above);
             let way = part * direction.component_div(&scale).amax();
-            // The logarithm of q has no finer digits.
-            let digit = 4.0 * f64::EPSILON * place[0].abs().max(1.0);
+            let digit = digit(place[0]);
             if way <= digit || part >= 1.0 || direction.component_div(&scale).amax() <= 4.0 * digit
             {
                 break;
@@ -240,8 +304,16 @@ impl Curve<'_> {
     }
 }
 
+/// The answer where the curve is lost.
+const LOST: (Status, Reason) = (Status::NotConverged, Reason::SearchLost);
+
 /// Towards more inertia.
 const UP: Place = Place::new(1.0, 0.0, 0.0);
+
+/// What the logarithm of `$q$` has no finer digits than.
+fn digit(log: f64) -> f64 {
+    4.0 * f64::EPSILON * log.abs().max(1.0)
+}
 
 /// A walk along the curve.
 struct Along {
@@ -294,5 +366,60 @@ impl Along {
         };
         let concerns = at.is_admissible() || next.is_admissible();
         off <= BEND && (!concerns || (is_straight(0) && is_straight(1)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::extreme::{extreme, practical};
+
+    /// Newton where the curve is straight goes to the root that the search along the curve meets first.
+    #[test]
+    fn the_straight_begin_has_the_first_root() {
+        let mut rng = ChaCha8Rng::seed_from_u64(13);
+        let (mut of_practice, mut of_extremes) = (0, 0);
+        for number in 0..2000 {
+            let (screw, found) = if number % 2 == 0 {
+                (practical(&mut rng), &mut of_practice)
+            } else {
+                (extreme(&mut rng), &mut of_extremes)
+            };
+            let Ok(pair) = screw.pair() else { continue };
+            let mut curve = Curve { forces: Forces::new(&pair), steps: 0 };
+            let Ok(begin) = curve.begin() else { continue };
+            let Some((straight, sign)) = curve.straight(&begin) else { continue };
+            let (first, same) = curve.search(begin).expect("a root");
+            // Where friction all but holds the load a million times the axial load is left, ten digits;
+            // another root differs by per cent.
+            let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
+            close(straight.state.centrifugal, first.state.centrifugal);
+            close(straight.state.across[1], first.state.across[1]);
+            close(sign, same);
+            *found += 1;
+        }
+        // Of 1000 each; all but a few points of practice, and the slow ones of the extremes.
+        assert!(of_practice > 900 && of_extremes > 300, "{of_practice} {of_extremes}");
+    }
+
+    /// Found in an audit: the search for the begin did not end for an angle whose cotangent is no number.
+    #[test]
+    fn the_begin_is_found_in_a_bounded_number_of_steps() {
+        let mut rng = ChaCha8Rng::seed_from_u64(14);
+        for number in 0..1000 {
+            let mut screw = extreme(&mut rng);
+            if let Some(angle) = [5e-324, 1.7e-309, 1e-150, 1e-17].get(number % 8) {
+                screw.contact_angle = *angle;
+            }
+            let Ok(pair) = screw.pair() else { continue };
+            let mut curve = Curve { forces: Forces::new(&pair), steps: 0 };
+            let _ = curve.begin();
+            // Those to the angle, one to ask whether there is any, and those onto the curve.
+            assert!(curve.steps <= 121 + 12, "{} {screw:?}", curve.steps);
+        }
     }
 }

@@ -5,12 +5,24 @@
 use bsm_kin::{Jet, Scalar};
 use nalgebra::Vector3;
 
+use crate::cost;
 use crate::layout::BALL;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
 use crate::pair::Pair;
 
 /// Newton steps to a state of force; more means that the guess was not near it.
 const MOST_STEPS: usize = 12;
+
+/// Newton steps to where the curve begins; four are usual. Halving alone takes some 60 from the whole
+/// range of angles to the last digit, and every second step halves.
+const MOST_LEVEL_STEPS: usize = 120;
+
+/// What may be left of (S20) before the last Newton step to the begin of the curve.
+const LEVEL: f64 = 1e-6;
+
+/// Range of the cotangent of a loaded contact angle. The load turns the ball to a steeper angle, up to
+/// next to 90 deg on soft material; an unloaded angle of next to 0 has none that is a number.
+const COTANGENT: (f64, f64) = (1e-12, 1e12);
 
 /// What a state of force may leave of (S14) and (S20), both of size one; Newton leaves rounding.
 const CLOSED: f64 = 1e-10;
@@ -54,13 +66,13 @@ pub(super) struct State<D> {
 
 /// How a ball in a state of force moves.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Kinematics {
+pub(super) struct Kinematics<D> {
     /// Slips at nut and screw against friction, over `$r_b|W|$`.
-    pub(super) slip: [f64; 2],
+    pub(super) slip: [D; 2],
     /// `$1 - g$`.
-    pub(super) inertia: f64,
+    pub(super) inertia: D,
     /// `$\pi/d + \Omega_n/W$`.
-    pub(super) drive: f64,
+    pub(super) drive: D,
 }
 
 impl<'a> Forces<'a> {
@@ -96,6 +108,7 @@ impl<'a> Forces<'a> {
     /// The state of `$q$`, `$c$` and the `$x$` of the contact `known`, nut (0) or screw (1), and what
     /// it leaves of (S14) and (S20); none if no forces belong to them.
     fn state<D: Scalar>(&self, known: usize, [q, x, c]: [D; 3]) -> Option<(State<D>, [D; 2])> {
+        cost::evaluated();
         let (f, v) = (self.friction, 1.0 + self.friction * self.friction);
         // δ = q (2c + q)/(1 + c²),  x_A² = (1 + δ) x_B² + δ/(1 + F²)      (S19)
         let beyond = (c * 2.0 + q) * q / (c.square() + 1.0);
@@ -144,36 +157,36 @@ impl<'a> Forces<'a> {
     /// The motion of a state.
     ///
     /// Assumes: `$r_m > 1.21\,r_b$`, so that slips against friction have `$Y > 0$`.
-    pub(super) fn kinematics(&self, s: &State<f64>) -> Kinematics {
+    pub(super) fn kinematics<D: Scalar>(&self, s: &State<D>) -> Kinematics<D> {
         let (d, [x_a, x_b]) = (self.pair.arc, s.across);
-        let share = ((x_a + x_b) * (1.0 + x_a * x_b)).recip();
+        let share = ((x_a + x_b) * (x_a * x_b + 1.0)).recip();
         // |V_A| = w_A [x_B (d − cosα cosβ_B) − sinα]/[(x_A + x_B)(1 + x_A x_B)]  (S22)
-        let nut = (x_b * (d - self.cos * s.cos[1]) - self.sin) * share;
+        let nut = (x_b * (-s.cos[1] * self.cos + d) - self.sin) * share;
         // |V_B| = w_B [x_A (d + cosα cosβ_A) + sinα]/[(x_A + x_B)(1 + x_A x_B)]  (S23)
-        let screw = (x_a * (d + self.cos * s.cos[0]) + self.sin) * share;
+        let screw = (x_a * (s.cos[0] * self.cos + d) + self.sin) * share;
         // π = |V_A| (1 + x_A cotα cosβ_A)/w_A                             (S24)
-        let rolling = nut * (1.0 + x_a * self.cot * s.cos[0]) / d;
+        let rolling = nut * (x_a * s.cos[0] * self.cot + 1.0) / D::from(d);
         // g = (5/2) F Y cotα sin2ν/M                                      (S25)
-        let g = 2.5 * self.friction * s.along * self.cot * s.turn.0 / s.centrifugal;
+        let g = s.along * (2.5 * self.friction * self.cot) * s.turn.0 / s.centrifugal;
         let slip = [nut * s.loads[0] / s.along, screw * s.loads[1] / s.along];
-        Kinematics { slip, inertia: 1.0 - g, drive: rolling + self.nut_speed }
+        Kinematics { slip, inertia: -g + 1.0, drive: rolling + self.nut_speed }
     }
 
     /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
-    pub(super) fn excess(&self, s: &State<f64>, k: &Kinematics) -> [f64; 2] {
+    pub(super) fn excess(&self, s: &State<f64>, k: &Kinematics<f64>) -> [f64; 2] {
         // (1 − g) √(M/μ) = ± (π/d + Ω_n/W)                                (S26)
         let circling = k.inertia * (s.centrifugal / self.inertia_ratio()).sqrt();
         [circling - k.drive, circling + k.drive]
     }
 
     /// Logarithm of the `$\mu$` with which the state is that of a steady motion.
-    pub(super) fn log_inertia(s: &State<f64>, k: &Kinematics) -> f64 {
+    pub(super) fn log_inertia(s: &State<f64>, k: &Kinematics<f64>) -> f64 {
         // μ = M [(1 − g)/(π/d + Ω_n/W)]²                                  (S27)
         s.centrifugal.ln() + 2.0 * (k.inertia / k.drive).abs().ln()
     }
 
     /// Unknowns (S1) of a root of (S26), `sign` that of `$P/W$`.
-    pub(super) fn unknowns(&self, s: &State<f64>, k: &Kinematics, sign: f64) -> [f64; BALL] {
+    pub(super) fn unknowns(&self, s: &State<f64>, k: &Kinematics<f64>, sign: f64) -> [f64; BALL] {
         let rate = sign * (s.centrifugal / self.inertia_ratio()).sqrt();
         let tilt = 0.5 * s.turn.0.atan2(s.turn.1);
         let mean = s.sin[0].atan2(s.cos[0]) + tilt;
@@ -200,37 +213,69 @@ impl<'a> Forces<'a> {
         Place::new(1.0, 0.3 * (x.abs() + self.least()), 0.3 * (c.abs() + sum / (1.0 + sum)))
     }
 
-    /// The state next to a guess, in the plane across `direction`, by Newton.
+    /// The state next to a guess, in the plane across `direction`; counts Newton steps.
     pub(super) fn closed(
         &self,
         known: usize,
         guess: Place,
         direction: &Place,
         scale: &Place,
+        steps: &mut usize,
     ) -> Option<(Place, State<f64>)> {
         let across = direction.component_div(scale).component_div(scale);
+        // Steps stay in the plane.
+        self.newton(known, guess, scale, steps, |_| (0.0, across))
+    }
+
+    /// The steady motion of the point next to a guess by the `$x$` of the screw; counts Newton steps.
+    pub(super) fn steady(
+        &self,
+        guess: Place,
+        scale: &Place,
+        steps: &mut usize,
+    ) -> Option<(Place, State<f64>)> {
+        self.newton(1, guess, scale, steps, |s| {
+            let Kinematics { inertia: i, drive: d, .. } = self.kinematics(s);
+            // 0 = ln[(M/μ) ((1 − g)/(π/d + Ω_n/W))²], to the last digit of its argument  (S27)
+            let left = (s.centrifugal.re / self.inertia_ratio() * (i.re / d.re).powi(2)).ln();
+            let slope = |jet: Jet<3>| Place::from(jet.eps) / jet.re;
+            (left, slope(s.centrifugal) + (slope(i) - slope(d)) * 2.0)
+        })
+    }
+
+    /// The state next to a guess that fulfils one condition more: what that leaves, and its gradient.
+    fn newton(
+        &self,
+        known: usize,
+        guess: Place,
+        scale: &Place,
+        steps: &mut usize,
+        condition: impl Fn(&State<Jet<3>>) -> (f64, Place),
+    ) -> Option<(Place, State<f64>)> {
         let (mut place, mut step) = (guess, Place::zeros());
         for _ in 0..MOST_STEPS {
+            *steps += 1;
             let q = place[0].exp();
             let q = Jet { re: q, eps: [q, 0.0, 0.0] };
             let jets = [q, Jet::variable(place[1], 1), Jet::variable(place[2], 2)];
-            let Some((_, [a, b])) = self.state(known, jets) else {
+            let Some((state, [a, b])) = self.state(known, jets) else {
                 // Half the way back; a guess without forces stays there.
                 step *= 0.5;
                 place -= step;
                 continue;
             };
+            let (left, across) = condition(&state);
             let [by_a, by_b] = [Place::from(a.eps), Place::from(b.eps)];
             let (one, two) = (by_b.cross(&across), across.cross(&by_a));
-            step = -(one * a.re + two * b.re) / by_a.dot(&one);
+            step = -(one * a.re + two * b.re + by_a.cross(&by_b) * left) / by_a.dot(&one);
             let size = step.component_div(scale).amax();
             if !size.is_finite() {
                 return None;
             }
             step *= (2.0 / size).min(1.0);
             place += step;
-            // A step leaves an error of about its square.
-            if size < 1e-7 {
+            // A step leaves an error of about its square: rounding.
+            if size < 1e-8 {
                 let (state, [a, b]) = self.state(known, [place[0].exp(), place[1], place[2]])?;
                 // Where friction all but holds the load, Y is one over a small difference.
                 let tolerance = CLOSED.max(16.0 * f64::EPSILON * state.along);
@@ -241,36 +286,50 @@ impl<'a> Forces<'a> {
     }
 
     /// `$x$` and `$c$` of equal contact angles, from the cotangent of the angle.
-    fn level(&self, cot: f64) -> Option<[f64; 2]> {
-        let sin = cot.hypot(1.0).recip();
+    fn level<D: Scalar>(&self, cot: D) -> Option<[D; 2]> {
+        let sin = (cot.square() + 1.0).sqrt().recip();
         let (cos, f) = (cot * sin, self.friction);
         let x = cos * self.cot;
-        let w = x.hypot(1.0);
-        let effect = w * sin - f * x * cos;
-        (effect > 0.0).then(|| [x, (w * cos + f * x * sin) / effect])
+        let w = (x.square() + 1.0).sqrt();
+        let effect = w * sin - x * cos * f;
+        (effect.re() > 0.0).then(|| [x, (w * cos + x * sin * f) / effect])
     }
 
-    /// `$x$` and `$c$` where the curve begins, without inertia.
-    pub(super) fn begin(&self) -> Option<[f64; 2]> {
-        let angle = self.pair.jones.contact_angle;
-        // The load turns the ball to a steeper angle, up to next to 90 deg on soft material.
-        let (mut low, mut high) = (1e-12, angle.cos() / angle.sin());
-        let is_short = |cot: f64| {
-            let state = self.level(cot).and_then(|[x, c]| self.state(1, [0.0, x, c]));
-            state.is_some_and(|(_, left)| left[1] < 0.0)
+    /// `$x$` and `$c$` where the curve begins, without inertia; counts Newton steps.
+    pub(super) fn begin(&self, steps: &mut usize) -> Option<[f64; 2]> {
+        // What (S20) leaves at the angle whose cotangent has this logarithm; none if friction holds.
+        let mut left = |log: f64| {
+            *steps += 1;
+            let cot = log.exp();
+            let [x, c] = self.level(Jet { re: cot, eps: [cot] })?;
+            let (_, [_, left]) = self.state(1, [Jet::from(0.0), x, c])?;
+            left.re.is_finite().then_some((left.re, left.eps[0]))
         };
-        if !is_short(low) {
+        let (mut low, mut high) = (COTANGENT.0.ln(), COTANGENT.1.ln());
+        if left(low).is_none_or(|(left, _)| left >= 0.0) {
             return None;
         }
-        while high > low * (1.0 + 1e-12) {
-            // Evenly over the orders of magnitude at first.
-            let middle = if high > 2.0 * low { (low * high).sqrt() } else { 0.5 * (low + high) };
-            if is_short(middle) {
-                low = middle;
-            } else {
-                high = middle;
+        let (mut log, mut last) = (-self.pair.jones.contact_angle.tan().ln(), high - low);
+        log = log.clamp(low, high);
+        for _ in 0..MOST_LEVEL_STEPS {
+            let tried = left(log);
+            let is_short = tried.is_some_and(|(left, _)| left < 0.0);
+            *(if is_short { &mut low } else { &mut high }) = log;
+            let mut step = tried.map_or(f64::INFINITY, |(left, slope)| -left / slope);
+            if tried.is_some_and(|(left, _)| left.abs() <= LEVEL) {
+                return self.level((log + step).exp());
             }
+            // Where friction all but holds the load, angles have no digits between too short and held.
+            if high - low <= 4.0 * f64::EPSILON * low.abs().max(1.0) {
+                return self.level(low.exp());
+            }
+            // Newton where it stays inside and halves its step, else the middle.
+            let inside = low < log + step && log + step < high;
+            if !(inside && step.abs() <= 0.5 * last) {
+                step = 0.5 * (low + high) - log;
+            }
+            (log, last) = (log + step, step.abs());
         }
-        self.level(low)
+        None
     }
 }

@@ -2,13 +2,13 @@
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12) to (W15).
 
-use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar, Site};
-use bsm_newton::{EvalError, MatMut, Options, Report, Scales, System, Workspace, solve};
+use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
+use bsm_newton::{Bracket, EvalError, Options, Report, Scales, solve};
 
 use super::{Control, precession, rolling};
-use crate::jacobian::linearize;
+use crate::equations::{Workspace, equations};
 use crate::pair::{Loaded, Pair};
-use crate::{Reason, Status};
+use crate::{Reason, Status, cost};
 
 /// Unknowns: the difference of the cotangents of the contact angles, and that at the screw (W12).
 pub(crate) const STATIC: usize = 2;
@@ -19,10 +19,6 @@ const MOST_STEPS: usize = 8;
 /// Passes of the rising bound (W14). Each is a fixed-point step; thousands are needed where the
 /// centrifugal force nearly touches what the flanks hold.
 const MOST_PASSES: usize = 20_000;
-
-/// Halvings of a bracket: more than a double has bits, and than it has binary orders of magnitude
-/// in a cotangent.
-const MOST_HALVINGS: usize = 200;
 
 /// Inertia (W17) up to which no ball was seen to have a second root: the least of those that have one is
 /// 3.8, and (W15) excludes one below 0.25.
@@ -88,6 +84,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
 
     /// The contact at nut (0) or screw (1) with this cotangent of its angle.
     fn flank<D: Over<P>>(&self, i: usize, cot: D) -> Flank<D> {
+        cost::evaluated();
         let offsets = [self.pair.jones.nut_offset, self.pair.jones.screw_offset];
         let length = (cot.square() + 1.0).sqrt();
         let sin = length.recip();
@@ -114,6 +111,11 @@ impl<'a, P: Scalar> Balance<'a, P> {
             // l_A cosβ_A + l_B cosβ_B = A₂, Eq (J7)                       (W13)
             (a.reach() + b.reach()) * D::from(self.reach).recip() - 1.0,
         ]
+    }
+
+    #[expect(clippy::unnecessary_wraps, reason = "the shape that equations have")]
+    fn residual<D: Over<P>>(&self, x: &[D; STATIC]) -> Result<[D; STATIC], EvalError> {
+        Ok(self.equations(x))
     }
 
     /// Loads, angles and contacts of the unknowns.
@@ -163,7 +165,10 @@ impl Balance<'_> {
 
     /// The root with the smallest difference of the contact angles, or the proof that there is
     /// none on the flanks.
-    pub(super) fn first_root(&self, newton: &mut Workspace) -> Result<Root, (Status, Reason)> {
+    pub(super) fn first_root(
+        &self,
+        newton: &mut Workspace<STATIC>,
+    ) -> Result<Root, (Status, Reason)> {
         let mut steps = 0;
         if let Some(mut x) = self.start() {
             let report = self.run(&mut x, newton);
@@ -199,13 +204,13 @@ impl Balance<'_> {
     pub(super) fn farther_roots(
         &self,
         &[first, _]: &[f64; STATIC],
-        newton: &mut Workspace,
+        newton: &mut Workspace<STATIC>,
     ) -> Vec<Root> {
         if self.is_unique() { Vec::new() } else { self.scan(first, newton) }
     }
 
     /// The roots beyond a first one.
-    fn scan(&self, first: f64, newton: &mut Workspace) -> Vec<Root> {
+    fn scan(&self, first: f64, newton: &mut Workspace<STATIC>) -> Vec<Root> {
         let farthest = self.farthest();
         let excess = |c: f64| c - self.centrifugal(self.rate_at(c));
         let begin = (first * (1.0 + SAME)).max(1e-3 * farthest);
@@ -214,33 +219,19 @@ impl Balance<'_> {
         for step in 1..=SCAN {
             let high = if step < SCAN { low * grow } else { farthest };
             let at_high = excess(high);
-            if (at_low > 0.0) != (at_high > 0.0) {
-                found.extend(self.root_between(low, high, at_high > 0.0, newton));
+            if let Some(root) = Bracket::new([low, high], [at_low, at_high]).root(excess).root() {
+                found.extend(self.polished(root.x, newton));
             }
             (low, at_low) = (high, at_high);
         }
         found
     }
 
-    /// The root between two differences of the cotangents, by halves and Newton.
-    fn root_between(
-        &self,
-        mut low: f64,
-        mut high: f64,
-        rises: bool,
-        newton: &mut Workspace,
-    ) -> Option<Root> {
-        for _ in 0..MOST_HALVINGS {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                break;
-            }
-            let above = middle > self.centrifugal(self.rate_at(middle));
-            *(if above == rises { &mut high } else { &mut low }) = middle;
-        }
-        let mut x = [high, self.closed(high)];
+    /// The root near a difference of the cotangents, by Newton; `None` where that goes to another.
+    fn polished(&self, near: f64, newton: &mut Workspace<STATIC>) -> Option<Root> {
+        let mut x = [near, self.closed(near)];
         let report = self.run(&mut x, newton);
-        let found = report.converged() && x[1] > 0.0 && (x[0] - high).abs() <= 1e-3 * high;
+        let found = report.converged() && x[1] > 0.0 && (x[0] - near).abs() <= 1e-3 * near;
         found.then_some(Root { unknowns: x, steps: report.steps.len(), residual: report.residual })
     }
 
@@ -263,13 +254,12 @@ impl Balance<'_> {
     }
 
     /// Newton from `x`.
-    fn run(&self, x: &mut [f64; STATIC], newton: &mut Workspace) -> Report {
+    fn run(&self, x: &mut [f64; STATIC], newton: &mut Workspace<STATIC>) -> Report {
         let weights = self.weights();
         let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };
         // The displacement is a difference of lengths: down to their rounding.
         let options = Options { residual_goal: 3e-15, max_steps: MOST_STEPS, ..Options::default() };
         solve(self, x, &scales, &options, newton)
-            .expect("sizes are constant and the weights positive")
     }
 
     /// True if (W15) shows that no other root on the flanks has a smaller difference of the angles.
@@ -298,47 +288,28 @@ impl Balance<'_> {
     /// Newton within a bracket: (W13) rises with it.
     fn closed(&self, c: f64) -> f64 {
         let angle = self.pair.jones.contact_angle;
-        let (mut low, mut high) = (0.0, angle.cos() / angle.sin());
-        let mut cot = 0.5 * high;
-        for _ in 0..MOST_HALVINGS {
+        let high = angle.cos() / angle.sin();
+        let bracket = Bracket {
+            start: Some(0.5 * high),
+            x_tol: 2.0 * f64::EPSILON,
+            ..Bracket::new([0.0, high], [f64::NEG_INFINITY, f64::INFINITY])
+        };
+        let found = bracket.root(|cot| {
             let [a, b] = [self.flank(0, cot + c), self.flank(1, cot)];
-            let excess = a.reach() + b.reach() - self.reach;
-            if excess > 0.0 {
-                high = cot;
-            } else {
-                low = cot;
-            }
-            let mut next = cot - excess / (a.slope() + b.slope());
-            if !(next > low && next < high) {
-                next = 0.5 * (low + high);
-            }
-            let settled = (next - cot).abs() <= 2.0 * f64::EPSILON * cot;
-            cot = next;
-            if settled {
-                break;
-            }
-        }
-        cot
+            (a.reach() + b.reach() - self.reach, a.slope() + b.slope())
+        });
+        found.root().map_or(f64::NAN, |root| root.x)
     }
 
     /// Largest difference of the cotangents on the flanks: the screw's contact angle is 90 deg there.
     fn farthest(&self) -> f64 {
-        let (mut low, mut high) = (0.0, 1.0);
-        while self.flank(0, high).reach() < self.reach && high < f64::MAX.sqrt() {
-            (low, high) = (high, 4.0 * high);
+        let excess = |cot: f64| self.flank(0, cot).reach() - self.reach;
+        let mut ends = [0.0, 1.0];
+        while excess(ends[1]) < 0.0 && ends[1] < f64::MAX.sqrt() {
+            ends = [ends[1], 4.0 * ends[1]];
         }
-        for _ in 0..MOST_HALVINGS {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                break;
-            }
-            if self.flank(0, middle).reach() < self.reach {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        low
+        let found = Bracket::new(ends, ends.map(excess)).root(excess);
+        found.root().map_or(ends[1], |root| root.ends[0])
     }
 
     /// `$P/W$` at a difference of the cotangents.
@@ -371,24 +342,14 @@ impl Balance<'_> {
             // Beyond a rate of zero the line is above.
             let above = |c: f64| {
                 let rate = self.rate_at(c);
-                outwards * rate >= 0.0 || c >= self.centrifugal(rate)
+                if outwards * rate >= 0.0 { c } else { c - self.centrifugal(rate) }
             };
-            if !above(farthest) {
+            if above(farthest) < 0.0 {
                 return Err(none());
             }
-            let (mut low, mut high) = (0.0, self.centrifugal(at_rest).min(farthest));
-            for _ in 0..MOST_HALVINGS {
-                let middle = 0.5 * (low + high);
-                if middle <= low || middle >= high {
-                    break;
-                }
-                if above(middle) {
-                    high = middle;
-                } else {
-                    low = middle;
-                }
-            }
-            high
+            let ends = [0.0, self.centrifugal(at_rest).min(farthest)];
+            let found = Bracket::new(ends, ends.map(above)).root(above);
+            found.root().map_or(ends[1], |root| root.x)
         };
         Ok([c, self.closed(c)])
     }
@@ -412,24 +373,12 @@ impl Balance<'_> {
     }
 }
 
-impl System for Balance<'_> {
-    fn dim(&self) -> usize {
-        STATIC
-    }
-
-    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
-        r.copy_from_slice(&self.equations(&[x[0], x[1]]));
-        Ok(())
-    }
-
-    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        linearize(|x: [Jet<STATIC>; STATIC]| Ok(self.equations(&x)), x, r, jac)
-    }
-
-    fn equation(&self, i: usize) -> String {
-        ["radial force balance", "triangle of the groove-arc centres"][i].to_owned()
-    }
-}
+equations!(
+    Balance<'_>,
+    STATIC,
+    Balance::residual,
+    ["radial force balance", "triangle of the groove-arc centres"]
+);
 
 #[cfg(test)]
 mod tests;

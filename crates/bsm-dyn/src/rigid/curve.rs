@@ -4,7 +4,7 @@
 
 use super::circle::{Line, Quadratic};
 use super::scaled::{Scaled, Unknowns};
-use crate::Angles;
+use crate::{Angles, cost};
 
 /// What does not change along the curve; speeds over `$W$` with its sign, lengths in `$r_b$`.
 #[derive(Debug, Clone, Copy)]
@@ -217,6 +217,7 @@ impl Curve {
 
     /// The states with this turn of the slip at B, at most four, with loads and speeds of any sign.
     pub(super) fn sample(&self, turn: f64) -> Sample {
+        cost::evaluated();
         let fan = self.fan(turn);
         // B₀ X Δ M = C₀ (B₀ N₁/(k_t d) + ω N₂),  C₀ = 5 F sinβ cosβ r_m/r_b  (R41)
         let (drive, nut) = if self.nut == 0.0 { (1.0, 0.0) } else { (fan.drive, self.nut) };

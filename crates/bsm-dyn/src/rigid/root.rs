@@ -4,12 +4,13 @@
 
 use std::mem;
 
-use bsm_newton::{Options, Report, Scales, System, Workspace, solve};
+use bsm_newton::{Equations, Options, Report, Scales, solve};
 
 use super::curve::Curve;
 use super::first_order::FirstOrder;
 use super::scaled::{ExistenceLimit, Scaled, Unknowns};
 use super::search::Search;
+use crate::equations::Workspace;
 use crate::layout::BALL;
 use crate::layout::unknown::{MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP};
 use crate::{Angles, Reason, Status};
@@ -92,13 +93,8 @@ fn none(reason: Reason) -> NoRoot {
 }
 
 /// Memory of the solves.
+#[derive(Default)]
 pub struct RigidWorkspace(pub(super) Workspace);
-
-impl Default for RigidWorkspace {
-    fn default() -> Self {
-        Self(Workspace::new(BALL))
-    }
-}
 
 /// Finds the root, or the reason why there is none.
 ///
@@ -264,8 +260,8 @@ fn settled(case: &Scaled<f64>, mut root: Root, work: &mut RigidWorkspace) -> Res
 }
 
 /// The one call of the solver: at most `max_steps` from `y`, on towards `residual_goal`.
-fn run<S: System>(
-    system: &S,
+fn run(
+    system: &impl Equations<BALL>,
     y: &mut Unknowns<f64>,
     weights: &[f64; BALL],
     (max_steps, residual_goal): (usize, f64),
@@ -273,8 +269,7 @@ fn run<S: System>(
 ) -> Report {
     let options = Options { residual_goal, max_steps, ..Options::default() };
     let scales = Scales { x: &[1.0; BALL], f: weights };
-    solve(system, y.as_mut_slice(), &scales, &options, &mut work.0)
-        .expect("sizes are constant and the weights positive")
+    solve(system, &mut y.data.0[0], &scales, &options, &mut work.0)
 }
 
 /// One damped Newton solve from `y`.

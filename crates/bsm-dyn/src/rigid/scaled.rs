@@ -3,17 +3,17 @@
 //! Theory: `docs/theory/04-rigid.md`, equations (R1) to (R10).
 
 use bsm_kin::{BallFrame, Contact, Helix, Motion, Scalar, Site};
-use bsm_newton::{EvalError, MatMut, System};
+use bsm_newton::{Equations, EvalError, Linear};
 use nalgebra::{SVector, Vector3};
 
 use crate::balance::{Ball, DOES_NOT_CIRCLE, axial_force, newton_euler};
 use crate::coulomb::friction_force;
-use crate::jacobian::linearize;
+use crate::equations::{equations, linear};
 use crate::layout::unknown::{
     MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
 };
-use crate::layout::{self, BALL, MOMENT_NORMAL, weight};
-use crate::{Direction, Wrench};
+use crate::layout::{self, BALL, MOMENT_NORMAL, ROWS, weight};
+use crate::{Direction, Wrench, cost};
 
 /// One operating point in units of ball radius, axial load per ball and `$|W|$` (R1).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -190,6 +190,7 @@ impl<D: Scalar> Scaled<D> {
     ///
     /// As [`state`](Self::state).
     pub(crate) fn residual(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
+        cost::evaluated();
         let state = self.state(y)?;
         let [a, minor, b] = state.wrench;
         let nut = a + minor;
@@ -254,23 +255,17 @@ impl Scaled<f64> {
     }
 }
 
-impl System for Scaled<f64> {
-    fn dim(&self) -> usize {
-        BALL
+impl Equations<BALL> for Scaled<f64> {
+    fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
+        Ok(Scaled::residual(self, &Unknowns::from(*x))?.into())
     }
 
-    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
-        let y = Unknowns::from_column_slice(x);
-        r.copy_from_slice(Scaled::residual(self, &y)?.as_slice());
-        Ok(())
-    }
-
-    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        linearize(|y| Ok(self.lift().residual(&y.into())?.data.0[0]), x, r, jac)
+    fn linearize(&self, x: &[f64; BALL]) -> Result<Linear<BALL>, EvalError> {
+        linear(x, |x| Ok(self.lift().residual(&Unknowns::from(*x))?.into()))
     }
 
     fn equation(&self, i: usize) -> String {
-        layout::equation(i).to_owned()
+        ROWS[i].to_owned()
     }
 }
 
@@ -279,28 +274,15 @@ impl System for Scaled<f64> {
 pub(crate) struct ExistenceLimit<'a>(pub(crate) &'a Scaled<f64>);
 
 impl ExistenceLimit<'_> {
-    fn residual_at<D: Scalar>(&self, x: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
+    fn residual_at<D: Scalar>(&self, x: &[D; BALL]) -> Result<[D; BALL], EvalError> {
         // λ = 0, α unknown                                                (R11)
-        let mut y = *x;
+        let mut y = Unknowns::from(*x);
         y[SLIP] = D::from(0.0);
-        self.0.with_lead_angle(x[SLIP]).residual(&y)
+        Ok(self.0.with_lead_angle(x[SLIP]).residual(&y)?.into())
     }
 }
 
-impl System for ExistenceLimit<'_> {
-    fn dim(&self) -> usize {
-        BALL
-    }
-
-    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
-        r.copy_from_slice(self.residual_at(&Unknowns::from_column_slice(x))?.as_slice());
-        Ok(())
-    }
-
-    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        linearize(|x| Ok(self.residual_at(&x.into())?.data.0[0]), x, r, jac)
-    }
-}
+equations!(ExistenceLimit<'_>, BALL, ExistenceLimit::residual_at, ROWS);
 
 #[cfg(test)]
 mod tests {
@@ -371,8 +353,7 @@ mod tests {
         let weights = case.weights(FirstOrder::of(&case).normal_moment());
         let scales = Scales { x: &[1.0; BALL], f: &weights };
         let options = Options { residual_goal: 1e-14, ..Options::default() };
-        let report = solve(&case, y.as_mut_slice(), &scales, &options, &mut Workspace::new(BALL))
-            .expect("seven unknowns");
+        let report = solve(&case, &mut y.data.0[0], &scales, &options, &mut Workspace::default());
         assert!(report.converged(), "{report}");
         let small: Vec<f64> =
             report.steps.iter().map(|s| s.residual).filter(|r| (1e-6..1e-1).contains(r)).collect();

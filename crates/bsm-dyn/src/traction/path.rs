@@ -5,17 +5,15 @@
 use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
 
-use bsm_newton::{
-    EvalError, MatMut, Options, Report, Scales, Status, System, Workspace, implicit_slopes, solve,
-};
+use bsm_newton::{EvalError, Options, Report, Scales, path_direction, solve};
 
 use super::Rolling;
 use super::root::Root;
 use crate::ellipse::Lanes;
+use crate::equations::{Workspace, equations};
 use crate::follow::{Stride, follow};
-use crate::jacobian::linearize;
 use crate::layout::unknown::PRECESSION;
-use crate::layout::{self, BALL};
+use crate::layout::{BALL, ROWS};
 use crate::raceway_control::Grip;
 
 /// Unknowns of a path: those of the ball, and what is varied.
@@ -106,7 +104,7 @@ impl Path<'_> {
     }
 
     /// The point of the path in the plane. It is a guess for the next one: eight digits are enough.
-    fn run(&self, z: &mut [f64; PATH], newton: &mut Workspace) -> Report {
+    fn run(&self, z: &mut [f64; PATH], newton: &mut Workspace<PATH>) -> Report {
         let scales = Scales { x: &[1.0; PATH], f: &self.weights(z) };
         let enough = 1e-8;
         let options = Options {
@@ -116,38 +114,20 @@ impl Path<'_> {
             ..Options::default()
         };
         solve(self, z, &scales, &options, newton)
-            .expect("sizes are constant and the weights positive")
     }
 
     /// The direction of the path at `z`; its sense is the same all along the path.
-    fn direction(&self, z: &[f64; PATH], newton: &mut Workspace) -> Option<[f64; PATH]> {
-        let mut column = [0.0; PATH];
-        column[BALL] = -1.0;
-        let status = implicit_slopes(self, z, &self.weights(z), &mut column, newton)
-            .expect("sizes are constant");
-        let sense = newton.orientation();
-        (status == Status::Converged).then(|| column.map(|x| x * sense))
+    fn direction(&self, z: &[f64; PATH], newton: &mut Workspace<PATH>) -> Option<[f64; PATH]> {
+        path_direction(self, z, &self.weights(z), newton).ok()
     }
 }
 
-impl System for Path<'_> {
-    fn dim(&self) -> usize {
-        PATH
-    }
-
-    fn residual(&self, x: &[f64], r: &mut [f64]) -> Result<(), EvalError> {
-        r.copy_from_slice(&Path::residual(self, x.try_into().expect("eight unknowns"))?);
-        Ok(())
-    }
-
-    fn linearize(&self, x: &[f64], r: &mut [f64], jac: MatMut<'_, f64>) -> Result<(), EvalError> {
-        linearize(|z| Path::residual(self, &z), x, r, jac)
-    }
-
-    fn equation(&self, i: usize) -> String {
-        if i < BALL { layout::equation(i) } else { "plane across the path" }.to_owned()
-    }
-}
+equations!(
+    Path<'_>,
+    PATH,
+    Path::residual,
+    from_fn(|i| ROWS.get(i).copied().unwrap_or("plane across the path"))
+);
 
 /// A step along a path.
 struct Leg<'a> {
@@ -225,7 +205,7 @@ impl Rolling<'_> {
     pub(super) fn followed(
         &self,
         newton: &mut Workspace,
-        wide: &mut Workspace,
+        wide: &mut Workspace<PATH>,
         steps: &mut usize,
     ) -> Shown {
         let still = self.pair.with_inertia(0.0);
@@ -284,7 +264,7 @@ impl Rolling<'_> {
         y: &[f64; BALL],
         sense: f64,
         newton: &mut Workspace,
-        wide: &mut Workspace,
+        wide: &mut Workspace<PATH>,
         steps: &mut usize,
     ) -> Shown {
         let (at_rest, mu) = (self.rate(y), self.pair.inertia_ratio());
@@ -342,7 +322,7 @@ impl Rolling<'_> {
         &self,
         along: Along,
         z: &mut [f64; PATH],
-        newton: &mut Workspace,
+        newton: &mut Workspace<PATH>,
         steps: &mut usize,
         mut visit: impl FnMut(Leg<'_>) -> Next,
     ) -> bool {

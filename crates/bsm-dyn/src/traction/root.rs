@@ -2,13 +2,12 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equation (T10), sections "Starts" and "Existence".
 
-use bsm_newton::Workspace;
-
-use super::path::Shown;
+use super::path::{PATH, Shown};
 use super::scatter::{MANY, STARTS};
 use super::{OMEGA, Rolling, State};
 use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque, torque};
 use crate::elastic::Skid;
+use crate::equations::Workspace;
 use crate::follow::{Stride, follow};
 use crate::layout::BALL;
 use crate::raceway_control::Grip;
@@ -45,7 +44,7 @@ impl Rolling<'_> {
         &self,
         grip: &Grip,
         near: Option<&Root>,
-        (newton, wide): (&mut Workspace, &mut Workspace),
+        (newton, wide): (&mut Workspace, &mut Workspace<PATH>),
         steps: &mut usize,
     ) -> Result<Root, (Status, Reason)> {
         if let Some(near) = near
@@ -66,7 +65,7 @@ impl Rolling<'_> {
         &self,
         grip: &Grip,
         all_over: bool,
-        (newton, wide): (&mut Workspace, &mut Workspace),
+        (newton, wide): (&mut Workspace, &mut Workspace<PATH>),
         steps: &mut usize,
     ) -> Result<Root, (Status, Reason)> {
         let gripping = self.unknowns(&grip.loaded, &grip.to_nut);

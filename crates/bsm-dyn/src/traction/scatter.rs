@@ -2,10 +2,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use bsm_newton::Workspace;
-
 use super::root::Root;
 use super::{OMEGA, Rolling};
+use crate::equations::Workspace;
 use crate::follow::Stride;
 use crate::layout::BALL;
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};

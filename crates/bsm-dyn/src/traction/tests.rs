@@ -55,7 +55,7 @@ fn state(ball: &Rolling<'_>, rng: &mut impl Rng) -> [f64; BALL] {
 
 /// A root on the flanks from random states, if one is found.
 fn search(ball: &Rolling<'_>, starts: usize, rng: &mut impl Rng) -> Option<Root> {
-    let mut newton = Workspace::new(BALL);
+    let mut newton = Workspace::default();
     let end = ball.creep.ln();
     (0..starts).find_map(|_| {
         let mut y = state(ball, rng);
@@ -194,7 +194,7 @@ fn strong_friction_has_roots_that_only_starts_lead_to() {
 /// Identity: the unknowns of a ball that is thrown against the nut are other names for the same root.
 #[test]
 fn both_sets_of_unknowns_have_the_same_roots() {
-    let (mut work, mut newton) = (TractionWorkspace::default(), Workspace::new(BALL));
+    let (mut work, mut newton) = (TractionWorkspace::default(), Workspace::default());
     let mut seen = 0;
     for number in 0..60 {
         let screw = point(8, number);

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use bsm_batch::{Cell as Value, Chunk, Column, Columns};
 use bsm_case::units::{MM, RPM};
 use bsm_case::{
-    Cell, INPUTS, InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Sensitivities, Settings,
+    Cell, InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Sensitivities, Settings,
 };
 use bsm_dyn::{Ball, ModelWorkspace, Reason, Status};
 
@@ -138,12 +138,12 @@ pub(crate) fn with_sensitivities(
 
 /// Holds the answers against those of the batch, which solves some models by lanes.
 pub(crate) fn in_batch(scenes: &[Scene], model: ModelChoice, answers: &mut [Answer]) {
-    let given = |key| scenes.iter().any(|scene| scene.get(key).is_some());
-    let names = INPUTS.iter().map(|input| input.name).filter(|name| given(name));
+    let given = |key: &InputKey| scenes.iter().any(|scene| scene[*key].is_some());
+    let names = InputKey::ALL.into_iter().filter(given).map(InputKey::name);
     let columns = Columns::sort(names, &[]).expect("names of inputs, each once");
-    let column = |name: &&str| {
+    let column = |key: &InputKey| {
         let mut column = Column::with_capacity(scenes.len());
-        column.extend(scenes.iter().map(|s| s.get(name).map_or(Value::Missing, Value::Number)));
+        column.extend(scenes.iter().map(|s| s[*key].map_or(Value::Missing, Value::Number)));
         column
     };
     let inputs = columns.inputs.iter().map(column).collect();

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use bsm_kin::{Drive, Helix};
+use bsm_kin::{Drive, Helix, Jet};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -81,7 +81,7 @@ proptest! {
     fn the_first_root_is_that_of_a_dense_search(screw in screws(), nut in any::<bool>()) {
         let control = if nut { Control::Nut } else { Control::Screw };
         let Ok(pair) = screw.pair() else { return Ok(()) };
-        let found = Balance::new(&pair, control).first_root(&mut Workspace::new(STATIC));
+        let found = Balance::new(&pair, control).first_root(&mut Workspace::default());
         #[expect(clippy::cast_precision_loss, reason = "a small count")]
         let angles = (1..GRID).map(|i| FRAC_PI_2 * i as f64 / GRID as f64);
         let mut before = None;
@@ -139,7 +139,7 @@ proptest! {
 #[test]
 fn a_second_root_needs_inertia() {
     let mut rng = ChaCha8Rng::seed_from_u64(77);
-    let mut newton = Workspace::new(STATIC);
+    let mut newton = Workspace::default();
     let (mut tried, mut several, mut missed) = (0, 0, 0);
     while tried < 8000 {
         let Ok(pair) = extreme(&mut rng).pair() else { continue };

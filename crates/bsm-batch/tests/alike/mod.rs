@@ -1,0 +1,66 @@
+//! An answer of the batch against that of the model.
+
+use bsm_batch::Answers;
+use bsm_case::{Cell, InputKey, Output, Record, Scene};
+use bsm_dyn::{Ball, Status};
+
+/// Outputs that tell of the way to a root, not of the root.
+const OF_THE_WAY: [&str; 3] = ["iterations", "residual_norm", "power_balance"];
+
+/// The scatter that a difference in an output is compared with, beyond its own size.
+///
+/// The model's Newton stops at 1e-13 of the load, or at 1e-12 of the inertia forces if they are
+/// less, and rounding of the loads leaves some 1e-16: what hangs on inertia, which is `iota` of the load,
+/// is known to that only.
+fn scatter(unit: &str, scene: &Scene) -> f64 {
+    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+    let ball = 0.5e-3 * value(InputKey::ball_diameter_mm);
+    let pitch = 0.5e-3 * value(InputKey::pitch_circle_diameter_mm);
+    let speed = (value(InputKey::screw_speed_rpm) - value(InputKey::nut_speed_rpm)).abs();
+    let speed = speed * std::f64::consts::PI / 30.0;
+    let axial = value(InputKey::axial_load_N);
+    let load = axial / value(InputKey::loaded_balls);
+    let mass = Ball::of_density(ball, value(InputKey::density_kg_m3)).mass;
+    let iota = mass * pitch * speed * speed / load;
+    let motion = 1e-10 + 1e-14 / iota;
+    let scatter = match unit {
+        "N" => 1e-13 * load,
+        "deg" => 1e-10 * 90.0,
+        // Slip is a difference of speeds of this size.
+        "rad/s" => motion * speed * pitch / ball,
+        "m/s" => motion * speed * pitch,
+        // Displacement is a difference of lengths up to 1 mm.
+        "um" => 1e-11,
+        // Lost power is a difference of powers of this size.
+        "W" => 1e-12 * axial * pitch * speed,
+        _ => 0.0,
+    };
+    // None where the inputs that it is made of are not given.
+    scatter.max(0.0)
+}
+
+/// Compares the answer of a row: the same status, and every output to 1e-10 of it and the scatter;
+/// true if it converged.
+pub(crate) fn assert_alike(
+    what: &dyn Fn() -> String,
+    (answers, row): (&Answers, usize),
+    outputs: &[&Output],
+    (expected, scene): (&Record, &Scene),
+) -> bool {
+    let status = answers.verdicts[row].status;
+    assert_eq!(status, expected.status(), "{}", what());
+    for (output, column) in outputs.iter().zip(&answers.columns) {
+        if OF_THE_WAY.contains(&output.name) {
+            continue;
+        }
+        let found = (!column[row].is_nan()).then_some(column[row]);
+        let known = expected.cell(output).map(Cell::number);
+        let (name, unit) = (output.name, output.unit);
+        assert_eq!(found.is_some(), known.is_some(), "{}, {name}", what());
+        let (Some(found), Some(known)) = (found, known) else { continue };
+        let tolerance = 1e-10 * known.abs() + scatter(unit, scene);
+        let difference = (found - known).abs();
+        assert!(difference <= tolerance, "{}, {name}: {found} {known}", what());
+    }
+    status == Status::Converged
+}

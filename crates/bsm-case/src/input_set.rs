@@ -1,0 +1,159 @@
+//! Sets of inputs, and what a set that is given does to another one.
+
+use std::ops::{BitOr, Sub};
+
+use crate::{INPUTS, InputKey, Scene};
+
+/// Some of the inputs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct InputSet(u64);
+
+const _: () = assert!(INPUTS.len() <= 64, "a bit for each input");
+
+impl InputSet {
+    /// Inputs that have a default.
+    pub const WITH_DEFAULT: Self = {
+        let (mut set, mut i) = (0, 0);
+        while i < INPUTS.len() {
+            if INPUTS[i].default.is_some() {
+                set |= 1 << i;
+            }
+            i += 1;
+        }
+        Self(set)
+    };
+
+    /// These inputs.
+    pub const fn of(keys: &[InputKey]) -> Self {
+        let (mut set, mut i) = (0, 0);
+        while i < keys.len() {
+            set |= 1 << keys[i] as u32;
+            i += 1;
+        }
+        Self(set)
+    }
+
+    /// The inputs of either set.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// True if the input is one of them.
+    pub fn contains(self, key: InputKey) -> bool {
+        self.meets(Self::of(&[key]))
+    }
+
+    /// True if all of `other` are among them.
+    pub fn contains_all(self, other: Self) -> bool {
+        self.and(other) == self
+    }
+
+    /// True if any of `other` is among them.
+    pub fn meets(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// The inputs, in the order of the documentation.
+    pub fn iter(self) -> impl Iterator<Item = InputKey> {
+        InputKey::ALL.into_iter().filter(move |key| self.contains(*key))
+    }
+
+    /// The inputs that a value for any of these replaces: themselves, and the other forms of the same
+    /// quantity, as a lead replaces a lead angle.
+    #[must_use]
+    pub fn replaced(self) -> Self {
+        QUANTITIES
+            .iter()
+            .map(|quantity| quantity.keys())
+            .filter(|keys| keys.meets(self))
+            .fold(self, Self::bitor)
+    }
+
+    /// What is given after `settings` have been applied to a scene that has these inputs.
+    #[must_use]
+    pub fn overridden_by(self, settings: Self) -> Self {
+        (self - settings.replaced()) | settings
+    }
+}
+
+impl BitOr for InputSet {
+    type Output = Self;
+
+    fn bitor(self, other: Self) -> Self {
+        self.and(other)
+    }
+}
+
+impl Sub for InputSet {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+}
+
+impl FromIterator<InputKey> for InputSet {
+    fn from_iter<I: IntoIterator<Item = InputKey>>(keys: I) -> Self {
+        keys.into_iter().fold(Self::default(), |set, key| set | Self::of(&[key]))
+    }
+}
+
+/// A quantity that may be given in one of several forms.
+#[derive(Debug)]
+pub(crate) struct Quantity {
+    /// How a message asks for it.
+    pub(crate) words: &'static str,
+    /// The forms; the first that is given is read.
+    pub(crate) forms: &'static [Form],
+}
+
+/// One form of a quantity.
+#[derive(Debug)]
+pub(crate) struct Form {
+    /// The input.
+    pub(crate) key: InputKey,
+    /// Inputs that it takes besides, and what for.
+    pub(crate) with: InputSet,
+    pub(crate) to: &'static str,
+}
+
+impl Quantity {
+    /// The inputs of all forms.
+    fn keys(&self) -> InputSet {
+        self.forms.iter().map(|form| form.key).collect()
+    }
+}
+
+/// Lead angle, or lead on the pitch circle.
+pub(crate) const LEAD: Quantity = Quantity {
+    words: "lead_angle_deg (or lead_mm)",
+    forms: &[
+        Form { key: InputKey::lead_angle_deg, with: InputSet::of(&[]), to: "" },
+        Form {
+            key: InputKey::lead_mm,
+            with: InputSet::of(&[InputKey::pitch_circle_diameter_mm]),
+            to: "to turn lead_mm into an angle",
+        },
+    ],
+};
+
+/// All quantities that have several forms.
+const QUANTITIES: &[Quantity] = &[LEAD];
+
+impl Scene {
+    /// The inputs that it has.
+    pub fn given(&self) -> InputSet {
+        InputKey::ALL.into_iter().filter(|key| self[*key].is_some()).collect()
+    }
+
+    /// Applies the values of `settings`, all at once: a form of a quantity replaces the other forms.
+    ///
+    /// This is what a row of a table, a point of a grid and `--set` mean.
+    pub fn override_with(&mut self, settings: &Self) {
+        let given = settings.given();
+        for key in given.replaced().iter() {
+            self[key] = settings[key];
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! A chain of small blocks with a border: block tridiagonal, and a few unknowns that couple to all.
+
+use std::array::from_fn;
+
+use super::{Dense, DynamicDense, LinearSolver};
+use crate::Singular;
+
+/// A matrix of `count` blocks of `K` unknowns, each coupled to its neighbours, and a border of a few
+/// unknowns that are coupled to every block (N9).
+///
+/// ```math
+/// \begin{pmatrix} T & R \\ B & C \end{pmatrix}, \qquad
+/// T = \operatorname{tridiag}(L_i, D_i, U_i)
+/// ```
+///
+/// Unknowns and equations are in the order of the blocks, then those of the border. Blocks without
+/// neighbours leave `$L_i = U_i = 0$`. A ring is a chain that is cut open: the unknowns of one of its
+/// blocks go to the border.
+///
+/// The chain is eliminated from one end to the other, then the border through its Schur complement:
+/// the cost grows with the number of blocks, not with its cube. Rows are exchanged within a block
+/// and within the border only. That is safe for positive definite matrices and for blocks that
+/// outweigh their neighbours; another matrix may be regular and have a [`Singular`] block.
+pub struct Bordered<const K: usize> {
+    diagonal: Vec<Dense<K>>,
+    /// Columns of the couplings to the next block, and after the factorization of `$D_i^{-1} U_i$`.
+    above: Vec<[[f64; K]; K]>,
+    /// Rows of the couplings to the block before.
+    below: Vec<[[f64; K]; K]>,
+    /// Columns of the border, block by block, and after the factorization of `$T^{-1} R$`.
+    right: Vec<[f64; K]>,
+    /// Rows of the border, block by block.
+    bottom: Vec<[f64; K]>,
+    /// Row by row; after the factorization the Schur complement.
+    corner: Vec<f64>,
+    border: usize,
+    schur: DynamicDense,
+}
+
+impl<const K: usize> Bordered<K> {
+    /// A matrix of zeros with so many blocks and unknowns of the border.
+    pub fn new(count: usize, border: usize) -> Self {
+        let couplings = vec![[[0.0; K]; K]; count.saturating_sub(1)];
+        Self {
+            diagonal: vec![Dense::default(); count],
+            below: couplings.clone(),
+            above: couplings,
+            right: vec![[0.0; K]; count * border],
+            bottom: vec![[0.0; K]; count * border],
+            corner: vec![0.0; border * border],
+            border,
+            schur: DynamicDense::new(border),
+        }
+    }
+
+    /// Makes every entry zero, before the matrix is filled.
+    pub fn clear(&mut self) {
+        for block in &mut self.diagonal {
+            *block.rows_mut() = [[0.0; K]; K];
+        }
+        self.above.fill([[0.0; K]; K]);
+        self.below.fill([[0.0; K]; K]);
+        self.right.fill([0.0; K]);
+        self.bottom.fill([0.0; K]);
+        self.corner.fill(0.0);
+    }
+
+    /// Adds to an entry, by the numbers of its equation and its unknown.
+    ///
+    /// # Panics
+    ///
+    /// If the entry is outside the structure: blocks that are no neighbours, or no such unknown.
+    pub fn add(&mut self, row: usize, column: usize, value: f64) {
+        let (chain, border) = (K * self.diagonal.len(), self.border);
+        let place = |x: usize| {
+            assert!(x - chain < border, "the matrix ends before {x}");
+            x - chain
+        };
+        let entry = match (row < chain, column < chain) {
+            (true, true) => {
+                let (i, j) = (row / K, column / K);
+                if i == j {
+                    &mut self.diagonal[i].rows_mut()[row % K][column % K]
+                } else if i + 1 == j {
+                    &mut self.above[i][column % K][row % K]
+                } else {
+                    assert!(i == j + 1, "blocks {i} and {j} are no neighbours");
+                    &mut self.below[j][row % K][column % K]
+                }
+            }
+            (true, false) => &mut self.right[row / K * border + place(column)][row % K],
+            (false, true) => &mut self.bottom[column / K * border + place(row)][column % K],
+            (false, false) => &mut self.corner[place(row) * border + place(column)],
+        };
+        *entry += value;
+    }
+
+    /// After the factorization, the matrix of the border alone, row by row, with the chain eliminated:
+    /// its Schur complement (N11).
+    pub fn condensed(&self) -> &[f64] {
+        &self.corner
+    }
+}
+
+impl<const K: usize> LinearSolver for Bordered<K> {
+    type Vector = Vec<f64>;
+
+    fn zeros(&self) -> Vec<f64> {
+        vec![0.0; K * self.diagonal.len() + self.border]
+    }
+
+    fn scale_rows(&mut self, scale: &Vec<f64>) {
+        let (chain, border) = scale.as_chunks::<K>();
+        let (chain, rest) = chain.split_at(self.diagonal.len().min(chain.len()));
+        let border_scale = rest.iter().flatten().chain(border);
+        for (block, d) in self.diagonal.iter_mut().zip(chain) {
+            block.scale_rows(d);
+        }
+        for (columns, d) in self.above.iter_mut().zip(chain) {
+            for column in columns {
+                times(column, d);
+            }
+        }
+        for (rows, d) in self.below.iter_mut().zip(chain.iter().skip(1)) {
+            for (row, d) in rows.iter_mut().zip(d) {
+                for entry in row {
+                    *entry *= d;
+                }
+            }
+        }
+        if self.border == 0 {
+            return;
+        }
+        for (columns, d) in self.right.chunks_exact_mut(self.border).zip(chain) {
+            for column in columns {
+                times(column, d);
+            }
+        }
+        for (r, d) in border_scale.enumerate() {
+            for row in self.bottom.iter_mut().skip(r).step_by(self.border) {
+                for entry in row {
+                    *entry *= d;
+                }
+            }
+            for entry in &mut self.corner[r * self.border..][..self.border] {
+                *entry *= d;
+            }
+        }
+    }
+
+    fn factorize(&mut self) -> Result<(), Singular> {
+        let (count, border) = (self.diagonal.len(), self.border);
+        for i in 0..count {
+            let (done, here) = self.right.split_at_mut(i * border);
+            let here = &mut here[..border];
+            if i > 0 {
+                let (before, rows) = (&self.above[i - 1], &self.below[i - 1]);
+                // D_i ← D_i − L_i D_{i−1}⁻¹ U_{i−1}                       (N10)
+                for (row, below) in self.diagonal[i].rows_mut().iter_mut().zip(rows) {
+                    for (entry, column) in row.iter_mut().zip(before) {
+                        *entry -= dot(below, column);
+                    }
+                }
+                for (here, before) in here.iter_mut().zip(&done[(i - 1) * border..]) {
+                    *here = less(here, rows, before);
+                }
+            }
+            let block = &mut self.diagonal[i];
+            block.factorize().map_err(|Singular { pivot }| Singular { pivot: i * K + pivot })?;
+            let above = self.above.get_mut(i);
+            for column in above.into_iter().flatten().chain(here) {
+                block.substitute(column);
+            }
+        }
+        for i in (0..count.saturating_sub(1)).rev() {
+            let (here, next) = self.right[i * border..].split_at_mut(border);
+            for (here, next) in here.iter_mut().zip(next) {
+                *here = less_columns(here, &self.above[i], next);
+            }
+        }
+        for r in 0..border {
+            for c in 0..border {
+                let part =
+                    |i: usize| dot(&self.bottom[i * border + r], &self.right[i * border + c]);
+                let inside: f64 = (0..count).map(part).sum();
+                // S = C − B T⁻¹ R                                         (N11)
+                let entry = &mut self.corner[r * border + c];
+                *entry -= inside;
+                self.schur.set(r, c, *entry);
+            }
+        }
+        let shift = |Singular { pivot }| Singular { pivot: count * K + pivot };
+        self.schur.factorize().map_err(shift)
+    }
+
+    fn solve(&mut self, rhs: &mut Vec<f64>) {
+        let (count, border) = (self.diagonal.len(), self.border);
+        let (chain, rest) = rhs.split_at_mut(count * K);
+        let (chain, _) = chain.as_chunks_mut::<K>();
+        for i in 0..count {
+            let (before, here) = chain.split_at_mut(i);
+            // y_i = D_i⁻¹ (r_i − L_i y_{i−1})                             (N10)
+            if let Some(before) = before.last() {
+                here[0] = less(&here[0], &self.below[i - 1], before);
+            }
+            self.diagonal[i].substitute(&mut here[0]);
+        }
+        for i in (0..count.saturating_sub(1)).rev() {
+            // x_i = y_i − D_i⁻¹ U_i x_{i+1}                               (N10)
+            chain[i] = less_columns(&chain[i], &self.above[i], &chain[i + 1]);
+        }
+        if border == 0 {
+            return;
+        }
+        // S z = r_B − B T⁻¹ r,  x ← T⁻¹ r − T⁻¹ R z                       (N11)
+        for (rows, x) in self.bottom.chunks_exact(border).zip(&*chain) {
+            for (left, row) in rest.iter_mut().zip(rows) {
+                *left -= dot(row, x);
+            }
+        }
+        self.schur.substitute(rest);
+        for (x, columns) in chain.iter_mut().zip(self.right.chunks_exact(border)) {
+            for (column, z) in columns.iter().zip(&*rest) {
+                for (x, entry) in x.iter_mut().zip(column) {
+                    *x -= entry * z;
+                }
+            }
+        }
+    }
+}
+
+/// Multiplies a column by the scales of its rows.
+fn times<const K: usize>(column: &mut [f64; K], d: &[f64; K]) {
+    for (entry, d) in column.iter_mut().zip(d) {
+        *entry *= d;
+    }
+}
+
+/// `$a - M b$`, `$M$` by rows.
+fn less<const K: usize>(a: &[f64; K], rows: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
+    from_fn(|k| a[k] - dot(&rows[k], b))
+}
+
+/// `$a - M b$`, `$M$` by columns.
+fn less_columns<const K: usize>(a: &[f64; K], columns: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
+    let mut left = *a;
+    for (column, b) in columns.iter().zip(b) {
+        for (left, entry) in left.iter_mut().zip(column) {
+            *left -= entry * b;
+        }
+    }
+    left
+}
+
+fn dot<const K: usize>(a: &[f64; K], b: &[f64; K]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

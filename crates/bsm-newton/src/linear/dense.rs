@@ -1,0 +1,96 @@
+//! Dense matrices of a few unknowns, of constant size.
+
+use super::LinearSolver;
+use crate::Singular;
+
+/// A dense `N`×`N` matrix and its LU factors with partial pivoting.
+///
+/// For the handful of unknowns of one body: no call, no memory but its own, and the same bits on
+/// every instruction set. Larger ones are better served by [`DynamicDense`](super::DynamicDense).
+#[derive(Debug, Clone)]
+pub struct Dense<const N: usize> {
+    rows: [[f64; N]; N],
+    /// Row that was exchanged with row `k` in step `k`.
+    exchanged: [usize; N],
+}
+
+impl<const N: usize> Default for Dense<N> {
+    fn default() -> Self {
+        Self { rows: [[0.0; N]; N], exchanged: [0; N] }
+    }
+}
+
+impl<const N: usize> Dense<N> {
+    /// The rows, to fill before [`factorize`](LinearSolver::factorize).
+    pub fn rows_mut(&mut self) -> &mut [[f64; N]; N] {
+        &mut self.rows
+    }
+
+    /// Sign of the determinant of the matrix that was factorized.
+    pub(crate) fn determinant_sign(&self) -> f64 {
+        (0..N).fold(1.0, |sign, k| {
+            let exchange = if self.exchanged[k] == k { 1.0 } else { -1.0 };
+            sign * exchange * self.rows[k][k].signum()
+        })
+    }
+
+    /// Overwrites a right-hand side with its solution.
+    pub(crate) fn substitute(&self, rhs: &mut [f64; N]) {
+        for (k, other) in self.exchanged.iter().enumerate() {
+            rhs.swap(k, *other);
+        }
+        for k in 1..N {
+            let known: f64 = (0..k).map(|j| self.rows[k][j] * rhs[j]).sum();
+            rhs[k] -= known;
+        }
+        for k in (0..N).rev() {
+            let known: f64 = (k + 1..N).map(|j| self.rows[k][j] * rhs[j]).sum();
+            rhs[k] = (rhs[k] - known) / self.rows[k][k];
+        }
+    }
+}
+
+impl<const N: usize> LinearSolver for Dense<N> {
+    type Vector = [f64; N];
+
+    fn zeros(&self) -> [f64; N] {
+        [0.0; N]
+    }
+
+    fn scale_rows(&mut self, scale: &[f64; N]) {
+        for (row, d) in self.rows.iter_mut().zip(scale) {
+            for entry in row {
+                *entry *= d;
+            }
+        }
+    }
+
+    fn factorize(&mut self) -> Result<(), Singular> {
+        for k in 0..N {
+            let mut pivot = k;
+            for i in k + 1..N {
+                if self.rows[i][k].abs() > self.rows[pivot][k].abs() {
+                    pivot = i;
+                }
+            }
+            self.exchanged[k] = pivot;
+            self.rows.swap(k, pivot);
+            let upper = self.rows[k];
+            if upper[k] == 0.0 || !upper[k].is_finite() {
+                return Err(Singular { pivot: k });
+            }
+            for row in &mut self.rows[k + 1..] {
+                let factor = row[k] / upper[k];
+                row[k] = factor;
+                for j in k + 1..N {
+                    row[j] -= factor * upper[j];
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn solve(&mut self, rhs: &mut [f64; N]) {
+        self.substitute(rhs);
+    }
+}

@@ -1,0 +1,88 @@
+//! Dense matrices of any size, on faer; the only file that names it.
+
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::lu::partial_pivoting::{factor, solve};
+use faer::perm::PermRef;
+use faer::{ColMut, Mat, Par, Spec};
+
+use super::LinearSolver;
+use crate::Singular;
+
+/// A dense matrix whose size is known at run time, and its LU factors with partial pivoting.
+pub struct DynamicDense {
+    factors: Mat<f64>,
+    perm: Vec<usize>,
+    perm_inv: Vec<usize>,
+    scratch: MemBuffer,
+}
+
+impl DynamicDense {
+    /// An `n`×`n` matrix of zeros.
+    pub fn new(n: usize) -> Self {
+        let factorize = factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default());
+        let substitute = solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq);
+        Self {
+            factors: Mat::zeros(n, n),
+            perm: (0..n).collect(),
+            perm_inv: (0..n).collect(),
+            scratch: MemBuffer::new(StackReq::any_of(&[factorize, substitute])),
+        }
+    }
+
+    /// Sets an entry, before [`factorize`](LinearSolver::factorize).
+    pub fn set(&mut self, row: usize, column: usize, value: f64) {
+        self.factors[(row, column)] = value;
+    }
+
+    /// Overwrites a right-hand side with its solution.
+    pub(crate) fn substitute(&mut self, rhs: &mut [f64]) {
+        let perm = PermRef::new_checked(&self.perm, &self.perm_inv, self.perm.len());
+        solve::solve_in_place(
+            self.factors.as_ref(),
+            self.factors.as_ref(),
+            perm,
+            ColMut::from_slice_mut(rhs).as_mat_mut(),
+            Par::Seq,
+            MemStack::new(&mut self.scratch),
+        );
+    }
+}
+
+impl LinearSolver for DynamicDense {
+    type Vector = Vec<f64>;
+
+    fn zeros(&self) -> Vec<f64> {
+        vec![0.0; self.factors.nrows()]
+    }
+
+    fn scale_rows(&mut self, scale: &Vec<f64>) {
+        for column in self.factors.col_iter_mut() {
+            for (entry, d) in column.iter_mut().zip(scale) {
+                *entry *= d;
+            }
+        }
+    }
+
+    fn factorize(&mut self) -> Result<(), Singular> {
+        factor::lu_in_place(
+            self.factors.as_mut(),
+            &mut self.perm,
+            &mut self.perm_inv,
+            Par::Seq,
+            MemStack::new(&mut self.scratch),
+            Spec::default(),
+        );
+        let broken = |i: &usize| {
+            let pivot = self.factors[(*i, *i)];
+            pivot == 0.0 || !pivot.is_finite()
+        };
+        match (0..self.factors.nrows()).find(broken) {
+            Some(pivot) => Err(Singular { pivot }),
+            None => Ok(()),
+        }
+    }
+
+    fn solve(&mut self, rhs: &mut Vec<f64>) {
+        self.substitute(rhs);
+    }
+}

@@ -1,0 +1,449 @@
+//! Curves that are one equation short of a point.
+
+use std::array::from_fn;
+
+use crate::{
+    Bracket, Dense, Equations, EvalError, Found, Linear, LinearSolver, Options, Scales, Status,
+    Workspace, solve,
+};
+
+/// Direction of the curve of the first `N − 1` equations at `z`, where the last equation is a plane
+/// across it (N8).
+///
+/// ```math
+/// J\,t = \operatorname{sgn}(\det J)\,e_N
+/// ```
+///
+/// The sense is the same all along a curve, through folds too, whatever the planes. The length is
+/// arbitrary.
+///
+/// * `f_scale`: what counts as one unit of each equation, as in [`Scales::f`](crate::Scales::f).
+///
+/// # Errors
+///
+/// [`Status::ModelRefused`] or [`Status::SingularJacobian`]: there is no direction, as where the
+/// curve branches or the plane touches it.
+pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
+    equations: &E,
+    z: &[f64; N],
+    f_scale: &[f64; N],
+    work: &mut Workspace<Dense<N>>,
+) -> Result<[f64; N], Status> {
+    let (_, rows) = equations.linearize(z).map_err(|_| Status::ModelRefused)?;
+    *work.linear.rows_mut() = rows;
+    work.linear.scale_rows(f_scale);
+    work.linear.factorize().map_err(|_| Status::SingularJacobian)?;
+    // D_F J t = sgn(det J) e_N                                            (N8)
+    let mut direction = [0.0; N];
+    if let Some(last) = direction.last_mut() {
+        *last = work.linear.determinant_sign();
+    }
+    work.linear.solve(&mut direction);
+    let finite = direction.iter().all(|t| t.is_finite());
+    if finite { Ok(direction) } else { Err(Status::SingularJacobian) }
+}
+
+/// `N` equations of `M = N + 1` unknowns: a curve.
+pub trait Family<const N: usize, const M: usize> {
+    /// What the equations leave over at `z`.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if `z` is outside the domain of the equations; the curve ends there.
+    fn residual(&self, z: &[f64; M]) -> Result<[f64; N], EvalError>;
+
+    /// The same, and the rows of the derivatives.
+    ///
+    /// # Errors
+    ///
+    /// As [`residual`](Self::residual).
+    fn linearize(&self, z: &[f64; M]) -> Result<([f64; N], [[f64; M]; N]), EvalError>;
+
+    /// What counts as one unit of each equation near `z`: one over its size.
+    fn weights(&self, _z: &[f64; M]) -> [f64; N] {
+        [1.0; N]
+    }
+
+    /// Size of each unknown near `z`. A step of length one moves one unknown by its size.
+    fn sizes(&self, z: &[f64; M]) -> [f64; M] {
+        z.map(|z| 1.0 + z.abs())
+    }
+}
+
+/// A point next to the curve, and the sense in which the curve is followed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seed<const M: usize> {
+    /// The point; it is moved onto the curve first, across `towards`.
+    pub z: [f64; M],
+    /// Which of the two ways: the one that has a positive product with this. Not across the curve.
+    pub towards: [f64; M],
+}
+
+/// Lengths of the steps, in the sizes of the unknowns, and bounds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stride {
+    /// Length of the first step. Default 0.1.
+    pub first: f64,
+    /// The longest step. Default 0.5.
+    pub longest: f64,
+    /// The shortest one before the path counts as lost. Default 1e-7.
+    pub shortest: f64,
+    /// A step this short is accepted even if it may hide a pair of crossings. Default 1e-3.
+    pub pair: f64,
+    /// Points before the path is given up. Default 1000.
+    pub most_points: usize,
+    /// Crossings after which it is enough. Default all.
+    pub most_crossings: usize,
+}
+
+impl Default for Stride {
+    fn default() -> Self {
+        let (most_points, most_crossings) = (1000, usize::MAX);
+        Self { first: 0.1, longest: 0.5, shortest: 1e-7, pair: 1e-3, most_points, most_crossings }
+    }
+}
+
+/// A point of the curve at which the value of an event changes its sign.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crossing<const M: usize> {
+    /// Number of the event.
+    pub event: usize,
+    /// The point.
+    pub z: [f64; M],
+    /// What is left of the event's value; not small where the event jumps.
+    pub value: f64,
+    /// True if the value rises.
+    pub rises: bool,
+    /// Length of the path up to here.
+    pub arc: f64,
+}
+
+/// Why a path ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum End {
+    /// It came back to the seed: the crossings are those of the whole curve.
+    Closed,
+    /// It left the domain that was asked about.
+    LeftDomain,
+    /// As many crossings as were wanted.
+    Enough,
+    /// Cut short after as many points as are allowed.
+    MostPoints,
+    /// Cut short: the shortest step led to no point of the curve; what the equations last refused.
+    Lost(Option<EvalError>),
+    /// There is no curve at the seed.
+    NoCurve(Status),
+}
+
+/// How closely a path was looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resolution {
+    /// The longest step.
+    pub longest: f64,
+    /// Steps of length [`Stride::pair`] or less that may hide a pair of crossings (N14). Zero: no pair
+    /// is missed but one that the values and slopes of the events at both ends of a step do not show.
+    pub unresolved: usize,
+    /// Points.
+    pub points: usize,
+    /// Length of the path.
+    pub arc: f64,
+}
+
+/// What was seen of a curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trace<const M: usize> {
+    /// The crossings in their order.
+    pub crossings: Vec<Crossing<M>>,
+    /// The last point.
+    pub last: [f64; M],
+    /// Why it ended.
+    pub end: End,
+    /// How closely it was looked at.
+    pub resolution: Resolution,
+}
+
+/// Least cosine between the directions at both ends of a step: no step goes to another curve.
+const STRAIGHT: f64 = 0.9;
+
+/// Room for what an event is besides a cubic, in parts of its slopes.
+const ROOM: f64 = 2.0;
+
+/// Newton steps of a correction, and up to which a step was easy.
+const MOST_STEPS: usize = 10;
+const EASY: usize = 4;
+
+/// Follows a curve from a seed on, through folds, and finds where events change their sign.
+///
+/// Each point is predicted along the tangent and corrected in the plane across it by [`solve`]. A step
+/// is shortened where the correction fails, the direction turns or an event may have two zeros more
+/// than it shows (N14), and grows where the correction is easy.
+///
+/// * `events`: value and slope along a direction, at a point: `|z, direction| [(value, slope); K]`. A
+///   NaN is no point of the curve.
+/// * `inside`: true where the path is to go on.
+///
+/// Nothing but the list of crossings is allocated besides the reports of the corrections.
+///
+/// Source: Allgower and Georg, *Introduction to Numerical Continuation Methods*, ch. 2 and 6; the guard
+/// (N14) is ours.
+pub fn trace<const N: usize, const M: usize, const K: usize, F: Family<N, M>>(
+    family: &F,
+    seed: &Seed<M>,
+    events: impl FnMut(&[f64; M], &[f64; M]) -> [(f64, f64); K],
+    inside: impl FnMut(&[f64; M]) -> bool,
+    stride: &Stride,
+) -> Trace<M> {
+    const { assert!(M == N + 1, "a curve has one unknown more than equations") };
+    let resolution = Resolution { longest: 0.0, unresolved: 0, points: 0, arc: 0.0 };
+    let trace = Trace { crossings: Vec::new(), last: seed.z, end: End::MostPoints, resolution };
+    let work = Workspace::default();
+    Walk { family, events, inside, stride, work, refusal: None, trace }.run(seed)
+}
+
+/// The equations of a curve and a plane across it.
+struct OnPlane<'a, const N: usize, const M: usize, F> {
+    family: &'a F,
+    foot: [f64; M],
+    normal: [f64; M],
+}
+
+impl<const N: usize, const M: usize, F: Family<N, M>> Equations<M> for OnPlane<'_, N, M, F> {
+    fn residual(&self, z: &[f64; M]) -> Result<[f64; M], EvalError> {
+        let left = self.family.residual(z)?;
+        let way: [f64; M] = from_fn(|i| z[i] - self.foot[i]);
+        Ok(from_fn(|i| if i < N { left[i] } else { dot(&way, &self.normal) }))
+    }
+
+    fn linearize(&self, z: &[f64; M]) -> Result<Linear<M>, EvalError> {
+        let (left, rows) = self.family.linearize(z)?;
+        let way: [f64; M] = from_fn(|i| z[i] - self.foot[i]);
+        let values = from_fn(|i| if i < N { left[i] } else { dot(&way, &self.normal) });
+        Ok((values, from_fn(|i| if i < N { rows[i] } else { self.normal })))
+    }
+}
+
+/// A point of the curve with its direction, of length one, and the events there.
+#[derive(Clone, Copy)]
+struct Node<const M: usize, const K: usize> {
+    z: [f64; M],
+    direction: [f64; M],
+    sizes: [f64; M],
+    events: [(f64, f64); K],
+}
+
+struct Walk<'a, const N: usize, const M: usize, F, E, D> {
+    family: &'a F,
+    events: E,
+    inside: D,
+    stride: &'a Stride,
+    work: Workspace<Dense<M>>,
+    refusal: Option<EvalError>,
+    trace: Trace<M>,
+}
+
+impl<const N: usize, const M: usize, const K: usize, F, E, D> Walk<'_, N, M, F, E, D>
+where
+    F: Family<N, M>,
+    E: FnMut(&[f64; M], &[f64; M]) -> [(f64, f64); K],
+    D: FnMut(&[f64; M]) -> bool,
+{
+    fn run(mut self, seed: &Seed<M>) -> Trace<M> {
+        self.trace.end = match self.begin(seed) {
+            Ok((begin, sense)) => self.walk(&begin, sense),
+            Err(status) => End::NoCurve(status),
+        };
+        self.trace
+    }
+
+    /// The first point, and the sense of the way against that of (N8).
+    fn begin(&mut self, seed: &Seed<M>) -> Result<(Node<M, K>, f64), Status> {
+        let sizes = self.family.sizes(&seed.z);
+        let across = unit(&seed.towards, &sizes);
+        let (z, _) = self.corrected(&seed.z, &across, &sizes)?;
+        let free = self.node(&z, &across, 1.0)?;
+        let along = dot(&free.direction, &normal(&across, &sizes));
+        let sense = if along < 0.0 { -1.0 } else { 1.0 };
+        Ok((self.node(&z, &across, sense)?, sense))
+    }
+
+    /// The point of the curve in the plane through `foot` across a direction, and Newton steps.
+    fn corrected(
+        &mut self,
+        foot: &[f64; M],
+        direction: &[f64; M],
+        sizes: &[f64; M],
+    ) -> Result<([f64; M], usize), Status> {
+        let plane = OnPlane { family: self.family, foot: *foot, normal: normal(direction, sizes) };
+        let scales = Scales { x: &sizes.map(f64::recip), f: &self.weights(foot) };
+        let options = Options { max_steps: MOST_STEPS, ..Options::default() };
+        let mut z = *foot;
+        let report = solve(&plane, &mut z, &scales, &options, &mut self.work);
+        self.refusal = report.refusal.or(self.refusal);
+        if report.converged() { Ok((z, report.steps.len())) } else { Err(report.status) }
+    }
+
+    fn weights(&self, z: &[f64; M]) -> [f64; M] {
+        let weights = self.family.weights(z);
+        from_fn(|i| if i < N { weights[i] } else { 1.0 })
+    }
+
+    /// The point with its direction and events.
+    fn node(&mut self, z: &[f64; M], across: &[f64; M], sense: f64) -> Result<Node<M, K>, Status> {
+        let sizes = self.family.sizes(z);
+        let plane = OnPlane { family: self.family, foot: *z, normal: normal(across, &sizes) };
+        let direction = path_direction(&plane, z, &self.weights(z), &mut self.work)?;
+        let direction = unit(&direction.map(|t| t * sense), &sizes);
+        let events = (self.events)(z, &direction);
+        let known = events.iter().all(|(value, slope)| !value.is_nan() && !slope.is_nan());
+        if known { Ok(Node { z: *z, direction, sizes, events }) } else { Err(Status::NotFinite) }
+    }
+
+    fn walk(&mut self, begin: &Node<M, K>, sense: f64) -> End {
+        let (mut at, mut length) = (*begin, self.stride.first);
+        for point in 0..self.stride.most_points {
+            self.trace.resolution.points = point + 1;
+            let Some((next, moved, easy)) = self.next(&at, begin, &mut length, sense, point) else {
+                return End::Lost(self.refusal);
+            };
+            let closed = next.z.iter().zip(&begin.z).all(|(a, b)| a.total_cmp(b).is_eq());
+            let resolution = &mut self.trace.resolution;
+            resolution.longest = resolution.longest.max(moved);
+            resolution.arc += moved;
+            self.trace.last = next.z;
+            if self.trace.crossings.len() >= self.stride.most_crossings {
+                self.trace.crossings.truncate(self.stride.most_crossings);
+                return End::Enough;
+            }
+            if closed {
+                return End::Closed;
+            }
+            if !(self.inside)(&next.z) {
+                return End::LeftDomain;
+            }
+            at = next;
+            length = (length * if easy { 1.6 } else { 1.0 }).min(self.stride.longest);
+        }
+        End::MostPoints
+    }
+
+    /// The next point, the length of the step, and whether it was easy; crossings are noted.
+    fn next(
+        &mut self,
+        at: &Node<M, K>,
+        begin: &Node<M, K>,
+        length: &mut f64,
+        sense: f64,
+        point: usize,
+    ) -> Option<(Node<M, K>, f64, bool)> {
+        while *length >= self.stride.shortest {
+            if let Some((mut next, easy)) = self.step(at, *length, sense) {
+                let mut moved = distance(&at.z, &next.z, &at.sizes);
+                if point > 1 && passes(begin, at, &next, moved) {
+                    (next, moved) = (*begin, distance(&at.z, &begin.z, &at.sizes));
+                }
+                let hides = (0..K).any(|k| may_hide([at.events[k], next.events[k]], moved));
+                if (!hides || moved <= self.stride.pair) && self.cross(at, &next, moved) {
+                    self.trace.resolution.unresolved += usize::from(hides);
+                    return Some((next, moved, easy));
+                }
+            }
+            *length *= 0.4;
+        }
+        None
+    }
+
+    fn step(&mut self, at: &Node<M, K>, length: f64, sense: f64) -> Option<(Node<M, K>, bool)> {
+        let foot: [f64; M] = from_fn(|i| at.z[i] + length * at.direction[i]);
+        let (z, steps) = self.corrected(&foot, &at.direction, &at.sizes).ok()?;
+        let next = self.node(&z, &at.direction, sense).ok()?;
+        let arriving = unit(&next.direction, &at.sizes);
+        let straight = dot(&arriving, &normal(&at.direction, &at.sizes)) > STRAIGHT;
+        straight.then_some((next, steps <= EASY))
+    }
+
+    /// Notes the crossings between two points; false if one is not found.
+    fn cross(&mut self, at: &Node<M, K>, next: &Node<M, K>, moved: f64) -> bool {
+        let known = self.trace.crossings.len();
+        let way: [f64; M] = from_fn(|i| next.z[i] - at.z[i]);
+        for event in 0..K {
+            let values = [at.events[event].0, next.events[event].0];
+            if (values[0] > 0.0) == (values[1] > 0.0) {
+                continue;
+            }
+            let across = unit(&way, &at.sizes);
+            let mut place = at.z;
+            let bracket = Bracket { x_tol: 1e-14, ..Bracket::new([0.0, 1.0], values) };
+            let found = bracket.root(|part| {
+                let foot = from_fn(|i| at.z[i] + part * way[i]);
+                match self.corrected(&foot, &across, &at.sizes) {
+                    Ok((z, _)) => {
+                        place = z;
+                        (self.events)(&z, &across)[event].0
+                    }
+                    Err(_) => f64::NAN,
+                }
+            });
+            let Found::Root(root) = found else {
+                self.trace.crossings.truncate(known);
+                return false;
+            };
+            if root.x >= 1.0 {
+                place = next.z;
+            } else if root.x <= 0.0 {
+                place = at.z;
+            } else {
+                let foot = from_fn(|i| at.z[i] + root.x * way[i]);
+                place = self.corrected(&foot, &across, &at.sizes).map_or(place, |(z, _)| z);
+            }
+            let arc = self.trace.resolution.arc + root.x * moved;
+            let rises = values[1] > values[0];
+            let crossing = Crossing { event, z: place, value: root.value, rises, arc };
+            self.trace.crossings.push(crossing);
+        }
+        self.trace.crossings[known..].sort_by(|a, b| a.arc.total_cmp(&b.arc));
+        true
+    }
+}
+
+/// True if an event with these values and slopes at both ends of a step of this length may have two
+/// zeros more than the values show (N14).
+fn may_hide([from, to]: [(f64, f64); 2], length: f64) -> bool {
+    // g₀, g₀ + r h g₀'/3, g₁ − r h g₁'/3, g₁ change their sign at most once  (N14)
+    let inner = |(value, slope): (f64, f64), sign: f64| value + sign * ROOM * length * slope / 3.0;
+    let corners = [from.0, inner(from, 1.0), inner(to, -1.0), to.0];
+    corners.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count() > 1
+}
+
+/// True if a step passes the point at which the path began, in the sense in which it began.
+fn passes<const M: usize, const K: usize>(
+    begin: &Node<M, K>,
+    at: &Node<M, K>,
+    next: &Node<M, K>,
+    moved: f64,
+) -> bool {
+    let ahead = |z: &[f64; M]| {
+        let way: [f64; M] = from_fn(|i| z[i] - begin.z[i]);
+        dot(&way, &normal(&begin.direction, &begin.sizes))
+    };
+    let near = distance(&at.z, &begin.z, &at.sizes) <= 1.1 * moved;
+    near && ahead(&at.z) < 0.0 && ahead(&next.z) >= 0.0
+}
+
+/// The direction with length one in the sizes of the unknowns.
+fn unit<const M: usize>(direction: &[f64; M], sizes: &[f64; M]) -> [f64; M] {
+    let length = distance(direction, &[0.0; M], sizes);
+    direction.map(|d| d / length)
+}
+
+/// What a way is multiplied with for its part along a direction of length one.
+fn normal<const M: usize>(direction: &[f64; M], sizes: &[f64; M]) -> [f64; M] {
+    from_fn(|i| direction[i] / (sizes[i] * sizes[i]))
+}
+
+fn distance<const M: usize>(a: &[f64; M], b: &[f64; M], sizes: &[f64; M]) -> f64 {
+    (0..M).map(|i| ((a[i] - b[i]) / sizes[i]).powi(2)).sum::<f64>().sqrt()
+}
+
+fn dot<const M: usize>(a: &[f64; M], b: &[f64; M]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

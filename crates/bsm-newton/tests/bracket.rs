@@ -1,0 +1,121 @@
+//! Roots of one variable in closed form, with pinned counts, and functions that are no help.
+
+use bsm_newton::{Bracket, Found, Root};
+
+/// The root of `f` between `ends`, which are evaluated first, to the last double.
+fn root(f: impl Fn(f64) -> f64, ends: [f64; 2]) -> Root {
+    Bracket::new(ends, ends.map(&f)).root(&f).root().expect("a sign change")
+}
+
+/// Root, and evaluations that it takes.
+fn pinned(f: impl Fn(f64) -> f64, ends: [f64; 2], expected: f64, evaluations: usize) {
+    let found = root(f, ends);
+    // A double or two: rounding of the function next to its root.
+    assert!((found.x - expected).abs() <= 1e-15 * expected.abs(), "{found:?}, {expected:e}");
+    assert_eq!(found.evaluations, evaluations, "{found:?}");
+}
+
+#[test]
+fn smooth_functions_take_few_evaluations() {
+    pinned(|x| x * x - 2.0, [0.0, 2.0], 2.0_f64.sqrt(), 8);
+    pinned(|x| x.exp() - 10.0, [0.0, 5.0], 10.0_f64.ln(), 10);
+    pinned(|x| 1.0 / x - 3.0, [1e-3, 1e3], 1.0 / 3.0, 13);
+    pinned(|x| 2.0 * x - 3.0, [-10.0, 10.0], 1.5, 1);
+}
+
+/// With slopes it is Newton's iteration, which ends on its step.
+#[test]
+fn slopes_and_a_start_take_three() {
+    let bracket =
+        Bracket { start: Some(1.4), x_tol: 1e-8, ..Bracket::new([0.0, 2.0], [-2.0, 2.0]) };
+    let found = bracket.root(|x| (x * x - 2.0, 2.0 * x)).root().expect("a sign change");
+    // The square of the last step, which was below 1e-8.
+    assert!((found.x - 2.0_f64.sqrt()).abs() <= 1e-15, "{found:?}");
+    assert_eq!(found.evaluations, 3);
+    // A start or a Newton step outside the bracket is not taken.
+    let bracket = Bracket { start: Some(7.0), ..bracket };
+    let found = bracket.root(|x| (x.atan() - 1.0, 1.0 / (1.0 + x * x))).root().expect("a root");
+    assert!((found.x - 1.0_f64.tan()).abs() <= 1e-15 * 2.0 && found.x < 2.0, "{found:?}");
+}
+
+#[test]
+fn an_end_that_is_the_root_takes_no_evaluation() {
+    for (ends, values) in [([3.0, 4.0], [0.0, 1.0]), ([4.0, 3.0], [1.0, -0.0])] {
+        let found = Bracket::new(ends, values).root(|_| f64::NAN).root().expect("at an end");
+        assert!((found.x - 3.0).abs() < f64::EPSILON && found.evaluations == 0, "{found:?}");
+    }
+}
+
+/// Expected failures: data, not panics.
+#[test]
+fn what_is_no_bracket_is_told() {
+    let same = Bracket::new([0.0, 1.0], [2.0, 1.0]).root(|x| x);
+    assert_eq!(same, Found::NoSignChange { values: [2.0, 1.0] });
+    let inside = Bracket::new([0.0, 1.0], [-1.0, 1.0]).root(|_| f64::NAN);
+    assert!(matches!(inside, Found::NotFinite { x, value } if x > 0.0 && value.is_nan()));
+    for ends in [[f64::NAN, 1.0], [0.0, f64::INFINITY]] {
+        let bad = Bracket::new(ends, [-1.0, 1.0]).root(|x| x);
+        assert!(matches!(bad, Found::NotFinite { .. }), "{bad:?}");
+    }
+}
+
+/// A pole is a sign change too: its place is found, and its value says what it is.
+#[test]
+fn a_pole_is_told_by_its_value() {
+    let found = root(|x| 1.0 / (x - 0.3), [0.0, 1.0]);
+    assert!((found.x - 0.3).abs() <= 1e-15 && found.value.abs() > 1e14, "{found:?}");
+}
+
+/// Infinite values have a sign: only the sign of the ends is known.
+#[test]
+fn the_signs_of_the_ends_are_enough() {
+    let bracket = Bracket::new([0.0, 10.0], [f64::NEG_INFINITY, f64::INFINITY]);
+    let found = bracket.root(f64::ln).root().expect("a sign change");
+    assert!((found.x - 1.0).abs() <= 1e-15, "{found:?}");
+}
+
+/// A predicate, over all orders of magnitude and at zero: neighbouring doubles on its two sides.
+#[test]
+fn a_predicate_changes_between_neighbours() {
+    for edge in [1e-300, 1e-5, 0.0, 0.7, 3e200] {
+        let at = |x: f64| if x > edge { 1.0 } else { -1.0 };
+        let found = root(at, [-1.0, f64::MAX]);
+        let [below, above] = found.ends;
+        assert!(below <= edge && above > edge, "{found:?}");
+        assert_eq!(below.next_up().to_bits() & !(1 << 63), above.to_bits(), "{found:?}");
+        assert!(found.evaluations <= Bracket::MOST_EVALUATIONS, "{found:?}");
+    }
+}
+
+/// Functions that lead interpolation astray stay within the bound, and the answer is a sign change.
+#[test]
+fn hostile_functions_stay_within_the_bound() {
+    type Case = (fn(f64) -> f64, [f64; 2]);
+    let hostile: [Case; 6] = [
+        (|x| (x - 1.0).powi(9), [0.0, 10.0]),
+        (|x| x.cbrt(), [-1.0, 8.0]),
+        (|x| if x == 0.0 { 0.0 } else { x * (-x.powi(-2)).exp() }, [-1.0, 4.0]),
+        (|x| x.powi(21) - 1e-30, [0.0, 1e10]),
+        (|x| (x * 1e8).atan() + 1e-9, [-1e8, 1e8]),
+        (|x| if x < 1e-200 { -1e-300 } else { 1e300 }, [-1e300, 1e300]),
+    ];
+    for (i, (f, ends)) in hostile.into_iter().enumerate() {
+        let found = root(f, ends);
+        assert!(found.evaluations <= 150, "{i}: {found:?}");
+        let [a, b] = found.ends;
+        let changes = (f(a) > 0.0) != (f(b) > 0.0);
+        assert!(found.value.abs() <= f64::MIN_POSITIVE || changes, "{i}: {found:?}");
+    }
+}
+
+/// What is wanted less exactly ends earlier.
+#[test]
+fn tolerances_are_kept() {
+    let f = |x: f64| x.exp() - 10.0;
+    let coarse = Bracket { x_tol: 1e-3, ..Bracket::new([0.0, 5.0], [f(0.0), f(5.0)]) };
+    let found = coarse.root(f).root().expect("a sign change");
+    assert!((found.x - 10.0_f64.ln()).abs() <= 1e-3 * 2.4 && found.evaluations <= 9, "{found:?}");
+    let value = Bracket { f_tol: 0.1, x_tol: 0.0, ..coarse };
+    let found = value.root(f).root().expect("a sign change");
+    assert!(found.value.abs() <= 0.1 && found.evaluations <= 8, "{found:?}");
+}

@@ -1,0 +1,270 @@
+//! Matrices of blocks with a border against dense solves, and Newton's iteration on them.
+
+use bsm_newton::{
+    Bordered, Dense, DynamicDense, EvalError, LinearSolver, Options, Scales, Singular, Status,
+    System, Workspace, solve_system,
+};
+
+/// Uniform numbers in -1..1 of a fixed seed.
+struct Draw(u64);
+
+impl Draw {
+    fn next(&mut self) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        f64::from(u32::try_from(self.0 >> 32).expect("32 bits")) / 2.0_f64.powi(31) - 1.0
+    }
+}
+
+/// Entries of a symmetric positive definite matrix of so many blocks of `K` and a border.
+fn entries<const K: usize>(count: usize, border: usize, seed: u64) -> Vec<(usize, usize, f64)> {
+    let (mut draw, n) = (Draw(seed), K * count + border);
+    let mut all = Vec::new();
+    let mut sums = vec![1.0; n];
+    for i in 0..n {
+        for j in 0..i {
+            if i >= K * count || i / K - j / K <= 1 {
+                let value = draw.next();
+                all.extend([(i, j, value), (j, i, value)]);
+                sums[i] += value.abs();
+                sums[j] += value.abs();
+            }
+        }
+    }
+    // Outweighing the rest of its row.
+    all.extend(sums.into_iter().enumerate().map(|(i, sum)| (i, i, sum)));
+    all
+}
+
+/// Solutions of the blocks and of the dense matrix, in rows and columns that are multiplied by sizes.
+fn both<const K: usize>(
+    (count, border): (usize, usize),
+    entries: &[(usize, usize, f64)],
+    size: impl Fn(usize) -> f64,
+) -> [Vec<f64>; 2] {
+    let n = K * count + border;
+    let (mut blocks, mut dense) = (Bordered::<K>::new(count, border), DynamicDense::new(n));
+    for (i, j, value) in entries {
+        blocks.add(*i, *j, value * size(*i) * size(*j));
+        dense.set(*i, *j, value * size(*i) * size(*j));
+    }
+    let mut draw = Draw(7);
+    let rhs: Vec<f64> = (0..n).map(|i| draw.next() * size(i)).collect();
+    let scale: Vec<f64> = (0..n).map(|i| 1.0 / size(i)).collect();
+    let [mut x, mut y] = [0, 1].map(|_| rhs.iter().zip(&scale).map(|(r, d)| r * d).collect());
+    blocks.scale_rows(&scale);
+    dense.scale_rows(&scale);
+    assert_eq!((blocks.factorize(), dense.factorize()), (Ok(()), Ok(())));
+    blocks.solve(&mut x);
+    dense.solve(&mut y);
+    [x, y]
+}
+
+#[test]
+fn blocks_with_a_border_agree_with_a_dense_solve() {
+    let check = |[x, y]: [Vec<f64>; 2], size: &dyn Fn(usize) -> f64| {
+        for (i, (x, y)) in x.iter().zip(&y).enumerate() {
+            // Rounding of matrices of condition below 100.
+            assert!((x - y).abs() * size(i) <= 1e-14, "{i}: {x} {y}");
+        }
+    };
+    let sizes: [&dyn Fn(usize) -> f64; 2] =
+        [&|_| 1.0, &|i| 10.0_f64.powi([0, 9, -11, 4, -6][i % 5])];
+    for size in sizes {
+        check(both::<2>((100, 10), &entries::<2>(100, 10, 1), size), size);
+        check(both::<2>((100, 0), &entries::<2>(100, 0, 2), size), size);
+        check(both::<5>((7, 5), &entries::<5>(7, 5, 3), size), size);
+        check(both::<3>((1, 4), &entries::<3>(1, 4, 4), size), size);
+        check(both::<2>((0, 6), &entries::<2>(0, 6, 5), size), size);
+    }
+}
+
+/// Tridiagonal (-1, 2, -1) of n unknowns: x_i = i (n + 1 − i)/2 for loads of one. As a ring of n + 1
+/// the last of which is held, it is cut open with that one in the border.
+#[test]
+fn a_ring_is_a_chain_with_a_border() {
+    const N: usize = 9;
+    let mut ring = Bordered::<1>::new(N, 1);
+    for i in 0..=N {
+        ring.add(i, i, if i == N { 1e30 } else { 2.0 });
+        let next = (i + 1) % (N + 1);
+        ring.add(i, next, -1.0);
+        ring.add(next, i, -1.0);
+    }
+    assert_eq!(ring.factorize(), Ok(()));
+    let mut x = vec![1.0; N + 1];
+    ring.solve(&mut x);
+    for (i, x) in x[..N].iter().enumerate() {
+        let place = f64::from(u32::try_from(i + 1).expect("small"));
+        // Ten roundings of numbers up to 12.5.
+        assert!((x - 0.5 * place * (10.0 - place)).abs() <= 1e-13, "{i}: {x}");
+    }
+}
+
+/// The border alone: two springs from each of two bodies to a chain of points, in series.
+#[test]
+fn the_condensed_matrix_is_the_schur_complement() {
+    let (mut matrix, count) = (Bordered::<1>::new(4, 2), 4);
+    for i in 0..count {
+        // k₁ = 1 + i to body 0, k₂ = 2 to body 1.
+        let k = [1.0 + f64::from(u32::try_from(i).expect("small")), 2.0];
+        matrix.add(i, i, k[0] + k[1]);
+        for (body, k) in k.into_iter().enumerate() {
+            matrix.add(i, count + body, -k);
+            matrix.add(count + body, i, -k);
+            matrix.add(count + body, count + body, k);
+        }
+    }
+    // Singular: nothing holds the bodies. The condensed matrix is there all the same.
+    let singular = matrix.factorize();
+    let series: f64 = (1..=4).map(|k| f64::from(k) * 2.0 / (f64::from(k) + 2.0)).sum();
+    let expected = [series, -series, -series, series];
+    for (found, expected) in matrix.condensed().iter().zip(expected) {
+        assert!((found - expected).abs() <= 1e-14, "{:?}", matrix.condensed());
+    }
+    // The last pivot is zero or its rounding.
+    assert!(matches!(singular, Ok(()) | Err(Singular { pivot: 5 })), "{singular:?}");
+}
+
+/// Expected failures: data, not panics, with the place of the pivot.
+#[test]
+fn singular_matrices_are_told() {
+    let mut zero = Dense::<3>::default();
+    assert_eq!(zero.factorize(), Err(Singular { pivot: 0 }));
+    *zero.rows_mut() = [[1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [1.0, 0.0, 1.0]];
+    assert_eq!(zero.factorize(), Err(Singular { pivot: 2 }));
+    zero.rows_mut()[0][0] = f64::NAN;
+    assert_eq!(zero.factorize(), Err(Singular { pivot: 0 }));
+    assert!(DynamicDense::new(4).factorize().is_err());
+    let mut blocks = Bordered::<2>::new(3, 1);
+    for i in [0, 1, 2, 3, 5, 6] {
+        blocks.add(i, i, 1.0);
+    }
+    assert_eq!(blocks.factorize(), Err(Singular { pivot: 4 }));
+    blocks.clear();
+    for i in 0..6 {
+        blocks.add(i, i, 1.0);
+    }
+    assert_eq!(blocks.factorize(), Err(Singular { pivot: 6 }));
+}
+
+/// Each order of rows, and a solve that is exact in doubles.
+#[test]
+fn small_matrices_are_solved_with_pivoting() {
+    let rows = [[0.0, 2.0, 1.0], [4.0, 0.0, 0.0], [2.0, 2.0, -1.0]];
+    for order in [[0, 1, 2], [1, 0, 2], [1, 2, 0], [2, 1, 0], [0, 2, 1], [2, 0, 1]] {
+        let mut matrix = Dense::<3>::default();
+        *matrix.rows_mut() = order.map(|i| rows[i]);
+        let mut x = order.map(|i| [7.0, 4.0, 3.0][i]);
+        assert_eq!(matrix.factorize(), Ok(()));
+        matrix.solve(&mut x);
+        assert!(x.iter().zip([1.0, 2.0, 3.0]).all(|(x, y)| (x - y).abs() < 1e-15), "{x:?}");
+    }
+}
+
+/// Points between two bodies, held by springs that only push, Q = k δ^{3/2}; the lower body is the
+/// ground, the upper one carries a load. Bars along a chain of stiffness `bar` hold neighbours
+/// together: the structure of many balls between two nuts, with a closed form for equal springs.
+struct Stack {
+    bar: f64,
+    load: f64,
+    stiffness: Vec<f64>,
+}
+
+impl Stack {
+    fn push(k: f64, approach: f64) -> (f64, f64) {
+        let part = approach.max(0.0);
+        (k * part * part.sqrt(), 1.5 * k * part.sqrt())
+    }
+}
+
+impl System for Stack {
+    type Jacobian = Bordered<1>;
+
+    fn residual(&self, x: &Vec<f64>, r: &mut Vec<f64>) -> Result<(), EvalError> {
+        let n = self.stiffness.len();
+        r.fill(0.0);
+        r[n] = -self.load;
+        for (i, k) in self.stiffness.iter().enumerate() {
+            let (below, above) = (Self::push(*k, x[i]).0, Self::push(*k, x[n] - x[i]).0);
+            r[i] += below - above;
+            r[n] += above;
+            if i + 1 < n {
+                let bar = self.bar * (x[i + 1] - x[i]);
+                r[i] -= bar;
+                r[i + 1] += bar;
+            }
+        }
+        Ok(())
+    }
+
+    fn linearize(
+        &self,
+        x: &Vec<f64>,
+        r: &mut Vec<f64>,
+        jacobian: &mut Bordered<1>,
+    ) -> Result<(), EvalError> {
+        self.residual(x, r)?;
+        jacobian.clear();
+        let n = self.stiffness.len();
+        for (i, k) in self.stiffness.iter().enumerate() {
+            let (below, above) = (Self::push(*k, x[i]).1, Self::push(*k, x[n] - x[i]).1);
+            jacobian.add(i, i, below + above);
+            jacobian.add(i, n, -above);
+            jacobian.add(n, i, -above);
+            jacobian.add(n, n, above);
+            if i + 1 < n {
+                for (row, column, sign) in
+                    [(i, i, 1.0), (i + 1, i + 1, 1.0), (i, i + 1, -1.0), (i + 1, i, -1.0)]
+                {
+                    jacobian.add(row, column, sign * self.bar);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Equal springs in series: u = 2 (F/(n k))^{2/3}, whatever the bars. Then springs of all sizes, where
+/// each pair still is in series without bars: F = Σ k (u/2)^{3/2}. The steps are pinned, and the list
+/// of them is the only allocation.
+#[test]
+fn newton_runs_on_blocks_with_a_border() {
+    for (bar, scatter, steps) in [(5.0, 0.0, 5), (0.0, 0.9, 5)] {
+        const N: usize = 200;
+        let mut draw = Draw(3);
+        let stiffness: Vec<f64> = (0..N).map(|_| 1.0 + scatter * draw.next()).collect();
+        let sum: f64 = stiffness.iter().sum();
+        let system = Stack { bar, load: 50.0, stiffness };
+        let mut x: Vec<f64> = (0..=N).map(|i| if i == N { 0.5 } else { 0.2 }).collect();
+        let ones = vec![1.0; N + 1];
+        let scales = Scales { x: &ones, f: &ones };
+        let options = Options { residual_tol: 1e-12, ..Options::default() };
+        let mut work = Workspace::new(Bordered::new(N, 1));
+        let mut report = None;
+        let counted = allocation_counter::measure(|| {
+            report = solve_system(&system, &mut x, &scales, &options, &mut work).ok();
+        });
+        let report = report.expect("sizes match");
+        assert_eq!(report.status, Status::Converged, "{report}");
+        let expected = 2.0 * (system.load / sum).powf(2.0 / 3.0);
+        // Residual of 1e-12 over a stiffness of 100.
+        assert!((x[N] - expected).abs() <= 1e-13, "{} {expected}", x[N]);
+        assert_eq!(report.steps.len(), steps, "{report}");
+        assert_eq!(counted.count_total, 1);
+    }
+}
+
+/// Expected failures: no spring is pressed, so nothing carries the load; and a vector of another size.
+#[test]
+fn a_structure_without_hold_is_singular() {
+    let system = Stack { bar: 1.0, load: -1.0, stiffness: vec![1.0; 5] };
+    let (mut x, ones) = (vec![-1.0; 6], vec![1.0; 6]);
+    let scales = Scales { x: &ones, f: &ones };
+    let mut work = Workspace::new(Bordered::new(5, 1));
+    let options = Options::default();
+    let report = solve_system(&system, &mut x, &scales, &options, &mut work).expect("sizes match");
+    assert_eq!(report.status, Status::SingularJacobian, "{report}");
+    let short = solve_system(&system, &mut vec![0.0; 3], &scales, &options, &mut work);
+    assert_eq!(short.map_err(|e| (e.name, e.expected, e.found)), Err(("x", 6, 3)));
+}

@@ -1,0 +1,150 @@
+//! Curves in closed form: crossings, folds, double roots, poles and ends, with pinned counts.
+
+use bsm_newton::{End, EvalError, Family, Seed, Status, Stride, Trace, trace};
+
+/// A curve in the plane given by one function with its gradient.
+struct Curve<F>(F);
+
+impl<F: Fn(f64, f64) -> Result<(f64, [f64; 2]), EvalError>> Family<1, 2> for Curve<F> {
+    fn residual(&self, &[x, y]: &[f64; 2]) -> Result<[f64; 1], EvalError> {
+        Ok([self.0(x, y)?.0])
+    }
+
+    fn linearize(&self, &[x, y]: &[f64; 2]) -> Result<([f64; 1], [[f64; 2]; 1]), EvalError> {
+        let (value, slopes) = self.0(x, y)?;
+        Ok(([value], [slopes]))
+    }
+}
+
+type Value = Result<(f64, [f64; 2]), EvalError>;
+
+#[expect(clippy::unnecessary_wraps, reason = "the shape that a family has")]
+fn circle(x: f64, y: f64) -> Value {
+    Ok((x * x + y * y - 1.0, [2.0 * x, 2.0 * y]))
+}
+
+/// Along the curve from a point on, with the height over a line as the event.
+fn follow(
+    curve: impl Fn(f64, f64) -> Value,
+    (z, towards): ([f64; 2], [f64; 2]),
+    height: f64,
+    inside: impl Fn(&[f64; 2]) -> bool,
+    stride: &Stride,
+) -> Trace<2> {
+    let event = |z: &[f64; 2], way: &[f64; 2]| [(z[1] - height, way[1])];
+    trace(&Curve(curve), &Seed { z, towards }, event, inside, stride)
+}
+
+/// A circle through a line: two crossings in either sense, and the curve closes.
+#[test]
+fn a_closed_curve_is_gone_round_once() {
+    for (towards, first, points) in [([0.0, 1.0], 0.8, 19), ([0.0, -1.0], -0.8, 21)] {
+        let seed = ([1.0, 0.0], towards);
+        let seen = follow(circle, seed, 0.6, |_| true, &Stride::default());
+        assert_eq!(seen.end, End::Closed, "{seen:?}");
+        let places: Vec<_> = seen.crossings.iter().map(|c| (c.z[0], c.rises)).collect();
+        assert_eq!(places.len(), 2, "{seen:?}");
+        for ((x, rises), expected) in places.into_iter().zip([first, -first]) {
+            // Tolerance of the correction.
+            assert!((x - expected).abs() < 1e-9, "{seen:?}");
+            // Upwards first, whichever way the path goes round.
+            assert_eq!(rises, expected * first > 0.0, "{seen:?}");
+        }
+        assert_eq!(seen.resolution.unresolved, 0, "{seen:?}");
+        assert_eq!(seen.resolution.points, points, "{seen:?}");
+    }
+}
+
+/// A fold: the parabola x = y² has two crossings of x = 1, on both sides of its fold at zero.
+#[test]
+fn a_path_goes_through_a_fold() {
+    let fold = |x: f64, y: f64| Ok((x - y * y, [1.0, -2.0 * y]));
+    let event = |z: &[f64; 2], way: &[f64; 2]| [(z[0] - 1.0, way[0])];
+    let seed = Seed { z: [4.0, 2.0], towards: [-1.0, 0.0] };
+    let seen = trace(&Curve(fold), &seed, event, |z| z[1] > -2.0, &Stride::default());
+    assert_eq!(seen.end, End::LeftDomain, "{seen:?}");
+    let places: Vec<f64> = seen.crossings.iter().map(|c| c.z[1]).collect();
+    assert_eq!(places.len(), 2, "{seen:?}");
+    assert!((places[0] - 1.0).abs() < 1e-9 && (places[1] + 1.0).abs() < 1e-9, "{places:?}");
+}
+
+/// A pair of crossings in what would be one step, 2·√ε apart; one that is closer than wanted is
+/// counted as not resolved, and a touch is no crossing.
+#[test]
+fn a_close_pair_is_found_or_counted() {
+    let seed = ([1.0, 0.0], [0.0, 1.0]);
+    for (height, crossings, resolved, points) in
+        [(1.0 - 1e-4, 2, true, 37), (1.0, 0, false, 42), (1.0 + 1e-2, 0, true, 19)]
+    {
+        let seen = follow(circle, seed, height, |_| true, &Stride::default());
+        assert_eq!(seen.end, End::Closed, "{height}: {seen:?}");
+        assert_eq!(seen.crossings.len(), crossings, "{height}: {seen:?}");
+        assert_eq!(seen.resolution.unresolved == 0, resolved, "{height}: {seen:?}");
+        assert_eq!(seen.resolution.points, points, "{height}: {seen:?}");
+    }
+}
+
+/// A pole: y = 1/(1 − x) leaves every height, and the domain that is asked about.
+#[test]
+fn a_pole_leads_out_of_the_domain() {
+    let pole = |x: f64, y: f64| Ok((y * (1.0 - x) - 1.0, [-y, 1.0 - x]));
+    let seed = ([0.0, 1.0], [1.0, 0.0]);
+    let seen = follow(pole, seed, 1e3, |z| z[1] < 1e6, &Stride::default());
+    assert_eq!(seen.end, End::LeftDomain, "{seen:?}");
+    assert_eq!(seen.crossings.len(), 1, "{seen:?}");
+    assert!((seen.crossings[0].z[0] - 0.999).abs() < 1e-9, "{seen:?}");
+    let cut = Stride { most_points: 5, ..Stride::default() };
+    assert_eq!(follow(pole, seed, 1e3, |_| true, &cut).end, End::MostPoints);
+    let first = Stride { most_crossings: 1, ..Stride::default() };
+    assert_eq!(follow(pole, seed, 2.0, |_| true, &first).end, End::Enough);
+}
+
+/// Expected failures: equations that end, with what they refused; a seed without a curve.
+#[test]
+fn the_end_of_a_curve_is_told() {
+    let root = |x: f64, y: f64| {
+        if x < 0.0 {
+            return Err(EvalError { quantity: "x", value: x, requirement: "at least 0" });
+        }
+        Ok((y - x.sqrt() - x, [-0.5 / x.sqrt() - 1.0, 1.0]))
+    };
+    let seen = follow(root, ([1.0, 2.0], [-1.0, 0.0]), 1.0, |_| true, &Stride::default());
+    assert!(matches!(seen.end, End::Lost(Some(e)) if e.quantity == "x"), "{seen:?}");
+    assert!(seen.crossings.len() == 1 && seen.last[0] < 1e-3, "{seen:?}");
+    let nothing = |x: f64, y: f64| Ok((x * x + y * y + 1.0, [2.0 * x, 2.0 * y]));
+    let seen = follow(nothing, ([1.0, 2.0], [-1.0, 0.0]), 1.0, |_| true, &Stride::default());
+    assert!(matches!(seen.end, End::NoCurve(status) if status != Status::Converged), "{seen:?}");
+}
+
+/// Seven equations: z_i = sin(i u) along u; the last of them crosses zero at u = π/7, 2π/7, ….
+#[test]
+fn a_family_of_seven_is_followed() {
+    struct Waves;
+    impl Family<7, 8> for Waves {
+        fn residual(&self, z: &[f64; 8]) -> Result<[f64; 7], EvalError> {
+            Ok(self.linearize(z)?.0)
+        }
+
+        fn linearize(&self, z: &[f64; 8]) -> Result<([f64; 7], [[f64; 8]; 7]), EvalError> {
+            let mut rows = [[0.0; 8]; 7];
+            let mut values = [0.0; 7];
+            for (i, n) in (1..8).map(f64::from).enumerate() {
+                values[i] = z[i] - (n * z[7]).sin();
+                (rows[i][i], rows[i][7]) = (1.0, -n * (n * z[7]).cos());
+            }
+            Ok((values, rows))
+        }
+    }
+    let seed = Seed { z: [0.0; 8], towards: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0] };
+    let event = |z: &[f64; 8], way: &[f64; 8]| [(z[6] - 0.5, way[6])];
+    let seen = trace(&Waves, &seed, event, |z| z[7] < 3.1, &Stride::default());
+    assert_eq!(seen.end, End::LeftDomain, "{:?}", seen.end);
+    // sin 7u = 1/2: 7u = π/6, 5π/6, 13π/6, …, below 7·3.1 there are eight (at 41π/6 = 21.5).
+    assert_eq!(seen.crossings.len(), 8, "{:?}", seen.crossings);
+    for (k, crossing) in seen.crossings.iter().enumerate() {
+        let turn =
+            f64::from(u32::try_from(k / 2 * 12 + if k % 2 == 0 { 1 } else { 5 }).expect("small"));
+        assert!((7.0 * crossing.z[7] - turn * std::f64::consts::PI / 6.0).abs() < 1e-8, "{k}");
+    }
+    assert_eq!(seen.resolution.points, 65, "{:?}", seen.resolution);
+}
