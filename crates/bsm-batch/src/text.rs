@@ -1,7 +1,7 @@
 //! Tables as text: CSV and JSON Lines.
 
 use std::borrow::Cow;
-use std::io::{self, Read, Write};
+use std::io::{Read, Write};
 use std::mem;
 
 use bsm_case::{Output, brief, entries, write_exact};

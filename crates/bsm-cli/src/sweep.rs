@@ -115,8 +115,7 @@ impl Curves {
         let lines = (0..count)
             .map(|i| Curve {
                 marks: Vec::new(),
-                label: series
-                    .map(|axis| format!("{} = {}", axis.key.name(), exact(axis.value(i)))),
+                label: series.map(|axis| format!("{} = {}", axis.key.name(), exact(axis.value(i)))),
                 color: i,
                 stroke: Stroke::Solid,
                 points: Vec::new(),

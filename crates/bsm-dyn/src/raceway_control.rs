@@ -177,7 +177,12 @@ impl Grip {
 
     /// Other balls that could be the answer: of the same race farther from equal contact angles, and
     /// of the screw where (W7) names the nut at the nut's ball and the screw at the screw's.
-    fn others(&self, pair: &Pair, control: Option<Control>, newton: &mut Workspace<STATIC>) -> Vec<Self> {
+    fn others(
+        &self,
+        pair: &Pair,
+        control: Option<Control>,
+        newton: &mut Workspace<STATIC>,
+    ) -> Vec<Self> {
         let same = Balance::new(pair, self.control);
         let farther = same.farther_roots(&self.unknowns, newton);
         let mut others: Vec<_> = farther.into_iter().map(|root| Self::at(&same, root)).collect();

@@ -14,7 +14,7 @@ mod sensitivities;
 use bsm_kin::{Drive, Helix, Motion, Scalar};
 use bsm_newton::{Equations, EvalError, Linear};
 
-pub use self::first_order::{FirstOrder, UNIQUE_BELOW};
+pub use self::first_order::{FirstOrder, SEARCHED_FROM, UNIQUE_BELOW};
 pub use self::root::{MODERATE_INERTIA, RigidWorkspace};
 use self::root::{NoRoot, Root};
 pub use self::scaled::Unknowns as RigidUnknowns;

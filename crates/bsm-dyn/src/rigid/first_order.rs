@@ -5,9 +5,12 @@
 use super::scaled::{Scaled, Unknowns};
 use crate::Angles;
 
-/// Inertia forces times the load of a contact, over friction and over `$(P/W)^2$`, up to which no point was
-/// seen to have a second root: the least of those that have one is [1100](crate::FirstOrder::is_unique).
-pub const UNIQUE_BELOW: f64 = 300.0;
+/// Crowding (R45) up to which no point was seen to have a second root: the least of those that have one
+/// is 3.4.
+pub const UNIQUE_BELOW: f64 = 1.0;
+
+/// Crowding (R45) from which second roots are looked for: below, one point in 10 000 has any.
+pub const SEARCHED_FROM: f64 = 300.0;
 
 /// First-order solution in the inertia ratio.
 ///
@@ -129,11 +132,11 @@ impl FirstOrder {
         self.size * self.rate.abs().min(1.0)
     }
 
-    /// True if inertia is too little for a second root, by (R45). The bound is measured, see
-    /// `docs/theory/04-rigid.md`.
-    pub fn is_unique(&self, friction: f64) -> bool {
-        // q ι < 300 f (P/W)²                                              (R45)
-        self.load.abs() * self.size < UNIQUE_BELOW * friction * self.rate * self.rate
+    /// Inertia forces times the load of a contact, over friction and over `$(P/W)^2$`: what roots have to
+    /// exceed to be several.
+    pub fn crowding(&self, friction: f64) -> f64 {
+        // C = q ι / (f (P/W)²)                                            (R45)
+        self.load.abs() * self.size / (friction * self.rate * self.rate)
     }
 
     /// True if a finite root exists, to first order: the contacts push and the ball slides on

@@ -7,7 +7,7 @@ use std::mem;
 use bsm_newton::{Equations, Options, Report, Scales, solve};
 
 use super::curve::Curve;
-use super::first_order::FirstOrder;
+use super::first_order::{FirstOrder, SEARCHED_FROM, UNIQUE_BELOW};
 use super::scaled::{ExistenceLimit, Scaled, Unknowns};
 use super::search::Search;
 use crate::equations::Workspace;
@@ -56,14 +56,14 @@ pub(crate) struct Root {
     /// Newton steps of all solves.
     pub(crate) steps: usize,
     pub(crate) residual: f64,
-    /// Other admissible roots of the point; `None` if the search for them was lost.
+    /// Other admissible roots of the point; `None` if none was looked for, or the search was lost.
     pub(crate) others: Option<Vec<Root>>,
 }
 
 impl Root {
-    /// A root that has no other.
-    fn alone(unknowns: Unknowns<f64>, steps: usize, residual: f64) -> Self {
-        Self { unknowns, from_ground: false, steps, residual, others: Some(Vec::new()) }
+    /// A root of whose others nothing is known.
+    fn new(unknowns: Unknowns<f64>, steps: usize, residual: f64) -> Self {
+        Self { unknowns, from_ground: false, steps, residual, others: None }
     }
 
     /// True if all contacts push and the slip at A is against its friction.
@@ -99,8 +99,8 @@ pub struct RigidWorkspace(pub(super) Workspace);
 /// Finds the root, or the reason why there is none.
 ///
 /// Of several admissible roots the one of smallest positive turn of the slip at B, then of smallest
-/// negative: the first that the branch of small inertia meets. They are looked for where the first order
-/// does not exclude them ([`FirstOrder::is_unique`]).
+/// negative: the first that the branch of small inertia meets. They are looked for from
+/// [`SEARCHED_FROM`] on.
 ///
 /// A hair from self-locking the loads are so large that their rounding misleads all searches. Where the
 /// first order has a root by more than its error, none is denied.
@@ -134,16 +134,19 @@ fn root_near(
     {
         return Err(denial);
     }
+    let crowding = start.crowding(case.friction);
+    // What is known without a search.
+    let told = |root| Root { others: (crowding < UNIQUE_BELOW).then(Vec::new), ..root };
     let slow = SLOW * start.load.clamp(1.0, MOST_LOAD);
     if inertia < slow
         && let Some(root) = interpolate(case, start, inertia / slow, work)
     {
-        return accept(case, root, work);
+        return accept(case, root, work).map(told);
     }
     let (mut denial, mut near) = (None, None);
     if let Some(root) = direct(case, start, inertia, work) {
         match accept(case, root, work) {
-            Ok(root) if start.is_unique(case.friction) => return Ok(root),
+            Ok(root) if crowding < SEARCHED_FROM => return Ok(told(root)),
             Ok(root) => near = Some(root),
             Err(reason) if inertia < SMALL_INERTIA => return Err(reason),
             // A branch whose contacts pull already without inertia says nothing.
@@ -180,7 +183,7 @@ fn direct(
         return None;
     }
     let (steps, residual) = (report.steps.len(), report.residual);
-    let root = Root::alone(unknowns, steps, residual);
+    let root = Root::new(unknowns, steps, residual);
     if moderate { Some(root) } else { settled(case, root, work).ok() }
 }
 
@@ -201,7 +204,7 @@ impl Met {
         let (mut roots, mut failure) = (Vec::<Root>::new(), None);
         let mut search = Search::new(&curve, |point| {
             let (unknowns, from_ground) = curve.unknowns(point);
-            let root = Root { from_ground, ..Root::alone(unknowns, 0, f64::NAN) };
+            let root = Root { from_ground, ..Root::new(unknowns, 0, f64::NAN) };
             match settled(case, root, work) {
                 // Newton has left the crossing for another root.
                 Ok(root) if !root.is_admissible() || roots.iter().any(|r| r.is_near(&root)) => {
@@ -328,7 +331,7 @@ fn interpolate(
     let weights = case.weights(start.normal_moment());
     let check = run(case, &mut unknowns, &weights, (0, Options::default().residual_goal), work);
     let (steps, residual) = (report.steps.len(), check.residual);
-    check.converged().then_some(Root::alone(unknowns, steps, residual))
+    check.converged().then_some(Root::new(unknowns, steps, residual))
 }
 
 /// Accepts a converged root of the extended equations if it is one of the physical ones.
