@@ -106,7 +106,15 @@ pub struct RigidWorkspace(pub(super) Workspace);
 /// first order has a root by more than its error, none is denied.
 pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root, NoRoot> {
     let start = FirstOrder::of(case);
-    root_near(case, &start, work).map_err(|none| {
+    let crowding = start.crowding(case.friction);
+    let found = root_near(case, &start, work).map(|root| {
+        // That a search which Newton needed has met no other is not told: the kernel needs none, and a
+        // row of a table says what the model says.
+        let met = root.others.filter(|met| crowding >= SEARCHED_FROM || !met.is_empty());
+        let others = met.or((crowding < UNIQUE_BELOW).then(Vec::new));
+        Root { others, ..root }
+    });
+    found.map_err(|none| {
         let loaded = start.size / case.friction * start.load;
         let error = FIRST_ORDER_ERROR * loaded;
         let sure = loaded < SMALL_INERTIA
@@ -134,19 +142,16 @@ fn root_near(
     {
         return Err(denial);
     }
-    let crowding = start.crowding(case.friction);
-    // What is known without a search.
-    let told = |root| Root { others: (crowding < UNIQUE_BELOW).then(Vec::new), ..root };
     let slow = SLOW * start.load.clamp(1.0, MOST_LOAD);
     if inertia < slow
         && let Some(root) = interpolate(case, start, inertia / slow, work)
     {
-        return accept(case, root, work).map(told);
+        return accept(case, root, work);
     }
     let (mut denial, mut near) = (None, None);
     if let Some(root) = direct(case, start, inertia, work) {
         match accept(case, root, work) {
-            Ok(root) if crowding < SEARCHED_FROM => return Ok(told(root)),
+            Ok(root) if start.crowding(case.friction) < SEARCHED_FROM => return Ok(root),
             Ok(root) => near = Some(root),
             Err(reason) if inertia < SMALL_INERTIA => return Err(reason),
             // A branch whose contacts pull already without inertia says nothing.
