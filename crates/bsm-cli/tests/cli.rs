@@ -601,7 +601,8 @@ fn tables_name_the_controlling_race() {
         assert!(races[0].contains("nut") && races[1].contains("screw"), "{text}");
     }
     let table = File::open(dir.path().join("race.parquet")).expect("a table");
-    let reader = ParquetRecordBatchReaderBuilder::try_new(table).and_then(|table| table.build());
+    let reader = ParquetRecordBatchReaderBuilder::try_new(table)
+        .and_then(ParquetRecordBatchReaderBuilder::build);
     let races: Vec<_> = reader
         .expect("a Parquet table")
         .map(|batch| batch.expect("rows"))

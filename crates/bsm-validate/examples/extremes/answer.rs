@@ -50,8 +50,8 @@ pub(crate) struct Answer {
     /// What the program says.
     pub(crate) words: String,
     pub(crate) residual: f64,
-    /// Other solutions that are known of a point that converged.
-    pub(crate) others: Option<Option<usize>>,
+    /// Other solutions; `None` if nobody looked.
+    pub(crate) others: Option<usize>,
     pub(crate) balance: f64,
     pub(crate) time: Duration,
     efficiency: Option<f64>,
@@ -98,7 +98,7 @@ pub(crate) fn ask(scene: &Scene, model: ModelChoice, work: &mut ModelWorkspace) 
     }
     answer.kind = format!("converged {}", record.regime().unwrap_or_default());
     answer.residual = record.number("residual_norm").unwrap_or(0.0);
-    answer.others = Some(others);
+    answer.others = others;
     answer.balance = record.number("power_balance").unwrap_or(0.0).abs();
     answer.efficiency = record.number("efficiency");
     if let Some(wrong) = wrong(&record, scene, &answer) {

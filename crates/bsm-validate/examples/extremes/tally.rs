@@ -47,8 +47,8 @@ impl Tally {
             let description = Some(format!("extremes, point {number}: {}", answer.words));
             kind.scenes.push((number, Scene { description, ..scene.clone() }));
         }
-        if let Some(others) = answer.others {
-            self.others[others.map_or(2, |others| usize::from(others == 0))] += 1;
+        if answer.order == Order::Converged {
+            self.others[answer.others.map_or(2, |others| usize::from(others == 0))] += 1;
         }
         self.worst((answer.residual, number), (answer.balance, number), (answer.time, number));
     }
