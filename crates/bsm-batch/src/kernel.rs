@@ -72,6 +72,12 @@ impl Out<'_, '_> {
         }
     }
 
+    /// No other solution than this one.
+    #[inline(always)]
+    fn set_unique<S: Simd>(&mut self, like: Lane<S>) {
+        self.set(OutputKey::other_solutions, like.constant(0.0));
+    }
+
     /// Stores yes and no.
     #[inline(always)]
     fn set_flag<S: Simd>(&mut self, key: OutputKey, values: Mask<S>) {

@@ -267,6 +267,7 @@ impl<W: Write + Send> ParquetSink<W> {
             let kind = match output.json_type {
                 "integer" => DataType::UInt64,
                 "boolean" => DataType::Boolean,
+                "string" => DataType::Utf8,
                 _ => DataType::Float64,
             };
             Field::new(output.name, kind, true).with_metadata(unit(output.unit))
@@ -279,7 +280,7 @@ impl<W: Write + Send> ParquetSink<W> {
             // The footer follows the rows at once, so that one hash covers all before it.
             .set_offset_index_disabled(true)
             .set_statistics_enabled(EnabledStatistics::Chunk);
-        for output in outputs {
+        for output in outputs.iter().filter(|output| output.words.is_empty()) {
             // Numbers that hardly repeat.
             properties = properties.set_column_dictionary_enabled(output.name.into(), false);
         }
@@ -344,6 +345,10 @@ impl<W: Write + Send> Sink for ParquetSink<W> {
                 "boolean" => {
                     let flags = column.iter().map(|x| *x > 0.5).collect();
                     Arc::new(BooleanArray::new(flags, Some(there)))
+                }
+                "string" => {
+                    let words = column.iter().map(|x| output.word(*x));
+                    Arc::new(words.collect::<StringArray>())
                 }
                 _ => nullable(column, there),
             });

@@ -74,8 +74,13 @@ impl Record {
     pub fn number(&self, name: &str) -> Option<f64> {
         match self.cell(Output::named(name)?)? {
             Cell::Number(value) => Some(value),
-            Cell::Count(_) | Cell::Flag(_) => None,
+            Cell::Count(_) | Cell::Flag(_) | Cell::Race(_) => None,
         }
+    }
+
+    /// True if the point is known to have other solutions.
+    pub fn has_others(&self) -> bool {
+        self.solution.outputs.other_solutions.is_some_and(|others| others > 0)
     }
 
     /// Why there are no numbers; `None` if it converged.
@@ -155,6 +160,7 @@ impl Record {
                  raceway control excludes; use model traction"
             ));
         }
+        warnings.extend(self.others());
         if let (Some(bound), Some(choice)) = (o.error_bound, self.solution.choice)
             && bound > choice.tolerance
         {
@@ -183,6 +189,37 @@ impl Record {
                 ),
                 None => "the screw locks itself in this direction".to_owned(),
             });
+        }
+        warnings
+    }
+
+    /// Warnings where the equations have other solutions, or no consistent one.
+    fn others(&self) -> Vec<String> {
+        let o = &self.solution.outputs;
+        let mut warnings = Vec::new();
+        if let (true, Some(others)) = (self.has_others(), o.other_solutions) {
+            let eta = o.other_solution_efficiency.unwrap_or(f64::NAN);
+            let which = match self.solution.model {
+                Model::RacewayControl => {
+                    "this is the one of the smallest difference of the contact angles, and under \
+                     nut control if both races can control"
+                }
+                _ => "this is the first that a ball of growing inertia meets",
+            };
+            let motions = if others == 1 { "motion solves" } else { "motions solve" };
+            warnings.push(format!(
+                "{others} other steady {motions} the equations of this point, with efficiency \
+                 {eta:.6} farthest from this one; {which}. Where an input is varied the results may \
+                 step from one to another"
+            ));
+        }
+        if o.control_consistent == Some(false) {
+            let race = o.controlling_race.map_or("", Control::name);
+            warnings.push(format!(
+                "neither race has the larger spin friction moment at its own solution, so that \
+                 neither controls; this is the solution under {race} control, and --control sets \
+                 the race"
+            ));
         }
         warnings
     }
@@ -221,6 +258,7 @@ impl Record {
                 Some(Cell::Number(x)) => json!(x),
                 Some(Cell::Count(n)) => json!(n),
                 Some(Cell::Flag(b)) => json!(b),
+                Some(Cell::Race(race)) => json!(race.name()),
             };
             map.insert(output.name.to_owned(), value);
         }
@@ -271,7 +309,7 @@ pub(crate) fn message(reason: &Reason) -> String {
             "the ball leaves its flanks: at no contact angles between 0 and 90 deg do they hold the \
              centrifugal force. At most they hold {held:.3e} of the axial load, where it is \
              {centrifugal:.3e} with the {} in control. Raise axial_load_N or lower the speed",
-            if *control == Control::Nut { "nut" } else { "screw" }
+            control.name()
         ),
         Reason::SlipAlongFriction { slip } => format!(
             "wherever the forces of sliding balls balance, a slip points along friction; without \

@@ -77,7 +77,8 @@ impl Auto {
             return (solution, None);
         }
         let grip = work.raceway.grip(&pair, None).ok();
-        let gripping = grip.and_then(|grip| work.raceway.outputs(&self.screw, &pair, &grip).ok());
+        let gripping = grip
+            .and_then(|grip| work.raceway.outputs_and_others(&self.screw, &pair, &grip, None).ok());
         let regime = gripping.and_then(|o| Some((o, Regime::of(&pair, &o)?)));
         if let Some((outputs, regime)) = &regime {
             if regime.grip_bound <= self.tolerance {

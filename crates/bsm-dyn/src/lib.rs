@@ -53,6 +53,7 @@ pub use quasi_static::{Driven, QuasiStatic};
 pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
 pub use rigid::{
     FirstOrder, MODERATE_INERTIA, Rigid, RigidRoot, RigidSystem, RigidUnknowns, RigidWorkspace,
+    SEARCHED_FROM, UNIQUE_BELOW,
 };
 pub use sensitivity::Transmitted;
 pub use settled::{FIRST_YIELD, Settled, yield_ratio};

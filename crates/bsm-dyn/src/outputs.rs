@@ -3,8 +3,8 @@
 use bsm_kin::{BallFrame, Contact, Motion, Site};
 use nalgebra::Vector3;
 
-use crate::Direction;
 use crate::balance::{Power, efficiency};
+use crate::{Control, Direction};
 
 /// Outputs in SI units and radians; a model leaves empty what it does not have.
 ///
@@ -57,6 +57,15 @@ pub struct Outputs {
     /// Skid number of a ball whose friction is already spent on that slip (W11): below 0.1 the
     /// ball grips, above 2 friction is nearly saturated.
     pub onset_number: Option<f64>,
+    /// The race at which the ball does not spin.
+    pub controlling_race: Option<Control>,
+    /// True if the decision (W7), asked at this solution, names the race that controls; `None` if
+    /// the race was given.
+    pub control_consistent: Option<bool>,
+    /// Number of other admissible solutions that are known; `None` where none was looked for.
+    pub other_solutions: Option<usize>,
+    /// Efficiency of the one of them that differs most.
+    pub other_solution_efficiency: Option<f64>,
 }
 
 impl Outputs {
@@ -88,6 +97,14 @@ impl Outputs {
         self.cross_slip = finite(cross_slip);
         // S = G √(1 + χ²)                                                 (W11)
         self.onset_number = finite(skid_number * cross_slip.hypot(1.0));
+    }
+
+    /// Stores what is known of other solutions, by their efficiencies.
+    pub(crate) fn set_others(&mut self, efficiencies: &[f64]) {
+        let far = |eta: &f64| (eta - self.efficiency.unwrap_or(f64::NAN)).abs();
+        let farthest = efficiencies.iter().max_by(|a, b| far(a).total_cmp(&far(b))).copied();
+        self.other_solutions = Some(efficiencies.len());
+        self.other_solution_efficiency = farthest;
     }
 
     /// Stores the three powers.

@@ -27,6 +27,19 @@ pub enum Control {
     Screw,
 }
 
+impl Control {
+    /// Both races.
+    pub const ALL: [Self; 2] = [Self::Nut, Self::Screw];
+
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nut => "nut",
+            Self::Screw => "screw",
+        }
+    }
+}
+
 /// Inputs of the raceway-control model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RacewayControl<D = f64> {
@@ -147,10 +160,59 @@ impl Grip {
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, (Status, Reason)> {
         let balance = Balance::new(pair, control);
-        let Root { unknowns, steps, residual } = balance.first_root(newton)?;
+        Ok(Self::at(&balance, balance.first_root(newton)?))
+    }
+
+    /// The ball of a root.
+    fn at(balance: &Balance<'_>, Root { unknowns, steps, residual }: Root) -> Self {
         let loaded = balance.loaded(&unknowns);
         let to_nut = balance.rolling(&loaded);
-        Ok(Self { control, unknowns, loaded, to_nut, steps, residual })
+        Self { control: balance.control, unknowns, loaded, to_nut, steps, residual }
+    }
+
+    /// True if (W7), asked here, names the race that controls.
+    fn is_consistent(&self, pair: &Pair) -> bool {
+        control_of(pair, &self.loaded) == self.control
+    }
+
+    /// Other balls that could be the answer: of the same race farther from equal contact angles, and
+    /// of the screw where (W7) names the nut at the nut's ball and the screw at the screw's.
+    fn others(
+        &self,
+        pair: &Pair,
+        control: Option<Control>,
+        newton: &mut Workspace<STATIC>,
+    ) -> Vec<Self> {
+        let same = Balance::new(pair, self.control);
+        let farther = same.farther_roots(&self.unknowns, newton);
+        let mut others: Vec<_> = farther.into_iter().map(|root| Self::at(&same, root)).collect();
+        let decided = control.is_some() || self.control == Control::Screw || self.is_clear(pair);
+        if !decided
+            && let Ok(screw) = Self::controlled(pair, Control::Screw, newton)
+            && screw.is_consistent(pair)
+        {
+            others.push(screw);
+        }
+        others
+    }
+
+    /// True if (W7) names the same race at the ball that the other race controls.
+    ///
+    /// That ball has contact angles that differ by other centrifugal forces, by `$\Delta c$` in their
+    /// cotangents, which changes the ratio of the moments by `$\Delta c$` or less, to first order.
+    fn is_clear(&self, pair: &Pair) -> bool {
+        /// For all that is not of first order.
+        const SAFETY: f64 = 4.0;
+        let balances = Control::ALL.map(|race| Balance::new(pair, race));
+        if !balances.iter().all(Balance::is_unique) {
+            return false;
+        }
+        let [nut, screw] =
+            balances.map(|ball| ball.rolling(&self.loaded).precession + pair.nut_speed);
+        // Δc = μ cosα |P_A² − P_B²|/W²                                    (W16)
+        let apart =
+            pair.inertia_ratio() * pair.helix.lead_angle.cos() * (nut - screw) * (nut + screw);
+        nut_excess(pair, &self.loaded).abs() > SAFETY * apart.abs()
     }
 
     /// The same to two digits, also where centrifugal forces are so large that raceway control
@@ -205,7 +267,7 @@ impl RacewayControl {
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
         let solved = self.screw.pair().and_then(|pair| {
             let grip = memory.grip(&pair, self.control)?;
-            memory.outputs(&self.screw, &pair, &grip)
+            memory.outputs_and_others(&self.screw, &pair, &grip, self.control)
         });
         match solved {
             Ok(outputs) => Solution::converged(Model::RacewayControl, outputs),
@@ -250,6 +312,23 @@ impl RacewayWorkspace {
         outputs.set_regime(grip.skid_number(pair), grip.cross_slip(pair));
         outputs.iterations = Some(grip.steps);
         outputs.residual_norm = Some(grip.residual);
+        outputs.controlling_race = Some(grip.control);
+        Ok(outputs)
+    }
+
+    /// Its numbers, and what is known of other solutions.
+    pub(crate) fn outputs_and_others(
+        &mut self,
+        screw: &ElasticScrew,
+        pair: &Pair,
+        grip: &Grip,
+        control: Option<Control>,
+    ) -> Result<Outputs, (Status, Reason)> {
+        let mut outputs = self.outputs(screw, pair, grip)?;
+        outputs.control_consistent = control.is_none().then(|| grip.is_consistent(pair));
+        let others = grip.others(pair, control, &mut self.newton);
+        let others = others.iter().filter_map(|grip| self.outputs(screw, pair, grip).ok());
+        outputs.set_others(&others.filter_map(|o| o.efficiency).collect::<Vec<_>>());
         Ok(outputs)
     }
 }
@@ -259,13 +338,17 @@ impl RacewayWorkspace {
 ///
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
 fn control_of(pair: &Pair, loaded: &Loaded<f64>) -> Control {
+    if nut_excess(pair, loaded) > 0.0 { Control::Nut } else { Control::Screw }
+}
+
+/// By how much the spin friction moment of the nut exceeds that of the screw, relative.
+fn nut_excess(pair: &Pair, loaded: &Loaded<f64>) -> f64 {
     let moment = |i: usize| {
         let (load, (a, _)) = (loaded.loads[i], pair.semi_axes[i]);
         load * load.cbrt() * a * pair.hertz[i].second_integral
     };
     // Q_A a_A E_A cos(β_A − β_B) > Q_B a_B E_B                            (W7)
-    let nut = moment(0) * (2.0 * loaded.tilt).cos();
-    if nut > moment(1) { Control::Nut } else { Control::Screw }
+    moment(0) * (2.0 * loaded.tilt).cos() / moment(1) - 1.0
 }
 
 #[cfg(test)]
@@ -274,8 +357,11 @@ mod tests {
     use proptest::prelude::*;
 
     use bsm_kin::{Drive, Helix};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
 
     use super::*;
+    use crate::extreme::extreme;
     use crate::{Ball, Load, Material};
 
     const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
@@ -396,6 +482,41 @@ mod tests {
         assert!(fast.0 < slow.0 && fast.1 > slow.1);
         // Without inertia both angles are equal: two forces.
         assert_relative_eq!(slow.0, slow.1, max_relative = 1e-6);
+    }
+
+    /// Where the decision is said to be clear it is the same at both balls; near a tie both races may
+    /// control, or none.
+    #[test]
+    fn a_clear_decision_is_that_of_both_balls() {
+        let mut rng = ChaCha8Rng::seed_from_u64(33);
+        let mut newton = Workspace::default();
+        let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);
+        while solved < 6000 {
+            let mut screw = extreme(&mut rng);
+            // Half of them near a tie: equal contacts.
+            if solved % 2 == 0 {
+                screw.conformity.1 = screw.conformity.0;
+            }
+            let Ok(pair) = screw.pair() else { continue };
+            let [nut, screw] =
+                Control::ALL.map(|race| Grip::controlled(&pair, race, &mut newton).ok());
+            let (Some(nut), Some(screw)) = (nut, screw) else { continue };
+            solved += 1;
+            asked += usize::from(!nut.is_clear(&pair));
+            let consistent = [nut.is_consistent(&pair), screw.is_consistent(&pair)];
+            both += usize::from(consistent == [true; 2]);
+            neither += usize::from(consistent == [false; 2]);
+            missed += usize::from(consistent[0] == consistent[1] && nut.is_clear(&pair));
+            let found = Grip::of(&pair, None, &mut newton).expect("a ball");
+            let others = found.others(&pair, None, &mut newton);
+            let of_screw = others.iter().any(|other| other.control != found.control);
+            assert_eq!(of_screw, consistent == [true; 2], "{pair:?}");
+        }
+        println!(
+            "{solved} solved, {asked} asked twice, {both} both, {neither} neither, {missed} missed"
+        );
+        assert_eq!(missed, 0);
+        assert!(both + neither > 0, "the test sees none");
     }
 
     /// Expected failures.

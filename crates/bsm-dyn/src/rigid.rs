@@ -14,7 +14,7 @@ mod sensitivities;
 use bsm_kin::{Drive, Helix, Motion, Scalar};
 use bsm_newton::{Equations, EvalError, Linear};
 
-pub use self::first_order::FirstOrder;
+pub use self::first_order::{FirstOrder, SEARCHED_FROM, UNIQUE_BELOW};
 pub use self::root::{MODERATE_INERTIA, RigidWorkspace};
 use self::root::{NoRoot, Root};
 pub use self::scaled::Unknowns as RigidUnknowns;
@@ -181,7 +181,10 @@ impl Rigid {
     pub fn solve(&self, work: &mut RigidWorkspace) -> Solution {
         match self.find(work) {
             Ok((case, root)) => {
-                let outputs = self.outputs(&case, &root);
+                let mut outputs = self.outputs(&case, &root);
+                if let Some(others) = &root.others {
+                    outputs.set_others(&self.balanced(&case, others));
+                }
                 match outputs.power_balance {
                     Some(imbalance) if imbalance.abs() <= POWER_BALANCE_TOL => {
                         Solution::converged(Model::Rigid, outputs)
@@ -195,6 +198,14 @@ impl Rigid {
             }
             Err(NoRoot { status, reason }) => Solution::failed(Model::Rigid, status, reason),
         }
+    }
+
+    /// Efficiencies of the roots whose powers balance.
+    fn balanced(&self, case: &Scaled<f64>, roots: &[Root]) -> Vec<f64> {
+        let all = roots.iter().map(|root| self.outputs(&case.counted(root.from_ground), root));
+        let balanced =
+            all.filter(|o| o.power_balance.is_some_and(|x| x.abs() <= POWER_BALANCE_TOL));
+        balanced.filter_map(|o| o.efficiency).collect()
     }
 
     /// Outputs in SI units.
