@@ -41,11 +41,15 @@ extremes *FLAGS:
 
 # Runs killed at random moments by four signals, gone on with, and compared bit by bit.
 kills:
-    cargo test --locked -p bsm-cli --test resume -- --include-ignored --nocapture
+    cargo test --workspace --locked --test resume -- --include-ignored --nocapture
 
 # Coverage-guided fuzzing on the stable toolchain; `just fuzz 600 parquet` takes ten minutes for one target.
 fuzz *FLAGS:
     fuzz/run.sh {{FLAGS}}
+
+# The numbers of README and docs, from the commands behind them; `just remake --list`.
+remake *FLAGS:
+    docs/remake {{FLAGS}}
 
 # The pictures of README and docs.
 pictures: (validate "--out" "target/report") (tradeoff "--out" "target/tradeoff")

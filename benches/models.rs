@@ -81,6 +81,7 @@ fn settings() -> Vec<(String, Settings)> {
 /// A thousand seeded points, so that the time per element is that of a typical point.
 fn many_points(c: &mut Criterion) {
     const COUNT: usize = 1000;
+    eprintln!("{COUNT} seeded points: model | median cold solve, ns | median Newton steps | most");
     let scenes = seeded(COUNT);
     let mut work = ModelWorkspace::default();
     let mut group = c.benchmark_group("seeded");
@@ -127,15 +128,10 @@ fn report_median(label: &str, problems: &[Problem], work: &mut ModelWorkspace) {
     times.sort_unstable();
     steps.sort_unstable();
     let middle = problems.len() / 2;
-    let steps = match (steps.get(steps.len() / 2), steps.last()) {
-        (Some(median), Some(most)) => format!(", median {median} Newton steps, most {most}"),
-        _ => String::new(),
-    };
-    eprintln!(
-        "{label}, {} seeded points: median cold solve {} ns{steps}",
-        problems.len(),
-        times[middle]
-    );
+    let word = |steps: Option<&usize>| steps.map_or_else(String::new, ToString::to_string);
+    let (typical, most) = (word(steps.get(steps.len() / 2)), word(steps.last()));
+    // `docs/remake seeded` reads this.
+    eprintln!("seeded | {label} | {} | {typical} | {most}", times[middle]);
 }
 
 criterion_group!(models, equations, one_point, many_points);

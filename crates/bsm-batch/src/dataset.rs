@@ -158,11 +158,8 @@ impl DatasetError {
 fn words(damaged: &[(PathBuf, Damage)]) -> String {
     const SHOWN: usize = 3;
     let shown = damaged.iter().take(SHOWN).map(|(path, why)| format!("{} {why}", path.display()));
-    let mut words = shown.collect::<Vec<_>>().join("; ");
-    if damaged.len() > SHOWN {
-        words += &format!("; and {} more", damaged.len() - SHOWN);
-    }
-    words
+    let more = damaged.len().checked_sub(SHOWN).filter(|more| *more > 0);
+    shown.chain(more.map(|more| format!("and {more} more"))).collect::<Vec<_>>().join("; ")
 }
 
 /// Makes an unfinished file. A program that is interrupted makes it known before, so that it is removed.
@@ -205,16 +202,12 @@ impl Dataset {
     /// [`DatasetError`].
     pub fn create(folder: &Path, plan: Plan, make: MakeTemporary) -> Result<Self, DatasetError> {
         let this = Self { folder: folder.to_owned(), plan, make };
-        match fs::symlink_metadata(this.plan_file()) {
-            Ok(_) => {
-                let same = matches!(this.compare(), Ok(()));
-                Err(DatasetError::Begun { folder: this.folder, same })
-            }
-            Err(_) => {
-                this.begin()?;
-                Ok(this)
-            }
+        if fs::symlink_metadata(this.plan_file()).is_ok() {
+            let same = this.compare().is_ok();
+            return Err(DatasetError::Begun { folder: this.folder, same });
         }
+        this.begin()?;
+        Ok(this)
     }
 
     /// Goes on with a folder of the same plan, or begins it.
@@ -478,7 +471,7 @@ impl Dataset {
     pub fn finish(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
         let path = self.folder.join(SHARDS);
         let unwritable = |error| DatasetError::Write { path: path.clone(), error };
-        let list = list(parts.values()).map_err(unwritable)?;
+        let list = list(&parts.values()).map_err(unwritable)?;
         let write = || -> Result<(), DatasetError> {
             let mut out = self.temporary("shards")?;
             out.write_all(&list)
@@ -564,7 +557,7 @@ fn unfinished_id(entry: &fs::DirEntry) -> Option<String> {
 }
 
 /// The parts as a table.
-fn list<'a>(parts: impl Iterator<Item = &'a Part> + Clone) -> Result<Vec<u8>, TableError> {
+fn list<'a>(parts: &(impl Iterator<Item = &'a Part> + Clone)) -> Result<Vec<u8>, TableError> {
     let numbers = |read: fn(&Part) -> u64| -> ArrayRef {
         Arc::new(parts.clone().map(read).collect::<UInt64Array>())
     };

@@ -27,7 +27,7 @@ pub type NumberRows = [Vec<f64>];
 /// A table of numbers that is being written.
 pub enum NumberSink<W: Write + Send> {
     /// Comma-separated values.
-    Csv(csv::Writer<W>),
+    Csv(Box<csv::Writer<W>>),
     /// One JSON object a line.
     JsonLines(W, Vec<NumberColumn>),
     /// Parquet, units in the metadata of the columns.
@@ -43,7 +43,7 @@ impl<W: Write + Send> NumberSink<W> {
     pub fn csv(writer: W, columns: &[NumberColumn]) -> Result<Self, TableError> {
         let mut table = csv::Writer::from_writer(writer);
         table.write_record(columns.iter().map(|column| column.name))?;
-        Ok(Self::Csv(table))
+        Ok(Self::Csv(Box::new(table)))
     }
 
     /// JSON Lines of these columns.

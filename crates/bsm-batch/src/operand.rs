@@ -123,16 +123,13 @@ impl<S: Simd> Given<'_, S> {
     /// Sine and cosine of the lead angle, from the angle or from the lead.
     #[inline(always)]
     pub(crate) fn lead(&self) -> (Lane<S>, Lane<S>) {
-        match self.try_get(InputKey::lead_angle_deg) {
-            Some(_) => self.sin_cos(InputKey::lead_angle_deg),
-            None => {
-                let lead = self.get(InputKey::lead_mm);
-                let pitch = self.get(InputKey::pitch_circle_diameter_mm);
-                let tan = lead / (pitch * std::f64::consts::PI);
-                let cos = (tan * tan + 1.0).sqrt().recip();
-                (tan * cos, cos)
-            }
+        if self.try_get(InputKey::lead_angle_deg).is_some() {
+            return self.sin_cos(InputKey::lead_angle_deg);
         }
+        let lead = self.get(InputKey::lead_mm);
+        let tan = lead / (self.get(InputKey::pitch_circle_diameter_mm) * std::f64::consts::PI);
+        let cos = (tan * tan + 1.0).sqrt().recip();
+        (tan * cos, cos)
     }
 
     /// Speeds of screw and nut \[rad/s\], if they are given.

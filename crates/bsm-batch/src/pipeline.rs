@@ -6,6 +6,7 @@ use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{self, available_parallelism};
+use std::time::Duration;
 
 use bsm_case::{Output, Scene, Settings};
 use bsm_dyn::Status;
@@ -59,12 +60,21 @@ impl<'a> Workers<'a> {
     pub fn start(threads: Option<NonZeroUsize>, stop: &'a AtomicBool) -> io::Result<Self> {
         let mut threads =
             threads.or_else(|| available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+        let mut last_tries = 20;
         loop {
-            match ThreadPoolBuilder::new().num_threads(threads).build() {
+            let error = match ThreadPoolBuilder::new().num_threads(threads).build() {
                 Ok(pool) => return Ok(Self { pool, stop }),
-                Err(_) if threads > 1 => threads /= 2,
-                Err(error) => return Err(io::Error::other(error)),
+                Err(error) => error,
+            };
+            if threads > 1 {
+                threads /= 2;
+            } else if last_tries == 0 {
+                return Err(io::Error::other(error));
+            } else {
+                last_tries -= 1;
             }
+            // The threads of this try are still ending, and have their memory until then.
+            thread::sleep(Duration::from_millis(20));
         }
     }
 

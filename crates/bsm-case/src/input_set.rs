@@ -65,7 +65,7 @@ impl InputSet {
     pub fn replaced(self) -> Self {
         QUANTITIES
             .iter()
-            .map(|quantity| quantity.keys())
+            .map(Quantity::keys)
             .filter(|keys| keys.meets(self))
             .fold(self, Self::bitor)
     }

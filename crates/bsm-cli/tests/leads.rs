@@ -14,7 +14,8 @@ fn both_lead_columns_with_gaps_are_answered_as_single_points() {
     let drive = drive.display().to_string();
     for model in ["raceway-control", "rigid", "closed-form", "quasi-static", "auto"] {
         let common = ["--model", model];
-        let batch = ["batch", "-", "--base", &drive, "-o", "-", "--columns", "efficiency"];
+        let batch =
+            ["batch", "-", "--base", &drive, "-o", "-", "--columns", "efficiency", "--keep-going"];
         let table = "lead_angle_deg,lead_mm\n6,\n,10\n6,10\n";
         let output = bsm(dir.path(), &[&batch[..], &common].concat(), table);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

@@ -247,6 +247,7 @@ use Said::{Healed, Refused};
 
 /// Found by the audit: `--resume` asked whether a path exists.
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of kinds of damage")]
 fn resume_looks_at_finished_parts() {
     let dir = folder();
     let points = Points::new(20);
@@ -366,7 +367,7 @@ fn resume_looks_at_finished_parts() {
         (
             "a bit of the plan",
             Box::new(|| {
-                fs::write(&plan, text.replace("\"rows\":", "\"rowr\":")).expect("writable")
+                fs::write(&plan, text.replace("\"rows\":", "\"rowr\":")).expect("writable");
             }),
             Refused(2, "plan.json is not the plan of this task: it is damaged"),
         ),

@@ -150,6 +150,30 @@ impl Tradeoff {
     }
 }
 
+/// A dial and its errors, over all points and by motion of the balls.
+pub type DialErrors = (Dial, Vec<Errors>);
+
+/// Errors of every dial over `points`, all points first, without times.
+///
+/// # Errors
+///
+/// [`ValidateError`] if no point has a reference.
+pub fn accuracy(points: &Points) -> Result<Vec<DialErrors>, ValidateError> {
+    Ok(errors(points)?.1)
+}
+
+fn errors(points: &Points) -> Result<(Reference, Vec<DialErrors>), ValidateError> {
+    let mut work = ModelWorkspace::default();
+    let reference = Reference::of(points.scenes(), &mut work)?;
+    let groups = reference.groups();
+    let mut measured = Vec::new();
+    for dial in dials::all() {
+        let errors = reference.errors(points.scenes(), &groups, &dial.settings, &mut work)?;
+        measured.push((dial, errors));
+    }
+    Ok((reference, measured))
+}
+
 /// Measures every dial over `points`; `progress` hears how many of how many steps are done.
 ///
 /// # Errors
@@ -159,14 +183,9 @@ pub fn run(
     points: &Points,
     mut progress: impl FnMut(usize, usize),
 ) -> Result<Tradeoff, ValidateError> {
-    let mut work = ModelWorkspace::default();
-    let reference = Reference::of(points.scenes(), &mut work)?;
-    let dials = dials::all();
+    let (reference, errors) = errors(points)?;
     let groups = reference.groups();
-    let mut errors = Vec::new();
-    for dial in &dials {
-        errors.push(reference.errors(points.scenes(), &groups, &dial.settings, &mut work)?);
-    }
+    let (dials, errors): (Vec<_>, Vec<_>) = errors.into_iter().unzip();
     let times = clock::times(points, &groups, &dials, &mut progress)?;
     let measured: Vec<_> = dials
         .into_iter()

@@ -15,7 +15,7 @@ use crate::{Answers, Format, GridSource, Source, TableError, Task, Workers};
 
 /// Goes up by one with each entry under "Changed numbers" in the changelog: parts of two revisions are
 /// not mixed.
-pub const RESULTS: u32 = 0;
+pub const RESULTS: u32 = 3;
 
 /// Form of the file itself.
 const FORMAT: u32 = 1;
@@ -76,21 +76,16 @@ impl Points {
         let hash = digest::of_reader(&mut file, || workers.stopped()).map_err(unreadable)?;
         let (sha256, bytes) = hash.ok_or(DatasetError::Stopped)?;
         let mut source = self.open().map_err(DatasetError::Read)?;
-        let rows = match source.len_hint() {
-            Some(rows) => rows,
-            None => {
-                let mut rows = 0;
-                while let Some(chunk) =
-                    source.next(crate::pipeline::ROWS).map_err(DatasetError::Read)?
-                {
-                    rows += chunk.len as u64;
-                    if workers.stopped() {
-                        return Err(DatasetError::Stopped);
-                    }
-                }
-                rows
+        let known = source.len_hint();
+        let mut rows = known.unwrap_or(0);
+        while known.is_none()
+            && let Some(chunk) = source.next(crate::pipeline::ROWS).map_err(DatasetError::Read)?
+        {
+            rows += chunk.len as u64;
+            if workers.stopped() {
+                return Err(DatasetError::Stopped);
             }
-        };
+        }
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let table = WrittenTable { name, bytes, sha256, rows, keep: keep.clone() };
         Ok((WrittenPoints::Table(table), rows))

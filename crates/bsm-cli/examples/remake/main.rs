@@ -1,0 +1,225 @@
+//! Writes the numbers of README and docs again, from the commands behind them; see `docs/remake`.
+//!
+//! A block is written when its command has succeeded, so that an interrupt loses one command at most. A
+//! command that fails leaves its blocks as they are, the others go on, and the exit code is 1.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "progress and list of a program")]
+
+mod document;
+mod fast;
+mod slow;
+
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use document::{bsm_arguments, documents};
+use fast::Program;
+use slow::{CAMPAIGNS, Site, Text};
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// Blocks with their new text.
+type Made = Vec<(&'static str, Text)>;
+
+/// Something that can be asked for by name.
+struct Source {
+    name: String,
+    /// The commands, in words.
+    commands: &'static str,
+    takes: &'static str,
+    how: How,
+}
+
+enum How {
+    /// Output of `bsm` below its command.
+    Shown,
+    /// Output of a long test below its command.
+    Tests,
+    Fast(fn(&Program) -> Result<String>),
+    Slow(fn(&Site) -> Result<Made>),
+    Campaign(&'static str),
+}
+
+fn sources() -> Vec<Source> {
+    let source =
+        |name: &str, commands, takes, how| Source { name: name.to_owned(), commands, takes, how };
+    let mut all =
+        vec![source("shown", "the `bsm` commands of README and guides", "2 s", How::Shown)];
+    for (name, make) in fast::BLOCKS {
+        let (commands, takes) = match *name {
+            "checks" => ("bsm validate", "1 s"),
+            "quadrature" => ("bsm solve --model traction --quadrature N", "1 s"),
+            "slip-powers" => ("bsm slip examples/xu2015.json --model M", "1 s"),
+            "catalogue" => ("bsm catalog", "1 s"),
+            _ => ("errors of `bsm tradeoff`", "10 s"),
+        };
+        all.push(source(name, commands, takes, How::Fast(*make)));
+    }
+    all.extend([
+        source("tradeoff", "bsm tradeoff", "1 min", How::Slow(slow::tradeoff)),
+        source(
+            "seeded",
+            "cargo bench -p bsm-benches -- seeded",
+            "3 min, build",
+            How::Slow(slow::seeded),
+        ),
+        source("many", "bsm sweep, bsm batch", "2 min, 2 GB of disk", How::Slow(slow::many)),
+        source("build", "cargo build --release", "5 min", How::Slow(slow::build)),
+        source("peers", "benches/peers/run.sh", "5 min, Python", How::Slow(slow::peers)),
+        source("tests", "the `cargo test` commands of the documents", "an hour", How::Tests),
+    ]);
+    all.extend(CAMPAIGNS.iter().map(|(model, ..)| {
+        let takes = "minutes to hours";
+        source(&format!("extremes-{model}"), "just extremes", takes, How::Campaign(model))
+    }));
+    all
+}
+
+impl Source {
+    fn group(&self) -> &'static str {
+        if matches!(self.how, How::Shown | How::Fast(_)) { "fast" } else { "slow" }
+    }
+}
+
+fn main() -> Result<ExitCode> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize()?;
+    // The program lies two folders above this one's: target/release/examples/remake.
+    let bsm = std::env::current_exe()?.ancestors().nth(2).map(|folder| folder.join("bsm"));
+    let bsm = bsm.filter(|path| path.exists()).ok_or("bsm is not built; call docs/remake")?;
+    let (mut quick, mut names) = (false, Vec::new());
+    for word in std::env::args().skip(1) {
+        match word.as_str() {
+            "--list" => return Ok(list()),
+            "--quick" => quick = true,
+            _ => names.push(word),
+        }
+    }
+    let all = sources();
+    let is = |source: &Source, name: &str| source.name == name || source.group() == name;
+    if let Some(unknown) = names.iter().find(|name| !all.iter().any(|source| is(source, name))) {
+        eprintln!("error: nothing is named {unknown}; `docs/remake --list` shows the names");
+        return Ok(ExitCode::from(2));
+    }
+    let asked = |source: &&Source| names.is_empty() || names.iter().any(|name| is(source, name));
+    let site = Site { root, bsm, quick };
+    let mut failed = Vec::new();
+    for source in all.iter().filter(asked) {
+        eprintln!("{}: {} ({})", source.name, source.commands, source.takes);
+        let begin = Instant::now();
+        match make(&site, source) {
+            Ok(()) => eprintln!("{}: {:.0} s", source.name, begin.elapsed().as_secs_f64()),
+            Err(error) => {
+                eprintln!("error: {}: {error}; its blocks stay as they are", source.name);
+                failed.push(source.name.as_str());
+            }
+        }
+    }
+    if failed.is_empty() {
+        return Ok(ExitCode::SUCCESS);
+    }
+    eprintln!("failed: {}", failed.join(", "));
+    Ok(ExitCode::FAILURE)
+}
+
+fn list() -> ExitCode {
+    for source in sources() {
+        println!("{:24} {:5} {:22} {}", source.name, source.group(), source.takes, source.commands);
+    }
+    ExitCode::SUCCESS
+}
+
+fn make(site: &Site, source: &Source) -> Result<()> {
+    match source.how {
+        How::Shown => outputs(site, "shown", |line, program| {
+            let words = bsm_arguments(line).ok_or("not a command of bsm")?;
+            Ok(fast::fenced(&program.prints(&words)?.0))
+        }),
+        How::Tests => outputs(site, "tests", |line, _| slow::test_output(site, line)),
+        How::Fast(make) => {
+            let folder = tempfile::tempdir()?;
+            let text = make(&Program::new(site.bsm.clone(), &site.root, folder.path())?)?;
+            write(site, &source.name, &Text::Whole(text))
+        }
+        How::Slow(make) => write_all(site, &make(site)?),
+        How::Campaign(model) => write_all(site, &slow::extremes(site, model)?),
+    }
+}
+
+fn write_all(site: &Site, made: &[(&str, Text)]) -> Result<()> {
+    made.iter().try_for_each(|(name, text)| write(site, name, text))
+}
+
+/// Writes every block of a name.
+fn write(site: &Site, name: &str, text: &Text) -> Result<()> {
+    let mut written = 0;
+    for document in documents(&site.root)? {
+        let mut new = document.text.clone();
+        // From the end, so that places stay.
+        for block in document.blocks()?.iter().rev().filter(|block| block.name == name) {
+            let body = match text {
+                Text::Whole(body) => body.clone(),
+                Text::Row(row) => with_row(&document.text[block.body.clone()], row),
+            };
+            new.replace_range(block.body.clone(), &body);
+            written += 1;
+            if site.quick {
+                println!("{}, {name}:\n{body}", document.path.display());
+            }
+        }
+        save(site, &document.path, &document.text, &new)?;
+    }
+    if written == 0 { Err(format!("no document has a block {name}").into()) } else { Ok(()) }
+}
+
+/// A document whole or not at all; what someone edited meanwhile is not lost.
+fn save(site: &Site, path: &Path, old: &str, new: &str) -> Result<()> {
+    if site.quick || old == new {
+        return Ok(());
+    }
+    if fs::read_to_string(path)? != old {
+        return Err(format!("{} was changed meanwhile", path.display()).into());
+    }
+    let unfinished = PathBuf::from(format!("{}.new", path.display()));
+    fs::write(&unfinished, new)?;
+    fs::rename(&unfinished, path)?;
+    eprintln!("  wrote {}", path.display());
+    Ok(())
+}
+
+/// A table in which the row that begins with the same cell is replaced, or a new one is the last.
+fn with_row(table: &str, row: &str) -> String {
+    let key = |line: &str| line.split('|').nth(1).map(|cell| cell.trim().to_owned());
+    let mut lines: Vec<_> = table.trim_end().lines().collect();
+    match lines.iter().position(|line| key(line).is_some() && key(line) == key(row)) {
+        Some(place) => lines[place] = row,
+        None => lines.push(row),
+    }
+    lines.join("\n") + "\n"
+}
+
+/// Writes the outputs of the commands above the blocks of a name, those of a document in one folder:
+/// what one writes, the next may read.
+fn outputs(site: &Site, name: &str, run: impl Fn(&str, &Program) -> Result<String>) -> Result<()> {
+    for mut document in documents(&site.root)? {
+        let folder = tempfile::tempdir()?;
+        let program = Program::new(site.bsm.clone(), &site.root, folder.path())?;
+        // Places move with each block that is written.
+        for number in 0..document.blocks()?.len() {
+            let block = document.blocks()?.swap_remove(number);
+            if block.name != name {
+                continue;
+            }
+            let command = document.command_before(block.body.start).ok_or("no command above")?;
+            let body = run(&command, &program)?;
+            if site.quick {
+                println!("{}, {command}:\n{body}", document.path.display());
+            }
+            let old = document.text.clone();
+            document.text.replace_range(block.body, &body);
+            save(site, &document.path, &old, &document.text)?;
+        }
+    }
+    Ok(())
+}

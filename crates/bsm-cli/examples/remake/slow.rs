@@ -1,0 +1,558 @@
+//! What takes minutes and hours: times, campaigns, searches, the peers.
+
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use bsm_validate::short;
+use serde_json::Value;
+
+use crate::fast::table;
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// New text for a block.
+pub(crate) enum Text {
+    Whole(String),
+    /// The row of a table that begins with the same cell.
+    Row(String),
+}
+
+/// The repository, and how much of the work is done.
+pub(crate) struct Site {
+    pub(crate) root: PathBuf,
+    pub(crate) bsm: PathBuf,
+    /// A thousandth of the points.
+    pub(crate) quick: bool,
+}
+
+/// Files that the measurements leave, under the repository.
+const WORK: &str = "target/remake";
+
+/// Campaigns over the extremes: model, points, seed, points next to edges.
+pub(crate) const CAMPAIGNS: &[(&str, usize, u64, usize)] = &[
+    ("closed-form", 50_000, 2026, 100_000),
+    ("quasi-static", 50_000, 2026, 100_000),
+    ("rigid", 10_000_000, 1, 100_000),
+    ("raceway-control", 1_000_000, 2026, 100_000),
+    ("elastic", 1_000_000, 2026, 100_000),
+    ("traction", 100_000, 3, 3000),
+    ("auto", 20_000, 2026, 3000),
+];
+
+impl Site {
+    fn points(&self, full: usize) -> usize {
+        if self.quick { full.div_ceil(1000).max(20) } else { full }
+    }
+
+    /// Quick runs take what the tests have built.
+    fn profile(&self) -> &'static str {
+        if self.quick { "test" } else { "release" }
+    }
+
+    fn folder(&self) -> Result<PathBuf> {
+        let folder = self.root.join(WORK);
+        fs::create_dir_all(&folder)?;
+        Ok(folder)
+    }
+
+    /// Output and error output of a command in the repository, as the second is shown.
+    pub(crate) fn run(&self, program: impl AsRef<Path>, words: &str) -> Result<(String, String)> {
+        let program = program.as_ref();
+        eprintln!("  {} {words}", program.file_name().unwrap_or_default().display());
+        let output = Command::new(program)
+            .args(words.split_whitespace())
+            .current_dir(&self.root)
+            .stdin(Stdio::null())
+            .output()?;
+        let [stdout, stderr] = [output.stdout, output.stderr].map(String::from_utf8);
+        let (stdout, stderr) = (stdout?, stderr?);
+        if output.status.success() {
+            return Ok((stdout, stderr));
+        }
+        eprintln!("{stdout}\n{stderr}");
+        Err(format!("{}: {}", program.display(), output.status).into())
+    }
+
+    /// What kind of machine this is, and the state of the code.
+    fn machine(&self) -> Result<String> {
+        let cores = std::thread::available_parallelism()?;
+        let kind = bsm_simd::name(bsm_simd::Arch::new());
+        let code = "-- crates benches Cargo.toml Cargo.lock";
+        let commit = match self.run("git", "log -1 --format=%h,%x20%cs") {
+            Ok((commit, _)) if self.run("git", &format!("diff --quiet HEAD {code}")).is_ok() => {
+                format!(", commit {}", commit.trim())
+            }
+            Ok((commit, _)) => format!(", commit {} with changes", commit.trim()),
+            Err(_) => String::new(),
+        };
+        Ok(format!("{cores} cores, {kind}{commit}"))
+    }
+}
+
+fn number(value: &Value, name: &str) -> Result<f64> {
+    Ok(value[name].as_f64().ok_or_else(|| format!("no number `{name}` in {value}"))?)
+}
+
+fn list<'a>(value: &'a Value, name: &str) -> Result<&'a Vec<Value>> {
+    Ok(value[name].as_array().ok_or_else(|| format!("no list `{name}`"))?)
+}
+
+fn word<'a>(value: &'a Value, name: &str) -> Result<&'a str> {
+    Ok(value[name].as_str().ok_or_else(|| format!("no text `{name}` in {value}"))?)
+}
+
+fn micro(ns: f64) -> String {
+    short(1e-3 * ns)
+}
+
+/// `bsm tradeoff`: what to take, and the time of a point.
+pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
+    let few = site.folder()?.join("few.csv");
+    let words = if site.quick {
+        let scenes = site.root.join("validation/golden/tradeoff/scenes.csv");
+        let lines: Vec<_> =
+            fs::read_to_string(scenes)?.lines().step_by(30).map(str::to_owned).collect();
+        fs::write(&few, lines.join("\n") + "\n")?;
+        format!("tradeoff --quiet --format json {WORK}/few.csv")
+    } else {
+        "tradeoff --quiet --format json".to_owned()
+    };
+    let results: Value = serde_json::from_str(&site.run(&site.bsm, &words)?.0)?;
+    let measured = &results["tradeoff"];
+    let advice = list(measured, "advice")?;
+    let all = advice.iter().map(advice_row).collect::<Result<Vec<_>>>()?;
+    let times = list(measured, "dials")?.iter().map(times_row).collect::<Result<Vec<_>>>()?;
+    let header = "| error of the efficiency | where the ball | one point | us | errs more where it | batch, one core | us |";
+    let of_times =
+        "| model and dial | grips | skids partly | skids | batch: grips | skids partly | skids |";
+    Ok(vec![
+        ("tradeoff/summary", Text::Whole(summary(advice)?)),
+        ("tradeoff/advice", Text::Whole(table(header, &all))),
+        ("tradeoff/times", Text::Whole(table(of_times, &times))),
+        ("tradeoff/machine", Text::Whole(format!("({})", site.machine()?))),
+    ])
+}
+
+fn picked(pick: &Value) -> Result<String> {
+    if pick.is_null() {
+        return Ok("none".to_owned());
+    }
+    Ok(format!("`{}`, {} us", word(pick, "dial")?, micro(number(pick, "ns")?)))
+}
+
+/// A row for each tolerance, a column for each motion but skidding partly.
+fn summary(advice: &[Value]) -> Result<String> {
+    let mut tolerances: Vec<_> = advice.iter().map(|a| &a["tolerance"]).collect();
+    tolerances.dedup();
+    let mut rows = Vec::new();
+    for tolerance in tolerances {
+        let pick = |group: &str| {
+            let place = |a: &&Value| a["tolerance"] == *tolerance && a["group"] == group;
+            picked(advice.iter().find(place).map_or(&Value::Null, |a| &a["single"]))
+        };
+        let percent = 100.0 * tolerance.as_f64().ok_or("no tolerance")?;
+        rows.push(format!(
+            "| {percent} % | {} | {} | {} |",
+            pick("all")?,
+            pick("grips")?,
+            pick("skids")?
+        ));
+    }
+    Ok(table("| error of the efficiency | balls do anything | balls grip | balls slide |", &rows))
+}
+
+fn advice_row(advice: &Value) -> Result<String> {
+    let cells = |pick: &Value| {
+        if pick.is_null() {
+            return Ok(["none".to_owned(), String::new(), String::new()]);
+        }
+        let fails: Vec<_> = list(pick, "fails_where")?.iter().filter_map(Value::as_str).collect();
+        let dial = format!("`{}`", word(pick, "dial")?);
+        Ok::<_, Box<dyn Error>>([dial, micro(number(pick, "ns")?), fails.join(", ")])
+    };
+    let group = match word(advice, "group")? {
+        "all" => "does anything",
+        group => group,
+    };
+    let ([single, us, fails], [batch, batch_us, _]) =
+        (cells(&advice["single"])?, cells(&advice["batch"])?);
+    let percent = 100.0 * number(advice, "tolerance")?;
+    Ok(format!("| {percent} % | {group} | {single} | {us} | {fails} | {batch} | {batch_us} |"))
+}
+
+fn times_row(dial: &Value) -> Result<String> {
+    let name = format!("{} {}", word(dial, "model")?, word(dial, "options")?);
+    let times = list(&dial["times"], "one_core")?;
+    let cells = |way: &str| -> Result<Vec<String>> {
+        let of = |group: &&str| {
+            let there = times.iter().find(|t| t["group"] == **group);
+            there.map_or(Ok(String::new()), |t| Ok(micro(number(t, way)?)))
+        };
+        ["grips", "skids partly", "skids"].iter().map(of).collect()
+    };
+    let cells = [cells("single")?, cells("batch")?].concat();
+    Ok(format!("| `{}` | {} |", name.trim_end(), cells.join(" | ")))
+}
+
+/// `cargo bench -- seeded`: medians over the seeded points, with the ratio to `rigid`.
+pub(crate) fn seeded(site: &Site) -> Result<Vec<(&'static str, Text)>> {
+    // With --test criterion runs each group once; the medians are printed anyhow.
+    let words = format!(
+        "bench --quiet --locked --profile {} -p bsm-benches --bench models -- seeded --test",
+        if site.quick { "test" } else { "bench" }
+    );
+    let (_, printed) = site.run("cargo", &words)?;
+    let rows: Vec<Vec<&str>> = printed
+        .lines()
+        .filter_map(|line| line.strip_prefix("seeded | "))
+        .map(|line| line.split(" | ").collect())
+        .collect();
+    let time = |row: &[&str]| Ok::<f64, Box<dyn Error>>(row.get(1).ok_or("no time")?.parse()?);
+    let rigid = time(rows.iter().find(|row| row[0] == "rigid").ok_or("no time of rigid")?)?;
+    let row = |row: &Vec<&str>| {
+        let ns = time(row)?;
+        let label = match row[0].split_once(", ") {
+            Some((model, dial)) => format!("`{model}`, {dial}"),
+            None => format!("`{}`", row[0]),
+        };
+        let steps = row.get(2).ok_or("no steps")?;
+        Ok::<_, Box<dyn Error>>(format!(
+            "| {label} | {} | {} us | {steps} |",
+            short(ns / rigid),
+            micro(ns)
+        ))
+    };
+    let rows = rows.iter().map(row).collect::<Result<Vec<_>>>()?;
+    let header = "| model | time over that of `rigid` | time | Newton steps |";
+    Ok(vec![
+        ("seeded", Text::Whole(table(header, &rows))),
+        ("seeded/machine", Text::Whole(format!("({})", site.machine()?))),
+    ])
+}
+
+/// What a run of the program took.
+struct Took {
+    time: Duration,
+    /// Largest memory \[bytes\], where the system tells.
+    memory: Option<f64>,
+}
+
+impl Site {
+    fn took(&self, folder: &Path, words: &str) -> Result<Took> {
+        eprintln!("  bsm {words}");
+        let begin = Instant::now();
+        let mut child = Command::new(&self.bsm)
+            .args(words.split_whitespace())
+            .arg("--quiet")
+            .current_dir(folder)
+            .stdin(Stdio::null())
+            .spawn()?;
+        let mut memory = None;
+        loop {
+            if let Some(status) = child.try_wait()? {
+                if !status.success() {
+                    return Err(format!("bsm {words}: {status}").into());
+                }
+                return Ok(Took { time: begin.elapsed(), memory });
+            }
+            let status = fs::read_to_string(format!("/proc/{}/status", child.id()));
+            let peak = |text: String| {
+                let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+                line.split_whitespace().next()?.parse::<f64>().ok()
+            };
+            memory = status.ok().and_then(peak).map(|kib| 1024.0 * kib).or(memory);
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+/// Bytes of all Parquet files in a folder.
+fn parquet_bytes(folder: &Path) -> Result<f64> {
+    let mut bytes = 0.0;
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        if entry.file_type()?.is_dir() {
+            bytes += parquet_bytes(&entry.path())?;
+        } else if entry.path().extension().is_some_and(|end| end == "parquet") {
+            #[expect(clippy::cast_precision_loss, reason = "a file is smaller than 2^53 bytes")]
+            let size = entry.metadata()?.len() as f64;
+            bytes += size;
+        }
+    }
+    Ok(bytes)
+}
+
+fn seconds(took: &Took) -> String {
+    format!("{} s", short(took.time.as_secs_f64()))
+}
+
+fn megabytes(bytes: f64) -> String {
+    format!("{:.0} MB", 1e-6 * bytes)
+}
+
+/// Tables from file to file: a hundred million points of a grid, ten million rows of a table.
+pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
+    let folder = tempfile::tempdir_in(site.folder()?)?;
+    let folder = folder.path();
+    std::os::unix::fs::symlink(site.root.join("examples"), folder.join("examples"))?;
+    let scene = "examples/feed_drive.json";
+    let (axis, cube) = if site.quick { (300, 20) } else { (10_000, 216) };
+    let grid = |model: &str, side: usize| {
+        let words = format!(
+            "sweep {scene} --set lead_mm=25 --model {model} --vary axial_load_N=2000:8000:{side} \
+             --vary screw_speed_rpm=100:1500:{side} --columns efficiency -o {model}-{side}/"
+        );
+        site.took(folder, &words)
+    };
+    let (rigid, closed, small) =
+        (grid("rigid", axis)?, grid("closed-form", axis)?, grid("rigid", axis / 10)?);
+    #[expect(clippy::cast_precision_loss, reason = "a hundred million")]
+    let points = (axis * axis) as f64;
+    let bytes = parquet_bytes(&folder.join(format!("rigid-{axis}")))? / points;
+    let memory = match (rigid.memory, small.memory) {
+        (Some(large), Some(small)) => {
+            format!(
+                "{} of memory ({} for a hundredth of the points), ",
+                megabytes(large),
+                megabytes(small)
+            )
+        }
+        _ => String::new(),
+    };
+    for end in ["parquet", "csv"] {
+        let words = format!(
+            "sweep {scene} --set lead_mm=25 --model closed-form --vary axial_load_N=2000:8000:{cube} \
+             --vary screw_speed_rpm=100:1500:{cube} --vary friction_coefficient=0.03:0.05:{cube} \
+             --columns screw_torque_Nm -o points.{end}"
+        );
+        site.took(folder, &words)?;
+    }
+    let table = |end: &str| {
+        let words = format!(
+            "batch points.{end} --base {scene} --model rigid --columns efficiency -o out.{end}"
+        );
+        site.took(folder, &words)
+    };
+    let (parquet, csv) = (table("parquet")?, table("csv")?);
+    Ok(vec![(
+        "many",
+        Text::Whole(format!(
+            "\nThese {points:e} points take {} (`closed-form` {}), {memory}and {bytes:.1} bytes a row. {:e} rows with three varied\n\
+             inputs take {} from Parquet to Parquet and {} from CSV to CSV. ({})\n",
+            seconds(&rigid),
+            seconds(&closed),
+            cube * cube * cube,
+            seconds(&parquet),
+            seconds(&csv),
+            site.machine()?
+        )),
+    )])
+}
+
+/// The peers, and what the README says of them.
+pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
+    let file = site.folder()?.join("peers.json");
+    let few = if site.quick { " --count 64 --runs 3" } else { "" };
+    site.run(site.root.join("benches/peers/run.sh"), &format!("--out {}{few}", file.display()))?;
+    let report: Value = serde_json::from_str(&fs::read_to_string(&file)?)?;
+    let lines = list(&report, "lines")?;
+    let row = |line: &Value| {
+        Ok::<_, Box<dyn Error>>(format!(
+            "| {} | {:.2} | {:.2} | {:.0} | {:.2} % | {:.0e} | {:.0e} | {:.0e} |",
+            word(line, "peer")?,
+            number(line, "over_batch")?,
+            number(line, "over_nalgebra")?,
+            number(line, "ns_per_point")?,
+            100.0 * number(line, "share_solved")?,
+            number(line, "worst_loaded")?,
+            number(line, "worst_inertial")?,
+            number(line, "worst_inertial_scaled")?,
+        ))
+    };
+    let rows = lines.iter().map(row).collect::<Result<Vec<_>>>()?;
+    let header = "| peer | time over bsm batch, 1 thread | over Newton on nalgebra | ns/point | solved | \
+                  worst η, Q_A, Q_B, p, s | worst Q_A', u, τ | the same × inertia |";
+    let said = |name: &str| -> Result<Vec<&str>> {
+        Ok(list(&report, name)?.iter().filter_map(Value::as_str).collect())
+    };
+    let missing: Vec<_> = said("missing")?.iter().map(|what| format!("left out: {what}")).collect();
+    let with =
+        [vec![site.machine()?], said("versions")?.iter().map(|&v| v.to_owned()).collect(), missing];
+    let with = with.concat().join("; ");
+    let times = |line: &Value| {
+        let name = word(line, "peer")?;
+        Ok::<_, Box<dyn Error>>(format!("{name} {}", short(number(line, "over_batch")?)))
+    };
+    let others =
+        lines.iter().filter(|line| !line["peer"].as_str().unwrap_or("bsm").starts_with("bsm"));
+    let others = others.map(times).collect::<Result<Vec<_>>>()?;
+    let sentence = format!(
+        "\nThe same points, on one core, with all set-up and outputs, take other solvers so many times as long as a batch of `rigid`\n\
+         on one thread: {}.\n",
+        others.join("; ")
+    );
+    Ok(vec![
+        ("peers", Text::Whole(table(header, &rows))),
+        ("peers/machine", Text::Whole(format!("({with})"))),
+        ("peers/summary", Text::Whole(sentence)),
+    ])
+}
+
+/// A campaign over the extremes, and one next to edges.
+pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Text)>> {
+    let (_, points, seed, edges) =
+        *CAMPAIGNS.iter().find(|(name, ..)| *name == model).ok_or("no campaign of that model")?;
+    let ask = |points: usize, more: &str| {
+        let just = format!("just extremes {points} --model {model} --seed {seed}{more}");
+        let words = format!(
+            "run --quiet --locked --profile {} -p bsm-validate --example extremes -- \
+             {points} --model {model} --seed {seed}{more}",
+            site.profile()
+        );
+        let printed = site.run("cargo", &words)?.0;
+        Ok::<_, Box<dyn Error>>((just, Campaign::read(&printed)?))
+    };
+    let (just, wide) = ask(site.points(points), "")?;
+    let (next, close) = ask(site.points(edges), " --edges")?;
+    let [converged, none, lost] = wide.shares();
+    Ok(vec![
+        (
+            "extremes/outcomes",
+            Text::Row(format!(
+                "| `{model}` | `{just}` | {converged} | {none} | {lost} | {} s |",
+                short(1e-3 * wide.slowest_ms)
+            )),
+        ),
+        ("extremes/reasons", Text::Row(format!("| `{model}` | {} |", wide.reasons().join(" | ")))),
+        ("extremes/edges", Text::Row(format!("| `{model}` | `{next}` | {} |", close.shares()[2]))),
+    ])
+}
+
+/// What a campaign printed.
+struct Campaign {
+    points: f64,
+    /// Place of the outcome in [`OUTCOMES`], the rest of the name, points.
+    kinds: Vec<(usize, String, f64)>,
+    slowest_ms: f64,
+}
+
+/// How the names of the outcomes begin; the last takes what has no sensitivities too.
+const OUTCOMES: [&str; 3] = ["converged", "no_solution", "not_converged"];
+
+impl Campaign {
+    fn read(printed: &str) -> Result<Self> {
+        let rows = printed.lines().filter(|line| line.starts_with("| "));
+        let mut rows =
+            rows.map(|line| line.trim_matches(['|', ' ']).split(" | ").collect::<Vec<_>>());
+        let header = rows.next().ok_or("no table")?;
+        let points = header[0].trim_end_matches(" points").parse()?;
+        let mut kinds = Vec::new();
+        for row in rows {
+            let name = row[0].trim();
+            let (first, rest) = name.split_once(' ').unwrap_or((name, ""));
+            let outcome = OUTCOMES.iter().position(|outcome| *outcome == first);
+            // "converged, no sensitivities: ..." is no full answer.
+            let outcome = outcome.or_else(|| first.ends_with(',').then_some(2));
+            let outcome = outcome.ok_or_else(|| format!("an outcome without a place: {name}"))?;
+            // A regime explains itself after a comma or colon.
+            let rest =
+                if outcome == 0 { rest.split([',', ':']).next().unwrap_or("") } else { rest };
+            kinds.push((outcome, words(rest), row.get(2).ok_or("no count")?.parse()?));
+        }
+        let slowest = printed.split("slowest ").nth(1).and_then(|rest| rest.split(' ').next());
+        Ok(Self { points, kinds, slowest_ms: slowest.ok_or("no slowest point")?.parse()? })
+    }
+
+    fn shares(&self) -> [String; 3] {
+        [0, 1, 2].map(|place| {
+            let of = self.kinds.iter().filter(|(outcome, ..)| *outcome == place);
+            percent(of.map(|(.., count)| count).sum::<f64>() / self.points)
+        })
+    }
+
+    /// By outcome, most frequent first.
+    fn reasons(&self) -> [String; 3] {
+        [0, 1, 2].map(|place| {
+            let mut of: Vec<_> =
+                self.kinds.iter().filter(|(outcome, ..)| *outcome == place).collect();
+            of.sort_by(|a, b| b.2.total_cmp(&a.2));
+            let say = |(_, words, count): &&(usize, String, f64)| {
+                format!("{words} {}", percent(count / self.points)).trim_start().to_owned()
+            };
+            of.iter().map(say).collect::<Vec<_>>().join(", ")
+        })
+    }
+}
+
+/// `NoSkidAtInertia` as "no skid at inertia".
+fn words(name: &str) -> String {
+    let mut words = String::new();
+    for letter in name.chars() {
+        if letter.is_ascii_uppercase() {
+            let begins = words.is_empty() || words.ends_with(' ');
+            words.push_str(if begins { "" } else { " " });
+        }
+        words.push(letter.to_ascii_lowercase());
+    }
+    words
+}
+
+/// A share with two decimals, or two digits if it is small.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent == 0.0 {
+        return "0".to_owned();
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "2 to 10")]
+    let decimals = (1.0 - percent.log10().floor()).clamp(2.0, 10.0) as usize;
+    format!("{percent:.decimals$} %")
+}
+
+/// A cold build, and what comes out.
+pub(crate) fn build(site: &Site) -> Result<Vec<(&'static str, Text)>> {
+    let folder = site.folder()?.join("build");
+    if folder.exists() {
+        fs::remove_dir_all(&folder)?;
+    }
+    // A check builds the same crates without code.
+    let what = if site.quick { "check" } else { "build --release" };
+    let begin = Instant::now();
+    site.run("cargo", &format!("{what} --quiet --locked -p bsm-cli --target-dir {WORK}/build"))?;
+    let time = begin.elapsed().as_secs();
+    let program = if site.quick { site.bsm.clone() } else { folder.join("release/bsm") };
+    #[expect(clippy::cast_precision_loss, reason = "a file is smaller than 2^53 bytes")]
+    let size = megabytes(fs::metadata(program)?.len() as f64);
+    fs::remove_dir_all(&folder)?;
+    let text = format!(
+        "\nA cold release build takes {} min {} s with all dependencies, and the program is a file of {size}. ({})\n",
+        time / 60,
+        time % 60,
+        site.machine()?
+    );
+    Ok(vec![("build", Text::Whole(text))])
+}
+
+/// What a test prints that runs at length: `line` is its command, as it stands in a document.
+pub(crate) fn test_output(site: &Site, line: &str) -> Result<String> {
+    let words =
+        line.strip_prefix("cargo ").ok_or_else(|| format!("not a command of cargo: {line}"))?;
+    let mut words = words.replacen("test ", "test --quiet --locked ", 1);
+    if site.quick {
+        // That there is such a test.
+        words = words.replace(" --release", "").replace(" --nocapture", " --nocapture --list");
+    }
+    let (stdout, _) = site.run("cargo", &words)?;
+    let noise = ["running ", "test result", "test "];
+    let mut lines: Vec<_> = stdout.lines().map(str::trim_end).collect();
+    // `--quiet` prints a dot for each test, in front of what comes next.
+    lines.retain(|line| {
+        !line.chars().all(|c| ".i".contains(c)) && !noise.iter().any(|n| line.starts_with(n))
+    });
+    if lines.is_empty() {
+        return Err(format!("{line}: prints nothing").into());
+    }
+    Ok(crate::fast::fenced(&lines.join("\n")))
+}
