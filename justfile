@@ -53,4 +53,5 @@ remake *FLAGS:
 
 # The pictures of README and docs.
 pictures: (validate "--out" "target/report") (tradeoff "--out" "target/tradeoff")
+    cargo run --release --locked -p bsm-validate --example sketches -- docs/img
     cp target/report/figures/{transition,lin-efficiency-lead-angle}.svg target/tradeoff/figures/pareto-single.svg docs/img/

@@ -85,12 +85,12 @@ pub(crate) fn numbers(solution: &Solution) -> Option<Numbers> {
 pub(crate) fn reference(scene: &Scene) -> Option<Answer> {
     let Ok(Problem::Rigid(rigid)) = scene.problem(&settings()) else { return None };
     let mut work = RigidWorkspace::default();
-    let (outputs, root) = (rigid.solve(&mut work).outputs, rigid.root(&mut work).ok()?);
+    let (solved, root) = (rigid.solve(&mut work).answer.ok()?, rigid.root(&mut work).ok()?);
     Some([
-        outputs.efficiency?,
-        outputs.nut_normal_load?,
-        outputs.minor_normal_load?,
-        outputs.screw_normal_load?,
+        solved.transmission.efficiency,
+        solved.ball.nut.load?,
+        solved.ball.minor?.load?,
+        solved.ball.screw.load?,
         root.p,
         root.u,
         root.tau,

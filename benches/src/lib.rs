@@ -56,7 +56,7 @@ pub fn seeded(count: usize) -> Vec<Scene> {
             scene.set(name, value).expect("known name");
         }
         let problem = scene.problem(&Model::Rigid.into()).expect("complete scene");
-        if problem.solve(&mut work).outputs.efficiency.is_some() {
+        if problem.solve(&mut work).solved().is_some() {
             scenes.push(scene);
         }
     }

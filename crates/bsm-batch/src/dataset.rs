@@ -407,7 +407,7 @@ impl Dataset {
             let Place { rows, .. } = place;
             return Err(DatasetError::PointsChanged { shard, rows, found: count.rows });
         }
-        let (out, part) = seal(sink, place, count.failed).map_err(unwritable)?;
+        let (out, part) = seal(sink, place, count).map_err(unwritable)?;
         let named = || -> io::Result<()> {
             let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
             file.as_file().sync_all()?;
@@ -460,6 +460,7 @@ impl Dataset {
         Ok(parts.values().fold(Count::default(), |count, part| Count {
             rows: count.rows + part.rows,
             failed: count.failed + part.failed,
+            several: count.several + part.several,
         }))
     }
 
@@ -567,6 +568,7 @@ fn list<'a>(parts: &(impl Iterator<Item = &'a Part> + Clone)) -> Result<Vec<u8>,
         ("first_row", numbers(|part| part.first_row)),
         ("rows", numbers(|part| part.rows)),
         ("failed", numbers(|part| part.failed)),
+        ("several", numbers(|part| part.several)),
         ("bytes", numbers(|part| part.data_bytes)),
         ("data_sha256", Arc::new(hashes)),
     ])?;

@@ -90,8 +90,8 @@ pub enum TableError {
     Parquet(String),
     /// Parquet of a kind that is not read.
     #[error(
-        "the Parquet table is written with {0}, which is not read here; write it with Snappy \
-        compression and without encryption"
+        "the Parquet table is written with {0}, which is not read here; write it without \
+        encryption, and with Snappy, Zstandard, gzip, LZ4 or no compression"
     )]
     Unread(String),
     /// A Parquet table with fewer or more rows than it says.
@@ -180,12 +180,7 @@ impl From<parquet::errors::ParquetError> for TableError {
             ParquetError::General(text) if text.contains("encrypted footer") => {
                 Self::Unread("encryption".to_owned())
             }
-            ParquetError::General(text) => {
-                match text.split_once("Disabled feature at compile time: ") {
-                    Some((_, codec)) => Self::Unread(format!("{codec} compression")),
-                    None => Self::Parquet(text),
-                }
-            }
+            ParquetError::General(text) => Self::Parquet(text),
             ParquetError::NYI(text) => Self::Unread(format!("something else ({text})")),
             other => Self::Parquet(other.to_string()),
         }
@@ -194,6 +189,16 @@ impl From<parquet::errors::ParquetError> for TableError {
 
 impl From<arrow_schema::ArrowError> for TableError {
     fn from(error: arrow_schema::ArrowError) -> Self {
-        Self::Parquet(error.to_string())
+        match error {
+            // What the parquet crate says comes as text.
+            arrow_schema::ArrowError::ParquetError(text) => {
+                let text = ["Parquet error: ", "External: "]
+                    .iter()
+                    .find_map(|kind| text.strip_prefix(kind))
+                    .unwrap_or(&text);
+                Self::Parquet(text.to_owned())
+            }
+            other => Self::Parquet(other.to_string()),
+        }
     }
 }

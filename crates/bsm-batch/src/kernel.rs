@@ -72,6 +72,12 @@ impl Out<'_, '_> {
         }
     }
 
+    /// No other solution than this one.
+    #[inline(always)]
+    fn set_unique<S: Simd>(&mut self, like: Lane<S>) {
+        self.set(OutputKey::other_solutions, like.constant(0.0));
+    }
+
     /// Stores yes and no.
     #[inline(always)]
     fn set_flag<S: Simd>(&mut self, key: OutputKey, values: Mask<S>) {
@@ -177,7 +183,7 @@ mod tests {
                 scene.set(name, column.values()[row]).expect("known name");
             }
             let root = scene.problem(&settings).expect("complete").solve(&mut work);
-            let converged = root.status == bsm_dyn::Status::Converged;
+            let converged = root.status() == bsm_dyn::Status::Converged;
             solved += usize::from(converged);
             if converged && !done {
                 left += 1;

@@ -16,6 +16,7 @@ mod kernel;
 mod lines;
 mod numbers;
 mod operand;
+mod pages;
 mod parquet_table;
 mod pipeline;
 mod rows;

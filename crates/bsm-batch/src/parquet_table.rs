@@ -17,7 +17,6 @@ use arrow_cast::display::FormatOptions;
 use arrow_cast::{CastOptions, cast_with_options};
 use arrow_schema::{DataType, Field, Schema};
 use bsm_case::Output;
-use bytes::Bytes;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader,
     ParquetRecordBatchReaderBuilder,
@@ -26,8 +25,9 @@ use parquet::arrow::{ArrowWriter, ProjectionMask};
 use parquet::basic::Compression;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
-use parquet::file::reader::{ChunkReader, Length};
+use parquet::file::reader::ChunkReader;
 
+use crate::pages::Pages;
 use crate::rows::{self, ANSWERS, Answers, Chunk, Column, Columns, TEXT};
 use crate::{Sink, Source, TableError};
 
@@ -110,7 +110,20 @@ impl ParquetSource {
         for place in columns.input_places.iter_mut().chain(&mut columns.kept_places) {
             *place = read.partition_point(|other| other < place);
         }
-        let file = Shared(Arc::new(file));
+        for group in metadata.metadata().row_groups() {
+            for (leaf, chunk) in group.columns().iter().enumerate() {
+                let unread = match chunk.compression() {
+                    // Unpacks without end, which no header of a page bounds.
+                    Compression::BROTLI(_) => "Brotli",
+                    Compression::LZO => "LZO",
+                    _ => continue,
+                };
+                if mask.leaf_included(leaf) {
+                    return Err(TableError::Unread(format!("{unread} compression")));
+                }
+            }
+        }
+        let file = Pages::new(file, read.len());
         let from_row = Box::new(move |row: u64| {
             // The row groups before it are not read.
             let (mut group, mut skipped) = (0, 0);
@@ -193,33 +206,6 @@ impl Source for ParquetSource {
     }
 }
 
-/// A file that several readers read, one after the other.
-struct Shared<R>(Arc<R>);
-
-impl<R> Clone for Shared<R> {
-    fn clone(&self) -> Self {
-        Self(self.0.clone())
-    }
-}
-
-impl<R: ChunkReader> Length for Shared<R> {
-    fn len(&self) -> u64 {
-        self.0.len()
-    }
-}
-
-impl<R: ChunkReader> ChunkReader for Shared<R> {
-    type T = R::T;
-
-    fn get_read(&self, start: u64) -> parquet::errors::Result<R::T> {
-        self.0.get_read(start)
-    }
-
-    fn get_bytes(&self, start: u64, length: usize) -> parquet::errors::Result<Bytes> {
-        self.0.get_bytes(start, length)
-    }
-}
-
 /// What cannot be converted is an error, not null.
 const STRICT: CastOptions<'_> = CastOptions { safe: false, format_options: FormatOptions::new() };
 
@@ -267,6 +253,7 @@ impl<W: Write + Send> ParquetSink<W> {
             let kind = match output.json_type {
                 "integer" => DataType::UInt64,
                 "boolean" => DataType::Boolean,
+                "string" => DataType::Utf8,
                 _ => DataType::Float64,
             };
             Field::new(output.name, kind, true).with_metadata(unit(output.unit))
@@ -279,7 +266,7 @@ impl<W: Write + Send> ParquetSink<W> {
             // The footer follows the rows at once, so that one hash covers all before it.
             .set_offset_index_disabled(true)
             .set_statistics_enabled(EnabledStatistics::Chunk);
-        for output in outputs {
+        for output in outputs.iter().filter(|output| output.words.is_empty()) {
             // Numbers that hardly repeat.
             properties = properties.set_column_dictionary_enabled(output.name.into(), false);
         }
@@ -344,6 +331,10 @@ impl<W: Write + Send> Sink for ParquetSink<W> {
                 "boolean" => {
                     let flags = column.iter().map(|x| *x > 0.5).collect();
                     Arc::new(BooleanArray::new(flags, Some(there)))
+                }
+                "string" => {
+                    let words = column.iter().map(|x| output.word(*x));
+                    Arc::new(words.collect::<StringArray>())
                 }
                 _ => nullable(column, there),
             });

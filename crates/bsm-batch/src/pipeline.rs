@@ -32,13 +32,15 @@ pub struct Task {
     pub watched: Option<&'static Output>,
 }
 
-/// How many rows there were, and how many of them have no result.
+/// How many rows there were, and how many of them have no result or several.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub struct Count {
     /// All rows.
     pub rows: u64,
     /// Rows that did not converge.
     pub failed: u64,
+    /// Rows that are known to have other solutions.
+    pub several: u64,
 }
 
 /// What solves: threads, and an interrupt that they look at.
@@ -158,6 +160,7 @@ impl Task {
                 };
                 let verdicts = &answers.verdicts;
                 count.rows += verdicts.len() as u64;
+                count.several += verdicts.iter().filter(|v| v.has_others).count() as u64;
                 count.failed +=
                     verdicts.iter().filter(|v| v.status != Status::Converged).count() as u64;
                 seen(&chunk, &answers);

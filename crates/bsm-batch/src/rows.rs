@@ -214,6 +214,8 @@ pub struct Verdict {
     pub model: ModelChoice,
     /// How the solve ended.
     pub status: Status,
+    /// True if the point is known to have other solutions.
+    pub has_others: bool,
 }
 
 /// The answers of a chunk: a verdict for each row, words for some, and columns of outputs.
@@ -223,15 +225,15 @@ pub struct Answers {
     pub verdicts: Vec<Verdict>,
     /// Why there is no result, or why auto chose its model: rows in their order.
     pub(crate) messages: Vec<(usize, String)>,
-    /// The outputs that were asked for, in their order: numbers, counts, and 0 or 1 for no and
-    /// yes; NaN where there is none.
+    /// The outputs that were asked for, in their order, as [`Cell::number`](bsm_case::Cell::number)
+    /// has them; NaN where there is none.
     pub columns: Vec<Vec<f64>>,
 }
 
 impl Answers {
     /// Room for the answers of some rows.
     pub(crate) fn empty(rows: usize, outputs: usize, model: ModelChoice) -> Self {
-        let verdict = Verdict { model, status: Status::Converged };
+        let verdict = Verdict { model, status: Status::Converged, has_others: false };
         Self {
             verdicts: vec![verdict; rows],
             messages: Vec::new(),

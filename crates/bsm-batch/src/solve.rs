@@ -120,11 +120,15 @@ fn answer(
                     Ok(problem) => Record::new(WORK.with_borrow_mut(|work| problem.solve(work))),
                     Err(error) => Record::invalid(settings.model, &error),
                 };
-                part.verdicts[i] = Verdict { model: record.model(), status: record.status() };
+                part.verdicts[i] = Verdict {
+                    model: record.model(),
+                    status: record.status(),
+                    has_others: record.has_others(),
+                };
                 let message = record.message().map(str::to_owned).or_else(|| record.choice());
                 messages.extend(message.map(|message| (row, message)));
                 for (output, column) in outputs.iter().zip(&mut part.columns) {
-                    column[i] = record.cell(output).map_or(f64::NAN, number);
+                    column[i] = record.cell(output).map_or(f64::NAN, Answer::number);
                 }
             }
             messages
@@ -132,14 +136,4 @@ fn answer(
         .collect();
     answers.messages = messages.into_iter().flatten().collect();
     answers
-}
-
-/// A value as it stands in a column.
-fn number(value: Answer) -> f64 {
-    match value {
-        Answer::Number(x) => x,
-        #[expect(clippy::cast_precision_loss, reason = "small counts")]
-        Answer::Count(n) => n as f64,
-        Answer::Flag(yes) => f64::from(u8::from(yes)),
-    }
 }

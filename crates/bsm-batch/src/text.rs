@@ -279,6 +279,7 @@ fn json(output: &Output, value: f64) -> Value {
         _ if value.is_nan() => Value::Null,
         #[expect(clippy::cast_possible_truncation, reason = "small counts")]
         "integer" => json!(value as i64),
+        "string" => json!(output.word(value)),
         "boolean" => json!(value > 0.5),
         _ => json!(value),
     }

@@ -92,7 +92,7 @@ fn bytes_depend_on_the_plan_only() {
     let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
     let first = temporary();
     let count = fill(first.path(), &task, &points, 1);
-    assert_eq!(count, Count { rows: 120, failed: 40 });
+    assert_eq!(count, Count { rows: 120, failed: 40, several: 0 });
     let expected = files(first.path());
     let names: Vec<_> = expected.keys().map(String::as_str).collect();
     let parts =
@@ -153,7 +153,7 @@ fn parts_are_the_rows_of_one_file() {
         let footer = ParquetMetaDataReader::new().parse_and_finish(&bytes).expect("Parquet");
         let keys = footer.file_metadata().key_value_metadata().expect("keys");
         let names: Vec<_> = keys.iter().map(|entry| entry.key.as_str()).collect();
-        for key in ["plan", "shard", "rows", "failed", "data_bytes", "data_sha256"] {
+        for key in ["plan", "shard", "rows", "failed", "several", "data_bytes", "data_sha256"] {
             assert!(names.contains(&format!("bsm.{key}").as_str()), "{names:?}");
         }
         parts.extend(rows(Format::Parquet.open(&path, &[]).expect("a part").as_mut(), 7));

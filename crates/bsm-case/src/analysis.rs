@@ -1,12 +1,16 @@
 //! Analyses of a solved motion: their numbers, and what they are made from.
 
-use bsm_dyn::{Model, SITES, Solution, SteadyBall, Touch};
+use bsm_dyn::{Model, Solution, SteadyBall, Touch};
+use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
 use crate::record::message;
 use crate::{CaseError, ModelChoice, Record, Scene, Settings};
 
-/// Names of the contacts of a line in keys, in the order of [`SITES`].
+/// The contacts of a line.
+const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutMinor];
+
+/// Their names in keys.
 const PREFIXES: [&str; 3] = ["nut", "screw", "minor"];
 
 /// The numbers of a line.
@@ -189,10 +193,10 @@ impl MovingBall {
         let case = scene.reader().rigid();
         let ball =
             SteadyBall { helix: case.helix, radius: case.ball.radius, drive: case.drive, motion };
-        let contacts = std::array::from_fn(|i| {
-            let contact = state.contacts[i]?;
+        let contacts = SITES.map(|site| {
+            let contact = state.contact(site)?;
             Some(MovingContact {
-                touch: Touch { site: SITES[i], angle: contact.angle },
+                touch: Touch { site, angle: contact.angle },
                 load: contact.load?,
                 slip_angle: contact.slip_angle?,
                 semi_axes: contact.pressed.map(|pressed| pressed.semi_axes),

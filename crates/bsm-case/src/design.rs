@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use bsm_design::{Blocked, Check, Demand, Nut, Outcome, Quantity, Why};
-use bsm_dyn::{Direction, ModelWorkspace, Status};
+use bsm_dyn::{Direction, ModelWorkspace};
 use serde_json::{Map, Value, json};
 
 use crate::optimum::hard_to_make;

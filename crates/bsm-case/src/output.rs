@@ -1,6 +1,6 @@
 //! The outputs: one table that records, tables and schema are made from.
 
-use bsm_dyn::{Solution, Transmission};
+use bsm_dyn::{Control, Solution, Transmission};
 use bsm_kin::Motion;
 use bsm_kin::Site::{Nut, NutMinor, Screw};
 
@@ -15,6 +15,22 @@ pub enum Cell {
     Count(usize),
     /// Yes or no.
     Flag(bool),
+    /// A race, as text.
+    Race(Control),
+}
+
+impl Cell {
+    /// The value as it stands in a column of numbers: no is 0 and yes is 1, a race its place among
+    /// the words of its output.
+    pub fn number(self) -> f64 {
+        match self {
+            Self::Number(x) => x,
+            #[expect(clippy::cast_precision_loss, reason = "small counts")]
+            Self::Count(n) => n as f64,
+            Self::Flag(yes) => f64::from(u8::from(yes)),
+            Self::Race(race) => f64::from(race as u8),
+        }
+    }
 }
 
 /// One output of the vocabulary.
@@ -26,6 +42,8 @@ pub struct Output {
     pub unit: &'static str,
     /// JSON type.
     pub json_type: &'static str,
+    /// The words that a text may be; empty if it is none.
+    pub words: &'static [&'static str],
     /// Meaning.
     pub about: &'static str,
     /// Place in [`OUTPUTS`].
@@ -37,6 +55,13 @@ impl Output {
     /// The value in a solution, in the unit of the vocabulary; `None` if it has none.
     pub fn read(&self, solution: &Solution) -> Option<Cell> {
         (self.read)(solution)
+    }
+
+    /// The word of a number in a column of texts.
+    pub fn word(&self, number: f64) -> Option<&'static str> {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
+        let place = number as usize;
+        self.words.get(place).filter(|_| !number.is_nan()).copied()
     }
 
     /// The output of that name.
@@ -52,6 +77,7 @@ macro_rules! outputs {
             name: stringify!($name),
             unit: $unit,
             json_type: outputs!(@json $kind),
+            words: outputs!(@words $kind),
             about: $about,
             key: OutputKey::$name,
             read: |solution| {
@@ -70,6 +96,9 @@ macro_rules! outputs {
     (@json Number) => { "number" };
     (@json Count) => { "integer" };
     (@json Flag) => { "boolean" };
+    (@json Race) => { "string" };
+    (@words Race) => { &["nut", "screw"] };
+    (@words $kind:ident) => { &[] };
 }
 
 fn transmission(solution: &Solution) -> Option<&Transmission> {
@@ -119,4 +148,25 @@ outputs! {
     onset_number [""] Number(|s| s.solved()?.skid?.onset_number()), "skid number of a ball whose friction is spent on the slip of the lead: below 0.1 it grips, above 2 it skids";
     efficiency_error_bound [""] Number(|s| Some(s.choice?.error_bound)), "bound of the error of the efficiency against model traction, kept by 99 % of all points (model auto)";
     self_locking [""] Flag(|s| s.self_locking()), "true if the screw locks itself in this direction";
+    controlling_race [""] Race(|s| Some(s.solved()?.control?.race)), "race at which the ball does not spin (raceway control)";
+    control_consistent [""] Flag(|s| s.solved()?.control?.consistent), "true if the controlling race has the larger spin friction moment at this solution; false where neither race has it at its own";
+    other_solutions [""] Count(|s| Some(s.solved()?.others?.count)), "other steady motions that the equations of the model are known to have at this point; null: none was looked for, or the search was lost";
+    other_solution_efficiency [""] Number(|s| s.solved()?.others?.farthest_efficiency), "efficiency of the other solution whose efficiency differs most";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Columns hold the place of a word.
+    #[test]
+    fn races_are_told_by_their_places() {
+        let output = Output::named("controlling_race").expect("an output");
+        for (place, race) in Control::ALL.into_iter().enumerate() {
+            assert_eq!(output.words[place], race.name());
+            #[expect(clippy::cast_precision_loss, reason = "two places")]
+            let number = place as f64;
+            assert!((Cell::Race(race).number() - number).abs() < f64::EPSILON);
+        }
+    }
 }

@@ -1,8 +1,8 @@
 //! The answer in the vocabulary.
 
 use bsm_dyn::{
-    Basis, Choice, ContactState, Control, GRIPS_BELOW, Model, Reason, Slip, SlipRegime, Solution,
-    Solved, Status,
+    Basis, Choice, ContactState, GRIPS_BELOW, Model, Others, RaceControl, Reason, Slip, SlipRegime,
+    Solution, Solved, Status,
 };
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
@@ -77,8 +77,13 @@ impl Record {
     pub fn number(&self, name: &str) -> Option<f64> {
         match self.cell(Output::named(name)?)? {
             Cell::Number(value) => Some(value),
-            Cell::Count(_) | Cell::Flag(_) => None,
+            Cell::Count(_) | Cell::Flag(_) | Cell::Race(_) => None,
         }
+    }
+
+    /// True if the point is known to have other solutions.
+    pub fn has_others(&self) -> bool {
+        self.others().is_some_and(|others| others.count > 0)
     }
 
     /// Why there are no numbers; `None` if it converged.
@@ -159,6 +164,7 @@ impl Record {
                  raceway control excludes; use model traction"
             ));
         }
+        warnings.extend(self.ambiguities());
         if let Some(Choice { error_bound, tolerance, .. }) = solution.choice
             && error_bound > tolerance
         {
@@ -194,6 +200,40 @@ impl Record {
         warnings
     }
 
+    fn others(&self) -> Option<Others> {
+        self.solved()?.others
+    }
+
+    /// Warnings where the equations have other solutions, or no consistent one.
+    fn ambiguities(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if let Some(Others { count, farthest_efficiency: Some(eta) }) = self.others() {
+            let which = match self.model {
+                ModelChoice::Fixed(Model::RacewayControl) => {
+                    "this is the one of the smallest difference of the contact angles, and under \
+                     nut control if both races can control"
+                }
+                _ => "this is the first that a ball of growing inertia meets",
+            };
+            let motions = if count == 1 { "motion solves" } else { "motions solve" };
+            warnings.push(format!(
+                "{count} other steady {motions} the equations of this point, with efficiency \
+                 {eta:.6} farthest from this one; {which}. Where an input is varied the results may \
+                 step from one to another"
+            ));
+        }
+        let control = self.solved().and_then(|solved| solved.control);
+        if let Some(RaceControl { race, consistent: Some(false) }) = control {
+            let race = race.name();
+            warnings.push(format!(
+                "neither race has the larger spin friction moment at its own solution, so that \
+                 neither controls; this is the solution under {race} control, and --control sets \
+                 the race"
+            ));
+        }
+        warnings
+    }
+
     /// A warning if a contact ellipse reaches over the bottom of its groove, or beyond the axial
     /// direction, where no groove is.
     fn cut_off(&self, ball_radius: f64) -> Option<String> {
@@ -225,6 +265,7 @@ impl Record {
                 Some(Cell::Number(x)) => json!(x),
                 Some(Cell::Count(n)) => json!(n),
                 Some(Cell::Flag(b)) => json!(b),
+                Some(Cell::Race(race)) => json!(race.name()),
             };
             map.insert(output.name.to_owned(), value);
         }
@@ -275,7 +316,7 @@ pub(crate) fn message(reason: &Reason) -> String {
             "the ball leaves its flanks: at no contact angles between 0 and 90 deg do they hold the \
              centrifugal force. At most they hold {held:.3e} of the axial load, where it is \
              {centrifugal:.3e} with the {} in control. Raise axial_load_N or lower the speed",
-            if *control == Control::Nut { "nut" } else { "screw" }
+            control.name()
         ),
         Reason::SlipAlongFriction { slip } => format!(
             "wherever the forces of sliding balls balance, a slip points along friction; without \

@@ -66,10 +66,14 @@ pub fn output_schema() -> Value {
         properties.insert(name.to_owned(), property);
     }
     for output in OUTPUTS {
-        let property = json!({
+        let mut property = json!({
             "type": [output.json_type, "null"],
             "description": with_unit(output.about, output.unit),
         });
+        if !output.words.is_empty() {
+            let words = output.words.iter().map(|word| json!(word));
+            property["enum"] = words.chain([Value::Null]).collect();
+        }
         properties.insert(output.name.to_owned(), property);
     }
     let required: Vec<_> = properties.keys().cloned().collect();

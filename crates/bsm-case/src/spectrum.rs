@@ -30,8 +30,14 @@ impl Spectrum {
     /// # Errors
     ///
     /// [`CaseError::Spectrum`] with the row, if a value is missing, no finite number, or a negative
-    /// time, or nothing ever turns.
+    /// time, or nothing ever turns, or with the line of a quote, which neither numbers nor the names
+    /// of the columns need: none can join numbers or rows.
     pub fn from_csv(table: &[u8]) -> Result<Self, CaseError> {
+        let quote = |line: &[u8]| line.contains(&b'"');
+        if let Some(lines) = table.split(|byte| *byte == b'\n').position(quote) {
+            let what = format!("line {} has a quote; take the quotes out", lines + 1);
+            return Err(CaseError::Spectrum { what });
+        }
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(table);
         let mut duty = Vec::new();
         for (row, read) in (1_usize..).zip(reader.deserialize::<Row>()) {

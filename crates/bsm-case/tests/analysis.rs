@@ -17,7 +17,7 @@ fn scene(json: &[u8], changes: &[(&str, f64)]) -> Scene {
 fn solved(scene: &Scene, settings: &Settings) -> Solution {
     let problem = scene.problem(settings).expect("complete");
     let solution = problem.solve(&mut ModelWorkspace::default());
-    assert!(solution.reason.is_none(), "{:?}", solution.reason);
+    assert!(solution.reason().is_none(), "{:?}", solution.reason());
     solution
 }
 
@@ -40,13 +40,13 @@ fn slip_is_what_the_model_says() {
     for (screw, nut) in [(5000.0, 0.0), (-3000.0, 0.0), (0.0, 1500.0), (2500.0, -1700.0)] {
         let scene = scene(XU, &[("screw_speed_rpm", screw), ("nut_speed_rpm", nut)]);
         for model in [Model::RacewayControl, Model::Traction] {
-            let o = solved(&scene, &model.into()).outputs;
+            let o = solved(&scene, &model.into()).answer.expect("a solution").ball;
             let report = slip(&scene, model);
             for (name, value) in [
-                ("nut_differential_slip_m_s", o.nut_slip_velocity),
-                ("screw_differential_slip_m_s", o.screw_slip_velocity),
-                ("nut_spin_rad_s", o.nut_spin),
-                ("screw_spin_rad_s", o.screw_spin),
+                ("nut_differential_slip_m_s", o.nut.slip.map(|slip| slip.speed)),
+                ("screw_differential_slip_m_s", o.screw.slip.map(|slip| slip.speed)),
+                ("nut_spin_rad_s", o.nut.slip.map(|slip| slip.spin)),
+                ("screw_spin_rad_s", o.screw.slip.map(|slip| slip.spin)),
             ] {
                 let expected = value.expect("elastic model");
                 // Rounding of speeds of 10 m/s and of rates of 3000 rad/s.

@@ -56,7 +56,7 @@ fn small_loads_displace_as_the_model_says() {
     let settings: Settings = Model::RacewayControl.into();
     let solution =
         scene.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
-    let model = 1e6 * solution.outputs.axial_displacement.expect("converged");
+    let model = 1e6 * solution.answer.expect("converged").ball.axial_displacement.expect("elastic");
     let ours = numbers(&scene)("axial_displacement_um");
     let across = ours * (20.0 / (std::f64::consts::PI * 63.35)).atan().cos();
     // Angles turn by the approach over the distance of the arc centres, 1e-4 here.

@@ -98,6 +98,8 @@ fn a_spectrum_is_a_life() {
         ("axial_load_N,screw_speed_rpm,time_share\n1,2,3\n1,2,-3\n", "row 2: time_share = -3"),
         ("axial_load_N,screw_speed_rpm,time_share\n1,0,3\n", "nothing turns"),
         ("load,screw_speed_rpm,time_share\n1,2,3\n", "the columns are axial_load_N"),
+        // `"5"6` was read as 56.
+        ("axial_load_N,screw_speed_rpm,time_share\n1,2,3\n\"5\"6,2,3\n", "line 3 has a quote"),
     ] {
         let error = Spectrum::from_csv(table.as_bytes()).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");

@@ -25,14 +25,14 @@ fn the_scene_of_a_design_keeps_the_requirement() {
     assert_eq!(scene, report.scene);
     let problem = scene.problem(&Settings::from(Model::Traction)).expect("complete");
     let solution = problem.solve(&mut ModelWorkspace::default());
-    assert_eq!(solution.status, Status::Converged);
+    assert_eq!(solution.status(), Status::Converged);
     let step = |name: &str| report.rows.iter().find(|r| r.name == name).and_then(|r| r.value);
     let same = |a: Option<f64>, b: Option<f64>| {
         let (a, b) = (a.expect("a number"), b.expect("a number"));
         // The conformity is rounded to 5e-7, of which 0.02 beyond 1/2 count, cubed in the life.
         assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
     };
-    same(solution.outputs.efficiency, step("efficiency"));
+    same(solution.efficiency(), step("efficiency"));
     let capacity = CapacityReport::of(&scene, None).expect("a nut");
     let rating = |name: &str| capacity.rows().iter().find(|r| r.0 == name).map(|r| r.2);
     same(rating("dynamic_load_rating_N"), step("dynamic_load_rating_N"));
@@ -98,7 +98,7 @@ fn a_fit_finds_what_was_put_in() {
         let at = |scene: &Scene| {
             let solution =
                 scene.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
-            solution.outputs.screw_torque.expect("converged")
+            solution.answer.expect("converged").transmission.screw_torque.expect("a load")
         };
         let torque = at(&scene);
         let measured = format!("screw_torque_Nm={torque}");

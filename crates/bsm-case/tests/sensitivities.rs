@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use bsm_case::{Jets, Scene, Sensitivities, Sensitivity, Settings};
-use bsm_dyn::{Basis, Control, Model, ModelWorkspace, Outputs, Traction, Transmitted};
+use bsm_dyn::{Basis, Control, Model, ModelWorkspace, Traction, Transmission, Transmitted};
 use proptest::prelude::*;
 
 /// The answer in jets and its rows; `None` if there is no solution.
@@ -13,10 +13,10 @@ fn derived(scene: &Scene, settings: &Settings) -> Option<(Transmitted<Jets>, Vec
 }
 
 /// A full solve in numbers.
-fn solved(scene: &Scene, settings: &Settings) -> Option<Outputs> {
+fn solved(scene: &Scene, settings: &Settings) -> Option<Transmission> {
     let problem = scene.problem(settings).expect("complete scene");
     let solution = problem.solve(&mut ModelWorkspace::default());
-    solution.outputs.efficiency.map(|_| solution.outputs)
+    Some(solution.solved()?.transmission)
 }
 
 /// A scene with its speed, load and who drives; every other input away from limits.
@@ -91,7 +91,7 @@ fn worst_difference(scene: &Scene, settings: &Settings, h: f64) -> Option<f64> {
             let mut moved = scene.clone();
             moved.set(row.input.name, row.value + steps * h * unit).expect("known name");
             let o = solved(&moved, settings)?;
-            Some((o.efficiency?, o.screw_torque?))
+            Some((o.efficiency, o.screw_torque?))
         };
         let difference = |steps: f64| {
             let (high, low) = (at(steps)?, at(-steps)?);
@@ -155,7 +155,7 @@ fn check(scene: &Scene, settings: &Settings) -> Result<(), TestCaseError> {
     };
     // The values that come with the derivatives are those of the solve, to rounding.
     let torque = |o: Option<f64>| o.expect("a torque");
-    let eta = numbers.efficiency.expect("solved");
+    let eta = numbers.efficiency;
     assert_relative_eq!(found.0.efficiency.re, eta, max_relative = 1e-10, epsilon = 1e-12);
     let own = torque(found.0.screw_torque.map(|t| t.re));
     assert_relative_eq!(own, torque(numbers.screw_torque), max_relative = 1e-10);

@@ -38,7 +38,7 @@ fn run(args: &AnalysisArgs, analyse: Analyse, sweep: Sweep) -> Result<(), Failur
         settings = next;
         solution = scene.problem(&settings).map_err(in_file)?.solve(work);
     }
-    if solution.reason.is_some() {
+    if solution.reason().is_some() {
         return solve::print(path, &scene, solution, args.format);
     }
     let report = analyse(&scene, &settings, &solution).map_err(in_file)?;

@@ -19,14 +19,14 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let problem = scene.problem(&settings).map_err(in_file)?;
     let mut work = ModelWorkspace::default();
     let solution = problem.solve(&mut work);
-    if !args.sensitivities || solution.status != Status::Converged {
+    if !args.sensitivities || solution.status() != Status::Converged {
         return print(path, &scene, solution, args.format);
     }
     let inputs = Sensitivities::of(&scene, &settings).map_err(in_file)?;
     match inputs.problem.sensitivities(&mut work) {
         Ok(answer) => print_with(path, &scene, solution, Some(&inputs.rows(&answer)), args.format),
-        Err((status, reason)) => {
-            let failed = Record::new(Solution::failed(solution.model, status, reason));
+        Err(none) => {
+            let failed = Record::new(Solution::new(solution.model, Err(none)));
             warn("no sensitivities", failed.message().unwrap_or_default());
             print(path, &scene, solution, args.format).and(Err(Failure::Unsolved))
         }

@@ -58,7 +58,7 @@ impl<'a> Job<'a> {
                 each(chunk, watched);
             }
         };
-        let Count { rows, failed } = if folder {
+        let Count { rows, failed, several } = if folder {
             self.fill_folder(points, workers, &mut watch)?
         } else {
             let bar = progress(source.len_hint(), "rows", *quiet);
@@ -69,6 +69,13 @@ impl<'a> Job<'a> {
             bar.finish_and_clear();
             count?
         };
+        if several > 0 {
+            let have = if several == 1 { "has" } else { "have" };
+            warn(
+                "note",
+                &format!("{several} of {rows} rows {have} another solution; see other_solutions"),
+            );
+        }
         if failed == 0 {
             return Ok(());
         }

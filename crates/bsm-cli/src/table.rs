@@ -96,12 +96,17 @@ pub(crate) fn record(scene: &Scene, record: &Record) -> String {
         }
     }
     let choice = record.choice();
+    let race = match Output::named("controlling_race").and_then(|o| record.cell(o)) {
+        Some(Cell::Race(race)) => Some(format!("the {} controls", race.name())),
+        _ => None,
+    };
     let head = [
         ("model ", Some(record.model().name())),
         ("chosen", choice.as_deref()),
         ("status", Some(status.as_str())),
         ("reason", record.message()),
         ("regime", record.regime()),
+        ("race  ", race.as_deref()),
     ];
     let head: Vec<_> =
         head.into_iter().filter_map(|(label, text)| Some(format!("{label}  {}", text?))).collect();

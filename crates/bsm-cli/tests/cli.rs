@@ -2,9 +2,11 @@
 
 mod program;
 
-use std::fs;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
+use arrow_array::cast::AsArray;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde_json::Value;
 
 use program::{bsm, folder, stderr, stdout};
@@ -498,6 +500,61 @@ fn bad_sweeps_write_nothing() {
         assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     }
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
+}
+
+/// The efficiency stepped by 5e-3 along this sweep, and nothing said that there is more than one solution.
+#[test]
+fn a_sweep_says_which_rows_have_other_solutions() {
+    let dir = folder();
+    let scene = r#"{"pitch_circle_diameter_mm": 96.97082928751372, "ball_diameter_mm": 22.510703287064903,
+        "lead_angle_deg": 21.833579108750985, "contact_angle_deg": 54.5, "loaded_balls": 47,
+        "friction_coefficient": 0.026685642355053593, "screw_speed_rpm": 591.824023668092,
+        "nut_speed_rpm": -987.4296427340328, "axial_load_N": 375.9297163021492}"#;
+    fs::write(dir.path().join("steps.json"), scene).expect("scene");
+    let sweep = ["sweep", "steps.json", "--vary", "contact_angle_deg=55.10:55.15:6", "-o", "-"];
+    let asked = ["--model", "rigid", "--columns", "efficiency,other_solutions"];
+    let output = bsm(dir.path(), &[&sweep[..], &asked].concat(), "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = stderr(&output);
+    assert!(said.contains("3 of 6 rows have another solution"), "{said}");
+    let text = stdout(&output);
+    let others: Vec<_> = text.lines().skip(1).filter_map(|row| row.rsplit(',').next()).collect();
+    assert_eq!(others, ["2", "2", "2", "0", "0", "0"], "{text}");
+    let output = bsm(dir.path(), &["solve", "steps.json", "--model", "rigid"], "");
+    let said = stderr(&output);
+    assert!(said.contains("2 other steady motions") && said.contains("0.921331"), "{said}");
+}
+
+/// A step of the efficiency where the control goes to the other race is named by a text in every table.
+#[test]
+fn tables_name_the_controlling_race() {
+    let dir = folder();
+    let drive = example("feed_drive.json").display().to_string();
+    let vary = "nut_conformity=0.51:0.55:2";
+    for file in ["race.csv", "race.jsonl", "race.parquet"] {
+        let asked = ["--model", "raceway-control", "--columns", "controlling_race"];
+        let sweep = ["sweep", &drive, "--vary", vary, "-o", file];
+        let output = bsm(dir.path(), &[&sweep[..], &asked].concat(), "");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    }
+    for file in ["race.csv", "race.jsonl"] {
+        let text = fs::read_to_string(dir.path().join(file)).expect("a table");
+        let races: Vec<_> = text.lines().filter(|row| row.contains("converged")).collect();
+        // The closer groove has the longer ellipse and the larger moment.
+        assert!(races[0].contains("nut") && races[1].contains("screw"), "{text}");
+    }
+    let table = File::open(dir.path().join("race.parquet")).expect("a table");
+    let reader = ParquetRecordBatchReaderBuilder::try_new(table)
+        .and_then(ParquetRecordBatchReaderBuilder::build);
+    let races: Vec<_> = reader
+        .expect("a Parquet table")
+        .map(|batch| batch.expect("rows"))
+        .flat_map(|batch| {
+            let column = batch.column_by_name("controlling_race").expect("a column");
+            column.as_string::<i32>().iter().map(|race| race.map(str::to_owned)).collect::<Vec<_>>()
+        })
+        .collect();
+    assert_eq!(races, ["nut", "screw"].map(|race| Some(race.to_owned())));
 }
 
 #[test]

@@ -79,7 +79,8 @@ impl Auto {
             return (solution, None);
         }
         let grip = work.raceway.grip(&pair, None).ok();
-        let gripping = grip.and_then(|grip| work.raceway.solved(&self.screw, &pair, &grip).ok());
+        let gripping = grip
+            .and_then(|grip| work.raceway.solved_and_others(&self.screw, &pair, &grip, None).ok());
         let regime = gripping.and_then(|o| Some((o, Regime::of(&pair, &o)?)));
         if let Some((solved, regime)) = &regime {
             if regime.grip_bound <= self.tolerance {
@@ -95,7 +96,7 @@ impl Auto {
                 let bound = regime.skid_bound((eta(solved) - eta(&skid)).abs());
                 if bound <= self.tolerance {
                     let basis = Basis::Skids { onset_number: regime.onset };
-                    return (self.chosen(Model::Elastic, skid, bound, basis), None);
+                    return (self.chosen(Model::Elastic, &skid, bound, basis), None);
                 }
             }
         }
@@ -108,7 +109,7 @@ impl Auto {
         match integrated {
             Ok((found, order, error)) => {
                 let basis = Basis::Integrated { order };
-                (self.chosen(Model::Traction, found.solved(), error, basis), Some(found.root))
+                (self.chosen(Model::Traction, &found.solved(), error, basis), Some(found.root))
             }
             Err(none) => {
                 let solution = match regime {
@@ -124,13 +125,13 @@ impl Auto {
     /// The gripping ball with the bound of its error.
     fn gripping(&self, solved: &Solved, regime: &Regime) -> Solution {
         let basis = Basis::Grips { onset_number: regime.onset };
-        self.chosen(Model::RacewayControl, *solved, regime.grip_bound, basis)
+        self.chosen(Model::RacewayControl, solved, regime.grip_bound, basis)
     }
 
     /// A solution with the bound of its error.
-    fn chosen(&self, model: Model, solved: Solved, error_bound: f64, basis: Basis) -> Solution {
+    fn chosen(&self, model: Model, solved: &Solved, error_bound: f64, basis: Basis) -> Solution {
         let choice = Some(Choice { basis, error_bound, tolerance: self.tolerance });
-        Solution { model, answer: Ok(solved), choice }
+        Solution { model, answer: Ok(*solved), choice }
     }
 
     /// The closed form, if even the way from saturated friction to none, and spin at both contacts
@@ -147,7 +148,7 @@ impl Auto {
         // |δη| ≤ (1 − η)(1 + μ) + 2 f a / (r_m tanα)                      (A1)
         let bound = (1.0 - eta) * (1.0 + pair.inertia_ratio())
             + 2.0 * screw.friction * a / (pair.helix.radius * lead.tan());
-        let solved = *solution.solved()?;
+        let solved = solution.solved()?;
         (bound <= *tolerance)
             .then(|| self.chosen(Model::ClosedForm, solved, bound, Basis::NoWorseThanSliding))
     }

@@ -204,11 +204,11 @@ pub(crate) fn answer(
         transmission.screw_torque = Some(torque);
         transmission.power =
             size.relative_speed.map(|speed| Power::transmitted(torque, ideal, speed));
-        for contact in ball.contacts.iter_mut().flatten() {
+        for contact in [&mut ball.nut, &mut ball.screw] {
             contact.load = Some(load_ratio * size.load.per_ball());
         }
     }
-    Solved { ball, transmission, skid: None, info: None }
+    Solved::new(&ball, transmission)
 }
 
 /// Inputs of the closed-form model.
@@ -244,9 +244,7 @@ impl ClosedForm {
         let mut ball = BallState::at_angle(angles.contact);
         // ψ_A = ψ_B ± π, in (−π, π]                                       (C11)
         let slip_angles = [if psi > 0.0 { psi - PI } else { psi + PI }, psi];
-        for (contact, slip_angle) in ball.contacts.iter_mut().flatten().zip(slip_angles) {
-            contact.slip_angle = Some(slip_angle);
-        }
+        [ball.nut.slip_angle, ball.screw.slip_angle] = slip_angles.map(Some);
         let (locks, ratio) = (angles.self_locking(direction, f), angles.load_ratio(direction, f));
         let along = (direction, angles.lead);
         let solved = answer(ball, (eta, locks), ratio, self.size.as_ref(), along);

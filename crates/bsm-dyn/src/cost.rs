@@ -48,7 +48,7 @@ mod tests {
             let mut count = |model| {
                 EVALUATIONS.set(0);
                 let solution = problem(model, screw).solve(&mut work);
-                (solution.status == Status::Converged).then(|| EVALUATIONS.get())
+                (solution.status() == Status::Converged).then(|| EVALUATIONS.get())
             };
             // The points of the benches: those with a root of the rigid model.
             if count(Model::Rigid).is_some() {

@@ -203,7 +203,7 @@ impl Elastic {
         let transmission =
             self.screw.transmission(pair, frame, &state.wrench[1], friction_power)?;
         let info = Some(SolveInfo { steps, residual });
-        Ok(Solved { ball, transmission, skid: None, info })
+        Ok(Solved { info, ..Solved::new(&ball, transmission) })
     }
 }
 

@@ -52,12 +52,14 @@ pub use quasi_static::{Driven, QuasiStatic};
 pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
 pub use rigid::{
     FirstOrder, MODERATE_INERTIA, Rigid, RigidRoot, RigidSystem, RigidUnknowns, RigidWorkspace,
+    SEARCHED_FROM, UNIQUE_BELOW,
 };
 pub use sensitivity::Transmitted;
 pub use settled::{FIRST_YIELD, Settled, yield_ratio};
 pub use slip::{FrictionLaw, SlipPower, SteadyBall, Touch, rim_speed};
 pub use solution::{Direction, Reason, Solution, Status, Unsolved};
 pub use state::{
-    BallState, ContactState, Pressed, SITES, SkidNumbers, Slip, SolveInfo, Solved, Transmission,
+    BallState, ContactState, Others, Pressed, RaceControl, SkidNumbers, Slip, SolveInfo, Solved,
+    Transmission,
 };
 pub use traction::{Traction, TractionWorkspace};

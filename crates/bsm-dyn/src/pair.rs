@@ -404,11 +404,13 @@ impl ElasticScrew {
                 approach: approaches[i] * r_b,
             });
             let sliding = ContactState::sliding((angles[i], load), contact, motion, &slip, w);
-            Some(ContactState { pressed, ..sliding })
+            ContactState { pressed, ..sliding }
         });
         Ok(BallState {
             motion: Some(in_frenet(&pair.absolute(to_nut, &loaded.frame), &loaded.frame, w)),
-            contacts: [nut, screw, None],
+            nut,
+            screw,
+            minor: None,
             axial_displacement: Some(loaded.displacement * r_b),
         })
     }

@@ -16,7 +16,9 @@ use self::balance::{Balance, Root};
 use crate::ellipse::Quadrature;
 use crate::equations::Workspace;
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
-use crate::{Model, Reason, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission};
+use crate::{
+    Model, RaceControl, Reason, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission,
+};
 
 /// The race at which the ball does not spin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,6 +27,19 @@ pub enum Control {
     Nut,
     /// The screw.
     Screw,
+}
+
+impl Control {
+    /// Both races.
+    pub const ALL: [Self; 2] = [Self::Nut, Self::Screw];
+
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nut => "nut",
+            Self::Screw => "screw",
+        }
+    }
 }
 
 /// Inputs of the raceway-control model.
@@ -147,10 +162,59 @@ impl Grip {
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, (Status, Reason)> {
         let balance = Balance::new(pair, control);
-        let Root { unknowns, steps, residual } = balance.first_root(newton)?;
+        Ok(Self::at(&balance, balance.first_root(newton)?))
+    }
+
+    /// The ball of a root.
+    fn at(balance: &Balance<'_>, Root { unknowns, steps, residual }: Root) -> Self {
         let loaded = balance.loaded(&unknowns);
         let to_nut = balance.rolling(&loaded);
-        Ok(Self { control, unknowns, loaded, to_nut, steps, residual })
+        Self { control: balance.control, unknowns, loaded, to_nut, steps, residual }
+    }
+
+    /// True if (W7), asked here, names the race that controls.
+    fn is_consistent(&self, pair: &Pair) -> bool {
+        control_of(pair, &self.loaded) == self.control
+    }
+
+    /// Other balls that could be the answer: of the same race farther from equal contact angles, and
+    /// of the screw where (W7) names the nut at the nut's ball and the screw at the screw's.
+    fn others(
+        &self,
+        pair: &Pair,
+        control: Option<Control>,
+        newton: &mut Workspace<STATIC>,
+    ) -> Vec<Self> {
+        let same = Balance::new(pair, self.control);
+        let farther = same.farther_roots(&self.unknowns, newton);
+        let mut others: Vec<_> = farther.into_iter().map(|root| Self::at(&same, root)).collect();
+        let decided = control.is_some() || self.control == Control::Screw || self.is_clear(pair);
+        if !decided
+            && let Ok(screw) = Self::controlled(pair, Control::Screw, newton)
+            && screw.is_consistent(pair)
+        {
+            others.push(screw);
+        }
+        others
+    }
+
+    /// True if (W7) names the same race at the ball that the other race controls.
+    ///
+    /// That ball has contact angles that differ by other centrifugal forces, by `$\Delta c$` in their
+    /// cotangents, which changes the ratio of the moments by `$\Delta c$` or less, to first order.
+    fn is_clear(&self, pair: &Pair) -> bool {
+        /// For all that is not of first order.
+        const SAFETY: f64 = 4.0;
+        let balances = Control::ALL.map(|race| Balance::new(pair, race));
+        if !balances.iter().all(Balance::is_unique) {
+            return false;
+        }
+        let [nut, screw] =
+            balances.map(|ball| ball.rolling(&self.loaded).precession + pair.nut_speed);
+        // Δc = μ cosα |P_A² − P_B²|/W²                                    (W16)
+        let apart =
+            pair.inertia_ratio() * pair.helix.lead_angle.cos() * (nut - screw) * (nut + screw);
+        nut_excess(pair, &self.loaded).abs() > SAFETY * apart.abs()
     }
 
     /// The same to two digits, also where centrifugal forces are so large that raceway control
@@ -210,7 +274,7 @@ impl RacewayControl {
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
         let solved = self.screw.pair().and_then(|pair| {
             let grip = memory.grip(&pair, self.control)?;
-            memory.solved(&self.screw, &pair, &grip)
+            memory.solved_and_others(&self.screw, &pair, &grip, self.control)
         });
         Solution::new(Model::RacewayControl, solved)
     }
@@ -251,7 +315,25 @@ impl RacewayWorkspace {
         let speed = screw.drive.relative_speed();
         let transmission = Transmission::of(pair.direction, ideal, torque, speed);
         let info = Some(SolveInfo { steps: grip.steps, residual: grip.residual });
-        Ok(Solved { ball, transmission, skid: Some(grip.skid(pair)), info })
+        let control = Some(RaceControl { race: grip.control, consistent: None });
+        let skid = Some(grip.skid(pair));
+        Ok(Solved { skid, info, control, ..Solved::new(&ball, transmission) })
+    }
+
+    /// Its answer, and what is known of other solutions.
+    pub(crate) fn solved_and_others(
+        &mut self,
+        screw: &ElasticScrew,
+        pair: &Pair,
+        grip: &Grip,
+        control: Option<Control>,
+    ) -> Result<Solved, (Status, Reason)> {
+        let solved = self.solved(screw, pair, grip)?;
+        let consistent = control.is_none().then(|| grip.is_consistent(pair));
+        let others = grip.others(pair, control, &mut self.newton);
+        let others = others.iter().filter_map(|grip| self.solved(screw, pair, grip).ok());
+        let control = Some(RaceControl { race: grip.control, consistent });
+        Ok(Solved { control, ..solved.among(others) })
     }
 }
 
@@ -260,13 +342,17 @@ impl RacewayWorkspace {
 ///
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
 fn control_of(pair: &Pair, loaded: &Loaded<f64>) -> Control {
+    if nut_excess(pair, loaded) > 0.0 { Control::Nut } else { Control::Screw }
+}
+
+/// By how much the spin friction moment of the nut exceeds that of the screw, relative.
+fn nut_excess(pair: &Pair, loaded: &Loaded<f64>) -> f64 {
     let moment = |i: usize| {
         let (load, (a, _)) = (loaded.loads[i], pair.semi_axes[i]);
         load * load.cbrt() * a * pair.hertz[i].second_integral
     };
     // Q_A a_A E_A cos(β_A − β_B) > Q_B a_B E_B                            (W7)
-    let nut = moment(0) * (2.0 * loaded.tilt).cos();
-    if nut > moment(1) { Control::Nut } else { Control::Screw }
+    moment(0) * (2.0 * loaded.tilt).cos() / moment(1) - 1.0
 }
 
 #[cfg(test)]
@@ -275,9 +361,12 @@ mod tests {
     use proptest::prelude::*;
 
     use bsm_kin::{Drive, Helix};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::{Ball, Load, Material};
+    use crate::extreme::extreme;
+    use crate::{Ball, ContactState, Load, Material, Slip};
 
     const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
@@ -295,10 +384,12 @@ mod tests {
         RacewayControl { screw, control: None }
     }
 
-    fn solved(case: &RacewayControl) -> Outputs {
-        let solution = case.solve(&mut RacewayWorkspace::default());
-        assert_eq!(solution.status, Status::Converged, "{:?}", solution.reason);
-        solution.outputs
+    fn solved(case: &RacewayControl) -> Solved {
+        case.solve(&mut RacewayWorkspace::default()).answer.expect("a solution")
+    }
+
+    fn slip(contact: ContactState) -> Slip {
+        contact.slip.expect("a motion")
     }
 
     /// Independent values of the efficiency under nut control, four digits.
@@ -306,7 +397,7 @@ mod tests {
     fn lin_screw_has_the_reference_efficiencies() {
         for (axial, eta) in [(2113.0, 0.9759), (100.0, 0.9805), (20.0, 0.9810)] {
             let case = RacewayControl { control: Some(Control::Nut), ..lin(axial, 2000.0) };
-            let efficiency = solved(&case).efficiency.expect("efficiency");
+            let efficiency = solved(&case).transmission.efficiency;
             assert_relative_eq!(efficiency, eta, epsilon = 6e-5);
         }
     }
@@ -318,7 +409,7 @@ mod tests {
         for (axial, rpm) in [(2113.0, 2000.0), (20.0, 500.0), (5000.0, -30.0)] {
             let eta = |quadrature: Quadrature| {
                 let mut memory = RacewayWorkspace { quadrature, newton: Workspace::default() };
-                lin(axial, rpm).solve(&mut memory).outputs.efficiency.expect("efficiency")
+                lin(axial, rpm).solve(&mut memory).efficiency().expect("efficiency")
             };
             let exact = eta(fine.clone());
             assert_relative_eq!(eta(Quadrature::new(RacewayControl::ORDER)), exact, epsilon = 2e-5);
@@ -331,7 +422,7 @@ mod tests {
         let spins = |conformity| {
             let screw = ElasticScrew { conformity, ..lin(2113.0, 2000.0).screw };
             let o = solved(&RacewayControl { screw, control: None });
-            (o.nut_spin.expect("nut").abs(), o.screw_spin.expect("screw").abs())
+            (slip(o.ball.nut).spin.abs(), slip(o.ball.screw).spin.abs())
         };
         // The closer groove has the longer ellipse, the larger moment, and holds the ball.
         let (nut, screw) = spins((0.51, 0.55));
@@ -357,10 +448,9 @@ mod tests {
                 ..base
             };
             let o = solved(&RacewayControl { screw: case, control: None });
-            let get = |x: Option<f64>| x.expect("raceway control has this output");
-            let (q_a, q_b) = (get(o.nut_normal_load), get(o.screw_normal_load));
-            let (a, b) = (get(o.nut_contact_angle), get(o.screw_contact_angle));
-            let rate = get(o.precession);
+            let [q_a, q_b] = [o.ball.nut, o.ball.screw].map(|c| c.load.expect("a load"));
+            let (a, b) = (o.ball.nut.angle, o.ball.screw.angle);
+            let rate = o.ball.motion.expect("a motion").precession;
             let centrifugal = case.ball.mass * case.helix.radius * rate * rate;
             prop_assert!((q_a * a.cos() - q_b * b.cos() - centrifugal).abs() <= 1e-9 * axial);
             prop_assert!((q_a * a.sin() - q_b * b.sin()).abs() <= 1e-9 * axial);
@@ -368,11 +458,11 @@ mod tests {
             // Only the lead's slip across the groove is left, shared equally.
             let w = case.drive.relative_speed().abs();
             let shared = 0.5 * case.ball.radius * w * lead.to_radians().sin();
-            prop_assert!((get(o.nut_slip_velocity) - shared).abs() <= 1e-9 * shared.max(w * 1e-3));
-            prop_assert!((get(o.screw_slip_velocity) - shared).abs() <= 1e-9 * shared.max(w * 1e-3));
-            let least = get(o.nut_spin).abs().min(get(o.screw_spin).abs());
+            prop_assert!((slip(o.ball.nut).speed - shared).abs() <= 1e-9 * shared.max(w * 1e-3));
+            prop_assert!((slip(o.ball.screw).speed - shared).abs() <= 1e-9 * shared.max(w * 1e-3));
+            let least = slip(o.ball.nut).spin.abs().min(slip(o.ball.screw).spin.abs());
             prop_assert!(least <= 1e-9 * w, "{o:?}");
-            let eta = get(o.efficiency);
+            let eta = o.transmission.efficiency;
             prop_assert!(eta < 1.0, "{eta}");
         }
     }
@@ -382,7 +472,7 @@ mod tests {
     fn no_friction_means_no_loss() {
         let screw = ElasticScrew { friction: 0.0, ..lin(500.0, 2000.0).screw };
         let o = solved(&RacewayControl { screw, control: None });
-        assert_relative_eq!(o.efficiency.expect("efficiency"), 1.0);
+        assert_relative_eq!(o.transmission.efficiency, 1.0);
     }
 
     /// Load raises the contact angles of a gothic arch; speed presses the ball against the nut.
@@ -390,7 +480,7 @@ mod tests {
     fn angles_follow_load_and_speed() {
         let angles = |axial, rpm| {
             let o = solved(&lin(axial, rpm));
-            (o.nut_contact_angle.expect("nut"), o.screw_contact_angle.expect("screw"))
+            (o.ball.nut.angle, o.ball.screw.angle)
         };
         let (slow, loaded, fast) = (angles(100.0, 1.0), angles(2000.0, 1.0), angles(100.0, 8000.0));
         assert!(loaded.0 > slow.0 && loaded.1 > slow.1);
@@ -399,12 +489,48 @@ mod tests {
         assert_relative_eq!(slow.0, slow.1, max_relative = 1e-6);
     }
 
+    /// Where the decision is said to be clear it is the same at both balls; near a tie both races may
+    /// control, or none.
+    #[test]
+    fn a_clear_decision_is_that_of_both_balls() {
+        let mut rng = ChaCha8Rng::seed_from_u64(33);
+        let mut newton = Workspace::default();
+        let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);
+        while solved < 6000 {
+            let mut screw = extreme(&mut rng);
+            // Half of them near a tie: equal contacts.
+            if solved % 2 == 0 {
+                screw.conformity.1 = screw.conformity.0;
+            }
+            let Ok(pair) = screw.pair() else { continue };
+            let [nut, screw] =
+                Control::ALL.map(|race| Grip::controlled(&pair, race, &mut newton).ok());
+            let (Some(nut), Some(screw)) = (nut, screw) else { continue };
+            solved += 1;
+            asked += usize::from(!nut.is_clear(&pair));
+            let consistent = [nut.is_consistent(&pair), screw.is_consistent(&pair)];
+            both += usize::from(consistent == [true; 2]);
+            neither += usize::from(consistent == [false; 2]);
+            missed += usize::from(consistent[0] == consistent[1] && nut.is_clear(&pair));
+            let found = Grip::of(&pair, None, &mut newton).expect("a ball");
+            let others = found.others(&pair, None, &mut newton);
+            let of_screw = others.iter().any(|other| other.control != found.control);
+            assert_eq!(of_screw, consistent == [true; 2], "{pair:?}");
+        }
+        println!(
+            "{solved} solved, {asked} asked twice, {both} both, {neither} neither, {missed} missed"
+        );
+        assert_eq!(missed, 0);
+        assert!(both + neither > 0, "the test sees none");
+    }
+
     /// Expected failures.
     #[test]
     fn failures_say_why() {
         let why = |case: &RacewayControl| {
-            let solution = case.solve(&mut RacewayWorkspace::default());
-            (solution.status, solution.reason.expect("a reason"))
+            let none =
+                case.solve(&mut RacewayWorkspace::default()).answer.expect_err("no solution");
+            (none.status, none.reason)
         };
         let still = lin(100.0, 0.0);
         assert_eq!(why(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));

@@ -14,7 +14,7 @@ mod sensitivities;
 use bsm_kin::{Drive, Helix, Motion, Scalar, Site};
 use bsm_newton::{Equations, EvalError, Linear};
 
-pub use self::first_order::FirstOrder;
+pub use self::first_order::{FirstOrder, SEARCHED_FROM, UNIQUE_BELOW};
 pub use self::root::{MODERATE_INERTIA, RigidWorkspace};
 use self::root::{NoRoot, Root};
 pub use self::scaled::Unknowns as RigidUnknowns;
@@ -183,7 +183,16 @@ impl Rigid {
     /// Solves for the steady motion of the ball.
     pub fn solve(&self, work: &mut RigidWorkspace) -> Solution {
         let solved = self.find(work).map_err(|NoRoot { status, reason }| (status, reason));
-        Solution::new(Model::Rigid, solved.and_then(|(case, root)| self.balanced(&case, &root)))
+        let answer =
+            solved.and_then(|(case, root)| {
+                let solved = self.balanced(&case, &root)?;
+                let Some(others) = &root.others else { return Ok(solved) };
+                let others = others.iter();
+                Ok(solved.among(others.filter_map(|other| {
+                    self.balanced(&case.counted(other.from_ground), other).ok()
+                })))
+            });
+        Solution::new(Model::Rigid, answer)
     }
 
     /// The answer of a root whose powers balance.
@@ -211,11 +220,13 @@ impl Rigid {
             let (contact, load) = (&case.contacts[i], root.unknowns[i] * per_ball);
             let motion = if contact.site == Site::Screw { &to_screw } else { &to_nut };
             let slip = state.slip[i] * (w * r_b);
-            Some(ContactState::sliding((self.contact_angle, load), contact, motion, &slip, w))
+            ContactState::sliding((self.contact_angle, load), contact, motion, &slip, w)
         });
         let ball = BallState {
             motion: Some(in_frenet(&motion, &case.frame, w)),
-            contacts: [nut, screw, minor],
+            nut,
+            screw,
+            minor: Some(minor),
             axial_displacement: None,
         };
 
@@ -225,7 +236,7 @@ impl Rigid {
         let transmission = Transmission::of(case.direction(), ideal, screw_torque, case.sign * w);
         let transmission = transmission.against(friction_power);
         let info = SolveInfo { steps: root.steps, residual: root.residual };
-        Solved { ball, transmission, skid: None, info: Some(info) }
+        Solved { info: Some(info), ..Solved::new(&ball, transmission) }
     }
 }
 

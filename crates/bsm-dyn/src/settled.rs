@@ -142,10 +142,10 @@ pub fn yield_ratio(max_pressure: f64, strengths: (f64, f64)) -> f64 {
 #[cfg(test)]
 mod tests {
     use approx::assert_relative_eq;
-    use bsm_kin::{Drive, Helix};
+    use bsm_kin::{Drive, Helix, Site};
 
     use super::*;
-    use crate::{Ball, Load, Material, RacewayControl, RacewayWorkspace, Traction};
+    use crate::{Ball, Load, Material, RacewayControl, RacewayWorkspace, Solution, Traction};
 
     /// The screw of Dong et al. (2020), 44 balls, 2500 rpm.
     fn screw(axial: f64) -> ElasticScrew {
@@ -163,12 +163,10 @@ mod tests {
         }
     }
 
-    fn state(o: &crate::Outputs) -> ([f64; 2], [f64; 2]) {
-        let value = |x: Option<f64>| x.expect("converged");
-        (
-            [value(o.nut_normal_load), value(o.screw_normal_load)],
-            [value(o.nut_contact_angle), value(o.screw_contact_angle)],
-        )
+    fn state(solution: &Solution) -> ([f64; 2], [f64; 2]) {
+        let ball = solution.solved().expect("converged").ball;
+        let contacts = [ball.nut, ball.screw];
+        (contacts.map(|c| c.load.expect("a load")), contacts.map(|c| c.angle))
     }
 
     /// Limit: a light load leaves no mark, and the state is that of the model, with friction in its
@@ -179,8 +177,8 @@ mod tests {
         let raceway = RacewayControl { screw, control: None };
         let traction = Traction { screw, order: Traction::ORDER, creep: Traction::CREEP };
         for o in [
-            raceway.solve(&mut RacewayWorkspace::default()).outputs,
-            traction.solve(&mut crate::TractionWorkspace::default()).outputs,
+            raceway.solve(&mut RacewayWorkspace::default()),
+            traction.solve(&mut crate::TractionWorkspace::default()),
         ] {
             let (loads, angles) = state(&o);
             let settled = screw.settled(loads, angles).unwrap();
@@ -191,7 +189,11 @@ mod tests {
                 assert_relative_eq!(settled.loads[i], loads[i], max_relative = 1e-7);
                 assert_relative_eq!(settled.angles[i], angles[i], max_relative = 1e-7);
             }
-            assert_relative_eq!(settled.elastic[0], o.nut_approach.unwrap(), max_relative = 1e-7);
+            assert_relative_eq!(
+                settled.elastic[0],
+                o.contact(Site::Nut).unwrap().pressed.unwrap().approach,
+                max_relative = 1e-7
+            );
         }
     }
 
@@ -200,7 +202,7 @@ mod tests {
     fn marks_steepen_the_angles_and_keep_the_balance() {
         let screw = screw(24e3);
         let raceway = RacewayControl { screw, control: None };
-        let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()).outputs);
+        let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
         let settled = screw.settled(loads, angles).unwrap();
         for i in 0..2 {
             assert!(settled.angles[i] > angles[i] + 1e-3, "{settled:?}");
@@ -219,7 +221,7 @@ mod tests {
     fn the_corrected_radical_is_the_difference_of_the_angles() {
         let screw = screw(44.0);
         let raceway = RacewayControl { screw, control: None };
-        let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()).outputs);
+        let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
         let settled = screw.settled(loads, angles).unwrap();
         let [nut, screw_offset] = screw.grooves().map(|g| g.offset(screw.ball.radius));
         let length = |i: usize, l: f64| l + settled.elastic[i] + settled.permanent[i];

@@ -6,19 +6,20 @@ use bsm_kin::{BallFrame, Contact, Motion, Site};
 use nalgebra::Vector3;
 
 use crate::balance::{Power, efficiency};
-use crate::{Direction, SlipRegime};
-
-/// The contacts of a ball, in the order of [`BallState::contacts`].
-pub const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutMinor];
+use crate::{Control, Direction, SlipRegime};
 
 /// What a model says of the steady ball.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallState {
     /// Absolute motion in the Frenet-Serret triad `(t, n, b)` \[rad/s\]; none where the model fixes
     /// no motion.
     pub motion: Option<Motion<f64>>,
-    /// Contacts with the nut, with the screw, and with the opposite flank of the nut, see [`SITES`].
-    pub contacts: [Option<ContactState>; 3],
+    /// Contact with the loaded flank of the nut.
+    pub nut: ContactState,
+    /// Contact with the loaded flank of the screw.
+    pub screw: ContactState,
+    /// Minor contact with the opposite flank of the nut, of models that have it.
+    pub minor: Option<ContactState>,
     /// Displacement of the nut in the normal plane \[m\], of elastic contacts.
     pub axial_displacement: Option<f64>,
 }
@@ -133,20 +134,61 @@ pub struct Solved {
     pub skid: Option<SkidNumbers>,
     /// How it was found, unless in closed form.
     pub info: Option<SolveInfo>,
+    /// The race at which the ball does not spin, of raceway control.
+    pub control: Option<RaceControl>,
+    /// Other admissible solutions that are known; none where none was looked for.
+    pub others: Option<Others>,
+}
+
+/// The race at which the ball does not spin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RaceControl {
+    /// The race.
+    pub race: Control,
+    /// True if the decision (W7), asked at this solution, names that race; none if it was given.
+    pub consistent: Option<bool>,
+}
+
+/// Other admissible solutions of the same equations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Others {
+    /// How many.
+    pub count: usize,
+    /// Efficiency of the one of them that differs most.
+    pub farthest_efficiency: Option<f64>,
+}
+
+impl Solved {
+    /// A ball and what the screw transmits, and nothing else.
+    pub(crate) fn new(ball: &BallState, transmission: Transmission) -> Self {
+        Self { ball: *ball, transmission, skid: None, info: None, control: None, others: None }
+    }
+
+    /// The same, with what is known of other solutions.
+    pub(crate) fn among(self, others: impl Iterator<Item = Self>) -> Self {
+        let others: Vec<_> = others.map(|other| other.transmission.efficiency).collect();
+        let far = |eta: &f64| (eta - self.transmission.efficiency).abs();
+        let farthest = others.iter().max_by(|a, b| far(a).total_cmp(&far(b))).copied();
+        let others = Others { count: others.len(), farthest_efficiency: farthest };
+        Self { others: Some(others), ..self }
+    }
 }
 
 impl BallState {
     /// The contact at a site.
     pub fn contact(&self, site: Site) -> Option<&ContactState> {
-        let place = SITES.iter().position(|s| *s == site)?;
-        self.contacts[place].as_ref()
+        match site {
+            Site::Nut => Some(&self.nut),
+            Site::Screw => Some(&self.screw),
+            Site::NutMinor => self.minor.as_ref(),
+        }
     }
 
     /// A ball whose loaded contacts have the same angle \[rad\] and no friction direction yet.
     pub(crate) fn at_angle(angle: f64) -> Self {
         let contact =
             ContactState { angle, load: None, slip_angle: None, slip: None, pressed: None };
-        Self { contacts: [Some(contact), Some(contact), None], ..Self::default() }
+        Self { motion: None, nut: contact, screw: contact, minor: None, axial_displacement: None }
     }
 }
 

@@ -331,7 +331,7 @@ pub(crate) struct Found {
 impl Found {
     pub(crate) fn solved(&self) -> Solved {
         let Self { ball, transmission, skid, info, .. } = *self;
-        Solved { ball, transmission, skid: Some(skid), info: Some(info) }
+        Solved { skid: Some(skid), info: Some(info), ..Solved::new(&ball, transmission) }
     }
 }
 

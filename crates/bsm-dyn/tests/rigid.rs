@@ -2,9 +2,10 @@
 
 use approx::assert_relative_eq;
 use bsm_dyn::{
-    Angles, Ball, Direction, Load, Outputs, Reason, Rigid, RigidWorkspace, Solution, Status,
+    Angles, Ball, Direction, Load, Reason, Rigid, RigidWorkspace, Solution, Solved, Status,
+    Unsolved,
 };
-use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Site};
+use bsm_kin::{BallFrame, Contact, Drive, Helix, Site};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
@@ -20,17 +21,15 @@ fn lin() -> Rigid {
     }
 }
 
-fn solved(case: &Rigid) -> Outputs {
+fn solved(case: &Rigid) -> Solved {
     let solution = case.solve(&mut RigidWorkspace::default());
-    assert_eq!(solution.status, Status::Converged, "{case:?} {:?}", solution.reason);
-    solution.outputs
+    solution.answer.unwrap_or_else(|none| panic!("{case:?} {none:?}"))
 }
 
 fn reason(case: &Rigid) -> (Status, Reason) {
-    let Solution { status, reason, outputs, .. } = case.solve(&mut RigidWorkspace::default());
-    // A point without solution has no numbers.
-    assert_eq!(Outputs { self_locking: None, ..outputs }, Outputs::default());
-    (status, reason.expect("a point that did not converge has a reason"))
+    let Unsolved { status, reason } =
+        case.solve(&mut RigidWorkspace::default()).answer.expect_err("no solution");
+    (status, reason)
 }
 
 /// The root satisfies the published equations as printed, in (t, n, b) and SI units, with
@@ -40,25 +39,23 @@ fn root_satisfies_the_published_equations() {
     for (screw, nut) in [(209.4, 0.0), (-209.4, 0.0), (0.0, -209.4), (314.0, -105.0)] {
         let case = Rigid { drive: Drive { screw_speed: screw, nut_speed: nut }, ..lin() };
         let o = solved(&case);
-        let get = |x: Option<f64>| x.expect("rigid has this output");
+        let motion = o.ball.motion.expect("a motion");
         let (a, b) = (case.helix.lead_angle, case.contact_angle);
         let (r_m, r_b, f_a) = (case.helix.radius, case.ball.radius, case.load.per_ball());
         let frame = BallFrame::turned(a, 0.0);
-        let omega = Vector3::new(get(o.omega_t), get(o.omega_n), get(o.omega_b));
-        let motion = Motion { precession: get(o.precession), omega };
         let (mut force, mut moment, mut nut_force) =
             (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
-        for (site, load, speed) in [
-            (Site::Nut, o.nut_normal_load, nut),
-            (Site::NutMinor, o.minor_normal_load, nut),
-            (Site::Screw, o.screw_normal_load, screw),
+        for (site, told, speed) in [
+            (Site::Nut, o.ball.nut, nut),
+            (Site::NutMinor, o.ball.minor.expect("a minor contact"), nut),
+            (Site::Screw, o.ball.screw, screw),
         ] {
             let contact = Contact::new(site, b, &frame);
             let r = contact.normal * -r_b;
             let v = motion.relative_to(speed, &frame).slip_velocity(r_m / a.cos(), &r);
             let psi = (-v.x).atan2(-v.dot(&contact.across));
             let friction = contact.across * psi.cos() + Vector3::x() * psi.sin();
-            let total = (contact.normal + friction * case.friction) * get(load);
+            let total = (contact.normal + friction * case.friction) * told.load.expect("a load");
             force += total;
             moment += r.cross(&total);
             if site != Site::Screw {
@@ -66,7 +63,7 @@ fn root_satisfies_the_published_equations() {
             }
         }
         let centripetal = case.ball.mass * r_m * motion.precession.powi(2);
-        let gyroscopic = frame.k.cross(&omega) * (case.ball.inertia() * motion.precession);
+        let gyroscopic = frame.k.cross(&motion.omega) * (case.ball.inertia() * motion.precession);
         // In these axes the spin's part of the slip at A and B cancels only to rounding: up to
         // 1e4 times the slip itself, so 1e-11 instead of 1e-15.
         assert!((force - Vector3::y() * centripetal).norm() <= 1e-11 * f_a);
@@ -89,7 +86,7 @@ fn small_inertia_is_the_closed_form() {
         };
         let angles = Angles { lead: lin().helix.lead_angle, contact: lin().contact_angle };
         let closed = angles.efficiency(direction, 0.075);
-        let error = |axial| (solved(&at(axial)).efficiency.expect("efficiency") - closed).abs();
+        let error = |axial| (solved(&at(axial)).transmission.efficiency - closed).abs();
         let (coarse, fine) = (error(1e3), error(1e5));
         assert!(coarse < 1e-4, "{coarse}");
         // First order in the inertia ratio: a hundred times the load, a hundredth of the error.
@@ -116,7 +113,7 @@ fn no_solution_below_the_critical_lead_angle() {
 
     // It is the border: a root just above, none just below, and the slip at A vanishes there.
     let above = solved(&at(critical.to_degrees() + 1e-6));
-    assert!(above.nut_slip_velocity.expect("slip") < 1e-6, "{above:?}");
+    assert!(above.ball.nut.slip.is_some_and(|slip| slip.speed < 1e-6), "{above:?}");
     assert_eq!(reason(&at(critical.to_degrees() - 1e-6)).0, Status::NoSolution);
     let again = at(6.0).critical_lead_angle(&mut work).expect("critical angle");
     assert_relative_eq!(again, critical, max_relative = 1e-9);
@@ -201,7 +198,7 @@ fn failures_say_why() {
     let (status, why) = reason(&flat);
     assert_eq!(status, Status::NoSolution);
     assert!(matches!(why, Reason::SelfLocking { .. }), "{why:?}");
-    assert_eq!(flat.solve(&mut RigidWorkspace::default()).outputs.self_locking, Some(true));
+    assert_eq!(flat.solve(&mut RigidWorkspace::default()).self_locking(), Some(true));
 
     // Steep contact and large friction, back-driving: A' would have to pull.
     let steep = Rigid {
@@ -243,7 +240,8 @@ fn inertia_from_everything_to_nothing() {
     for exponent in -40..=120 {
         let axial = 10.0_f64.powf(f64::from(exponent) / 10.0);
         let o = solved(&Rigid { load: Load { axial, balls: 1.0 }, ..lin() });
-        let (eta, balance) = (o.efficiency.expect("eta"), o.power_balance.expect("balance"));
+        let (eta, balance) =
+            (o.transmission.efficiency, o.transmission.power_balance.expect("a balance of forces"));
         assert!(balance.abs() <= 1e-9, "{axial}: {balance}");
         // The steepest part rises by 0.05 in a step of a tenth of a decade.
         assert!(last.is_nan() || (eta - last).abs() < 0.06, "{axial}: {eta} after {last}");
@@ -258,9 +256,10 @@ fn inertia_from_everything_to_nothing() {
 fn overwhelming_inertia_is_no_false_answer() {
     for exponent in -160..-40 {
         let axial = 10.0_f64.powf(f64::from(exponent) / 10.0);
-        let eta = solved(&Rigid { load: Load { axial, balls: 1.0 }, ..lin() }).efficiency;
+        let eta =
+            solved(&Rigid { load: Load { axial, balls: 1.0 }, ..lin() }).transmission.efficiency;
         // The limit is approached like the root of the load.
-        assert_relative_eq!(eta.expect("eta"), 0.642_7, epsilon = 1e-3);
+        assert_relative_eq!(eta, 0.642_7, epsilon = 1e-3);
     }
 }
 
@@ -292,12 +291,12 @@ proptest! {
     #[test]
     fn power_balances(case in scene()) {
         let solution = case.solve(&mut RigidWorkspace::default());
-        prop_assert_ne!(solution.status, Status::NotConverged, "{:?}", solution.reason);
-        if solution.status == Status::Converged {
-            let o = solution.outputs;
+        prop_assert_ne!(solution.status(), Status::NotConverged, "{:?}", solution.reason());
+        if solution.status() == Status::Converged {
+            let o = solution.solved().expect("converged");
             // Rounding of the friction power of A', a product of 1e-4 and 1e4.
-            prop_assert!(o.power_balance.is_some_and(|x| x.abs() <= 1e-11), "{:?}", o);
-            prop_assert!(o.residual_norm.is_some_and(|x| x <= 1e-10), "{:?}", o);
+            prop_assert!(o.transmission.power_balance.is_some_and(|x| x.abs() <= 1e-11), "{:?}", o);
+            prop_assert!(o.info.is_some_and(|info| info.residual <= 1e-10), "{:?}", o);
         }
     }
 
@@ -333,8 +332,9 @@ proptest! {
         let many = Rigid { load: Load { axial: case.load.axial * z, balls: z }, ..case };
         let mut work = RigidWorkspace::default();
         let (one, other) = (case.solve(&mut work), many.solve(&mut work));
-        prop_assert_eq!(one.status, other.status);
-        if let (Some(t), Some(t_z)) = (one.outputs.screw_torque, other.outputs.screw_torque) {
+        prop_assert_eq!(one.status(), other.status());
+        let torque = |s: &Solution| s.solved()?.transmission.screw_torque;
+        if let (Some(t), Some(t_z)) = (torque(&one), torque(&other)) {
             // F_a may differ in its last bit.
             prop_assert!((t * z - t_z).abs() <= 1e-11 * t_z.abs());
         }

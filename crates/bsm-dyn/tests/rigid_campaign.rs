@@ -1,6 +1,6 @@
 //! Ten thousand seeded scenes: everything converges or is denied, and by what.
 
-use bsm_dyn::{Ball, Load, Rigid, RigidWorkspace, Status};
+use bsm_dyn::{Ball, Load, Rigid, RigidWorkspace, Status, Unsolved};
 use bsm_kin::{Drive, Helix};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -28,18 +28,18 @@ impl Tally {
     fn add(&mut self, case: &Rigid, work: &mut RigidWorkspace) {
         let start = case.first_order().expect("friction and speed are positive");
         let solution = case.solve(work);
-        let o = &solution.outputs;
-        match solution.status {
-            Status::Converged => {
+        match &solution.answer {
+            Ok(o) => {
                 self.converged += 1;
-                let steps = o.iterations.expect("iterations");
+                let steps = o.info.expect("an iteration").steps;
                 self.most_steps = self.most_steps.max(steps);
                 self.more_than_six += usize::from(steps > 6);
-                let balance = o.power_balance.expect("power balance").abs();
+                let balance = o.transmission.power_balance.expect("a balance of forces").abs();
                 self.worst_balance = self.worst_balance.max(balance);
-                self.worst_residual = self.worst_residual.max(o.residual_norm.expect("residual"));
-                assert!(o.efficiency.is_some_and(|eta| eta < 1.0), "{case:?} {o:?}");
-                assert!(o.minor_normal_load.is_some_and(|q| q > 0.0), "{case:?} {o:?}");
+                self.worst_residual =
+                    self.worst_residual.max(o.info.expect("an iteration").residual);
+                assert!(o.transmission.efficiency < 1.0, "{case:?} {o:?}");
+                assert!(o.ball.minor.is_some_and(|minor| minor.load > Some(0.0)), "{case:?} {o:?}");
                 if start.load > 0.0 && start.minor > 0.0 && start.margin < 0.0 {
                     self.against += 1;
                     let relative = start.margin / (start.precession * case.helix.lead_angle.tan());
@@ -47,11 +47,11 @@ impl Tally {
                     self.farthest = self.farthest.max(relative.abs() / inertia);
                 }
             }
-            Status::NoSolution => {
+            Err(Unsolved { status: Status::NoSolution, .. }) => {
                 self.denied += 1;
                 self.refuted += usize::from(start.exists());
             }
-            Status::NotConverged | Status::InvalidInput => {
+            Err(_) => {
                 self.not_converged += 1;
                 self.calmest = self.calmest.min(start.size / case.friction);
             }

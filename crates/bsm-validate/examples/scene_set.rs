@@ -13,7 +13,7 @@ use std::error::Error;
 use std::io;
 
 use bsm_case::Scene;
-use bsm_dyn::{Model, ModelWorkspace, SlipRegime, Problem};
+use bsm_dyn::{Model, ModelWorkspace, Problem, SlipRegime};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -2,8 +2,8 @@
 //! the hypothesis of raceway control.
 
 use bsm_case::{Scene, Settings};
-use bsm_kin::Motion;
 use bsm_dyn::{Control, Hertz, Model, ModelWorkspace, Problem, Solution, Traction};
+use bsm_kin::{Motion, Site};
 use serde::Deserialize;
 
 use crate::{Check, Published, ValidateError};
@@ -189,12 +189,13 @@ impl Reference {
         let speed = self.screw_speed_rpm * std::f64::consts::PI / 30.0;
         let degrees = |x: Option<f64>| Some(number(x).to_degrees());
         let over_speed = |x: Option<f64>| Some(number(x) / speed);
-        let ball = solution.solved().map(|solved| solved.ball).unwrap_or_default();
-        let displacement = ball.axial_displacement.map(|x| 1e6 * x);
-        let [nut, screw, _] = ball.contacts;
-        let (q_a, q_b) = (nut.and_then(|c| c.load), screw.and_then(|c| c.load));
-        let [beta_a, beta_b] = [nut, screw].map(|c| degrees(c.map(|c| c.angle)));
-        let rate_of = |read: fn(&Motion<f64>) -> f64| over_speed(ball.motion.as_ref().map(read));
+        let ball = solution.solved().map(|solved| &solved.ball);
+        let displacement = ball.and_then(|ball| ball.axial_displacement).map(|x| 1e6 * x);
+        let contacts = [Site::Nut, Site::Screw].map(|site| solution.contact(site));
+        let [q_a, q_b] = contacts.map(|contact| contact?.load);
+        let [beta_a, beta_b] = contacts.map(|contact| degrees(contact.map(|c| c.angle)));
+        let motion = ball.and_then(|ball| ball.motion.as_ref());
+        let rate_of = |read: fn(&Motion<f64>) -> f64| over_speed(motion.map(read));
         [
             ("efficiency", solution.efficiency(), Some(self.efficiency), eta),
             ("Q_A", q_a, Some(self.nut_normal_load_N), load),
@@ -283,7 +284,9 @@ fn bearing(work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
         loaded_balls: Some(16.0),
         ..Scene::default()
     };
-    let o = solve(&scene, &Model::RacewayControl.into(), work)?;
+    let solution = solve(&scene, &Model::RacewayControl.into(), work)?;
+    let nut = solution.contact(Site::Nut);
+    let displacement = solution.solved().and_then(|solved| solved.ball.axial_displacement);
     let check = |key: &str, claim: &str| {
         let source = "Harris and Kotzalas, thrust-loaded 218 angular-contact ball bearing";
         Check::new(&format!("bearing-218/{key}"), source, claim)
@@ -291,13 +294,13 @@ fn bearing(work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
     let chart = "the book reads the stiffness from a chart";
     Ok(vec![
         check("contact-angle", "contact angle under 17 800 N of thrust")
-            .measured(number(o.nut_contact_angle).to_degrees(), "deg")
+            .measured(number(nut.map(|contact| contact.angle)).to_degrees(), "deg")
             .equals(41.6, 0.15, &format!("{chart}: 0.15 of the change of 1.6 deg")),
         check("normal-load", "normal load of a ball")
-            .measured(number(o.nut_normal_load), "N")
+            .measured(number(nut.and_then(|contact| contact.load)), "N")
             .equals(1676.0, 5.0, &format!("follows the angle; {chart}")),
         check("displacement", "axial displacement")
-            .measured(1e3 * number(o.axial_displacement), "mm")
+            .measured(1e3 * number(displacement), "mm")
             .equals(0.0386, 0.003, &format!("follows the change of the angle; {chart}")),
     ])
 }
@@ -311,7 +314,8 @@ fn hypothesis(lin: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, Vali
     {
         let scene = Scene { axial_load_N: Some(load), screw_speed_rpm: Some(rpm), ..lin.clone() };
         let o = solve(&scene, &Model::Traction.into(), work)?;
-        let (nut, screw) = (number(o.nut_spin).abs(), number(o.screw_spin).abs());
+        let spin = |site| number(o.contact(site).and_then(|c| Some(c.slip?.spin))).abs();
+        let (nut, screw) = (spin(Site::Nut), spin(Site::Screw));
         let share = nut.min(screw) / (nut + screw);
         let check = |claim: &str| {
             let key = format!("elastic/raceway-hypothesis-{load}-{rpm}");
@@ -319,7 +323,7 @@ fn hypothesis(lin: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, Vali
                 .measured(share, "of the spin at the quieter race")
                 .note(format!(
                     "nut {nut:.1} rad/s, screw {screw:.1} rad/s, skid number {:.4}",
-                    number(o.skid_number)
+                    number(o.solved().and_then(|solved| solved.skid?.skid_number()))
                 ))
         };
         let control = "raceway control: one race has no spin";

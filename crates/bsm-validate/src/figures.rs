@@ -4,6 +4,7 @@
 use bsm_case::{Scene, Settings};
 use bsm_design::search::minimum_of;
 use bsm_dyn::{Angles, Control, Direction, Model, ModelWorkspace, Optimum, Solution};
+use bsm_kin::Site;
 
 use crate::figure::{Axis, Curve, Figure, Stroke};
 use crate::{Published, ValidateError, dong2020, elastic, xu2015};
@@ -126,10 +127,14 @@ fn contact_angle(lin: &Scene) -> Result<Figure, ValidateError> {
 fn normal_loads(lin: &Scene) -> Result<Figure, ValidateError> {
     let load = lin.axial_load_N.unwrap_or(1.0);
     let reads: [(&str, Model, Stroke, Read); 4] = [
-        ("nut and screw, closed form", Model::ClosedForm, Stroke::Solid, |o| o.nut_normal_load),
-        ("nut, exact", Model::Rigid, Stroke::Circles, |o| o.nut_normal_load),
-        ("screw, exact", Model::Rigid, Stroke::Triangles, |o| o.screw_normal_load),
-        ("minor contact, exact", Model::Rigid, Stroke::Circles, |o| o.minor_normal_load),
+        ("nut and screw, closed form", Model::ClosedForm, Stroke::Solid, |o| {
+            o.contact(Site::Nut)?.load
+        }),
+        ("nut, exact", Model::Rigid, Stroke::Circles, |o| o.contact(Site::Nut)?.load),
+        ("screw, exact", Model::Rigid, Stroke::Triangles, |o| o.contact(Site::Screw)?.load),
+        ("minor contact, exact", Model::Rigid, Stroke::Circles, |o| {
+            o.contact(Site::NutMinor)?.load
+        }),
     ];
     let mut curves = Vec::new();
     for (i, (label, model, stroke, read)) in reads.into_iter().enumerate() {
@@ -165,7 +170,7 @@ fn normal_loads(lin: &Scene) -> Result<Figure, ValidateError> {
 fn slip_angles(lin: &Scene) -> Result<Figure, ValidateError> {
     let contacts = [30.0, 45.0, 60.0];
     let over = (LEAD.0, &degrees(1..=60)[..]);
-    let read: Read = |o| o.screw_slip_angle.map(f64::to_degrees);
+    let read: Read = |o| o.contact(Site::Screw)?.slip_angle.map(f64::to_degrees);
     Ok(Figure {
         key: "lin-slip-angle".into(),
         title: "Direction of friction at the screw against lead angle".into(),
@@ -298,7 +303,13 @@ fn transition(lin: &Scene) -> Result<Figure, ValidateError> {
                 label: Some(format!("{}, {load} N", model.name())),
                 color,
                 stroke,
-                points: points(&scene, &settings, "screw_speed_rpm", &speeds, |o| o.efficiency)?,
+                points: points(
+                    &scene,
+                    &settings,
+                    "screw_speed_rpm",
+                    &speeds,
+                    Solution::efficiency,
+                )?,
             });
         }
     }

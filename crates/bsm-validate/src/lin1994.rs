@@ -291,7 +291,7 @@ fn existence(lin: &Scene, claims: &Claims) -> Result<Vec<Check>, ValidateError> 
     for tenth in 10..=200 {
         let degrees = 0.1 * f64::from(tenth) + 0.05;
         let scene = Scene { lead_angle_deg: Some(degrees), ..slow.clone() };
-        let status = scene.problem(&Model::Rigid.into())?.solve(work).status;
+        let status = scene.problem(&Model::Rigid.into())?.solve(work).status();
         let expected = if degrees < critical { Status::NoSolution } else { Status::Converged };
         wrong += i32::from(status != expected);
     }

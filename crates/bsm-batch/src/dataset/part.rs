@@ -14,12 +14,13 @@ use sha2::{Digest, Sha256};
 
 use super::digest;
 use crate::parquet_table::{ParquetSink, decoded};
-use crate::{TableError, Workers};
+use crate::{Count, TableError, Workers};
 
 const PLAN: &str = "bsm.plan";
 const SHARD: &str = "bsm.shard";
 const ROWS: &str = "bsm.rows";
 const FAILED: &str = "bsm.failed";
+const SEVERAL: &str = "bsm.several";
 const DATA_BYTES: &str = "bsm.data_bytes";
 const DATA_SHA256: &str = "bsm.data_sha256";
 const FOOTER_SHA256: &str = "bsm.footer_sha256";
@@ -54,6 +55,8 @@ pub struct Part {
     pub rows: u64,
     /// Rows without a result.
     pub failed: u64,
+    /// Rows that are known to have other solutions.
+    pub several: u64,
     /// Bytes before the footer.
     pub data_bytes: u64,
     /// Their hash.
@@ -126,11 +129,11 @@ impl<W: Write> Write for Proving<W> {
 pub(super) fn seal<W: Write + Send>(
     sink: ParquetSink<Proving<W>>,
     place: Place<'_>,
-    failed: u64,
+    Count { failed, several, .. }: Count,
 ) -> Result<(W, Part), TableError> {
     let Place { plan, shard, first_row, rows } = place;
-    let mut part =
-        Part { shard, first_row, rows, failed, data_bytes: 0, data_sha256: String::new() };
+    let (data_bytes, data_sha256) = (0, String::new());
+    let mut part = Part { shard, first_row, rows, failed, several, data_bytes, data_sha256 };
     let written = sink.finish_with(|file| {
         part.data_bytes = file.data_bytes;
         part.data_sha256 = digest::hex(file.hash.clone());
@@ -140,6 +143,7 @@ pub(super) fn seal<W: Write + Send>(
             (SHARD, shard.to_string()),
             (ROWS, format!("{first_row}:{rows}")),
             (FAILED, failed.to_string()),
+            (SEVERAL, several.to_string()),
             (DATA_BYTES, part.data_bytes.to_string()),
             (DATA_SHA256, part.data_sha256.clone()),
             (FOOTER_SHA256, String::from_utf8_lossy(&ZEROS).into_owned()),
@@ -208,7 +212,8 @@ pub(super) fn prove(
     if shard != place.shard.to_string() || value(ROWS) != Some(rows.as_str()) {
         return Err(Damage::OtherPart(shard.to_owned()));
     }
-    let failed = value(FAILED).and_then(|n| n.parse().ok()).ok_or(Damage::Footer)?;
+    let counted = |key| value(key).and_then(|n| n.parse().ok()).ok_or(Damage::Footer);
+    let (failed, several) = (counted(FAILED)?, counted(SEVERAL)?);
     let data_sha256 = value(DATA_SHA256).ok_or(Damage::Footer)?.to_owned();
     if value(DATA_BYTES) != Some(data_bytes.to_string().as_str())
         || u64::try_from(metadata.num_rows()) != Ok(place.rows)
@@ -224,7 +229,7 @@ pub(super) fn prove(
         }
     }
     let Place { shard, first_row, rows, .. } = place;
-    Ok(Some(Part { shard, first_row, rows, failed, data_bytes, data_sha256 }))
+    Ok(Some(Part { shard, first_row, rows, failed, several, data_bytes, data_sha256 }))
 }
 
 /// The footer of a file with its tail, and how many bytes are before it; `None` if it has none.

@@ -15,7 +15,7 @@ use crate::{Answers, Format, GridSource, Source, TableError, Task, Workers};
 
 /// Goes up by one with each entry under "Changed numbers" in the changelog: parts of two revisions are
 /// not mixed.
-pub const RESULTS: u32 = 3;
+pub const RESULTS: u32 = 4;
 
 /// Form of the file itself.
 const FORMAT: u32 = 1;

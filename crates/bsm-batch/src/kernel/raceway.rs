@@ -40,6 +40,12 @@ impl Kernel for Raceway {
         regime(out, given, (&units, &pair), (&grip, &motion));
         out.set(OutputKey::iterations, grip.steps);
         out.set(OutputKey::residual_norm, grip.residual);
+        let (zero, by_nut) = (grip.residual.constant(0.0), grip.by_nut);
+        out.set(OutputKey::controlling_race, by_nut.select(zero, zero + 1.0));
+        if self.control.is_none() {
+            out.set(OutputKey::control_consistent, zero + 1.0);
+        }
+        out.set_unique(zero);
         grip.found
     }
 }

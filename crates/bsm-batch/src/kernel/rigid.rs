@@ -6,7 +6,7 @@ mod sweep;
 
 use bsm_case::OutputKey;
 use bsm_case::units::direction_deg;
-use bsm_dyn::{Model, POWER_BALANCE_TOL};
+use bsm_dyn::{Model, POWER_BALANCE_TOL, SEARCHED_FROM, UNIQUE_BELOW};
 use bsm_simd::Simd;
 
 use self::sweep::{Plane, Scaled, State, dot, times};
@@ -75,6 +75,10 @@ impl Kernel for Rigid {
         contact_angles(given, out);
         out.set(OutputKey::iterations, sweeps);
         out.set(OutputKey::residual_norm, residual);
+        // Unknown where nobody looks.
+        let unique = case.crowding(&first).lt(case.constant(UNIQUE_BELOW));
+        let others = unique.select(case.constant(0.0), case.constant(f64::NAN));
+        out.set(OutputKey::other_solutions, others);
         found & imbalance.abs().le(case.constant(POWER_BALANCE_TOL))
     }
 }
@@ -91,7 +95,7 @@ struct Contacts<S: Simd> {
 
 impl<S: Simd> Scaled<S> {
     /// Points that the sweeps may answer: with friction, numbers that do not underflow, a root to
-    /// first order, and not more inertia than tested.
+    /// first order, and not more inertia than tested or than the model answers without a search.
     #[inline(always)]
     fn expected(&self, first: &State<S>) -> Mask<S> {
         let (zero, least) = (self.constant(0.0), self.constant(f64::MIN_POSITIVE));
@@ -99,10 +103,24 @@ impl<S: Simd> Scaled<S> {
             & self.inertia.gt(least)
             & self.inertia_ratio.gt(least)
             // sinβ > F D by more than a hair, κ > 0, margin > 0
-            & (self.k_n - self.signed * self.h).gt(self.k_n * LOCKED)
+            & self.holds().gt(self.k_n * LOCKED)
             & first.minor.gt(zero)
             & first.slip.gt(zero)
             & self.size(first.rate).lt(self.friction * MOST_INERTIA)
+            & self.crowding(first).lt(self.constant(SEARCHED_FROM))
+    }
+
+    /// Axial load over the normal load of a ball without inertia.
+    #[inline(always)]
+    fn holds(&self) -> Lane<S> {
+        self.k_n - self.signed * self.h
+    }
+
+    /// Crowding of the roots.
+    #[inline(always)]
+    fn crowding(&self, first: &State<S>) -> Lane<S> {
+        // C = q ι / (f (P/W)²),  q = 1/(cosα sinβ − F h)                  (R45)
+        self.size(first.rate) / (self.friction * first.rate * first.rate * self.holds())
     }
 
     /// `$\iota$` of a rate (R23).

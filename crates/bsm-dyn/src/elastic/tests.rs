@@ -217,8 +217,8 @@ fn nut_and_screw_that_turn_together_are_not_denied() {
         let apart = 10_f64.powf(rng.random_range(-12.0..-1.0));
         screw.drive = bsm_kin::Drive { screw_speed: speed, nut_speed: speed * (1.0 - apart) };
         let solution = Elastic { screw }.solve(&mut work);
-        converged += usize::from(solution.status == Status::Converged);
-        if let Some(Reason::NoSkidAtInertia { inertia, least, most }) = solution.reason {
+        converged += usize::from(solution.status() == Status::Converged);
+        if let Some(Reason::NoSkidAtInertia { inertia, least, most }) = solution.reason() {
             assert!(!(least..=most).contains(&inertia), "{inertia} {least} {most} {screw:?}");
         }
     }

@@ -20,6 +20,16 @@ const MOST_STEPS: usize = 8;
 /// centrifugal force nearly touches what the flanks hold.
 const MOST_PASSES: usize = 20_000;
 
+/// Inertia (W17) up to which no ball was seen to have a second root: the least of those that have one is
+/// 3.8, and (W15) excludes one below 0.25.
+const UNIQUE_BELOW: f64 = 2.0;
+
+/// Steps of the scan for more roots.
+const SCAN: u32 = 48;
+
+/// Roots that differ by less, relative, are one.
+const SAME: f64 = 1e-6;
+
 /// Static balance of the ball in the normal plane.
 pub(super) struct Balance<'a, P = f64> {
     pub(super) pair: &'a Pair<P>,
@@ -176,6 +186,53 @@ impl Balance<'_> {
             return Ok(Root { unknowns: x, steps, residual: report.residual });
         }
         Err((Status::NotConverged, Reason::from(report)))
+    }
+
+    /// True if (W17) leaves no second root.
+    pub(super) fn is_unique(&self) -> bool {
+        let nut = self.pair.nut_speed * self.pair.sign();
+        let outwards = match self.control {
+            Control::Nut => 1.0 + nut,
+            Control::Screw => self.lever - nut,
+        };
+        // μ cosα |P|/W < 2, with the largest |P| that may still rise      (W17)
+        self.inertia * outwards < UNIQUE_BELOW
+    }
+
+    /// Roots on the flanks whose contact angles differ by more than those of the first root `x`, up to
+    /// the resolution of a scan.
+    pub(super) fn farther_roots(
+        &self,
+        &[first, _]: &[f64; STATIC],
+        newton: &mut Workspace<STATIC>,
+    ) -> Vec<Root> {
+        if self.is_unique() { Vec::new() } else { self.scan(first, newton) }
+    }
+
+    /// The roots beyond a first one.
+    fn scan(&self, first: f64, newton: &mut Workspace<STATIC>) -> Vec<Root> {
+        let farthest = self.farthest();
+        let excess = |c: f64| c - self.centrifugal(self.rate_at(c));
+        let begin = (first * (1.0 + SAME)).max(1e-3 * farthest);
+        let grow = (farthest / begin).powf(f64::from(SCAN).recip());
+        let (mut low, mut at_low, mut found) = (begin, excess(begin), Vec::new());
+        for step in 1..=SCAN {
+            let high = if step < SCAN { low * grow } else { farthest };
+            let at_high = excess(high);
+            if let Some(root) = Bracket::new([low, high], [at_low, at_high]).root(excess).root() {
+                found.extend(self.polished(root.x, newton));
+            }
+            (low, at_low) = (high, at_high);
+        }
+        found
+    }
+
+    /// The root near a difference of the cotangents, by Newton; `None` where that goes to another.
+    fn polished(&self, near: f64, newton: &mut Workspace<STATIC>) -> Option<Root> {
+        let mut x = [near, self.closed(near)];
+        let report = self.run(&mut x, newton);
+        let found = report.converged() && x[1] > 0.0 && (x[0] - near).abs() <= 1e-3 * near;
+        found.then_some(Root { unknowns: x, steps: report.steps.len(), residual: report.residual })
     }
 
     /// Equal angles, turned apart by their centrifugal force; `None` where that is too much.

@@ -5,6 +5,13 @@
 use super::scaled::{Scaled, Unknowns};
 use crate::Angles;
 
+/// Crowding (R45) up to which no point was seen to have a second root: the least of those that have one
+/// is 3.4.
+pub const UNIQUE_BELOW: f64 = 1.0;
+
+/// Crowding (R45) from which second roots are looked for: below, one point in 10 000 has any.
+pub const SEARCHED_FROM: f64 = 300.0;
+
 /// First-order solution in the inertia ratio.
 ///
 /// Loads are exact to first order in `$\varepsilon = m r_m P^2/F_a$`, the motion to zeroth.
@@ -123,6 +130,13 @@ impl FirstOrder {
     /// Size of the moment about the normal over `$r_b F_a$`: gyroscopic or friction of A'.
     pub(crate) fn normal_moment(&self) -> f64 {
         self.size * self.rate.abs().min(1.0)
+    }
+
+    /// Inertia forces times the load of a contact, over friction and over `$(P/W)^2$`: what roots have to
+    /// exceed to be several.
+    pub fn crowding(&self, friction: f64) -> f64 {
+        // C = q ι / (f (P/W)²)                                            (R45)
+        self.load.abs() * self.size / (friction * self.rate * self.rate)
     }
 
     /// True if a finite root exists, to first order: the contacts push and the ball slides on

@@ -2,10 +2,12 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, sections on existence, slow and fast balls.
 
+use std::mem;
+
 use bsm_newton::{Equations, Options, Report, Scales, solve};
 
 use super::curve::Curve;
-use super::first_order::FirstOrder;
+use super::first_order::{FirstOrder, SEARCHED_FROM, UNIQUE_BELOW};
 use super::scaled::{ExistenceLimit, Scaled, Unknowns};
 use super::search::Search;
 use crate::equations::Workspace;
@@ -42,6 +44,9 @@ const SURE_STEPS: usize = 5;
 /// where the scaled residual vanishes without a solution. Real roots stay below one.
 const SPEED_LIMIT: f64 = 10.0;
 
+/// Roots whose loads differ by less, relative, are one.
+const SAME: f64 = 1e-6;
+
 /// A root of the rigid equations.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Root {
@@ -51,12 +56,28 @@ pub(crate) struct Root {
     /// Newton steps of all solves.
     pub(crate) steps: usize,
     pub(crate) residual: f64,
+    /// Other admissible roots of the point; `None` if none was looked for, or the search was lost.
+    pub(crate) others: Option<Vec<Root>>,
 }
 
 impl Root {
+    /// A root of whose others nothing is known.
+    fn new(unknowns: Unknowns<f64>, steps: usize, residual: f64) -> Self {
+        Self { unknowns, from_ground: false, steps, residual, others: None }
+    }
+
     /// True if all contacts push and the slip at A is against its friction.
     fn is_admissible(&self) -> bool {
         [NUT_LOAD, MINOR_LOAD, SCREW_LOAD, SLIP].into_iter().all(|i| self.unknowns[i] > 0.0)
+    }
+
+    /// True for the same root but for rounding.
+    pub(super) fn is_near(&self, other: &Self) -> bool {
+        let near = |i: usize| {
+            let (x, y) = (self.unknowns[i], other.unknowns[i]);
+            (x - y).abs() <= SAME * x.abs().max(y.abs())
+        };
+        [NUT_LOAD, MINOR_LOAD, SCREW_LOAD].into_iter().all(near)
     }
 }
 
@@ -77,11 +98,23 @@ pub struct RigidWorkspace(pub(super) Workspace);
 
 /// Finds the root, or the reason why there is none.
 ///
+/// Of several admissible roots the one of smallest positive turn of the slip at B, then of smallest
+/// negative: the first that the branch of small inertia meets. They are looked for from
+/// [`SEARCHED_FROM`] on.
+///
 /// A hair from self-locking the loads are so large that their rounding misleads all searches. Where the
 /// first order has a root by more than its error, none is denied.
 pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root, NoRoot> {
     let start = FirstOrder::of(case);
-    root_near(case, &start, work).map_err(|none| {
+    let crowding = start.crowding(case.friction);
+    let found = root_near(case, &start, work).map(|root| {
+        // That a search which Newton needed has met no other is not told: the kernel needs none, and a
+        // row of a table says what the model says.
+        let met = root.others.filter(|met| crowding >= SEARCHED_FROM || !met.is_empty());
+        let others = met.or((crowding < UNIQUE_BELOW).then(Vec::new));
+        Root { others, ..root }
+    });
+    found.map_err(|none| {
         let loaded = start.size / case.friction * start.load;
         let error = FIRST_ORDER_ERROR * loaded;
         let sure = loaded < SMALL_INERTIA
@@ -115,16 +148,23 @@ fn root_near(
     {
         return accept(case, root, work);
     }
-    let mut denial = None;
+    let (mut denial, mut near) = (None, None);
     if let Some(root) = direct(case, start, inertia, work) {
         match accept(case, root, work) {
-            Ok(root) => return Ok(root),
+            Ok(root) if start.crowding(case.friction) < SEARCHED_FROM => return Ok(root),
+            Ok(root) => near = Some(root),
             Err(reason) if inertia < SMALL_INERTIA => return Err(reason),
             // A branch whose contacts pull already without inertia says nothing.
             Err(reason) => denial = (start.load > 0.0 && start.minor > 0.0).then_some(reason),
         }
     }
-    search(case, start, work).map_err(|none| match (none.status, denial) {
+    let mut met = Met::of(case, start, work);
+    if let Some(root) = met.first(near) {
+        return Ok(root);
+    }
+    let Met { nearest_inertia, failure, .. } = met;
+    let none = failure.unwrap_or_else(|| none(why_none(case, start, nearest_inertia, work)));
+    Err(match (none.status, denial) {
         (Status::NoSolution, Some(exact)) => exact,
         _ => none,
     })
@@ -148,35 +188,55 @@ fn direct(
         return None;
     }
     let (steps, residual) = (report.steps.len(), report.residual);
-    let root = Root { unknowns, from_ground: false, steps, residual };
+    let root = Root::new(unknowns, steps, residual);
     if moderate { Some(root) } else { settled(case, root, work).ok() }
 }
 
-/// The root of smallest turn of the slip at B among all there are, or why there is none.
-fn search(
-    case: &Scaled<f64>,
-    start: &FirstOrder,
-    work: &mut RigidWorkspace,
-) -> Result<Root, NoRoot> {
-    let curve = Curve::of(case);
-    let (mut found, mut failure) = (None, None);
-    let mut search = Search::new(&curve, |point| {
-        let (unknowns, from_ground) = curve.unknowns(point);
-        let root = Root { unknowns, from_ground, steps: 0, residual: f64::NAN };
-        match settled(case, root, work) {
-            Ok(root) if root.is_admissible() => found = Some(root),
-            // Newton has left the crossing for another root.
-            Ok(_) => failure = Some(lost()),
-            Err(none) => failure = Some(none),
+/// What a search has met.
+pub(super) struct Met {
+    /// Admissible roots, each once: in the order of the turn of the slip at B upwards from zero, then
+    /// downwards.
+    pub(super) roots: Vec<Root>,
+    nearest_inertia: Option<f64>,
+    /// A part of the curve was not searched, or a crossing gave no root.
+    failure: Option<NoRoot>,
+}
+
+impl Met {
+    /// The roots of the whole curve.
+    pub(super) fn of(case: &Scaled<f64>, start: &FirstOrder, work: &mut RigidWorkspace) -> Self {
+        let curve = Curve::of(case);
+        let (mut roots, mut failure) = (Vec::<Root>::new(), None);
+        let mut search = Search::new(&curve, |point| {
+            let (unknowns, from_ground) = curve.unknowns(point);
+            let root = Root { from_ground, ..Root::new(unknowns, 0, f64::NAN) };
+            match settled(case, root, work) {
+                // Newton has left the crossing for another root.
+                Ok(root) if !root.is_admissible() || roots.iter().any(|r| r.is_near(&root)) => {
+                    failure = Some(lost());
+                }
+                Ok(root) => roots.push(root),
+                Err(none) => failure = Some(none),
+            }
+            false
+        });
+        search.run(start.inertia);
+        let (nearest_inertia, cut_short) = (search.nearest_inertia, search.is_cut_short());
+        if cut_short && failure.is_none() {
+            failure = Some(lost());
         }
-        found.is_some()
-    });
-    search.run(start.inertia);
-    let (nearest, cut_short) = (search.nearest_inertia, search.is_cut_short());
-    if cut_short && failure.is_none() {
-        failure = Some(lost());
+        Self { roots, nearest_inertia, failure }
     }
-    found.ok_or_else(|| failure.unwrap_or_else(|| none(why_none(case, start, nearest, work))))
+
+    /// The first root, with the others; `direct` is one that Newton has found.
+    fn first(&mut self, direct: Option<Root>) -> Option<Root> {
+        // One that the search has missed.
+        self.roots.extend(direct.filter(|d| !self.roots.iter().any(|root| root.is_near(d))));
+        let mut others = mem::take(&mut self.roots);
+        let first = (!others.is_empty()).then(|| others.remove(0))?;
+        let known = self.failure.is_none() || !others.is_empty();
+        Some(Root { others: known.then_some(others), ..first })
+    }
 }
 
 /// What to say of a point where the search found no root.
@@ -276,7 +336,7 @@ fn interpolate(
     let weights = case.weights(start.normal_moment());
     let check = run(case, &mut unknowns, &weights, (0, Options::default().residual_goal), work);
     let (steps, residual) = (report.steps.len(), check.residual);
-    check.converged().then_some(Root { unknowns, from_ground: false, steps, residual })
+    check.converged().then_some(Root::new(unknowns, steps, residual))
 }
 
 /// Accepts a converged root of the extended equations if it is one of the physical ones.

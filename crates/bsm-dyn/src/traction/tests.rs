@@ -92,17 +92,18 @@ fn confirmed(seed: u64, points: u64, starts: usize) -> Confirmed {
         let creep = Traction::CREEP * pair.slip_scale();
         let quadrature = &work.quadratures[place].1;
         let ball = Rolling { pair: &pair, quadrature, creep, at_nut: false };
-        let count = match solution.status {
+        let steps = solution.solved().and_then(|solved| Some(solved.info?.steps));
+        let count = match solution.status() {
             Status::NoSolution => &mut counts.denied,
             Status::NotConverged => &mut counts.undecided,
             Status::Converged if counts.found[0] < 100 => &mut counts.found,
-            Status::Converged if solution.outputs.iterations > Some(150) => &mut counts.hard,
+            Status::Converged if steps > Some(150) => &mut counts.hard,
             _ => continue,
         };
         count[0] += 1;
         if let Some(root) = search(&ball, starts, &mut rng) {
             count[1] += 1;
-            if solution.status == Status::NoSolution {
+            if solution.status() == Status::NoSolution {
                 println!("refuted: {number} {screw:?} {root:?}");
             }
         }
@@ -147,8 +148,8 @@ fn hard_points_are_solved() {
         (2031, 1922, "the same at an inertia ratio of 5e11"),
     ] {
         let solution = solved(point(seed, number), &mut work);
-        let place = format!("{seed} {number}, {what}: {:?}", solution.reason);
-        assert_eq!(solution.status, Status::Converged, "{place}");
+        let place = format!("{seed} {number}, {what}: {:?}", solution.reason());
+        assert_eq!(solution.status(), Status::Converged, "{place}");
     }
 }
 
@@ -187,7 +188,7 @@ fn strong_friction_has_roots_that_only_starts_lead_to() {
             [0.0, 50_493.148_990_886],
         ),
     ] {
-        assert_eq!(solved(screw, &mut work).status, Status::Converged, "{screw:?}");
+        assert_eq!(solved(screw, &mut work).status(), Status::Converged, "{screw:?}");
     }
 }
 
@@ -202,13 +203,13 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         let Ok(pair) = screw.pair() else { continue };
         // More inertia eats the digits of one set, none those of the other.
         let inertia = pair.inertia_ratio();
-        if solution.status != Status::Converged || !(1e-6..1e2).contains(&inertia) {
+        if solution.status() != Status::Converged || !(1e-6..1e2).contains(&inertia) {
             continue;
         }
         let grip = Grip::of(&pair, None, &mut work.statics);
         let start = Start::new(&pair, grip.ok().as_ref()).unwrap();
         let case = Traction { screw, order: Traction::ORDER, creep: Traction::CREEP };
-        let Found { root, outputs } = case.outputs(&start, None, &mut work).unwrap();
+        let Found { root, ball: found, .. } = case.found(&start, None, &mut work).unwrap();
         let place = work.quadrature(Traction::ORDER);
         let creep = Traction::CREEP * pair.slip_scale();
         let ball =
@@ -219,8 +220,8 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         assert!(thrown.run(&mut y, &mut newton).converged(), "{number}");
         let angles = thrown.angles(&y);
         // Roots are known to 1e-10 of the forces, contact angles of 1 deg to a hundredth of that.
-        assert_relative_eq!(angles[0], outputs.nut_contact_angle.unwrap(), max_relative = 1e-8);
-        assert_relative_eq!(angles[1], outputs.screw_contact_angle.unwrap(), max_relative = 1e-8);
+        assert_relative_eq!(angles[0], found.nut.angle, max_relative = 1e-8);
+        assert_relative_eq!(angles[1], found.screw.angle, max_relative = 1e-8);
         assert_relative_eq!(y[NUT_LOAD], root.unknowns[NUT_LOAD], max_relative = 1e-8);
         seen += 1;
     }
@@ -234,10 +235,10 @@ fn a_ball_pressed_through_its_groove_has_no_root() {
     let mut work = TractionWorkspace::default();
     for number in [1255, 2595] {
         let solution = solved(point(3, number), &mut work);
-        let Some(Reason::BallLeavesFlank { screw, .. }) = solution.reason else {
+        let Some(Reason::BallLeavesFlank { screw, .. }) = solution.reason() else {
             panic!("{number}: {solution:?}")
         };
-        assert!(solution.status == Status::NoSolution && screw > FRAC_PI_2, "{number}: {screw}");
+        assert!(solution.status() == Status::NoSolution && *screw > FRAC_PI_2, "{number}: {screw}");
     }
 }
 
@@ -246,7 +247,7 @@ fn a_ball_pressed_through_its_groove_has_no_root() {
 fn friction_turns_a_ball_off_its_flanks() {
     let mut work = TractionWorkspace::default();
     let solution = solved(point(8, 53), &mut work);
-    assert_eq!(solution.status, Status::NoSolution, "{solution:?}");
-    let Some(Reason::BallLeavesFlank { screw, .. }) = solution.reason else { panic!() };
-    assert!(screw > FRAC_PI_2, "{screw}");
+    assert_eq!(solution.status(), Status::NoSolution, "{solution:?}");
+    let Some(Reason::BallLeavesFlank { screw, .. }) = solution.reason() else { panic!() };
+    assert!(*screw > FRAC_PI_2, "{screw}");
 }

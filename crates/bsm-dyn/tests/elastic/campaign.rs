@@ -27,15 +27,16 @@ fn campaign(
     let mut tally = Tally::default();
     for screw in screws.take(2000) {
         let solution = solve(screw);
-        match (solution.status, solution.reason) {
+        match (solution.status(), solution.reason()) {
             (Status::Converged, _) => {
-                let o = solution.outputs;
+                let o = solution.solved().expect("converged");
                 tally.converged += 1;
-                tally.worst_balance =
-                    tally.worst_balance.max(o.power_balance.expect("power").abs());
-                tally.most_steps = tally.most_steps.max(o.iterations.expect("steps"));
-                assert!(o.efficiency.is_some_and(|eta| eta < 1.0), "{screw:?}");
-                assert!(o.residual_norm.is_some_and(|r| r <= 1e-10), "{screw:?}");
+                tally.worst_balance = tally
+                    .worst_balance
+                    .max(o.transmission.power_balance.expect("a balance of forces").abs());
+                tally.most_steps = tally.most_steps.max(o.info.expect("an iteration").steps);
+                assert!(o.transmission.efficiency < 1.0, "{screw:?}");
+                assert!(o.info.is_some_and(|info| info.residual <= 1e-10), "{screw:?}");
             }
             (Status::NoSolution, Some(Reason::NoSkidAtInertia { .. })) => tally.ended += 1,
             _ => tally.other += 1,
@@ -104,10 +105,10 @@ fn bounds(screws: impl Iterator<Item = ElasticScrew>, tolerance: f64) -> Tried {
     let mut tried = Tried::default();
     for screw in screws.take(2000) {
         let exact = Traction { screw, order: reference, creep: 1e-5 }.solve(&mut fine);
-        let Some(exact) = exact.outputs.efficiency else { continue };
+        let Some(exact) = exact.efficiency() else { continue };
         let chosen = Auto { screw, tolerance }.solve(&mut work);
-        let bound = chosen.outputs.error_bound.expect("a converged choice has a bound");
-        let error = (chosen.outputs.efficiency.expect("converged") - exact).abs();
+        let bound = chosen.choice.expect("a converged choice has a bound").error_bound;
+        let error = (chosen.efficiency().expect("converged") - exact).abs();
         tried.points += 1;
         tried.broken += usize::from(error > bound);
         tried.loose += usize::from(bound > tolerance);

@@ -5,8 +5,8 @@ use std::num::NonZeroUsize;
 use crate::screws::{inertia_ratio, lin, real_screws};
 use approx::assert_relative_eq;
 use bsm_dyn::{
-    Auto, Elastic, ElasticScrew, ElasticWorkspace, ModelWorkspace, Outputs, RacewayControl,
-    RacewayWorkspace, Reason, Solution, Status, Traction, TractionWorkspace,
+    Auto, Elastic, ElasticScrew, ElasticWorkspace, ModelWorkspace, RacewayControl,
+    RacewayWorkspace, Reason, Solution, Solved, Status, Traction, TractionWorkspace,
 };
 use proptest::prelude::*;
 
@@ -14,18 +14,21 @@ fn order(n: usize) -> NonZeroUsize {
     NonZeroUsize::new(n).expect("positive")
 }
 
-fn numbers(solution: &Solution) -> Outputs {
-    assert_eq!(solution.status, Status::Converged, "{:?}", solution.reason);
-    solution.outputs
+fn numbers(solution: Solution) -> Solved {
+    solution.answer.expect("a solution")
 }
 
-fn traction(screw: ElasticScrew, n: usize, creep: f64) -> Outputs {
+fn onset(solution: &Solution) -> Option<f64> {
+    solution.solved()?.skid?.onset_number()
+}
+
+fn traction(screw: ElasticScrew, n: usize, creep: f64) -> Solved {
     let case = Traction { screw, order: order(n), creep };
-    numbers(&case.solve(&mut TractionWorkspace::default()))
+    numbers(case.solve(&mut TractionWorkspace::default()))
 }
 
-fn elastic(screw: ElasticScrew) -> Outputs {
-    numbers(&Elastic { screw }.solve(&mut ElasticWorkspace::default()))
+fn elastic(screw: ElasticScrew) -> Solved {
+    numbers(Elastic { screw }.solve(&mut ElasticWorkspace::default()))
 }
 
 /// Loaded angles are all that separates saturated friction on elastic contacts from the closed
@@ -34,12 +37,11 @@ fn elastic(screw: ElasticScrew) -> Outputs {
 fn elastic_is_the_closed_form_at_the_loaded_angle() {
     for screw in [lin(10.0, 45.0, 2000.0, 2113.0), lin(20.0, 30.0, 2000.0, 200.0)] {
         let o = elastic(screw);
-        let loaded =
-            0.5 * (o.nut_contact_angle.expect("nut") + o.screw_contact_angle.expect("screw"));
+        let loaded = 0.5 * (o.ball.nut.angle + o.ball.screw.angle);
         let angles = bsm_dyn::Angles { lead: screw.helix.lead_angle, contact: loaded };
         let direction = bsm_dyn::Direction::RotaryToLinear;
         let eta = angles.efficiency(direction, screw.friction);
-        assert_relative_eq!(o.efficiency.expect("eta"), eta, epsilon = 2e-5);
+        assert_relative_eq!(o.transmission.efficiency, eta, epsilon = 2e-5);
     }
 }
 
@@ -52,11 +54,11 @@ fn traction_meets_raceway_control() {
         screw.friction < 0.03 && screw.helix.lead_angle > 10.0_f64.to_radians()
     };
     for screw in real_screws(31).filter(calm).take(400) {
-        let rolling = RacewayControl { screw, control: None }.solve(&mut memory).outputs;
-        if rolling.onset_number.is_some_and(|s| s < 0.03) {
+        let rolling = RacewayControl { screw, control: None }.solve(&mut memory);
+        if onset(&rolling).is_some_and(|s| s < 0.03) {
             tried += 1;
             let o = traction(screw, 12, 1e-4);
-            let difference = rolling.efficiency.expect("eta") - o.efficiency.expect("eta");
+            let difference = rolling.efficiency().expect("a root") - o.transmission.efficiency;
             apart += usize::from(difference.abs() > 1e-3);
         }
     }
@@ -71,11 +73,11 @@ fn traction_meets_elastic() {
     let mut memory = RacewayWorkspace::default();
     let mut tried = 0;
     for screw in real_screws(32).filter(|screw| inertia_ratio(screw) < 1.0).take(2000) {
-        let rolling = RacewayControl { screw, control: None }.solve(&mut memory).outputs;
-        if rolling.onset_number.is_some_and(|s| s > 3.0) {
+        let rolling = RacewayControl { screw, control: None }.solve(&mut memory);
+        if onset(&rolling).is_some_and(|s| s > 3.0) {
             tried += 1;
-            let difference = elastic(screw).efficiency.expect("eta")
-                - traction(screw, 12, 1e-4).efficiency.expect("eta");
+            let difference = elastic(screw).transmission.efficiency
+                - traction(screw, 12, 1e-4).transmission.efficiency;
             assert!(difference.abs() <= 5e-3, "{screw:?} {difference}");
         }
     }
@@ -88,13 +90,15 @@ fn the_onset_number_tells_rolling_from_sliding() {
     let (mut rolling, mut sliding) = (RacewayWorkspace::default(), ElasticWorkspace::default());
     let mut points = Vec::new();
     for screw in real_screws(33).take(4000) {
-        let grip = RacewayControl { screw, control: None }.solve(&mut rolling).outputs;
-        let skid = Elastic { screw }.solve(&mut sliding).outputs;
-        let (Some(g), Some(s)) = (grip.efficiency, skid.efficiency) else { continue };
+        let grip = RacewayControl { screw, control: None }.solve(&mut rolling);
+        let skid = Elastic { screw }.solve(&mut sliding);
+        let (Some(g), Some(s)) = (grip.efficiency(), skid.efficiency()) else { continue };
+        let numbers = grip.solved().and_then(|grip| grip.skid).expect("raceway control");
         // Where spin is nearly all of the loss, raceway control is no measure.
-        if grip.cross_slip.is_some_and(|chi| chi > 0.7) {
-            let share = (g - traction(screw, 8, 1e-4).efficiency.expect("eta")) / (g - s);
-            points.push((grip.skid_number.expect("G"), grip.onset_number.expect("S"), share));
+        if numbers.cross_slip().is_some_and(|chi| chi > 0.7) {
+            let share = (g - traction(screw, 8, 1e-4).transmission.efficiency) / (g - s);
+            let [skid, onset] = [numbers.skid_number(), numbers.onset_number()];
+            points.push((skid.expect("G"), onset.expect("S"), share));
         }
     }
     let shares = |belongs: &dyn Fn(f64, f64) -> bool| {
@@ -131,13 +135,13 @@ fn a_scaled_screw_moves_alike() {
     {
         // Equal in scaled units but for rounding.
         assert_relative_eq!(
-            one.efficiency.expect("eta"),
-            other.efficiency.expect("eta"),
+            one.transmission.efficiency,
+            other.transmission.efficiency,
             max_relative = 1e-11
         );
         assert_relative_eq!(
-            one.omega_n.expect("omega"),
-            other.omega_n.expect("omega"),
+            one.ball.motion.expect("omega").omega.y,
+            other.ball.motion.expect("omega").omega.y,
             max_relative = 1e-9
         );
     }
@@ -158,16 +162,16 @@ fn failures_say_why() {
                 .solve(&mut TractionWorkspace::default()),
         ];
         for solution in solutions {
-            assert_eq!(solution.status, Status::InvalidInput);
-            assert_eq!(solution.reason, Some(reason.clone()));
-            assert!(solution.outputs.efficiency.is_none());
+            assert_eq!(solution.status(), Status::InvalidInput);
+            assert_eq!(solution.reason(), Some(&reason));
+            assert!(solution.efficiency().is_none());
         }
     }
     // F tanα = 1: friction holds any load.
     let locked = ElasticScrew { friction: 0.5, ..lin(64.0, 45.0, 2000.0, 100.0) };
     let solution = Elastic { screw: locked }.solve(&mut ElasticWorkspace::default());
-    assert_eq!(solution.status, Status::NoSolution);
-    assert!(matches!(solution.reason, Some(Reason::SelfLocking { .. })), "{solution:?}");
+    assert_eq!(solution.status(), Status::NoSolution);
+    assert!(matches!(solution.reason(), Some(Reason::SelfLocking { .. })), "{solution:?}");
 }
 
 /// Found in the campaign: at a millionth of the speed of practice the root was extrapolated, and its
@@ -176,7 +180,7 @@ fn failures_say_why() {
 fn very_slow_saturated_friction_keeps_its_power_balance() {
     for rpm in [1e-1, 1e-3, 1e-5, 1e-7] {
         let screw = ElasticScrew { friction: 0.39, ..lin(16.0, 50.0, -rpm, 3e3) };
-        let balance = elastic(screw).power_balance.expect("balance");
+        let balance = elastic(screw).transmission.power_balance.expect("a balance of forces");
         assert!(balance.abs() <= 1e-10, "{rpm} rpm: {balance}");
     }
 }
@@ -191,11 +195,11 @@ fn inertia_decides_along_the_whole_curve() {
         let screw = lin(10.0, 45.0, 500.0 * 1.05_f64.powi(step), 20.0);
         let inertia = inertia_ratio(&screw);
         let solution = Elastic { screw }.solve(&mut work);
-        match solution.reason {
+        match solution.reason() {
             None => (roots, most) = (roots + 1, inertia),
             Some(Reason::NoSkidAtInertia { most, inertia: own, .. }) => {
-                assert_eq!(solution.status, Status::NoSolution);
-                assert!(own > most, "{own} {most}");
+                assert_eq!(solution.status(), Status::NoSolution);
+                assert!(*own > *most, "{own} {most}");
             }
             other => panic!("{other:?}"),
         }
@@ -209,8 +213,8 @@ fn inertia_decides_along_the_whole_curve() {
 fn a_flying_ball_slides_on() {
     let screw = lin(10.0, 45.0, 60_000.0, 1.0);
     let o = elastic(screw);
-    assert!(o.precession.expect("P").abs() < 0.1 * screw.drive.screw_speed);
-    assert!(o.power_balance.expect("balance").abs() <= 1e-10);
+    assert!(o.ball.motion.expect("P").precession.abs() < 0.1 * screw.drive.screw_speed);
+    assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
 }
 
 /// Found in the campaign: a material so soft that the ball stands next to 90 deg was refused. So steep
@@ -220,8 +224,8 @@ fn a_soft_screw_is_answered() {
     let soft = bsm_dyn::Material { youngs_modulus: 1e7, poisson_ratio: 0.3 };
     let screw = ElasticScrew { material: (soft, soft), ..lin(10.0, 45.0, 2000.0, 1e6) };
     let solution = Elastic { screw }.solve(&mut ElasticWorkspace::default());
-    assert_eq!(solution.status, Status::NoSolution);
-    assert!(matches!(solution.reason, Some(Reason::SlipAlongFriction { .. })), "{solution:?}");
+    assert_eq!(solution.status(), Status::NoSolution);
+    assert!(matches!(solution.reason(), Some(Reason::SlipAlongFriction { .. })), "{solution:?}");
 }
 
 /// Found in review: friction that drowns in rounding ended in a panic of the solver.
@@ -230,12 +234,13 @@ fn next_to_no_friction_is_none() {
     let screw = ElasticScrew { friction: 1e-310, ..lin(10.0, 45.0, 2000.0, 2113.0) };
     let case = Traction { screw, order: order(4), creep: 1e-4 };
     let solution = case.solve(&mut TractionWorkspace::default());
-    assert_eq!(solution.reason, Some(Reason::Frictionless));
+    assert_eq!(solution.reason(), Some(&Reason::Frictionless));
     // Without friction the skid number has no value, not an infinite one.
     let screw = ElasticScrew { friction: 0.0, ..screw };
     let rolling = RacewayControl { screw, control: None };
-    let o = numbers(&rolling.solve(&mut RacewayWorkspace::default()));
-    assert_eq!((o.skid_number, o.onset_number), (None, None));
+    let o = numbers(rolling.solve(&mut RacewayWorkspace::default()));
+    let skid = o.skid.expect("raceway control");
+    assert_eq!((skid.skid_number(), skid.onset_number()), (None, None));
 }
 
 /// Found in review: roots with contact angles below 0 or beyond 90 deg counted as converged.
@@ -243,9 +248,11 @@ fn next_to_no_friction_is_none() {
 fn a_ball_that_leaves_its_flank_is_no_result() {
     let solution = Traction { screw: lin(5.0, 45.0, -30_000.0, 5.0), order: order(8), creep: 1e-4 }
         .solve(&mut TractionWorkspace::default());
-    assert_eq!(solution.status, Status::NoSolution);
-    let Some(Reason::BallLeavesFlank { nut, .. }) = solution.reason else { panic!("{solution:?}") };
-    assert!(nut < 0.0, "{nut}");
+    assert_eq!(solution.status(), Status::NoSolution);
+    let Some(Reason::BallLeavesFlank { nut, .. }) = solution.reason() else {
+        panic!("{solution:?}")
+    };
+    assert!(*nut < 0.0, "{nut}");
 }
 
 /// Found in review: at low speed the spin, of order 1/P, cancelled in the slip at the screw, and
@@ -258,7 +265,7 @@ fn slow_saturated_friction_keeps_its_power_balance() {
             friction: 0.15,
             ..lin(1.1, 55.0, rpm, 3000.0)
         };
-        let balance = elastic(screw).power_balance.expect("balance");
+        let balance = elastic(screw).transmission.power_balance.expect("a balance of forces");
         assert!(balance.abs() <= 1e-9, "{rpm} rpm: {balance}");
     }
 }
@@ -268,8 +275,8 @@ fn slow_saturated_friction_keeps_its_power_balance() {
 fn a_tolerance_that_is_not_met_shows() {
     let screw = lin(10.0, 45.0, 2000.0, 2113.0);
     let exact = Auto { screw, tolerance: 1e-9 }.solve(&mut ModelWorkspace::default());
-    let (bound, choice) = (exact.outputs.error_bound, exact.choice.expect("a choice"));
-    assert!(bound.expect("a bound") > choice.tolerance);
+    let choice = exact.choice.expect("a choice");
+    assert!(choice.error_bound > choice.tolerance);
 }
 
 proptest! {
@@ -284,14 +291,14 @@ proptest! {
     ) {
         let screw = lin(lead, beta, if back { -rpm } else { rpm }, axial);
         for o in [traction(screw, 6, 1e-4), elastic(screw)] {
-            let torque = o.screw_torque.expect("torque");
+            let torque = o.transmission.screw_torque.expect("torque");
             let speed = screw.drive.relative_speed();
             let ideal = axial * screw.helix.radius * screw.helix.lead_angle.tan();
             // Friction only ever costs.
             prop_assert!((torque - ideal) * speed > 0.0);
             // Root to 1e-10, powers of the size of the input.
-            prop_assert!(o.power_balance.expect("balance").abs() <= 1e-10);
-            prop_assert!(o.residual_norm.expect("residual") <= 1e-10);
+            prop_assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
+            prop_assert!(o.info.expect("an iteration").residual <= 1e-10);
         }
     }
 
@@ -304,7 +311,7 @@ proptest! {
             drive: bsm_kin::Drive { screw_speed: 0.0, nut_speed: -speed },
             ..driven
         };
-        let eta = |screw| traction(screw, 8, 1e-4).efficiency.expect("eta");
+        let eta = |screw| traction(screw, 8, 1e-4).transmission.efficiency;
         // Inertia over friction is at most 2e-6 here.
         prop_assert!((eta(driven) - eta(turned)).abs() <= 1e-6);
     }

@@ -50,6 +50,8 @@ pub(crate) struct Answer {
     /// What the program says.
     pub(crate) words: String,
     pub(crate) residual: f64,
+    /// Other solutions; `None` if nobody looked.
+    pub(crate) others: Option<usize>,
     pub(crate) balance: f64,
     pub(crate) time: Duration,
     efficiency: Option<f64>,
@@ -58,7 +60,7 @@ pub(crate) struct Answer {
 impl Answer {
     fn new(order: Order, kind: String) -> Self {
         let (words, residual, balance, time) = (String::new(), 0.0, 0.0, Duration::ZERO);
-        Self { order, kind, words, residual, balance, time, efficiency: None }
+        Self { order, kind, words, residual, others: None, balance, time, efficiency: None }
     }
 
     fn turns_false(&mut self, what: &str) {
@@ -84,7 +86,8 @@ pub(crate) fn ask(scene: &Scene, model: ModelChoice, work: &mut ModelWorkspace) 
         *work = ModelWorkspace::default();
         return Answer::new(Order::False, "panic".to_owned());
     };
-    let reason = solution.reason.as_ref().map(name).unwrap_or_default();
+    let reason = solution.reason().map(name).unwrap_or_default();
+    let others = solution.solved().and_then(|solved| Some(solved.others?.count));
     let record = Record::new(solution);
     let mut answer = Answer::new(record.status().into(), String::new());
     answer.time = time;
@@ -95,6 +98,7 @@ pub(crate) fn ask(scene: &Scene, model: ModelChoice, work: &mut ModelWorkspace) 
     }
     answer.kind = format!("converged {}", record.regime().unwrap_or_default());
     answer.residual = record.number("residual_norm").unwrap_or(0.0);
+    answer.others = others;
     answer.balance = record.number("power_balance").unwrap_or(0.0).abs();
     answer.efficiency = record.number("efficiency");
     if let Some(wrong) = wrong(&record, scene, &answer) {

@@ -30,6 +30,8 @@ struct Kind {
 pub(crate) struct Tally {
     points: usize,
     kinds: BTreeMap<(Order, String), Kind>,
+    /// Points that converged and have other solutions, have none, and of which nobody knows.
+    others: [usize; 3],
     residual: (f64, usize),
     balance: (f64, usize),
     slowest: (Duration, usize),
@@ -44,6 +46,9 @@ impl Tally {
         if answer.order >= Order::NotConverged && kind.scenes.len() < EACH {
             let description = Some(format!("extremes, point {number}: {}", answer.words));
             kind.scenes.push((number, Scene { description, ..scene.clone() }));
+        }
+        if answer.order == Order::Converged {
+            self.others[answer.others.map_or(2, |others| usize::from(others == 0))] += 1;
         }
         self.worst((answer.residual, number), (answer.balance, number), (answer.time, number));
     }
@@ -70,6 +75,9 @@ impl Tally {
             }
             mine.scenes.extend(kind.scenes);
             mine.scenes.truncate(EACH);
+        }
+        for (count, more) in self.others.iter_mut().zip(other.others) {
+            *count += more;
         }
         self.worst(other.residual, other.balance, other.slowest);
         self
@@ -114,6 +122,8 @@ impl fmt::Display for Tally {
             let [one, two, three, four] = counts;
             writeln!(f, "| {name} | {share:.4} % | {all} | {one} | {two} | {three} | {four} |")?;
         }
+        let [several, none, unknown] = self.others;
+        writeln!(f, "\nother solutions: {several} have some, {none} none, {unknown} unknown")?;
         let ((residual, r), (balance, b), (slowest, s)) =
             (self.residual, self.balance, self.slowest);
         let slowest = 1e3 * slowest.as_secs_f64();

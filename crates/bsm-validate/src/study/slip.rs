@@ -120,8 +120,8 @@ impl Study {
         solution: &Solution,
     ) -> Result<Self, ValidateError> {
         let control = settings.control.unwrap_or(Control::Nut);
-        let axes = [Site::Nut, Site::Screw]
-            .map(|site| Some(solution.contact(site)?.pressed?.semi_axes.0));
+        let axes =
+            [Site::Nut, Site::Screw].map(|site| Some(solution.contact(site)?.pressed?.semi_axes.0));
         let (helix, ball_radius, drive, contact_angle) =
             match scene.problem(&solution.model.into())? {
                 Problem::Rigid(p) => (p.helix, p.ball.radius, p.drive, p.contact_angle),

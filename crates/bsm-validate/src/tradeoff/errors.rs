@@ -14,16 +14,16 @@ pub enum Group {
     /// All points.
     All,
     /// Those of one motion.
-    Of(Motion),
+    Of(SlipRegime),
 }
 
 impl Group {
     /// All points, then by motion.
     pub const ALL: [Self; 4] = [
         Self::All,
-        Self::Of(Motion::Grips),
-        Self::Of(Motion::SkidsPartly),
-        Self::Of(Motion::Skids),
+        Self::Of(SlipRegime::Grips),
+        Self::Of(SlipRegime::SkidsPartly),
+        Self::Of(SlipRegime::Skids),
     ];
 
     /// In a word or two.
@@ -34,7 +34,7 @@ impl Group {
         }
     }
 
-    fn holds(self, motion: Motion) -> bool {
+    fn holds(self, motion: SlipRegime) -> bool {
         self == Self::All || self == Self::Of(motion)
     }
 }
@@ -173,7 +173,8 @@ impl Reference {
                 Some(off(Site::Nut)?.max(off(Site::Screw)?))
             }),
             angles_deg: quantiles(|ours, exact| {
-                let off = |site| Some((ours.contact(site)?.angle - exact.contact(site)?.angle).abs());
+                let off =
+                    |site| Some((ours.contact(site)?.angle - exact.contact(site)?.angle).abs());
                 Some(off(Site::Nut)?.max(off(Site::Screw)?).to_degrees())
             }),
             bound_broken: (!bounds.is_empty()).then(|| share(broken, bounds.len())),

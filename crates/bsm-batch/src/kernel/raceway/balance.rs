@@ -27,6 +27,10 @@ const CENTRIFUGAL: f64 = 0.5;
 /// may turn the slope of the radial balance, and there may be several roots.
 const INERTIA: f64 = 2.0;
 
+/// Ratio of the spin moments to one over the change of the cotangents, from which the race is the same
+/// at the balls of both.
+const CLEAR: f64 = 4.0;
+
 /// Spin moments nearer to each other than this do not decide which race controls, nor cotangents
 /// nearer to zero which flank carries.
 const TIE: f64 = 1e-9;
@@ -111,7 +115,7 @@ impl<S: Simd> Grip<S> {
         if control.is_none() {
             let excess = pair.nut_excess(&at);
             by_nut = zero.lt(excess);
-            found = found & excess.abs().gt(zero.constant(TIE));
+            found = found & excess.abs().gt(pair.apart(&at) * CLEAR + TIE);
             at.settled = at.settled & by_nut | !found;
             pair.settle(&mut at, by_nut);
             found = found & at.settled;
@@ -257,6 +261,19 @@ impl<S: Simd> Pair<S> {
             square_b * (follow - by_nut.select(lift_b, zero)) * scale,
         ];
         Rolling { p, slopes, twist }
+    }
+
+    /// By how much the cotangents differ between the balls of both races, to first order.
+    #[inline(always)]
+    fn apart(&self, at: &Iterate<S>) -> Lane<S> {
+        let sides = self.sides(&at.cots);
+        let ([a, b], between, one) = (&sides, between(&sides), self.constant(1.0));
+        let scale = (one + between).recip();
+        // P/W by (W4), and by (W6) less that
+        let nut = (one - self.lever * b.cos) * scale + self.nut_speed;
+        let change = (between - one + self.lever * (b.cos - a.cos)) * scale;
+        // Δc = μ cosα |P_A² − P_B²|/W²                                    (W16)
+        (self.inertia_ratio * self.cos_a * change * (nut + nut + change)).abs()
     }
 
     /// By how much the spin moment of the nut exceeds that of the screw, relative.

@@ -4,8 +4,11 @@ use std::f64::consts::FRAC_PI_2;
 
 use bsm_kin::{Drive, Helix, Jet};
 use proptest::prelude::*;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 
 use super::*;
+use crate::extreme::extreme;
 use crate::pair::ElasticScrew;
 use crate::{Ball, Load, Material};
 
@@ -130,4 +133,30 @@ proptest! {
             prop_assert!((slope - exact).abs() <= 1e-8 * exact.abs(), "{slope} {exact}");
         }
     }
+}
+
+/// Where (W17) leaves no second root, the scan finds none.
+#[test]
+fn a_second_root_needs_inertia() {
+    let mut rng = ChaCha8Rng::seed_from_u64(77);
+    let mut newton = Workspace::default();
+    let (mut tried, mut several, mut missed) = (0, 0, 0);
+    while tried < 8000 {
+        let Ok(pair) = extreme(&mut rng).pair() else { continue };
+        // Less of it turns no angle.
+        if pair.inertia_ratio() < 1e-2 {
+            continue;
+        }
+        for control in Control::ALL {
+            let balance = Balance::new(&pair, control);
+            let Ok(root) = balance.first_root(&mut newton) else { continue };
+            tried += 1;
+            let has_more = !balance.scan(root.unknowns[0], &mut newton).is_empty();
+            several += usize::from(has_more);
+            missed += usize::from(has_more && balance.is_unique());
+        }
+    }
+    println!("{several} of {tried} have several roots, {missed} where none should have");
+    assert_eq!(missed, 0);
+    assert!(several > 100, "{several}");
 }

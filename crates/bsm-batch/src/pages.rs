@@ -1,0 +1,132 @@
+//! Pages of Parquet: what one announces is checked before it is believed.
+
+use std::io::{self, Cursor, Read};
+use std::sync::Arc;
+
+use bytes::Bytes;
+use parquet::errors::Result;
+use parquet::file::reader::{ChunkReader, Length};
+
+/// Bytes that a header of a page has up to the last number that is needed: six fields of at most six
+/// bytes, and the beginning of a structure.
+const HEAD: u64 = 40;
+
+/// The number of a dictionary among the kinds of pages.
+const DICTIONARY: i32 = 2;
+
+/// A field of Thrift's compact protocol that follows the one before it: a whole number of 32 bits.
+const NUMBER: u8 = 0x15;
+
+/// A Parquet file that several readers read, one after the other. The reader takes the memory that
+/// the header of a page announces before it sees the page, so no page may announce what its file can
+/// hardly hold.
+pub(crate) struct Pages<R> {
+    file: Arc<R>,
+    /// Bytes that a page may announce.
+    most: u64,
+}
+
+impl<R: ChunkReader> Pages<R> {
+    /// Pages of a file of which so many columns are read at the same time.
+    pub(crate) fn new(file: R, columns: usize) -> Self {
+        // With a page and a dictionary of each column, 64 MiB and 256 times the file.
+        let most = (32 << 20) + file.len().saturating_mul(128);
+        Self { file: Arc::new(file), most: most / (columns as u64).max(1) }
+    }
+}
+
+impl<R> Clone for Pages<R> {
+    fn clone(&self) -> Self {
+        Self { file: self.file.clone(), most: self.most }
+    }
+}
+
+impl<R: ChunkReader> Length for Pages<R> {
+    fn len(&self) -> u64 {
+        self.file.len()
+    }
+}
+
+impl<R: ChunkReader> ChunkReader for Pages<R> {
+    type T = Headed<R::T>;
+
+    fn get_read(&self, start: u64) -> Result<Self::T> {
+        let Self { most, .. } = *self;
+        let head = Cursor::default();
+        Ok(Headed { head, rest: self.file.get_read(start)?, unread: true, most, file: self.len() })
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes> {
+        self.file.get_bytes(start, length)
+    }
+}
+
+/// A page from its header on, which is checked when it is read: not each that is asked for is.
+pub(crate) struct Headed<R> {
+    head: Cursor<Vec<u8>>,
+    rest: R,
+    unread: bool,
+    most: u64,
+    file: u64,
+}
+
+impl<R: Read> Read for Headed<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.unread {
+            self.rest.by_ref().take(HEAD).read_to_end(self.head.get_mut())?;
+            let announced = announced(self.head.get_ref())
+                .ok_or_else(|| io::Error::other("it is damaged at the header of a page"))?;
+            if announced > self.most {
+                return Err(io::Error::other(format!(
+                    "a page announces {} kB, but a file of {} kB is read with at most {} kB a page; it \
+                     is damaged, or write it with smaller pages",
+                    announced.div_ceil(1000),
+                    self.file.div_ceil(1000),
+                    self.most / 1000
+                )));
+            }
+            self.unread = false;
+        }
+        match self.head.read(buffer)? {
+            0 => self.rest.read(buffer),
+            read => Ok(read),
+        }
+    }
+}
+
+/// Bytes that the page of this header announces; `None` if it is no header.
+fn announced(head: &[u8]) -> Option<u64> {
+    let mut head = head.iter().copied().peekable();
+    // Its kind, its length and that in the file; a dictionary has a number of values, after a
+    // checksum that may be missing, of some eight bytes each.
+    let kind = number(&mut head)?;
+    let length = number(&mut head)?.max(number(&mut head)?);
+    let length = u64::try_from(length).ok()?;
+    if kind != DICTIONARY {
+        return Some(length);
+    }
+    if head.peek() == Some(&NUMBER) {
+        number(&mut head)?;
+    }
+    if !matches!(head.next()?, 0x3c | 0x4c) {
+        return None;
+    }
+    Some(length.max(8 * u64::try_from(number(&mut head)?).ok()?))
+}
+
+/// The next field, if it is a whole number of 32 bits.
+fn number(head: &mut impl Iterator<Item = u8>) -> Option<i32> {
+    if head.next()? != NUMBER {
+        return None;
+    }
+    let mut zigzag = 0_u64;
+    for shift in (0..35).step_by(7) {
+        let byte = head.next()?;
+        zigzag |= u64::from(byte & 0x7f) << shift;
+        if byte < 0x80 {
+            let half = (zigzag >> 1).cast_signed();
+            return i32::try_from(if zigzag & 1 == 0 { half } else { !half }).ok();
+        }
+    }
+    None
+}

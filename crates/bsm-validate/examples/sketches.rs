@@ -1,0 +1,321 @@
+//! Sketches of the theory chapters, drawn from the code that they explain: the helix with its
+//! Frenet-Serret triad, the contacts of a ball, and the slip over a contact ellipse.
+//!
+//! `cargo run -p bsm-validate --example sketches -- docs/img`
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::{env, fs};
+
+use bsm_case::{Scene, Settings};
+use bsm_dyn::{Model, ModelWorkspace, Problem};
+use bsm_kin::{BallFrame, Contact, Helix, Site};
+use nalgebra::{Vector2, Vector3};
+
+/// Colours that follow the reader's light or dark page.
+const STYLE: &str = "
+  svg { font: 15px sans-serif; background: none }
+  .ink { stroke: #333; fill: none; stroke-width: 1.6 } .thin { stroke: #888; fill: none }
+  .hidden { stroke: #999; fill: none; stroke-dasharray: 4 4 }
+  .body { fill: #d8dde3; stroke: #556; stroke-width: 1.4 } .ball { fill: #f3efe2; stroke: #333; stroke-width: 1.6 }
+  .one { stroke: #0b6fb8; fill: none; stroke-width: 2.4 } .two { stroke: #c2410c; fill: none; stroke-width: 2.4 }
+  .three { stroke: #15803d; fill: none; stroke-width: 2.4 }
+  .fill1 { fill: #0b6fb8 } .fill2 { fill: #c2410c } .fill3 { fill: #15803d } .word { fill: #222 }
+  @media (prefers-color-scheme: dark) {
+    .ink { stroke: #ddd } .thin { stroke: #999 } .hidden { stroke: #888 } .word { fill: #eee }
+    .body { fill: #39424d; stroke: #aab } .ball { fill: #4a4636; stroke: #ddd }
+    .one { stroke: #5db3f0 } .two { stroke: #f5925f } .three { stroke: #5fcf8a }
+    .fill1 { fill: #5db3f0 } .fill2 { fill: #f5925f } .fill3 { fill: #5fcf8a }
+  }";
+
+type Point = Vector2<f64>;
+
+/// A drawing in SVG units, y downwards.
+struct Drawing {
+    size: (f64, f64),
+    about: &'static str,
+    body: String,
+}
+
+impl Drawing {
+    fn new(width: f64, height: f64, about: &'static str) -> Self {
+        Self { size: (width, height), about, body: String::new() }
+    }
+
+    fn element(&mut self, text: &str) {
+        let _ = writeln!(self.body, "{text}");
+    }
+
+    fn line(&mut self, class: &str, points: &[Point]) {
+        let points: Vec<_> = points.iter().map(|p| format!("{:.1},{:.1}", p.x, p.y)).collect();
+        self.element(&format!("<polyline class='{class}' points='{}'/>", points.join(" ")));
+    }
+
+    fn circle(&mut self, class: &str, at: Point, radius: f64) {
+        self.element(&format!(
+            "<circle class='{class}' cx='{:.1}' cy='{:.1}' r='{radius:.1}'/>",
+            at.x, at.y
+        ));
+    }
+
+    fn arrow(&mut self, number: usize, from: Point, to: Point) {
+        let class = ["ink", "one", "two", "three"][number];
+        let fill = ["word", "fill1", "fill2", "fill3"][number];
+        let along = (to - from).normalize();
+        let across = Point::new(-along.y, along.x);
+        let neck = to - along * 9.0;
+        self.line(class, &[from, neck]);
+        let [a, b] = [neck + across * 4.5, neck - across * 4.5];
+        self.element(&format!(
+            "<path class='{fill}' d='M{:.1} {:.1}L{:.1} {:.1}L{:.1} {:.1}Z'/>",
+            to.x, to.y, a.x, a.y, b.x, b.y
+        ));
+    }
+
+    /// Text whose middle is at a point; `_x` sets an x lower, as an index.
+    fn word(&mut self, class: &str, at: Point, text: &str) {
+        let (stem, index) = text.split_once('_').unwrap_or((text, ""));
+        self.element(&format!(
+            "<text class='{class}' x='{:.1}' y='{:.1}' text-anchor='middle'>{stem}\
+             <tspan dy='4' font-size='11'>{index}</tspan></text>",
+            at.x,
+            at.y + 5.0
+        ));
+    }
+
+    fn svg(&self) -> String {
+        let ((width, height), about) = (self.size, self.about.replace('\'', "&apos;"));
+        format!(
+            "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {width} {height}' width='{width}' \
+             height='{height}' role='img' aria-label='{about}'>\n<title>{about}</title>\n\
+             <style>{STYLE}\n</style>\n{}</svg>\n",
+            self.body
+        )
+    }
+}
+
+/// The ball centres on their helix, and the triad at one of them (K1) to (K4).
+fn helix() -> Drawing {
+    let mut drawing =
+        Drawing::new(640.0, 340.0, "Helix of the ball centres with its triad t, n, b");
+    let helix = Helix { radius: 105.0, lead_angle: 0.27 };
+    let project = |p: &Vector3<f64>| Point::new(110.0 + p.z + 0.30 * p.y, 170.0 - p.x + 0.16 * p.y);
+    let towards_us = |theta: f64| theta.sin() < 0.0;
+    let at = |i: i32| f64::from(i) * TAU / 180.0;
+    let mut run = vec![project(&helix.frame(at(0)).p_WC)];
+    // A little more than two turns.
+    let last = 396;
+    for i in 1..=last {
+        run.push(project(&helix.frame(at(i)).p_WC));
+        if towards_us(at(i)) != towards_us(at(i - 1)) || i == last {
+            let class = if towards_us(at(i - 1)) { "ink" } else { "hidden" };
+            drawing.line(class, &run);
+            run = run.split_off(run.len() - 1);
+        }
+    }
+    let axis = |z: f64| project(&Vector3::new(0.0, 0.0, z));
+    drawing.arrow(0, axis(-60.0), axis(470.0));
+    drawing.word("word", axis(485.0), "k");
+    drawing.word("word", axis(410.0) + Point::new(0.0, 16.0), "screw axis");
+
+    let frame = helix.frame(-0.13 * TAU + 2.0 * TAU);
+    let [c, scale] = [frame.p_WC, Vector3::repeat(62.0)];
+    let tip = |v: &Vector3<f64>| project(&(c + v.component_mul(&scale)));
+    drawing.line("thin", &[project(&c), axis(c.z)]);
+    drawing.word("word", project(&c) * 0.2 + axis(c.z) * 0.8 + Point::new(18.0, 0.0), "r_m");
+    for (number, vector, name) in [(1, frame.t_W, "t"), (2, frame.n_W, "n"), (3, frame.b_W, "b")] {
+        drawing.arrow(number, project(&c), tip(&vector));
+        let class = ["", "fill1", "fill2", "fill3"][number];
+        let beyond = project(&(c + vector * 78.0));
+        drawing.word(class, beyond, name);
+    }
+    drawing.circle("ball", project(&c), 6.0);
+    drawing.word("word", project(&c) + Point::new(-14.0, 10.0), "C");
+    // One turn further along the axis.
+    let turns = [0.75, 1.75].map(|turn| helix.frame(turn * TAU).p_WC);
+    let foot = turns.map(|p| Point::new(project(&p).x, 315.0));
+    for (p, foot) in turns.iter().zip(foot) {
+        drawing.line("thin", &[project(p), foot]);
+    }
+    drawing.arrow(0, (foot[0] + foot[1]) * 0.5, foot[0]);
+    drawing.arrow(0, (foot[0] + foot[1]) * 0.5, foot[1]);
+    drawing.word("word", (foot[0] + foot[1]) * 0.5 + Point::new(0.0, 14.0), "lead");
+    drawing
+}
+
+/// The normal plane of the helix: nut, screw, the contacts A, A' and B, their angles and triads
+/// (K9) to (K11).
+fn contacts() -> Drawing {
+    let mut drawing = Drawing::new(
+        640.0,
+        480.0,
+        "Normal plane with the contacts A, A' and B, their angles and axes",
+    );
+    let (centre, radius, angle) = (Point::new(300.0, 240.0), 120.0, 0.75_f64);
+    // n points down, towards the axis; b to the right.
+    let at = |v: &Vector3<f64>| centre + Point::new(v.z, v.y);
+    let frame = BallFrame::turned(0.1, 0.0);
+    let site = |site| Contact::new(site, angle, &frame);
+    // Grooves of arcs through the contact points, whose centres lie beyond the ball centre.
+    for (sites, name, outside) in
+        [([Site::Nut, Site::NutMinor], "nut", 20.0), ([Site::Screw, Site::Screw], "screw", 460.0)]
+    {
+        let mirror = name == "screw";
+        let arc = 1.16 * radius;
+        let mut edge = Vec::new();
+        for (i, groove) in sites.into_iter().enumerate() {
+            let mut normal = site(groove).normal;
+            if mirror && i == 0 {
+                normal.z = -normal.z;
+            }
+            let middle = normal * (arc - radius);
+            let from = normal.z.atan2(normal.y);
+            for k in -12..=12 {
+                let phi = from + 0.055 * f64::from(k);
+                let p = middle - Vector3::new(0.0, phi.cos(), phi.sin()) * arc;
+                // Each flank from its outer edge to the bottom of the arch.
+                let ends_inside = p.z * normal.z <= 2.0;
+                if ends_inside {
+                    edge.push(at(&p));
+                }
+            }
+        }
+        edge.sort_by(|a, b| a.x.total_cmp(&b.x));
+        let (left, right) = (edge[0], edge[edge.len() - 1]);
+        let mut outline = vec![Point::new(40.0, outside), Point::new(40.0, left.y)];
+        outline.extend(&edge);
+        outline.extend([Point::new(530.0, right.y), Point::new(530.0, outside)]);
+        let points: Vec<_> = outline.iter().map(|p| format!("{:.1},{:.1}", p.x, p.y)).collect();
+        drawing.element(&format!("<polygon class='body' points='{}'/>", points.join(" ")));
+        drawing.word("word", Point::new(80.0, if mirror { 440.0 } else { 45.0 }), name);
+    }
+    drawing.circle("ball", centre, radius);
+    drawing.line("hidden", &[centre - Point::new(0.0, 165.0), centre + Point::new(0.0, 165.0)]);
+    for (groove, name, number) in
+        [(Site::Nut, "A", 1), (Site::NutMinor, "A'", 3), (Site::Screw, "B", 2)]
+    {
+        let contact = site(groove);
+        let point = contact.point(radius);
+        drawing.line("thin", &[at(&point), centre]);
+        drawing.arrow(number, at(&point), at(&(point + contact.normal * 66.0)));
+        drawing.arrow(number, at(&point), at(&(point + contact.across * 66.0)));
+        let class = ["", "fill1", "fill2", "fill3"][number];
+        let side = if groove == Site::Screw { 14.0 } else { -14.0 };
+        drawing.word(class, at(&(point * 1.14)), name);
+        drawing.word(class, at(&(point + contact.normal * 52.0 + contact.across * side)), "N");
+        drawing.word(class, at(&(point + contact.across * 80.0)), "e_x");
+        drawing.circle("ball", at(&point), 3.5);
+    }
+    for (groove, name) in [(Site::Nut, "β_A"), (Site::Screw, "β_B")] {
+        let up = if groove == Site::Screw { 1.0 } else { -1.0 };
+        let arc: Vec<_> = (0..=20)
+            .map(|i| angle * f64::from(i) / 20.0)
+            .map(|phi| centre + Point::new(phi.sin(), phi.cos()) * (up * 46.0))
+            .collect();
+        drawing.line("ink", &arc);
+        let middle = Point::new((0.5 * angle).sin(), (0.5 * angle).cos()) * (up * 62.0);
+        drawing.word("word", centre + middle, name);
+    }
+    let corner = Point::new(585.0, 200.0);
+    drawing.arrow(0, corner, corner + Point::new(0.0, 60.0));
+    drawing.word("word", corner + Point::new(0.0, 74.0), "n");
+    drawing.word("word", corner + Point::new(6.0, 92.0), "to the axis");
+    drawing.arrow(0, corner, corner + Point::new(42.0, 0.0));
+    drawing.word("word", corner + Point::new(34.0, -14.0), "b");
+    drawing
+}
+
+/// The ellipse at the screw of Lin's screw and the slip over it, as model traction solves it.
+fn ellipse() -> Result<Drawing, Box<dyn Error>> {
+    let scene = Scene::from_json(include_bytes!("../../../examples/feed_drive.json"))?;
+    let settings: Settings = Model::Traction.into();
+    let problem = scene.problem(&settings)?;
+    let Problem::Traction(case) = problem else { unreachable!("the model was fixed") };
+    let solution = problem.solve(&mut ModelWorkspace::default());
+    let ball = solution.solved().ok_or("the example has no solution")?.ball;
+    let motion = ball.motion.ok_or("no motion")?;
+    let (a, b) = ball.nut.pressed.ok_or("no ellipse")?.semi_axes;
+    let angle = ball.nut.angle;
+    let (frame, ball) =
+        (BallFrame::turned(case.screw.helix.lead_angle, 0.0), case.screw.ball.radius);
+    let contact = Contact::new(Site::Nut, angle, &frame);
+    let motion = motion.relative_to(case.screw.drive.nut_speed, &frame);
+    let arc = case.screw.helix.arc_length_per_radian();
+    let pressed = bsm_dyn::pressed_radius(case.screw.conformity.0, ball);
+    let slip = |x: f64, y: f64| {
+        let point = contact.normal * (x * x / (2.0 * pressed) - ball)
+            + contact.across * x
+            + BallFrame::tangent() * y;
+        let v = motion.slip_velocity(arc, &point);
+        Point::new(v.dot(&contact.across), v.x)
+    };
+    let mut drawing = Drawing::new(
+        640.0,
+        300.0,
+        "Contact ellipse with the slip over it and the lines of pure rolling",
+    );
+    let middle = Point::new(320.0, 140.0);
+    // The ellipse is drawn wider along the groove than it is.
+    let (long, short) = (260.0, 100.0);
+    let at = |x: f64, y: f64| middle + Point::new(x * long, -y * short);
+    drawing.element(&format!(
+        "<ellipse class='ball' cx='{}' cy='{}' rx='{long}' ry='{short}'/>",
+        middle.x, middle.y
+    ));
+    let grid =
+        || (-9..=9).flat_map(|i| (-2..=2).map(move |k| (f64::from(i) / 10.0, f64::from(k) / 2.6)));
+    let inside: Vec<_> = grid().filter(|(x, y)| x * x + y * y < 0.92).collect();
+    let fastest = inside.iter().map(|(x, y)| slip(x * a, y * b).norm()).fold(0.0, f64::max);
+    for (x, y) in inside {
+        let v = slip(x * a, y * b) / fastest;
+        let length = 44.0 * v.norm().powf(0.6);
+        if length > 6.0 {
+            let along = Point::new(v.x, -v.y).normalize() * (0.5 * length);
+            drawing.arrow(1, at(x, y) - along, at(x, y) + along);
+        } else {
+            drawing.circle("fill1", at(x, y), 2.0);
+        }
+    }
+    // Where slip along the groove changes sign.
+    let steps = 400;
+    let x_of = |i: i32| -1.0 + 2.0 * f64::from(i) / f64::from(steps);
+    for i in 1..=steps {
+        let (one, other) = (x_of(i - 1), x_of(i));
+        if slip(one * a, 0.0).y * slip(other * a, 0.0).y < 0.0 {
+            let half = (1.0 - other * other).sqrt();
+            drawing.line("two", &[at(other, -half), at(other, half)]);
+            drawing.word(
+                "fill2",
+                at(other, half) + Point::new(0.0, -12.0),
+                "no slip along the groove",
+            );
+        }
+    }
+    let corner = at(-1.0, -1.0) + Point::new(-20.0, 10.0);
+    drawing.arrow(0, corner, corner + Point::new(60.0, 0.0));
+    drawing.word("word", corner + Point::new(78.0, 0.0), "e_x");
+    drawing.arrow(0, corner, corner + Point::new(0.0, -60.0));
+    drawing.word("word", corner + Point::new(0.0, -72.0), "t");
+    drawing.word(
+        "word",
+        middle + Point::new(0.0, 132.0),
+        &format!(
+            "a = {:.3} mm, b = {:.3} mm (drawn wider); largest slip {:.3} m/s",
+            1e3 * a,
+            1e3 * b,
+            fastest
+        ),
+    );
+    Ok(drawing)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = env::args_os().nth(1).map_or_else(|| PathBuf::from("docs/img"), PathBuf::from);
+    let drawings = [("helix", helix()), ("contacts", contacts()), ("ellipse", ellipse()?)];
+    for (name, drawing) in drawings {
+        fs::write(folder.join(format!("{name}.svg")), drawing.svg())?;
+    }
+    Ok(())
+}
