@@ -184,7 +184,7 @@ impl MovingBall {
     pub(crate) fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
         let state = match &solution.answer {
             Ok(solved) => &solved.ball,
-            Err(none) => return Err(CaseError::NotRated(message(&none.reason))),
+            Err(none) => return Err(CaseError::NotRated(message(none.reason()))),
         };
         let motion = state.motion.ok_or_else(|| CaseError::NoMotion {
             model: solution.model.name(),

@@ -1,7 +1,7 @@
 //! Jamming of the balls in the vocabulary.
 
 use bsm_dyn::{
-    ElasticScrew, Solution, Wedge, apex_thrust, available_friction, centrifugal_force,
+    ElasticScrew, Reason, Solution, Wedge, apex_thrust, available_friction, centrifugal_force,
     contact_modulus, flat_stiffness, impact_force, step_thrust, viscous_drag, yield_ratio,
 };
 
@@ -63,9 +63,9 @@ impl Analysis {
     /// Loads, angles and approaches with permanent approach, which `wedge` takes over.
     fn contact_state(&mut self, scene: &Scene, wedge: &mut Wedge<f64>) -> Result<Block, CaseError> {
         let screw = scene.reader().elastic_screw();
-        let failed = |reason| CaseError::NotRated(message(&reason));
+        let failed = |reason: &Reason| CaseError::NotRated(message(reason));
         let settled =
-            screw.settled(wedge.loads, wedge.angles).map_err(|(_, reason)| failed(reason))?;
+            screw.settled(wedge.loads, wedge.angles).map_err(|none| failed(none.reason()))?;
         (wedge.loads, wedge.angles) = (settled.loads, settled.angles);
         let mut block = Block::new("contact state, elastic and permanent");
         let mut line = |key, unit, about, values: [f64; 2]| {
@@ -82,7 +82,7 @@ impl Analysis {
         );
         let total = [0, 1].map(|i| (settled.elastic[i] + settled.permanent[i]) / UM);
         line("total_approach_um", "um", "together", total);
-        let pressures = pressures(&screw, settled.loads).map_err(failed)?;
+        let pressures = pressures(&screw, settled.loads).map_err(|reason| failed(&reason))?;
         line(
             "settled_pressure_MPa",
             "MPa",

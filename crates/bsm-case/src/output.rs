@@ -1,6 +1,6 @@
 //! The outputs: one table that records, tables and schema are made from.
 
-use bsm_dyn::{Control, Solution, Transmission};
+use bsm_dyn::{Control, Evidence, Solution, Transmission};
 use bsm_kin::Motion;
 use bsm_kin::Site::{Nut, NutMinor, Screw};
 
@@ -17,10 +17,12 @@ pub enum Cell {
     Flag(bool),
     /// A race, as text.
     Race(Control),
+    /// What says that there is no solution, as text.
+    Evidence(Evidence),
 }
 
 impl Cell {
-    /// The value as it stands in a column of numbers: no is 0 and yes is 1, a race its place among
+    /// The value as it stands in a column of numbers: no is 0 and yes is 1, a text its place among
     /// the words of its output.
     pub fn number(self) -> f64 {
         match self {
@@ -29,6 +31,7 @@ impl Cell {
             Self::Count(n) => n as f64,
             Self::Flag(yes) => f64::from(u8::from(yes)),
             Self::Race(race) => f64::from(race as u8),
+            Self::Evidence(evidence) => f64::from(evidence.rank()),
         }
     }
 }
@@ -97,7 +100,9 @@ macro_rules! outputs {
     (@json Count) => { "integer" };
     (@json Flag) => { "boolean" };
     (@json Race) => { "string" };
+    (@json Evidence) => { "string" };
     (@words Race) => { &["nut", "screw"] };
+    (@words Evidence) => { &Evidence::NAMES };
     (@words $kind:ident) => { &[] };
 }
 
@@ -152,6 +157,7 @@ outputs! {
     control_consistent [""] Flag(|s| s.solved()?.control?.consistent), "true if the controlling race has the larger spin friction moment at this solution; false where neither race has it at its own";
     other_solutions [""] Count(|s| Some(s.solved()?.others?.count)), "other steady motions that the equations of the model are known to have at this point; null: none was looked for, or the search was lost";
     other_solution_efficiency [""] Number(|s| s.solved()?.others?.farthest_efficiency), "efficiency of the other solution whose efficiency differs most";
+    evidence [""] Evidence(|s| s.evidence()), "what says that there is no solution: a proof; a bound on what an expansion leaves out; a curve with all solutions on it, traced in steps; or random starts besides (sampled)";
 }
 
 #[cfg(test)]

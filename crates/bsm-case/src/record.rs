@@ -77,7 +77,7 @@ impl Record {
     pub fn number(&self, name: &str) -> Option<f64> {
         match self.cell(Output::named(name)?)? {
             Cell::Number(value) => Some(value),
-            Cell::Count(_) | Cell::Flag(_) | Cell::Race(_) => None,
+            Cell::Count(_) | Cell::Flag(_) | Cell::Race(_) | Cell::Evidence(_) => None,
         }
     }
 
@@ -266,6 +266,7 @@ impl Record {
                 Some(Cell::Count(n)) => json!(n),
                 Some(Cell::Flag(b)) => json!(b),
                 Some(Cell::Race(race)) => json!(race.name()),
+                Some(Cell::Evidence(evidence)) => json!(evidence.name()),
             };
             map.insert(output.name.to_owned(), value);
         }

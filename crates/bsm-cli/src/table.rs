@@ -86,8 +86,9 @@ const CONTACTS: &[(&str, [&str; 3])] = &[
 
 /// One solved point.
 pub(crate) fn record(scene: &Scene, record: &Record) -> String {
+    let cell = |name: &str| Output::named(name).and_then(|output| record.cell(output));
     let mut status = record.status_name().to_owned();
-    if let Some(Cell::Count(steps)) = Output::named("iterations").and_then(|o| record.cell(o)) {
+    if let Some(Cell::Count(steps)) = cell("iterations") {
         status = format!("{status} in {steps} Newton steps");
         for (label, name) in [("residual", "residual_norm"), ("power balance", "power_balance")] {
             if let Some(value) = record.number(name) {
@@ -96,8 +97,12 @@ pub(crate) fn record(scene: &Scene, record: &Record) -> String {
         }
     }
     let choice = record.choice();
-    let race = match Output::named("controlling_race").and_then(|o| record.cell(o)) {
+    let race = match cell("controlling_race") {
         Some(Cell::Race(race)) => Some(format!("the {} controls", race.name())),
+        _ => None,
+    };
+    let evidence = match cell("evidence") {
+        Some(Cell::Evidence(evidence)) => Some(evidence.to_string()),
         _ => None,
     };
     let head = [
@@ -105,6 +110,7 @@ pub(crate) fn record(scene: &Scene, record: &Record) -> String {
         ("chosen", choice.as_deref()),
         ("status", Some(status.as_str())),
         ("reason", record.message()),
+        ("shown by", evidence.as_deref()),
         ("regime", record.regime()),
         ("race  ", race.as_deref()),
     ];

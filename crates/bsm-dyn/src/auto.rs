@@ -12,7 +12,7 @@ use crate::pair::{ElasticScrew, Pair};
 use crate::traction::{Root, Start, Traction};
 use crate::{
     Angles, ClosedForm, Direction, Model, ModelWorkspace, RacewayControl, Reason, Size, Solution,
-    Solved, Status, Transmitted, Unsolved,
+    Solved, Transmitted, Unsolved,
 };
 
 /// The finest quadrature that is tried.
@@ -175,11 +175,11 @@ impl<const M: usize> Auto<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
+    ) -> Result<Transmitted<Jet<M>>, Unsolved> {
         let Self { screw, tolerance } = *self;
         let (solution, root) = Auto { screw: screw.values(), tolerance }.solve_for_root(work);
         let basis = match solution.answer {
-            Err(Unsolved { status, reason }) => return Err((status, reason)),
+            Err(none) => return Err(none),
             Ok(_) => solution.choice.map(|choice| choice.basis),
         };
         match (basis, root) {
@@ -266,7 +266,7 @@ impl Regime {
         let loaded = pair.static_load(|beta| f * pair.sign() * angles(beta).slip_factor());
         let sliding = match loaded {
             Ok((_, beta)) => angles(beta).efficiency(direction, f),
-            Err((_, Reason::SelfLocking { .. })) => 0.0,
+            Err(none) if matches!(none.reason(), Reason::SelfLocking { .. }) => 0.0,
             Err(_) => return None,
         };
         let range = (eta - sliding).abs();

@@ -18,7 +18,7 @@ use crate::equations::{Workspace, equations};
 use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
 use crate::layout::{BALL, MOMENT_NORMAL, ROWS, weight};
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
-use crate::{Model, Reason, Solution, SolveInfo, Solved, Status, Wrench, cost};
+use crate::{Model, Reason, Solution, SolveInfo, Solved, Unsolved, Wrench, cost};
 
 /// Below this ratio of inertia to friction the rounding of the loads shows in the slip.
 const SLOW: f64 = 1e-5;
@@ -128,7 +128,7 @@ impl Skid {
     }
 
     /// The first root on the curve of all states of force.
-    pub(crate) fn of(pair: &Pair, newton: &mut Workspace) -> Result<Self, (Status, Reason)> {
+    pub(crate) fn of(pair: &Pair, newton: &mut Workspace) -> Result<Self, Unsolved> {
         let (y, steps, residual) = find(pair, newton)?;
         let state = Saturated(pair).state(&y).map_err(refused)?;
         Ok(Self { state, steps, residual })
@@ -139,13 +139,13 @@ impl Skid {
 type Found = ([f64; BALL], usize, f64);
 
 /// The first root on the curve of all states of force, as (S1) has it.
-fn find(pair: &Pair, newton: &mut Workspace) -> Result<Found, (Status, Reason)> {
+fn find(pair: &Pair, newton: &mut Workspace) -> Result<Found, Unsolved> {
     let (mut y, steps) = first_root(pair)?;
     let report = run(pair, &mut y, newton);
     if report.converged() {
         return Ok((y, steps + report.steps.len(), report.residual));
     }
-    Err((Status::NotConverged, Reason::from(report)))
+    Err(Unsolved::not_converged(Reason::from(report)))
 }
 
 /// How many times as much inertia it takes for a ball to be no longer slow.
@@ -193,7 +193,7 @@ impl Elastic {
         &self,
         pair: &Pair,
         work: &mut ElasticWorkspace,
-    ) -> Result<Solved, (Status, Reason)> {
+    ) -> Result<Solved, Unsolved> {
         let Skid { state, steps, residual } = Skid::of(pair, &mut work.0)?;
         let ball = self.screw.ball_state(pair, &state.loaded, &state.to_nut)?;
         // P_f = Σ f Q_c |V_c|, Eq (R21)

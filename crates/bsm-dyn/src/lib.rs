@@ -57,7 +57,7 @@ pub use rigid::{
 pub use sensitivity::Transmitted;
 pub use settled::{FIRST_YIELD, Settled, yield_ratio};
 pub use slip::{FrictionLaw, SlipPower, SteadyBall, Touch, rim_speed};
-pub use solution::{Direction, Reason, Solution, Status, Unsolved};
+pub use solution::{Direction, Evidence, Reason, Solution, Status, Unsolved};
 pub use state::{
     BallState, ContactState, Others, Pressed, RaceControl, SkidNumbers, Slip, SolveInfo, Solved,
     Transmission,

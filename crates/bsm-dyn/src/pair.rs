@@ -18,8 +18,8 @@ use crate::jones::Jones;
 use crate::layout::{self, BALL};
 use crate::state::in_frenet;
 use crate::{
-    BallState, ContactState, Direction, Ellipse, Load, Pressed, Reason, Status, Transmission,
-    Transmitted, Wrench, pressed_radius,
+    BallState, ContactState, Direction, Ellipse, Load, Pressed, Reason, Transmission, Transmitted,
+    Unsolved, Wrench, pressed_radius,
 };
 
 /// A ball screw whose balls touch nut and screw at one elastic contact each, at an operating point.
@@ -91,16 +91,16 @@ impl<D: Scalar> ElasticScrew<D> {
     }
 
     /// Refuses a point without friction, for models in which friction takes part in the balance.
-    pub(crate) fn require_friction(&self) -> Result<(), (Status, Reason)> {
+    pub(crate) fn require_friction(&self) -> Result<(), Unsolved> {
         if self.friction.re() < LEAST_FRICTION {
-            return Err((Status::InvalidInput, Reason::Frictionless));
+            return Err(Unsolved::invalid(Reason::Frictionless));
         }
         Ok(())
     }
 
     /// The point in units of ball radius, axial load per ball and relative speed (P1).
-    pub(crate) fn pair(&self) -> Result<Pair<D>, (Status, Reason)> {
-        let invalid = |reason| (Status::InvalidInput, reason);
+    pub(crate) fn pair(&self) -> Result<Pair<D>, Unsolved> {
+        let invalid = Unsolved::invalid;
         // Lengths in r_b, forces in F_a, speeds in |W|, Eq (R1)           (P1)
         let OwnUnits { helix, ball, nut_speed, direction } =
             OwnUnits::of(&self.helix, &self.ball, &self.drive, &self.load).map_err(invalid)?;
@@ -386,10 +386,10 @@ impl ElasticScrew {
         pair: &Pair,
         loaded: &Loaded<f64>,
         to_nut: &Motion<f64>,
-    ) -> Result<BallState, (Status, Reason)> {
+    ) -> Result<BallState, Unsolved> {
         let angles @ [nut, screw] = loaded.angles;
         if !angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
-            return Err((Status::NotConverged, Reason::BallLeavesFlank { nut, screw }));
+            return Err(Unsolved::not_converged(Reason::BallLeavesFlank { nut, screw }));
         }
         let (w, r_b) = (self.drive.relative_speed().abs(), self.ball.radius);
         let motions = pair.relative(to_nut, &loaded.frame);
@@ -423,7 +423,7 @@ impl ElasticScrew {
         frame: &BallFrame<f64>,
         screw: &Wrench<f64>,
         friction_power: f64,
-    ) -> Result<Transmission, (Status, Reason)> {
+    ) -> Result<Transmission, Unsolved> {
         let unit = self.ball.radius * self.load.axial;
         let torque = self.screw_torque(pair, frame, screw);
         let speed = self.drive.relative_speed();
@@ -433,7 +433,7 @@ impl ElasticScrew {
         if imbalance.abs() <= POWER_BALANCE_TOL {
             return Ok(transmission);
         }
-        Err((Status::NotConverged, Reason::PowerDoesNotBalance { imbalance }))
+        Err(Unsolved::not_converged(Reason::PowerDoesNotBalance { imbalance }))
     }
 }
 
@@ -441,6 +441,6 @@ impl ElasticScrew {
 pub(crate) const LEAST_FRICTION: f64 = 1e-12;
 
 /// The answer where the model cannot be evaluated.
-pub(crate) fn refused(error: EvalError) -> (Status, Reason) {
-    (Status::NotConverged, Reason::Refused { error })
+pub(crate) fn refused(error: EvalError) -> Unsolved {
+    Unsolved::not_converged(Reason::Refused { error })
 }

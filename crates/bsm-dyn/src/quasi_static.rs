@@ -5,7 +5,9 @@
 use bsm_kin::Scalar;
 
 use crate::closed_form::{Angles, Size, answer};
-use crate::{BallState, Direction, Model, Reason, Solution, Solved, Status, Transmitted};
+use crate::{
+    BallState, Direction, Evidence, Model, Reason, Solution, Solved, Transmitted, Unsolved,
+};
 
 /// Inputs of the quasi-static model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,13 +87,13 @@ impl<D: Scalar> QuasiStatic<D> {
     }
 
     /// Refuses a point that has no balance.
-    pub(crate) fn require_balance(&self) -> Result<(), (Status, Reason)> {
+    pub(crate) fn require_balance(&self) -> Result<(), Unsolved> {
         if self.driven == Driven::Both {
-            return Err((Status::InvalidInput, Reason::DualDrive));
+            return Err(Unsolved::invalid(Reason::DualDrive));
         }
         let load_ratio = self.load_ratio().re();
         if load_ratio <= 0.0 {
-            return Err((Status::NoSolution, Reason::FrictionHoldsLoad { load_ratio }));
+            return Err(Unsolved::none(Evidence::Proof, Reason::FrictionHoldsLoad { load_ratio }));
         }
         Ok(())
     }
@@ -199,7 +201,7 @@ mod tests {
     #[test]
     fn dual_drive_is_refused() {
         let solution = QuasiStatic { driven: Driven::Both, ..LIN }.solve();
-        assert_eq!(solution.status(), Status::InvalidInput);
+        assert_eq!(solution.status(), crate::Status::InvalidInput);
         assert_eq!(solution.self_locking(), None);
     }
 }

@@ -16,9 +16,7 @@ use self::balance::{Balance, Root};
 use crate::ellipse::Quadrature;
 use crate::equations::Workspace;
 use crate::pair::{ElasticScrew, Loaded, Pair, refused};
-use crate::{
-    Model, RaceControl, Reason, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission,
-};
+use crate::{Model, RaceControl, SkidNumbers, Solution, SolveInfo, Solved, Transmission, Unsolved};
 
 /// The race at which the ball does not spin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -137,7 +135,7 @@ impl Grip {
         pair: &Pair,
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
-    ) -> Result<Self, (Status, Reason)> {
+    ) -> Result<Self, Unsolved> {
         let nut = Self::controlled(pair, control.unwrap_or(Control::Nut), newton);
         if control.is_some() {
             return nut;
@@ -160,7 +158,7 @@ impl Grip {
         pair: &Pair,
         control: Control,
         newton: &mut Workspace<STATIC>,
-    ) -> Result<Self, (Status, Reason)> {
+    ) -> Result<Self, Unsolved> {
         let balance = Balance::new(pair, control);
         Ok(Self::at(&balance, balance.first_root(newton)?))
     }
@@ -219,7 +217,7 @@ impl Grip {
 
     /// The same to two digits, also where centrifugal forces are so large that raceway control
     /// has no solution.
-    pub(crate) fn guess(pair: &Pair) -> Result<Self, (Status, Reason)> {
+    pub(crate) fn guess(pair: &Pair) -> Result<Self, Unsolved> {
         let balance = Balance::new(pair, Control::Nut);
         let (lead, size) = (pair.helix.lead_angle, pair.helix.radius.recip());
         let beta = pair.jones.contact_angle;
@@ -292,11 +290,7 @@ impl<D: Scalar> ElasticScrew<D> {
 
 impl RacewayWorkspace {
     /// The gripping ball.
-    pub(crate) fn grip(
-        &mut self,
-        pair: &Pair,
-        control: Option<Control>,
-    ) -> Result<Grip, (Status, Reason)> {
+    pub(crate) fn grip(&mut self, pair: &Pair, control: Option<Control>) -> Result<Grip, Unsolved> {
         Grip::of(pair, control, &mut self.newton)
     }
 
@@ -306,7 +300,7 @@ impl RacewayWorkspace {
         screw: &ElasticScrew,
         pair: &Pair,
         grip: &Grip,
-    ) -> Result<Solved, (Status, Reason)> {
+    ) -> Result<Solved, Unsolved> {
         let (loaded, quadrature) = (&grip.loaded, &self.quadrature);
         let friction_power =
             pair.friction_power(loaded, &grip.to_nut, RacewayControl::CREEP, quadrature);
@@ -327,7 +321,7 @@ impl RacewayWorkspace {
         pair: &Pair,
         grip: &Grip,
         control: Option<Control>,
-    ) -> Result<Solved, (Status, Reason)> {
+    ) -> Result<Solved, Unsolved> {
         let solved = self.solved(screw, pair, grip)?;
         let consistent = control.is_none().then(|| grip.is_consistent(pair));
         let others = grip.others(pair, control, &mut self.newton);
@@ -366,7 +360,7 @@ mod tests {
 
     use super::*;
     use crate::extreme::extreme;
-    use crate::{Ball, ContactState, Load, Material, Slip};
+    use crate::{Ball, ContactState, Load, Material, Reason, Slip, Status};
 
     const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
@@ -530,7 +524,7 @@ mod tests {
         let why = |case: &RacewayControl| {
             let none =
                 case.solve(&mut RacewayWorkspace::default()).answer.expect_err("no solution");
-            (none.status, none.reason)
+            (none.status(), none.reason().clone())
         };
         let still = lin(100.0, 0.0);
         assert_eq!(why(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));

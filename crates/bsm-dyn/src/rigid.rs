@@ -15,8 +15,8 @@ use bsm_kin::{Drive, Helix, Motion, Scalar, Site};
 use bsm_newton::{Equations, EvalError, Linear};
 
 pub use self::first_order::{FirstOrder, SEARCHED_FROM, UNIQUE_BELOW};
+use self::root::Root;
 pub use self::root::{MODERATE_INERTIA, RigidWorkspace};
-use self::root::{NoRoot, Root};
 pub use self::scaled::Unknowns as RigidUnknowns;
 use self::scaled::{Scaled, State, Unknowns};
 use crate::balance::{Ball, OwnUnits, POWER_BALANCE_TOL, ideal_torque, torque};
@@ -25,7 +25,8 @@ use crate::layout::unknown::{MINOR_LOAD, NUT_LOAD, SCREW_LOAD, SLIP, SLIP_ANGLE,
 use crate::pair::LEAST_FRICTION;
 use crate::state::in_frenet;
 use crate::{
-    BallState, ContactState, Load, Model, Reason, Solution, SolveInfo, Solved, Status, Transmission,
+    BallState, ContactState, Load, Model, Reason, Solution, SolveInfo, Solved, Transmission,
+    Unsolved,
 };
 
 /// Inputs of the rigid model.
@@ -105,8 +106,8 @@ impl Equations<BALL> for RigidSystem {
 
 impl<D: Scalar> Rigid<D> {
     /// The point in the model's own units, or why there is none.
-    fn scaled(&self) -> Result<Scaled<D>, NoRoot> {
-        let invalid = |reason| NoRoot { status: Status::InvalidInput, reason };
+    fn scaled(&self) -> Result<Scaled<D>, Unsolved> {
+        let invalid = Unsolved::invalid;
         let OwnUnits { helix, ball, nut_speed, direction } =
             OwnUnits::of(&self.helix, &self.ball, &self.drive, &self.load).map_err(invalid)?;
         if self.friction.re() < LEAST_FRICTION {
@@ -156,9 +157,8 @@ impl Rigid {
     /// # Errors
     ///
     /// Status and reason if there is none.
-    pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, (Status, Reason)> {
-        let (case, Root { unknowns: y, steps, residual, .. }) =
-            self.find(work).map_err(|e| (e.status, e.reason))?;
+    pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, Unsolved> {
+        let (case, Root { unknowns: y, steps, residual, .. }) = self.find(work)?;
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
         let (p, _) = case.rates(&y);
         Ok(RigidRoot {
@@ -174,7 +174,7 @@ impl Rigid {
         })
     }
 
-    fn find(&self, work: &mut RigidWorkspace) -> Result<(Scaled<f64>, Root), NoRoot> {
+    fn find(&self, work: &mut RigidWorkspace) -> Result<(Scaled<f64>, Root), Unsolved> {
         let case = self.scaled()?;
         let root = root::find(&case, work)?;
         Ok((case.counted(root.from_ground), root))
@@ -182,7 +182,7 @@ impl Rigid {
 
     /// Solves for the steady motion of the ball.
     pub fn solve(&self, work: &mut RigidWorkspace) -> Solution {
-        let solved = self.find(work).map_err(|NoRoot { status, reason }| (status, reason));
+        let solved = self.find(work);
         let answer =
             solved.and_then(|(case, root)| {
                 let solved = self.balanced(&case, &root)?;
@@ -196,13 +196,13 @@ impl Rigid {
     }
 
     /// The answer of a root whose powers balance.
-    fn balanced(&self, case: &Scaled<f64>, root: &Root) -> Result<Solved, (Status, Reason)> {
+    fn balanced(&self, case: &Scaled<f64>, root: &Root) -> Result<Solved, Unsolved> {
         let solved = self.solved(case, root);
         let imbalance = solved.transmission.power_balance.unwrap_or(f64::NAN);
         if imbalance.abs() <= POWER_BALANCE_TOL {
             return Ok(solved);
         }
-        Err((Status::NotConverged, Reason::PowerDoesNotBalance { imbalance }))
+        Err(Unsolved::not_converged(Reason::PowerDoesNotBalance { imbalance }))
     }
 
     /// The answer in SI units.

@@ -10,7 +10,7 @@ use bsm_newton::{Equations, EvalError, implicit_slopes};
 
 use crate::equations::Workspace;
 use crate::pair::refused;
-use crate::{ModelWorkspace, Problem, Reason, Status};
+use crate::{ModelWorkspace, Problem, Reason, Unsolved};
 
 /// What a designer asks of a screw at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +43,7 @@ pub(crate) fn moving_root<const N: usize, const M: usize>(
     weights: &[f64; N],
     residual: impl FnOnce(&[Jet<M>; N]) -> Result<[Jet<M>; N], EvalError>,
     newton: &mut Workspace<N>,
-) -> Result<[Jet<M>; N], (Status, Reason)> {
+) -> Result<[Jet<M>; N], Unsolved> {
     // F_p = ∂F(x, p)/∂p at constant x                                     (V1)
     let by_inputs = residual(&x.map(Jet::from)).map_err(refused)?;
     let mut columns: [[f64; N]; M] = from_fn(|i| from_fn(|row| by_inputs[row].eps[i]));
@@ -51,7 +51,7 @@ pub(crate) fn moving_root<const N: usize, const M: usize>(
     let status = implicit_slopes(system, x, weights, &mut columns, newton);
     if status != bsm_newton::Status::Converged {
         let (residual, worst_equation) = (f64::NAN, String::new());
-        return Err((Status::NotConverged, Reason::Newton { status, residual, worst_equation }));
+        return Err(Unsolved::not_converged(Reason::Newton { status, residual, worst_equation }));
     }
     Ok(from_fn(|row| Jet { re: x[row], eps: from_fn(|i| columns[i][row]) }))
 }
@@ -90,7 +90,7 @@ impl<const M: usize> Problem<Jet<M>> {
     pub fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
+    ) -> Result<Transmitted<Jet<M>>, Unsolved> {
         // dy/dp = ∂y/∂p + ∂y/∂x dx/dp: the outputs of x and p in jets     (V3)
         match self {
             Self::ClosedForm(p) => Ok(p.transmitted()),

@@ -10,7 +10,7 @@ use bsm_newton::{EvalError, Options, Scales, solve};
 
 use crate::equations::{Workspace, equations};
 use crate::pair::{ElasticScrew, refused};
-use crate::{Curvatures, Hertz, Reason, Status};
+use crate::{Curvatures, Hertz, Reason, Unsolved};
 
 /// Loads, contact angles and approaches at nut and screw with permanent approach.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,8 +40,8 @@ impl ElasticScrew {
     /// # Errors
     ///
     /// Status and reason if the curvatures give no ellipse, or no state is found.
-    pub fn settled(&self, loads: [f64; 2], angles: [f64; 2]) -> Result<Settled, (Status, Reason)> {
-        let invalid = |reason| (Status::InvalidInput, reason);
+    pub fn settled(&self, loads: [f64; 2], angles: [f64; 2]) -> Result<Settled, Unsolved> {
+        let invalid = Unsolved::invalid;
         let hertz = self.hertz().map_err(invalid)?;
         let curvatures = self.curvatures();
         let [nut_offset, screw_offset] = self.grooves().map(|g| g.offset(self.ball.radius));
@@ -62,12 +62,12 @@ impl ElasticScrew {
         let options = Options { residual_goal: 1e-14, ..Options::default() };
         let report = solve(&closing, &mut x, &scales, &options, &mut Workspace::default());
         if !report.converged() {
-            return Err((Status::NotConverged, Reason::from(report)));
+            return Err(Unsolved::not_converged(Reason::from(report)));
         }
         let (loads, cotangents) = closing.forces(x[0]).map_err(refused)?;
         let [nut, screw] = cotangents.map(|c| FRAC_PI_2 - c.atan());
         if ![nut, screw].iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
-            return Err((Status::NotConverged, Reason::BallLeavesFlank { nut, screw }));
+            return Err(Unsolved::not_converged(Reason::BallLeavesFlank { nut, screw }));
         }
         let [elastic, permanent] = closing.approaches(loads);
         Ok(Settled { loads, angles: [nut, screw], elastic, permanent })

@@ -1,5 +1,7 @@
 //! The answer of a model, in SI units.
 
+use std::fmt;
+
 use bsm_kin::Site;
 use bsm_newton::{EvalError, Report, Status as NewtonStatus};
 
@@ -40,7 +42,7 @@ impl Direction {
 pub enum Status {
     /// The outputs are the solution.
     Converged,
-    /// A proof or bound says that none exists.
+    /// None exists, as far as the [`Evidence`] goes.
     NoSolution,
     /// The iteration found none, and none is proven not to exist.
     NotConverged,
@@ -197,13 +199,120 @@ impl From<Report> for Reason {
     }
 }
 
+/// What says that there is no solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Evidence {
+    /// A proof from the equations of the model, up to rounding.
+    Proof,
+    /// An expansion whose measured error is smaller than what decides.
+    Bound,
+    /// A curve with every solution on it was followed: two solutions in one step may be missed.
+    Traced {
+        /// Longest step, in the unit of the curve.
+        resolution: f64,
+    },
+    /// So many random starts have led to no solution, besides a curve that was followed.
+    Sampled {
+        /// How many.
+        starts: u32,
+    },
+}
+
+impl Evidence {
+    /// Names in files, the strongest first.
+    pub const NAMES: [&str; 4] = ["proof", "bound", "traced", "sampled"];
+
+    /// Place in [`Self::NAMES`].
+    pub fn rank(self) -> u8 {
+        match self {
+            Self::Proof => 0,
+            Self::Bound => 1,
+            Self::Traced { .. } => 2,
+            Self::Sampled { .. } => 3,
+        }
+    }
+
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[usize::from(self.rank())]
+    }
+}
+
+impl fmt::Display for Evidence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Proof => write!(f, "a proof"),
+            Self::Bound => write!(f, "a bound on what the first order leaves out"),
+            Self::Traced { resolution } => {
+                write!(f, "the curve of all solutions, traced in steps of {resolution:e} at most")
+            }
+            Self::Sampled { starts } => {
+                write!(f, "a curve that was followed to its end, and {starts} random starts")
+            }
+        }
+    }
+}
+
 /// Why a model has no answer.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Unsolved {
-    /// How the solve ended; not [`Status::Converged`].
-    pub status: Status,
+pub enum Unsolved {
+    /// There is none.
+    NoSolution {
+        /// Why.
+        reason: Reason,
+        /// What says so.
+        evidence: Evidence,
+    },
+    /// The iteration found none, and none is shown not to exist.
+    NotConverged {
+        /// How it ended.
+        reason: Reason,
+    },
+    /// The model does not take these inputs.
+    InvalidInput {
+        /// Which.
+        reason: Reason,
+    },
+}
+
+impl Unsolved {
+    pub(crate) fn none(evidence: Evidence, reason: Reason) -> Self {
+        Self::NoSolution { reason, evidence }
+    }
+
+    pub(crate) fn not_converged(reason: Reason) -> Self {
+        Self::NotConverged { reason }
+    }
+
+    pub(crate) fn invalid(reason: Reason) -> Self {
+        Self::InvalidInput { reason }
+    }
+
+    /// How the solve ended.
+    pub fn status(&self) -> Status {
+        match self {
+            Self::NoSolution { .. } => Status::NoSolution,
+            Self::NotConverged { .. } => Status::NotConverged,
+            Self::InvalidInput { .. } => Status::InvalidInput,
+        }
+    }
+
     /// Why.
-    pub reason: Reason,
+    pub fn reason(&self) -> &Reason {
+        match self {
+            Self::NoSolution { reason, .. }
+            | Self::NotConverged { reason }
+            | Self::InvalidInput { reason } => reason,
+        }
+    }
+
+    /// What says that there is none, if there is none.
+    pub fn evidence(&self) -> Option<Evidence> {
+        match self {
+            Self::NoSolution { evidence, .. } => Some(*evidence),
+            Self::NotConverged { .. } | Self::InvalidInput { .. } => None,
+        }
+    }
 }
 
 /// The result of one model at one operating point.
@@ -220,19 +329,23 @@ pub struct Solution {
 
 impl Solution {
     /// The answer of a model that was asked for.
-    pub fn new(model: Model, answer: Result<Solved, (Status, Reason)>) -> Self {
-        let answer = answer.map_err(|(status, reason)| Unsolved { status, reason });
+    pub fn new(model: Model, answer: Result<Solved, Unsolved>) -> Self {
         Self { model, answer, choice: None }
     }
 
     /// How the solve ended.
     pub fn status(&self) -> Status {
-        self.answer.as_ref().map_or_else(|none| none.status, |_| Status::Converged)
+        self.answer.as_ref().map_or_else(Unsolved::status, |_| Status::Converged)
     }
 
     /// Why there is no answer.
     pub fn reason(&self) -> Option<&Reason> {
-        self.answer.as_ref().err().map(|none| &none.reason)
+        self.answer.as_ref().err().map(Unsolved::reason)
+    }
+
+    /// What says that there is no solution, if there is none.
+    pub fn evidence(&self) -> Option<Evidence> {
+        self.answer.as_ref().err()?.evidence()
     }
 
     /// The numbers, if it converged.
@@ -254,11 +367,10 @@ impl Solution {
     pub fn self_locking(&self) -> Option<bool> {
         match &self.answer {
             Ok(solved) => Some(solved.transmission.self_locking),
-            Err(Unsolved {
-                reason: Reason::SelfLocking { .. } | Reason::FrictionHoldsLoad { .. },
-                ..
-            }) => Some(true),
-            Err(_) => None,
+            Err(none) => match none.reason() {
+                Reason::SelfLocking { .. } | Reason::FrictionHoldsLoad { .. } => Some(true),
+                _ => None,
+            },
         }
     }
 }

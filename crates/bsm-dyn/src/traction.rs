@@ -21,8 +21,8 @@ use crate::layout::{BALL, ROWS, weight};
 use crate::pair::{ElasticScrew, Loaded, Pair};
 use crate::raceway_control::{Grip, STATIC};
 use crate::{
-    BallState, Model, Reason, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission,
-    Wrench, cost,
+    BallState, Model, SkidNumbers, Solution, SolveInfo, Solved, Transmission, Unsolved, Wrench,
+    cost,
 };
 
 /// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
@@ -250,7 +250,7 @@ impl Traction {
         tolerance: f64,
         finest: NonZeroUsize,
         work: &mut TractionWorkspace,
-    ) -> Result<(Found, NonZeroUsize, f64), (Status, Reason)> {
+    ) -> Result<(Found, NonZeroUsize, f64), Unsolved> {
         let mut case = Self { order: COARSEST, ..*self };
         let mut found = case.found(start, None, work);
         // A coarse quadrature may have no root where a finer one has.
@@ -286,7 +286,7 @@ impl Traction {
         Start { pair, grip }: &Start<'_>,
         from: Option<&Root>,
         work: &mut TractionWorkspace,
-    ) -> Result<Found, (Status, Reason)> {
+    ) -> Result<Found, Unsolved> {
         let quadrature = work.quadrature(self.order);
         let quadrature = &work.quadratures[quadrature].1;
         let creep = self.creep * pair.slip_scale();
@@ -312,7 +312,7 @@ pub(crate) struct Start<'a> {
 
 impl<'a> Start<'a> {
     /// From a gripping ball, or from a guess where there is none.
-    pub(crate) fn new(pair: &'a Pair, grip: Option<&Grip>) -> Result<Self, (Status, Reason)> {
+    pub(crate) fn new(pair: &'a Pair, grip: Option<&Grip>) -> Result<Self, Unsolved> {
         // Centrifugal forces may be beyond a guess; the ball without them is one too.
         let guess = || Grip::guess(pair).or_else(|_| Grip::guess(&pair.with_inertia(0.0)));
         Ok(Self { pair, grip: grip.map_or_else(guess, |grip| Ok(*grip))? })

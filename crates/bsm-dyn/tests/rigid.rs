@@ -27,9 +27,8 @@ fn solved(case: &Rigid) -> Solved {
 }
 
 fn reason(case: &Rigid) -> (Status, Reason) {
-    let Unsolved { status, reason } =
-        case.solve(&mut RigidWorkspace::default()).answer.expect_err("no solution");
-    (status, reason)
+    let none = case.solve(&mut RigidWorkspace::default()).answer.expect_err("no solution");
+    (none.status(), none.reason().clone())
 }
 
 /// The root satisfies the published equations as printed, in (t, n, b) and SI units, with

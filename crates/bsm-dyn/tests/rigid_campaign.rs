@@ -1,6 +1,6 @@
 //! Ten thousand seeded scenes: everything converges or is denied, and by what.
 
-use bsm_dyn::{Ball, Load, Rigid, RigidWorkspace, Status, Unsolved};
+use bsm_dyn::{Ball, Load, Rigid, RigidWorkspace, Unsolved};
 use bsm_kin::{Drive, Helix};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -47,7 +47,7 @@ impl Tally {
                     self.farthest = self.farthest.max(relative.abs() / inertia);
                 }
             }
-            Err(Unsolved { status: Status::NoSolution, .. }) => {
+            Err(Unsolved::NoSolution { .. }) => {
                 self.denied += 1;
                 self.refuted += usize::from(start.exists());
             }

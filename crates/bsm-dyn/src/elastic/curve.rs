@@ -6,7 +6,7 @@ use super::forces::{Forces, Kinematics, Place, State};
 use crate::bracket::Bracket;
 use crate::layout::BALL;
 use crate::pair::Pair;
-use crate::{Reason, Status};
+use crate::{Evidence, Reason, Unsolved};
 
 /// Logarithm of a `$q$` without inertia: next to the smallest normal number.
 const NO_INERTIA: f64 = -700.0;
@@ -95,7 +95,7 @@ struct Seen {
 type Root = (Node, f64);
 
 /// Unknowns of the first root on the curve, and Newton steps.
-pub(super) fn first_root(pair: &Pair) -> Result<([f64; BALL], usize), (Status, Reason)> {
+pub(super) fn first_root(pair: &Pair) -> Result<([f64; BALL], usize), Unsolved> {
     let mut curve = Curve { forces: Forces::new(pair), steps: 0 };
     let begin = curve.begin()?;
     let (root, sign) = match curve.straight(&begin) {
@@ -138,12 +138,12 @@ impl Curve<'_> {
     }
 
     /// Where the curve begins, if it does.
-    fn begin(&mut self) -> Result<Begin, (Status, Reason)> {
+    fn begin(&mut self) -> Result<Begin, Unsolved> {
         let friction_term = self.forces.friction_term();
         // F tanα < 1, or no contact angles carry an axial load            (S12)
         if friction_term >= 1.0 {
             let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
-            return Err((Status::NoSolution, locks));
+            return Err(Unsolved::none(Evidence::Proof, locks));
         }
         let inertia = self.forces.inertia_ratio();
         let level = self.level().ok_or(LOST)?;
@@ -153,7 +153,7 @@ impl Curve<'_> {
         let root = NO_INERTIA + inertia.ln() - here;
         if root < NO_INERTIA {
             let reason = Reason::InertiaOutOfRange { inertia_ratio: inertia };
-            return Err((Status::InvalidInput, reason));
+            return Err(Unsolved::invalid(reason));
         }
         Ok(Begin { level, root })
     }
@@ -175,7 +175,7 @@ impl Curve<'_> {
     }
 
     /// The first root along the whole curve, or why there is none.
-    fn search(&mut self, Begin { level, root }: Begin) -> Result<Root, (Status, Reason)> {
+    fn search(&mut self, Begin { level, root }: Begin) -> Result<Root, Unsolved> {
         let inertia = self.forces.inertia_ratio();
         let here = Forces::log_inertia(&level.state, &level.kinematics);
         let begin = self.below(level, root);
@@ -194,7 +194,7 @@ impl Curve<'_> {
             Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
             None => Reason::SlipAlongFriction { slip },
         };
-        Err((Status::NoSolution, reason))
+        Err(Unsolved::none(Evidence::Traced { resolution: SHORTEST }, reason))
     }
 
     /// The state without inertia.
@@ -305,7 +305,7 @@ impl Curve<'_> {
 }
 
 /// The answer where the curve is lost.
-const LOST: (Status, Reason) = (Status::NotConverged, Reason::SearchLost);
+const LOST: Unsolved = Unsolved::NotConverged { reason: Reason::SearchLost };
 
 /// Towards more inertia.
 const UP: Place = Place::new(1.0, 0.0, 0.0);

@@ -7,14 +7,14 @@ use bsm_kin::Jet;
 use super::{Elastic, ElasticWorkspace, Saturated, find, slowness, weights};
 use crate::pair::refused;
 use crate::sensitivity::{moving_root, told_by_inertia};
-use crate::{Reason, Status, Transmitted};
+use crate::{Transmitted, Unsolved};
 
 impl<const M: usize> Elastic<Jet<M>> {
     /// Efficiency and torque with their derivatives.
     pub(crate) fn sensitivities(
         &self,
         ElasticWorkspace(newton): &mut ElasticWorkspace,
-    ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
+    ) -> Result<Transmitted<Jet<M>>, Unsolved> {
         self.screw.require_friction()?;
         let (inputs, point) = (self.screw.pair()?, self.screw.values().pair()?);
         let (root, ..) = find(&point, newton)?;

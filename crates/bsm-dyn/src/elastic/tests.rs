@@ -7,9 +7,9 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::Angles;
 use crate::extreme::extreme;
 use crate::rigid::first_order::{Sliding, spin_moment};
+use crate::{Angles, Status};
 
 /// Random loads, angles and directions that carry the axial load at the nut, in the unknowns (S1).
 fn start(pair: &Pair, rng: &mut impl Rng) -> Option<[f64; BALL]> {
@@ -94,7 +94,7 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
             continue;
         }
         match find(&pair, &mut newton) {
-            Err((Status::NoSolution, reason)) if tally.denied < points => {
+            Err(Unsolved::NoSolution { reason, .. }) if tally.denied < points => {
                 tally.denied += 1;
                 if let Some(y) = search(&pair, starts, &mut rng, &mut newton) {
                     tally.refuted.push((screw, reason, y));

@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::{Pair, refused};
 use crate::bracket::Bracket;
-use crate::{Reason, Status};
+use crate::{Reason, Unsolved};
 
 impl Pair {
     /// Load and mean contact angle of the saturated balance without inertia, for a friction term
@@ -17,7 +17,7 @@ impl Pair {
     pub(crate) fn static_load(
         &self,
         friction_term: impl Fn(f64) -> f64,
-    ) -> Result<(f64, f64), (Status, Reason)> {
+    ) -> Result<(f64, f64), Unsolved> {
         let mut angle = self.jones.contact_angle;
         let mut load = f64::NAN;
         for _ in 0..4 {
@@ -40,7 +40,7 @@ impl Pair {
             return Ok((load, angle));
         }
         let (sin_contact_angle, friction_term) = (angle.sin(), friction_term(angle));
-        Err((Status::NotConverged, Reason::SelfLocking { sin_contact_angle, friction_term }))
+        Err(Unsolved::not_converged(Reason::SelfLocking { sin_contact_angle, friction_term }))
     }
 
     /// Loads and tilt of the frictionless balance with the centrifugal force of a precession rate

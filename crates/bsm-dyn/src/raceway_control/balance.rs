@@ -8,7 +8,7 @@ use bsm_newton::{Bracket, EvalError, Options, Report, Scales, solve};
 use super::{Control, precession, rolling};
 use crate::equations::{Workspace, equations};
 use crate::pair::{Loaded, Pair};
-use crate::{Reason, Status, cost};
+use crate::{Evidence, Reason, Unsolved, cost};
 
 /// Unknowns: the difference of the cotangents of the contact angles, and that at the screw (W12).
 pub(crate) const STATIC: usize = 2;
@@ -165,10 +165,7 @@ impl Balance<'_> {
 
     /// The root with the smallest difference of the contact angles, or the proof that there is
     /// none on the flanks.
-    pub(super) fn first_root(
-        &self,
-        newton: &mut Workspace<STATIC>,
-    ) -> Result<Root, (Status, Reason)> {
+    pub(super) fn first_root(&self, newton: &mut Workspace<STATIC>) -> Result<Root, Unsolved> {
         let mut steps = 0;
         if let Some(mut x) = self.start() {
             let report = self.run(&mut x, newton);
@@ -185,7 +182,7 @@ impl Balance<'_> {
         if report.converged() && x[1] > 0.0 && (x[0] - bracketed[0]).abs() <= 1e-3 * bracketed[0] {
             return Ok(Root { unknowns: x, steps, residual: report.residual });
         }
-        Err((Status::NotConverged, Reason::from(report)))
+        Err(Unsolved::not_converged(Reason::from(report)))
     }
 
     /// True if (W17) leaves no second root.
@@ -323,7 +320,7 @@ impl Balance<'_> {
     /// The rate is monotone in the difference of the cotangents, so that one of two cases holds up
     /// to where it changes its sign: the centrifugal force falls, and meets the straight line `c`
     /// at most once; or it rises, and its value at any lower bound of the first root is one too.
-    fn bracketed(&self) -> Result<[f64; STATIC], (Status, Reason)> {
+    fn bracketed(&self) -> Result<[f64; STATIC], Unsolved> {
         let farthest = self.farthest();
         let outwards = match self.control {
             Control::Nut => 1.0,
@@ -333,7 +330,7 @@ impl Balance<'_> {
             let rate = self.rate_at(farthest);
             let (held, centrifugal) = (farthest * self.axial, self.centrifugal(rate) * self.axial);
             let reason = Reason::FlanksCannotHold { control: self.control, held, centrifugal };
-            (Status::NoSolution, reason)
+            Unsolved::none(Evidence::Proof, reason)
         };
         let at_rest = self.rate_at(0.0);
         let c = if outwards * at_rest >= 0.0 {

@@ -7,14 +7,14 @@ use bsm_kin::Jet;
 use super::{Balance, Grip, RacewayControl, RacewayWorkspace};
 use crate::balance::efficiency;
 use crate::sensitivity::moving_root;
-use crate::{Reason, Status, Transmitted};
+use crate::{Transmitted, Unsolved};
 
 impl<const M: usize> RacewayControl<Jet<M>> {
     /// Efficiency and torque with their derivatives, for the race that controls.
     pub(crate) fn sensitivities(
         &self,
         RacewayWorkspace { newton, quadrature }: &mut RacewayWorkspace,
-    ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
+    ) -> Result<Transmitted<Jet<M>>, Unsolved> {
         let (inputs, point) = (self.screw.pair()?, self.screw.values().pair()?);
         let Grip { control, unknowns, .. } = Grip::of(&point, self.control, newton)?;
         let system = Balance::new(&point, control);

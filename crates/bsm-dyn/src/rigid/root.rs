@@ -9,11 +9,11 @@ use bsm_newton::{Equations, Options, Report, Scales, solve};
 use super::curve::Curve;
 use super::first_order::{FirstOrder, SEARCHED_FROM, UNIQUE_BELOW};
 use super::scaled::{ExistenceLimit, Scaled, Unknowns};
-use super::search::Search;
+use super::search::{LONGEST, Search};
 use crate::equations::Workspace;
 use crate::layout::BALL;
 use crate::layout::unknown::{MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP};
-use crate::{Angles, Reason, Status};
+use crate::{Angles, Evidence, Reason, Unsolved};
 
 /// Below this ratio of inertia to friction, rounding of loads of the size of the axial load would
 /// decide about the slip at A; the root is then interpolated between no inertia and this much. The
@@ -81,15 +81,9 @@ impl Root {
     }
 }
 
-/// Why no root is returned.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct NoRoot {
-    pub(crate) status: Status,
-    pub(crate) reason: Reason,
-}
-
-fn none(reason: Reason) -> NoRoot {
-    NoRoot { status: Status::NoSolution, reason }
+/// What the first order, or the sign of a root that Newton has found from it, says.
+fn none(reason: Reason) -> Unsolved {
+    Unsolved::none(Evidence::Bound, reason)
 }
 
 /// Memory of the solves.
@@ -104,7 +98,7 @@ pub struct RigidWorkspace(pub(super) Workspace);
 ///
 /// A hair from self-locking the loads are so large that their rounding misleads all searches. Where the
 /// first order has a root by more than its error, none is denied.
-pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root, NoRoot> {
+pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root, Unsolved> {
     let start = FirstOrder::of(case);
     let crowding = start.crowding(case.friction);
     let found = root_near(case, &start, work).map(|root| {
@@ -121,21 +115,19 @@ pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root
             && start.exists()
             && start.margin > margin_error(case, &start, error)
             && start.rate.abs() > 2.0 * error;
-        if sure && none.status == Status::NoSolution { lost() } else { none }
+        if sure && none.evidence().is_some() { LOST } else { none }
     })
 }
 
 /// The answer where no root is found, and none excluded.
-fn lost() -> NoRoot {
-    NoRoot { status: Status::NotConverged, reason: Reason::SearchLost }
-}
+const LOST: Unsolved = Unsolved::NotConverged { reason: Reason::SearchLost };
 
 /// The root near the first order, or another one.
 fn root_near(
     case: &Scaled<f64>,
     start: &FirstOrder,
     work: &mut RigidWorkspace,
-) -> Result<Root, NoRoot> {
+) -> Result<Root, Unsolved> {
     let inertia = start.size / case.friction;
     if inertia < SMALL_INERTIA
         && let Some(denial) = denied(case, start, inertia, work)
@@ -153,9 +145,9 @@ fn root_near(
         match accept(case, root, work) {
             Ok(root) if start.crowding(case.friction) < SEARCHED_FROM => return Ok(root),
             Ok(root) => near = Some(root),
-            Err(reason) if inertia < SMALL_INERTIA => return Err(reason),
+            Err(none) if inertia < SMALL_INERTIA => return Err(none),
             // A branch whose contacts pull already without inertia says nothing.
-            Err(reason) => denial = (start.load > 0.0 && start.minor > 0.0).then_some(reason),
+            Err(none) => denial = (start.load > 0.0 && start.minor > 0.0).then_some(none),
         }
     }
     let mut met = Met::of(case, start, work);
@@ -163,10 +155,14 @@ fn root_near(
         return Ok(root);
     }
     let Met { nearest_inertia, failure, .. } = met;
-    let none = failure.unwrap_or_else(|| none(why_none(case, start, nearest_inertia, work)));
-    Err(match (none.status, denial) {
-        (Status::NoSolution, Some(exact)) => exact,
-        _ => none,
+    if let Some(failure) = failure {
+        return Err(failure);
+    }
+    let evidence = Evidence::Traced { resolution: LONGEST };
+    Err(match denial {
+        Some(Unsolved::NoSolution { reason, .. }) => Unsolved::none(evidence, reason),
+        Some(lost) => lost,
+        None => Unsolved::none(evidence, why_none(case, start, nearest_inertia, work)),
     })
 }
 
@@ -199,7 +195,7 @@ pub(super) struct Met {
     pub(super) roots: Vec<Root>,
     nearest_inertia: Option<f64>,
     /// A part of the curve was not searched, or a crossing gave no root.
-    failure: Option<NoRoot>,
+    failure: Option<Unsolved>,
 }
 
 impl Met {
@@ -213,7 +209,7 @@ impl Met {
             match settled(case, root, work) {
                 // Newton has left the crossing for another root.
                 Ok(root) if !root.is_admissible() || roots.iter().any(|r| r.is_near(&root)) => {
-                    failure = Some(lost());
+                    failure = Some(LOST);
                 }
                 Ok(root) => roots.push(root),
                 Err(none) => failure = Some(none),
@@ -223,7 +219,7 @@ impl Met {
         search.run(start.inertia);
         let (nearest_inertia, cut_short) = (search.nearest_inertia, search.is_cut_short());
         if cut_short && failure.is_none() {
-            failure = Some(lost());
+            failure = Some(LOST);
         }
         Self { roots, nearest_inertia, failure }
     }
@@ -255,12 +251,16 @@ fn why_none(
 }
 
 /// A root on weights of its own size (R44), which large inertia needs.
-fn settled(case: &Scaled<f64>, mut root: Root, work: &mut RigidWorkspace) -> Result<Root, NoRoot> {
+fn settled(
+    case: &Scaled<f64>,
+    mut root: Root,
+    work: &mut RigidWorkspace,
+) -> Result<Root, Unsolved> {
     let case = case.counted(root.from_ground);
     let weights = case.own_weights(&root.unknowns);
     let report = run(&case, &mut root.unknowns, &weights, (MOST_STEPS, 1e-13), work);
     if !report.converged() {
-        return Err(NoRoot { status: Status::NotConverged, reason: Reason::from(report) });
+        return Err(Unsolved::not_converged(Reason::from(report)));
     }
     root.residual = report.residual;
     root.steps += report.steps.len();
@@ -340,7 +340,7 @@ fn interpolate(
 }
 
 /// Accepts a converged root of the extended equations if it is one of the physical ones.
-fn accept(case: &Scaled<f64>, root: Root, work: &mut RigidWorkspace) -> Result<Root, NoRoot> {
+fn accept(case: &Scaled<f64>, root: Root, work: &mut RigidWorkspace) -> Result<Root, Unsolved> {
     let y = &root.unknowns;
     if y[NUT_LOAD] <= 0.0 || y[SCREW_LOAD] <= 0.0 {
         let (nut_load_ratio, screw_load_ratio) = (y[NUT_LOAD], y[SCREW_LOAD]);
@@ -350,7 +350,7 @@ fn accept(case: &Scaled<f64>, root: Root, work: &mut RigidWorkspace) -> Result<R
         // The sign may be that of the rounding of the other loads, a few times their last digit.
         let eaten = y[MINOR_LOAD].abs() <= 16.0 * f64::EPSILON * y[NUT_LOAD];
         let pulls = || none(Reason::MinorContactWouldPull { load_ratio: y[MINOR_LOAD] });
-        return Err(if eaten { lost() } else { pulls() });
+        return Err(if eaten { LOST } else { pulls() });
     }
     if y[SLIP] <= 0.0 {
         let critical_lead_angle = critical_lead_angle(case, work);
@@ -370,7 +370,7 @@ fn denied(
     start: &FirstOrder,
     inertia: f64,
     work: &mut RigidWorkspace,
-) -> Option<NoRoot> {
+) -> Option<Unsolved> {
     if start.rate == 0.0 {
         return Some(none(Reason::BallDoesNotCircle));
     }

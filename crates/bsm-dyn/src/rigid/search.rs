@@ -14,7 +14,7 @@ const EARLIEST: f64 = 1e-16;
 
 /// Growth of its steps, and the longest one \[rad\].
 const GROWTH: f64 = 1.5;
-const LONGEST: f64 = 0.04;
+pub(super) const LONGEST: f64 = 0.04;
 
 /// A direction moves less than this in a step, as the square of its distance on the unit circle:
 /// sheets are told apart by it.

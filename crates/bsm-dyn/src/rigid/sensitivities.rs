@@ -5,27 +5,26 @@
 use bsm_kin::Jet;
 
 use super::first_order::FirstOrder;
-use super::root::{self, NoRoot, SLOW};
+use super::root::{self, SLOW};
 use super::{Rigid, RigidWorkspace};
 use crate::balance::efficiency;
 use crate::layout::BALL;
 use crate::pair::refused;
 use crate::sensitivity::{moving_root, told_by_inertia};
-use crate::{Reason, Status, Transmitted};
+use crate::{Transmitted, Unsolved};
 
 impl<const M: usize> Rigid<Jet<M>> {
     /// Efficiency and torque with their derivatives.
     pub(crate) fn sensitivities(
         &self,
         work: &mut RigidWorkspace,
-    ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
-        let failed = |NoRoot { status, reason }| (status, reason);
-        let inputs = self.scaled().map_err(failed)?;
+    ) -> Result<Transmitted<Jet<M>>, Unsolved> {
+        let inputs = self.scaled()?;
         let start = FirstOrder::of(&inputs.map(|x| x.re));
         told_by_inertia(SLOW * self.friction.re / start.size, |factor| {
             let inputs = inputs.with_inertia(factor);
             let point = inputs.map(|x| x.re);
-            let root = root::find(&point, work).map_err(failed)?;
+            let root = root::find(&point, work)?;
             let (point, inputs) =
                 (point.counted(root.from_ground), inputs.counted(root.from_ground));
             let weights = point.own_weights(&root.unknowns);

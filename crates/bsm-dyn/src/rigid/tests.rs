@@ -12,9 +12,9 @@ use rand_chacha::ChaCha8Rng;
 
 use super::curve::Curve;
 use super::*;
-use crate::ElasticScrew;
 use crate::equations::Workspace;
 use crate::extreme::extreme;
+use crate::{ElasticScrew, Status};
 
 /// Directions of slip that are tried at one point, and Newton solves among them.
 const DIRECTIONS: usize = 20_000;
@@ -127,7 +127,7 @@ fn many_starts_find_no_root_where_one_is_denied() {
             continue;
         }
         match answer {
-            Err(NoRoot { status: Status::NoSolution, reason }) => {
+            Err(Unsolved::NoSolution { reason, .. }) => {
                 denied += 1;
                 let roots = many_starts((&rigid, &case), 1, &mut rng, &mut newton);
                 refuted.extend(roots.into_iter().map(|root| (rigid, reason.clone(), root)));

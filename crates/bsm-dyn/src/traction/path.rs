@@ -26,7 +26,7 @@ const FAINT: f64 = 1e-3;
 const MOST_POINTS: usize = 600;
 
 /// Steps of length 1 change what is varied by a factor of e; a tenth of a millionth is none.
-const LONGEST: f64 = 1.0;
+pub(super) const LONGEST: f64 = 1.0;
 const SHORTEST: f64 = 1e-7;
 
 /// Roots of a path that are nearer to each other may be missed.

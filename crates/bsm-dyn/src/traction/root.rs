@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equation (T10), sections "Starts" and "Existence".
 
-use super::path::{PATH, Shown};
+use super::path::{LONGEST, PATH, Shown};
 use super::scatter::{MANY, STARTS};
 use super::{OMEGA, Rolling, State};
 use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque, torque};
@@ -11,7 +11,7 @@ use crate::equations::Workspace;
 use crate::follow::{Stride, follow};
 use crate::layout::BALL;
 use crate::raceway_control::Grip;
-use crate::{Reason, Status};
+use crate::{Evidence, Reason, Unsolved};
 
 /// Skid number from which the skidding ball is the nearer start.
 const SKIDS: f64 = 0.3;
@@ -46,7 +46,7 @@ impl Rolling<'_> {
         near: Option<&Root>,
         (newton, wide): (&mut Workspace, &mut Workspace<PATH>),
         steps: &mut usize,
-    ) -> Result<Root, (Status, Reason)> {
+    ) -> Result<Root, Unsolved> {
         if let Some(near) = near
             && let Ok(root) = self.of(near).solved(near.unknowns, newton, steps)
         {
@@ -67,7 +67,7 @@ impl Rolling<'_> {
         all_over: bool,
         (newton, wide): (&mut Workspace, &mut Workspace<PATH>),
         steps: &mut usize,
-    ) -> Result<Root, (Status, Reason)> {
+    ) -> Result<Root, Unsolved> {
         let gripping = self.unknowns(&grip.loaded, &grip.to_nut);
         let mut failure = None;
         let skids = grip.skid_number(self.pair) > SKIDS;
@@ -90,7 +90,7 @@ impl Rolling<'_> {
         }
         if !all_over {
             let reason = failure.expect("the gripping start was tried");
-            return Err((Status::NotConverged, reason));
+            return Err(Unsolved::not_converged(reason));
         }
         let mut shown = self.followed(newton, wide, steps);
         if matches!(shown, Shown::Nothing) {
@@ -114,9 +114,14 @@ impl Rolling<'_> {
             // Rounding has eaten it, which its powers will show.
             Shown::Root(root) => Ok(root),
             Shown::Beyond([nut, screw]) | Shown::Stopped([nut, screw]) => {
-                Err((Status::NoSolution, Reason::BallLeavesFlank { nut, screw }))
+                let evidence = if starts > 0 {
+                    Evidence::Sampled { starts }
+                } else {
+                    Evidence::Traced { resolution: LONGEST }
+                };
+                Err(Unsolved::none(evidence, Reason::BallLeavesFlank { nut, screw }))
             }
-            Shown::Nothing => Err((Status::NotConverged, Reason::SearchLost)),
+            Shown::Nothing => Err(Unsolved::not_converged(Reason::SearchLost)),
         }
     }
 

@@ -8,14 +8,14 @@ use super::{Rolling, Root, Start, Traction, TractionWorkspace};
 use crate::pair::refused;
 use crate::raceway_control::Grip;
 use crate::sensitivity::moving_root;
-use crate::{Reason, Status, Transmitted};
+use crate::{Transmitted, Unsolved};
 
 impl<const M: usize> Traction<Jet<M>> {
     /// Efficiency and torque with their derivatives, at the order and the creep of the model.
     pub(crate) fn sensitivities(
         &self,
         work: &mut TractionWorkspace,
-    ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
+    ) -> Result<Transmitted<Jet<M>>, Unsolved> {
         let screw = self.screw.values();
         screw.require_friction()?;
         let pair = screw.pair()?;
@@ -31,7 +31,7 @@ impl<const M: usize> Traction<Jet<M>> {
         &self,
         root: &Root,
         work: &mut TractionWorkspace,
-    ) -> Result<Transmitted<Jet<M>>, (Status, Reason)> {
+    ) -> Result<Transmitted<Jet<M>>, Unsolved> {
         let (inputs, point) = (self.screw.pair()?, self.screw.values().pair()?);
         let place = work.quadrature(self.order);
         let TractionWorkspace { newton, quadratures, .. } = work;

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::*;
 use crate::extreme::extreme;
-use crate::{Ball, Load, Material};
+use crate::{Ball, Load, Material, Reason, Status};
 
 /// The point of a seed and a number.
 fn point(seed: u64, number: u64) -> ElasticScrew {
