@@ -34,7 +34,7 @@ fn task(model: Model) -> Task {
     let base = Scene::from_json(base).expect("a scene");
     let outputs = ["efficiency", "screw_torque_Nm"].map(str::to_owned);
     let outputs = Answers::select(Some(&outputs)).expect("outputs");
-    Task { base, settings: Settings::from(model), outputs, watched: None }
+    Task::new(base, Settings::from(model), outputs)
 }
 
 /// Loads and friction coefficients, of which the last one locks the screw: a third of the rows fails.
