@@ -125,15 +125,12 @@ impl Dataset {
         if text == self.plan.text() {
             return Ok(());
         }
-        Err(match self.plan.differences(&text) {
-            Some(differences) => {
-                DatasetError::AnotherPlan { folder: self.folder.path.clone(), differences }
-            }
-            None => {
-                let why = "it is damaged".to_owned();
-                DatasetError::NotAPlan { path: self.folder.plan(), why }
-            }
-        })
+        let not_a_plan = || {
+            let why = "it is damaged".to_owned();
+            DatasetError::NotAPlan { path: self.folder.plan(), why }
+        };
+        let differences = self.plan.differences(&text).ok_or_else(not_a_plan)?;
+        Err(DatasetError::AnotherPlan { folder: self.folder.path.clone(), differences })
     }
 
     /// Makes the folder and writes the plan.

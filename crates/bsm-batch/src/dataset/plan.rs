@@ -234,11 +234,11 @@ fn seconds(model: ModelChoice) -> f64 {
     1e-6 * microseconds
 }
 
-/// Rows of a part: the largest power of two that a kill loses in seconds; then twice as many until a folder
-/// takes the parts.
+/// Rows of a part: the largest power of two that takes seconds, so that a kill loses no more; twice as many
+/// until a folder takes the parts.
 fn rows_of_a_shard(rows: u64, model: ModelChoice) -> NonZeroU64 {
-    /// Most rows, and four row groups: where a point takes many times its nominal time, as at strong
-    /// inertia, a part is minutes still.
+    /// Most rows: where a point takes a hundred times its nominal time, as `rigid` does at strong inertia, a
+    /// part takes no hour.
     const MOST: u32 = 1 << 20;
     /// Longest nominal time of a part on one core \[s\].
     const LONGEST: f64 = 5.0;

@@ -192,7 +192,7 @@ fn many_starts_find_few_roots_that_are_not_known() {
         }
     }
     println!(
-        "{points:?} points, {known} roots known, {seen} seen, {} of them missed",
+        "{points:?} points with one root and several, {known} roots known, {seen} seen, {} that are not known",
         missed.len()
     );
     // The starts see most of what there is, so that few can be missed.
@@ -210,8 +210,8 @@ fn a_second_root_needs_inertia() {
 
 /// As many as the limits were measured with.
 #[test]
-#[ignore = "takes a minute in release"]
-fn second_roots_at_length() {
+#[ignore = "takes a minute"]
+fn second_roots_counted() {
     count_second_roots([30_000, 20_000]);
 }
 
