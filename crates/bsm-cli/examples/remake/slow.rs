@@ -304,8 +304,8 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let folder = folder.path();
     std::os::unix::fs::symlink(site.root.join("examples"), folder.join("examples"))?;
     let scene = "examples/feed_drive.json";
-    let (axis, cube) = if site.quick { (300, 20) } else { (10_000, 216) };
-    let grid = |model: &str, side: usize| {
+    let (axis, cube) = if site.quick { (300, 20) } else { (10_000_u32, 216_u32) };
+    let grid = |model: &str, side: u32| {
         let words = format!(
             "sweep {scene} --set lead_mm=25 --model {model} --vary axial_load_N=2000:8000:{side} \
              --vary screw_speed_rpm=100:1500:{side} --columns efficiency -o {model}-{side}/"
@@ -314,8 +314,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     };
     let (rigid, closed, small) =
         (grid("rigid", axis)?, grid("closed-form", axis)?, grid("rigid", axis / 10)?);
-    #[expect(clippy::cast_precision_loss, reason = "a hundred million")]
-    let [points, rows] = [axis.pow(2), cube.pow(3)].map(|count| count as f64);
+    let (points, rows) = (f64::from(axis.pow(2)), f64::from(cube.pow(3)));
     let bytes = parquet_bytes(&folder.join(format!("rigid-{axis}")))? / points;
     let memory = match (rigid.memory, small.memory) {
         (Some(large), Some(small)) => {
