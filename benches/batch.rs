@@ -9,7 +9,7 @@ use std::sync::Arc;
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use bsm_batch::{
     Answers, Cell, Chunk, Column, Columns, CsvSink, CsvSource, ParquetSink, ParquetSource, Sink,
-    Source, solve_on,
+    Source, Task,
 };
 use bsm_benches::seeded;
 use bsm_case::{InputKey, Output, Scene, Settings};
@@ -61,11 +61,10 @@ fn kernels(c: &mut Criterion) {
         for arch in bsm_simd::instruction_sets() {
             let arch_name = bsm_simd::name(arch);
             for (label, outputs) in [("3 outputs", &few), ("all outputs", &all)] {
+                let task = Task::new(base.clone(), settings, outputs.clone());
                 group.bench_function(format!("{arch_name}, {label}"), |b| {
                     pool.install(|| {
-                        b.iter(|| {
-                            solve_on(arch, black_box(&points), &columns, &base, &settings, outputs)
-                        });
+                        b.iter(|| task.solve_on(arch, black_box(&points), &columns));
                     });
                 });
             }
@@ -87,7 +86,8 @@ fn kernels(c: &mut Criterion) {
 fn tables(c: &mut Criterion) {
     let rows = 100_000;
     let (points, _, base) = chunk(&seeded(rows));
-    let (settings, outputs) = (Model::Rigid.into(), named(&["efficiency", "screw_torque_Nm"]));
+    let outputs = named(&["efficiency", "screw_torque_Nm"]);
+    let task = Task::new(base, Model::Rigid.into(), outputs.clone());
     let file = || tempfile::tempfile().expect("temporary file");
     let (mut csv, mut parquet) = (file(), file());
     let numbers = |row: usize| points.inputs.iter().map(move |c| c.values()[row].to_string());
@@ -108,8 +108,7 @@ fn tables(c: &mut Criterion) {
     let run = |source: &mut dyn Source, sink: &mut dyn Sink| {
         let columns = source.columns().clone();
         while let Some(chunk) = source.next(1 << 16).expect("rows") {
-            let arch = bsm_simd::Arch::new();
-            let answers = solve_on(arch, &chunk, &columns, &base, &settings, &outputs);
+            let answers = task.solve(&chunk, &columns);
             sink.write(chunk, answers).expect("rows");
         }
     };

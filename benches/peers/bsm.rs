@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_batch::{Answers, Cell, Chunk, Column, Columns};
+use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Task};
 use bsm_case::{Output, Record, Scene, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Problem, RigidWorkspace, Solution, Status};
 
@@ -41,7 +41,7 @@ pub(crate) fn scalar(scenes: &[Scene]) -> Vec<Solution> {
 pub(crate) struct Table {
     chunk: Chunk,
     columns: Columns,
-    outputs: Vec<&'static Output>,
+    task: Task,
 }
 
 impl Table {
@@ -55,13 +55,12 @@ impl Table {
         }
         let chunk = Chunk { first: 1, len: points.len(), inputs, kept: Vec::new() };
         let outputs = OUTPUTS.map(|name| Output::named(name).expect("known name"));
-        Self { chunk, columns, outputs: outputs.to_vec() }
+        Self { chunk, columns, task: Task::new(Scene::default(), settings(), outputs.to_vec()) }
     }
 
     /// The batch solver, on the threads of the pool that it is called in.
     pub(crate) fn solve(&self) -> Answers {
-        let base = Scene::default();
-        bsm_batch::solve(&self.chunk, &self.columns, &base, &settings(), &self.outputs)
+        self.task.solve(&self.chunk, &self.columns)
     }
 }
 

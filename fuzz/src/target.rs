@@ -8,7 +8,7 @@ use std::{fs, panic};
 use allocation_counter::measure;
 use bsm_batch::{
     Answers, Columns, CsvSink, CsvSource, JsonSink, JsonSource, ParquetSink, ParquetSource, Sink,
-    Source, TableError, decodes_parquet, solve as answer,
+    Source, TableError, Task, decodes_parquet,
 };
 use bsm_case::{
     Axis, CapacityReport, Catalogue, Condition, DesignReport, Fit, Grid, Scene, Spectrum, Wish,
@@ -184,13 +184,14 @@ fn rewrite(source: &mut dyn Source) -> Result<(), TableError> {
     let mut csv = CsvSink::new(Vec::new(), &columns, &outputs)?;
     let mut lines = JsonSink::new(Vec::new(), columns.clone(), &outputs);
     let mut parquet = ParquetSink::new(Vec::new(), &columns, &outputs)?;
+    let task = Task::new(base, Model::ClosedForm.into(), outputs);
     let mut rows = 0;
     while rows < ROWS
         && let Some(chunk) = source.next(512)?
     {
         assert!(chunk.len <= 512 && chunk.len > 0);
         rows += chunk.len;
-        let answers = answer(&chunk, &columns, &base, &Model::ClosedForm.into(), &outputs);
+        let answers = task.solve(&chunk, &columns);
         assert_eq!(answers.verdicts.len(), chunk.len);
         for sink in [&mut csv as &mut dyn Sink, &mut lines, &mut parquet] {
             sink.write(chunk.clone(), answers.clone())?;

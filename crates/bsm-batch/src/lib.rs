@@ -1,6 +1,6 @@
 //! Many operating points: rows in, rows out, in the same order, on all cores.
 //!
-//! A [`Source`] gives rows in chunks, [`solve`] answers a chunk, a [`Sink`] writes it; a [`Task`] does so
+//! A [`Source`] gives rows in chunks, a [`Task`] answers a chunk, a [`Sink`] writes it; [`Task::run`] does so
 //! from end to end with [`Workers`], and a [`dataset`] in parts that can be stopped and gone on with. Nothing
 //! here depends on the number of rows, so that memory stays flat whatever the size, nor on the
 //! number of threads, so that results do not either.
@@ -31,7 +31,6 @@ pub use numbers::{NumberColumn, NumberRows, NumberSink};
 pub use parquet_table::{ParquetSink, ParquetSource, decodes_parquet};
 pub use pipeline::{Count, RunError, Task, Workers};
 pub use rows::{Answers, Cell, Chunk, Column, Columns, Verdict};
-pub use solve::{solve, solve_on};
 pub use source::{GridSource, Source};
 pub use table::{Format, TableSink};
 pub use text::{CsvSink, CsvSource, JsonSink, JsonSource};

@@ -6,13 +6,11 @@ use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{self, available_parallelism};
-use std::time::Duration;
 
 use bsm_case::{Output, Scene, Settings};
 use bsm_dyn::Status;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::solve::solve_until;
 use crate::{Answers, Chunk, Sink, Source, TableError};
 
 /// Rows that are in memory at a time. The pages of a Parquet table end where chunks do, so that its bytes
@@ -60,24 +58,30 @@ impl<'a> Workers<'a> {
     ///
     /// [`io::Error`] if not even one can be started.
     pub fn start(threads: Option<NonZeroUsize>, stop: &'a AtomicBool) -> io::Result<Self> {
-        let mut threads =
-            threads.or_else(|| available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-        let mut last_tries = 20;
-        loop {
-            let error = match ThreadPoolBuilder::new().num_threads(threads).build() {
-                Ok(pool) => return Ok(Self { pool, stop }),
-                Err(error) => error,
-            };
-            if threads > 1 {
-                threads /= 2;
-            } else if last_tries == 0 {
-                return Err(io::Error::other(error));
-            } else {
-                last_tries -= 1;
+        let wanted = threads.or_else(|| available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+        // Started before the pool, which would lose those that it has if one more cannot be started.
+        let mut idle = Vec::new();
+        while idle.len() < wanted {
+            let (give, work) = sync_channel(1);
+            let run = move || work.recv().into_iter().for_each(rayon::ThreadBuilder::run);
+            match thread::Builder::new().spawn(run) {
+                Ok(thread) => idle.push((give, thread)),
+                Err(error) if idle.is_empty() => return Err(error),
+                Err(_) => {
+                    // The other half is for reading, writing and memory.
+                    for (give, thread) in idle.split_off(idle.len().div_ceil(2)) {
+                        drop(give);
+                        thread.join().unwrap_or_else(|panic| resume_unwind(panic));
+                    }
+                    break;
+                }
             }
-            // The threads of this try are still ending, and have their memory until then.
-            thread::sleep(Duration::from_millis(20));
         }
+        let pool = ThreadPoolBuilder::new().num_threads(idle.len()).spawn_handler(|worker| {
+            let given = idle.pop().is_some_and(|(give, _)| give.send(worker).is_ok());
+            given.then_some(()).ok_or_else(|| io::Error::other("it has ended"))
+        });
+        Ok(Self { pool: pool.build().map_err(io::Error::other)?, stop })
     }
 
     /// How many threads were started.
@@ -113,6 +117,11 @@ pub enum RunError {
 }
 
 impl Task {
+    /// A task that writes these outputs and watches none.
+    pub fn new(base: Scene, settings: Settings, outputs: Vec<&'static Output>) -> Self {
+        Self { base, settings, outputs, watched: None }
+    }
+
     /// Solves the next rows of `source`, at most `most`, into `sink`, which it returns.
     ///
     /// One thread reads ahead and one writes behind those that solve.
@@ -131,7 +140,6 @@ impl Task {
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<(S, Count), RunError> {
         let columns = source.columns().clone();
-        let outputs: Vec<_> = self.outputs.iter().copied().chain(self.watched).collect();
         let (read, chunks) = sync_channel(1);
         let (solved, answered) = sync_channel(1);
         thread::scope(|scope| {
@@ -145,10 +153,8 @@ impl Task {
             let mut done = Ok(());
             for chunk in chunks {
                 let answers = chunk.map_err(RunError::Read).and_then(|chunk| {
-                    let answers = workers.pool.install(|| {
-                        let (base, settings) = (&self.base, &self.settings);
-                        solve_until(workers.stop, &chunk, &columns, base, settings, &outputs)
-                    });
+                    let answers =
+                        workers.install(|| self.solve_until(workers.stop, &chunk, &columns));
                     Ok((chunk, answers.ok_or(RunError::Stopped)?))
                 });
                 let (chunk, answers) = match answers {

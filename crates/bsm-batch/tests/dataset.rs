@@ -34,7 +34,7 @@ fn task(model: Model) -> Task {
     let base = Scene::from_json(base).expect("a scene");
     let outputs = ["efficiency", "screw_torque_Nm"].map(str::to_owned);
     let outputs = Answers::select(Some(&outputs)).expect("outputs");
-    Task { base, settings: Settings::from(model), outputs, watched: None }
+    Task::new(base, Settings::from(model), outputs)
 }
 
 /// Loads and friction coefficients, of which the last one locks the screw: a third of the rows fails.
@@ -300,4 +300,28 @@ fn a_table_without_rows_is_one_part() {
     assert_eq!(names, ["data/part-000000.parquet", "plan.json", "shards.parquet"]);
     let mut part = Format::Parquet.open(&map.join(&names[0]), &[]).expect("a part");
     assert!(part.next(10).expect("Parquet").is_none());
+}
+
+/// A plan of 1e12 points is made, opened and worked on in the time and memory of a part.
+#[test]
+fn a_part_of_a_million_million_points_takes_a_moment() {
+    // 59 604 parts of 2^24 rows, and a last one of 4096.
+    let axes = ["axial_load_N=500:9000:244137985", "friction_coefficient=0.01:0.1:4096"];
+    let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();
+    let points = Points::Grid(Grid::new(axes).expect("a grid"));
+    let (task, folder, workers) = (task(Model::ClosedForm), temporary(), workers(1));
+    let begin = Instant::now();
+    let plan = Plan::new(&task, &points, None, &workers).expect("a plan");
+    assert_eq!((plan.rows(), plan.shards()), (999_989_186_560, 59_605));
+    assert!(plan.text().len() < 1000, "{}", plan.text());
+    let parts = Dataset::create(folder.path(), plan, make).expect("a folder");
+    let mut source = points.open().expect("a grid");
+    source.skip(59_604 << 24).expect("a grid");
+    let part = parts.run_shard(59_604, &task, source.as_mut(), &workers, &mut |_| {});
+    let part = part.expect("solved");
+    assert_eq!((part.first_row, part.rows), (59_604 << 24, 4096));
+    let found = Dataset::open(folder.path(), make).expect("a folder").survey(true, &workers);
+    assert_eq!(found.expect("readable").parts.into_values().collect::<Vec<_>>(), [part]);
+    // It takes 0.1 s; the rest is for a machine that does other things.
+    assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
 }

@@ -2,7 +2,7 @@
 
 mod alike;
 
-use bsm_batch::{Answers, Cell, Chunk, Column, Columns, solve, solve_on};
+use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Task};
 use bsm_case::{Output, Record, Scene, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace};
 use rand::{RngExt, SeedableRng};
@@ -97,7 +97,8 @@ fn all() -> Vec<&'static Output> {
 /// Compares every output of every point: 1e-10 of it, and the scatter.
 fn compare(settings: &Settings, count: usize) {
     let (base, (chunk, columns), outputs) = (Scene::default(), points(count), all());
-    let answers = solve(&chunk, &columns, &base, settings, &outputs);
+    let task = Task::new(base.clone(), *settings, outputs.clone());
+    let answers = task.solve(&chunk, &columns);
     let mut solved = 0;
     for row in 0..count {
         let scene = scene(&chunk, &base, row);
@@ -156,29 +157,26 @@ fn bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
 /// The same bits on every instruction set, in chunks of any size, on any number of threads.
 #[test]
 fn results_depend_on_the_point_only() {
-    let (base, outputs) = (Scene::default(), all());
     // More than two threads' worth.
     let (chunk, columns) = points(5000);
     for model in KERNELS {
-        let settings = model.into();
-        let expected = bits(&solve(&chunk, &columns, &base, &settings, &outputs));
+        let task = Task::new(Scene::default(), model.into(), all());
+        let expected = bits(&task.solve(&chunk, &columns));
         for arch in bsm_simd::instruction_sets() {
-            let found = solve_on(arch, &chunk, &columns, &base, &settings, &outputs);
+            let found = task.solve_on(arch, &chunk, &columns);
             assert!(bits(&found) == expected, "{arch:?}, {model:?}");
         }
         for size in [7, 300, 3000] {
             let mut found = Vec::new();
             for first in (0..chunk.len).step_by(size) {
                 let part = part(&chunk, first, chunk.len.min(first + size));
-                found.extend(bits(&solve(&part, &columns, &base, &settings, &outputs)));
+                found.extend(bits(&task.solve(&part, &columns)));
             }
             assert!(found == expected, "chunks of {size}, {model:?}");
         }
         for threads in [1, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            let found = pool
-                .expect("threads")
-                .install(|| solve(&chunk, &columns, &base, &settings, &outputs));
+            let found = pool.expect("threads").install(|| task.solve(&chunk, &columns));
             assert!(bits(&found) == expected, "{threads} threads, {model:?}");
         }
     }
@@ -190,9 +188,10 @@ fn columns_do_not_depend_on_the_selection() {
     let (base, everything) = (Scene::default(), all());
     let (chunk, columns) = points(500);
     for model in KERNELS {
-        let expected = solve(&chunk, &columns, &base, &model.into(), &everything);
+        let task = |outputs| Task::new(base.clone(), model.into(), outputs);
+        let expected = task(everything.clone()).solve(&chunk, &columns);
         for (output, column) in everything.iter().zip(&expected.columns) {
-            let found = solve(&chunk, &columns, &base, &model.into(), &[output]);
+            let found = task(vec![output]).solve(&chunk, &columns);
             let same = found.columns[0].iter().zip(column).all(|(a, b)| a.to_bits() == b.to_bits());
             assert!(same && found.verdicts == expected.verdicts, "{}, {model:?}", output.name);
         }
@@ -233,7 +232,8 @@ fn rows_that_are_not_ordinary_are_told() {
     }
     let chunk = Chunk { first: 1, len: rows.len(), inputs, kept: Vec::new() };
     let efficiency = Output::named("efficiency").expect("known name");
-    let answers = solve(&chunk, &columns, &base, &Model::Rigid.into(), &[efficiency]);
+    let task = Task::new(base, Model::Rigid.into(), vec![efficiency]);
+    let answers = task.solve(&chunk, &columns);
     for (row, (cells, status, words)) in rows.iter().enumerate() {
         let (verdict, value) = (answers.verdicts[row], answers.columns[0][row]);
         assert_eq!(verdict.status.name(), *status, "{cells:?} {verdict:?}");

@@ -2,7 +2,7 @@
 
 mod alike;
 
-use bsm_batch::{Answers, Cell, Chunk, Column, Columns, solve};
+use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Task};
 use bsm_case::{InputKey, ModelChoice, Record, Scene, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use rand::seq::{IndexedRandom, SliceRandom};
@@ -34,7 +34,8 @@ impl Table {
         }
         let chunk = Chunk { first: 1, len: self.rows.len(), inputs, kept: Vec::new() };
         let outputs = Answers::select(None).expect("all outputs");
-        solve(&chunk, &columns.expect("inputs, each once"), base, settings, &outputs)
+        let task = Task::new(base.clone(), *settings, outputs);
+        task.solve(&chunk, &columns.expect("inputs, each once"))
     }
 
     /// The cells of a row as words of `--set`.

@@ -242,6 +242,14 @@ pub enum CaseError {
         /// All names.
         known: String,
     },
+    /// The name of a controlling race that does not exist.
+    #[error("unknown race `{name}`; the races are {known}")]
+    UnknownRace {
+        /// The name.
+        name: String,
+        /// All names.
+        known: String,
+    },
     /// A setting or axis on the command line that cannot be read.
     #[error("`{}` is not of the form {form}", brief(text))]
     BadSetting {

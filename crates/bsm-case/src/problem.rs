@@ -97,6 +97,22 @@ impl Settings {
     /// What [`creep`](Self::creep) must be.
     pub const CREEP: Rule = Rule::Above(0.0);
 
+    /// The model and the controlling race of these names, with the other dials at their defaults.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::UnknownModel`] or [`CaseError::UnknownRace`].
+    pub fn named(model: &str, control: Option<&str>) -> Result<Self, CaseError> {
+        let race = |name: &str| {
+            Control::from_name(name).ok_or_else(|| CaseError::UnknownRace {
+                name: name.to_owned(),
+                known: Control::ALL.map(Control::name).join(", "),
+            })
+        };
+        let control = control.map(race).transpose()?;
+        Ok(Self { model: ModelChoice::from_name(model)?, control, ..Self::default() })
+    }
+
     /// Checks the dials.
     ///
     /// # Errors

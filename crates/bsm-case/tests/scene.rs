@@ -6,7 +6,7 @@ use approx::assert_relative_eq;
 use bsm_case::{
     Axis, CaseError, Grid, ModelChoice, Record, Rule, Scene, Settings, input_schema, output_schema,
 };
-use bsm_dyn::{Model, ModelWorkspace, Problem};
+use bsm_dyn::{Control, Model, ModelWorkspace, Problem};
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -80,6 +80,10 @@ fn auto_takes_the_most_complete_model() {
         ModelChoice::from_name("rigdi").expect_err("no such model"),
         CaseError::UnknownModel { .. }
     ));
+    let named = Settings::named("rigid", Some("screw")).expect("names");
+    assert_eq!(named, Settings { control: Some(Control::Screw), ..Model::Rigid.into() });
+    let unknown = Settings::named("rigid", Some("ball")).expect_err("no such race").to_string();
+    assert_eq!(unknown, "unknown race `ball`; the races are nut, screw");
 }
 
 #[test]

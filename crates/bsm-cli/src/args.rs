@@ -132,31 +132,16 @@ pub(crate) struct ModelArgs {
     pub(crate) creep: f64,
     /// Race at which the ball does not spin in model raceway-control; the one with the larger
     /// friction moment unless given.
-    #[arg(long, value_enum, value_name = "RACE")]
-    pub(crate) control: Option<Race>,
+    #[arg(long, value_name = "RACE", value_parser = PossibleValuesParser::new(Control::ALL.map(Control::name)))]
+    pub(crate) control: Option<String>,
 }
 
 impl ModelArgs {
     pub(crate) fn settings(&self) -> Result<Settings, CaseError> {
-        Ok(Settings {
-            model: ModelChoice::from_name(&self.model)?,
-            tolerance: self.tolerance,
-            quadrature: self.quadrature,
-            creep: self.creep,
-            control: self.control.map(|race| match race {
-                Race::Nut => Control::Nut,
-                Race::Screw => Control::Screw,
-            }),
-        })
+        let Self { tolerance, quadrature, creep, .. } = *self;
+        let named = Settings::named(&self.model, self.control.as_deref())?;
+        Ok(Settings { tolerance, quadrature, creep, ..named })
     }
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(crate) enum Race {
-    /// The nut.
-    Nut,
-    /// The screw.
-    Screw,
 }
 
 fn order(text: &str) -> Result<NonZeroUsize, String> {

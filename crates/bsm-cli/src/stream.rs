@@ -30,8 +30,7 @@ impl<'a> Job<'a> {
     ) -> Result<Self, Failure> {
         let outputs = Answers::select(table.columns.as_deref())
             .map_err(|e| Failure::Input(format!("--columns: {e}")))?;
-        let task = Task { base: base.clone(), settings: *settings, outputs, watched: None };
-        Ok(Self { task, table })
+        Ok(Self { task: Task::new(base.clone(), *settings, outputs), table })
     }
 
     /// An output that is shown and not written.

@@ -31,12 +31,17 @@ impl Control {
     /// Both races.
     pub const ALL: [Self; 2] = [Self::Nut, Self::Screw];
 
-    /// Name in files.
+    /// Name in files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Nut => "nut",
             Self::Screw => "screw",
         }
+    }
+
+    /// The race of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|race| race.name() == name)
     }
 }
 

@@ -4,11 +4,15 @@
 //! the footer and one of the footer itself with zeros in place of that hash. No bit of the file can
 //! change unnoticed, and there is no log that could get lost or out of step.
 
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
+use arrow_array::{ArrayRef, RecordBatch, StringArray, UInt64Array};
+use parquet::arrow::ArrowWriter;
 use parquet::file::metadata::ParquetMetaDataReader;
 use sha2::{Digest, Sha256};
 
@@ -29,7 +33,7 @@ const FOOTER_SHA256: &str = "bsm.footer_sha256";
 const ZEROS: [u8; 64] = [b'0'; 64];
 
 /// Length of the footer and the letters at the end of a Parquet file.
-const TAIL: u64 = 8;
+const TAIL: usize = 8;
 
 /// Longest footer \[B\]: fifty times that of the largest part with all outputs.
 const LONGEST_FOOTER: u64 = 64 << 20;
@@ -196,7 +200,7 @@ pub(super) fn prove(
     if digest::of_bytes(&footer).as_bytes() != said {
         return Err(Damage::Footer);
     }
-    let thrift = &footer[..footer.len() - 8];
+    let thrift = &footer[..footer.len() - TAIL];
     let metadata = decoded(|| Ok(ParquetMetaDataReader::decode_metadata(thrift)?));
     let metadata = metadata.map_err(|_| Damage::Footer)?;
     let metadata = metadata.file_metadata();
@@ -234,8 +238,8 @@ pub(super) fn prove(
 
 /// The footer of a file with its tail, and how many bytes are before it; `None` if it has none.
 fn read_footer(file: &mut File, len: u64) -> io::Result<Option<(Vec<u8>, u64)>> {
-    let Some(at_tail) = len.checked_sub(TAIL) else { return Ok(None) };
-    let mut tail = [0; 8];
+    let Some(at_tail) = len.checked_sub(TAIL as u64) else { return Ok(None) };
+    let mut tail = [0; TAIL];
     file.seek(SeekFrom::Start(at_tail))?;
     file.read_exact(&mut tail)?;
     let [a, b, c, d, letters @ ..] = tail;
@@ -245,9 +249,29 @@ fn read_footer(file: &mut File, len: u64) -> io::Result<Option<(Vec<u8>, u64)>> 
         return Ok(None);
     }
     file.seek(SeekFrom::Start(data_bytes))?;
-    let mut bytes = Vec::new();
-    file.take(footer + TAIL).read_to_end(&mut bytes)?;
-    Ok((bytes.len() as u64 == footer + TAIL).then_some((bytes, data_bytes)))
+    let (mut bytes, rest) = (Vec::new(), len - data_bytes);
+    file.take(rest).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 == rest).then_some((bytes, data_bytes)))
+}
+
+/// The parts as a table.
+pub(super) fn list(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableError> {
+    let numbers = |read: fn(&Part) -> u64| -> ArrayRef {
+        Arc::new(parts.values().map(read).collect::<UInt64Array>())
+    };
+    let hashes = StringArray::from_iter_values(parts.values().map(|part| &part.data_sha256));
+    let table = RecordBatch::try_from_iter([
+        ("shard", numbers(|part| part.shard)),
+        ("first_row", numbers(|part| part.first_row)),
+        ("rows", numbers(|part| part.rows)),
+        ("failed", numbers(|part| part.failed)),
+        ("several", numbers(|part| part.several)),
+        ("bytes", numbers(|part| part.data_bytes)),
+        ("data_sha256", Arc::new(hashes)),
+    ])?;
+    let mut writer = ArrowWriter::try_new(Vec::new(), table.schema(), None)?;
+    writer.write(&table)?;
+    Ok(writer.into_inner()?)
 }
 
 /// What something is that is no file.

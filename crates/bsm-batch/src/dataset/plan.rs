@@ -1,17 +1,18 @@
 //! The plan of a folder: all that the bytes of its parts depend on, and nothing else.
 
 use std::io;
-use std::num::{NonZeroU64, NonZeroUsize};
+use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::Path;
 
 use bsm_case::{Axis, CaseError, Grid, ModelChoice, Output, Scene, Settings};
-use bsm_dyn::{Control, Model};
+use bsm_dyn::Model;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::part::Place;
+use super::points::{Points, WrittenPoints};
 use super::{DatasetError, digest};
-use crate::{Answers, Format, GridSource, Source, TableError, Task, Workers};
+use crate::{Answers, Task, Workers};
 
 /// Goes up by one with each entry under "Changed numbers" in the changelog: parts of two revisions are
 /// not mixed.
@@ -22,75 +23,6 @@ const FORMAT: u32 = 1;
 
 /// Most parts of a folder.
 pub const MOST_SHARDS: u64 = 100_000;
-
-/// Rows that points come from, and can come from again.
-#[derive(Debug, Clone)]
-pub enum Points {
-    /// A grid.
-    Grid(Grid),
-    /// A table.
-    Table {
-        /// The file.
-        path: std::path::PathBuf,
-        /// Columns to carry through.
-        keep: Vec<String>,
-    },
-}
-
-impl Points {
-    /// All rows from the first on.
-    ///
-    /// # Errors
-    ///
-    /// [`TableError`] if the table cannot be opened.
-    pub fn open(&self) -> Result<Box<dyn Source>, TableError> {
-        match self {
-            Self::Grid(grid) => Ok(Box::new(GridSource::new(grid.clone()))),
-            Self::Table { path, keep } => {
-                let format = Format::of(path).ok_or_else(|| {
-                    let words = "a table ends in .csv, .jsonl or .parquet";
-                    io::Error::new(io::ErrorKind::InvalidInput, words)
-                })?;
-                format.open(path, keep)
-            }
-        }
-    }
-
-    /// What a plan says of them, and their number. A table is read to its end for that: its hash, and its
-    /// rows where no footer tells them.
-    fn written(&self, workers: &Workers<'_>) -> Result<(WrittenPoints, u64), DatasetError> {
-        let (path, keep) = match self {
-            Self::Grid(grid) => {
-                let axes = grid.axes().iter().map(ToString::to_string).collect();
-                return Ok((WrittenPoints::Grid(axes), grid.len() as u64));
-            }
-            Self::Table { path, keep } => (path, keep),
-        };
-        let unreadable = |error: io::Error| DatasetError::io("read", path, error);
-        let found = path.metadata().map_err(unreadable)?;
-        if !found.is_file() {
-            let found = super::part::kind(&found);
-            return Err(DatasetError::NotReadTwice { path: path.clone(), found });
-        }
-        let mut file = std::fs::File::open(path).map_err(unreadable)?;
-        let hash = digest::of_reader(&mut file, || workers.stopped()).map_err(unreadable)?;
-        let (sha256, bytes) = hash.ok_or(DatasetError::Stopped)?;
-        let mut source = self.open().map_err(DatasetError::Read)?;
-        let known = source.len_hint();
-        let mut rows = known.unwrap_or(0);
-        while known.is_none()
-            && let Some(chunk) = source.next(crate::pipeline::ROWS).map_err(DatasetError::Read)?
-        {
-            rows += chunk.len as u64;
-            if workers.stopped() {
-                return Err(DatasetError::Stopped);
-            }
-        }
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let table = WrittenTable { name, bytes, sha256, rows, keep: keep.clone() };
-        Ok((WrittenPoints::Table(table), rows))
-    }
-}
 
 /// What a folder is to hold.
 #[derive(Debug, Clone)]
@@ -130,60 +62,26 @@ impl Program {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum WrittenPoints {
-    Grid(Vec<String>),
-    Table(WrittenTable),
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct WrittenTable {
-    name: String,
-    bytes: u64,
-    sha256: String,
-    rows: u64,
-    keep: Vec<String>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WrittenModel {
     name: String,
     tolerance: f64,
     quadrature: NonZeroUsize,
     creep: f64,
-    control: Option<Race>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Race {
-    Nut,
-    Screw,
+    control: Option<String>,
 }
 
 impl WrittenModel {
     fn of(settings: &Settings) -> Self {
         let Settings { model, tolerance, quadrature, creep, control } = *settings;
-        let control = control.map(|race| match race {
-            Control::Nut => Race::Nut,
-            Control::Screw => Race::Screw,
-        });
+        let control = control.map(|race| race.name().to_owned());
         Self { name: model.name().to_owned(), tolerance, quadrature, creep, control }
     }
 
     fn settings(&self) -> Result<Settings, CaseError> {
-        Ok(Settings {
-            model: ModelChoice::from_name(&self.name)?,
-            tolerance: self.tolerance,
-            quadrature: self.quadrature,
-            creep: self.creep,
-            control: self.control.map(|race| match race {
-                Race::Nut => Control::Nut,
-                Race::Screw => Control::Screw,
-            }),
-        })
+        let Self { tolerance, quadrature, creep, .. } = *self;
+        let named = Settings::named(&self.name, self.control.as_deref())?;
+        Ok(Settings { tolerance, quadrature, creep, ..named })
     }
 }
 
@@ -200,7 +98,7 @@ impl Plan {
         workers: &Workers<'_>,
     ) -> Result<Self, DatasetError> {
         let (points, rows) = points.written(workers)?;
-        let rule = || rows_of_a_shard(rows, task.outputs.len() as u64, task.settings.model);
+        let rule = || rows_of_a_shard(rows, task.settings.model);
         let rows_per_shard = rows_per_shard.unwrap_or_else(rule);
         if rows.div_ceil(rows_per_shard.get()) > MOST_SHARDS {
             let least = rows.div_ceil(MOST_SHARDS);
@@ -256,7 +154,7 @@ impl Plan {
         let settings = self.written.model.settings().map_err(|e| e.to_string())?;
         let outputs: Vec<&'static Output> =
             Answers::select(Some(&self.written.columns)).map_err(|e| e.to_string())?;
-        Ok(Task { base, settings, outputs, watched: None })
+        Ok(Task::new(base, settings, outputs))
     }
 
     /// The grid, if the points are one.
@@ -336,30 +234,20 @@ fn seconds(model: ModelChoice) -> f64 {
     1e-6 * microseconds
 }
 
-/// Rows of a part: the largest power of two that keeps parts small enough in memory and in time, and
-/// leaves enough of them to share; then more until there are few enough.
-fn rows_of_a_shard(rows: u64, outputs: u64, model: ModelChoice) -> NonZeroU64 {
-    /// Binary logarithm of the fewest and the most rows.
-    const POWERS: [u32; 2] = [12, 26];
-    /// Most numbers of a part \[B\].
-    const MOST_BYTES: u64 = 512 << 20;
+/// Rows of a part: the largest power of two that takes seconds, so that a kill loses no more; twice as many
+/// until a folder takes the parts.
+fn rows_of_a_shard(rows: u64, model: ModelChoice) -> NonZeroU64 {
+    /// Most rows: where a point takes a hundred times its nominal time, as `rigid` does at strong inertia, a
+    /// part takes no hour.
+    const MOST: u32 = 1 << 20;
     /// Longest nominal time of a part on one core \[s\].
-    const LONGEST: f64 = 300.0;
-    /// Parts of a job at least, unless they are shorter than [`SHORT`] \[s\].
-    const ENOUGH: u64 = 64;
-    const SHORT: f64 = 1.0;
+    const LONGEST: f64 = 5.0;
 
-    let fits = |power: &u32| {
-        let count = 1_u64 << power;
-        #[expect(clippy::cast_precision_loss, reason = "counts are below 2^26")]
-        let time = count as f64 * seconds(model);
-        8 * (outputs + 1) * count <= MOST_BYTES
-            && time <= LONGEST
-            && (rows.div_ceil(count) >= ENOUGH || time <= SHORT)
-    };
-    let power = (POWERS[0]..=POWERS[1]).rev().find(fits).unwrap_or(POWERS[0]);
-    let mut count =
-        NonZeroU64::MIN.saturating_mul(NonZeroU64::new(1 << power).unwrap_or(NonZeroU64::MIN));
+    let mut count = MOST;
+    while f64::from(count) * seconds(model) > LONGEST {
+        count /= 2;
+    }
+    let mut count = NonZeroU64::from(NonZeroU32::new(count).unwrap_or(NonZeroU32::MIN));
     while rows.div_ceil(count.get()) > MOST_SHARDS {
         count = count.saturating_add(count.get());
     }
@@ -369,6 +257,8 @@ fn rows_of_a_shard(rows: u64, outputs: u64, model: ModelChoice) -> NonZeroU64 {
 #[cfg(test)]
 mod tests {
     use std::sync::atomic::AtomicBool;
+
+    use bsm_dyn::Control;
 
     use super::*;
 
@@ -381,7 +271,7 @@ mod tests {
     fn task() -> Task {
         let base = Scene { axial_load_N: Some(0.1), ..Scene::default() };
         let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");
-        Task { base, settings: Settings::from(Model::Rigid), outputs, watched: None }
+        Task::new(base, Settings::from(Model::Rigid), outputs)
     }
 
     fn grid(axes: &[&str]) -> Points {
@@ -468,28 +358,22 @@ mod tests {
         assert_eq!(first.differences("{}"), None);
     }
 
-    /// The table of the specification: rows of a part by the size of the job, its outputs and its model.
+    /// A part is seconds of one core, whatever the job; beyond 100 000 parts, less than 1/50 000 of it.
     #[test]
     fn rows_of_a_part_follow_one_rule() {
-        for (rows, outputs, model, shards, power) in [
-            (1_000_000, 1, Model::Rigid.into(), 1, 22),
-            (1_000_000, 1, Model::Traction.into(), 62, 14),
-            (1_000_000_000, 1, Model::Rigid.into(), 120, 23),
-            (1_000_000_000, 1, Model::Traction.into(), 239, 22),
-            (1_000_000_000_000, 1, Model::ClosedForm.into(), 29_803, 25),
-            (1_000_000_000_000, 1, Model::Rigid.into(), 29_803, 25),
-            (1_000_000_000_000, 4, Model::RacewayControl.into(), 59_605, 24),
-            (1_000_000_000_000, 1, Model::Elastic.into(), 59_605, 24),
-            (1_000_000_000_000, 1, Model::Traction.into(), 59_605, 24),
-            (0, 1, ModelChoice::Auto, 0, 16),
-            (u64::MAX, 38, Model::Traction.into(), 65_536, 48),
+        for (rows, model, shards, power) in [
+            (0, ModelChoice::Auto, 0, 18),
+            (1_000_000, Model::Rigid.into(), 1, 20),
+            (1_000_000, Model::Elastic.into(), 4, 18),
+            (1_000_000, Model::Traction.into(), 16, 16),
+            (100_000_000, Model::RacewayControl.into(), 96, 20),
+            (1_000_000_000, Model::Traction.into(), 15_259, 16),
+            (1_000_000_000_000, Model::ClosedForm.into(), 59_605, 24),
+            (1_000_000_000_000, Model::Traction.into(), 59_605, 24),
+            (u64::MAX, Model::Traction.into(), 65_536, 48),
         ] {
-            let count = rows_of_a_shard(rows, outputs, model);
-            assert_eq!(
-                (rows.div_ceil(count.get()), count.get()),
-                (shards, 1 << power),
-                "{model:?}"
-            );
+            let count = rows_of_a_shard(rows, model).get();
+            assert_eq!((rows.div_ceil(count), count), (shards, 1 << power), "{rows} {model:?}");
         }
     }
 

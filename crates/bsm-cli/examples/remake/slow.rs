@@ -35,7 +35,7 @@ const WORK: &str = "target/remake";
 pub(crate) const CAMPAIGNS: &[(&str, usize, u64, usize)] = &[
     ("closed-form", 50_000, 2026, 100_000),
     ("quasi-static", 50_000, 2026, 100_000),
-    ("rigid", 10_000_000, 1, 100_000),
+    ("rigid", 1_000_000, 1, 100_000),
     ("raceway-control", 1_000_000, 2026, 100_000),
     ("elastic", 1_000_000, 2026, 100_000),
     ("traction", 100_000, 3, 3000),
@@ -289,6 +289,11 @@ fn seconds(took: &Took) -> String {
     format!("{} s", short(took.time.as_secs_f64()))
 }
 
+/// A large count as it is said: "10.1 million".
+fn millions(count: f64) -> String {
+    format!("{} million", (1e-5 * count).round() / 10.0)
+}
+
 fn megabytes(bytes: f64) -> String {
     format!("{:.0} MB", 1e-6 * bytes)
 }
@@ -299,8 +304,8 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let folder = folder.path();
     std::os::unix::fs::symlink(site.root.join("examples"), folder.join("examples"))?;
     let scene = "examples/feed_drive.json";
-    let (axis, cube) = if site.quick { (300, 20) } else { (10_000, 216) };
-    let grid = |model: &str, side: usize| {
+    let (axis, cube) = if site.quick { (300, 20) } else { (10_000_u32, 216_u32) };
+    let grid = |model: &str, side: u32| {
         let words = format!(
             "sweep {scene} --set lead_mm=25 --model {model} --vary axial_load_N=2000:8000:{side} \
              --vary screw_speed_rpm=100:1500:{side} --columns efficiency -o {model}-{side}/"
@@ -309,8 +314,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     };
     let (rigid, closed, small) =
         (grid("rigid", axis)?, grid("closed-form", axis)?, grid("rigid", axis / 10)?);
-    #[expect(clippy::cast_precision_loss, reason = "a hundred million")]
-    let points = (axis * axis) as f64;
+    let (points, rows) = (f64::from(axis.pow(2)), f64::from(cube.pow(3)));
     let bytes = parquet_bytes(&folder.join(format!("rigid-{axis}")))? / points;
     let memory = match (rigid.memory, small.memory) {
         (Some(large), Some(small)) => {
@@ -340,11 +344,12 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     Ok(vec![(
         "many",
         Text::Whole(format!(
-            "\nThese {points:e} points take {} (`closed-form` {}), {memory}and {bytes:.1} bytes a row. {:e} rows with three varied\n\
+            "\nThese {} points take {} (`closed-form` {}), {memory}and {bytes:.1} bytes a row. {} rows with three varied\n\
              inputs take {} from Parquet to Parquet and {} from CSV to CSV. ({})\n",
+            millions(points),
             seconds(&rigid),
             seconds(&closed),
-            cube * cube * cube,
+            millions(rows),
             seconds(&parquet),
             seconds(&csv),
             site.machine()?
@@ -418,7 +423,7 @@ pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Te
     let (just, wide) = ask(site.points(points), "")?;
     let (next, close) = ask(site.points(edges), " --edges")?;
     let [converged, none, lost] = wide.shares();
-    Ok(vec![
+    let mut rows = vec![
         (
             "extremes/outcomes",
             Text::Row(format!(
@@ -428,7 +433,16 @@ pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Te
         ),
         ("extremes/reasons", Text::Row(format!("| `{model}` | {} |", wide.reasons().join(" | ")))),
         ("extremes/edges", Text::Row(format!("| `{model}` | `{next}` | {} |", close.shares()[2]))),
-    ])
+    ];
+    // A model that never looks has no row.
+    let [several, single, unknown] = wide.others;
+    let all = several + single + unknown;
+    if unknown < all {
+        let [several, single, unknown] = wide.others.map(|count| percent(count / all));
+        let row = format!("| `{model}` | `{just}` | {several} | {single} | {unknown} |");
+        rows.push(("extremes/others", Text::Row(row)));
+    }
+    Ok(rows)
 }
 
 /// What a campaign printed.
@@ -436,6 +450,8 @@ struct Campaign {
     points: f64,
     /// Place of the outcome in [`OUTCOMES`], the rest of the name, points.
     kinds: Vec<(usize, String, f64)>,
+    /// Converged points that are known to have other solutions, to have none, and of which nobody knows.
+    others: [f64; 3],
     slowest_ms: f64,
 }
 
@@ -463,7 +479,15 @@ impl Campaign {
             kinds.push((outcome, words(rest), row.get(2).ok_or("no count")?.parse()?));
         }
         let slowest = printed.split("slowest ").nth(1).and_then(|rest| rest.split(' ').next());
-        Ok(Self { points, kinds, slowest_ms: slowest.ok_or("no slowest point")?.parse()? })
+        let slowest_ms = slowest.ok_or("no slowest point")?.parse()?;
+        let others = printed.lines().find_map(|line| line.strip_prefix("other solutions: "));
+        let others = others
+            .ok_or("no count of other solutions")?
+            .split(", ")
+            .map(|words| Ok(words.split(' ').next().unwrap_or_default().parse::<f64>()?));
+        let others: Vec<_> = others.collect::<Result<_>>()?;
+        let others = others.try_into().map_err(|_| "not three counts of other solutions")?;
+        Ok(Self { points, kinds, others, slowest_ms })
     }
 
     fn shares(&self) -> [String; 3] {

@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-use bsm_batch::{Cell as Value, Chunk, Column, Columns};
+use bsm_batch::{Cell as Value, Chunk, Column, Columns, Task};
 use bsm_case::units::{MM, RPM};
 use bsm_case::{
     Cell, InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Sensitivities, Settings,
@@ -153,9 +153,8 @@ pub(crate) fn in_batch(scenes: &[Scene], model: ModelChoice, answers: &mut [Answ
     let inputs = columns.inputs.iter().map(column).collect();
     let chunk = Chunk { first: 1, len: scenes.len(), inputs, kept: Vec::new() };
     let efficiency = Output::named("efficiency").expect("an output");
-    let solve =
-        || bsm_batch::solve(&chunk, &columns, &Scene::default(), &settings(model), &[efficiency]);
-    let Ok(batch) = catch_unwind(AssertUnwindSafe(solve)) else {
+    let task = Task::new(Scene::default(), settings(model), vec![efficiency]);
+    let Ok(batch) = catch_unwind(AssertUnwindSafe(|| task.solve(&chunk, &columns))) else {
         for answer in answers {
             answer.turns_false("panic in the batch");
         }

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use bsm_batch::{Chunk, Column, Columns};
+use bsm_batch::{Chunk, Column, Columns, Task};
 use bsm_case::{CaseError, ModelChoice, Output, Scene, Settings};
 use bsm_dyn::ModelWorkspace;
 use bsm_simd::Arch;
@@ -200,9 +200,9 @@ impl<'a> Bench<'a> {
     fn batch(&self, arch: Arch, points: &Forms, settings: &Settings) -> Result<f64, CaseError> {
         // What takes microseconds a point needs no more of them.
         let chunk = if has_kernel(settings) { &points.many } else { &points.chunk };
-        let (columns, base) = (self.columns, Scene::default());
+        let task = Task::new(Scene::default(), *settings, self.outputs.clone());
         per_point(chunk.len, || {
-            black_box(bsm_batch::solve_on(arch, chunk, columns, &base, settings, &self.outputs));
+            black_box(task.solve_on(arch, chunk, self.columns));
             Ok(())
         })
     }

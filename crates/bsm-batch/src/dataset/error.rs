@@ -1,0 +1,126 @@
+//! What can go wrong with a folder of parts.
+
+use std::io;
+use std::num::NonZeroU64;
+use std::path::{Path, PathBuf};
+
+use super::folder::OLD_PLAN;
+use super::{Damage, MOST_SHARDS};
+use crate::TableError;
+
+/// A folder that cannot be made, gone on with or finished.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DatasetError {
+    /// The disk.
+    #[error("cannot {doing} {}: {error}", path.display())]
+    Io {
+        /// What was being done.
+        doing: &'static str,
+        /// To what.
+        path: PathBuf,
+        /// What the system said.
+        error: io::Error,
+    },
+    /// The points cannot be read.
+    #[error(transparent)]
+    Read(TableError),
+    /// A part cannot be written.
+    #[error("cannot write {}: {error}", path.display())]
+    Write {
+        /// The part.
+        path: PathBuf,
+        /// Why.
+        error: TableError,
+    },
+    /// A thread cannot be started.
+    #[error("cannot start a thread: {0}")]
+    Thread(io::Error),
+    /// It was asked to stop.
+    #[error("stopped")]
+    Stopped,
+    /// Points that are gone once they are read.
+    #[error("{} is {found}: a folder of parts needs points that can be read twice, from a file",
+        path.display())]
+    NotReadTwice {
+        /// The points.
+        path: PathBuf,
+        /// What it is.
+        found: &'static str,
+    },
+    /// Points with fewer rows than before.
+    #[error(
+        "the points have changed while they were solved: part {shard} has {found} of {rows} rows"
+    )]
+    PointsChanged {
+        /// The part.
+        shard: u64,
+        /// Its rows by the plan.
+        rows: u64,
+        /// Those that there were.
+        found: u64,
+    },
+    /// More parts than a folder takes.
+    #[error(
+        "{rows} rows in parts of {rows_per_shard} are more than {MOST_SHARDS} parts; take at least \
+        {least} rows for a part"
+    )]
+    TooManyShards {
+        /// All rows.
+        rows: u64,
+        /// Rows of a part.
+        rows_per_shard: NonZeroU64,
+        /// The fewest that are possible.
+        least: u64,
+    },
+    /// A folder of something else.
+    #[error("{} is a folder with something else in it", .0.display())]
+    SomethingElse(PathBuf),
+    /// A folder of an older version.
+    #[error("{} holds the parts of an older version of bsm ({OLD_PLAN}), which this one cannot go on with; \
+        take another folder", .0.display())]
+    Older(PathBuf),
+    /// A folder that was begun before.
+    #[error("{} holds the parts of {} task; go on with --resume, or take another folder", folder.display(),
+        if *same { "this" } else { "another" })]
+    Begun {
+        /// The folder.
+        folder: PathBuf,
+        /// Whether its plan is the one that was given.
+        same: bool,
+    },
+    /// A folder with another plan.
+    #[error("{} holds the parts of another task, which differs in: {differences}", folder.display())]
+    AnotherPlan {
+        /// The folder.
+        folder: PathBuf,
+        /// Keys of the plan that are not the same.
+        differences: String,
+    },
+    /// What stands in place of the plan is none.
+    #[error("{} is not the plan of this task: {why}", path.display())]
+    NotAPlan {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        why: String,
+    },
+    /// What stands in place of parts is none of the plan's.
+    #[error("{}; move {} away, and it is solved again with --resume",
+        words(.0), if .0.len() == 1 { "it" } else { "each" })]
+    Damaged(Vec<(PathBuf, Damage)>),
+}
+
+impl DatasetError {
+    pub(super) fn io(doing: &'static str, path: &Path, error: io::Error) -> Self {
+        Self::Io { doing, path: path.to_owned(), error }
+    }
+}
+
+/// The first few of what is wrong.
+fn words(damaged: &[(PathBuf, Damage)]) -> String {
+    const SHOWN: usize = 3;
+    let shown = damaged.iter().take(SHOWN).map(|(path, why)| format!("{} {why}", path.display()));
+    let more = damaged.len().checked_sub(SHOWN).filter(|more| *more > 0);
+    shown.chain(more.map(|more| format!("and {more} more"))).collect::<Vec<_>>().join("; ")
+}
