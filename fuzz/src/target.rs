@@ -11,8 +11,8 @@ use bsm_batch::{
     Source, TableError, Task, decodes_parquet,
 };
 use bsm_case::{
-    Axis, CapacityReport, Catalogue, Condition, DesignReport, Fit, Grid, Scene, Spectrum, Wish,
-    candidate_json, stock,
+    Axis, CapacityReport, Catalogue, Condition, DesignReport, Fit, Grid, RequirementFile, Scene,
+    Spectrum, candidate_json, stock,
 };
 use bsm_dyn::Model;
 use bytes::Bytes;
@@ -215,7 +215,7 @@ fn requirement(input: &[u8]) {
     let stock = stock().expect("a list that is compiled in");
     // The cheapest model: the others have a target of their own.
     let settings = ["model=closed-form".to_owned()];
-    if let Ok(wish) = Wish::from_json(input, &settings, stock) {
+    if let Ok(wish) = RequirementFile::from_json(input, &settings, stock) {
         let _ = DesignReport::of(&wish).to_json().to_string();
     }
 }

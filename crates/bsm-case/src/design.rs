@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 use crate::optimum::hard_to_make;
 use crate::units::{DEG, MM, MPA, RPM};
-use crate::{CaseError, Catalogue, Scene, Wish};
+use crate::{CaseError, Catalogue, RequirementFile, Scene};
 
 /// A number of the procedure: step, what it is, value and requirement in words, and whether it
 /// holds.
@@ -50,7 +50,7 @@ thread_local! {
 
 impl DesignReport {
     /// Searches for the best screw; a requirement that cannot be met is a result.
-    pub fn of(wish: &Wish) -> Self {
+    pub fn of(wish: &RequirementFile) -> Self {
         let efficiency = |nut: &Nut, load: f64| {
             let problem = scene(wish, nut, load).problem(&wish.model.into()).ok()?;
             let solution = WORK.with_borrow_mut(|work| problem.solve(work));
@@ -138,7 +138,7 @@ pub fn stock() -> Result<Vec<f64>, CaseError> {
 }
 
 /// The screw of a nut at the operating point of a requirement.
-fn scene(wish: &Wish, nut: &Nut, load: f64) -> Scene {
+fn scene(wish: &RequirementFile, nut: &Nut, load: f64) -> Scene {
     // Digits beyond a micrometre and a microdegree tell nothing.
     let round = |x: f64| (x * 1e6).round() * 1e-6;
     let conformity = Some(round(nut.conformity.0));

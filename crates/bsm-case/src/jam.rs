@@ -65,7 +65,7 @@ impl Analysis {
         let screw = scene.reader().elastic_screw();
         let failed = |reason: &Reason| CaseError::NotRated(message(reason));
         let settled =
-            screw.settled(wedge.loads, wedge.angles).map_err(|none| failed(none.reason()))?;
+            screw.permanent_set(wedge.loads, wedge.angles).map_err(|none| failed(none.reason()))?;
         (wedge.loads, wedge.angles) = (settled.loads, settled.angles);
         let mut block = Block::new("contact state, elastic and permanent");
         let mut line = |key, unit, about, values: [f64; 2]| {

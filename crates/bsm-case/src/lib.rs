@@ -51,7 +51,7 @@ pub use optimum::OptimumReport;
 pub use output::{Cell, OUTPUTS, Output, OutputKey};
 pub use problem::{ModelChoice, Needs, Settings};
 pub use record::Record;
-pub use requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, Wish};
+pub use requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile};
 pub use rules::{Inputs, Relation, covered};
 pub(crate) use scene::nearest;
 pub use scene::{entries, nearest_input};

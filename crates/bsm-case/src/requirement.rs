@@ -108,7 +108,7 @@ const fn input(
 
 /// A requirement as it is written.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Wish {
+pub struct RequirementFile {
     /// What it shares with scenes: load, speed, friction, materials, and whatever is fixed.
     pub(crate) scene: Scene,
     /// The model that tells the efficiency.
@@ -116,7 +116,7 @@ pub struct Wish {
     pub(crate) requirement: Requirement,
 }
 
-impl Wish {
+impl RequirementFile {
     /// Reads a requirement and applies settings `name=value`.
     ///
     /// * `stock`: diameters of balls in stock \[m\].
@@ -205,7 +205,7 @@ impl Given {
         }
     }
 
-    fn wish(self, stock: Vec<f64>) -> Result<Wish, CaseError> {
+    fn wish(self, stock: Vec<f64>) -> Result<RequirementFile, CaseError> {
         let mut scene = self.scene.clone();
         scene.check()?;
         let demand =
@@ -287,6 +287,6 @@ impl Given {
             stock,
         };
         let model = Model::from_name(self.word("model")).unwrap_or(Model::Traction);
-        Ok(Wish { scene, model, requirement })
+        Ok(RequirementFile { scene, model, requirement })
     }
 }

@@ -1,13 +1,15 @@
 //! Requirements and fits: what they say in the vocabulary.
 
-use bsm_case::{CapacityReport, CaseError, DesignReport, Fit, Scene, Settings, Wish, stock};
+use bsm_case::{
+    CapacityReport, CaseError, DesignReport, Fit, RequirementFile, Scene, Settings, stock,
+};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
 const REQUIREMENT: &[u8] = include_bytes!("../../../examples/requirements/feed_drive.json");
 
-fn wish(settings: &[&str]) -> Result<Wish, CaseError> {
+fn wish(settings: &[&str]) -> Result<RequirementFile, CaseError> {
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
-    Wish::from_json(REQUIREMENT, &settings, stock().expect("compiled in"))
+    RequirementFile::from_json(REQUIREMENT, &settings, stock().expect("compiled in"))
 }
 
 fn says(settings: &[&str], words: &str) {
@@ -58,8 +60,11 @@ fn requirements_are_checked() {
     says(&["nut_conformity=0.52", "screw_conformity=0.53"], "a design has one for both");
     says(&["screw_speed_rpm=0"], "must not be 0");
     says(&["pressure_limit_MPa=much"], "must be a number");
-    let bare =
-        Wish::from_json(b"{\"axial_load_N\": 1, \"lead_mm\": 5, \"stroke_mm\": 9}", &[], vec![]);
+    let bare = RequirementFile::from_json(
+        b"{\"axial_load_N\": 1, \"lead_mm\": 5, \"stroke_mm\": 9}",
+        &[],
+        vec![],
+    );
     let error = bare.expect_err("incomplete").to_string();
     assert!(error.contains("screw_speed_rpm and friction_coefficient are required"), "{error}");
 }

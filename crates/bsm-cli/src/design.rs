@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use bsm_case::{DesignReport, DesignRow, REQUIREMENT_INPUTS, REQUIREMENT_WORDS, Wish, stock};
+use bsm_case::{
+    DesignReport, DesignRow, REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile, stock,
+};
 use bsm_validate::number;
 
 use crate::args::{DesignArgs, Format};
@@ -17,8 +19,8 @@ pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
     let json = read_json(path)?;
     files::keep(path, args.output.as_deref())?;
     let in_file = |e| Failure::scene(path, &e);
-    let wish =
-        Wish::from_json(&json, &args.settings, stock().map_err(in_file)?).map_err(in_file)?;
+    let wish = RequirementFile::from_json(&json, &args.settings, stock().map_err(in_file)?)
+        .map_err(in_file)?;
     let report = DesignReport::of(&wish);
     if let Some(output) = args.output.as_deref().filter(|_| report.found) {
         files::write(output, &(pretty_json(&report.scene.to_json()) + "\n"))?;

@@ -142,7 +142,7 @@ impl Output {
         if !path.exists() {
             builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         }
-        let file = unfinished::make(|| builder.tempfile_in(folder))
+        let file = unfinished::create_temporary(|| builder.tempfile_in(folder))
             .map_err(|e| Failure::files("write in folder", folder, &e))?;
         Ok(Self::File { file: BufWriter::new(file), path })
     }
@@ -171,7 +171,7 @@ impl Output {
                     take_over(file.as_file(), &path)?;
                     file.as_file().sync_all()?;
                     let temporary = file.path().to_owned();
-                    let mut held = unfinished::hold();
+                    let mut held = unfinished::block_interrupts();
                     file.persist(&path).map_err(|e| e.error)?;
                     held.finished(&temporary);
                     Ok(())

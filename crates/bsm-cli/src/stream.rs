@@ -163,7 +163,8 @@ impl<'a> Job<'a> {
         let failed = |error: DatasetError| dataset(folder, error);
         let plan = Plan::new(&self.task, points, *rows_per_shard, workers).map_err(failed)?;
         let begin = if *resume { Dataset::resume } else { Dataset::create };
-        let parts = begin(folder, plan, |file| unfinished::make(file)).map_err(failed)?;
+        let parts =
+            begin(folder, plan, |file| unfinished::create_temporary(file)).map_err(failed)?;
         // Parts are trusted when their bytes are as they were written.
         let found = parts.survey(true, workers).map_err(failed)?;
         if let Some(one) = found.foreign.first() {

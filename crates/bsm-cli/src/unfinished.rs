@@ -18,7 +18,7 @@ static UNFINISHED: Mutex<Unfinished> =
     Mutex::new(Unfinished { files: Vec::new(), listening: false });
 
 /// While the guard lives, an interrupt waits.
-pub(crate) fn hold() -> MutexGuard<'static, Unfinished> {
+pub(crate) fn block_interrupts() -> MutexGuard<'static, Unfinished> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -30,8 +30,10 @@ impl Unfinished {
 }
 
 /// Makes a temporary file that is removed if the program is interrupted, from its first moment on.
-pub(crate) fn make(file: impl FnOnce() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
-    let mut held = hold();
+pub(crate) fn create_temporary(
+    file: impl FnOnce() -> io::Result<NamedTempFile>,
+) -> io::Result<NamedTempFile> {
+    let mut held = block_interrupts();
     if !held.listening {
         signals::listen()?;
         held.listening = true;
@@ -95,7 +97,7 @@ mod signals {
     }
 
     fn interrupted(signal: i32) {
-        let held = super::hold();
+        let held = super::block_interrupts();
         for file in &held.files {
             let _ = fs::remove_file(file);
         }

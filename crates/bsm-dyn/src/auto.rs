@@ -8,7 +8,7 @@ use std::num::NonZeroUsize;
 use bsm_kin::{Jet, Scalar};
 
 use crate::elastic::Elastic;
-use crate::pair::{ElasticScrew, Pair};
+use crate::elastic_ball::{ElasticBall, ElasticScrew};
 use crate::traction::{Root, Start, Traction};
 use crate::{
     Angles, ClosedForm, Direction, Model, ModelWorkspace, RacewayControl, Reason, Size, Solution,
@@ -71,7 +71,7 @@ impl Auto {
 
     /// The solution, and the root of the traction model if it is the one that was chosen.
     fn solve_for_root(&self, work: &mut ModelWorkspace) -> (Solution, Option<Root>) {
-        let pair = match self.screw.pair() {
+        let pair = match self.screw.scaled() {
             Ok(pair) => pair,
             Err(invalid) => return (Solution::new(Model::RacewayControl, Err(invalid)), None),
         };
@@ -136,7 +136,7 @@ impl Auto {
 
     /// The closed form, if even the way from saturated friction to none, and spin at both contacts
     /// besides, are small enough (A1).
-    fn closed_form(&self, pair: &Pair) -> Option<Solution> {
+    fn closed_form(&self, pair: &ElasticBall) -> Option<Solution> {
         let Self { screw, tolerance } = self;
         let lead = screw.helix.lead_angle;
         let solution = screw.sliding(pair.direction).solve();
@@ -256,7 +256,7 @@ struct Regime {
 
 impl Regime {
     /// From the numbers of a gripping ball.
-    fn of(pair: &Pair, grip: &Solved) -> Option<Self> {
+    fn of(pair: &ElasticBall, grip: &Solved) -> Option<Self> {
         let (eta, skid) = (grip.transmission.efficiency, grip.skid?);
         let (onset, cross) = (skid.onset_number()?, skid.cross_slip()?);
         let (f, direction) = (pair.friction, pair.direction);

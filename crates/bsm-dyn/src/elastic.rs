@@ -13,11 +13,13 @@ use nalgebra::Vector3;
 
 use self::curve::first_root;
 use crate::balance::DOES_NOT_CIRCLE;
+use crate::ball_unknowns::unknown::{
+    NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
+};
+use crate::ball_unknowns::{BALL, MOMENT_NORMAL, ROWS, weight};
 use crate::coulomb::friction_force;
+use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded, refused};
 use crate::equations::{Workspace, equations};
-use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
-use crate::layout::{BALL, MOMENT_NORMAL, ROWS, weight};
-use crate::pair::{ElasticScrew, Loaded, Pair, refused};
 use crate::{Model, Reason, Solution, SolveInfo, Solved, Unsolved, Wrench, cost};
 
 /// Below this ratio of inertia to friction the rounding of the loads shows in the slip.
@@ -50,7 +52,7 @@ struct State<D> {
 
 /// Saturated friction on a pair of contacts; unknowns `$Q_A/F_a,\; \nu,\; Q_B/F_a,\; p,\; \lambda,\;
 /// \theta,\; s$` (S1).
-struct Saturated<'a, P = f64>(&'a Pair<P>);
+struct Saturated<'a, P = f64>(&'a ElasticBall<P>);
 
 impl<P: Scalar> Saturated<'_, P> {
     fn state<D: Over<P>>(&self, y: &[D; BALL]) -> Result<State<D>, EvalError> {
@@ -128,7 +130,7 @@ impl Skid {
     }
 
     /// The first root on the curve of all states of force.
-    pub(crate) fn of(pair: &Pair, newton: &mut Workspace) -> Result<Self, Unsolved> {
+    pub(crate) fn of(pair: &ElasticBall, newton: &mut Workspace) -> Result<Self, Unsolved> {
         let (y, steps, residual) = find(pair, newton)?;
         let state = Saturated(pair).state(&y).map_err(refused)?;
         Ok(Self { state, steps, residual })
@@ -139,7 +141,7 @@ impl Skid {
 type Found = ([f64; BALL], usize, f64);
 
 /// The first root on the curve of all states of force, as (S1) has it.
-fn find(pair: &Pair, newton: &mut Workspace) -> Result<Found, Unsolved> {
+fn find(pair: &ElasticBall, newton: &mut Workspace) -> Result<Found, Unsolved> {
     let (mut y, steps) = first_root(pair)?;
     let report = run(pair, &mut y, newton);
     if report.converged() {
@@ -149,14 +151,14 @@ fn find(pair: &Pair, newton: &mut Workspace) -> Result<Found, Unsolved> {
 }
 
 /// How many times as much inertia it takes for a ball to be no longer slow.
-fn slowness(pair: &Pair, root: &[f64; BALL]) -> f64 {
+fn slowness(pair: &ElasticBall, root: &[f64; BALL]) -> f64 {
     let rate = root[PRECESSION] * pair.sign() + pair.nut_speed;
     SLOW / (pair.inertia_ratio() * rate * rate / pair.friction)
 }
 
 /// Weights of the equations near `y`: one over the largest term of each. None of them vanishes where
 /// the ball stops circling, P → 0.
-fn weights(pair: &Pair, y: &[f64; BALL]) -> [f64; BALL] {
+fn weights(pair: &ElasticBall, y: &[f64; BALL]) -> [f64; BALL] {
     let rate = (y[PRECESSION] * pair.sign() + pair.nut_speed).abs();
     let centrifugal = pair.inertia_ratio() * rate * rate;
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
@@ -170,7 +172,7 @@ fn weights(pair: &Pair, y: &[f64; BALL]) -> [f64; BALL] {
 }
 
 /// One damped Newton solve from `y`.
-fn run(pair: &Pair, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+fn run(pair: &ElasticBall, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
     let weights = weights(pair, y);
     let scales = Scales { x: &[1.0; BALL], f: &weights };
     let options = Options { max_steps: MOST_STEPS, ..Options::default() };
@@ -183,7 +185,7 @@ impl Elastic {
         let solved = self
             .screw
             .require_friction()
-            .and_then(|()| self.screw.pair())
+            .and_then(|()| self.screw.scaled())
             .and_then(|pair| self.solved(&pair, work));
         Solution::new(Model::Elastic, solved)
     }
@@ -191,7 +193,7 @@ impl Elastic {
     /// The answer of the root.
     pub(crate) fn solved(
         &self,
-        pair: &Pair,
+        pair: &ElasticBall,
         work: &mut ElasticWorkspace,
     ) -> Result<Solved, Unsolved> {
         let Skid { state, steps, residual } = Skid::of(pair, &mut work.0)?;

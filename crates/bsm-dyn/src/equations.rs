@@ -3,7 +3,7 @@
 use bsm_kin::Jet;
 use bsm_newton::{Dense, EvalError, Linear};
 
-use crate::layout::BALL;
+use crate::ball_unknowns::BALL;
 
 /// Memory of a solve of `N` unknowns.
 pub(crate) type Workspace<const N: usize = BALL> = bsm_newton::Workspace<Dense<N>>;

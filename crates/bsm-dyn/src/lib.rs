@@ -8,27 +8,27 @@
 
 mod auto;
 pub mod balance;
+mod ball_unknowns;
 mod bracket;
 mod closed_form;
+mod continuation;
 mod cost;
 mod coulomb;
 mod elastic;
+mod elastic_ball;
 mod ellipse;
 mod equations;
 #[cfg(test)]
 mod extreme;
-mod follow;
 mod hertz;
 mod jam;
 mod jones;
-mod layout;
 mod model;
-mod pair;
+mod permanent_set;
 mod quasi_static;
 mod raceway_control;
 mod rigid;
 mod sensitivity;
-mod settled;
 mod slip;
 mod solution;
 mod state;
@@ -39,6 +39,7 @@ pub use balance::{Ball, Load, POWER_BALANCE_TOL, Wrench};
 pub use closed_form::{Angles, ClosedForm, Optimum, Size};
 pub use coulomb::friction_force;
 pub use elastic::{Elastic, ElasticWorkspace};
+pub use elastic_ball::ElasticScrew;
 pub use ellipse::{Ellipse, Quadrature, pressed_radius};
 pub use hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 pub use jam::{
@@ -47,7 +48,7 @@ pub use jam::{
 };
 pub use jones::{Deformed, Displacement, Jones, Side};
 pub use model::{Model, ModelWorkspace, Problem};
-pub use pair::ElasticScrew;
+pub use permanent_set::{FIRST_YIELD, PermanentSet, yield_ratio};
 pub use quasi_static::{Driven, QuasiStatic};
 pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
 pub use rigid::{
@@ -55,7 +56,6 @@ pub use rigid::{
     SEARCHED_FROM, UNIQUE_BELOW,
 };
 pub use sensitivity::Transmitted;
-pub use settled::{FIRST_YIELD, Settled, yield_ratio};
 pub use slip::{FrictionLaw, SlipPower, SteadyBall, Touch, rim_speed};
 pub use solution::{Direction, Evidence, Reason, Solution, Status, Unsolved};
 pub use state::{

@@ -13,9 +13,9 @@ use nalgebra::Vector3;
 
 pub(crate) use self::balance::STATIC;
 use self::balance::{Balance, Root};
+use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded, refused};
 use crate::ellipse::Quadrature;
 use crate::equations::Workspace;
-use crate::pair::{ElasticScrew, Loaded, Pair, refused};
 use crate::{Model, RaceControl, SkidNumbers, Solution, SolveInfo, Solved, Transmission, Unsolved};
 
 /// The race at which the ball does not spin.
@@ -137,7 +137,7 @@ impl Grip {
     /// Which race controls is decided by (W7) at the first root of the ball that the nut controls.
     /// Where that has none, the screw controls if it does so by (W7) at its own first root.
     pub(crate) fn of(
-        pair: &Pair,
+        pair: &ElasticBall,
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, Unsolved> {
@@ -160,7 +160,7 @@ impl Grip {
 
     /// The first root with this race in control.
     fn controlled(
-        pair: &Pair,
+        pair: &ElasticBall,
         control: Control,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, Unsolved> {
@@ -176,7 +176,7 @@ impl Grip {
     }
 
     /// True if (W7), asked here, names the race that controls.
-    fn is_consistent(&self, pair: &Pair) -> bool {
+    fn is_consistent(&self, pair: &ElasticBall) -> bool {
         control_of(pair, &self.loaded) == self.control
     }
 
@@ -184,7 +184,7 @@ impl Grip {
     /// of the screw where (W7) names the nut at the nut's ball and the screw at the screw's.
     fn others(
         &self,
-        pair: &Pair,
+        pair: &ElasticBall,
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Vec<Self> {
@@ -205,7 +205,7 @@ impl Grip {
     ///
     /// That ball has contact angles that differ by other centrifugal forces, by `$\Delta c$` in their
     /// cotangents, which changes the ratio of the moments by `$\Delta c$` or less, to first order.
-    fn is_clear(&self, pair: &Pair) -> bool {
+    fn is_clear(&self, pair: &ElasticBall) -> bool {
         /// For all that is not of first order.
         const SAFETY: f64 = 4.0;
         let balances = Control::ALL.map(|race| Balance::new(pair, race));
@@ -222,7 +222,7 @@ impl Grip {
 
     /// The same to two digits, also where centrifugal forces are so large that raceway control
     /// has no solution.
-    pub(crate) fn guess(pair: &Pair) -> Result<Self, Unsolved> {
+    pub(crate) fn guess(pair: &ElasticBall) -> Result<Self, Unsolved> {
         let balance = Balance::new(pair, Control::Nut);
         let (lead, size) = (pair.helix.lead_angle, pair.helix.radius.recip());
         let beta = pair.jones.contact_angle;
@@ -235,12 +235,12 @@ impl Grip {
     }
 
     /// Gyroscopic over friction moment (W9), and slip of the lead over that of spin (W10).
-    pub(crate) fn skid(&self, pair: &Pair) -> SkidNumbers {
+    pub(crate) fn skid(&self, pair: &ElasticBall) -> SkidNumbers {
         SkidNumbers::new(self.skid_number(pair), self.cross_slip(pair))
     }
 
     /// Gyroscopic over friction moment (W9).
-    pub(crate) fn skid_number(&self, pair: &Pair) -> f64 {
+    pub(crate) fn skid_number(&self, pair: &ElasticBall) -> f64 {
         let motion = pair.absolute(&self.to_nut, &self.loaded.frame);
         let omega = self.loaded.frame.to_frenet(&motion.omega);
         let [nut, screw] = self.loaded.loads;
@@ -250,7 +250,7 @@ impl Grip {
 
     /// Slip that the lead forces across the grooves over the slip of the spin at the end of the
     /// ellipse (W10).
-    fn cross_slip(&self, pair: &Pair) -> f64 {
+    fn cross_slip(&self, pair: &ElasticBall) -> f64 {
         let motions = pair.relative(&self.to_nut, &self.loaded.frame);
         let spin = (0..2)
             .map(|i| {
@@ -275,7 +275,7 @@ impl RacewayControl {
     /// Solves for loads and contact angles, takes the rolling motion, and integrates the friction
     /// power of the slip that it leaves.
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
-        let solved = self.screw.pair().and_then(|pair| {
+        let solved = self.screw.scaled().and_then(|pair| {
             let grip = memory.grip(&pair, self.control)?;
             memory.solved_and_others(&self.screw, &pair, &grip, self.control)
         });
@@ -285,7 +285,7 @@ impl RacewayControl {
 
 impl<D: Scalar> ElasticScrew<D> {
     /// Torques of the frictionless screw and on the screw, from the scaled friction power.
-    fn rolling_torques(&self, pair: &Pair<D>, friction_power: D) -> (D, D) {
+    fn rolling_torques(&self, pair: &ElasticBall<D>, friction_power: D) -> (D, D) {
         let ideal = self.ideal_torque();
         // T = T₀ + P_f/W                                                  (W8)
         let torque = ideal + friction_power * pair.sign() * self.ball.radius * self.load.axial;
@@ -295,7 +295,11 @@ impl<D: Scalar> ElasticScrew<D> {
 
 impl RacewayWorkspace {
     /// The gripping ball.
-    pub(crate) fn grip(&mut self, pair: &Pair, control: Option<Control>) -> Result<Grip, Unsolved> {
+    pub(crate) fn grip(
+        &mut self,
+        pair: &ElasticBall,
+        control: Option<Control>,
+    ) -> Result<Grip, Unsolved> {
         Grip::of(pair, control, &mut self.newton)
     }
 
@@ -303,7 +307,7 @@ impl RacewayWorkspace {
     pub(crate) fn solved(
         &self,
         screw: &ElasticScrew,
-        pair: &Pair,
+        pair: &ElasticBall,
         grip: &Grip,
     ) -> Result<Solved, Unsolved> {
         let (loaded, quadrature) = (&grip.loaded, &self.quadrature);
@@ -323,7 +327,7 @@ impl RacewayWorkspace {
     pub(crate) fn solved_and_others(
         &mut self,
         screw: &ElasticScrew,
-        pair: &Pair,
+        pair: &ElasticBall,
         grip: &Grip,
         control: Option<Control>,
     ) -> Result<Solved, Unsolved> {
@@ -340,12 +344,12 @@ impl RacewayWorkspace {
 /// difference of the angles (W7).
 ///
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
-fn control_of(pair: &Pair, loaded: &Loaded<f64>) -> Control {
+fn control_of(pair: &ElasticBall, loaded: &Loaded<f64>) -> Control {
     if nut_excess(pair, loaded) > 0.0 { Control::Nut } else { Control::Screw }
 }
 
 /// By how much the spin friction moment of the nut exceeds that of the screw, relative.
-fn nut_excess(pair: &Pair, loaded: &Loaded<f64>) -> f64 {
+fn nut_excess(pair: &ElasticBall, loaded: &Loaded<f64>) -> f64 {
     let moment = |i: usize| {
         let (load, (a, _)) = (loaded.loads[i], pair.semi_axes[i]);
         load * load.cbrt() * a * pair.hertz[i].second_integral
@@ -501,7 +505,7 @@ mod tests {
             if solved % 2 == 0 {
                 screw.conformity.1 = screw.conformity.0;
             }
-            let Ok(pair) = screw.pair() else { continue };
+            let Ok(pair) = screw.scaled() else { continue };
             let [nut, screw] =
                 Control::ALL.map(|race| Grip::controlled(&pair, race, &mut newton).ok());
             let (Some(nut), Some(screw)) = (nut, screw) else { continue };

@@ -3,13 +3,13 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`.
 
-mod circle;
 mod curve;
 pub(crate) mod first_order;
 mod root;
 mod scaled;
 mod search;
 mod sensitivities;
+mod trig_quadratic;
 
 use bsm_kin::{Drive, Helix, Motion, Scalar, Site};
 use bsm_newton::{Equations, EvalError, Linear};
@@ -20,9 +20,9 @@ pub use self::root::{MODERATE_INERTIA, RigidWorkspace};
 pub use self::scaled::Unknowns as RigidUnknowns;
 use self::scaled::{Scaled, State, Unknowns};
 use crate::balance::{Ball, OwnUnits, POWER_BALANCE_TOL, ideal_torque, torque};
-use crate::layout::BALL;
-use crate::layout::unknown::{MINOR_LOAD, NUT_LOAD, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN};
-use crate::pair::LEAST_FRICTION;
+use crate::ball_unknowns::BALL;
+use crate::ball_unknowns::unknown::{MINOR_LOAD, NUT_LOAD, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN};
+use crate::elastic_ball::LEAST_FRICTION;
 use crate::state::in_frenet;
 use crate::{
     BallState, ContactState, Load, Model, Reason, Solution, SolveInfo, Solved, Transmission,

@@ -8,8 +8,8 @@ use std::array::from_fn;
 use bsm_kin::{Jet, Scalar};
 use bsm_newton::{Equations, EvalError, implicit_slopes};
 
+use crate::elastic_ball::refused;
 use crate::equations::Workspace;
-use crate::pair::refused;
 use crate::{ModelWorkspace, Problem, Reason, Unsolved};
 
 /// What a designer asks of a screw at an operating point.

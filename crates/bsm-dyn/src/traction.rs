@@ -14,11 +14,11 @@ use bsm_newton::{EvalError, Options, Report, Scales, solve};
 
 use self::path::PATH;
 pub(crate) use self::root::Root;
+use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
+use crate::ball_unknowns::{BALL, ROWS, weight};
+use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
 use crate::ellipse::{Lanes, Local, Quadrature};
 use crate::equations::{Workspace, equations};
-use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::layout::{BALL, ROWS, weight};
-use crate::pair::{ElasticScrew, Loaded, Pair};
 use crate::raceway_control::{Grip, STATIC};
 use crate::{
     BallState, Model, SkidNumbers, Solution, SolveInfo, Solved, Transmission, Unsolved, Wrench,
@@ -82,7 +82,7 @@ impl TractionWorkspace {
 
 /// The equations of a point.
 struct Rolling<'a, P = f64> {
-    pair: &'a Pair<P>,
+    pair: &'a ElasticBall<P>,
     quadrature: &'a Quadrature,
     creep: f64,
     /// The unknowns are those of a ball that is thrown against the nut (T10).
@@ -223,7 +223,7 @@ impl Traction {
     /// decided there, where it costs little.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
         let found = self.screw.require_friction().and_then(|()| {
-            let pair = self.screw.pair()?;
+            let pair = self.screw.scaled()?;
             let grip = Grip::of(&pair, None, &mut work.statics);
             let start = Start::new(&pair, grip.ok().as_ref())?;
             let coarse = Self { order: self.order.min(Self::ORDER), ..*self };
@@ -306,13 +306,13 @@ impl Traction {
 
 /// A point and the gripping ball that it starts from: what does not depend on the quadrature.
 pub(crate) struct Start<'a> {
-    pair: &'a Pair,
+    pair: &'a ElasticBall,
     grip: Grip,
 }
 
 impl<'a> Start<'a> {
     /// From a gripping ball, or from a guess where there is none.
-    pub(crate) fn new(pair: &'a Pair, grip: Option<&Grip>) -> Result<Self, Unsolved> {
+    pub(crate) fn new(pair: &'a ElasticBall, grip: Option<&Grip>) -> Result<Self, Unsolved> {
         // Centrifugal forces may be beyond a guess; the ball without them is one too.
         let guess = || Grip::guess(pair).or_else(|_| Grip::guess(&pair.with_inertia(0.0)));
         Ok(Self { pair, grip: grip.map_or_else(guess, |grip| Ok(*grip))? })

@@ -3,7 +3,6 @@
 use approx::assert_relative_eq;
 use bsm_dyn::{
     Angles, Ball, Direction, Load, Reason, Rigid, RigidWorkspace, Solution, Solved, Status,
-    Unsolved,
 };
 use bsm_kin::{BallFrame, Contact, Drive, Helix, Site};
 use nalgebra::Vector3;

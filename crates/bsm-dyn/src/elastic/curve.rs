@@ -3,9 +3,9 @@
 //! Theory: `docs/theory/08-elastic.md`, equations (S12), (S26).
 
 use super::forces::{Forces, Kinematics, Place, State};
+use crate::ball_unknowns::BALL;
 use crate::bracket::Bracket;
-use crate::layout::BALL;
-use crate::pair::Pair;
+use crate::elastic_ball::ElasticBall;
 use crate::{Evidence, Reason, Unsolved};
 
 /// Logarithm of a `$q$` without inertia: next to the smallest normal number.
@@ -95,7 +95,7 @@ struct Seen {
 type Root = (Node, f64);
 
 /// Unknowns of the first root on the curve, and Newton steps.
-pub(super) fn first_root(pair: &Pair) -> Result<([f64; BALL], usize), Unsolved> {
+pub(super) fn first_root(pair: &ElasticBall) -> Result<([f64; BALL], usize), Unsolved> {
     let mut curve = Curve { forces: Forces::new(pair), steps: 0 };
     let begin = curve.begin()?;
     let (root, sign) = match curve.straight(&begin) {
@@ -389,7 +389,7 @@ mod tests {
             } else {
                 (extreme(&mut rng), &mut of_extremes)
             };
-            let Ok(pair) = screw.pair() else { continue };
+            let Ok(pair) = screw.scaled() else { continue };
             let mut curve = Curve { forces: Forces::new(&pair), steps: 0 };
             let Ok(begin) = curve.begin() else { continue };
             let Some((straight, sign)) = curve.straight(&begin) else { continue };
@@ -415,7 +415,7 @@ mod tests {
             if let Some(angle) = [5e-324, 1.7e-309, 1e-150, 1e-17].get(number % 8) {
                 screw.contact_angle = *angle;
             }
-            let Ok(pair) = screw.pair() else { continue };
+            let Ok(pair) = screw.scaled() else { continue };
             let mut curve = Curve { forces: Forces::new(&pair), steps: 0 };
             let _ = curve.begin();
             // Those to the angle, one to ask whether there is any, and those onto the curve.

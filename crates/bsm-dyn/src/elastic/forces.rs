@@ -5,10 +5,12 @@
 use bsm_kin::{Jet, Scalar};
 use nalgebra::Vector3;
 
+use crate::ball_unknowns::BALL;
+use crate::ball_unknowns::unknown::{
+    NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
+};
 use crate::cost;
-use crate::layout::BALL;
-use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT};
-use crate::pair::Pair;
+use crate::elastic_ball::ElasticBall;
 
 /// Newton steps to a state of force; more means that the guess was not near it.
 const MOST_STEPS: usize = 12;
@@ -32,7 +34,7 @@ pub(super) type Place = Vector3<f64>;
 
 /// A point in scaled units, in the terms of the curve.
 pub(super) struct Forces<'a> {
-    pair: &'a Pair,
+    pair: &'a ElasticBall,
     /// `$F$`.
     friction: f64,
     sin: f64,
@@ -76,7 +78,7 @@ pub(super) struct Kinematics<D> {
 }
 
 impl<'a> Forces<'a> {
-    pub(super) fn new(pair: &'a Pair) -> Self {
+    pub(super) fn new(pair: &'a ElasticBall) -> Self {
         let (sin, cos) = pair.helix.lead_angle.sin_cos();
         let jones = &pair.jones;
         Self {

@@ -5,7 +5,7 @@
 use bsm_kin::Jet;
 
 use super::{Elastic, ElasticWorkspace, Saturated, find, slowness, weights};
-use crate::pair::refused;
+use crate::elastic_ball::refused;
 use crate::sensitivity::{moving_root, told_by_inertia};
 use crate::{Transmitted, Unsolved};
 
@@ -16,7 +16,7 @@ impl<const M: usize> Elastic<Jet<M>> {
         ElasticWorkspace(newton): &mut ElasticWorkspace,
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
         self.screw.require_friction()?;
-        let (inputs, point) = (self.screw.pair()?, self.screw.values().pair()?);
+        let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
         let (root, ..) = find(&point, newton)?;
         told_by_inertia(slowness(&point, &root), |factor| {
             let (inputs, point) = (inputs.with_inertia(factor), point.with_inertia(factor));

@@ -12,7 +12,7 @@ use crate::rigid::first_order::{Sliding, spin_moment};
 use crate::{Angles, Status};
 
 /// Random loads, angles and directions that carry the axial load at the nut, in the unknowns (S1).
-fn start(pair: &Pair, rng: &mut impl Rng) -> Option<[f64; BALL]> {
+fn start(pair: &ElasticBall, rng: &mut impl Rng) -> Option<[f64; BALL]> {
     let (sin, cos) = pair.helix.lead_angle.sin_cos();
     let friction = pair.friction * pair.sign();
     let mut log = |low: f64, high: f64| (low.ln() + rng.random::<f64>() * (high / low).ln()).exp();
@@ -43,7 +43,7 @@ fn start(pair: &Pair, rng: &mut impl Rng) -> Option<[f64; BALL]> {
 
 /// An admissible root of the seven equations from random starts, if one is found.
 fn search(
-    pair: &Pair,
+    pair: &ElasticBall,
     starts: usize,
     rng: &mut impl Rng,
     newton: &mut Workspace,
@@ -88,7 +88,7 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
     let mut tally = Tally::default();
     while tally.denied < points || tally.found < points {
         let screw = extreme(&mut rng);
-        let Ok(pair) = screw.pair() else { continue };
+        let Ok(pair) = screw.scaled() else { continue };
         // The search cannot tell the roots of slower balls from none.
         if pair.inertia_ratio() < 1e-8 * pair.friction {
             continue;
@@ -144,7 +144,7 @@ fn a_slow_ball_moves_to_first_order() {
     let mut newton = Workspace::default();
     let mut tried = 0;
     while tried < 300 {
-        let Ok(pair) = extreme(&mut rng).pair() else { continue };
+        let Ok(pair) = extreme(&mut rng).scaled() else { continue };
         let pair = pair.with_inertia(1e-12 / pair.inertia_ratio());
         let Ok((y, ..)) = find(&pair, &mut newton) else { continue };
         let loaded = Saturated(&pair).state(&y).expect("a root").loaded;
@@ -191,7 +191,7 @@ fn no_root_is_at_infinity() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut newton = Workspace::default();
     for _ in 0..300 {
-        let Ok(pair) = extreme(&mut rng).pair() else { continue };
+        let Ok(pair) = extreme(&mut rng).scaled() else { continue };
         let Ok((y, ..)) = find(&pair, &mut newton) else { continue };
         let state = Saturated(&pair).state(&y).expect("a root");
         let rate = y[PRECESSION] + pair.nut_speed * pair.sign();

@@ -6,8 +6,8 @@ use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
 use bsm_newton::{Bracket, EvalError, Options, Report, Scales, solve};
 
 use super::{Control, precession, rolling};
+use crate::elastic_ball::{ElasticBall, Loaded};
 use crate::equations::{Workspace, equations};
-use crate::pair::{Loaded, Pair};
 use crate::{Evidence, Reason, Unsolved, cost};
 
 /// Unknowns: the difference of the cotangents of the contact angles, and that at the screw (W12).
@@ -32,7 +32,7 @@ const SAME: f64 = 1e-6;
 
 /// Static balance of the ball in the normal plane.
 pub(super) struct Balance<'a, P = f64> {
-    pub(super) pair: &'a Pair<P>,
+    pub(super) pair: &'a ElasticBall<P>,
     pub(super) control: Control,
     /// `$1/\cos\alpha$`.
     axial: P,
@@ -70,7 +70,7 @@ impl<D: Scalar> Flank<D> {
 }
 
 impl<'a, P: Scalar> Balance<'a, P> {
-    pub(super) fn new(pair: &'a Pair<P>, control: Control) -> Self {
+    pub(super) fn new(pair: &'a ElasticBall<P>, control: Control) -> Self {
         let (cos, jones) = (pair.helix.lead_angle.cos(), &pair.jones);
         Self {
             pair,

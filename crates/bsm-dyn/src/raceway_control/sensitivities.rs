@@ -15,7 +15,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
         &self,
         RacewayWorkspace { newton, quadrature }: &mut RacewayWorkspace,
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
-        let (inputs, point) = (self.screw.pair()?, self.screw.values().pair()?);
+        let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
         let Grip { control, unknowns, .. } = Grip::of(&point, self.control, newton)?;
         let system = Balance::new(&point, control);
         let equations = Balance::new(&inputs, control);

@@ -2,8 +2,8 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R33) to (R42).
 
-use super::circle::{Line, Quadratic};
 use super::scaled::{Scaled, Unknowns};
+use super::trig_quadratic::{Line, Quadratic};
 use crate::{Angles, cost};
 
 /// What does not change along the curve; speeds over `$W$` with its sign, lengths in `$r_b$`.

@@ -10,9 +10,9 @@ use super::curve::Curve;
 use super::first_order::{FirstOrder, SEARCHED_FROM, UNIQUE_BELOW};
 use super::scaled::{ExistenceLimit, Scaled, Unknowns};
 use super::search::{LONGEST, Search};
+use crate::ball_unknowns::BALL;
+use crate::ball_unknowns::unknown::{MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP};
 use crate::equations::Workspace;
-use crate::layout::BALL;
-use crate::layout::unknown::{MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP};
 use crate::{Angles, Evidence, Reason, Unsolved};
 
 /// Below this ratio of inertia to friction, rounding of loads of the size of the axial load would

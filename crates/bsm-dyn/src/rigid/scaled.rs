@@ -7,12 +7,12 @@ use bsm_newton::{Equations, EvalError, Linear};
 use nalgebra::{SVector, Vector3};
 
 use crate::balance::{Ball, DOES_NOT_CIRCLE, axial_force, newton_euler};
-use crate::coulomb::friction_force;
-use crate::equations::{equations, linear};
-use crate::layout::unknown::{
+use crate::ball_unknowns::unknown::{
     MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
 };
-use crate::layout::{self, BALL, MOMENT_NORMAL, ROWS, weight};
+use crate::ball_unknowns::{self, BALL, MOMENT_NORMAL, ROWS, weight};
+use crate::coulomb::friction_force;
+use crate::equations::{equations, linear};
 use crate::{Direction, Wrench, cost};
 
 /// One operating point in units of ball radius, axial load per ball and `$|W|$` (R1).
@@ -198,7 +198,7 @@ impl<D: Scalar> Scaled<D> {
         let motion = Motion { precession: state.precession, ..state.to_nut };
         let left = newton_euler(&(nut + b), &self.ball, self.helix.radius, &motion, &self.frame);
         // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (R8)
-        Ok(layout::rows(&left, axial_force(&nut.force, &self.frame) - 1.0).into())
+        Ok(ball_unknowns::rows(&left, axial_force(&nut.force, &self.frame) - 1.0).into())
     }
 }
 

@@ -8,8 +8,8 @@ use super::first_order::FirstOrder;
 use super::root::{self, SLOW};
 use super::{Rigid, RigidWorkspace};
 use crate::balance::efficiency;
-use crate::layout::BALL;
-use crate::pair::refused;
+use crate::ball_unknowns::BALL;
+use crate::elastic_ball::refused;
 use crate::sensitivity::{moving_root, told_by_inertia};
 use crate::{Transmitted, Unsolved};
 

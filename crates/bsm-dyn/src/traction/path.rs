@@ -9,11 +9,11 @@ use bsm_newton::{EvalError, Options, Report, Scales, path_direction, solve};
 
 use super::Rolling;
 use super::root::Root;
+use crate::ball_unknowns::unknown::PRECESSION;
+use crate::ball_unknowns::{BALL, ROWS};
+use crate::continuation::{Stride, follow};
 use crate::ellipse::Lanes;
 use crate::equations::{Workspace, equations};
-use crate::follow::{Stride, follow};
-use crate::layout::unknown::PRECESSION;
-use crate::layout::{BALL, ROWS};
 use crate::raceway_control::Grip;
 
 /// Unknowns of a path: those of the ball, and what is varied.

@@ -6,10 +6,10 @@ use super::path::{LONGEST, PATH, Shown};
 use super::scatter::{MANY, STARTS};
 use super::{OMEGA, Rolling, State};
 use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque, torque};
+use crate::ball_unknowns::BALL;
+use crate::continuation::{Stride, follow};
 use crate::elastic::Skid;
 use crate::equations::Workspace;
-use crate::follow::{Stride, follow};
-use crate::layout::BALL;
 use crate::raceway_control::Grip;
 use crate::{Evidence, Reason, Unsolved};
 

@@ -4,10 +4,10 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::root::Root;
 use super::{OMEGA, Rolling};
+use crate::ball_unknowns::BALL;
+use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
+use crate::continuation::Stride;
 use crate::equations::Workspace;
-use crate::follow::Stride;
-use crate::layout::BALL;
-use crate::layout::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 
 /// Starts of a point, and of one whose path says little.
 pub(super) const STARTS: u32 = 200;

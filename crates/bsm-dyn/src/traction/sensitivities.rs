@@ -5,7 +5,7 @@
 use bsm_kin::Jet;
 
 use super::{Rolling, Root, Start, Traction, TractionWorkspace};
-use crate::pair::refused;
+use crate::elastic_ball::refused;
 use crate::raceway_control::Grip;
 use crate::sensitivity::moving_root;
 use crate::{Transmitted, Unsolved};
@@ -18,7 +18,7 @@ impl<const M: usize> Traction<Jet<M>> {
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
         let screw = self.screw.values();
         screw.require_friction()?;
-        let pair = screw.pair()?;
+        let pair = screw.scaled()?;
         let grip = Grip::of(&pair, None, &mut work.statics);
         let start = Start::new(&pair, grip.ok().as_ref())?;
         let case = Traction { screw, order: self.order, creep: self.creep };
@@ -32,7 +32,7 @@ impl<const M: usize> Traction<Jet<M>> {
         root: &Root,
         work: &mut TractionWorkspace,
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
-        let (inputs, point) = (self.screw.pair()?, self.screw.values().pair()?);
+        let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
         let place = work.quadrature(self.order);
         let TractionWorkspace { newton, quadratures, .. } = work;
         let (quadrature, creep) = (&quadratures[place].1, self.creep * point.slip_scale());

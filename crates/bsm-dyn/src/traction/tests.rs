@@ -60,8 +60,8 @@ fn search(ball: &Rolling<'_>, starts: usize, rng: &mut impl Rng) -> Option<Root>
     (0..starts).find_map(|_| {
         let mut y = state(ball, rng);
         let begin = end + rng.random::<f64>() * (ball.lever(&y).ln() - end).max(0.0);
-        let stride = crate::follow::Stride { first: 1.5, shortest: 0.05 };
-        let arrived = crate::follow::follow(&mut y, (begin, end), stride, |log, y| {
+        let stride = crate::continuation::Stride { first: 1.5, shortest: 0.05 };
+        let arrived = crate::continuation::follow(&mut y, (begin, end), stride, |log, y| {
             Rolling { creep: log.exp(), ..*ball }.run(y, &mut newton).converged()
         });
         let root = ball.thrown(y, 0.0, &mut newton, &mut 0);
@@ -86,7 +86,7 @@ fn confirmed(seed: u64, points: u64, starts: usize) -> Confirmed {
     let mut counts = Confirmed::default();
     for number in 0..points {
         let screw = point(seed, number);
-        let Ok(pair) = screw.pair() else { continue };
+        let Ok(pair) = screw.scaled() else { continue };
         let solution = solved(screw, &mut work);
         let place = work.quadrature(Traction::ORDER);
         let creep = Traction::CREEP * pair.slip_scale();
@@ -200,7 +200,7 @@ fn both_sets_of_unknowns_have_the_same_roots() {
     for number in 0..60 {
         let screw = point(8, number);
         let solution = solved(screw, &mut work);
-        let Ok(pair) = screw.pair() else { continue };
+        let Ok(pair) = screw.scaled() else { continue };
         // More inertia eats the digits of one set, none those of the other.
         let inertia = pair.inertia_ratio();
         if solution.status() != Status::Converged || !(1e-6..1e2).contains(&inertia) {

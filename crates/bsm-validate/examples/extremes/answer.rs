@@ -129,7 +129,7 @@ pub(crate) fn with_sensitivities(
             *work = ModelWorkspace::default();
             answer.turns_false("panic in the sensitivities");
         }
-        Ok(Err((_, reason))) => answer.no_sensitivities(&reason),
+        Ok(Err(none)) => answer.no_sensitivities(none.reason()),
         Ok(Ok(found)) => {
             let rows = asked.rows(&found);
             let mut slopes = rows.iter().flat_map(|row| [Some(row.efficiency), row.screw_torque]);

@@ -8,8 +8,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
+use crate::elastic_ball::ElasticScrew;
 use crate::extreme::extreme;
-use crate::pair::ElasticScrew;
 use crate::{Ball, Load, Material};
 
 /// Points of the search.
@@ -44,7 +44,7 @@ fn screws() -> impl Strategy<Value = ElasticScrew> {
 
 /// What is left of the radial balance at a contact angle of the screw, written in angles; `None`
 /// where no angle of the nut closes the triangle, or where the nut's would be the larger one.
-fn left(pair: &Pair, control: Control, screw: f64) -> Option<f64> {
+fn left(pair: &ElasticBall, control: Control, screw: f64) -> Option<f64> {
     let jones = &pair.jones;
     let lead = pair.helix.lead_angle;
     let load = |angle: f64| (lead.cos() * angle.sin()).recip();
@@ -80,7 +80,7 @@ proptest! {
     #[test]
     fn the_first_root_is_that_of_a_dense_search(screw in screws(), nut in any::<bool>()) {
         let control = if nut { Control::Nut } else { Control::Screw };
-        let Ok(pair) = screw.pair() else { return Ok(()) };
+        let Ok(pair) = screw.scaled() else { return Ok(()) };
         let found = Balance::new(&pair, control).first_root(&mut Workspace::default());
         #[expect(clippy::cast_precision_loss, reason = "a small count")]
         let angles = (1..GRID).map(|i| FRAC_PI_2 * i as f64 / GRID as f64);
@@ -124,7 +124,7 @@ proptest! {
     /// The hand-written slope of the reach along the normal against the jet.
     #[test]
     fn the_slope_of_the_reach_is_that_of_the_jet(screw in screws(), cot in 1e-3..1e3_f64) {
-        let Ok(pair) = screw.pair() else { return Ok(()) };
+        let Ok(pair) = screw.scaled() else { return Ok(()) };
         let balance = Balance::new(&pair, Control::Nut);
         for i in 0..2 {
             let exact = balance.flank(i, Jet::<1>::variable(cot, 0)).reach().eps[0];
@@ -142,7 +142,7 @@ fn a_second_root_needs_inertia() {
     let mut newton = Workspace::default();
     let (mut tried, mut several, mut missed) = (0, 0, 0);
     while tried < 8000 {
-        let Ok(pair) = extreme(&mut rng).pair() else { continue };
+        let Ok(pair) = extreme(&mut rng).scaled() else { continue };
         // Less of it turns no angle.
         if pair.inertia_ratio() < 1e-2 {
             continue;

@@ -4,11 +4,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{Pair, refused};
+use super::{ElasticBall, refused};
 use crate::bracket::Bracket;
 use crate::{Reason, Unsolved};
 
-impl Pair {
+impl ElasticBall {
     /// Load and mean contact angle of the saturated balance without inertia, for a friction term
     /// `$f D$` of the contact angle (P4).
     ///

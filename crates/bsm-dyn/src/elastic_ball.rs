@@ -12,10 +12,10 @@ use bsm_newton::EvalError;
 use crate::balance::{
     Ball, OwnUnits, POWER_BALANCE_TOL, axial_force, efficiency, ideal_torque, newton_euler, torque,
 };
+use crate::ball_unknowns::{self, BALL};
 use crate::ellipse::{Lanes, Local, Quadrature};
 use crate::hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 use crate::jones::Jones;
-use crate::layout::{self, BALL};
 use crate::state::in_frenet;
 use crate::{
     BallState, ContactState, Direction, Ellipse, Load, Pressed, Reason, Transmission, Transmitted,
@@ -99,7 +99,7 @@ impl<D: Scalar> ElasticScrew<D> {
     }
 
     /// The point in units of ball radius, axial load per ball and relative speed (P1).
-    pub(crate) fn pair(&self) -> Result<Pair<D>, Unsolved> {
+    pub(crate) fn scaled(&self) -> Result<ElasticBall<D>, Unsolved> {
         let invalid = Unsolved::invalid;
         // Lengths in r_b, forces in F_a, speeds in |W|, Eq (R1)           (P1)
         let OwnUnits { helix, ball, nut_speed, direction } =
@@ -108,7 +108,7 @@ impl<D: Scalar> ElasticScrew<D> {
         let (r_b, load) = (self.ball.radius, self.load.per_ball());
         let one = D::from(1.0);
         let [nut_offset, screw_offset] = self.grooves().map(|groove| groove.offset(one));
-        Ok(Pair {
+        Ok(ElasticBall {
             helix,
             arc: helix.arc_length_per_radian(),
             jones: Jones { nut_offset, screw_offset, contact_angle: self.contact_angle },
@@ -132,7 +132,7 @@ impl<D: Scalar> ElasticScrew<D> {
 
 /// One operating point in scaled units.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Pair<P = f64> {
+pub(crate) struct ElasticBall<P = f64> {
     /// Helix with radius `$r_m/r_b$`.
     pub(crate) helix: Helix<P>,
     /// Arc length per radian of the helix.
@@ -174,7 +174,7 @@ pub(crate) struct Loaded<D> {
     pub(crate) displacement: D,
 }
 
-impl<P: Scalar> Pair<P> {
+impl<P: Scalar> ElasticBall<P> {
     /// Sign of the relative speed.
     pub(crate) fn sign(&self) -> f64 {
         self.direction.sign()
@@ -280,7 +280,7 @@ impl<P: Scalar> Pair<P> {
         let radius = D::from(self.helix.radius);
         let left = newton_euler(&(nut + screw), &ball, radius, motion, &loaded.frame);
         // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (P5)
-        layout::rows(&left, axial_force(&nut.force, &loaded.frame) - 1.0)
+        ball_unknowns::rows(&left, axial_force(&nut.force, &loaded.frame) - 1.0)
     }
 
     /// Friction power of both ellipses at a motion relative to the nut (P7).
@@ -356,7 +356,7 @@ impl<D: Scalar> ElasticScrew<D> {
     /// Torque on the screw from its scaled wrench on the ball.
     pub(crate) fn screw_torque(
         &self,
-        pair: &Pair<D>,
+        pair: &ElasticBall<D>,
         frame: &BallFrame<D>,
         screw: &Wrench<D>,
     ) -> D {
@@ -366,7 +366,7 @@ impl<D: Scalar> ElasticScrew<D> {
     /// Efficiency and torque of a scaled wrench of the screw on the ball.
     pub(crate) fn transmitted(
         &self,
-        pair: &Pair<D>,
+        pair: &ElasticBall<D>,
         frame: &BallFrame<D>,
         screw: &Wrench<D>,
     ) -> Transmitted<D> {
@@ -383,7 +383,7 @@ impl ElasticScrew {
     /// touches with its other flank, and no groove reaches beyond the axial direction.
     pub(crate) fn ball_state(
         &self,
-        pair: &Pair,
+        pair: &ElasticBall,
         loaded: &Loaded<f64>,
         to_nut: &Motion<f64>,
     ) -> Result<BallState, Unsolved> {
@@ -419,7 +419,7 @@ impl ElasticScrew {
     /// friction power; both scaled.
     pub(crate) fn transmission(
         &self,
-        pair: &Pair,
+        pair: &ElasticBall,
         frame: &BallFrame<f64>,
         screw: &Wrench<f64>,
         friction_power: f64,

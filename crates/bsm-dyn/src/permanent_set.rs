@@ -8,13 +8,13 @@ use std::f64::consts::FRAC_PI_2;
 use bsm_kin::Scalar;
 use bsm_newton::{EvalError, Options, Scales, solve};
 
+use crate::elastic_ball::{ElasticScrew, refused};
 use crate::equations::{Workspace, equations};
-use crate::pair::{ElasticScrew, refused};
 use crate::{Curvatures, Hertz, Reason, Unsolved};
 
 /// Loads, contact angles and approaches at nut and screw with permanent approach.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settled {
+pub struct PermanentSet {
     /// Normal loads \[N\].
     pub loads: [f64; 2],
     /// Contact angles \[rad\].
@@ -40,7 +40,11 @@ impl ElasticScrew {
     /// # Errors
     ///
     /// Status and reason if the curvatures give no ellipse, or no state is found.
-    pub fn settled(&self, loads: [f64; 2], angles: [f64; 2]) -> Result<Settled, Unsolved> {
+    pub fn permanent_set(
+        &self,
+        loads: [f64; 2],
+        angles: [f64; 2],
+    ) -> Result<PermanentSet, Unsolved> {
         let invalid = Unsolved::invalid;
         let hertz = self.hertz().map_err(invalid)?;
         let curvatures = self.curvatures();
@@ -70,7 +74,7 @@ impl ElasticScrew {
             return Err(Unsolved::not_converged(Reason::BallLeavesFlank { nut, screw }));
         }
         let [elastic, permanent] = closing.approaches(loads);
-        Ok(Settled { loads, angles: [nut, screw], elastic, permanent })
+        Ok(PermanentSet { loads, angles: [nut, screw], elastic, permanent })
     }
 }
 
@@ -181,7 +185,7 @@ mod tests {
             traction.solve(&mut crate::TractionWorkspace::default()),
         ] {
             let (loads, angles) = state(&o);
-            let settled = screw.settled(loads, angles).unwrap();
+            let settled = screw.permanent_set(loads, angles).unwrap();
             // The permanent approach is 1e-5 of the elastic one here, and 1e-8 of the distance of
             // the arc centres, by which the angles turn.
             for i in 0..2 {
@@ -203,7 +207,7 @@ mod tests {
         let screw = screw(24e3);
         let raceway = RacewayControl { screw, control: None };
         let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
-        let settled = screw.settled(loads, angles).unwrap();
+        let settled = screw.permanent_set(loads, angles).unwrap();
         for i in 0..2 {
             assert!(settled.angles[i] > angles[i] + 1e-3, "{settled:?}");
             let axial = settled.loads[i] * settled.angles[i].sin();
@@ -222,7 +226,7 @@ mod tests {
         let screw = screw(44.0);
         let raceway = RacewayControl { screw, control: None };
         let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
-        let settled = screw.settled(loads, angles).unwrap();
+        let settled = screw.permanent_set(loads, angles).unwrap();
         let [nut, screw_offset] = screw.grooves().map(|g| g.offset(screw.ball.radius));
         let length = |i: usize, l: f64| l + settled.elastic[i] + settled.permanent[i];
         let (l_a, l_b) = (length(0, nut), length(1, screw_offset));
