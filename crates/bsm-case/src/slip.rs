@@ -1,7 +1,7 @@
 //! Slip of a solved ball in the vocabulary.
 
 use bsm_dyn::{
-    Basis, FrictionLaw, Model, Quadrature, RacewayControl, SlipPower, Solution, Traction,
+    Basis, Coulomb, Model, Quadrature, RacewayControl, Sliding, SlipPower, Solution, Traction,
     pressed_radius, rim_speed,
 };
 use bsm_kin::Site;
@@ -117,7 +117,7 @@ impl Powers {
         let quadrature = &Quadrature::new(order);
         let saturated = matches!(solution.model, Model::Rigid | Model::Elastic);
         let power = |contact: &MovingContact| {
-            let law = match contact.semi_axes {
+            let sliding = match contact.semi_axes {
                 Some(semi_axes) if !saturated => {
                     let conformity = match contact.touch.site {
                         Site::Screw => scene.screw_conformity,
@@ -126,12 +126,13 @@ impl Powers {
                     let pressed_radius =
                         pressed_radius(conformity.unwrap_or(f64::NAN), case.ball.radius);
                     let creep = creep * unit;
-                    FrictionLaw::Integrated { semi_axes, pressed_radius, creep, quadrature }
+                    Sliding::Ellipse { semi_axes, pressed_radius, creep, quadrature }
                 }
-                _ => FrictionLaw::Saturated,
+                _ => Sliding::Point,
             };
             let ball = &solved.ball;
-            let wrench = ball.friction(&contact.touch, contact.load, case.friction, law);
+            let law = Coulomb(case.friction);
+            let wrench = ball.friction(&contact.touch, contact.load, &law, sliding);
             let wrench = wrench.map_err(|e| CaseError::NotRated(e.to_string()))?;
             let SlipPower { centre, spin, curvature } = ball.power(&contact.touch, &wrench);
             let balls = case.load.balls;

@@ -17,9 +17,9 @@ use crate::ball_unknowns::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
 };
 use crate::ball_unknowns::{BALL, MOMENT_NORMAL, ROWS, weight};
-use crate::coulomb::friction_force;
 use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded, refused};
 use crate::equations::{Workspace, equations};
+use crate::friction::{Coulomb, against, friction_force};
 use crate::{Model, Reason, Solution, SolveInfo, Solved, Unsolved, Wrench, cost};
 
 /// Below this ratio of inertia to friction the rounding of the loads shows in the slip.
@@ -90,8 +90,8 @@ impl<P: Scalar> Saturated<'_, P> {
         let slip_screw = screw.across * at_screw.dot(&screw.across) + tangent * at_screw.x;
         let slip = [along * y[SLIP], slip_screw];
         let friction = [
-            along * (y[NUT_LOAD] * -pair.friction),
-            friction_force(D::from(pair.friction), y[SCREW_LOAD], &slip[1])?,
+            against(&along, y[NUT_LOAD] * pair.friction),
+            friction_force(&Coulomb(D::from(pair.friction)), y[SCREW_LOAD], &slip[1])?,
         ];
         let wrench = std::array::from_fn(|i| {
             let normal = &loaded.contacts[i].normal;

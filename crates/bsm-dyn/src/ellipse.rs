@@ -11,7 +11,7 @@ use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 use gauss_quad::GaussLegendre;
 
 use self::kernel::{MOTION, Nodes, Point};
-use crate::Wrench;
+use crate::{Coulomb, FrictionLaw, Wrench};
 
 /// Nodes and weights over the unit disc for a Hertz pressure of unit load.
 #[derive(Debug, Clone, PartialEq)]
@@ -127,8 +127,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
     ///
     /// * `motion`: of the ball, relative to the body of this contact.
     /// * `arc_length_per_radian`: `$d$` \[m\].
-    /// * `friction`: `$f$`; `creep`: `$v_e$` \[m/s\], below which friction is nearly proportional to
-    ///   the slip, positive.
+    /// * `creep`: `$v_e$` \[m/s\], below which friction is nearly proportional to the slip, positive.
     ///
     /// Source: Coulomb traction over the Hertz ellipse with spin and Heathcote slip, as in Jones
     /// and Harris.
@@ -136,21 +135,22 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         &self,
         motion: &Motion<D>,
         arc_length_per_radian: D,
-        friction: D,
+        law: &impl FrictionLaw<D>,
         creep: f64,
         quadrature: &Quadrature,
     ) -> (Wrench<D>, D) {
         let local = Local::of(motion, &self.contact, arc_length_per_radian);
-        let (unit, power) = self.integrate(&local, creep, quadrature);
-        let pull = friction * self.load;
+        let (unit, power) = self.integrate(&local, law, creep, quadrature);
         let wrench = unit.wrench(&self.contact);
-        (Wrench { force: wrench.force * pull, moment: wrench.moment * pull }, power * pull)
+        let [force, moment] = [wrench.force, wrench.moment].map(|v| v * self.load);
+        (Wrench { force, moment }, power * self.load)
     }
 
-    /// Friction over `$f Q$`, and its power (E3) to (E6).
+    /// Friction over `$Q$`, and its power (E3) to (E6).
     pub(crate) fn integrate(
         &self,
         local: &Local<D>,
+        law: &impl FrictionLaw<D>,
         creep: f64,
         quadrature: &Quadrature,
     ) -> (Integral<D>, D) {
@@ -160,13 +160,15 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         let [w_t, w_n, w_c] = local.omega;
         let curvature = self.pressed_radius.recip() * -0.5;
         for (x, y, weight) in &quadrature.nodes {
+            let pressure = (1.0 - x * x - y * y).max(0.0).sqrt();
             let (x, y) = (self.semi_axes.0 * *x, self.semi_axes.1 * *y);
             // r = −N (r_b − x²/(2 R_c)) + x e + y t,  e = t × N           (E3)
             let h = x.square() * curvature + self.ball_radius;
             let (v_t, v_c) = (local.along + w_n * x + w_c * h, -w_t * h - w_n * y);
             // dF = −f dQ v/√(v² + v_e²)                                   (E4)
             let square = v_t.square() + v_c.square();
-            let pull = (square + creep * creep).sqrt().recip() * *weight;
+            let speed = (square + creep * creep).sqrt();
+            let pull = law.coefficient(D::from(pressure), speed) / speed * *weight;
             let (f_t, f_c) = (-pull * v_t, -pull * v_c);
             sum.force[0] += f_t;
             sum.force[1] += f_c;
@@ -181,8 +183,8 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
     }
 }
 
-/// Scalars over constants of type `P` in which the friction of an ellipse can be summed: fast over
-/// numbers, by the law itself over jets.
+/// Scalars over constants of type `P` in which friction of a [`Coulomb`] coefficient can be summed over
+/// an ellipse: fast over numbers, by the law itself over jets.
 pub(crate) trait Lanes<P>: Over<P> {
     /// Friction over `$f Q$`, as [`Ellipse::integrate`].
     fn integrate(
@@ -273,7 +275,7 @@ impl<const N: usize> Lanes<f64> for Jet<N> {
         creep: f64,
         quadrature: &Quadrature,
     ) -> Self {
-        ellipse.integrate(local, creep, quadrature).1
+        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, quadrature).1
     }
 }
 
@@ -284,7 +286,7 @@ impl<const N: usize> Lanes<Self> for Jet<N> {
         creep: f64,
         quadrature: &Quadrature,
     ) -> Integral<Self> {
-        ellipse.integrate(local, creep, quadrature).0
+        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, quadrature).0
     }
 
     fn power(
@@ -293,7 +295,7 @@ impl<const N: usize> Lanes<Self> for Jet<N> {
         creep: f64,
         quadrature: &Quadrature,
     ) -> Self {
-        ellipse.integrate(local, creep, quadrature).1
+        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, quadrature).1
     }
 }
 
@@ -336,7 +338,7 @@ mod tests {
     fn gross_slip_is_coulomb_at_a_point() {
         let (ellipse, quadrature) = ellipse();
         let motion = Motion { precession: 3.0, omega: Vector3::zeros() };
-        let (wrench, power) = ellipse.friction(&motion, 0.02, 0.08, 1e-9, &quadrature);
+        let (wrench, power) = ellipse.friction(&motion, 0.02, &Coulomb(0.08), 1e-9, &quadrature);
         let full = 0.08 * 130.0;
         assert_relative_eq!(wrench.force, Vector3::new(-full, 0.0, 0.0), epsilon = 1e-10);
         assert_relative_eq!(power, full * 0.06, max_relative = 1e-10);
@@ -347,7 +349,7 @@ mod tests {
     fn pure_spin_has_the_known_moment() {
         let (ellipse, quadrature) = ellipse();
         let motion = Motion { precession: 0.0, omega: ellipse.contact.normal * 50.0 };
-        let (wrench, power) = ellipse.friction(&motion, 0.02, 0.08, 1e-9, &quadrature);
+        let (wrench, power) = ellipse.friction(&motion, 0.02, &Coulomb(0.08), 1e-9, &quadrature);
         let (_, e) = ellip::ellipke(1.0 - 0.04).expect("parameter below 1");
         let expected = 3.0 / 8.0 * 0.08 * 130.0 * 0.5e-3 * e;
         // Kink of the direction at the centre: the quadrature converges like 1/order³.
@@ -357,6 +359,28 @@ mod tests {
         assert!(wrench.force.norm() <= 1e-10 * 0.08 * 130.0, "{}", wrench.force);
     }
 
+    /// A coefficient that falls from 0.1 at the rim to 0.02 at the largest pressure.
+    struct PressedOut;
+
+    impl FrictionLaw<f64> for PressedOut {
+        fn coefficient(&self, pressure: f64, _speed: f64) -> f64 {
+            0.1 - 0.08 * pressure
+        }
+    }
+
+    /// Limit: all points slide alike; over a Hertz ellipse the mean pressure that the load sees is
+    /// three quarters of the largest.
+    #[test]
+    fn a_law_sees_the_pressure_of_each_point() {
+        let (ellipse, quadrature) = ellipse();
+        let motion = Motion { precession: 3.0, omega: Vector3::zeros() };
+        let (wrench, power) = ellipse.friction(&motion, 0.02, &PressedOut, 1e-9, &quadrature);
+        let full = (0.1 - 0.08 * 0.75) * 130.0;
+        // The quadrature is exact for polynomials in the pressure.
+        assert_relative_eq!(wrench.force, Vector3::new(-full, 0.0, 0.0), epsilon = 1e-10);
+        assert_relative_eq!(power, full * 0.06, max_relative = 1e-10);
+    }
+
     /// Identity: power is what force and moment do on the motion.
     #[test]
     fn power_is_force_times_motion() {
@@ -364,7 +388,7 @@ mod tests {
         let ellipse = Ellipse { pressed_radius: 4.2e-3, ..ellipse };
         let omega = Vector3::new(3.0, -57.0, 21.0);
         let motion = Motion { precession: 1.7, omega };
-        let (wrench, power) = ellipse.friction(&motion, 0.02, 0.08, 1e-4, &quadrature);
+        let (wrench, power) = ellipse.friction(&motion, 0.02, &Coulomb(0.08), 1e-4, &quadrature);
         let done = wrench.force.x * 0.02 * 1.7 + wrench.moment.dot(&omega);
         assert_relative_eq!(power, -done, max_relative = 1e-12);
     }
@@ -390,7 +414,8 @@ mod tests {
                 pressed_radius: 1.03,
                 ball_radius: 1.0,
             };
-            let (law, power) = ellipse.integrate(&local, creep, &quadrature);
+            let one = Coulomb(Jet::from(1.0));
+            let (law, power) = ellipse.integrate(&local, &one, creep, &quadrature);
             let fast = Jet::integrate(&ellipse, &local, creep, &quadrature);
             let point = ellipse.point(&local, creep);
             let (values, fast_power) = kernel::sums(&point, &quadrature);

@@ -13,13 +13,13 @@ mod bracket;
 mod closed_form;
 mod continuation;
 mod cost;
-mod coulomb;
 mod elastic;
 mod elastic_ball;
 mod ellipse;
 mod equations;
 #[cfg(test)]
 mod extreme;
+mod friction;
 mod hertz;
 mod jam;
 mod jones;
@@ -37,10 +37,10 @@ mod traction;
 pub use auto::{Auto, Basis, Choice, GRIPS_BELOW, SlipRegime};
 pub use balance::{Ball, Load, POWER_BALANCE_TOL, Wrench};
 pub use closed_form::{Angles, ClosedForm, Optimum, Size};
-pub use coulomb::friction_force;
 pub use elastic::{Elastic, ElasticWorkspace};
 pub use elastic_ball::ElasticScrew;
 pub use ellipse::{Ellipse, Quadrature, pressed_radius};
+pub use friction::{Coulomb, FrictionLaw, friction_force};
 pub use hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 pub use jam::{
     Wedge, apex_thrust, available_friction, centrifugal_force, flat_stiffness, impact_force,
@@ -56,7 +56,7 @@ pub use rigid::{
     SEARCHED_FROM, UNIQUE_BELOW,
 };
 pub use sensitivity::Transmitted;
-pub use slip::{FrictionLaw, SlipPower, SteadyBall, Touch, rim_speed};
+pub use slip::{Sliding, SlipPower, SteadyBall, Touch, rim_speed};
 pub use solution::{Direction, Evidence, Reason, Solution, Status, Unsolved};
 pub use state::{
     BallState, ContactState, Others, Pressed, RaceControl, SkidNumbers, Slip, SolveInfo, Solved,

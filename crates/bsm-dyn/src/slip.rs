@@ -10,7 +10,7 @@ use bsm_newton::EvalError;
 use nalgebra::Vector3;
 
 use crate::raceway_control::rolling;
-use crate::{Control, Ellipse, Quadrature, Wrench, friction_force};
+use crate::{Control, Ellipse, FrictionLaw, Quadrature, Wrench, friction_force};
 
 /// A ball in steady motion between the members of a screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,13 +55,13 @@ impl<D: Scalar> SlipPower<D> {
     }
 }
 
-/// How friction at a contact follows from slip.
+/// Where at a contact the ball slides.
 #[derive(Debug, Clone, Copy)]
-pub enum FrictionLaw<'a, D> {
-    /// Coulomb friction at the contact centre (F1).
-    Saturated,
-    /// Integrated over the contact ellipse (E4).
-    Integrated {
+pub enum Sliding<'a, D> {
+    /// At the contact centre only (F1).
+    Point,
+    /// Over the contact ellipse (E4).
+    Ellipse {
         /// Semi-axes across and along the groove \[m\].
         semi_axes: (D, D),
         /// Radius of the pressed surface (E2) \[m\].
@@ -238,29 +238,29 @@ impl<D: Scalar> SteadyBall<D> {
 
     /// Friction on the ball at a contact, about its centre, in `(t, n, b)`.
     ///
-    /// * `load`: normal load \[N\]; `friction`: Coulomb coefficient.
+    /// * `load`: normal load \[N\].
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if saturated friction has no direction.
+    /// [`EvalError`] if friction at a point has no direction.
     pub fn friction(
         &self,
         touch: &Touch<D>,
         load: D,
-        friction: D,
-        law: FrictionLaw<'_, D>,
+        law: &impl FrictionLaw<D>,
+        sliding: Sliding<'_, D>,
     ) -> Result<Wrench<D>, EvalError> {
         let contact = self.contact(touch);
-        match law {
-            FrictionLaw::Integrated { semi_axes, pressed_radius, creep, quadrature } => {
+        match sliding {
+            Sliding::Ellipse { semi_axes, pressed_radius, creep, quadrature } => {
                 let ball_radius = self.radius.re();
                 let ellipse = Ellipse { contact, load, semi_axes, pressed_radius, ball_radius };
                 let arc = self.helix.arc_length_per_radian();
                 let motion = self.relative_to(touch.site);
-                Ok(ellipse.friction(&motion, arc, friction, creep, quadrature).0)
+                Ok(ellipse.friction(&motion, arc, law, creep, quadrature).0)
             }
-            FrictionLaw::Saturated => {
-                let force = friction_force(friction, load, &self.slip_velocity(touch))?;
+            Sliding::Point => {
+                let force = friction_force(law, load, &self.slip_velocity(touch))?;
                 let point = contact.point(self.radius);
                 Ok(Wrench::at_contact(&contact.normal, &point, D::from(0.0), &force))
             }

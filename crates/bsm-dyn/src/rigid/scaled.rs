@@ -11,8 +11,8 @@ use crate::ball_unknowns::unknown::{
     MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
 };
 use crate::ball_unknowns::{self, BALL, MOMENT_NORMAL, ROWS, weight};
-use crate::coulomb::friction_force;
 use crate::equations::{equations, linear};
+use crate::friction::{Coulomb, against, friction_force};
 use crate::{Direction, Wrench, cost};
 
 /// One operating point in units of ball radius, axial load per ball and `$|W|$` (R1).
@@ -172,10 +172,11 @@ impl<D: Scalar> Scaled<D> {
             to_nut.slip_velocity(self.arc, &points[1]),
             to_screw.slip_velocity(self.arc, &points[2]),
         ];
+        let law = Coulomb(self.friction);
         let friction = [
-            along * (-self.friction * y[NUT_LOAD]),
-            friction_force(self.friction, y[MINOR_LOAD], &slip[1])?,
-            friction_force(self.friction, y[SCREW_LOAD], &slip[2])?,
+            against(&along, self.friction * y[NUT_LOAD]),
+            friction_force(&law, y[MINOR_LOAD], &slip[1])?,
+            friction_force(&law, y[SCREW_LOAD], &slip[2])?,
         ];
         let loads = [y[NUT_LOAD], y[MINOR_LOAD], y[SCREW_LOAD]];
         let wrench = std::array::from_fn(|i| {

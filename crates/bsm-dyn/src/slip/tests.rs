@@ -7,6 +7,7 @@ use bsm_kin::Jet;
 use proptest::prelude::*;
 
 use super::*;
+use crate::Coulomb;
 
 const SITES: [Site; 2] = [Site::Nut, Site::Screw];
 
@@ -119,15 +120,15 @@ proptest! {
         };
         let arc = ball.helix.arc_length_per_radian();
         let motion = ball.relative_to(Site::Screw);
-        let (_, power) = ellipse.friction(&motion, arc, 0.07, 1e-4, &quadrature);
+        let (_, power) = ellipse.friction(&motion, arc, &Coulomb(0.07), 1e-4, &quadrature);
         let Ellipse { semi_axes, pressed_radius, .. } = ellipse;
         let quadrature = &quadrature;
-        let law = FrictionLaw::Integrated { semi_axes, pressed_radius, creep: 1e-4, quadrature };
-        let wrench = ball.friction(&touch, 210.0, 0.07, law).unwrap();
+        let sliding = Sliding::Ellipse { semi_axes, pressed_radius, creep: 1e-4, quadrature };
+        let wrench = ball.friction(&touch, 210.0, &Coulomb(0.07), sliding).unwrap();
         let parts = ball.power(&touch, &wrench);
         // Rounding of powers of up to 15 N times 20 m/s.
         prop_assert!((parts.total() - power).abs() <= 1e-11, "{parts:?} {power}");
-        let wrench = ball.friction(&touch, 210.0, 0.07, FrictionLaw::Saturated).unwrap();
+        let wrench = ball.friction(&touch, 210.0, &Coulomb(0.07), Sliding::Point).unwrap();
         let parts = ball.power(&touch, &wrench);
         let expected = 0.07 * 210.0 * ball.differential_slip(&touch);
         prop_assert!((parts.centre - expected).abs() <= 1e-11);
