@@ -18,11 +18,11 @@ fn code_spans(text: &str) -> Vec<(&str, &str)> {
 #[test]
 fn the_recipes_name_what_exists() {
     let text = fs::read_to_string(root().join("docs/architecture.md")).expect("the page");
-    let folders = ["crates/", "docs/", "validation/"];
+    let places = ["crates/", "docs/", "validation/", "README.md", "CHANGELOG.md"];
     let (mut paths, mut names) = (0, 0);
     let mut file: Option<(&str, String)> = None;
     for (span, after) in code_spans(&text) {
-        let is_path = folders.iter().any(|f| span.starts_with(f)) || span.ends_with(".md");
+        let is_path = places.iter().any(|place| span.starts_with(place));
         if is_path {
             assert!(root().join(span).exists(), "{span} does not exist");
             paths += 1;
