@@ -14,7 +14,7 @@ lint *FLAGS:
     cargo clippy --workspace --all-targets --locked {{FLAGS}} -- -D warnings
 
 doc:
-    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+    cargo doc --workspace --no-deps --locked
 
 test *FLAGS:
     cargo test --workspace --locked {{FLAGS}}
@@ -51,7 +51,8 @@ fuzz *FLAGS:
 remake *FLAGS:
     docs/remake {{FLAGS}}
 
-# The pictures of README and docs.
+# The pictures of README and docs; `dot` is that of Graphviz.
 pictures: (validate "--out" "target/report") (tradeoff "--out" "target/tradeoff")
     cargo run --release --locked -p bsm-validate --example sketches -- docs/img
+    for name in architecture ways; do dot -Tsvg docs/img/$name.dot -o docs/img/$name.svg; done
     cp target/report/figures/{transition,lin-efficiency-lead-angle}.svg target/tradeoff/figures/pareto-single.svg docs/img/

@@ -149,7 +149,7 @@ outputs! {
     power_balance [""] Number(|s| transmission(s)?.power_balance), "relative violation of the power balance, an identity at any root";
     iterations [""] Count(|s| Some(s.solved()?.info?.steps)), "Newton steps";
     residual_norm [""] Number(|s| Some(s.solved()?.info?.residual)), "scaled residual";
-    skid_number [""] Number(|s| s.solved()?.skid?.skid_number()), "gyroscopic over friction moment of the gripping ball";
+    skid_number [""] Number(|s| s.solved()?.skid?.skid_number), "gyroscopic over friction moment of the gripping ball";
     onset_number [""] Number(|s| s.solved()?.skid?.onset_number()), "skid number of a ball whose friction is spent on the slip of the lead: below 0.1 it grips, above 2 it skids";
     efficiency_error_bound [""] Number(|s| Some(s.choice?.error_bound)), "bound of the error of the efficiency against model traction, kept by 99 % of all points (model auto)";
     self_locking [""] Flag(|s| s.self_locking()), "true if the screw locks itself in this direction";

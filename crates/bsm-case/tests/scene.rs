@@ -324,8 +324,9 @@ fn a_failed_point_says_why() {
     let message = record.message().expect("a reason");
     assert!(message.contains("critical lead angle of this point is 7.075"), "{message}");
     let json = record.to_json();
+    assert_eq!(json["evidence"], "bound");
     let numbers = json.iter().filter(|(key, value)| {
-        !["model", "status", "message"].contains(&key.as_str()) && !value.is_null()
+        !["model", "status", "message", "evidence"].contains(&key.as_str()) && !value.is_null()
     });
     assert_eq!(numbers.count(), 0);
 }

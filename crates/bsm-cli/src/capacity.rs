@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bsm_case::{CapacityReport, Spectrum};
-use bsm_validate::number;
+use bsm_report::number;
 
 use crate::args::{CapacityArgs, Format};
 use crate::failure::{Failure, warn};

@@ -9,7 +9,8 @@ use bsm_case::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
 };
 use bsm_design::Candidate;
-use bsm_validate::{catalogue_figures, number};
+use bsm_report::number;
+use bsm_validate::catalogue_figures;
 use serde_json::{Value, json};
 
 use crate::args::{CatalogArgs, Format};

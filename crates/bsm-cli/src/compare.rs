@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use bsm_case::{CaseError, Record, Scene};
 use bsm_dyn::{Model, ModelWorkspace, Status};
-use bsm_validate::number;
+use bsm_report::number;
 use serde_json::{Value, json};
 
 use crate::args::{CompareArgs, Format};

@@ -5,7 +5,7 @@ use std::path::Path;
 use bsm_case::{
     DesignReport, DesignRow, REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile, stock,
 };
-use bsm_validate::number;
+use bsm_report::number;
 
 use crate::args::{DesignArgs, Format};
 use crate::failure::{Failure, warn};

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use bsm_batch::TableError;
 use bsm_case::{CaseError, printable};
+use bsm_report::ReportError;
 use bsm_validate::ValidateError;
 use thiserror::Error;
 
@@ -92,10 +93,17 @@ impl Failure {
     }
 }
 
+impl From<ReportError> for Failure {
+    fn from(error: ReportError) -> Self {
+        Self::Files(error.to_string())
+    }
+}
+
 impl From<ValidateError> for Failure {
     fn from(error: ValidateError) -> Self {
         match error {
-            ValidateError::File { .. } | ValidateError::Page(_) | ValidateError::Threads(_) => {
+            ValidateError::Report(error) => error.into(),
+            ValidateError::File { .. } | ValidateError::Threads(_) => {
                 Self::Files(error.to_string())
             }
             ValidateError::NoReference => {

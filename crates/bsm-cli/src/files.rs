@@ -5,8 +5,8 @@ use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use bsm_case::{CaseError, Scene};
-use bsm_validate::figure::Figure;
+use bsm_case::{CaseError, Scene, exact};
+use bsm_report::Figure;
 use serde_json::Value;
 use tempfile::NamedTempFile;
 
@@ -278,7 +278,7 @@ pub(crate) fn write_figures(folder: &Path, figures: &[Figure]) -> Result<(), Fai
     make_folder(folder)?;
     for figure in figures {
         write(&folder.join(format!("{}.svg", figure.key)), &figure.svg())?;
-        write(&folder.join(format!("{}.csv", figure.key)), &figure.csv()?)?;
+        write(&folder.join(format!("{}.csv", figure.key)), &figure.csv(exact)?)?;
     }
     Ok(())
 }

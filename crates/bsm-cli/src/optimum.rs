@@ -2,7 +2,7 @@
 
 use bsm_case::{CaseError, OptimumReport, Scene};
 use bsm_dyn::Model;
-use bsm_validate::number;
+use bsm_report::number;
 
 use crate::args::{Format, OptimumArgs};
 use crate::failure::{Failure, warn};

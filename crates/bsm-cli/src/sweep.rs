@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use bsm_batch::dataset::Points;
 use bsm_batch::{Chunk, GridSource, Workers};
 use bsm_case::{Axis as GridAxis, CaseError, Grid, ModelChoice, Output as OutputColumn, exact};
-use bsm_validate::figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
+use bsm_report::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 
 use crate::args::SweepArgs;
 use crate::failure::Failure;

@@ -4,7 +4,8 @@ use bsm_case::units::MM;
 use bsm_case::{
     Analysis, Block, Cell, OUTPUTS, Output, Record, Scene, Sensitivity, Values, printable,
 };
-use bsm_validate::{Study, number};
+use bsm_report::number;
+use bsm_validate::Study;
 use comfy_table::{CellAlignment, Table, presets};
 
 /// A plain table whose columns from `first_number` on are aligned right.

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use bsm_report::{PROGRAM, short};
 use bsm_validate::tradeoff::{self, Advice, Count, Group, Measured, Points, Tradeoff};
-use bsm_validate::{PROGRAM, short, tradeoff_page};
+use bsm_validate::tradeoff_page;
 use serde_json::json;
 
 use crate::args::{Format, TradeoffArgs};

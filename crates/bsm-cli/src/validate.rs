@@ -1,6 +1,7 @@
 //! `bsm validate`: published results against ours.
 
-use bsm_validate::{PROGRAM, Published, Report, Verdict, number};
+use bsm_report::{PROGRAM, number};
+use bsm_validate::{Published, Report, Verdict};
 use serde_json::json;
 
 use crate::args::{Format, ValidateArgs};

@@ -30,7 +30,7 @@ impl Body {
     /// Source: Sobolewski (2002).
     pub fn usual(nut: &Nut, screw_diameter: f64) -> Self {
         Self {
-            // D = d + 4 d_k,  L_n = P (i + 3)                             (D10)
+            // D₁ = D_pw + 4 D_w,  L_n = P_h (i + 3)                       (D10)
             outer: nut.pitch_diameter + 4.0 * nut.ball_diameter,
             bore: screw_diameter + GAP,
             length: nut.lead * (nut.turns + IDLE_TURNS),
@@ -52,7 +52,7 @@ impl Body {
         // A_g = r² arccos(h/r) − h √(r² − h²)                             (D11)
         let groove = radius.powi(2) * (depth / radius).acos()
             - depth * (radius.powi(2) - depth.powi(2)).sqrt();
-        // m = ρ [π/4 (D² − D_b²) L_n − A_g (L_n/P) L]                     (D11)
+        // m = ρ [π/4 (D₁² − D_b²) L_n − A_g (L_n/P_h) L]                  (D11)
         let tube = 0.25 * PI * (self.outer.powi(2) - self.bore.powi(2)) * self.length;
         STEEL * (tube - groove * self.length / nut.lead * nut.turn_length())
     }

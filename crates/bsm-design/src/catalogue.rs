@@ -102,9 +102,9 @@ pub fn loaded_balls(diameter: f64, lead: f64, ball: f64) -> (f64, f64) {
         let length = turn_length(steps, lead).round();
         // Whole numbers of balls must not be missed by rounding.
         let balls = length / ball + 1e-9;
-        // frac(L/d_k) ≤ 0.10                                              (D17)
+        // frac(L/D_w) ≤ 0.10                                              (D17)
         if balls.fract() <= GAP {
-            // n = ⌊L/d_k⌋ − 4                                             (D18)
+            // n = ⌊L/D_w⌋ − 4                                             (D18)
             return (steps * STEP, balls.floor() - IDLE_BALLS);
         }
         steps += 1.0;

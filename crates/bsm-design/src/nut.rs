@@ -48,7 +48,7 @@ pub struct DynamicRating {
 pub struct StaticRating {
     /// Curvatures of the contact at the screw \[1/m\].
     pub curvatures: Curvatures,
-    /// Load of a ball over `$d_k^2$` \[N/mm²\] (D5).
+    /// Load of a ball over `$D_w^2$` \[N/mm²\] (D5).
     pub factor: f64,
     /// `$C_{0a}$` \[N\] (D5).
     pub rating: f64,
@@ -74,15 +74,15 @@ impl Nut {
     /// Source: ISO/DP 9783 as in Sobolewski (2002).
     pub fn dynamic_rating(&self) -> DynamicRating {
         let (lead, alpha) = (self.lead_angle(), self.contact_angle);
-        // γ = d_k cosα / d                                                (D1)
+        // γ = D_w cosβ / D_pw                                             (D1)
         let gamma = self.ball_diameter * alpha.cos() / self.pitch_diameter;
         let (low, high) = (1.0 - gamma, 1.0 + gamma);
         let (nut, screw) = self.conformity;
-        // f_c = 93.2 (1 − sinα/3) γ^0.3 (1−γ)^1.39/(1+γ)^⅓ [1/(1 − 1/(2 f_s))]^0.41  (D2)
+        // f_c = 93.2 (1 − sinβ/3) γ^0.3 (1−γ)^1.39/(1+γ)^⅓ [1/(1 − 1/(2 f_s))]^0.41  (D2)
         let shape = 93.2 * (1.0 - alpha.sin() / 3.0) * gamma.powf(0.3) * low.powf(1.39)
             / high.cbrt()
             * (1.0 - 0.5 / screw).powf(-0.41);
-        // C_s = f_c cos^0.86 α n^⅔ d_k^1.8 tanα cos^1.3 λ                 (D3)
+        // C_s = f_c cos^0.86 β n^⅔ D_w^1.8 tanβ cos^1.3 α                 (D3)
         let of_screw = shape
             * alpha.cos().powf(0.86)
             * self.balls_per_turn.powf(2.0 / 3.0)
@@ -99,7 +99,7 @@ impl Nut {
     /// Static axial load rating `$C_{0a}$` \[N\]: a permanent mark of a ten-thousandth of the ball (D5).
     ///
     /// ```math
-    /// C_{0a} = \frac{27.74\, n\,i\, d_k^2 \sin\alpha\cos\lambda}{d_k\sqrt{\rho_t\rho_x}}
+    /// C_{0a} = \frac{27.74\, n\,i\, D_w^2 \sin\beta\cos\alpha}{D_w\sqrt{\rho_t\rho_x}}
     /// ```
     ///
     /// with the curvatures of the screw contact, its groove taken as that of a bearing.
@@ -108,7 +108,7 @@ impl Nut {
     pub fn static_rating(&self) -> StaticRating {
         let curvatures = self.curvatures(Member::Screw, 0.0);
         let Curvatures { along, across } = curvatures;
-        // k₀ = 27.74 / (d_k √(ρ_t ρ_x)),  C_0a = k₀ n i sinα cosλ d_k²    (D5)
+        // k₀ = 27.74 / (D_w √(ρ_t ρ_x)),  C_0a = k₀ n i sinβ cosα D_w²    (D5)
         let factor = 27.74 / (self.ball_diameter * (along * across).sqrt());
         let rating = factor
             * self.balls_per_turn
@@ -125,7 +125,7 @@ impl Nut {
     pub fn rolling_efficiency(&self, lever: f64) -> f64 {
         // tanρ = f_r / (r_b sinβ)                                         (Q1)
         let rho = (lever / (0.5 * self.ball_diameter * self.contact_angle.sin())).atan();
-        // η = tanλ / tan(λ + ρ)                                           (D9)
+        // η = tanα / tan(α + ρ)                                           (D9)
         self.lead_angle().tan() / (self.lead_angle() + rho).tan()
     }
 
@@ -141,6 +141,6 @@ impl Nut {
 
 /// Length of a turn of the ball centres (D16), in the unit of its arguments.
 pub(crate) fn turn_length(pitch_diameter: f64, lead: f64) -> f64 {
-    // L = √((π d)² + P²)                                                  (D16)
+    // L = √((π D_pw)² + P_h²)                                             (D16)
     (PI * pitch_diameter).hypot(lead)
 }

@@ -28,7 +28,7 @@ impl Nut {
     /// other with it (D6) to (D8).
     ///
     /// ```math
-    /// k = \frac{n\,(\sin\alpha\cos\lambda)^{5/2}}{(\delta_n + \delta_s)^{3/2}}
+    /// k = \frac{n\,(\sin\beta\cos\alpha)^{5/2}}{(\delta_n + \delta_s)^{3/2}}
     /// ```
     ///
     /// `$\delta$` the Hertz approach at unit load. Source: ISO/DP 9784 as in Sobolewski (2002), with
@@ -45,7 +45,7 @@ impl Nut {
         };
         let approaches = [approach(Member::Nut)?, approach(Member::Screw)?];
         let direction = self.contact_angle.sin() * lead.cos();
-        // k = n (sinα cosλ)^5/2 / (δ_n + δ_s)^3/2                         (D6)
+        // k = n (sinβ cosα)^5/2 / (δ_n + δ_s)^3/2                         (D6)
         let turn = self.balls_per_turn
             * (direction / (approaches[0] + approaches[1])).powf(1.5)
             * direction;
@@ -67,7 +67,7 @@ impl Body {
     pub fn rigidity(&self, nut: &Nut) -> f64 {
         let inner = nut.pitch_diameter + nut.ball_diameter * nut.contact_angle.cos();
         let (outer, inner) = (self.outer * self.outer, inner * inner);
-        // j = 2π i P E tan²α / [(D² + D_t²)/(D² − D_t²) + 1]              (D8)
+        // j = 2π i P_h E tan²β / [(D₁² + D_t²)/(D₁² − D_t²) + 1]          (D8)
         2.0 * PI
             * nut.turns
             * nut.lead

@@ -104,7 +104,7 @@ pub fn minimise(function: impl Fn(&[f64]) -> Value, start: &[f64]) -> Vec<f64> {
     for _ in 0..ROUNDS {
         let lagrangian = |x: &[f64]| {
             let Value { objective, excess } = function(&inside(x));
-            // f + Σ max(0, μ + w g)² / 2w, and a wall around the cube
+            // f + Σ max(0, Λ + w g)² / 2w, and a wall around the cube
             let pull = |(g, m): (&f64, &f64)| (m + weight * finite(*g)).max(0.0).powi(2);
             let outside: f64 = x.iter().map(|x| (x - x.clamp(0.0, 1.0)).powi(2)).sum();
             let constraints: f64 = excess.iter().zip(&multipliers).map(pull).sum();

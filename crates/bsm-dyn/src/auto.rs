@@ -258,7 +258,7 @@ impl Regime {
     /// From the numbers of a gripping ball.
     fn of(pair: &ElasticBall, grip: &Solved) -> Option<Self> {
         let (eta, skid) = (grip.transmission.efficiency, grip.skid?);
-        let (onset, cross) = (skid.onset_number()?, skid.cross_slip()?);
+        let (onset, cross) = (skid.onset_number()?, skid.cross_slip?);
         let (f, direction) = (pair.friction, pair.direction);
         let angles = |contact| Angles { lead: pair.helix.lead_angle, contact };
         // Saturated friction at the angle that the load leaves; where it holds any load nothing

@@ -30,7 +30,7 @@ pub fn contact_modulus<D: Scalar>(one: &Material<D>, other: &Material<D>) -> D {
 pub struct Groove<D = f64> {
     /// Which side of the ball centres its arc centres lie on.
     pub member: Member,
-    /// Groove radius over ball diameter `$f_c > 1/2$`.
+    /// Groove radius over ball diameter `$f_g > 1/2$`.
     pub conformity: D,
 }
 
@@ -66,15 +66,15 @@ impl Curvatures {
 
 impl<D: Scalar> Groove<D> {
     /// Distance from the groove's arc centre to the ball centre at first touch
-    /// `$(f_c - \tfrac12)\,2 r_b$` \[m\] (H2).
+    /// `$(f_g - \tfrac12)\,2 r_b$` \[m\] (H2).
     pub fn offset(&self, ball_radius: D) -> D {
-        // l₀ = (f_c − 1/2) 2 r_b                                          (H2)
+        // l₀ = (f_g − 1/2) 2 r_b                                          (H2)
         (self.conformity * 2.0 - 1.0) * ball_radius
     }
 
     /// Curvatures of ball and groove relative to each other at the unloaded contact (H3) to (H6).
     ///
-    /// The groove is the surface that a circle of radius `$2 f_c r_b$` sweeps along the helix of
+    /// The groove is the surface that a circle of radius `$2 f_g r_b$` sweeps along the helix of
     /// its centre.
     ///
     /// * `pitch_radius`, `ball_radius`: `$r_m$`, `$r_b$` \[m\]; `lead_angle`, `contact_angle`:
@@ -96,11 +96,11 @@ impl<D: Scalar> Groove<D> {
         let (cos_b, advance) = (contact_angle.cos(), pitch_radius * lead_angle.tan());
         // r_c = r_m ∓ l₀ cosβ₀                                            (H3)
         let centre_radius = pitch_radius - self.offset(ball_radius) * side * cos_b;
-        // κ_c = r_c / (r_c² + h²)                                         (H4)
+        // ρ_c = r_c / (r_c² + h²)                                         (H4)
         let curvature = centre_radius / (centre_radius.square() + advance.square());
         let groove_radius = self.conformity * 2.0 * ball_radius;
         Curvatures {
-            // ρ_t = 1/r_b ∓ κ_c cosβ₀ / (1 ± r_g κ_c cosβ₀)               (H5)
+            // ρ_t = 1/r_b ∓ ρ_c cosβ₀ / (1 ± r_g ρ_c cosβ₀)               (H5)
             along: ball_radius.recip()
                 - curvature * side * cos_b / (groove_radius * side * curvature * cos_b + 1.0),
             // ρ_x = 1/r_b − 1/r_g                                         (H6)

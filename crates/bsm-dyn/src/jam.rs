@@ -38,7 +38,7 @@ impl<D: Scalar> Wedge<D> {
 
     /// Friction across the grooves at nut and screw \[N\] (M7).
     pub fn across(&self) -> [D; 2] {
-        // F_X = μ Q |cosψ|                                                (M7)
+        // F_X = f Q |cosψ|                                                (M7)
         [0, 1].map(|i| magnitude(self.slip_angles[i].cos()) * self.loads[i] * self.friction)
     }
 
@@ -60,14 +60,14 @@ impl<D: Scalar> Wedge<D> {
     /// Without slip across the grooves there is none: infinite.
     pub fn critical_friction(&self) -> D {
         let push = self.expelling() - self.centrifugal * self.mean_angle().sin();
-        // μ_c = |(Q_A + Q_B) sin(D/2) − F_c sinβ| / (Σ Q|cosψ| cos(D/2))  (M9)
+        // f_lock = |(Q_A + Q_B) sin(D/2) − F_c sinβ| / (Σ Q|cosψ| cos(D/2))  (M9)
         magnitude(push) / (self.grip() * (self.opening() * 0.5).cos())
     }
 
     /// The same without the centrifugal force, as published (M10).
     pub fn critical_friction_published(&self) -> D {
         let share = self.grip() / (self.loads[0] + self.loads[1]);
-        // μ_c |cosψ| = tan(|D|/2)                                         (M10)
+        // f_lock |cosψ| = tan(|D|/2)                                      (M10)
         magnitude((self.opening() * 0.5).tan()) / share
     }
 
@@ -116,34 +116,34 @@ pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
 
 /// Thrust on the ball behind one that meets the apex of the return curve \[N\] (M14).
 ///
-/// * `impact`: `$F_m$` \[N\]; `half_angle`: `$\lambda_1$` of the apex \[rad\]; `friction`: `$\mu$`.
+/// * `impact`: `$F_m$` \[N\]; `half_angle`: `$\lambda_1$` of the apex \[rad\]; `friction`: `$f$`.
 ///
 /// Source: Dong et al. (2020), Eq 18.
 pub fn apex_thrust<D: Scalar>(impact: D, half_angle: D, friction: D) -> D {
     let (sin, cos) = half_angle.sin_cos();
-    // F_O1 = (F_m/2)(1/sinλ₁ + μ/cosλ₁)                                   (M14)
+    // F_O1 = (F_m/2)(1/sinλ₁ + f/cosλ₁)                                   (M14)
     impact * (sin.recip() + friction / cos) * 0.5
 }
 
 /// Thrust on the ball behind one that meets the step from the returner into the screw \[N\] (M15).
 ///
-/// * `normal`: force `$F_N$` of the step \[N\]; `friction`: `$\mu > 0$`; `return_angle`:
+/// * `normal`: force `$F_N$` of the step \[N\]; `friction`: `$f > 0$`; `return_angle`:
 ///   `$\lambda_3$` \[rad\].
 ///
 /// Source: Dong et al. (2020), Eqs 23-24.
 pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
-    // F_O1 = 2 F_N / ((μ + 1/μ) cosλ₃)                                    (M15)
+    // F_O1 = 2 F_N / ((f + 1/f) cosλ₃)                                    (M15)
     normal * 2.0 / ((friction + friction.recip()) * return_angle.cos())
 }
 
 /// Friction along the track with which the loaded balls of a turn push \[N\] (M16).
 ///
-/// * `balls`: of a turn; `friction`: `$\mu$`; `contacts`: normal load \[N\] and slip angle \[rad\]
+/// * `balls`: of a turn; `friction`: `$f$`; `contacts`: normal load \[N\] and slip angle \[rad\]
 ///   at nut and screw. A ball pushes with no more than the weaker of its contacts has.
 ///
 /// Source: Dong et al. (2020), Eqs 20-21.
 pub fn available_friction(balls: f64, friction: f64, contacts: [(f64, f64); 2]) -> f64 {
-    // Z_t μ Q |sinψ|                                                      (M16)
+    // Z_t f Q |sinψ|                                                      (M16)
     let [nut, screw] = contacts.map(|(load, slip_angle)| load * slip_angle.sin().abs());
     balls * friction * nut.min(screw)
 }
@@ -195,7 +195,7 @@ mod tests {
         fn the_step_balances_three_forces(
             normal in 1.0..500.0_f64, mu in 0.01..0.6_f64, angle in 0.0..1.4_f64,
         ) {
-            // Unknowns T, N₂, F_O1: T = μ (F_N + N₂),  N₂ + μ T = F_N,  T = F_O1 cosλ₃.
+            // Unknowns T, N₂, F_O1: T = f (F_N + N₂),  N₂ + f T = F_N,  T = F_O1 cosλ₃.
             let rows = Matrix3::new(1.0, -mu, 0.0, mu, 1.0, 0.0, 1.0, 0.0, -angle.cos());
             let right = Vector3::new(mu * normal, normal, 0.0);
             let solved = rows.lu().solve(&right).expect("regular");

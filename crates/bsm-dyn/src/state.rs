@@ -77,41 +77,30 @@ pub struct Transmission {
 /// Where a ball is between gripping and skidding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkidNumbers {
-    skid_number: f64,
-    cross_slip: f64,
+    /// Gyroscopic over friction moment of the gripping motion (W9); none without friction.
+    pub skid_number: Option<f64>,
+    /// The slip across the grooves that the lead forces, over the slip of spin (W10); none without
+    /// spin.
+    pub cross_slip: Option<f64>,
 }
 
 impl SkidNumbers {
     pub(crate) fn new(skid_number: f64, cross_slip: f64) -> Self {
-        Self { skid_number, cross_slip }
-    }
-
-    /// Gyroscopic over friction moment of the gripping motion (W9); none without friction.
-    pub fn skid_number(&self) -> Option<f64> {
-        finite(self.skid_number)
-    }
-
-    /// The slip across the grooves that the lead forces, over the slip of spin (W10); none without
-    /// spin.
-    pub fn cross_slip(&self) -> Option<f64> {
-        finite(self.cross_slip)
+        let finite = |x: f64| x.is_finite().then_some(x);
+        Self { skid_number: finite(skid_number), cross_slip: finite(cross_slip) }
     }
 
     /// Skid number of a ball whose friction is already spent on the slip of the lead (W11): below
     /// 0.1 the ball grips, above 2 friction is nearly saturated.
     pub fn onset_number(&self) -> Option<f64> {
         // S = G √(1 + χ²)                                                 (W11)
-        finite(self.skid_number * self.cross_slip.hypot(1.0))
+        Some(self.skid_number? * self.cross_slip?.hypot(1.0))
     }
 
     /// What the ball does.
     pub fn regime(&self) -> Option<SlipRegime> {
         self.onset_number().map(SlipRegime::of)
     }
-}
-
-fn finite(x: f64) -> Option<f64> {
-    x.is_finite().then_some(x)
 }
 
 /// How a root was found.

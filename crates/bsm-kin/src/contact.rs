@@ -55,9 +55,9 @@ impl<D: Scalar> Contact<D> {
         let zero = D::from(0.0);
         Self {
             site,
-            // N = ±(0, cos(β − χ), sin(β − χ))                            (K9)
+            // N = ±(0, cos(β − ζ), sin(β − ζ))                            (K9)
             normal: Vector3::new(zero, c * side, s * side),
-            // e_x = (0, −sin(β − χ), cos(β − χ))                          (K10)
+            // e_x = (0, −sin(β − ζ), cos(β − ζ))                          (K10)
             across: Vector3::new(zero, -s, c),
         }
     }

@@ -7,15 +7,15 @@ use nalgebra::Vector3;
 use crate::Scalar;
 
 /// Right-handed triad `(t, n', b')` at the ball centre: the Frenet-Serret triad, turned about
-/// the tangent `t` by the angle `$\chi$`.
+/// the tangent `t` by the angle `$\zeta$`.
 ///
-/// With `$\chi = 0$` it is the triad `(t, n, b)` itself. With `$\chi$` equal to a contact angle,
+/// With `$\zeta = 0$` it is the triad `(t, n, b)` itself. With `$\zeta$` equal to a contact angle,
 /// the normals of the loaded contacts lie on the second axis and their cross products vanish
 /// exactly, not only to rounding: the small terms of the balance are then never lost against
 /// the large ones. All vectors of one calculation are components in one such triad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallFrame<D> {
-    /// Angle `$\chi$` from `n` to the second axis, positive from `n` to `b` \[rad\].
+    /// Angle `$\zeta$` from `n` to the second axis, positive from `n` to `b` \[rad\].
     pub turn: D,
     /// Direction of the screw axis `$k$`, components in the triad.
     pub k: Vector3<D>,
@@ -27,8 +27,8 @@ impl<D: Scalar> BallFrame<D> {
     /// Triad of a helix with this lead angle \[rad\], turned by `turn` \[rad\] (K7), (K8).
     ///
     /// ```math
-    /// k = (\sin\alpha,\; \cos\alpha\sin\chi,\; \cos\alpha\cos\chi), \qquad
-    /// n = (0,\; \cos\chi,\; -\sin\chi)
+    /// k = (\sin\alpha,\; \cos\alpha\sin\zeta,\; \cos\alpha\cos\zeta), \qquad
+    /// n = (0,\; \cos\zeta,\; -\sin\zeta)
     /// ```
     pub fn turned(lead_angle: D, turn: D) -> Self {
         let (sin_a, cos_a) = lead_angle.sin_cos();
@@ -37,7 +37,7 @@ impl<D: Scalar> BallFrame<D> {
             turn,
             // k = sinα t + cosα b                                         (K7)
             k: Vector3::new(sin_a, cos_a * sin_c, cos_a * cos_c),
-            // n = cosχ n' − sinχ b'                                       (K8)
+            // n = cosζ n' − sinζ b'                                       (K8)
             n: Vector3::new(D::from(0.0), cos_c, -sin_c),
         }
     }

@@ -65,9 +65,9 @@ impl<D: Scalar> Helix<D> {
         self.radius / self.lead_angle.cos()
     }
 
-    /// Curvature `$\cos^2\alpha/r_m$` \[1/m\] (K5).
+    /// Curvature `$\rho_h = \cos^2\alpha/r_m$` \[1/m\] (K5).
     pub fn curvature(&self) -> D {
-        // κ = cos²α / r_m                                                 (K5)
+        // ρ_h = cos²α / r_m                                               (K5)
         self.lead_angle.cos().square() / self.radius
     }
 

@@ -3,8 +3,7 @@
 use bsm_case::Catalogue;
 use bsm_case::units::{DEG, MM, UM};
 use bsm_design::{Candidate, Size};
-
-use crate::figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
+use bsm_report::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 
 /// The size around which the figures vary two numbers; a middle one of a feed drive.
 const MIDDLE: Size = Size {
@@ -121,13 +120,8 @@ fn figure(
         let points: Vec<_> = x.values(catalogue).iter().filter_map(point).collect();
         // A single nut is no curve.
         if points.len() > 1 {
-            curves.push(Curve {
-                label: Some(series.legend(*line)),
-                color: curves.len(),
-                stroke: Stroke::Solid,
-                points,
-                marks: Vec::new(),
-            });
+            let label = series.legend(*line);
+            curves.push(Curve::new(label, curves.len(), Stroke::Solid, points));
         }
     }
     // The largest ones, if there are more than colours.

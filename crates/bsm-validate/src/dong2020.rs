@@ -116,7 +116,7 @@ fn step() -> Check {
         for degrees in (0..=80).step_by(8) {
             let angle = f64::from(degrees).to_radians();
             let thrust = step_thrust(1.0, mu, angle);
-            // T = F_O1 cosλ₃,  N₂ = F_N − μ T,  T = μ (F_N + N₂)
+            // T = F_O1 cosλ₃,  N₂ = F_N − f T,  T = f (F_N + N₂)
             let along = thrust * angle.cos();
             let other = 1.0 - mu * along;
             worst = worst.max((along / (mu * (1.0 + other)) - 1.0).abs());

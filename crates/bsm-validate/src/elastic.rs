@@ -323,7 +323,7 @@ fn hypothesis(lin: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, Vali
                 .measured(share, "of the spin at the quieter race")
                 .note(format!(
                     "nut {nut:.1} rad/s, screw {screw:.1} rad/s, skid number {:.4}",
-                    number(o.solved().and_then(|solved| solved.skid?.skid_number()))
+                    number(o.solved().and_then(|solved| solved.skid?.skid_number))
                 ))
         };
         let control = "raceway control: one race has no spin";

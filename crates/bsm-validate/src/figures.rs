@@ -5,8 +5,8 @@ use bsm_case::{Scene, Settings};
 use bsm_design::search::minimum_of;
 use bsm_dyn::{Angles, Control, Direction, Model, ModelWorkspace, Optimum, Solution};
 use bsm_kin::Site;
+use bsm_report::{Axis, Curve, Figure, Stroke};
 
-use crate::figure::{Axis, Curve, Figure, Stroke};
 use crate::{Published, ValidateError, dong2020, elastic, xu2015};
 
 /// All figures.
@@ -76,13 +76,12 @@ fn exact_and_closed(
         scene.set(other, *value)?;
         for (model, words, stroke, step) in KINDS {
             let values: Vec<_> = values.iter().copied().step_by(step).collect();
-            curves.push(Curve {
-                marks: Vec::new(),
-                label: Some(format!("{value} deg, {words}")),
+            curves.push(Curve::new(
+                format!("{value} deg, {words}"),
                 color,
                 stroke,
-                points: points(&scene, &model.into(), input, &values, read)?,
-            });
+                points(&scene, &model.into(), input, &values, read)?,
+            ));
         }
     }
     Ok(curves)
@@ -147,13 +146,7 @@ fn normal_loads(lin: &Scene) -> Result<Figure, ValidateError> {
         for (_, normal) in &mut points {
             *normal /= load;
         }
-        curves.push(Curve {
-            marks: Vec::new(),
-            label: Some(label.to_owned()),
-            color: i,
-            stroke,
-            points,
-        });
+        curves.push(Curve::new(label.to_owned(), i, stroke, points));
     }
     Ok(Figure {
         key: "lin-normal-loads".into(),
@@ -197,25 +190,23 @@ fn optimum_angle(lin: &Scene) -> Result<Figure, ValidateError> {
                 let best = Optimum::of(direction, lead.to_radians(), friction);
                 (*lead, best.map_or(f64::NAN, |best| best.contact_angle.to_degrees()))
             };
-            curves.push(Curve {
-                marks: Vec::new(),
-                label: Some(format!("f {friction}, {words}")),
+            curves.push(Curve::new(
+                format!("f {friction}, {words}"),
                 color,
                 stroke,
-                points: degrees(0..=50).iter().map(best).collect(),
-            });
+                degrees(0..=50).iter().map(best).collect(),
+            ));
         }
     }
     for ((direction, words, _), stroke) in
         DIRECTIONS.into_iter().zip([Stroke::Circles, Stroke::Triangles])
     {
-        curves.push(Curve {
-            marks: Vec::new(),
-            label: Some(format!("exact, {words}")),
-            color: 3,
+        curves.push(Curve::new(
+            format!("exact, {words}"),
+            3,
             stroke,
-            points: exact_optimum(lin, direction)?,
-        });
+            exact_optimum(lin, direction)?,
+        ));
     }
     Ok(Figure {
         key: "lin-optimum-angle".into(),
@@ -264,13 +255,12 @@ fn self_locking() -> Figure {
                 let limit = Angles::locking_contact_angle(direction, lead.to_radians(), friction);
                 (*lead, limit.map_or(f64::NAN, f64::to_degrees))
             };
-            curves.push(Curve {
-                marks: Vec::new(),
-                label: Some(format!("f {friction}, {words}")),
+            curves.push(Curve::new(
+                format!("f {friction}, {words}"),
                 color,
                 stroke,
-                points: (0..=120).map(|half| limit(&(0.5 * f64::from(half)))).collect(),
-            });
+                (0..=120).map(|half| limit(&(0.5 * f64::from(half)))).collect(),
+            ));
         }
     }
     Figure {
@@ -298,19 +288,12 @@ fn transition(lin: &Scene) -> Result<Figure, ValidateError> {
         let settings = Settings { control: Some(Control::Nut), ..model.into() };
         for (color, load) in [2113.0, 100.0, 20.0].into_iter().enumerate() {
             let scene = Scene { axial_load_N: Some(load), ..lin.clone() };
-            curves.push(Curve {
-                marks: Vec::new(),
-                label: Some(format!("{}, {load} N", model.name())),
+            curves.push(Curve::new(
+                format!("{}, {load} N", model.name()),
                 color,
                 stroke,
-                points: points(
-                    &scene,
-                    &settings,
-                    "screw_speed_rpm",
-                    &speeds,
-                    Solution::efficiency,
-                )?,
-            });
+                points(&scene, &settings, "screw_speed_rpm", &speeds, Solution::efficiency)?,
+            ));
         }
     }
     Ok(Figure {

@@ -8,10 +8,9 @@
 mod catalogue;
 mod dong2020;
 mod elastic;
-pub mod figure;
 mod figures;
 mod lin1994;
-mod page;
+mod pages;
 mod published;
 mod ratings;
 mod reference;
@@ -24,7 +23,7 @@ mod xu2015;
 
 pub use catalogue::catalogue_figures;
 pub use figures::figures;
-pub use page::{PROGRAM, number, short, tradeoff_page, validation_page};
+pub use pages::{tradeoff_page, validation_page};
 pub use published::Published;
 pub use report::{Check, Report, Verdict};
 pub use study::{Claim, Shape, Study, Trend};
@@ -61,9 +60,9 @@ pub enum ValidateError {
     /// A claim is missing in a table.
     #[error("lin1994/claims.csv: no claim `{0}`")]
     NoClaim(&'static str),
-    /// The table of a figure cannot be written.
-    #[error("table of a figure: {0}")]
-    Figure(#[from] csv::Error),
+    /// A table of trends cannot be written.
+    #[error("table of trends: {0}")]
+    Trends(#[from] csv::Error),
     /// A file of published data cannot be read.
     #[error("{}: {error}", path.display())]
     File {
@@ -72,9 +71,9 @@ pub enum ValidateError {
         /// Why.
         error: std::io::Error,
     },
-    /// A page cannot be made.
-    #[error("page: {0}")]
-    Page(#[from] minijinja::Error),
+    /// A figure or a page cannot be made.
+    #[error(transparent)]
+    Report(#[from] bsm_report::ReportError),
     /// A table of points cannot be used.
     #[error(transparent)]
     Table(#[from] bsm_batch::TableError),

@@ -4,10 +4,10 @@ mod jam;
 mod slip;
 
 use bsm_case::exact;
+use bsm_report::{Curve, Figure, Stroke, short};
 use serde::Serialize;
 
 use crate::ValidateError;
-use crate::figure::{Curve, Figure, Stroke};
 
 /// Which way a curve is said to go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -115,14 +115,14 @@ impl Trend {
 
     /// What the curve does, in words.
     pub fn describe(&self) -> String {
-        let from = format!("from {} to {}", crate::short(self.first.0), crate::short(self.last.0));
+        let from = format!("from {} to {}", short(self.first.0), short(self.last.0));
         match self.shape {
             Shape::Rises => format!("rises {from}"),
             Shape::Falls => format!("falls {from}"),
             Shape::Constant => format!("stays the same {from}"),
             Shape::Turns(at) => {
                 let way = if self.last.1 > self.first.1 { "higher" } else { "lower" };
-                format!("turns at {}, ends {way}", crate::short(at))
+                format!("turns at {}, ends {way}", short(at))
             }
         }
     }
@@ -144,7 +144,7 @@ impl Study {
     ///
     /// # Errors
     ///
-    /// [`ValidateError::Figure`] if the table cannot be written.
+    /// [`ValidateError::Trends`] if the table cannot be written.
     pub fn csv(&self) -> Result<String, ValidateError> {
         let mut table = csv::Writer::from_writer(Vec::new());
         let header = ["curve", "over", "claim", "holds", "from_x", "from", "to_x", "to", "shape"];
@@ -164,13 +164,7 @@ impl Study {
 
 /// A curve without marks; `None` if it has no points.
 fn line(label: &str, color: usize, stroke: Stroke, points: Vec<(f64, f64)>) -> Option<Curve> {
-    points.iter().any(|(_, y)| y.is_finite()).then(|| Curve {
-        label: Some(label.to_owned()),
-        color,
-        stroke,
-        points,
-        marks: Vec::new(),
-    })
+    points.iter().any(|(_, y)| y.is_finite()).then(|| Curve::new(label, color, stroke, points))
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ use std::num::NonZeroUsize;
 use bsm_batch::{Chunk, Columns, CsvSource, Source};
 use bsm_case::{Scene, Settings};
 use bsm_dyn::{Model, ModelWorkspace};
+use bsm_report::Figure;
 use serde::Serialize;
 
 pub use self::advice::Advice;
@@ -25,7 +26,6 @@ pub use self::errors::{Errors, Group, Quantiles};
 
 use self::errors::Reference;
 use crate::ValidateError;
-use crate::figure::Figure;
 
 /// The committed points: a hundred that grip, skid partly and skid each.
 const SCENES: &str = include_str!("../../../validation/golden/tradeoff/scenes.csv");

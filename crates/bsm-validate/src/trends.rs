@@ -2,10 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use bsm_report::number;
 use serde::Deserialize;
 
 use crate::published::File;
-use crate::{Check, Shape, Study, Trend, ValidateError, number};
+use crate::{Check, Shape, Study, Trend, ValidateError};
 
 /// A row of a table of trends.
 #[derive(Deserialize)]

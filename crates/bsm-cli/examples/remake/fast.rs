@@ -5,7 +5,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use bsm_validate::short;
+use bsm_report::short;
 use bsm_validate::tradeoff::{self, Dial, Errors, Group, Points, Quantiles};
 use serde_json::Value;
 

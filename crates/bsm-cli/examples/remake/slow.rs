@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use bsm_validate::short;
+use bsm_report::short;
 use serde_json::Value;
 
 use crate::fast::table;

@@ -19,7 +19,7 @@ pub const SEARCHED_FROM: f64 = 300.0;
 pub struct FirstOrder {
     /// `$Q_A/F_a = Q_B/F_a$`; negative means self-locking.
     pub load: f64,
-    /// `$\kappa = Q_{A'}/(\varepsilon F_a)$`; negative means that A' would have to pull.
+    /// `$q_{A'} = Q_{A'}/(\varepsilon F_a)$`; negative means that A' would have to pull.
     pub minor: f64,
     /// `$\varepsilon = m r_m P^2/F_a$`, the centrifugal force over the load.
     pub inertia: f64,
@@ -87,13 +87,13 @@ impl FirstOrder {
         // P/W = p + Ω_n/W,  ε = μ (P/W)²                                  (R14)
         let rate = p + case.nut_speed * sign;
         let inertia = case.inertia_ratio() * rate * rate;
-        // κ = (sinβ − F D) / [sin2β − F (cos2β + h sinψ) D/cosβ]          (R15)
+        // q_A' = (sinβ − F D) / [sin2β − F (cos2β + h sinψ) D/cosβ]       (R15)
         let signed = f * sign;
         let h = (rate * sign).signum();
         let (sin_2b, cos_2b) = (2.0 * sin_b * cos_b, (cos_b - sin_b) * (cos_b + sin_b));
         let denominator = sin_2b - signed * (cos_2b + h * sin_psi) / cos_psi;
         let minor = (sin_b - signed * d) / denominator;
-        // margin = p tanα − 5 f sinβ cosβ κ |P/W|                         (R16)
+        // margin = p tanα − 5 f sinβ cosβ q_A' |P/W|                      (R16)
         let margin = p * sin_a / cos_a - 5.0 * f * sin_b * cos_b * minor * rate.abs();
         // Q/F_a = 1/[cosα (sinβ − F D)], Eq (C4)                          (R17)
         let load = (cos_a * (sin_b - signed * d)).recip();

@@ -381,11 +381,11 @@ fn denied(
         let sure = friction_term - sin_contact_angle >= error * friction_term;
         return sure.then(|| none(self_locking(case)));
     }
-    // κ depends on the sign of P, which inertia may turn where P is small: seen up to 0.13 |W|.
+    // q_A' depends on the sign of P, which inertia may turn where P is small: seen up to 0.13 |W|.
     if start.rate.abs() <= 2.0 * error {
         return None;
     }
-    // κ < 0 lies beyond κ = ∞, where the margin is -∞ already.
+    // q_A' < 0 lies beyond q_A' = ∞, where the margin is -∞ already.
     if start.minor <= 0.0 {
         return Some(none(minor_would_pull(start)));
     }

@@ -56,7 +56,7 @@ impl Quadratic {
 
     /// The same values as a form of directions that are turned by the angle of `[cos, sin]`.
     fn turned(&self, [cos, sin]: [f64; 2]) -> Self {
-        // c = cosχ c' − sinχ s',  s = sinχ c' + cosχ s'
+        // c = cosφ c' − sinφ s',  s = sinφ c' + cosφ s'
         let a = &self.0;
         Self([
             a[0],
@@ -70,7 +70,7 @@ impl Quadratic {
 
     /// The directions on which the form vanishes, at most four; `NaN` for those that are missing.
     pub(super) fn zeros(&self) -> [[f64; 2]; 4] {
-        // t = tan(χ/2) sends the direction of largest value to infinity: all zeros are finite.
+        // t = tan(φ/2) sends the direction of largest value to infinity: all zeros are finite.
         let (mut turn, mut most) = (DIRECTIONS[0], -1.0);
         for direction in DIRECTIONS {
             let value = self.at([-direction[0], -direction[1]]).abs();

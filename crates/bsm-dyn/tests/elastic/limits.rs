@@ -95,9 +95,9 @@ fn the_onset_number_tells_rolling_from_sliding() {
         let (Some(g), Some(s)) = (grip.efficiency(), skid.efficiency()) else { continue };
         let numbers = grip.solved().and_then(|grip| grip.skid).expect("raceway control");
         // Where spin is nearly all of the loss, raceway control is no measure.
-        if numbers.cross_slip().is_some_and(|chi| chi > 0.7) {
+        if numbers.cross_slip.is_some_and(|chi| chi > 0.7) {
             let share = (g - traction(screw, 8, 1e-4).transmission.efficiency) / (g - s);
-            let [skid, onset] = [numbers.skid_number(), numbers.onset_number()];
+            let [skid, onset] = [numbers.skid_number, numbers.onset_number()];
             points.push((skid.expect("G"), onset.expect("S"), share));
         }
     }
@@ -240,7 +240,7 @@ fn next_to_no_friction_is_none() {
     let rolling = RacewayControl { screw, control: None };
     let o = numbers(rolling.solve(&mut RacewayWorkspace::default()));
     let skid = o.skid.expect("raceway control");
-    assert_eq!((skid.skid_number(), skid.onset_number()), (None, None));
+    assert_eq!((skid.skid_number, skid.onset_number()), (None, None));
 }
 
 /// Found in review: roots with contact angles below 0 or beyond 90 deg counted as converged.

@@ -3,10 +3,10 @@
 
 use bsm_case::{Analysis, Scene, Settings};
 use bsm_dyn::{ModelWorkspace, Solution};
+use bsm_report::{Axis, Figure, Stroke};
 
 use super::{Claim, Study, Trend, line};
 use crate::ValidateError;
-use crate::figure::{Axis, Figure, Stroke};
 
 /// Load and speed over those of the scene, which are in the middle: 8 to 24 kN about 16 kN, up to
 /// 5000 rpm about 2500 rpm; nothing moves at rest.

@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 use bsm_case::{Scene, Settings};
 use bsm_dyn::{Control, Problem, Solution, SteadyBall, Touch, rim_speed};
 use bsm_kin::{Drive, Helix, Site};
+use bsm_report::{Axis, Figure, Stroke};
 
 use super::{Claim, Study, Trend, line};
 use crate::ValidateError;
-use crate::figure::{Axis, Figure, Stroke};
 
 /// What the sweeps keep.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,8 @@
 //! Error against time, one mark for each model and dial.
 
+use bsm_report::{Axis, Curve, Figure, Stroke};
+
 use super::{Group, Measured, OneCore};
-use crate::figure::{Axis, Curve, Figure, Stroke};
 
 /// One by one and in batches over all points, then one by one for each motion of the balls.
 pub(super) fn figures(dials: &[Measured]) -> Vec<Figure> {
@@ -47,8 +48,7 @@ fn figure(
         let place = place.unwrap_or_else(|| {
             let stroke =
                 if curves.len().is_multiple_of(2) { Stroke::Circles } else { Stroke::Triangles };
-            let (color, points) = (curves.len(), Vec::new());
-            curves.push(Curve { label: Some(label), color, stroke, points, marks: Vec::new() });
+            curves.push(Curve::new(label, curves.len(), stroke, Vec::new()));
             curves.len() - 1
         });
         curves[place].points.push((1e-3 * time(times), error.q99));

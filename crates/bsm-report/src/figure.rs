@@ -1,9 +1,8 @@
 //! Figures as SVG and as tables; the only file that names the plotting library.
 
-use bsm_case::exact;
 use kuva::prelude::*;
 
-use crate::ValidateError;
+use crate::ReportError;
 
 /// Colours that the palette has, chosen to be told apart by the colour-blind too.
 pub const MOST_CURVES: usize = 7;
@@ -36,6 +35,18 @@ pub struct Curve {
     pub points: Vec<(f64, f64)>,
     /// Names of the points, drawn next to marks; none, or one each.
     pub marks: Vec<String>,
+}
+
+impl Curve {
+    /// A curve with a label and without marks.
+    pub fn new(
+        label: impl Into<String>,
+        color: usize,
+        stroke: Stroke,
+        points: Vec<(f64, f64)>,
+    ) -> Self {
+        Self { label: Some(label.into()), color, stroke, points, marks: Vec::new() }
+    }
 }
 
 /// An axis of a figure.
@@ -144,18 +155,20 @@ impl Figure {
 
     /// The points as CSV, one row each; one without a result has no y.
     ///
+    /// * `cell`: a number as the caller's tables have it.
+    ///
     /// # Errors
     ///
-    /// [`ValidateError::Figure`] if the table cannot be written.
-    pub fn csv(&self) -> Result<String, ValidateError> {
+    /// [`ReportError::Table`] if the table cannot be written.
+    pub fn csv(&self, cell: impl Fn(f64) -> String) -> Result<String, ReportError> {
         let mut table = csv::Writer::from_writer(Vec::new());
         table.write_record(["curve", "mark", &self.x.label, &self.y.label])?;
         for curve in &self.curves {
             let label = curve.label.as_deref().unwrap_or_default();
             for (i, (x, y)) in curve.points.iter().enumerate() {
                 let mark = curve.marks.get(i).map_or("", String::as_str);
-                let y = if y.is_finite() { exact(*y) } else { String::new() };
-                table.write_record([label, mark, &exact(*x), &y])?;
+                let y = if y.is_finite() { cell(*y) } else { String::new() };
+                table.write_record([label, mark, &cell(*x), &y])?;
             }
         }
         let bytes = table.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
@@ -233,13 +246,7 @@ mod tests {
     #[test]
     fn figures_have_gaps_and_a_view_box() {
         let points = vec![(1.0, 1.0), (2.0, 2.0), (3.0, f64::NAN), (4.0, 2.0), (5.0, 1.0)];
-        let curve = Curve {
-            marks: Vec::new(),
-            label: Some("a".into()),
-            color: 0,
-            stroke: Stroke::Solid,
-            points,
-        };
+        let curve = Curve::new("a", 0, Stroke::Solid, points);
         let figure = Figure {
             key: "k".into(),
             title: "t".into(),
@@ -251,6 +258,6 @@ mod tests {
         let svg = figure.svg();
         assert!(svg.contains("viewBox=\"0 0 460 "), "{}", &svg[..300]);
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");
-        assert!(figure.csv().expect("a table").contains("\na,,3,\na,,4,2\n"));
+        assert!(figure.csv(|x| x.to_string()).expect("a table").contains("\na,,3,\na,,4,2\n"));
     }
 }

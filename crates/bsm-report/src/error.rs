@@ -1,0 +1,13 @@
+//! What can go wrong.
+
+/// A figure or a page cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReportError {
+    /// The table of a figure cannot be written.
+    #[error("table of a figure: {0}")]
+    Table(#[from] csv::Error),
+    /// A page cannot be made.
+    #[error("page: {0}")]
+    Page(#[from] minijinja::Error),
+}

@@ -1,0 +1,83 @@
+//! Pages of one file each: figures inside, no network, for screen, phone and print; the only file
+//! that names the template engine.
+
+use minijinja::value::Value;
+use minijinja::{Environment, UndefinedBehavior, context};
+use serde::Serialize;
+
+use crate::{Figure, ReportError, number, short};
+
+/// Name and version of the program, in what it writes.
+pub const PROGRAM: &str = concat!("bsm ", env!("CARGO_PKG_VERSION"));
+
+/// Parts of every page.
+const PARTS: [(&str, &str); 2] = [
+    ("base.html", include_str!("../templates/base.html")),
+    ("page.css", include_str!("../templates/page.css")),
+];
+
+/// A page.
+#[derive(Debug, Clone, Copy)]
+pub struct Page<'a> {
+    /// Its heading.
+    pub title: &'a str,
+    /// The command that makes it.
+    pub command: &'a str,
+    /// What it shows, a template that fills the block `content` of `base.html`: it has the filters
+    /// `number` and `short`, the macro `figure`, and `figures`.
+    pub template: &'a str,
+    /// The figures.
+    pub figures: &'a [Figure],
+}
+
+impl Page<'_> {
+    /// The page as HTML, with the fields of `content` for the template.
+    ///
+    /// # Errors
+    ///
+    /// [`ReportError::Page`] if the template is wrong or names what is not there.
+    pub fn html(&self, content: &impl Serialize) -> Result<String, ReportError> {
+        let figure =
+            |f: &Figure| context! { title => f.title, caption => f.caption, svg => f.inline_svg() };
+        let figures: Vec<_> = self.figures.iter().map(figure).collect();
+        let context = context! {
+            title => self.title,
+            command => self.command,
+            program => PROGRAM,
+            figures,
+            ..Value::from_serialize(content)
+        };
+        let mut environment = Environment::new();
+        // A name that is not there is an error, not an empty cell.
+        environment.set_undefined_behavior(UndefinedBehavior::Strict);
+        environment.add_filter("number", number);
+        environment.add_filter("short", short);
+        for (name, source) in PARTS {
+            environment.add_template(name, source)?;
+        }
+        // The ending says that what is filled in is escaped.
+        environment.add_template("content.html", self.template)?;
+        Ok(environment.get_template("content.html")?.render(context)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is filled in is text, and a name that is not there is an error.
+    #[test]
+    fn pages_escape_and_are_strict() {
+        let page = |template| {
+            let page = Page { title: "a < b", command: "bsm", template, figures: &[] };
+            page.html(&std::collections::BTreeMap::from([("value", 0.164)]))
+        };
+        let html = page(
+            "{% extends \"base.html\" %}{% block content %}{{ value|short }} us{% endblock %}",
+        );
+        let html = html.expect("a page");
+        assert!(html.contains("<h1>a &lt; b</h1>"), "{html}");
+        assert!(html.contains("0.16 us"), "{html}");
+        assert!(matches!(page("{{ missing }}"), Err(ReportError::Page(_))));
+    }
+}

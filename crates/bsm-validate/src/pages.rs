@@ -1,0 +1,51 @@
+//! The pages of the checks and of the measurement.
+
+use bsm_report::{Figure, Page};
+use serde::Serialize;
+
+use crate::tradeoff::Tradeoff;
+use crate::{Check, Report, ValidateError, Verdict};
+
+/// What the page of the checks shows.
+#[derive(Serialize)]
+struct Shown<'a> {
+    passed: usize,
+    failed: usize,
+    findings: usize,
+    checks: &'a [Check],
+}
+
+/// Page of the checks and their figures.
+///
+/// # Errors
+///
+/// [`ValidateError::Report`] if a template is wrong.
+pub fn validation_page(report: &Report, figures: &[Figure]) -> Result<String, ValidateError> {
+    let page = Page {
+        title: "Ball screw motion: checks against published results",
+        command: "bsm validate --out DIR",
+        template: include_str!("../templates/validation.html"),
+        figures,
+    };
+    Ok(page.html(&Shown {
+        passed: report.count(Verdict::Pass),
+        failed: report.count(Verdict::Fail),
+        findings: report.count(Verdict::Finding),
+        checks: &report.checks,
+    })?)
+}
+
+/// Page of the measurement of speed against accuracy.
+///
+/// # Errors
+///
+/// [`ValidateError::Report`] if a template is wrong.
+pub fn tradeoff_page(tradeoff: &Tradeoff) -> Result<String, ValidateError> {
+    let page = Page {
+        title: "Ball screw motion: speed against accuracy",
+        command: "bsm tradeoff --out DIR",
+        template: include_str!("../templates/tradeoff.html"),
+        figures: &tradeoff.figures(),
+    };
+    Ok(page.html(tradeoff)?)
+}
