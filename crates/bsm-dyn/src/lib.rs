@@ -25,6 +25,7 @@ mod jam;
 mod jones;
 mod model;
 mod permanent_set;
+mod pressed_ball;
 mod quasi_static;
 mod raceway_control;
 mod rigid;
@@ -49,6 +50,7 @@ pub use jam::{
 pub use jones::{Deformed, Displacement, Jones, Side};
 pub use model::{Model, ModelWorkspace, Problem};
 pub use permanent_set::{FIRST_YIELD, PermanentSet, yield_ratio};
+pub use pressed_ball::{PressedBall, Pressing};
 pub use quasi_static::{Driven, QuasiStatic};
 pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
 pub use rigid::{
