@@ -48,6 +48,9 @@ pub struct Workers<'a> {
     pub(crate) stop: &'a AtomicBool,
 }
 
+/// Memory that is free before another thread is started: a thread that finds none ends the program.
+const ROOM: usize = 16 << 20;
+
 impl<'a> Workers<'a> {
     /// Starts threads, one a core unless told otherwise; fewer if the system starts no more.
     ///
@@ -63,9 +66,25 @@ impl<'a> Workers<'a> {
         let mut idle = Vec::new();
         while idle.len() < wanted {
             let (give, work) = sync_channel(1);
-            let run = move || work.recv().into_iter().for_each(rayon::ThreadBuilder::run);
-            match thread::Builder::new().spawn(run) {
-                Ok(thread) => idle.push((give, thread)),
+            let (running, runs) = sync_channel(1);
+            let run = move || {
+                running.send(()).unwrap_or_default();
+                work.recv().into_iter().for_each(rayon::ThreadBuilder::run);
+            };
+            let mut room = Vec::<u8>::new();
+            let started = match room.try_reserve_exact(ROOM) {
+                Ok(()) => {
+                    drop(room);
+                    thread::Builder::new().spawn(run)
+                }
+                Err(error) => Err(io::Error::other(error)),
+            };
+            match started {
+                Ok(thread) => {
+                    // It has what it takes before the next one may take it.
+                    runs.recv().unwrap_or_default();
+                    idle.push((give, thread));
+                }
                 Err(error) if idle.is_empty() => return Err(error),
                 Err(_) => {
                     // The other half is for reading, writing and memory.
