@@ -126,8 +126,7 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let all = advice.iter().map(advice_row).collect::<Result<Vec<_>>>()?;
     let times = list(measured, "dials")?.iter().map(times_row).collect::<Result<Vec<_>>>()?;
     let header = "| error of the efficiency | where the ball | one point | us | error is larger where it | batch, one core | us |";
-    let of_times =
-        "| model and setting | grips | skids partly | skids | batch: grips | skids partly | skids |";
+    let of_times = "| model and setting | grips | skids partly | skids | batch: grips | skids partly | skids |";
     Ok(vec![
         ("tradeoff/summary", Text::Whole(summary(advice)?)),
         ("tradeoff/advice", Text::Whole(table(header, &all))),
