@@ -242,12 +242,15 @@ impl fmt::Display for Evidence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Proof => write!(f, "a proof"),
-            Self::Bound => write!(f, "a bound on what the first order leaves out"),
+            Self::Bound => write!(f, "an error bound of the first-order solution"),
             Self::Traced { resolution } => {
-                write!(f, "the curve of all solutions, traced in steps of {resolution:e} at most")
+                write!(
+                    f,
+                    "a curve that contains all solutions, followed in steps of at most {resolution:e}"
+                )
             }
             Self::Sampled { starts } => {
-                write!(f, "a curve that was followed to its end, and {starts} random starts")
+                write!(f, "a curve followed to its end, and {starts} random starts")
             }
         }
     }
