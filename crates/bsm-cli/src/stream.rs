@@ -113,9 +113,9 @@ impl<'a> Job<'a> {
         if self.table.resume {
             let folder = if path.as_os_str() == "-" { Path::new("map") } else { path };
             return Err(Failure::Input(format!(
-                "--resume cannot go on with {}: a single table appears when it is complete, and a run \
-                 that is stopped leaves nothing; write a folder of parts, --output {}/, and --resume \
-                 goes on with it",
+                "--resume cannot continue {}: a single table appears when it is complete, and a run \
+                 that is stopped leaves nothing; write a folder of parts, --output {}/, which --resume \
+                 can continue",
                 if path.as_os_str() == "-" {
                     "standard output".into()
                 } else {
@@ -169,7 +169,7 @@ impl<'a> Job<'a> {
         let found = parts.survey(true, workers).map_err(failed)?;
         if let Some(one) = found.foreign.first() {
             let text = format!(
-                "{} is no part of this table, and is left alone; who reads the folder reads it too",
+                "{} is no part of this table, and is left alone; programs that read the folder read it too",
                 one.display()
             );
             warn("warning", &text);

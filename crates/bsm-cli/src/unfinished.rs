@@ -101,7 +101,7 @@ mod signals {
         for file in &held.files {
             let _ = fs::remove_file(file);
         }
-        warn("error", "interrupted; nothing unfinished was kept (a folder goes on with --resume)");
+        warn("error", "interrupted; nothing unfinished was kept (--resume continues a folder)");
         exit(128 + signal);
     }
 
