@@ -241,7 +241,7 @@ pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressB
     let style = ProgressStyle::with_template(&template)
         .unwrap_or_else(|_| ProgressStyle::default_bar())
         .with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-            // A bar that cannot be drawn is nobody's loss.
+            // A bar that cannot be drawn is ignored.
             let _ = text.write_str(&rate(state.per_sec()));
         });
     bar.with_style(style)

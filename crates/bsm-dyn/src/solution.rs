@@ -167,7 +167,7 @@ pub enum Reason {
     NoRelativeSpeed,
     /// Only screw drive or nut drive is covered, not both turning.
     DualDrive,
-    /// A root was found, but the powers do not balance: rounding has eaten the result.
+    /// A root was found, but the powers do not balance: its rounding errors are too large.
     PowerDoesNotBalance {
         /// Relative violation.
         imbalance: f64,
@@ -199,7 +199,7 @@ impl From<Report> for Reason {
     }
 }
 
-/// What says that there is no solution.
+/// How sure it is that there is no solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Evidence {
     /// A proof from the equations of the model, up to rounding.
