@@ -257,8 +257,8 @@ impl Study {
             (
                 "jam-friction",
                 "Forces on a ball in the wedge",
-                "Both sides of the criterion of self-locking: what holds (solid), what pushes out \
-                 (dashed).",
+                "Both sides of the criterion of self-locking: the force that holds the ball (solid) \
+                 and the force that pushes it out (dashed).",
             ),
             over(Axis::log("force, N")),
             of_sweeps(
