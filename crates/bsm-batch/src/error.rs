@@ -104,7 +104,7 @@ pub enum TableError {
     },
     /// A column to keep that holds lists, maps or structures.
     #[error(
-        "--keep {name}: its cells are lists, maps or structures, which are not carried through; \
+        "--keep {name}: its cells are lists, maps or structures, which cannot be copied; \
         leave it out, or take it apart"
     )]
     NotText {
@@ -112,7 +112,7 @@ pub enum TableError {
         name: String,
     },
     /// A column that is no input.
-    #[error("column `{0}` is no input{1}; leave it out, or carry it through with --keep {0}",
+    #[error("column `{0}` is not an input{1}; leave it out, or copy it to the output with --keep {0}",
         brief(name), nearest.as_ref().map_or_else(String::new, |n| format!(", did you mean `{n}`?")))]
     UnknownColumn {
         /// Its name.
@@ -127,7 +127,7 @@ pub enum TableError {
         name: String,
     },
     /// A column to keep has the name of a column of the answers.
-    #[error("--keep {name}: the answers have a column of that name; rename yours")]
+    #[error("--keep {name}: the results have a column of that name; rename yours")]
     NameOfAnAnswer {
         /// The name.
         name: String,

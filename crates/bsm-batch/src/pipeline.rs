@@ -202,7 +202,7 @@ impl Task {
     }
 }
 
-/// Sends the rows of a source, at most `most`, until it ends, fails, or nobody listens.
+/// Sends the rows of a source, at most `most`, until it ends, fails, or the receiver is gone.
 fn read_ahead(source: &mut dyn Source, most: u64, to: &SyncSender<Result<Chunk, TableError>>) {
     let mut left = most;
     while left > 0 {

@@ -124,7 +124,7 @@ fn kept_structures_maps_and_lists_are_refused_in_words() {
         let table = written(columns, packed(Compression::SNAPPY));
         assert_eq!(
             why(read(table, &["id"])),
-            "--keep id: its cells are lists, maps or structures, which are not carried through; \
+            "--keep id: its cells are lists, maps or structures, which cannot be copied; \
              leave it out, or take it apart"
         );
     }

@@ -224,8 +224,8 @@ impl Scene {
         let asked = settings.model == ModelChoice::Auto && self.suits(next);
         (lacks && asked).then(|| {
             let words = format!(
-                "auto takes model {}, which is exact enough but has no motion of the ball; {} is \
-                 the next that has one",
+                "auto takes model {}, which is accurate enough but has no motion of the ball; \
+                 this analysis uses {}",
                 found.model.name(),
                 next.name()
             );

@@ -198,7 +198,8 @@ fn doubts(nut: &Nut, body: &Body) -> Vec<String> {
         ));
     }
     if body.mass(nut) <= 0.0 {
-        warnings.push("the grooves of such a nut take more than its body has: no mass".to_owned());
+        warnings
+            .push("the grooves of this nut are larger than its body: no mass is given".to_owned());
     }
     for (name, conformity) in
         [("nut_conformity", nut.conformity.0), ("screw_conformity", nut.conformity.1)]

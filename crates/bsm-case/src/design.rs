@@ -82,8 +82,8 @@ impl DesignReport {
             let needed = if driving { torque / eta } else { torque * eta };
             if needed.is_finite() {
                 warnings.push(format!(
-                    "screw_torque_Nm is that of a screw without friction (Lin's step 7); with an \
-                     efficiency of {eta:.4} this load goes with a torque of {} N m",
+                    "screw_torque_Nm is taken as the torque of a screw without friction (Lin's step 7); \
+                     with an efficiency of {eta:.4} this load needs a torque of {} N m",
                     digits(needed)
                 ));
             }
@@ -92,7 +92,7 @@ impl DesignReport {
         let gap = nut.turn_length() / nut.ball_diameter - nut.balls_per_turn;
         if found && gap.fract() > 0.1 + 1e-6 {
             warnings.push(format!(
-                "the balls of a turn leave a gap of {:.2} of a ball on this pitch circle",
+                "on this pitch circle the balls of a turn leave a gap of {:.2} ball diameters",
                 gap.fract()
             ));
         }
@@ -100,7 +100,7 @@ impl DesignReport {
             reasons
         } else {
             vec![format!(
-                "model {} has no efficiency for any screw that keeps the limits",
+                "model {} has no solution for any screw within the limits",
                 wish.model.name()
             )]
         };
@@ -244,7 +244,7 @@ fn blocks(Blocked { check, why }: &Blocked) -> String {
             )
         }
         Why::WholeBalls => format!(
-            "{rule}: the nearest screw with whole balls from stock has {}; fractions of balls would do",
+            "{rule}: the nearest screw with whole numbers of standard balls has {}; only fractions of balls would do",
             number(check.value)
         ),
     }

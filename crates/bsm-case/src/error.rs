@@ -77,7 +77,7 @@ pub enum CaseError {
         /// The nearest known one.
         nearest: Option<String>,
     },
-    /// A value of the lists of the catalogue that is none.
+    /// A value of the lists of the catalogue that is not a list.
     #[error("`{key}`: {what}")]
     NotAList {
         /// The key.
@@ -132,7 +132,7 @@ pub enum CaseError {
     /// Conformities that differ.
     #[error(
         "nut_conformity = {nut} and screw_conformity = {screw} differ; a design has one for both: give \
-         one of them"
+         only one of them"
     )]
     TwoConformities {
         /// At the nut.
@@ -160,13 +160,13 @@ pub enum CaseError {
         missing: Vec<String>,
     },
     /// Where to look for an input is not known.
-    #[error("`{key}` is not in the scene: tell with --range LOW:HIGH where to look for it")]
+    #[error("`{key}` is not in the scene: give the range to search with --range LOW:HIGH")]
     NoRange {
         /// The input.
         key: &'static str,
     },
-    /// A range that is none.
-    #[error("--range: `{key}` from {low} to {high} is no range of allowed values")]
+    /// A range that is empty or outside the allowed values.
+    #[error("--range: {low} to {high} is not a range of allowed values of `{key}`")]
     BadRange {
         /// The input.
         key: &'static str,
@@ -226,7 +226,7 @@ pub enum CaseError {
     /// Screw and nut turn together.
     #[error(
         "screw_speed_rpm = {screw_rpm} and nut_speed_rpm = {nut_rpm} are equal: their difference \
-         must not be 0, or nothing moves"
+         must not be 0"
     )]
     NoRelativeSpeed {
         /// Screw speed.
@@ -265,7 +265,7 @@ pub enum CaseError {
         key: String,
     },
     /// Both forms of the lead are varied.
-    #[error("lead_mm and lead_angle_deg are two forms of the same input; vary one of them")]
+    #[error("lead_mm and lead_angle_deg are two forms of the same input; vary only one of them")]
     VariedLeadTwice,
     /// A model does not cover what the scene asks for.
     #[error("`{key}` = {} must be {rule} for model {model}", exact(*value))]

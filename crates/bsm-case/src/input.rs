@@ -102,7 +102,7 @@ macro_rules! inputs {
             about: $about,
         },)*];
 
-        /// The address of an input: its place in [`INPUTS`] and in a [`Scene`].
+        /// The key of an input: its place in [`INPUTS`] and in a [`Scene`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
         pub enum InputKey {
@@ -199,41 +199,41 @@ inputs! {
     ball_poisson_ratio [""] Between(-1.0, 0.5), None,
         "Poisson's ratio of the ball, if it differs from the races";
     screw_speed_rpm ["rpm"] Any, None,
-        "screw speed about the axis; screw minus nut > 0 drives against the load, < 0 is back-driving";
+        "speed of the screw about the axis; screw minus nut speed > 0 drives against the load, < 0 is back-driving";
     nut_speed_rpm ["rpm"] Any, Some(0.0),
-        "nut speed about the axis";
+        "speed of the nut about the axis";
     axial_load_N ["N"] Above(0.0), None,
-        "axial load on the nut, all balls together";
+        "axial load on the nut, carried by all loaded balls together";
     loaded_balls [""] AtLeast(1.0), None,
         "number of balls that share the load equally";
     loaded_balls_per_turn [""] Above(0.0), None,
-        "loaded balls of one turn, for the ratings of a nut; may be a fraction";
+        "loaded balls per turn, for the load ratings of a nut; may be a fraction";
     loaded_turns [""] Above(0.0), None,
-        "loaded turns of a nut, for its ratings; may be a fraction";
+        "loaded turns of a nut, for its load ratings; may be a fraction";
     preload_N ["N"] Above(0.0), None,
-        "axial force between the two nuts of a preloaded pair, for its rigidity and life";
+        "preload, axial force between the two nuts of a preloaded pair, for its rigidity and rating life";
     nut_outer_diameter_mm ["mm"] Above(0.0), None,
-        "outer diameter of the nut, for its rigidity and mass; pitch circle and 4 balls unless given";
+        "outer diameter of the nut, for its rigidity and mass; pitch circle + 4 ball diameters unless given";
     nut_length_mm ["mm"] Above(0.0), None,
         "length of the nut, for its mass; loaded_turns + 3 leads unless given";
     speed_number_limit_mm_min ["mm/min"] Above(0.0), Some(70000.0),
-        "largest pitch circle diameter times speed that the return of the balls permits";
+        "largest speed number, pitch circle diameter times speed, that the ball return permits";
     race_yield_strength_MPa ["MPa"] Above(0.0), None,
         "yield strength of the races, for the margin of the contacts against yield";
     ball_yield_strength_MPa ["MPa"] Above(0.0), None,
         "yield strength of the balls, for the margin of the contacts against yield";
     lubricant_density_kg_m3 ["kg/m3"] Above(0.0), None,
-        "density of what fills the nut around the balls, for their drag";
+        "density of the lubricant around the balls, for their drag";
     drag_coefficient [""] AtLeast(0.0), None,
         "drag coefficient of a ball in the lubricant";
     apex_half_angle_deg ["deg"] Between(0.0, 90.0), None,
-        "half angle of the apex of the return curve that a ball meets, for jamming";
+        "half angle of the apex of the return curve, for jamming";
     return_angle_deg ["deg"] Between(0.0, 90.0), None,
-        "angle between the return channel and the track of the screw at the step that a ball meets, for jamming";
+        "angle between the return channel and the track of the screw at the step between them, for jamming";
     step_normal_force_N ["N"] Above(0.0), None,
-        "normal force of that step on the ball; that of an impact unless given";
+        "normal force of the step on the ball, for jamming; the impact force unless given";
     return_approach_speed_m_s ["m/s"] Above(0.0), None,
-        "speed at which a ball meets the returner; that of its travel in the nut unless given";
+        "speed at which a ball enters the ball return, for jamming; its speed in the nut unless given";
     return_stiffness_N_um15 ["N/um^1.5"] Above(0.0), None,
-        "Hertz stiffness of that impact; that of a ball on a flat of the steel of the races unless given";
+        "Hertz stiffness of the impact on the ball return, for jamming; that of a ball on a flat of race material unless given";
 }

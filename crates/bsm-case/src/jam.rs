@@ -19,7 +19,7 @@ const PER_UM15: f64 = 1e9;
 
 impl Analysis {
     /// Contact state with permanent approach, centrifugal force and drag, the wedge between the
-    /// races, and thrust in the returner against the friction that pushes the balls through it.
+    /// races, and thrust in the ball return against the friction that pushes the balls through it.
     ///
     /// # Errors
     ///
@@ -46,8 +46,8 @@ impl Analysis {
             report.blocks.push(block);
         } else {
             report.lacks.push(
-                "contact state and angle of the wedge: nut_conformity, screw_conformity and a \
-                 model with elastic contacts; without them the angles are equal"
+                "contact state and wedge angle: nut_conformity, screw_conformity and a model with \
+                 elastic contacts; without them the contact angles are equal"
                     .to_owned(),
             );
         }
@@ -81,7 +81,7 @@ impl Analysis {
             settled.permanent.map(|d| d / UM),
         );
         let total = [0, 1].map(|i| (settled.elastic[i] + settled.permanent[i]) / UM);
-        line("total_approach_um", "um", "together", total);
+        line("total_approach_um", "um", "total approach", total);
         let pressures = pressures(&screw, settled.loads).map_err(|reason| failed(&reason))?;
         line(
             "settled_pressure_MPa",
@@ -95,11 +95,11 @@ impl Analysis {
         ];
         if let Some([races, balls]) = self.need("margin against yield", strengths) {
             let ratios = pressures.map(|p| yield_ratio(p / MPA, (races, balls)));
-            line("yield_ratio", "", "over that of first yield", ratios);
+            line("yield_ratio", "", "pressure over that of first yield", ratios);
             let yields = ratios.iter().any(|ratio| *ratio > 1.0);
             let words = format!(
-                "the largest pressure is {:.2} (nut) and {:.2} (screw) of that at which steel first \
-                 yields below the surface",
+                "the largest pressure is {:.2} (nut) and {:.2} (screw) times the pressure at which \
+                 the steel first yields below the surface",
                 ratios[0], ratios[1]
             );
             self.verdicts.push(("contacts_yield", yields, words));
@@ -108,11 +108,11 @@ impl Analysis {
     }
 
     fn inertia_and_drag(&mut self, scene: &Scene, solved: &MovingBall, wedge: &Wedge<f64>) {
-        let mut block = Block::new("forces of the motion, per ball");
+        let mut block = Block::new("inertia and drag forces, per ball");
         let (ball, load) = (&solved.ball, wedge.loads[0].min(wedge.loads[1]));
         let to_nut = ball.motion.precession - ball.drive.nut_speed;
         let spin = ball.motion.omega.norm();
-        block.whole("orbit_rate_rad_s", "rad/s", "orbit of the ball in the nut", to_nut);
+        block.whole("orbit_rate_rad_s", "rad/s", "orbital speed of the ball in the nut", to_nut);
         block.whole("ball_omega_rad_s", "rad/s", "rotation of the ball", spin);
         block.whole("centrifugal_force_N", "N", "centrifugal force", wedge.centrifugal);
         let share = wedge.centrifugal / load;
@@ -139,7 +139,7 @@ impl Analysis {
         block.whole(
             "wedge_angle_deg",
             "deg",
-            "contact angle, screw less nut",
+            "contact angle, screw minus nut",
             wedge.opening() / DEG,
         );
         let [nut, screw] = wedge.across();
@@ -149,10 +149,10 @@ impl Analysis {
             "friction across the groove",
             [Some(nut), Some(screw), None],
         );
-        block.whole("holding_force_N", "N", "what holds the ball", holding);
-        block.whole("expelling_force_N", "N", "what pushes it out", expelling);
+        block.whole("holding_force_N", "N", "force that holds the ball", holding);
+        block.whole("expelling_force_N", "N", "force that pushes it out", expelling);
         if expelling > ROUNDING * holding {
-            block.whole("locking_ratio", "", "the one over the other", holding / expelling);
+            block.whole("locking_ratio", "", "holding over expelling force", holding / expelling);
         }
         // Without slip across the grooves no friction holds the ball, and there is no such number.
         for (key, about, number) in [
@@ -172,8 +172,7 @@ impl Analysis {
             if locks { "reaches" } else { "is below" },
             match critical {
                 0.0 => "0".to_owned(),
-                f64::INFINITY =>
-                    "which no friction reaches without slip across the grooves".to_owned(),
+                f64::INFINITY => "infinite without slip across the grooves".to_owned(),
                 _ => format!("{critical:.2e}"),
             },
             if locks { "holds" } else { "cannot hold" },
@@ -182,7 +181,7 @@ impl Analysis {
     }
 
     fn returner(&mut self, scene: &Scene, solved: &MovingBall, contacts: [MovingContact; 2]) {
-        let mut block = Block::new("returner");
+        let mut block = Block::new("ball return");
         let case = scene.reader().rigid();
         let ball = &solved.ball;
         let speed = scene.return_approach_speed_m_s.unwrap_or_else(|| {
@@ -197,7 +196,12 @@ impl Analysis {
             |k| k * PER_UM15,
         );
         let impact = impact_force(case.ball.mass, speed, stiffness);
-        block.whole("return_approach_speed_m_s", "m/s", "speed of approach", speed);
+        block.whole(
+            "return_approach_speed_m_s",
+            "m/s",
+            "speed of the ball at the ball return",
+            speed,
+        );
         block.whole("impact_force_N", "N", "force of the impact", impact);
         let apex = [("apex_half_angle_deg", scene.apex_half_angle_deg)];
         let apex = self.need("thrust at the apex of the return curve", apex).map(|[angle]| {
@@ -214,7 +218,8 @@ impl Analysis {
             thrust
         });
         let turn = [("loaded_balls_per_turn", scene.loaded_balls_per_turn)];
-        if let Some([balls]) = self.need("friction that pushes through the returner", turn) {
+        if let Some([balls]) = self.need("friction that pushes the balls through the return", turn)
+        {
             let at =
                 |slip_angle: fn(&MovingContact) -> f64| contacts.map(|c| (c.load, slip_angle(&c)));
             let largest =
@@ -224,15 +229,25 @@ impl Analysis {
             block.whole(
                 "available_friction_N",
                 "N",
-                "friction along the track, of a turn",
+                "friction along the track, of one turn",
                 available,
             );
-            block.whole("largest_friction_N", "N", "if all of it pointed there", largest);
+            block.whole(
+                "largest_friction_N",
+                "N",
+                "if all friction pointed along the track",
+                largest,
+            );
             if let Some(thrust) = apex.into_iter().chain(step).reduce(f64::max) {
                 if thrust > 0.0 {
                     let margins = [available, largest].map(|friction| friction / thrust);
                     block.whole("returner_margin", "", "friction over thrust", margins[0]);
-                    block.whole("largest_margin", "", "if all of it pointed there", margins[1]);
+                    block.whole(
+                        "largest_margin",
+                        "",
+                        "if all friction pointed along the track",
+                        margins[1],
+                    );
                 }
                 self.jams(thrust, available, largest);
             }
@@ -246,21 +261,21 @@ impl Analysis {
             format!("friction pushes with {available:.3} N against a thrust of {thrust:.3} N")
         } else if thrust >= largest {
             format!(
-                "the thrust of {thrust:.3} N is more than all friction of a turn, {largest:.3} N"
+                "the thrust of {thrust:.3} N is more than all friction of one turn, {largest:.3} N"
             )
         } else {
             format!(
-                "by the published criterion: in the steady motion friction along the track is \
-                 {available:.3} N against a thrust of {thrust:.3} N; balls that are held up slide \
-                 along the track, and then up to {largest:.3} N push"
+                "by the published criterion: in the steady motion the friction along the track is \
+                 {available:.3} N against a thrust of {thrust:.3} N. Balls that are stopped slide \
+                 along the track; the friction is then up to {largest:.3} N"
             )
         };
         self.verdicts.push(("jams", jams, words));
         if jams && thrust < largest && available == 0.0 {
             self.warnings.push(format!(
                 "the balls of model {} roll: friction along the track is zero at the contact \
-                 centres, and the published criterion finds a jam whatever the thrust; \
-                 largest_margin is what a ball that is held up has",
+                 centres, and the published criterion finds a jam at any thrust; \
+                 largest_margin is the margin of balls that are stopped and slide",
                 self.model.name()
             ));
         }

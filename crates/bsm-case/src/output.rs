@@ -17,7 +17,7 @@ pub enum Cell {
     Flag(bool),
     /// A race, as text.
     Race(Control),
-    /// What says that there is no solution, as text.
+    /// How sure it is that there is no solution, as text.
     Evidence(Evidence),
 }
 
@@ -115,11 +115,11 @@ fn motion(solution: &Solution) -> Option<Motion<f64>> {
 }
 
 outputs! {
-    efficiency [""] Number(|s| s.efficiency()), "power out over power in; negative: self-locking";
-    screw_torque_Nm ["N m"] Number(|s| transmission(s)?.screw_torque), "torque on the screw that holds the steady state, all balls";
+    efficiency [""] Number(|s| s.efficiency()), "output power over input power; negative: self-locking";
+    screw_torque_Nm ["N m"] Number(|s| transmission(s)?.screw_torque), "torque on the screw in the steady state, all balls";
     nut_normal_load_N ["N"] Number(|s| s.contact(Nut)?.load), "normal load of a ball on the nut";
     screw_normal_load_N ["N"] Number(|s| s.contact(Screw)?.load), "normal load of a ball on the screw";
-    minor_normal_load_N ["N"] Number(|s| s.contact(NutMinor)?.load), "normal load of a ball on the opposite flank of the nut";
+    minor_normal_load_N ["N"] Number(|s| s.contact(NutMinor)?.load), "normal load of a ball on the minor contact, the opposite flank of the nut";
     nut_contact_angle_deg ["deg"] Number(|s| Some(s.contact(Nut)?.angle / DEG)), "contact angle at the nut";
     screw_contact_angle_deg ["deg"] Number(|s| Some(s.contact(Screw)?.angle / DEG)), "contact angle at the screw";
     nut_slip_angle_deg ["deg"] Number(|s| Some(direction_deg(s.contact(Nut)?.slip_angle?))), "direction of friction on the ball at the nut";
@@ -128,9 +128,9 @@ outputs! {
     nut_slip_velocity_m_s ["m/s"] Number(|s| Some(s.contact(Nut)?.slip?.speed)), "slip speed at the nut";
     screw_slip_velocity_m_s ["m/s"] Number(|s| Some(s.contact(Screw)?.slip?.speed)), "slip speed at the screw";
     minor_slip_velocity_m_s ["m/s"] Number(|s| Some(s.contact(NutMinor)?.slip?.speed)), "slip speed at the minor contact";
-    nut_spin_rad_s ["rad/s"] Number(|s| Some(s.contact(Nut)?.slip?.spin)), "spin about the contact normal, against the nut";
-    screw_spin_rad_s ["rad/s"] Number(|s| Some(s.contact(Screw)?.slip?.spin)), "spin about the contact normal, against the screw";
-    ball_precession_rad_s ["rad/s"] Number(|s| Some(motion(s)?.precession)), "rate of the ball centre about the screw axis";
+    nut_spin_rad_s ["rad/s"] Number(|s| Some(s.contact(Nut)?.slip?.spin)), "spin about the contact normal, relative to the nut";
+    screw_spin_rad_s ["rad/s"] Number(|s| Some(s.contact(Screw)?.slip?.spin)), "spin about the contact normal, relative to the screw";
+    ball_precession_rad_s ["rad/s"] Number(|s| Some(motion(s)?.precession)), "precession, the angular velocity of the ball centre about the screw axis";
     ball_omega_t_rad_s ["rad/s"] Number(|s| Some(motion(s)?.omega.x)), "angular velocity of the ball along the helix";
     ball_omega_n_rad_s ["rad/s"] Number(|s| Some(motion(s)?.omega.y)), "angular velocity of the ball towards the axis";
     ball_omega_b_rad_s ["rad/s"] Number(|s| Some(motion(s)?.omega.z)), "angular velocity of the ball along the binormal";
@@ -143,21 +143,21 @@ outputs! {
     nut_approach_um ["um"] Number(|s| Some(s.contact(Nut)?.pressed?.approach / UM)), "elastic approach at the nut";
     screw_approach_um ["um"] Number(|s| Some(s.contact(Screw)?.pressed?.approach / UM)), "elastic approach at the screw";
     axial_displacement_um ["um"] Number(|s| Some(s.solved()?.ball.axial_displacement? / UM)), "axial displacement of the nut";
-    input_power_W ["W"] Number(|s| Some(transmission(s)?.power?.input)), "power put in, all balls";
-    output_power_W ["W"] Number(|s| Some(transmission(s)?.power?.output)), "power got out, all balls";
-    dissipated_power_W ["W"] Number(|s| Some(transmission(s)?.power?.dissipated)), "power lost, all balls";
-    power_balance [""] Number(|s| transmission(s)?.power_balance), "relative violation of the power balance, an identity at any root";
+    input_power_W ["W"] Number(|s| Some(transmission(s)?.power?.input)), "input power, all balls";
+    output_power_W ["W"] Number(|s| Some(transmission(s)?.power?.output)), "output power, all balls";
+    dissipated_power_W ["W"] Number(|s| Some(transmission(s)?.power?.dissipated)), "dissipated power, all balls";
+    power_balance [""] Number(|s| transmission(s)?.power_balance), "relative error of the power balance, rounding only at an exact solution";
     iterations [""] Count(|s| Some(s.solved()?.info?.steps)), "Newton steps";
-    residual_norm [""] Number(|s| Some(s.solved()?.info?.residual)), "scaled residual";
-    skid_number [""] Number(|s| s.solved()?.skid?.skid_number), "gyroscopic over friction moment of the gripping ball";
-    onset_number [""] Number(|s| s.solved()?.skid?.onset_number()), "skid number of a ball whose friction is spent on the slip of the lead: below 0.1 it grips, above 2 it skids";
-    efficiency_error_bound [""] Number(|s| Some(s.choice?.error_bound)), "bound of the error of the efficiency against model traction, kept by 99 % of all points (model auto)";
-    self_locking [""] Flag(|s| s.self_locking()), "true if the screw locks itself in this direction";
-    controlling_race [""] Race(|s| Some(s.solved()?.control?.race)), "race at which the ball does not spin (raceway control)";
-    control_consistent [""] Flag(|s| s.solved()?.control?.consistent), "true if the controlling race has the larger spin friction moment at this solution; false where neither race has it at its own";
-    other_solutions [""] Count(|s| Some(s.solved()?.others?.count)), "other steady motions that the equations of the model are known to have at this point; null: none was looked for, or the search was lost";
-    other_solution_efficiency [""] Number(|s| s.solved()?.others?.farthest_efficiency), "efficiency of the other solution whose efficiency differs most";
-    evidence [""] Evidence(|s| s.evidence()), "what says that there is no solution: a proof; a bound on what an expansion leaves out; a curve with all solutions on it, traced in steps; or random starts besides (sampled)";
+    residual_norm [""] Number(|s| Some(s.solved()?.info?.residual)), "scaled residual of the equations";
+    skid_number [""] Number(|s| s.solved()?.skid?.skid_number), "gyroscopic moment over friction moment of a ball that grips";
+    onset_number [""] Number(|s| s.solved()?.skid?.onset_number()), "skid onset number, the skid number times a factor for the friction that the slip of the lead takes: below 0.1 the ball grips, above 2 it skids";
+    efficiency_error_bound [""] Number(|s| Some(s.choice?.error_bound)), "bound of the error of the efficiency against model traction; it holds for 99 % of all points (model auto)";
+    self_locking [""] Flag(|s| s.self_locking()), "true if the screw is self-locking in this direction";
+    controlling_race [""] Race(|s| Some(s.solved()?.control?.race)), "race on which the ball does not spin (raceway control)";
+    control_consistent [""] Flag(|s| s.solved()?.control?.consistent), "true if the controlling race has the larger spin friction moment at this solution; false where neither race has it at its own solution";
+    other_solutions [""] Count(|s| Some(s.solved()?.others?.count)), "number of other steady motions known at this point; null: unknown, as no search was made or it was lost";
+    other_solution_efficiency [""] Number(|s| s.solved()?.others?.farthest_efficiency), "efficiency of the other steady motion whose efficiency differs most";
+    evidence [""] Evidence(|s| s.evidence()), "how sure no_solution is: proof; bound (an expansion whose error is smaller than what decides); traced (a curve that contains all solutions was followed in steps of finite size); sampled (also random starts found none)";
 }
 
 #[cfg(test)]

@@ -107,7 +107,7 @@ impl Record {
             }
             (_, Some(SlipRegime::Grips)) => "rolling, the balls grip",
             (Model::RacewayControl, _) => "skidding: raceway control does not hold",
-            (_, Some(SlipRegime::SkidsPartly)) => "partial skid, between rolling and sliding",
+            (_, Some(SlipRegime::SkidsPartly)) => "partial skid, between rolling and gross skid",
             _ => "gross skid, friction nearly saturated",
         })
     }
@@ -118,19 +118,19 @@ impl Record {
         let bound = choice.error_bound;
         let why = match choice.basis {
             Basis::NoWorseThanSliding => {
-                "even the whole loss of sliding balls is no more".to_owned()
+                "even the whole loss of skidding balls is no larger".to_owned()
             }
             Basis::Grips { onset_number } if bound > choice.tolerance => format!(
-                "no finer model has an answer here; raceway control, with a skid onset number of {onset_number:.2e}"
+                "no more accurate model has a result here; raceway control, with a skid onset number of {onset_number:.2e}"
             ),
             Basis::Grips { onset_number } => {
                 format!("the balls grip, skid onset number {onset_number:.2e}")
             }
             Basis::Skids { onset_number } => {
-                format!("the balls slide, skid onset number {onset_number:.1}")
+                format!("the balls skid, skid onset number {onset_number:.1}")
             }
             Basis::Integrated { order } => format!(
-                "no cheaper model is that exact here; friction integrated with order {order}"
+                "no faster model is that accurate here; friction integrated with order {order}"
             ),
             other => format!("{other:?}"),
         };
@@ -149,9 +149,9 @@ impl Record {
                 format!(", slip {:.0} m/s at the minor contact", slip.speed)
             });
             warnings.push(format!(
-                "ball spin {:.2e} rad/s{minor}: saturated friction is the gross-skid limit; a \
-                 loaded ball that grips rolls, with less loss; model traction tells, it needs \
-                 nut_conformity and screw_conformity",
+                "ball spin {:.2e} rad/s{minor}: this model assumes gross skid; a loaded ball that \
+                 grips rolls, with less loss. Model traction covers both; it needs nut_conformity \
+                 and screw_conformity",
                 spin.abs()
             ));
         }
@@ -161,7 +161,7 @@ impl Record {
         {
             warnings.push(format!(
                 "skid onset number {onset:.2}: above {GRIPS_BELOW} the balls begin to skid, which \
-                 raceway control excludes; use model traction"
+                 raceway control does not cover; use model traction"
             ));
         }
         warnings.extend(self.ambiguities());
@@ -169,8 +169,8 @@ impl Record {
             && error_bound > tolerance
         {
             warnings.push(format!(
-                "tolerance {tolerance:.1e} is not met: the best model here has an error of up to \
-                 {error_bound:.1e}"
+                "tolerance {tolerance:.1e} is not met: the error bound of the most accurate model \
+                 here is {error_bound:.1e}"
             ));
         }
         let pressed = |site| solution.contact(site).and_then(|contact| contact.pressed);
@@ -179,8 +179,8 @@ impl Record {
         let pressure = pressures[0].max(pressures[1]);
         if pressure > MARKS_ABOVE {
             warnings.push(format!(
-                "pressure {:.0} MPa: above {:.0} MPa balls leave permanent marks (ISO 76), the \
-                 contacts here are elastic",
+                "pressure {:.0} MPa: above {:.0} MPa balls leave permanent marks (ISO 76); the \
+                 models have elastic contacts only",
                 pressure / MPA,
                 MARKS_ABOVE / MPA
             ));
@@ -191,10 +191,10 @@ impl Record {
         if solution.self_locking() == Some(true) {
             warnings.push(match solution.efficiency() {
                 Some(eta) => format!(
-                    "efficiency {eta:.4} is not positive: the screw does not move by itself in \
-                     this direction"
+                    "efficiency {eta:.4} is not positive: the screw is self-locking in this \
+                     direction"
                 ),
-                None => "the screw locks itself in this direction".to_owned(),
+                None => "the screw is self-locking in this direction".to_owned(),
             });
         }
         warnings
@@ -210,25 +210,24 @@ impl Record {
         if let Some(Others { count, farthest_efficiency: Some(eta) }) = self.others() {
             let which = match self.model {
                 ModelChoice::Fixed(Model::RacewayControl) => {
-                    "this is the one of the smallest difference of the contact angles, and under \
-                     nut control if both races can control"
+                    "this is the one with the smallest difference of the contact angles, under nut \
+                     control if both races can control"
                 }
-                _ => "this is the first that a ball of growing inertia meets",
+                _ => "this is the first one as the inertia of the ball grows from zero",
             };
             let motions = if count == 1 { "motion solves" } else { "motions solve" };
             warnings.push(format!(
-                "{count} other steady {motions} the equations of this point, with efficiency \
-                 {eta:.6} farthest from this one; {which}. Where an input is varied the results may \
-                 step from one to another"
+                "{count} other steady {motions} the equations of this point; the efficiency that \
+                 differs most is {eta:.6}; {which}. In a sweep the results may step from one to \
+                 another"
             ));
         }
         let control = self.solved().and_then(|solved| solved.control);
         if let Some(RaceControl { race, consistent: Some(false) }) = control {
             let race = race.name();
             warnings.push(format!(
-                "neither race has the larger spin friction moment at its own solution, so that \
-                 neither controls; this is the solution under {race} control, and --control sets \
-                 the race"
+                "neither race has the larger spin friction moment at its own solution, so neither \
+                 controls; this is the solution under {race} control. --control sets the race"
             ));
         }
         warnings
@@ -246,13 +245,14 @@ impl Record {
                 format!(
                     "the contact ellipse at the {member} reaches from {from:.0} to {to:.0} deg \
                      around the ball, beyond the 0 to 90 deg of a groove's flank, which would cut it \
-                     off: Hertz's contact is no good here; check the load, or take more or larger balls"
+                     off: Hertz's theory does not hold here. Check the load, or take more or larger \
+                     balls"
                 )
             })
         })
     }
 
-    /// JSON object with the names of the vocabulary; what a model has not is null.
+    /// JSON object with the names of the vocabulary; what a model does not give is null.
     pub fn to_json(&self) -> Map<String, Value> {
         let mut map = Map::new();
         map.insert("model".to_owned(), json!(self.model().name()));
@@ -283,7 +283,7 @@ pub(crate) fn message(reason: &Reason) -> String {
              lower friction_coefficient"
         ),
         Reason::FrictionHoldsLoad { load_ratio } => format!(
-            "self-locking: the balance would need a normal load of {load_ratio:.3e} of the axial \
+            "self-locking: the balance would need a normal load of {load_ratio:.3e} times the axial \
              load; friction holds any load. Raise contact_angle_deg or lower friction_coefficient"
         ),
         Reason::NutContactWouldRoll { slip, exact, critical_lead_angle } => {
@@ -293,77 +293,81 @@ pub(crate) fn message(reason: &Reason) -> String {
                 |angle| format!("the critical lead angle of this point is {:.4} deg", angle / DEG),
             );
             format!(
-                "the slip at the nut would have to be {slip:.3e} r_b |W|, negative ({how}): the \
-                 ball rolls on the nut there, which equations with saturated friction exclude; \
+                "the slip at the nut would have to be negative, {slip:.3e} r_b |W| ({how}): the ball \
+                 rolls on the nut, which this model with saturated friction does not cover; \
                  {critical}"
             )
         }
         Reason::MinorContactWouldPull { load_ratio } => format!(
-            "the minor contact would have to pull: its load would be {load_ratio:.3e} of the axial \
-             load"
+            "the minor contact would have to pull the ball: its normal load would be \
+             {load_ratio:.3e} times the axial load"
         ),
         Reason::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio } => format!(
-            "a loaded contact would have to pull: loads of {nut_load_ratio:.3e} (nut) and \
-             {screw_load_ratio:.3e} (screw) of the axial load"
+            "a loaded contact would have to pull the ball: normal loads of {nut_load_ratio:.3e} \
+             (nut) and {screw_load_ratio:.3e} (screw) times the axial load"
         ),
         Reason::BallLeavesFlank { nut, screw } => format!(
             "the ball leaves its flanks: contact angles of {:.2} deg (nut) and {:.2} deg (screw), \
-             beyond 0 to 90 deg, where other flanks would carry. Raise axial_load_N or lower the \
-             speed or the friction",
+             outside 0 to 90 deg, where other flanks would carry the load. Raise axial_load_N, or \
+             lower the speed or the friction coefficient",
             nut / DEG,
             screw / DEG
         ),
         Reason::FlanksCannotHold { control, held, centrifugal } => format!(
-            "the ball leaves its flanks: at no contact angles between 0 and 90 deg do they hold the \
-             centrifugal force. At most they hold {held:.3e} of the axial load, where it is \
-             {centrifugal:.3e} with the {} in control. Raise axial_load_N or lower the speed",
+            "the ball leaves its flanks: they cannot hold the centrifugal force at any contact \
+             angles between 0 and 90 deg. With the {} in control they hold at most {held:.3e} times \
+             the axial load; the centrifugal force there is {centrifugal:.3e} times the axial load. \
+             Raise axial_load_N or lower the speed",
             control.name()
         ),
         Reason::SlipAlongFriction { slip } => format!(
-            "wherever the forces of sliding balls balance, a slip points along friction; without \
-             inertia the one at the nut is {slip:.3e} r_b |W|. The balls roll there: see model traction"
+            "no skidding ball has balanced forces and friction against the slip at both contacts; \
+             without inertia the slip at the nut would be {slip:.3e} r_b |W|. The balls roll here: \
+             use model traction"
         ),
         Reason::NoSkidAtInertia { inertia, least, most } => format!(
-            "m r_m W^2 is {inertia:.3e} of the axial load, and no ball slides on both flanks there; \
-             those that do have between {least:.3e} and {most:.3e} of it. Change axial_load_N or the speed"
+            "inertia forces over axial load, m r_m W^2/F_a, are {inertia:.3e}; balls that skid on \
+             both flanks exist only from {least:.3e} to {most:.3e}. Change axial_load_N or the speed"
         ),
         Reason::SearchLost => {
-            "the search for a steady motion was lost before its end: none is found, \
-             and none excluded. Vary the point a little, or take another model"
+            "the search for a steady motion was lost before its end: none was found, but \
+             one may exist. Change the inputs a little, or take another model"
                 .to_owned()
         }
         Reason::CurvaturesNotHertzian { along, across } => format!(
             "relative curvatures of {along:.3e} 1/m along and {across:.3e} 1/m across the groove give \
-             no contact ellipse across the groove; set nut_conformity and screw_conformity towards 0.52"
+             no contact ellipse with its long axis across the groove; set nut_conformity and screw_conformity towards 0.52"
         ),
         Reason::NoRootAtInertia { inertia_ratio, nearest } => format!(
             "a search over all directions of slip finds no steady motion with saturated friction: \
-             inertia forces over axial load, m r_m W^2/F_a, are {inertia_ratio:.3e}, and the nearest \
-             that allow one {nearest:.3e}. Change axial_load_N or the speed"
+             inertia forces over axial load, m r_m W^2/F_a, are {inertia_ratio:.3e}; the nearest \
+             value with a solution is {nearest:.3e}. Change axial_load_N or the speed"
         ),
         Reason::Refused { error } => error.to_string(),
         Reason::BallDoesNotCircle => {
-            "the ball would not circle about the axis (precession 0), and \
-             has no gyroscopic moment that could carry the friction couple"
+            "the ball would not move around the axis (precession 0), and a ball \
+             without precession has no gyroscopic moment to balance the friction moment"
                 .to_owned()
         }
         Reason::InertiaOutOfRange { inertia_ratio } => format!(
-            "the inertia forces over the load are {inertia_ratio:e}, beyond double precision; \
+            "inertia forces over axial load are {inertia_ratio:e}, beyond double precision; \
              check screw_speed_rpm, nut_speed_rpm and axial_load_N"
         ),
         Reason::Frictionless => {
             "friction_coefficient must be > 0 (at least 1e-12) for this model: without \
-             friction nothing fixes the rotation of the ball"
+             friction the rotation of the ball is not determined"
                 .to_owned()
         }
         Reason::NoRelativeSpeed => {
-            "screw_speed_rpm - nut_speed_rpm = 0 must not be 0: nothing moves".to_owned()
+            "screw_speed_rpm - nut_speed_rpm must not be 0: nothing moves".to_owned()
         }
         Reason::DualDrive => "model quasi-static covers a turning screw or a turning nut, not \
              both; set one of screw_speed_rpm and nut_speed_rpm to 0"
             .to_owned(),
         Reason::PowerDoesNotBalance { imbalance } => {
-            format!("rounding has eaten the result: the powers differ by {imbalance:.1e}")
+            format!(
+                "rounding errors are too large: relative error of the power balance {imbalance:.1e}"
+            )
         }
         Reason::Newton { status, worst_equation, .. } if worst_equation.is_empty() => {
             status.describe().to_owned()

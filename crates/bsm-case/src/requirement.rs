@@ -29,48 +29,54 @@ pub const REQUIREMENT_INPUTS: &[Input] = &[
         "mm",
         Rule::Above(0.0),
         None,
-        "way of the nut; the screw is longer by the nut",
+        "stroke of the nut; the screw is longer by the length of the nut, or give screw_length_mm",
     ),
-    input("life_h", "h", Rule::Above(0.0), None, "life that 90 % of the screws must reach"),
-    input("least_efficiency", "", Rule::Between(0.0, 1.0), None, "least efficiency"),
+    input(
+        "life_h",
+        "h",
+        Rule::Above(0.0),
+        None,
+        "rating life, which 90 % of the screws must reach",
+    ),
+    input("least_efficiency", "", Rule::Between(0.0, 1.0), None, "smallest efficiency allowed"),
     input(
         "pressure_limit_MPa",
         "MPa",
         Rule::Above(0.0),
         Some(4200.0),
-        "largest Hertz pressure (ISO 76)",
+        "largest Hertz pressure allowed (ISO 76)",
     ),
     input(
         "largest_pitch_circle_diameter_mm",
         "mm",
         Rule::Above(0.0),
         Some(125.0),
-        "room for the screw",
+        "largest pitch circle diameter allowed",
     ),
     input(
         "largest_loaded_turns",
         "",
         Rule::AtLeast(2.0),
         Some(6.0),
-        "most turns of loaded balls, 12 at most",
+        "largest number of loaded turns allowed, 12 at most",
     ),
     input(
         "largest_ball_over_lead",
         "",
         Rule::Above(0.0),
         Some(0.7),
-        "ball diameter over lead: what is left is the land between the grooves",
+        "largest ball diameter over lead; the rest of the lead is the land between the grooves",
     ),
 ];
 
-/// Keys with words, and the words that they take; the first is what is taken unless one is given.
+/// Keys with words, and their possible words; the first is the default.
 pub const REQUIREMENT_WORDS: [(&str, &[&str], &str); 3] = [
     ("motion", &["rotary-to-linear", "linear-to-rotary"], "which side drives"),
-    ("objective", &["efficiency", "capacity", "mass"], "what the free numbers are chosen for"),
+    ("objective", &["efficiency", "capacity", "mass"], "what the search optimises"),
     (
         "model",
         &["traction", "elastic", "raceway-control", "rigid", "quasi-static", "closed-form"],
-        "model that tells the efficiency",
+        "model for the efficiency",
     ),
 ];
 

@@ -129,7 +129,7 @@ pub(crate) fn not_covered(model: Model, scene: &Scene) -> CaseError {
         Model::QuasiStatic => (InputKey::nut_speed_rpm, "0 while the screw turns (no dual drive)"),
         _ => (
             InputKey::friction_coefficient,
-            "> 0 (without friction nothing fixes the rotation of the ball)",
+            "> 0 (without friction the rotation of the ball is not determined)",
         ),
     };
     let value = scene.value_or_default(key).unwrap_or(f64::NAN);

@@ -80,7 +80,7 @@ pub fn output_schema() -> Value {
     json!({
         "$schema": DIALECT,
         "title": "bsm result",
-        "description": "answer of a model at one operating point; what the model does not have is null",
+        "description": "result of a model at one operating point; null where the model has no such output",
         "type": "object",
         "properties": properties,
         "required": required,

@@ -32,7 +32,7 @@ impl Analysis {
         report.blocks = vec![between(&solved), at_contacts(&solved)];
         if solved.contacts[0].is_some_and(|c| c.semi_axes.is_none()) {
             report.lacks.push(
-                "speeds of the spin at the end of the contact ellipses: nut_conformity, \
+                "spin slip at the ends of the contact ellipses: nut_conformity, \
                  screw_conformity and a model with elastic contacts"
                     .to_owned(),
             );
@@ -45,8 +45,8 @@ impl Analysis {
         let difference = powers.total() / dissipated - 1.0;
         if difference.abs() > POWERS_AGREE {
             report.warnings.push(format!(
-                "friction at the contacts takes {:.6e} W, the model dissipates {dissipated:.6e} W: \
-                 the parts of the power do not add up here",
+                "the friction power of the contacts is {:.6e} W, but the model dissipates \
+                 {dissipated:.6e} W: the parts do not add up here",
                 powers.total()
             ));
         }
@@ -59,7 +59,7 @@ fn between(solved: &MovingBall) -> Block {
     let ball = &solved.ball;
     let mut block = Block::new("slip between neighbouring balls");
     block.whole("ball_slip_published_m_s", "m/s", "as published", ball.ball_slip_published());
-    block.whole("ball_slip_m_s", "m/s", "speed of their surfaces", ball.ball_slip());
+    block.whole("ball_slip_m_s", "m/s", "slip speed of their surfaces", ball.ball_slip());
     block
 }
 
@@ -72,7 +72,9 @@ fn at_contacts(solved: &MovingBall) -> Block {
     line("differential_slip_m_s", "m/s", "differential slip, at the centre", &|c| {
         ball.differential_slip(&c.touch)
     });
-    line("slide_roll_ratio", "", "over the rolling speed", &|c| ball.slide_roll_ratio(&c.touch));
+    line("slide_roll_ratio", "", "differential slip over rolling speed", &|c| {
+        ball.slide_roll_ratio(&c.touch)
+    });
     line("rolling_speed_m_s", "m/s", "rolling speed", &|c| ball.rolling_speed(&c.touch));
     line("spin_slip_published_m_s", "m/s", "spin slip as published", &|c| {
         ball.spin_slip_published(&c.touch)
@@ -81,7 +83,7 @@ fn at_contacts(solved: &MovingBall) -> Block {
     line("orbit_slip_published_m_s", "m/s", "orbit slip as published", &|c| {
         ball.orbit_slip_published(&c.touch)
     });
-    line("orbit_spin_rad_s", "rad/s", "part of the orbit in the spin", &|c| {
+    line("orbit_spin_rad_s", "rad/s", "part of the spin from the orbit", &|c| {
         ball.orbit_spin(&c.touch)
     });
     let rim = |rate: &dyn Fn(&MovingContact) -> f64| {
@@ -93,7 +95,7 @@ fn at_contacts(solved: &MovingBall) -> Block {
     let spin = rim(&|c| ball.spin(&c.touch));
     let orbit = rim(&|c| ball.orbit_spin(&c.touch));
     block.contacts("spin_slip_m_s", "m/s", "spin at the end of the ellipse", spin);
-    block.contacts("orbit_slip_m_s", "m/s", "part of the orbit in it", orbit);
+    block.contacts("orbit_slip_m_s", "m/s", "part of it from the orbit", orbit);
     block
 }
 
@@ -152,14 +154,14 @@ impl Powers {
     }
 
     fn block(&self, dissipated: f64, difference: f64) -> Block {
-        let mut block = Block::new("power of friction, all balls");
+        let mut block = Block::new("friction power, all balls");
         let mut line = |key, about, number: fn(&SlipPower<f64>) -> f64| {
             block.contacts(key, "W", about, self.0.map(|p| p.as_ref().map(number)));
         };
         line("centre_power_W", "on the slip at the centre", |p| p.centre);
         line("spin_power_W", "on the spin", |p| p.spin);
         line("curvature_power_W", "on the slip of the curved surface", |p| p.curvature);
-        line("friction_power_W", "together", SlipPower::total);
+        line("friction_power_W", "friction power", SlipPower::total);
         block.whole("friction_power_W", "W", "all contacts", self.total());
         block.whole("dissipated_power_W", "W", "dissipated by the model", dissipated);
         if difference.is_finite() {

@@ -10,14 +10,14 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// What the exit codes mean, at the end of every help text.
-const EXIT_CODES: &str = "Exit codes: 0 all solved and all checks passed; 1 a problem of files, disk, \
+const EXIT_CODES: &str = "Exit codes: 0 all solved and all checks passed; 1 a problem with files, disk, \
                           threads or memory; 2 bad input or usage; 3 no solution, not converged, or \
-                          a check failed; 128 and the number of the signal if interrupted.";
+                          a check failed; 128 plus the number of the signal if interrupted.";
 
 /// Steady motion of the balls of a ball screw: loads, slip, spin, torque, efficiency.
 ///
 /// A scene is a JSON file of inputs whose names carry their units (`bsm schema input` lists
-/// them). Try: bsm solve examples/lin1994.json
+/// them). Try: bsm solve examples/feed_drive.json
 #[derive(Debug, Parser)]
 #[command(name = "bsm", version, propagate_version = true, arg_required_else_help = true)]
 #[command(after_help = EXIT_CODES)]
@@ -31,53 +31,54 @@ pub(crate) enum Command {
     /// Solve one operating point.
     #[command(after_help = EXIT_CODES)]
     Solve(SolveArgs),
-    /// Solve one operating point with every model that it has inputs for, side by side; exit code 3
+    /// Solve one operating point with every model whose inputs are given, side by side; exit code 3
     /// if one of them has no solution.
     #[command(after_help = EXIT_CODES)]
     Compare(CompareArgs),
-    /// Solve a full grid over one or more inputs, into a table and a plot.
+    /// Vary one or more inputs over a full grid; write a table and a plot.
     #[command(after_help = EXIT_CODES)]
     Sweep(SweepArgs),
     /// Solve a table of operating points: one row in, one row out, in the same order.
     #[command(after_help = EXIT_CODES)]
     Batch(BatchArgs),
-    /// Contact angle of best efficiency and self-locking limits, in closed form.
+    /// Contact angle of best efficiency, and self-locking limits.
     #[command(after_help = EXIT_CODES)]
     Optimum(OptimumArgs),
     /// Load ratings, rigidity and efficiency of a nut from its geometry.
     ///
     /// The nut is a scene with ball diameter, pitch circle, lead, contact angle, conformities,
     /// loaded_balls_per_turn and loaded_turns. Rigidity is that of a preloaded pair of nuts (preload_N, or
-    /// 0.15 of the dynamic rating), or of one nut under axial_load_N. Life needs axial_load_N and
-    /// screw_speed_rpm, or a spectrum.
+    /// 0.15 of the dynamic load rating), or of one nut under axial_load_N. The rating life needs
+    /// axial_load_N and screw_speed_rpm, or a load spectrum.
     #[command(after_help = EXIT_CODES)]
     Capacity(CapacityArgs),
     /// Friction coefficient, or another input, from a measured torque or another output.
     ///
-    /// Such as: bsm fit examples/feed_drive.json --measured screw_torque_Nm=26. All values in the range
-    /// are found, with the answer of the model at each. Model auto is the most complete one here.
+    /// Example: bsm fit examples/feed_drive.json --measured screw_torque_Nm=26. Prints every value in
+    /// the range that gives the measured output, with the result of the model there. Model auto takes
+    /// the most complete model here.
     #[command(after_help = EXIT_CODES)]
     Fit(FitArgs),
     /// The best screw for a requirement: load, motion, lead, length, speed, life.
     ///
-    /// The steps of Lin, Velinsky and Ravani (1994): each with its number, what it must be, and whether it
-    /// is. What the requirement leaves open is chosen for the largest efficiency or load rating, or the
-    /// smallest mass, with a ball from stock and whole numbers of balls in a turn.
+    /// Prints the steps of Lin, Velinsky and Ravani (1994): each value, its limit, and whether it passes.
+    /// What the requirement leaves open is chosen for the largest efficiency or load rating, or the
+    /// smallest mass, with balls of standard diameters and whole numbers of balls per turn.
     #[command(after_help = EXIT_CODES)]
     Design(DesignArgs),
-    /// All nuts of standard sizes: filter, sort, write them as a table.
+    /// All nuts of standard sizes: filter them, sort them, write them as a table.
     ///
-    /// Every combination of the lists within their limits, with ratings, rigidity of the preloaded pair,
-    /// mass and efficiency. Such as: bsm catalog --require 'dynamic_load_rating_N>=50000'
+    /// Every combination of the lists within the limits, with load ratings, rigidity of the preloaded
+    /// pair, mass and efficiency. Example: bsm catalog --require 'dynamic_load_rating_N>=50000'
     /// --require 'total_rigidity_N_um>=2000' --require lead_mm=10 --sort mass_kg
     #[command(after_help = EXIT_CODES)]
     Catalog(CatalogArgs),
-    /// Slip of the balls, in published and in exact form, and the power that each part of it takes.
+    /// Slip of the balls by published and exact formulas, and the power lost to each part of it.
     #[command(after_help = EXIT_CODES)]
     Slip(AnalysisArgs),
-    /// Jamming of the balls: contact state, self-locking between the races, thrust in the returner.
+    /// Jamming of the balls: contact state, self-locking between the races, thrust in the ball return.
     ///
-    /// Each part needs its own inputs only, and says which one it lacks: race_yield_strength_MPa and
+    /// Each part needs only its own inputs, and names the missing ones: race_yield_strength_MPa and
     /// ball_yield_strength_MPa; lubricant_density_kg_m3 and drag_coefficient; apex_half_angle_deg;
     /// return_angle_deg; loaded_balls_per_turn. Optional: step_normal_force_N,
     /// return_approach_speed_m_s, return_stiffness_N_um15.
@@ -86,7 +87,7 @@ pub(crate) enum Command {
     /// Check the program against published results.
     #[command(after_help = EXIT_CODES)]
     Validate(ValidateArgs),
-    /// Measure what each model and dial costs in time and in accuracy.
+    /// Measure time and accuracy of every model and setting on this machine.
     #[command(after_help = EXIT_CODES)]
     Tradeoff(TradeoffArgs),
     /// Print the JSON Schema of scenes (input) or results (output).
@@ -114,24 +115,25 @@ pub(crate) struct SceneArgs {
     pub(crate) settings: Vec<String>,
 }
 
-/// The model to ask, and its dials.
+/// The model to solve with, and its settings.
 #[derive(Debug, Args)]
 pub(crate) struct ModelArgs {
-    /// Model to solve with; auto takes the cheapest one whose error is below --tolerance, or the
-    /// most complete one where the scene has no conformities.
+    /// Model to solve with; auto takes the fastest one whose error is below --tolerance, or, without
+    /// conformities, the most complete one whose inputs are given.
     #[arg(long, default_value = "auto", value_parser = PossibleValuesParser::new(ModelChoice::names()))]
     pub(crate) model: String,
-    /// Error of the efficiency that model auto may leave against model traction.
+    /// Largest error of the efficiency that model auto accepts, against model traction.
     #[arg(long, value_name = "T", default_value_t = Settings::default().tolerance, value_parser = tolerance)]
     pub(crate) tolerance: f64,
     /// Order of the quadrature over the contact ellipses in model traction, 2 to 128.
     #[arg(long, value_name = "N", default_value_t = Settings::default().quadrature, value_parser = order)]
     pub(crate) quadrature: NonZeroUsize,
-    /// Creep speed in model traction, over the ball's rolling speed: smaller is closer to Coulomb.
+    /// Creep speed in model traction, over the ball's rolling speed: smaller is closer to Coulomb
+    /// friction.
     #[arg(long, value_name = "V", default_value_t = Settings::default().creep, value_parser = creep)]
     pub(crate) creep: f64,
-    /// Race at which the ball does not spin in model raceway-control; the one with the larger
-    /// friction moment unless given.
+    /// Race on which the ball does not spin in model raceway-control; unless given, the race with the
+    /// larger spin friction moment.
     #[arg(long, value_name = "RACE", value_parser = PossibleValuesParser::new(Control::ALL.map(Control::name)))]
     pub(crate) control: Option<String>,
 }
@@ -156,7 +158,7 @@ fn creep(text: &str) -> Result<f64, String> {
     dial(text, "a number", Settings::CREEP)
 }
 
-/// The value of a dial, which is held against its rule.
+/// The value of a setting, checked against its rule.
 fn dial<T: FromStr>(text: &str, kind: &str, rule: Rule) -> Result<T, String> {
     match (text.parse(), text.parse()) {
         (Ok(value), Ok(number)) if rule.holds::<f64>(number) => Ok(value),
@@ -178,7 +180,7 @@ pub(crate) struct SolveArgs {
     pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
-    /// Also tell how much efficiency and torque depend on each input that the model uses, by exact
+    /// Also print how much efficiency and torque change with each input of the model, by exact
     /// derivatives, the most important input first.
     #[arg(long)]
     pub(crate) sensitivities: bool,
@@ -200,23 +202,23 @@ pub(crate) struct CompareArgs {
 #[derive(Debug, Args)]
 pub(crate) struct TableArgs {
     /// Table to write: .csv, .jsonl or .parquet; `-` is CSV on standard output; FOLDER/ gets Parquet
-    /// files in FOLDER/data, which a stopped run goes on with.
+    /// files in FOLDER/data, and can be continued with --resume.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// Go on in a folder where an earlier run of the same task was stopped: finished parts are checked
-    /// bit by bit and kept, the others are solved.
+    /// Continue a stopped run of the same task in its folder: finished parts are verified and kept, the
+    /// others are solved.
     #[arg(long)]
     pub(crate) resume: bool,
-    /// Rows of a part of a folder; from number of rows, outputs and model unless given.
+    /// Rows in each part of a folder; unless given, chosen from the number of rows, outputs and model.
     #[arg(long, value_name = "N")]
     pub(crate) rows_per_shard: Option<NonZeroU64>,
     /// Outputs to write, in this order; all unless given.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) columns: Option<Vec<String>>,
-    /// Threads, at most 1024; all cores unless given. Results do not depend on it.
+    /// Number of threads, at most 1024; all cores unless given. Results do not depend on it.
     #[arg(long, value_name = "N", value_parser = threads)]
     pub(crate) threads: Option<NonZeroUsize>,
-    /// Exit with 0 although some rows have no result, and not with 3; the table is complete either way.
+    /// Exit with 0 instead of 3 if some rows have no result; the table is complete either way.
     #[arg(long)]
     pub(crate) keep_going: bool,
     /// No progress bar.
@@ -231,7 +233,7 @@ pub(crate) struct SweepArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
     /// Input to vary: NAME=START:STOP:COUNT (ends included) or NAME=V1,V2,...; may be repeated
-    /// for a full grid, the last one running fastest.
+    /// for a full grid, in which the last input changes fastest.
     #[arg(long, value_name = "NAME=VALUES", required = true, allow_hyphen_values = true)]
     pub(crate) vary: Vec<String>,
     #[command(flatten)]
@@ -248,10 +250,10 @@ pub(crate) struct SweepArgs {
 #[derive(Debug, Args)]
 pub(crate) struct BatchArgs {
     /// Table of points: .csv, .jsonl or .parquet, columns named as inputs; `-` is CSV on standard
-    /// input. A row is answered as by `bsm solve --set` with its values: an empty cell takes the value
-    /// of the base scene, a lead replaces its lead angle and the other way round. Columns of an
-    /// earlier answer are passed over. A row of text is one line: a quoted cell ends on its line, and
-    /// blank lines stand at the end only.
+    /// input. Each row is solved as by `bsm solve --set` with its values: an empty cell takes the value
+    /// of the base scene; a lead replaces its lead angle, and a lead angle its lead. Columns of earlier
+    /// results are ignored. In CSV and JSON Lines a row is one line: a quoted cell must end on it, and
+    /// blank lines may only be at the end.
     #[arg(value_name = "POINTS")]
     pub(crate) points: PathBuf,
     /// Scene with the inputs that the table does not have.
@@ -264,7 +266,7 @@ pub(crate) struct BatchArgs {
     pub(crate) model: ModelArgs,
     #[command(flatten)]
     pub(crate) table: TableArgs,
-    /// Columns of the table that are no inputs, to carry through, such as an id.
+    /// Columns to copy to the output although they are not inputs, such as an id.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) keep: Vec<String>,
 }
@@ -277,7 +279,7 @@ pub(crate) struct OptimumArgs {
     /// Set or replace an input; without a scene, --set `lead_angle_deg=10` --set `friction_coefficient=0.075`.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     pub(crate) settings: Vec<String>,
-    /// Model whose best contact angle is searched for besides; the scene needs its inputs.
+    /// Also search for the best contact angle of this model; the scene needs its inputs.
     #[arg(long, value_parser = PossibleValuesParser::new(Model::ALL.map(Model::name)))]
     pub(crate) model: Option<String>,
     /// How to print the result.
@@ -289,11 +291,11 @@ pub(crate) struct OptimumArgs {
 pub(crate) struct CapacityArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
-    /// Loads that change, for the life: CSV with the columns axial_load_N, screw_speed_rpm and
+    /// Load spectrum for the rating life: CSV with the columns axial_load_N, screw_speed_rpm and
     /// time_share.
     #[arg(long, value_name = "SPECTRUM.csv")]
     pub(crate) spectrum: Option<PathBuf>,
-    /// Show what lies between the inputs and the ratings, for a check by hand (docs/theory/11-ratings.md).
+    /// Show the intermediate values of the load ratings, for a check by hand (docs/theory/11-ratings.md).
     #[arg(long)]
     pub(crate) steps: bool,
     /// How to print the ratings.
@@ -312,7 +314,7 @@ pub(crate) struct AnalysisArgs {
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
     /// Folder for figures (SVG and CSV) of the published sweeps around the scene, with a table of the
-    /// published trends and whether they hold; made if it does not exist.
+    /// published trends and whether they hold; created if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub(crate) plot: Option<PathBuf>,
 }
@@ -329,8 +331,8 @@ pub(crate) struct FitArgs {
     /// Input to find.
     #[arg(long, value_name = "NAME", default_value = "friction_coefficient")]
     pub(crate) input: String,
-    /// Where to look for it; 1e-4 to 0.5 for friction, a quarter to four times the scene's value for
-    /// others unless given.
+    /// Range to search; unless given, 1e-4 to 0.5 for friction, and a quarter to four times the
+    /// scene's value for other inputs.
     #[arg(long, value_name = "LOW:HIGH", allow_hyphen_values = true, value_parser = range)]
     pub(crate) range: Option<(f64, f64)>,
     /// How to print the result.
@@ -348,7 +350,7 @@ fn range(text: &str) -> Result<(f64, f64), String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct DesignArgs {
-    /// Requirement in JSON; `-` reads standard input. Without it, the keys of a requirement are printed.
+    /// Requirement in JSON; `-` reads standard input. Without it, all keys of a requirement are listed.
     #[arg(value_name = "REQUIREMENT.json")]
     pub(crate) requirement: Option<PathBuf>,
     /// Set or replace a key of the requirement; may be repeated, such as --set objective=mass.
@@ -359,7 +361,7 @@ pub(crate) struct DesignArgs {
         requires = "requirement"
     )]
     pub(crate) settings: Vec<String>,
-    /// Scene to write of the screw at its operating point, for bsm solve and bsm capacity.
+    /// Write the screw and its operating point to this scene, for bsm solve and bsm capacity.
     #[arg(short, long, value_name = "SCREW.json")]
     pub(crate) output: Option<PathBuf>,
     /// How to print the steps.
@@ -370,31 +372,31 @@ pub(crate) struct DesignArgs {
 #[derive(Debug, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "switches of the command line")]
 pub(crate) struct CatalogArgs {
-    /// Lists and limits in JSON; what it does not give is standard (--lists prints it).
+    /// Lists and limits in JSON; what it leaves out is standard (--lists prints the standard).
     #[arg(value_name = "LISTS.json")]
     pub(crate) catalogue: Option<PathBuf>,
-    /// Keep the nuts of which this is true: NAME>=VALUE, NAME<=VALUE or NAME=VALUE; may be repeated.
+    /// Keep only nuts that meet a condition: NAME>=VALUE, NAME<=VALUE or NAME=VALUE; may be repeated.
     #[arg(long, value_name = "CONDITION")]
     pub(crate) require: Vec<String>,
-    /// Keep the nuts that no other one of these beats in dynamic rating, rigidity and mass together.
+    /// Keep only nuts that no other nut beats in dynamic load rating, rigidity and mass together.
     #[arg(long)]
     pub(crate) pareto: bool,
-    /// Sort by a column, the smallest first.
+    /// Sort by a column, with the smallest first.
     #[arg(long, value_name = "NAME")]
     pub(crate) sort: Option<String>,
-    /// Sort the largest first.
+    /// Sort with the largest first.
     #[arg(long, requires = "sort")]
     pub(crate) descending: bool,
-    /// Keep this many rows; a screen shows 20 unless given.
+    /// Keep only this many rows; unless given, the screen shows 20.
     #[arg(long, value_name = "N")]
     pub(crate) first: Option<NonZeroUsize>,
     /// Table to write with all columns: .csv, .jsonl or .parquet; `-` is CSV on standard output.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: Option<PathBuf>,
-    /// Scene to write of the first nut, for bsm capacity and, with an operating point, bsm solve.
+    /// Write the first nut to this scene, for bsm capacity and, with an operating point, bsm solve.
     #[arg(long, value_name = "NUT.json")]
     pub(crate) pick: Option<PathBuf>,
-    /// Folder for figures (SVG and CSV) of what diameter, lead, balls, turns and conformity do.
+    /// Folder for figures (SVG and CSV) of the effect of diameter, lead, balls, turns and conformity.
     #[arg(long, value_name = "DIR")]
     pub(crate) plot: Option<PathBuf>,
     /// Print the standard lists and limits, to copy and edit.
@@ -410,10 +412,10 @@ pub(crate) struct CatalogArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ValidateArgs {
-    /// Folder for report.html, results.json and figures/ (SVG and CSV); made if it does not exist.
+    /// Folder for report.html, results.json and figures/ (SVG and CSV); created if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Folder with published data laid out as validation/published, in place of what is compiled in.
+    /// Folder with published data, laid out as validation/published, instead of the built-in data.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// How to print the checks.
@@ -423,11 +425,11 @@ pub(crate) struct ValidateArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct TradeoffArgs {
-    /// Table of operating points, as for bsm batch, with all inputs of model traction; 300 committed
-    /// ones of all motions of the balls unless given.
+    /// Table of operating points, as for bsm batch, with all inputs of model traction; unless given, 300
+    /// built-in points from rolling to gross skid.
     #[arg(value_name = "POINTS")]
     pub(crate) points: Option<PathBuf>,
-    /// Folder for report.html, results.json and figures/ (SVG and CSV); made if it does not exist.
+    /// Folder for report.html, results.json and figures/ (SVG and CSV); created if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// How to print the measurement.
@@ -442,7 +444,7 @@ pub(crate) struct TradeoffArgs {
 pub(crate) enum Format {
     /// For reading.
     Table,
-    /// For programs; the numbers have their names, those of points as in `bsm schema output`.
+    /// For programs; results of a point have the names of `bsm schema output`.
     Json,
 }
 

@@ -57,7 +57,7 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     if all.is_empty() {
         let limits =
             "turns_range, conformity_range, largest_ball_over_lead, largest_ball_over_diameter";
-        warn("note", &format!("no combination of the lists keeps the limits: {limits}"));
+        warn("note", &format!("no combination of the lists is within the limits: {limits}"));
         return Err(Failure::Unsolved);
     }
     let meets = |nut: &Candidate| requirements.iter().all(|(_, r)| r.is_met(nut));
@@ -105,7 +105,7 @@ fn count(all: usize, met: usize, left: usize, args: &CatalogArgs) -> String {
     };
     let left = if args.pareto {
         format!(
-            ", {left} of those are beaten by none in dynamic rating, rigidity and mass together"
+            ", {left} of those are beaten by no other in dynamic load rating, rigidity and mass together"
         )
     } else {
         String::new()
@@ -123,11 +123,11 @@ fn none(catalogue: &Catalogue, all: &[u32], requirements: &[(&String, Condition)
         let rest = catalogue.map(all, |_, nut| others(nut).then(|| read(nut)));
         match requirement.nearest_of(&rest) {
             Some(value) => format!(
-                "\n  without {name}: {} nuts, which come as near to it as {}",
+                "\n  without {name}: {} nuts, of which the nearest has {}",
                 rest.len(),
                 number(value)
             ),
-            None => format!("\n  without {name}: none either"),
+            None => format!("\n  without {name}: no nut either"),
         }
     };
     let reasons: String = requirements.iter().enumerate().map(without).collect();

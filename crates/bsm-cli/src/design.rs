@@ -88,9 +88,9 @@ fn keys() -> String {
     let rows: Vec<_> = words.chain(numbers).collect();
     let table = table::plain(None, &rows, usize::MAX);
     format!(
-        "Keys of a requirement, besides those of a scene: axial_load_N or screw_torque_Nm, lead_mm or \
-         lead_angle_deg,\nstroke_mm or screw_length_mm, screw_speed_rpm and friction_coefficient are \
-         needed; ball_diameter_mm,\npitch_circle_diameter_mm, contact_angle_deg, nut_conformity and \
-         loaded_turns are chosen unless given.\n\n{table}"
+        "A requirement needs axial_load_N or screw_torque_Nm, lead_mm or lead_angle_deg, stroke_mm or\n\
+         screw_length_mm, screw_speed_rpm and friction_coefficient. The design chooses ball_diameter_mm,\n\
+         pitch_circle_diameter_mm, contact_angle_deg, nut_conformity and loaded_turns unless given.\n\
+         These are inputs of a scene (bsm schema input), or one of the following keys.\n\n{table}"
     )
 }

@@ -64,7 +64,7 @@ impl Failure {
     /// What was being done, to what, and what the system said.
     pub(crate) fn files(doing: &str, path: &Path, error: &io::Error) -> Self {
         let path = path.display();
-        // Without the name of the temporary file, which tells nobody anything.
+        // Without the name of the temporary file, which means nothing to a user.
         match error.get_ref().and_then(|inner| inner.source()) {
             Some(cause) => Self::Files(format!("cannot {doing} {path}: {cause}")),
             None => Self::Files(format!("cannot {doing} {path}: {error}")),
@@ -123,7 +123,7 @@ pub(crate) fn usage(told: &clap::Error) -> ExitCode {
     }
 }
 
-/// One paragraph to standard error; nobody is left to tell if that fails.
+/// One paragraph to standard error; a failure to write it cannot be reported.
 pub(crate) fn warn(kind: &str, text: &str) {
     let _ = writeln!(io::stderr(), "{kind}: {}", printable(text));
 }

@@ -83,7 +83,7 @@ pub(crate) enum Output {
     Stdout(io::Stdout),
     /// A pipe or a device, which must not be replaced by a file.
     Special {
-        /// It.
+        /// The open pipe or device.
         file: BufWriter<File>,
         /// Its path.
         path: PathBuf,

@@ -113,9 +113,9 @@ impl<'a> Job<'a> {
         if self.table.resume {
             let folder = if path.as_os_str() == "-" { Path::new("map") } else { path };
             return Err(Failure::Input(format!(
-                "--resume cannot go on with {}: a single table appears when it is complete, and a run \
-                 that is stopped leaves nothing; write a folder of parts, --output {}/, and --resume \
-                 goes on with it",
+                "--resume cannot continue {}: a single table appears when it is complete, and a run \
+                 that is stopped leaves nothing; write a folder of parts, --output {}/, which --resume \
+                 can continue",
                 if path.as_os_str() == "-" {
                     "standard output".into()
                 } else {
@@ -169,7 +169,7 @@ impl<'a> Job<'a> {
         let found = parts.survey(true, workers).map_err(failed)?;
         if let Some(one) = found.foreign.first() {
             let text = format!(
-                "{} is no part of this table, and is left alone; who reads the folder reads it too",
+                "{} is no part of this table, and is left alone; programs that read the folder read it too",
                 one.display()
             );
             warn("warning", &text);
@@ -241,7 +241,7 @@ pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressB
     let style = ProgressStyle::with_template(&template)
         .unwrap_or_else(|_| ProgressStyle::default_bar())
         .with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-            // A bar that cannot be drawn is nobody's loss.
+            // A bar that cannot be drawn is ignored.
             let _ = text.write_str(&rate(state.per_sec()));
         });
     bar.with_style(style)

@@ -8,7 +8,7 @@ use bsm_batch::Workers;
 
 use crate::failure::{Failure, warn};
 
-/// Interrupts end the program at once, after its unfinished files: nobody has to look.
+/// Interrupts end the program at once, after its unfinished files: no code has to check for them.
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Runs a command on so many threads, on all cores unless given; on fewer, with a note, if the

@@ -1,4 +1,4 @@
-//! `bsm tradeoff`: what each model and dial costs in time and in accuracy.
+//! `bsm tradeoff`: what each model and setting costs in time and in accuracy.
 
 use std::path::Path;
 
@@ -54,7 +54,7 @@ fn read(path: &Path) -> Result<Points, Failure> {
 
 fn describe(measured: &Tradeoff) -> String {
     let header = [
-        "model and dial",
+        "model and setting",
         "one point us",
         "batch us",
         "all cores",
@@ -77,16 +77,16 @@ fn describe(measured: &Tradeoff) -> String {
         "where the ball",
         "one point",
         "us",
-        "errs more where it",
+        "error is larger where it",
         "batch, one core",
         "us",
-        "errs more where it",
+        "error is larger where it",
     ];
     let advice: Vec<_> = measured.advice.iter().map(advice_row).collect();
     format!(
         "points: {}; errors against {}; {}, {} cores\n\n{}\n\n\
          eta: absolute; torque and loads: relative; the last columns: eta by motion of the ball\n\n\
-         the cheapest that solves 99 % and errs less than the tolerance at 99 % of the points:\n\n{}",
+         the fastest that solves 99 % of the points, with an error below the tolerance at 99 %:\n\n{}",
         counts.join(", "),
         measured.reference,
         measured.instruction_set,
@@ -120,7 +120,7 @@ fn row(dial: &Measured) -> Vec<String> {
 }
 
 fn advice_row(advice: &Advice) -> Vec<String> {
-    let group = if advice.group == Group::All { "does anything" } else { advice.group.name() };
+    let group = if advice.group == Group::All { "moves in any way" } else { advice.group.name() };
     let mut row = vec![format!("{} %", 100.0 * advice.tolerance), group.to_owned()];
     for pick in [&advice.single, &advice.batch] {
         row.extend(match pick {

@@ -74,8 +74,7 @@ mod signals {
         Ok(())
     }
 
-    /// Hears the interrupts on a thread of its own, so that it waits for nobody but those who hold
-    /// the files.
+    /// Handles interrupts on a thread of its own, which waits only for code that holds the files.
     pub(super) fn listen() -> io::Result<()> {
         let ignored = ignored();
         let heard = INTERRUPTS.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
@@ -101,7 +100,7 @@ mod signals {
         for file in &held.files {
             let _ = fs::remove_file(file);
         }
-        warn("error", "interrupted; nothing unfinished was kept (a folder goes on with --resume)");
+        warn("error", "interrupted; nothing unfinished was kept (--resume continues a folder)");
         exit(128 + signal);
     }
 

@@ -63,7 +63,7 @@ fn describe(report: &Report) -> String {
         })
         .collect();
     format!(
-        "{}{}\n\n{} passed, {} failed, {} findings (nothing to hold against, or a published trend that does not hold)",
+        "{}{}\n\n{} passed, {} failed, {} findings (no reference value, or a published trend that does not hold)",
         table::plain(Some(&header), &rows, usize::MAX),
         failures.concat(),
         report.count(Verdict::Pass),

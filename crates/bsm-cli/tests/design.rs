@@ -104,7 +104,7 @@ fn the_catalogue_is_filtered_sorted_and_written() {
     let args = [&["catalog"], &wanted[..], &["--pareto", "--pick", "nut.json"]].concat();
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(stderr(&output).contains("beaten by none"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("beaten by no other"), "{}", stderr(&output));
     let output = bsm(dir.path(), &["capacity", "nut.json", "--steps"], "");
     assert!(stdout(&output).contains("C_s_over_C_n"), "{}", stderr(&output));
 }
@@ -115,7 +115,7 @@ fn the_catalogue_tells_what_is_wrong() {
     let heavy = ["--require", "dynamic_load_rating_N>=5e6"];
     let output = bsm(dir.path(), &[&["catalog"], &heavy[..]].concat(), "");
     assert_eq!(output.status.code(), Some(3));
-    assert!(stderr(&output).contains("come as near to it as"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("of which the nearest has"), "{}", stderr(&output));
     for (args, words) in [
         (["catalog", "--require", "mass>=1"], "did you mean `mass_kg`?"),
         (["catalog", "--sort", "weight_kg"], "no column is named `weight_kg`"),

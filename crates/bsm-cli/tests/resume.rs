@@ -459,9 +459,9 @@ fn another_grid_is_not_mixed_in() {
     for (args, words) in [
         (
             args(20, &[]),
-            "map/ holds the parts of this task; go on with --resume, or take another folder",
+            "map/ holds the parts of this task; continue with --resume, or take another folder",
         ),
-        (args(24, &[]), "map/ holds the parts of another task; go on with --resume"),
+        (args(24, &[]), "map/ holds the parts of another task; continue with --resume"),
         (
             args(24, &["--resume"]),
             "which differs in: points, rows (80, now 96), rows_per_shard (5, now 6)",
@@ -566,9 +566,9 @@ fn what_cannot_be_resumed_says_what_to_do() {
         run(&[&args[..], &strings(&["--resume"])].concat(), dir.path())
     };
     for (output, words) in [
-        ("x.csv", "--resume cannot go on with x.csv: a single table appears when it is complete"),
-        ("x.parquet", "write a folder of parts, --output x/, and --resume goes on with it"),
-        ("-", "--resume cannot go on with standard output"),
+        ("x.csv", "--resume cannot continue x.csv: a single table appears when it is complete"),
+        ("x.parquet", "write a folder of parts, --output x/, which --resume can continue"),
+        ("-", "--resume cannot continue standard output"),
     ] {
         let said = resume(output);
         assert_eq!(said.status.code(), Some(2));

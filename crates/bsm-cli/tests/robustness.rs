@@ -666,7 +666,7 @@ fn two_writers_do_not_mix() {
     let drive = example("feed_drive.json");
     for (more, part) in [
         ("--resume", "parts/ holds the parts of another task, which differs in: points"),
-        ("--quiet", "parts/ holds the parts of another task; go on with --resume"),
+        ("--quiet", "parts/ holds the parts of another task; continue with --resume"),
     ] {
         let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", more, "-o", "parts/"];
         assert_told(&run(&args, dir.path()), 2, part);
@@ -740,9 +740,9 @@ fn tables_of_other_programs() {
         ("crlf.jsonl", b"{\"axial_load_N\": 2000}\r\n\r\n", 0, ""),
         ("header.csv", b"axial_load_N\n", 0, ""),
         ("wide.csv", (header + &row).as_bytes(), 0, ""),
-        ("wide-unknown.csv", unknown.as_bytes(), 2, "column `x` is no input"),
-        ("long-name.csv", long.as_bytes(), 2, "xxx…` is no input; leave it out"),
-        ("long-key.jsonl", key.as_bytes(), 2, "xxx…` is no input; leave it out"),
+        ("wide-unknown.csv", unknown.as_bytes(), 2, "column `x` is not an input"),
+        ("long-name.csv", long.as_bytes(), 2, "xxx…` is not an input; leave it out"),
+        ("long-key.jsonl", key.as_bytes(), 2, "xxx…` is not an input; leave it out"),
         ("semicolons.csv", b"axial_load_N;lead_mm\n2000,5;10\n", 2, "separated by `;`; cells are"),
         ("tabs.csv", b"axial_load_N\tlead_mm\n2000\t10\n", 2, "separated by `\\t`; cells are"),
         ("utf16.csv", &marked, 2, "line 1 has a NUL byte; save the table as UTF-8 text"),

@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 use crate::{Direction, Reason};
 
 /// Largest relative violation of the power balance (B10) of a result that is returned. An exact
-/// root has rounding only; more means that rounding has eaten the result, as it does when the
+/// root has rounding only; more means that rounding errors have spoilt the result, as they do when the
 /// inertia forces are many orders above the load.
 pub const POWER_BALANCE_TOL: f64 = 1e-9;
 

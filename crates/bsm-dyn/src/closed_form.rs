@@ -82,7 +82,7 @@ impl<D: Scalar> Angles<D> {
 }
 
 impl Angles<f64> {
-    /// True if the screw locks itself in that direction (C6), (C7).
+    /// True if the screw is self-locking in that direction (C6), (C7).
     ///
     /// Source: Lin, Velinsky and Ravani, Eqs 16 and 19.
     pub fn self_locking(&self, direction: Direction, friction: f64) -> bool {
@@ -96,7 +96,7 @@ impl Angles<f64> {
     }
 
     /// Border of self-locking: the contact angle \[rad\] up to which (rotary to linear) or from
-    /// which on (linear to rotary) a screw of this lead angle \[rad\] locks itself (C14), (C15).
+    /// which on (linear to rotary) a screw of this lead angle \[rad\] is self-locking (C14), (C15).
     ///
     /// π/2 if every contact angle locks; `None` if none does.
     pub fn locking_contact_angle(

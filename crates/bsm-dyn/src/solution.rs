@@ -167,7 +167,7 @@ pub enum Reason {
     NoRelativeSpeed,
     /// Only screw drive or nut drive is covered, not both turning.
     DualDrive,
-    /// A root was found, but the powers do not balance: rounding has eaten the result.
+    /// A root was found, but the powers do not balance: its rounding errors are too large.
     PowerDoesNotBalance {
         /// Relative violation.
         imbalance: f64,
@@ -199,7 +199,7 @@ impl From<Report> for Reason {
     }
 }
 
-/// What says that there is no solution.
+/// How sure it is that there is no solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Evidence {
     /// A proof from the equations of the model, up to rounding.
@@ -242,12 +242,15 @@ impl fmt::Display for Evidence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Proof => write!(f, "a proof"),
-            Self::Bound => write!(f, "a bound on what the first order leaves out"),
+            Self::Bound => write!(f, "an error bound of the first-order solution"),
             Self::Traced { resolution } => {
-                write!(f, "the curve of all solutions, traced in steps of {resolution:e} at most")
+                write!(
+                    f,
+                    "a curve that contains all solutions, followed in steps of at most {resolution:e}"
+                )
             }
             Self::Sampled { starts } => {
-                write!(f, "a curve that was followed to its end, and {starts} random starts")
+                write!(f, "a curve followed to its end, and {starts} random starts")
             }
         }
     }

@@ -320,7 +320,7 @@ fn hypothesis(lin: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, Vali
         let check = |claim: &str| {
             let key = format!("elastic/raceway-hypothesis-{load}-{rpm}");
             Check::new(&key, SOURCE, format!("{claim}, at {load} N and {rpm} rpm"))
-                .measured(share, "of the spin at the quieter race")
+                .measured(share, "of the spin, at the race with less")
                 .note(format!(
                     "nut {nut:.1} rad/s, screw {screw:.1} rad/s, skid number {:.4}",
                     number(o.solved().and_then(|solved| solved.skid?.skid_number))
@@ -331,7 +331,7 @@ fn hypothesis(lin: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, Vali
             (2000.0, 2113.0) => check("equal conformities share the spin").equals(
                 0.5,
                 0.1,
-                "half each, and so no race is without, as raceway control has it",
+                "half each; raceway control has none at one race",
             ),
             (6000.0, 100.0) => check(control).at_most(0.1, "a light load: near nut control"),
             _ => check(control),

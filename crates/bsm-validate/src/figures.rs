@@ -265,7 +265,7 @@ fn self_locking() -> Figure {
     }
     Figure {
         key: "lin-self-locking".into(),
-        title: "Where the screw locks itself".into(),
+        title: "Limits of self-locking of the screw".into(),
         caption:
             "Below a solid line the screw cannot be turned against the load; above a dashed line \
                   the load cannot turn the screw."

@@ -77,11 +77,11 @@ pub enum DatasetError {
     #[error("{} is a folder with something else in it", .0.display())]
     SomethingElse(PathBuf),
     /// A folder of an older version.
-    #[error("{} holds the parts of an older version of bsm ({OLD_PLAN}), which this one cannot go on with; \
+    #[error("{} holds the parts of an older version of bsm ({OLD_PLAN}), which this one cannot continue; \
         take another folder", .0.display())]
     Older(PathBuf),
     /// A folder that was begun before.
-    #[error("{} holds the parts of {} task; go on with --resume, or take another folder", folder.display(),
+    #[error("{} holds the parts of {} task; continue with --resume, or take another folder", folder.display(),
         if *same { "this" } else { "another" })]
     Begun {
         /// The folder.

@@ -75,7 +75,7 @@ impl Kernel for Rigid {
         contact_angles(given, out);
         out.set(OutputKey::iterations, sweeps);
         out.set(OutputKey::residual_norm, residual);
-        // Unknown where nobody looks.
+        // Unknown where no search is made.
         let unique = case.crowding(&first).lt(case.constant(UNIQUE_BELOW));
         let others = unique.select(case.constant(0.0), case.constant(f64::NAN));
         out.set(OutputKey::other_solutions, others);

@@ -79,8 +79,8 @@ fn checks(program: &Program) -> Made {
     let count = |verdict: &str| checks.iter().filter(|check| check["verdict"] == verdict).count();
     let (passed, failed, findings) = (count("pass"), count("fail"), count("finding"));
     Ok(format!(
-        "\nOf the checks {passed} pass and {failed} fail. {findings} more are findings: published trends that do not hold on \
-         all curves,\nand numbers that have nothing to be held against.\n"
+        "\nOf the checks {passed} pass and {failed} fail. Another {findings} are findings: published trends that do not hold on \
+         all curves,\nand numbers without a reference value.\n"
     ))
 }
 
@@ -127,11 +127,10 @@ fn catalogue(program: &Program) -> Made {
     Ok(count.ok_or_else(|| format!("no number of nuts in: {note}"))?.to_string())
 }
 
-/// Errors of every model and dial over the committed points.
+/// Errors of every model and setting over the committed points.
 fn accuracy(_: &Program) -> Made {
     let rows: Vec<_> = tradeoff::accuracy(&Points::committed()?)?.iter().map(errors_row).collect();
-    let header =
-        "| model and dial | solved | grips | skids partly | skids | loads, grips | angles, grips |";
+    let header = "| model and setting | solved | grips | skids partly | skids | loads, grips | angles, grips |";
     Ok(table(header, &rows))
 }
 

@@ -125,9 +125,8 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let advice = list(measured, "advice")?;
     let all = advice.iter().map(advice_row).collect::<Result<Vec<_>>>()?;
     let times = list(measured, "dials")?.iter().map(times_row).collect::<Result<Vec<_>>>()?;
-    let header = "| error of the efficiency | where the ball | one point | us | errs more where it | batch, one core | us |";
-    let of_times =
-        "| model and dial | grips | skids partly | skids | batch: grips | skids partly | skids |";
+    let header = "| error of the efficiency | where the ball | one point | us | error is larger where it | batch, one core | us |";
+    let of_times = "| model and setting | grips | skids partly | skids | batch: grips | skids partly | skids |";
     Ok(vec![
         ("tradeoff/summary", Text::Whole(summary(advice)?)),
         ("tradeoff/advice", Text::Whole(table(header, &all))),
@@ -161,7 +160,7 @@ fn summary(advice: &[Value]) -> Result<String> {
             pick("skids")?
         ));
     }
-    Ok(table("| error of the efficiency | balls do anything | balls grip | balls slide |", &rows))
+    Ok(table("| error of the efficiency | any motion | balls grip | balls skid |", &rows))
 }
 
 fn advice_row(advice: &Value) -> Result<String> {
@@ -174,7 +173,7 @@ fn advice_row(advice: &Value) -> Result<String> {
         Ok::<_, Box<dyn Error>>([dial, micro(number(pick, "ns")?), fails.join(", ")])
     };
     let group = match word(advice, "group")? {
-        "all" => "does anything",
+        "all" => "moves in any way",
         group => group,
     };
     let ([single, us, fails], [batch, batch_us, _]) =
@@ -395,8 +394,8 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         lines.iter().filter(|line| !line["peer"].as_str().unwrap_or("bsm").starts_with("bsm"));
     let others = others.map(times).collect::<Result<Vec<_>>>()?;
     let sentence = format!(
-        "\nThe same points, on one core, with all set-up and outputs, take other solvers so many times as long as a batch of `rigid`\n\
-         on one thread: {}.\n",
+        "\nTime of other solvers on one core, with all set-up and outputs, over that of a batch of `rigid` on one thread, for the\n\
+         same points: {}.\n",
         others.join("; ")
     );
     Ok(vec![
@@ -450,7 +449,7 @@ struct Campaign {
     points: f64,
     /// Place of the outcome in [`OUTCOMES`], the rest of the name, points.
     kinds: Vec<(usize, String, f64)>,
-    /// Converged points that are known to have other solutions, to have none, and of which nobody knows.
+    /// Converged points that are known to have other solutions, to have none, and unknown.
     others: [f64; 3],
     slowest_ms: f64,
 }

@@ -30,7 +30,7 @@ struct Kind {
 pub(crate) struct Tally {
     points: usize,
     kinds: BTreeMap<(Order, String), Kind>,
-    /// Points that converged and have other solutions, have none, and of which nobody knows.
+    /// Points that converged and have other solutions, have none, and unknown.
     others: [usize; 3],
     residual: (f64, usize),
     balance: (f64, usize),

@@ -257,8 +257,8 @@ impl Study {
             (
                 "jam-friction",
                 "Forces on a ball in the wedge",
-                "Both sides of the criterion of self-locking: what holds (solid), what pushes out \
-                 (dashed).",
+                "Both sides of the criterion of self-locking: the force that holds the ball (solid) \
+                 and the force that pushes it out (dashed).",
             ),
             over(Axis::log("force, N")),
             of_sweeps(
@@ -296,9 +296,9 @@ impl Study {
         self.add(
             (
                 "jam-thrust-speed",
-                "Thrust in the returner against speed",
-                "Friction with which the loaded balls of a turn push: along the track in the steady \
-                 motion (dashed; none where balls roll), and if all of it pointed there (dotted).",
+                "Thrust in the ball return against speed",
+                "Friction of the loaded balls of one turn along the track: in the steady motion \
+                 (dashed; none where balls roll), and if all of it pointed there (dotted).",
             ),
             over(Axis::log("force, N")),
             of_sweep(
