@@ -7,6 +7,7 @@ use std::num::NonZeroUsize;
 
 use bsm_benches::{lin_problem, seeded};
 use bsm_case::Settings;
+use bsm_dyn::inside::RigidSystem;
 use bsm_dyn::{Model, ModelWorkspace, Problem, Rigid};
 use bsm_newton::{Dense, Equations, Options, Scales, Workspace, solve};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -20,7 +21,7 @@ fn lin_rigid() -> Rigid {
 
 /// Residual and Jacobian of Lin's case at its first-order start.
 fn equations(c: &mut Criterion) {
-    let system = lin_rigid().system().expect("friction and speed");
+    let system = RigidSystem::of(&lin_rigid()).expect("friction and speed");
     c.bench_function("rigid/residual", |b| {
         b.iter(|| system.residual(black_box(&system.start)));
     });
@@ -49,7 +50,7 @@ fn one_point(c: &mut Criterion) {
     neighbour.load.axial *= 0.99;
     let memory = &mut Workspace::default();
     let run = |case: &Rigid, from: Option<[f64; 7]>, memory: &mut Workspace<Dense<7>>| {
-        let system = case.system().expect("friction and speed");
+        let system = RigidSystem::of(case).expect("friction and speed");
         let mut y = from.unwrap_or(system.start);
         let scales = Scales { x: &[1.0; 7], f: &system.weights };
         let report = solve(&system, &mut y, &scales, &Options::default(), memory);

@@ -270,7 +270,8 @@ impl Case {
 #[cfg(test)]
 mod tests {
     use bsm_benches::seeded;
-    use bsm_dyn::{Model, Problem, RigidUnknowns};
+    use bsm_dyn::inside::{RigidSystem, RigidUnknowns};
+    use bsm_dyn::{Model, Problem};
     use bsm_kin::{Jet, Scalar};
 
     use super::*;
@@ -284,7 +285,8 @@ mod tests {
             let Ok(Problem::Rigid(rigid)) = scene.problem(&Model::Rigid.into()) else {
                 panic!("a rigid problem")
             };
-            let (case, system) = (Case::new(&point(scene)), rigid.system().expect("friction"));
+            let (case, system) =
+                (Case::new(&point(scene)), RigidSystem::of(&rigid).expect("friction"));
             // Some per cent off, another bit each time.
             let y = Vector::from_fn(|j, _| {
                 case.start[j] * (1.0 + 0.03 * f64::from(u32::try_from(i * j).unwrap()).sin())

@@ -1,14 +1,14 @@
 //! The targets: what is fed with bytes, and what it must keep.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 use std::time::{Duration, Instant};
-use std::{fs, panic};
 
 use allocation_counter::measure;
 use bsm_batch::{
     Answers, Columns, CsvSink, CsvSource, JsonSink, JsonSource, ParquetSink, ParquetSource, Sink,
-    Source, TableError, Task, decodes_parquet,
+    Source, TableError, Task, hush_parquet_panics,
 };
 use bsm_case::{
     Axis, CapacityReport, Catalogue, Condition, DesignReport, Fit, Grid, RequirementFile, Scene,
@@ -67,14 +67,7 @@ impl Target {
     /// If the program would, or if it takes too long or too much memory on this thread.
     pub fn check(&self, input: &[u8]) {
         // As the program does: a panic in a damaged table is told as an error.
-        HOOK.call_once(|| {
-            let tell = panic::take_hook();
-            panic::set_hook(Box::new(move |panic| {
-                if !decodes_parquet() {
-                    tell(panic);
-                }
-            }));
-        });
+        HOOK.call_once(hush_parquet_panics);
         let start = Instant::now();
         let memory = measure(|| (self.run)(input)).bytes_max;
         let time = start.elapsed();

@@ -21,6 +21,7 @@ mod points;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, BufWriter, ErrorKind, Write};
+use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -38,6 +39,10 @@ use crate::{Answers, Chunk, Count, ParquetSink, RunError, Source, Task, Workers}
 /// What happens in a run.
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
+    /// Files among the parts that are none: they are left alone, and who reads the folder reads them too.
+    Foreign(&'a [PathBuf]),
+    /// Rows that the folder is to hold; comes before any that are found or solved.
+    Planned(u64),
     /// Rows of a part that was there.
     Found(u64),
     /// Rows that were solved.
@@ -53,6 +58,43 @@ pub struct Survey {
     pub damaged: Vec<(PathBuf, Damage)>,
     /// Other files among the parts.
     pub foreign: Vec<PathBuf>,
+}
+
+/// How a folder is filled.
+#[derive(Debug, Clone, Copy)]
+pub struct Filling {
+    /// Goes on with a folder of the same plan, whose parts are trusted when their bytes are as they were
+    /// written; else the folder must be new or empty.
+    pub resume: bool,
+    /// Rows of a part; follow from the task unless given.
+    pub rows_per_shard: Option<NonZeroU64>,
+    /// Makes unfinished files.
+    pub make: MakeTemporary,
+}
+
+/// Solves all points into a folder.
+///
+/// # Errors
+///
+/// [`DatasetError`]; the parts that are finished stay.
+pub fn fill(
+    folder: &Path,
+    task: &Task,
+    points: &Points,
+    how: Filling,
+    workers: &Workers<'_>,
+    tell: &mut dyn FnMut(Event<'_>),
+) -> Result<Count, DatasetError> {
+    let Filling { resume, rows_per_shard, make } = how;
+    let plan = Plan::new(task, points, rows_per_shard, workers)?;
+    let begin = if resume { Dataset::resume } else { Dataset::create };
+    let parts = begin(folder, plan, make)?;
+    let found = parts.survey(true, workers)?;
+    if !found.foreign.is_empty() {
+        tell(Event::Foreign(&found.foreign));
+    }
+    tell(Event::Planned(parts.plan().rows()));
+    parts.run(task, points, found, workers, tell)
 }
 
 /// A folder and its plan.

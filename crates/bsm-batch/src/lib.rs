@@ -4,6 +4,39 @@
 //! from end to end with [`Workers`], and a [`dataset`] in parts that can be stopped and gone on with. Nothing
 //! here depends on the number of rows, so that memory stays flat whatever the size, nor on the
 //! number of threads, so that results do not either.
+//!
+//! ```
+//! use std::sync::atomic::AtomicBool;
+//!
+//! use bsm_batch::{Answers, Format, GridSource, Task, Workers};
+//! use bsm_case::{Axis, Grid, Scene, Settings};
+//! use bsm_dyn::Model;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let screw = Scene::from_json(
+//!     br#"{
+//!         "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.5, "lead_mm": 20,
+//!         "contact_angle_deg": 45, "friction_coefficient": 0.06,
+//!         "axial_load_N": 8000, "loaded_balls": 70
+//!     }"#,
+//! )?;
+//! let grid = Grid::new(vec![Axis::parse("screw_speed_rpm=500:1500:3")?])?;
+//! let outputs = Answers::select(Some(&["efficiency".to_owned()]))?;
+//! let task = Task::over_grid(screw, Settings::from(Model::Rigid), outputs, &grid)?;
+//!
+//! // Whoever sets it from another thread stops the run.
+//! let stop = AtomicBool::new(false);
+//! let workers = Workers::start(None, &stop)?;
+//! let mut points = GridSource::new(grid);
+//! let (table, count) =
+//!     task.write(&mut points, Format::Csv, Vec::new(), &workers, &mut |_chunk, _answers| {})?;
+//!
+//! assert_eq!((count.rows, count.failed), (3, 0));
+//! let table = String::from_utf8(table)?;
+//! assert!(table.lines().last().is_some_and(|row| row.starts_with("1500,rigid,converged,,0.88660")), "{table}");
+//! # Ok(())
+//! # }
+//! ```
 
 #![expect(
     clippy::inline_always,
@@ -28,7 +61,7 @@ mod text;
 pub use error::TableError;
 pub use kernel::exists as has_kernel;
 pub use numbers::{NumberColumn, NumberRows, NumberSink};
-pub use parquet_table::{ParquetSink, ParquetSource, decodes_parquet};
+pub use parquet_table::{ParquetSink, ParquetSource, hush_parquet_panics};
 pub use pipeline::{Count, RunError, Task, Workers};
 pub use rows::{Answers, Cell, Chunk, Column, Columns, Verdict};
 pub use source::{GridSource, Source};

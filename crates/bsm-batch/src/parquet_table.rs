@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::collections::HashMap;
 use std::io::Write;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
@@ -35,10 +35,15 @@ thread_local! {
     static DECODES: Cell<bool> = const { Cell::new(false) };
 }
 
-/// True while this thread decodes Parquet: a panic there is an error that is told as one, so that a
-/// panic hook need not.
-pub fn decodes_parquet() -> bool {
-    DECODES.get()
+/// Keeps panics of the Parquet decoder from the panic hook of the program: they are told as errors. For
+/// the start of a program; panics elsewhere go to the hook that there is.
+pub fn hush_parquet_panics() {
+    let tell = panic::take_hook();
+    panic::set_hook(Box::new(move |panic| {
+        if !DECODES.get() {
+            tell(panic);
+        }
+    }));
 }
 
 /// What `decode` says, with its panics as errors: the parquet crate panics at some damaged pages.

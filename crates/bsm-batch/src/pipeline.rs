@@ -1,17 +1,17 @@
 //! From a source of rows to a sink: chunks solved on all cores, read ahead and written behind.
 
-use std::io;
+use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{self, available_parallelism};
 
-use bsm_case::{Output, Scene, Settings};
+use bsm_case::{CaseError, Grid, Output, Scene, Settings};
 use bsm_dyn::Status;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::{Answers, Chunk, Sink, Source, TableError};
+use crate::{Answers, Chunk, Columns, Format, Sink, Source, TableError, TableSink};
 
 /// Rows that are in memory at a time. The pages of a Parquet table end where chunks do, so that its bytes
 /// depend on this number.
@@ -139,6 +139,57 @@ impl Task {
     /// A task that writes these outputs and watches none.
     pub fn new(base: Scene, settings: Settings, outputs: Vec<&'static Output>) -> Self {
         Self { base, settings, outputs, watched: None }
+    }
+
+    /// A task for all points of a grid, with one model for all of them.
+    ///
+    /// # Errors
+    ///
+    /// As [`Grid::choose`].
+    pub fn over_grid(
+        base: Scene,
+        settings: Settings,
+        outputs: Vec<&'static Output>,
+        grid: &Grid,
+    ) -> Result<Self, CaseError> {
+        let model = grid.choose(&base, settings.model)?;
+        Ok(Self::new(base, Settings { model, ..settings }, outputs))
+    }
+
+    /// A task for the rows of a table. What no row could be solved without is told here, once.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::Missing`] if base and columns together lack an input of the model.
+    pub fn over_table(
+        base: Scene,
+        settings: Settings,
+        outputs: Vec<&'static Output>,
+        columns: &Columns,
+    ) -> Result<Self, CaseError> {
+        settings.model.resolve(base.given() | columns.set(), |_| Ok(()))?;
+        Ok(Self::new(base, settings, outputs))
+    }
+
+    /// Solves all rows of `source` into a table, and returns what it was written to.
+    ///
+    /// * `seen`: is shown every chunk that is solved.
+    ///
+    /// # Errors
+    ///
+    /// [`RunError`].
+    pub fn write<W: Write + Send>(
+        &self,
+        source: &mut dyn Source,
+        format: Format,
+        to: W,
+        workers: &Workers<'_>,
+        seen: &mut dyn FnMut(&Chunk, &Answers),
+    ) -> Result<(W, Count), RunError> {
+        let sink = TableSink::new(format, to, source.columns(), &self.outputs);
+        let sink = sink.map_err(RunError::Write)?;
+        let (sink, count) = self.run(source, sink, u64::MAX, workers, seen)?;
+        Ok((sink.finish().map_err(RunError::Write)?, count))
     }
 
     /// Solves the next rows of `source`, at most `most`, into `sink`, which it returns.

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use bsm_batch::dataset::{Dataset, DatasetError, Event, Plan, Points};
+use bsm_batch::dataset::{self, Dataset, DatasetError, Event, Filling, Plan, Points};
 use bsm_batch::{
     Answers, Count, Format, GridSource, ParquetSource, Source, TableSink, Task, Workers,
 };
@@ -48,10 +48,8 @@ fn plan(task: &Task, points: &Points, rows: u64) -> Plan {
 }
 
 fn fill(folder: &Path, task: &Task, points: &Points, threads: usize) -> Count {
-    let workers = workers(threads);
-    let parts = Dataset::resume(folder, plan(task, points, 50), make).expect("a folder");
-    let found = parts.survey(true, &workers).expect("readable");
-    parts.run(task, points, found, &workers, &mut |_| {}).expect("solved")
+    let how = Filling { resume: true, rows_per_shard: NonZeroU64::new(50), make };
+    dataset::fill(folder, task, points, how, &workers(threads), &mut |_| {}).expect("solved")
 }
 
 /// All files below a folder.
@@ -126,6 +124,7 @@ fn bytes_depend_on_the_plan_only() {
     let again = parts.run(&task, &points, found, &workers, &mut |event| match event {
         Event::Found(rows) => there += rows,
         Event::Solved(chunk, _) => solved += chunk.len,
+        other => panic!("{other:?}"),
     });
     assert_eq!((again.expect("solved"), there, solved), (count, 70, 50));
     assert!(files(other.path()) == expected);

@@ -5,6 +5,7 @@ mod alike;
 use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Task};
 use bsm_case::{Output, Record, Scene, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace};
+use bsm_sample::Sample;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -39,7 +40,7 @@ fn points(count: usize) -> (Chunk, Columns) {
     let mut inputs = vec![Column::default(); INPUTS.len()];
     for _ in 0..count {
         let mut rpm = || {
-            let size = 10.0_f64.powf(rng.random_range(0.0..4.5));
+            let size = rng.log_uniform(1.0, 3e4);
             if rng.random_bool(0.5) { size } else { -size }
         };
         let speeds = (rpm(), rpm());
@@ -52,12 +53,12 @@ fn points(count: usize) -> (Chunk, Columns) {
         let row = [
             rng.random_range(1.0..45.0),
             rng.random_range(20.0..75.0),
-            10.0_f64.powf(rng.random_range(-3.0..-0.7)),
+            rng.log_uniform(1e-3, 0.2),
             pitch * rng.random_range(0.05..0.25),
             pitch,
             screw,
             nut,
-            10.0_f64.powf(rng.random_range(1.0..5.0)),
+            rng.log_uniform(10.0, 1e5),
             rng.random_range(1.0..200.0),
             elastic.random_range(0.51..0.56),
             elastic.random_range(0.51..0.56),

@@ -2,14 +2,11 @@
 
 use std::cell::RefCell;
 
-use bsm_design::search::{SearchError, root_of};
+use bsm_design::search::{Crossing, crossings};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::{Value, json};
 
 use crate::{CaseError, InputKey, ModelChoice, Output, Record, Rule, Scene, Settings};
-
-/// Points between which the output is followed.
-const POINTS: i32 = 64;
 
 /// Where a friction coefficient is looked for, unless told.
 const FRICTION: (f64, f64) = (1e-4, 0.5);
@@ -110,7 +107,7 @@ impl Fit {
         Ok(Record::new(scene.problem(settings)?.solve(work)))
     }
 
-    /// Follows the output over the range, and closes in on every place where it is as measured.
+    /// Every value in the range at which the output is as measured.
     ///
     /// In place of model auto the most complete one is taken: an error bound of the efficiency is none
     /// of the input.
@@ -141,49 +138,16 @@ impl Fit {
                 record.number(self.output.name).filter(|_| record.status() == Status::Converged);
             Ok(output.map_or(f64::NAN, |output| output - self.measured))
         };
-        let places: Vec<_> =
-            (0..=POINTS).map(|i| self.place(f64::from(i) / f64::from(POINTS))).collect();
-        let values = places.iter().map(|x| excess(*x)).collect::<Result<Vec<_>, _>>()?;
-        let solved: Vec<_> =
-            values.iter().filter(|v| v.is_finite()).map(|v| v + self.measured).collect();
-        let mut found = Vec::new();
-        for (x, v) in places.windows(2).zip(values.windows(2)) {
-            // A root at a common end belongs to the interval before it.
-            let root = if v[1] == 0.0 {
-                Some(x[1])
-            } else if v[0] * v[1] < 0.0 {
-                let solved = |value: f64| match excess(value) {
-                    Ok(excess) if excess.is_nan() => Err(SearchError::msg("no solution")),
-                    excess => excess.map_err(SearchError::from),
-                };
-                root_of(solved, x[0], x[1]).ok()
-            } else {
-                None
-            };
-            if let Some(value) = root {
-                let step = 1e-4 * value.abs();
-                let slope = (excess(value + step)? - excess(value - step)?) / (2.0 * step);
-                let response = self.measured / (value * slope);
-                found.push(Fitted { value, response, record: answer(value)? });
-            }
-        }
-        let ends =
-            solved.iter().copied().reduce(f64::min).zip(solved.iter().copied().reduce(f64::max));
-        #[expect(clippy::cast_precision_loss, reason = "a few points")]
-        let share = solved.len() as f64 / places.len() as f64;
-        Ok(FitReport { found, reachable: ends, solved: share })
-    }
-
-    /// A place in the range: in equal ratios where it has one sign, else in equal steps.
-    fn place(&self, share: f64) -> f64 {
-        let (low, high) = self.range;
-        if share >= 1.0 {
-            high
-        } else if low > 0.0 {
-            low * (high / low).powf(share)
-        } else {
-            low + (high - low) * share
-        }
+        let run = crossings(excess, self.range)?;
+        let fitted = |root: Crossing| {
+            let response = self.measured / (root.at * root.slope);
+            Ok(Fitted { value: root.at, response, record: answer(root.at)? })
+        };
+        Ok(FitReport {
+            found: run.roots.into_iter().map(fitted).collect::<Result<_, CaseError>>()?,
+            reachable: run.values.map(|(low, high)| (low + self.measured, high + self.measured)),
+            solved: run.share,
+        })
     }
 
     /// What was found, in words.

@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 use std::ops::Range;
 
-use crate::{CaseError, InputKey, InputSet, Scene};
+use crate::{CaseError, InputKey, InputSet, ModelChoice, Scene, exact};
 
 /// One varied input.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,14 +94,13 @@ impl Axis {
 /// The form that [`Axis::parse`] reads, with the shortest digits that give the same values.
 impl Display for Axis {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let number = |value: &f64| format!("{value:?}").trim_end_matches(".0").to_owned();
         write!(f, "{}=", self.key.name())?;
         match &self.values {
             Values::Range { start, stop, count } => {
-                write!(f, "{}:{}:{count}", number(start), number(stop))
+                write!(f, "{}:{}:{count}", exact(*start), exact(*stop))
             }
             Values::List(values) => {
-                f.write_str(&values.iter().map(number).collect::<Vec<_>>().join(","))
+                f.write_str(&values.iter().map(|value| exact(*value)).collect::<Vec<_>>().join(","))
             }
         }
     }
@@ -190,6 +189,19 @@ impl Grid {
     /// As [`Scene::check`].
     pub fn check(&self, base: &Scene) -> Result<(), CaseError> {
         base.check_but(self.varied().replaced())
+    }
+
+    /// What a choice comes to for all points over `base`: one model, of what covers the first or the
+    /// last of them at least, see [`ModelChoice::resolve`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`check`](Self::check) and of [`ModelChoice::resolve`].
+    pub fn choose(&self, base: &Scene, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
+        self.check(base)?;
+        let ends = [0, self.len - 1].map(|i| self.scene(base, &self.point(i)));
+        let covers = |model| ends[0].covered_by(model).or_else(|_| ends[1].covered_by(model));
+        choice.resolve(base.given().overridden_by(self.varied()), covers)
     }
 
     /// `base` with the values of a [`point`](Self::point).

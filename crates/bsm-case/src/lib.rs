@@ -2,8 +2,31 @@
 //!
 //! The only place that knows millimetres, degrees and rpm. A [`Scene`] is one operating point in
 //! the vocabulary; [`Scene::problem`] turns it into the SI problem of a model, [`Record`] turns
-//! the answer back. Ratings, designs, fits and analyses are asked and answered here in the same words; how a
-//! model solves its problem is not known here.
+//! the answer back. Ratings, designs, fits and analyses are asked and answered here in the same words; how
+//! anything is solved is not known here: no iteration, no search, no tolerance of one.
+//!
+//! Model `auto` takes the cheapest model that is exact enough:
+//!
+//! ```
+//! use bsm_case::{Record, Scene, Settings};
+//! use bsm_dyn::{Model, ModelWorkspace};
+//!
+//! let scene = Scene::from_json(
+//!     br#"{
+//!         "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.5, "lead_mm": 20,
+//!         "contact_angle_deg": 45, "nut_conformity": 0.53, "screw_conformity": 0.53,
+//!         "friction_coefficient": 0.06, "screw_speed_rpm": 1500,
+//!         "axial_load_N": 8000, "loaded_balls": 70
+//!     }"#,
+//! )?;
+//! let problem = scene.problem(&Settings::default())?;
+//! let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
+//!
+//! assert_eq!(record.model(), Model::RacewayControl.into());
+//! let torque = record.number("screw_torque_Nm").expect("converged");
+//! assert!((torque - 25.828).abs() < 1e-3);
+//! # Ok::<(), bsm_case::CaseError>(())
+//! ```
 
 #![expect(
     clippy::inline_always,
@@ -49,7 +72,7 @@ pub use input_set::InputSet;
 pub use number::{exact, write_exact};
 pub use optimum::OptimumReport;
 pub use output::{Cell, OUTPUTS, Output, OutputKey};
-pub use problem::{ModelChoice, Needs, Settings};
+pub use problem::{ModelChoice, Settings};
 pub use record::Record;
 pub use requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile};
 pub use rules::{Inputs, Relation, covered};

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use bsm_design::CONTACT_ANGLES;
-use bsm_design::search::minimum_of;
+use bsm_design::search::minimum_inside;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum};
 use serde_json::{Map, Value, json};
 
@@ -31,9 +31,8 @@ struct ByModel {
     best: Option<Optimum>,
 }
 
-/// Contact angles among which a model's best one is looked for \[deg\], and points between them.
+/// Contact angles among which a model's best one is looked for \[deg\].
 const SEARCHED_DEG: (f64, f64) = (5.0, 85.0);
-const SEARCHED: u32 = 40;
 
 const DIRECTIONS: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
 
@@ -147,7 +146,7 @@ impl OptimumReport {
 }
 
 impl ByModel {
-    /// Scans the contact angles, and closes in on the best one.
+    /// The contact angle of least loss.
     fn of(scene: &Scene, model: Model) -> Result<Self, CaseError> {
         let settings = Settings::from(model);
         let speeds = scene.speeds_rpm().map_or(1.0, |(screw, nut)| screw - nut);
@@ -156,24 +155,12 @@ impl ByModel {
         let loss = |deg: f64| -> Result<f64, CaseError> {
             let scene = Scene { contact_angle_deg: Some(deg), ..scene.clone() };
             let solution = scene.problem(&settings)?.solve(&mut work.borrow_mut());
-            // Worse than any loss of a screw that moves.
-            Ok(solution.efficiency().map_or(f64::MAX, |eta| 1.0 - eta))
+            Ok(solution.efficiency().map_or(f64::NAN, |eta| 1.0 - eta))
         };
-        let (low, high) = SEARCHED_DEG;
-        let step = (high - low) / f64::from(SEARCHED);
-        let scan = (0..=SEARCHED).map(|i| {
-            let deg = low + step * f64::from(i);
-            Ok((deg, loss(deg)?))
-        });
-        let scan = scan.collect::<Result<Vec<_>, CaseError>>()?;
-        let best = scan.iter().min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(deg, loss)| {
-            // At an end of the range it would not be an optimum.
-            *loss < 1.0 && *deg > low + 0.5 * step && *deg < high - 0.5 * step
-        });
-        let best = best.and_then(|(deg, _)| minimum_of(loss, deg - step, deg + step).ok());
-        let best =
-            best.map(|deg| Ok(Optimum { contact_angle: deg * DEG, efficiency: 1.0 - loss(deg)? }));
-        Ok(Self { model, direction, best: best.transpose()? })
+        // A screw that does not move has no best angle.
+        let best = minimum_inside(loss, SEARCHED_DEG)?.filter(|(_, loss)| *loss < 1.0);
+        let optimum = |(deg, loss)| Optimum { contact_angle: deg * DEG, efficiency: 1.0 - loss };
+        Ok(Self { model, direction, best: best.map(optimum) })
     }
 }
 

@@ -129,7 +129,7 @@ impl Settings {
 
 /// Inputs without default that a model needs.
 #[derive(Debug, Clone, Copy)]
-pub struct Needs {
+struct Needs {
     /// All of these.
     all: InputSet,
     /// A form of each of these.
@@ -138,7 +138,7 @@ pub struct Needs {
 
 impl Needs {
     /// What a model needs.
-    pub const fn of(model: Model) -> Self {
+    const fn of(model: Model) -> Self {
         use InputKey as K;
         const FRICTION: InputSet = InputSet::of(&[K::contact_angle_deg, K::friction_coefficient]);
         const SIZES: InputSet = InputSet::of(&[K::ball_diameter_mm, K::pitch_circle_diameter_mm]);
@@ -157,13 +157,13 @@ impl Needs {
     }
 
     /// True if the inputs are among those that are given.
-    pub fn are_met(&self, given: InputSet) -> bool {
+    fn are_met(&self, given: InputSet) -> bool {
         let complete = |form: &Form| given.contains(form.key) && given.contains_all(form.with);
         given.contains_all(self.all) && self.quantities.iter().all(|q| q.forms.iter().any(complete))
     }
 
     /// What lacks among the inputs that are given, in words.
-    pub fn missing(&self, given: InputSet) -> Vec<String> {
+    fn missing(&self, given: InputSet) -> Vec<String> {
         let mut missing = Vec::new();
         for Quantity { words, forms } in self.quantities {
             let begun = forms.iter().filter(|form| given.contains(form.key));

@@ -294,8 +294,7 @@ pub(crate) fn message(reason: &Reason) -> String {
             );
             format!(
                 "the slip at the nut would have to be negative, {slip:.3e} r_b |W| ({how}): the ball \
-                 rolls on the nut, which this model with saturated friction does not cover; \
-                 {critical}"
+                 rolls on the nut, which saturated friction does not cover; {critical}"
             )
         }
         Reason::MinorContactWouldPull { load_ratio } => format!(
@@ -336,7 +335,8 @@ pub(crate) fn message(reason: &Reason) -> String {
         }
         Reason::CurvaturesNotHertzian { along, across } => format!(
             "relative curvatures of {along:.3e} 1/m along and {across:.3e} 1/m across the groove give \
-             no contact ellipse with its long axis across the groove; set nut_conformity and screw_conformity towards 0.52"
+             no contact ellipse with its long axis across the groove; set nut_conformity and \
+             screw_conformity towards 0.52"
         ),
         Reason::NoRootAtInertia { inertia_ratio, nearest } => format!(
             "a search over all directions of slip finds no steady motion with saturated friction: \
@@ -365,9 +365,7 @@ pub(crate) fn message(reason: &Reason) -> String {
              both; set one of screw_speed_rpm and nut_speed_rpm to 0"
             .to_owned(),
         Reason::PowerDoesNotBalance { imbalance } => {
-            format!(
-                "rounding errors are too large: relative error of the power balance {imbalance:.1e}"
-            )
+            format!("rounding is too large: relative error of the power balance {imbalance:.1e}")
         }
         Reason::Newton { status, worst_equation, .. } if worst_equation.is_empty() => {
             status.describe().to_owned()

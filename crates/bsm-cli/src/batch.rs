@@ -4,13 +4,13 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use bsm_batch::dataset::Points;
-use bsm_batch::{CsvSource, Source, TableError, Workers};
+use bsm_batch::{CsvSource, Source, TableError, Task, Workers};
 use bsm_case::Scene;
 
 use crate::args::BatchArgs;
 use crate::failure::Failure;
 use crate::files::{self, read_scene};
-use crate::stream::{Job, format_of};
+use crate::stream::{Job, format_of, needs_a_file, outputs};
 
 pub(crate) fn run(args: &BatchArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let mut base = Scene::default();
@@ -20,21 +20,19 @@ pub(crate) fn run(args: &BatchArgs, workers: &Workers<'_>) -> Result<(), Failure
     }
     files::apply(&mut base, &args.settings)?;
     let settings = args.model.settings().map_err(|e| Failure::Input(e.to_string()))?;
-    let job = Job::new(&base, &settings, &args.table)?;
-    job.needs_a_file(&args.points)?;
+    let outputs = outputs(&args.table)?;
+    needs_a_file(&args.table, &args.points)?;
     let mut source = open(&args.points, &args.keep)?;
-    // Without its inputs no row can be solved: that is told once, not on every row.
-    let most = base.given() | source.columns().set();
-    if let Err(error) = settings.model.resolve(most, |_| Ok(())) {
-        return Err(Failure::Input(format!(
-            "{}: {error}; add columns, a --base scene or --set",
-            args.points.display()
-        )));
-    }
+    let task = Task::over_table(base, settings, outputs, source.columns()).map_err(|error| {
+        let points = args.points.display();
+        Failure::Input(format!("{points}: {error}; add columns, a --base scene or --set"))
+    })?;
     let points = Points::Table { path: args.points.clone(), keep: args.keep.clone() };
-    job.run(source.as_mut(), &points, workers, |_, _| {}).map_err(|e| match e {
-        Failure::Table(error) => Failure::table(&args.points, &error),
-        other => other,
+    Job::new(task, &args.table).run(source.as_mut(), &points, workers, |_, _| {}).map_err(|e| {
+        match e {
+            Failure::Table(error) => Failure::table(&args.points, &error),
+            other => other,
+        }
     })
 }
 

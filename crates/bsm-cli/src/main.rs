@@ -20,10 +20,10 @@ mod tradeoff;
 mod unfinished;
 mod validate;
 
+use std::env;
 use std::process::ExitCode;
-use std::{env, panic};
 
-use bsm_batch::decodes_parquet;
+use bsm_batch::hush_parquet_panics;
 use bsm_case::{input_schema, output_schema};
 use clap::{CommandFactory, Parser};
 
@@ -33,13 +33,7 @@ use crate::files::{pretty_json, print};
 use crate::threads::on_threads;
 
 fn main() -> ExitCode {
-    let tell = panic::take_hook();
-    panic::set_hook(Box::new(move |panic| {
-        // Damaged tables are told as errors.
-        if !decodes_parquet() {
-            tell(panic);
-        }
-    }));
+    hush_parquet_panics();
     if let Err(error) = unfinished::prepare() {
         return Failure::Files(format!("cannot handle signals: {error}")).report();
     }

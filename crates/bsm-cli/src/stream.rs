@@ -4,11 +4,9 @@ use std::fs;
 use std::io::{self, IsTerminal};
 use std::path::Path;
 
-use bsm_batch::dataset::{Dataset, DatasetError, Event, Plan, Points};
-use bsm_batch::{
-    Answers, Chunk, Count, Format, RunError, Source, TableError, TableSink, Task, Workers,
-};
-use bsm_case::{Output as Column, Scene, Settings};
+use bsm_batch::dataset::{self, DatasetError, Event, Filling, Points};
+use bsm_batch::{Answers, Chunk, Count, Format, RunError, Source, TableError, Task, Workers};
+use bsm_case::Output as Column;
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
 
 use crate::args::TableArgs;
@@ -18,24 +16,13 @@ use crate::unfinished;
 
 /// What all rows have in common, and where they go.
 pub(crate) struct Job<'a> {
-    task: Task,
+    pub(crate) task: Task,
     table: &'a TableArgs,
 }
 
 impl<'a> Job<'a> {
-    pub(crate) fn new(
-        base: &Scene,
-        settings: &Settings,
-        table: &'a TableArgs,
-    ) -> Result<Self, Failure> {
-        let outputs = Answers::select(table.columns.as_deref())
-            .map_err(|e| Failure::Input(format!("--columns: {e}")))?;
-        Ok(Self { task: Task::new(base.clone(), *settings, outputs), table })
-    }
-
-    /// An output that is shown and not written.
-    pub(crate) fn watch(&mut self, output: &'static Column) {
-        self.task.watched = Some(output);
+    pub(crate) fn new(task: Task, table: &'a TableArgs) -> Self {
+        Self { task, table }
     }
 
     /// Solves all rows into a table, or into a folder of tables, and tells how many have no result;
@@ -51,7 +38,7 @@ impl<'a> Job<'a> {
         mut each: impl FnMut(&Chunk, &[f64]),
     ) -> Result<(), Failure> {
         let TableArgs { output, quiet, .. } = self.table;
-        let folder = self.is_folder()?;
+        let folder = is_folder(self.table)?;
         let mut watch = |chunk: &Chunk, answers: &Answers| {
             if let (Some(_), Some(watched)) = (self.task.watched, answers.columns.last()) {
                 each(chunk, watched);
@@ -88,49 +75,6 @@ impl<'a> Job<'a> {
         if self.table.keep_going { Ok(()) } else { Err(Failure::Unsolved) }
     }
 
-    /// Refuses points for a folder that cannot be read twice, before anything is read.
-    pub(crate) fn needs_a_file(&self, points: &Path) -> Result<(), Failure> {
-        let once = points.as_os_str() == "-" || fs::metadata(points).is_ok_and(|p| !p.is_file());
-        if self.is_folder()? && once {
-            return Err(Failure::Input(format!(
-                "{}: a folder of parts needs points that can be read twice, from a file",
-                if points.as_os_str() == "-" {
-                    "standard input".into()
-                } else {
-                    points.to_string_lossy()
-                }
-            )));
-        }
-        Ok(())
-    }
-
-    /// A folder if the path ends like one or is one, else a file.
-    fn is_folder(&self) -> Result<bool, Failure> {
-        let path = self.table.output.as_path();
-        if path.as_os_str().to_string_lossy().ends_with(['/', '\\']) || path.is_dir() {
-            return Ok(true);
-        }
-        if self.table.resume {
-            let folder = if path.as_os_str() == "-" { Path::new("map") } else { path };
-            return Err(Failure::Input(format!(
-                "--resume cannot continue {}: a single table appears when it is complete, and a run \
-                 that is stopped leaves nothing; write a folder of parts, --output {}/, which --resume \
-                 can continue",
-                if path.as_os_str() == "-" {
-                    "standard output".into()
-                } else {
-                    path.to_string_lossy()
-                },
-                folder.with_extension("").display()
-            )));
-        }
-        if self.table.rows_per_shard.is_some() {
-            let text = "--rows-per-shard is for folders, such as --output map/";
-            return Err(Failure::Input(text.to_owned()));
-        }
-        Ok(false)
-    }
-
     fn write_file(
         &self,
         source: &mut dyn Source,
@@ -139,17 +83,14 @@ impl<'a> Job<'a> {
     ) -> Result<Count, Failure> {
         let path = self.table.output.as_path();
         let format = format_of(path, "--output")?;
-        let failed = |e: TableError| unwritable(path, &e);
-        let out = Output::create(path)?;
-        let sink = TableSink::new(format, out, source.columns(), &self.task.outputs);
-        let run = self.task.run(source, sink.map_err(failed)?, u64::MAX, workers, seen);
-        let (sink, count) = run.map_err(|error| match error {
+        let run = self.task.write(source, format, Output::create(path)?, workers, seen);
+        let (out, count) = run.map_err(|error| match error {
             RunError::Read(error) => Failure::Table(error),
-            RunError::Write(error) => failed(error),
+            RunError::Write(error) => unwritable(path, &error),
             RunError::Thread(error) => Failure::no_thread(&error),
             RunError::Stopped => Failure::Files(error.to_string()),
         })?;
-        sink.finish().map_err(failed)?.complete()?;
+        out.complete()?;
         Ok(count)
     }
 
@@ -160,35 +101,79 @@ impl<'a> Job<'a> {
         watch: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
         let TableArgs { output: folder, resume, rows_per_shard, quiet, .. } = self.table;
-        let failed = |error: DatasetError| dataset(folder, error);
-        let plan = Plan::new(&self.task, points, *rows_per_shard, workers).map_err(failed)?;
-        let begin = if *resume { Dataset::resume } else { Dataset::create };
-        let parts =
-            begin(folder, plan, |file| unfinished::create_temporary(file)).map_err(failed)?;
-        // Parts are trusted when their bytes are as they were written.
-        let found = parts.survey(true, workers).map_err(failed)?;
-        if let Some(one) = found.foreign.first() {
-            let text = format!(
-                "{} is no part of this table, and is left alone; programs that read the folder read it too",
-                one.display()
-            );
-            warn("warning", &text);
-        }
-        let bar = progress(Some(parts.plan().rows()), "rows", *quiet);
-        let count = parts.run(&self.task, points, found, workers, &mut |event| match event {
+        let how = Filling {
+            resume: *resume,
+            rows_per_shard: *rows_per_shard,
+            make: |file| unfinished::create_temporary(file),
+        };
+        let mut bar = ProgressBar::hidden();
+        let mut tell = |event: Event<'_>| match event {
+            Event::Foreign(files) => {
+                let text = format!(
+                    "{} is no part of this table, and is left alone; programs that read the folder read it too",
+                    files[0].display()
+                );
+                warn("warning", &text);
+            }
+            Event::Planned(rows) => bar = progress(Some(rows), "rows", *quiet),
             Event::Found(rows) => bar.inc(rows),
             Event::Solved(chunk, answers) => {
                 bar.inc(chunk.len as u64);
                 watch(chunk, answers);
             }
-        });
+        };
+        let count = dataset::fill(folder, &self.task, points, how, workers, &mut tell);
         bar.finish_and_clear();
-        count.map_err(failed)
+        count.map_err(|error| failed(folder, error))
     }
 }
 
+/// The outputs to write.
+pub(crate) fn outputs(table: &TableArgs) -> Result<Vec<&'static Column>, Failure> {
+    Answers::select(table.columns.as_deref()).map_err(|e| Failure::Input(format!("--columns: {e}")))
+}
+
+/// Refuses points for a folder that cannot be read twice, before anything is read.
+pub(crate) fn needs_a_file(table: &TableArgs, points: &Path) -> Result<(), Failure> {
+    let once = points.as_os_str() == "-" || fs::metadata(points).is_ok_and(|p| !p.is_file());
+    if is_folder(table)? && once {
+        return Err(Failure::Input(format!(
+            "{}: a folder of parts needs points that can be read twice, from a file",
+            if points.as_os_str() == "-" {
+                "standard input".into()
+            } else {
+                points.to_string_lossy()
+            }
+        )));
+    }
+    Ok(())
+}
+
+/// A folder if the path ends like one or is one, else a file.
+fn is_folder(table: &TableArgs) -> Result<bool, Failure> {
+    let path = table.output.as_path();
+    if path.as_os_str().to_string_lossy().ends_with(['/', '\\']) || path.is_dir() {
+        return Ok(true);
+    }
+    if table.resume {
+        let folder = if path.as_os_str() == "-" { Path::new("map") } else { path };
+        return Err(Failure::Input(format!(
+            "--resume cannot continue {}: a single table appears when it is complete, and a run \
+             that is stopped leaves nothing; write a folder of parts, --output {}/, which --resume \
+             can continue",
+            if path.as_os_str() == "-" { "standard output".into() } else { path.to_string_lossy() },
+            folder.with_extension("").display()
+        )));
+    }
+    if table.rows_per_shard.is_some() {
+        let text = "--rows-per-shard is for folders, such as --output map/";
+        return Err(Failure::Input(text.to_owned()));
+    }
+    Ok(false)
+}
+
 /// What is wrong with a folder, with the exit code of its kind.
-fn dataset(folder: &Path, error: DatasetError) -> Failure {
+fn failed(folder: &Path, error: DatasetError) -> Failure {
     match error {
         DatasetError::Read(error) => Failure::Table(error),
         DatasetError::Write { path, error } => unwritable(&path, &error),

@@ -4,14 +4,14 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use bsm_batch::dataset::Points;
-use bsm_batch::{Chunk, GridSource, Workers};
+use bsm_batch::{Chunk, GridSource, Task, Workers};
 use bsm_case::{Axis as GridAxis, CaseError, Grid, ModelChoice, Output as OutputColumn, exact};
 use bsm_report::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 
 use crate::args::SweepArgs;
 use crate::failure::Failure;
 use crate::files::{self, Output, read_scene};
-use crate::stream::Job;
+use crate::stream::{Job, outputs};
 
 /// Points of a plot: beyond, a viewer of SVG chokes.
 const MOST_POINTS: usize = 100_000;
@@ -28,13 +28,10 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let grid = Grid::new(axes).map_err(usage)?;
 
     // Everything that can be told before the work: the fixed inputs, the model, the outputs.
-    grid.check(&base).map_err(in_file)?;
-    let mut settings = args.model.settings().map_err(in_file)?;
-    // One choice for all rows, of what covers one end of the grid at least.
-    let ends = [0, grid.len() - 1].map(|i| grid.scene(&base, &grid.point(i)));
-    let covers = |model| ends[0].covered_by(model).or_else(|_| ends[1].covered_by(model));
-    let given = base.given().overridden_by(grid.varied());
-    settings.model = settings.model.resolve(given, covers).map_err(in_file)?;
+    let settings = args.model.settings().map_err(in_file)?;
+    let description = base.description.clone();
+    let task = Task::over_grid(base, settings, outputs(&args.table)?, &grid).map_err(in_file)?;
+    let model = task.settings.model;
     let mut plot = match &args.plot {
         Some(path) => {
             let curves = Curves::new(&grid, &args.plot_output, path)?;
@@ -42,10 +39,8 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         }
         None => None,
     };
-    let mut job = Job::new(&base, &settings, &args.table)?;
-    if let Some((curves, ..)) = &plot {
-        job.watch(curves.output);
-    }
+    let mut job = Job::new(task, &args.table);
+    job.task.watched = plot.as_ref().map(|(curves, ..)| curves.output);
     if plot.is_some() && args.table.resume {
         let text = "--plot needs all points; it does not go with --resume";
         return Err(Failure::Input(text.to_owned()));
@@ -60,7 +55,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         return solved;
     }
     if let Some((curves, mut out, path)) = plot {
-        let svg = curves.render(base.description.as_deref(), settings.model);
+        let svg = curves.render(description.as_deref(), model);
         out.write_all(svg.as_bytes()).map_err(|e| Output::failure(path, &e))?;
         out.complete()?;
     }

@@ -1,4 +1,4 @@
-//! Searches for roots, and for minima by argmin.
+//! Searches for roots, and for minima by argmin; a function that has no value somewhere is NaN there.
 
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::brent::BrentOpt;
@@ -58,6 +58,99 @@ pub fn minimum_of<E: Into<SearchError>>(
             .configure(|state| state.max_iters(200))
             .run()?;
     Ok(found.state.best_param.unwrap_or(f64::NAN))
+}
+
+/// Steps in which [`crossings`] looks over its range.
+const CROSSING_STEPS: u32 = 64;
+
+/// Steps in which [`minimum_inside`] looks over its range.
+const MINIMUM_STEPS: u32 = 40;
+
+/// A root of a function.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crossing {
+    /// The root.
+    pub at: f64,
+    /// Slope of the function there.
+    pub slope: f64,
+}
+
+/// The roots of a function in a range, and how it runs over it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crossings {
+    /// The roots, in the order of the range.
+    pub roots: Vec<Crossing>,
+    /// Smallest and largest value at the points that were looked at; `None` if it has none.
+    pub values: Option<(f64, f64)>,
+    /// Share of these points at which it has a value.
+    pub share: f64,
+}
+
+/// Follows `function` over a range, and closes in on every change of sign; of two roots between
+/// neighbouring points it sees none.
+///
+/// # Errors
+///
+/// That of `function`.
+pub fn crossings<E: Into<SearchError>>(
+    function: impl Fn(f64) -> Result<f64, E>,
+    range: (f64, f64),
+) -> Result<Crossings, E> {
+    let points: Vec<_> = (0..=CROSSING_STEPS).map(|i| place(range, i, CROSSING_STEPS)).collect();
+    let values = points.iter().map(|x| function(*x)).collect::<Result<Vec<_>, _>>()?;
+    let mut roots = Vec::new();
+    for (x, v) in points.windows(2).zip(values.windows(2)) {
+        // A root at a common end belongs to the interval before it.
+        let root = if v[1] == 0.0 {
+            Some(x[1])
+        } else if v[0] * v[1] < 0.0 {
+            root_of(&function, x[0], x[1]).ok()
+        } else {
+            None
+        };
+        if let Some(at) = root {
+            let step = 1e-4 * at.abs();
+            let slope = (function(at + step)? - function(at - step)?) / (2.0 * step);
+            roots.push(Crossing { at, slope });
+        }
+    }
+    let known: Vec<_> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    let least = known.iter().copied().reduce(f64::min);
+    #[expect(clippy::cast_precision_loss, reason = "a few points")]
+    let share = known.len() as f64 / points.len() as f64;
+    Ok(Crossings { roots, values: least.zip(known.into_iter().reduce(f64::max)), share })
+}
+
+/// Point `i` of `steps`: in equal ratios in a range above 0, else in equal steps.
+fn place((low, high): (f64, f64), i: u32, steps: u32) -> f64 {
+    let share = f64::from(i) / f64::from(steps);
+    if i == steps {
+        high
+    } else if low > 0.0 {
+        low * (high / low).powf(share)
+    } else {
+        low + (high - low) * share
+    }
+}
+
+/// Looks over a range, and closes in on the least value: the point and the value, or `None` if the
+/// function has no value, or the least one at an end.
+///
+/// # Errors
+///
+/// That of `function`.
+pub fn minimum_inside<E: Into<SearchError>>(
+    function: impl Fn(f64) -> Result<f64, E>,
+    (low, high): (f64, f64),
+) -> Result<Option<(f64, f64)>, E> {
+    let value = |x: f64| function(x).map(|v| if v.is_nan() { f64::MAX } else { v });
+    let step = (high - low) / f64::from(MINIMUM_STEPS);
+    let points: Vec<_> = (0..=MINIMUM_STEPS).map(|i| low + step * f64::from(i)).collect();
+    let values = points.iter().map(|x| value(*x)).collect::<Result<Vec<_>, _>>()?;
+    let least = (0..points.len()).min_by(|i, j| values[*i].total_cmp(&values[*j]));
+    let inside = least.filter(|i| (1..points.len() - 1).contains(i) && values[*i] < f64::MAX);
+    let found = inside.and_then(|i| minimum_of(value, points[i - 1], points[i + 1]).ok());
+    found.map(|x| Ok((x, value(x)?))).transpose()
 }
 
 /// Objective and constraints at a point.
@@ -167,7 +260,48 @@ fn simplex(function: &dyn Fn(&[f64]) -> f64, start: &[f64], size: f64) -> Vec<f6
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
+
+    /// By hand: the sine from -1 to 7, and what is left of it where it has no value beyond 4; one of
+    /// its roots is a point that is looked at.
+    #[test]
+    fn all_changes_of_sign_are_found() {
+        let sine = |x: f64| Ok::<_, SearchError>(x.sin());
+        let all = crossings(sine, (-1.0, 7.0)).expect("a sine");
+        // Roots are closed in on to 1e-10 of the interval, slopes to the square of the step.
+        let near = |root: &Crossing, at: f64, slope: f64| {
+            (root.at - at).abs() < 1e-9 && (at == 0.0 || (root.slope - slope).abs() < 1e-6)
+        };
+        let expected = [(0.0, 1.0), (PI, -1.0), (2.0 * PI, 1.0)];
+        assert!(all.roots.len() == 3, "{all:?}");
+        assert!(all.roots.iter().zip(expected).all(|(r, (x, s))| near(r, x, s)), "{all:?}");
+        assert!(
+            all.share == 1.0 && all.values.is_some_and(|(low, high)| low < -0.99 && high > 0.99)
+        );
+        let part = |x: f64| sine(if x > 4.0 { f64::NAN } else { x });
+        let part = crossings(part, (1.0, 7.0)).expect("a sine");
+        assert!(part.roots.len() == 1 && near(&part.roots[0], PI, -1.0), "{part:?}");
+        assert!((0.5..0.8).contains(&part.share), "{part:?}");
+        let none = crossings(|_| sine(f64::NAN), (1.0, 7.0)).expect("no value");
+        assert_eq!(none, Crossings { roots: Vec::new(), values: None, share: 0.0 });
+    }
+
+    /// By hand: a parabola beside a hole without values; its least value at an end is none inside.
+    #[test]
+    fn a_minimum_inside_is_no_end() {
+        let parabola = |x: f64| Ok::<_, SearchError>((x - 2.0).powi(2) + 1.0);
+        let (x, value) =
+            minimum_inside(parabola, (0.0, 5.0)).expect("a parabola").expect("a minimum");
+        // The square root of the rounding of the value.
+        assert!((x - 2.0).abs() < 1e-7 && (value - 1.0).abs() < 1e-14, "{x} {value}");
+        assert_eq!(minimum_inside(parabola, (2.0, 5.0)).expect("a parabola"), None);
+        let hole = |x: f64| parabola(if x > 1.5 { f64::NAN } else { x });
+        let (x, _) = minimum_inside(hole, (0.0, 5.0)).expect("a parabola").expect("next to a hole");
+        assert!((x - 1.5).abs() < 1e-6, "{x}");
+        assert_eq!(minimum_inside(|_| parabola(f64::NAN), (0.0, 5.0)).expect("no value"), None);
+    }
 
     /// By hand: the point of the disc of radius 0.3 about (0.5, 0.5) that is nearest to (0.9, 0.9), and
     /// with x ≤ 0.6 besides, the corner of both.

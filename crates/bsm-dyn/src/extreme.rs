@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use bsm_kin::{Drive, Helix};
+use bsm_sample::Sample;
 use rand::{Rng, RngExt};
 
 use crate::{Ball, ElasticScrew, Load, Material};
@@ -29,7 +30,7 @@ pub(crate) fn practical(rng: &mut impl Rng) -> ElasticScrew {
 /// A screw of the ranges of the extremes; speeds, loads, sizes, moduli, friction and density spread over
 /// their orders of magnitude.
 pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticScrew {
-    let mut log = |low: f64, high: f64| (low.ln() + rng.random::<f64>() * (high / low).ln()).exp();
+    let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
     let (radius, size) = (0.5e-3 * log(0.1, 200.0), log(0.01, 0.45));
     let (axial, speed, other) = (log(1e-6, 1e6), log(1e-3, 1e6), log(1e-3, 1e6));
     let friction = log(1e-6, 1.0);

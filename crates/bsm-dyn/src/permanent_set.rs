@@ -29,7 +29,7 @@ pub struct PermanentSet {
 /// 1.60 for a circular contact, up to 1.79 for a long one (M4).
 ///
 /// Source: Johnson, *Contact Mechanics*, §6.2, Poisson's ratio 0.3.
-pub const FIRST_YIELD: f64 = 1.60;
+const FIRST_YIELD: f64 = 1.60;
 
 impl ElasticScrew {
     /// The contact state with the permanent approach of (H12) added to the elastic one, from the

@@ -15,10 +15,10 @@ use bsm_kin::{Drive, Helix, Motion, Scalar, Site};
 use bsm_newton::{Equations, EvalError, Linear};
 
 pub use self::first_order::{FirstOrder, SEARCHED_FROM, UNIQUE_BELOW};
+pub use self::root::RigidWorkspace;
 use self::root::Root;
-pub use self::root::{MODERATE_INERTIA, RigidWorkspace};
-pub use self::scaled::Unknowns as RigidUnknowns;
-use self::scaled::{Scaled, State, Unknowns};
+pub use self::scaled::Unknowns;
+use self::scaled::{Scaled, State};
 use crate::balance::{Ball, OwnUnits, POWER_BALANCE_TOL, ideal_torque, torque};
 use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{MINOR_LOAD, NUT_LOAD, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN};
@@ -80,6 +80,17 @@ pub struct RigidSystem {
 }
 
 impl RigidSystem {
+    /// The equations of a point in the model's own units, with their weights and their first-order
+    /// start.
+    ///
+    /// `None` without friction or relative speed.
+    pub fn of(case: &Rigid) -> Option<Self> {
+        let equations = case.scaled().ok()?;
+        let first = FirstOrder::of(&equations);
+        let (weights, start) = (equations.weights(first.normal_moment()), first.unknowns().into());
+        Some(Self { weights, start, equations })
+    }
+
     /// The seven equations (R8) in any scalar.
     ///
     /// # Errors
@@ -132,17 +143,6 @@ impl Rigid {
     /// `None` without friction or relative speed.
     pub fn first_order(&self) -> Option<FirstOrder> {
         self.scaled().ok().map(|case| FirstOrder::of(&case))
-    }
-
-    /// The equations in the model's own units as a Newton system, with their weights and their
-    /// first-order start, for those who drive the iteration themselves.
-    ///
-    /// `None` without friction or relative speed.
-    pub fn system(&self) -> Option<RigidSystem> {
-        let equations = self.scaled().ok()?;
-        let first = FirstOrder::of(&equations);
-        let (weights, start) = (equations.weights(first.normal_moment()), first.unknowns().into());
-        Some(RigidSystem { weights, start, equations })
     }
 
     /// Smallest lead angle from this point's upwards at which the equations have a root \[rad\].

@@ -2,6 +2,7 @@
 
 use bsm_dyn::{Ball, Load, Rigid, RigidWorkspace, Unsolved};
 use bsm_kin::{Drive, Helix};
+use bsm_sample::Sample;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -125,20 +126,18 @@ fn extremes() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     let mut work = RigidWorkspace::default();
     let mut tally = Tally { calmest: f64::INFINITY, ..Tally::default() };
-    let log = |rng: &mut ChaCha8Rng, low: f64, high: f64| {
-        (low.ln() + rng.random::<f64>() * (high / low).ln()).exp()
-    };
     for _ in 0..10_000 {
-        let radius = log(&mut rng, 1e-3, 0.1);
-        let mut speed = || log(&mut rng, 1e-4, 1e4) * if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+        let radius = rng.log_uniform(1e-3, 0.1);
+        let mut speed =
+            || rng.log_uniform(1e-4, 1e4) * if rng.random_bool(0.5) { 1.0 } else { -1.0 };
         let drive = Drive { screw_speed: speed(), nut_speed: speed() };
         let case = Rigid {
             helix: Helix { radius, lead_angle: rng.random_range(0.05_f64..80.0).to_radians() },
             contact_angle: rng.random_range(2.0_f64..88.0).to_radians(),
             ball: Ball::of_density(radius * rng.random_range(0.05..0.4), 7800.0),
-            friction: log(&mut rng, 1e-4, 1.0),
+            friction: rng.log_uniform(1e-4, 1.0),
             drive,
-            load: Load { axial: log(&mut rng, 1e-3, 1e6), balls: 1.0 },
+            load: Load { axial: rng.log_uniform(1e-3, 1e6), balls: 1.0 },
         };
         tally.add(&case, &mut work);
     }

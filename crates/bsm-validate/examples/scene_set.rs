@@ -14,6 +14,7 @@ use std::io;
 
 use bsm_case::Scene;
 use bsm_dyn::{Model, ModelWorkspace, Problem, SlipRegime};
+use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -75,10 +76,10 @@ fn draw(rng: &mut impl Rng) -> [f64; 11] {
     let (lead, contact) = (rng.random_range(2.0..30.0), rng.random_range(30.0..60.0));
     let friction = rng.random_range(0.01..0.15);
     let (nut, screw) = (rng.random_range(0.51..0.56), rng.random_range(0.51..0.56));
-    let rpm = rng.random_range(10.0_f64.ln()..30_000.0_f64.ln()).exp();
+    let rpm = rng.log_uniform(10.0, 30_000.0);
     let rpm = if rng.random_bool(0.5) { rpm } else { -rpm };
     let (screw_rpm, nut_rpm) = if rng.random_bool(0.5) { (rpm, 0.0) } else { (0.0, -rpm) };
-    let normal = ball * ball * rng.random_range(0.01_f64.ln()..60.0_f64.ln()).exp();
+    let normal = ball * ball * rng.log_uniform(0.01, 60.0);
     let balls = f64::from(rng.random_range(20..120));
     let axial = balls * normal * f64::to_radians(lead).cos() * f64::to_radians(contact).sin();
     [pitch, ball, lead, contact, friction, nut, screw, screw_rpm, nut_rpm, axial, balls].map(digits)

@@ -79,6 +79,7 @@ fn radical(scene: &Scene) -> Result<Check, ValidateError> {
     let (a, b) = (angle("nut_settled_angle_deg"), angle("screw_settled_angle_deg"));
     let square =
         (nut * a.sin() + screw * b.sin()).powi(2) + (nut * a.cos() + screw * b.cos()).powi(2);
+    // tan²(D/2) = [(l_A + l_B)² − A²] / [A² − (l_A − l_B)²]               (J6)
     let radical = ((nut + screw).powi(2) - square) / (square - (nut - screw).powi(2));
     let ours = 2.0 * radical.sqrt().atan();
     Ok(Check::new(

@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use approx::assert_relative_eq;
+use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -15,7 +16,7 @@ use crate::{Angles, Status};
 fn start(pair: &ElasticBall, rng: &mut impl Rng) -> Option<[f64; BALL]> {
     let (sin, cos) = pair.helix.lead_angle.sin_cos();
     let friction = pair.friction * pair.sign();
-    let mut log = |low: f64, high: f64| (low.ln() + rng.random::<f64>() * (high / low).ln()).exp();
+    let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
     let (mu, spread) = (pair.inertia_ratio(), log(1e-9, 1.0));
     let (circling, slip, scatter) = (log(1e-9, 1e3), log(1e-4, 30.0), log(1e-4, 1.0));
     let nut = rng.random_range(0.0..FRAC_PI_2);
@@ -214,7 +215,7 @@ fn nut_and_screw_that_turn_together_are_not_denied() {
     for _ in 0..1000 {
         let mut screw = extreme(&mut rng);
         let speed = screw.drive.relative_speed();
-        let apart = 10_f64.powf(rng.random_range(-12.0..-1.0));
+        let apart = rng.log_uniform(1e-12, 0.1);
         screw.drive = bsm_kin::Drive { screw_speed: speed, nut_speed: speed * (1.0 - apart) };
         let solution = Elastic { screw }.solve(&mut work);
         converged += usize::from(solution.status() == Status::Converged);

@@ -25,7 +25,7 @@ pub(super) const SLOW: f64 = 1e-6;
 const MOST_LOAD: f64 = 100.0;
 
 /// Up to this ratio of inertia to friction Newton from the first order stays on its branch.
-pub const MODERATE_INERTIA: f64 = 0.2;
+pub(super) const MODERATE_INERTIA: f64 = 0.2;
 
 /// Up to this ratio of inertia to friction what the first order denies by more than its error is not
 /// there; above it, friction of order one leaves roots further from the first order.

@@ -6,11 +6,13 @@ use std::f64::consts::PI;
 use approx::assert_relative_eq;
 use bsm_kin::{BallFrame, Motion};
 use bsm_newton::{Options, Scales, solve};
+use bsm_sample::Sample;
 use nalgebra::{Matrix4, Vector3, Vector4};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::curve::Curve;
+use super::root::MODERATE_INERTIA;
 use super::*;
 use crate::equations::Workspace;
 use crate::extreme::extreme;
@@ -148,16 +150,16 @@ fn many_starts_find_no_root_where_one_is_denied() {
 /// drive or both, 10 to 10 000 rpm both ways, 1 N to 10 kN a ball.
 fn practical(rng: &mut impl Rng) -> Rigid {
     let radius = rng.random_range(4e-3..60e-3);
-    let rpm = 10.0_f64.powf(rng.random_range(1.0..4.0));
+    let rpm = rng.log_uniform(10.0, 1e4);
     let speed = if rng.random_bool(0.5) { rpm } else { -rpm } * PI / 30.0;
     let nut = [0.0, -1.0, rng.random_range(-1.0..1.0)][rng.random_range(0..3)];
     Rigid {
         helix: Helix { radius, lead_angle: rng.random_range(2.0_f64..45.0).to_radians() },
         contact_angle: rng.random_range(30.0_f64..75.0).to_radians(),
         ball: Ball::of_density(radius * rng.random_range(0.07..0.3), 7800.0),
-        friction: 10.0_f64.powf(rng.random_range(-2.5..-0.7)),
+        friction: rng.log_uniform(3e-3, 0.2),
         drive: Drive { screw_speed: speed * (1.0 + nut), nut_speed: speed * nut },
-        load: Load { axial: 10.0_f64.powf(rng.random_range(0.0..4.0)), balls: 1.0 },
+        load: Load { axial: rng.log_uniform(1.0, 1e4), balls: 1.0 },
     }
 }
 
@@ -337,7 +339,7 @@ fn the_reduction_solves_the_equations() {
         let rigid = screw(&mut rng);
         let Ok(case) = rigid.scaled() else { continue };
         let curve = Curve::of(&case);
-        let turn = rng.random_range(-3.0..3.0_f64) * 10.0_f64.powf(rng.random_range(-3.0..0.0));
+        let turn = rng.random_range(-3.0..3.0_f64) * rng.log_uniform(1e-3, 1.0);
         for point in curve.sample(turn).sheets.into_iter().flatten() {
             if point.broken != 0 {
                 continue;

@@ -1,15 +1,15 @@
-//! Denials against searches from many starts, and points that were hard.
+//! Denials against searches from many starts, and both sets of unknowns; points that were hard are scenes in
+//! `validation/hard`.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 use approx::assert_relative_eq;
-use bsm_kin::{Drive, Helix};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
+use crate::Status;
 use crate::extreme::extreme;
-use crate::{Ball, Load, Material, Reason, Status};
 
 /// The point of a seed and a number.
 fn point(seed: u64, number: u64) -> ElasticScrew {
@@ -129,69 +129,6 @@ fn many_starts_find_no_root_where_one_is_denied_at_length() {
     assert!(denied[1] == 0 && denied[0] > 500, "{denied:?}");
 }
 
-/// Found by the campaign of the extremes: points without an answer, or with a power balance that
-/// rounding had eaten.
-#[test]
-fn hard_points_are_solved() {
-    let mut work = TractionWorkspace::default();
-    for (seed, number, what) in [
-        (8, 22, "an ellipse longer than the ball"),
-        (8, 278, "an ellipse a hundred times longer than the ball"),
-        (8, 63, "a rate near zero beside a turning nut"),
-        (8, 318, "inertia forces thousands of times the load"),
-        (8, 137, "a ball that turns about the axis of the screw"),
-        (8, 175, "no guess of the gripping ball"),
-        (3, 222, "a ball that goes round with the nut at 2e8 loads, angle without digits"),
-        (3, 867, "a ball that goes round with the nut, path lost"),
-        (3, 2200, "a ball that goes round with the nut at 5e9 loads, path lost"),
-        (2031, 2483, "two roots within a step of the path, balls that hardly circle"),
-        (2031, 1922, "the same at an inertia ratio of 5e11"),
-    ] {
-        let solution = solved(point(seed, number), &mut work);
-        let place = format!("{seed} {number}, {what}: {:?}", solution.reason());
-        assert_eq!(solution.status(), Status::Converged, "{place}");
-    }
-}
-
-/// Denied once, between speeds at which they were solved: strong friction, balls that hardly circle.
-#[test]
-fn strong_friction_has_roots_that_only_starts_lead_to() {
-    let material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
-    let screw =
-        |[ball, pitch, lead, contact]: [f64; 4], conformity, friction, load, rpm: [f64; 2]| {
-            let [screw_speed, nut_speed] = rpm.map(|rpm| rpm * PI / 30.0);
-            ElasticScrew {
-                helix: Helix { radius: 0.5e-3 * pitch, lead_angle: lead.to_radians() },
-                contact_angle: contact.to_radians(),
-                ball: Ball::of_density(0.5e-3 * ball, 7800.0),
-                conformity,
-                material: (material, material),
-                friction,
-                drive: Drive { screw_speed, nut_speed },
-                load: Load { axial: load, balls: 1.0 },
-            }
-        };
-    let mut work = TractionWorkspace::default();
-    for screw in [
-        screw(
-            [41.480_347_672_9, 99.790_490_489_8, 76.528_496_368, 14.279_940_078_7],
-            (0.799_177_170_97, 0.776_885_308_19),
-            0.365_451_064_10,
-            0.005_236_698_200_8,
-            [-81.563_097_984_6, 57.094_168_589_2],
-        ),
-        screw(
-            [11.365_161_020_2, 59.258_571_664_7, 21.207_023_132_4, 5.563_086_325_5],
-            (0.502_446_362_02, 0.508_335_509_33),
-            0.297_702_054_26,
-            1.111_893_871_1,
-            [0.0, 50_493.148_990_886],
-        ),
-    ] {
-        assert_eq!(solved(screw, &mut work).status(), Status::Converged, "{screw:?}");
-    }
-}
-
 /// Identity: the unknowns of a ball that is thrown against the nut are other names for the same root.
 #[test]
 fn both_sets_of_unknowns_have_the_same_roots() {
@@ -226,28 +163,4 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         seen += 1;
     }
     assert!(seen > 10, "{seen}");
-}
-
-/// A ball that goes round with the nut and is pressed so deep into it that the screw touches beyond
-/// 90 deg; two of the contact angles differ from 0 by rounding only.
-#[test]
-fn a_ball_pressed_through_its_groove_has_no_root() {
-    let mut work = TractionWorkspace::default();
-    for number in [1255, 2595] {
-        let solution = solved(point(3, number), &mut work);
-        let Some(Reason::BallLeavesFlank { screw, .. }) = solution.reason() else {
-            panic!("{number}: {solution:?}")
-        };
-        assert!(solution.status() == Status::NoSolution && *screw > FRAC_PI_2, "{number}: {screw}");
-    }
-}
-
-/// Next to no inertia: friction of steep spin turns a contact angle beyond 90 deg.
-#[test]
-fn friction_turns_a_ball_off_its_flanks() {
-    let mut work = TractionWorkspace::default();
-    let solution = solved(point(8, 53), &mut work);
-    assert_eq!(solution.status(), Status::NoSolution, "{solution:?}");
-    let Some(Reason::BallLeavesFlank { screw, .. }) = solution.reason() else { panic!() };
-    assert!(*screw > FRAC_PI_2, "{screw}");
 }

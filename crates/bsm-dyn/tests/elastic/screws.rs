@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use bsm_dyn::{Ball, ElasticScrew, Load, Material};
 use bsm_kin::{Drive, Helix};
+use bsm_sample::Sample;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -52,7 +53,7 @@ fn drawn(seed: u64, ranges: Ranges) -> impl Iterator<Item = ElasticScrew> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     std::iter::from_fn(move || {
         let radius = rng.random_range(4e-3..50e-3);
-        let rpm = rng.random_range(10.0_f64.ln()..30_000.0_f64.ln()).exp();
+        let rpm = rng.log_uniform(10.0, 30_000.0);
         let speed = if rng.random_bool(0.5) { rpm } else { -rpm } * PI / 30.0;
         let (screw_speed, nut_speed) =
             if rng.random_bool(0.5) { (speed, 0.0) } else { (0.0, -speed) };
@@ -69,7 +70,7 @@ fn drawn(seed: u64, ranges: Ranges) -> impl Iterator<Item = ElasticScrew> {
             drive: Drive { screw_speed, nut_speed },
             load: Load { axial: 1.0, balls: 1.0 },
         };
-        let pressure = rng.random_range(0.2e9_f64.ln()..5e9_f64.ln()).exp();
+        let pressure = rng.log_uniform(0.2e9, 5e9);
         let of_one_newton = screw.hertz().expect("an ellipse")[0].max_pressure(1.0);
         // p_max ~ Q^{1/3}; Q cosα sinβ = F_a
         let normal = (pressure / of_one_newton).powi(3);

@@ -2,6 +2,7 @@
 
 use bsm_case::{ModelChoice, Scene};
 use bsm_dyn::{Angles, Model};
+use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -18,7 +19,7 @@ pub(crate) fn point(seed: u64, number: usize, model: ModelChoice, edges: bool) -
 
 /// Moves one input next to where something begins or ends.
 fn to_an_edge(scene: &mut Scene, rng: &mut impl Rng, model: ModelChoice) {
-    let far = 10_f64.powf(rng.random_range(-12.0..-1.0));
+    let far = rng.log_uniform(1e-12, 0.1);
     let next = if rng.random_bool(0.5) { 1.0 + far } else { 1.0 - far };
     let radians = |angle: Option<f64>| angle.expect("drawn").to_radians();
     let lead = radians(scene.lead_angle_deg);
@@ -41,7 +42,7 @@ fn to_an_edge(scene: &mut Scene, rng: &mut impl Rng, model: ModelChoice) {
 /// A point of the ranges.
 fn draw(rng: &mut impl Rng, model: ModelChoice) -> Scene {
     let mut log = |low: f64, high: f64| {
-        let x = (low.ln() + rng.random::<f64>() * (high / low).ln()).exp();
+        let x = rng.log_uniform(low, high);
         format!("{x:.6e}").parse().unwrap_or(x)
     };
     let (ball, ratio) = (log(0.1, 200.0), log(0.01, 0.45));

@@ -1,0 +1,46 @@
+//! Points that were hard for model traction, as scenes in `validation/hard`: each says in its description what
+//! it is. `bsm solve` opens them too.
+
+use std::f64::consts::FRAC_PI_2;
+use std::fs;
+use std::path::Path;
+
+use bsm_case::Scene;
+use bsm_dyn::{Model, ModelWorkspace, Reason, Solution, Status};
+
+/// The answers of a folder, with the names of the scenes.
+fn answers(folder: &str) -> Vec<(String, Solution)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/hard").join(folder);
+    let mut work = ModelWorkspace::default();
+    let answer = |entry: Result<fs::DirEntry, _>| {
+        let path = entry.expect("folder entry").path();
+        let problem = Scene::read(&path).and_then(|scene| scene.problem(&Model::Traction.into()));
+        (path.display().to_string(), problem.expect("a complete scene").solve(&mut work))
+    };
+    fs::read_dir(folder).expect("scenes").map(answer).collect()
+}
+
+/// Found by campaigns of the extremes: points without an answer, with a power balance that rounding had
+/// eaten, or denied between speeds at which they were solved.
+#[test]
+fn hard_points_are_solved() {
+    let answers = answers("solved");
+    assert_eq!(answers.len(), 13);
+    for (name, solution) in answers {
+        assert_eq!(solution.status(), Status::Converged, "{name}: {:?}", solution.reason());
+    }
+}
+
+/// Balls that are pressed through their groove, or that friction turns off its flank.
+#[test]
+fn balls_that_leave_their_flanks_are_denied() {
+    let answers = answers("denied");
+    assert_eq!(answers.len(), 3);
+    for (name, solution) in answers {
+        assert_eq!(solution.status(), Status::NoSolution, "{name}: {solution:?}");
+        let Some(Reason::BallLeavesFlank { screw, .. }) = solution.reason() else {
+            panic!("{name}: {solution:?}")
+        };
+        assert!(*screw > FRAC_PI_2, "{name}: {screw}");
+    }
+}

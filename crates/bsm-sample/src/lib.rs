@@ -1,0 +1,37 @@
+//! Random numbers of the tests, examples and benchmarks; no other crate depends on this one.
+
+use rand::{Rng, RngExt};
+
+/// What a generator draws besides the distributions of `rand`.
+pub trait Sample: Rng {
+    /// A number between two positive ones, whose logarithm is uniform: every order of magnitude is as
+    /// likely as the next.
+    fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
+        (low.ln() + self.random::<f64>() * (high / low).ln()).exp()
+    }
+}
+
+impl<R: Rng + ?Sized> Sample for R {}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+
+    /// A tenth of the numbers from 1e-6 to 1e4 lies in each decade, and none beyond.
+    #[test]
+    fn decades_are_alike() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut decades = [0_u32; 10];
+        for _ in 0..10_000 {
+            let x = rng.log_uniform(1e-6, 1e4);
+            let decade = (0..10).find(|d| x < 10.0_f64.powi(d - 5)).expect("not above");
+            assert!(x >= 1e-6, "{x}");
+            decades[usize::try_from(decade).expect("not below")] += 1;
+        }
+        // Four standard deviations of a binomial count, sqrt(10_000 · 0.1 · 0.9) = 30.
+        assert!(decades.iter().all(|count| count.abs_diff(1000) < 120), "{decades:?}");
+    }
+}
