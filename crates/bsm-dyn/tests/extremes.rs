@@ -69,7 +69,7 @@ fn check(screw: &ElasticScrew, solution: &Solution) -> bool {
     };
     let words = format!("{o:?}");
     // The skid numbers keep to themselves what is no number.
-    let shown = format!("{:?}", Solved { skid: None, ..o.clone() });
+    let shown = format!("{:?}", Solved { skid: None, ..*o });
     let mut tokens = shown.split(|c: char| !c.is_alphanumeric());
     assert!(!tokens.any(|token| ["NaN", "inf"].contains(&token)), "{screw:?} {words}");
     // The closed form has no equations left.
