@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 use std::ops::Range;
 
-use crate::{CaseError, InputKey, InputSet, ModelChoice, Scene, exact};
+use crate::{CaseError, InputKey, InputSet, ModelChoice, Scene};
 
 /// One varied input.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,13 +94,14 @@ impl Axis {
 /// The form that [`Axis::parse`] reads, with the shortest digits that give the same values.
 impl Display for Axis {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let number = |value: &f64| format!("{value:?}").trim_end_matches(".0").to_owned();
         write!(f, "{}=", self.key.name())?;
         match &self.values {
             Values::Range { start, stop, count } => {
-                write!(f, "{}:{}:{count}", exact(*start), exact(*stop))
+                write!(f, "{}:{}:{count}", number(start), number(stop))
             }
             Values::List(values) => {
-                f.write_str(&values.iter().map(|value| exact(*value)).collect::<Vec<_>>().join(","))
+                f.write_str(&values.iter().map(number).collect::<Vec<_>>().join(","))
             }
         }
     }

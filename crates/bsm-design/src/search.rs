@@ -278,7 +278,7 @@ mod tests {
         assert!(all.roots.len() == 3, "{all:?}");
         assert!(all.roots.iter().zip(expected).all(|(r, (x, s))| near(r, x, s)), "{all:?}");
         assert!(
-            all.share == 1.0 && all.values.is_some_and(|(low, high)| low < -0.99 && high > 0.99)
+            all.share >= 1.0 && all.values.is_some_and(|(low, high)| low < -0.99 && high > 0.99)
         );
         let part = |x: f64| sine(if x > 4.0 { f64::NAN } else { x });
         let part = crossings(part, (1.0, 7.0)).expect("a sine");
