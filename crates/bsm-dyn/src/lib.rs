@@ -36,12 +36,12 @@ mod traction;
 
 pub use auto::{Auto, Basis, Choice, GRIPS_BELOW, SlipRegime};
 pub use balance::{Ball, Load, POWER_BALANCE_TOL, Wrench};
-pub use closed_form::{Angles, ClosedForm, Optimum, Size};
+pub use closed_form::{Angles, ClosedForm, Optimum, Sines, Size};
 pub use coulomb::friction_force;
 pub use elastic::{Elastic, ElasticWorkspace};
 pub use elastic_ball::ElasticScrew;
 pub use ellipse::{Ellipse, Quadrature, pressed_radius};
-pub use hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
+pub use hertz::{Axes, Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 pub use jam::{
     Wedge, apex_thrust, available_friction, centrifugal_force, flat_stiffness, impact_force,
     step_thrust, viscous_drag,
@@ -49,7 +49,7 @@ pub use jam::{
 pub use jones::{Deformed, Displacement, Jones, Side};
 pub use model::{Model, ModelWorkspace, Problem};
 pub use permanent_set::{FIRST_YIELD, PermanentSet, yield_ratio};
-pub use quasi_static::{Driven, QuasiStatic};
+pub use quasi_static::{Driven, QuasiStatic, TwoContacts};
 pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
 pub use rigid::{
     FirstOrder, MODERATE_INERTIA, Rigid, RigidRoot, RigidSystem, RigidUnknowns, RigidWorkspace,
