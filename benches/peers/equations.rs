@@ -271,7 +271,7 @@ impl Case {
 mod tests {
     use bsm_benches::seeded;
     use bsm_dyn::{Model, Problem, RigidUnknowns};
-    use bsm_kin::{Jet, Scalar};
+    use bsm_kin::{Field, Jet, Scalar};
 
     use super::*;
     use crate::points::point;
