@@ -272,7 +272,7 @@ mod tests {
     use bsm_benches::seeded;
     use bsm_dyn::inside::{RigidSystem, RigidUnknowns};
     use bsm_dyn::{Model, Problem};
-    use bsm_kin::{Jet, Scalar};
+    use bsm_kin::{Field, Jet, Scalar};
 
     use super::*;
     use crate::points::point;

@@ -7,7 +7,7 @@ use bsm_case::{
     INPUTS, Input, InputKey, InputSet, Inputs, ModelChoice, Relation, Rule, Scene, Settings,
     covered,
 };
-use bsm_dyn::Model;
+use bsm_dyn::{Model, Sines};
 use bsm_simd::Simd;
 
 use crate::kernel;
@@ -130,6 +130,14 @@ impl<S: Simd> Given<'_, S> {
         let tan = lead / (self.get(InputKey::pitch_circle_diameter_mm) * std::f64::consts::PI);
         let cos = (tan * tan + 1.0).sqrt().recip();
         (tan * cos, cos)
+    }
+
+    /// Sines and cosines of lead angle and contact angle.
+    #[inline(always)]
+    pub(crate) fn sines(&self) -> Sines<Lane<S>> {
+        let (sin_a, cos_a) = self.lead();
+        let (sin_b, cos_b) = self.sin_cos(InputKey::contact_angle_deg);
+        Sines { sin_a, cos_a, sin_b, cos_b }
     }
 
     /// Speeds of screw and nut \[rad/s\], if they are given.

@@ -3,6 +3,7 @@
 //! What one value must satisfy is its [`Rule`](crate::Rule).
 
 use bsm_dyn::Model;
+use bsm_kin::Field;
 use bsm_simd::Compare;
 
 use crate::reader::lead_angle;
@@ -19,7 +20,7 @@ pub trait Inputs {
 }
 
 /// Yes or no for each point.
-type Mask<I> = <<I as Inputs>::Number as Compare>::Mask;
+type Mask<I> = <<I as Inputs>::Number as Field>::Mask;
 
 impl Inputs for Scene {
     type Number = f64;

@@ -2,9 +2,15 @@
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C16).
 
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+
 use std::f64::consts::PI;
 
-use bsm_kin::Scalar;
+use bsm_kin::{Field, Scalar};
+use bsm_simd::Compare;
 
 use crate::balance::{Power, ideal_torque};
 use crate::{BallState, Direction, Load, Model, Solution, Solved, Transmission, Transmitted};
@@ -27,11 +33,82 @@ pub struct Optimum {
     pub efficiency: f64,
 }
 
-impl<D: Scalar> Angles<D> {
+/// Sines and cosines of lead angle and contact angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sines<D> {
+    /// `$\sin\alpha$`.
+    pub sin_a: D,
+    /// `$\cos\alpha$`.
+    pub cos_a: D,
+    /// `$\sin\beta$`.
+    pub sin_b: D,
+    /// `$\cos\beta$`.
+    pub cos_b: D,
+}
+
+/// In all of them: `back`, where the load drives; `friction`: `$f \ge 0$`.
+impl<D: Field> Sines<D> {
+    /// `$\tan\alpha$`.
+    #[inline(always)]
+    pub fn tan_a(&self) -> D {
+        self.sin_a / self.cos_a
+    }
+
     /// `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
+    #[inline(always)]
     pub fn slip_factor(&self) -> D {
         // D = √(cos²β + tan²α)                                            (C1)
-        (self.contact.cos().square() + self.lead.tan().square()).sqrt()
+        (self.cos_b.square() + self.tan_a().square()).sqrt()
+    }
+
+    /// `$\sin\beta$` and `$D$`, exchanged where the load drives.
+    #[inline(always)]
+    fn by_direction(&self, back: D::Mask) -> [D; 2] {
+        let (s, d) = (self.sin_b, self.slip_factor());
+        [D::select(back, d, s), D::select(back, s, d)]
+    }
+
+    /// Efficiency, see [`Angles::efficiency`] (C2), (C3).
+    #[inline(always)]
+    pub fn efficiency(&self, back: D::Mask, friction: D) -> D {
+        // η = 1 − f / {cos²α sinβ (D + f sinβ)}                           (C2)
+        // η = 1 − f / {cos²α (D sinβ + f D²)}                             (C3)
+        let [outer, inner] = self.by_direction(back);
+        -(friction / (self.cos_a.square() * outer * (inner + friction * outer))) + 1.0
+    }
+
+    /// Normal load over axial load per ball, see [`Angles::load_ratio`] (C4).
+    #[inline(always)]
+    pub fn load_ratio(&self, back: D::Mask, friction: D) -> D {
+        let signed = D::select(back, -friction, friction);
+        // Q/F_a = 1 / [cosα (sinβ ∓ f D)]                                 (C4)
+        (self.cos_a * (self.sin_b - signed * self.slip_factor())).recip()
+    }
+
+    /// Where the screw locks itself, see [`Angles::self_locking`] (C6), (C7).
+    #[inline(always)]
+    pub fn self_locking(&self, back: D::Mask, friction: D) -> D::Mask
+    where
+        D: Compare,
+    {
+        // sinβ ≤ f D                                                      (C6)
+        // D ≤ f sinβ                                                      (C7)
+        let [outer, inner] = self.by_direction(back);
+        outer.le(friction * inner)
+    }
+}
+
+impl<D: Scalar> Angles<D> {
+    /// Sines and cosines.
+    pub fn sines(&self) -> Sines<D> {
+        let (sin_a, cos_a) = self.lead.sin_cos();
+        let (sin_b, cos_b) = self.contact.sin_cos();
+        Sines { sin_a, cos_a, sin_b, cos_b }
+    }
+
+    /// `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
+    pub fn slip_factor(&self) -> D {
+        self.sines().slip_factor()
     }
 
     /// Efficiency, negative if self-locking in that direction (C2), (C3).
@@ -47,15 +124,7 @@ impl<D: Scalar> Angles<D> {
     /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 14 and 17.
     /// Difference from the source: the root ends before `$+ f\sin\beta$`, see `docs/theory/errata.md`.
     pub fn efficiency(&self, direction: Direction, friction: D) -> D {
-        let (s, d, f) = (self.contact.sin(), self.slip_factor(), friction);
-        let cos2 = self.lead.cos().square();
-        let loss = match direction {
-            // η = 1 − f / {cos²α sinβ (D + f sinβ)}                       (C2)
-            Direction::RotaryToLinear => f / (cos2 * s * (d + f * s)),
-            // η = 1 − f / {cos²α (D sinβ + f D²)}                         (C3)
-            Direction::LinearToRotary => f / (cos2 * d * (s + f * d)),
-        };
-        -loss + 1.0
+        self.sines().efficiency(direction.is_back(), friction)
     }
 
     /// Normal load of either loaded contact over the axial load per ball (C4).
@@ -63,9 +132,7 @@ impl<D: Scalar> Angles<D> {
     /// Negative when `$\sin\beta < f D$` and the drive works against the load: no load satisfies
     /// the balance.
     pub fn load_ratio(&self, direction: Direction, friction: D) -> D {
-        // Q/F_a = 1 / [cosα (sinβ ∓ f D)]                                 (C4)
-        let signed = friction * direction.sign();
-        (self.lead.cos() * (self.contact.sin() - signed * self.slip_factor())).recip()
+        self.sines().load_ratio(direction.is_back(), friction)
     }
 
     /// Slip angle at the screw `$\psi_B$` \[rad\]; the nut's is `$\psi_A = \psi_B + \pi$`.
@@ -86,13 +153,7 @@ impl Angles<f64> {
     ///
     /// Source: Lin, Velinsky and Ravani, Eqs 16 and 19.
     pub fn self_locking(&self, direction: Direction, friction: f64) -> bool {
-        let (s, d) = (self.contact.sin(), self.slip_factor());
-        match direction {
-            // sinβ ≤ f D                                                  (C6)
-            Direction::RotaryToLinear => s <= friction * d,
-            // f sinβ ≥ D                                                  (C7)
-            Direction::LinearToRotary => friction * s >= d,
-        }
+        self.sines().self_locking(direction.is_back(), friction)
     }
 
     /// Border of self-locking: the contact angle \[rad\] up to which (rotary to linear) or from

@@ -74,7 +74,12 @@ pub struct Ellipse<D, P = f64> {
 ///
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, the harmonic mean of
 /// ball and groove.
-pub fn pressed_radius<D: Scalar>(conformity: D, ball_radius: D) -> D {
+#[expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+#[inline(always)]
+pub fn pressed_radius<D: bsm_kin::Field>(conformity: D, ball_radius: D) -> D {
     // R_c = 2 f_g (2 r_b) / (2 f_g + 1)                                   (E2)
     conformity * 4.0 * ball_radius / (conformity * 2.0 + 1.0)
 }

@@ -65,12 +65,12 @@ mod traction;
 
 pub use auto::{Auto, Basis, Choice, GRIPS_BELOW, SlipRegime};
 pub use balance::{Ball, Load, POWER_BALANCE_TOL, Wrench};
-pub use closed_form::{Angles, ClosedForm, Optimum, Size};
+pub use closed_form::{Angles, ClosedForm, Optimum, Sines, Size};
 pub use elastic::{Elastic, ElasticWorkspace};
 pub use elastic_ball::ElasticScrew;
 pub use ellipse::{Ellipse, Quadrature, pressed_radius};
 pub use friction::{Coulomb, FrictionLaw, friction_force};
-pub use hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
+pub use hertz::{Axes, Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 pub use jam::{
     Wedge, apex_thrust, available_friction, centrifugal_force, flat_stiffness, impact_force,
     step_thrust, viscous_drag,
@@ -79,7 +79,7 @@ pub use jones::{Deformed, Displacement, Jones, Side};
 pub use model::{Model, ModelWorkspace, Problem};
 pub use permanent_set::{PermanentSet, yield_ratio};
 pub use pressed_ball::{PressedBall, Pressing};
-pub use quasi_static::{Driven, QuasiStatic};
+pub use quasi_static::{Driven, QuasiStatic, TwoContacts};
 pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
 pub use rigid::{FirstOrder, Rigid, RigidRoot, RigidWorkspace, SEARCHED_FROM, UNIQUE_BELOW};
 pub use sensitivity::Transmitted;

@@ -2,9 +2,14 @@
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (Q1) to (Q4).
 
-use bsm_kin::Scalar;
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
 
-use crate::closed_form::{Angles, Size, answer};
+use bsm_kin::{Field, Scalar};
+
+use crate::closed_form::{Angles, Sines, Size, answer};
 use crate::{
     BallState, Direction, Evidence, Model, Reason, Solution, Solved, Transmitted, Unsolved,
 };
@@ -39,8 +44,30 @@ pub enum Driven {
     Both,
 }
 
-impl<D: Scalar> QuasiStatic<D> {
-    /// Efficiency from rotary to linear with the friction terms multiplied by `sign` (Q1) to (Q3).
+/// The two contacts of the balance, their friction negative where the load drives.
+#[derive(Debug, Clone, Copy)]
+pub struct TwoContacts<D: Field> {
+    /// Of lead and contact angle.
+    pub sines: Sines<D>,
+    /// `$f$`, with that sign.
+    pub friction: D,
+    /// `$f_r/r_b$`, with that sign.
+    pub rolling_ratio: D,
+    /// `$r_b/r_m$`.
+    pub size_ratio: D,
+    /// Where the nut turns, not the screw.
+    pub nut_turns: D::Mask,
+}
+
+impl<D: Field> TwoContacts<D> {
+    /// `$\tan\rho = f_r/(r_b\sin\beta)$` (Q1).
+    #[inline(always)]
+    fn tan_rho(&self) -> D {
+        // tanρ = f_r / (r_b sinβ)                                         (Q1)
+        self.rolling_ratio / self.sines.sin_b
+    }
+
+    /// Efficiency from rotary to linear (Q1) to (Q3).
     ///
     /// ```math
     /// \eta = 1 - \frac{f(r_b/r_m + \epsilon) + \tan\rho/(\cos\alpha\sin\alpha)}
@@ -52,38 +79,54 @@ impl<D: Scalar> QuasiStatic<D> {
     /// `$\epsilon = 2\cos\beta$` for a turning nut.
     ///
     /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 1-4.
-    fn forward_efficiency(&self, sign: f64) -> D {
-        let (sin_b, cos_b) = self.angles.contact.sin_cos();
-        let (sin_a, cos_a) = self.angles.lead.sin_cos();
-        let f = self.friction * sign;
-        // tanρ = f_r / (r_b sinβ)                                         (Q1)
-        let tan_rho = self.rolling_ratio * sign / sin_b;
-        let (loss, lever) = match self.driven {
-            // screw: f r_b/r_m,  r_b/r_m − cosβ                           (Q2)
-            Driven::Screw | Driven::Both => (f * self.size_ratio, self.size_ratio - cos_b),
-            // nut: f (r_b/r_m + 2 cosβ),  r_b/r_m + cosβ                  (Q3)
-            Driven::Nut => (f * (self.size_ratio + cos_b * 2.0), self.size_ratio + cos_b),
-        };
+    #[inline(always)]
+    fn forward_efficiency(&self) -> D {
+        let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
+        let (f, size, tan_rho) = (self.friction, self.size_ratio, self.tan_rho());
+        // screw: f r_b/r_m,  r_b/r_m − cosβ                               (Q2)
+        // nut: f (r_b/r_m + 2 cosβ),  r_b/r_m + cosβ                      (Q3)
+        let loss = f * D::select(self.nut_turns, size + cos_b * 2.0, size);
+        let lever = D::select(self.nut_turns, size + cos_b, size - cos_b);
         let effort = sin_b + f * lever + tan_rho * cos_a / sin_a;
-        -(loss + tan_rho / (cos_a * sin_a)) / effort + 1.0
+        -((loss + tan_rho / (cos_a * sin_a)) / effort) + 1.0
+    }
+
+    /// Efficiency in the direction of the input; `back`: where the load drives.
+    #[inline(always)]
+    pub fn efficiency(&self, back: D::Mask) -> D {
+        let forward = self.forward_efficiency();
+        D::select(back, forward.recip(), forward)
+    }
+
+    /// Normal load over axial load per ball (Q4); not positive where friction holds any load.
+    #[inline(always)]
+    pub fn load_ratio(&self) -> D {
+        let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
+        // Q/F_a = 1 / [cosα (sinβ − f cosβ) − sinα tanρ]                  (Q4)
+        (cos_a * (sin_b - self.friction * cos_b) - sin_a * self.tan_rho()).recip()
+    }
+}
+
+impl<D: Scalar> QuasiStatic<D> {
+    fn contacts(&self) -> TwoContacts<D> {
+        let sign = self.direction.sign();
+        TwoContacts {
+            sines: self.angles.sines(),
+            friction: self.friction * sign,
+            rolling_ratio: self.rolling_ratio * sign,
+            size_ratio: self.size_ratio,
+            nut_turns: self.driven == Driven::Nut,
+        }
     }
 
     /// Efficiency in the direction of the input; back-driving turns every friction term round.
     pub fn efficiency(&self) -> D {
-        match self.direction {
-            Direction::RotaryToLinear => self.forward_efficiency(1.0),
-            Direction::LinearToRotary => self.forward_efficiency(-1.0).recip(),
-        }
+        self.contacts().efficiency(self.direction.is_back())
     }
 
     /// Normal load over axial load per ball (Q4); not positive if friction holds any load.
     pub fn load_ratio(&self) -> D {
-        let (sin_b, cos_b) = self.angles.contact.sin_cos();
-        let (sin_a, cos_a) = self.angles.lead.sin_cos();
-        let sign = self.direction.sign();
-        let (f, tan_rho) = (self.friction * sign, self.rolling_ratio * sign / sin_b);
-        // Q/F_a = 1 / [cosα (sinβ − f cosβ) − sinα tanρ]                  (Q4)
-        (cos_a * (sin_b - f * cos_b) - sin_a * tan_rho).recip()
+        self.contacts().load_ratio()
     }
 
     /// Refuses a point that has no balance.

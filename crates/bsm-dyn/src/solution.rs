@@ -35,6 +35,11 @@ impl Direction {
             Self::LinearToRotary => -1.0,
         }
     }
+
+    /// True if the load drives.
+    pub fn is_back(self) -> bool {
+        self == Self::LinearToRotary
+    }
 }
 
 /// How a solve ended.

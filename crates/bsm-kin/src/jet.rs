@@ -8,7 +8,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 
 use num_traits::{One, Zero};
 
-use crate::Scalar;
+use crate::{Field, Scalar};
 
 /// A value and its partial derivatives with respect to `N` variables.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,6 +38,33 @@ impl<const N: usize> Jet<N> {
     }
 }
 
+impl<const N: usize> Field for Jet<N> {
+    type Mask = bool;
+
+    fn constant(self, x: f64) -> Self {
+        Self::from(x)
+    }
+
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
+    }
+
+    fn sqrt(self) -> Self {
+        let root = self.re.sqrt();
+        self.chain(root, 0.5 / root)
+    }
+
+    fn cbrt(self) -> Self {
+        let root = self.re.cbrt();
+        self.chain(root, (3.0 * root * root).recip())
+    }
+
+    fn recip(self) -> Self {
+        let inverse = self.re.recip();
+        self.chain(inverse, -inverse * inverse)
+    }
+}
+
 impl<const N: usize> Scalar for Jet<N> {
     fn re(&self) -> f64 {
         self.re
@@ -46,21 +73,6 @@ impl<const N: usize> Scalar for Jet<N> {
     fn sin_cos(&self) -> (Self, Self) {
         let (sin, cos) = self.re.sin_cos();
         (self.chain(sin, cos), self.chain(cos, -sin))
-    }
-
-    fn sqrt(&self) -> Self {
-        let root = self.re.sqrt();
-        self.chain(root, 0.5 / root)
-    }
-
-    fn cbrt(&self) -> Self {
-        let root = self.re.cbrt();
-        self.chain(root, (3.0 * root * root).recip())
-    }
-
-    fn recip(&self) -> Self {
-        let inverse = self.re.recip();
-        self.chain(inverse, -inverse * inverse)
     }
 
     fn powf(&self, exponent: f64) -> Self {

@@ -8,6 +8,7 @@
 //! Theory: `docs/theory/01-kinematics.md`, equations (K1) to (K15).
 
 mod contact;
+mod field;
 mod frame;
 mod helix;
 mod jet;
@@ -15,6 +16,7 @@ mod motion;
 mod scalar;
 
 pub use contact::{Contact, Site};
+pub use field::Field;
 pub use frame::BallFrame;
 pub use helix::{FrenetFrame, Helix};
 pub use jet::Jet;

@@ -1,41 +1,30 @@
 //! The scalar that every formula is generic over; the only file that names the traits of the
 //! dual-number crate.
 
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Mul, Sub};
 
 use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};
 use num_dual::{DualNum, DualNumCopy};
 use num_traits::{One, Zero};
 
+use crate::Field;
+
 /// Scalar of every equation: `f64`, a [`Jet`](crate::Jet), or any dual number of num-dual.
 pub trait Scalar:
-    nalgebra::Scalar
-    + Copy
+    Field<Mask = bool>
+    + nalgebra::Scalar
     + From<f64>
     + Zero
     + One
-    + Neg<Output = Self>
     + ClosedAddAssign
     + ClosedSubAssign
     + ClosedMulAssign
     + ClosedDivAssign
-    + Add<f64, Output = Self>
-    + Sub<f64, Output = Self>
-    + Mul<f64, Output = Self>
 {
     /// The value without derivatives.
     fn re(&self) -> f64;
     /// Sine and cosine.
     fn sin_cos(&self) -> (Self, Self);
-    /// Square root.
-    #[must_use]
-    fn sqrt(&self) -> Self;
-    /// Cube root.
-    #[must_use]
-    fn cbrt(&self) -> Self;
-    /// One over the value.
-    #[must_use]
-    fn recip(&self) -> Self;
     /// The value to a constant power.
     #[must_use]
     fn powf(&self, exponent: f64) -> Self;
@@ -62,11 +51,6 @@ pub trait Scalar:
         let (sin, cos) = self.sin_cos();
         sin / cos
     }
-    /// The value times itself.
-    #[must_use]
-    fn square(&self) -> Self {
-        *self * *self
-    }
 }
 
 /// Scalar that constants of the type `P` enter: a jet in the unknowns over numbers, or the same jet
@@ -88,18 +72,6 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Scalar for T {
 
     fn sin_cos(&self) -> (Self, Self) {
         DualNum::sin_cos(self)
-    }
-
-    fn sqrt(&self) -> Self {
-        DualNum::sqrt(self)
-    }
-
-    fn cbrt(&self) -> Self {
-        DualNum::cbrt(self)
-    }
-
-    fn recip(&self) -> Self {
-        DualNum::recip(self)
     }
 
     fn powf(&self, exponent: f64) -> Self {

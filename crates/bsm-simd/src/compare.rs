@@ -1,19 +1,12 @@
 //! What rules are written in: a number, or several of them side by side.
 
-use std::ops::{BitAnd, BitOr, Mul, Sub};
-
+use bsm_kin::Field;
 use pulp::Simd;
 
 use crate::{Lane, Mask};
 
 /// A number or a [`Lane`] of them, and yes or no for each.
-pub trait Compare: Copy + Sub<Output = Self> + Mul<f64, Output = Self> {
-    /// Yes or no.
-    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
-
-    /// The same number in every place.
-    #[must_use]
-    fn constant(self, x: f64) -> Self;
+pub trait Compare: Field {
     /// Absolute value.
     #[must_use]
     fn abs(self) -> Self;
@@ -33,13 +26,6 @@ pub trait Compare: Copy + Sub<Output = Self> + Mul<f64, Output = Self> {
 }
 
 impl Compare for f64 {
-    type Mask = bool;
-
-    #[inline(always)]
-    fn constant(self, x: f64) -> Self {
-        x
-    }
-
     #[inline(always)]
     fn abs(self) -> Self {
         self.abs()
@@ -62,13 +48,6 @@ impl Compare for f64 {
 }
 
 impl<S: Simd, const N: usize> Compare for Lane<S, N> {
-    type Mask = Mask<S, N>;
-
-    #[inline(always)]
-    fn constant(self, x: f64) -> Self {
-        self.constant(x)
-    }
-
     #[inline(always)]
     fn abs(self) -> Self {
         self.abs()

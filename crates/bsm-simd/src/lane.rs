@@ -2,6 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+use bsm_kin::Field;
 use pulp::Simd;
 
 /// Numbers of a few points, `N` times as many as the instruction set takes at once: the processor
@@ -224,6 +225,35 @@ impl<S: Simd, const N: usize> Mask<S, N> {
         for (to, x) in to.iter_mut().zip(self.to_numbers().as_slice()) {
             *to = *x > 0.5;
         }
+    }
+}
+
+impl<S: Simd, const N: usize> Field for Lane<S, N> {
+    type Mask = Mask<S, N>;
+
+    #[inline(always)]
+    fn constant(self, x: f64) -> Self {
+        self.constant(x)
+    }
+
+    #[inline(always)]
+    fn select(mask: Mask<S, N>, yes: Self, no: Self) -> Self {
+        mask.select(yes, no)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+
+    #[inline(always)]
+    fn cbrt(self) -> Self {
+        self.cbrt_positive()
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        self.recip()
     }
 }
 

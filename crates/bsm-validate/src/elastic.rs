@@ -65,8 +65,8 @@ fn hertz(lin: &Scene, published: &Published) -> Result<Vec<Check>, ValidateError
     };
     let Ok([nut, screw]) = case.screw.hertz() else { unreachable!("the grooves have ellipses") };
     let read = |contact: &Hertz, quantity: &str| match quantity {
-        "ratio" => contact.ratio,
-        "stiffness_N_m15" => contact.stiffness,
+        "ratio" => contact.ratio(),
+        "stiffness_N_m15" => contact.stiffness(),
         "a_over_cube_root_of_load_m" => contact.semi_axes(1.0).0,
         "b_over_cube_root_of_load_m" => contact.semi_axes(1.0).1,
         _ => f64::NAN,

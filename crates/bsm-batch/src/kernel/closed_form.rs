@@ -17,27 +17,16 @@ impl Kernel for ClosedForm {
 
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
-        let (sin_a, cos_a) = given.lead();
-        let (sin_b, cos_b) = given.sin_cos(InputKey::contact_angle_deg);
+        let sines = given.sines();
         let f = given.get(InputKey::friction_coefficient);
-        let one = f.constant(1.0);
-        let (tan_a, cos_square) = (sin_a / cos_a, cos_a * cos_a);
         let back = backwards(given);
-        // D = √(cos²β + tan²α)                                            (C1)
-        let d = (cos_b * cos_b + tan_a * tan_a).sqrt();
-        // η = 1 − f / {cos²α sinβ (D + f sinβ)}, D and sinβ exchanged if the load drives  (C2), (C3)
-        let (outer, inner) = (back.select(d, sin_b), back.select(sin_b, d));
-        let eta = one - f / (cos_square * outer * (inner + f * outer));
-        // Q/F_a = 1 / [cosα (sinβ ∓ f D)]                                 (C4)
-        let ratio = (cos_a * (sin_b - back.select(-f, f) * d)).recip();
-        // sinβ ≤ f D,  f sinβ ≥ D                                         (C6), (C7)
-        let locked = outer.le(f * inner);
+        let (eta, ratio) = (sines.efficiency(back, f), sines.load_ratio(back, f));
 
         out.set(OutputKey::efficiency, eta);
         contact_angles(given, out);
         if out.wants(&[OutputKey::nut_slip_angle_deg, OutputKey::screw_slip_angle_deg]) {
             // ψ_B = atan(tanα / cosβ), turned by π if the load drives     (C5), (C11)
-            let forward = (tan_a / cos_b).each(f64::atan);
+            let forward = (sines.tan_a() / sines.cos_b).each(f64::atan);
             let turned = forward - PI;
             out.set(
                 OutputKey::screw_slip_angle_deg,
@@ -48,9 +37,10 @@ impl Kernel for ClosedForm {
                 back.select(forward, turned).each(direction_deg),
             );
         }
-        out.set_flag(OutputKey::self_locking, locked);
-        transmit(given, out, &Transmitted { back, tan_a, eta, ratio });
-        one.gt(one.constant(0.0))
+        out.set_flag(OutputKey::self_locking, sines.self_locking(back, f));
+        transmit(given, out, &Transmitted { back, tan_a: sines.tan_a(), eta, ratio });
+        let zero = f.constant(0.0);
+        zero.le(zero)
     }
 }
 

@@ -6,12 +6,12 @@ mod hertz;
 
 use bsm_case::units::{DEG, MM, MPA, UM};
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::{Control, Model};
+use bsm_dyn::{Control, Member, Model};
 use bsm_simd::Simd;
 
 use self::balance::{Grip, Pair};
 use self::friction::Ellipse;
-use self::hertz::{Hertz, Screw};
+use self::hertz::{ElasticContact, Screw};
 use super::closed_form::transmit_torque;
 use super::units::Units;
 use super::{Kernel, Out};
@@ -59,15 +59,15 @@ impl<S: Simd> Pair<S> {
         let radius = units.pitch / units.ball;
         let arc = radius / cos_a;
         let modulus = hertz::modulus(given, units);
-        let screw = Screw { radius, tan_a: sin_a / cos_a, cos_b };
-        let hertz = [
-            Hertz::of(1.0, given.get(InputKey::nut_conformity), modulus, &screw),
-            Hertz::of(-1.0, given.get(InputKey::screw_conformity), modulus, &screw),
+        let screw = Screw { radius, tan_a: sin_a / cos_a, cos_b, modulus };
+        let pressed = [
+            ElasticContact::of(Member::Nut, given.get(InputKey::nut_conformity), &screw),
+            ElasticContact::of(Member::Screw, given.get(InputKey::screw_conformity), &screw),
         ];
         let inertia_ratio = units.mass * radius;
         let [least, infinity] = [f64::MIN_POSITIVE, f64::INFINITY].map(|x| arc.constant(x));
-        let regular = hertz[0].regular
-            & hertz[1].regular
+        let regular = pressed[0].regular
+            & pressed[1].regular
             & units.mass.gt(least)
             & inertia_ratio.gt(least)
             & inertia_ratio.lt(infinity);
@@ -80,7 +80,7 @@ impl<S: Simd> Pair<S> {
             lever: cos_a / arc,
             inertia_ratio,
             nut_speed: units.nut_speed / units.speed,
-            hertz,
+            pressed,
             regular,
         }
     }
@@ -165,15 +165,15 @@ fn contacts<S: Simd>(out: &mut Out<'_, '_>, units: &Units<S>, pair: &Pair<S>, gr
     ];
     let ball = units.ball;
     for (i, [load, angle, long, short, pressure, approach]) in KEYS.into_iter().enumerate() {
-        let (side, hertz) = (&grip.sides[i], &pair.hertz[i]);
+        let (side, pressed) = (&grip.sides[i], &pair.pressed[i]);
         let q = side.load * units.load;
         out.set(load, q);
         if out.wants(&[angle]) {
             out.set(angle, side.sin.zip(side.cos, f64::atan2) / DEG);
         }
         // a ~ Q^{1/3}                                                     (P6)
-        let a = side.growth * hertz.semi_axis * ball;
-        let b = a * hertz.flatness;
+        let a = side.growth * pressed.hertz.semi_axis * ball;
+        let b = a * pressed.hertz.flatness;
         out.set(long, a / MM);
         out.set(short, b / MM);
         // p_max = 3 Q / (2 π a b)                                         (H10)
@@ -182,7 +182,7 @@ fn contacts<S: Simd>(out: &mut Out<'_, '_>, units: &Units<S>, pair: &Pair<S>, gr
     }
     let [a, b] = &grip.sides;
     // δ_a = l_A sinβ_A + l_B sinβ_B − (l_A0 + l_B0) sinβ₀                 (J8)
-    let both = pair.hertz[0].offset + pair.hertz[1].offset;
+    let both = pair.pressed[0].offset + pair.pressed[1].offset;
     let displacement = a.length * a.sin + b.length * b.sin - both * pair.sin_b;
     out.set(OutputKey::axial_displacement_um, displacement * ball / UM);
 }
@@ -190,13 +190,13 @@ fn contacts<S: Simd>(out: &mut Out<'_, '_>, units: &Units<S>, pair: &Pair<S>, gr
 /// The ellipse at nut (0) or screw (1) and the motion over it.
 #[inline(always)]
 fn ellipse<S: Simd>(i: usize, pair: &Pair<S>, grip: &Grip<S>, motion: &Motion<S>) -> Ellipse<S> {
-    let (side, hertz) = (&grip.sides[i], &pair.hertz[i]);
+    let (side, pressed) = (&grip.sides[i], &pair.pressed[i]);
     // a ~ Q^{1/3}                                                         (P6)
-    let a = side.growth * hertz.semi_axis;
+    let a = side.growth * pressed.hertz.semi_axis;
     Ellipse {
         load: side.load,
-        semi_axes: [a, a * hertz.flatness],
-        pressed_radius: hertz.pressed_radius,
+        semi_axes: [a, a * pressed.hertz.flatness],
+        pressed_radius: pressed.pressed_radius,
         roll: motion.roll[i],
         spin: motion.spin[i],
     }
@@ -249,8 +249,8 @@ fn regime<S: Simd>(
     // G = I |P ω_n| / (f Q r_b), I = (2/5) m r_b²                         (W9), (B2)
     let skid = units.mass * 0.4 * (rate * motion.omega[0]).abs() / (friction * a.load.min(b.load));
     let [slip_a, slip_b] = &motion.spin;
-    let slip_a = slip_a.abs() * a.growth * pair.hertz[0].semi_axis;
-    let slip_b = slip_b.abs() * b.growth * pair.hertz[1].semi_axis;
+    let slip_a = slip_a.abs() * a.growth * pair.pressed[0].hertz.semi_axis;
+    let slip_b = slip_b.abs() * b.growth * pair.pressed[1].hertz.semi_axis;
     // χ = r_b W sinα / (2 |ω_spin| a)                                     (W10)
     let cross_slip = pair.sin_a * 0.5 / slip_a.max(slip_b);
     // S = G √(1 + χ²)                                                     (W11)

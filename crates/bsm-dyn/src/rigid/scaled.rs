@@ -361,7 +361,7 @@ mod tests {
         assert!(small.len() >= 2, "{report}");
         for pair in small.windows(2) {
             // The constant of the quadratic tail, about 10 here.
-            assert!(pair[1] <= 100.0 * pair[0].square(), "{report}");
+            assert!(pair[1] <= 100.0 * pair[0].powi(2), "{report}");
         }
     }
 

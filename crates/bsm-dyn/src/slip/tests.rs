@@ -43,7 +43,7 @@ proptest! {
             let tangent = BallFrame::<f64>::tangent();
             let across = tangent.cross(&contact.normal);
             let [x, y] = [0, 1].map(|i| Jet::<2>::variable(0.0, i));
-            let height = x.square() * (-0.5 / curved) + ball.radius;
+            let height = x * x * (-0.5 / curved) + ball.radius;
             let point = lift(contact.normal) * -height + lift(across) * x + lift(tangent) * y;
             let relative = ball.relative_to(site);
             let motion =

@@ -6,7 +6,7 @@
 use bsm_dyn::Control;
 use bsm_simd::Simd;
 
-use super::hertz::Hertz;
+use super::hertz::ElasticContact;
 
 use crate::operand::{Lane, Mask};
 
@@ -50,7 +50,7 @@ pub(super) struct Pair<S: Simd> {
     /// `$\Omega_n/W$`.
     pub(super) nut_speed: Lane<S>,
     /// Contacts at nut and screw.
-    pub(super) hertz: [Hertz<S>; 2],
+    pub(super) pressed: [ElasticContact<S>; 2],
     /// Where numbers neither overflow nor underflow and contacts are ellipses.
     pub(super) regular: Mask<S>,
 }
@@ -151,20 +151,20 @@ fn between<S: Simd>([a, b]: &[Side<S>; 2]) -> Lane<S> {
 impl<S: Simd> Pair<S> {
     /// The contact of this cotangent.
     #[inline(always)]
-    fn side(&self, hertz: &Hertz<S>, cot: Lane<S>) -> Side<S> {
+    fn side(&self, pressed: &ElasticContact<S>, cot: Lane<S>) -> Side<S> {
         let length = (cot * cot + 1.0).sqrt();
         let sin = length.recip();
         // Q_A sinβ_A cosα = F_a                                           (W2)
         let load = length / self.cos_a;
         let growth = load.cbrt_positive();
         // δ = (Q/K_H)^{2/3}                                               (P2), (W1)
-        let approach = hertz.approach * growth * growth;
-        Side { cot, sin, cos: cot * sin, load, growth, approach, length: hertz.offset + approach }
+        let approach = pressed.hertz.compliance * growth * growth;
+        Side { cot, sin, cos: cot * sin, load, growth, approach, length: pressed.offset + approach }
     }
 
     #[inline(always)]
     fn sides(&self, cots: &[Lane<S>; 2]) -> [Side<S>; 2] {
-        [self.side(&self.hertz[0], cots[0]), self.side(&self.hertz[1], cots[1])]
+        [self.side(&self.pressed[0], cots[0]), self.side(&self.pressed[1], cots[1])]
     }
 
     /// The angle that the loads of the unloaded angle lead to.
@@ -185,7 +185,7 @@ impl<S: Simd> Pair<S> {
     /// `$A_2 = (l_{A0} + l_{B0})\cos\beta_0$`.
     #[inline(always)]
     fn reach(&self) -> Lane<S> {
-        (self.hertz[0].offset + self.hertz[1].offset) * self.cos_b
+        (self.pressed[0].offset + self.pressed[1].offset) * self.cos_b
     }
 
     /// Newton steps on the cotangents that are not settled.
@@ -280,10 +280,10 @@ impl<S: Simd> Pair<S> {
     #[inline(always)]
     fn nut_excess(&self, at: &Iterate<S>) -> Lane<S> {
         let sides = self.sides(&at.cots);
-        let ([a, b], [nut, screw]) = (&sides, &self.hertz);
+        let ([a, b], [nut, screw]) = (&sides, &self.pressed);
         // Q_A a_A E_A cos(β_A − β_B) > Q_B a_B E_B                        (W7)
-        let moment_a = a.load * a.growth * nut.semi_axis * nut.second_integral;
-        let moment_b = b.load * b.growth * screw.semi_axis * screw.second_integral;
+        let moment_a = a.load * a.growth * nut.hertz.semi_axis * nut.hertz.second_integral;
+        let moment_b = b.load * b.growth * screw.hertz.semi_axis * screw.hertz.second_integral;
         moment_a * between(&sides) / moment_b - 1.0
     }
 }

@@ -1,0 +1,82 @@
+//! The arithmetic that a formula needs to hold for one point and for many.
+
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
+
+use num_dual::{DualNum, DualNumCopy};
+
+/// What a formula is written in that is evaluated for one point, with or without derivatives, and
+/// for several points side by side: every [`Scalar`](crate::Scalar), and the lanes of `bsm-simd`.
+///
+/// Such a formula is `#[inline(always)]`, since a lane's code takes the instruction set of its caller
+/// only inline.
+pub trait Field:
+    Copy
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// Yes or no, for each point.
+    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
+
+    /// The same number at every point.
+    #[must_use]
+    fn constant(self, x: f64) -> Self;
+    /// `yes` where the mask is true, `no` elsewhere.
+    #[must_use]
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Square root.
+    #[must_use]
+    fn sqrt(self) -> Self;
+    /// Cube root; of lanes only of positive numbers.
+    #[must_use]
+    fn cbrt(self) -> Self;
+    /// One over the value.
+    #[must_use]
+    fn recip(self) -> Self;
+
+    /// The value times itself.
+    #[inline(always)]
+    #[must_use]
+    fn square(self) -> Self {
+        self * self
+    }
+}
+
+impl<T: DualNumCopy + DualNum<Primitive = f64>> Field for T {
+    type Mask = bool;
+
+    #[inline(always)]
+    fn constant(self, x: f64) -> Self {
+        T::from(x)
+    }
+
+    #[inline(always)]
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        DualNum::sqrt(&self)
+    }
+
+    #[inline(always)]
+    fn cbrt(self) -> Self {
+        DualNum::cbrt(&self)
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        DualNum::recip(&self)
+    }
+}
