@@ -2,8 +2,6 @@
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13) to (S28).
 
-use std::array::from_fn;
-
 use bsm_kin::{Jet, Scalar};
 use bsm_newton::{Bracket, EvalError, Family, Sample};
 use nalgebra::Vector3;
@@ -14,6 +12,7 @@ use crate::ball_unknowns::unknown::{
 };
 use crate::cost;
 use crate::elastic_ball::ElasticBall;
+use crate::equations::linear;
 
 /// Newton steps to a state of force; more means that the guess was not near it.
 const MOST_STEPS: usize = 12;
@@ -102,8 +101,7 @@ impl Family<HELD, CURVE> for Forces<'_> {
         &self,
         z: &[f64; CURVE],
     ) -> Result<([f64; HELD], [[f64; CURVE]; HELD]), EvalError> {
-        let (_, left) = self.held(&from_fn(|i| Jet::variable(z[i], i))).ok_or(NO_FORCES)?;
-        Ok((left.map(|f| f.re), left.map(|f| f.eps)))
+        linear(z, |z| self.held(z).map(|(_, left)| left).ok_or(NO_FORCES))
     }
 
     fn weights(&self, z: &[f64; CURVE]) -> [f64; HELD] {
