@@ -1,18 +1,18 @@
 //! From formulas in any scalar to the equations that [`bsm_newton`] solves.
 
 use bsm_kin::Jet;
-use bsm_newton::{Dense, EvalError, Linear};
+use bsm_newton::{Dense, EvalError};
 
 use crate::ball_unknowns::BALL;
 
 /// Memory of a solve of `N` unknowns.
 pub(crate) type Workspace<const N: usize = BALL> = bsm_newton::Workspace<Dense<N>>;
 
-/// Values and exact Jacobian of `N` functions of `N` unknowns, by evaluating them once in jets.
-pub(crate) fn linear<const N: usize>(
-    x: &[f64; N],
-    residual: impl FnOnce(&[Jet<N>; N]) -> Result<[Jet<N>; N], EvalError>,
-) -> Result<Linear<N>, EvalError> {
+/// Values and exact Jacobian of `N` functions of `M` unknowns, by evaluating them once in jets.
+pub(crate) fn linear<const N: usize, const M: usize>(
+    x: &[f64; M],
+    residual: impl FnOnce(&[Jet<M>; M]) -> Result<[Jet<M>; N], EvalError>,
+) -> Result<([f64; N], [[f64; M]; N]), EvalError> {
     let f = residual(&std::array::from_fn(|i| Jet::variable(x[i], i)))?;
     Ok((std::array::from_fn(|i| f[i].re), std::array::from_fn(|i| f[i].eps)))
 }

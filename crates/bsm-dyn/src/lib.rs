@@ -37,7 +37,6 @@
 mod auto;
 pub mod balance;
 mod ball_unknowns;
-mod bracket;
 mod closed_form;
 mod continuation;
 mod cost;

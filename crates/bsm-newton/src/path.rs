@@ -92,14 +92,17 @@ pub struct Stride {
     pub pair: f64,
     /// Points before the path is given up. Default 1000.
     pub most_points: usize,
-    /// Crossings after which it is enough. Default all.
-    pub most_crossings: usize,
+    /// Residual of the points that is aimed at, as [`Options::residual_goal`]; a coarser one than the
+    /// tolerance is the tolerance too. Default 1e-10.
+    pub goal: f64,
+    /// How exactly a crossing is wanted, in parts of its step. Default 1e-14.
+    pub place: f64,
 }
 
 impl Default for Stride {
     fn default() -> Self {
-        let (most_points, most_crossings) = (1000, usize::MAX);
-        Self { first: 0.1, longest: 0.5, shortest: 1e-7, pair: 1e-3, most_points, most_crossings }
+        let (most_points, goal, place) = (1000, Options::default().residual_goal, 1e-14);
+        Self { first: 0.1, longest: 0.5, shortest: 1e-7, pair: 1e-3, most_points, goal, place }
     }
 }
 
@@ -123,10 +126,8 @@ pub struct Crossing<const M: usize> {
 pub enum End {
     /// It came back to the seed: the crossings are those of the whole curve.
     Closed,
-    /// It left the domain that was asked about.
-    LeftDomain,
-    /// As many crossings as were wanted.
-    Enough,
+    /// It was not to go on.
+    Stopped,
     /// Cut short after as many points as are allowed.
     MostPoints,
     /// Cut short: the shortest step led to no point of the curve; what the equations last refused.
@@ -160,6 +161,8 @@ pub struct Trace<const M: usize> {
     pub end: End,
     /// How closely it was looked at.
     pub resolution: Resolution,
+    /// Newton steps of all corrections.
+    pub steps: usize,
 }
 
 /// Least cosine between the directions at both ends of a step: no step goes to another curve.
@@ -180,7 +183,7 @@ const EASY: usize = 4;
 ///
 /// * `events`: value and slope along a direction, at a point: `|z, direction| [(value, slope); K]`. A
 ///   NaN is no point of the curve.
-/// * `inside`: true where the path is to go on.
+/// * `on`: asked at each point, with what was seen up to it; true if the path is to go on.
 ///
 /// Nothing but the list of crossings is allocated besides the reports of the corrections.
 ///
@@ -190,14 +193,15 @@ pub fn trace<const N: usize, const M: usize, const K: usize, F: Family<N, M>>(
     family: &F,
     seed: &Seed<M>,
     events: impl FnMut(&[f64; M], &[f64; M]) -> [(f64, f64); K],
-    inside: impl FnMut(&[f64; M]) -> bool,
+    on: impl FnMut(&Trace<M>) -> bool,
     stride: &Stride,
 ) -> Trace<M> {
     const { assert!(M == N + 1, "a curve has one unknown more than equations") };
     let resolution = Resolution { longest: 0.0, unresolved: 0, points: 0, arc: 0.0 };
-    let trace = Trace { crossings: Vec::new(), last: seed.z, end: End::MostPoints, resolution };
+    let trace =
+        Trace { crossings: Vec::new(), last: seed.z, end: End::MostPoints, resolution, steps: 0 };
     let work = Workspace::default();
-    Walk { family, events, inside, stride, work, refusal: None, trace }.run(seed)
+    Walk { family, events, on, stride, work, refusal: None, trace }.run(seed)
 }
 
 /// The equations of a curve and a plane across it.
@@ -234,7 +238,7 @@ struct Node<const M: usize, const K: usize> {
 struct Walk<'a, const N: usize, const M: usize, F, E, D> {
     family: &'a F,
     events: E,
-    inside: D,
+    on: D,
     stride: &'a Stride,
     work: Workspace<Dense<M>>,
     refusal: Option<EvalError>,
@@ -245,7 +249,7 @@ impl<const N: usize, const M: usize, const K: usize, F, E, D> Walk<'_, N, M, F, 
 where
     F: Family<N, M>,
     E: FnMut(&[f64; M], &[f64; M]) -> [(f64, f64); K],
-    D: FnMut(&[f64; M]) -> bool,
+    D: FnMut(&Trace<M>) -> bool,
 {
     fn run(mut self, seed: &Seed<M>) -> Trace<M> {
         self.trace.end = match self.begin(seed) {
@@ -275,9 +279,13 @@ where
     ) -> Result<([f64; M], usize), Status> {
         let plane = OnPlane { family: self.family, foot: *foot, normal: normal(direction, sizes) };
         let scales = Scales { x: &sizes.map(f64::recip), f: &self.weights(foot) };
-        let options = Options { max_steps: MOST_STEPS, ..Options::default() };
+        let residual_goal = self.stride.goal;
+        let residual_tol = Options::default().residual_tol.max(residual_goal);
+        let options =
+            Options { residual_tol, residual_goal, max_steps: MOST_STEPS, ..Options::default() };
         let mut z = *foot;
         let report = solve(&plane, &mut z, &scales, &options, &mut self.work);
+        self.trace.steps += report.steps.len();
         self.refusal = report.refusal.or(self.refusal);
         if report.converged() { Ok((z, report.steps.len())) } else { Err(report.status) }
     }
@@ -310,15 +318,11 @@ where
             resolution.longest = resolution.longest.max(moved);
             resolution.arc += moved;
             self.trace.last = next.z;
-            if self.trace.crossings.len() >= self.stride.most_crossings {
-                self.trace.crossings.truncate(self.stride.most_crossings);
-                return End::Enough;
+            if !(self.on)(&self.trace) {
+                return End::Stopped;
             }
             if closed {
                 return End::Closed;
-            }
-            if !(self.inside)(&next.z) {
-                return End::LeftDomain;
             }
             at = next;
             length = (length * if easy { 1.6 } else { 1.0 }).min(self.stride.longest);
@@ -372,7 +376,7 @@ where
             }
             let across = unit(&way, &at.sizes);
             let mut place = at.z;
-            let bracket = Bracket { x_tol: 1e-14, ..Bracket::new([0.0, 1.0], values) };
+            let bracket = Bracket { x_tol: self.stride.place, ..Bracket::new([0.0, 1.0], values) };
             let found = bracket.root(|part| {
                 let foot = from_fn(|i| at.z[i] + part * way[i]);
                 match self.corrected(&foot, &across, &at.sizes) {

@@ -2,29 +2,29 @@
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S12), (S26).
 
-use super::forces::{Forces, Kinematics, Place, State};
+use std::array::from_fn;
+
+use bsm_kin::Jet;
+use bsm_newton::{Crossing, End, Seed, Stride, Trace, trace};
+
+use super::forces::{CURVE, Forces, Kinematics, Place, State};
 use crate::ball_unknowns::BALL;
-use crate::bracket::Bracket;
 use crate::elastic_ball::ElasticBall;
 use crate::{Evidence, Reason, Unsolved};
 
 /// Logarithm of a `$q$` without inertia: next to the smallest normal number.
 const NO_INERTIA: f64 = -700.0;
 
-/// Longest and shortest step along the curve, in units of [`Forces::scale`]. A pair of roots that is
-/// closer than the shortest step may be missed.
-const LONGEST: f64 = 1.0;
-const SHORTEST: f64 = 1e-4;
-
-/// Distance of a state from the line through the last two, in the same units, up to which the step is
-/// believed to have stayed on the curve.
-const BEND: f64 = 0.05;
-
-/// Steps along one curve; fifty are usual.
-const MOST_STEPS: usize = 4000;
-
-/// Steps of the regula falsi; ten are usual.
-const MOST_TRIES: usize = 100;
+/// Steps along the curve, in units of [`Forces::scale`]; fifty are usual. Refined to rounding.
+const STRIDE: Stride = Stride {
+    first: 1.0,
+    longest: 1.0,
+    shortest: 1e-4,
+    pair: 1e-4,
+    most_points: 4000,
+    goal: 1e-15,
+    place: 1e-14,
+};
 
 /// Relative changes of the factors of (S27) from where the curve begins, up to which the curve is
 /// straight: a walk may begin there, and the inertia has only risen up to there.
@@ -37,24 +37,15 @@ const LARGE: f64 = 3.0;
 /// A state on the curve.
 #[derive(Debug, Clone, Copy)]
 struct Node {
-    /// `$\ln q$` and `$c$`.
-    q_c: (f64, f64),
+    z: [f64; CURVE],
     state: State<f64>,
     kinematics: Kinematics<f64>,
-    /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
-    left: [f64; 2],
 }
 
 impl Node {
-    /// The place, by the `$x$` of one contact.
-    fn place(&self, known: usize) -> Place {
-        let (q, c) = self.q_c;
-        Place::new(q, self.state.across[known], c)
-    }
-
-    /// What is a large step from here.
-    fn scale(&self, known: usize, forces: &Forces<'_>) -> Place {
-        forces.scale(&self.place(known), self.state.across.iter().sum())
+    fn place(&self) -> Place {
+        let [log, _, screw, c] = self.z;
+        Place::new(log, screw, c)
     }
 
     /// True if the centrifugal force is proportional to `$q$` from `level` to here, a `rise` of its
@@ -63,15 +54,12 @@ impl Node {
     fn is_straight_from(&self, level: &Self, rise: f64, change: f64, forces: &Forces<'_>) -> bool {
         let near = |x: f64, y: f64| (x - y).abs() <= change * y.abs();
         // A place may be far from the begin and have the factors of the begin again.
-        let stays = |known| {
-            let off = self.place(known) - level.place(known) - UP * rise;
-            off.component_div(&level.scale(known, forces)).amax() <= LARGE * change
-        };
+        let scale = forces.scale(&level.z);
+        let off = |i: usize| self.z[i] - level.z[i] - if i == 0 { rise } else { 0.0 };
         near(self.state.centrifugal / level.state.centrifugal, rise.exp())
             && near(self.kinematics.inertia, level.kinematics.inertia)
             && near(self.kinematics.drive, level.kinematics.drive)
-            && stays(0)
-            && stays(1)
+            && (0..CURVE).all(|i| off(i).abs() <= LARGE * change * scale[i])
     }
 
     /// True if the ball slides against friction on its flanks.
@@ -81,14 +69,6 @@ impl Node {
             && sin.iter().all(|sin| *sin >= 0.0)
             && cos.iter().all(|cos| *cos > 0.0)
     }
-}
-
-/// What was seen of the curve.
-struct Seen {
-    /// Smallest and largest inertia ratio of a ball that slides against friction on its flanks.
-    inertia: Option<(f64, f64)>,
-    /// True if the curve was lost where such a ball still is on it.
-    lost: bool,
 }
 
 /// A steady motion on the curve: its state, and the sign of `$P/W$`.
@@ -120,21 +100,27 @@ struct Curve<'a> {
 }
 
 impl Curve<'_> {
-    fn node(
-        &mut self,
-        known: usize,
-        guess: Place,
-        direction: &Place,
-        scale: &Place,
-    ) -> Option<Node> {
-        let (place, state) = self.forces.closed(known, guess, direction, scale, &mut self.steps)?;
+    fn node(&mut self, guess: Place, scale: &Place) -> Option<Node> {
+        let (place, state) = self.forces.closed(guess, scale, &mut self.steps)?;
         Some(self.at(place, state))
     }
 
     fn at(&self, place: Place, state: State<f64>) -> Node {
         let kinematics = self.forces.kinematics(&state);
-        let left = self.forces.excess(&state, &kinematics);
-        Node { q_c: (place[0], place[2]), state, kinematics, left }
+        let [nut, screw] = state.across;
+        Node { z: [place[0], nut, screw, place[2]], state, kinematics }
+    }
+
+    /// The node at a point of the curve.
+    fn held(&self, z: &[f64; CURVE]) -> Option<Node> {
+        let (state, _) = self.forces.held(z)?;
+        Some(Node { z: *z, state, kinematics: self.forces.kinematics(&state) })
+    }
+
+    /// What is a large step from a state.
+    fn scale(&self, node: &Node) -> Place {
+        let [log, _, screw, c] = self.forces.scale(&node.z);
+        Place::new(log, screw, c)
     }
 
     /// Where the curve begins, if it does.
@@ -162,14 +148,14 @@ impl Curve<'_> {
     /// risen, so that no other root is before it.
     fn straight(&mut self, begin: &Begin) -> Option<Root> {
         let Begin { level, root } = begin;
-        let rise = Place::new(root - NO_INERTIA, 0.0, 0.0);
-        let scale = level.scale(1, &self.forces);
-        let (place, state) = self.forces.steady(level.place(1) + rise, &scale, &mut self.steps)?;
+        let rise = UP * (root - NO_INERTIA);
+        let scale = self.scale(level);
+        let (place, state) = self.forces.steady(level.place() + rise, &scale, &mut self.steps)?;
         let node = self.at(place, state);
         let sign = (level.kinematics.drive * level.kinematics.inertia).signum();
         let is_first = node.is_straight_from(level, place[0] - NO_INERTIA, RISES, &self.forces);
         // Where rounding decides, the search does its best.
-        let left = node.left[usize::from(sign < 0.0)].abs();
+        let left = self.forces.excess(&node.state, &node.kinematics)[usize::from(sign < 0.0)].abs();
         let is_exact = left <= digit(place[0]) * node.kinematics.drive.abs();
         (is_first && is_exact && node.is_admissible()).then_some((node, sign))
     }
@@ -177,41 +163,80 @@ impl Curve<'_> {
     /// The first root along the whole curve, or why there is none.
     fn search(&mut self, Begin { level, root }: Begin) -> Result<Root, Unsolved> {
         let inertia = self.forces.inertia_ratio();
-        let here = Forces::log_inertia(&level.state, &level.kinematics);
-        let begin = self.below(level, root);
         let slip = level.kinematics.slip[0];
-        let mut seen = Seen { inertia: None, lost: false };
+        // Smallest and largest inertia ratio of a ball that slides against friction on its flanks.
+        let mut seen = None::<(f64, f64)>;
         if level.is_admissible() {
-            seen.inertia = Some((0.0, here.exp()));
+            seen = Some((0.0, Forces::log_inertia(&level.state, &level.kinematics).exp()));
         }
-        if let Some(root) = self.walk(begin, &mut seen) {
+        let seed = Seed { z: self.below(level, root).z, towards: [1.0, 0.0, 0.0, 0.0] };
+        let (mut root, mut known, mut admissible) = (None, 0, false);
+        let Trace { end, steps, .. } = trace(
+            &self.forces,
+            &seed,
+            |z, way| self.events(z, way),
+            |Trace { crossings, last: z, .. }| {
+                root = root.or_else(|| crossings[known..].iter().find_map(|at| self.root(at)));
+                known = crossings.len();
+                let node = self.held(z);
+                admissible = node.is_some_and(|node| node.is_admissible());
+                if let Some(node) = node.filter(Node::is_admissible) {
+                    let inertia = Forces::log_inertia(&node.state, &node.kinematics).exp();
+                    let (least, most) = seen.unwrap_or((inertia, inertia));
+                    seen = Some((least.min(inertia), most.max(inertia)));
+                }
+                // Beyond, friction is along the slip.
+                let [log, nut, screw, _] = *z;
+                root.is_none() && log >= NO_INERTIA && screw >= 0.0 && nut >= -self.forces.least()
+            },
+            &STRIDE,
+        );
+        self.steps += steps;
+        if let Some(root) = root {
             return Ok(root);
         }
-        if seen.lost {
-            return Err(LOST);
+        match end {
+            End::Stopped => {}
+            End::Lost(_) if !admissible => {}
+            End::Lost(_) | End::MostPoints | End::Closed | End::NoCurve(_) => return Err(LOST),
         }
-        let reason = match seen.inertia {
+        let reason = match seen {
             Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
             None => Reason::SlipAlongFriction { slip },
         };
-        Err(Unsolved::none(Evidence::Traced { resolution: SHORTEST }, reason))
+        Err(Unsolved::none(Evidence::Traced { resolution: STRIDE.pair }, reason))
+    }
+
+    /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`, and how it changes along the curve.
+    fn events(&self, z: &[f64; CURVE], way: &[f64; CURVE]) -> [(f64, f64); 2] {
+        let along: [Jet<1>; CURVE] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
+        self.forces.held(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {
+            let left = self.forces.excess(&state, &self.forces.kinematics(&state));
+            left.map(|left| (left.re, left.eps[0]))
+        })
+    }
+
+    /// The root at a crossing, if it is one.
+    fn root(&self, at: &Crossing<CURVE>) -> Option<Root> {
+        let node = self.held(&at.z).filter(Node::is_admissible)?;
+        Some((node, if at.event == 0 { 1.0 } else { -1.0 }))
     }
 
     /// The state without inertia.
     fn level(&mut self) -> Option<Node> {
         let [x, c] = self.forces.begin(&mut self.steps)?;
-        let place = Place::new(NO_INERTIA, x, c);
-        self.node(1, place, &UP, &self.forces.scale(&place, 2.0 * x))
+        let [log, _, screw, cotangent] = self.forces.scale(&[NO_INERTIA, x, x, c]);
+        self.node(Place::new(NO_INERTIA, x, c), &Place::new(log, screw, cotangent))
     }
 
     /// A state below the first root, if that is at `root`: up to there the curve is straight.
     fn below(&mut self, level: Node, root: f64) -> Node {
-        let scale = level.scale(1, &self.forces);
+        let scale = self.scale(&level);
         // exp(−5): less than a hundredth of the inertia.
         let mut rise = root.min(0.0) - 5.0 - NO_INERTIA;
         while rise > 0.0 {
             // A root moves by a few per cent, not by a factor of a hundred.
-            if let Some(node) = self.node(1, level.place(1) + UP * rise, &UP, &scale)
+            if let Some(node) = self.node(level.place() + UP * rise, &scale)
                 && node.is_straight_from(&level, rise, BEGINS, &self.forces)
             {
                 return node;
@@ -219,88 +244,6 @@ impl Curve<'_> {
             rise -= 3.0;
         }
         level
-    }
-
-    /// The next state.
-    fn next(&mut self, along: &mut Along) -> Option<Node> {
-        while along.step >= SHORTEST {
-            let guess = along.at.place(along.known) + along.direction * along.step;
-            if let Some(next) = self.node(along.known, guess, &along.direction, &along.scale)
-                && (along.step < 2.0 * SHORTEST || along.is_smooth(&guess, &next))
-            {
-                return Some(next);
-            }
-            along.step *= 0.5;
-        }
-        None
-    }
-
-    /// Along the curve to its first root, or to its end.
-    fn walk(&mut self, begin: Node, seen: &mut Seen) -> Option<Root> {
-        let mut along = Along::from(begin, &self.forces);
-        for _ in 0..MOST_STEPS {
-            let at = along.at;
-            if at.is_admissible() {
-                let inertia = Forces::log_inertia(&at.state, &at.kinematics).exp();
-                let (least, most) = seen.inertia.unwrap_or((inertia, inertia));
-                seen.inertia = Some((least.min(inertia), most.max(inertia)));
-            }
-            let Some(next) = self.next(&mut along) else {
-                seen.lost |= at.is_admissible();
-                return None;
-            };
-            let mut first: Option<Root> = None;
-            for (h, sign) in [1.0, -1.0].into_iter().enumerate() {
-                if (at.left[h] > 0.0) == (next.left[h] > 0.0) {
-                    continue;
-                }
-                let Some(root) = self.refined(along.known, at, next, h) else {
-                    seen.lost |= at.is_admissible() || next.is_admissible();
-                    continue;
-                };
-                let way = |node: &Node| along.way(node);
-                if root.is_admissible() && first.is_none_or(|(other, _)| way(&root) < way(&other)) {
-                    first = Some((root, sign));
-                }
-            }
-            if first.is_some() {
-                return first;
-            }
-            // Beyond, friction is along the slip.
-            let [nut, screw] = next.state.across;
-            if next.q_c.0 < NO_INERTIA || screw < 0.0 || nut < -self.forces.least() {
-                return None;
-            }
-            along.go(next, &self.forces);
-        }
-        seen.lost = true;
-        None
-    }
-
-    /// The root between two states, regula falsi with the Illinois rule.
-    fn refined(&mut self, known: usize, low: Node, high: Node, h: usize) -> Option<Node> {
-        let mut bracket = Bracket::new([low, high], [low.left[h], high.left[h]]);
-        for _ in 0..MOST_TRIES {
-            let ([low, high], [below, above]) = (bracket.ends, bracket.values);
-            let place = low.place(known);
-            let direction = high.place(known) - place;
-            let scale = low.scale(known, &self.forces);
-            let part = below / (below - above);
-            let way = part * direction.component_div(&scale).amax();
-            let digit = digit(place[0]);
-            if way <= digit || part >= 1.0 || direction.component_div(&scale).amax() <= 4.0 * digit
-            {
-                break;
-            }
-            let node = self.node(known, place + direction * part, &direction, &scale)?;
-            let left = node.left[h];
-            if left.abs() <= 4.0 * f64::EPSILON * node.kinematics.drive.abs() {
-                return Some(node);
-            }
-            bracket.tighten(usize::from((left > 0.0) != (low.left[h] > 0.0)), node, left);
-        }
-        let [low, high] = bracket.ends;
-        Some(if low.left[h].abs() < high.left[h].abs() { low } else { high })
     }
 }
 
@@ -315,63 +258,10 @@ fn digit(log: f64) -> f64 {
     4.0 * f64::EPSILON * log.abs().max(1.0)
 }
 
-/// A walk along the curve.
-struct Along {
-    at: Node,
-    before: Option<Node>,
-    /// The contact whose `$x$` is a coordinate.
-    known: usize,
-    /// Towards the next state, of length one in units of [`Forces::scale`].
-    direction: Place,
-    scale: Place,
-    /// Length of the next step and of the last one.
-    step: f64,
-    last: f64,
-}
-
-impl Along {
-    fn from(at: Node, forces: &Forces<'_>) -> Self {
-        let scale = at.scale(1, forces);
-        Self { at, before: None, known: 1, direction: UP, scale, step: LONGEST, last: LONGEST }
-    }
-
-    fn go(&mut self, next: Node, forces: &Forces<'_>) {
-        // The smaller one does not vanish in a square root.
-        let [nut, screw] = next.state.across;
-        self.known = usize::from(screw <= nut);
-        self.scale = next.scale(self.known, forces);
-        let way = next.place(self.known) - self.at.place(self.known);
-        self.last = way.component_div(&self.scale).norm();
-        self.direction = way / self.last;
-        (self.before, self.at) = (Some(self.at), next);
-        self.step = (1.5 * self.step).min(LONGEST);
-    }
-
-    /// Way along the step to a state.
-    fn way(&self, node: &Node) -> f64 {
-        let way = node.place(self.known) - self.at.place(self.known);
-        way.component_div(&self.scale).norm()
-    }
-
-    /// True if the step to `next` hides no pair of roots and no jump of the state.
-    fn is_smooth(&self, guess: &Place, next: &Node) -> bool {
-        let (at, part) = (&self.at, self.step / self.last);
-        let off = (next.place(self.known) - guess).component_div(&self.scale).amax();
-        let is_straight = |h: usize| {
-            let Some(before) = &self.before else { return true };
-            let straight = at.left[h] + (at.left[h] - before.left[h]) * part;
-            let bend = (next.left[h] - straight).abs();
-            let crosses = (at.left[h] > 0.0) != (next.left[h] > 0.0);
-            crosses || bend <= 0.5 * at.left[h].abs().min(next.left[h].abs())
-        };
-        let concerns = at.is_admissible() || next.is_admissible();
-        off <= BEND && (!concerns || (is_straight(0) && is_straight(1)))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use approx::assert_relative_eq;
+    use bsm_newton::Bracket;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
@@ -418,8 +308,8 @@ mod tests {
             let Ok(pair) = screw.scaled() else { continue };
             let mut curve = Curve { forces: Forces::new(&pair), steps: 0 };
             let _ = curve.begin();
-            // Those to the angle, one to ask whether there is any, and those onto the curve.
-            assert!(curve.steps <= 121 + 12, "{} {screw:?}", curve.steps);
+            // Those to the angle, and those onto the curve.
+            assert!(curve.steps <= Bracket::MOST_EVALUATIONS + 12, "{} {screw:?}", curve.steps);
         }
     }
 }

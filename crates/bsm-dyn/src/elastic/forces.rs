@@ -3,6 +3,7 @@
 //! Theory: `docs/theory/08-elastic.md`, equations (S13) to (S28).
 
 use bsm_kin::{Jet, Scalar};
+use bsm_newton::{Bracket, EvalError, Family, Sample};
 use nalgebra::Vector3;
 
 use crate::ball_unknowns::BALL;
@@ -11,26 +12,27 @@ use crate::ball_unknowns::unknown::{
 };
 use crate::cost;
 use crate::elastic_ball::ElasticBall;
+use crate::equations::linear;
 
 /// Newton steps to a state of force; more means that the guess was not near it.
 const MOST_STEPS: usize = 12;
 
-/// Newton steps to where the curve begins; four are usual. Halving alone takes some 60 from the whole
-/// range of angles to the last digit, and every second step halves.
-const MOST_LEVEL_STEPS: usize = 120;
-
-/// What may be left of (S20) before the last Newton step to the begin of the curve.
-const LEVEL: f64 = 1e-6;
+/// What may be left of (S20) before the Newton steps to the begin of the curve.
+const LEVEL: f64 = 1e-9;
 
 /// Range of the cotangent of a loaded contact angle. The load turns the ball to a steeper angle, up to
 /// next to 90 deg on soft material; an unloaded angle of next to 0 has none that is a number.
-const COTANGENT: (f64, f64) = (1e-12, 1e12);
+const COTANGENT: [f64; 2] = [1e-12, 1e12];
 
 /// What a state of force may leave of (S14) and (S20), both of size one; Newton leaves rounding.
 const CLOSED: f64 = 1e-10;
 
-/// Place on the curve: `$\ln q$`, the `$x$` of one contact, `$c$`.
+/// Where the `$x$` of the nut follows from that of the screw: `$\ln q$`, `$x_B$`, `$c$`.
 pub(super) type Place = Vector3<f64>;
+
+/// Equations and unknowns of the curve: `$\ln q$`, `$x_A$`, `$x_B$`, `$c$`.
+pub(super) const HELD: usize = 3;
+pub(super) const CURVE: usize = HELD + 1;
 
 /// A point in scaled units, in the terms of the curve.
 pub(super) struct Forces<'a> {
@@ -77,6 +79,41 @@ pub(super) struct Kinematics<D> {
     pub(super) drive: D,
 }
 
+/// How many times more than [`CLOSED`] is rounding: where friction all but holds the load, `$Y$` is one over
+/// a small difference.
+fn digits(state: &State<f64>) -> f64 {
+    (16.0 * f64::EPSILON / CLOSED * state.along).max(1.0)
+}
+
+/// No forces belong to a place.
+const NO_FORCES: EvalError = EvalError {
+    quantity: "the load over the axial load",
+    value: f64::NAN,
+    requirement: "positive",
+};
+
+impl Family<HELD, CURVE> for Forces<'_> {
+    fn residual(&self, z: &[f64; CURVE]) -> Result<[f64; HELD], EvalError> {
+        self.held(z).map(|(_, left)| left).ok_or(NO_FORCES)
+    }
+
+    fn linearize(
+        &self,
+        z: &[f64; CURVE],
+    ) -> Result<([f64; HELD], [[f64; CURVE]; HELD]), EvalError> {
+        linear(z, |z| self.held(z).map(|(_, left)| left).ok_or(NO_FORCES))
+    }
+
+    fn weights(&self, z: &[f64; CURVE]) -> [f64; HELD] {
+        let w = self.held(z).map_or(1.0, |(state, _)| digits(&state).recip());
+        [w, w, (z[1] * z[1] + z[2] * z[2]).recip()]
+    }
+
+    fn sizes(&self, z: &[f64; CURVE]) -> [f64; CURVE] {
+        self.scale(z)
+    }
+}
+
 impl<'a> Forces<'a> {
     pub(super) fn new(pair: &'a ElasticBall) -> Self {
         let (sin, cos) = pair.helix.lead_angle.sin_cos();
@@ -107,20 +144,46 @@ impl<'a> Forces<'a> {
         self.sin / self.pair.arc
     }
 
-    /// The state of `$q$`, `$c$` and the `$x$` of the contact `known`, nut (0) or screw (1), and what
-    /// it leaves of (S14) and (S20); none if no forces belong to them.
-    fn state<D: Scalar>(&self, known: usize, [q, x, c]: [D; 3]) -> Option<(State<D>, [D; 2])> {
-        cost::evaluated();
-        let (f, v) = (self.friction, 1.0 + self.friction * self.friction);
+    /// `$\delta$`, and the square of `$x_A$` that belongs to `$q$`, `$x_B$` and `$c$`.
+    fn nut_square<D: Scalar>(&self, [q, screw, c]: [D; 3]) -> (D, D) {
         // δ = q (2c + q)/(1 + c²),  x_A² = (1 + δ) x_B² + δ/(1 + F²)      (S19)
         let beyond = (c * 2.0 + q) * q / (c.square() + 1.0);
-        let more = if known == 1 { beyond } else { -beyond / (beyond + 1.0) };
-        let square = x.square() * (more + 1.0) + more * v.recip();
+        let even = (1.0 + self.friction * self.friction).recip();
+        (beyond, screw.square() * (beyond + 1.0) + beyond * even)
+    }
+
+    /// The state of `$q$`, `$c$` and the `$x$` of the screw, with a positive one of the nut, and what it
+    /// leaves of (S14) and (S20); none if no forces belong to them.
+    fn state<D: Scalar>(&self, unknowns @ [q, screw, c]: [D; 3]) -> Option<(State<D>, [D; 2])> {
+        let (beyond, square) = self.nut_square(unknowns);
         if square.re() < 0.0 {
             return None;
         }
-        let other = square.sqrt();
-        let across @ [nut, screw] = if known == 1 { [other, x] } else { [x, other] };
+        self.state_of([square.sqrt(), screw], beyond, q, c)
+    }
+
+    /// The state at a point of the curve, and what it leaves of (S14), (S20) and (S19).
+    pub(super) fn held<D: Scalar>(
+        &self,
+        &[log, nut, screw, c]: &[D; CURVE],
+    ) -> Option<(State<D>, [D; HELD])> {
+        let q = log.re().exp();
+        let q = (log - D::from(log.re())) * q + q;
+        let (beyond, square) = self.nut_square([q, screw, c]);
+        let (state, [triangle, reach]) = self.state_of([nut, screw], beyond, q, c)?;
+        Some((state, [triangle, reach, nut.square() - square]))
+    }
+
+    /// The state of `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`.
+    fn state_of<D: Scalar>(
+        &self,
+        across @ [nut, screw]: [D; 2],
+        beyond: D,
+        q: D,
+        c: D,
+    ) -> Option<(State<D>, [D; 2])> {
+        cost::evaluated();
+        let (f, v) = (self.friction, 1.0 + self.friction * self.friction);
         let w = across.map(|x| (x.square() + 1.0).sqrt());
         // E = R_B/√(1 + c²),  m_A = E (c + q),  m_B = E c                 (S18)
         let e = ((screw.square() * v + 1.0) / (c.square() + 1.0)).sqrt();
@@ -175,9 +238,9 @@ impl<'a> Forces<'a> {
     }
 
     /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
-    pub(super) fn excess(&self, s: &State<f64>, k: &Kinematics<f64>) -> [f64; 2] {
+    pub(super) fn excess<D: Scalar>(&self, s: &State<D>, k: &Kinematics<D>) -> [D; 2] {
         // (1 − g) √(M/μ) = ± (π/d + Ω_n/W)                                (S26)
-        let circling = k.inertia * (s.centrifugal / self.inertia_ratio()).sqrt();
+        let circling = k.inertia * (s.centrifugal / D::from(self.inertia_ratio())).sqrt();
         [circling - k.drive, circling + k.drive]
     }
 
@@ -209,24 +272,21 @@ impl<'a> Forces<'a> {
         y
     }
 
-    /// What is a large step from a place, where `$x_A + x_B$` is `sum`.
-    pub(super) fn scale(&self, place: &Place, sum: f64) -> Place {
-        let [_, x, c] = (*place).into();
-        Place::new(1.0, 0.3 * (x.abs() + self.least()), 0.3 * (c.abs() + sum / (1.0 + sum)))
+    /// What is a large step from a point of the curve.
+    pub(super) fn scale(&self, &[_, nut, screw, c]: &[f64; CURVE]) -> [f64; CURVE] {
+        let sum = nut + screw;
+        let [nut, screw] = [nut, screw].map(|x| 0.3 * (x.abs() + self.least()));
+        [1.0, nut, screw, 0.3 * (c.abs() + sum / (1.0 + sum))]
     }
 
-    /// The state next to a guess, in the plane across `direction`; counts Newton steps.
+    /// The state next to a guess with the same `$q$`; counts Newton steps.
     pub(super) fn closed(
         &self,
-        known: usize,
         guess: Place,
-        direction: &Place,
         scale: &Place,
         steps: &mut usize,
     ) -> Option<(Place, State<f64>)> {
-        let across = direction.component_div(scale).component_div(scale);
-        // Steps stay in the plane.
-        self.newton(known, guess, scale, steps, |_| (0.0, across))
+        self.newton(guess, scale, steps, |_| (0.0, Place::x()))
     }
 
     /// The steady motion of the point next to a guess by the `$x$` of the screw; counts Newton steps.
@@ -236,7 +296,7 @@ impl<'a> Forces<'a> {
         scale: &Place,
         steps: &mut usize,
     ) -> Option<(Place, State<f64>)> {
-        self.newton(1, guess, scale, steps, |s| {
+        self.newton(guess, scale, steps, |s| {
             let Kinematics { inertia: i, drive: d, .. } = self.kinematics(s);
             // 0 = ln[(M/μ) ((1 − g)/(π/d + Ω_n/W))²], to the last digit of its argument  (S27)
             let left = (s.centrifugal.re / self.inertia_ratio() * (i.re / d.re).powi(2)).ln();
@@ -248,7 +308,6 @@ impl<'a> Forces<'a> {
     /// The state next to a guess that fulfils one condition more: what that leaves, and its gradient.
     fn newton(
         &self,
-        known: usize,
         guess: Place,
         scale: &Place,
         steps: &mut usize,
@@ -260,7 +319,7 @@ impl<'a> Forces<'a> {
             let q = place[0].exp();
             let q = Jet { re: q, eps: [q, 0.0, 0.0] };
             let jets = [q, Jet::variable(place[1], 1), Jet::variable(place[2], 2)];
-            let Some((state, [a, b])) = self.state(known, jets) else {
+            let Some((state, [a, b])) = self.state(jets) else {
                 // Half the way back; a guess without forces stays there.
                 step *= 0.5;
                 place -= step;
@@ -278,10 +337,9 @@ impl<'a> Forces<'a> {
             place += step;
             // A step leaves an error of about its square: rounding.
             if size < 1e-8 {
-                let (state, [a, b]) = self.state(known, [place[0].exp(), place[1], place[2]])?;
-                // Where friction all but holds the load, Y is one over a small difference.
-                let tolerance = CLOSED.max(16.0 * f64::EPSILON * state.along);
-                return (a.abs().max(b.abs()) < tolerance).then_some((place, state));
+                let (state, [a, b]) = self.state([place[0].exp(), place[1], place[2]])?;
+                let is_closed = a.abs().max(b.abs()) < CLOSED * digits(&state);
+                return is_closed.then_some((place, state));
             }
         }
         None
@@ -297,41 +355,24 @@ impl<'a> Forces<'a> {
         (effect.re() > 0.0).then(|| [x, (w * cos + x * sin * f) / effect])
     }
 
-    /// `$x$` and `$c$` where the curve begins, without inertia; counts Newton steps.
+    /// `$x$` and `$c$` where the curve begins, without inertia: a guess; counts evaluations.
     pub(super) fn begin(&self, steps: &mut usize) -> Option<[f64; 2]> {
-        // What (S20) leaves at the angle whose cotangent has this logarithm; none if friction holds.
-        let mut left = |log: f64| {
+        let bracket = Bracket {
+            start: Some(-self.pair.jones.contact_angle.tan().ln()),
+            x_tol: 4.0 * f64::EPSILON,
+            f_tol: LEVEL,
+            ..Bracket::new(COTANGENT.map(f64::ln), [f64::NEG_INFINITY, f64::INFINITY])
+        };
+        // What (S20) leaves at the angle whose cotangent has this logarithm; too much if friction holds.
+        let found = bracket.root(|log| {
             *steps += 1;
             let cot = log.exp();
-            let [x, c] = self.level(Jet { re: cot, eps: [cot] })?;
-            let (_, [_, left]) = self.state(1, [Jet::from(0.0), x, c])?;
-            left.re.is_finite().then_some((left.re, left.eps[0]))
-        };
-        let (mut low, mut high) = (COTANGENT.0.ln(), COTANGENT.1.ln());
-        if left(low).is_none_or(|(left, _)| left >= 0.0) {
-            return None;
-        }
-        let (mut log, mut last) = (-self.pair.jones.contact_angle.tan().ln(), high - low);
-        log = log.clamp(low, high);
-        for _ in 0..MOST_LEVEL_STEPS {
-            let tried = left(log);
-            let is_short = tried.is_some_and(|(left, _)| left < 0.0);
-            *(if is_short { &mut low } else { &mut high }) = log;
-            let mut step = tried.map_or(f64::INFINITY, |(left, slope)| -left / slope);
-            if tried.is_some_and(|(left, _)| left.abs() <= LEVEL) {
-                return self.level((log + step).exp());
-            }
-            // Where friction all but holds the load, angles have no digits between too short and held.
-            if high - low <= 4.0 * f64::EPSILON * low.abs().max(1.0) {
-                return self.level(low.exp());
-            }
-            // Newton where it stays inside and halves its step, else the middle.
-            let inside = low < log + step && log + step < high;
-            if !(inside && step.abs() <= 0.5 * last) {
-                step = 0.5 * (low + high) - log;
-            }
-            (log, last) = (log + step, step.abs());
-        }
-        None
+            let left = self.level(Jet { re: cot, eps: [cot] }).and_then(|[x, c]| {
+                let (_, [_, left]) = self.state([Jet::from(0.0), x, c])?;
+                left.re.is_finite().then_some(Sample { value: left.re, slope: Some(left.eps[0]) })
+            });
+            left.unwrap_or(f64::INFINITY.into())
+        });
+        self.level(found.root()?.x.exp())
     }
 }

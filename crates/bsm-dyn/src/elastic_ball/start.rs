@@ -4,8 +4,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use bsm_newton::Bracket;
+
 use super::{ElasticBall, refused};
-use crate::bracket::Bracket;
 use crate::{Reason, Unsolved};
 
 impl ElasticBall {
@@ -61,19 +62,14 @@ impl ElasticBall {
             let reach = (jones.nut_offset + a) * nut.cos() + (jones.screw_offset + b) * screw.cos();
             ([loads[0], loads[1], 0.5 * (screw - nut)], reach / target - 1.0)
         };
-        // Regula falsi with the Illinois rule.
         let (mut state, too_far) = at(jones.contact_angle);
-        let mut bracket = Bracket::new([jones.contact_angle, PI], [too_far, -2.0 / target]);
-        for _ in 0..60 {
-            let ([low, high], [too_far, short]) = (bracket.ends, bracket.values);
-            let screw = (low * short - high * too_far) / (short - too_far);
+        let ends = [jones.contact_angle, PI];
+        let bracket = Bracket { f_tol: 1e-3, ..Bracket::new(ends, [too_far, -2.0 / target]) };
+        bracket.root(|screw| {
             let (found, excess) = at(screw);
             state = found;
-            if excess.abs() <= 1e-3 {
-                break;
-            }
-            bracket.tighten(usize::from(excess <= 0.0), screw, excess);
-        }
+            excess
+        });
         state
     }
 }

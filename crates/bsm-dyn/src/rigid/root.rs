@@ -4,7 +4,7 @@
 
 use std::mem;
 
-use bsm_newton::{Equations, Options, Report, Scales, solve};
+use bsm_newton::{Bracket, Equations, Options, Report, Scales, solve};
 
 use super::curve::Curve;
 use super::first_order::{FirstOrder, SEARCHED_FROM, UNIQUE_BELOW};
@@ -434,11 +434,11 @@ pub(crate) fn critical_lead_angle(case: &Scaled<f64>, work: &mut RigidWorkspace)
             return None;
         }
     }
-    let mut low = (high - STEP).max(0.5 * high);
-    while high - low > 1e-6 {
-        let middle = 0.5 * (low + high);
-        if at(middle).exists() { high = middle } else { low = middle }
-    }
+    // An angle that has one, next to one that has none.
+    let ends = [(high - STEP).max(0.5 * high), high];
+    let bracket = Bracket { x_tol: 1e-6, ..Bracket::new(ends, [-1.0, 1.0]) };
+    let found = bracket.root(|lead| if at(lead).exists() { 1.0 } else { -1.0 }).root();
+    let high = found.map_or(high, |root| root.ends[1]);
 
     // With too little inertia to tell, as much as can be told moves the angle by that much.
     let slow = case.friction * SLOW / at(high).size;

@@ -4,6 +4,8 @@
 
 use std::f64::consts::PI;
 
+use bsm_newton::Bracket;
+
 use super::curve::{Curve, Point, Sample};
 
 /// The search begins at this turn of the slip at B over the inertia of the first order, and there at
@@ -176,26 +178,21 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
         value: impl Fn(&Point) -> f64,
         enough: f64,
     ) -> Point {
-        /// Secants, every third time a half: enough for rounding.
-        const MOST_STEPS: usize = 150;
-        let (mut low, mut high) = (*one, *other);
-        for step in 0..MOST_STEPS {
-            let (at_low, at_high) = (value(&low), value(&high));
-            if at_low.abs().min(at_high.abs()) <= enough {
-                break;
-            }
-            let share =
-                if step % 3 == 2 { 0.5 } else { (at_low / (at_low - at_high)).clamp(0.02, 0.98) };
-            let turn = low.turn + share * (high.turn - low.turn);
-            if turn <= low.turn.min(high.turn) || turn >= low.turn.max(high.turn) {
-                break;
-            }
-            let middle = self.sample(turn);
-            let near = |point: &Point| point.apart(&low).min(point.apart(&high));
-            let sheets = middle.sheets.iter().flatten();
-            let Some(point) = sheets.min_by(|x, y| near(x).total_cmp(&near(y))) else { break };
-            *(if (value(point) > 0.0) == (at_high > 0.0) { &mut high } else { &mut low }) = *point;
-        }
+        let mut ends = [*one, *other];
+        let values = ends.map(|end| value(&end));
+        let rises = values[1] > 0.0;
+        let bracket = Bracket { f_tol: enough, ..Bracket::new(ends.map(|end| end.turn), values) };
+        bracket.root(|turn| {
+            let sample = self.sample(turn);
+            let near = |point: &Point| point.apart(&ends[0]).min(point.apart(&ends[1]));
+            let points = sample.sheets.iter().flatten();
+            points.min_by(|x, y| near(x).total_cmp(&near(y))).map_or(f64::NAN, |point| {
+                let value = value(point);
+                ends[usize::from((value > 0.0) == rises)] = *point;
+                value
+            })
+        });
+        let [low, high] = ends;
         if value(&low).abs() < value(&high).abs() { low } else { high }
     }
 }

@@ -3,6 +3,8 @@
 use std::array;
 use std::f64::consts::FRAC_1_SQRT_2;
 
+use bsm_newton::Bracket;
+
 /// Eight directions around the circle.
 const DIRECTIONS: [[f64; 2]; 8] = [
     [1.0, 0.0],
@@ -112,13 +114,15 @@ fn real_roots(a: &[f64; 5]) -> [f64; 4] {
 
 /// The `N` roots of a polynomial of degree `N` between the places `flat` where its slope vanishes.
 fn isolated<const N: usize>(a: &[f64], flat: &[f64], bound: f64) -> [f64; N] {
-    let value = |t: f64| a.iter().rev().fold(0.0, |sum, x| sum * t + x);
     let mut roots = [f64::NAN; N];
-    let (mut low, mut at_low, mut found) = (-bound, value(-bound), 0);
+    let (mut low, mut at_low, mut found) = (-bound, horner(a, -bound).0, 0);
     for high in flat.iter().copied().filter(|t| t.abs() < bound).chain([bound]) {
-        let at_high = value(high);
+        let at_high = horner(a, high).0;
         if found < N && (at_low > 0.0) != (at_high > 0.0) {
-            roots[found] = bracketed(a, (low, high), at_high > 0.0);
+            let start = Some(0.5 * (low + high));
+            let bracket =
+                Bracket { start, x_tol: 1e-15, ..Bracket::new([low, high], [at_low, at_high]) };
+            roots[found] = bracket.root(|t| horner(a, t)).root().map_or(f64::NAN, |root| root.x);
             found += 1;
         }
         (low, at_low) = (high, at_high);
@@ -126,28 +130,9 @@ fn isolated<const N: usize>(a: &[f64], flat: &[f64], bound: f64) -> [f64; N] {
     roots
 }
 
-/// The root between two places of opposite sign: Newton, or halves where it leaves the bracket.
-fn bracketed(a: &[f64], (mut low, mut high): (f64, f64), rises: bool) -> f64 {
-    /// Enough to halve any bracket to rounding.
-    const MOST_STEPS: usize = 80;
-
-    let mut t = 0.5 * (low + high);
-    for _ in 0..MOST_STEPS {
-        let (mut value, mut slope) = (0.0, 0.0);
-        for x in a.iter().rev() {
-            slope = slope * t + value;
-            value = value * t + x;
-        }
-        *(if (value > 0.0) == rises { &mut high } else { &mut low }) = t;
-        let next = t - value / slope;
-        let next = if next > low && next < high { next } else { 0.5 * (low + high) };
-        // A step of rounding: there.
-        if (next - t).abs() <= 1e-15 * t.abs() {
-            return next;
-        }
-        t = next;
-    }
-    t
+/// A polynomial, its coefficients from the constant upwards, and its slope.
+fn horner(a: &[f64], t: f64) -> (f64, f64) {
+    a.iter().rev().fold((0.0, 0.0), |(value, slope), x| (value * t + x, slope * t + value))
 }
 
 #[cfg(test)]
