@@ -215,7 +215,7 @@ fn batch_answers_row_by_row() {
     let kept = ["batch", "first.parquet", "--base", &lin(), "--keep", "model", "-o", "x.csv"];
     let output = bsm(dir.path(), &kept, "");
     assert_eq!(output.status.code(), Some(2), "two columns of one name");
-    assert!(stderr(&output).contains("--keep model: the answers"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("--keep model: the results"), "{}", stderr(&output));
     assert_eq!(run(&args("first.jsonl")).status.code(), Some(3));
     let lines = fs::read_to_string(dir.path().join("first.jsonl")).expect("lines");
     let line: Value = serde_json::from_str(lines.lines().next().expect("a line")).expect("JSON");
