@@ -41,7 +41,7 @@ impl Nut {
         let modulus = contact_modulus(&self.material.0, &self.material.1);
         let lead = self.lead_angle();
         let approach = |member| -> Result<f64, Reason> {
-            Ok(Hertz::of(&self.curvatures(member, lead), modulus)?.approach(1.0))
+            Ok(Hertz::of(&self.curvatures(member, lead), modulus)?.compliance)
         };
         let approaches = [approach(Member::Nut)?, approach(Member::Screw)?];
         let direction = self.contact_angle.sin() * lead.cos();

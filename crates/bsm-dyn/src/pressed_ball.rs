@@ -40,7 +40,7 @@ impl<D: Scalar> ElasticScrew<D> {
     ///
     /// [`Reason::CurvaturesNotHertzian`].
     pub fn pressed_ball(&self) -> Result<PressedBall<D>, Reason> {
-        let [nut, screw] = self.hertz()?.map(|hertz| hertz.approach(D::from(1.0)));
+        let [nut, screw] = self.hertz()?.map(|hertz| hertz.compliance);
         let [l_a, l_b] = self.grooves().map(|groove| groove.offset(self.ball.radius));
         // K^(−2/3) = K_A^(−2/3) + K_B^(−2/3)                              (J11)
         let stiffness = (nut + screw).powf(-1.5);
@@ -97,14 +97,21 @@ impl PressedBall {
     ///
     /// [`EvalError`] if no displacement carries the load.
     pub fn under(&self, axial: f64, lead_angle: f64) -> Result<(f64, Pressing), EvalError> {
+        let refused = EvalError {
+            quantity: "axial load of a ball [N]",
+            value: axial,
+            requirement: "positive, and such as the groove flanks can carry",
+        };
+        if axial.is_nan() || axial <= 0.0 {
+            return Err(refused);
+        }
         let cos_a = lead_angle.cos();
         let at = |u: f64| self.at([u * cos_a, 0.0], 0.0);
         // F_a = Q m_b cosα,  w = (u cosα, 0);  F_a^(2/3) is nearly straight in u  (J14)
         let carried = |ball: &Pressing| ball.force[0] * cos_a;
         let mut u = (axial / self.stiffness).cbrt().powi(2)
             / (self.contact_angle.sin() * cos_a).powf(5.0 / 3.0);
-        let steps = if axial > 0.0 { MOST_STEPS } else { 0 };
-        for _ in 0..steps {
+        for _ in 0..MOST_STEPS {
             let ball = at(u);
             let (force, slope) = (carried(&ball), ball.slope[0][0] * cos_a * cos_a);
             let step = 1.5 * force * (1.0 - (axial / force).cbrt().powi(2)) / slope;
@@ -114,11 +121,7 @@ impl PressedBall {
                 return Ok((u, at(u)));
             }
         }
-        Err(EvalError {
-            quantity: "axial load of a ball [N]",
-            value: axial,
-            requirement: "positive, and such as the groove flanks can carry",
-        })
+        Err(refused)
     }
 }
 

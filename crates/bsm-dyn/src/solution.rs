@@ -284,6 +284,9 @@ pub enum Unsolved {
 }
 
 impl Unsolved {
+    /// A search that was lost before its end: no root is found, and none is excluded.
+    pub(crate) const LOST: Self = Self::NotConverged { reason: Reason::SearchLost };
+
     pub(crate) fn none(evidence: Evidence, reason: Reason) -> Self {
         Self::NoSolution { reason, evidence }
     }

@@ -7,7 +7,7 @@ use std::num::NonZeroUsize;
 use approx::assert_relative_eq;
 use bsm_dyn::{
     Angles, Auto, Ball, Control, Direction, Elastic, ElasticScrew, Load, Material, Model,
-    ModelWorkspace, Problem, RacewayControl, Reason, Rigid, Solution, Solved, Status, Traction,
+    ModelWorkspace, Problem, RacewayControl, Reason, Rigid, Solution, Status, Traction,
 };
 use bsm_kin::{Drive, Helix, Site};
 use bsm_sample::Sample;
@@ -68,9 +68,7 @@ fn check(screw: &ElasticScrew, solution: &Solution) -> bool {
         Err(none) => return none.evidence().is_some(),
     };
     let words = format!("{o:?}");
-    // The skid numbers keep to themselves what is no number.
-    let shown = format!("{:?}", Solved { skid: None, ..*o });
-    let mut tokens = shown.split(|c: char| !c.is_alphanumeric());
+    let mut tokens = words.split(|c: char| !c.is_alphanumeric());
     assert!(!tokens.any(|token| ["NaN", "inf"].contains(&token)), "{screw:?} {words}");
     // The closed form has no equations left.
     let closed = solution.model == Model::ClosedForm;

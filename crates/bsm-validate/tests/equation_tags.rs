@@ -1,25 +1,15 @@
 //! Every equation tag in the code exists in the theory, and the other way round.
 
+mod sources;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use self::sources::files;
+
 /// Theory says so of equations that no code but a test evaluates.
 const BY_TESTS: &str = "Checked by tests alone:";
-
-/// All files under `folder` with this extension.
-fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("folder entry").path();
-        if path.is_dir() {
-            found.extend(files(&path, extension));
-        } else if path.extension().is_some_and(|e| e == extension) {
-            found.push(path);
-        }
-    }
-    found
-}
 
 fn read(path: &Path) -> String {
     fs::read_to_string(path).expect("UTF-8 text")

@@ -1,23 +1,13 @@
 //! Every formula of rustdoc and of the documents is one that a browser can show.
 
+mod sources;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use pulldown_latex::{Parser, Storage};
 
-/// All files under `folder` with this extension.
-fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).expect("folder") {
-        let path = entry.expect("folder entry").path();
-        if path.is_dir() {
-            found.extend(files(&path, extension));
-        } else if path.extension().is_some_and(|e| e == extension) {
-            found.push(path);
-        }
-    }
-    found
-}
+use self::sources::files;
 
 /// The formulas of Markdown: `math` blocks, and what stands between `open` and `close`.
 fn formulas(text: &str, (open, close): (&str, &str)) -> Vec<String> {

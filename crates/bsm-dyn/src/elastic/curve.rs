@@ -132,7 +132,7 @@ impl Curve<'_> {
             return Err(Unsolved::none(Evidence::Proof, locks));
         }
         let inertia = self.forces.inertia_ratio();
-        let level = self.level().ok_or(LOST)?;
+        let level = self.level().ok_or(Unsolved::LOST)?;
         // M ~ q, up to where the curve bends. Where nut and screw turn together, the inertia here
         // underflows, its logarithm does not.
         let here = Forces::log_inertia(&level.state, &level.kinematics);
@@ -198,7 +198,9 @@ impl Curve<'_> {
         match end {
             End::Stopped => {}
             End::Lost(_) if !admissible => {}
-            End::Lost(_) | End::MostPoints | End::Closed | End::NoCurve(_) => return Err(LOST),
+            End::Lost(_) | End::MostPoints | End::Closed | End::NoCurve(_) => {
+                return Err(Unsolved::LOST);
+            }
         }
         let reason = match seen {
             Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
@@ -246,9 +248,6 @@ impl Curve<'_> {
         level
     }
 }
-
-/// The answer where the curve is lost.
-const LOST: Unsolved = Unsolved::NotConverged { reason: Reason::SearchLost };
 
 /// Towards more inertia.
 const UP: Place = Place::new(1.0, 0.0, 0.0);

@@ -115,12 +115,9 @@ pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root
             && start.exists()
             && start.margin > margin_error(case, &start, error)
             && start.rate.abs() > 2.0 * error;
-        if sure && none.evidence().is_some() { LOST } else { none }
+        if sure && none.evidence().is_some() { Unsolved::LOST } else { none }
     })
 }
-
-/// The answer where no root is found, and none excluded.
-const LOST: Unsolved = Unsolved::NotConverged { reason: Reason::SearchLost };
 
 /// The root near the first order, or another one.
 fn root_near(
@@ -209,7 +206,7 @@ impl Met {
             match settled(case, root, work) {
                 // Newton has left the crossing for another root.
                 Ok(root) if !root.is_admissible() || roots.iter().any(|r| r.is_near(&root)) => {
-                    failure = Some(LOST);
+                    failure = Some(Unsolved::LOST);
                 }
                 Ok(root) => roots.push(root),
                 Err(none) => failure = Some(none),
@@ -219,7 +216,7 @@ impl Met {
         search.run(start.inertia);
         let (nearest_inertia, cut_short) = (search.nearest_inertia, search.is_cut_short());
         if cut_short && failure.is_none() {
-            failure = Some(LOST);
+            failure = Some(Unsolved::LOST);
         }
         Self { roots, nearest_inertia, failure }
     }
@@ -350,7 +347,7 @@ fn accept(case: &Scaled<f64>, root: Root, work: &mut RigidWorkspace) -> Result<R
         // The sign may be that of the rounding of the other loads, a few times their last digit.
         let eaten = y[MINOR_LOAD].abs() <= 16.0 * f64::EPSILON * y[NUT_LOAD];
         let pulls = || none(Reason::MinorContactWouldPull { load_ratio: y[MINOR_LOAD] });
-        return Err(if eaten { LOST } else { pulls() });
+        return Err(if eaten { Unsolved::LOST } else { pulls() });
     }
     if y[SLIP] <= 0.0 {
         let critical_lead_angle = critical_lead_angle(case, work);

@@ -121,7 +121,7 @@ impl Rolling<'_> {
                 };
                 Err(Unsolved::none(evidence, Reason::BallLeavesFlank { nut, screw }))
             }
-            Shown::Nothing => Err(Unsolved::not_converged(Reason::SearchLost)),
+            Shown::Nothing => Err(Unsolved::LOST),
         }
     }
 
