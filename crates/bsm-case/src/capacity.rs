@@ -1,17 +1,16 @@
 //! Ratings of a nut in the vocabulary.
 
 use bsm_design::{
-    Body, Duty, DynamicRating, Nut, PRELOAD, ROLLING_LEVER, Rigidity, StaticRating, life,
+    Body, Duty, DynamicRating, Elasticity, LIMIT_LOAD, Limits, Nut, OPENS_AT, PRELOAD,
+    ROLLING_LEVER, StaticRating, Thread, in_series, life, pair_loads,
 };
 use serde_json::{Map, Value, json};
 
+use crate::input_set::CONTACT_ANGLE;
 use crate::reader::lead_mm;
 use crate::record::message;
 use crate::units::{DEG, MM, RPM, UM};
-use crate::{CaseError, InputKey, Scene, Spectrum, exact};
-
-/// Conformities that the fits behind the ratings were made for.
-const CONFORMITIES: (f64, f64) = (0.51, 0.57);
+use crate::{CaseError, Catalogue, InputKey, Scene, Spectrum, exact};
 
 /// A number with its name and unit.
 type Row = (&'static str, &'static str, f64);
@@ -37,33 +36,41 @@ impl CapacityReport {
     pub fn of(scene: &Scene, spectrum: Option<&Spectrum>) -> Result<Self, CaseError> {
         scene.check()?;
         let nut = nut(scene)?;
-        let body = body(scene, &nut)?;
+        let thread = thread(scene, &nut)?;
+        let body = body(scene, &nut, &thread)?;
         let (dynamic, static_) = (nut.dynamic_rating(), nut.static_rating());
         let (force, preloaded) = match (scene.preload_N, scene.axial_load_N) {
             (None, Some(load)) => (load, false),
             (preload, _) => (preload.unwrap_or(PRELOAD * dynamic.rating), true),
         };
-        let rigidity = nut
-            .rigidity(&body, force, preloaded)
+        let elasticity = nut
+            .elasticity(&body)
             .map_err(|reason| CaseError::NotRated(message(&reason)))?;
+        let edge_load = nut.edge_load(&thread, &elasticity.hertz);
         let lever = scene.rolling_friction_mm.map_or(ROLLING_LEVER, |lever| lever * MM);
         let pitch_mm = nut.pitch_diameter / MM;
         let limit = scene.value_or_default(InputKey::speed_number_limit_mm_min).unwrap_or(f64::NAN);
         let mut rows = vec![
             ("dynamic_load_rating_N", "N", dynamic.rating),
             ("static_load_rating_N", "N", static_.rating),
-            ("rigidity_characteristic_N_um15", "N/um^1.5", rigidity.turn * 1e-9),
-            (if preloaded { "preload_N" } else { "axial_load_N" }, "N", force),
-            ("axial_displacement_um", "um", rigidity.displacement / UM),
-            ("contact_rigidity_N_um", "N/um", rigidity.contacts * UM),
-            ("body_rigidity_N_um", "N/um", rigidity.bodies * UM),
-            ("total_rigidity_N_um", "N/um", rigidity.total * UM),
+            ("edge_load_N", "N", edge_load),
+            ("rigidity_characteristic_N_um15", "N/um^1.5", elasticity.turn * 1e-9),
+        ];
+        rows.extend(if preloaded {
+            of_pair(&elasticity, force, scene.axial_load_N)
+        } else {
+            of_single(&elasticity, force)
+        });
+        rows.extend([
             ("efficiency", "", nut.rolling_efficiency(lever)),
             ("nut_outer_diameter_mm", "mm", body.outer / MM),
             ("nut_length_mm", "mm", body.length / MM),
-            ("mass_kg", "kg", body.mass(&nut)),
-            ("permissible_speed_rpm", "rpm", limit / pitch_mm),
-        ];
+            ("mass_kg", "kg", body.mass(&nut, &thread)),
+            ("ball_gap_mm", "mm", nut.ball_gap() / MM),
+            ("axial_play_um", "um", thread.play / UM),
+        ]);
+        rows.extend(grooves(&thread));
+        rows.push(("permissible_speed_rpm", "rpm", limit / pitch_mm));
         let speed = scene.speeds_rpm().map(|(screw, nut)| (screw - nut).abs());
         rows.extend(speed.map(|rpm| ("speed_number_mm_min", "mm/min", rpm * pitch_mm)));
         let duty = match (spectrum, scene.axial_load_N, speed) {
@@ -81,7 +88,7 @@ impl CapacityReport {
                 ("life_h", "h", life.time / 3600.0),
             ]
         }));
-        let steps = steps(&nut, &dynamic, &static_, &rigidity);
+        let steps = steps(&nut, &dynamic, &static_, &elasticity, &thread);
         if let Some(&(output, ..)) = rows.iter().chain(&steps).find(|(.., x)| !x.is_finite()) {
             return Err(CaseError::BeyondDouble { output });
         }
@@ -90,7 +97,16 @@ impl CapacityReport {
             return Err(CaseError::BeyondDouble { output });
         }
         let mut warnings = scene.warnings();
-        warnings.extend(doubts(&nut, &body));
+        let loads = scene.axial_load_N.into_iter();
+        let loads = loads.chain(spectrum.iter().flat_map(|s| s.0.iter().map(|duty| duty.load.abs())));
+        let load = loads.reduce(f64::max);
+        let limits = Catalogue::standard()?.limits;
+        warnings.extend(doubts(&nut, &thread, &body, &limits));
+        if preloaded {
+            warnings.extend(doubts_of_pair(&elasticity, force, load, dynamic.rating));
+        }
+        let busier = if preloaded { pair_loads(force, load.unwrap_or(0.0)).0 } else { force };
+        warnings.extend(off_the_flank(edge_load, busier.max(load.unwrap_or(0.0))));
         let heaviest = life.map_or(force, |life| life.mean_load.max(force));
         if heaviest > dynamic.rating {
             warnings.push(format!(
@@ -143,18 +159,89 @@ fn is_life(name: &str) -> bool {
     ["life_revolutions", "life_h"].contains(&name)
 }
 
-/// The body of the nut of a scene, which must hold its balls.
-fn body(scene: &Scene, nut: &Nut) -> Result<Body, CaseError> {
-    let mut body = Body::usual(nut, nut.pitch_diameter);
+/// Displacement and rigidity of a preloaded pair, and under a load.
+fn of_pair(elasticity: &Elasticity, preload: f64, load: Option<f64>) -> Vec<Row> {
+    let contacts = elasticity.preloaded(preload);
+    let mut rows = vec![
+        ("preload_N", "N", preload),
+        ("preload_displacement_um", "um", elasticity.displacement(preload) / UM),
+    ];
+    rows.extend(load.into_iter().flat_map(|load| {
+        // w = F_m / j_w                                                   (D20)
+        [("axial_load_N", "N", load), ("axial_displacement_um", "um", load / contacts / UM)]
+    }));
+    rows.extend([
+        ("preloaded_contact_rigidity_N_um", "N/um", contacts * UM),
+        ("body_rigidity_N_um", "N/um", 2.0 * elasticity.body * UM),
+        ("preloaded_rigidity_N_um", "N/um", elasticity.preloaded_pair(preload) * UM),
+    ]);
+    rows
+}
+
+/// Displacement and rigidity of one nut under a load.
+fn of_single(elasticity: &Elasticity, load: f64) -> Vec<Row> {
+    let (secant, tangent) = (elasticity.secant(load), elasticity.tangent(load));
+    vec![
+        ("axial_load_N", "N", load),
+        ("axial_displacement_um", "um", elasticity.displacement(load) / UM),
+        ("secant_contact_rigidity_N_um", "N/um", secant * UM),
+        ("tangent_contact_rigidity_N_um", "N/um", tangent * UM),
+        ("body_rigidity_N_um", "N/um", elasticity.body * UM),
+        ("secant_rigidity_N_um", "N/um", in_series(secant, elasticity.body) * UM),
+        ("tangent_rigidity_N_um", "N/um", in_series(tangent, elasticity.body) * UM),
+    ]
+}
+
+/// Sizes of the grooves.
+fn grooves(thread: &Thread) -> [Row; 10] {
+    let Thread { nut, screw, .. } = thread;
+    [
+        ("nut_groove_radius_mm", "mm", nut.radius / MM),
+        ("screw_groove_radius_mm", "mm", screw.radius / MM),
+        ("nut_groove_offset_mm", "mm", nut.offset / MM),
+        ("screw_groove_offset_mm", "mm", screw.offset / MM),
+        ("nut_core_diameter_mm", "mm", nut.core / MM),
+        ("screw_core_diameter_mm", "mm", screw.core / MM),
+        ("nut_root_diameter_mm", "mm", nut.root / MM),
+        ("screw_root_diameter_mm", "mm", screw.root / MM),
+        ("nut_bore_mm", "mm", nut.land / MM),
+        ("screw_outer_diameter_mm", "mm", screw.land / MM),
+    ]
+}
+
+/// The thread of the nut of a scene, whose play arcs must be able to have, and whose screw must fit in.
+fn thread(scene: &Scene, nut: &Nut) -> Result<Thread, CaseError> {
+    let (bore, outside) = nut.usual_lands();
+    let bore = scene.nut_bore_mm.map_or(bore, |mm| mm * MM);
+    let outside = scene.screw_outer_diameter_mm.map_or(outside, |mm| mm * MM);
+    let refuse = |key: &str, value: f64, rule: String| {
+        Err(CaseError::OutOfRange { key: key.to_owned(), value, rule })
+    };
+    let play = scene.axial_play_um.unwrap_or(0.0);
+    let most = nut.monoarc_play() / UM;
+    if play > most {
+        let rule = format!("<= {most:.3} um, the play of grooves of a single arc at this contact angle");
+        return refuse("axial_play_um", play, rule);
+    }
+    if bore <= outside {
+        let rule = format!("> {} mm, the outer diameter of the screw", outside / MM);
+        return refuse("nut_bore_mm", bore / MM, rule);
+    }
+    Ok(nut.thread(play * UM, (bore, outside)))
+}
+
+/// The body of the nut of a scene, which must have its grooves within.
+fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<Body, CaseError> {
+    let mut body = Body::usual(nut);
     if let Some(outer) = scene.nut_outer_diameter_mm {
         body.outer = outer * MM;
     }
     if let Some(length) = scene.nut_length_mm {
         body.length = length * MM;
     }
-    let widest = nut.pitch_diameter + nut.ball_diameter;
+    let widest = thread.nut.root;
     if body.outer <= widest {
-        let (value, rule) = (body.outer / MM, format!("> {} mm, where the balls are", widest / MM));
+        let (value, rule) = (body.outer / MM, format!("> {:.3} mm, where the groove is", widest / MM));
         return Err(CaseError::OutOfRange { key: "nut_outer_diameter_mm".to_owned(), value, rule });
     }
     let turn = nut.turn_length() / nut.ball_diameter;
@@ -170,24 +257,32 @@ fn steps(
     nut: &Nut,
     dynamic: &DynamicRating,
     static_: &StaticRating,
-    rigidity: &Rigidity,
+    elasticity: &Elasticity,
+    thread: &Thread,
 ) -> Vec<Row> {
+    let [at_nut, at_screw] = elasticity.hertz.map(|hertz| hertz.compliance / UM);
+
     vec![
         ("lead_angle_deg", "deg", nut.lead_angle() / DEG),
+        ("contact_angle_deg", "deg", nut.contact_angle / DEG),
+        ("nut_edge_angle_deg", "deg", thread.nut.edge / DEG),
+        ("screw_edge_angle_deg", "deg", thread.screw.edge / DEG),
+        ("nut_groove_section_mm2", "mm2", thread.nut.section() / (MM * MM)),
         ("gamma", "", dynamic.gamma),
         ("f_c", "", dynamic.shape),
         ("C_s_N", "N", dynamic.screw),
         ("C_s_over_C_n", "", dynamic.ratio),
+        ("C_i_N", "N", dynamic.turn),
         ("screw_curvature_along_1_mm", "1/mm", static_.curvatures.along * MM),
         ("screw_curvature_across_1_mm", "1/mm", static_.curvatures.across * MM),
         ("k_0_N_mm2", "N/mm2", static_.factor),
-        ("nut_approach_um_N23", "um/N^(2/3)", rigidity.approaches[0] / UM),
-        ("screw_approach_um_N23", "um/N^(2/3)", rigidity.approaches[1] / UM),
+        ("nut_approach_um_N23", "um/N^(2/3)", at_nut),
+        ("screw_approach_um_N23", "um/N^(2/3)", at_screw),
     ]
 }
 
-/// What makes the numbers of a nut doubtful.
-fn doubts(nut: &Nut, body: &Body) -> Vec<String> {
+/// What makes the numbers of a nut doubtful, or the nut poor: the limits of the catalogue, and more.
+fn doubts(nut: &Nut, thread: &Thread, body: &Body, limits: &Limits) -> Vec<String> {
     let mut warnings = Vec::new();
     if body.length < nut.turns * nut.lead {
         warnings.push(format!(
@@ -197,14 +292,38 @@ fn doubts(nut: &Nut, body: &Body) -> Vec<String> {
             nut.lead / MM
         ));
     }
-    if body.mass(nut) <= 0.0 {
+    let (few, many) = limits.turns;
+    if nut.turns < few || nut.turns > many {
+        warnings.push(format!(
+            "loaded_turns = {}: {few} to {many} are usual. Fewer guide the screw poorly, and of more the \
+             outer ones carry little, which the load ratings do not know",
+            nut.turns
+        ));
+    }
+    let over_lead = nut.ball_diameter / nut.lead;
+    if over_lead > limits.ball_over_lead * (1.0 + 1e-9) {
+        warnings.push(format!(
+            "the ball diameter is {over_lead:.3} of the lead: above {} little land is left between the turns",
+            limits.ball_over_lead
+        ));
+    }
+    let root = thread.screw.root;
+    if nut.ball_diameter >= limits.ball_over_root * root {
+        warnings.push(format!(
+            "the ball diameter is {:.3} of the root diameter of the screw, {:.3} mm: it should be below {}",
+            nut.ball_diameter / root,
+            root / MM,
+            limits.ball_over_root
+        ));
+    }
+    if body.mass(nut, thread) <= 0.0 {
         warnings
             .push("the grooves of this nut are larger than its body: no mass is given".to_owned());
     }
     for (name, conformity) in
         [("nut_conformity", nut.conformity.0), ("screw_conformity", nut.conformity.1)]
     {
-        let (low, high) = CONFORMITIES;
+        let (low, high) = limits.conformity;
         if !(low..=high).contains(&conformity) {
             warnings.push(format!(
                 "{name} = {conformity}: the ratings were fitted for {low} to {high}"
@@ -212,6 +331,54 @@ fn doubts(nut: &Nut, body: &Body) -> Vec<String> {
         }
     }
     warnings
+}
+
+/// Where the preload of a pair is more than it should be (D22), or less than the load wants (D23).
+fn doubts_of_pair(
+    elasticity: &Elasticity,
+    preload: f64,
+    load: Option<f64>,
+    rating: f64,
+) -> Vec<String> {
+    let mut warnings = Vec::new();
+    // F_w ≤ 0.15 C_a                                                      (D22)
+    if preload > PRELOAD * rating * (1.0 + 1e-9) {
+        warnings.push(format!(
+            "preload_N is {:.3} of the dynamic rating: above {PRELOAD} it costs life",
+            preload / rating
+        ));
+    }
+    // F_m ≤ 3 F_w                                                         (D23)
+    if let Some(load) = load.filter(|load| *load > LIMIT_LOAD * preload * (1.0 + 1e-9)) {
+        let alone = elasticity.displacement(load) - elasticity.displacement(preload);
+        warnings.push(format!(
+            "a load of {} N is more than {LIMIT_LOAD} times the preload: from {:.0} N on one nut is free, \
+             the rigidity of the pair does not hold, and the displacement is that of the other nut alone, \
+             {:.3} um",
+            exact(load.round()),
+            OPENS_AT * preload,
+            alone / UM
+        ));
+    }
+    warnings
+}
+
+/// A warning if a contact reaches over the end of its flank.
+fn off_the_flank(edge_load: f64, force: f64) -> Option<String> {
+    if edge_load <= 0.0 {
+        return Some(
+            "this nut cannot hold its balls: their contacts are beyond the land of nut or screw; see \
+             nut_bore_mm and screw_outer_diameter_mm"
+                .to_owned(),
+        );
+    }
+    (force > edge_load).then(|| {
+        format!(
+            "under {} N on one nut a contact ellipse reaches over the end of its flank, which it does from \
+             {edge_load:.0} N on: Hertz's theory does not hold there",
+            exact(force.round())
+        )
+    })
 }
 
 /// The nut of a scene.
@@ -225,11 +392,20 @@ fn nut(scene: &Scene) -> Result<Nut, CaseError> {
     };
     let pitch_mm = need("pitch_circle_diameter_mm", scene.pitch_circle_diameter_mm);
     let lead_mm = scene.lead_mm.or_else(|| Some(lead_mm(scene.lead_angle_deg? * DEG, pitch_mm)));
-    let nut = Nut {
+    let contact_angle = match (scene.contact_angle_deg, scene.groove_bottom_distance_mm) {
+        (Some(_), Some(_)) => {
+            let keys = ["contact_angle_deg", "groove_bottom_distance_mm"];
+            return Err(CaseError::OneOfTwo { keys, found: "both are" });
+        }
+        // It follows below.
+        (None, Some(_)) => Some(f64::NAN),
+        (angle, None) => angle,
+    };
+    let mut nut = Nut {
         ball_diameter: need("ball_diameter_mm", scene.ball_diameter_mm) * MM,
         pitch_diameter: pitch_mm * MM,
         lead: need("lead_mm (or lead_angle_deg)", lead_mm) * MM,
-        contact_angle: need("contact_angle_deg", scene.contact_angle_deg) * DEG,
+        contact_angle: need(CONTACT_ANGLE.words, contact_angle) * DEG,
         conformity: (
             need("nut_conformity", scene.nut_conformity),
             need("screw_conformity", scene.screw_conformity),
@@ -238,5 +414,19 @@ fn nut(scene: &Scene) -> Result<Nut, CaseError> {
         balls_per_turn: need("loaded_balls_per_turn", scene.loaded_balls_per_turn),
         turns: need("loaded_turns", scene.loaded_turns),
     };
-    if missing.is_empty() { Ok(nut) } else { Err(CaseError::MissingForRatings { missing }) }
+    if !missing.is_empty() {
+        return Err(CaseError::MissingForRatings { missing });
+    }
+    if let Some(value) = scene.groove_bottom_distance_mm {
+        let radii = (nut.conformity.0 + nut.conformity.1) * nut.ball_diameter;
+        let rule = format!(
+            "between {:.4} mm, the ball, and {:.4} mm, the sum of the groove radii",
+            nut.ball_diameter / MM,
+            radii / MM
+        );
+        let key = "groove_bottom_distance_mm".to_owned();
+        let wrong = CaseError::OutOfRange { key, value, rule };
+        nut.contact_angle = nut.contact_angle_of(value * MM).ok_or(wrong)?;
+    }
+    Ok(nut)
 }

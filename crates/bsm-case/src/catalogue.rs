@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use crate::units::{DEG, GPA, MM, UM};
-use crate::{CaseError, entries, nearest};
+use crate::{CaseError, InputKey, entries, nearest};
 
 /// The standard lists and limits, to copy and edit.
 pub const STANDARD_CATALOGUE: &str = include_str!("catalogue.json");
@@ -40,7 +40,9 @@ struct File {
     conformity: Vec<f64>,
     contact_angle_deg: Vec<f64>,
     largest_ball_over_lead: f64,
-    largest_ball_over_diameter: f64,
+    largest_ball_over_screw_root: f64,
+    largest_ball_gap_over_ball: f64,
+    axial_play_um: f64,
     turns_range: (f64, f64),
     conformity_range: (f64, f64),
     youngs_modulus_GPa: f64,
@@ -164,11 +166,17 @@ impl File {
                     self.largest_ball_over_lead,
                     any,
                 )?,
-                ball_over_diameter: positive(
-                    "largest_ball_over_diameter",
-                    self.largest_ball_over_diameter,
+                ball_over_root: positive(
+                    "largest_ball_over_screw_root",
+                    self.largest_ball_over_screw_root,
                     any,
                 )?,
+                ball_gap: positive(
+                    "largest_ball_gap_over_ball",
+                    self.largest_ball_gap_over_ball,
+                    1.0,
+                )?,
+                axial_play: self.axial_play()?,
                 turns: self.turns_range,
                 conformity: self.conformity_range,
                 material: (steel, steel),
@@ -180,6 +188,15 @@ impl File {
                 rolling_lever: positive("rolling_friction_mm", self.rolling_friction_mm, any)? * MM,
             },
         })
+    }
+}
+
+impl File {
+    /// Axial play \[m\].
+    fn axial_play(&self) -> Result<f64, CaseError> {
+        let key = InputKey::axial_play_um;
+        key.input().rule.check(key.name(), self.axial_play_um)?;
+        Ok(self.axial_play_um * UM)
     }
 }
 
@@ -229,14 +246,28 @@ columns! {
     "loaded_balls_per_turn" [""] false |c| c.nut.balls_per_turn;
     "dynamic_load_rating_N" ["N"] true |c| c.dynamic_rating;
     "static_load_rating_N" ["N"] true |c| c.static_rating;
-    "rigidity_characteristic_N_um15" ["N/um^1.5"] false |c| c.rigidity.turn * 1e-9;
+    "edge_load_N" ["N"] false |c| c.edge_load;
+    "rigidity_characteristic_N_um15" ["N/um^1.5"] false |c| c.elasticity.turn * 1e-9;
     "preload_N" ["N"] false |c| c.preload;
-    "contact_rigidity_N_um" ["N/um"] false |c| c.rigidity.contacts * UM;
-    "total_rigidity_N_um" ["N/um"] true |c| c.rigidity.total * UM;
+    "preloaded_contact_rigidity_N_um" ["N/um"] false |c| c.elasticity.preloaded(c.preload) * UM;
+    "body_rigidity_N_um" ["N/um"] false |c| 2.0 * c.elasticity.body * UM;
+    "preloaded_rigidity_N_um" ["N/um"] true |c| c.rigidity * UM;
     "nut_outer_diameter_mm" ["mm"] false |c| c.body.outer / MM;
     "nut_length_mm" ["mm"] false |c| c.body.length / MM;
     "mass_kg" ["kg"] true |c| c.mass;
     "efficiency" [""] true |c| c.efficiency;
+    "ball_gap_mm" ["mm"] false |c| c.nut.ball_gap() / MM;
+    "axial_play_um" ["um"] false |c| c.thread.play / UM;
+    "nut_groove_radius_mm" ["mm"] false |c| c.thread.nut.radius / MM;
+    "screw_groove_radius_mm" ["mm"] false |c| c.thread.screw.radius / MM;
+    "nut_groove_offset_mm" ["mm"] false |c| c.thread.nut.offset / MM;
+    "screw_groove_offset_mm" ["mm"] false |c| c.thread.screw.offset / MM;
+    "nut_core_diameter_mm" ["mm"] false |c| c.thread.nut.core / MM;
+    "screw_core_diameter_mm" ["mm"] false |c| c.thread.screw.core / MM;
+    "nut_root_diameter_mm" ["mm"] false |c| c.thread.nut.root / MM;
+    "screw_root_diameter_mm" ["mm"] false |c| c.thread.screw.root / MM;
+    "nut_bore_mm" ["mm"] false |c| c.thread.nut.land / MM;
+    "screw_outer_diameter_mm" ["mm"] false |c| c.thread.screw.land / MM;
 }
 
 impl CatalogueColumn {

@@ -178,6 +178,7 @@ fn label(quantity: Quantity) -> (&'static str, &'static str, f64) {
         Quantity::SpeedNumber => ("speed_number_mm_min", "mm/min", MM * RPM),
         Quantity::NutPressure => ("nut_max_pressure_MPa", "MPa", MPA),
         Quantity::ScrewPressure => ("screw_max_pressure_MPa", "MPa", MPA),
+        Quantity::EllipseEnd => ("contact_ellipse_end_deg", "deg", DEG),
         Quantity::Efficiency => ("efficiency", "", 1.0),
         Quantity::DynamicRating => ("dynamic_load_rating_N", "N", 1.0),
         Quantity::Life => ("life_h", "h", 3600.0),

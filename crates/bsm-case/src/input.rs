@@ -216,6 +216,14 @@ inputs! {
         "outer diameter of the nut, for its rigidity and mass; pitch circle + 4 ball diameters unless given";
     nut_length_mm ["mm"] Above(0.0), None,
         "length of the nut, for its mass; loaded_turns + 3 leads unless given";
+    groove_bottom_distance_mm ["mm"] Above(0.0), None,
+        "radial distance of the bottoms of the groove arcs of nut and screw, half the difference of their core diameters; gives the contact angle of a nut's ratings in place of contact_angle_deg";
+    axial_play_um ["um"] AtLeast(0.0), Some(0.0),
+        "axial play of one nut without preload, for its thread; 0 is a gothic arch that the balls touch at four points";
+    nut_bore_mm ["mm"] Above(0.0), None,
+        "diameter of the land of the nut, for its mass and the ends of its flanks; pitch circle + 1.5 mm unless given, for balls below 3 mm + half a ball";
+    screw_outer_diameter_mm ["mm"] Above(0.0), None,
+        "diameter of the land of the screw, for the ends of its flanks; pitch circle - 1.5 mm unless given, for balls below 3 mm - half a ball";
     speed_number_limit_mm_min ["mm/min"] Above(0.0), Some(70000.0),
         "largest speed number, pitch circle diameter times speed, that the ball return permits";
     race_yield_strength_MPa ["MPa"] Above(0.0), None,

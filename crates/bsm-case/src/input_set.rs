@@ -138,8 +138,17 @@ pub(crate) const LEAD: Quantity = Quantity {
     ],
 };
 
+/// Contact angle, or the distance of the grooves that means it; only the ratings of a nut read the latter.
+pub(crate) const CONTACT_ANGLE: Quantity = Quantity {
+    words: "contact_angle_deg (or groove_bottom_distance_mm)",
+    forms: &[
+        Form { key: InputKey::contact_angle_deg, with: InputSet::of(&[]), to: "" },
+        Form { key: InputKey::groove_bottom_distance_mm, with: InputSet::of(&[]), to: "" },
+    ],
+};
+
 /// All quantities that have several forms.
-const QUANTITIES: &[Quantity] = &[LEAD];
+const QUANTITIES: &[Quantity] = &[LEAD, CONTACT_ANGLE];
 
 impl Scene {
     /// The inputs that it has.

@@ -70,7 +70,7 @@ pub(crate) enum Command {
     ///
     /// Every combination of the lists within the limits, with load ratings, rigidity of the preloaded
     /// pair, mass and efficiency. Example: bsm catalog --require 'dynamic_load_rating_N>=50000'
-    /// --require 'total_rigidity_N_um>=2000' --require lead_mm=10 --sort mass_kg
+    /// --require 'preloaded_rigidity_N_um>=2000' --require lead_mm=10 --sort mass_kg
     #[command(after_help = EXIT_CODES)]
     Catalog(CatalogArgs),
     /// Slip of the balls by published and exact formulas, and the power lost to each part of it.
@@ -396,7 +396,7 @@ pub(crate) struct CatalogArgs {
     /// Write the first nut to this scene, for bsm capacity and, with an operating point, bsm solve.
     #[arg(long, value_name = "NUT.json")]
     pub(crate) pick: Option<PathBuf>,
-    /// Folder for figures (SVG and CSV) of the effect of diameter, lead, balls, turns and conformity.
+    /// Folder for the figures of Sobolewski (2002), SVG and CSV, drawn with the nuts that meet the conditions.
     #[arg(long, value_name = "DIR")]
     pub(crate) plot: Option<PathBuf>,
     /// Print the standard lists and limits, to copy and edit.

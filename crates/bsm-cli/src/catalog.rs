@@ -9,7 +9,7 @@ use bsm_case::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
 };
 use bsm_design::Candidate;
-use bsm_report::number;
+use bsm_report::{Figure, number};
 use bsm_validate::catalogue_figures;
 use serde_json::{Value, json};
 
@@ -48,15 +48,11 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         files::keep(lists, args.output.as_deref())?;
         files::keep(lists, args.pick.as_deref())?;
     }
-    if let Some(folder) = &args.plot {
-        write_figures(folder, &catalogue_figures(&catalogue))?;
-        warn("note", &format!("wrote figures as SVG and CSV in {}", folder.display()));
-    }
 
     let all = catalogue.places();
     if all.is_empty() {
         let limits =
-            "turns_range, conformity_range, largest_ball_over_lead, largest_ball_over_diameter";
+            "turns_range, conformity_range, largest_ball_over_lead, largest_ball_over_screw_root; or the lands hold no ball";
         warn("note", &format!("no combination of the lists is within the limits: {limits}"));
         return Err(Failure::Unsolved);
     }
@@ -65,6 +61,9 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     if chosen.is_empty() {
         warn("note", &none(&catalogue, &all, &requirements));
         return Err(Failure::Unsolved);
+    }
+    if let Some(folder) = &args.plot {
+        plot(folder, &catalogue_figures(&catalogue, &chosen))?;
     }
     let met = chosen.len();
     if args.pareto {
@@ -88,6 +87,17 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         (Some(path), Some(kind)) => write(path, kind, &catalogue, &chosen),
         _ => show(&catalogue, &chosen, args),
     }
+}
+
+fn plot(folder: &Path, figures: &[Figure]) -> Result<(), Failure> {
+    write_figures(folder, figures)?;
+    let words = match figures.len() {
+        // That of the forces of one pair takes no second nut.
+        0 | 1 => "no two of the nuts differ in lead or diameter alone: no figure over them".to_owned(),
+        n => format!("wrote {n} figures as SVG and CSV in {}", folder.display()),
+    };
+    warn("note", &words);
+    Ok(())
 }
 
 fn read(path: Option<&Path>) -> Result<Catalogue, Failure> {

@@ -6,7 +6,8 @@ use bsm_dyn::Material;
 use rayon::prelude::*;
 
 use crate::nut::turn_length;
-use crate::{Body, Nut, Rigidity};
+use crate::thread::WHOLE;
+use crate::{Body, Elasticity, Nut, Thread};
 
 /// Balls of a turn that stand in the return and carry nothing.
 pub(crate) const IDLE_BALLS: f64 = 4.0;
@@ -14,8 +15,8 @@ pub(crate) const IDLE_BALLS: f64 = 4.0;
 /// Steps of pitch circle diameters \[m\].
 pub(crate) const STEP: f64 = 1e-5;
 
-/// Largest gap in a turn full of balls, over their diameter.
-const GAP: f64 = 0.10;
+/// Largest gap in a turn full of balls, over their diameter, unless one is chosen (Sobolewski 2002).
+pub const BALL_GAP: f64 = 0.10;
 
 /// The sizes to combine; lengths in m, angles in rad.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,8 +40,12 @@ pub struct Lists {
 pub struct Limits {
     /// Largest ball diameter over lead.
     pub ball_over_lead: f64,
-    /// Largest ball diameter over nominal diameter; it is not reached.
-    pub ball_over_diameter: f64,
+    /// Largest ball diameter over root diameter of the screw; it is not reached.
+    pub ball_over_root: f64,
+    /// Largest gap in a turn full of balls, all gaps together, over the ball diameter; below 1.
+    pub ball_gap: f64,
+    /// Axial play of one nut without preload \[m\].
+    pub axial_play: f64,
     /// Least and largest number of loaded turns.
     pub turns: (f64, f64),
     /// Least and largest conformity.
@@ -72,6 +77,8 @@ pub struct Candidate {
     pub size: Size,
     /// The nut, on the diameter that its balls fill.
     pub nut: Nut,
+    /// Its grooves and those of the screw.
+    pub thread: Thread,
     /// Its body.
     pub body: Body,
     /// Dynamic axial load rating \[N\].
@@ -80,8 +87,12 @@ pub struct Candidate {
     pub static_rating: f64,
     /// Preload of the pair \[N\].
     pub preload: f64,
-    /// Of the preloaded pair.
-    pub rigidity: Rigidity,
+    /// Elasticity of one nut.
+    pub elasticity: Elasticity,
+    /// Rigidity of the preloaded pair, contacts and bodies \[N/m\].
+    pub rigidity: f64,
+    /// Load of one nut under which a contact ellipse reaches the end of its flank \[N\].
+    pub edge_load: f64,
     /// Mass of one nut \[kg\].
     pub mass: f64,
     /// Efficiency by rolling resistance.
@@ -91,19 +102,18 @@ pub struct Candidate {
 /// Diameter of the circle of ball centres and number of loaded balls of a turn (D17), (D18).
 ///
 /// The smallest diameter in steps of 0.01 mm from the nominal one on at which a turn is filled by
-/// balls with a gap of at most a tenth of a ball. Lengths of turns are rounded to 0.01 mm, as the
-/// published tables have them.
+/// balls with a gap of at most `gap` ball diameters, below 1. Lengths of turns are rounded to 0.01 mm,
+/// as the published tables have them.
 ///
 /// Source: Sobolewski (2002).
-pub fn loaded_balls(diameter: f64, lead: f64, ball: f64) -> (f64, f64) {
+pub fn loaded_balls(diameter: f64, lead: f64, ball: f64, gap: f64) -> (f64, f64) {
     let (lead, ball) = (lead / STEP, ball / STEP);
     let mut steps = (diameter / STEP).round();
     loop {
         let length = turn_length(steps, lead).round();
-        // Whole numbers of balls must not be missed by rounding.
-        let balls = length / ball + 1e-9;
+        let balls = length / ball + WHOLE;
         // frac(L/D_w) ≤ 0.10                                              (D17)
-        if balls.fract() <= GAP {
+        if balls.fract() <= gap {
             // n = ⌊L/D_w⌋ − 4                                             (D18)
             return (steps * STEP, balls.floor() - IDLE_BALLS);
         }
@@ -118,17 +128,18 @@ impl Limits {
         // Lists in millimetres do not meet the bounds to the last bit.
         let slack = 1.0 + 1e-12;
         size.ball <= self.ball_over_lead * size.lead * slack
-            && size.ball < self.ball_over_diameter * size.diameter
             && within(self.turns, size.turns)
             && within(self.conformity, size.conformity)
     }
 
-    /// The nut of a size with its numbers; `None` if it is beyond the limits or cannot be made.
+    /// The nut of a size with its numbers; `None` if it is beyond the limits, cannot be made, or cannot
+    /// hold its balls under the preload.
     pub fn candidate(&self, size: &Size) -> Option<Candidate> {
         if !self.allow(size) {
             return None;
         }
-        let (pitch_diameter, balls_per_turn) = loaded_balls(size.diameter, size.lead, size.ball);
+        let (pitch_diameter, balls_per_turn) =
+            loaded_balls(size.diameter, size.lead, size.ball, self.ball_gap);
         if balls_per_turn < 1.0 {
             return None;
         }
@@ -142,37 +153,47 @@ impl Limits {
             balls_per_turn,
             turns: size.turns,
         };
-        let body = Body::usual(&nut, size.diameter);
+        let thread = nut.thread(self.axial_play, nut.usual_lands());
+        // A play that single arcs do not have cannot be made.
+        if self.axial_play > nut.monoarc_play()
+            || size.ball >= self.ball_over_root * thread.screw.root
+        {
+            return None;
+        }
+        let body = Body::usual(&nut);
         let dynamic_rating = nut.dynamic_rating().rating;
         let preload = self.preload * dynamic_rating;
+        let elasticity = nut.elasticity(&body).ok()?;
         let candidate = Candidate {
             size: *size,
             nut,
+            thread,
             body,
             dynamic_rating,
             static_rating: nut.static_rating().rating,
             preload,
-            rigidity: nut.rigidity(&body, preload, true).ok()?,
-            mass: body.mass(&nut),
+            elasticity,
+            rigidity: elasticity.preloaded_pair(preload),
+            edge_load: nut.edge_load(&thread, &elasticity.hertz),
+            mass: body.mass(&nut, &thread),
             efficiency: nut.rolling_efficiency(self.rolling_lever),
         };
-        candidate.is_finite().then_some(candidate)
+        (candidate.is_finite() && candidate.edge_load >= preload).then_some(candidate)
     }
 }
 
 impl Candidate {
     /// False if a number is beyond double precision.
     fn is_finite(&self) -> bool {
-        let Rigidity { turn, contacts, total, .. } = self.rigidity;
-        let ratings = [self.dynamic_rating, self.static_rating, self.preload];
-        let others = [turn, contacts, total, self.mass, self.efficiency];
+        let ratings = [self.dynamic_rating, self.static_rating, self.preload, self.edge_load];
+        let others = [self.elasticity.turn, self.rigidity, self.mass, self.efficiency];
         ratings.iter().chain(&others).all(|number| number.is_finite())
     }
 
     /// What a front is made of, the less the better: dynamic rating and rigidity with the sign
     /// turned, and mass.
     pub fn costs(&self) -> [f64; 3] {
-        [-self.dynamic_rating, -self.rigidity.total, self.mass]
+        [-self.dynamic_rating, -self.rigidity, self.mass]
     }
 }
 
@@ -256,7 +277,9 @@ mod tests {
 
     const LIMITS: Limits = Limits {
         ball_over_lead: 0.6,
-        ball_over_diameter: 0.5,
+        ball_over_root: 0.5,
+        ball_gap: BALL_GAP,
+        axial_play: 0.0,
         turns: (2.0, 6.0),
         conformity: (0.51, 0.57),
         material: (STEEL, STEEL),
@@ -272,7 +295,7 @@ mod tests {
             (63e-3, 20e-3, 10e-3, 63.35e-3, 16.0),
             (100e-3, 20e-3, 10e-3, 101.66e-3, 28.0),
         ] {
-            let (found, n) = loaded_balls(nominal, lead, ball);
+            let (found, n) = loaded_balls(nominal, lead, ball, BALL_GAP);
             // Steps of 0.01 mm, stored in metres.
             assert!((found - diameter).abs() < 1e-12 && (n - balls).abs() < 0.5, "{found} {n}");
         }
@@ -295,7 +318,7 @@ mod tests {
         let beats = |a: &Candidate, b: &Candidate| {
             let pairs = [
                 (a.dynamic_rating, b.dynamic_rating),
-                (a.rigidity.total, b.rigidity.total),
+                (a.rigidity, b.rigidity),
                 (b.mass, a.mass),
             ];
             pairs.iter().all(|(a, b)| a >= b) && pairs.iter().any(|(a, b)| a > b)

@@ -33,20 +33,26 @@ mod procedure;
 mod requirement;
 mod rigidity;
 pub mod search;
+mod thread;
 
 pub use body::Body;
-pub use catalogue::{Candidate, Limits, Lists, Size, front, loaded_balls};
-pub use life::{Duty, Life, life};
+pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, Size, front, loaded_balls};
+pub use life::{Duty, Life, OPENS_AT, life, pair_loads};
 pub use nut::{DynamicRating, Nut, StaticRating};
 pub use procedure::{Blocked, Outcome, Why};
 pub use requirement::{
     CONTACT_ANGLES, Check, Demand, Design, EfficiencyOf, Fixed, Objective, Pitch, Quantity, Reach,
     Requirement,
 };
-pub use rigidity::Rigidity;
+pub use rigidity::{Elasticity, in_series};
+pub use thread::{Profile, Thread};
 
-/// Preload of a pair of nuts over the dynamic rating, unless one is chosen (Sobolewski 2002).
+/// Preload of a pair of nuts over the dynamic rating, unless one is chosen, and the largest one
+/// (D22) (Sobolewski 2002, eq. 6).
 pub const PRELOAD: f64 = 0.15;
+
+/// Largest load of a preloaded pair over its preload (D23) (Sobolewski 2002, eq. 8).
+pub const LIMIT_LOAD: f64 = 3.0;
 
 /// Lever arm of rolling resistance \[m\], unless one is measured (Sobolewski 2002).
 pub const ROLLING_LEVER: f64 = 5e-6;

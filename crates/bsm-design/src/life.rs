@@ -2,6 +2,9 @@
 
 use std::f64::consts::TAU;
 
+/// Load over preload at which the relieved nut of a pair is free, `$2^{3/2}$` (D14).
+pub const OPENS_AT: f64 = 2.0 * std::f64::consts::SQRT_2;
+
 /// Revolutions of the dynamic rating.
 const MILLION: f64 = 1e6;
 
@@ -72,8 +75,8 @@ pub fn life(rating: f64, preload: Option<f64>, duty: &[Duty]) -> Option<Life> {
 ///
 /// Beyond `$2^{3/2}$` times the preload the other nut is free. Assumes: displacement proportional
 /// to the load up to there, as ISO 3408-5 does.
-fn pair_loads(preload: f64, load: f64) -> (f64, f64) {
-    let free = 2.0_f64.powf(1.5) * preload;
+pub fn pair_loads(preload: f64, load: f64) -> (f64, f64) {
+    let free = OPENS_AT * preload;
     let size = load.abs();
     // F₁ = F_w [1 + F/(2^{3/2} F_w)]^{3/2},  F₂ = F₁ − F                  (D14)
     let (more, less) = if size < free {

@@ -39,6 +39,8 @@ pub struct DynamicRating {
     pub screw: f64,
     /// Ratio to that of the nut `$C_s/C_n$` (D4).
     pub ratio: f64,
+    /// Rating of a turn `$C_i$` \[N\] (D4).
+    pub turn: f64,
     /// `$C_a$` \[N\] (D4).
     pub rating: f64,
 }
@@ -71,7 +73,7 @@ impl Nut {
     /// C_a = C_s\big[1 + (C_s/C_n)^{10/3}\big]^{-3/10}\, i^{0.86}
     /// ```
     ///
-    /// Source: ISO/DP 9783 as in Sobolewski (2002).
+    /// Source: ISO/DP 9784 as in Sobolewski (2002).
     pub fn dynamic_rating(&self) -> DynamicRating {
         let (lead, alpha) = (self.lead_angle(), self.contact_angle);
         // γ = D_w cosβ / D_pw                                             (D1)
@@ -90,10 +92,11 @@ impl Nut {
             * alpha.tan()
             * lead.cos().powf(1.3);
         // C_s/C_n = [(1−γ)/(1+γ)]^1.723 [(2 − 1/f_n)/(2 − 1/f_s)]^0.41,
-        // C_a = C_s [1 + (C_s/C_n)^(10/3)]^−0.3 i^0.86                    (D4)
+        // C_i = C_s [1 + (C_s/C_n)^(10/3)]^−0.3,  C_a = C_i i^0.86        (D4)
         let ratio = (low / high).powf(1.723) * ((2.0 - 1.0 / nut) / (2.0 - 1.0 / screw)).powf(0.41);
-        let rating = of_screw * (1.0 + ratio.powf(10.0 / 3.0)).powf(-0.3) * self.turns.powf(0.86);
-        DynamicRating { gamma, shape, screw: of_screw, ratio, rating }
+        let turn = of_screw * (1.0 + ratio.powf(10.0 / 3.0)).powf(-0.3);
+        let rating = turn * self.turns.powf(0.86);
+        DynamicRating { gamma, shape, screw: of_screw, ratio, turn, rating }
     }
 
     /// Static axial load rating `$C_{0a}$` \[N\]: a permanent mark of a ten-thousandth of the ball (D5).
@@ -104,7 +107,7 @@ impl Nut {
     ///
     /// with the curvatures of the screw contact, its groove taken as that of a bearing.
     ///
-    /// Source: ISO/DP 9783 as in Sobolewski (2002).
+    /// Source: ISO/DP 9784 as in Sobolewski (2002).
     pub fn static_rating(&self) -> StaticRating {
         let curvatures = self.curvatures(Member::Screw, 0.0);
         let Curvatures { along, across } = curvatures;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_dyn::{Direction, Hertz, Material, Member, Optimum, contact_modulus};
+use bsm_dyn::{Direction, Hertz, Material, Optimum};
 
 use crate::search::SLACK;
 use crate::{Body, Duty, Nut, life};
@@ -120,6 +120,7 @@ pub enum Quantity {
     SpeedNumber,
     NutPressure,
     ScrewPressure,
+    EllipseEnd,
     Efficiency,
     DynamicRating,
     Life,
@@ -196,7 +197,8 @@ impl Design {
         let Requirement { direction, friction, speed, .. } = *requirement;
         let (lead, beta) = (nut.lead_angle(), nut.contact_angle);
         let (radius, ball) = (0.5 * nut.pitch_diameter, 0.5 * nut.ball_diameter);
-        let body = Body::usual(&nut, nut.pitch_diameter);
+        let body = Body::usual(&nut);
+        let thread = nut.thread(0.0, nut.usual_lands());
         let length = match requirement.reach {
             Reach::Screw(length) => length,
             Reach::Stroke(stroke) => stroke + body.length,
@@ -209,16 +211,17 @@ impl Design {
         let balls = nut.balls_per_turn * nut.turns;
         // Q = F_a / (Z cosα sinβ)                                         (L2)
         let normal = load / (balls * lead.cos() * beta.sin());
-        let modulus = contact_modulus(&nut.material.0, &nut.material.1);
-        let pressure = |member| {
-            Hertz::of(&nut.curvatures(member, lead), modulus)
-                .map_or(f64::NAN, |hertz| hertz.max_pressure(normal))
+        let hertz = nut.hertz().ok();
+        let pressed = |number: &dyn Fn(&Hertz) -> f64| match &hertz {
+            Some(both) => both.each_ref().map(number),
+            None => [f64::NAN; 2],
         };
+        let pressures = pressed(&|hertz| hertz.max_pressure(normal));
+        let semi_axes = pressed(&|hertz| hertz.semi_axes(normal).0);
         let best = Optimum::of(direction, lead, friction);
         let rating = nut.dynamic_rating().rating;
         let duty = Duty { load, speed, time: 1.0 };
         let life = life(rating, None, &[duty]).map_or(f64::NAN, |life| life.time);
-        let shaft = Body::mass_of_shaft(nut.pitch_diameter, length);
         let mut checks = Vec::new();
         let mut add = |step, quantity, value, least, most| {
             checks.push(Check { step, quantity, value, least, most });
@@ -251,16 +254,20 @@ impl Design {
         add(8, Quantity::Advance, radius * lead.tan() * speed, None, None);
         let number = nut.pitch_diameter * speed;
         add(8, Quantity::SpeedNumber, number, None, Some(requirement.speed_number));
-        for (quantity, member) in
-            [(Quantity::NutPressure, Member::Nut), (Quantity::ScrewPressure, Member::Screw)]
+        for (quantity, pressure) in
+            [Quantity::NutPressure, Quantity::ScrewPressure].into_iter().zip(pressures)
         {
-            add(9, quantity, pressure(member), None, Some(requirement.pressure));
+            add(9, quantity, pressure, None, Some(requirement.pressure));
         }
+        // β + a/R ≤ θ                                                     (L7)
+        let end = beta + semi_axes[0].max(semi_axes[1]) / thread.nut.radius;
+        add(9, Quantity::EllipseEnd, end, None, Some(thread.nut.edge));
         let efficiency = efficiency.and_then(|of| of(&nut, load)).unwrap_or(f64::NAN);
         add(10, Quantity::Efficiency, efficiency, requirement.least_efficiency, None);
-        add(11, Quantity::DynamicRating, rating, None, None);
+        // C_a ≥ F_a                                                       (L8)
+        add(11, Quantity::DynamicRating, rating, Some(load), None);
         add(11, Quantity::Life, life, requirement.life, None);
-        add(11, Quantity::Mass, body.mass(&nut) + shaft, None, None);
+        add(11, Quantity::Mass, body.mass(&nut, &thread) + nut.mass_of_screw(&thread, length), None, None);
         Self { nut, load, checks }
     }
 

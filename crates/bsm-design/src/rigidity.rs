@@ -1,4 +1,6 @@
-//! Rigidity of the contacts and of the body of a nut.
+//! Displacement and rigidity of the contacts and of the body of a nut.
+//!
+//! Assumes: all balls carry the same, contact angles do not change under load.
 
 use std::f64::consts::PI;
 
@@ -6,64 +8,104 @@ use bsm_dyn::{Hertz, Member, Reason, contact_modulus};
 
 use crate::{Body, Nut};
 
-/// Displacement and rigidity under an axial force.
+/// Elasticity of one nut, whatever its load.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rigidity {
-    /// Hertz approaches over `$Q^{2/3}$` at nut and screw \[m/N^(2/3)\].
-    pub approaches: [f64; 2],
+pub struct Elasticity {
+    /// Contacts at nut and screw.
+    pub hertz: [Hertz; 2],
     /// Characteristic `$k$` of one turn \[N/m^1.5\] (D6).
     pub turn: f64,
-    /// Displacement of the contacts of a nut along the axis \[m\] (D7).
-    pub displacement: f64,
-    /// Of the contacts of all nuts \[N/m\] (D7).
-    pub contacts: f64,
-    /// Of the bodies of all nuts \[N/m\] (D8).
-    pub bodies: f64,
-    /// Of both together \[N/m\].
-    pub total: f64,
+    /// That of all turns `$k\,i$` \[N/m^1.5\].
+    pub turns: f64,
+    /// Rigidity of the body \[N/m\] (D8).
+    pub body: f64,
+}
+
+/// Rigidity of two springs in series (D21).
+///
+/// Source: Sobolewski (2002), eq. 11.
+pub fn in_series(one: f64, other: f64) -> f64 {
+    // 1/j_u = 1/j_1 + 1/j_2                                               (D21)
+    (one.recip() + other.recip()).recip()
+}
+
+impl Elasticity {
+    /// Displacement of the contacts of one nut along the axis under an axial force \[N\], in m (D7).
+    ///
+    /// Source: Sobolewski (2002), eqs. 4 and 7.
+    pub fn displacement(&self, force: f64) -> f64 {
+        // δ_a = (F/(k i))^⅔                                               (D7)
+        (force / self.turns).cbrt().powi(2)
+    }
+
+    /// Secant rigidity of the contacts of one nut, force over displacement \[N/m\] (D19).
+    ///
+    /// Source: Sobolewski (2002), eq. 5.
+    pub fn secant(&self, force: f64) -> f64 {
+        // j_sec = [F (k i)²]^⅓                                            (D19)
+        (force * self.turns.powi(2)).cbrt()
+    }
+
+    /// Tangent rigidity of the contacts of one nut, for a small change of its force \[N/m\] (D19).
+    pub fn tangent(&self, force: f64) -> f64 {
+        // j_tan = 3/2 j_sec                                               (D19)
+        1.5 * self.secant(force)
+    }
+
+    /// Rigidity of the contacts of two nuts that press against each other with a preload \[N\], under a
+    /// load that opens neither \[N/m\] (D20).
+    ///
+    /// Source: Sobolewski (2002), eqs. 9 and 10: a load divided by it is the displacement `$w_o$`.
+    pub fn preloaded(&self, preload: f64) -> f64 {
+        // j_w = 3 k i √δ_w                                                (D20)
+        3.0 * self.turns * self.displacement(preload).sqrt()
+    }
+
+    /// [`preloaded`](Self::preloaded), with the bodies of both nuts in series \[N/m\].
+    pub fn preloaded_pair(&self, preload: f64) -> f64 {
+        in_series(self.preloaded(preload), 2.0 * self.body)
+    }
 }
 
 impl Nut {
-    /// Rigidity of one nut under an axial force \[N\], or of two nuts that press against each
-    /// other with it (D6) to (D8).
+    /// Contacts at nut and screw.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::CurvaturesNotHertzian`] if the grooves leave no ellipse across them.
+    pub fn hertz(&self) -> Result<[Hertz; 2], Reason> {
+        let modulus = contact_modulus(&self.material.0, &self.material.1);
+        let of = |member| Hertz::of(&self.curvatures(member, self.lead_angle()), modulus);
+        Ok([of(Member::Nut)?, of(Member::Screw)?])
+    }
+
+    /// Elasticity of one nut (D6), (D8).
     ///
     /// ```math
     /// k = \frac{n\,(\sin\beta\cos\alpha)^{5/2}}{(\delta_n + \delta_s)^{3/2}}
     /// ```
     ///
-    /// `$\delta$` the Hertz approach at unit load. Source: ISO/DP 9784 as in Sobolewski (2002), with
+    /// `$\delta$` the Hertz approach at unit load. Source: ISO/DP 9783 as in Sobolewski (2002), with
     /// exact Hertz contacts of helical grooves in place of its fits.
     ///
     /// # Errors
     ///
     /// [`Reason::CurvaturesNotHertzian`] if the grooves leave no ellipse across them.
-    pub fn rigidity(&self, body: &Body, force: f64, pair: bool) -> Result<Rigidity, Reason> {
-        let modulus = contact_modulus(&self.material.0, &self.material.1);
-        let lead = self.lead_angle();
-        let approach = |member| -> Result<f64, Reason> {
-            Ok(Hertz::of(&self.curvatures(member, lead), modulus)?.compliance)
-        };
-        let approaches = [approach(Member::Nut)?, approach(Member::Screw)?];
-        let direction = self.contact_angle.sin() * lead.cos();
+    pub fn elasticity(&self, body: &Body) -> Result<Elasticity, Reason> {
+        let hertz = self.hertz()?;
+        let direction = self.contact_angle.sin() * self.lead_angle().cos();
         // k = n (sinβ cosα)^5/2 / (δ_n + δ_s)^3/2                         (D6)
         let turn = self.balls_per_turn
-            * (direction / (approaches[0] + approaches[1])).powf(1.5)
+            * (direction / (hertz[0].compliance + hertz[1].compliance)).powf(1.5)
             * direction;
-        let k = turn * self.turns;
-        // δ = (F/(k i))^⅔,  dF/dδ = 3/2 k i √δ                            (D7)
-        let displacement = (force / k).cbrt().powi(2);
-        let nuts = if pair { 2.0 } else { 1.0 };
-        let contacts = nuts * 1.5 * k * displacement.sqrt();
-        let bodies = nuts * body.rigidity(self);
-        let total = (contacts.recip() + bodies.recip()).recip();
-        Ok(Rigidity { approaches, turn, displacement, contacts, bodies, total })
+        Ok(Elasticity { hertz, turn, turns: turn * self.turns, body: body.rigidity(self) })
     }
 }
 
 impl Body {
     /// Rigidity along the loaded turns \[N/m\] (D8).
     ///
-    /// Source: Sobolewski (2002).
+    /// Source: Sobolewski (2002), eq. 2.
     pub fn rigidity(&self, nut: &Nut) -> f64 {
         let inner = nut.pitch_diameter + nut.ball_diameter * nut.contact_angle.cos();
         let (outer, inner) = (self.outer * self.outer, inner * inner);
@@ -74,5 +116,61 @@ impl Body {
             * nut.material.0.youngs_modulus
             * nut.contact_angle.tan().powi(2)
             / ((outer + inner) / (outer - inner) + 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use bsm_dyn::Material;
+
+    use super::*;
+
+    const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
+
+    fn elasticity() -> Elasticity {
+        let nut = Nut {
+            ball_diameter: 10e-3,
+            pitch_diameter: 63.35e-3,
+            lead: 20e-3,
+            contact_angle: PI / 4.0,
+            conformity: (0.55, 0.55),
+            material: (STEEL, STEEL),
+            balls_per_turn: 16.0,
+            turns: 6.0,
+        };
+        nut.elasticity(&Body::usual(&nut)).expect("ellipses")
+    }
+
+    /// Found by the audit: the program printed a tangent under the name of the secant of eq. 5.
+    #[test]
+    fn secant_and_tangent_are_told_apart() {
+        let nut = elasticity();
+        let load = 1e4;
+        assert_relative_eq!(nut.secant(load), load / nut.displacement(load), max_relative = 1e-14);
+        let step = 1.0;
+        let slope =
+            2.0 * step / (nut.displacement(load + step) - nut.displacement(load - step));
+        // The difference errs by (step/load)², its rounding by 1e-16 of 1e4.
+        assert_relative_eq!(nut.tangent(load), slope, max_relative = 1e-8);
+    }
+
+    /// The pair of (D20) against the two nuts themselves: the same slope without load, and at the limit
+    /// load of eq. 8, three times the preload, 0.926 of the displacement.
+    #[test]
+    fn the_linear_pair_is_that_of_two_nuts() {
+        let nut = elasticity();
+        let preload: f64 = 15e3;
+        let approach = nut.displacement(preload);
+        let carried = |x: f64| nut.turns * x.max(0.0).powf(1.5);
+        let load = |w: f64| carried(approach + w) - carried(approach - w);
+        let small = 1e-6 * approach;
+        // The next term of the series is of the order of (w/δ)².
+        assert_relative_eq!(load(small) / small, nut.preloaded(preload), max_relative = 1e-9);
+        let limit = 3.0 * preload;
+        let linear = limit / nut.preloaded(preload);
+        let exact = nut.displacement(limit) - approach;
+        assert!(exact > approach, "one nut is free");
+        assert_relative_eq!(linear / exact, 1.0 / (3.0_f64.cbrt().powi(2) - 1.0), max_relative = 1e-12);
     }
 }

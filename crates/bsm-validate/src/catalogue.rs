@@ -1,140 +1,274 @@
-//! What the size of a nut does to its numbers.
+//! The figures of Sobolewski (2002) from any lists.
 
 use bsm_case::Catalogue;
 use bsm_case::units::{DEG, MM, UM};
-use bsm_design::{Candidate, Size};
+use bsm_design::{Candidate, LIMIT_LOAD, Size};
 use bsm_report::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 
-/// The size around which the figures vary two numbers; a middle one of a feed drive.
-const MIDDLE: Size = Size {
-    diameter: 40.0 * MM,
-    lead: 10.0 * MM,
-    ball: 5.0 * MM,
-    turns: 4.0,
-    conformity: 0.53,
-    contact_angle: 45.0 * DEG,
-};
+/// Nuts that are looked at a time.
+const PART: usize = 1 << 14;
 
-/// An entry of a size that a figure varies.
-#[derive(Clone, Copy)]
+/// An entry of a size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Entry {
     Diameter,
     Lead,
     Ball,
     Turns,
     Conformity,
+    ContactAngle,
 }
 
+use Entry::{Ball, Conformity, ContactAngle, Diameter, Lead, Turns};
+
 impl Entry {
+    const ALL: [Self; 6] = [Diameter, Lead, Ball, Turns, Conformity, ContactAngle];
+
     fn name(self) -> &'static str {
         match self {
-            Self::Diameter => "nominal diameter",
-            Self::Lead => "lead",
-            Self::Ball => "ball diameter",
-            Self::Turns => "loaded turns",
-            Self::Conformity => "conformity",
+            Diameter => "nominal diameter",
+            Lead => "lead",
+            Ball => "ball diameter",
+            Turns => "loaded turns",
+            Conformity => "conformity",
+            ContactAngle => "contact angle",
         }
     }
 
-    /// True for a length, which is printed in mm.
-    fn is_length(self) -> bool {
-        matches!(self, Self::Diameter | Self::Lead | Self::Ball)
-    }
-
-    /// The values of the lists, in SI.
-    fn values(self, catalogue: &Catalogue) -> &[f64] {
-        let lists = &catalogue.lists;
+    /// Unit in words, and in SI.
+    fn unit(self) -> (&'static str, f64) {
         match self {
-            Self::Diameter => &lists.diameters,
-            Self::Lead => &lists.leads,
-            Self::Ball => &lists.balls,
-            Self::Turns => &lists.turns,
-            Self::Conformity => &lists.conformities,
+            Diameter | Lead | Ball => (" mm", MM),
+            ContactAngle => (" deg", DEG),
+            Turns | Conformity => ("", 1.0),
         }
     }
 
-    /// A value in the unit that it is printed in, to a micrometre.
-    fn printed(self, value: f64) -> f64 {
-        let value = if self.is_length() { value / MM } else { value };
-        (1e3 * value).round() * 1e-3
+    fn of(self, size: &Size) -> f64 {
+        match self {
+            Diameter => size.diameter,
+            Lead => size.lead,
+            Ball => size.ball,
+            Turns => size.turns,
+            Conformity => size.conformity,
+            ContactAngle => size.contact_angle,
+        }
     }
 
-    fn legend(self, value: f64) -> String {
-        let unit = if self.is_length() { " mm" } else { "" };
-        let value = format!("{:.3}", self.printed(value));
+    /// The value of a size as it is printed, to a thousandth.
+    fn printed(self, size: &Size) -> f64 {
+        (1e3 * self.of(size) / self.unit().1).round() * 1e-3
+    }
+
+    /// Name and value.
+    fn words(self, size: &Size) -> String {
+        let value = format!("{:.3}", self.printed(size));
         let value = value.trim_end_matches('0').trim_end_matches('.');
-        format!("{} {value}{unit}", self.name())
-    }
-
-    fn set(self, size: &mut Size, value: f64) {
-        *match self {
-            Self::Diameter => &mut size.diameter,
-            Self::Lead => &mut size.lead,
-            Self::Ball => &mut size.ball,
-            Self::Turns => &mut size.turns,
-            Self::Conformity => &mut size.conformity,
-        } = value;
+        format!("{} {value}{}", self.name(), self.unit().0)
     }
 }
 
 /// A number of a nut: label of its axis, and how to read it.
 type Quantity = (&'static str, fn(&Candidate) -> f64);
 
-/// Dynamic rating and rigidity over three pairs of sizes, mass and efficiency over one: the
-/// dependences that Sobolewski (2002) draws in Figs 3 to 10, on axes of our choice.
-pub fn catalogue_figures(catalogue: &Catalogue) -> Vec<Figure> {
-    use Entry::{Ball, Conformity, Diameter, Lead, Turns};
-    let rating: Quantity = ("dynamic load rating, kN", |c| 1e-3 * c.dynamic_rating);
-    let rigidity: Quantity = ("rigidity of the pair, N/um", |c| c.rigidity.total * UM);
-    let mass: Quantity = ("mass of a nut, kg", |c| c.mass);
-    let efficiency: Quantity = ("efficiency", |c| c.efficiency);
-    let figures = [
-        (rating, [Ball, Diameter]),
-        (rating, [Turns, Conformity]),
-        (rating, [Diameter, Lead]),
-        (rigidity, [Ball, Diameter]),
-        (rigidity, [Turns, Conformity]),
-        (rigidity, [Diameter, Lead]),
-        (mass, [Diameter, Turns]),
-        (efficiency, [Diameter, Lead]),
-    ];
-    let draw = |(number, (quantity, entries))| figure(catalogue, number, quantity, entries);
-    (3..).zip(figures).map(draw).collect()
+/// A figure of the paper: a number over one entry, a curve for each value of another, the rest as
+/// its caption has it.
+struct Drawing {
+    key: &'static str,
+    /// Where the paper has it.
+    of: &'static str,
+    quantity: Quantity,
+    x: Entry,
+    series: Entry,
+    near: Size,
 }
 
-fn figure(
-    catalogue: &Catalogue,
-    number: u32,
-    (label, read): Quantity,
-    [x, series]: [Entry; 2],
-) -> Figure {
-    let quantity = label.split(',').next().unwrap_or(label);
-    let mut curves = Vec::new();
-    for line in series.values(catalogue) {
-        let point = |value: &f64| {
-            let mut size = MIDDLE;
-            series.set(&mut size, *line);
-            x.set(&mut size, *value);
-            catalogue.limits.candidate(&size).map(|nut| (x.printed(*value), read(&nut)))
+/// Figs 3 to 10 with the numbers of captions and text. Those of Figs 4 to 6 do not tell lead and ball
+/// diameter: ours are a lead of 10 mm and the ball of Figs 3, 7 and 9, which all diameters can have.
+fn drawings() -> [Drawing; 12] {
+    let rating: Quantity = ("dynamic load rating, kN", |c| 1e-3 * c.dynamic_rating);
+    let rigidity: Quantity = ("rigidity of the preloaded pair, N/um", |c| c.rigidity * UM);
+    let mass: Quantity = ("mass of a nut, kg", |c| c.mass);
+    let size = |diameter: f64, ball: f64, conformity: f64| Size {
+        diameter: diameter * MM,
+        lead: 10.0 * MM,
+        ball: ball * MM,
+        turns: 3.0,
+        conformity,
+        contact_angle: 45.0 * DEG,
+    };
+    let over_lead = |key, of, quantity, diameter, ball| Drawing {
+        key,
+        of,
+        quantity,
+        x: Lead,
+        series: Turns,
+        near: size(diameter, ball, 0.53),
+    };
+    let over_diameter = |key, of, quantity| Drawing {
+        key,
+        of,
+        quantity,
+        x: Diameter,
+        series: Turns,
+        near: size(40.0, 3.175, 0.55),
+    };
+    [
+        Drawing {
+            key: "catalogue-3",
+            of: "Fig 3",
+            quantity: rigidity,
+            x: Lead,
+            series: Conformity,
+            near: size(20.0, 3.175, 0.53),
+        },
+        over_diameter("catalogue-4", "Fig 4", rating),
+        over_diameter("catalogue-5", "Fig 5", rigidity),
+        over_diameter("catalogue-6", "Fig 6", mass),
+        over_lead("catalogue-7a", "Fig 7", rating, 50.0, 3.175),
+        over_lead("catalogue-7b", "Fig 7", rating, 63.0, 3.175),
+        over_lead("catalogue-8a", "Fig 8", rating, 50.0, 9.525),
+        over_lead("catalogue-8b", "Fig 8", rating, 63.0, 9.525),
+        over_lead("catalogue-9a", "Fig 9", mass, 50.0, 3.175),
+        over_lead("catalogue-9b", "Fig 9", mass, 63.0, 3.175),
+        over_lead("catalogue-10a", "Fig 10", mass, 50.0, 9.525),
+        over_lead("catalogue-10b", "Fig 10", mass, 63.0, 9.525),
+    ]
+}
+
+impl Drawing {
+    /// The entries that all its nuts share.
+    fn fixed(&self) -> impl Iterator<Item = Entry> {
+        let drawn = [self.x, self.series];
+        Entry::ALL.into_iter().filter(move |entry| !drawn.contains(entry))
+    }
+
+    /// How far a size is from the caption, in powers of e.
+    fn distance(&self, size: &Size) -> f64 {
+        self.fixed().map(|entry| (entry.of(size) / entry.of(&self.near)).ln().abs()).sum()
+    }
+
+    /// True if a nut shares the fixed entries.
+    fn has(&self, size: &Size, nut: &Candidate) -> bool {
+        // Copies of the same entry of a list.
+        self.fixed().all(|entry| entry.of(size).to_bits() == entry.of(&nut.size).to_bits())
+    }
+
+    /// The figure of nuts that share the entries of `size`; `None` if no two of them make a curve.
+    fn figure(&self, size: &Size, nuts: &[Candidate]) -> Option<Figure> {
+        let (label, read) = self.quantity;
+        let mut series: Vec<_> = nuts.iter().map(|nut| self.series.of(&nut.size)).collect();
+        series.sort_by(f64::total_cmp);
+        series.dedup();
+        let mut curves = Vec::new();
+        for value in series {
+            let same = |nut: &&Candidate| self.series.of(&nut.size).to_bits() == value.to_bits();
+            let nuts: Vec<_> = nuts.iter().filter(same).collect();
+            let point = |nut: &&Candidate| (self.x.printed(&nut.size), read(nut));
+            let mut points: Vec<_> = nuts.iter().map(point).collect();
+            points.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+            points.dedup();
+            // A single nut is no curve.
+            if points.len() > 1 {
+                let label = self.series.words(&nuts[0].size);
+                curves.push(Curve::new(label, curves.len(), Stroke::Solid, points));
+            }
+        }
+        let left_out = curves.len().saturating_sub(MOST_CURVES);
+        curves.drain(..left_out);
+        if curves.is_empty() {
+            return None;
+        }
+        for (color, curve) in curves.iter_mut().enumerate() {
+            curve.color = color;
+        }
+        let fixed: Vec<_> = self.fixed().map(|entry| entry.words(size)).collect();
+        let rest = if left_out > 0 {
+            format!(" The {MOST_CURVES} largest values of {}.", self.series.name())
+        } else {
+            String::new()
         };
-        let points: Vec<_> = x.values(catalogue).iter().filter_map(point).collect();
-        // A single nut is no curve.
-        if points.len() > 1 {
-            let label = series.legend(*line);
-            curves.push(Curve::new(label, curves.len(), Stroke::Solid, points));
+        let unit = self.x.unit().0.trim();
+        let x = if unit.is_empty() { String::new() } else { format!(", {unit}") };
+        Some(Figure {
+            key: self.key.to_owned(),
+            title: format!(
+                "{} over {} (Sobolewski 2002, {})",
+                capital(label.split(',').next().unwrap_or(label)),
+                self.x.name(),
+                self.of
+            ),
+            caption: format!("{}.{rest}", capital(&fixed.join(", "))),
+            x: Axis::linear(&format!("{}{x}", self.x.name())),
+            y: Axis::linear(label),
+            curves,
+        })
+    }
+}
+
+/// Figs 2 to 10 of Sobolewski (2002) among some nuts of a catalogue: with the numbers of the captions, or
+/// the nearest that these nuts have. A figure for which there are no two nuts is left out.
+pub fn catalogue_figures(catalogue: &Catalogue, places: &[u32]) -> Vec<Figure> {
+    let drawings = drawings();
+    let mut nearest = [(f64::INFINITY, None); 12];
+    for part in places.chunks(PART) {
+        for size in catalogue.map(part, |_, nut| Some(nut.size)) {
+            for ((least, best), drawing) in nearest.iter_mut().zip(&drawings) {
+                let distance = drawing.distance(&size);
+                if distance < *least {
+                    (*least, *best) = (distance, Some(size));
+                }
+            }
         }
     }
-    // The largest ones, if there are more than colours.
-    curves.drain(..curves.len().saturating_sub(MOST_CURVES));
+    let drawn: Vec<_> =
+        drawings.iter().zip(nearest).filter_map(|(d, (_, size))| Some((d, size?))).collect();
+    let nuts = catalogue.map(places, |_, nut| {
+        drawn.iter().any(|(drawing, size)| drawing.has(size, nut)).then_some(*nut)
+    });
+    let figure = |(drawing, size): &(&Drawing, Size)| {
+        let nuts: Vec<_> = nuts.iter().filter(|nut| drawing.has(size, nut)).copied().collect();
+        drawing.figure(size, &nuts)
+    };
+    let diagram = nuts.iter().max_by(|a, b| a.dynamic_rating.total_cmp(&b.dynamic_rating));
+    diagram.map(preload_diagram).into_iter().chain(drawn.iter().filter_map(figure)).collect()
+}
+
+/// Forces of a preloaded pair over its displacement, as Fig 2 of the paper sketches them.
+fn preload_diagram(nut: &Candidate) -> Figure {
+    let Candidate { elasticity, preload, size, .. } = nut;
+    let approach = elasticity.displacement(*preload);
+    let carried = |x: f64| 1e-3 * elasticity.turns * x.max(0.0).powf(1.5);
+    let curve = |label: &str, color, stroke, force: &dyn Fn(f64) -> f64, most: f64| {
+        let point = |i: i32| 0.02 * most * f64::from(i) * approach;
+        let points = (0..=50).map(|i| (point(i) / UM, force(point(i)))).collect();
+        Curve::new(label, color, stroke, points)
+    };
+    let linear = 1e-3 * elasticity.preloaded(*preload);
+    let limit = LIMIT_LOAD * preload / elasticity.preloaded(*preload) / approach;
+    let sizes: Vec<_> = Entry::ALL.iter().map(|entry| entry.words(size)).collect();
     Figure {
-        key: format!("catalogue-{number}"),
-        title: format!("{} over {}", capital(quantity), x.name()),
-        caption: "Around a nut of 40 mm, lead 10 mm, balls of 5 mm, 4 turns, conformity 0.53; the \
-                  seven largest values where a list has more."
-            .to_owned(),
-        x: Axis::linear(&format!("{}{}", x.name(), if x.is_length() { ", mm" } else { "" })),
-        y: Axis::linear(label),
-        curves,
+        key: "catalogue-2".to_owned(),
+        title: "Forces of a preloaded pair of nuts (Sobolewski 2002, Fig 2)".to_owned(),
+        caption: format!(
+            "{}, preload {:.0} N. The straight line of eq. 9 ends at the limit load of eq. 8.",
+            capital(&sizes.join(", ")),
+            preload
+        ),
+        x: Axis::linear("displacement under the load, um"),
+        y: Axis::linear("axial force, kN"),
+        curves: vec![
+            curve("nut 1", 0, Stroke::Solid, &|w| carried(approach + w), 1.5),
+            curve("nut 2", 1, Stroke::Solid, &|w| carried(approach - w), 1.5),
+            curve(
+                "load of the pair",
+                2,
+                Stroke::Solid,
+                &|w| carried(approach + w) - carried(approach - w),
+                1.5,
+            ),
+            curve("eq. 9", 3, Stroke::Dashed, &|w| linear * w, limit),
+        ],
     }
 }
 

@@ -1,5 +1,5 @@
 //! The figures of the report: those of Lin, Velinsky and Ravani (1994), drawn again from our
-//! solution, the way from rolling to gross skid, and the sweeps of slip and jamming.
+//! solution, the way from rolling to gross skid, those of Sobolewski (2002), and the sweeps of slip and jamming.
 
 use bsm_case::{Scene, Settings};
 use bsm_design::search::minimum_of;
@@ -7,7 +7,7 @@ use bsm_dyn::{Angles, Control, Direction, Model, ModelWorkspace, Optimum, Soluti
 use bsm_kin::Site;
 use bsm_report::{Axis, Curve, Figure, Stroke};
 
-use crate::{Published, ValidateError, dong2020, elastic, xu2015};
+use crate::{Published, ValidateError, catalogue_figures, dong2020, elastic, xu2015};
 
 /// All figures.
 ///
@@ -26,6 +26,8 @@ pub fn figures(published: &Published) -> Result<Vec<Figure>, ValidateError> {
         transition(&elastic::lin(published)?)?,
     ];
     figures.extend(xu2015::study(published, Control::Nut)?.figures);
+    let parkon = published.parkon.catalogue()?;
+    figures.extend(catalogue_figures(&parkon, &parkon.places()));
     figures.extend(dong2020::study(published, Model::RacewayControl)?.figures);
     Ok(figures)
 }

@@ -46,7 +46,7 @@ pub enum ValidateError {
         /// Which one.
         file: &'static str,
     },
-    /// A scene of published data cannot be used.
+    /// A scene or lists of published data cannot be used.
     #[error("{file}: {error}")]
     Scene {
         /// Which one.

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fs;
 use std::path::Path;
 
-use bsm_case::Scene;
+use bsm_case::{Catalogue, Scene};
 use serde::Deserialize;
 
 use crate::ValidateError;
@@ -26,6 +26,12 @@ impl File {
             return Err(ValidateError::NoRows { file: self.name });
         }
         Ok(rows)
+    }
+
+    /// The lists of a file.
+    pub(crate) fn catalogue(&self) -> Result<Catalogue, ValidateError> {
+        Catalogue::from_json(self.text.as_bytes())
+            .map_err(|error| ValidateError::Scene { file: self.name, error })
     }
 
     /// The scene of a file.
@@ -87,6 +93,8 @@ tables! {
     elastic_reference: "elastic-contacts/reference.csv";
     /// Efficiencies from rolling to gross skid.
     transition: "elastic-contacts/transition.csv";
+    /// Lists of those design tables.
+    parkon: "ratings/parkon.json";
     /// Rows of design tables.
     rating_tables: "ratings/sobolewski.csv";
     /// Nuts of a catalogue.
