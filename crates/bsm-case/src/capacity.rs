@@ -43,9 +43,8 @@ impl CapacityReport {
             (None, Some(load)) => (load, false),
             (preload, _) => (preload.unwrap_or(PRELOAD * dynamic.rating), true),
         };
-        let elasticity = nut
-            .elasticity(&body)
-            .map_err(|reason| CaseError::NotRated(message(&reason)))?;
+        let elasticity =
+            nut.elasticity(&body).map_err(|reason| CaseError::NotRated(message(&reason)))?;
         let edge_load = nut.edge_load(&thread, &elasticity.hertz);
         let lever = scene.rolling_friction_mm.map_or(ROLLING_LEVER, |lever| lever * MM);
         let pitch_mm = nut.pitch_diameter / MM;
@@ -98,7 +97,8 @@ impl CapacityReport {
         }
         let mut warnings = scene.warnings();
         let loads = scene.axial_load_N.into_iter();
-        let loads = loads.chain(spectrum.iter().flat_map(|s| s.0.iter().map(|duty| duty.load.abs())));
+        let loads =
+            loads.chain(spectrum.iter().flat_map(|s| s.0.iter().map(|duty| duty.load.abs())));
         let load = loads.reduce(f64::max);
         let limits = Catalogue::standard()?.limits;
         warnings.extend(doubts(&nut, &thread, &body, &limits));
@@ -220,7 +220,8 @@ fn thread(scene: &Scene, nut: &Nut) -> Result<Thread, CaseError> {
     let play = scene.axial_play_um.unwrap_or(0.0);
     let most = nut.monoarc_play() / UM;
     if play > most {
-        let rule = format!("<= {most:.3} um, the play of grooves of a single arc at this contact angle");
+        let rule =
+            format!("<= {most:.3} um, the play of grooves of a single arc at this contact angle");
         return refuse("axial_play_um", play, rule);
     }
     if bore <= outside {
@@ -241,7 +242,8 @@ fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<Body, CaseError> {
     }
     let widest = thread.nut.root;
     if body.outer <= widest {
-        let (value, rule) = (body.outer / MM, format!("> {:.3} mm, where the groove is", widest / MM));
+        let (value, rule) =
+            (body.outer / MM, format!("> {:.3} mm, where the groove is", widest / MM));
         return Err(CaseError::OutOfRange { key: "nut_outer_diameter_mm".to_owned(), value, rule });
     }
     let turn = nut.turn_length() / nut.ball_diameter;

@@ -28,7 +28,7 @@ fn turns_add_up() {
     assert!((ratio("dynamic_load_rating_N") - 4.0_f64.powf(0.86)).abs() < 1e-12);
     assert!((ratio("static_load_rating_N") - 4.0).abs() < 1e-12);
     assert!((ratio("axial_displacement_um") - 1.0).abs() < 1e-12);
-    assert!((ratio("total_rigidity_N_um") - 4.0).abs() < 1e-12);
+    assert!((ratio("tangent_rigidity_N_um") - 4.0).abs() < 1e-12);
 }
 
 /// Rigidity is the slope of load over displacement.
@@ -37,7 +37,10 @@ fn rigidity_is_a_derivative() {
     let displacement = |load| numbers(&nut(&[("axial_load_N", load)]))("axial_displacement_um");
     let (load, step) = (2e4, 1.0);
     let slope = 2.0 * step / (displacement(load + step) - displacement(load - step));
-    let rigidity = numbers(&nut(&[("axial_load_N", load)]))("contact_rigidity_N_um");
+    let numbers = numbers(&nut(&[("axial_load_N", load)]));
+    let rigidity = numbers("tangent_contact_rigidity_N_um");
+    let secant = load / numbers("axial_displacement_um");
+    assert!((secant / numbers("secant_contact_rigidity_N_um") - 1.0).abs() < 1e-12);
     // The difference errs by (step/load)², its rounding by 1e-16 of 2e4.
     assert!((slope / rigidity - 1.0).abs() < 1e-8, "{slope} {rigidity}");
 }
@@ -77,4 +80,70 @@ fn what_cannot_be_rated_is_told() {
     assert!(error.contains("towards 0.52"), "{error}");
     let heavy = CapacityReport::of(&nut(&[("axial_load_N", 2e5)]), None).expect("complete");
     assert!(heavy.warnings()[0].contains("more than the dynamic rating"), "{heavy:?}");
+}
+
+/// Found by the audit: with a preload the displacement was that under the preload, 13.71 um, whatever the
+/// load. Expected are eq. 7 and eq. 9 of Sobolewski (2002) by hand, to the digits given.
+#[test]
+fn the_displacement_of_a_pair_depends_on_the_load() {
+    let pair = numbers(&nut(&[("preload_N", 15_500.0), ("axial_load_N", 30_000.0)]));
+    assert!((pair("preload_displacement_um") - 13.692).abs() < 5e-4);
+    assert!((pair("axial_displacement_um") - 8.8332).abs() < 5e-5);
+    let ratio = 30_000.0 / pair("axial_displacement_um") / pair("preloaded_contact_rigidity_N_um");
+    assert!((ratio - 1.0).abs() < 1e-12);
+    let alone = numbers(&nut(&[("preload_N", 15_500.0)]));
+    assert!(alone("axial_displacement_um").is_nan());
+}
+
+/// Found by the audit: no word on a preload of 0.39 of the rating (eq. 6), a load of five times the preload
+/// (eq. 8), nine turns, a large ball, or lands that do not hold the balls.
+#[test]
+fn what_the_paper_recommends_is_told() {
+    let warnings = |changes: &[(&str, f64)]| {
+        CapacityReport::of(&nut(changes), None).expect("complete").warnings().join("\n")
+    };
+    assert_eq!(warnings(&[]), "");
+    for (changes, words) in [
+        (&[("preload_N", 40_000.0)][..], "preload_N is 0.386 of the dynamic rating"),
+        (&[("preload_N", 15_500.0), ("axial_load_N", 80_000.0)], "from 43841 N on one nut is free"),
+        (&[("loaded_turns", 9.0)], "loaded_turns = 9: 2 to 6 are usual"),
+        (&[("lead_mm", 16.0)], "the ball diameter is 0.625 of the lead"),
+        (
+            &[("pitch_circle_diameter_mm", 27.0), ("loaded_balls_per_turn", 6.0)],
+            "of the root diameter",
+        ),
+        (&[("nut_conformity", 0.58)], "nut_conformity = 0.58: the ratings were fitted for"),
+        (&[("nut_bore_mm", 72.0)], "this nut cannot hold its balls"),
+        (&[("nut_bore_mm", 69.0)], "a contact ellipse reaches over the end of its flank"),
+    ] {
+        let told = warnings(changes);
+        assert!(told.contains(words), "{changes:?}: {told}");
+    }
+}
+
+/// The contact angle from the grooves, in place of the one of the scene; both in one file, a distance that
+/// means none, a play that no arcs have, and a screw wider than the bore are refused.
+#[test]
+fn the_thread_can_be_given() {
+    let mut scene = nut(&[]);
+    let setting = |name: &str, value: f64| [format!("{name}={value}")];
+    scene.apply(&setting("groove_bottom_distance_mm", 10.5)).expect("a setting");
+    let steps = CapacityReport::of(&scene, None).expect("complete").steps().to_vec();
+    let angle = steps.iter().find(|(name, ..)| *name == "contact_angle_deg").map(|row| row.2);
+    // cos 60 deg is half of the distance of the arc centres.
+    assert!((angle.expect("a step") - 60.0).abs() < 1e-9, "{angle:?}");
+    let thread = numbers(&scene);
+    let bottoms = 0.5 * (thread("nut_core_diameter_mm") - thread("screw_core_diameter_mm"));
+    assert!((bottoms - 10.5).abs() < 1e-12, "{bottoms}");
+    for (changes, words) in [
+        (&[("groove_bottom_distance_mm", 10.5)][..], "both are given"),
+        (&[("axial_play_um", 1415.0)], "must be <= 1414.214 um"),
+        (&[("screw_outer_diameter_mm", 65.0)], "> 65 mm, the outer diameter of the screw"),
+    ] {
+        let error = CapacityReport::of(&nut(changes), None).expect_err(words).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    scene.groove_bottom_distance_mm = Some(12.0);
+    let error = CapacityReport::of(&scene, None).expect_err("no angle").to_string();
+    assert!(error.contains("between 10.0000 mm, the ball, and 11.0000 mm"), "{error}");
 }

@@ -51,8 +51,7 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
 
     let all = catalogue.places();
     if all.is_empty() {
-        let limits =
-            "turns_range, conformity_range, largest_ball_over_lead, largest_ball_over_screw_root; or the lands hold no ball";
+        let limits = "turns_range, conformity_range, largest_ball_over_lead, largest_ball_over_screw_root; or the lands hold no ball";
         warn("note", &format!("no combination of the lists is within the limits: {limits}"));
         return Err(Failure::Unsolved);
     }
@@ -91,12 +90,15 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
 
 fn plot(folder: &Path, figures: &[Figure]) -> Result<(), Failure> {
     write_figures(folder, figures)?;
-    let words = match figures.len() {
-        // That of the forces of one pair takes no second nut.
-        0 | 1 => "no two of the nuts differ in lead or diameter alone: no figure over them".to_owned(),
-        n => format!("wrote {n} figures as SVG and CSV in {}", folder.display()),
+    let files: Vec<_> = figures.iter().map(|figure| figure.key.as_str()).collect();
+    // That of the forces of a pair takes one nut, the others two at least.
+    let few = if files.len() < 2 {
+        "; no two of the nuts differ in lead alone or in diameter alone, so there are no others"
+    } else {
+        ""
     };
-    warn("note", &words);
+    let (files, folder) = (files.join(", "), folder.display());
+    warn("note", &format!("wrote {files} as SVG and CSV in {folder}{few}"));
     Ok(())
 }
 

@@ -316,11 +316,8 @@ mod tests {
         assert!(all.iter().all(|c| c.size.turns < 6.5 && c.size.conformity > 0.505));
         assert!(all.iter().all(|c| c.size.ball <= 0.6 * c.size.lead * (1.0 + 1e-9)));
         let beats = |a: &Candidate, b: &Candidate| {
-            let pairs = [
-                (a.dynamic_rating, b.dynamic_rating),
-                (a.rigidity, b.rigidity),
-                (b.mass, a.mass),
-            ];
+            let pairs =
+                [(a.dynamic_rating, b.dynamic_rating), (a.rigidity, b.rigidity), (b.mass, a.mass)];
             pairs.iter().all(|(a, b)| a >= b) && pairs.iter().any(|(a, b)| a > b)
         };
         let by_pairs: Vec<_> =

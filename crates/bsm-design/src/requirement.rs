@@ -267,7 +267,13 @@ impl Design {
         // C_a ≥ F_a                                                       (L8)
         add(11, Quantity::DynamicRating, rating, Some(load), None);
         add(11, Quantity::Life, life, requirement.life, None);
-        add(11, Quantity::Mass, body.mass(&nut, &thread) + nut.mass_of_screw(&thread, length), None, None);
+        add(
+            11,
+            Quantity::Mass,
+            body.mass(&nut, &thread) + nut.mass_of_screw(&thread, length),
+            None,
+            None,
+        );
         Self { nut, load, checks }
     }
 

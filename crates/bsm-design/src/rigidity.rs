@@ -149,8 +149,7 @@ mod tests {
         let load = 1e4;
         assert_relative_eq!(nut.secant(load), load / nut.displacement(load), max_relative = 1e-14);
         let step = 1.0;
-        let slope =
-            2.0 * step / (nut.displacement(load + step) - nut.displacement(load - step));
+        let slope = 2.0 * step / (nut.displacement(load + step) - nut.displacement(load - step));
         // The difference errs by (step/load)², its rounding by 1e-16 of 1e4.
         assert_relative_eq!(nut.tangent(load), slope, max_relative = 1e-8);
     }
@@ -171,6 +170,10 @@ mod tests {
         let linear = limit / nut.preloaded(preload);
         let exact = nut.displacement(limit) - approach;
         assert!(exact > approach, "one nut is free");
-        assert_relative_eq!(linear / exact, 1.0 / (3.0_f64.cbrt().powi(2) - 1.0), max_relative = 1e-12);
+        assert_relative_eq!(
+            linear / exact,
+            1.0 / (3.0_f64.cbrt().powi(2) - 1.0),
+            max_relative = 1e-12
+        );
     }
 }

@@ -230,8 +230,18 @@ pub fn catalogue_figures(catalogue: &Catalogue, places: &[u32]) -> Vec<Figure> {
         let nuts: Vec<_> = nuts.iter().filter(|nut| drawing.has(size, nut)).copied().collect();
         drawing.figure(size, &nuts)
     };
+    let mut figures: Vec<Figure> = Vec::new();
+    for figure in drawn.iter().filter_map(figure) {
+        // Two captions may have the same nearest nut.
+        let same = |other: &Figure| {
+            (&other.caption, &other.x, &other.y) == (&figure.caption, &figure.x, &figure.y)
+        };
+        if !figures.iter().any(same) {
+            figures.push(figure);
+        }
+    }
     let diagram = nuts.iter().max_by(|a, b| a.dynamic_rating.total_cmp(&b.dynamic_rating));
-    diagram.map(preload_diagram).into_iter().chain(drawn.iter().filter_map(figure)).collect()
+    diagram.map(preload_diagram).into_iter().chain(figures).collect()
 }
 
 /// Forces of a preloaded pair over its displacement, as Fig 2 of the paper sketches them.

@@ -52,7 +52,11 @@ impl Row {
     fn name(&self) -> String {
         format!(
             "{} x {} mm, ball {} mm, {} turns, conformity {}",
-            self.calculated_diameter_mm, self.lead_mm, self.ball_diameter_mm, self.turns, self.conformity
+            self.calculated_diameter_mm,
+            self.lead_mm,
+            self.ball_diameter_mm,
+            self.turns,
+            self.conformity
         )
     }
 
@@ -135,8 +139,8 @@ const QUANTITIES: [Column; 10] = [
         unit: "N/um^1.5",
         printed: |row| row.rigidity_characteristic_N_um15,
         ours: |nut| nut.elasticity(&Body::usual(nut)).map_or(f64::NAN, |e| e.turn * 1e-9),
-        tolerance: (0.5, 0.015),
-        reason: "the printed whole number, and 1.5 % for exact Hertz contacts in place of the fits",
+        tolerance: (0.0, 0.02),
+        reason: "2 %: exact Hertz contacts in place of the fits",
     },
     Column {
         key: "rigidity",
