@@ -6,9 +6,10 @@ use bsm_dyn::{Model, ModelWorkspace, Status};
 
 const DONG: &[u8] = include_bytes!("../../../examples/dong2020.json");
 
-/// The example, without an input.
+/// The example as a nut of three turns, without an input.
 fn dong(without: &str) -> Scene {
-    let scene = Scene::from_json(DONG).expect("an example");
+    let mut scene = Scene::from_json(DONG).expect("an example");
+    scene.loaded_turns = Some(3.0);
     let mut json = scene.to_json();
     json.as_object_mut().expect("an object").remove(without);
     Scene::from_json(json.to_string().as_bytes()).expect("a scene")

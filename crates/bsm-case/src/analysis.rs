@@ -8,8 +8,8 @@ use crate::problem::Needs;
 use crate::quantity::Statement;
 use crate::record::message;
 use crate::{
-    CaseError, InputSet, ModelChoice, Numbers, OptimumReport, Output, Quantity, Record, Scene,
-    Settings, jam, optimum, slip,
+    CapacityReport, CaseError, InputSet, ModelChoice, Numbers, OptimumReport, Output, Quantity,
+    Record, Scene, Settings, capacity, jam, optimum, slip,
 };
 
 /// The contacts of a ball.
@@ -24,11 +24,13 @@ pub enum AnalysisKind {
     Jam,
     /// Optimum contact angles and self-locking limits, `bsm optimum`.
     Optimum,
+    /// Ratings, rigidity and thread of a nut, `bsm capacity`.
+    Capacity,
 }
 
 impl AnalysisKind {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Slip, Self::Jam, Self::Optimum];
+    pub const ALL: [Self; 4] = [Self::Slip, Self::Jam, Self::Optimum, Self::Capacity];
 
     /// The command of that analysis.
     pub fn name(self) -> &'static str {
@@ -36,6 +38,7 @@ impl AnalysisKind {
             Self::Slip => "slip",
             Self::Jam => "jam",
             Self::Optimum => "optimum",
+            Self::Capacity => "capacity",
         }
     }
 
@@ -45,6 +48,7 @@ impl AnalysisKind {
             Self::Slip => slip::QUANTITIES,
             Self::Jam => jam::QUANTITIES,
             Self::Optimum => optimum::QUANTITIES,
+            Self::Capacity => capacity::QUANTITIES,
         }
     }
 
@@ -57,7 +61,7 @@ impl AnalysisKind {
     pub fn needs_motion(self) -> bool {
         match self {
             Self::Slip | Self::Jam => true,
-            Self::Optimum => false,
+            Self::Optimum | Self::Capacity => false,
         }
     }
 
@@ -66,6 +70,7 @@ impl AnalysisKind {
         match self {
             Self::Slip | Self::Jam => Needs::of(Model::Rigid).missing(given),
             Self::Optimum => optimum::NEEDS.missing(given),
+            Self::Capacity => capacity::NEEDS.missing(given),
         }
     }
 
@@ -80,6 +85,7 @@ impl AnalysisKind {
     pub fn numbers(self, scene: &Scene, motion: Option<&Moving>) -> Result<Numbers, CaseError> {
         match (self, motion) {
             (Self::Optimum, _) => OptimumReport::of(scene, None).map(|report| report.numbers),
+            (Self::Capacity, _) => CapacityReport::numbers(scene),
             (Self::Slip, Some(Moving { settings, solution, .. })) => {
                 Analysis::slip(scene, settings, solution).map(|analysis| analysis.numbers)
             }

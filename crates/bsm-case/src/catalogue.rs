@@ -255,7 +255,7 @@ columns! {
     "nut_outer_diameter_mm" ["mm"] false |c| c.body.outer / MM;
     "nut_length_mm" ["mm"] false |c| c.body.length / MM;
     "mass_kg" ["kg"] true |c| c.mass;
-    "efficiency" [""] true |c| c.efficiency;
+    "rolling_efficiency" [""] true |c| c.efficiency;
     "ball_gap_mm" ["mm"] false |c| c.nut.ball_gap() / MM;
     "axial_play_um" ["um"] false |c| c.thread.play / UM;
     "nut_groove_radius_mm" ["mm"] false |c| c.thread.nut.radius / MM;

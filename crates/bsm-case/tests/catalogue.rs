@@ -132,13 +132,13 @@ fn lists_are_checked() {
         let error = Condition::parse(text).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     }
-    assert!(CatalogueColumn::named("efficiency").is_ok());
+    assert!(CatalogueColumn::named("rolling_efficiency").is_ok());
 }
 
 fn numbers(scene: &Scene, spectrum: Option<&str>) -> impl Fn(&str) -> f64 + use<> {
     let spectrum = spectrum.map(|table| Spectrum::from_csv(table.as_bytes()).expect("a spectrum"));
     let report = CapacityReport::of(scene, spectrum.as_ref()).expect("complete");
-    let rows = report.rows().to_vec();
+    let rows = report.rows();
     move |name| rows.iter().find(|(n, ..)| *n == name).map_or(f64::NAN, |row| row.2)
 }
 

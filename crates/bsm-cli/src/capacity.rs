@@ -25,9 +25,9 @@ pub(crate) fn run(args: &CapacityArgs) -> Result<(), Failure> {
             for warning in report.warnings() {
                 warn("warning", warning);
             }
-            let mut rows = table_rows(report.rows());
+            let mut rows = table_rows(&report.rows());
             if args.steps {
-                rows.extend(table_rows(report.steps()));
+                rows.extend(table_rows(&report.steps()));
             }
             print(&table::plain(None, &rows, 2))
         }
