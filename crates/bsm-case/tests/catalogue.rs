@@ -5,7 +5,7 @@ use bsm_design::Candidate;
 
 /// Small lists; what they do not give is standard.
 const SMALL: &[u8] =
-    br#"{"nominal_diameter_mm": [20, 63], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
+    br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
     "conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;
 
 fn all(catalogue: &Catalogue) -> Vec<Candidate> {
@@ -92,6 +92,9 @@ fn gap_and_play_are_chosen() {
     );
     assert!(tight.iter().all(|nut| nut.nut.ball_gap() <= 0.0201 * nut.nut.ball_diameter));
     assert!(usual.iter().any(|nut| nut.nut.ball_gap() > 0.03 * nut.nut.ball_diameter));
+    // 31.99999 balls of the row of 101.66 mm are 32, without a gap.
+    let full = usual.iter().map(|nut| nut.nut.ball_gap() / nut.nut.ball_diameter);
+    assert!(full.clone().all(|gap| gap <= 0.1001), "{:?}", full.fold(0.0, f64::max));
     let loose = with("axial_play_um", 20.0);
     let offset = |nuts: &[Candidate]| nuts[0].thread.nut.offset;
     // A quarter of the play at each of the four arcs of equal grooves.

@@ -172,7 +172,8 @@ fn figures_follow_the_lists() {
     for entry in fs::read_dir(dir.path().join("figures")).expect("figures") {
         let path = entry.expect("an entry").path();
         let text = fs::read_to_string(&path).expect("UTF-8");
-        assert!(text.lines().count() > 1, "{}", path.display());
+        let table = path.extension().is_some_and(|extension| extension == "csv");
+        assert!(!table || text.lines().count() > 1, "{}", path.display());
     }
     // Over the diameter there is nothing to draw, and Fig 7 for 50 and 63 mm is one.
     assert!(table("catalogue-4.csv").is_err() && table("catalogue-7b.csv").is_err());

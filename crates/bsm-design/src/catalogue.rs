@@ -6,7 +6,6 @@ use bsm_dyn::Material;
 use rayon::prelude::*;
 
 use crate::nut::turn_length;
-use crate::thread::WHOLE;
 use crate::{Body, Elasticity, Nut, Thread};
 
 /// Balls of a turn that stand in the return and carry nothing.
@@ -110,14 +109,28 @@ pub fn loaded_balls(diameter: f64, lead: f64, ball: f64, gap: f64) -> (f64, f64)
     let (lead, ball) = (lead / STEP, ball / STEP);
     let mut steps = (diameter / STEP).round();
     loop {
-        let length = turn_length(steps, lead).round();
-        let balls = length / ball + WHOLE;
+        let balls = balls_of_turn(steps, lead, ball);
         // frac(L/D_w) ≤ 0.10                                              (D17)
         if balls.fract() <= gap {
             // n = ⌊L/D_w⌋ − 4                                             (D18)
             return (steps * STEP, balls.floor() - IDLE_BALLS);
         }
         steps += 1.0;
+    }
+}
+
+/// Length of a turn, rounded to a step, over the ball diameter; all in steps.
+fn balls_of_turn(pitch_diameter: f64, lead: f64, ball: f64) -> f64 {
+    // Whole numbers of balls must not be missed by rounding.
+    turn_length(pitch_diameter, lead).round() / ball + 1e-9
+}
+
+impl Nut {
+    /// Gap between the balls of a full turn, all together \[m\] (D17).
+    pub fn ball_gap(&self) -> f64 {
+        let in_steps = [self.pitch_diameter, self.lead, self.ball_diameter].map(|x| x / STEP);
+        // Δ = D_w frac(L/D_w)                                             (D17)
+        self.ball_diameter * balls_of_turn(in_steps[0], in_steps[1], in_steps[2]).fract()
     }
 }
 

@@ -109,12 +109,6 @@ impl Nut {
         }
     }
 
-    /// Gap between the balls of a full turn, all together \[m\] (D17).
-    pub fn ball_gap(&self) -> f64 {
-        // Δ = D_w frac(L/D_w)                                             (D17)
-        self.ball_diameter * (self.turn_length() / self.ball_diameter + WHOLE).fract()
-    }
-
     /// Axial load of one nut under which a contact ellipse reaches the end of its flank \[N\]: the edge
     /// of the land, or the bottom of the groove. 0 if even the unloaded contact is not on the
     /// flank: such a nut cannot hold its balls.
@@ -130,9 +124,6 @@ impl Nut {
         [&thread.nut, &thread.screw].into_iter().zip(hertz).map(load).fold(f64::INFINITY, f64::min)
     }
 }
-
-/// Whole numbers of balls must not be missed by rounding.
-pub(crate) const WHOLE: f64 = 1e-9;
 
 impl Thread {
     /// The groove of a member.
@@ -213,8 +204,8 @@ mod tests {
         let angle = nut.contact_angle_of(0.5 * (n.core - s.core)).expect("a thread");
         // The cosine is a difference of lengths thirty times as large as its parts.
         assert_relative_eq!(angle, nut.contact_angle, max_relative = 1e-12);
-        assert_eq!(nut.contact_angle_of(nut.ball_diameter), None);
-        assert_eq!(nut.contact_angle_of(n.radius + s.radius), None);
+        assert_eq!(nut.contact_angle_of(nut.ball_diameter - 1e-9), None);
+        assert_eq!(nut.contact_angle_of(n.radius + s.radius + 1e-9), None);
     }
 
     /// In contact the arc centre, the ball centre and the contact are in line: the ball touches the arc
