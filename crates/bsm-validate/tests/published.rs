@@ -31,8 +31,10 @@ fn page_shows_every_check_and_figure() {
     for figure in &figures {
         for curve in &figure.curves {
             let there = curve.points.iter().filter(|(_, y)| y.is_finite()).count();
-            // Self-locking by the load is there at small lead angles only.
-            assert!(there >= 5, "{}: {:?}", figure.key, curve.label);
+            // Self-locking by the load is there at small lead angles only; the largest balls of Sobolewski
+            // (2002) fit on three of his leads.
+            let least = if figure.key.starts_with("catalogue-") { 3 } else { 5 };
+            assert!(there >= least, "{}: {:?}", figure.key, curve.label);
         }
     }
 }
