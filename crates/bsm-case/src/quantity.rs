@@ -27,7 +27,7 @@ impl Quantity {
     /// Inputs that it needs besides those of its analysis and that are not given, in words.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let names = |set: &InputSet| {
-            let names: Vec<_> = set.iter().map(|key| key.name()).collect();
+            let names: Vec<_> = set.iter().map(crate::InputKey::name).collect();
             names.join(" or ")
         };
         self.needs.iter().filter(|set| !given.meets(**set)).map(names).collect()
