@@ -45,7 +45,7 @@ pub struct Thread {
 impl Nut {
     /// Usual diameters of the bore of the nut and of the outside of the screw \[m\] (G6).
     ///
-    /// Source: Sobolewski (2002), $D_{pw} \pm 1.5$ mm for balls from 3 mm on; smaller balls have half of their
+    /// Source: Sobolewski (2002), `$D_{pw} \pm 1.5$` mm for balls from 3 mm on; smaller balls have half of their
     /// diameter, that the lands can hold them.
     pub fn usual_lands(&self) -> (f64, f64) {
         // D_b = D_pw + min(1.5 mm, D_w/2),  d_s = D_pw − min(1.5 mm, D_w/2)  (G6)
