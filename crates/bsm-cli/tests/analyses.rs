@@ -70,7 +70,7 @@ fn slip_shows_published_and_exact_forms() {
         "chosen  error of the efficiency at most",
         "slip between neighbouring balls",
         "spin slip as published",
-        "spin at the end of the ellipse",
+        "spin slip at the end of the ellipse",
         "on the slip of the curved surface",
     ] {
         assert!(text.contains(part), "{part}: {text}");
