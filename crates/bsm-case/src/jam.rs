@@ -49,17 +49,17 @@ quantities! { Jam;
         wedge_angle_deg ["deg"] Whole, "contact angle, screw minus nut";
         friction_across_N ["N"] Contacts, "friction across the groove";
         holding_force_N ["N"] Whole, "force that holds the ball";
-        expelling_force_N ["N"] Whole, "force that pushes it out";
+        expelling_force_N ["N"] Whole, "force that pushes the ball out";
         locking_ratio [""] Whole, "holding over expelling force";
         critical_friction_coefficient [""] Whole,
             "friction coefficient from which friction holds the ball in this wedge";
-        critical_friction_published [""] Whole, "as published, without centrifugal force";
+        critical_friction_published [""] Whole, "friction coefficient that holds the ball as published, without centrifugal force";
         widest_wedge_deg ["deg"] Whole, "widest wedge in which friction can hold a ball";
     }
     "self-locking" {
         locking_friction_coefficient [""] Whole,
             "friction coefficient from which friction across the grooves holds any axial load";
-        locking_margin [""] Whole, "that coefficient over the one of the scene";
+        locking_margin [""] Whole, "margin, locking friction coefficient over the one of the scene";
         friction_self_locking [""] Statement,
             "true if friction across the grooves alone holds any axial load";
     }
@@ -76,20 +76,20 @@ quantities! { Jam;
         entry_thrust_N ["N"] Whole needs [step_height_mm, return_angle_deg, apex_half_angle_deg],
             "thrust at the step into the return, with a ball at the apex ahead";
         screw_track_friction_N ["N"] Whole needs [loaded_balls_per_turn],
-            "friction along the track in the steady motion, screw contacts of one turn, as published";
+            "friction along the track, balls of one turn: steady motion, screw (as published)";
         weaker_track_friction_N ["N"] Whole needs [loaded_balls_per_turn],
-            "the same of the weaker contacts";
+            "friction along the track, balls of one turn: steady motion, weaker contact";
         stopped_track_friction_N ["N"] Whole needs [loaded_balls_per_turn],
-            "the same of balls that are stopped, which slide along the track";
+            "friction along the track, balls of one turn: stopped balls, screw";
         returner_margin [""] Whole
             needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "margin: friction of stopped balls over thrust";
+            "margin, friction over thrust: stopped balls";
         published_margin [""] Whole
             needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "friction in the steady motion over thrust, screw contacts, as published";
+            "friction over thrust: steady motion, screw (as published)";
         weaker_contact_margin [""] Whole
             needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "the same of the weaker contacts";
+            "friction over thrust: steady motion, weaker contact";
         jams [""] Statement
             needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
             "true if the thrust is at least the friction of balls that are stopped";

@@ -26,7 +26,7 @@ quantities! { Slip;
         spin_slip_m_s ["m/s"] Contacts needs [nut_conformity, screw_conformity],
             "spin slip at the end of the ellipse";
         orbit_slip_m_s ["m/s"] Contacts needs [nut_conformity, screw_conformity],
-            "orbit slip, the part of it from the orbit";
+            "part of the spin slip at the end of the ellipse from the orbit";
     }
     "friction at the contacts" {
         used_friction_coefficient [""] Contacts,
@@ -39,7 +39,7 @@ quantities! { Slip;
         friction_power_W ["W"] Contacts, "friction power";
         total_friction_power_W ["W"] Whole, "friction power of all contacts";
         dissipated_power_W ["W"] Whole, "power dissipated by the model";
-        power_difference [""] Whole, "relative difference of these powers";
+        power_difference [""] Whole, "relative difference of friction power and dissipated power";
     }
 }
 
