@@ -360,6 +360,12 @@ impl Study {
                 ],
             ),
         );
+        self.thrust_over_speed(&sweeps);
+        Ok(())
+    }
+
+    /// Thrust and friction in the ball return, and their margins.
+    fn thrust_over_speed(&mut self, sweeps: &[(String, Rows)]) {
         self.add(
             (
                 "jam-thrust-speed",
@@ -367,11 +373,11 @@ impl Study {
                 "Friction of the loaded balls of one turn along the track: in the steady motion \
                  (dashed; none where balls roll), and of balls that are stopped (dotted).",
             ),
-            over(Axis::log("force, N")),
-            of_sweeps(&sweeps, "thrust", &[(", thrust at the apex", SOLID, "apex_thrust_N")])
+            (Over::Speed, Axis::log("force, N"), Claim::Rises),
+            of_sweeps(sweeps, "thrust", &[(", thrust at the apex", SOLID, "apex_thrust_N")])
                 .into_iter()
                 .chain(of_sweeps(
-                    &sweeps,
+                    sweeps,
                     "",
                     &[
                         (", friction along", DASHED, "screw_track_friction_N"),
@@ -398,10 +404,9 @@ impl Study {
             self.add(
                 (key, title, ""),
                 falls(Axis::log("friction over thrust")),
-                of_sweeps(&sweeps, group, &[("", SOLID, name)]),
+                of_sweeps(sweeps, group, &[("", SOLID, name)]),
             );
         }
-        Ok(())
     }
 
     /// Adds a figure, and the trends of its curves that have a group.
