@@ -8,7 +8,7 @@ use crate::problem::Needs;
 use crate::quantity::Statement;
 use crate::record::message;
 use crate::{
-    CapacityReport, CaseError, InputSet, ModelChoice, Numbers, OptimumReport, Output, Quantity,
+    CapacityReport, CaseError, InputSet, ModelChoice, Numbers, Of, OptimumReport, Output, Quantity,
     Record, Scene, Settings, capacity, jam, optimum, slip,
 };
 
@@ -180,7 +180,7 @@ impl Analysis {
 /// The quantities that lack inputs of their own, together with those that lack the same.
 fn lacks(kind: AnalysisKind, given: InputSet) -> Vec<String> {
     let mut lacks: Vec<(String, Vec<&str>)> = Vec::new();
-    for quantity in kind.quantities() {
+    for quantity in kind.quantities().iter().filter(|quantity| quantity.of != Of::Statement) {
         let missing = quantity.missing(given);
         if missing.is_empty() {
             continue;

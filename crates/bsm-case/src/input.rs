@@ -237,11 +237,15 @@ inputs! {
     apex_half_angle_deg ["deg"] Between(0.0, 90.0), None,
         "half angle of the apex of the return curve, for jamming";
     return_angle_deg ["deg"] Between(0.0, 90.0), None,
-        "angle between the return channel and the track of the screw at the step between them, for jamming";
+        "angle between the return channel and the track of the screw at the steps between them, for jamming";
     step_normal_force_N ["N"] Above(0.0), None,
         "normal force of the step on the ball, for jamming; the impact force unless given";
     return_approach_speed_m_s ["m/s"] Above(0.0), None,
         "speed at which a ball enters the ball return, for jamming; its speed in the nut unless given";
     return_stiffness_N_um15 ["N/um^1.5"] Above(0.0), None,
         "Hertz stiffness of the impact on the ball return, for jamming; that of a ball on a flat of race material unless given";
+    return_linear_stiffness_N_um ["N/um"] Above(0.0), None,
+        "linear stiffness of the impact on the ball return, for jamming, in place of return_stiffness_N_um15";
+    step_height_mm ["mm"] AtLeast(0.0), None,
+        "height of the step over which a ball enters the ball return, for jamming";
 }

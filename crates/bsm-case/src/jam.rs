@@ -1,14 +1,17 @@
 //! Jamming of the balls in the vocabulary.
 
+use std::f64::consts::FRAC_PI_2;
+
 use bsm_dyn::{
-    ElasticScrew, Reason, Solution, Wedge, apex_thrust, available_friction, centrifugal_force,
-    contact_modulus, flat_stiffness, impact_force, step_thrust, viscous_drag,
+    ElasticScrew, EntryStep, Reason, Solution, Wedge, apex_thrust, centrifugal_force,
+    contact_modulus, flat_stiffness, impact_force, linear_impact_force, step_thrust,
+    track_friction, viscous_drag,
 };
 
 use crate::analysis::{MovingBall, MovingContact};
 use crate::quantity::quantities;
 use crate::record::message;
-use crate::units::{DEG, MPA, UM};
+use crate::units::{DEG, MM, MPA, UM};
 use crate::{Analysis, AnalysisKind, CaseError, Scene};
 
 quantities! { Jam;
@@ -46,11 +49,19 @@ quantities! { Jam;
         wedge_angle_deg ["deg"] Whole, "contact angle, screw minus nut";
         friction_across_N ["N"] Contacts, "friction across the groove";
         holding_force_N ["N"] Whole, "force that holds the ball";
-        expelling_force_N ["N"] Whole, "force that pushes it out";
+        expelling_force_N ["N"] Whole, "force that pushes the ball out";
         locking_ratio [""] Whole, "holding over expelling force";
-        critical_friction_coefficient [""] Whole, "critical friction coefficient";
-        critical_friction_published [""] Whole, "as published, without centrifugal force";
-        friction_self_locking [""] Statement, "true if friction holds the ball in the wedge";
+        critical_friction_coefficient [""] Whole,
+            "friction coefficient from which friction holds the ball in this wedge";
+        critical_friction_published [""] Whole, "friction coefficient that holds the ball as published, without centrifugal force";
+        widest_wedge_deg ["deg"] Whole, "widest wedge in which friction can hold a ball";
+    }
+    "self-locking" {
+        locking_friction_coefficient [""] Whole,
+            "friction coefficient from which friction across the grooves holds any axial load";
+        locking_margin [""] Whole, "margin, locking friction coefficient over the one of the scene";
+        friction_self_locking [""] Statement,
+            "true if friction across the grooves alone holds any axial load";
     }
     "ball return" {
         approach_speed_m_s ["m/s"] Whole, "speed of the ball at the ball return";
@@ -59,19 +70,29 @@ quantities! { Jam;
             "thrust at the apex of the return curve";
         step_force_N ["N"] Whole needs [return_angle_deg], "normal force of the step";
         step_thrust_N ["N"] Whole needs [return_angle_deg], "thrust at the step into the screw";
-        available_friction_N ["N"] Whole needs [loaded_balls_per_turn],
-            "friction along the track, of one turn";
-        largest_friction_N ["N"] Whole needs [loaded_balls_per_turn],
-            "that friction if all of it pointed along the track";
+        highest_step_mm ["mm"] Whole, "height of a step into the return that no thrust overcomes";
+        entry_thrust_ratio [""] Whole needs [step_height_mm, return_angle_deg],
+            "thrust behind over thrust ahead of a ball at the step into the return";
+        entry_thrust_N ["N"] Whole needs [step_height_mm, return_angle_deg, apex_half_angle_deg],
+            "thrust at the step into the return, with a ball at the apex ahead";
+        screw_track_friction_N ["N"] Whole needs [loaded_balls_per_turn],
+            "friction along the track, balls of one turn: steady motion, screw (as published)";
+        weaker_track_friction_N ["N"] Whole needs [loaded_balls_per_turn],
+            "friction along the track, balls of one turn: steady motion, weaker contact";
+        stopped_track_friction_N ["N"] Whole needs [loaded_balls_per_turn],
+            "friction along the track, balls of one turn: stopped balls, screw";
         returner_margin [""] Whole
             needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "friction along the track over thrust";
-        largest_margin [""] Whole
+            "margin, friction over thrust: stopped balls";
+        published_margin [""] Whole
             needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "that margin if all friction pointed along the track";
+            "friction over thrust: steady motion, screw (as published)";
+        weaker_contact_margin [""] Whole
+            needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
+            "friction over thrust: steady motion, weaker contact";
         jams [""] Statement
             needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "true if the thrust is at least the friction along the track";
+            "true if the thrust is at least the friction of balls that are stopped";
     }
 }
 
@@ -186,18 +207,15 @@ impl Analysis {
         let finite = |number: f64| Some(number).filter(|x| *x < f64::INFINITY);
         numbers.whole(critical_friction_coefficient, finite(critical));
         numbers.whole(critical_friction_published, finite(published));
-        let locks = wedge.friction >= critical;
+        numbers.whole(widest_wedge_deg, wedge.widest_opening() / DEG);
+        let locking = wedge.locking_friction();
+        numbers.whole(locking_friction_coefficient, locking);
+        numbers.whole(locking_margin, finite(locking / wedge.friction));
+        let locks = wedge.friction >= locking;
         let words = format!(
-            "friction coefficient {} {} the critical one, {}: friction {} the ball in the wedge \
-             between the races",
-            wedge.friction,
-            if locks { "reaches" } else { "is below" },
-            match critical {
-                0.0 => "0".to_owned(),
-                f64::INFINITY => "infinite without slip across the grooves".to_owned(),
-                _ => format!("{critical:.2e}"),
-            },
-            if locks { "holds" } else { "cannot hold" },
+            "friction across the grooves holds any axial load from a friction coefficient of \
+             {locking:.3} on, and the screw has {}",
+            wedge.friction
         );
         self.state(friction_self_locking, locks, words);
     }
@@ -217,7 +235,11 @@ impl Analysis {
             },
             |k| k * PER_UM15,
         );
-        let impact = impact_force(case.ball.mass, speed, stiffness);
+        let mass = case.ball.mass;
+        let impact = match scene.return_linear_stiffness_N_um {
+            Some(linear) => linear_impact_force(mass, speed, linear / UM),
+            None => impact_force(mass, speed, stiffness),
+        };
         numbers.whole(approach_speed_m_s, speed);
         numbers.whole(impact_force_N, impact);
         let apex =
@@ -229,48 +251,55 @@ impl Analysis {
         });
         numbers.whole(step_force_N, step.map(|(normal, _)| normal));
         numbers.whole(step_thrust_N, step.map(|(_, thrust)| thrust));
+        let entry = entry_step(scene, ball.radius);
+        numbers.whole(highest_step_mm, entry.highest() * ball.radius / MM);
+        // Without a ratio no thrust is enough.
+        let entered =
+            scene.step_height_mm.and(scene.return_angle_deg).map(|_| entry.thrust_ratio());
+        numbers.whole(entry_thrust_ratio, entered.flatten());
+        let into = entered.zip(apex).map(|(ratio, apex)| ratio.map(|ratio| ratio * apex));
+        numbers.whole(entry_thrust_N, into.flatten());
         let Some(balls) = scene.loaded_balls_per_turn else { return };
-        let at = |slip_angle: fn(&MovingContact) -> f64| contacts.map(|c| (c.load, slip_angle(&c)));
-        let largest = available_friction(balls, case.friction, at(|_| std::f64::consts::FRAC_PI_2));
-        let available = available_friction(balls, case.friction, at(|c| c.slip_angle));
-        let available = if available < ROUNDING * largest { 0.0 } else { available };
-        numbers.whole(available_friction_N, available);
-        numbers.whole(largest_friction_N, largest);
-        if let Some(thrust) =
-            apex.into_iter().chain(step.map(|(_, thrust)| thrust)).reduce(f64::max)
-        {
-            if thrust > 0.0 {
-                numbers.whole(returner_margin, available / thrust);
-                numbers.whole(largest_margin, largest / thrust);
-            }
-            self.jam_at_return(thrust, available, largest);
-        }
-    }
-
-    fn jam_at_return(&mut self, thrust: f64, available: f64, largest: f64) {
-        let stuck = thrust >= available;
-        let words = if !stuck {
-            format!("friction pushes with {available:.3} N against a thrust of {thrust:.3} N")
-        } else if thrust >= largest {
-            format!(
-                "the thrust of {thrust:.3} N is more than all friction of one turn, {largest:.3} N"
-            )
-        } else {
-            format!(
-                "by the published criterion: in the steady motion the friction along the track is \
-                 {available:.3} N against a thrust of {thrust:.3} N. Balls that are stopped slide \
-                 along the track; the friction is then up to {largest:.3} N"
-            )
+        let friction = |c: &MovingContact, slip_angle: f64| {
+            track_friction(balls, case.friction, c.load, slip_angle)
         };
-        self.state(jams, stuck, words);
-        if stuck && thrust < largest && available == 0.0 {
-            self.warnings.push(format!(
-                "the balls of model {} roll: friction along the track is zero at the contact \
-                 centres, and the published criterion finds a jam at any thrust; \
-                 largest_margin is the margin of balls that are stopped and slide",
-                self.model.name()
-            ));
+        let stopped = friction(&contacts[1], FRAC_PI_2);
+        let clean = |force: f64| if force < ROUNDING * stopped { 0.0 } else { force };
+        let [nut, screw] = contacts.map(|c| clean(friction(&c, c.slip_angle)));
+        numbers.whole(screw_track_friction_N, screw);
+        numbers.whole(weaker_track_friction_N, nut.min(screw));
+        numbers.whole(stopped_track_friction_N, stopped);
+        if let Some(None) = entered {
+            let words = format!(
+                "no thrust lifts a ball over the step of {} mm into the return; it may be {:.3} mm high",
+                scene.step_height_mm.unwrap_or(f64::NAN),
+                entry.highest() * ball.radius / MM
+            );
+            self.state(jams, true, words);
+            return;
         }
+        let thrusts = [apex, step.map(|(_, thrust)| thrust), into.flatten()];
+        let Some(thrust) = thrusts.into_iter().flatten().reduce(f64::max) else { return };
+        if thrust > 0.0 {
+            numbers.whole(returner_margin, stopped / thrust);
+            numbers.whole(published_margin, screw / thrust);
+            numbers.whole(weaker_contact_margin, nut.min(screw) / thrust);
+        }
+        let words = format!(
+            "balls of one turn that are stopped push with a friction of up to {stopped:.3} N against a \
+             thrust of {thrust:.3} N; in the steady motion their friction along the track is \
+             {screw:.3} N, which the published criterion takes"
+        );
+        self.state(jams, thrust >= stopped, words);
+    }
+}
+
+/// The step into the ball return; of no height unless given.
+fn entry_step(scene: &Scene, ball_radius: f64) -> EntryStep {
+    EntryStep {
+        height: scene.step_height_mm.unwrap_or(0.0) * MM / ball_radius,
+        angle: scene.return_angle_deg.unwrap_or(0.0) * DEG,
+        rolling: scene.rolling_friction_mm.unwrap_or(0.0) * MM / ball_radius,
     }
 }
 

@@ -2,7 +2,7 @@
 //! made from.
 
 use crate::output::Origin;
-use crate::{AnalysisKind, CaseError, InputSet, Output};
+use crate::{AnalysisKind, CaseError, InputKey, InputSet, Output};
 
 /// A quantity of an analysis: one number, or one for each contact or direction.
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +27,7 @@ impl Quantity {
     /// Inputs that it needs besides those of its analysis and that are not given, in words.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let names = |set: &InputSet| {
-            let names: Vec<_> = set.iter().map(crate::InputKey::name).collect();
+            let names: Vec<_> = set.iter().map(InputKey::name).collect();
             names.join(" or ")
         };
         self.needs.iter().filter(|set| !given.meets(**set)).map(names).collect()

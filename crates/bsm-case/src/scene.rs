@@ -155,6 +155,21 @@ impl Scene {
     }
 }
 
+/// Inputs that no model of the ball uses although they change what it does, and what this means.
+const NOT_IN_BALANCE: &[(InputKey, &str)] = &[(
+    InputKey::preload_N,
+    "no model has the preload in the balance of a ball: loads, torque and efficiency are those of a \
+     nut without preload; `bsm capacity` rates the preloaded pair",
+)];
+
+impl InputSet {
+    /// What an engineer should know of inputs that are given, but that no model of the ball uses.
+    pub fn unused_by_models(self) -> impl Iterator<Item = String> {
+        let given = NOT_IN_BALANCE.iter().filter(move |(key, _)| self.contains(*key));
+        given.map(|(key, meaning)| format!("{} is not used here: {meaning}", key.name()))
+    }
+}
+
 /// The entries of a JSON object, in order, none twice.
 ///
 /// # Errors

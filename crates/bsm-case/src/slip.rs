@@ -26,7 +26,11 @@ quantities! { Slip;
         spin_slip_m_s ["m/s"] Contacts needs [nut_conformity, screw_conformity],
             "spin slip at the end of the ellipse";
         orbit_slip_m_s ["m/s"] Contacts needs [nut_conformity, screw_conformity],
-            "orbit slip, the part of it from the orbit";
+            "part of the spin slip at the end of the ellipse from the orbit";
+    }
+    "friction at the contacts" {
+        used_friction_coefficient [""] Contacts,
+            "friction force over normal load: the friction coefficient that the motion takes";
     }
     "friction power, all balls" {
         centre_power_W ["W"] Contacts, "friction power on the slip at the centre";
@@ -35,7 +39,7 @@ quantities! { Slip;
         friction_power_W ["W"] Contacts, "friction power";
         total_friction_power_W ["W"] Whole, "friction power of all contacts";
         dissipated_power_W ["W"] Whole, "power dissipated by the model";
-        power_difference [""] Whole, "relative difference of these powers";
+        power_difference [""] Whole, "relative difference of friction power and dissipated power";
     }
 }
 
@@ -109,8 +113,8 @@ fn at_contacts(numbers: &mut Numbers, solved: &MovingBall) {
     numbers.contacts(orbit_slip_m_s, rim(&|c| ball.orbit_spin(&c.touch)));
 }
 
-/// Powers of the parts of the slip at each contact, all balls \[W\].
-struct Powers([Option<SlipPower<f64>>; 3]);
+/// Powers of the parts of the slip at each contact, all balls \[W\], and friction over normal load.
+struct Powers([Option<(SlipPower<f64>, f64)>; 3]);
 
 impl Powers {
     fn of(
@@ -148,11 +152,13 @@ impl Powers {
             let wrench = wrench.map_err(|e| CaseError::NotRated(e.to_string()))?;
             let SlipPower { centre, spin, curvature } = ball.power(&contact.touch, &wrench);
             let balls = case.load.balls;
-            Ok(SlipPower {
+            let all = SlipPower {
                 centre: centre * balls,
                 spin: spin * balls,
                 curvature: curvature * balls,
-            })
+            };
+            // f_used = |F|/Q                                                  (X14)
+            Ok((all, wrench.force.norm() / contact.load))
         };
         let [nut, screw, minor] = solved.contacts.each_ref();
         let power = |contact: &Option<MovingContact>| contact.as_ref().map(power).transpose();
@@ -160,17 +166,18 @@ impl Powers {
     }
 
     fn total(&self) -> f64 {
-        self.0.iter().flatten().map(SlipPower::total).sum()
+        self.0.iter().flatten().map(|(power, _)| power.total()).sum()
     }
 
     fn enter(&self, numbers: &mut Numbers, dissipated: f64, difference: f64) {
         let mut line = |place: Contacts, number: fn(&SlipPower<f64>) -> f64| {
-            numbers.contacts(place, self.0.map(|p| p.as_ref().map(number)));
+            numbers.contacts(place, self.0.map(|p| p.as_ref().map(|(power, _)| number(power))));
         };
         line(centre_power_W, |p| p.centre);
         line(spin_power_W, |p| p.spin);
         line(curvature_power_W, |p| p.curvature);
         line(friction_power_W, SlipPower::total);
+        numbers.contacts(used_friction_coefficient, self.0.map(|p| p.map(|(_, used)| used)));
         numbers.whole(total_friction_power_W, self.total());
         numbers.whole(dissipated_power_W, dissipated);
         numbers.whole(power_difference, Some(difference).filter(|x| x.is_finite()));

@@ -76,12 +76,13 @@ pub(crate) enum Command {
     /// Slip of the balls by published and exact formulas, and the power lost to each part of it.
     #[command(after_help = EXIT_CODES)]
     Slip(AnalysisArgs),
-    /// Jamming of the balls: contact state, self-locking between the races, thrust in the ball return.
+    /// Jamming of the balls: contact state, self-locking by friction, thrust in the ball return.
     ///
     /// Each part needs only its own inputs, and names the missing ones: race_yield_strength_MPa and
     /// ball_yield_strength_MPa; lubricant_density_kg_m3 and drag_coefficient; apex_half_angle_deg;
-    /// return_angle_deg; loaded_balls_per_turn. Optional: step_normal_force_N,
-    /// return_approach_speed_m_s, return_stiffness_N_um15.
+    /// return_angle_deg; step_height_mm; loaded_balls_per_turn. Optional: step_normal_force_N,
+    /// return_approach_speed_m_s, return_stiffness_N_um15 or return_linear_stiffness_N_um. Try:
+    /// bsm jam examples/jamming.json
     #[command(after_help = EXIT_CODES)]
     Jam(AnalysisArgs),
     /// Check the program against published results.

@@ -8,7 +8,7 @@ use bsm_batch::{CsvSource, Source, TableError, Task, Workers};
 use bsm_case::Scene;
 
 use crate::args::BatchArgs;
-use crate::failure::Failure;
+use crate::failure::{Failure, note_unused};
 use crate::files::{self, read_scene};
 use crate::stream::{Job, format_of, needs_a_file, outputs};
 
@@ -27,6 +27,7 @@ pub(crate) fn run(args: &BatchArgs, workers: &Workers<'_>) -> Result<(), Failure
         let points = args.points.display();
         Failure::Input(format!("{points}: {error}; add columns, a --base scene or --set"))
     })?;
+    note_unused(task.base.given() | source.columns().set());
     let points = Points::Table { path: args.points.clone(), keep: args.keep.clone() };
     Job::new(task, &args.table).run(source.as_mut(), &points, workers, |_, _| {}).map_err(|e| {
         match e {

@@ -8,7 +8,7 @@ use bsm_report::number;
 use serde_json::{Value, json};
 
 use crate::args::{CompareArgs, Format};
-use crate::failure::{Failure, warn};
+use crate::failure::{Failure, note_unused, warn};
 use crate::files::{pretty_json, print, read_scene};
 use crate::table;
 
@@ -40,6 +40,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
     // The cheapest model needs the fewest inputs: without them there is nothing to compare.
     scene.choose(bsm_case::ModelChoice::Fixed(Model::ClosedForm)).map_err(in_file)?;
 
+    note_unused(scene.given());
     let mut work = ModelWorkspace::default();
     let (mut answers, mut left_out) = (Vec::new(), Vec::new());
     for model in Model::ALL {

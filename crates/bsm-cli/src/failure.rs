@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use bsm_batch::TableError;
-use bsm_case::{CaseError, printable};
+use bsm_case::{CaseError, InputSet, printable};
 use bsm_report::ReportError;
 use bsm_validate::ValidateError;
 use thiserror::Error;
@@ -120,6 +120,13 @@ pub(crate) fn usage(told: &clap::Error) -> ExitCode {
     match told.print() {
         Err(error) if !told.use_stderr() => Output::failure(Path::new("-"), &error).report(),
         _ => ExitCode::from(u8::try_from(told.exit_code()).unwrap_or(2)),
+    }
+}
+
+/// Says which of the given inputs no model of the ball uses, and what this means.
+pub(crate) fn note_unused(given: InputSet) {
+    for note in given.unused_by_models() {
+        warn("note", &note);
     }
 }
 

@@ -3,7 +3,7 @@
 use bsm_case::Fit;
 
 use crate::args::{FitArgs, Format};
-use crate::failure::Failure;
+use crate::failure::{Failure, note_unused};
 use crate::files::{pretty_json, print, read_scene};
 use crate::table;
 
@@ -14,6 +14,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let settings = args.model.settings().map_err(in_file)?;
     let fit = Fit::new(&scene, &args.input, args.range, &args.measured)
         .map_err(|e| Failure::Input(e.to_string()))?;
+    note_unused(scene.given());
     let report = fit.run(&scene, &settings).map_err(in_file)?;
     match args.format {
         Format::Json => print(&pretty_json(&fit.to_json(&report)))?,

@@ -8,7 +8,7 @@ use bsm_validate::Study;
 use serde_json::{Value, json};
 
 use crate::args::{AnalysisArgs, Format};
-use crate::failure::{Failure, warn};
+use crate::failure::{Failure, note_unused, warn};
 use crate::files::{make_folder, pretty_json, print, read_scene, write, write_figures};
 use crate::{solve, table};
 
@@ -31,6 +31,7 @@ fn run(args: &AnalysisArgs, analyse: Analyse, sweep: Sweep) -> Result<(), Failur
     let scene = read_scene(path, &args.scene.settings)?;
     let in_file = |e: CaseError| Failure::scene(path, &e);
     let settings = args.model.settings().map_err(in_file)?;
+    note_unused(scene.given());
     let work = &mut ModelWorkspace::default();
     let found = scene.problem(&settings).map_err(in_file)?.solve(work);
     let Moving { settings, solution, note } =

@@ -7,7 +7,7 @@ use bsm_dyn::{ModelWorkspace, Solution, Status};
 use serde_json::{Map, Value};
 
 use crate::args::{Format, SolveArgs};
-use crate::failure::{Failure, warn};
+use crate::failure::{Failure, note_unused, warn};
 use crate::files::{self, pretty_json, read_scene};
 use crate::table;
 
@@ -16,6 +16,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let scene = read_scene(path, &args.scene.settings)?;
     let in_file = |e: CaseError| Failure::scene(path, &e);
     let settings = args.model.settings().map_err(in_file)?;
+    note_unused(scene.given());
     let problem = scene.problem(&settings).map_err(in_file)?;
     let mut work = ModelWorkspace::default();
     let solution = problem.solve(&mut work);

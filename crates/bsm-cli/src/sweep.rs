@@ -9,7 +9,7 @@ use bsm_case::{Axis as GridAxis, CaseError, Grid, ModelChoice, Output as OutputC
 use bsm_report::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 
 use crate::args::SweepArgs;
-use crate::failure::Failure;
+use crate::failure::{Failure, note_unused};
 use crate::files::{self, Output, read_scene};
 use crate::stream::{Job, outputs};
 
@@ -38,6 +38,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let task = Task::over_grid(base, settings, outputs(&args.table)?, watched, &grid);
     let task = task.map_err(in_file)?;
     let model = task.settings.model;
+    note_unused(task.base.given() | grid.varied());
     let mut plot = match curves {
         Some((curves, path)) => Some((curves, Output::create(path)?, path)),
         None => None,

@@ -70,7 +70,7 @@ fn slip_shows_published_and_exact_forms() {
         "chosen  error of the efficiency at most",
         "slip between neighbouring balls",
         "spin slip as published",
-        "spin at the end of the ellipse",
+        "spin slip at the end of the ellipse",
         "on the slip of the curved surface",
     ] {
         assert!(text.contains(part), "{part}: {text}");
@@ -105,10 +105,18 @@ fn auto_goes_on_to_a_model_with_a_motion() {
 fn jam_gives_verdicts_with_margins() {
     let result = json(&["jam", &example("dong2020.json"), "--model", "elastic"]);
     let value = |name: &str| result[name].as_f64().unwrap_or_else(|| panic!("{name}"));
-    let thrust = value("apex_thrust_N").max(value("step_thrust_N"));
-    let margin = value("available_friction_N") / thrust;
-    assert!((value("returner_margin") / margin - 1.0).abs() < 1e-12);
-    assert_eq!(result["verdicts"]["jams"]["answer"], margin <= 1.0);
+    let thrusts = ["apex_thrust_N", "step_thrust_N", "entry_thrust_N"].map(value);
+    let thrust = thrusts.into_iter().fold(0.0, f64::max);
+    for (friction, name) in [
+        ("stopped_track_friction_N", "returner_margin"),
+        ("screw_track_friction_N", "published_margin"),
+        ("weaker_track_friction_N", "weaker_contact_margin"),
+    ] {
+        assert!((value(name) / (value(friction) / thrust) - 1.0).abs() < 1e-12, "{name}");
+    }
+    assert_eq!(result["verdicts"]["jams"]["answer"], value("returner_margin") <= 1.0);
+    let jamming = json(&["jam", &example("jamming.json")]);
+    assert_eq!(jamming["verdicts"]["jams"]["answer"], true);
     assert_eq!(result["verdicts"]["contacts_yield"]["answer"], true);
     let total = value("nut_elastic_approach_um") + value("nut_permanent_approach_um");
     assert!((value("nut_total_approach_um") / total - 1.0).abs() < 1e-12);
@@ -220,4 +228,23 @@ fn analyses_are_columns_of_a_sweep() {
                  return_angle_deg are required for it";
     assert!(stderr(&output).contains(words), "{}", stderr(&output));
     assert!(!dir.path().join("u.csv").exists());
+}
+
+/// A preload was ignored without a word.
+#[test]
+fn a_preload_that_no_model_uses_is_told() {
+    let dir = folder();
+    let scene = example("feed_drive.json");
+    let vary = ["--vary", "screw_speed_rpm=500,1500", "-o", "t.csv"];
+    for (command, more) in
+        [("solve", &[][..]), ("compare", &[]), ("slip", &[]), ("jam", &[]), ("sweep", &vary)]
+    {
+        let told = |settings: &[&str]| {
+            let output = bsm(dir.path(), &[&[command, &scene], settings, more].concat(), "");
+            assert_eq!(output.status.code(), Some(0), "{command}: {}", stderr(&output));
+            stderr(&output).contains("note: preload_N is not used here")
+        };
+        assert!(told(&["--set", "preload_N=4000"]), "{command}");
+        assert!(!told(&[]), "{command}");
+    }
 }

@@ -1,6 +1,6 @@
 //! Jamming: the wedge between the races, drag of the lubricant, and thrust in the returner.
 //!
-//! Theory: `docs/theory/14-jamming.md`, equations (M5) to (M16). `A` and `B` here are nut and
+//! Theory: `docs/theory/14-jamming.md`, equations (M5) to (M22). `A` and `B` here are nut and
 //! screw; Dong et al. write `o` and `i`.
 
 use std::f64::consts::PI;
@@ -71,6 +71,20 @@ impl<D: Scalar> Wedge<D> {
         magnitude((self.opening() * 0.5).tan()) / share
     }
 
+    /// The largest opening that friction can hold, if all of it points across the grooves \[rad\] (M17).
+    pub fn widest_opening(&self) -> D {
+        // D_max = 2 arctan f                                              (M17)
+        self.friction.atan() * 2.0
+    }
+
+    /// Friction coefficient from which friction across the grooves alone holds any axial load: no
+    /// thrust moves the ball (M18).
+    pub fn locking_friction(&self) -> D {
+        // f_hold = min(tanβ_A, tanβ_B)                                    (M18)
+        let [nut, screw] = self.angles.map(|angle| angle.tan());
+        if screw.re() < nut.re() { screw } else { nut }
+    }
+
     /// `$\sum Q\,|\cos\psi|$` \[N\].
     fn grip(&self) -> D {
         let part = |i: usize| magnitude(self.slip_angles[i].cos()) * self.loads[i];
@@ -114,6 +128,47 @@ pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
     1.14 * mass * speed.powi(2) / approach
 }
 
+/// Force of the impact of a ball that meets a linear spring \[N\] (M19).
+///
+/// * `mass` \[kg\]; `speed`: along the normal \[m/s\]; `stiffness`: `$k_h$` \[N/m\].
+///
+/// Source: Dong et al. (2020), Eq 19, as printed.
+pub fn linear_impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
+    // F_m = k_h δ_m = 1.14 m v²/δ_m  ⇒  F_m = v √(1.14 k_h m)             (M19)
+    speed * (1.14 * stiffness * mass).sqrt()
+}
+
+/// A ball that enters the ball return over a step, between the ball behind it and the one ahead.
+///
+/// Source: Dong et al. (2020), Eq 22.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EntryStep {
+    /// Height of the step over the radius of the ball.
+    pub height: f64,
+    /// Angle between channel and track \[rad\].
+    pub angle: f64,
+    /// Rolling friction coefficient `$\mu'$`.
+    pub rolling: f64,
+}
+
+impl EntryStep {
+    /// Force of the ball behind over that of the ball ahead, as the ball lifts off its track (M21);
+    /// `None` if no force lifts it over the step.
+    pub fn thrust_ratio(&self) -> Option<f64> {
+        // sinα' = 1 − h/r_b                                               (M20)
+        let edge = (1.0 - self.height).asin();
+        let free = edge - self.rolling.atan();
+        // F_O1/F_O3 = sin(α + α' − φ)/sin(α' − φ),  tanφ = μ'             (M21)
+        (free > 0.0).then(|| (self.angle + free).sin() / free.sin())
+    }
+
+    /// Height over the radius of the ball from which no force lifts it (M22).
+    pub fn highest(&self) -> f64 {
+        // h_max/r_b = 1 − sinφ                                            (M22)
+        1.0 - self.rolling.atan().sin()
+    }
+}
+
 /// Thrust on the ball behind one that meets the apex of the return curve \[N\] (M14).
 ///
 /// * `impact`: `$F_m$` \[N\]; `half_angle`: `$\lambda_1$` of the apex \[rad\]; `friction`: `$f$`.
@@ -138,14 +193,13 @@ pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
 
 /// Friction along the track with which the loaded balls of a turn push \[N\] (M16).
 ///
-/// * `balls`: of a turn; `friction`: `$f$`; `contacts`: normal load \[N\] and slip angle \[rad\]
-///   at nut and screw. A ball pushes with no more than the weaker of its contacts has.
+/// * `balls`: of a turn; `friction`: `$f$`; `load`: normal load of a ball \[N\]; `slip_angle`: at that
+///   contact \[rad\].
 ///
-/// Source: Dong et al. (2020), Eqs 20-21.
-pub fn available_friction(balls: f64, friction: f64, contacts: [(f64, f64); 2]) -> f64 {
-    // Z_t f Q |sinψ|                                                      (M16)
-    let [nut, screw] = contacts.map(|(load, slip_angle)| load * slip_angle.sin().abs());
-    balls * friction * nut.min(screw)
+/// Source: Dong et al. (2020), Eqs 20-21, with the contact at the screw.
+pub fn track_friction(balls: f64, friction: f64, load: f64, slip_angle: f64) -> f64 {
+    // F_t = Z_t f Q |sinψ|                                                (M16)
+    balls * friction * load * slip_angle.sin().abs()
 }
 
 #[cfg(test)]
@@ -154,7 +208,7 @@ mod tests {
 
     use approx::assert_relative_eq;
     use bsm_kin::{BallFrame, Contact, Site};
-    use nalgebra::{Matrix3, Vector3};
+    use nalgebra::{Matrix2, Vector2, Vector3};
     use proptest::prelude::*;
 
     use super::*;
@@ -189,19 +243,20 @@ mod tests {
             prop_assert!((published * psi.cos() - tilt.abs().tan()).abs() <= 1e-14);
         }
 
-        /// Eq 24 of Dong et al. from the balance along the travel, that across it, and the
-        /// direction of the thrust.
+        /// Eq 24 of Dong et al. from the two balances of Eq 23, in the force of the opposite wall and the
+        /// thrust.
         #[test]
-        fn the_step_balances_three_forces(
+        fn the_step_balances_the_forces_of_eq_23(
             normal in 1.0..500.0_f64, mu in 0.01..0.6_f64, angle in 0.0..1.4_f64,
         ) {
-            // Unknowns T, N₂, F_O1: T = f (F_N + N₂),  N₂ + f T = F_N,  T = F_O1 cosλ₃.
-            let rows = Matrix3::new(1.0, -mu, 0.0, mu, 1.0, 0.0, 1.0, 0.0, -angle.cos());
-            let right = Vector3::new(mu * normal, normal, 0.0);
+            let (sin, cos) = angle.sin_cos();
+            // μ F_s + μ F_O1 sinλ₃ + μ F_N = F_O1 cosλ₃,  F_N = F_s + μ F_O1 cosλ₃ + F_O1 sinλ₃
+            let rows = Matrix2::new(mu, mu * sin - cos, 1.0, mu * cos + sin);
+            let right = Vector2::new(-mu * normal, normal);
             let solved = rows.lu().solve(&right).expect("regular");
             let thrust = step_thrust(normal, mu, angle);
             // Rounding, times the condition of a step that is nearly across the travel.
-            prop_assert!((thrust / solved.z - 1.0).abs() <= 1e-13 / angle.cos(), "{thrust} {solved}");
+            prop_assert!((thrust / solved.y - 1.0).abs() <= 1e-13 / cos, "{thrust} {solved}");
         }
 
         /// An impact that obeys Hertz stores its energy in the contact; 1.14 is that of a half sine
@@ -227,12 +282,81 @@ mod tests {
         assert_relative_eq!(thrust, 5.0 * 1.1 * 2.0_f64.sqrt(), max_relative = 1e-14);
     }
 
-    /// Limits: friction across the groove pushes nothing; along it all of the weaker contact.
+    /// Limits: friction across the groove pushes nothing, friction along it with all it has.
     #[test]
     fn only_friction_along_the_track_pushes() {
-        let full = available_friction(14.0, 0.1, [(100.0, FRAC_PI_2), (90.0, -FRAC_PI_2)]);
+        let full = track_friction(14.0, 0.1, 90.0, -FRAC_PI_2);
         assert_relative_eq!(full, 126.0, max_relative = 1e-14);
-        assert!(available_friction(14.0, 0.1, [(100.0, 0.0), (90.0, PI)]).abs() < 1e-12);
+        assert!(track_friction(14.0, 0.1, 100.0, PI).abs() < 1e-12);
+    }
+
+    /// A linear spring: the force is proportional to the speed, and the approach that it is divided
+    /// by is that of the spring.
+    #[test]
+    fn the_linear_impact_is_eq_19_as_printed() {
+        let (mass, stiffness) = (1.7e-4, 3e7);
+        let force = linear_impact_force(mass, 1.3, stiffness);
+        let approach = force / stiffness;
+        assert_relative_eq!(force, 1.14 * mass * 1.3 * 1.3 / approach, max_relative = 1e-14);
+        let twice = linear_impact_force(mass, 2.6, stiffness);
+        assert_relative_eq!(twice, 2.0 * force, max_relative = 1e-14);
+    }
+
+    proptest! {
+        /// The three balances of Eq 22 at the moment at which the ball lifts off its track; the third,
+        /// of moments, follows from the two of forces.
+        #[test]
+        fn the_entry_step_balances(
+            height in 0.0..0.8_f64, angle in 0.01..1.5_f64, rolling in 0.0..0.05_f64,
+        ) {
+            let step = EntryStep { height, angle, rolling };
+            let ratio = step.thrust_ratio().expect("a low step");
+            let (sin, cos) = (1.0 - height).asin().sin_cos();
+            // F_N sinα' − f_N cosα' + F_R − F_O3 sinα = 0 with F_R = 0 and F_O3 = 1.
+            let normal = angle.sin() / (sin - rolling * cos);
+            let along = angle.cos() + normal * cos + rolling * normal * sin - ratio;
+            // Rounding, times the condition of a step that is nearly too high.
+            prop_assert!(along.abs() <= 1e-13 * (1.0 + normal), "{along}");
+            let moments = ratio * sin - (angle.cos() * sin + angle.sin() * cos) - rolling * normal;
+            prop_assert!(moments.abs() <= 1e-13 * (1.0 + normal), "{moments}");
+        }
+    }
+
+    /// A step of no height only turns the ball; from the highest one on no thrust lifts it, and next to it
+    /// the thrust has no bound.
+    #[test]
+    fn the_entry_step_has_limits() {
+        let step = |height, angle, rolling| EntryStep { height, angle, rolling };
+        let flat = step(0.0, 0.4, 0.0).thrust_ratio().expect("flat");
+        assert_relative_eq!(flat, 0.4_f64.cos(), max_relative = 1e-14);
+        let highest = step(0.0, 0.4, 0.02).highest();
+        assert!(step(highest * (1.0 - 1e-6), 0.4, 0.02).thrust_ratio().expect("below") > 1e4);
+        assert_eq!(step(highest * (1.0 + 1e-6), 0.4, 0.02).thrust_ratio(), None);
+        assert_eq!(step(1.5, 0.4, 0.0).thrust_ratio(), None);
+    }
+
+    /// At the friction of (M18) the load per axial load of two contacts without inertia has its pole (Q4).
+    #[test]
+    fn friction_that_holds_any_load_is_the_pole_of_the_balance() {
+        let wedge = Wedge {
+            loads: [1.0, 1.0],
+            angles: [0.3, 0.2],
+            slip_angles: [0.0, PI],
+            friction: 0.1,
+            centrifugal: 0.0,
+        };
+        let holding = wedge.locking_friction();
+        let angles = crate::Angles { lead: 0.1, contact: 0.2 };
+        let contacts = crate::TwoContacts {
+            sines: angles.sines(),
+            friction: holding,
+            rolling_ratio: 0.0,
+            size_ratio: 0.1,
+            nut_turns: false,
+        };
+        // Rounding of a difference of sines of 0.2.
+        assert!(contacts.load_ratio().recip().abs() < 1e-15);
+        assert_relative_eq!(wedge.widest_opening(), 2.0 * 0.1_f64.atan(), max_relative = 1e-14);
     }
 
     /// By hand: (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 m/s.

@@ -71,8 +71,8 @@ pub use ellipse::{Ellipse, Quadrature, pressed_radius};
 pub use friction::{Coulomb, FrictionLaw, friction_force};
 pub use hertz::{Axes, Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 pub use jam::{
-    Wedge, apex_thrust, available_friction, centrifugal_force, flat_stiffness, impact_force,
-    step_thrust, viscous_drag,
+    EntryStep, Wedge, apex_thrust, centrifugal_force, flat_stiffness, impact_force,
+    linear_impact_force, step_thrust, track_friction, viscous_drag,
 };
 pub use jones::{Deformed, Displacement, Jones, Side};
 pub use model::{Model, ModelWorkspace, Problem};

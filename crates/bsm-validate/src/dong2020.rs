@@ -24,6 +24,8 @@ pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError>
     checks.push(radical(&scene)?);
     checks.push(balanced(&scene)?);
     checks.push(step());
+    checks.push(rotation(&scene)?);
+    checks.push(printed_radical(&scene)?);
     Ok(checks)
 }
 
@@ -109,25 +111,68 @@ fn balanced(scene: &Scene) -> Result<Check, ValidateError> {
     .at_most(1e-12, "rounding of the loads"))
 }
 
-/// Eq 24 against the three balances that it comes from.
+/// Eq 24 against the two balances of Eq 23.
 fn step() -> Check {
     let mut worst: f64 = 0.0;
     for percent in 1..=60 {
         let mu = f64::from(percent) / 100.0;
         for degrees in (0..=80).step_by(8) {
-            let angle = f64::from(degrees).to_radians();
-            let thrust = step_thrust(1.0, mu, angle);
-            // T = F_O1 cosλ₃,  N₂ = F_N − f T,  T = f (F_N + N₂)
-            let along = thrust * angle.cos();
-            let other = 1.0 - mu * along;
-            worst = worst.max((along / (mu * (1.0 + other)) - 1.0).abs());
+            let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
+            let thrust = step_thrust(1.0, mu, f64::from(degrees).to_radians());
+            // F_s = F_N − f_b cosλ₃ − F_O1 sinλ₃,  f_s + f_b sinλ₃ + f_N = F_O1 cosλ₃
+            let wall = 1.0 - mu * thrust * cos - thrust * sin;
+            let along = mu * wall + mu * thrust * sin + mu;
+            worst = worst.max((along / (thrust * cos) - 1.0).abs());
         }
     }
     Check::new(
         "dong2020/step",
-        &format!("{SOURCE}, Eq 24"),
-        "the thrust at the step balances the forces along and across the travel",
+        &format!("{SOURCE}, Eqs 23-24"),
+        "the thrust at the step solves the two balances of forces",
     )
     .measured(worst, "relative")
-    .at_most(1e-14, "rounding")
+    .at_most(1e-13, "rounding of a difference of forces of six times the thrust")
+}
+
+/// The ball turns about five times as fast as it circles (Fig 16).
+fn rotation(scene: &Scene) -> Result<Check, ValidateError> {
+    let report = analysis(scene)?;
+    let ratio = number(&report, "ball_omega_rad_s") / number(&report, "orbit_rate_rad_s").abs();
+    Ok(Check::new(
+        "dong2020/rotation-over-orbit",
+        &format!("{SOURCE}, Fig 16"),
+        "the rotation of the ball is about 5 times its revolution",
+    )
+    .measured((ratio / 5.0 - 1.0).abs(), "relative")
+    .note(format!("ratio {ratio:.3}"))
+    .at_most(0.1, "the paper says approximately, and prints one digit"))
+}
+
+/// Eq 17 as printed, in which lengths stand that are no sides of the triangle, gives no number.
+fn printed_radical(scene: &Scene) -> Result<Check, ValidateError> {
+    let report = analysis(scene)?;
+    let mm = |name: &str| 1e-3 * number(&report, name);
+    let (screw, nut) = (mm("screw_total_approach_um"), mm("nut_total_approach_um"));
+    let ball = scene.ball_diameter_mm.unwrap_or(f64::NAN);
+    let nominal = scene.pitch_circle_diameter_mm.unwrap_or(f64::NAN);
+    let offset = |f: Option<f64>| (f.unwrap_or(f64::NAN) - 0.5) * ball;
+    let (l_a, l_b) = (offset(scene.nut_conformity) + nut, offset(scene.screw_conformity) + screw);
+    let angle = |name| number(&report, name).to_radians();
+    let (a, b) = (angle("nut_settled_angle_deg"), angle("screw_settled_angle_deg"));
+    let square = l_a.powi(2) + l_b.powi(2) + 2.0 * l_a * l_b * (a - b).cos();
+    // −A₁² − A₂² + (δ_i + δ_o)² + 2 δ_i d_o − 2 δ_i d_b + 2 δ_o d_o + (d_o − d_b)²
+    let above = -square
+        + (screw + nut).powi(2)
+        + 2.0 * screw * (nominal - ball)
+        + 2.0 * nut * nominal
+        + (nominal - ball).powi(2);
+    let printed = (above / (square + (screw - nut).powi(2))).sqrt();
+    Ok(Check::new(
+        "dong2020/printed-radical",
+        &format!("{SOURCE}, Eq 17 as printed"),
+        "the printed radical asks for a friction coefficient beyond any of steel",
+    )
+    .measured(1.0 / printed, "over the printed bound")
+    .note(format!("as printed {printed:.1}, corrected {:.1e}", (0.5 * (b - a)).tan().abs()))
+    .at_most(0.1, "ten times a friction coefficient of 1"))
 }

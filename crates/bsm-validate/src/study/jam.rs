@@ -1,7 +1,7 @@
-//! The sweeps of Dong et al. (2020), Figs 13-19: contact state, wedge, drag and thrust against
-//! speed, load and return angle.
+//! The sweeps of Dong et al. (2020), Figs 13-19: contact state, wedge, friction, drag and thrust against
+//! speed, load, return angle and height of the step.
 
-use bsm_case::{Analysis, Scene, Settings};
+use bsm_case::{AnalysisKind, Moving, Numbers, Scene, Settings};
 use bsm_dyn::{ModelWorkspace, Solution};
 use bsm_report::{Axis, Figure, Stroke};
 
@@ -26,6 +26,7 @@ enum Over {
     Load,
     Speed,
     ReturnAngle,
+    StepHeight,
 }
 
 impl Over {
@@ -34,6 +35,7 @@ impl Over {
             Self::Load => "load",
             Self::Speed => "speed",
             Self::ReturnAngle => "return-angle",
+            Self::StepHeight => "step-height",
         }
     }
 
@@ -42,15 +44,18 @@ impl Over {
             Self::Load => "axial load, kN",
             Self::Speed => "speed of screw to nut, rpm",
             Self::ReturnAngle => "return angle, deg",
+            Self::StepHeight => "height of the step, of the ball diameter",
         }
     }
 
-    /// Factors of load or speed, or degrees.
+    /// Factors of load, speed or ball diameter, or degrees.
     fn values(self) -> Vec<f64> {
         match self {
             Self::Load => (0..=20).map(|i| 0.5 + f64::from(i) / 20.0).collect(),
             Self::Speed => (1..=50).map(|i| f64::from(i) / 25.0).collect(),
             Self::ReturnAngle => (1..=80).map(f64::from).collect(),
+            // Above half of the ball no thrust lifts it.
+            Self::StepHeight => (1..=80).map(|i| f64::from(i) / 200.0).collect(),
         }
     }
 }
@@ -70,8 +75,8 @@ fn relative_rpm(scene: &Scene) -> f64 {
     (scene.screw_speed_rpm.unwrap_or(f64::NAN) - scene.nut_speed_rpm.unwrap_or(0.0)).abs()
 }
 
-/// The analyses of a sweep; none where there is no solution.
-type Rows = Vec<(f64, Option<Analysis>)>;
+/// The numbers of the analyses of a sweep; none where there is no solution.
+type Rows = Vec<(f64, Vec<Numbers>)>;
 
 /// A curve to draw.
 struct Wanted<'a> {
@@ -144,10 +149,17 @@ impl Solver<'_> {
                 Over::ReturnAngle => {
                     (value, Scene { return_angle_deg: Some(value), ..scene.clone() })
                 }
+                Over::StepHeight => {
+                    let height = scene.ball_diameter_mm.map(|ball| value * ball);
+                    (value, Scene { step_height_mm: height, ..scene.clone() })
+                }
             };
             let solution = scene.problem(self.settings)?.solve(&mut self.work);
+            let moving = Moving::of(&scene, self.settings, solution, &mut self.work)?;
             // A point without a solution, or without a contact state, is a gap.
-            rows.push((x, Analysis::jam(&scene, &solution).ok()));
+            let kinds = [AnalysisKind::Jam, AnalysisKind::Slip];
+            let numbers = kinds.map(|kind| kind.numbers(&scene, Some(&moving)));
+            rows.push((x, numbers.into_iter().flatten().collect()));
         }
         Ok(rows)
     }
@@ -155,10 +167,10 @@ impl Solver<'_> {
 
 /// A number of the analyses of a sweep; its size, for a quantity whose sign says a direction.
 fn points(rows: &Rows, name: &str) -> Vec<(f64, f64)> {
-    let read = |analysis: &Option<Analysis>| {
-        analysis.as_ref().and_then(|a| a.number(name)).map_or(f64::NAN, f64::abs)
+    let read = |analyses: &Vec<Numbers>| {
+        analyses.iter().find_map(|numbers| numbers.number(name)).map_or(f64::NAN, f64::abs)
     };
-    rows.iter().map(|(x, analysis)| (*x, read(analysis))).collect()
+    rows.iter().map(|(x, analyses)| (*x, read(analyses))).collect()
 }
 
 impl Study {
@@ -180,10 +192,23 @@ impl Study {
         study.over_speed(scene, &mut solver)?;
         if scene.return_angle_deg.is_some() {
             let rows = solver.run(scene, Over::ReturnAngle)?;
+            let rises = |axis| (Over::ReturnAngle, Axis::linear(axis), Claim::Rises);
             study.add(
                 ("jam-thrust-return-angle", "Thrust against the return angle", ""),
-                (Over::ReturnAngle, Axis::linear("thrust, N"), Claim::Rises),
+                rises("thrust, N"),
                 of_sweep(&rows, &[("thrust", "thrust at the step", 0, SOLID, "step_thrust_N")]),
+            );
+            let ratio = [("entry", "step into the return", 0, SOLID, "entry_thrust_ratio")];
+            study.add(
+                ("jam-entry-return-angle", "Step into the return against its angle", ""),
+                rises("thrust behind over thrust ahead"),
+                of_sweep(&rows, &ratio),
+            );
+            let rows = solver.run(scene, Over::StepHeight)?;
+            study.add(
+                ("jam-entry-height", "Step into the return against its height", ""),
+                (Over::StepHeight, Axis::log("thrust behind over thrust ahead"), Claim::Rises),
+                of_sweep(&rows, &ratio),
             );
         }
         Ok(study)
@@ -221,7 +246,47 @@ impl Study {
             (Over::Load, Axis::log("angle difference, deg"), Claim::Falls),
             of_sweeps(&sweeps, "wedge", &[("", SOLID, "wedge_angle_deg")]),
         );
+        self.angles(Over::Load, [Claim::Rises, Claim::Falls], &sweeps);
+        self.used_friction(Over::Load, Claim::Falls, &sweeps);
         Ok(())
+    }
+
+    /// Contact angles, with a claim for the nut and one for the screw.
+    fn angles(&mut self, over: Over, [nut, screw]: [Claim; 2], sweeps: &[(String, Rows)]) {
+        for (member, claim, name) in
+            [("nut", nut, "nut_settled_angle_deg"), ("screw", screw, "screw_settled_angle_deg")]
+        {
+            let group = if member == "nut" { "angle-nut" } else { "angle-screw" };
+            let key = format!("jam-{group}-{}", over.key());
+            let title = format!("Contact angle at the {member} against {}", over.key());
+            self.add(
+                (&key, &title, ""),
+                (over, Axis::linear("contact angle, deg"), claim),
+                of_sweeps(
+                    sweeps,
+                    group,
+                    &[(if member == "nut" { ", nut" } else { ", screw" }, SOLID, name)],
+                ),
+            );
+        }
+    }
+
+    /// The friction coefficient that the motion takes.
+    fn used_friction(&mut self, over: Over, claim: Claim, sweeps: &[(String, Rows)]) {
+        let key = format!("jam-friction-coefficient-{}", over.key());
+        let title = format!("Friction coefficient that the motion takes, against {}", over.key());
+        self.add(
+            (&key, &title, "Friction force over normal load at nut (solid) and screw (dashed)."),
+            (over, Axis::linear("friction force over normal load"), claim),
+            of_sweeps(
+                sweeps,
+                "friction",
+                &[
+                    (", nut", SOLID, "nut_used_friction_coefficient"),
+                    (", screw", DASHED, "screw_used_friction_coefficient"),
+                ],
+            ),
+        );
     }
 
     fn over_speed(&mut self, scene: &Scene, solver: &mut Solver<'_>) -> Result<(), ValidateError> {
@@ -234,20 +299,22 @@ impl Study {
         let over = |axis| (Over::Speed, axis, Claim::Rises);
         self.add(
             (
-                "jam-contact-angles",
-                "Contact angles against speed",
-                "Nut (solid) and screw (dashed).",
+                "jam-approach-speed",
+                "Approach of ball and race against speed",
+                "Elastic and permanent approach together, at nut (solid) and screw (dashed).",
             ),
-            over(Axis::linear("contact angle, deg")),
+            over(Axis::linear("approach, um")),
             of_sweeps(
                 &sweeps,
                 "",
                 &[
-                    (", nut", SOLID, "nut_settled_angle_deg"),
-                    (", screw", DASHED, "screw_settled_angle_deg"),
+                    (", nut", SOLID, "nut_total_approach_um"),
+                    (", screw", DASHED, "screw_total_approach_um"),
                 ],
             ),
         );
+        self.angles(Over::Speed, [Claim::Falls, Claim::Rises], &sweeps);
+        self.used_friction(Over::Speed, Claim::Rises, &sweeps);
         self.add(
             ("jam-wedge-speed", "Difference of contact angles against speed", ""),
             over(Axis::linear("angle difference, deg")),
@@ -293,25 +360,53 @@ impl Study {
                 ],
             ),
         );
+        self.thrust_over_speed(&sweeps);
+        Ok(())
+    }
+
+    /// Thrust and friction in the ball return, and their margins.
+    fn thrust_over_speed(&mut self, sweeps: &[(String, Rows)]) {
         self.add(
             (
                 "jam-thrust-speed",
                 "Thrust in the ball return against speed",
                 "Friction of the loaded balls of one turn along the track: in the steady motion \
-                 (dashed; none where balls roll), and if all of it pointed there (dotted).",
+                 (dashed; none where balls roll), and of balls that are stopped (dotted).",
             ),
-            over(Axis::log("force, N")),
-            of_sweep(
-                middle,
-                &[
-                    ("", "thrust at the apex", 0, SOLID, "apex_thrust_N"),
-                    ("", "thrust at the step", 1, SOLID, "step_thrust_N"),
-                    ("", "friction along", 2, DASHED, "available_friction_N"),
-                    ("", "all friction", 2, Stroke::Dotted, "largest_friction_N"),
-                ],
-            ),
+            (Over::Speed, Axis::log("force, N"), Claim::Rises),
+            of_sweeps(sweeps, "thrust", &[(", thrust at the apex", SOLID, "apex_thrust_N")])
+                .into_iter()
+                .chain(of_sweeps(
+                    sweeps,
+                    "",
+                    &[
+                        (", friction along", DASHED, "screw_track_friction_N"),
+                        (", friction of stopped balls", Stroke::Dotted, "stopped_track_friction_N"),
+                    ],
+                ))
+                .collect(),
         );
-        Ok(())
+        let falls = |axis| (Over::Speed, axis, Claim::Falls);
+        for (key, title, group, name) in [
+            (
+                "jam-margin-speed",
+                "Friction of stopped balls over thrust",
+                "margin",
+                "returner_margin",
+            ),
+            (
+                "jam-published-margin-speed",
+                "Friction in the steady motion over thrust",
+                "published-margin",
+                "published_margin",
+            ),
+        ] {
+            self.add(
+                (key, title, ""),
+                falls(Axis::log("friction over thrust")),
+                of_sweeps(sweeps, group, &[("", SOLID, name)]),
+            );
+        }
     }
 
     /// Adds a figure, and the trends of its curves that have a group.
