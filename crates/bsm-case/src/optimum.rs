@@ -2,11 +2,11 @@
 
 use std::cell::RefCell;
 
-use bsm_design::CONTACT_ANGLES;
 use bsm_design::search::minimum_inside;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum};
 use serde_json::{Map, Value, json};
 
+use crate::requirement::USUAL_CONTACT_ANGLES_DEG;
 use crate::units::DEG;
 use crate::{CaseError, Scene, Settings};
 
@@ -166,9 +166,8 @@ impl ByModel {
 
 /// A warning if the optimum of a motion is hard to make.
 pub(crate) fn hard_to_make(motion: &str, best_deg: Option<f64>) -> Option<String> {
-    let (low, high) = CONTACT_ANGLES;
-    let deg = best_deg.filter(|deg| !(low..=high).contains(&(deg * DEG)))?;
-    let (low, high) = (low / DEG, high / DEG);
+    let (low, high) = USUAL_CONTACT_ANGLES_DEG;
+    let deg = best_deg.filter(|deg| !(low..=high).contains(deg))?;
     Some(format!(
         "{motion}: a contact angle of {deg:.1} deg is hard to make; {low:.0} to {high:.0} deg is usual"
     ))

@@ -77,11 +77,11 @@ fn at_contacts(solved: &MovingBall) -> Block {
     });
     line("rolling_speed_m_s", "m/s", "rolling speed", &|c| ball.rolling_speed(&c.touch));
     line("spin_slip_published_m_s", "m/s", "spin slip as published", &|c| {
-        ball.spin_slip_published(&c.touch)
+        ball.spin_slip_published(c.touch.angle)
     });
     line("spin_rad_s", "rad/s", "spin about the normal", &|c| ball.spin(&c.touch));
     line("orbit_slip_published_m_s", "m/s", "orbit slip as published", &|c| {
-        ball.orbit_slip_published(&c.touch)
+        ball.orbit_slip_published(c.touch.site, c.touch.angle)
     });
     line("orbit_spin_rad_s", "rad/s", "part of the spin from the orbit", &|c| {
         ball.orbit_spin(&c.touch)
