@@ -346,7 +346,9 @@ impl Given {
                 let largest = ranges.contact_angle.1 / DEG;
                 let contact = *scene.contact_angle_deg.get_or_insert(largest);
                 let lead = Optimum::lead_angle(direction, contact * DEG, friction);
-                vec![Pitch::Angle(lead.ok_or(CaseError::NoBestLead { contact_angle_deg: contact })?)]
+                vec![Pitch::Angle(
+                    lead.ok_or(CaseError::NoBestLead { contact_angle_deg: contact })?,
+                )]
             }
             (None, None) => standard.leads.into_iter().map(Pitch::Lead).collect(),
         };

@@ -221,5 +221,7 @@ fn the_motor_limits_the_power() {
     assert!((value(&report, "turns_for_stroke") - 70.0).abs() < 1e-9);
     let weak = ["largest_input_power_W=1990", "model=closed-form"];
     let weak = DesignReport::of(&wish(&weak).expect("a requirement"));
-    assert!(!weak.found && weak.reasons.iter().any(|r| r.starts_with("input_power_W must be <= 1990")));
+    assert!(
+        !weak.found && weak.reasons.iter().any(|r| r.starts_with("input_power_W must be <= 1990"))
+    );
 }

@@ -282,6 +282,11 @@ pub(crate) struct OptimumArgs {
     /// Also search for the best contact angle of this model; the scene needs its inputs.
     #[arg(long, value_parser = PossibleValuesParser::new(Model::ALL.map(Model::name)))]
     pub(crate) model: Option<String>,
+    /// Folder for the figures (SVG and CSV) of Lin, Velinsky and Ravani (1994) around the scene: efficiency
+    /// against both angles and against the direction of slip, normal loads, optimum contact angle,
+    /// self-locking limits; those whose inputs are given. Created if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plot: Option<PathBuf>,
     /// How to print the result.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,

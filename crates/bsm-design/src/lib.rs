@@ -40,8 +40,8 @@ pub use life::{Duty, Life, life};
 pub use nut::{DynamicRating, Nut, StaticRating};
 pub use procedure::{Blocked, Outcome, Why};
 pub use requirement::{
-    Check, Demand, Design, EfficiencyOf, Fixed, Objective, Pitch, Quantity, Ranges,
-    Reach, Requirement,
+    Check, Demand, Design, EfficiencyOf, Fixed, Objective, Pitch, Quantity, Ranges, Reach,
+    Requirement,
 };
 pub use rigidity::Rigidity;
 

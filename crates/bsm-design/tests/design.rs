@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use bsm_design::{
-    Blocked, Demand, Design, Fixed, Nut, Objective, Outcome, Pitch, Quantity, Ranges, Reach, Requirement,
-    Why,
+    Blocked, Demand, Design, Fixed, Nut, Objective, Outcome, Pitch, Quantity, Ranges, Reach,
+    Requirement, Why,
 };
 use bsm_dyn::{Angles, Direction, Material};
 

@@ -3,8 +3,8 @@
 
 mod lin;
 
-pub use lin::lin_figures;
 pub(crate) use lin::efficiency_as_printed;
+pub use lin::lin_figures;
 
 use bsm_case::{Scene, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, Solution};

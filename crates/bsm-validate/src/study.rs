@@ -40,7 +40,8 @@ impl Claim {
             Self::Rises => shape == Shape::Rises,
             Self::Falls => shape == Shape::Falls,
             Self::Flattens(knee) => {
-                shape == Shape::Falls && slope(points, |x| x <= knee) <= 2.0 * slope(points, |x| x >= knee)
+                shape == Shape::Falls
+                    && slope(points, |x| x <= knee) <= 2.0 * slope(points, |x| x >= knee)
             }
             Self::Exceeds => points.iter().all(|(_, y)| *y > 1.0),
         }

@@ -89,7 +89,8 @@ fn case(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
         radial += (offset + approach) * cos;
         axial += (offset + approach) * sin;
     }
-    let offsets = scene.nut_conformity.zip(scene.screw_conformity).map_or(f64::NAN, |(n, s)| n + s - 1.0);
+    let offsets =
+        scene.nut_conformity.zip(scene.screw_conformity).map_or(f64::NAN, |(n, s)| n + s - 1.0);
     let length = 2.0 * radius * offsets;
     let displacement =
         solution.solved().and_then(|s| s.ball.axial_displacement).unwrap_or(f64::NAN);

@@ -176,7 +176,8 @@ fn gyroscopic_angles_are_those_of_the_paper() {
     let [pitch, yaw] = ball(Motion { precession: 0.0, omega: absolute }, 0.2).gyroscopic_angles();
     let rate = omega.norm();
     // ω_t = ω_R cosβ sinβ', ω_n = −ω_R sinβ, ω_b = −ω_R cosβ cosβ'
-    let paper = Vector3::new(pitch.cos() * yaw.sin(), -pitch.sin(), -pitch.cos() * yaw.cos()) * rate;
+    let paper =
+        Vector3::new(pitch.cos() * yaw.sin(), -pitch.sin(), -pitch.cos() * yaw.cos()) * rate;
     assert_relative_eq!(paper, omega, max_relative = 1e-13);
 }
 

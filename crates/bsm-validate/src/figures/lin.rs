@@ -31,10 +31,7 @@ pub fn lin_figures(scene: &Scene) -> Result<Vec<Figure>, ValidateError> {
 }
 
 /// * `slender`: the scene of Fig 5, for which the paper has another ball.
-pub(super) fn around_scenes(
-    scene: &Scene,
-    slender: &Scene,
-) -> Result<Vec<Figure>, ValidateError> {
+pub(super) fn around_scenes(scene: &Scene, slender: &Scene) -> Result<Vec<Figure>, ValidateError> {
     let scene = &forward(scene);
     let mut figures = Vec::new();
     if scene.suits(Model::ClosedForm) {
@@ -231,8 +228,9 @@ fn slip_direction(scene: &Scene) -> Option<Figure> {
     let corrected = |degrees: f64| {
         (degrees, angles.efficiency_at(direction, friction, size, degrees.to_radians()))
     };
-    let printed =
-        |degrees: f64| (degrees, efficiency_as_printed(&angles, friction, size, degrees.to_radians()));
+    let printed = |degrees: f64| {
+        (degrees, efficiency_as_printed(&angles, friction, size, degrees.to_radians()))
+    };
     let own = angles.screw_slip_angle(direction).to_degrees();
     let curve = |label: &str, color, stroke, points| Curve::new(label, color, stroke, points);
     let over = degrees(0..=90);
@@ -257,7 +255,12 @@ fn slip_direction(scene: &Scene) -> Option<Figure> {
 }
 
 /// Eq 11 of the paper as it is printed, with the slip angle at the nut of Eq 10.
-pub(crate) fn efficiency_as_printed(angles: &Angles<f64>, friction: f64, size: f64, psi: f64) -> f64 {
+pub(crate) fn efficiency_as_printed(
+    angles: &Angles<f64>,
+    friction: f64,
+    size: f64,
+    psi: f64,
+) -> f64 {
     let (tan_a, (sin_b, cos_b)) = (angles.lead.tan(), angles.contact.sin_cos());
     let (at_nut, at_screw) = ((psi + PI).sin_cos(), psi.sin_cos());
     let force = sin_b - friction * (cos_b * at_nut.1 + at_nut.0 * tan_a);
@@ -306,10 +309,7 @@ fn short(friction: f64) -> String {
 }
 
 /// Contact angle of the best efficiency of the exact equations, searched for.
-fn exact_optimum(
-    scene: &Scene,
-    direction: Direction,
-) -> Result<Vec<(f64, f64)>, ValidateError> {
+fn exact_optimum(scene: &Scene, direction: Direction) -> Result<Vec<(f64, f64)>, ValidateError> {
     let mut points = Vec::new();
     for lead in degrees(12..=44).into_iter().step_by(4) {
         let mut scene = scene.clone();

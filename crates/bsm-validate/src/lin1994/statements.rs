@@ -66,9 +66,13 @@ fn quotient() -> Check {
             }
         }
     }
-    check("quasi-static-quotient", "Eqs 1-4", "Eqs 3 and 4 are work out over work in of Eqs 1 and 2")
-        .measured(worst, "largest difference")
-        .at_most(1e-13, "rounding")
+    check(
+        "quasi-static-quotient",
+        "Eqs 1-4",
+        "Eqs 3 and 4 are work out over work in of Eqs 1 and 2",
+    )
+    .measured(worst, "largest difference")
+    .at_most(1e-13, "rounding")
 }
 
 fn efficiency(scene: &Scene, model: Model) -> Result<f64, ValidateError> {
@@ -79,7 +83,8 @@ fn efficiency(scene: &Scene, model: Model) -> Result<f64, ValidateError> {
 /// "The driving component does not have an effect": exactly, and in the quasi-static analysis.
 fn driving_part(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
     let rpm = lin.screw_speed_rpm;
-    let nut = Scene { screw_speed_rpm: Some(0.0), nut_speed_rpm: rpm.map(|rpm| -rpm), ..lin.clone() };
+    let nut =
+        Scene { screw_speed_rpm: Some(0.0), nut_speed_rpm: rpm.map(|rpm| -rpm), ..lin.clone() };
     let pair = |model, lead: f64| {
         let with = |scene: &Scene| {
             let mut scene = scene.clone();
@@ -145,10 +150,14 @@ fn two_contacts(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
         cotangents = cotangents.max((left / right - 1.0).abs());
     }
     Ok(vec![
-        check("equal-loads", "Fig 4, Eq 10", "the loads of the two major contacts are equal for practical purposes")
-            .measured(unequal, "Q_A/Q_B - 1")
-            .note("contact angles of 15 to 75 deg, 2000 rpm")
-            .at_most(1e-2, "a hundredth: two curves within the width of a line"),
+        check(
+            "equal-loads",
+            "Fig 4, Eq 10",
+            "the loads of the two major contacts are equal for practical purposes",
+        )
+        .measured(unequal, "Q_A/Q_B - 1")
+        .note("contact angles of 15 to 75 deg, 2000 rpm")
+        .at_most(1e-2, "a hundredth: two curves within the width of a line"),
         check("cotangents", "Eq 12", "cot psi_A + cot psi_B = 2 cos beta / tan alpha")
             .measured(cotangents, "relative")
             .note("on the exact solution, contact angles of 15 to 75 deg, 2000 rpm")
@@ -164,7 +173,8 @@ fn direction_of_slip(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
     let size = ball.zip(pitch).map_or(f64::NAN, |(ball, pitch)| ball / pitch);
     let at = |psi: f64| lin_angles.efficiency_at(FORWARD, F, size, psi.to_radians());
     let quarter: Vec<_> = (0..=900).map(|i| 0.1 * f64::from(i)).collect();
-    let best = quarter.iter().copied().fold(0.0, |best, psi| if at(psi) > at(best) { psi } else { best });
+    let best =
+        quarter.iter().copied().fold(0.0, |best, psi| if at(psi) > at(best) { psi } else { best });
     let least = minimum_of(|psi| Ok::<_, ValidateError>(at(psi)), 45.0, 90.0)?;
     let printed = |psi: f64| efficiency_as_printed(&lin_angles, F, size, psi.to_radians());
     let most = quarter.iter().copied().map(printed).fold(0.0, f64::max);
@@ -183,24 +193,44 @@ fn direction_of_slip(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
         }
     }
     Ok(vec![
-        check("eq-11", "Eqs 11, 13, 14", "Eq 11 with the slip angle of Eq 13 is Eq 14 (as corrected)")
-            .measured(off, "largest difference")
-            .note("lead angles of 2 to 60 deg, contact angles of 5 to 85 deg, r_b/r_m = 0.1")
-            .at_most(1e-12, "rounding"),
+        check(
+            "eq-11",
+            "Eqs 11, 13, 14",
+            "Eq 11 with the slip angle of Eq 13 is Eq 14 (as corrected)",
+        )
+        .measured(off, "largest difference")
+        .note("lead angles of 2 to 60 deg, contact angles of 5 to 85 deg, r_b/r_m = 0.1")
+        .at_most(1e-12, "rounding"),
         check("eq-11-as-printed", "Eq 11 as printed", "an efficiency over the slip angle")
             .measured(most, "largest efficiency")
             .note("above one: the sign of friction in the numerator contradicts Eq 9"),
-        check("fig-5-upper-limit", "Fig 5", "the efficiency is largest for slip across the groove, 0 deg")
-            .measured(best, "deg")
-            .note(format!("efficiency {:.4}", at(best)))
-            .equals(0.0, 0.05, "steps of 0.1 deg"),
-        check("fig-5-tangential", "Fig 5", "friction along the groove costs more than friction across it")
-            .measured((1.0 - at(90.0)) / (1.0 - at(0.0)), "times the loss")
-            .note(format!("efficiency {:.4} at 0 deg, {:.4} at 90 deg", at(0.0), at(90.0)))
-            .at_least(1.0, "more is more than once"),
-        check("fig-5-lower-limit", "Fig 5", "the efficiency is smallest for slip along the groove, 90 deg")
-            .measured(least, "deg")
-            .note(format!("the least efficiency is {:.5}, at 90 deg it is {:.5}", at(least), at(90.0))),
+        check(
+            "fig-5-upper-limit",
+            "Fig 5",
+            "the efficiency is largest for slip across the groove, 0 deg",
+        )
+        .measured(best, "deg")
+        .note(format!("efficiency {:.4}", at(best)))
+        .equals(0.0, 0.05, "steps of 0.1 deg"),
+        check(
+            "fig-5-tangential",
+            "Fig 5",
+            "friction along the groove costs more than friction across it",
+        )
+        .measured((1.0 - at(90.0)) / (1.0 - at(0.0)), "times the loss")
+        .note(format!("efficiency {:.4} at 0 deg, {:.4} at 90 deg", at(0.0), at(90.0)))
+        .at_least(1.0, "more is more than once"),
+        check(
+            "fig-5-lower-limit",
+            "Fig 5",
+            "the efficiency is smallest for slip along the groove, 90 deg",
+        )
+        .measured(least, "deg")
+        .note(format!(
+            "the least efficiency is {:.5}, at 90 deg it is {:.5}",
+            at(least),
+            at(90.0)
+        )),
         check(
             "across-alone",
             "Eq 11",
@@ -224,9 +254,10 @@ fn misprints(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
         1.0 - F / (angles.lead.cos().powi(2) * s * root)
     };
     let mut checks = Vec::new();
-    for (direction, equation, suffix) in
-        [(FORWARD, "Eq 14", "rotary-to-linear"), (Direction::LinearToRotary, "Eq 17", "linear-to-rotary")]
-    {
+    for (direction, equation, suffix) in [
+        (FORWARD, "Eq 14", "rotary-to-linear"),
+        (Direction::LinearToRotary, "Eq 17", "linear-to-rotary"),
+    ] {
         let (mut worst, mut corrected) = ((0.0, 0.0), 0.0_f64);
         for contact in (20..=75).map(f64::from) {
             let scene = Scene {
@@ -256,13 +287,18 @@ fn misprints(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
         );
     }
     let lead = 10.0_f64.to_radians();
-    let best = Optimum::of(Direction::LinearToRotary, lead, F).map_or(f64::NAN, |best| best.contact_angle);
+    let best =
+        Optimum::of(Direction::LinearToRotary, lead, F).map_or(f64::NAN, |best| best.contact_angle);
     // C² + t² = S² + 2 f S is a quadratic of S.
     let sine = 0.5 * ((F * F + 2.0 * (1.0 + lead.tan().powi(2))).sqrt() - F);
     checks.push(
-        check("eq-18-as-printed", "Eq 18 as printed", "contact angle of best efficiency at a lead angle of 10 deg")
-            .measured(sine.asin().to_degrees(), "deg")
-            .note(format!("the optimum is at {:.4} deg (18 with its factor D)", best.to_degrees())),
+        check(
+            "eq-18-as-printed",
+            "Eq 18 as printed",
+            "contact angle of best efficiency at a lead angle of 10 deg",
+        )
+        .measured(sine.asin().to_degrees(), "deg")
+        .note(format!("the optimum is at {:.4} deg (18 with its factor D)", best.to_degrees())),
     );
     Ok(checks)
 }
@@ -279,7 +315,8 @@ fn optimum_range() -> Vec<Check> {
             };
             minimum_of(loss, 0.3, 1.57).unwrap_or(f64::NAN)
         };
-        let wrong = i32::from(inside(largest - 0.01) >= 1.569) + i32::from(inside(largest + 0.01) < 1.569);
+        let wrong =
+            i32::from(inside(largest - 0.01) >= 1.569) + i32::from(inside(largest + 0.01) < 1.569);
         check(
             &format!("optimum-range-{suffix}"),
             "Fig 6",
@@ -307,7 +344,8 @@ fn driven_side() -> Check {
                 let angles = Angles { lead: lead.to_radians(), contact };
                 let psi = angles.screw_slip_angle(direction);
                 let (force, torque) = angles.transmitted_at(friction, 0.1, psi);
-                let (driven, driving) = if direction == FORWARD { (force, torque) } else { (torque, force) };
+                let (driven, driving) =
+                    if direction == FORWARD { (force, torque) } else { (torque, force) };
                 points += 1;
                 // Rounding of a sum of terms of the size of friction over the lead angle.
                 wrong += i32::from(!(driven.abs() < 1e-9 && driving > 1.0));
@@ -355,7 +393,11 @@ fn other_direction() -> Check {
             worst = ((rl - lr).abs(), contact);
         }
     }
-    check("both-directions", "Eqs 14 and 17", "linear to rotary differs slightly from rotary to linear")
-        .measured(100.0 * worst.0, "percentage points")
-        .note(format!("largest at {} deg, contact angles of 20 to 75 deg, lead angle 10 deg", worst.1))
+    check(
+        "both-directions",
+        "Eqs 14 and 17",
+        "linear to rotary differs slightly from rotary to linear",
+    )
+    .measured(100.0 * worst.0, "percentage points")
+    .note(format!("largest at {} deg, contact angles of 20 to 75 deg, lead angle 10 deg", worst.1))
 }

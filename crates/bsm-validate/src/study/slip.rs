@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 
 use bsm_case::{Scene, Settings};
 use bsm_dyn::{
-    Angles, Control, Direction, Model, ModelWorkspace, Problem, Solution, SteadyBall, Touch, rim_speed,
+    Angles, Control, Direction, Model, ModelWorkspace, Problem, Solution, SteadyBall, Touch,
+    rim_speed,
 };
 use bsm_kin::{Drive, Helix, Site};
 use bsm_report::{Axis, Figure, Stroke};
@@ -37,6 +38,16 @@ enum Balls {
     },
     /// A model is solved at each point.
     Solved(Settings),
+}
+
+impl Balls {
+    /// What tells the figures of a model from those of rolling balls.
+    fn prefix(&self) -> String {
+        match self {
+            Self::Rolling { .. } => String::new(),
+            Self::Solved(settings) => format!("{}-", settings.model.name()),
+        }
+    }
 }
 
 /// A ball at a point of a sweep.
@@ -112,7 +123,10 @@ impl Sweep {
                 ]
             }
             Self::PitchCircle if slip.kind == Kind::Differential => {
-                vec![("", Claim::Rises, [usual, f64::INFINITY]), ("-small", Claim::Falls, [0.0, usual])]
+                vec![
+                    ("", Claim::Rises, [usual, f64::INFINITY]),
+                    ("-small", Claim::Falls, [0.0, usual]),
+                ]
             }
             Self::PitchCircle => vec![("", Claim::Rises, ALL)],
         };
@@ -355,8 +369,7 @@ impl Study {
                 Control::Nut => "nut",
                 Control::Screw => "screw",
             };
-            let basis =
-                format!("a ball that rolls at given contact angles, the {race} controls");
+            let basis = format!("a ball that rolls at given contact angles, the {race} controls");
             (screw, &Sweep::ROLLING[..], basis)
         } else {
             let balls = Balls::Solved(Settings { model: model.into(), ..*settings });
@@ -399,7 +412,12 @@ impl Study {
                     let within: Vec<_> =
                         points.iter().copied().filter(|(x, _)| (low..=high).contains(x)).collect();
                     let group = format!("{key}-{}{name}", slip.name);
-                    self.trends.extend(Trend::of((group, curve.clone(), axis), claim, &within, rounding));
+                    self.trends.extend(Trend::of(
+                        (group, curve.clone(), axis),
+                        claim,
+                        &within,
+                        rounding,
+                    ));
                 }
             }
             // A logarithm has no zero.
@@ -413,7 +431,7 @@ impl Study {
             curves.extend(line(slip.label, slip.kind as usize, stroke, points));
         }
         self.figures.push(Figure {
-            key: format!("slip-{key}-{place}"),
+            key: format!("slip-{}{key}-{place}", screw.balls.prefix()),
             title: format!("Slips at the {place} against {}", axis.split(',').next().unwrap_or("")),
             caption: format!(
                 "Xu and Tang (2015), Figs 7 to 9: as printed (solid), with the angles of the contact itself \
@@ -493,7 +511,11 @@ impl Study {
                 (a.0, orbit.at(a.1.as_ref(), 0) / orbit.at(b.1.as_ref(), 1))
             };
             let ratios: Vec<_> = at_nut.iter().zip(at_screw).map(ratio).collect();
-            let names = (format!("contact-angle-{name}-above"), format!("{} nut over screw", orbit.label), "contact angle, deg");
+            let names = (
+                format!("contact-angle-{name}-above"),
+                format!("{} nut over screw", orbit.label),
+                "contact angle, deg",
+            );
             self.trends.extend(Trend::of(names, Claim::Exceeds, &ratios, 0.0));
         }
     }
@@ -508,7 +530,8 @@ impl Study {
         const AXIS: &str = "speed, rpm";
         let Some((screw, nut)) = scene.speeds_rpm() else { return Ok(()) };
         // From a fiftieth to twice the speed of the scene.
-        let factors: Vec<_> = (0..=40).map(|i| 0.02 * 100.0_f64.powf(f64::from(i) / 40.0)).collect();
+        let factors: Vec<_> =
+            (0..=40).map(|i| 0.02 * 100.0_f64.powf(f64::from(i) / 40.0)).collect();
         let mut angles = [Vec::new(), Vec::new()];
         for factor in factors {
             let scene = Scene {
@@ -523,11 +546,11 @@ impl Study {
             }
         }
         let mut curves = Vec::new();
-        for (i, (points, claim)) in
-            angles.into_iter().zip([Claim::Rises, Claim::Falls]).enumerate()
+        for (i, (points, claim)) in angles.into_iter().zip([Claim::Rises, Claim::Falls]).enumerate()
         {
             let label = ["at the nut", "at the screw"][i];
-            let names = (format!("speed-{}", ["nut", "screw"][i]), format!("contact angle {label}"), AXIS);
+            let names =
+                (format!("speed-{}", ["nut", "screw"][i]), format!("contact angle {label}"), AXIS);
             self.trends.extend(Trend::of(names, claim, &points, 1e-9));
             curves.extend(line(label, i, Stroke::Solid, points));
         }
