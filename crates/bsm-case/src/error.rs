@@ -205,6 +205,14 @@ pub enum CaseError {
         /// What the simplest model with a motion lacks.
         missing: Vec<String>,
     },
+    /// A column that no row could fill.
+    #[error("column {column} would be empty: {} required for it", list(missing))]
+    EmptyColumn {
+        /// The column.
+        column: &'static str,
+        /// Inputs that lack.
+        missing: Vec<String>,
+    },
     /// The grooves leave no contact that can be rated.
     #[error("{0}")]
     NotRated(String),

@@ -47,6 +47,7 @@ mod number;
 mod optimum;
 mod output;
 mod problem;
+mod quantity;
 mod reader;
 mod record;
 mod requirement;
@@ -58,7 +59,7 @@ mod slip;
 mod spectrum;
 pub mod units;
 
-pub use analysis::{Analysis, Block, Line, Values};
+pub use analysis::{Analysis, AnalysisKind, Moving};
 pub use capacity::CapacityReport;
 pub use catalogue::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
@@ -73,6 +74,7 @@ pub use number::{exact, write_exact};
 pub use optimum::OptimumReport;
 pub use output::{Cell, OUTPUTS, Output, OutputKey};
 pub use problem::{ModelChoice, Settings};
+pub use quantity::{Numbers, Of, Quantity};
 pub use record::Record;
 pub use requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile};
 pub use rules::{Inputs, Relation, covered};

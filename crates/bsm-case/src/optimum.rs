@@ -6,18 +6,40 @@ use bsm_design::search::minimum_inside;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum};
 use serde_json::{Map, Value, json};
 
+use crate::problem::Needs;
+use crate::quantity::quantities;
 use crate::requirement::USUAL_CONTACT_ANGLES_DEG;
 use crate::units::DEG;
-use crate::{CaseError, Scene, Settings};
+use crate::{AnalysisKind, CaseError, InputKey, InputSet, Numbers, Quantity, Scene, Settings};
 
-/// Both directions at one lead angle and friction coefficient.
+quantities! { Optimum;
+    "closed form" {
+        optimum_contact_angle_deg ["deg"] Directions needs [lead_angle_deg | lead_mm],
+            "contact angle of best efficiency";
+        optimum_lead_angle_deg ["deg"] Directions needs [contact_angle_deg],
+            "lead angle for which the scene's contact angle is the best";
+        optimum_efficiency [""] Directions, "efficiency at the best angle";
+        self_locking_contact_angle_deg ["deg"] Directions needs [lead_angle_deg | lead_mm],
+            "self-locking: contact angle up to which (rotary to linear), or from which (linear to rotary)";
+        self_locking_lead_angle_deg ["deg"] Directions needs [contact_angle_deg],
+            "self-locking: lead angle from which (rotary to linear), or up to which (linear to rotary)";
+        efficiency [""] Directions needs [contact_angle_deg, lead_angle_deg | lead_mm],
+            "efficiency at the scene's contact angle";
+    }
+}
+
+/// What it needs, and besides a lead angle or a contact angle.
+pub(crate) const NEEDS: Needs =
+    Needs { all: InputSet::of(&[InputKey::friction_coefficient]), quantities: &[] };
+
+/// Both directions at one lead angle or contact angle and one friction coefficient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OptimumReport {
-    best: [Option<Optimum>; 2],
+    /// What is known in closed form.
+    pub numbers: Numbers,
+    /// Best contact angles, if there is a lead angle to find them for.
+    best: Option<[Option<Optimum>; 2]>,
     best_efficiency: f64,
-    locking_deg: [Option<f64>; 2],
-    /// Efficiency at the scene's own contact angle, if it has one.
-    own_efficiency: Option<[f64; 2]>,
     /// The optimum that a model finds in the direction of the scene's speeds.
     by_model: Option<ByModel>,
 }
@@ -37,8 +59,8 @@ const SEARCHED_DEG: (f64, f64) = (5.0, 85.0);
 const DIRECTIONS: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
 
 impl OptimumReport {
-    /// Optimum and limits for lead angle and friction coefficient of a scene in closed form; with a
-    /// model, its best contact angle in the direction of the scene's speeds besides.
+    /// Optimum and limits for lead angle or contact angle and friction coefficient of a scene in closed
+    /// form; with a model, its best contact angle in the direction of the scene's speeds besides.
     ///
     /// # Errors
     ///
@@ -46,40 +68,45 @@ impl OptimumReport {
     pub fn of(scene: &Scene, model: Option<Model>) -> Result<Self, CaseError> {
         scene.check()?;
         let by_model = model.map(|model| ByModel::of(scene, model)).transpose()?;
-        let (Some(lead), Some(friction)) = (scene.lead_angle(), scene.friction_coefficient) else {
-            let mut missing = Vec::new();
-            if scene.lead_angle().is_none() {
-                missing
-                    .push("lead_angle_deg (or lead_mm with pitch_circle_diameter_mm)".to_owned());
-            }
-            if scene.friction_coefficient.is_none() {
-                missing.push("friction_coefficient".to_owned());
-            }
-            return Err(CaseError::Missing { missing, model: "closed-form" });
+        let (lead, contact) = (scene.lead_angle(), scene.contact_angle_deg.map(|deg| deg * DEG));
+        let mut missing = NEEDS.missing(scene.given());
+        if lead.or(contact).is_none() {
+            let words = "lead_angle_deg (or lead_mm with pitch_circle_diameter_mm) or contact_angle_deg";
+            missing.push(words.to_owned());
+        }
+        let Some(friction) = scene.friction_coefficient.filter(|_| missing.is_empty()) else {
+            return Err(CaseError::Missing { missing, model: Model::ClosedForm.name() });
         };
-        let own = scene.contact_angle_deg.map(|deg| Angles { lead, contact: deg * DEG });
-        Ok(Self {
-            best: DIRECTIONS.map(|d| Optimum::of(d, lead, friction)),
-            best_efficiency: Optimum::best_efficiency(friction),
-            locking_deg: DIRECTIONS
-                .map(|d| Angles::locking_contact_angle(d, lead, friction).map(|b| b / DEG)),
-            own_efficiency: own.map(|angles| DIRECTIONS.map(|d| angles.efficiency(d, friction))),
-            by_model,
-        })
+        let best_efficiency = Optimum::best_efficiency(friction);
+        let mut numbers = Numbers::new(AnalysisKind::Optimum);
+        let best = lead.map(|lead| DIRECTIONS.map(|d| Optimum::of(d, lead, friction)));
+        if let Some(contact) = contact {
+            let leads = DIRECTIONS.map(|d| Optimum::lead_angle(d, contact, friction));
+            numbers.directions(optimum_lead_angle_deg, leads.map(|lead| lead.map(|a| a / DEG)));
+            numbers.directions(optimum_efficiency, leads.map(|lead| lead.map(|_| best_efficiency)));
+            let locking = |d| Angles::locking_lead_angle(d, contact, friction).map(|a| a / DEG);
+            numbers.directions(self_locking_lead_angle_deg, DIRECTIONS.map(locking));
+        }
+        if let (Some(lead), Some(best)) = (lead, best) {
+            let angles = best.map(|best| best.map(|b| b.contact_angle / DEG));
+            numbers.directions(optimum_contact_angle_deg, angles);
+            numbers.directions(optimum_efficiency, best.map(|best| best.map(|b| b.efficiency)));
+            let locking = |d| Angles::locking_contact_angle(d, lead, friction).map(|b| b / DEG);
+            numbers.directions(self_locking_contact_angle_deg, DIRECTIONS.map(locking));
+        }
+        if let (Some(lead), Some(contact)) = (lead, contact) {
+            let own = Angles { lead, contact };
+            numbers.directions(efficiency, DIRECTIONS.map(|d| Some(own.efficiency(d, friction))));
+        }
+        Ok(Self { numbers: numbers.finite()?, best, best_efficiency, by_model })
     }
 
     /// Label, unit and values for rotary to linear and linear to rotary.
     pub fn rows(&self) -> Vec<(&'static str, &'static str, [Option<f64>; 2])> {
-        let angle = self.best.map(|best| best.map(|b| b.contact_angle / DEG));
-        let efficiency = self.best.map(|best| best.map(|b| b.efficiency));
-        let mut rows = vec![
-            ("contact angle of best efficiency", "deg", angle),
-            ("efficiency there", "", efficiency),
-            ("self-locking: contact angle up to (rl), from (lr)", "deg", self.locking_deg),
-        ];
-        if let Some(own) = self.own_efficiency {
-            rows.push(("efficiency at the scene's contact angle", "", own.map(Some)));
-        }
+        let row = |(quantity, [rotary, linear, _]): (&Quantity, [Option<f64>; 3])| {
+            (quantity.about, quantity.unit, [rotary, linear])
+        };
+        let mut rows: Vec<_> = self.numbers.rows().map(row).collect();
         if let Some(found) = &self.by_model {
             let row = |value: fn(&Optimum) -> f64| {
                 DIRECTIONS.map(|d| found.best.as_ref().filter(|_| d == found.direction).map(value))
@@ -106,7 +133,7 @@ impl OptimumReport {
                 model.name()
             ));
         }
-        for (best, name) in self.best.iter().zip(names) {
+        for (best, name) in self.best.iter().flatten().zip(names) {
             match best.map(|b| b.contact_angle / DEG) {
                 None => warnings.push(format!(
                     "{name}: no contact angle reaches the best efficiency {:.4}; the lead angle is \
@@ -123,14 +150,9 @@ impl OptimumReport {
     pub fn to_json(&self) -> Value {
         let mut map = Map::new();
         for (i, name) in ["rotary_to_linear", "linear_to_rotary"].into_iter().enumerate() {
-            let best = self.best[i];
-            let entry = json!({
-                "optimum_contact_angle_deg": best.map(|b| b.contact_angle / DEG),
-                "optimum_efficiency": best.map(|b| b.efficiency),
-                "self_locking_contact_angle_deg": self.locking_deg[i],
-                "efficiency": self.own_efficiency.map(|own| own[i]),
-            });
-            map.insert(name.to_owned(), entry);
+            let value = |quantity: &Quantity| self.numbers.value(&quantity.columns[i]);
+            let entry = QUANTITIES.iter().map(|q| (q.key.to_owned(), json!(value(q))));
+            map.insert(name.to_owned(), Value::Object(entry.collect()));
         }
         if let Some(found) = &self.by_model {
             let entry = json!({

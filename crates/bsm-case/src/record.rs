@@ -48,6 +48,11 @@ impl Record {
         self.model
     }
 
+    /// The answer of the model, if there is one.
+    pub fn into_solution(self) -> Option<Solution> {
+        self.solution
+    }
+
     /// The numbers, if it converged.
     fn solved(&self) -> Option<&Solved> {
         self.solution.as_ref()?.solved()

@@ -2,7 +2,7 @@
 
 use bsm_case::units::MM;
 use bsm_case::{
-    Analysis, Block, Cell, OUTPUTS, Output, Record, Scene, Sensitivity, Values, printable,
+    Analysis, Cell, OUTPUTS, Of, Output, Quantity, Record, Scene, Sensitivity, printable,
 };
 use bsm_report::number;
 use bsm_validate::Study;
@@ -159,47 +159,35 @@ pub(crate) fn analysis(report: &Analysis) -> String {
     let head = [("model ", Some(report.model.name())), ("chosen", choice)];
     let head = head.into_iter().filter_map(|(label, text)| Some(format!("{label}  {}", text?)));
     let mut blocks = vec![head.collect::<Vec<_>>().join("\n")];
-    let lines = report.blocks.iter().flat_map(|block| &block.lines);
-    let scales = Scales::of(lines.flat_map(|line| {
-        let values = match line.values {
-            Values::Whole(value) => vec![value],
-            Values::Contacts(values) => values.into_iter().flatten().collect(),
-        };
-        values.into_iter().map(|value| (line.unit, value))
+    let rows: Vec<_> = report.numbers.rows().filter(|(q, _)| q.of != Of::Statement).collect();
+    let scales = Scales::of(rows.iter().flat_map(|(quantity, values)| {
+        values.iter().flatten().map(|value| (quantity.unit, *value))
     }));
-    blocks.extend(report.blocks.iter().map(|b| block(b, &scales)));
-    let verdicts = report.verdicts.iter().map(|(name, answer, words)| {
-        format!("{name}: {}; {words}", if *answer { "yes" } else { "no" })
+    blocks.extend(rows.chunk_by(|a, b| a.0.title == b.0.title).map(|rows| block(rows, &scales)));
+    let verdicts = report.statements().map(|(name, holds, words)| {
+        format!("{name}: {}; {words}", if holds { "yes" } else { "no" })
     });
     let lacks = report.lacks.iter().map(|lack| format!("left out: {lack}"));
     blocks.push(verdicts.chain(lacks).collect::<Vec<_>>().join("\n"));
     blocks.join("\n\n")
 }
 
-/// A block of an analysis: what the ball has, then what its contacts have.
-fn block(block: &Block, scales: &Scales) -> String {
-    let (mut whole, mut contacts) = (Vec::new(), Vec::new());
-    for line in &block.lines {
-        let print = |value| scales.print(line.unit, value);
-        let row = |cells: Vec<String>| {
-            [vec![line.about.to_owned(), line.unit.to_owned()], cells].concat()
+/// Quantities of an analysis that belong together: those of the ball, then those of its contacts.
+fn block(rows: &[(&Quantity, [Option<f64>; 3])], scales: &Scales) -> String {
+    let title = rows.first().map_or("", |(quantity, _)| quantity.title);
+    let table = |of, members: &[&str]| {
+        let rows = rows.iter().filter(|(quantity, _)| quantity.of == of);
+        let cells = |(quantity, values): &(&Quantity, [Option<f64>; 3])| {
+            let print =
+                |v: Option<f64>| v.map_or_else(String::new, |v| scales.print(quantity.unit, v));
+            let numbers = values.iter().take(members.len()).map(|value| print(*value));
+            [quantity.about, quantity.unit].map(str::to_owned).into_iter().chain(numbers).collect()
         };
-        match line.values {
-            Values::Whole(value) => whole.push(row(vec![print(value)])),
-            Values::Contacts(values) => {
-                let cells = values.map(|v| v.map_or_else(String::new, print));
-                contacts.push(row(cells.to_vec()));
-            }
-        }
-    }
-    let mut tables = Vec::new();
-    if !whole.is_empty() {
-        tables.push(plain(Some(&[block.title, "", "ball"]), &whole, 2));
-    }
-    if !contacts.is_empty() {
-        tables.push(plain(Some(&[block.title, "", "nut", "screw", "minor"]), &contacts, 2));
-    }
-    tables.join("\n\n")
+        let cells: Vec<Vec<String>> = rows.map(cells).collect();
+        (!cells.is_empty()).then(|| plain(Some(&[&[title, ""], members].concat()), &cells, 2))
+    };
+    let tables = [table(Of::Whole, &["ball"]), table(Of::Contacts, &["nut", "screw", "minor"])];
+    tables.into_iter().flatten().collect::<Vec<_>>().join("\n\n")
 }
 
 /// Published trends, and whether the curves of a study follow them.
