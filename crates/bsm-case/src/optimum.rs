@@ -189,7 +189,8 @@ impl ByModel {
 /// A warning if the optimum of a motion is hard to make.
 pub(crate) fn hard_to_make(motion: &str, best_deg: Option<f64>) -> Option<String> {
     let (low, high) = USUAL_CONTACT_ANGLES_DEG;
-    let deg = best_deg.filter(|deg| !(low..=high).contains(deg))?;
+    // Beyond the rounding of an angle that is one of the ends.
+    let deg = best_deg.filter(|deg| !(low - 1e-6..=high + 1e-6).contains(deg))?;
     Some(format!(
         "{motion}: a contact angle of {deg:.1} deg is hard to make; {low:.0} to {high:.0} deg is usual"
     ))
