@@ -71,7 +71,8 @@ impl OptimumReport {
         let (lead, contact) = (scene.lead_angle(), scene.contact_angle_deg.map(|deg| deg * DEG));
         let mut missing = NEEDS.missing(scene.given());
         if lead.or(contact).is_none() {
-            let words = "lead_angle_deg (or lead_mm with pitch_circle_diameter_mm) or contact_angle_deg";
+            let words =
+                "lead_angle_deg (or lead_mm with pitch_circle_diameter_mm) or contact_angle_deg";
             missing.push(words.to_owned());
         }
         let Some(friction) = scene.friction_coefficient.filter(|_| missing.is_empty()) else {

@@ -117,7 +117,8 @@ fn at_contacts(numbers: &mut Numbers, solved: &MovingBall) {
         [at_nut, at_screw, None]
     };
     numbers.contacts(spin_slip_printed_m_s, printed(&|_, angle| ball.spin_slip_published(angle)));
-    numbers.contacts(orbit_slip_printed_m_s, printed(&|site, b| ball.orbit_slip_published(site, b)));
+    numbers
+        .contacts(orbit_slip_printed_m_s, printed(&|site, b| ball.orbit_slip_published(site, b)));
     let rim = |rate: &dyn Fn(&MovingContact) -> f64| {
         solved.contacts.map(|c| {
             let contact = c?;
