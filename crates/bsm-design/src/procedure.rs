@@ -87,6 +87,10 @@ impl Requirement {
     /// Every ball in stock and every whole number of them that the limits of size allow fixes a pitch
     /// circle. The best of these at a first look over contact angles and conformities are optimised in
     /// both. If none keeps all limits, a search with any ball and fractions of balls tells why.
+    ///
+    /// # Panics
+    ///
+    /// If there is no lead to choose from.
     pub fn choose(&self, efficiency: EfficiencyOf<'_>) -> Outcome {
         let limited = self.least_efficiency.is_some() || self.largest_power.is_some();
         let needed = self.objective == Objective::Efficiency || limited;

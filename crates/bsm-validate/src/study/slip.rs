@@ -339,8 +339,8 @@ fn slip(name: &str) -> &'static Slip {
     SLIPS.iter().find(|slip| slip.name == name).expect("a name of the table")
 }
 
-/// A curve of a sweep: value and state, if there is a solution.
-type Points = Vec<(f64, Option<State>)>;
+/// A point of a sweep: value, and state if there is a solution.
+type Point = (f64, Option<State>);
 
 impl Study {
     /// Sweeps over contact angle, lead angle, pitch circle and speed around a scene.
@@ -381,7 +381,7 @@ impl Study {
         let mut swept = Vec::new();
         for sweep in sweeps {
             let at = |value: f64| Ok::<_, ValidateError>((value, sweep.at(&screw, value, work)?));
-            let points: Points =
+            let points: Vec<Point> =
                 sweep.values(&screw).into_iter().map(at).collect::<Result<_, _>>()?;
             for (i, place) in ["nut", "screw"].into_iter().enumerate() {
                 study.draw(&screw, *sweep, &points, (i, place));
@@ -396,7 +396,7 @@ impl Study {
         Ok(study)
     }
 
-    fn draw(&mut self, screw: &Screw, sweep: Sweep, points: &Points, (i, place): (usize, &str)) {
+    fn draw(&mut self, screw: &Screw, sweep: Sweep, points: &[Point], (i, place): (usize, &str)) {
         let (key, axis) = sweep.words();
         // What a slip may change by rounding.
         let rounding = 1e-9 * screw.ball_radius * screw.drive.relative_speed().abs();
@@ -446,7 +446,7 @@ impl Study {
 
     /// The efficiency of Lin et al., to whose curve the slips are said to correspond: it must rise where
     /// they fall.
-    fn trend_of_efficiency(&mut self, sweep: Sweep, points: &Points) {
+    fn trend_of_efficiency(&mut self, sweep: Sweep, points: &[Point]) {
         let (key, axis) = sweep.words();
         let claims: &[(&str, Claim, [f64; 2])] = match sweep {
             Sweep::NutAngle | Sweep::ScrewAngle | Sweep::ContactAngle => {
@@ -468,7 +468,7 @@ impl Study {
     }
 
     /// What is said of slips beside each other: which is larger, and which changes more.
-    fn comparisons(&mut self, swept: &[(Sweep, Points)]) {
+    fn comparisons(&mut self, swept: &[(Sweep, Vec<Point>)]) {
         let published = |kind: Kind| {
             SLIPS.iter().find(|s| s.kind == kind && s.form == Form::Printed).expect("in the table")
         };
@@ -478,7 +478,7 @@ impl Study {
             let (key, axis) = sweep.words();
             for (i, place) in ["nut", "screw"].into_iter().enumerate() {
                 for (large, small) in large.iter().flat_map(|l| small.iter().map(move |s| (l, s))) {
-                    let ratio = |(x, state): &(f64, Option<State>)| {
+                    let ratio = |(x, state): &Point| {
                         (*x, large.at(state.as_ref(), i) / small.at(state.as_ref(), i))
                     };
                     let ratios: Vec<_> = points.iter().map(ratio).collect();
@@ -507,7 +507,7 @@ impl Study {
         let Some((at_nut, at_screw)) = pair else { return };
         for name in ["orbit-printed", "orbit-corrected", "orbit-exact"] {
             let orbit = slip(name);
-            let ratio = |(a, b): (&(f64, Option<State>), &(f64, Option<State>))| {
+            let ratio = |(a, b): (&Point, &Point)| {
                 (a.0, orbit.at(a.1.as_ref(), 0) / orbit.at(b.1.as_ref(), 1))
             };
             let ratios: Vec<_> = at_nut.iter().zip(at_screw).map(ratio).collect();
