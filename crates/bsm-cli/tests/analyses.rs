@@ -199,7 +199,8 @@ fn bad_input_is_told() {
         assert!(text.contains(part), "{args:?}: {text}");
     }
     // No solution: the reason, and exit code 3, as everywhere.
-    let output = bsm(dir.path(), &["slip", &xu, "--model", "rigid"], "");
+    let flat = ["slip", &xu, "--model", "rigid", "--set", "lead_mm=10"];
+    let output = bsm(dir.path(), &flat, "");
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert!(stdout(&output).contains("no_solution"), "{}", stdout(&output));
     let output = bsm(dir.path(), &["jam", "no-such-file.json"], "");
