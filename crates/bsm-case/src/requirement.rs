@@ -273,10 +273,11 @@ impl Given {
     /// Least and largest of a number; the keys of both are of the requirement.
     fn range(&self, low: &'static str, high: &'static str) -> Result<(f64, f64), CaseError> {
         let [least, most] = [low, high].map(|key| self.number(key).unwrap_or(f64::NAN));
-        if least <= most {
+        // The search moves within the range: a value is fixed by its own key.
+        if least < most {
             return Ok((least, most));
         }
-        let rule = format!("at least {low} = {least}");
+        let rule = format!("> {low} = {least}");
         Err(CaseError::OutOfRange { key: high.to_owned(), value: most, rule })
     }
 

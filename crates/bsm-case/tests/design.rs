@@ -171,7 +171,8 @@ fn ranges_of_the_procedure_could_not_be_relaxed() {
     assert!(wide.found, "{:?}", wide.reasons);
     // 0.5 / 0.53, by hand.
     assert!((value(&wide, "ball_radius_over_groove_radius") - 0.943_396).abs() < 1e-6);
-    says(&["largest_contact_angle_deg=20"], "at least smallest_contact_angle_deg = 30");
+    says(&["largest_contact_angle_deg=20"], "must be > smallest_contact_angle_deg = 30");
+    says(&["largest_contact_angle_deg=30"], "`largest_contact_angle_deg` = 30 must be >");
     says(&["largest_ball_radius_over_pitch_radius=2"], "must be between 0 and 1");
     let flat = ["largest_contact_angle_deg=40", "smallest_contact_angle_deg=20"];
     let flat = DesignReport::of(&wish(&flat).expect("a requirement"));

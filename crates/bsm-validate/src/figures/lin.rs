@@ -6,7 +6,7 @@ use bsm_case::Scene;
 use bsm_design::search::minimum_of;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Solution};
 use bsm_kin::Site;
-use bsm_report::{Axis, Curve, Figure, Stroke};
+use bsm_report::{Axis, Curve, Figure, Stroke, short};
 
 use super::{Read, points};
 use crate::ValidateError;
@@ -301,11 +301,6 @@ fn optimum_angle(scene: &Scene, own: f64) -> Result<Figure, ValidateError> {
         y: Axis::linear("optimum contact angle, deg"),
         curves,
     })
-}
-
-/// A friction coefficient in a legend.
-fn short(friction: f64) -> String {
-    bsm_report::short(friction)
 }
 
 /// Contact angle of the best efficiency of the exact equations, searched for.
