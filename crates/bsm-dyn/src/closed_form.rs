@@ -430,7 +430,7 @@ mod tests {
         // (0.707107 − 0.0530330) / (0.707107 + 0.075 (0.1 − 0.707107)), six digits of a hand calculation.
         assert_relative_eq!(at(0.0), 0.654_073_8 / 0.661_573_8, epsilon = 1e-6);
         // (0.707107 − 0.0132245) / (0.707107 + 0.075 × 0.929289 / 0.176327).
-        assert_relative_eq!(at(FRAC_PI_2), 0.693_882_3 / 1.102_374_4, epsilon = 1e-6);
+        assert_relative_eq!(at(FRAC_PI_2), 0.693_882_3 / 1.102_376_4, epsilon = 1e-6);
     }
 
     #[test]
