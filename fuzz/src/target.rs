@@ -12,7 +12,7 @@ use bsm_batch::{
 };
 use bsm_case::{
     Axis, CapacityReport, Catalogue, Condition, DesignReport, Fit, Grid, RequirementFile, Scene,
-    Spectrum, candidate_json, stock,
+    Spectrum, candidate_json,
 };
 use bsm_dyn::Model;
 use bytes::Bytes;
@@ -205,10 +205,10 @@ fn spectrum(input: &[u8]) {
 }
 
 fn requirement(input: &[u8]) {
-    let stock = stock().expect("a list that is compiled in");
+    let standard = Catalogue::standard().expect("lists that are compiled in").lists;
     // The cheapest model: the others have a target of their own.
     let settings = ["model=closed-form".to_owned()];
-    if let Ok(wish) = RequirementFile::from_json(input, &settings, stock) {
+    if let Ok(wish) = RequirementFile::from_json(input, &settings, standard) {
         let _ = DesignReport::of(&wish).to_json().to_string();
     }
 }

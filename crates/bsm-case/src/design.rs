@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 use crate::optimum::hard_to_make;
 use crate::units::{DEG, MM, MPA, RPM};
-use crate::{CaseError, Catalogue, RequirementFile, Scene};
+use crate::{RequirementFile, Scene};
 
 /// A number of the procedure: step, what it is, value and requirement in words, and whether it
 /// holds.
@@ -128,15 +128,6 @@ impl DesignReport {
     }
 }
 
-/// Diameters of balls in stock \[m\].
-///
-/// # Errors
-///
-/// None; the list is compiled in.
-pub fn stock() -> Result<Vec<f64>, CaseError> {
-    Ok(Catalogue::standard()?.lists.balls)
-}
-
 /// The screw of a nut at the operating point of a requirement.
 fn scene(wish: &RequirementFile, nut: &Nut, load: f64) -> Scene {
     // Digits beyond a micrometre and a microdegree tell nothing.
@@ -174,12 +165,17 @@ fn label(quantity: Quantity) -> (&'static str, &'static str, f64) {
         Quantity::Turns => ("loaded_turns", "", 1.0),
         Quantity::AxialLoad => ("axial_load_N", "N", 1.0),
         Quantity::NormalLoad => ("normal_load_per_ball_N", "N", 1.0),
+        Quantity::Lead => ("lead_mm", "mm", MM),
+        Quantity::Stroke => ("stroke_mm", "mm", MM),
+        Quantity::StrokeTurns => ("turns_for_stroke", "", 1.0),
         Quantity::Advance => ("advance_mm_s", "mm/s", MM),
         Quantity::SpeedNumber => ("speed_number_mm_min", "mm/min", MM * RPM),
         Quantity::NutPressure => ("nut_max_pressure_MPa", "MPa", MPA),
         Quantity::ScrewPressure => ("screw_max_pressure_MPa", "MPa", MPA),
         Quantity::EllipseEnd => ("contact_ellipse_end_deg", "deg", DEG),
         Quantity::Efficiency => ("efficiency", "", 1.0),
+        Quantity::InputPower => ("input_power_W", "W", 1.0),
+        Quantity::OutputPower => ("output_power_W", "W", 1.0),
         Quantity::DynamicRating => ("dynamic_load_rating_N", "N", 1.0),
         Quantity::Life => ("life_h", "h", 3600.0),
         Quantity::Mass => ("mass_of_nut_and_screw_kg", "kg", 1.0),

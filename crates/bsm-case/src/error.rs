@@ -129,6 +129,15 @@ pub enum CaseError {
         /// The keys.
         missing: Vec<String>,
     },
+    /// No lead angle makes a contact angle the best one.
+    #[error(
+        "contact_angle_deg = {contact_angle_deg} is best for no lead angle; give a larger one, lead_mm or \
+         lead_angle_deg"
+    )]
+    NoBestLead {
+        /// The contact angle.
+        contact_angle_deg: f64,
+    },
     /// Conformities that differ.
     #[error(
         "nut_conformity = {nut} and screw_conformity = {screw} differ; a design has one for both: give \

@@ -64,7 +64,7 @@ pub use capacity::CapacityReport;
 pub use catalogue::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
 };
-pub use design::{DesignReport, DesignRow, stock};
+pub use design::{DesignReport, DesignRow};
 pub use error::{CaseError, brief, printable};
 pub use fit::{Fit, FitReport, Fitted};
 pub use grid::{Axis, Grid};

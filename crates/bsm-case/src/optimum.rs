@@ -2,38 +2,43 @@
 
 use std::cell::RefCell;
 
-use bsm_design::CONTACT_ANGLES;
 use bsm_design::search::minimum_inside;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum};
 use serde_json::{Map, Value, json};
 
-use crate::input_set::LEAD;
 use crate::problem::Needs;
 use crate::quantity::quantities;
+use crate::requirement::USUAL_CONTACT_ANGLES_DEG;
 use crate::units::DEG;
 use crate::{AnalysisKind, CaseError, InputKey, InputSet, Numbers, Quantity, Scene, Settings};
 
 quantities! { Optimum;
     "closed form" {
-        optimum_contact_angle_deg ["deg"] Directions, "contact angle of best efficiency";
-        optimum_efficiency [""] Directions, "efficiency at the contact angle of best efficiency";
-        self_locking_contact_angle_deg ["deg"] Directions,
+        optimum_contact_angle_deg ["deg"] Directions needs [lead_angle_deg | lead_mm],
+            "contact angle of best efficiency";
+        optimum_lead_angle_deg ["deg"] Directions needs [contact_angle_deg],
+            "lead angle for which the scene's contact angle is the best";
+        optimum_efficiency [""] Directions, "efficiency at the best angle";
+        self_locking_contact_angle_deg ["deg"] Directions needs [lead_angle_deg | lead_mm],
             "self-locking: contact angle up to which (rotary to linear), or from which (linear to rotary)";
-        efficiency [""] Directions needs [contact_angle_deg],
+        self_locking_lead_angle_deg ["deg"] Directions needs [contact_angle_deg],
+            "self-locking: lead angle from which (rotary to linear), or up to which (linear to rotary)";
+        efficiency [""] Directions needs [contact_angle_deg, lead_angle_deg | lead_mm],
             "efficiency at the scene's contact angle";
     }
 }
 
-/// What it needs.
+/// What it needs, and besides a lead angle or a contact angle.
 pub(crate) const NEEDS: Needs =
-    Needs { all: InputSet::of(&[InputKey::friction_coefficient]), quantities: &[LEAD] };
+    Needs { all: InputSet::of(&[InputKey::friction_coefficient]), quantities: &[] };
 
-/// Both directions at one lead angle and friction coefficient.
+/// Both directions at one lead angle or contact angle and one friction coefficient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OptimumReport {
     /// What is known in closed form.
     pub numbers: Numbers,
-    best: [Option<Optimum>; 2],
+    /// Best contact angles, if there is a lead angle to find them for.
+    best: Option<[Option<Optimum>; 2]>,
     best_efficiency: f64,
     /// The optimum that a model finds in the direction of the scene's speeds.
     by_model: Option<ByModel>,
@@ -54,8 +59,8 @@ const SEARCHED_DEG: (f64, f64) = (5.0, 85.0);
 const DIRECTIONS: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
 
 impl OptimumReport {
-    /// Optimum and limits for lead angle and friction coefficient of a scene in closed form; with a
-    /// model, its best contact angle in the direction of the scene's speeds besides.
+    /// Optimum and limits for lead angle or contact angle and friction coefficient of a scene in closed
+    /// form; with a model, its best contact angle in the direction of the scene's speeds besides.
     ///
     /// # Errors
     ///
@@ -63,24 +68,38 @@ impl OptimumReport {
     pub fn of(scene: &Scene, model: Option<Model>) -> Result<Self, CaseError> {
         scene.check()?;
         let by_model = model.map(|model| ByModel::of(scene, model)).transpose()?;
-        let (Some(lead), Some(friction)) = (scene.lead_angle(), scene.friction_coefficient) else {
-            let missing = NEEDS.missing(scene.given());
+        let (lead, contact) = (scene.lead_angle(), scene.contact_angle_deg.map(|deg| deg * DEG));
+        let mut missing = NEEDS.missing(scene.given());
+        if lead.or(contact).is_none() {
+            let words =
+                "lead_angle_deg (or lead_mm with pitch_circle_diameter_mm) or contact_angle_deg";
+            missing.push(words.to_owned());
+        }
+        let Some(friction) = scene.friction_coefficient.filter(|_| missing.is_empty()) else {
             return Err(CaseError::Missing { missing, model: Model::ClosedForm.name() });
         };
-        let best = DIRECTIONS.map(|d| Optimum::of(d, lead, friction));
-        let own = scene.contact_angle_deg.map(|deg| Angles { lead, contact: deg * DEG });
+        let best_efficiency = Optimum::best_efficiency(friction);
         let mut numbers = Numbers::new(AnalysisKind::Optimum);
-        numbers.directions(
-            optimum_contact_angle_deg,
-            best.map(|best| best.map(|b| b.contact_angle / DEG)),
-        );
-        numbers.directions(optimum_efficiency, best.map(|best| best.map(|b| b.efficiency)));
-        let locking = |d| Angles::locking_contact_angle(d, lead, friction).map(|b| b / DEG);
-        numbers.directions(self_locking_contact_angle_deg, DIRECTIONS.map(locking));
-        let at_own = |d| own.map(|angles| angles.efficiency(d, friction));
-        numbers.directions(efficiency, DIRECTIONS.map(at_own));
-        let numbers = numbers.finite()?;
-        Ok(Self { numbers, best, best_efficiency: Optimum::best_efficiency(friction), by_model })
+        let best = lead.map(|lead| DIRECTIONS.map(|d| Optimum::of(d, lead, friction)));
+        if let Some(contact) = contact {
+            let leads = DIRECTIONS.map(|d| Optimum::lead_angle(d, contact, friction));
+            numbers.directions(optimum_lead_angle_deg, leads.map(|lead| lead.map(|a| a / DEG)));
+            numbers.directions(optimum_efficiency, leads.map(|lead| lead.map(|_| best_efficiency)));
+            let locking = |d| Angles::locking_lead_angle(d, contact, friction).map(|a| a / DEG);
+            numbers.directions(self_locking_lead_angle_deg, DIRECTIONS.map(locking));
+        }
+        if let (Some(lead), Some(best)) = (lead, best) {
+            let angles = best.map(|best| best.map(|b| b.contact_angle / DEG));
+            numbers.directions(optimum_contact_angle_deg, angles);
+            numbers.directions(optimum_efficiency, best.map(|best| best.map(|b| b.efficiency)));
+            let locking = |d| Angles::locking_contact_angle(d, lead, friction).map(|b| b / DEG);
+            numbers.directions(self_locking_contact_angle_deg, DIRECTIONS.map(locking));
+        }
+        if let (Some(lead), Some(contact)) = (lead, contact) {
+            let own = Angles { lead, contact };
+            numbers.directions(efficiency, DIRECTIONS.map(|d| Some(own.efficiency(d, friction))));
+        }
+        Ok(Self { numbers: numbers.finite()?, best, best_efficiency, by_model })
     }
 
     /// Label, unit and values for rotary to linear and linear to rotary.
@@ -115,7 +134,7 @@ impl OptimumReport {
                 model.name()
             ));
         }
-        for (best, name) in self.best.iter().zip(names) {
+        for (best, name) in self.best.iter().flatten().zip(names) {
             match best.map(|b| b.contact_angle / DEG) {
                 None => warnings.push(format!(
                     "{name}: no contact angle reaches the best efficiency {:.4}; the lead angle is \
@@ -170,9 +189,9 @@ impl ByModel {
 
 /// A warning if the optimum of a motion is hard to make.
 pub(crate) fn hard_to_make(motion: &str, best_deg: Option<f64>) -> Option<String> {
-    let (low, high) = CONTACT_ANGLES;
-    let deg = best_deg.filter(|deg| !(low..=high).contains(&(deg * DEG)))?;
-    let (low, high) = (low / DEG, high / DEG);
+    let (low, high) = USUAL_CONTACT_ANGLES_DEG;
+    // Beyond the rounding of an angle that is one of the ends.
+    let deg = best_deg.filter(|deg| !(low - 1e-6..=high + 1e-6).contains(deg))?;
     Some(format!(
         "{motion}: a contact angle of {deg:.1} deg is hard to make; {low:.0} to {high:.0} deg is usual"
     ))

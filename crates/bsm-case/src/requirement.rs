@@ -1,7 +1,7 @@
 //! What a screw must do, in the vocabulary and a few more keys.
 
-use bsm_design::{Demand, Fixed, Objective, Pitch, Reach, Requirement};
-use bsm_dyn::{Direction, Model};
+use bsm_design::{Demand, Fixed, Lists, Objective, Pitch, Ranges, Reach, Requirement};
+use bsm_dyn::{Direction, Model, Optimum};
 use serde_json::{Map, Value};
 
 use crate::scene::{entries, wrong_type};
@@ -40,6 +40,13 @@ pub const REQUIREMENT_INPUTS: &[Input] = &[
     ),
     input("least_efficiency", "", Rule::Between(0.0, 1.0), None, "smallest efficiency allowed"),
     input(
+        "largest_input_power_W",
+        "W",
+        Rule::Above(0.0),
+        None,
+        "largest input power allowed: that of the motor, or of the load where it drives",
+    ),
+    input(
         "pressure_limit_MPa",
         "MPa",
         Rule::Above(0.0),
@@ -67,7 +74,59 @@ pub const REQUIREMENT_INPUTS: &[Input] = &[
         Some(0.7),
         "largest ball diameter over lead; the rest of the lead is the land between the grooves",
     ),
+    input(
+        "smallest_contact_angle_deg",
+        "deg",
+        Rule::Between(0.0, 90.0),
+        Some(USUAL_CONTACT_ANGLES_DEG.0),
+        "smallest contact angle allowed",
+    ),
+    input(
+        "largest_contact_angle_deg",
+        "deg",
+        Rule::Between(0.0, 90.0),
+        Some(USUAL_CONTACT_ANGLES_DEG.1),
+        "largest contact angle allowed",
+    ),
+    input(
+        "largest_length_over_pitch_radius",
+        "",
+        Rule::Above(0.0),
+        Some(60.0),
+        "largest length of the screw over its pitch circle radius (Lin's step 4)",
+    ),
+    input(
+        "smallest_ball_radius_over_pitch_radius",
+        "",
+        Rule::Between(0.0, 1.0),
+        Some(0.07),
+        "smallest ball radius over pitch circle radius (Lin's step 5)",
+    ),
+    input(
+        "largest_ball_radius_over_pitch_radius",
+        "",
+        Rule::Between(0.0, 1.0),
+        Some(0.2),
+        "largest ball radius over pitch circle radius (Lin's step 5)",
+    ),
+    input(
+        "smallest_ball_radius_over_groove_radius",
+        "",
+        Rule::Between(0.0, 1.0),
+        Some(0.95),
+        "smallest ball radius over groove radius (Lin's step 6); 0.5 / conformity",
+    ),
+    input(
+        "largest_ball_radius_over_groove_radius",
+        "",
+        Rule::Between(0.0, 1.0),
+        Some(0.97),
+        "largest ball radius over groove radius (Lin's step 6)",
+    ),
 ];
+
+/// Contact angles that are easy to make \[deg\].
+pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 
 /// Keys with words, and their possible words; the first is the default.
 pub const REQUIREMENT_WORDS: [(&str, &[&str], &str); 3] = [
@@ -125,13 +184,13 @@ pub struct RequirementFile {
 impl RequirementFile {
     /// Reads a requirement and applies settings `name=value`.
     ///
-    /// * `stock`: diameters of balls in stock \[m\].
+    /// * `standard`: balls in stock, and the leads to choose from if the requirement has none.
     ///
     /// # Errors
     ///
     /// [`CaseError`] for syntax, unknown keys, values out of range, and what is missing or
     /// contradicts itself.
-    pub fn from_json(json: &[u8], settings: &[String], stock: Vec<f64>) -> Result<Self, CaseError> {
+    pub fn from_json(json: &[u8], settings: &[String], standard: Lists) -> Result<Self, CaseError> {
         let mut given = Given::default();
         for (key, value) in entries(json)? {
             given.assign(&key, &value)?;
@@ -143,7 +202,7 @@ impl RequirementFile {
             let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
             given.assign(key, &value)?;
         }
-        given.wish(stock)
+        given.wish(standard)
     }
 }
 
@@ -211,7 +270,35 @@ impl Given {
         }
     }
 
-    fn wish(self, stock: Vec<f64>) -> Result<RequirementFile, CaseError> {
+    /// Least and largest of a number; the keys of both are of the requirement.
+    fn range(&self, low: &'static str, high: &'static str) -> Result<(f64, f64), CaseError> {
+        let [least, most] = [low, high].map(|key| self.number(key).unwrap_or(f64::NAN));
+        // The search moves within the range: a value is fixed by its own key.
+        if least < most {
+            return Ok((least, most));
+        }
+        let rule = format!("> {low} = {least}");
+        Err(CaseError::OutOfRange { key: high.to_owned(), value: most, rule })
+    }
+
+    fn ranges(&self) -> Result<Ranges, CaseError> {
+        let (low, high) = self.range("smallest_contact_angle_deg", "largest_contact_angle_deg")?;
+        let slenderness = self.number("largest_length_over_pitch_radius");
+        Ok(Ranges {
+            contact_angle: (low * DEG, high * DEG),
+            slimmest: slenderness.unwrap_or(f64::NAN).recip(),
+            ball_over_radius: self.range(
+                "smallest_ball_radius_over_pitch_radius",
+                "largest_ball_radius_over_pitch_radius",
+            )?,
+            ball_over_groove: self.range(
+                "smallest_ball_radius_over_groove_radius",
+                "largest_ball_radius_over_groove_radius",
+            )?,
+        })
+    }
+
+    fn wish(self, standard: Lists) -> Result<RequirementFile, CaseError> {
         let mut scene = self.scene.clone();
         scene.check()?;
         let demand =
@@ -227,16 +314,6 @@ impl Given {
             let diameter = lead / (std::f64::consts::PI * (angle * DEG).tan());
             scene.pitch_circle_diameter_mm = Some(diameter);
         }
-        let pitch = match (scene.lead_mm, scene.lead_angle_deg) {
-            (Some(lead), _) => Pitch::Lead(lead * MM),
-            (None, Some(angle)) => Pitch::Angle(angle * DEG),
-            (None, None) => {
-                return Err(CaseError::OneOfTwo {
-                    keys: ["lead_mm", "lead_angle_deg"],
-                    found: "neither is",
-                });
-            }
-        };
         let mut missing = Vec::new();
         let mut need = |key: InputKey| {
             scene[key].unwrap_or_else(|| {
@@ -261,12 +338,27 @@ impl Given {
         };
         // The motion tells the direction; a sign of the speed is of no matter.
         scene.screw_speed_rpm = Some(direction.sign() * rpm.abs());
+        let ranges = self.ranges()?;
+        let pitches = match (scene.lead_mm, scene.lead_angle_deg) {
+            (Some(lead), _) => vec![Pitch::Lead(lead * MM)],
+            (None, Some(angle)) => vec![Pitch::Angle(angle * DEG)],
+            (None, None) if direction.is_back() => {
+                // Lin's rule: the largest contact angle, and the lead angle that it is best for.
+                let largest = ranges.contact_angle.1 / DEG;
+                let contact = *scene.contact_angle_deg.get_or_insert(largest);
+                let lead = Optimum::lead_angle(direction, contact * DEG, friction);
+                vec![Pitch::Angle(
+                    lead.ok_or(CaseError::NoBestLead { contact_angle_deg: contact })?,
+                )]
+            }
+            (None, None) => standard.leads.into_iter().map(Pitch::Lead).collect(),
+        };
         let limit = |key| self.number(key).unwrap_or(f64::NAN);
         let speed_number = scene.value_or_default(InputKey::speed_number_limit_mm_min);
         let requirement = Requirement {
             demand,
             direction,
-            pitch,
+            pitches,
             reach,
             speed: rpm.abs() * RPM,
             life: self.number("life_h").map(|hours| 3600.0 * hours),
@@ -278,6 +370,8 @@ impl Given {
             largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,
             largest_turns: limit("largest_loaded_turns"),
             least_efficiency: self.number("least_efficiency"),
+            largest_power: self.number("largest_input_power_W"),
+            ranges,
             objective: match self.word("objective") {
                 "capacity" => Objective::Capacity,
                 "mass" => Objective::Mass,
@@ -290,7 +384,7 @@ impl Given {
                 conformity,
                 turns: scene.loaded_turns,
             },
-            stock,
+            stock: standard.balls,
         };
         let model = Model::from_name(self.word("model")).unwrap_or(Model::Traction);
         Ok(RequirementFile { scene, model, requirement })

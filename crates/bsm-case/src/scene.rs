@@ -127,12 +127,12 @@ impl Scene {
     }
 
     /// Screw and nut speed, the nut at rest unless given; `None` without a screw speed.
-    pub(crate) fn speeds_rpm(&self) -> Option<(f64, f64)> {
+    pub fn speeds_rpm(&self) -> Option<(f64, f64)> {
         self.screw_speed_rpm.map(|screw| (screw, self.nut_speed_rpm.unwrap_or(0.0)))
     }
 
     /// Lead angle \[rad\], from the angle or from lead and pitch circle.
-    pub(crate) fn lead_angle(&self) -> Option<f64> {
+    pub fn lead_angle(&self) -> Option<f64> {
         self.reader().lead_angle()
     }
 

@@ -8,20 +8,27 @@ use bsm_kin::Site;
 
 use crate::analysis::{MovingBall, MovingContact};
 use crate::quantity::{Contacts, quantities};
+use crate::units::DEG;
 use crate::{Analysis, AnalysisKind, CaseError, Numbers, Scene, Settings};
 
 quantities! { Slip;
+    "rotation of the ball relative to the nut" {
+        gyroscopic_angle_deg ["deg"] Whole, "gyroscopic angle: axis of rotation out of the plane of t and b";
+        gyroscopic_yaw_angle_deg ["deg"] Whole, "gyroscopic angle in that plane, from -b towards t";
+    }
     "slip between neighbouring balls" {
-        ball_slip_published_m_s ["m/s"] Whole, "slip speed between neighbouring balls as published";
+        ball_slip_printed_m_s ["m/s"] Whole, "slip speed between neighbouring balls as printed";
         ball_slip_m_s ["m/s"] Whole, "slip speed of the surfaces of neighbouring balls";
     }
     "slip at the contacts" {
         differential_slip_m_s ["m/s"] Contacts, "differential slip, at the centre";
         slide_roll_ratio [""] Contacts, "differential slip over rolling speed";
         rolling_speed_m_s ["m/s"] Contacts, "rolling speed";
-        spin_slip_published_m_s ["m/s"] Contacts, "spin slip as published";
+        spin_slip_printed_m_s ["m/s"] Contacts, "spin slip as printed";
+        spin_slip_corrected_m_s ["m/s"] Contacts, "spin slip as corrected";
         spin_rad_s ["rad/s"] Contacts, "spin about the normal";
-        orbit_slip_published_m_s ["m/s"] Contacts, "orbit slip as published";
+        orbit_slip_printed_m_s ["m/s"] Contacts, "orbit slip as printed";
+        orbit_slip_corrected_m_s ["m/s"] Contacts, "orbit slip as corrected";
         orbit_spin_rad_s ["rad/s"] Contacts, "part of the spin from the orbit";
         spin_slip_m_s ["m/s"] Contacts needs [nut_conformity, screw_conformity],
             "spin slip at the end of the ellipse";
@@ -48,8 +55,8 @@ quantities! { Slip;
 const POWERS_AGREE: f64 = 1e-6;
 
 impl Analysis {
-    /// Differential slip, slip between balls, spin and orbit slip in published and in exact form,
-    /// and the power that each part of the slip takes.
+    /// Gyroscopic angles, differential slip, slip between balls, spin and orbit slip as printed, as
+    /// corrected and in exact form, and the power that each part of the slip takes.
     ///
     /// * `settings`: those that `solution` was found with.
     ///
@@ -87,7 +94,10 @@ impl Analysis {
 }
 
 fn between(numbers: &mut Numbers, solved: &MovingBall) {
-    numbers.whole(ball_slip_published_m_s, solved.ball.ball_slip_published());
+    let [angle, yaw] = solved.ball.gyroscopic_angles();
+    numbers.whole(gyroscopic_angle_deg, angle / DEG);
+    numbers.whole(gyroscopic_yaw_angle_deg, yaw / DEG);
+    numbers.whole(ball_slip_printed_m_s, solved.ball.ball_slip_published());
     numbers.whole(ball_slip_m_s, solved.ball.ball_slip());
 }
 
@@ -99,10 +109,20 @@ fn at_contacts(numbers: &mut Numbers, solved: &MovingBall) {
     line(differential_slip_m_s, &|c| ball.differential_slip(&c.touch));
     line(slide_roll_ratio, &|c| ball.slide_roll_ratio(&c.touch));
     line(rolling_speed_m_s, &|c| ball.rolling_speed(&c.touch));
-    line(spin_slip_published_m_s, &|c| ball.spin_slip_published(&c.touch));
+    line(spin_slip_corrected_m_s, &|c| ball.spin_slip_published(c.touch.angle));
     line(spin_rad_s, &|c| ball.spin(&c.touch));
-    line(orbit_slip_published_m_s, &|c| ball.orbit_slip_published(&c.touch));
+    line(orbit_slip_corrected_m_s, &|c| ball.orbit_slip_published(c.touch.site, c.touch.angle));
     line(orbit_spin_rad_s, &|c| ball.orbit_spin(&c.touch));
+    // As printed a contact takes the angle of the other loaded one; the minor contact has no formula.
+    let [nut, screw, _] = solved.contacts.map(|c| c.map(|c| c.touch.angle));
+    let others = [(Site::Nut, screw), (Site::Screw, nut)];
+    let printed = |form: &dyn Fn(Site, f64) -> f64| {
+        let [at_nut, at_screw] = others.map(|(site, angle)| angle.map(|angle| form(site, angle)));
+        [at_nut, at_screw, None]
+    };
+    numbers.contacts(spin_slip_printed_m_s, printed(&|_, angle| ball.spin_slip_published(angle)));
+    numbers
+        .contacts(orbit_slip_printed_m_s, printed(&|site, b| ball.orbit_slip_published(site, b)));
     let rim = |rate: &dyn Fn(&MovingContact) -> f64| {
         solved.contacts.map(|c| {
             let contact = c?;

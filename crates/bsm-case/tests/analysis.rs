@@ -78,6 +78,28 @@ fn powers_add_up_with_the_dials() {
     }
 }
 
+/// As printed, the formulas of one contact take the angle of the other: the same where both angles are,
+/// and exchanged with the corrected spin slip where they are not; the minor contact has none.
+#[test]
+fn printed_slips_take_the_other_angle() {
+    let report = slip(&scene(XU, &[]), Model::Rigid);
+    for form in ["spin", "orbit"] {
+        for contact in ["nut", "screw"] {
+            let printed = number(&report, &format!("{contact}_{form}_slip_printed_m_s"));
+            let corrected = number(&report, &format!("{contact}_{form}_slip_corrected_m_s"));
+            assert!((printed / corrected - 1.0).abs() < 1e-12, "{contact} {form}");
+        }
+        assert!(report.numbers.number(&format!("minor_{form}_slip_printed_m_s")).is_none());
+    }
+    let report = slip(&scene(XU, &[]), Model::Traction);
+    let [printed, corrected] = ["printed", "corrected"].map(|form| {
+        ["nut", "screw"].map(|c| number(&report, &format!("{c}_spin_slip_{form}_m_s")))
+    });
+    assert!((printed[0] / corrected[1] - 1.0).abs() < 1e-12, "{printed:?} {corrected:?}");
+    assert!((printed[1] / corrected[0] - 1.0).abs() < 1e-12, "{printed:?} {corrected:?}");
+    assert!((printed[0] / corrected[0] - 1.0).abs() > 1e-2, "{printed:?} {corrected:?}");
+}
+
 /// The rigid model has three contacts and no ellipses: said, not filled in.
 #[test]
 fn rigid_has_no_ellipses() {

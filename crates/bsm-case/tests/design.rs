@@ -1,15 +1,30 @@
 //! Requirements and fits: what they say in the vocabulary.
 
 use bsm_case::{
-    CapacityReport, CaseError, DesignReport, Fit, RequirementFile, Scene, Settings, stock,
+    CapacityReport, CaseError, Catalogue, DesignReport, Fit, RequirementFile, Scene, Settings,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
 const REQUIREMENT: &[u8] = include_bytes!("../../../examples/requirements/feed_drive.json");
 
 fn wish(settings: &[&str]) -> Result<RequirementFile, CaseError> {
+    read(REQUIREMENT, settings)
+}
+
+/// The same without a lead.
+fn without_lead(settings: &[&str]) -> Result<RequirementFile, CaseError> {
+    read(include_bytes!("../../../examples/requirements/free_lead.json"), settings)
+}
+
+fn read(json: &[u8], settings: &[&str]) -> Result<RequirementFile, CaseError> {
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
-    RequirementFile::from_json(REQUIREMENT, &settings, stock().expect("compiled in"))
+    let standard = Catalogue::standard().expect("compiled in").lists;
+    RequirementFile::from_json(json, &settings, standard)
+}
+
+fn value(report: &DesignReport, name: &str) -> f64 {
+    let row = report.rows.iter().find(|row| row.name == name);
+    row.and_then(|row| row.value).unwrap_or_else(|| panic!("{name}: {report:?}"))
 }
 
 fn says(settings: &[&str], words: &str) {
@@ -60,11 +75,7 @@ fn requirements_are_checked() {
     says(&["nut_conformity=0.52", "screw_conformity=0.53"], "a design has one for both");
     says(&["screw_speed_rpm=0"], "must not be 0");
     says(&["pressure_limit_MPa=much"], "must be a number");
-    let bare = RequirementFile::from_json(
-        b"{\"axial_load_N\": 1, \"lead_mm\": 5, \"stroke_mm\": 9}",
-        &[],
-        vec![],
-    );
+    let bare = read(b"{\"axial_load_N\": 1, \"lead_mm\": 5, \"stroke_mm\": 9}", &[]);
     let error = bare.expect_err("incomplete").to_string();
     assert!(error.contains("screw_speed_rpm and friction_coefficient are required"), "{error}");
 }
@@ -146,4 +157,74 @@ fn a_fit_tells_what_can_be_reached() {
     }
     let error = Fit::new(&scene, "friction_coefficient", Some((-1.0, 1.0)), "screw_torque_Nm=1");
     assert!(error.expect_err("negative friction").to_string().contains("--range"));
+}
+
+/// The conformity of Sobolewski's tables is outside Lin's step 6, which a requirement may widen.
+#[test]
+fn ranges_of_the_procedure_could_not_be_relaxed() {
+    let tables = ["nut_conformity=0.53", "life_h=3000"];
+    let narrow = DesignReport::of(&wish(&tables).expect("a requirement"));
+    let blocks = |r: &String| r.contains("ball_radius_over_groove_radius");
+    assert!(!narrow.found && narrow.reasons.iter().any(blocks), "{:?}", narrow.reasons);
+    let wider = "smallest_ball_radius_over_groove_radius=0.94";
+    let wide = DesignReport::of(&wish(&[tables[0], tables[1], wider]).expect("a requirement"));
+    assert!(wide.found, "{:?}", wide.reasons);
+    // 0.5 / 0.53, by hand.
+    assert!((value(&wide, "ball_radius_over_groove_radius") - 0.943_396).abs() < 1e-6);
+    says(&["largest_contact_angle_deg=20"], "must be > smallest_contact_angle_deg = 30");
+    says(&["largest_contact_angle_deg=30"], "`largest_contact_angle_deg` = 30 must be >");
+    says(&["largest_ball_radius_over_pitch_radius=2"], "must be between 0 and 1");
+    let flat = ["largest_contact_angle_deg=40", "smallest_contact_angle_deg=20"];
+    let flat = DesignReport::of(&wish(&flat).expect("a requirement"));
+    assert!(flat.found && value(&flat, "contact_angle_deg") <= 40.0 + 1e-3, "{:?}", flat.rows);
+}
+
+/// Lin's step 1: the lead was demanded. The chosen one is standard, and its screw as light as with that
+/// lead given; the lead of the example gives a heavier one.
+#[test]
+fn the_lead_is_chosen() {
+    let free = DesignReport::of(&without_lead(&[]).expect("a requirement"));
+    assert!(free.found, "{:?}", free.reasons);
+    let lead = value(&free, "lead_mm");
+    let mass = |report: &DesignReport| value(report, "mass_of_nut_and_screw_kg");
+    let given = DesignReport::of(&wish(&[&format!("lead_mm={lead}")]).expect("a requirement"));
+    // The same search.
+    assert!((mass(&free) / mass(&given) - 1.0).abs() < 1e-9);
+    for other in ["lead_mm=8", "lead_mm=12", "lead_mm=16"] {
+        let other = DesignReport::of(&wish(&[other]).expect("a requirement"));
+        // Whole balls may be kinder to another lead than fractions of balls, by a little.
+        assert!(!other.found || mass(&free) <= 1.01 * mass(&other), "lead {lead} mm");
+    }
+}
+
+/// Lin's rule for linear to rotary: the largest contact angle and the lead angle of Eq 18.
+#[test]
+fn a_screw_that_the_load_turns_has_the_lead_of_eq_18() {
+    let motion = "motion=linear-to-rotary";
+    let back = without_lead(&[motion, "objective=efficiency", "model=closed-form", "life_h=100"]);
+    let report = DesignReport::of(&back.expect("a requirement"));
+    assert!((value(&report, "contact_angle_deg") - 75.0).abs() < 1e-6, "{:?}", report.rows);
+    // cosα = √y*/sinβ with y* = (1 − f/√(1+f²))/2 at f = 0.05 and 75 deg, by hand.
+    let y = 0.5 * (1.0 - 0.05 / 1.0025_f64.sqrt());
+    let lead = (y.sqrt() / 75.0_f64.to_radians().sin()).acos().to_degrees();
+    // The scene is rounded to microdegrees, the lead angle follows.
+    assert!((value(&report, "lead_angle_deg") - lead).abs() < 1e-6);
+    assert!((value(&report, "optimum_contact_angle_deg") - 75.0).abs() < 1e-6);
+    let error = without_lead(&[motion, "contact_angle_deg=40"]).expect_err("no lead is best");
+    assert!(error.to_string().contains("best for no lead angle"), "{error}");
+}
+
+/// Power and advance: 8 kN at 250 mm/s are 2 kW at the nut.
+#[test]
+fn the_motor_limits_the_power() {
+    let report = DesignReport::of(&wish(&[]).expect("an example"));
+    assert!((value(&report, "output_power_W") - 2000.0).abs() < 1e-6);
+    let input = value(&report, "input_power_W");
+    assert!((input - 2000.0 / value(&report, "efficiency")).abs() < 1e-6);
+    assert!((value(&report, "turns_for_stroke") - 70.0).abs() < 1e-9);
+    let weak = ["largest_input_power_W=1990", "model=closed-form"];
+    let weak = DesignReport::of(&wish(&weak).expect("a requirement"));
+    assert!(
+        !weak.found && weak.reasons.iter().any(|r| r.starts_with("input_power_W must be <= 1990"))
+    );
 }

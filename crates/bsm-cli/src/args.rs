@@ -275,7 +275,7 @@ pub(crate) struct BatchArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct OptimumArgs {
-    /// Scene file in JSON with lead angle and friction coefficient; `-` reads standard input.
+    /// Scene file in JSON with lead angle or contact angle, and friction coefficient; `-` reads standard input.
     #[arg(value_name = "SCENE.json")]
     pub(crate) scene: Option<PathBuf>,
     /// Set or replace an input; without a scene, --set `lead_angle_deg=10` --set `friction_coefficient=0.075`.
@@ -284,6 +284,11 @@ pub(crate) struct OptimumArgs {
     /// Also search for the best contact angle of this model; the scene needs its inputs.
     #[arg(long, value_parser = PossibleValuesParser::new(Model::ALL.map(Model::name)))]
     pub(crate) model: Option<String>,
+    /// Folder for the figures (SVG and CSV) of Lin, Velinsky and Ravani (1994) around the scene: efficiency
+    /// against both angles and against the direction of slip, normal loads, optimum contact angle,
+    /// self-locking limits; those whose inputs are given. Created if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plot: Option<PathBuf>,
     /// How to print the result.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,

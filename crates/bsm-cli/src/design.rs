@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bsm_case::{
-    DesignReport, DesignRow, REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile, stock,
+    Catalogue, DesignReport, DesignRow, REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile,
 };
 use bsm_report::number;
 
@@ -19,8 +19,8 @@ pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
     let json = read_json(path)?;
     files::keep(path, args.output.as_deref())?;
     let in_file = |e| Failure::scene(path, &e);
-    let wish = RequirementFile::from_json(&json, &args.settings, stock().map_err(in_file)?)
-        .map_err(in_file)?;
+    let standard = Catalogue::standard().map_err(in_file)?.lists;
+    let wish = RequirementFile::from_json(&json, &args.settings, standard).map_err(in_file)?;
     let report = DesignReport::of(&wish);
     if let Some(output) = args.output.as_deref().filter(|_| report.found) {
         files::write(output, &(pretty_json(&report.scene.to_json()) + "\n"))?;
@@ -88,8 +88,8 @@ fn keys() -> String {
     let rows: Vec<_> = words.chain(numbers).collect();
     let table = table::plain(None, &rows, usize::MAX);
     format!(
-        "A requirement needs axial_load_N or screw_torque_Nm, lead_mm or lead_angle_deg, stroke_mm or\n\
-         screw_length_mm, screw_speed_rpm and friction_coefficient. The design chooses ball_diameter_mm,\n\
+        "A requirement needs axial_load_N or screw_torque_Nm, stroke_mm or screw_length_mm, screw_speed_rpm\n\
+         and friction_coefficient. The design chooses lead_mm or lead_angle_deg, ball_diameter_mm,\n\
          pitch_circle_diameter_mm, contact_angle_deg, nut_conformity and loaded_turns unless given.\n\
          These are inputs of a scene (bsm schema input), or one of the following keys.\n\n{table}"
     )

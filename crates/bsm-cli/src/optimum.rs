@@ -6,7 +6,7 @@ use bsm_report::number;
 
 use crate::args::{Format, OptimumArgs};
 use crate::failure::{Failure, warn};
-use crate::files::{apply, pretty_json, print, read_scene};
+use crate::files::{apply, make_folder, pretty_json, print, read_scene, write_figures};
 use crate::table;
 
 pub(crate) fn run(args: &OptimumArgs) -> Result<(), Failure> {
@@ -22,6 +22,14 @@ pub(crate) fn run(args: &OptimumArgs) -> Result<(), Failure> {
         Some(path) => Failure::scene(path, &e),
         None => Failure::Input(format!("{e}; give a scene file or --set")),
     })?;
+    if let Some(folder) = &args.plot {
+        make_folder(folder)?;
+        let figures = bsm_validate::lin_figures(&scene)?;
+        write_figures(folder, &figures)?;
+        let words =
+            format!("wrote {} figures (SVG and CSV) in {}", figures.len(), folder.display());
+        warn("note", &words);
+    }
     match args.format {
         Format::Json => print(&pretty_json(&report.to_json())),
         Format::Table => {

@@ -226,3 +226,49 @@ fn the_optimum_of_a_model_is_searched_for() {
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("nut_conformity"), "{}", stderr(&output));
 }
+
+/// A contact angle alone was refused; either angle gives the other, and the figures of Lin are those that the
+/// inputs allow.
+#[test]
+fn the_optimum_is_found_from_either_angle() {
+    let dir = folder();
+    let of = |setting: &str| {
+        let args = [
+            "optimum",
+            "--set",
+            setting,
+            "--set",
+            "friction_coefficient=0.075",
+            "--format",
+            "json",
+        ];
+        let output = bsm(dir.path(), &args, "");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        json(&stdout(&output))
+    };
+    let contact = of("contact_angle_deg=75");
+    let lead =
+        contact["linear_to_rotary"]["optimum_lead_angle_deg"].as_f64().expect("a lead angle");
+    assert!(contact["linear_to_rotary"]["optimum_contact_angle_deg"].is_null(), "{contact}");
+    let back = of(&format!("lead_angle_deg={lead}"));
+    let angle = back["linear_to_rotary"]["optimum_contact_angle_deg"].as_f64().expect("an optimum");
+    assert!((angle - 75.0).abs() < 1e-9, "{angle}");
+    let output = bsm(dir.path(), &["optimum", "--set", "friction_coefficient=0.075"], "");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("or contact_angle_deg"), "{}", stderr(&output));
+
+    let figures = |args: &[&str]| {
+        let args = [args, &["--plot", "figures"][..]].concat();
+        let output = bsm(dir.path(), &args, "");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let names = fs::read_dir(dir.path().join("figures")).expect("figures");
+        names
+            .filter(|name| {
+                name.as_ref().is_ok_and(|n| n.path().extension() == Some("svg".as_ref()))
+            })
+            .count()
+    };
+    let angles = ["--set", "lead_angle_deg=10", "--set", "friction_coefficient=0.075"];
+    assert_eq!(figures(&[&["optimum"][..], &angles].concat()), 2);
+    assert_eq!(figures(&["optimum", &example("lin1994.json")]), 7);
+}

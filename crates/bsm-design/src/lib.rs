@@ -41,7 +41,7 @@ pub use life::{Duty, Life, OPENS_AT, life, pair_loads};
 pub use nut::{DynamicRating, Nut, StaticRating};
 pub use procedure::{Blocked, Outcome, Why};
 pub use requirement::{
-    CONTACT_ANGLES, Check, Demand, Design, EfficiencyOf, Fixed, Objective, Pitch, Quantity, Reach,
+    Check, Demand, Design, EfficiencyOf, Fixed, Objective, Pitch, Quantity, Ranges, Reach,
     Requirement,
 };
 pub use rigidity::{Elasticity, in_series};

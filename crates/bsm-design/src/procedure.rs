@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 use crate::catalogue::{IDLE_BALLS, STEP};
 use crate::nut::turn_length;
-use crate::requirement::{BALL_RATIOS, CONTACT_ANGLES, GROOVE_RATIOS};
 use crate::search::{SLACK, Value, minimise};
 use crate::{Check, Design, EfficiencyOf, Nut, Objective, Pitch, Quantity, Requirement};
 
@@ -31,6 +30,9 @@ const STARTS: [[f64; 4]; 6] = [
     [0.4, 0.2, 0.2, 0.8],
     [0.6, 0.6, 0.9, 0.6],
 ];
+
+/// How many of them choose a lead.
+const FEW_STARTS: usize = 2;
 
 /// Smallest pitch circle diameter that is tried \[m\].
 const SMALLEST: f64 = 2e-3;
@@ -81,14 +83,29 @@ pub enum Why {
 impl Requirement {
     /// The best screw for the requirement.
     ///
+    /// Of several leads, that of the best screw with any ball and fractions of balls is taken.
     /// Every ball in stock and every whole number of them that the limits of size allow fixes a pitch
     /// circle. The best of these at a first look over contact angles and conformities are optimised in
     /// both. If none keeps all limits, a search with any ball and fractions of balls tells why.
+    ///
+    /// # Panics
+    ///
+    /// If there is no lead to choose from.
     pub fn choose(&self, efficiency: EfficiencyOf<'_>) -> Outcome {
-        let needed = self.objective == Objective::Efficiency || self.least_efficiency.is_some();
-        let search = Search { requirement: self, efficiency: needed.then_some(efficiency) };
+        let limited = self.least_efficiency.is_some() || self.largest_power.is_some();
+        let needed = self.objective == Objective::Efficiency || limited;
         let complete = |nut: Nut| Design::of(self, nut, Some(efficiency));
         let turns = self.turns();
+        let search = |pitch: &Pitch| Search {
+            requirement: self,
+            pitch: *pitch,
+            efficiency: needed.then_some(efficiency),
+        };
+        let search = match &self.pitches[..] {
+            [only] => search(only),
+            several => least(several.iter().map(search), |s| rank(&s.relaxed(&turns)))
+                .expect("a lead to choose"),
+        };
         let exact = search.exact(&turns);
         let value = |design: &&Design| search.value_of(design);
         let feasible = exact
@@ -100,7 +117,6 @@ impl Requirement {
             return Outcome::Found { design: complete(design.nut), active };
         }
         // Only what is limited matters now.
-        let limited = self.least_efficiency.is_some();
         let search = Search { efficiency: limited.then_some(efficiency), ..search };
         let (at, mut blocking) = search.conflict(&turns);
         let mut nut = search.nut(&at);
@@ -132,6 +148,13 @@ fn least<T>(items: impl Iterator<Item = T>, value: impl Fn(&T) -> f64) -> Option
     valued.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, item)| item)
 }
 
+/// Orders values: those that keep all limits by their objective, before the others by how much they
+/// fail.
+fn rank(value: &Value) -> f64 {
+    let worst = value.worst();
+    if worst <= SLACK { value.objective.clamp(-1e3, 1e3) } else { 1e4 + worst }
+}
+
 /// A place in the space of designs.
 #[derive(Debug, Clone)]
 struct Place {
@@ -142,6 +165,7 @@ struct Place {
 
 struct Search<'a> {
     requirement: &'a Requirement,
+    pitch: Pitch,
     efficiency: Option<EfficiencyOf<'a>>,
 }
 
@@ -157,7 +181,7 @@ struct Numbers {
 impl Search<'_> {
     /// The numbers of a place: fixed, or from the free ones in turn.
     fn numbers(&self, free: &[f64]) -> Numbers {
-        let Requirement { fixed, largest_diameter, .. } = self.requirement;
+        let Requirement { fixed, largest_diameter, ranges, .. } = self.requirement;
         let mut free = free.iter();
         let mut next = |(low, high): (f64, f64)| {
             low + (high - low) * free.next().expect("a number for each that is free")
@@ -166,9 +190,9 @@ impl Search<'_> {
             let largest = largest_diameter.max(2.0 * SMALLEST);
             next((SMALLEST.ln(), largest.ln())).exp()
         });
-        let ball = fixed.ball.unwrap_or_else(|| next(BALL_RATIOS) * pitch_diameter);
-        let contact_angle = fixed.contact_angle.unwrap_or_else(|| next(CONTACT_ANGLES));
-        let conformity = fixed.conformity.unwrap_or_else(|| 0.5 / next(GROOVE_RATIOS));
+        let ball = fixed.ball.unwrap_or_else(|| next(ranges.ball_over_radius) * pitch_diameter);
+        let contact_angle = fixed.contact_angle.unwrap_or_else(|| next(ranges.contact_angle));
+        let conformity = fixed.conformity.unwrap_or_else(|| 0.5 / next(ranges.ball_over_groove));
         Numbers { pitch_diameter, ball, contact_angle, conformity }
     }
 
@@ -180,7 +204,7 @@ impl Search<'_> {
 
     /// Length of a turn over the ball diameter.
     fn balls(&self, numbers: &Numbers) -> f64 {
-        let lead = self.requirement.lead(numbers.pitch_diameter);
+        let lead = self.pitch.lead(numbers.pitch_diameter);
         turn_length(numbers.pitch_diameter, lead) / numbers.ball
     }
 
@@ -188,7 +212,7 @@ impl Search<'_> {
         Nut {
             ball_diameter: numbers.ball,
             pitch_diameter: numbers.pitch_diameter,
-            lead: self.requirement.lead(numbers.pitch_diameter),
+            lead: self.pitch.lead(numbers.pitch_diameter),
             contact_angle: numbers.contact_angle,
             conformity: (numbers.conformity, numbers.conformity),
             material: self.requirement.material,
@@ -220,10 +244,26 @@ impl Search<'_> {
         }
     }
 
+    /// The best with any ball and fractions of balls, from a few starts.
+    fn relaxed(&self, turns: &[f64]) -> Value {
+        let value = |at: &Place| self.value(at);
+        let best = |turns: &f64| self.best_from(&STARTS[..FEW_STARTS], *turns, value);
+        value(&best_place(turns.par_iter().map(best).collect(), value))
+    }
+
     /// The best of the minima from all starts.
     fn best_of_starts(&self, turns: f64, value: impl Fn(&Place) -> Value + Sync) -> Place {
+        self.best_from(&STARTS, turns, value)
+    }
+
+    fn best_from(
+        &self,
+        starts: &[[f64; 4]],
+        turns: f64,
+        value: impl Fn(&Place) -> Value + Sync,
+    ) -> Place {
         let free = self.is_free();
-        let places = STARTS.par_iter().map(|start| {
+        let places = starts.par_iter().map(|start| {
             let start: Vec<_> =
                 start.iter().zip(free).filter(|(_, free)| *free).map(|(x, _)| *x).collect();
             let place = |x: &[f64]| Place { turns, free: x.to_vec() };
@@ -237,7 +277,7 @@ impl Search<'_> {
     fn exact(&self, turns: &[f64]) -> Vec<Design> {
         let fixed = &self.requirement.fixed;
         let balls = fixed.ball.map_or_else(|| self.requirement.stock.clone(), |ball| vec![ball]);
-        let (slimmest, thickest) = BALL_RATIOS;
+        let (slimmest, thickest) = self.requirement.ranges.ball_over_radius;
         let mut nuts = Vec::new();
         for turns in turns {
             for ball in &balls {
@@ -299,18 +339,14 @@ impl Search<'_> {
             let nut = self.shaped(nut, &free);
             (self.value_of(&self.design(nut)), nut)
         });
-        let rank = |(value, _): &(Value, Nut)| {
-            let worst = value.worst();
-            if worst <= SLACK { value.objective.clamp(-1e3, 1e3) } else { 1e4 + worst }
-        };
-        least(looks, rank).expect("at least one look")
+        least(looks, |(value, _)| rank(value)).expect("at least one look")
     }
 
     /// The pitch circle that so many balls fill, rounded up to 0.01 mm; NaN if the lead alone is
     /// longer.
     fn filled_diameter(&self, ball: f64, count: f64) -> f64 {
         let length = count * ball;
-        let diameter = match self.requirement.pitch {
+        let diameter = match self.pitch {
             Pitch::Lead(lead) => (length.powi(2) - lead.powi(2)).sqrt() / PI,
             Pitch::Angle(angle) => length * angle.cos() / PI,
         };
@@ -330,9 +366,10 @@ impl Search<'_> {
     fn polished(&self, nut: &Nut) -> Design {
         let [.., angle, conformity] = self.is_free();
         let share = |(low, high): (f64, f64), value: f64| (value - low) / (high - low);
+        let ranges = &self.requirement.ranges;
         let start = [
-            (angle, share(CONTACT_ANGLES, nut.contact_angle)),
-            (conformity, share(GROOVE_RATIOS, 0.5 / nut.conformity.0)),
+            (angle, share(ranges.contact_angle, nut.contact_angle)),
+            (conformity, share(ranges.ball_over_groove, 0.5 / nut.conformity.0)),
         ];
         let start: Vec<_> = start.iter().filter(|(free, _)| *free).map(|(_, x)| *x).collect();
         let value = |x: &[f64]| self.value_of(&self.design(self.shaped(nut, x)));

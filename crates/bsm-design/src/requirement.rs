@@ -1,6 +1,6 @@
 //! What a screw must do, and what a design of it says to each point.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use bsm_dyn::{Direction, Hertz, Material, Optimum};
 
@@ -23,6 +23,16 @@ pub enum Pitch {
     Lead(f64),
     /// Lead angle \[rad\].
     Angle(f64),
+}
+
+impl Pitch {
+    /// Lead on a pitch circle \[m\].
+    pub(crate) fn lead(self, pitch_diameter: f64) -> f64 {
+        match self {
+            Self::Lead(lead) => lead,
+            Self::Angle(angle) => PI * pitch_diameter * angle.tan(),
+        }
+    }
 }
 
 /// Length of the screw, or of its stroke.
@@ -60,6 +70,19 @@ pub struct Fixed {
     pub turns: Option<f64>,
 }
 
+/// What a screw may look like: least and largest value of each number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ranges {
+    /// Contact angle \[rad\].
+    pub contact_angle: (f64, f64),
+    /// Pitch radius over length of the screw; there is no largest.
+    pub slimmest: f64,
+    /// Ball radius over pitch radius.
+    pub ball_over_radius: (f64, f64),
+    /// Ball radius over groove radius.
+    pub ball_over_groove: (f64, f64),
+}
+
 /// What a screw must do.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requirement {
@@ -67,8 +90,8 @@ pub struct Requirement {
     pub demand: Demand,
     /// Which side drives.
     pub direction: Direction,
-    /// Lead or lead angle.
-    pub pitch: Pitch,
+    /// Leads or lead angles to choose from; one at least.
+    pub pitches: Vec<Pitch>,
     /// Length or stroke.
     pub reach: Reach,
     /// Relative speed of screw and nut \[rad/s\], positive.
@@ -91,6 +114,10 @@ pub struct Requirement {
     pub largest_turns: f64,
     /// Least efficiency.
     pub least_efficiency: Option<f64>,
+    /// Largest input power \[W\]: that of the motor where the screw is driven.
+    pub largest_power: Option<f64>,
+    /// What the screw may look like.
+    pub ranges: Ranges,
     /// What is to be best.
     pub objective: Objective,
     /// What is fixed.
@@ -116,12 +143,17 @@ pub enum Quantity {
     Turns,
     AxialLoad,
     NormalLoad,
+    Lead,
+    Stroke,
+    StrokeTurns,
     Advance,
     SpeedNumber,
     NutPressure,
     ScrewPressure,
     EllipseEnd,
     Efficiency,
+    InputPower,
+    OutputPower,
     DynamicRating,
     Life,
     Mass,
@@ -189,19 +221,19 @@ pub struct Design {
 pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, f64) -> Option<f64> + Sync);
 
 impl Design {
-    /// The steps of a nut (L1) to (L6); without efficiency if it is not asked.
+    /// The steps of a nut (L1) to (L10); without efficiency if it is not asked.
     ///
     /// Source: Lin, Velinsky and Ravani (1994), the procedure for both directions, with the load rating
     /// and the life of ISO 3408-5 besides.
     pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
-        let Requirement { direction, friction, speed, .. } = *requirement;
+        let Requirement { direction, friction, speed, ranges, .. } = *requirement;
         let (lead, beta) = (nut.lead_angle(), nut.contact_angle);
         let (radius, ball) = (0.5 * nut.pitch_diameter, 0.5 * nut.ball_diameter);
         let body = Body::usual(&nut);
         let thread = nut.thread(0.0, nut.usual_lands());
-        let length = match requirement.reach {
-            Reach::Screw(length) => length,
-            Reach::Stroke(stroke) => stroke + body.length,
+        let (length, stroke) = match requirement.reach {
+            Reach::Screw(length) => (length, length - body.length),
+            Reach::Stroke(stroke) => (stroke + body.length, stroke),
         };
         let load = match requirement.demand {
             Demand::Load(load) => load,
@@ -229,20 +261,20 @@ impl Design {
         add(1, Quantity::LeadAngle, lead, None, None);
         let best = best.map_or(f64::NAN, |best| best.contact_angle);
         add(2, Quantity::BestContactAngle, best, None, None);
-        let (low, high) = CONTACT_ANGLES;
+        let (low, high) = ranges.contact_angle;
         add(2, Quantity::ContactAngle, beta, Some(low), Some(high));
         add(3, Quantity::ScrewLength, length, None, None);
         // r_m ≥ l/60                                                      (L3)
-        add(4, Quantity::RadiusOverLength, radius / length, Some(SLIMMEST), None);
+        add(4, Quantity::RadiusOverLength, radius / length, Some(ranges.slimmest), None);
         let largest = Some(requirement.largest_diameter);
         add(4, Quantity::PitchDiameter, nut.pitch_diameter, None, largest);
         // 0.07 ≤ r_b/r_m ≤ 0.2                                            (L4)
-        let (low, high) = BALL_RATIOS;
+        let (low, high) = ranges.ball_over_radius;
         add(5, Quantity::BallOverRadius, ball / radius, Some(low), Some(high));
         let over_lead = Some(requirement.ball_over_lead);
         add(5, Quantity::BallOverLead, nut.ball_diameter / nut.lead, None, over_lead);
         // 0.95 ≤ r_b/r_2 ≤ 0.97,  r_2 = 2 f r_b                           (L5)
-        let (low, high) = GROOVE_RATIOS;
+        let (low, high) = ranges.ball_over_groove;
         let in_groove = 0.5 / nut.conformity.0;
         add(6, Quantity::BallOverGroove, in_groove, Some(low), Some(high));
         add(6, Quantity::Conformity, nut.conformity.0, None, None);
@@ -250,8 +282,14 @@ impl Design {
         add(7, Quantity::Turns, nut.turns, None, most);
         add(7, Quantity::AxialLoad, load, None, None);
         add(7, Quantity::NormalLoad, normal, None, None);
+        // s = r_m tanα φ                                                  (L7)
+        let per_radian = radius * lead.tan();
+        add(8, Quantity::Lead, per_radian * TAU, None, None);
+        add(8, Quantity::Stroke, stroke, None, None);
+        add(8, Quantity::StrokeTurns, stroke / (per_radian * TAU), None, None);
         // v = r_m tanα W                                                  (L6)
-        add(8, Quantity::Advance, radius * lead.tan() * speed, None, None);
+        let advance = per_radian * speed;
+        add(8, Quantity::Advance, advance, None, None);
         let number = nut.pitch_diameter * speed;
         add(8, Quantity::SpeedNumber, number, None, Some(requirement.speed_number));
         for (quantity, pressure) in
@@ -259,12 +297,20 @@ impl Design {
         {
             add(9, quantity, pressure, None, Some(requirement.pressure));
         }
-        // β + a/R ≤ θ                                                     (L7)
+        // β + a/R ≤ θ                                                     (L9)
         let end = beta + semi_axes[0].max(semi_axes[1]) / thread.nut.radius;
         add(9, Quantity::EllipseEnd, end, None, Some(thread.nut.edge));
         let efficiency = efficiency.and_then(|of| of(&nut, load)).unwrap_or(f64::NAN);
         add(10, Quantity::Efficiency, efficiency, requirement.least_efficiency, None);
-        // C_a ≥ F_a                                                       (L8)
+        // P_out = η P_in, and F_a v is the one at the nut                 (L8)
+        let at_nut = load * advance;
+        let (input, output) = match direction {
+            Direction::RotaryToLinear => (at_nut / efficiency, at_nut),
+            Direction::LinearToRotary => (at_nut, at_nut * efficiency),
+        };
+        add(10, Quantity::InputPower, input, None, requirement.largest_power);
+        add(10, Quantity::OutputPower, output, None, None);
+        // C_a ≥ F_a                                                       (L10)
         add(11, Quantity::DynamicRating, rating, Some(load), None);
         add(11, Quantity::Life, life, requirement.life, None);
         add(
@@ -294,28 +340,6 @@ impl Design {
             Objective::Efficiency => 1.0 - self.value(Quantity::Efficiency),
             Objective::Capacity => (self.load / self.value(Quantity::DynamicRating)).ln(),
             Objective::Mass => self.value(Quantity::Mass).ln(),
-        }
-    }
-}
-
-/// Contact angles that are easy to make \[rad\].
-pub const CONTACT_ANGLES: (f64, f64) = (PI / 6.0, PI / 2.4);
-
-/// Pitch radius over length of the slimmest screw.
-pub(crate) const SLIMMEST: f64 = 1.0 / 60.0;
-
-/// Ball radius over pitch radius.
-pub(crate) const BALL_RATIOS: (f64, f64) = (0.07, 0.2);
-
-/// Ball radius over groove radius.
-pub(crate) const GROOVE_RATIOS: (f64, f64) = (0.95, 0.97);
-
-impl Requirement {
-    /// Lead on a pitch circle \[m\].
-    pub(crate) fn lead(&self, pitch_diameter: f64) -> f64 {
-        match self.pitch {
-            Pitch::Lead(lead) => lead,
-            Pitch::Angle(angle) => PI * pitch_diameter * angle.tan(),
         }
     }
 }

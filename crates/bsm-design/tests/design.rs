@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use bsm_design::{
-    Blocked, Demand, Design, Fixed, Nut, Objective, Outcome, Pitch, Quantity, Reach, Requirement,
-    Why,
+    Blocked, Demand, Design, Fixed, Nut, Objective, Outcome, Pitch, Quantity, Ranges, Reach,
+    Requirement, Why,
 };
 use bsm_dyn::{Angles, Direction, Material};
 
@@ -17,7 +17,7 @@ fn feed_drive() -> Requirement {
     Requirement {
         demand: Demand::Load(8e3),
         direction: Direction::RotaryToLinear,
-        pitch: Pitch::Lead(10e-3),
+        pitches: vec![Pitch::Lead(10e-3)],
         reach: Reach::Stroke(0.7),
         speed: 50.0 * PI,
         life: Some(3.6e7),
@@ -29,6 +29,13 @@ fn feed_drive() -> Requirement {
         largest_diameter: 0.125,
         largest_turns: 6.0,
         least_efficiency: None,
+        largest_power: None,
+        ranges: Ranges {
+            contact_angle: (PI / 6.0, PI / 2.4),
+            slimmest: 1.0 / 60.0,
+            ball_over_radius: (0.07, 0.2),
+            ball_over_groove: (0.95, 0.97),
+        },
         objective: Objective::Mass,
         fixed: Fixed::default(),
         stock: STOCK.to_vec(),
@@ -104,8 +111,8 @@ fn the_search_finds_what_a_full_one_does() {
         (Objective::Capacity, 6e-3, 300.0, None),
     ] {
         let speed = rpm * PI / 30.0;
-        let pitch = Pitch::Lead(lead);
-        let requirement = Requirement { objective, pitch, speed, life, ..feed_drive() };
+        let pitches = vec![Pitch::Lead(lead)];
+        let requirement = Requirement { objective, pitches, speed, life, ..feed_drive() };
         let (design, active) = found(&requirement);
         assert!(design.is_feasible(), "{design:?}");
         assert!(STOCK.iter().any(|ball| (ball - design.nut.ball_diameter).abs() < 1e-12));

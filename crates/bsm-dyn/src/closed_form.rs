@@ -1,6 +1,6 @@
 //! Lin's closed form: efficiency, slip directions, optimum and self-locking from angles alone.
 //!
-//! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C16).
+//! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C20).
 
 #![expect(
     clippy::inline_always,
@@ -127,6 +127,49 @@ impl<D: Scalar> Angles<D> {
         self.sines().efficiency(direction.is_back(), friction)
     }
 
+    /// Efficiency of a ball whose slip at the screw has a given direction (C17), (C18).
+    ///
+    /// ```math
+    /// \eta_{rl} = \frac{\sin\beta - f(\cos\beta\cos\psi + \tan\alpha\sin\psi)}
+    ///   {\sin\beta + f[\cos\psi\,(r_b/r_m - \cos\beta) + \sin\psi\,(1 - (r_b/r_m)\cos\beta)/\tan\alpha]}
+    /// ```
+    ///
+    /// and its inverse where the load drives.
+    ///
+    /// * `friction`: `$f \ge 0$`.
+    /// * `size_ratio`: `$r_b/r_m$`.
+    /// * `slip_angle`: `$\psi_B$` \[rad\]; at the nut it is turned by half a turn.
+    ///
+    /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eq 11.
+    /// Difference from the source: the sign of friction in the numerator, see `docs/theory/errata.md`.
+    pub fn efficiency_at(
+        &self,
+        direction: Direction,
+        friction: D,
+        size_ratio: D,
+        slip_angle: D,
+    ) -> D {
+        let (force, torque) = self.transmitted_at(friction, size_ratio, slip_angle);
+        match direction {
+            Direction::RotaryToLinear => force / torque,
+            Direction::LinearToRotary => torque / force,
+        }
+    }
+
+    /// Axial force over that without friction, and torque over that without friction, of a ball with
+    /// the same normal loads whose slip at the screw has a given direction (C17), (C18).
+    pub fn transmitted_at(&self, friction: D, size_ratio: D, slip_angle: D) -> (D, D) {
+        let sines @ Sines { sin_b, cos_b, .. } = self.sines();
+        let (sin, cos) = slip_angle.sin_cos();
+        let tan_a = sines.tan_a();
+        // F_a/(Q cosα) = sinβ − f (cosβ cosψ + tanα sinψ)                 (C17)
+        let force = sin_b - friction * (cos_b * cos + tan_a * sin);
+        // M/(Q r_m sinα) = sinβ + f [cosψ (r_b/r_m − cosβ) + sinψ (1 − r_b/r_m cosβ)/tanα] (C18)
+        let lever = (-(size_ratio * cos_b) + 1.0) / tan_a;
+        let torque = sin_b + friction * (cos * (size_ratio - cos_b) + sin * lever);
+        (force / sin_b, torque / sin_b)
+    }
+
     /// Normal load of either loaded contact over the axial load per ball (C4).
     ///
     /// Negative when `$\sin\beta < f D$` and the drive works against the load: no load satisfies
@@ -173,6 +216,20 @@ impl Angles<f64> {
             Direction::LinearToRotary => (unit >= 1.0).then(|| unit.recip().asin()),
         }
     }
+
+    /// The same border for a contact angle \[rad\]: the lead angle \[rad\] from which on (rotary to
+    /// linear) or up to which (linear to rotary) a screw is self-locking (C20); `None` if every lead
+    /// angle locks (rotary to linear), or none does (linear to rotary).
+    pub fn locking_lead_angle(
+        direction: Direction,
+        contact_angle: f64,
+        friction: f64,
+    ) -> Option<f64> {
+        let unit = contact_angle.sin() * friction.hypot(1.0);
+        let term = if direction.is_back() { 1.0 } else { friction };
+        // cosα = f / (sinβ √(1+f²)) or 1 / (sinβ √(1+f²))                 (C20)
+        (term <= unit).then(|| (term / unit).acos())
+    }
 }
 
 impl Optimum {
@@ -194,6 +251,17 @@ impl Optimum {
             contact_angle: sine.asin(),
             efficiency: Self::best_efficiency(friction),
         })
+    }
+
+    /// The other way round: lead angle \[rad\] that makes a contact angle \[rad\] the one of best
+    /// efficiency (C19); `None` if the contact angle is too small: `$\sin\beta < \sqrt{y^*}$`.
+    ///
+    /// Source: Lin, Velinsky and Ravani (1994), "Load capacity considerations": for linear to rotary,
+    /// the largest contact angle and the lead angle of Eq 18.
+    pub fn lead_angle(direction: Direction, contact_angle: f64, friction: f64) -> Option<f64> {
+        // cosα* = √y* / sinβ                                              (C19)
+        let cosine = Self::constant(direction, friction) / contact_angle.sin();
+        (cosine <= 1.0).then(|| cosine.acos())
     }
 
     /// The value `$\sqrt{y^*}$` of `$\cos\alpha\sin\beta$` at the optimum, for every lead angle.
@@ -354,6 +422,17 @@ mod tests {
         }
     }
 
+    /// Fig 5 of the paper at its ends: across the groove and along it, by hand.
+    #[test]
+    fn slip_across_the_groove_costs_less_than_along_it() {
+        let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
+        let at = |psi| angles.efficiency_at(Direction::RotaryToLinear, 0.075, 0.1, psi);
+        // (0.707107 − 0.0530330) / (0.707107 + 0.075 (0.1 − 0.707107)), six digits of a hand calculation.
+        assert_relative_eq!(at(0.0), 0.654_073_8 / 0.661_573_8, epsilon = 1e-6);
+        // (0.707107 − 0.0132245) / (0.707107 + 0.075 × 0.929289 / 0.176327).
+        assert_relative_eq!(at(FRAC_PI_2), 0.693_882_3 / 1.102_376_4, epsilon = 1e-6);
+    }
+
     #[test]
     fn no_friction_means_no_loss() {
         let angles = Angles { lead: 0.17, contact: 0.8 };
@@ -417,6 +496,43 @@ mod tests {
                 Some(border) => {
                     prop_assert!(border > 1.570 || locks(Direction::LinearToRotary, border + 1e-9));
                     prop_assert!(!locks(Direction::LinearToRotary, border - 1e-6));
+                }
+            }
+        }
+
+        /// At the direction of slip of (C5), Eq 11 is the closed form for balls of any size, and its
+        /// numerator vanishes where the driven side locks.
+        #[test]
+        fn the_slip_angle_of_the_closed_form_gives_its_efficiency(
+            a in 0.02..1.3_f64, b in 0.1..1.5_f64, f in 0.0..0.15_f64, size in 0.0..0.3_f64,
+        ) {
+            let angles = Angles { lead: a, contact: b };
+            for direction in BOTH {
+                let psi = angles.screw_slip_angle(direction);
+                let at = angles.efficiency_at(direction, f, size, psi);
+                let eta = angles.efficiency(direction, f);
+                // Rounding, magnified where both vanish at locking.
+                prop_assert!((at - eta).abs() <= 1e-11 * (1.0 + eta.abs()), "{at} {eta}");
+            }
+            let border = b.sin() / angles.slip_factor();
+            let psi = angles.screw_slip_angle(Direction::RotaryToLinear);
+            let (force, torque) = angles.transmitted_at(border, size, psi);
+            prop_assert!(force.abs() <= 1e-12 && torque > 1.0, "{force} {torque}");
+        }
+
+        /// Lead angle for a contact angle and contact angle for a lead angle are inverse.
+        #[test]
+        fn optimum_and_border_are_the_same_from_either_angle(a in 0.01..1.4_f64, f in 0.001..0.5_f64) {
+            for direction in BOTH {
+                if let Some(best) = Optimum::of(direction, a, f) {
+                    let lead = Optimum::lead_angle(direction, best.contact_angle, f);
+                    // Near α = 0 the cosine keeps half the digits.
+                    prop_assert!(lead.is_some_and(|lead| (lead - a).abs() < 1e-12 / a), "{lead:?} {a}");
+                }
+                let border = Angles::locking_contact_angle(direction, a, f);
+                if let Some(border) = border.filter(|border| *border < 1.57) {
+                    let lead = Angles::locking_lead_angle(direction, border, f);
+                    prop_assert!(lead.is_some_and(|lead| (lead - a).abs() < 1e-9), "{lead:?} {a}");
                 }
             }
         }

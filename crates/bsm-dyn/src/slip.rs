@@ -1,7 +1,7 @@
 //! Slip of a solved ball: what slides at its contacts, in published and in exact form, and the
 //! power that each part of it takes.
 //!
-//! Theory: `docs/theory/13-slip.md`, equations (X1) to (X13).
+//! Theory: `docs/theory/13-slip.md`, equations (X1) to (X14).
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -142,6 +142,19 @@ impl<D: Scalar> SteadyBall<D> {
         norm(&self.slip_velocity(touch))
     }
 
+    /// Gyroscopic angles of the axis about which the ball turns relative to the nut \[rad\]: from the
+    /// plane of `$t$` and `$b$` towards `$-n$`, and in that plane from `$-b$` towards `$t$` (X4), (X14).
+    ///
+    /// Source: Xu and Tang (2015), `$\beta$` and `$\beta'$`; raceway control of bearings has the same angles.
+    pub fn gyroscopic_angles(&self) -> [D; 2] {
+        let omega = self.against_nut().omega;
+        // sinγ = −ω'_n/|ω'|                                               (X4)
+        let sin = -omega.y / norm(&omega);
+        let angle = sin.atan2((-sin.square() + 1.0).sqrt());
+        // tanγ' = −ω'_t/ω'_b                                              (X14)
+        [angle, omega.x.atan2(-omega.z)]
+    }
+
     /// Slip between neighbouring balls as published (X2) \[m/s\].
     ///
     /// Source: Xu and Tang (2015), Eq 4.
@@ -162,19 +175,18 @@ impl<D: Scalar> SteadyBall<D> {
         self.radius * 2.0 * norm(&in_carrier.cross(&BallFrame::tangent()))
     }
 
-    /// Spin (gyroscopic) slip as published (X4), (X5) \[m/s\].
+    /// Spin (gyroscopic) slip as published (X5) \[m/s\].
     ///
-    /// Source: Xu and Tang (2015), Eqs 5-6, with the contact angle of the contact in question; the
-    /// indices of the source are crossed. It takes the motion relative to the nut at both.
-    pub fn spin_slip_published(&self, touch: &Touch<D>) -> D {
-        let omega = self.against_nut().omega;
-        let rate = norm(&omega);
-        // sinγ = −ω'_n/|ω'|                                               (X4)
-        let sin = -omega.y / rate;
-        let gamma = sin.atan2((-sin.square() + 1.0).sqrt());
-        let turned = (-(gamma + touch.angle) + FRAC_PI_2) * 0.5;
+    /// * `angle`: contact angle \[rad\]: as printed that of the other contact, as corrected that of the
+    ///   contact in question.
+    ///
+    /// Source: Xu and Tang (2015), Eqs 5-6. It takes the motion relative to the nut at both contacts.
+    pub fn spin_slip_published(&self, angle: D) -> D {
+        let rate = norm(&self.against_nut().omega);
+        let [gamma, _] = self.gyroscopic_angles();
+        let turned = (-(gamma + angle) + FRAC_PI_2) * 0.5;
         // V_s = r_b |sin((π/2 − γ − β)/2) |ω'| sinγ / cosβ|               (X5)
-        self.radius * magnitude(turned.sin() * rate * sin / touch.angle.cos())
+        self.radius * magnitude(turned.sin() * rate * gamma.sin() / angle.cos())
     }
 
     /// Spin about the contact normal (K14) \[rad/s\].
@@ -182,16 +194,20 @@ impl<D: Scalar> SteadyBall<D> {
         self.relative_to(touch.site).spin(&self.contact(touch))
     }
 
-    /// Orbit slip as published, with the levers that belong to it (X7), (X8) \[m/s\].
+    /// Orbit slip as published (X7), (X8) \[m/s\].
     ///
-    /// Source: Xu and Tang (2015), Eqs 7-8, whose levers have one root too many.
-    pub fn orbit_slip_published(&self, touch: &Touch<D>) -> D {
-        let (sin, cos) = touch.angle.sin_cos();
+    /// * `angle`: contact angle \[rad\]: as printed that of the other contact, as corrected that of the
+    ///   contact in question.
+    ///
+    /// Source: Xu and Tang (2015), Eqs 7-8. Difference from the source: its levers have one root too
+    /// many, with which the result is no speed.
+    pub fn orbit_slip_published(&self, site: Site, angle: D) -> D {
+        let (sin, cos) = angle.sin_cos();
         let (r_b, r_m) = (self.radius, self.helix.radius);
-        let side = if touch.site == Site::Screw { -2.0 } else { 2.0 };
+        let side = if site == Site::Screw { -2.0 } else { 2.0 };
         // l² = r_b² + r_m² ± 2 r_b r_m cosβ                               (X7)
         let lever = (r_b.square() + r_m.square() + r_b * r_m * cos * side).sqrt();
-        let rate = self.relative_to(touch.site).precession;
+        let rate = self.relative_to(site).precession;
         // V_o = l |(P − Ω_i) cosα sinβ|                                   (X8)
         lever * magnitude(rate * self.helix.lead_angle.cos() * sin)
     }

@@ -22,7 +22,7 @@ mod trends;
 mod xu2015;
 
 pub use catalogue::catalogue_figures;
-pub use figures::figures;
+pub use figures::{figures, lin_figures};
 pub use pages::{tradeoff_page, validation_page};
 pub use published::Published;
 pub use report::{Check, Report, Verdict};

@@ -1,5 +1,7 @@
 //! Claims of Lin, Velinsky and Ravani (1994) about closed form and exact theory.
 
+mod statements;
+
 use std::collections::BTreeMap;
 
 use bsm_case::Scene;
@@ -24,7 +26,14 @@ pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError>
     checks.extend(optimum(&claims)?);
     checks.extend(self_locking());
     checks.extend(existence(&lin, &claims)?);
+    checks.extend(statements::checks(&lin)?);
     Ok(checks)
+}
+
+/// The scene of Fig 5, which has balls of a tenth of the pitch radius.
+pub(crate) fn slender(lin: &Scene) -> Scene {
+    let pitch = lin.pitch_circle_diameter_mm;
+    Scene { ball_diameter_mm: pitch.map(|pitch| 0.1 * pitch), ..lin.clone() }
 }
 
 /// The numbers of `claims.csv`.

@@ -76,6 +76,12 @@ impl Check {
         self.judge(holds, format!("at most {limit:.3e}: {reason}"))
     }
 
+    /// Passes if the measured number is at least `limit`, because of `reason`.
+    pub(crate) fn at_least(self, limit: f64, reason: &str) -> Self {
+        let holds = self.measured >= limit;
+        self.judge(holds, format!("at least {limit:.3e}: {reason}"))
+    }
+
     /// Passes if the measured number is within `tolerance` of the claimed one.
     pub(crate) fn equals(mut self, claimed: f64, tolerance: f64, reason: &str) -> Self {
         let holds = (self.measured - claimed).abs() <= tolerance;
@@ -137,6 +143,9 @@ mod tests {
         assert_eq!(check(1.0).at_most(1.0, "").verdict, Verdict::Pass);
         assert_eq!(check(1.1).at_most(1.0, "").verdict, Verdict::Fail);
         assert_eq!(check(f64::NAN).at_most(1.0, "").verdict, Verdict::Fail);
+        assert_eq!(check(1.0).at_least(1.0, "").verdict, Verdict::Pass);
+        assert_eq!(check(0.9).at_least(1.0, "").verdict, Verdict::Fail);
+        assert_eq!(check(f64::NAN).at_least(1.0, "").verdict, Verdict::Fail);
         assert_eq!(check(1.0).equals(1.05, 0.1, "").verdict, Verdict::Pass);
         assert_eq!(check(1.0).equals(1.2, 0.1, "").verdict, Verdict::Fail);
         assert_eq!(check(f64::NAN).equals(1.2, 0.1, "").verdict, Verdict::Fail);

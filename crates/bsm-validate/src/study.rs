@@ -10,13 +10,17 @@ use serde::Serialize;
 use crate::ValidateError;
 
 /// Which way a curve is said to go.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Claim {
     /// It grows.
     Rises,
     /// It becomes less.
     Falls,
+    /// It becomes less, before this place twice as fast as after it, or more.
+    Flattens(f64),
+    /// A ratio that is above one.
+    Exceeds,
 }
 
 impl Claim {
@@ -25,8 +29,30 @@ impl Claim {
         match self {
             Self::Rises => "rises",
             Self::Falls => "falls",
+            Self::Flattens(_) => "flattens",
+            Self::Exceeds => "exceeds one",
         }
     }
+
+    /// True if points in the order of x, whose shape is known, do as claimed all along.
+    fn holds(self, points: &[(f64, f64)], shape: Shape) -> bool {
+        match self {
+            Self::Rises => shape == Shape::Rises,
+            Self::Falls => shape == Shape::Falls,
+            Self::Flattens(knee) => {
+                shape == Shape::Falls
+                    && slope(points, |x| x <= knee) <= 2.0 * slope(points, |x| x >= knee)
+            }
+            Self::Exceeds => points.iter().all(|(_, y)| *y > 1.0),
+        }
+    }
+}
+
+/// Mean slope of the points in a range; NaN if they are less than two.
+fn slope(points: &[(f64, f64)], within: impl Fn(f64) -> bool) -> f64 {
+    let mut within = points.iter().filter(|(x, _)| within(*x));
+    let (first, last) = (within.next(), within.last());
+    first.zip(last).map_or(f64::NAN, |(a, b)| (b.1 - a.1) / (b.0 - a.0))
 }
 
 /// Which way it goes.
@@ -99,8 +125,7 @@ impl Trend {
         let points: Vec<_> =
             points.iter().copied().filter(|(_, y)| y.is_finite()).map(clean).collect();
         let shape = Shape::of(&points, rounding);
-        let holds =
-            matches!((claim, shape), (Claim::Rises, Shape::Rises) | (Claim::Falls, Shape::Falls));
+        let holds = claim.holds(&points, shape);
         Some(Self {
             group,
             curve,
@@ -201,5 +226,12 @@ mod tests {
         assert!(trend(Claim::Falls, &[3.0, 1.0, 2.0]).is_some_and(|t| !t.holds));
         assert!(trend(Claim::Falls, &[1.0, 1.0]).is_some_and(|t| !t.holds));
         assert!(trend(Claim::Falls, &[f64::NAN]).is_none());
+        // Slopes of −2 and −0.5, and of −1 and −1, on both sides of the third point.
+        assert!(trend(Claim::Flattens(2.0), &[6.0, 4.0, 2.0, 1.5, 1.0]).is_some_and(|t| t.holds));
+        assert!(trend(Claim::Flattens(2.0), &[6.0, 5.0, 4.0, 3.0, 2.0]).is_some_and(|t| !t.holds));
+        assert!(trend(Claim::Flattens(2.0), &[1.0, 2.0, 3.0, 2.0]).is_some_and(|t| !t.holds));
+        assert!(trend(Claim::Flattens(9.0), &[6.0, 4.0, 3.0]).is_some_and(|t| !t.holds));
+        assert!(trend(Claim::Exceeds, &[1.5, 3.0, 1.1]).is_some_and(|t| t.holds));
+        assert!(trend(Claim::Exceeds, &[1.5, 0.9, 2.0]).is_some_and(|t| !t.holds));
     }
 }

@@ -11,33 +11,118 @@ const SOURCE: &str = "Xu and Tang 2015";
 /// All checks of this source.
 pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
     let scene = published.xu_case.scene()?;
+    // Of the balls that need not roll, the contact angles only: their slips are nearly those of rolling.
+    let mut traction = study(published, Model::Traction, Control::Nut)?;
+    traction.trends.retain(|trend| trend.group.starts_with("speed-"));
+    let rolling = |control| study(published, Model::RacewayControl, control);
     let studies = [
-        ("", " (nut control)", study(published, Control::Nut)?),
-        ("", " (screw control)", study(published, Control::Screw)?),
+        ("rolling-", " (nut control)", rolling(Control::Nut)?),
+        ("rolling-", " (screw control)", rolling(Control::Screw)?),
+        ("rigid-", "", study(published, Model::Rigid, Control::Nut)?),
+        ("traction-", "", traction),
     ];
     let mut checks = trends::checks(
-        &format!("{SOURCE}, Figs 7-9, rolling balls"),
+        &format!("{SOURCE}, Figs 7-9 and text"),
         "xu2015",
         &published.xu_trends,
         &studies,
     )?;
     checks.push(half_the_lead());
     checks.extend(field(&scene)?);
-    // Balls with saturated friction need a larger lead, or they would roll.
-    let steep = Scene { lead_mm: Some(40.0), ..scene.clone() };
-    checks.push(powers(&steep, Model::Rigid)?);
-    for model in [Model::RacewayControl, Model::Elastic, Model::Traction] {
+    checks.extend(case(&scene)?);
+    for model in [Model::Rigid, Model::RacewayControl, Model::Elastic, Model::Traction] {
         checks.push(powers(&scene, model)?);
     }
     Ok(checks)
 }
 
-/// Their sweeps.
-pub(crate) fn study(published: &Published, control: Control) -> Result<Study, ValidateError> {
+/// Their sweeps with a model.
+pub(crate) fn study(
+    published: &Published,
+    model: Model,
+    control: Control,
+) -> Result<Study, ValidateError> {
     let scene = published.xu_case.scene()?;
-    let settings = Settings { control: Some(control), ..Model::RacewayControl.into() };
+    let settings = Settings { control: Some(control), ..model.into() };
     let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());
     Study::slip(&scene, &settings, &solution)
+}
+
+/// The formulas as printed, at the case of Tables 1 to 3.
+fn case(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
+    let settings: Settings = Model::RacewayControl.into();
+    let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());
+    let Ok(bsm_dyn::Problem::RacewayControl(problem)) = scene.problem(&settings) else {
+        unreachable!("the model was fixed")
+    };
+    let (helix, radius, drive) =
+        (problem.screw.helix, problem.screw.ball.radius, problem.screw.drive);
+    let angles = [50.0_f64, 40.0].map(f64::to_radians);
+    let ball = SteadyBall::rolling(Control::Nut, helix, radius, drive, angles);
+    // Eqs 1 and 2 as printed; the nut stands.
+    let ((sin_a, cos_a), [nut, screw]) = (helix.lead_angle.sin_cos(), angles);
+    let (d, w, speed) = (helix.radius / cos_a, ball.motion.omega, drive.screw_speed);
+    let printed = [
+        (-radius * w.x)
+            .hypot(d * ball.motion.precession + radius * (w.z * nut.cos() - w.y * nut.sin())),
+        (radius * (w.x - speed * sin_a)).hypot(
+            d * (ball.motion.precession - speed)
+                - radius * ((w.z - speed * cos_a) * screw.cos() - w.y * screw.sin()),
+        ),
+    ];
+    let touch = [Touch { site: Site::Nut, angle: nut }, Touch { site: Site::Screw, angle: screw }];
+    let exact = touch.map(|touch| ball.differential_slip(&touch));
+    let worst = (0..2).map(|i| (printed[i] / exact[i] - 1.0).abs()).fold(0.0, f64::max);
+    let orbit = [0, 1].map(|i| ball.orbit_slip_published(touch[i].site, angles[1 - i]));
+    let corrected = touch.map(|t| ball.orbit_slip_published(t.site, t.angle));
+    let [pitch, yaw] = ball.gyroscopic_angles().map(f64::to_degrees);
+
+    // Eq 3 with the axial displacement alone, which both races share.
+    let state = |site| solution.contact(site);
+    let (mut radial, mut axial) = (0.0, 0.0);
+    for (site, conformity) in
+        [(Site::Nut, scene.nut_conformity), (Site::Screw, scene.screw_conformity)]
+    {
+        let offset = 2.0 * radius * (conformity.unwrap_or(f64::NAN) - 0.5);
+        let approach = state(site).and_then(|c| c.pressed).map_or(f64::NAN, |p| p.approach);
+        let (sin, cos) = state(site).map_or(f64::NAN, |c| c.angle).sin_cos();
+        radial += (offset + approach) * cos;
+        axial += (offset + approach) * sin;
+    }
+    let offsets =
+        scene.nut_conformity.zip(scene.screw_conformity).map_or(f64::NAN, |(n, s)| n + s - 1.0);
+    let length = 2.0 * radius * offsets;
+    let displacement =
+        solution.solved().and_then(|s| s.ball.axial_displacement).unwrap_or(f64::NAN);
+    let (sin, cos) = problem.screw.contact_angle.sin_cos();
+    let off = [radial - length * cos, axial - length * sin - displacement]
+        .map(|x| x.abs() / length)
+        .into_iter()
+        .fold(0.0, f64::max);
+    let load = |site| state(site).and_then(|c| c.load).unwrap_or(f64::NAN);
+    let check = |key: &str, equation: &str, claim: &str| {
+        Check::new(&format!("xu2015/{key}"), &format!("{SOURCE}, {equation}"), claim)
+    };
+    Ok(vec![
+        check("eqs-1-2", "Eqs 1-2", "differential slip as printed is the slip at the contact centre")
+            .measured(worst, "relative")
+            .note(format!("{:.4} m/s at the nut, {:.4} at the screw, 50 and 40 deg", exact[0], exact[1]))
+            .at_most(1e-11, "rounding of speeds of a hundred times the slip"),
+        check("eq-3", "Eq 3", "contact angles from the lengths between the centres of the grooves")
+            .measured(off, "of the length")
+            .note("with the axial displacement in (f) and none in (e); as printed both are the approaches again")
+            .at_most(1e-9, "the balance is solved to 1e-10 of the load"),
+        check("orbit-printed", "Eqs 7-8 as printed, one root less", "orbit slip at 50 and 40 deg is larger at the nut")
+            .measured(orbit[0], "m/s at the nut")
+            .note(format!("{:.4} at the screw: smaller at the nut; corrected {:.4} and {:.4}", orbit[1], corrected[0], corrected[1])),
+        check("gyroscopic-angles", "nomenclature", "gyroscopic angles of the ball, given by Wei et al. (2009)")
+            .measured(pitch, "deg")
+            .note(format!("the other is {yaw:.4} deg; rolling, 50 and 40 deg, nut control")),
+        check("nut-carries-more", "3.1", "the centrifugal force loads the nut more than the screw")
+            .measured(load(Site::Nut) / load(Site::Screw), "Q_A/Q_B")
+            .note("raceway control at 5000 rpm, 40 N a ball")
+            .at_least(1.0, "more is more than once"),
+    ])
 }
 
 /// Differential slip of a rolling ball.

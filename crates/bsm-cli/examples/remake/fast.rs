@@ -15,7 +15,7 @@ type Made = Result<String, Box<dyn Error>>;
 /// What makes the text of a block.
 type Make = fn(&Program) -> Made;
 
-/// The program `bsm` in a folder that has the examples in it.
+/// The program `bsm` in a folder that has the examples and the published data in it.
 pub(crate) struct Program {
     pub(crate) path: PathBuf,
     pub(crate) folder: PathBuf,
@@ -33,7 +33,9 @@ pub(crate) const BLOCKS: &[(&str, Make)] = &[
 impl Program {
     /// A program that works in a new folder with the examples of the repository.
     pub(crate) fn new(path: PathBuf, root: &Path, folder: &Path) -> std::io::Result<Self> {
-        std::os::unix::fs::symlink(root.join("examples"), folder.join("examples"))?;
+        for name in ["examples", "validation"] {
+            std::os::unix::fs::symlink(root.join(name), folder.join(name))?;
+        }
         Ok(Self { path, folder: folder.to_owned() })
     }
 

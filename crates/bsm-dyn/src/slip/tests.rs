@@ -96,7 +96,7 @@ proptest! {
             prop_assert!((ball.orbit_spin(&touch) + rest - ball.spin(&touch)).abs() <= 1e-11);
             // The published orbit slip is this rate at the distance from the axis.
             let to_contact = ball.contact(&touch).point(3e-3) - Vector3::y() * 20e-3;
-            let published = ball.orbit_slip_published(&touch);
+            let published = ball.orbit_slip_published(site, beta);
             let lever = to_contact.norm();
             prop_assert!((published - lever * ball.orbit_spin(&touch).abs()).abs() <= 1e-11);
         }
@@ -155,7 +155,7 @@ fn published_spin_slip_is_not_the_spin() {
     let at = |forward| {
         let ball = rolls(Control::Nut, lead, [0.7, 0.7], forward);
         let touch = Touch { site: Site::Nut, angle: 0.7 };
-        (ball.spin_slip_published(&touch), ball.spin(&touch), ball.relative_to(Site::Nut))
+        (ball.spin_slip_published(touch.angle), ball.spin(&touch), ball.relative_to(Site::Nut))
     };
     let ((there, spin, motion), (back, other, _)) = (at(true), at(false));
     let rate = motion.omega.norm();
@@ -165,6 +165,20 @@ fn published_spin_slip_is_not_the_spin() {
     let opposite = (FRAC_PI_2 / 2.0 - 0.7).sin() * tangent;
     assert_relative_eq!(back, opposite, max_relative = 1e-8);
     assert!(spin.abs() + other.abs() < 1e-12 * rate);
+}
+
+/// The gyroscopic angles give the components back, as the paper has them.
+#[test]
+fn gyroscopic_angles_are_those_of_the_paper() {
+    let omega = Vector3::new(310.0, -420.0, -1700.0);
+    let nut = ball(Motion { precession: 0.0, omega }, 0.2).drive.nut_speed;
+    let absolute = omega + BallFrame::turned(0.2, 0.0).k * nut;
+    let [pitch, yaw] = ball(Motion { precession: 0.0, omega: absolute }, 0.2).gyroscopic_angles();
+    let rate = omega.norm();
+    // ω_t = ω_R cosβ sinβ', ω_n = −ω_R sinβ, ω_b = −ω_R cosβ cosβ'
+    let paper =
+        Vector3::new(pitch.cos() * yaw.sin(), -pitch.sin(), -pitch.cos() * yaw.cos()) * rate;
+    assert_relative_eq!(paper, omega, max_relative = 1e-13);
 }
 
 /// A surface that stands still has a slide-roll ratio of two.

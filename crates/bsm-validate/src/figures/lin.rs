@@ -1,0 +1,359 @@
+//! The figures of Lin, Velinsky and Ravani (1994) around a scene.
+
+use std::f64::consts::PI;
+
+use bsm_case::Scene;
+use bsm_design::search::minimum_of;
+use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Solution};
+use bsm_kin::Site;
+use bsm_report::{Axis, Curve, Figure, Stroke, short};
+
+use super::{Read, points};
+use crate::ValidateError;
+
+const LEAD: (&str, &str) = ("lead_angle_deg", "lead angle, deg");
+const CONTACT: (&str, &str) = ("contact_angle_deg", "contact angle, deg");
+
+const DIRECTIONS: [(Direction, &str, Stroke); 2] = [
+    (Direction::RotaryToLinear, "rotary to linear", Stroke::Solid),
+    (Direction::LinearToRotary, "linear to rotary", Stroke::Dashed),
+];
+
+/// The figures of Lin, Velinsky and Ravani (1994), Figs 3 to 7, around a scene: efficiency against both
+/// angles, normal loads, efficiency against the direction of slip, optimum contact angle and limits of
+/// self-locking. Those that lack an input of the scene are left out, and so are the exact equations.
+///
+/// # Errors
+///
+/// [`ValidateError::Point`] if a value of the scene breaks its rule.
+pub fn lin_figures(scene: &Scene) -> Result<Vec<Figure>, ValidateError> {
+    around_scenes(scene, scene)
+}
+
+/// * `slender`: the scene of Fig 5, for which the paper has another ball.
+pub(super) fn around_scenes(scene: &Scene, slender: &Scene) -> Result<Vec<Figure>, ValidateError> {
+    let scene = &forward(scene);
+    let mut figures = Vec::new();
+    if scene.suits(Model::ClosedForm) {
+        figures.push(lead_angle(scene)?);
+        figures.push(contact_angle(scene)?);
+    }
+    if scene.suits(Model::Rigid) {
+        figures.push(normal_loads(scene)?);
+        figures.push(slip_angles(scene)?);
+    }
+    figures.extend(slip_direction(slender));
+    if let Some(friction) = scene.friction_coefficient {
+        figures.push(optimum_angle(scene, friction)?);
+        figures.push(self_locking(friction));
+    }
+    Ok(figures)
+}
+
+/// The scene with the drive working against the load.
+fn forward(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    if scene.speeds_rpm().is_some_and(|(screw, nut)| screw < nut) {
+        scene.screw_speed_rpm = scene.screw_speed_rpm.map(|rpm| -rpm);
+        scene.nut_speed_rpm = scene.nut_speed_rpm.map(|rpm| -rpm);
+    }
+    scene
+}
+
+/// What a figure says of the exact equations.
+fn operating_point(scene: &Scene) -> String {
+    let friction = scene.friction_coefficient.unwrap_or(f64::NAN);
+    match (scene.axial_load_N, scene.loaded_balls, scene.speeds_rpm()) {
+        (Some(load), Some(balls), Some((screw, nut))) if scene.suits(Model::Rigid) => format!(
+            "f = {friction}; the exact equations at {} rpm and {} N on a ball.",
+            screw - nut,
+            load / balls
+        ),
+        _ => format!("f = {friction}; in closed form."),
+    }
+}
+
+/// Whole degrees.
+fn degrees(range: std::ops::RangeInclusive<i32>) -> Vec<f64> {
+    range.map(f64::from).collect()
+}
+
+/// The closed form as lines, the exact equations as circles, every third of them, a colour for each
+/// value of `other`; of the scene's own value, which is the first, the other direction too.
+fn exact_and_closed(
+    scene: &Scene,
+    (input, values): (&str, &[f64]),
+    (other, others): (&str, &[f64]),
+    read: Read,
+) -> Result<Vec<Curve>, ValidateError> {
+    let mut curves = Vec::new();
+    for (color, value) in others.iter().enumerate() {
+        let mut scene = scene.clone();
+        scene.set(other, *value)?;
+        let mut add = |scene: &Scene, model: Model, words: &str, stroke, step| {
+            let values: Vec<_> = values.iter().copied().step_by(step).collect();
+            let points = points(scene, &model.into(), input, &values, read)?;
+            curves.push(Curve::new(format!("{value} deg, {words}"), color, stroke, points));
+            Ok::<_, ValidateError>(())
+        };
+        add(&scene, Model::ClosedForm, "closed", Stroke::Solid, 1)?;
+        if scene.suits(Model::Rigid) {
+            add(&scene, Model::Rigid, "exact", Stroke::Circles, 3)?;
+        }
+        if color == 0 {
+            let back = Scene { screw_speed_rpm: Some(-1.0), nut_speed_rpm: None, ..scene };
+            add(&back, Model::ClosedForm, "linear to rotary", Stroke::Dashed, 1)?;
+        }
+    }
+    Ok(curves)
+}
+
+/// Efficiency where the screw moves: none where it locks.
+fn moving(solution: &Solution) -> Option<f64> {
+    solution.efficiency().filter(|eta| *eta > 0.0)
+}
+
+/// A value and others around it that lie within a range.
+fn around(own: f64, others: [f64; 2], (low, high): (f64, f64)) -> Vec<f64> {
+    let others = others.into_iter().map(|off| own + off).filter(|x| (low..=high).contains(x));
+    std::iter::once(own).chain(others).collect()
+}
+
+fn lead_angle(scene: &Scene) -> Result<Figure, ValidateError> {
+    let own = scene.contact_angle_deg.unwrap_or(f64::NAN);
+    let contacts = around(own, [-15.0, 15.0], (1.0, 89.0));
+    let over = (LEAD.0, &degrees(1..=60)[..]);
+    Ok(Figure {
+        key: "lin-efficiency-lead-angle".into(),
+        title: "Efficiency against lead angle".into(),
+        caption: format!(
+            "Fig 3 of Lin et al. (1994) has {own} deg. {} These have no root at small lead angles, where the \
+             ball would roll.",
+            operating_point(scene)
+        ),
+        x: Axis::linear(LEAD.1),
+        y: Axis::linear("efficiency"),
+        curves: exact_and_closed(scene, over, (CONTACT.0, &contacts), moving)?,
+    })
+}
+
+fn contact_angle(scene: &Scene) -> Result<Figure, ValidateError> {
+    // Without the rounding of the way to radians and back.
+    let own = scene.lead_angle().map_or(f64::NAN, |lead| (1e9 * lead.to_degrees()).round() * 1e-9);
+    let leads = around(own, [10.0, 20.0], (0.1, 60.0));
+    let over = (CONTACT.0, &degrees(5..=85)[..]);
+    let best = 100.0 * Optimum::best_efficiency(scene.friction_coefficient.unwrap_or(f64::NAN));
+    Ok(Figure {
+        key: "lin-efficiency-contact-angle".into(),
+        title: "Efficiency against contact angle".into(),
+        caption: format!(
+            "Fig 3 of Lin et al. (1994) has a lead angle of {own} deg. {} The best efficiency is the same for \
+             each: {best:.1} %.",
+            operating_point(scene)
+        ),
+        x: Axis::linear(CONTACT.1),
+        y: Axis::linear("efficiency"),
+        curves: exact_and_closed(scene, over, (LEAD.0, &leads), moving)?,
+    })
+}
+
+fn normal_loads(scene: &Scene) -> Result<Figure, ValidateError> {
+    let load = scene.axial_load_N.unwrap_or(1.0) / scene.loaded_balls.unwrap_or(1.0);
+    let reads: [(&str, Model, Stroke, Read); 4] = [
+        ("nut and screw, closed form", Model::ClosedForm, Stroke::Solid, |o| {
+            o.contact(Site::Nut)?.load
+        }),
+        ("nut, exact", Model::Rigid, Stroke::Circles, |o| o.contact(Site::Nut)?.load),
+        ("screw, exact", Model::Rigid, Stroke::Triangles, |o| o.contact(Site::Screw)?.load),
+        ("minor contact, exact", Model::Rigid, Stroke::Circles, |o| {
+            o.contact(Site::NutMinor)?.load
+        }),
+    ];
+    let mut curves = Vec::new();
+    for (i, (label, model, stroke, read)) in reads.into_iter().enumerate() {
+        // Marks that would lie on each other take turns.
+        let values: Vec<_> = match stroke {
+            Stroke::Solid => degrees(5..=85),
+            _ => degrees(5..=85).into_iter().skip(2 * i).step_by(4).collect(),
+        };
+        let mut points = points(scene, &model.into(), CONTACT.0, &values, read)?;
+        for (_, normal) in &mut points {
+            *normal /= load;
+        }
+        curves.push(Curve::new(label.to_owned(), i, stroke, points));
+    }
+    Ok(Figure {
+        key: "lin-normal-loads".into(),
+        title: "Normal loads against contact angle".into(),
+        caption: format!(
+            "Fig 4 of Lin et al. (1994). {} The minor contact carries far less than the two that are loaded, \
+             which are nearly equal.",
+            operating_point(scene)
+        ),
+        x: Axis::linear(CONTACT.1),
+        y: Axis::log("normal over axial load"),
+        curves,
+    })
+}
+
+fn slip_angles(scene: &Scene) -> Result<Figure, ValidateError> {
+    let own = scene.contact_angle_deg.unwrap_or(f64::NAN);
+    let contacts = around(own, [-15.0, 15.0], (1.0, 89.0));
+    let over = (LEAD.0, &degrees(1..=60)[..]);
+    let read: Read = |o| o.contact(Site::Screw)?.slip_angle.map(f64::to_degrees);
+    let mut curves = exact_and_closed(scene, over, (CONTACT.0, &contacts), read)?;
+    // The other direction is the same, turned by half a turn.
+    curves.retain(|curve| curve.stroke != Stroke::Dashed);
+    Ok(Figure {
+        key: "lin-slip-angle".into(),
+        title: "Direction of friction at the screw against lead angle".into(),
+        caption: format!(
+            "Eq 13 of Lin et al. (1994): from across the groove (0 deg) towards along it. {} At the nut it is \
+             turned by half a turn.",
+            operating_point(scene)
+        ),
+        x: Axis::linear(LEAD.1),
+        y: Axis::linear("slip angle, deg"),
+        curves,
+    })
+}
+
+/// Eq 11 as corrected and as printed; `None` without the inputs.
+fn slip_direction(scene: &Scene) -> Option<Figure> {
+    let (lead, contact) = (scene.lead_angle()?, scene.contact_angle_deg?.to_radians());
+    let (friction, pitch) = (scene.friction_coefficient?, scene.pitch_circle_diameter_mm?);
+    let size = scene.ball_diameter_mm? / pitch;
+    let angles = Angles { lead, contact };
+    let direction = Direction::RotaryToLinear;
+    let corrected = |degrees: f64| {
+        (degrees, angles.efficiency_at(direction, friction, size, degrees.to_radians()))
+    };
+    let printed = |degrees: f64| {
+        (degrees, efficiency_as_printed(&angles, friction, size, degrees.to_radians()))
+    };
+    let own = angles.screw_slip_angle(direction).to_degrees();
+    let curve = |label: &str, color, stroke, points| Curve::new(label, color, stroke, points);
+    let over = degrees(0..=90);
+    Some(Figure {
+        key: "lin-efficiency-slip-angle".into(),
+        title: "Efficiency against the direction of slip at the screw".into(),
+        caption: format!(
+            "Fig 5 of Lin et al. (1994), Eq 11: lead angle {:.4} deg, contact angle {:.4} deg, ball over pitch \
+             radius {size:.3}, f = {friction}. Slip along the groove (90 deg) costs more than across it. As printed, \
+             the sign of friction in the numerator makes efficiencies above one.",
+            lead.to_degrees(),
+            contact.to_degrees(),
+        ),
+        x: Axis::linear("slip angle at the screw, deg"),
+        y: Axis::linear("efficiency"),
+        curves: vec![
+            curve("corrected", 0, Stroke::Solid, over.iter().copied().map(corrected).collect()),
+            curve("as printed", 1, Stroke::Dashed, over.iter().copied().map(printed).collect()),
+            curve("slip angle of Eq 13", 0, Stroke::Circles, vec![corrected(own)]),
+        ],
+    })
+}
+
+/// Eq 11 of the paper as it is printed, with the slip angle at the nut of Eq 10.
+pub(crate) fn efficiency_as_printed(
+    angles: &Angles<f64>,
+    friction: f64,
+    size: f64,
+    psi: f64,
+) -> f64 {
+    let (tan_a, (sin_b, cos_b)) = (angles.lead.tan(), angles.contact.sin_cos());
+    let (at_nut, at_screw) = ((psi + PI).sin_cos(), psi.sin_cos());
+    let force = sin_b - friction * (cos_b * at_nut.1 + at_nut.0 * tan_a);
+    let lever = at_screw.1 * (size - cos_b) + at_screw.0 * (1.0 - size * cos_b) / tan_a;
+    force / (sin_b + friction * lever)
+}
+
+fn optimum_angle(scene: &Scene, own: f64) -> Result<Figure, ValidateError> {
+    let mut curves = Vec::new();
+    for (color, friction) in [own, own / 3.0, 2.0 * own].into_iter().enumerate() {
+        for (direction, words, stroke) in DIRECTIONS {
+            let best = |lead: &f64| {
+                let best = Optimum::of(direction, lead.to_radians(), friction);
+                (*lead, best.map_or(f64::NAN, |best| best.contact_angle.to_degrees()))
+            };
+            let points = degrees(0..=50).iter().map(best).collect();
+            let label = format!("f {}, {words}", short(friction));
+            curves.push(Curve::new(label, color, stroke, points));
+        }
+    }
+    if scene.suits(Model::Rigid) {
+        for ((direction, words, _), stroke) in
+            DIRECTIONS.into_iter().zip([Stroke::Circles, Stroke::Triangles])
+        {
+            let points = exact_optimum(scene, direction)?;
+            curves.push(Curve::new(format!("exact, {words}"), 3, stroke, points));
+        }
+    }
+    Ok(Figure {
+        key: "lin-optimum-angle".into(),
+        title: "Contact angle of best efficiency against lead angle".into(),
+        caption: format!(
+            "Fig 6 of Lin et al. (1994) has f = {}. Lines in closed form, marks the maximum of the exact \
+             efficiency there. Curves end where no contact angle reaches the optimum.",
+            short(own)
+        ),
+        x: Axis::linear(LEAD.1),
+        y: Axis::linear("optimum contact angle, deg"),
+        curves,
+    })
+}
+
+/// Contact angle of the best efficiency of the exact equations, searched for.
+fn exact_optimum(scene: &Scene, direction: Direction) -> Result<Vec<(f64, f64)>, ValidateError> {
+    let mut points = Vec::new();
+    for lead in degrees(12..=44).into_iter().step_by(4) {
+        let mut scene = scene.clone();
+        scene.set(LEAD.0, lead)?;
+        for speed in [&mut scene.screw_speed_rpm, &mut scene.nut_speed_rpm] {
+            *speed = speed.map(|rpm| direction.sign() * rpm);
+        }
+        let loss = |contact: f64| {
+            let scene = Scene { contact_angle_deg: Some(contact), ..scene.clone() };
+            let solution =
+                scene.problem(&Model::Rigid.into())?.solve(&mut ModelWorkspace::default());
+            // Without a root nothing moves: all is lost.
+            Ok::<_, ValidateError>(1.0 - solution.efficiency().unwrap_or(0.0))
+        };
+        let (low, high) = (30.0, 85.0);
+        let best = minimum_of(loss, low, high)?;
+        // The best of the range is no maximum.
+        let inside = best > low + 0.1 && best < high - 0.1;
+        points.push((lead, if inside { best } else { f64::NAN }));
+    }
+    Ok(points)
+}
+
+fn self_locking(own: f64) -> Figure {
+    let mut curves = Vec::new();
+    for (color, friction) in [own, 2.0 * own, 4.0 * own].into_iter().enumerate() {
+        for (direction, words, stroke) in DIRECTIONS {
+            let limit = |lead: f64| {
+                let limit = Angles::locking_contact_angle(direction, lead.to_radians(), friction);
+                (lead, limit.map_or(f64::NAN, f64::to_degrees))
+            };
+            curves.push(Curve::new(
+                format!("f {}, {words}", short(friction)),
+                color,
+                stroke,
+                (0..=340).map(|quarter| limit(0.25 * f64::from(quarter))).collect(),
+            ));
+        }
+    }
+    Figure {
+        key: "lin-self-locking".into(),
+        title: "Limits of self-locking of the screw".into(),
+        caption: format!(
+            "Fig 7 of Lin et al. (1994) has f = {}. Below a solid line the screw cannot be turned against the \
+             load (a); above a dashed line the load cannot turn the screw (b).",
+            short(own)
+        ),
+        x: Axis::linear(LEAD.1),
+        y: Axis::linear("contact angle, deg"),
+        curves,
+    }
+}
