@@ -142,11 +142,8 @@ impl FourContacts {
     ) -> Option<BallInGrooves> {
         let diagonals = flanks.diagonals();
         let at = |x: [f64; 2]| {
-            Settling::of(
-                from_fn(|c| diagonals[c % 2].then(|| self.contact(c, w, x, oversize))),
-                self.outward,
-                x,
-            )
+            let touching = |c: usize| diagonals[c % 2].then(|| self.contact(c, w, x, oversize));
+            Settling::of(&from_fn(touching), self.outward, x)
         };
         let mut x = start;
         let mut here = at(x);
@@ -230,10 +227,10 @@ struct Settling {
 }
 
 impl Settling {
-    fn of(contacts: [Option<Touching>; 4], outward: f64, x: [f64; 2]) -> Self {
+    fn of(contacts: &[Option<Touching>; 4], outward: f64, x: [f64; 2]) -> Self {
         // U = Σ ⅖ K δ^(5/2) + F_c x_n; the force points along −n          (U10)
         let mut all = Self {
-            contacts,
+            contacts: *contacts,
             energy: outward * x[1],
             pull: [0.0, -outward],
             size: outward,
@@ -242,12 +239,8 @@ impl Settling {
         for touching in contacts.iter().flatten() {
             all.energy += touching.energy;
             all.size += touching.load;
-            for i in 0..2 {
-                all.pull[i] += touching.load * touching.m[i];
-                for k in 0..2 {
-                    all.slope[i][k] += touching.slope[i][k];
-                }
-            }
+            all.pull = from_fn(|i| all.pull[i] + touching.load * touching.m[i]);
+            all.slope = plus(all.slope, touching.slope);
         }
         all
     }
@@ -257,15 +250,11 @@ impl Settling {
         let mut sums = [[[0.0; 2]; 2]; 2];
         for (c, touching) in self.contacts.iter().enumerate() {
             let Some(touching) = touching else { continue };
-            for i in 0..2 {
-                if c < 2 {
-                    // dV/dw = Σ over the nut's contacts of Q m            (U12)
-                    force[i] += touching.load * touching.m[i];
-                }
-                for k in 0..2 {
-                    sums[c / 2][i][k] += touching.slope[i][k];
-                }
+            if c < 2 {
+                // dV/dw = Σ over the nut's contacts of Q m                (U12)
+                force = from_fn(|i| force[i] + touching.load * touching.m[i]);
             }
+            sums[c / 2] = plus(sums[c / 2], touching.slope);
         }
         let [nut, screw] = sums;
         // U_ww − U_wx U_xx⁻¹ U_xw = A (A + B)⁻¹ B, without a difference  (U13)
@@ -289,6 +278,10 @@ impl Settling {
             slope,
         }
     }
+}
+
+fn plus(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    from_fn(|i| from_fn(|k| a[i][k] + b[i][k]))
 }
 
 fn times(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {

@@ -106,9 +106,7 @@ pub enum NutError {
     #[error("the curvatures of ball and grooves make no Hertzian contact")]
     Contact(Reason),
     /// No ball takes the load: the nut moves without end.
-    #[error(
-        "nothing carries the load: the nut has moved by {moved:e} m, a tenth of a ball, and still falls"
-    )]
+    #[error("nothing carries the load: the nut has moved by {moved:e} m, out of its grooves")]
     NothingCarries {
         /// Displacement at which the search ended \[m\].
         moved: f64,
@@ -177,9 +175,21 @@ struct Assembly<'a> {
     springs: [Vec<Spring>; 2],
     /// Stiffness of the ring of each circuit; empty if the nut is rigid.
     rings: Vec<f64>,
-    /// Unknowns that are given.
-    held: Vec<bool>,
+    /// Unknowns that are given; `[Want::Newton]` with the freedoms that the guides hold,
+    /// `[Want::Stiffness]` without.
+    held: [Vec<bool>; 2],
     matrix: Bordered<2>,
+}
+
+/// What is put into the matrix besides energy and forces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Want {
+    /// The matrix of a Newton step.
+    Newton = 0,
+    /// The stiffness of the nut itself: nothing of its guides.
+    Stiffness = 1,
+    /// Nothing.
+    Forces,
 }
 
 /// Energy, forces and balls of a set of unknowns.
@@ -220,19 +230,18 @@ impl<'a> Assembly<'a> {
             nut.circuits.iter().map(|circuit| ring.stiffness(nut, circuit)).collect()
         });
         let mut held = vec![false; 2 * nodes.len() + FREEDOMS + rings.len()];
-        let springs = from_fn(|body| match bars[body] {
-            Some(bar) => {
-                let (springs, at) = bar.springs(&nodes);
-                if let Some(node) = at {
-                    held[2 * node + body] = true;
-                }
-                springs
+        let springs = from_fn(|body| {
+            let Some(bar) = bars[body] else {
+                held[..2 * nodes.len()].iter_mut().skip(body).step_by(2).for_each(|h| *h = true);
+                return Vec::new();
+            };
+            let (springs, at) = bar.springs(&nodes);
+            if let Some(node) = at {
+                held[2 * node + body] = true;
             }
-            None => {
-                held.iter_mut().take(2 * nodes.len()).skip(body).step_by(2).for_each(|h| *h = true);
-                Vec::new()
-            }
+            springs
         });
+        let of_the_nut = held.clone();
         for (i, freedom) in support.0.iter().enumerate() {
             held[2 * nodes.len() + i] = matches!(freedom, Freedom::Held(_));
         }
@@ -246,7 +255,7 @@ impl<'a> Assembly<'a> {
             seats,
             springs,
             rings,
-            held,
+            held: [held, of_the_nut],
         })
     }
 
@@ -277,8 +286,8 @@ impl<'a> Assembly<'a> {
         all
     }
 
-    /// The state at `y`; with its stiffness in the matrix if `hold` says which unknowns are kept.
-    fn state(&mut self, y: &[f64], hold: Option<&[bool]>) -> Option<State> {
+    /// The state at `y`, and its slopes in the matrix.
+    fn state(&mut self, y: &[f64], want: Want) -> Option<State> {
         let first = self.freedoms();
         let mut state = State {
             energy: 0.0,
@@ -288,9 +297,9 @@ impl<'a> Assembly<'a> {
             balls: Vec::with_capacity(self.seats.len()),
             grooves: Vec::with_capacity(self.seats.len()),
         };
-        let mut matrix = hold.map(|hold| {
+        let mut matrix = self.held.get(want as usize).map(|held| {
             self.matrix.clear();
-            Entries { matrix: std::mem::replace(&mut self.matrix, Bordered::new(0, 0)), hold }
+            Entries { matrix: std::mem::replace(&mut self.matrix, Bordered::new(0, 0)), held }
         });
         for seat in &self.seats {
             let (mut w, excess) = seat.error;
@@ -349,7 +358,7 @@ impl<'a> Assembly<'a> {
         }
         for (i, freedom) in self.support.0.iter().enumerate() {
             // What the guides do to the nut is no stiffness of the nut.
-            if freedom.spring() > 0.0 && hold.is_none_or(|hold| *hold == self.held) {
+            if freedom.spring() > 0.0 && want != Want::Stiffness {
                 spring(first + i, None, freedom.spring());
             }
         }
@@ -362,13 +371,13 @@ impl<'a> Assembly<'a> {
             let arm = if i < 3 { 1.0 } else { self.nut.helix.radius };
             state.forces += load.abs() / arm;
         }
-        if let Some(Entries { matrix, hold }) = matrix {
+        if let Some(Entries { matrix, held }) = matrix {
             self.matrix = matrix;
-            for (i, _) in hold.iter().enumerate().filter(|(_, held)| **held) {
+            for (i, _) in held.iter().enumerate().filter(|(_, held)| **held) {
                 self.matrix.add(i, i, 1.0);
             }
         }
-        for (residual, held) in state.residual.iter_mut().zip(&self.held) {
+        for (residual, held) in state.residual.iter_mut().zip(&self.held[0]) {
             if *held {
                 *residual = 0.0;
             }
@@ -391,7 +400,7 @@ impl<'a> Assembly<'a> {
         let series = self.ball.series;
         let share = (forces / count(self.seats.len())).max(f64::MIN_POSITIVE);
         let one = 1.5 * series.stiffness.powf(2.0 / 3.0) * share.cbrt();
-        let mut usual = vec![one; self.held.len()];
+        let mut usual = vec![one; self.held[0].len()];
         let mut all = [0.0; FREEDOMS];
         for seat in &self.seats {
             for (i, all) in all.iter_mut().enumerate() {
@@ -404,18 +413,17 @@ impl<'a> Assembly<'a> {
 
     fn solve(mut self) -> Result<Equilibrium, NutError> {
         let first = self.freedoms();
-        let mut y = vec![0.0; self.held.len()];
+        let mut y = vec![0.0; self.held[0].len()];
         for (i, freedom) in self.support.0.iter().enumerate() {
             if let Freedom::Held(displacement) = freedom {
                 y[first + i] = *displacement;
             }
         }
-        if !self.held[first] {
+        if !self.held[0][first] {
             y[first] = self.nut.equal_displacement(self.support.0[0].load()).unwrap_or(0.0);
         }
-        let held = self.held.clone();
         let none = |residual, steps| NutError::NotConverged { residual, steps };
-        let mut state = self.state(&y, Some(&held)).ok_or(none(f64::NAN, 0))?;
+        let mut state = self.state(&y, Want::Newton).ok_or(none(f64::NAN, 0))?;
         let mut damping = 0.0;
         for steps in 0..=MOST_STEPS {
             let imbalance = self.imbalance(&state);
@@ -423,7 +431,8 @@ impl<'a> Assembly<'a> {
                 return self.finish(&y, &state, steps, imbalance);
             }
             let moved = y[first..first + 3].iter().fold(0.0, |most: f64, u| most.max(u.abs()));
-            if moved > 0.2 * self.nut.ball.radius {
+            // Beyond, balls would be pressed from the other side of the groove arcs.
+            if moved > self.nut.arc_distance() {
                 return Err(NutError::NothingCarries { moved });
             }
             let usual = self.usual_stiffness(state.forces);
@@ -436,12 +445,12 @@ impl<'a> Assembly<'a> {
                 if damping > 1e6 {
                     break None;
                 }
-                self.state(&y, Some(&held)).ok_or(none(imbalance, steps))?;
+                self.state(&y, Want::Newton).ok_or(none(imbalance, steps))?;
             };
             let Some(next) = next else { return Err(none(imbalance, steps)) };
             damping = if damping < 1e-7 { 0.0 } else { 0.1 * damping };
             y = next;
-            state = self.state(&y, Some(&held)).ok_or(none(imbalance, steps))?;
+            state = self.state(&y, Want::Newton).ok_or(none(imbalance, steps))?;
         }
         Err(none(self.imbalance(&state), MOST_STEPS))
     }
@@ -449,7 +458,7 @@ impl<'a> Assembly<'a> {
     /// A Newton step that lowers the energy; the stiffness of `state` is in the matrix.
     fn step(&mut self, y: &[f64], state: &State, damping: f64, usual: &[f64]) -> Option<Vec<f64>> {
         if damping > 0.0 {
-            for (i, (usual, held)) in usual.iter().zip(&self.held).enumerate() {
+            for (i, (usual, held)) in usual.iter().zip(&self.held[0]).enumerate() {
                 if !held {
                     self.matrix.add(i, i, damping * usual);
                 }
@@ -466,7 +475,7 @@ impl<'a> Assembly<'a> {
         let mut share = 1.0;
         while share > 1e-4 {
             let next: Vec<f64> = y.iter().zip(&step).map(|(y, s)| y + share * s).collect();
-            if let Some(there) = self.state(&next, None) {
+            if let Some(there) = self.state(&next, Want::Forces) {
                 // Armijo; near the end the energy has no more digits, but the forces have.
                 let lower = there.energy <= state.energy - 1e-4 * share * fall;
                 let rounding = 1e-14 * state.energies.max(there.energies);
@@ -488,10 +497,7 @@ impl<'a> Assembly<'a> {
         residual: f64,
     ) -> Result<Equilibrium, NutError> {
         let first = self.freedoms();
-        let mut held = self.held.clone();
-        held[first..first + FREEDOMS].fill(false);
-        let none = NutError::NotConverged { residual, steps };
-        self.state(y, Some(&held)).ok_or(none)?;
+        self.state(y, Want::Stiffness).ok_or(NutError::NotConverged { residual, steps })?;
         let stiffness = self.stiffness();
         let mut carried = [0.0; FREEDOMS];
         let mut bodies = Vec::new();
@@ -556,12 +562,12 @@ impl<'a> Assembly<'a> {
 /// The matrix, and the unknowns whose rows and columns stay empty.
 struct Entries<'a> {
     matrix: Bordered<2>,
-    hold: &'a [bool],
+    held: &'a [bool],
 }
 
 impl Entries<'_> {
     fn add(&mut self, row: usize, column: usize, value: f64) {
-        if !self.hold[row] && !self.hold[column] {
+        if !self.held[row] && !self.held[column] {
             self.matrix.add(row, column, value);
         }
     }

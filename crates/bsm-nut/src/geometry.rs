@@ -4,7 +4,7 @@
 
 use std::f64::consts::TAU;
 
-use bsm_dyn::{Ball, ElasticScrew, Groove, Hertz, Load, Material, Member, Reason, contact_modulus};
+use bsm_dyn::{Ball, ElasticScrew, Groove, Hertz, Load, Material, Member, Reason};
 use bsm_kin::{Drive, Helix};
 
 use crate::ball::FourContacts;
@@ -176,12 +176,8 @@ impl BallNut {
     /// [`Reason::CurvaturesNotHertzian`].
     pub fn ball_in_grooves(&self) -> Result<FourContacts, Reason> {
         let screw = self.equal_share(1.0);
-        let offset = |member, conformity| Groove { member, conformity }.offset(self.ball.radius);
         Ok(FourContacts {
-            offsets: [
-                offset(Member::Nut, self.conformity.0),
-                offset(Member::Screw, self.conformity.1),
-            ],
+            offsets: self.offsets(),
             contact_angle: self.contact_angle,
             stiffness: screw.hertz()?.map(|hertz| hertz.stiffness()),
             series: screw.pressed_ball()?,
@@ -203,13 +199,24 @@ impl BallNut {
         let lead: f64 = self.errors.lead.iter().map(wrong).sum();
         // w_b = cosα (o_c + e_j),  w_n = −g_j                             (U5)
         let along = self.helix.lead_angle.cos() * (self.circuits[place.circuit].offset + lead);
-        let excess = self.errors.balls.get(number).copied().unwrap_or(0.0) + self.errors.oversize;
-        ([along, -self.errors.gap], excess)
+        ([along, -self.errors.gap], self.excess(number))
     }
 
-    /// Contact modulus of races and balls \[Pa\].
-    pub fn modulus(&self) -> f64 {
-        contact_modulus(&self.material.0, &self.material.1)
+    /// Excess of the radius of a ball over the nominal one \[m\] (U7).
+    pub(crate) fn excess(&self, number: usize) -> f64 {
+        // Δr_j: of each ball, and of all                                  (U7)
+        self.errors.balls.get(number).copied().unwrap_or(0.0) + self.errors.oversize
+    }
+
+    /// Distances from groove-arc centre to ball centre at first touch, of nut and screw \[m\].
+    fn offsets(&self) -> [f64; 2] {
+        let offset = |member, conformity| Groove { member, conformity }.offset(self.ball.radius);
+        [offset(Member::Nut, self.conformity.0), offset(Member::Screw, self.conformity.1)]
+    }
+
+    /// Distance of the groove-arc centres of nut and screw at first touch \[m\].
+    pub(crate) fn arc_distance(&self) -> f64 {
+        self.offsets().iter().sum()
     }
 }
 

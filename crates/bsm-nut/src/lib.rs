@@ -9,6 +9,7 @@
 mod ball;
 mod bodies;
 mod equilibrium;
+mod friction;
 mod geometry;
 mod life;
 mod preload;
@@ -17,6 +18,7 @@ mod sharing;
 pub use ball::{BallInGrooves, FourContacts};
 pub use bodies::{Bar, Ring};
 pub use equilibrium::{Equilibrium, Freedom, NutError, Support};
+pub use friction::NutFriction;
 pub use geometry::{BallNut, Circuit, Errors, Flanks, LeadError, Place};
 pub use life::{NutLife, TurnRatings};
 pub use preload::Preload;

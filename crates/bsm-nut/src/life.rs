@@ -3,7 +3,7 @@
 //! Theory: `docs/theory/16-nut.md`, equations (U23) to (U27).
 
 use crate::geometry::count;
-use crate::{BallNut, Equilibrium};
+use crate::{BallInGrooves, BallNut, Equilibrium};
 
 /// Dynamic load ratings of the loaded turns of one nut body, screw and nut apart \[N\]: `$C_s i^{0.86}$`
 /// and `$C_n i^{0.86}$`.
@@ -25,12 +25,12 @@ pub struct NutLife {
 impl Equilibrium {
     /// Largest load of a contact \[N\].
     pub fn max_load(&self) -> f64 {
-        self.balls.iter().map(|ball| ball.max_load()).fold(0.0, f64::max)
+        self.balls.iter().map(BallInGrooves::max_load).fold(0.0, f64::max)
     }
 
     /// Largest load of a contact over the mean of all balls, each with its largest (U27).
     pub fn concentration(&self) -> f64 {
-        let mean = self.balls.iter().map(|ball| ball.max_load()).sum::<f64>();
+        let mean = self.balls.iter().map(BallInGrooves::max_load).sum::<f64>();
         // max Q / mean Q                                                  (U27)
         self.max_load() / (mean / count(self.balls.len()))
     }
@@ -64,7 +64,7 @@ impl Equilibrium {
                 // Q_c = C / (Z_b sinβ₀ cosα)                              (U23)
                 let rated = rating / (number * inclined);
                 for flank in 0..2 {
-                    let load = |ball: &&crate::BallInGrooves| ball.loads[ring + flank].powf(power);
+                    let load = |ball: &&BallInGrooves| ball.loads[ring + flank].powf(power);
                     // Q_e = (mean Q_j^p)^(1/p)                            (U24)
                     let mean = (balls.iter().map(load).sum::<f64>() / number).powf(power.recip());
                     // L = 10⁶ [Σ L_track^(−10/9)]^(−9/10),  L_track = (Q_c/Q_e)³  (U25)

@@ -22,7 +22,7 @@ fn numbers(value: &Value) -> Vec<Option<f64>> {
 }
 
 fn circuit(value: &Value) -> Circuit {
-    let whole = |key| value.get(key).and_then(Value::as_u64).map_or(0, |n| n as usize);
+    let whole = |key| value.get(key).map_or(0, |n| n.to_string().parse().expect("whole number"));
     Circuit {
         start: number(value, "start_deg").expect("start") * DEG,
         arc: number(value, "arc_deg").expect("arc") * DEG,
@@ -66,7 +66,7 @@ fn nut(scene: &Value) -> BallNut {
     };
     let mut nut = BallNut {
         helix: Helix { radius: 0.5 * pitch, lead_angle: (lead / (PI * pitch)).atan() },
-        starts: scene.get("starts").and_then(Value::as_u64).map_or(1, |n| n as usize),
+        starts: scene.get("starts").map_or(1, |n| n.to_string().parse().expect("whole number")),
         ball: Ball { radius, mass: 4.0 / 3.0 * PI * radius.powi(3) * 7800.0 },
         contact_angle: number(scene, "contact_angle_deg").expect("angle") * DEG,
         conformity: (
