@@ -1,6 +1,6 @@
 //! One ball between both flanks of nut and screw, given the displacement of its grooves.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U9) to (U13).
+//! Theory: `docs/theory/16-nut.md`, equations (U8) to (U12).
 
 use std::array::from_fn;
 
@@ -101,7 +101,7 @@ impl FourContacts {
     /// Groove-arc centre of a contact before the displacement.
     fn arc_centre(&self, contact: usize) -> [f64; 2] {
         let (sin, cos) = self.contact_angle.sin_cos();
-        // N± = l_A0 (±sinβ₀, cosβ₀) + w,  S± = −l_B0 (±sinβ₀, cosβ₀)      (U9)
+        // N± = l_A0 (±sinβ₀, cosβ₀) + w,  S± = −l_B0 (±sinβ₀, cosβ₀)      (U8)
         let signed = self.offsets[contact / 2] * SIGNS[contact / 2];
         [signed * SIGNS[contact % 2] * sin, signed * cos]
     }
@@ -112,7 +112,7 @@ impl FourContacts {
         let moved: [f64; 2] = from_fn(|i| if contact < 2 { w[i] - x[i] } else { -x[i] });
         let v: [f64; 2] = from_fn(|i| arc[i] + moved[i]);
         let length = v[0].hypot(v[1]);
-        // l − l_c0 = (2 C·D + D·D)/(l + l_c0),  δ = l − l_c0 + Δr         (U9)
+        // l − l_c0 = (2 C·D + D·D)/(l + l_c0),  δ = l − l_c0 + Δr         (U8)
         let approach = dot([2.0 * arc[0] + moved[0], 2.0 * arc[1] + moved[1]], moved)
             / (length + l)
             + oversize;
@@ -121,9 +121,9 @@ impl FourContacts {
             return Touching { approach, load: 0.0, energy: 0.0, m, slope: [[0.0; 2]; 2] };
         }
         let root = approach.sqrt();
-        // Q = K δ^(3/2),  V = ⅖ K δ^(5/2)                                 (U10)
+        // Q = K δ^(3/2),  V = ⅖ K δ^(5/2)                                 (U9)
         let load = self.stiffness[contact / 2] * approach * root;
-        // 3/2 K √δ m mᵀ + (Q/l)(1 − m mᵀ)                                 (U13)
+        // 3/2 K √δ m mᵀ + (Q/l)(1 − m mᵀ)                                 (U12)
         let (along, turning) = (1.5 * self.stiffness[contact / 2] * root, load / length);
         let entry = |i: usize, k: usize| {
             (along - turning) * m[i] * m[k] + if i == k { turning } else { 0.0 }
@@ -132,7 +132,7 @@ impl FourContacts {
         Touching { approach, load, energy: 0.4 * load * approach, m, slope }
     }
 
-    /// The ball of least energy among all its places, from a start (U11).
+    /// The ball of least energy among all its places, from a start (U10).
     fn settle(
         &self,
         w: [f64; 2],
@@ -228,7 +228,7 @@ struct Settling {
 
 impl Settling {
     fn of(contacts: &[Option<Touching>; 4], outward: f64, x: [f64; 2]) -> Self {
-        // U = Σ ⅖ K δ^(5/2) + F_c x_n; the force points along −n          (U10)
+        // U = Σ ⅖ K δ^(5/2) + F_c x_n; the force points along −n          (U9)
         let mut all = Self {
             contacts: *contacts,
             energy: outward * x[1],
@@ -251,13 +251,13 @@ impl Settling {
         for (c, touching) in self.contacts.iter().enumerate() {
             let Some(touching) = touching else { continue };
             if c < 2 {
-                // dV/dw = Σ over the nut's contacts of Q m                (U12)
+                // dV/dw = Σ over the nut's contacts of Q m                (U11)
                 force = from_fn(|i| force[i] + touching.load * touching.m[i]);
             }
             sums[c / 2] = plus(sums[c / 2], touching.slope);
         }
         let [nut, screw] = sums;
-        // U_ww − U_wx U_xx⁻¹ U_xw = A (A + B)⁻¹ B, without a difference  (U13)
+        // U_ww − U_wx U_xx⁻¹ U_xw = A (A + B)⁻¹ B, without a difference  (U12)
         let slope = inverse2(self.slope).map_or([[0.0; 2]; 2], |inverse| {
             let product = times(times(nut, inverse), screw);
             let across = 0.5 * (product[0][1] + product[1][0]);
@@ -266,7 +266,7 @@ impl Settling {
         let load = |touching: &Option<Touching>| touching.as_ref().map_or(0.0, |t| t.load);
         let angles = from_fn(|c| {
             let m = self.contacts[c].as_ref().map_or([0.0, 1.0], |t| t.m);
-            // atan2(±m_b, m_n) at the nut, of −m at the screw             (U9)
+            // atan2(±m_b, m_n) at the nut, of −m at the screw             (U8)
             let outwards = SIGNS[c / 2];
             (outwards * SIGNS[c % 2] * m[0]).atan2(outwards * m[1])
         });
@@ -289,7 +289,7 @@ fn times(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
 }
 
 /// A ball that only one diagonal presses: the closed form, mirrored for the flanks −.
-fn on_one_diagonal(diagonal: usize, ball: &Pressing) -> BallInGrooves {
+pub(crate) fn on_one_diagonal(diagonal: usize, ball: &Pressing) -> BallInGrooves {
     let sign = SIGNS[diagonal];
     let mut found = BallInGrooves::LOOSE;
     for contact in [diagonal, 2 + diagonal] {

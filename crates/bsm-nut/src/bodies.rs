@@ -1,6 +1,6 @@
 //! Nut and screw as elastic bodies: bars along the axis, and rings that widen.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U14) and (U15).
+//! Theory: `docs/theory/16-nut.md`, equations (U13) and (U14).
 
 use crate::{BallNut, Circuit};
 
@@ -25,11 +25,11 @@ pub struct Ring {
 }
 
 impl Ring {
-    /// Stiffness of the tube around a circuit against its widening \[N/m\] (U15).
+    /// Stiffness of the tube around a circuit against its widening \[N/m\] (U14).
     pub(crate) fn stiffness(&self, nut: &BallNut, circuit: &Circuit) -> f64 {
         let (outer, inner) = (self.outer * self.outer, self.inner * self.inner);
         let height = nut.helix.lead() / std::f64::consts::TAU;
-        // k_r = E h Θ_c 2π / [(D² + D_t²)/(D² − D_t²) + 1]                (U15)
+        // k_r = E h Θ_c 2π / [(D² + D_t²)/(D² − D_t²) + 1]                (U14)
         self.youngs_modulus * height * circuit.arc * std::f64::consts::TAU
             / ((outer + inner) / (outer - inner) + 1.0)
     }
@@ -51,7 +51,7 @@ impl Bar {
         let at = nodes.iter().position(|z| (z - self.anchor).abs() <= near);
         let held =
             |node: usize| Spring::Held(node, self.stiffness / (nodes[node] - self.anchor).abs());
-        // E_chain = ½ Σ EA/Δz (n_(i+1) − n_i)²,  n(z_F) = 0               (U14)
+        // E_chain = ½ Σ EA/Δz (n_(i+1) − n_i)²,  n(z_F) = 0               (U13)
         for i in 0..nodes.len().saturating_sub(1) {
             let split = at.is_none() && nodes[i] < self.anchor && self.anchor < nodes[i + 1];
             if split {

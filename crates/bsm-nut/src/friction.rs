@@ -1,6 +1,6 @@
 //! Friction of all balls, each at its own load in its own displaced grooves.
 //!
-//! Theory: `docs/theory/16-nut.md`, equation (U22).
+//! Theory: `docs/theory/16-nut.md`, equation (U21).
 
 use bsm_dyn::{Ball, ElasticScrew, Load, Solution};
 use bsm_kin::Drive;
@@ -25,7 +25,7 @@ pub struct NutFriction {
 }
 
 impl BallNut {
-    /// The screw whose only ball is one of this nut (U22), with its own groove displacement and
+    /// The screw whose only ball is one of this nut (U21), with its own groove displacement and
     /// excess; `None` if the ball is loose or loaded on both flanks.
     ///
     /// * `number`: of the ball. * `friction`: coefficient. * `drive`: speeds of screw and nut.
@@ -47,7 +47,7 @@ impl BallNut {
         let conformity = (scaled(self.conformity.0), scaled(self.conformity.1));
         let share = self.equal_share(1.0);
         // (l_A0 + l_B0) cosβ₀ + w_n is the radial distance of the arc centres of this ball; its own
-        // first touch is at (l_A0 + l_B0 − 2Δr) cosβ                      (U22)
+        // first touch is at (l_A0 + l_B0 − 2Δr) cosβ                      (U21)
         let first_touch = self.arc_distance();
         let radial = first_touch * self.contact_angle.cos() + found.grooves[number][1];
         let contact_angle = (radial / (first_touch - 2.0 * excess)).acos();
@@ -66,7 +66,7 @@ impl BallNut {
         })
     }
 
-    /// Friction of all balls by a model of one ball (U22): the sharing of the load is that without
+    /// Friction of all balls by a model of one ball (U21): the sharing of the load is that without
     /// friction, which changes it by a few thousandths.
     ///
     /// * `solve`: the model. * `drive`: speeds; friction needs a relative speed.
@@ -85,14 +85,14 @@ impl BallNut {
             }
             let screw = self.ball_alone(found, number, friction, drive)?;
             let torque = solve(screw).solved()?.transmission.screw_torque?;
-            // T_f = |T − h F|                                             (U22)
+            // T_f = |T − h F|                                             (U21)
             Some((torque - per_radian * screw.load.axial).abs())
         };
         let balls: Vec<_> = (0..found.balls.len()).map(&mut of_ball).collect();
         let torque: Option<f64> = balls.iter().copied().sum();
         let axial: f64 = found.bodies.iter().sum();
         let ideal = per_radian * axial;
-        // T = h F_a + Σ T_f                                               (U22)
+        // T = h F_a + Σ T_f                                               (U21)
         let drive_torque = torque.map(|torque| ideal + torque * speed.signum());
         // The load is moved if it resists the motion, else it drives.
         let efficiency = drive_torque

@@ -1,6 +1,6 @@
 //! Where the balls are, and what is wrong with their grooves.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U8).
+//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U7).
 
 use std::f64::consts::TAU;
 
@@ -169,7 +169,7 @@ impl BallNut {
         self.equal_share(1.0).hertz()
     }
 
-    /// What all balls have in common (U9).
+    /// What all balls have in common (U8).
     ///
     /// # Errors
     ///
@@ -181,13 +181,13 @@ impl BallNut {
             contact_angle: self.contact_angle,
             stiffness: screw.hertz()?.map(|hertz| hertz.stiffness()),
             series: screw.pressed_ball()?,
-            // F_c = m r_m P²                                              (U10)
+            // F_c = m r_m P²                                              (U9)
             outward: self.ball.mass * self.helix.radius * self.precession * self.precession,
         })
     }
 
     /// Displacement of the groove of a ball by its errors, along binormal and principal normal \[m\],
-    /// and the excess of its radius \[m\] (U5) to (U8).
+    /// and the excess of its radius \[m\] (U5) to (U7).
     pub(crate) fn error_at(&self, number: usize, place: &Place) -> ([f64; 2], f64) {
         let wrong = |error: &LeadError| match *error {
             LeadError::Wave { amplitude, order, phase } => {
@@ -195,16 +195,16 @@ impl BallNut {
             }
             LeadError::Slope { slope, origin } => slope * (place.z - origin),
         };
-        // e_j = Σ A_k cos(kθ_j + φ_k) + s (z_j − z₀)                      (U8)
+        // e_j = Σ A_k cos(kθ_j + φ_k) + s (z_j − z₀)                      (U7)
         let lead: f64 = self.errors.lead.iter().map(wrong).sum();
         // w_b = cosα (o_c + e_j),  w_n = −g_j                             (U5)
         let along = self.helix.lead_angle.cos() * (self.circuits[place.circuit].offset + lead);
         ([along, -self.errors.gap], self.excess(number))
     }
 
-    /// Excess of the radius of a ball over the nominal one \[m\] (U7).
+    /// Excess of the radius of a ball over the nominal one \[m\] (U6).
     pub(crate) fn excess(&self, number: usize) -> f64 {
-        // Δr_j: of each ball, and of all                                  (U7)
+        // Δr_j: of each ball, and of all                                  (U6)
         self.errors.balls.get(number).copied().unwrap_or(0.0) + self.errors.oversize
     }
 

@@ -1,6 +1,6 @@
 //! Life, static safety and concentration of load from the loads of all balls.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U23) to (U27).
+//! Theory: `docs/theory/16-nut.md`, equations (U22) to (U25).
 
 use crate::geometry::count;
 use crate::{BallInGrooves, BallNut, Equilibrium};
@@ -28,10 +28,10 @@ impl Equilibrium {
         self.balls.iter().map(BallInGrooves::max_load).fold(0.0, f64::max)
     }
 
-    /// Largest load of a contact over the mean of all balls, each with its largest (U27).
+    /// Largest load of a contact over the mean of all balls, each with its largest (U25).
     pub fn concentration(&self) -> f64 {
         let mean = self.balls.iter().map(BallInGrooves::max_load).sum::<f64>();
-        // max Q / mean Q                                                  (U27)
+        // max Q / mean Q                                                  (U25)
         self.max_load() / (mean / count(self.balls.len()))
     }
 
@@ -40,7 +40,7 @@ impl Equilibrium {
         self.balls.iter().filter(|ball| ball.max_load() <= 0.0).count()
     }
 
-    /// Life of the tracks of all bodies together (U23) to (U25).
+    /// Life of the tracks of all bodies together (U22) to (U24).
     ///
     /// Source: the rule of ISO/TS 16281 with the ball loads of ISO 3408-5.
     pub fn life(&self, nut: &BallNut, ratings: &TurnRatings) -> NutLife {
@@ -58,16 +58,16 @@ impl Equilibrium {
                 continue;
             }
             let number = count(balls.len());
-            // Contacts of nut and screw, the mean load of equal damage of each  (U24)
+            // Contacts of nut and screw, the mean load of equal damage of each  (U23)
             let rings = [(0, ratings.nut, 10.0 / 3.0), (2, ratings.screw, 3.0)];
             for (ring, rating, power) in rings {
-                // Q_c = C / (Z_b sinβ₀ cosα)                              (U23)
+                // Q_c = C / (Z_b sinβ₀ cosα)                              (U22)
                 let rated = rating / (number * inclined);
                 for flank in 0..2 {
                     let load = |ball: &&BallInGrooves| ball.loads[ring + flank].powf(power);
-                    // Q_e = (mean Q_j^p)^(1/p)                            (U24)
+                    // Q_e = (mean Q_j^p)^(1/p)                            (U23)
                     let mean = (balls.iter().map(load).sum::<f64>() / number).powf(power.recip());
-                    // L = 10⁶ [Σ L_track^(−10/9)]^(−9/10),  L_track = (Q_c/Q_e)³  (U25)
+                    // L = 10⁶ [Σ L_track^(−10/9)]^(−9/10),  L_track = (Q_c/Q_e)³  (U24)
                     damage += (mean / rated).powf(10.0 / 3.0);
                 }
             }

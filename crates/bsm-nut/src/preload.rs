@@ -1,6 +1,6 @@
 //! Preload: the offset that gives it, what is left of it under load, and the load that takes it away.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U19) to (U21).
+//! Theory: `docs/theory/16-nut.md`, equations (U18) to (U20).
 
 use bsm_newton::Bracket;
 
@@ -17,7 +17,7 @@ pub enum Preload {
 
 impl Equilibrium {
     /// Preload that is left \[N\]: the smaller force of two bodies against each other, or of the two
-    /// flanks of a body with oversize balls (U21).
+    /// flanks of a body with oversize balls (U20).
     pub fn preload(&self, nut: &BallNut, by: Preload) -> f64 {
         match by {
             Preload::Offset => self.bodies.iter().map(|force| force.abs()).fold(f64::MAX, f64::min),
@@ -29,7 +29,7 @@ impl Equilibrium {
                         .map(|b| b.loads[contact] * b.angles[contact].sin() * cos)
                         .sum()
                 };
-                // F_p = Σ Q sinβ cosα over one diagonal                   (U21)
+                // F_p = Σ Q sinβ cosα over one diagonal                   (U20)
                 f64::min(inclined(0), inclined(1))
             }
         }
@@ -38,14 +38,14 @@ impl Equilibrium {
 
 impl BallNut {
     /// The same nut preloaded by a displacement \[m\]: the offset of the bodies against each other, or
-    /// the excess of the balls' diameter (U19).
+    /// the excess of the balls' diameter (U18).
     #[must_use]
     pub fn preloaded(&self, by: Preload, displacement: f64) -> Self {
         let mut nut = self.clone();
         match by {
             Preload::Offset => {
                 for circuit in &mut nut.circuits {
-                    // o = ±O/2                                            (U19)
+                    // o = ±O/2                                            (U18)
                     let half = 0.5 * displacement;
                     circuit.offset += if circuit.body == 0 { half } else { -half };
                 }
@@ -55,7 +55,7 @@ impl BallNut {
         nut
     }
 
-    /// The displacement \[m\] that gives a preload \[N\] where nothing is loaded from outside (U20).
+    /// The displacement \[m\] that gives a preload \[N\] where nothing is loaded from outside (U19).
     ///
     /// # Errors
     ///
@@ -89,7 +89,7 @@ impl BallNut {
     }
 
     /// The axial load \[N\] of the sign of `way` at which the last ball of a body, or of a flank, lets go
-    /// (U21).
+    /// (U20).
     ///
     /// # Errors
     ///

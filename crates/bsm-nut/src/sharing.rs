@@ -1,6 +1,6 @@
 //! A nut whose balls share the load equally.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U28) to (U30).
+//! Theory: `docs/theory/16-nut.md`, equations (U26) to (U28).
 
 use crate::geometry::count;
 use crate::{BallNut, Bar, Circuit, Errors, Freedom, NutError, Place, Support};
@@ -32,7 +32,7 @@ impl BallNut {
         }
         let ball = self.ball_in_grooves().map_err(NutError::Contact)?.series;
         let alpha = self.helix.lead_angle;
-        // Z Q m_b cosα = F                                                (U28)
+        // Z Q m_b cosα = F                                                (U26)
         let (displacement, pressing) = ball
             .under(axial.abs() / balls, alpha)
             .map_err(|_| NutError::NothingCarries { moved: f64::NAN })?;
@@ -52,7 +52,7 @@ impl BallNut {
         held && rigid && level && self.errors == Errors::default()
     }
 
-    /// A bound of the largest normal load of a ball under an axial load \[N\] (U29), for a guided nut
+    /// A bound of the largest normal load of a ball under an axial load \[N\] (U27), for a guided nut
     /// whose balls press one flank: some ball carries no more than the mean, and the approaches of all
     /// differ by no more than errors and bodies allow.
     ///
@@ -76,15 +76,10 @@ impl BallNut {
         };
         let length = span(&mut places.iter().map(|place| place.z));
         let compliance = |bar: Option<Bar>| bar.map_or(0.0, |bar| bar.stiffness.recip());
-        // D = max − min of o + e + 2Δr/(sinβ₀ cosα), and D_bars ≤ F l (1/EA_n + 1/EA_s)  (U29)
+        // D = max − min of o + e + 2Δr/(sinβ₀ cosα), and D_bars ≤ F l (1/EA_n + 1/EA_s)  (U27)
         let bars = compliance(self.nut_bar) + compliance(self.screw_bar);
         let apart = span(&mut shifts.into_iter()) + axial.abs() * length * bars;
         let along = (equal.displacement.abs() + apart) * alpha.cos();
         Ok(ball.at([along, 0.0], 0.0).load)
-    }
-
-    /// Where to begin the search of a nut.
-    pub(crate) fn equal_displacement(&self, axial: f64) -> Option<f64> {
-        (axial != 0.0).then(|| self.equal(axial).ok()).flatten().map(|equal| equal.displacement)
     }
 }

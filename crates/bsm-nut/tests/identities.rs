@@ -108,6 +108,28 @@ fn a_free_nut_tilts_by_itself() {
     assert!((14e-6..220e-6).contains(&tilt), "{tilt:e}");
 }
 
+/// One step from equal sharing tells how uneven the loads are.
+#[test]
+fn the_estimate_is_near_the_solution() {
+    let stacked = |i: i32| circuit(360.0 * f64::from(i), 330.0, 19, Flanks::Both);
+    let returns = with_circuits((0..5).map(stacked).collect());
+    let mut bars = nut_a();
+    let first = bars.places()[0].z;
+    bars.nut_bar = Some(Bar { stiffness: 453e6, anchor: first });
+    bars.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: first });
+    // An independent implementation of both; digits as printed.
+    for (nut, support, estimated, exact) in [
+        (nut_a(), Support::free(6340.0), 1.2518, 1.2536),
+        (returns, Support::free(6340.0), 1.3862, 1.3876),
+        (bars, Support::guided(19020.0), 1.2155, 1.2157),
+    ] {
+        let estimate = nut.estimate(&support).expect("carried");
+        let found = nut.solve(&support).expect("carried");
+        assert_relative_eq!(estimate.concentration(), estimated, epsilon = 6e-5);
+        assert_relative_eq!(found.concentration(), exact, epsilon = 6e-5);
+    }
+}
+
 /// Deep groove ball bearings of zero lead, by a commercial program after ISO/TS 16281.
 #[test]
 fn a_nut_of_zero_lead_is_a_ball_bearing() {
@@ -166,7 +188,7 @@ fn preloads_are_found() {
     let support = Support::guided(0.0);
     let offset = pair.preload_displacement(Preload::Offset, 3000.0, &support).expect("reached");
     // Spec data: 11.7229564202 um.
-    assert_relative_eq!(offset, 11.7229564202e-6, max_relative = 1e-10);
+    assert_relative_eq!(offset, 11.722_956_420_2e-6, max_relative = 1e-10);
     let single = nut_a();
     let found = single.preload_displacement(Preload::Oversize, 2000.0, &support).expect("reached");
     let tight = single.preloaded(Preload::Oversize, found);
@@ -229,7 +251,7 @@ fn friction_adds_up() {
 
     let pair = pair();
     let support = Support::guided(0.0);
-    let nut = pair.preloaded(Preload::Offset, 11.7229564202e-6);
+    let nut = pair.preloaded(Preload::Offset, 11.722_956_420_2e-6);
     let found = nut.solve(&support).expect("at rest");
     let all = nut.friction(&found, 0.06, &drive, &mut rolling);
     assert_eq!(all.efficiency, None);
@@ -286,7 +308,7 @@ proptest! {
         nut.screw_bar = Some(Bar { stiffness, anchor: if opposite { 0.06 } else { -0.005 } });
         let found = nut.solve(&Support::guided(axial)).expect("carried");
         let bound = nut.load_bound(axial).expect("a bound");
-        // (U29) is of first order in the excess of the balls: 1 % of it.
+        // (U27) is of first order in the excess of the balls: 1 % of it.
         prop_assert!(found.max_load() <= 1.01 * bound, "{} {}", found.max_load(), bound);
     }
 
