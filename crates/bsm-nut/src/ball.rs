@@ -58,7 +58,7 @@ impl BallInGrooves {
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
 /// Steps to the place of a ball; four are usual, a light ball that slides along a flank takes more.
-const MOST_STEPS: usize = 400;
+const MOST_STEPS: usize = 1000;
 
 impl FourContacts {
     /// The ball where the nut's groove is displaced against the screw's by `w` \[m\], along the binormal
@@ -167,28 +167,32 @@ impl FourContacts {
             let step =
                 solve2(here.slope, here.pull, self.outward.max(here.size) / self.offsets[0])?;
             let fall = dot(step, here.pull);
-            let done = here.pull[0].hypot(here.pull[1]) <= 4.0 * f64::EPSILON * here.size;
-            if done || fall <= 0.0 {
+            // The place is known to the rounding of distances of the size of the groove arcs.
+            let still = step[0].hypot(step[1]) <= 4.0 * f64::EPSILON * self.series.distance;
+            if still || fall <= 0.0 {
                 return Some(here.ball());
             }
             let mut share = 1.0;
             let next = loop {
                 let y = from_fn(|i| x[i] + share * step[i]);
                 let next = at(y);
-                let rounding = 8.0 * f64::EPSILON * here.energy.abs();
-                if next.energy <= here.energy - 1e-4 * share * fall + rounding {
+                // Armijo; near the end the energy has no more digits, but the force has.
+                let rounding =
+                    64.0 * f64::EPSILON * here.energy.abs().max(self.outward * x[1].abs());
+                let level = (next.energy - here.energy).abs() <= rounding;
+                let nearer = next.left() < here.left();
+                if next.energy < here.energy - 1e-4 * share * fall || (level && nearer) {
                     break Some((y, next));
                 }
                 share *= 0.5;
-                if share < 1e-12 {
+                if share < 1e-9 {
                     break None;
                 }
             };
-            let still = share * step[0].hypot(step[1]) <= f64::EPSILON * self.offsets[0];
             match next {
-                Some((y, next)) if !still => (x, here) = (y, next),
+                Some((y, next)) => (x, here) = (y, next),
                 // Rounding is all that is left.
-                _ => return Some(here.ball()),
+                None => return Some(here.ball()),
             }
         }
         None
@@ -258,6 +262,11 @@ impl Settling {
             all.slope = plus(all.slope, touching.slope);
         }
         all
+    }
+
+    /// The force that no contact balances yet \[N\].
+    fn left(&self) -> f64 {
+        self.pull[0].hypot(self.pull[1])
     }
 
     fn ball(&self) -> BallInGrooves {

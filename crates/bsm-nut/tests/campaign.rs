@@ -85,7 +85,10 @@ fn nut(rng: &mut impl Rng) -> BallNut {
 /// A load up to about half of the dynamic rating, a side load and a moment, free, guided or sprung.
 fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     // 0.5 C_a of a nut of Z balls is near 250 N/mm² of each ball.
-    let most = 250e6 * 4.0 * nut.ball.radius.powi(2) * (nut.balls() as f64).powf(0.8);
+    let most = 250e6
+        * 4.0
+        * nut.ball.radius.powi(2)
+        * nut.places().iter().map(|_| 1.0_f64).sum::<f64>().powf(0.8);
     let axial = most * rng.random_range(-1.0..1.0);
     let side = 0.2 * axial.abs();
     let arms = [1.0, 1.0, nut.helix.radius, nut.helix.radius];
@@ -134,18 +137,24 @@ fn campaign(points: u32, seed: u64) -> (u32, u32, f64, usize) {
     (solved, nothing, worst, most)
 }
 
+/// Runs a campaign and holds it to what every nut must keep.
+fn hold(points: u32, seed: u64) {
+    let (solved, nothing, worst, most) = campaign(points, seed);
+    eprintln!("{solved} solved, {nothing} that nothing carries, {worst:e} left, {most} steps");
+    assert_eq!(solved + nothing, points);
+    assert!(worst <= 1e-12 && most <= 60, "{worst:e} {most}");
+    // A flank carries loads of its own way only: that leaves a twelfth of the draws.
+    assert!(nothing < points / 8, "{nothing}");
+}
+
 #[test]
 fn random_nuts_find_their_balance() {
-    let (solved, nothing, worst, most) = campaign(1_000, 1);
-    assert_eq!(solved + nothing, 1_000);
-    assert!(worst <= 1e-12 && most <= 60, "{worst:e} {most}");
-    // Flanks that exist carry loads of their own way only: a third of the draws have one.
-    assert!(solved > 700, "{solved}");
+    hold(1_000, 1);
 }
 
 /// The whole campaign; `cargo test -p bsm-nut --test campaign -- --ignored --nocapture`.
 #[test]
-#[ignore = "ten thousand nuts take a minute"]
+#[ignore = "ten thousand nuts take half a minute"]
 fn ten_thousand_nuts() {
-    println!("solved, nothing carries, worst balance, most steps: {:?}", campaign(10_000, 2026));
+    hold(10_000, 2026);
 }
