@@ -1,0 +1,329 @@
+//! One ball between both flanks of nut and screw, given the displacement of its grooves.
+//!
+//! Theory: `docs/theory/16-nut.md`, equations (U8) to (U12).
+
+use std::array::from_fn;
+
+use bsm_dyn::{PressedBall, Pressing};
+
+use crate::Flanks;
+
+/// What a ball and its grooves are: the same for all balls of a nut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FourContacts {
+    /// Distance from groove-arc centre to ball centre at first touch, of nut and screw \[m\].
+    pub offsets: [f64; 2],
+    /// Unloaded contact angle `$\beta_0$` \[rad\].
+    pub contact_angle: f64,
+    /// Hertz stiffness of a contact at nut and screw \[N/m^1.5\].
+    pub stiffness: [f64; 2],
+    /// Both contacts of a diagonal in series.
+    pub series: PressedBall,
+    /// Force on the ball away from the axis \[N\]: the centrifugal one.
+    pub outward: f64,
+}
+
+/// A ball in its displaced grooves. Contacts: nut +, nut −, screw +, screw −; the flanks + carry a force
+/// on the nut against the screw along the axis, the flanks − the other way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BallInGrooves {
+    /// Normal loads of the contacts \[N\]; zero where nothing is pressed.
+    pub loads: [f64; 4],
+    /// Contact angles of the contacts \[rad\]; they mean nothing where nothing is pressed.
+    pub angles: [f64; 4],
+    /// Energy `$V$` \[J\].
+    pub energy: f64,
+    /// Force that displaces the nut's groove so, `$\partial V/\partial w$` \[N\].
+    pub force: [f64; 2],
+    /// Its slope `$\partial^2 V/\partial w^2$` \[N/m\].
+    pub slope: [[f64; 2]; 2],
+}
+
+impl BallInGrooves {
+    const LOOSE: Self = Self {
+        loads: [0.0; 4],
+        angles: [0.0; 4],
+        energy: 0.0,
+        force: [0.0; 2],
+        slope: [[0.0; 2]; 2],
+    };
+
+    /// The largest load of its contacts \[N\].
+    pub fn max_load(&self) -> f64 {
+        self.loads.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// Signs of the flanks + and −.
+const SIGNS: [f64; 2] = [1.0, -1.0];
+
+/// Steps to the place of a ball; four are usual, a light ball that slides along a flank takes more.
+const MOST_STEPS: usize = 1000;
+
+impl FourContacts {
+    /// The ball where the nut's groove is displaced against the screw's by `w` \[m\], along the binormal
+    /// and along the principal normal, and its radius exceeds the nominal one by `oversize` \[m\].
+    ///
+    /// The energy is convex in `w`. `None` if the place of the ball is not found.
+    pub fn at(&self, w: [f64; 2], oversize: f64, flanks: Flanks) -> Option<BallInGrooves> {
+        let pressed = flanks.diagonals().map(|there| there.then_some(()));
+        let single: [Option<Pressing>; 2] =
+            from_fn(|i| pressed[i].map(|()| self.series.at([SIGNS[i] * w[0], w[1]], oversize)));
+        let loaded: Vec<usize> =
+            (0..2).filter(|&i| single[i].is_some_and(|ball| ball.load > 0.0)).collect();
+        if self.outward == 0.0 {
+            let &[first, ..] = &loaded[..] else { return Some(BallInGrooves::LOOSE) };
+            let ball = single[first]?;
+            let place = self.place(first, &ball, w, oversize);
+            let others = [1 - first, 3 - first];
+            let free = !flanks.diagonals()[1 - first]
+                || others.iter().all(|&c| self.contact(c, w, place, oversize).approach <= 0.0);
+            if free {
+                return Some(on_one_diagonal(first, &ball));
+            }
+        }
+        let pressed = loaded.first().and_then(|&i| Some(self.place(i, &single[i]?, w, oversize)));
+        let starts = [Some(self.thrown_out(w, oversize, flanks)), pressed];
+        self.settle(w, starts, oversize, flanks)
+    }
+
+    /// Where the ball of one diagonal lies: from the nut's arc centre back along the contact normal.
+    fn place(&self, diagonal: usize, ball: &Pressing, w: [f64; 2], oversize: f64) -> [f64; 2] {
+        let arc = self.arc_centre(diagonal);
+        let approach = (ball.load / self.stiffness[0]).powf(2.0 / 3.0);
+        let back = self.offsets[0] - oversize + approach;
+        let m = [SIGNS[diagonal] * ball.angle.sin(), ball.angle.cos()];
+        from_fn(|i| arc[i] + w[i] - back * m[i])
+    }
+
+    /// Where a loose ball lies in the groove of the nut, into which the centrifugal force presses it: on
+    /// both flanks, or at the bottom of the only one.
+    fn thrown_out(&self, w: [f64; 2], oversize: f64, flanks: Flanks) -> [f64; 2] {
+        let (sin, cos) = self.contact_angle.sin_cos();
+        let l = self.offsets[0];
+        let share = if flanks == Flanks::Both { 0.5 / cos } else { 1.0 };
+        let away = l - oversize + (share * self.outward / self.stiffness[0]).powf(2.0 / 3.0);
+        match flanks {
+            Flanks::Both => {
+                let down = (away * away - (l * sin).powi(2)).max(0.0).sqrt();
+                [w[0], w[1] + l * cos - down]
+            }
+            Flanks::Plus => [w[0] + l * sin, w[1] + l * cos - away],
+            Flanks::Minus => [w[0] - l * sin, w[1] + l * cos - away],
+        }
+    }
+
+    /// Groove-arc centre of a contact before the displacement.
+    fn arc_centre(&self, contact: usize) -> [f64; 2] {
+        let (sin, cos) = self.contact_angle.sin_cos();
+        // N± = l_A0 (±sinβ₀, cosβ₀) + w,  S± = −l_B0 (±sinβ₀, cosβ₀)      (U8)
+        let signed = self.offsets[contact / 2] * SIGNS[contact / 2];
+        [signed * SIGNS[contact % 2] * sin, signed * cos]
+    }
+
+    /// A contact of the ball at `x`, the grooves displaced by `w`.
+    fn contact(&self, contact: usize, w: [f64; 2], x: [f64; 2], oversize: f64) -> Touching {
+        let (l, arc) = (self.offsets[contact / 2], self.arc_centre(contact));
+        let moved: [f64; 2] = from_fn(|i| if contact < 2 { w[i] - x[i] } else { -x[i] });
+        let v: [f64; 2] = from_fn(|i| arc[i] + moved[i]);
+        let length = v[0].hypot(v[1]);
+        // l − l_c0 = (2 C·D + D·D)/(l + l_c0),  δ = l − l_c0 + Δr         (U8)
+        let approach = dot([2.0 * arc[0] + moved[0], 2.0 * arc[1] + moved[1]], moved)
+            / (length + l)
+            + oversize;
+        let m = v.map(|v| v / length);
+        if approach <= 0.0 {
+            return Touching { approach, load: 0.0, energy: 0.0, m, slope: [[0.0; 2]; 2] };
+        }
+        let root = approach.sqrt();
+        // Q = K δ^(3/2),  V = ⅖ K δ^(5/2)                                 (U9)
+        let load = self.stiffness[contact / 2] * approach * root;
+        // 3/2 K √δ m mᵀ + (Q/l)(1 − m mᵀ)                                 (U12)
+        let (along, turning) = (1.5 * self.stiffness[contact / 2] * root, load / length);
+        let entry = |i: usize, k: usize| {
+            (along - turning) * m[i] * m[k] + if i == k { turning } else { 0.0 }
+        };
+        let slope = from_fn(|i| from_fn(|k| entry(i, k)));
+        Touching { approach, load, energy: 0.4 * load * approach, m, slope }
+    }
+
+    /// The ball of least energy among all its places, from the better of two starts (U10).
+    fn settle(
+        &self,
+        w: [f64; 2],
+        starts: [Option<[f64; 2]>; 2],
+        oversize: f64,
+        flanks: Flanks,
+    ) -> Option<BallInGrooves> {
+        let diagonals = flanks.diagonals();
+        let at = |x: [f64; 2]| {
+            let touching = |c: usize| diagonals[c % 2].then(|| self.contact(c, w, x, oversize));
+            Settling::of(&from_fn(touching), self.outward, x)
+        };
+        let places = starts.into_iter().flatten().map(|x| (x, at(x)));
+        let (mut x, mut here) = places.min_by(|a, b| a.1.energy.total_cmp(&b.1.energy))?;
+        for _ in 0..MOST_STEPS {
+            // A step where nothing holds the ball is as long as the groove is deep.
+            let step =
+                solve2(here.slope, here.pull, self.outward.max(here.size) / self.offsets[0])?;
+            let fall = dot(step, here.pull);
+            // The place is known to the rounding of distances of the size of the groove arcs.
+            let still = step[0].hypot(step[1]) <= 4.0 * f64::EPSILON * self.series.distance;
+            if still || fall <= 0.0 {
+                return Some(here.ball());
+            }
+            let mut share = 1.0;
+            let next = loop {
+                let y = from_fn(|i| x[i] + share * step[i]);
+                let next = at(y);
+                // Armijo; near the end the energy has no more digits, but the force has.
+                let rounding =
+                    64.0 * f64::EPSILON * here.energy.abs().max(self.outward * x[1].abs());
+                let level = (next.energy - here.energy).abs() <= rounding;
+                let nearer = next.left() < here.left();
+                if next.energy < here.energy - 1e-4 * share * fall || (level && nearer) {
+                    break Some((y, next));
+                }
+                share *= 0.5;
+                if share < 1e-9 {
+                    break None;
+                }
+            };
+            match next {
+                Some((y, next)) => (x, here) = (y, next),
+                // Rounding is all that is left.
+                None => return Some(here.ball()),
+            }
+        }
+        None
+    }
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// Solution of a symmetric semidefinite system; `least` is added where it is singular.
+fn solve2(a: [[f64; 2]; 2], b: [f64; 2], least: f64) -> Option<[f64; 2]> {
+    let inverse = inverse2(a)
+        .or_else(|| inverse2([[a[0][0] + least, a[0][1]], [a[1][0], a[1][1] + least]]))?;
+    Some([dot(inverse[0], b), dot(inverse[1], b)])
+}
+
+/// Inverse of a symmetric matrix; `None` where it is singular to rounding.
+fn inverse2(a: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
+    let determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+    let regular = determinant > 1e-13 * a[0][0] * a[1][1] && determinant.is_finite();
+    regular.then(|| {
+        [
+            [a[1][1] / determinant, -a[0][1] / determinant],
+            [-a[1][0] / determinant, a[0][0] / determinant],
+        ]
+    })
+}
+
+/// One contact at a place of the ball.
+#[derive(Debug, Clone, Copy)]
+struct Touching {
+    approach: f64,
+    load: f64,
+    energy: f64,
+    /// From the ball to the groove-arc centre.
+    m: [f64; 2],
+    slope: [[f64; 2]; 2],
+}
+
+/// All contacts at a place of the ball.
+#[derive(Debug, Clone, Copy)]
+struct Settling {
+    contacts: [Option<Touching>; 4],
+    energy: f64,
+    /// Force on the ball.
+    pull: [f64; 2],
+    /// Sum of the sizes of the forces.
+    size: f64,
+    slope: [[f64; 2]; 2],
+}
+
+impl Settling {
+    fn of(contacts: &[Option<Touching>; 4], outward: f64, x: [f64; 2]) -> Self {
+        // U = Σ ⅖ K δ^(5/2) + F_c x_n; the force points along −n          (U9)
+        let mut all = Self {
+            contacts: *contacts,
+            energy: outward * x[1],
+            pull: [0.0, -outward],
+            size: outward,
+            slope: [[0.0; 2]; 2],
+        };
+        for touching in contacts.iter().flatten() {
+            all.energy += touching.energy;
+            all.size += touching.load;
+            all.pull = from_fn(|i| all.pull[i] + touching.load * touching.m[i]);
+            all.slope = plus(all.slope, touching.slope);
+        }
+        all
+    }
+
+    /// The force that no contact balances yet \[N\].
+    fn left(&self) -> f64 {
+        self.pull[0].hypot(self.pull[1])
+    }
+
+    fn ball(&self) -> BallInGrooves {
+        let mut force = [0.0; 2];
+        let mut sums = [[[0.0; 2]; 2]; 2];
+        for (c, touching) in self.contacts.iter().enumerate() {
+            let Some(touching) = touching else { continue };
+            if c < 2 {
+                // dV/dw = Σ over the nut's contacts of Q m                (U11)
+                force = from_fn(|i| force[i] + touching.load * touching.m[i]);
+            }
+            sums[c / 2] = plus(sums[c / 2], touching.slope);
+        }
+        let [nut, screw] = sums;
+        // U_ww − U_wx U_xx⁻¹ U_xw = A (A + B)⁻¹ B, without a difference  (U12)
+        let slope = inverse2(self.slope).map_or([[0.0; 2]; 2], |inverse| {
+            let product = times(times(nut, inverse), screw);
+            let across = 0.5 * (product[0][1] + product[1][0]);
+            [[product[0][0], across], [across, product[1][1]]]
+        });
+        let load = |touching: &Option<Touching>| touching.as_ref().map_or(0.0, |t| t.load);
+        let angles = from_fn(|c| {
+            let m = self.contacts[c].as_ref().map_or([0.0, 1.0], |t| t.m);
+            // atan2(±m_b, m_n) at the nut, of −m at the screw             (U8)
+            let outwards = SIGNS[c / 2];
+            (outwards * SIGNS[c % 2] * m[0]).atan2(outwards * m[1])
+        });
+        BallInGrooves {
+            loads: from_fn(|c| load(&self.contacts[c])),
+            angles,
+            energy: self.energy,
+            force,
+            slope,
+        }
+    }
+}
+
+fn plus(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    from_fn(|i| from_fn(|k| a[i][k] + b[i][k]))
+}
+
+fn times(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    from_fn(|i| from_fn(|k| a[i][0] * b[0][k] + a[i][1] * b[1][k]))
+}
+
+/// A ball that only one diagonal presses: the closed form, mirrored for the flanks −.
+pub(crate) fn on_one_diagonal(diagonal: usize, ball: &Pressing) -> BallInGrooves {
+    let sign = SIGNS[diagonal];
+    let mut found = BallInGrooves::LOOSE;
+    for contact in [diagonal, 2 + diagonal] {
+        (found.loads[contact], found.angles[contact]) = (ball.load, ball.angle);
+    }
+    let [[bb, bn], [_, nn]] = ball.slope;
+    BallInGrooves {
+        energy: ball.energy,
+        force: [sign * ball.force[0], ball.force[1]],
+        slope: [[bb, sign * bn], [sign * bn, nn]],
+        ..found
+    }
+}

@@ -1,0 +1,111 @@
+//! Friction of all balls, each at its own load in its own displaced grooves.
+//!
+//! Theory: `docs/theory/16-nut.md`, equation (U21).
+
+use bsm_dyn::{Ball, ElasticScrew, Load, Solution};
+use bsm_kin::Drive;
+
+use crate::geometry::count;
+use crate::{BallNut, Equilibrium};
+
+/// Friction torque and power of a nut, of the balls alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NutFriction {
+    /// Friction torque of each ball on the screw \[N·m\], not negative; `None` where the model of a ball
+    /// has no answer, or the ball is loaded at more than two contacts.
+    pub balls: Vec<Option<f64>>,
+    /// Sum over the balls \[N·m\]; `None` unless every ball has one.
+    pub torque: Option<f64>,
+    /// Torque on the screw that carries the axial force `$h F_a$` and drives against friction \[N·m\].
+    pub drive_torque: Option<f64>,
+    /// Power out over power in; `None` without an axial load.
+    pub efficiency: Option<f64>,
+    /// Friction power \[W\].
+    pub heat: Option<f64>,
+}
+
+impl BallNut {
+    /// The screw whose only ball is one of this nut (U21), with its own groove displacement and
+    /// excess; `None` if the ball is loose or loaded on both flanks.
+    ///
+    /// * `number`: of the ball. * `friction`: coefficient. * `drive`: speeds of screw and nut.
+    pub fn ball_alone(
+        &self,
+        found: &Equilibrium,
+        number: usize,
+        friction: f64,
+        drive: &Drive<f64>,
+    ) -> Option<ElasticScrew> {
+        let ball = &found.balls[number];
+        let [plus, minus] = [ball.loads[0].max(ball.loads[2]), ball.loads[1].max(ball.loads[3])];
+        if (plus > 0.0) == (minus > 0.0) {
+            return None;
+        }
+        let excess = self.excess(number);
+        let radius = self.ball.radius + excess;
+        let scaled = |conformity: f64| conformity * self.ball.radius / radius;
+        let conformity = (scaled(self.conformity.0), scaled(self.conformity.1));
+        let share = self.equal_share(1.0);
+        // (l_A0 + l_B0) cosβ₀ + w_n is the radial distance of the arc centres of this ball; its own
+        // first touch is at (l_A0 + l_B0 − 2Δr) cosβ                      (U21)
+        let first_touch = self.arc_distance();
+        let radial = first_touch * self.contact_angle.cos() + found.grooves[number][1];
+        let contact_angle = (radial / (first_touch - 2.0 * excess)).acos();
+        // The far flank sees the drive the other way round.
+        let way = if plus > 0.0 { 1.0 } else { -1.0 };
+        let axial = ball.force[0].abs() * self.helix.lead_angle.cos();
+        let mass = self.ball.mass * (radius / self.ball.radius).powi(3);
+        Some(ElasticScrew {
+            contact_angle,
+            ball: Ball { radius, mass },
+            conformity,
+            friction,
+            drive: Drive { screw_speed: drive.screw_speed * way, nut_speed: drive.nut_speed * way },
+            load: Load { axial, balls: 1.0 },
+            ..share
+        })
+    }
+
+    /// Friction of all balls by a model of one ball (U21): the sharing of the load is that without
+    /// friction, which changes it by a few thousandths.
+    ///
+    /// * `solve`: the model. * `drive`: speeds; friction needs a relative speed.
+    pub fn friction(
+        &self,
+        found: &Equilibrium,
+        friction: f64,
+        drive: &Drive<f64>,
+        mut solve: impl FnMut(ElasticScrew) -> Solution,
+    ) -> NutFriction {
+        let speed = drive.relative_speed();
+        let per_radian = self.helix.lead() / std::f64::consts::TAU;
+        let mut of_ball = |number: usize| -> Option<f64> {
+            if found.balls[number].max_load() <= 0.0 {
+                return Some(0.0);
+            }
+            let screw = self.ball_alone(found, number, friction, drive)?;
+            let torque = solve(screw).solved()?.transmission.screw_torque?;
+            // T_f = |T − h F|                                             (U21)
+            Some((torque - per_radian * screw.load.axial).abs())
+        };
+        let balls: Vec<_> = (0..found.balls.len()).map(&mut of_ball).collect();
+        let torque: Option<f64> = balls.iter().copied().sum();
+        let axial: f64 = found.bodies.iter().sum();
+        let ideal = per_radian * axial;
+        // T = h F_a + Σ T_f                                               (U21)
+        let drive_torque = torque.map(|torque| ideal + torque * speed.signum());
+        // The load is moved if it resists the motion, else it drives.
+        let efficiency = drive_torque
+            .filter(|_| axial.abs() > f64::EPSILON * found.forces())
+            .map(|torque| if ideal * speed > 0.0 { ideal / torque } else { torque / ideal });
+        let heat = torque.map(|torque| torque * speed.abs());
+        NutFriction { balls, torque, drive_torque, efficiency, heat }
+    }
+}
+
+impl Equilibrium {
+    /// Sum of the sizes of the largest loads of all balls \[N\].
+    fn forces(&self) -> f64 {
+        self.max_load() * count(self.balls.len())
+    }
+}

@@ -1,0 +1,227 @@
+//! Where the balls are, and what is wrong with their grooves.
+//!
+//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U7).
+
+use std::f64::consts::TAU;
+
+use bsm_dyn::{Ball, ElasticScrew, Groove, Hertz, Load, Material, Member, Reason};
+use bsm_kin::{Drive, Helix};
+
+use crate::ball::FourContacts;
+use crate::bodies::{Bar, Ring};
+
+/// Flanks of a circuit that balls can press.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Flanks {
+    /// Those that push the nut along +z against the screw.
+    Plus,
+    /// Those that push it along −z.
+    Minus,
+    /// Both flanks of the gothic arches.
+    Both,
+}
+
+impl Flanks {
+    /// Whether the diagonals + and − exist.
+    pub(crate) fn diagonals(self) -> [bool; 2] {
+        [self != Self::Minus, self != Self::Plus]
+    }
+}
+
+/// Loaded balls between two ends of the ball return.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Circuit {
+    /// Helix angle at which the loaded arc begins \[rad\].
+    pub start: f64,
+    /// Length of the arc \[rad\], positive.
+    pub arc: f64,
+    /// Loaded balls, evenly spaced.
+    pub balls: usize,
+    /// Number of its thread, from 0.
+    pub thread: usize,
+    /// Number of its nut body, from 0.
+    pub body: usize,
+    /// Flanks that exist.
+    pub flanks: Flanks,
+    /// Axial offset of the nut's groove \[m\]: spacer or shift of the pitch.
+    pub offset: f64,
+}
+
+/// An axial error of the nut's groove against the screw's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LeadError {
+    /// `$A\cos(k\theta + \varphi)$`.
+    Wave {
+        /// `$A$` \[m\].
+        amplitude: f64,
+        /// `$k$`, periods per turn.
+        order: f64,
+        /// `$\varphi$` \[rad\].
+        phase: f64,
+    },
+    /// `$s\,(z - z_0)$`.
+    Slope {
+        /// `$s$`.
+        slope: f64,
+        /// `$z_0$` \[m\].
+        origin: f64,
+    },
+}
+
+/// Errors of making.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Errors {
+    /// Excess of the radius of each ball over the nominal one \[m\], in the order of the circuits; empty:
+    /// none.
+    pub balls: Vec<f64>,
+    /// Excess of the radius of all balls \[m\].
+    pub oversize: f64,
+    /// Axial errors of the grooves, which add up.
+    pub lead: Vec<LeadError>,
+    /// Radial gap between the grooves and a ball \[m\].
+    pub gap: f64,
+}
+
+/// A ball nut on its screw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BallNut {
+    /// Helix of the ball centres.
+    pub helix: Helix<f64>,
+    /// Threads of the screw.
+    pub starts: usize,
+    /// The nominal ball.
+    pub ball: Ball<f64>,
+    /// Unloaded contact angle \[rad\].
+    pub contact_angle: f64,
+    /// Conformities of nut and screw, groove radius over ball diameter, above 1/2.
+    pub conformity: (f64, f64),
+    /// Elastic constants of races and balls.
+    pub material: (Material, Material),
+    /// The loaded balls.
+    pub circuits: Vec<Circuit>,
+    /// What is wrong with them.
+    pub errors: Errors,
+    /// The nut as a bar along the axis; `None`: rigid.
+    pub nut_bar: Option<Bar>,
+    /// The screw as a bar along the axis; `None`: rigid.
+    pub screw_bar: Option<Bar>,
+    /// Widening of the nut by its circuits; `None`: rigid.
+    pub ring: Option<Ring>,
+    /// Place on the axis to which displacements and loads belong \[m\]; `None`: the middle of the balls.
+    pub reference: Option<f64>,
+    /// Rate of the ball centres about the axis \[rad/s\], for their centrifugal force.
+    pub precession: f64,
+}
+
+/// Where a ball is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Its circuit.
+    pub circuit: usize,
+    /// Helix angle \[rad\].
+    pub theta: f64,
+    /// Place along the axis \[m\].
+    pub z: f64,
+}
+
+impl BallNut {
+    /// The balls in the order of the circuits (U1).
+    pub fn places(&self) -> Vec<Place> {
+        let lead = self.helix.lead();
+        let per_radian = lead / TAU;
+        let of = |(number, circuit): (usize, &Circuit)| {
+            let Circuit { start, arc, balls, thread, .. } = *circuit;
+            (0..balls).map(move |j| {
+                // θ_j = θ_c + (j + ½) Θ_c/Z_c,  z_j = h θ_j + m_c P_h/n   (U1)
+                let theta = start + (count(j) + 0.5) * arc / count(balls);
+                let z = per_radian * theta + count(thread) * lead / count(self.starts);
+                Place { circuit: number, theta, z }
+            })
+        };
+        self.circuits.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// Number of loaded balls.
+    pub fn balls(&self) -> usize {
+        self.circuits.iter().map(|circuit| circuit.balls).sum()
+    }
+
+    /// The equal share of one ball as a screw of its own, at an axial load \[N\] of all balls.
+    pub(crate) fn equal_share(&self, axial: f64) -> ElasticScrew {
+        ElasticScrew {
+            helix: self.helix,
+            contact_angle: self.contact_angle,
+            ball: self.ball,
+            conformity: self.conformity,
+            material: self.material,
+            friction: 0.0,
+            drive: Drive { screw_speed: 0.0, nut_speed: 0.0 },
+            load: Load { axial, balls: count(self.balls()) },
+        }
+    }
+
+    /// Hertz contacts at nut and screw.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::CurvaturesNotHertzian`].
+    pub fn hertz(&self) -> Result<[Hertz; 2], Reason> {
+        self.equal_share(1.0).hertz()
+    }
+
+    /// What all balls have in common (U8).
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::CurvaturesNotHertzian`].
+    pub fn ball_in_grooves(&self) -> Result<FourContacts, Reason> {
+        let screw = self.equal_share(1.0);
+        Ok(FourContacts {
+            offsets: self.offsets(),
+            contact_angle: self.contact_angle,
+            stiffness: screw.hertz()?.map(|hertz| hertz.stiffness()),
+            series: screw.pressed_ball()?,
+            // F_c = m r_m P²                                              (U9)
+            outward: self.ball.mass * self.helix.radius * self.precession * self.precession,
+        })
+    }
+
+    /// Displacement of the groove of a ball by its errors, along binormal and principal normal \[m\],
+    /// and the excess of its radius \[m\] (U5) to (U7).
+    pub(crate) fn error_at(&self, number: usize, place: &Place) -> ([f64; 2], f64) {
+        let wrong = |error: &LeadError| match *error {
+            LeadError::Wave { amplitude, order, phase } => {
+                amplitude * (order * place.theta + phase).cos()
+            }
+            LeadError::Slope { slope, origin } => slope * (place.z - origin),
+        };
+        // e_j = Σ A_k cos(kθ_j + φ_k) + s (z_j − z₀)                      (U7)
+        let lead: f64 = self.errors.lead.iter().map(wrong).sum();
+        // w_b = cosα (o_c + e_j),  w_n = −g_j                             (U5)
+        let along = self.helix.lead_angle.cos() * (self.circuits[place.circuit].offset + lead);
+        ([along, -self.errors.gap], self.excess(number))
+    }
+
+    /// Excess of the radius of a ball over the nominal one \[m\] (U6).
+    pub(crate) fn excess(&self, number: usize) -> f64 {
+        // Δr_j: of each ball, and of all                                  (U6)
+        self.errors.balls.get(number).copied().unwrap_or(0.0) + self.errors.oversize
+    }
+
+    /// Distances from groove-arc centre to ball centre at first touch, of nut and screw \[m\].
+    fn offsets(&self) -> [f64; 2] {
+        let offset = |member, conformity| Groove { member, conformity }.offset(self.ball.radius);
+        [offset(Member::Nut, self.conformity.0), offset(Member::Screw, self.conformity.1)]
+    }
+
+    /// Distance of the groove-arc centres of nut and screw at first touch \[m\].
+    pub(crate) fn arc_distance(&self) -> f64 {
+        self.offsets().iter().sum()
+    }
+}
+
+/// A small number of things as a number.
+#[expect(clippy::cast_precision_loss, reason = "numbers of balls and threads")]
+pub(crate) fn count(n: usize) -> f64 {
+    n as f64
+}

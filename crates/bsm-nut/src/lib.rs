@@ -1,0 +1,25 @@
+//! All balls of a ball nut: how they share the load, how stiff the nut is, how much preload is left
+//! and how long it lives. Static and without friction.
+//!
+//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U28).
+//!
+//! A [`BallNut`] is geometry: circuits of balls on the helix, the bodies that strain, and the errors of
+//! making. [`BallNut::solve`] finds how it carries a [`Support`]: the load, and what the guides hold.
+
+mod ball;
+mod bodies;
+mod equilibrium;
+mod friction;
+mod geometry;
+mod life;
+mod preload;
+mod sharing;
+
+pub use ball::{BallInGrooves, FourContacts};
+pub use bodies::{Bar, Ring};
+pub use equilibrium::{Equilibrium, Freedom, NutError, Support};
+pub use friction::NutFriction;
+pub use geometry::{BallNut, Circuit, Errors, Flanks, LeadError, Place};
+pub use life::{NutLife, TurnRatings};
+pub use preload::Preload;
+pub use sharing::Equal;

@@ -1,0 +1,77 @@
+//! Life, static safety and concentration of load from the loads of all balls.
+//!
+//! Theory: `docs/theory/16-nut.md`, equations (U22) to (U25).
+
+use crate::geometry::count;
+use crate::{BallInGrooves, BallNut, Equilibrium};
+
+/// Dynamic load ratings of the loaded turns of one nut body, screw and nut apart \[N\]: `$C_s i^{0.86}$`
+/// and `$C_n i^{0.86}$`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TurnRatings {
+    /// Of the screw.
+    pub screw: f64,
+    /// Of the nut.
+    pub nut: f64,
+}
+
+/// What the loads of all balls mean for the nut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NutLife {
+    /// Revolutions that 90 % of nuts reach; infinite if no ball is loaded.
+    pub revolutions: f64,
+}
+
+impl Equilibrium {
+    /// Largest load of a contact \[N\].
+    pub fn max_load(&self) -> f64 {
+        self.balls.iter().map(BallInGrooves::max_load).fold(0.0, f64::max)
+    }
+
+    /// Largest load of a contact over the mean of all balls, each with its largest (U25).
+    pub fn concentration(&self) -> f64 {
+        let mean = self.balls.iter().map(BallInGrooves::max_load).sum::<f64>();
+        // max Q / mean Q                                                  (U25)
+        self.max_load() / (mean / count(self.balls.len()))
+    }
+
+    /// Balls that carry nothing.
+    pub fn unloaded(&self) -> usize {
+        self.balls.iter().filter(|ball| ball.max_load() <= 0.0).count()
+    }
+
+    /// Life of the tracks of all bodies together (U22) to (U24).
+    ///
+    /// Source: the rule of ISO/TS 16281 with the ball loads of ISO 3408-5.
+    pub fn life(&self, nut: &BallNut, ratings: &TurnRatings) -> NutLife {
+        let inclined = nut.contact_angle.sin() * nut.helix.lead_angle.cos();
+        let mut damage = 0.0;
+        for body in 0..self.bodies.len() {
+            let balls: Vec<_> = self
+                .places
+                .iter()
+                .zip(&self.balls)
+                .filter(|(place, _)| nut.circuits[place.circuit].body == body)
+                .map(|(_, ball)| ball)
+                .collect();
+            if balls.is_empty() {
+                continue;
+            }
+            let number = count(balls.len());
+            // Contacts of nut and screw, the mean load of equal damage of each  (U23)
+            let rings = [(0, ratings.nut, 10.0 / 3.0), (2, ratings.screw, 3.0)];
+            for (ring, rating, power) in rings {
+                // Q_c = C / (Z_b sinβ₀ cosα)                              (U22)
+                let rated = rating / (number * inclined);
+                for flank in 0..2 {
+                    let load = |ball: &&BallInGrooves| ball.loads[ring + flank].powf(power);
+                    // Q_e = (mean Q_j^p)^(1/p)                            (U23)
+                    let mean = (balls.iter().map(load).sum::<f64>() / number).powf(power.recip());
+                    // L = 10⁶ [Σ L_track^(−10/9)]^(−9/10),  L_track = (Q_c/Q_e)³  (U24)
+                    damage += (mean / rated).powf(10.0 / 3.0);
+                }
+            }
+        }
+        NutLife { revolutions: 1e6 * damage.powf(-0.9) }
+    }
+}

@@ -1,0 +1,126 @@
+//! Preload: the offset that gives it, what is left of it under load, and the load that takes it away.
+//!
+//! Theory: `docs/theory/16-nut.md`, equations (U18) to (U20).
+
+use bsm_newton::Bracket;
+
+use crate::{BallNut, Equilibrium, NutError, Support};
+
+/// How the bodies of a nut are preloaded against each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Preload {
+    /// Body 0 is offset along +z and body 1 along −z (O arrangement).
+    Offset,
+    /// The balls are too large for the grooves, whose flanks are loaded on both sides.
+    Oversize,
+}
+
+impl Equilibrium {
+    /// Preload that is left \[N\]: the smaller force of two bodies against each other, or of the two
+    /// flanks of a body with oversize balls (U20).
+    pub fn preload(&self, nut: &BallNut, by: Preload) -> f64 {
+        match by {
+            Preload::Offset => self.bodies.iter().map(|force| force.abs()).fold(f64::MAX, f64::min),
+            Preload::Oversize => {
+                let inclined = |contact: usize| {
+                    let cos = nut.helix.lead_angle.cos();
+                    self.balls
+                        .iter()
+                        .map(|b| b.loads[contact] * b.angles[contact].sin() * cos)
+                        .sum()
+                };
+                // F_p = Σ Q sinβ cosα over one diagonal                   (U20)
+                f64::min(inclined(0), inclined(1))
+            }
+        }
+    }
+}
+
+impl BallNut {
+    /// The same nut preloaded by a displacement \[m\]: the offset of the bodies against each other, or
+    /// the excess of the balls' diameter (U18).
+    #[must_use]
+    pub fn preloaded(&self, by: Preload, displacement: f64) -> Self {
+        let mut nut = self.clone();
+        match by {
+            Preload::Offset => {
+                for circuit in &mut nut.circuits {
+                    // o = ±O/2                                            (U18)
+                    let half = 0.5 * displacement;
+                    circuit.offset += if circuit.body == 0 { half } else { -half };
+                }
+            }
+            Preload::Oversize => nut.errors.oversize += 0.5 * displacement,
+        }
+        nut
+    }
+
+    /// The displacement \[m\] that gives a preload \[N\] where nothing is loaded from outside (U19).
+    ///
+    /// # Errors
+    ///
+    /// [`NutError::NoPreload`] if the balls reach no such force, and what [`solve`](Self::solve) says.
+    pub fn preload_displacement(
+        &self,
+        by: Preload,
+        force: f64,
+        support: &Support,
+    ) -> Result<f64, NutError> {
+        let support = support.with_axial(0.0);
+        let no_preload = NutError::NoPreload { force };
+        let reached = |displacement: f64| -> Result<f64, NutError> {
+            let nut = self.preloaded(by, displacement);
+            Ok(nut.solve(&support)?.preload(&nut, by))
+        };
+        // As much as a guided pair of rigid nuts needs, and twice that until it is enough.
+        let mut high = 2.0 * self.equal(2.0 * force)?.displacement;
+        let mut above = reached(high)?;
+        while above < force {
+            high *= 2.0;
+            if high > self.ball.radius {
+                return Err(no_preload);
+            }
+            above = reached(high)?;
+        }
+        let bracket =
+            Bracket { x_tol: 1e-13, ..Bracket::new([0.0, high], [-force, above - force]) };
+        let found = bracket.root(|x| reached(x).map_or(f64::NAN, |reached| reached - force));
+        found.root().map(|root| root.x).ok_or(no_preload)
+    }
+
+    /// The axial load \[N\] of the sign of `way` at which the last ball of a body, or of a flank, lets go
+    /// (U20).
+    ///
+    /// # Errors
+    ///
+    /// What [`solve`](Self::solve) says; [`NutError::NoPreload`] if there is no preload to lose.
+    pub fn limit_load(&self, by: Preload, support: &Support, way: f64) -> Result<f64, NutError> {
+        let left = |load: f64| -> Result<f64, NutError> {
+            Ok(self.solve(&support.with_axial(load))?.preload(self, by))
+        };
+        let preload = left(0.0)?;
+        if preload <= 0.0 {
+            return Err(NutError::NoPreload { force: preload });
+        }
+        // 2√2 to 2.91 times the preload, unless bodies and errors share it unevenly
+        let (mut low, mut high) = (0.0, 3.0 * preload);
+        while left(way.signum() * high)? > 0.0 {
+            (low, high) = (high, 2.0 * high);
+            if high > 1e3 * preload {
+                return Err(NutError::NoPreload { force: preload });
+            }
+        }
+        // The last force rises as the 3/2th power of the load that is taken off: its sign is what is sure.
+        let bracket = Bracket {
+            x_tol: 1e-9,
+            ..Bracket::new([low, high], [f64::INFINITY, f64::NEG_INFINITY])
+        };
+        let found = bracket.root(|load| match left(way.signum() * load) {
+            Ok(left) if left > 0.0 => 1.0,
+            Ok(_) => -1.0,
+            Err(_) => f64::NAN,
+        });
+        let end = found.root().map(|root| root.ends[1]);
+        end.map(|load| way.signum() * load).ok_or(NutError::NoPreload { force: preload })
+    }
+}

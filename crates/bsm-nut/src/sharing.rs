@@ -1,0 +1,85 @@
+//! A nut whose balls share the load equally.
+//!
+//! Theory: `docs/theory/16-nut.md`, equations (U26) to (U28).
+
+use crate::geometry::count;
+use crate::{BallNut, Bar, Circuit, Errors, Freedom, NutError, Place, Support};
+
+/// The ball of a nut that shares its load equally.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Equal {
+    /// Normal load of each ball \[N\].
+    pub load: f64,
+    /// Contact angle \[rad\].
+    pub angle: f64,
+    /// Displacement of the nut along the axis \[m\].
+    pub displacement: f64,
+    /// Stiffness of the nut along the axis \[N/m\].
+    pub stiffness: f64,
+}
+
+impl BallNut {
+    /// The nut with rigid bodies, no errors and guides: every ball carries its equal share of an axial
+    /// load \[N\], not zero.
+    ///
+    /// # Errors
+    ///
+    /// [`NutError::Contact`], [`NutError::NoBalls`], [`NutError::NothingCarries`].
+    pub fn equal(&self, axial: f64) -> Result<Equal, NutError> {
+        let balls = count(self.balls());
+        if balls == 0.0 {
+            return Err(NutError::NoBalls);
+        }
+        let ball = self.ball_in_grooves().map_err(NutError::Contact)?.series;
+        let alpha = self.helix.lead_angle;
+        // Z Q m_b cosα = F                                                (U26)
+        let (displacement, pressing) = ball
+            .under(axial.abs() / balls, alpha)
+            .map_err(|_| NutError::NothingCarries { moved: f64::NAN })?;
+        let stiffness = balls * pressing.slope[0][0] * alpha.cos().powi(2);
+        let displacement = displacement * axial.signum();
+        Ok(Equal { load: pressing.load, angle: pressing.angle, displacement, stiffness })
+    }
+
+    /// True if equal sharing is exact: rigid bodies, no errors and offsets, one flank, guides.
+    pub fn shares_equally(&self, support: &Support) -> bool {
+        let held = support.0[1..].iter().all(|freedom| *freedom == Freedom::Held(0.0));
+        let rigid = self.nut_bar.is_none() && self.screw_bar.is_none() && self.ring.is_none();
+        let first = &self.circuits[0];
+        let alike =
+            |c: &Circuit| (c.offset - first.offset).abs() <= 0.0 && c.flanks == first.flanks;
+        let level = self.circuits.iter().all(alike);
+        held && rigid && level && self.errors == Errors::default()
+    }
+
+    /// A bound of the largest normal load of a ball under an axial load \[N\] (U27), for a guided nut
+    /// whose balls press one flank: some ball carries no more than the mean, and the approaches of all
+    /// differ by no more than errors and bodies allow.
+    ///
+    /// # Errors
+    ///
+    /// As [`equal`](Self::equal).
+    pub fn load_bound(&self, axial: f64) -> Result<f64, NutError> {
+        let equal = self.equal(axial)?;
+        let ball = self.ball_in_grooves().map_err(NutError::Contact)?.series;
+        let (sin, alpha) = (self.contact_angle.sin(), self.helix.lead_angle);
+        let places = self.places();
+        let shift = |(number, place): (usize, &Place)| {
+            let ([along, _], excess) = self.error_at(number, place);
+            (along + 2.0 * excess / sin) / alpha.cos()
+        };
+        let shifts: Vec<f64> = places.iter().enumerate().map(shift).collect();
+        let span = |all: &mut dyn Iterator<Item = f64>| {
+            let (least, most) =
+                all.fold((f64::MAX, f64::MIN), |(a, b), x| (f64::min(a, x), f64::max(b, x)));
+            most - least
+        };
+        let length = span(&mut places.iter().map(|place| place.z));
+        let compliance = |bar: Option<Bar>| bar.map_or(0.0, |bar| bar.stiffness.recip());
+        // D = max − min of o + e + 2Δr/(sinβ₀ cosα), and D_bars ≤ F l (1/EA_n + 1/EA_s)  (U27)
+        let bars = compliance(self.nut_bar) + compliance(self.screw_bar);
+        let apart = span(&mut shifts.into_iter()) + axial.abs() * length * bars;
+        let along = (equal.displacement.abs() + apart) * alpha.cos();
+        Ok(ball.at([along, 0.0], 0.0).load)
+    }
+}
