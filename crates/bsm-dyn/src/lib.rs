@@ -85,7 +85,7 @@ pub use sensitivity::Transmitted;
 pub use slip::{Sliding, SlipPower, SteadyBall, Touch, rim_speed};
 pub use solution::{Direction, Evidence, Reason, Solution, Status, Unsolved};
 pub use state::{
-    BallState, ContactState, Others, Pressed, RaceControl, SkidNumbers, Slip, SolveInfo, Solved,
+    BallState, ContactState, ErrorBound, Others, Pressed, RaceControl, SkidNumbers, Slip, SolveInfo, Solved,
     Transmission,
 };
 pub use traction::{Traction, TractionWorkspace};

@@ -1,0 +1,364 @@
+//! Where the nodes of an ellipse lie: panels about the two lines of pure rolling.
+//!
+//! Theory: `docs/theory/09-traction.md`, equations (Q1) to (Q8).
+
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
+use std::f64::consts::PI;
+use std::num::NonZeroUsize;
+
+use bsm_simd::{BLOCK, Block, Compare, Lane, Simd};
+use gauss_quad::GaussLegendre;
+
+/// Inner nodes of a line across the ellipse beyond which the spin pole counts as inside.
+const MOST_INNER: usize = 24;
+
+/// Poles farther from the centre than this, in semi-axes, and wider ones, grade nothing.
+const FAR: f64 = 8.0;
+
+/// Numbers below this are no divisors.
+const TINY: f64 = 1e-150;
+
+/// How finely friction is integrated over an ellipse.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quadrature {
+    /// Nodes and weights of Gauss-Legendre on [0, 1]: of a panel, and of a part of a split one.
+    panel: Vec<(f64, f64)>,
+    pub(super) part: Vec<(f64, f64)>,
+    /// Nodes and weights along a line, by their number (Q8).
+    pub(super) inner: Vec<Vec<(f64, f64)>>,
+    /// Least `$\sinh\eta$` (Q7) for which that number is enough; falls with the number.
+    reach: Vec<f64>,
+}
+
+/// Gauss-Legendre on [0, 1].
+fn gauss_legendre(nodes: NonZeroUsize) -> Vec<(f64, f64)> {
+    GaussLegendre::new(nodes).iter().map(|(x, w)| (0.5 * (x + 1.0), 0.5 * w)).collect()
+}
+
+/// Gauss-Chebyshev of the second kind: `nodes` places and weights, which sum to one.
+fn chebyshev(nodes: u32) -> Vec<(f64, f64)> {
+    let steps = f64::from(nodes + 1);
+    (1..=nodes)
+        .map(|k| {
+            let (sin, cos) = (PI * f64::from(k) / steps).sin_cos();
+            (cos, 2.0 / steps * sin * sin)
+        })
+        .collect()
+}
+
+impl Quadrature {
+    /// The rule whose wrench errs by about `accuracy` of the friction: `$n = -2\log_{10}$` of it nodes a
+    /// panel.
+    pub fn of(accuracy: f64) -> Self {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a few digits, and one node at least"
+        )]
+        // Powers of ten are taken for what they are meant to be.
+        let nodes = (-2.0 * accuracy.log10() - 1e-9).ceil() as usize;
+        Self::with(NonZeroUsize::new(nodes).unwrap_or(NonZeroUsize::MIN), accuracy, 0)
+    }
+
+    /// The rule that the error of this one is told from: fewer nodes a panel, one more along each line.
+    /// With the same number along the lines it would not see what they miss.
+    pub(crate) fn check(accuracy: f64) -> Self {
+        let Self { part, .. } = Self::of(accuracy);
+        Self::with(NonZeroUsize::new(part.len()).unwrap_or(NonZeroUsize::MIN), accuracy, 1)
+    }
+
+    /// `nodes` a panel, and along a line as many as leave an error of `tolerance`, and `more`.
+    pub(crate) fn with(nodes: NonZeroUsize, tolerance: f64, more: u32) -> Self {
+        let part = NonZeroUsize::new((3 * nodes.get()).div_ceil(4)).unwrap_or(nodes);
+        let most = u32::try_from(MOST_INNER).expect("few");
+        // m = max(2, ⌈−ln ε/(2η)⌉ − 1): η from which m nodes are enough   (Q8)
+        let reach = |m: u32| if m < 2 { f64::INFINITY } else { (-tolerance.ln() / (2.0 * f64::from(m + 1))).sinh() };
+        Self {
+            panel: gauss_legendre(nodes),
+            part: gauss_legendre(part),
+            inner: (0..=most).map(|m| chebyshev(m + more)).collect(),
+            reach: (0..=most).map(reach).collect(),
+        }
+    }
+
+    /// Number of inner nodes, for places and weights, of a line with this `$\sinh\eta$`; none if the
+    /// spin pole is so near that they do not suffice.
+    fn count(&self, sinh: f64) -> Option<usize> {
+        self.reach.iter().position(|reach| sinh >= *reach)
+    }
+}
+
+/// Slip of the points of an ellipse, by the place on its long axis over the semi-axis (Q1), (Q2).
+#[derive(Clone, Copy)]
+pub(super) struct Slip<F> {
+    /// Coefficients of the slip along the groove.
+    pub(super) along: [F; 3],
+    /// Ball radius, and how far the surface falls off at the end of the ellipse.
+    pub(super) radius: F,
+    pub(super) sag: F,
+    /// Angular velocity about the groove, and that of spin by the short semi-axis.
+    pub(super) roll: F,
+    pub(super) turn: F,
+    pub(super) creep: F,
+}
+
+#[inline(always)]
+fn larger<F: Compare>(x: F, y: F) -> F {
+    F::select(x.lt(y), y, x)
+}
+
+#[inline(always)]
+fn clamp<F: Compare>(x: F, low: f64, high: f64) -> F {
+    let (low, high) = (x.constant(low), x.constant(high));
+    F::select(x.lt(low), low, F::select(high.lt(x), high, x))
+}
+
+/// Half the length of the line at a place on the long axis, over the short semi-axis.
+#[inline(always)]
+pub(super) fn chord<F: Compare>(xi: F) -> F {
+    larger((-xi + 1.0) * (xi + 1.0), xi.constant(0.0)).sqrt()
+}
+
+/// The number, or one that divides.
+#[inline(always)]
+fn divisor<F: Compare>(x: F) -> F {
+    let tiny = x.constant(TINY);
+    F::select(x.abs().lt(tiny), tiny, x)
+}
+
+/// A pole of what is integrated along the long axis: its real part, and its distance from the axis.
+#[derive(Clone, Copy)]
+pub(super) struct Pole<F> {
+    pub(super) at: F,
+    pub(super) width: F,
+}
+
+impl<F: Compare> Pole<F> {
+    /// The other one where the mask says so.
+    #[inline(always)]
+    fn or(self, mask: F::Mask, other: Self) -> Self {
+        let width = F::select(mask, other.width, self.width);
+        Self { at: F::select(mask, other.at, self.at), width }
+    }
+}
+
+impl<F: Compare> Slip<F> {
+    /// Slip along the groove.
+    #[inline(always)]
+    pub(super) fn along(&self, xi: F) -> F {
+        // v_t = q₀ + q₁ ξ + q₂ ξ²                                         (Q1)
+        (self.along[2] * xi + self.along[1]) * xi + self.along[0]
+    }
+
+    /// Slip across it, `$-(b_0 + b_1 s)$`.
+    #[inline(always)]
+    pub(super) fn across(&self, xi: F) -> (F, F) {
+        // b₀ = ω_t h,  b₁ = ω_N Y                                         (Q2)
+        (self.roll * self.height(xi), self.turn * chord(xi))
+    }
+
+    /// Height over the ball centre.
+    #[inline(always)]
+    pub(super) fn height(&self, xi: F) -> F {
+        self.radius - self.sag * (xi * xi)
+    }
+
+    /// `$\sinh\eta$` of the ellipse of analyticity of the line at `xi`, and `$\cos\phi_0$` of its pole.
+    #[inline(always)]
+    pub(super) fn analyticity(&self, xi: F) -> F {
+        let v_t = self.along(xi);
+        let (b_0, b_1) = self.across(xi);
+        // z = (b₀ + i √(v_t² + v_e²))/b₁                                  (Q7)
+        let (square, spin) = (v_t * v_t + self.creep * self.creep, b_1 * b_1);
+        let far = (b_0.abs() - b_1.abs()) * (b_0.abs() + b_1.abs()) + square;
+        // sinh²η = [A + √(A² + 4 b₁² r²)]/(2 b₁²),  r² = v_t² + v_e²,  A = b₀² − b₁² + r²
+        let both = (far * far + spin * square * 4.0).sqrt() + far.abs();
+        let (up, down) = (both / divisor(spin * 2.0), square * 2.0 / divisor(both));
+        F::select(far.lt(far.constant(0.0)), down, up).sqrt()
+    }
+
+    /// The poles that belong to the two lines of pure rolling, from left to right.
+    #[inline(always)]
+    pub(super) fn poles(&self) -> [Pole<F>; 2] {
+        let [q_0, q_1, q_2] = self.along;
+        let (zero, one) = (q_0.constant(0.0), q_0.constant(1.0));
+        let (s_1, s_2) = (F::select(q_1.lt(zero), -one, one), F::select(q_2.lt(zero), -one, one));
+        let (q_2, d) = (divisor(q_2), q_1 * q_1 - q_0 * q_2 * 4.0);
+        let complex = d.lt(zero);
+        let t = divisor(-(q_1 + s_1 * larger(d, zero).sqrt()) * 0.5);
+        let middle = -(q_1 / q_2) * 0.5;
+        let lines = [F::select(complex, middle, t / q_2), F::select(complex, middle, q_0 / t)];
+        let mut poles = [Pole { at: zero, width: one }; 2];
+        for i in 0..2 {
+            let (b_0, b_1) = self.across(clamp(lines[i], -1.0, 1.0));
+            let (b_0, b_1) = (b_0.abs(), b_1.abs());
+            // m = √(max(|b₀| − |b₁|, |b₁|/10)² + v_e²)                    (Q4)
+            let rest = larger(b_0 - b_1, b_1 * 0.1);
+            let m = (rest * rest + self.creep * self.creep).sqrt();
+            // v_t(ξ_j ± i δ_j) = ±i m,  t = −(q₁ + sign(q₁)(u + i w))/2   (Q5)
+            let bend = q_2.abs() * m * 2.0;
+            let g = (d * d + bend * bend * 4.0).sqrt();
+            let long = larger((g + d.abs()) * 0.5, zero).sqrt();
+            let long = divisor(long);
+            let short = bend / long;
+            let (u, w) = (F::select(complex, short, long), F::select(complex, long, short) * s_2);
+            let (re, im) = (-(q_1 + s_1 * u) * 0.5, -(s_1 * w) * 0.5);
+            let (at, width) = if i == 0 {
+                (re / q_2, F::select(complex, long * 0.5 / q_2.abs(), m / long))
+            } else {
+                let square = divisor(re * re + im * im);
+                ((q_0 * re - m * im) / square, (m * re + q_0 * im).abs() / square)
+            };
+            poles[i] = Pole { at: clamp(at, -FAR, FAR), width: clamp(width, 1e-100, FAR) };
+        }
+        let [one, two] = poles;
+        let swap = two.at.lt(one.at);
+        [one.or(swap, two), two.or(swap, one)]
+    }
+}
+
+/// A few neighbouring lines across the ellipse.
+pub(super) struct Lines {
+    /// Places over the long semi-axis, and their parts of the load.
+    pub(super) xi: Block,
+    pub(super) weight: Block,
+    /// How many inner nodes, for places and weights; none where all poles are inside.
+    pub(super) inner: Option<usize>,
+    /// Of each line, whether the spin pole is inside the ellipse.
+    pub(super) inside: [bool; BLOCK],
+    pub(super) any_inside: bool,
+}
+
+/// A part of the long axis with its nodes.
+struct Panel<'a> {
+    pole: Pole<f64>,
+    /// Where it begins, and its length, in the variable of (Q6).
+    from: f64,
+    length: f64,
+    nodes: &'a [(f64, f64)],
+}
+
+/// What is done with the lines of an ellipse.
+pub(super) trait Visit<S: Simd> {
+    /// A few lines.
+    fn visit(&mut self, simd: S, lines: &Lines);
+}
+
+/// Goes through the lines across the ellipse (Q3) to (Q8).
+#[inline(always)]
+pub(super) fn walk<S: Simd>(
+    simd: S,
+    rule: &Quadrature,
+    slip: &Slip<f64>,
+    visitor: &mut impl Visit<S>,
+) {
+    let poles = slip.poles();
+    let middle = clamp(0.5 * (poles[0].at + poles[1].at), -1.0, 1.0);
+    // Ends of panels, left and right, split at poles inside.
+    let mut ends = [[0.0; BLOCK]; 2];
+    let mut panels: [Panel<'_>; 4] = [const {
+        Panel { pole: Pole { at: 0.0, width: 1.0 }, from: 0.0, length: 0.0, nodes: &[] }
+    }; 4];
+    let mut count = 0;
+    for (pole, low, high) in [(poles[0], -1.0, middle), (poles[1], middle, 1.0)] {
+        let within = low < pole.at && pole.at < high;
+        let split = within && rule.count(slip.analyticity(pole.at)).is_none();
+        let (cut, nodes) = if split { (pole.at, &rule.part) } else { (high, &rule.panel) };
+        for (low, high) in [(low, cut), (cut, high)] {
+            if low < high {
+                (panels[count].pole, panels[count].nodes) = (pole, nodes);
+                // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j)  (Q6)
+                ends[0][count] = (low - pole.at) / pole.width;
+                ends[1][count] = (high - pole.at) / pole.width;
+                count += 1;
+            }
+        }
+    }
+    for end in &mut ends {
+        for at in (0..BLOCK).step_by(S::F64_LANES) {
+            Lane::<S>::load(simd, &end[at..]).arsinh().store(&mut end[at..]);
+        }
+    }
+    for i in 0..count {
+        (panels[i].from, panels[i].length) = (ends[0][i], ends[1][i] - ends[0][i]);
+    }
+    let (mut panel, mut node) = (0, 0);
+    while panel < count {
+        let (mut tau, mut weight) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let (mut at, mut width) = ([0.0; BLOCK], [1.0; BLOCK]);
+        let mut found = 0;
+        while found < BLOCK && panel < count {
+            let Panel { pole, from, length, nodes } = &panels[panel];
+            let (place, part) = nodes[node];
+            (tau[found], weight[found]) = (from + length * place, length * part);
+            (at[found], width[found]) = (pole.at, pole.width);
+            found += 1;
+            node += 1;
+            if node == nodes.len() {
+                (panel, node) = (panel + 1, 0);
+            }
+        }
+        // What is left over repeats a node without weight.
+        for i in found..BLOCK {
+            (tau[i], at[i], width[i]) = (tau[found - 1], at[found - 1], width[found - 1]);
+        }
+        visitor.visit(simd, &lines(simd, rule, slip, (&tau, &weight), (&at, &width)));
+    }
+}
+
+/// The lines of nodes in the variable of (Q6).
+#[inline(always)]
+fn lines<S: Simd>(
+    simd: S,
+    rule: &Quadrature,
+    slip: &Slip<f64>,
+    (tau, weight): (&Block, &Block),
+    (at, width): (&Block, &Block),
+) -> Lines {
+    let slip = slip.splat(simd);
+    let (mut xi, mut load, mut sinh) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+    for i in (0..BLOCK).step_by(S::F64_LANES) {
+        let width = Lane::<S>::load(simd, &width[i..]);
+        let (grow, weight) = (Lane::load(simd, &tau[i..]).exp(), Lane::load(simd, &weight[i..]));
+        let fall = grow.recip();
+        // ξ = ξ_j + δ_j sinh τ                                            (Q6)
+        let x = Lane::load(simd, &at[i..]) + width * (grow - fall) * 0.5;
+        // dQ/Q = (3/4)(1 − ξ²) dξ × (2/π) √(1 − s²) ds                    (Q3)
+        let shape = larger((-x + 1.0) * (x + 1.0), x.constant(0.0)) * 0.75;
+        let part = weight * width * (grow + fall) * 0.5 * shape;
+        x.store(&mut xi[i..]);
+        part.store(&mut load[i..]);
+        slip.analyticity(x).store(&mut sinh[i..]);
+    }
+    let (mut inside, mut any_inside) = ([false; BLOCK], false);
+    let mut least = f64::INFINITY;
+    for (inside, sinh) in inside.iter_mut().zip(sinh) {
+        // One that is no number makes sums that are none.
+        *inside = sinh < rule.reach[MOST_INNER];
+        any_inside |= *inside;
+        if !*inside {
+            least = least.min(sinh);
+        }
+    }
+    let inner = (least < f64::INFINITY).then(|| rule.count(least)).flatten();
+    Lines { xi, weight: load, inner, inside, any_inside }
+}
+
+impl Slip<f64> {
+    #[inline(always)]
+    pub(super) fn splat<S: Simd>(&self, simd: S) -> Slip<Lane<S>> {
+        let [q_0, q_1, q_2] = self.along;
+        Slip {
+            along: [Lane::splat(simd, q_0), Lane::splat(simd, q_1), Lane::splat(simd, q_2)],
+            radius: Lane::splat(simd, self.radius),
+            sag: Lane::splat(simd, self.sag),
+            roll: Lane::splat(simd, self.roll),
+            turn: Lane::splat(simd, self.turn),
+            creep: Lane::splat(simd, self.creep),
+        }
+    }
+}
