@@ -67,7 +67,7 @@ pub use balance::{Ball, Load, POWER_BALANCE_TOL, Wrench};
 pub use closed_form::{Angles, ClosedForm, Optimum, Sines, Size};
 pub use elastic::{Elastic, ElasticWorkspace};
 pub use elastic_ball::ElasticScrew;
-pub use ellipse::{Ellipse, Quadrature, pressed_radius};
+pub use ellipse::{Ellipse, EllipseSlip, Quadrature, power_of_many, pressed_radius};
 pub use friction::{Coulomb, FrictionLaw, friction_force};
 pub use hertz::{Axes, Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 pub use jam::{

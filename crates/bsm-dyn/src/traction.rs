@@ -28,9 +28,10 @@ use crate::{
 /// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 const OMEGA: [usize; 3] = [4, 5, 6];
 
-/// Accuracy of the quadrature that roots are searched with, and of those after it in the choice by error
-/// bounds.
+/// Accuracies of the quadrature: of the first try, of the search for what it does not find, whose sums
+/// change smoothly enough to be followed, and of the choice by error bounds after the first try.
 const COARSE: f64 = 1e-4;
+const SEARCH: f64 = 1e-6;
 const FINER: [f64; 2] = [1e-6, Traction::ACCURACY];
 
 /// A solve may take this many steps.
@@ -315,21 +316,25 @@ impl Traction {
         from: Option<&Root>,
         work: &mut TractionWorkspace,
     ) -> Result<Found, Unsolved> {
-        let [coarse, fine] = [self.accuracy.max(COARSE), self.accuracy].map(|a| work.rules(a));
+        let [coarse, search, fine] = [COARSE, SEARCH, self.accuracy].map(|a| work.rules(a));
         let TractionWorkspace { newton, path, rules, .. } = work;
         let creep = self.creep * pair.slip_scale();
-        let system = |quadrature| Rolling { pair, quadrature, creep, at_nut: false };
-        let ball = system(&rules[fine].rule);
+        let [coarse, search, ball] = [coarse, search, fine]
+            .map(|at| Rolling { pair, quadrature: &rules[at].rule, creep, at_nut: false });
         let mut steps = 0;
-        let near = if let Some(root) = from { *root } else {
+        let near = if let Some(root) = from {
+            Some(*root)
+        } else {
             steps += grip.steps;
-            system(&rules[coarse].rule).search(grip, true, (newton, path), &mut steps)?
+            coarse.search(grip, false, (newton, path), &mut steps).ok()
         };
-        let root = match ball.refined(&near, newton, &mut steps) {
-            Some(root) => root,
-            None => {
-                let root = ball.search(grip, false, (newton, path), &mut steps)?;
-                ball.refined(&root, newton, &mut steps).unwrap_or(root)
+        let root = near.and_then(|near| ball.refined(&near, newton, &mut steps));
+        let root = match (root, from) {
+            (Some(root), _) => root,
+            (None, Some(_)) => return Err(Unsolved::LOST),
+            (None, None) => {
+                let near = search.search(grip, true, (newton, path), &mut steps)?;
+                ball.refined(&near, newton, &mut steps).unwrap_or(near)
             }
         };
         let Settled { state, power } = ball.of(&root).settled(&root.unknowns).map_err(refused)?;

@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 use bsm_simd::{Arch, BLOCK, Block, Lane, Simd, WithSimd};
 
 use super::Quadrature;
-use super::panels::{Lines, Slip, Visit, chord, walk};
+use super::panels::{EllipseSlip, FAR, Lines, Visit, chord, walk};
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
@@ -40,18 +40,9 @@ const ALL: usize = VALUES + 19;
 
 impl Point {
     /// Slip along the long axis.
-    fn slip(&self) -> Slip<f64> {
-        let ([speed, w_t, w_n, w_c], (a, b)) = (self.motion, self.semi_axes);
-        let sag = a * a / (2.0 * self.pressed_radius);
-        Slip {
-            // q₀ = A + ω_c r_b,  q₁ = ω_N a,  q₂ = −ω_c a²/(2 R_c)        (Q1)
-            along: [speed + w_c * self.ball_radius, w_n * a, -(w_c * sag)],
-            radius: self.ball_radius,
-            sag,
-            roll: w_t,
-            turn: w_n * b,
-            creep: self.creep,
-        }
+    fn slip(&self) -> EllipseSlip<f64> {
+        let ([speed, w_t, w_n, w_c], radii) = (self.motion, (self.pressed_radius, self.ball_radius));
+        EllipseSlip::new(self.semi_axes, radii, speed, [w_t, w_n, w_c], self.creep)
     }
 }
 
@@ -65,12 +56,13 @@ struct Near {
 }
 
 impl Near {
-    fn of(slip: &Slip<f64>, xi: f64) -> Self {
+    fn of(slip: &EllipseSlip<f64>, xi: f64) -> Self {
         let sinh = slip.analyticity(xi);
         let (b_0, b_1) = slip.across(xi);
         // s = cos φ, about φ₀ with cos φ₀ = −Re z/cosh η and the width η: η ≈ sinh η  (Q12)
-        let at = (-(b_0 / b_1) / sinh.mul_add(sinh, 1.0).sqrt()).clamp(-1.0, 1.0).acos();
-        let width = sinh.max(1e-100);
+        let cos = -(b_0 / b_1) / sinh.mul_add(sinh, 1.0).sqrt();
+        let at = if cos.is_nan() { FRAC_PI_2 } else { cos.clamp(-1.0, 1.0).acos() };
+        let width = sinh.clamp(1e-100, FAR);
         let below = (-at / width).asinh();
         Self { at, width, sides: [(below, -below), (0.0, ((PI - at) / width).asinh())] }
     }
@@ -152,7 +144,7 @@ impl<S: Simd> Inner<S> {
 struct Gather<'a, const SLOPED: bool> {
     rule: &'a Quadrature,
     point: &'a Point,
-    slip: Slip<f64>,
+    slip: EllipseSlip<f64>,
     totals: [Block; ALL],
 }
 
@@ -376,17 +368,20 @@ impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
     }
 }
 
-/// Coordinates over the semi-axes and part of the load of all nodes.
-pub(super) fn nodes(point: &Point, rule: &Quadrature) -> Vec<(f64, f64, f64)> {
-    Arch::new().dispatch(List(point, rule))
+/// Coordinates over the semi-axes and part of the load of all nodes; those of the sums where friction is
+/// as `constant` as there, and as many along each line as a spin pole inside takes elsewhere, so that
+/// they resolve the pressure too.
+pub(super) fn nodes(point: &Point, rule: &Quadrature, constant: bool) -> Vec<(f64, f64, f64)> {
+    Arch::new().dispatch(List(point, rule, constant))
 }
 
-struct List<'a>(&'a Point, &'a Quadrature);
+struct List<'a>(&'a Point, &'a Quadrature, bool);
 
 /// The nodes of all lines, one by one.
 struct Nodes<'a> {
     rule: &'a Quadrature,
-    slip: Slip<f64>,
+    slip: EllipseSlip<f64>,
+    constant: bool,
     nodes: Vec<(f64, f64, f64)>,
 }
 
@@ -394,7 +389,7 @@ impl<S: Simd> Visit<S> for Nodes<'_> {
     fn visit(&mut self, simd: S, lines: &Lines) {
         for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
             let chord = chord(xi);
-            if lines.inside[i] {
+            if lines.inside[i] || !self.constant {
                 let near = Near::of(&self.slip, xi);
                 for first in (0..Near::len(self.rule)).step_by(BLOCK) {
                     let (places, parts) = near.nodes(simd, self.rule, first);
@@ -415,8 +410,8 @@ impl WithSimd for List<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self(point, rule) = self;
-        let mut list = Nodes { rule, slip: point.slip(), nodes: Vec::new() };
+        let Self(point, rule, constant) = self;
+        let mut list = Nodes { rule, slip: point.slip(), constant, nodes: Vec::new() };
         walk(simd, rule, &point.slip(), &mut list);
         list.nodes
     }

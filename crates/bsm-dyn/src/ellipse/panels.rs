@@ -10,14 +10,14 @@
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 
-use bsm_simd::{BLOCK, Block, Compare, Lane, Simd};
+use bsm_simd::{BLOCK, Block, Compare, Lane, Mask, Simd};
 use gauss_quad::GaussLegendre;
 
 /// Inner nodes of a line across the ellipse beyond which the spin pole counts as inside.
 const MOST_INNER: usize = 24;
 
 /// Poles farther from the centre than this, in semi-axes, and wider ones, grade nothing.
-const FAR: f64 = 8.0;
+pub(super) const FAR: f64 = 8.0;
 
 /// Numbers below this are no divisors.
 const TINY: f64 = 1e-150;
@@ -93,16 +93,16 @@ impl Quadrature {
 }
 
 /// Slip of the points of an ellipse, by the place on its long axis over the semi-axis (Q1), (Q2).
-#[derive(Clone, Copy)]
-pub(super) struct Slip<F> {
+#[derive(Debug, Clone, Copy)]
+pub struct EllipseSlip<F> {
     /// Coefficients of the slip along the groove.
-    pub(super) along: [F; 3],
+    along: [F; 3],
     /// Ball radius, and how far the surface falls off at the end of the ellipse.
     pub(super) radius: F,
     pub(super) sag: F,
     /// Angular velocity about the groove, and that of spin by the short semi-axis.
-    pub(super) roll: F,
-    pub(super) turn: F,
+    roll: F,
+    turn: F,
     pub(super) creep: F,
 }
 
@@ -146,7 +146,26 @@ impl<F: Compare> Pole<F> {
     }
 }
 
-impl<F: Compare> Slip<F> {
+impl<F: Compare> EllipseSlip<F> {
+    /// Of a contact in its own axes.
+    ///
+    /// * `semi_axes`: across and along the groove. * `radii`: of the pressed surface (E2) and of the ball.
+    /// * `speed`: of the ball centre along `$t$`; `omega`: about `$t$`, `$N$` and `$t \times N$`.
+    #[inline(always)]
+    pub fn new(
+        semi_axes: (F, F),
+        (pressed_radius, radius): (F, F),
+        speed: F,
+        [roll, spin, across]: [F; 3],
+        creep: F,
+    ) -> Self {
+        let (a, b) = semi_axes;
+        let sag = a * a * 0.5 / pressed_radius;
+        // q₀ = A + ω_c r_b,  q₁ = ω_N a,  q₂ = −ω_c a²/(2 R_c)            (Q1)
+        let along = [speed + across * radius, spin * a, -(across * sag)];
+        Self { along, radius, sag, roll, turn: spin * b, creep }
+    }
+
     /// Slip along the groove.
     #[inline(always)]
     pub(super) fn along(&self, xi: F) -> F {
@@ -253,7 +272,7 @@ pub(super) trait Visit<S: Simd> {
 pub(super) fn walk<S: Simd>(
     simd: S,
     rule: &Quadrature,
-    slip: &Slip<f64>,
+    slip: &EllipseSlip<f64>,
     visitor: &mut impl Visit<S>,
 ) {
     let poles = slip.poles();
@@ -310,26 +329,38 @@ pub(super) fn walk<S: Simd>(
     }
 }
 
+/// Place of a line on the long axis and its part of the load, from a node in the variable of (Q6) and its
+/// weight.
+#[inline(always)]
+fn line<S: Simd, const N: usize>(
+    pole: &Pole<Lane<S, N>>,
+    tau: Lane<S, N>,
+    weight: Lane<S, N>,
+) -> (Lane<S, N>, Lane<S, N>) {
+    let grow = tau.exp();
+    let fall = grow.recip();
+    // ξ = ξ_j + δ_j sinh τ                                                (Q6)
+    let xi = pole.at + pole.width * (grow - fall) * 0.5;
+    // dQ/Q = (3/4)(1 − ξ²) dξ × (2/π) √(1 − s²) ds                        (Q3)
+    let shape = larger((-xi + 1.0) * (xi + 1.0), xi.constant(0.0)) * 0.75;
+    (xi, weight * pole.width * (grow + fall) * 0.5 * shape)
+}
+
 /// The lines of nodes in the variable of (Q6).
 #[inline(always)]
 fn lines<S: Simd>(
     simd: S,
     rule: &Quadrature,
-    slip: &Slip<f64>,
+    slip: &EllipseSlip<f64>,
     (tau, weight): (&Block, &Block),
     (at, width): (&Block, &Block),
 ) -> Lines {
     let slip = slip.splat(simd);
     let (mut xi, mut load, mut sinh) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
     for i in (0..BLOCK).step_by(S::F64_LANES) {
-        let width = Lane::<S>::load(simd, &width[i..]);
-        let (grow, weight) = (Lane::load(simd, &tau[i..]).exp(), Lane::load(simd, &weight[i..]));
-        let fall = grow.recip();
-        // ξ = ξ_j + δ_j sinh τ                                            (Q6)
-        let x = Lane::load(simd, &at[i..]) + width * (grow - fall) * 0.5;
-        // dQ/Q = (3/4)(1 − ξ²) dξ × (2/π) √(1 − s²) ds                    (Q3)
-        let shape = larger((-x + 1.0) * (x + 1.0), x.constant(0.0)) * 0.75;
-        let part = weight * width * (grow + fall) * 0.5 * shape;
+        let (at, width) = (Lane::<S>::load(simd, &at[i..]), Lane::load(simd, &width[i..]));
+        let (tau, weight) = (Lane::load(simd, &tau[i..]), Lane::load(simd, &weight[i..]));
+        let (x, part) = line(&Pole { at, width }, tau, weight);
         x.store(&mut xi[i..]);
         part.store(&mut load[i..]);
         slip.analyticity(x).store(&mut sinh[i..]);
@@ -348,11 +379,11 @@ fn lines<S: Simd>(
     Lines { xi, weight: load, inner, inside, any_inside }
 }
 
-impl Slip<f64> {
+impl EllipseSlip<f64> {
     #[inline(always)]
-    pub(super) fn splat<S: Simd>(&self, simd: S) -> Slip<Lane<S>> {
+    pub(super) fn splat<S: Simd>(&self, simd: S) -> EllipseSlip<Lane<S>> {
         let [q_0, q_1, q_2] = self.along;
-        Slip {
+        EllipseSlip {
             along: [Lane::splat(simd, q_0), Lane::splat(simd, q_1), Lane::splat(simd, q_2)],
             radius: Lane::splat(simd, self.radius),
             sag: Lane::splat(simd, self.sag),
@@ -362,3 +393,64 @@ impl Slip<f64> {
         }
     }
 }
+
+/// Power of friction over `$f Q$` of several contacts side by side, and at which of them the rule
+/// resolves it without splitting panels: the sums of [`Ellipse::friction`](super::Ellipse::friction).
+///
+/// For rules of [`BLOCK`] nodes a panel, so that the lines of a panel are worked on together there too.
+#[inline(always)]
+pub fn power_of_many<S: Simd, const N: usize>(
+    rule: &Quadrature,
+    slip: &EllipseSlip<Lane<S, N>>,
+) -> (Lane<S, N>, Mask<S, N>) {
+    debug_assert_eq!(rule.panel.len(), BLOCK, "lines of two panels would share their inner nodes");
+    let zero = slip.creep.constant(0.0);
+    let poles = slip.poles();
+    let middle = clamp((poles[0].at + poles[1].at) * 0.5, -1.0, 1.0);
+    let (mut power, mut resolved) = (zero, zero.le(zero));
+    for (pole, low, high) in
+        [(poles[0], zero.constant(-1.0), middle), (poles[1], middle, zero.constant(1.0))]
+    {
+        // Panels of no length have no weight, and poles on their ends do not split them.
+        let within = low.lt(pole.at) & pole.at.lt(high);
+        let least = zero.constant(rule.reach[MOST_INNER]);
+        resolved = resolved & (!within | least.le(slip.analyticity(pole.at)));
+        let from = ((low - pole.at) / pole.width).arsinh();
+        let length = ((high - pole.at) / pole.width).arsinh() - from;
+        let mut lines = [(zero, zero); BLOCK];
+        let mut sinh = zero.constant(f64::INFINITY);
+        for i in 0..BLOCK {
+            let (place, part) = rule.panel[i];
+            lines[i] = line(&pole, length * place + from, length * part);
+            sinh = sinh.min(slip.analyticity(lines[i].0));
+        }
+        resolved = resolved & least.le(sinh);
+        // Each contact has its own nodes along the lines, and none beyond its last.
+        let (mut counts, mut most) = ([0; MANY], 0);
+        for (count, sinh) in counts.iter_mut().zip(sinh.as_slice()) {
+            *count = rule.count(*sinh).unwrap_or(0);
+            most = most.max(rule.inner[*count].len());
+        }
+        for k in 0..most {
+            let (mut places, mut parts) = ([0.0; MANY], [0.0; MANY]);
+            for i in 0..Lane::<S, N>::LEN {
+                if let Some((place, part)) = rule.inner[counts[i]].get(k) {
+                    (places[i], parts[i]) = (*place, *part);
+                }
+            }
+            let (s, part) = (zero.like(&places), zero.like(&parts));
+            for (xi, weight) in lines {
+                let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
+                let v_c = b_0 + b_1 * s;
+                let square = v_t * v_t + v_c * v_c;
+                // dP = −dF·v                                              (E6)
+                let pull = (square + slip.creep * slip.creep).sqrt();
+                power = power + square * (weight * part) / pull;
+            }
+        }
+    }
+    (power, resolved)
+}
+
+/// Most contacts side by side.
+const MANY: usize = 4 * BLOCK;

@@ -101,6 +101,9 @@ fn confirmed(seed: u64, points: u64, starts: usize) -> Confirmed {
             _ => continue,
         };
         count[0] += 1;
+        if solution.status() == Status::NotConverged {
+            println!("undecided: {number} {:?}", solution.reason());
+        }
         if let Some(root) = search(&ball, starts, &mut rng) {
             count[1] += 1;
             if solution.status() == Status::NoSolution {
@@ -147,7 +150,7 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         let start = Start::new(&pair, grip.ok().as_ref()).unwrap();
         let case = Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let Found { root, ball: found, .. } = case.found(&start, None, &mut work).unwrap();
-        let place = work.rules(COARSE);
+        let place = work.rules(Traction::ACCURACY);
         let creep = Traction::CREEP * pair.slip_scale();
         let ball =
             Rolling { pair: &pair, quadrature: &work.rules[place].rule, creep, at_nut: false };
