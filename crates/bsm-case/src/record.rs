@@ -1,8 +1,8 @@
 //! The answer in the vocabulary.
 
 use bsm_dyn::{
-    Basis, Choice, ContactState, ErrorBound, GRIPS_BELOW, Model, Others, RaceControl, Reason, Slip, SlipRegime,
-    Solution, Solved, Status,
+    Basis, Choice, ContactState, ErrorBound, GRIPS_BELOW, Model, Others, RaceControl, Reason, Slip,
+    SlipRegime, Solution, Solved, Status,
 };
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};

@@ -9,8 +9,8 @@ use crate::elastic::Elastic;
 use crate::elastic_ball::{ElasticBall, ElasticScrew};
 use crate::traction::{Root, Start, Traction};
 use crate::{
-    Angles, ClosedForm, Direction, ErrorBound, Model, ModelWorkspace, RacewayControl, Reason, Size, Solution,
-    Solved, Transmitted, Unsolved,
+    Angles, ClosedForm, Direction, ErrorBound, Model, ModelWorkspace, RacewayControl, Reason, Size,
+    Solution, Solved, Transmitted, Unsolved,
 };
 
 /// A screw at an operating point, to be solved by whatever model is good enough.
@@ -125,7 +125,8 @@ impl Auto {
     /// A solution with the bound of its error.
     fn chosen(&self, model: Model, solved: &Solved, error_bound: f64, basis: Basis) -> Solution {
         let choice = Some(Choice { basis, tolerance: self.tolerance });
-        let direction = Direction::of(self.screw.drive.relative_speed()).expect("the point was solved");
+        let direction =
+            Direction::of(self.screw.drive.relative_speed()).expect("the point was solved");
         let error = Some(ErrorBound::of(direction, solved.transmission.efficiency, error_bound));
         Solution { model, answer: Ok(Solved { error, ..*solved }), choice }
     }

@@ -1,7 +1,7 @@
 //! Friction integrated over the contact ellipse.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (E2) to (E6), and
-//! `docs/theory/09-traction.md`, equations (Q1) to (Q12).
+//! `docs/theory/09-traction.md`, equations (T12) to (T20).
 
 mod kernel;
 mod panels;
@@ -9,6 +9,7 @@ mod panels;
 use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 
 use self::kernel::{MOTION, Point};
+pub(crate) use self::panels::{Nodes, Plan};
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
 use crate::{Coulomb, FrictionLaw, Wrench};
 
@@ -157,7 +158,7 @@ pub(crate) trait Lanes<P>: Over<P> {
         ellipse: &Ellipse<Self, P>,
         local: &Local<Self>,
         creep: f64,
-        quadrature: &Quadrature,
+        nodes: Nodes<'_>,
     ) -> Integral<Self>;
 
     /// Power that friction takes, over `$f Q$`.
@@ -165,11 +166,16 @@ pub(crate) trait Lanes<P>: Over<P> {
         ellipse: &Ellipse<Self, P>,
         local: &Local<Self>,
         creep: f64,
-        quadrature: &Quadrature,
+        nodes: Nodes<'_>,
     ) -> Self;
 }
 
 impl<P: Scalar, D: Scalar> Ellipse<D, P> {
+    /// The numbers of nodes that this contact takes now.
+    pub(crate) fn plan(&self, local: &Local<D>, creep: f64, rule: &Quadrature) -> Plan {
+        kernel::plan(&self.point(local, creep), rule)
+    }
+
     /// The values without derivatives.
     fn point(&self, local: &Local<D>, creep: f64) -> Point {
         Point {
@@ -200,18 +206,18 @@ impl Lanes<f64> for f64 {
         ellipse: &Ellipse<f64>,
         local: &Local<f64>,
         creep: f64,
-        quadrature: &Quadrature,
+        nodes: Nodes<'_>,
     ) -> Integral<f64> {
-        Integral::from_sums(kernel::sums(&ellipse.point(local, creep), quadrature).0)
+        Integral::from_sums(kernel::sums(&ellipse.point(local, creep), nodes).0)
     }
 
     fn power(
         ellipse: &Ellipse<f64>,
         local: &Local<f64>,
         creep: f64,
-        quadrature: &Quadrature,
+        nodes: Nodes<'_>,
     ) -> f64 {
-        kernel::sums(&ellipse.point(local, creep), quadrature).1
+        kernel::sums(&ellipse.point(local, creep), nodes).1
     }
 }
 
@@ -220,9 +226,9 @@ impl<const N: usize> Lanes<f64> for Jet<N> {
         ellipse: &Ellipse<Self>,
         local: &Local<Self>,
         creep: f64,
-        quadrature: &Quadrature,
+        nodes: Nodes<'_>,
     ) -> Integral<Self> {
-        let (sums, slopes) = kernel::slopes(&ellipse.point(local, creep), quadrature);
+        let (sums, slopes) = kernel::slopes(&ellipse.point(local, creep), nodes);
         // Both semi-axes grow alike.
         let growth = ellipse.semi_axes.0 * ellipse.semi_axes.0.re.recip();
         let [a, t, n, c] = local.numbers();
@@ -239,9 +245,9 @@ impl<const N: usize> Lanes<f64> for Jet<N> {
         ellipse: &Ellipse<Self>,
         local: &Local<Self>,
         creep: f64,
-        quadrature: &Quadrature,
+        nodes: Nodes<'_>,
     ) -> Self {
-        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, quadrature).1
+        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule).1
     }
 }
 
@@ -250,18 +256,18 @@ impl<const N: usize> Lanes<Self> for Jet<N> {
         ellipse: &Ellipse<Self, Self>,
         local: &Local<Self>,
         creep: f64,
-        quadrature: &Quadrature,
+        nodes: Nodes<'_>,
     ) -> Integral<Self> {
-        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, quadrature).0
+        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule).0
     }
 
     fn power(
         ellipse: &Ellipse<Self, Self>,
         local: &Local<Self>,
         creep: f64,
-        quadrature: &Quadrature,
+        nodes: Nodes<'_>,
     ) -> Self {
-        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, quadrature).1
+        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule).1
     }
 }
 
@@ -391,9 +397,9 @@ mod tests {
             let (ellipse, local) = sloped(motion, (a, 0.2 * a));
             let one = Coulomb(Jet::from(1.0));
             let (law, power) = ellipse.integrate(&local, &one, creep, &quadrature);
-            let fast = Jet::integrate(&ellipse, &local, creep, &quadrature);
+            let fast = Jet::integrate(&ellipse, &local, creep, (&quadrature).into());
             let point = ellipse.point(&local, creep);
-            let (values, fast_power) = kernel::sums(&point, &quadrature);
+            let (values, fast_power) = kernel::sums(&point, (&quadrature).into());
             // Rounding of sums of terms of at most one, and of slopes of at most 1/v_e.
             let same = |a: Jet<5>, b: Jet<5>| {
                 (a.re - b.re).abs() <= 1e-13
@@ -443,7 +449,7 @@ mod tests {
             let (ellipse, local) = sloped([along, roll, turn, bend], (a, a / ratio));
             let point = ellipse.point(&local, 1e-4);
             let wrench = |rule: &Quadrature| {
-                let [f_t, f_c, m_t, m_n, m_c] = kernel::sums(&point, rule).0;
+                let [f_t, f_c, m_t, m_n, m_c] = kernel::sums(&point, rule.into()).0;
                 [f_t, f_c, m_t, m_n / a, m_c]
             };
             let [exact, other] = fine.each_ref().map(wrench);
@@ -459,7 +465,11 @@ mod tests {
             .iter_mut()
             .map(|errors| {
                 errors.sort_unstable_by(f64::total_cmp);
-                [errors[errors.len() / 2], errors[errors.len() * 99 / 100], errors[errors.len() - 1]]
+                [
+                    errors[errors.len() / 2],
+                    errors[errors.len() * 99 / 100],
+                    errors[errors.len() - 1],
+                ]
             })
             .collect();
         println!("{worst:?}");

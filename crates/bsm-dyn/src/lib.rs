@@ -85,8 +85,8 @@ pub use sensitivity::Transmitted;
 pub use slip::{Sliding, SlipPower, SteadyBall, Touch, rim_speed};
 pub use solution::{Direction, Evidence, Reason, Solution, Status, Unsolved};
 pub use state::{
-    BallState, ContactState, ErrorBound, Others, Pressed, RaceControl, SkidNumbers, Slip, SolveInfo, Solved,
-    Transmission,
+    BallState, ContactState, ErrorBound, Others, Pressed, RaceControl, SkidNumbers, Slip,
+    SolveInfo, Solved, Transmission,
 };
 pub use traction::{Traction, TractionWorkspace};
 

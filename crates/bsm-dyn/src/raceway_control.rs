@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 pub(crate) use self::balance::STATIC;
 use self::balance::{Balance, Root};
 use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded, refused};
-use crate::ellipse::Quadrature;
+use crate::ellipse::{Nodes, Quadrature};
 use crate::equations::Workspace;
 use crate::{Model, RaceControl, SkidNumbers, Solution, SolveInfo, Solved, Transmission, Unsolved};
 
@@ -308,9 +308,9 @@ impl RacewayWorkspace {
         pair: &ElasticBall,
         grip: &Grip,
     ) -> Result<Solved, Unsolved> {
-        let (loaded, quadrature) = (&grip.loaded, &self.quadrature);
+        let (loaded, nodes) = (&grip.loaded, [Nodes::from(&self.quadrature); 2]);
         let friction_power =
-            pair.friction_power(loaded, &grip.to_nut, RacewayControl::CREEP, quadrature);
+            pair.friction_power(loaded, &grip.to_nut, RacewayControl::CREEP, nodes);
         let ball = screw.ball_state(pair, loaded, &grip.to_nut)?;
         let (ideal, torque) = screw.rolling_torques(pair, friction_power);
         let speed = screw.drive.relative_speed();

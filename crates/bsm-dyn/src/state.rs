@@ -137,8 +137,8 @@ pub struct Solved {
 pub struct ErrorBound {
     /// Of the efficiency.
     pub efficiency: f64,
-    /// Of the power that is lost, relative to it; infinite where the error may be all of the efficiency.
-    pub loss: f64,
+    /// Of the power that is lost, relative to it; none where the error may be all of the efficiency.
+    pub loss: Option<f64>,
 }
 
 impl ErrorBound {
@@ -151,7 +151,8 @@ impl ErrorBound {
             Direction::RotaryToLinear => (efficiency - bound).max(0.0),
             Direction::LinearToRotary => 1.0,
         };
-        Self { efficiency: bound, loss: bound / (least * (1.0 - efficiency).abs()) }
+        let loss = bound / (least * (1.0 - efficiency).abs());
+        Self { efficiency: bound, loss: Some(loss).filter(|loss| loss.is_finite()) }
     }
 }
 

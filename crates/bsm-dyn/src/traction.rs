@@ -12,17 +12,17 @@ use bsm_newton::{EvalError, Options, Report, Scales, solve};
 
 use self::path::PATH;
 pub(crate) use self::root::Root;
+use crate::balance::{ideal_torque, torque};
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::ball_unknowns::{BALL, ROWS, weight};
+use crate::elastic_ball::refused;
 use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
-use crate::ellipse::{Lanes, Local, Quadrature};
+use crate::ellipse::{Lanes, Local, Nodes, Plan, Quadrature};
 use crate::equations::{Workspace, equations};
 use crate::raceway_control::{Grip, STATIC};
-use crate::balance::{ideal_torque, torque};
-use crate::elastic_ball::refused;
 use crate::{
-    BallState, ErrorBound, Model, SkidNumbers, Solution, SolveInfo, Solved, Transmission, Unsolved,
-    Wrench, cost,
+    BallState, ErrorBound, Model, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission,
+    Unsolved, Wrench, cost,
 };
 
 /// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
@@ -32,6 +32,8 @@ const OMEGA: [usize; 3] = [4, 5, 6];
 /// change smoothly enough to be followed, and of the choice by error bounds after the first try.
 const COARSE: f64 = 1e-4;
 const SEARCH: f64 = 1e-6;
+/// Residual from which the first try is left to the quadrature that is asked for.
+const NEAR: f64 = 1e-3;
 const FINER: [f64; 2] = [1e-6, Traction::ACCURACY];
 
 /// A solve may take this many steps.
@@ -87,7 +89,11 @@ impl TractionWorkspace {
 struct Rolling<'a, P = f64> {
     pair: &'a ElasticBall<P>,
     quadrature: &'a Quadrature,
+    /// Numbers of nodes near a root; by the slip elsewhere.
+    plans: Option<&'a [Plan; 2]>,
     creep: f64,
+    /// The residual that is small enough for a root, and the one that is aimed at.
+    enough: f64,
     /// The unknowns are those of a ball that is thrown against the nut (T10).
     at_nut: bool,
 }
@@ -120,21 +126,26 @@ impl<P: Scalar> Rolling<'_, P> {
         }
     }
 
-    /// The state with another friction coefficient.
-    fn rubbed<D: Lanes<P>>(&self, y: &[D; BALL], friction: D) -> Result<State<D>, EvalError> {
-        cost::evaluated();
-        let (pair, loaded) = (self.pair, self.loaded(y)?);
+    /// Motion relative to the nut.
+    fn to_nut<D: Lanes<P>>(&self, y: &[D; BALL], loaded: &Loaded<D>) -> Motion<D> {
         // ω' = ω'_k k + ω'_n n + ω'_c k × n                               (T4)
         let [k, n] = [loaded.frame.k, loaded.frame.n];
         let [along, radial, around] = OMEGA.map(|i| y[i]);
         let omega = k * along + n * radial + k.cross(&n) * around;
-        let to_nut = Motion { precession: y[PRECESSION] + (self.offset() - pair.nut_speed), omega };
+        Motion { precession: y[PRECESSION] + (self.offset() - self.pair.nut_speed), omega }
+    }
+
+    /// The state with another friction coefficient.
+    fn rubbed<D: Lanes<P>>(&self, y: &[D; BALL], friction: D) -> Result<State<D>, EvalError> {
+        cost::evaluated();
+        let (pair, loaded) = (self.pair, self.loaded(y)?);
+        let to_nut = self.to_nut(y, &loaded);
         let motions = pair.relative(&to_nut, &loaded.frame);
         let wrench = std::array::from_fn(|i| {
             let contact = &loaded.contacts[i];
             let local = Local::of(&motions[i], contact, D::from(pair.arc));
             let ellipse = pair.ellipse(i, &loaded);
-            let unit = D::integrate(&ellipse, &local, self.creep, self.quadrature);
+            let unit = D::integrate(&ellipse, &local, self.creep, self.nodes(i));
             // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                            (T2)
             let pull = loaded.loads[i] * friction;
             let friction = unit.wrench(contact);
@@ -144,6 +155,11 @@ impl<P: Scalar> Rolling<'_, P> {
             }
         });
         Ok(State { loaded, to_nut, wrench })
+    }
+
+    /// The nodes at nut (0) or screw (1).
+    fn nodes(&self, i: usize) -> Nodes<'_> {
+        Nodes { rule: self.quadrature, plan: self.plans.map(|plans| &plans[i]) }
     }
 
     /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far
@@ -169,22 +185,39 @@ impl<P: Scalar> Rolling<'_, P> {
     }
 }
 
+impl<'a> Rolling<'a> {
+    /// In the unknowns (T1).
+    fn of_pair(pair: &'a ElasticBall, quadrature: &'a Quadrature, creep: f64) -> Self {
+        Self { pair, quadrature, plans: None, creep, enough: 1e-13, at_nut: false }
+    }
+}
+
 impl Rolling<'_> {
+    /// The numbers of nodes of a state.
+    fn plans(&self, y: &[f64; BALL]) -> Result<[Plan; 2], EvalError> {
+        let (pair, loaded) = (self.pair, self.loaded(y)?);
+        let motions = pair.relative(&self.to_nut(y, &loaded), &loaded.frame);
+        Ok(std::array::from_fn(|i| {
+            let local = Local::of(&motions[i], &loaded.contacts[i], pair.arc);
+            pair.ellipse(i, &loaded).plan(&local, self.creep, self.quadrature)
+        }))
+    }
+
     /// The state with the power that friction takes.
     fn settled(&self, y: &[f64; BALL]) -> Result<Settled, EvalError> {
         let state = self.state(y)?;
-        let power =
-            self.pair.friction_power(&state.loaded, &state.to_nut, self.creep, self.quadrature);
+        let nodes = [self.nodes(0), self.nodes(1)];
+        let power = self.pair.friction_power(&state.loaded, &state.to_nut, self.creep, nodes);
         Ok(Settled { state, power })
     }
 
     /// What the efficiency of a root of another quadrature differs from that of this one, as it is stated:
-    /// ten times as much, and no less than rounding and creep are worth (Q14).
+    /// ten times as much, and no less than rounding and creep are worth (T25).
     ///
     /// * `newton`: as the solve for the root has left it.
     fn error(&self, root: &Root, efficiency: f64, newton: &mut Workspace) -> f64 {
         let stepped = self.residual(&root.unknowns).and_then(|residual| {
-            // y' = y − J⁻¹ F'(y)                                          (Q13)
+            // y' = y − J⁻¹ F'(y)                                          (T24)
             let step = newton.correction(&residual);
             let y = std::array::from_fn(|i| root.unknowns[i] + step[i]);
             self.state(&y)
@@ -195,7 +228,7 @@ impl Rolling<'_> {
             let torque = torque(&state.wrench[1], radius, &state.loaded.frame);
             crate::balance::efficiency(self.pair.direction, ideal, torque)
         });
-        // δη = max(10 |η'(y') − η(y)|, 10⁻⁹)                              (Q14)
+        // δη = max(10 |η'(y') − η(y)|, 10⁻⁹)                              (T25)
         let error = 10.0 * (other - efficiency).abs();
         if error.is_finite() { error.max(1e-9) } else { (1.0 - efficiency).abs() }
     }
@@ -253,7 +286,8 @@ impl Rolling<'_> {
         let weights = self.weights(y);
         let scales = Scales { x: &[1.0; BALL], f: &weights };
         let options = Options {
-            residual_goal: 1e-13,
+            residual_tol: self.enough.max(1e-10),
+            residual_goal: self.enough,
             max_steps: MOST_STEPS,
             slopes_at_trials: true,
             ..Options::default()
@@ -316,11 +350,13 @@ impl Traction {
         from: Option<&Root>,
         work: &mut TractionWorkspace,
     ) -> Result<Found, Unsolved> {
-        let [coarse, search, fine] = [COARSE, SEARCH, self.accuracy].map(|a| work.rules(a));
+        let accuracies = [COARSE, SEARCH, Self::ACCURACY, self.accuracy];
+        let places = accuracies.map(|accuracy| work.rules(accuracy));
         let TractionWorkspace { newton, path, rules, .. } = work;
         let creep = self.creep * pair.slip_scale();
-        let [coarse, search, ball] = [coarse, search, fine]
-            .map(|at| Rolling { pair, quadrature: &rules[at].rule, creep, at_nut: false });
+        let ball = |at: usize| Rolling::of_pair(pair, &rules[places[at]].rule, creep);
+        let coarse = Rolling { enough: NEAR, ..ball(0) };
+        let (search, smooth, ball) = (ball(1), ball(2), ball(3));
         let mut steps = 0;
         let near = if let Some(root) = from {
             Some(*root)
@@ -328,20 +364,26 @@ impl Traction {
             steps += grip.steps;
             coarse.search(grip, false, (newton, path), &mut steps).ok()
         };
-        let root = near.and_then(|near| ball.refined(&near, newton, &mut steps));
-        let root = match (root, from) {
-            (Some(root), _) => root,
+        let refined = near.and_then(|near| ball.refined(&near, newton, &mut steps));
+        let (root, plans) = match (refined, from) {
+            (Some(refined), _) => refined,
             (None, Some(_)) => return Err(Unsolved::LOST),
             (None, None) => {
-                let near = search.search(grip, true, (newton, path), &mut steps)?;
-                ball.refined(&near, newton, &mut steps).unwrap_or(near)
+                let mut near = search.search(grip, true, (newton, path), &mut steps);
+                if near.as_ref().is_err_and(|none| none.status() == Status::NotConverged) {
+                    // The steps of its sums may be what a path was lost over.
+                    near = smooth.search(grip, true, (newton, path), &mut steps);
+                }
+                let near = near?;
+                ball.refined(&near, newton, &mut steps).ok_or(Unsolved::LOST)?
             }
         };
-        let Settled { state, power } = ball.of(&root).settled(&root.unknowns).map_err(refused)?;
+        let ball = Rolling { plans: Some(&plans), ..ball.of(&root) };
+        let Settled { state, power } = ball.settled(&root.unknowns).map_err(refused)?;
         let steady = self.screw.ball_state(pair, &state.loaded, &state.to_nut)?;
         let frame = &state.loaded.frame;
         let transmission = self.screw.transmission(pair, frame, &state.wrench[1], power)?;
-        let checked = Rolling { quadrature: &rules[fine].check, ..ball.of(&root) };
+        let checked = Rolling { quadrature: &rules[places[3]].check, plans: None, ..ball };
         let error = checked.error(&root, transmission.efficiency, newton);
         let info = SolveInfo { steps, residual: root.residual };
         Ok(Found { ball: steady, transmission, skid: grip.skid(pair), info, root, error })
@@ -370,7 +412,7 @@ pub(crate) struct Found {
     skid: SkidNumbers,
     info: SolveInfo,
     pub(crate) root: Root,
-    /// What the quadrature may leave in the efficiency (Q14).
+    /// What the quadrature may leave in the efficiency (T25).
     error: f64,
 }
 

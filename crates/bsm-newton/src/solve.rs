@@ -2,7 +2,8 @@
 
 use crate::system::{Square, VectorOf};
 use crate::{
-    Dense, DimensionError, Equations, EvalError, LinearSolver, Options, Report, Scales, Status, Step, System,
+    Dense, DimensionError, Equations, EvalError, LinearSolver, Options, Report, Scales, Status,
+    Step, System,
 };
 
 /// Memory of a solve, reused by the next one; nothing is allocated per step.

@@ -1,7 +1,7 @@
 //! The plan of a folder: all that the bytes of its parts depend on, and nothing else.
 
 use std::io;
-use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
+use std::num::{NonZeroU32, NonZeroU64};
 use std::path::Path;
 
 use bsm_case::{Axis, CaseError, Grid, ModelChoice, Output, Scene, Settings};

@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 use bsm_simd::{Arch, BLOCK, Block, Lane, Simd, WithSimd};
 
 use super::Quadrature;
-use super::panels::{EllipseSlip, FAR, Lines, Visit, chord, walk};
+use super::panels::{EllipseSlip, FAR, Lines, Nodes, Plan, Visit, chord, walk};
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
@@ -41,7 +41,8 @@ const ALL: usize = VALUES + 19;
 impl Point {
     /// Slip along the long axis.
     fn slip(&self) -> EllipseSlip<f64> {
-        let ([speed, w_t, w_n, w_c], radii) = (self.motion, (self.pressed_radius, self.ball_radius));
+        let ([speed, w_t, w_n, w_c], radii) =
+            (self.motion, (self.pressed_radius, self.ball_radius));
         EllipseSlip::new(self.semi_axes, radii, speed, [w_t, w_n, w_c], self.creep)
     }
 }
@@ -59,7 +60,7 @@ impl Near {
     fn of(slip: &EllipseSlip<f64>, xi: f64) -> Self {
         let sinh = slip.analyticity(xi);
         let (b_0, b_1) = slip.across(xi);
-        // s = cos φ, about φ₀ with cos φ₀ = −Re z/cosh η and the width η: η ≈ sinh η  (Q12)
+        // s = cos φ, about φ₀ with cos φ₀ = −Re z/cosh η and the width η: η ≈ sinh η  (T20)
         let cos = -(b_0 / b_1) / sinh.mul_add(sinh, 1.0).sqrt();
         let at = if cos.is_nan() { FRAC_PI_2 } else { cos.clamp(-1.0, 1.0).acos() };
         let width = sinh.clamp(1e-100, FAR);
@@ -78,7 +79,8 @@ impl Near {
         let (mut places, mut weights) = ([0.0; BLOCK], [0.0; BLOCK]);
         for i in 0..BLOCK {
             let node = first + i;
-            let (side, node) = if node < rule.part.len() { (0, node) } else { (1, node - rule.part.len()) };
+            let (side, node) =
+                if node < rule.part.len() { (0, node) } else { (1, node - rule.part.len()) };
             if node < rule.part.len() {
                 let ((from, length), (place, part)) = (self.sides[side], rule.part[node]);
                 (places[i], weights[i]) = (from + length * place, length * part);
@@ -88,7 +90,8 @@ impl Near {
             let grow = Lane::<S>::load(simd, &places[i..]).exp();
             let fall = grow.recip();
             let half = grow.constant(0.5 * self.width);
-            let phi = (half * (grow - fall) + self.at).max(half.constant(0.0)).min(half.constant(PI));
+            let phi =
+                (half * (grow - fall) + self.at).max(half.constant(0.0)).min(half.constant(PI));
             let left = phi.gt(phi.constant(FRAC_PI_2));
             let (sin, cos) = left.select(-phi + PI, phi).sin_cos_first_quadrant();
             let weight = Lane::load(simd, &weights[i..]) * half * (grow + fall);
@@ -99,7 +102,7 @@ impl Near {
     }
 }
 
-/// Sums along lines across the ellipse (Q9).
+/// Sums along lines across the ellipse (T21).
 #[derive(Clone, Copy)]
 struct Inner<S: Simd> {
     j: [Lane<S>; 3],
@@ -124,7 +127,7 @@ impl<S: Simd> Inner<S> {
         let v_c = b_1.mul_add(s, b_0);
         // q = (v_t² + v_e² + (b₀ + b₁ s)²)^{−1/2}
         let inverse = v_c.mul_add(v_c, square).recip();
-        // J_k = Σ w sᵏ q,  K_k = Σ w sᵏ q³,  k = 0, 1, 2                  (Q9)
+        // J_k = Σ w sᵏ q,  K_k = Σ w sᵏ q³,  k = 0, 1, 2                 (T21)
         let q = weight * inverse.sqrt();
         let q_s = q * s;
         self.j[0] = self.j[0] + q;
@@ -149,7 +152,7 @@ struct Gather<'a, const SLOPED: bool> {
 }
 
 impl<const SLOPED: bool> Gather<'_, SLOPED> {
-    /// The sums (Q9) of a line whose spin pole is inside.
+    /// The sums (T21) of a line whose spin pole is inside.
     #[inline(always)]
     fn near<S: Simd>(&self, simd: S, xi: f64) -> [f64; 6] {
         let (v_t, (b_0, b_1)) = (self.slip.along(xi), self.slip.across(xi));
@@ -237,13 +240,16 @@ impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
                 inner = Inner::load(simd, &sums, at);
             }
             let Inner { j, k } = inner;
-            let (j, k) = ([j[0] * weight, j[1] * weight, j[2] * weight], [k[0] * weight, k[1] * weight, k[2] * weight]);
+            let (j, k) = (
+                [j[0] * weight, j[1] * weight, j[2] * weight],
+                [k[0] * weight, k[1] * weight, k[2] * weight],
+            );
             // T = v_t J₀,  C = b₀ J₀ + b₁ J₁,  S = b₀ J₁ + b₁ J₂
             let (t, c, s) = (v_t * j[0], b_0 * j[0] + b_1 * j[1], b_0 * j[1] + b_1 * j[2]);
             let (a, b) = self.point.semi_axes;
             let (x, y, h) = (xi * a, chord(xi) * b, slip.height(xi));
             // F_t = −T,  F_c = C,  M_t = −h C,  M_n = −(x T + Y S),  M_c = −h T,
-            // P = v_t T + b₀ C + b₁ S                                     (Q10)
+            // P = v_t T + b₀ C + b₁ S                                     (T22)
             let m_n = -(x * t + y * s);
             let power = v_t * t + b_0 * c + b_1 * s;
             let values = [-t, c, -(h * c), m_n, -(h * t), power];
@@ -256,7 +262,7 @@ impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
                 let t_v = j[0] - v_t * v_t * k[0];
                 let t_b = -(v_t * (b_0 * k[0] + b_1 * k[1]));
                 let t_s = -(v_t * (b_0 * k[1] + b_1 * k[2]));
-                // (C_b, C_s, S_s) = (v_t² + v_e²) (K₀, K₁, K₂)            (Q11)
+                // (C_b, C_s, S_s) = (v_t² + v_e²) (K₀, K₁, K₂)            (T23)
                 let (c_b, c_s, s_s) = (square * k[0], square * k[1], square * k[2]);
                 // By the growth of the ellipse: of h, of the slip, and of the sums.
                 let dh = xi * xi * slip.sag * -2.0;
@@ -297,15 +303,15 @@ impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
 }
 
 /// Force and moment over `$f Q$`, and the power that they take.
-pub(super) fn sums(point: &Point, rule: &Quadrature) -> ([f64; SUMS], f64) {
-    let all = Arch::new().dispatch(Total::<false>(point, rule));
+pub(super) fn sums(point: &Point, nodes: Nodes<'_>) -> ([f64; SUMS], f64) {
+    let all = Arch::new().dispatch(Total::<false>(point, nodes));
     let [f_t, f_c, m_t, m_n, m_c, power, ..] = all;
     ([f_t, f_c, m_t, m_n, m_c], power)
 }
 
 /// Force and moment over `$f Q$`, and their derivatives: by the speed of the centre, the angular
 /// velocity, and the logarithm of the size of the ellipse.
-pub(super) fn slopes(point: &Point, rule: &Quadrature) -> ([f64; SUMS], [[f64; SLOPES]; SUMS]) {
+pub(super) fn slopes(point: &Point, nodes: Nodes<'_>) -> ([f64; SUMS], [[f64; SLOPES]; SUMS]) {
     let [
         // Force and moment; their power is not asked for.
         f_t,
@@ -336,7 +342,7 @@ pub(super) fn slopes(point: &Point, rule: &Quadrature) -> ([f64; SUMS], [[f64; S
         gt,
         gn,
         gc,
-    ] = Arch::new().dispatch(Total::<true>(point, rule));
+    ] = Arch::new().dispatch(Total::<true>(point, nodes));
     let slopes = [
         [aa, at, an, ac, ga],
         [ea, et, en, ec, ge],
@@ -350,20 +356,20 @@ pub(super) fn slopes(point: &Point, rule: &Quadrature) -> ([f64; SUMS], [[f64; S
 /// All sums on an instruction set.
 #[cfg(test)]
 pub(super) fn all_on(arch: Arch, point: &Point, rule: &Quadrature) -> [f64; ALL] {
-    arch.dispatch(Total::<true>(point, rule))
+    arch.dispatch(Total::<true>(point, rule.into()))
 }
 
-struct Total<'a, const SLOPED: bool>(&'a Point, &'a Quadrature);
+struct Total<'a, const SLOPED: bool>(&'a Point, Nodes<'a>);
 
 impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
     type Output = [f64; ALL];
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self(point, rule) = self;
-        let slip = point.slip();
+        let Self(point, nodes) = self;
+        let (slip, rule) = (point.slip(), nodes.rule);
         let mut gather = Gather::<SLOPED> { rule, point, slip, totals: [[0.0; BLOCK]; ALL] };
-        walk(simd, rule, &slip, &mut gather);
+        walk(simd, nodes, &slip, &mut gather);
         fold(gather.totals)
     }
 }
@@ -378,14 +384,14 @@ pub(super) fn nodes(point: &Point, rule: &Quadrature, constant: bool) -> Vec<(f6
 struct List<'a>(&'a Point, &'a Quadrature, bool);
 
 /// The nodes of all lines, one by one.
-struct Nodes<'a> {
+struct Collect<'a> {
     rule: &'a Quadrature,
     slip: EllipseSlip<f64>,
     constant: bool,
     nodes: Vec<(f64, f64, f64)>,
 }
 
-impl<S: Simd> Visit<S> for Nodes<'_> {
+impl<S: Simd> Visit<S> for Collect<'_> {
     fn visit(&mut self, simd: S, lines: &Lines) {
         for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
             let chord = chord(xi);
@@ -393,7 +399,8 @@ impl<S: Simd> Visit<S> for Nodes<'_> {
                 let near = Near::of(&self.slip, xi);
                 for first in (0..Near::len(self.rule)).step_by(BLOCK) {
                     let (places, parts) = near.nodes(simd, self.rule, first);
-                    let all = places.iter().zip(parts).map(|(s, part)| (xi, chord * s, weight * part));
+                    let all =
+                        places.iter().zip(parts).map(|(s, part)| (xi, chord * s, weight * part));
                     self.nodes.extend(all);
                 }
             } else if let Some(count) = lines.inner {
@@ -411,8 +418,33 @@ impl WithSimd for List<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self(point, rule, constant) = self;
-        let mut list = Nodes { rule, slip: point.slip(), constant, nodes: Vec::new() };
-        walk(simd, rule, &point.slip(), &mut list);
+        let mut list = Collect { rule, slip: point.slip(), constant, nodes: Vec::new() };
+        walk(simd, rule.into(), &point.slip(), &mut list);
         list.nodes
+    }
+}
+
+/// The plan of a contact.
+pub(super) fn plan(point: &Point, rule: &Quadrature) -> Plan {
+    Arch::new().dispatch(Planned(point, rule))
+}
+
+struct Planned<'a>(&'a Point, &'a Quadrature);
+
+impl WithSimd for Planned<'_> {
+    type Output = Plan;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let mut plan = Plan::default();
+        walk(simd, self.1.into(), &self.0.slip(), &mut plan);
+        plan
+    }
+}
+
+impl<S: Simd> Visit<S> for Plan {
+    fn visit(&mut self, _simd: S, lines: &Lines) {
+        self.split = lines.split;
+        self.lines.push((lines.inner, lines.inside));
     }
 }

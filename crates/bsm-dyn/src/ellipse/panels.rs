@@ -1,6 +1,6 @@
 //! Where the nodes of an ellipse lie: panels about the two lines of pure rolling.
 //!
-//! Theory: `docs/theory/09-traction.md`, equations (Q1) to (Q8).
+//! Theory: `docs/theory/09-traction.md`, equations (T12) to (T19).
 
 #![expect(
     clippy::inline_always,
@@ -28,9 +28,9 @@ pub struct Quadrature {
     /// Nodes and weights of Gauss-Legendre on [0, 1]: of a panel, and of a part of a split one.
     panel: Vec<(f64, f64)>,
     pub(super) part: Vec<(f64, f64)>,
-    /// Nodes and weights along a line, by their number (Q8).
+    /// Nodes and weights along a line, by their number (T19).
     pub(super) inner: Vec<Vec<(f64, f64)>>,
-    /// Least `$\sinh\eta$` (Q7) for which that number is enough; falls with the number.
+    /// Least `$\sinh\eta$` (T18) for which that number is enough; falls with the number.
     reach: Vec<f64>,
 }
 
@@ -75,8 +75,10 @@ impl Quadrature {
     pub(crate) fn with(nodes: NonZeroUsize, tolerance: f64, more: u32) -> Self {
         let part = NonZeroUsize::new((3 * nodes.get()).div_ceil(4)).unwrap_or(nodes);
         let most = u32::try_from(MOST_INNER).expect("few");
-        // m = max(2, ⌈−ln ε/(2η)⌉ − 1): η from which m nodes are enough   (Q8)
-        let reach = |m: u32| if m < 2 { f64::INFINITY } else { (-tolerance.ln() / (2.0 * f64::from(m + 1))).sinh() };
+        // m = max(2, ⌈−ln ε/(2η)⌉ − 1): η from which m nodes are enough  (T19)
+        let reach = |m: u32| {
+            if m < 2 { f64::INFINITY } else { (-tolerance.ln() / (2.0 * f64::from(m + 1))).sinh() }
+        };
         Self {
             panel: gauss_legendre(nodes),
             part: gauss_legendre(part),
@@ -92,7 +94,7 @@ impl Quadrature {
     }
 }
 
-/// Slip of the points of an ellipse, by the place on its long axis over the semi-axis (Q1), (Q2).
+/// Slip of the points of an ellipse, by the place on its long axis over the semi-axis (T12), (T13).
 #[derive(Debug, Clone, Copy)]
 pub struct EllipseSlip<F> {
     /// Coefficients of the slip along the groove.
@@ -161,7 +163,7 @@ impl<F: Compare> EllipseSlip<F> {
     ) -> Self {
         let (a, b) = semi_axes;
         let sag = a * a * 0.5 / pressed_radius;
-        // q₀ = A + ω_c r_b,  q₁ = ω_N a,  q₂ = −ω_c a²/(2 R_c)            (Q1)
+        // q₀ = A + ω_c r_b,  q₁ = ω_N a,  q₂ = −ω_c a²/(2 R_c)           (T12)
         let along = [speed + across * radius, spin * a, -(across * sag)];
         Self { along, radius, sag, roll, turn: spin * b, creep }
     }
@@ -169,14 +171,14 @@ impl<F: Compare> EllipseSlip<F> {
     /// Slip along the groove.
     #[inline(always)]
     pub(super) fn along(&self, xi: F) -> F {
-        // v_t = q₀ + q₁ ξ + q₂ ξ²                                         (Q1)
+        // v_t = q₀ + q₁ ξ + q₂ ξ²                                        (T12)
         (self.along[2] * xi + self.along[1]) * xi + self.along[0]
     }
 
     /// Slip across it, `$-(b_0 + b_1 s)$`.
     #[inline(always)]
     pub(super) fn across(&self, xi: F) -> (F, F) {
-        // b₀ = ω_t h,  b₁ = ω_N Y                                         (Q2)
+        // b₀ = ω_t h,  b₁ = ω_N Y                                        (T13)
         (self.roll * self.height(xi), self.turn * chord(xi))
     }
 
@@ -191,7 +193,7 @@ impl<F: Compare> EllipseSlip<F> {
     pub(super) fn analyticity(&self, xi: F) -> F {
         let v_t = self.along(xi);
         let (b_0, b_1) = self.across(xi);
-        // z = (b₀ + i √(v_t² + v_e²))/b₁                                  (Q7)
+        // z = (b₀ + i √(v_t² + v_e²))/b₁                                 (T18)
         let (square, spin) = (v_t * v_t + self.creep * self.creep, b_1 * b_1);
         let far = (b_0.abs() - b_1.abs()) * (b_0.abs() + b_1.abs()) + square;
         // sinh²η = [A + √(A² + 4 b₁² r²)]/(2 b₁²),  r² = v_t² + v_e²,  A = b₀² − b₁² + r²
@@ -215,10 +217,10 @@ impl<F: Compare> EllipseSlip<F> {
         for i in 0..2 {
             let (b_0, b_1) = self.across(clamp(lines[i], -1.0, 1.0));
             let (b_0, b_1) = (b_0.abs(), b_1.abs());
-            // m = √(max(|b₀| − |b₁|, |b₁|/10)² + v_e²)                    (Q4)
+            // m = √(max(|b₀| − |b₁|, |b₁|/10)² + v_e²)                   (T15)
             let rest = larger(b_0 - b_1, b_1 * 0.1);
             let m = (rest * rest + self.creep * self.creep).sqrt();
-            // v_t(ξ_j ± i δ_j) = ±i m,  t = −(q₁ + sign(q₁)(u + i w))/2   (Q5)
+            // v_t(ξ_j ± i δ_j) = ±i m,  t = −(q₁ + sign(q₁)(u + i w))/2  (T16)
             let bend = q_2.abs() * m * 2.0;
             let g = (d * d + bend * bend * 4.0).sqrt();
             let long = larger((g + d.abs()) * 0.5, zero).sqrt();
@@ -240,6 +242,27 @@ impl<F: Compare> EllipseSlip<F> {
     }
 }
 
+/// Numbers of nodes that stay as they are while the slip changes: sums without steps, near where they were
+/// taken.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Plan {
+    pub(super) split: [bool; 2],
+    pub(super) lines: Vec<(Option<usize>, [bool; BLOCK])>,
+}
+
+/// The nodes of a quadrature over an ellipse: by the slip, or as in a plan.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Nodes<'a> {
+    pub(crate) rule: &'a Quadrature,
+    pub(crate) plan: Option<&'a Plan>,
+}
+
+impl<'a> From<&'a Quadrature> for Nodes<'a> {
+    fn from(rule: &'a Quadrature) -> Self {
+        Self { rule, plan: None }
+    }
+}
+
 /// A few neighbouring lines across the ellipse.
 pub(super) struct Lines {
     /// Places over the long semi-axis, and their parts of the load.
@@ -250,12 +273,14 @@ pub(super) struct Lines {
     /// Of each line, whether the spin pole is inside the ellipse.
     pub(super) inside: [bool; BLOCK],
     pub(super) any_inside: bool,
+    /// Which of the two panels are split.
+    pub(super) split: [bool; 2],
 }
 
 /// A part of the long axis with its nodes.
 struct Panel<'a> {
     pole: Pole<f64>,
-    /// Where it begins, and its length, in the variable of (Q6).
+    /// Where it begins, and its length, in the variable of (T17).
     from: f64,
     length: f64,
     nodes: &'a [(f64, f64)],
@@ -267,11 +292,11 @@ pub(super) trait Visit<S: Simd> {
     fn visit(&mut self, simd: S, lines: &Lines);
 }
 
-/// Goes through the lines across the ellipse (Q3) to (Q8).
+/// Goes through the lines across the ellipse (T14) to (T19).
 #[inline(always)]
 pub(super) fn walk<S: Simd>(
     simd: S,
-    rule: &Quadrature,
+    Nodes { rule, plan }: Nodes<'_>,
     slip: &EllipseSlip<f64>,
     visitor: &mut impl Visit<S>,
 ) {
@@ -282,15 +307,20 @@ pub(super) fn walk<S: Simd>(
     let mut panels: [Panel<'_>; 4] = [const {
         Panel { pole: Pole { at: 0.0, width: 1.0 }, from: 0.0, length: 0.0, nodes: &[] }
     }; 4];
-    let mut count = 0;
-    for (pole, low, high) in [(poles[0], -1.0, middle), (poles[1], middle, 1.0)] {
-        let within = low < pole.at && pole.at < high;
-        let split = within && rule.count(slip.analyticity(pole.at)).is_none();
-        let (cut, nodes) = if split { (pole.at, &rule.part) } else { (high, &rule.panel) };
+    let (mut count, mut split) = (0, [false; 2]);
+    for i in 0..2 {
+        let pole = poles[i];
+        let (low, high) = if i == 0 { (-1.0, middle) } else { (middle, 1.0) };
+        let inside = match plan {
+            Some(plan) => plan.split[i],
+            None => rule.count(slip.analyticity(pole.at)).is_none(),
+        };
+        split[i] = inside && low < pole.at && pole.at < high;
+        let (cut, nodes) = if split[i] { (pole.at, &rule.part) } else { (high, &rule.panel) };
         for (low, high) in [(low, cut), (cut, high)] {
             if low < high {
                 (panels[count].pole, panels[count].nodes) = (pole, nodes);
-                // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j)  (Q6)
+                // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j) (T17)
                 ends[0][count] = (low - pole.at) / pole.width;
                 ends[1][count] = (high - pole.at) / pole.width;
                 count += 1;
@@ -305,7 +335,7 @@ pub(super) fn walk<S: Simd>(
     for i in 0..count {
         (panels[i].from, panels[i].length) = (ends[0][i], ends[1][i] - ends[0][i]);
     }
-    let (mut panel, mut node) = (0, 0);
+    let (mut panel, mut node, mut number) = (0, 0, 0);
     while panel < count {
         let (mut tau, mut weight) = ([0.0; BLOCK], [0.0; BLOCK]);
         let (mut at, mut width) = ([0.0; BLOCK], [1.0; BLOCK]);
@@ -325,11 +355,17 @@ pub(super) fn walk<S: Simd>(
         for i in found..BLOCK {
             (tau[i], at[i], width[i]) = (tau[found - 1], at[found - 1], width[found - 1]);
         }
-        visitor.visit(simd, &lines(simd, rule, slip, (&tau, &weight), (&at, &width)));
+        let mut lines = lines(simd, rule, slip, (&tau, &weight), (&at, &width));
+        lines.split = split;
+        if let Some((inner, inside)) = plan.and_then(|plan| plan.lines.get(number)) {
+            (lines.inner, lines.inside, lines.any_inside) = (*inner, *inside, *inside != [false; BLOCK]);
+        }
+        number += 1;
+        visitor.visit(simd, &lines);
     }
 }
 
-/// Place of a line on the long axis and its part of the load, from a node in the variable of (Q6) and its
+/// Place of a line on the long axis and its part of the load, from a node in the variable of (T17) and its
 /// weight.
 #[inline(always)]
 fn line<S: Simd, const N: usize>(
@@ -339,14 +375,14 @@ fn line<S: Simd, const N: usize>(
 ) -> (Lane<S, N>, Lane<S, N>) {
     let grow = tau.exp();
     let fall = grow.recip();
-    // ξ = ξ_j + δ_j sinh τ                                                (Q6)
+    // ξ = ξ_j + δ_j sinh τ                                               (T17)
     let xi = pole.at + pole.width * (grow - fall) * 0.5;
-    // dQ/Q = (3/4)(1 − ξ²) dξ × (2/π) √(1 − s²) ds                        (Q3)
+    // dQ/Q = (3/4)(1 − ξ²) dξ × (2/π) √(1 − s²) ds                       (T14)
     let shape = larger((-xi + 1.0) * (xi + 1.0), xi.constant(0.0)) * 0.75;
     (xi, weight * pole.width * (grow + fall) * 0.5 * shape)
 }
 
-/// The lines of nodes in the variable of (Q6).
+/// The lines of nodes in the variable of (T17).
 #[inline(always)]
 fn lines<S: Simd>(
     simd: S,
@@ -376,7 +412,7 @@ fn lines<S: Simd>(
         }
     }
     let inner = (least < f64::INFINITY).then(|| rule.count(least)).flatten();
-    Lines { xi, weight: load, inner, inside, any_inside }
+    Lines { xi, weight: load, inner, inside, any_inside, split: [false; 2] }
 }
 
 impl EllipseSlip<f64> {

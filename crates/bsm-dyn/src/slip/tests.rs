@@ -1,6 +1,5 @@
 //! Limits and identities of the slips.
 
-
 use approx::assert_relative_eq;
 use bsm_kin::Jet;
 use proptest::prelude::*;

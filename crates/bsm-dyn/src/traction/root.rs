@@ -9,6 +9,7 @@ use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque, torque};
 use crate::ball_unknowns::BALL;
 use crate::continuation::{Stride, follow};
 use crate::elastic::Skid;
+use crate::ellipse::Plan;
 use crate::equations::Workspace;
 use crate::raceway_control::Grip;
 use crate::{Evidence, Reason, Unsolved};
@@ -36,18 +37,22 @@ pub(crate) struct Root {
 }
 
 impl Rolling<'_> {
-    /// The root near one of another quadrature, if it is on the flanks; `newton` keeps its Jacobian.
+    /// The root near one of another quadrature, if it is on the flanks, with the numbers of nodes that it
+    /// has there: a root may lie where they change. `newton` keeps its Jacobian.
     pub(super) fn refined(
         &self,
         near: &Root,
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Option<Root> {
+    ) -> Option<(Root, [Plan; 2])> {
         let mut unknowns = near.unknowns;
-        let report = self.of(near).run(&mut unknowns, newton);
+        let plans = self.of(near).plans(&unknowns).ok()?;
+        let ball = Rolling { plans: Some(&plans), ..self.of(near) };
+        let report = ball.run(&mut unknowns, newton);
         *steps += report.steps.len();
         let root = Root { unknowns, residual: report.residual, ..*near };
-        (report.converged() && self.is_admissible(&root)).then_some(root)
+        let found = report.converged() && self.is_admissible(&root);
+        found.then_some((root, plans))
     }
 
     /// The root from the gripping ball or from the skidding one; if none of them leads to it, from

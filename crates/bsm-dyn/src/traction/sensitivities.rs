@@ -37,8 +37,9 @@ impl<const M: usize> Traction<Jet<M>> {
         let TractionWorkspace { newton, rules, .. } = work;
         let (quadrature, creep) = (&rules[place].rule, self.creep * point.slip_scale());
         let Root { unknowns, at_nut, .. } = root;
-        let system = Rolling { pair: &point, quadrature, creep, at_nut: *at_nut };
-        let equations = Rolling { pair: &inputs, quadrature, creep, at_nut: *at_nut };
+        let system = Rolling { at_nut: *at_nut, ..Rolling::of_pair(&point, quadrature, creep) };
+        let Rolling { plans, enough, at_nut, .. } = system;
+        let equations = Rolling { pair: &inputs, quadrature, plans, creep, enough, at_nut };
         let residual = |y: &_| equations.residual(y);
         let y = moving_root(&system, unknowns, &system.weights(unknowns), residual, newton)?;
         let state = equations.state(&y).map_err(refused)?;

@@ -88,10 +88,10 @@ fn confirmed(seed: u64, points: u64, starts: usize) -> Confirmed {
         let screw = point(seed, number);
         let Ok(pair) = screw.scaled() else { continue };
         let solution = solved(screw, &mut work);
-        let place = work.rules(COARSE);
+        let place = work.rules(SEARCH);
         let creep = Traction::CREEP * pair.slip_scale();
         let quadrature = &work.rules[place].rule;
-        let ball = Rolling { pair: &pair, quadrature, creep, at_nut: false };
+        let ball = Rolling::of_pair(&pair, quadrature, creep);
         let steps = solution.solved().and_then(|solved| Some(solved.info?.steps));
         let count = match solution.status() {
             Status::NoSolution => &mut counts.denied,
@@ -152,8 +152,7 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         let Found { root, ball: found, .. } = case.found(&start, None, &mut work).unwrap();
         let place = work.rules(Traction::ACCURACY);
         let creep = Traction::CREEP * pair.slip_scale();
-        let ball =
-            Rolling { pair: &pair, quadrature: &work.rules[place].rule, creep, at_nut: false };
+        let ball = Rolling::of_pair(&pair, &work.rules[place].rule, creep);
         let state = ball.state(&root.unknowns).unwrap();
         let thrown = Rolling { at_nut: true, ..ball };
         let mut y = thrown.unknowns(&state.loaded, &state.to_nut);

@@ -124,9 +124,10 @@ fn a_scaled_screw_moves_alike() {
         load: bsm_dyn::Load { axial: 9.0 * screw.load.axial, ..screw.load },
         ..screw
     };
-    for (one, other) in
-        [(traction(screw, 1e-6, 1e-4), traction(large, 1e-6, 1e-4)), (elastic(screw), elastic(large))]
-    {
+    for (one, other) in [
+        (traction(screw, 1e-6, 1e-4), traction(large, 1e-6, 1e-4)),
+        (elastic(screw), elastic(large)),
+    ] {
         // Equal in scaled units but for rounding.
         assert_relative_eq!(
             one.transmission.efficiency,

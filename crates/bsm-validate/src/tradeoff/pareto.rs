@@ -58,10 +58,9 @@ fn figure(
     Figure {
         key: format!("pareto-{key}"),
         title: format!("Error against time, {words}"),
-        caption:
-            "Left is faster, down is more exact. Numbers: accuracy of traction, tolerance of \
+        caption: "Left is faster, down is more exact. Numbers: accuracy of traction, tolerance of \
                   auto. Errors are over the points that a model solves."
-                .to_owned(),
+            .to_owned(),
         x: Axis::log("time of a point, us"),
         y: Axis::log("error of the efficiency, 99 %"),
         curves,
