@@ -9,8 +9,8 @@ mod panels;
 use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 
 use self::kernel::{MOTION, Point};
-pub(crate) use self::panels::{Nodes, Plan};
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
+pub(crate) use self::panels::{Nodes, Plan};
 use crate::{Coulomb, FrictionLaw, Wrench};
 
 /// A loaded contact ellipse on the ball.
@@ -153,21 +153,17 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
 /// Scalars over constants of type `P` in which friction of a [`Coulomb`] coefficient can be summed over
 /// an ellipse: fast over numbers, by the law itself over jets.
 pub(crate) trait Lanes<P>: Over<P> {
-    /// Friction over `$f Q$`, as [`Ellipse::integrate`].
+    /// Friction over `$f Q$`, as [`Ellipse::integrate`], and the power that it takes, without derivatives.
     fn integrate(
         ellipse: &Ellipse<Self, P>,
         local: &Local<Self>,
         creep: f64,
         nodes: Nodes<'_>,
-    ) -> Integral<Self>;
+    ) -> (Integral<Self>, f64);
 
     /// Power that friction takes, over `$f Q$`.
-    fn power(
-        ellipse: &Ellipse<Self, P>,
-        local: &Local<Self>,
-        creep: f64,
-        nodes: Nodes<'_>,
-    ) -> Self;
+    fn power(ellipse: &Ellipse<Self, P>, local: &Local<Self>, creep: f64, nodes: Nodes<'_>)
+    -> Self;
 }
 
 impl<P: Scalar, D: Scalar> Ellipse<D, P> {
@@ -207,16 +203,12 @@ impl Lanes<f64> for f64 {
         local: &Local<f64>,
         creep: f64,
         nodes: Nodes<'_>,
-    ) -> Integral<f64> {
-        Integral::from_sums(kernel::sums(&ellipse.point(local, creep), nodes).0)
+    ) -> (Integral<f64>, f64) {
+        let (sums, power) = kernel::sums(&ellipse.point(local, creep), nodes);
+        (Integral::from_sums(sums), power)
     }
 
-    fn power(
-        ellipse: &Ellipse<f64>,
-        local: &Local<f64>,
-        creep: f64,
-        nodes: Nodes<'_>,
-    ) -> f64 {
+    fn power(ellipse: &Ellipse<f64>, local: &Local<f64>, creep: f64, nodes: Nodes<'_>) -> f64 {
         kernel::sums(&ellipse.point(local, creep), nodes).1
     }
 }
@@ -227,26 +219,22 @@ impl<const N: usize> Lanes<f64> for Jet<N> {
         local: &Local<Self>,
         creep: f64,
         nodes: Nodes<'_>,
-    ) -> Integral<Self> {
-        let (sums, slopes) = kernel::slopes(&ellipse.point(local, creep), nodes);
+    ) -> (Integral<Self>, f64) {
+        let (sums, power, slopes) = kernel::slopes(&ellipse.point(local, creep), nodes);
         // Both semi-axes grow alike.
         let growth = ellipse.semi_axes.0 * ellipse.semi_axes.0.re.recip();
         let [a, t, n, c] = local.numbers();
         let arguments = [a, t, n, c, growth];
-        Integral::from_sums(std::array::from_fn(|i| Jet {
+        let sloped = Integral::from_sums(std::array::from_fn(|i| Jet {
             re: sums[i],
             eps: std::array::from_fn(|k| {
                 arguments.iter().zip(&slopes[i]).map(|(a, slope)| slope * a.eps[k]).sum()
             }),
-        }))
+        }));
+        (sloped, power)
     }
 
-    fn power(
-        ellipse: &Ellipse<Self>,
-        local: &Local<Self>,
-        creep: f64,
-        nodes: Nodes<'_>,
-    ) -> Self {
+    fn power(ellipse: &Ellipse<Self>, local: &Local<Self>, creep: f64, nodes: Nodes<'_>) -> Self {
         ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule).1
     }
 }
@@ -257,8 +245,9 @@ impl<const N: usize> Lanes<Self> for Jet<N> {
         local: &Local<Self>,
         creep: f64,
         nodes: Nodes<'_>,
-    ) -> Integral<Self> {
-        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule).0
+    ) -> (Integral<Self>, f64) {
+        let (unit, power) = ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule);
+        (unit, power.re)
     }
 
     fn power(
@@ -397,7 +386,8 @@ mod tests {
             let (ellipse, local) = sloped(motion, (a, 0.2 * a));
             let one = Coulomb(Jet::from(1.0));
             let (law, power) = ellipse.integrate(&local, &one, creep, &quadrature);
-            let fast = Jet::integrate(&ellipse, &local, creep, (&quadrature).into());
+            let (fast, sloped_power) =
+                Jet::integrate(&ellipse, &local, creep, (&quadrature).into());
             let point = ellipse.point(&local, creep);
             let (values, fast_power) = kernel::sums(&point, (&quadrature).into());
             // Rounding of sums of terms of at most one, and of slopes of at most 1/v_e.
@@ -405,7 +395,9 @@ mod tests {
                 (a.re - b.re).abs() <= 1e-13
                     && a.eps.iter().zip(&b.eps).all(|(a, b)| (a - b).abs() <= 1e-13 / creep)
             };
-            prop_assert!((power.re - fast_power).abs() <= 1e-13 * (1.0 + power.re), "{power:?}");
+            for fast in [fast_power, sloped_power] {
+                prop_assert!((power.re - fast).abs() <= 1e-13 * (1.0 + power.re), "{power:?}");
+            }
             for ((law, fast), value) in all(&law).into_iter().zip(all(&fast)).zip(values) {
                 prop_assert!(same(law, fast), "{law:?} {fast:?}");
                 prop_assert!((law.re - value).abs() <= 1e-13);
@@ -461,17 +453,21 @@ mod tests {
             }
             errors[3].push(off(other));
         }
-        let worst: Vec<_> = errors
+        let quantiles: Vec<_> = errors
             .iter_mut()
             .map(|errors| {
                 errors.sort_unstable_by(f64::total_cmp);
-                [
-                    errors[errors.len() / 2],
-                    errors[errors.len() * 99 / 100],
-                    errors[errors.len() - 1],
-                ]
+                [50, 99, 100]
+                    .map(|share| errors[(errors.len() * share / 100).min(errors.len() - 1)])
             })
             .collect();
-        println!("{worst:?}");
+        println!("{quantiles:?}");
+        // A quarter above what is seen, by chance in the draw; the two finer rules agree
+        // far better than any of these errs.
+        for ([_, most, worst], limits) in
+            quantiles.iter().zip([[6e-3, 1e-2], [1.2e-5, 5e-5], [1.5e-6, 2.5e-6], [1e-9, 1e-8]])
+        {
+            assert!(*most <= limits[0] && *worst <= limits[1], "{quantiles:?}");
+        }
     }
 }

@@ -102,11 +102,7 @@ struct State<D> {
     loaded: Loaded<D>,
     to_nut: Motion<D>,
     wrench: [Wrench<D>; 2],
-}
-
-/// A state with the power that friction takes.
-struct Settled {
-    state: State<f64>,
+    /// That friction takes, without derivatives.
     power: f64,
 }
 
@@ -141,20 +137,23 @@ impl<P: Scalar> Rolling<'_, P> {
         let (pair, loaded) = (self.pair, self.loaded(y)?);
         let to_nut = self.to_nut(y, &loaded);
         let motions = pair.relative(&to_nut, &loaded.frame);
+        let mut power = 0.0;
         let wrench = std::array::from_fn(|i| {
             let contact = &loaded.contacts[i];
             let local = Local::of(&motions[i], contact, D::from(pair.arc));
             let ellipse = pair.ellipse(i, &loaded);
-            let unit = D::integrate(&ellipse, &local, self.creep, self.nodes(i));
-            // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                            (T2)
+            let (unit, unit_power) = D::integrate(&ellipse, &local, self.creep, self.nodes(i));
             let pull = loaded.loads[i] * friction;
+            // P_f = Σ f Q ∫ dP                                            (P7)
+            power += pull.re() * unit_power;
+            // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                            (T2)
             let friction = unit.wrench(contact);
             Wrench {
                 force: contact.normal * loaded.loads[i] + friction.force * pull,
                 moment: friction.moment * pull,
             }
         });
-        Ok(State { loaded, to_nut, wrench })
+        Ok(State { loaded, to_nut, wrench, power })
     }
 
     /// The nodes at nut (0) or screw (1).
@@ -188,7 +187,7 @@ impl<P: Scalar> Rolling<'_, P> {
 impl<'a> Rolling<'a> {
     /// In the unknowns (T1).
     fn of_pair(pair: &'a ElasticBall, quadrature: &'a Quadrature, creep: f64) -> Self {
-        Self { pair, quadrature, plans: None, creep, enough: 1e-13, at_nut: false }
+        Self { pair, quadrature, plans: None, creep, enough: 1e-12, at_nut: false }
     }
 }
 
@@ -201,14 +200,6 @@ impl Rolling<'_> {
             let local = Local::of(&motions[i], &loaded.contacts[i], pair.arc);
             pair.ellipse(i, &loaded).plan(&local, self.creep, self.quadrature)
         }))
-    }
-
-    /// The state with the power that friction takes.
-    fn settled(&self, y: &[f64; BALL]) -> Result<Settled, EvalError> {
-        let state = self.state(y)?;
-        let nodes = [self.nodes(0), self.nodes(1)];
-        let power = self.pair.friction_power(&state.loaded, &state.to_nut, self.creep, nodes);
-        Ok(Settled { state, power })
     }
 
     /// What the efficiency of a root of another quadrature differs from that of this one, as it is stated:
@@ -379,10 +370,10 @@ impl Traction {
             }
         };
         let ball = Rolling { plans: Some(&plans), ..ball.of(&root) };
-        let Settled { state, power } = ball.settled(&root.unknowns).map_err(refused)?;
+        let state = ball.state(&root.unknowns).map_err(refused)?;
         let steady = self.screw.ball_state(pair, &state.loaded, &state.to_nut)?;
         let frame = &state.loaded.frame;
-        let transmission = self.screw.transmission(pair, frame, &state.wrench[1], power)?;
+        let transmission = self.screw.transmission(pair, frame, &state.wrench[1], state.power)?;
         let checked = Rolling { quadrature: &rules[places[3]].check, plans: None, ..ball };
         let error = checked.error(&root, transmission.efficiency, newton);
         let info = SolveInfo { steps, residual: root.residual };

@@ -309,17 +309,17 @@ pub(super) fn sums(point: &Point, nodes: Nodes<'_>) -> ([f64; SUMS], f64) {
     ([f_t, f_c, m_t, m_n, m_c], power)
 }
 
-/// Force and moment over `$f Q$`, and their derivatives: by the speed of the centre, the angular
-/// velocity, and the logarithm of the size of the ellipse.
-pub(super) fn slopes(point: &Point, nodes: Nodes<'_>) -> ([f64; SUMS], [[f64; SLOPES]; SUMS]) {
+/// Force and moment over `$f Q$`, the power, and the derivatives of force and moment: by the speed of the centre,
+/// the angular velocity, and the logarithm of the size of the ellipse.
+pub(super) fn slopes(point: &Point, nodes: Nodes<'_>) -> ([f64; SUMS], f64, [[f64; SLOPES]; SUMS]) {
     let [
-        // Force and moment; their power is not asked for.
+        // Force, moment and their power.
         f_t,
         f_c,
         m_t,
         m_n,
         m_c,
-        _,
+        power,
         // Upper triangle of the symmetric part: friction has a potential in the motion.
         aa,
         at,
@@ -350,7 +350,7 @@ pub(super) fn slopes(point: &Point, nodes: Nodes<'_>) -> ([f64; SUMS], [[f64; SL
         [an, tn, nn, nc, gn],
         [ac, tc, nc, cc, gc],
     ];
-    ([f_t, f_c, m_t, m_n, m_c], slopes)
+    ([f_t, f_c, m_t, m_n, m_c], power, slopes)
 }
 
 /// All sums on an instruction set.

@@ -4,7 +4,7 @@
 
 use super::path::{LONGEST, PATH, Shown};
 use super::scatter::{MANY, STARTS};
-use super::{OMEGA, Rolling, Settled, State};
+use super::{OMEGA, Rolling, State};
 use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque, torque};
 use crate::ball_unknowns::BALL;
 use crate::continuation::{Stride, follow};
@@ -202,11 +202,11 @@ impl Rolling<'_> {
     /// residual vanishes without a root, and the powers do not balance.
     pub(super) fn is_balanced(&self, root: &Root) -> bool {
         let (pair, radius) = (self.pair, self.pair.helix.radius);
-        self.of(root).settled(&root.unknowns).is_ok_and(|Settled { state, power: friction }| {
+        self.of(root).state(&root.unknowns).is_ok_and(|state| {
             let torque = torque(&state.wrench[1], radius, &state.loaded.frame);
             let ideal = ideal_torque(1.0, radius, pair.helix.lead_angle);
             let power = Power::transmitted(torque, ideal, pair.sign());
-            power.imbalance(friction).abs() <= POWER_BALANCE_TOL
+            power.imbalance(state.power).abs() <= POWER_BALANCE_TOL
         })
     }
 
