@@ -203,7 +203,7 @@ impl Rolling<'_> {
     }
 
     /// What the efficiency of a root of another quadrature differs from that of this one, as it is stated:
-    /// ten times as much, and no less than rounding and creep are worth (T25).
+    /// ten times as much, and no less than rounding is worth (T25).
     ///
     /// * `newton`: as the solve for the root has left it.
     fn error(&self, root: &Root, efficiency: f64, newton: &mut Workspace) -> f64 {

@@ -204,7 +204,8 @@ fn ellipse<S: Simd>(i: usize, pair: &Pair<S>, grip: &Grip<S>, motion: &Motion<S>
     }
 }
 
-/// Torque, efficiency and powers by the friction of both ellipses; where it is resolved.
+/// Torque, efficiency and powers by the friction of both ellipses; where it is resolved, which must not
+/// depend on the outputs that are wanted.
 #[inline(always)]
 fn transmit<S: Simd>(
     out: &mut Out<'_, '_>,
@@ -212,16 +213,6 @@ fn transmit<S: Simd>(
     (units, pair): (&Units<S>, &Pair<S>),
     (grip, motion): (&Grip<S>, &Motion<S>),
 ) -> Mask<S> {
-    if !out.wants(&[
-        OutputKey::efficiency,
-        OutputKey::screw_torque_Nm,
-        OutputKey::input_power_W,
-        OutputKey::output_power_W,
-        OutputKey::dissipated_power_W,
-        OutputKey::self_locking,
-    ]) {
-        return grip.found;
-    }
     let (nut, screw) = (ellipse(0, pair, grip, motion), ellipse(1, pair, grip, motion));
     let ((nut_power, at_nut), (screw_power, at_screw)) = (nut.power(), screw.power());
     // P_f = Σ f Q ∫ dP                                                    (P7)
