@@ -355,7 +355,7 @@ fn models_have_dials() {
     assert!((control("nut") - control("screw")).abs() > 1e-6);
     for (args, part) in [
         (["--tolerance", "0"], "must be a number, finite and > 0"),
-        (["--accuracy", "0"], "must be a number, from 1e-13 to"),
+        (["--accuracy", "0"], "must be a number, from 0.0000000000001 to 0.01"),
         (["--control", "ball"], "possible values: nut, screw"),
     ] {
         let output = bsm(dir.path(), &[&["solve", &drive], &args[..]].concat(), "");
