@@ -194,7 +194,7 @@ fn the_choice_says_model_bound_and_reason() {
     for (tolerance, load, model, part) in [
         (0.5, "axial_load_N=2113", "closed-form", "whole loss of skidding"),
         (0.02, "axial_load_N=2113", "raceway-control", "the balls grip"),
-        (1e-4, "axial_load_N=2113", "traction", "integrated with order"),
+        (1e-4, "axial_load_N=2113", "traction", "integrated to"),
         (0.02, "axial_load_N=1", "elastic", "the balls skid"),
     ] {
         let (name, why) = solve(tolerance, load);
