@@ -3,7 +3,6 @@
 #![expect(clippy::print_stderr, reason = "counters are printed next to the times")]
 
 use std::hint::black_box;
-use std::num::NonZeroUsize;
 
 use bsm_benches::{lin_problem, seeded};
 use bsm_case::Settings;
@@ -66,14 +65,15 @@ fn one_point(c: &mut Criterion) {
     });
 }
 
-/// Every model; traction at order 6 too; the choice at two tolerances.
+/// Every model; traction at other accuracies too; the choice at two tolerances.
 fn settings() -> Vec<(String, Settings)> {
-    let coarse = NonZeroUsize::new(6).expect("not zero");
     let auto = |tolerance| Settings { tolerance, ..Settings::default() };
     let mut all: Vec<_> =
         Model::ALL.into_iter().map(|model| (model.name().to_owned(), model.into())).collect();
-    let traction = Settings { quadrature: coarse, ..Model::Traction.into() };
-    all.push(("traction, order 6".to_owned(), traction));
+    for accuracy in [1e-4, 1e-6] {
+        let traction = Settings { accuracy, ..Model::Traction.into() };
+        all.push((format!("traction, {accuracy:e}"), traction));
+    }
     all.push(("auto, 1e-2".to_owned(), auto(1e-2)));
     all.push(("auto, 1e-4".to_owned(), auto(1e-4)));
     all

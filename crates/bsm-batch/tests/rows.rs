@@ -164,18 +164,17 @@ fn a_row_with_lead_and_lead_angle_that_disagree_is_refused() {
     }
 }
 
-/// Dials are the library's to check: of order 1 the weights of the quadrature do not sum to 1.
+/// Dials are the library's to check.
 #[test]
 fn dials_out_of_range_are_refused_in_every_model() {
     let table = Table {
         keys: vec![InputKey::axial_load_N],
         rows: vec![vec![Cell::Number(5000.0)], vec![Cell::Missing]],
     };
-    let one = std::num::NonZeroUsize::MIN;
     for model in choices() {
         let good = Settings { model, ..Settings::default() };
         for (settings, part) in [
-            (Settings { quadrature: one, ..good }, "`quadrature` = 1 must be from 2 to 128"),
+            (Settings { accuracy: 0.1, ..good }, "`accuracy` = 0.1 must be from"),
             (Settings { creep: 0.0, ..good }, "`creep` = 0 must be finite and > 0"),
             (Settings { tolerance: f64::NAN, ..good }, "`tolerance` = NaN must be"),
         ] {

@@ -151,7 +151,8 @@ outputs! {
     residual_norm [""] Number(|s| Some(s.solved()?.info?.residual)), "scaled residual of the equations";
     skid_number [""] Number(|s| s.solved()?.skid?.skid_number), "gyroscopic moment over friction moment of a ball that grips";
     onset_number [""] Number(|s| s.solved()?.skid?.onset_number()), "skid onset number, the skid number times a factor for the friction that the slip of the lead takes: below 0.1 the ball grips, above 2 it skids";
-    efficiency_error_bound [""] Number(|s| Some(s.choice?.error_bound)), "bound of the error of the efficiency against model traction; it holds for 99 % of all points (model auto)";
+    efficiency_error_bound [""] Number(|s| Some(s.solved()?.error?.efficiency)), "bound of the error of the efficiency: in model traction of its integration over the contact ellipses; in model auto against model traction, for 99 % of all points";
+    loss_error_bound [""] Number(|s| s.solved()?.error?.loss), "the same of the power that is lost, relative to it; null: the error may be as large as the efficiency";
     self_locking [""] Flag(|s| s.self_locking()), "true if the screw is self-locking in this direction";
     controlling_race [""] Race(|s| Some(s.solved()?.control?.race)), "race on which the ball does not spin (raceway control)";
     control_consistent [""] Flag(|s| s.solved()?.control?.consistent), "true if the controlling race has the larger spin friction moment at this solution; false where neither race has it at its own solution";

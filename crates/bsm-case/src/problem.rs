@@ -1,7 +1,5 @@
 //! Which model is asked, and whether a scene has what it needs.
 
-use std::num::NonZeroUsize;
-
 use bsm_dyn::{Control, Model, Problem, Traction};
 
 use crate::input_set::{Form, LEAD, Quantity};
@@ -62,8 +60,9 @@ pub struct Settings {
     pub model: ModelChoice,
     /// Error of the efficiency that the choice `auto` may leave, see [`Self::TOLERANCE`].
     pub tolerance: f64,
-    /// Order of the quadrature over the contact ellipses in model traction, see [`Self::QUADRATURE`].
-    pub quadrature: NonZeroUsize,
+    /// Accuracy of the quadrature over the contact ellipses in model traction, its error over the friction,
+    /// see [`Self::ACCURACY`].
+    pub accuracy: f64,
     /// Creep speed over `$r_b|W|$` in model traction, see [`Self::CREEP`]: it makes friction smooth.
     pub creep: f64,
     /// The controlling race in model raceway-control; `None` decides by the spin moments.
@@ -75,7 +74,7 @@ impl Default for Settings {
         Self {
             model: ModelChoice::Auto,
             tolerance: 1e-2,
-            quadrature: Traction::ORDER,
+            accuracy: Traction::ACCURACY,
             creep: Traction::CREEP,
             control: None,
         }
@@ -92,8 +91,8 @@ impl From<Model> for Settings {
 impl Settings {
     /// What [`tolerance`](Self::tolerance) must be.
     pub const TOLERANCE: Rule = Rule::Above(0.0);
-    /// What [`quadrature`](Self::quadrature) must be: the weights of order 1 do not even sum to 1.
-    pub const QUADRATURE: Rule = Rule::Within(2.0, 128.0);
+    /// What [`accuracy`](Self::accuracy) must be: from what rounding leaves to what decides nothing.
+    pub const ACCURACY: Rule = Rule::Within(1e-13, 1e-2);
     /// What [`creep`](Self::creep) must be.
     pub const CREEP: Rule = Rule::Above(0.0);
 
@@ -119,10 +118,8 @@ impl Settings {
     ///
     /// [`CaseError::OutOfRange`].
     pub fn check(&self) -> Result<(), CaseError> {
-        #[expect(clippy::cast_precision_loss, reason = "what is rounded is far beyond the rule")]
-        let order = self.quadrature.get() as f64;
         Self::TOLERANCE.check("tolerance", self.tolerance)?;
-        Self::QUADRATURE.check("quadrature", order)?;
+        Self::ACCURACY.check("accuracy", self.accuracy)?;
         Self::CREEP.check("creep", self.creep)
     }
 }

@@ -48,7 +48,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
             Model::Elastic => Problem::Elastic(Elastic { screw: self.elastic_screw() }),
             Model::Traction => Problem::Traction(Traction {
                 screw: self.elastic_screw(),
-                order: settings.quadrature,
+                accuracy: settings.accuracy,
                 creep: settings.creep,
             }),
         }

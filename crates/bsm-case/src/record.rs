@@ -1,8 +1,8 @@
 //! The answer in the vocabulary.
 
 use bsm_dyn::{
-    Basis, Choice, ContactState, GRIPS_BELOW, Model, Others, RaceControl, Reason, Slip, SlipRegime,
-    Solution, Solved, Status,
+    Basis, Choice, ContactState, ErrorBound, GRIPS_BELOW, Model, Others, RaceControl, Reason, Slip,
+    SlipRegime, Solution, Solved, Status,
 };
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
@@ -115,7 +115,7 @@ impl Record {
     /// Why this model was chosen, if it was chosen by the bound of its error.
     pub fn choice(&self) -> Option<String> {
         let choice = self.chosen()?;
-        let bound = choice.error_bound;
+        let bound = self.solved()?.error?.efficiency;
         let why = match choice.basis {
             Basis::NoWorseThanSliding => {
                 "even the whole loss of skidding balls is no larger".to_owned()
@@ -129,8 +129,8 @@ impl Record {
             Basis::Skids { onset_number } => {
                 format!("the balls skid, skid onset number {onset_number:.1}")
             }
-            Basis::Integrated { order } => format!(
-                "no faster model is that accurate here; friction integrated with order {order}"
+            Basis::Integrated { accuracy } => format!(
+                "no faster model is that accurate here; friction integrated to {accuracy:.0e}"
             ),
             other => format!("{other:?}"),
         };
@@ -165,12 +165,13 @@ impl Record {
             ));
         }
         warnings.extend(self.ambiguities());
-        if let Some(Choice { error_bound, tolerance, .. }) = solution.choice
-            && error_bound > tolerance
+        if let (Some(Choice { tolerance, .. }), Some(ErrorBound { efficiency: bound, .. })) =
+            (solution.choice, self.solved().and_then(|solved| solved.error))
+            && bound > tolerance
         {
             warnings.push(format!(
                 "tolerance {tolerance:.1e} is not met: the error bound of the most accurate model \
-                 here is {error_bound:.1e}"
+                 here is {bound:.1e}"
             ));
         }
         let pressed = |site| solution.contact(site).and_then(|contact| contact.pressed);

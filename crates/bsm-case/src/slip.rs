@@ -111,12 +111,12 @@ impl Powers {
     ) -> Result<Self, CaseError> {
         let case = scene.reader().rigid();
         let unit = case.ball.radius * case.drive.relative_speed().abs();
-        let (order, creep) = match (solution.model, solution.choice.map(|c| c.basis)) {
-            (Model::Traction, Some(Basis::Integrated { order })) => (order, Traction::CREEP),
-            (Model::Traction, _) => (settings.quadrature, settings.creep),
-            _ => (RacewayControl::ORDER, RacewayControl::CREEP),
+        let (accuracy, creep) = match (solution.model, solution.choice.map(|c| c.basis)) {
+            (Model::Traction, Some(Basis::Integrated { accuracy })) => (accuracy, Traction::CREEP),
+            (Model::Traction, _) => (settings.accuracy, settings.creep),
+            _ => (RacewayControl::ACCURACY, RacewayControl::CREEP),
         };
-        let quadrature = &Quadrature::new(order);
+        let quadrature = &Quadrature::of(accuracy);
         let saturated = matches!(solution.model, Model::Rigid | Model::Elastic);
         let power = |contact: &MovingContact| {
             let sliding = match contact.semi_axes {

@@ -308,11 +308,11 @@ proptest! {
         let auto = Settings { tolerance: 10.0_f64.powf(log_tolerance), ..Settings::default() };
         let solution = scene.problem(&auto).expect("complete").solve(&mut ModelWorkspace::default());
         let found = derived(&scene, &auto).expect("auto has an answer");
-        let order = match solution.choice.expect("a choice").basis {
-            Basis::Integrated { order } => order,
-            _ => Traction::ORDER,
+        let accuracy = match solution.choice.expect("a choice").basis {
+            Basis::Integrated { accuracy } => accuracy,
+            _ => Traction::ACCURACY,
         };
-        let own = Settings { quadrature: order, ..solution.model.into() };
+        let own = Settings { accuracy, ..solution.model.into() };
         let own = derived(&scene, &own).expect("the model has an answer");
         for row in &found.1 {
             // What the chosen model does not use at all has no row there.

@@ -125,9 +125,10 @@ pub(crate) struct ModelArgs {
     /// Largest error of the efficiency that model auto accepts, against model traction.
     #[arg(long, value_name = "T", default_value_t = Settings::default().tolerance, value_parser = tolerance)]
     pub(crate) tolerance: f64,
-    /// Order of the quadrature over the contact ellipses in model traction, 2 to 128.
-    #[arg(long, value_name = "N", default_value_t = Settings::default().quadrature, value_parser = order)]
-    pub(crate) quadrature: NonZeroUsize,
+    /// Accuracy of the integration over the contact ellipses in model traction, its error over the
+    /// friction, 1e-13 to 1e-2; the result states the error of the efficiency and of the loss.
+    #[arg(long, value_name = "A", default_value = "1e-8", value_parser = accuracy)]
+    pub(crate) accuracy: f64,
     /// Creep speed in model traction, over the ball's rolling speed: smaller is closer to Coulomb
     /// friction.
     #[arg(long, value_name = "V", default_value_t = Settings::default().creep, value_parser = creep)]
@@ -140,14 +141,14 @@ pub(crate) struct ModelArgs {
 
 impl ModelArgs {
     pub(crate) fn settings(&self) -> Result<Settings, CaseError> {
-        let Self { tolerance, quadrature, creep, .. } = *self;
+        let Self { tolerance, accuracy, creep, .. } = *self;
         let named = Settings::named(&self.model, self.control.as_deref())?;
-        Ok(Settings { tolerance, quadrature, creep, ..named })
+        Ok(Settings { tolerance, accuracy, creep, ..named })
     }
 }
 
-fn order(text: &str) -> Result<NonZeroUsize, String> {
-    dial(text, "a whole number", Settings::QUADRATURE)
+fn accuracy(text: &str) -> Result<f64, String> {
+    dial(text, "a number", Settings::ACCURACY)
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

@@ -60,6 +60,8 @@ const OVERALL: &[(&str, &str)] = &[
     ("input power", "input_power_W"),
     ("output power", "output_power_W"),
     ("dissipated power", "dissipated_power_W"),
+    ("error of the efficiency, at most", "efficiency_error_bound"),
+    ("relative error of the dissipated power, at most", "loss_error_bound"),
     ("axial displacement of the nut", "axial_displacement_um"),
     ("ball precession about the axis", "ball_precession_rad_s"),
     ("ball rotation along the helix t", "ball_omega_t_rad_s"),

@@ -329,7 +329,7 @@ fn compare_shows_every_model() {
     assert!(stdout(&output).contains("critical lead angle"), "{}", stdout(&output));
 }
 
-/// Tolerance, quadrature and controlling race reach the models; nonsense is refused by name.
+/// Tolerance, accuracy and controlling race reach the models; nonsense is refused by name.
 #[test]
 fn models_have_dials() {
     let dir = folder();
@@ -343,18 +343,19 @@ fn models_have_dials() {
     let fine = solve(&["--tolerance", "1e-4"]);
     assert_eq!(fine["model"], "traction");
     assert!(fine["efficiency_error_bound"].as_f64().is_some_and(|b| b <= 1e-4));
+    assert!(fine["loss_error_bound"].as_f64().is_some_and(|b| b <= 1e-2));
     assert!(fine["choice"].as_str().is_some_and(|why| why.contains("integrated")));
     let eta = |args: &[&str]| solve(args)["efficiency"].as_f64().expect("a number");
     let (coarse, fine) = (
-        eta(&["--model", "traction", "--quadrature", "4"]),
-        eta(&["--model", "traction", "--quadrature", "24"]),
+        eta(&["--model", "traction", "--accuracy", "1e-2"]),
+        eta(&["--model", "traction", "--accuracy", "1e-10"]),
     );
     assert!((coarse - fine).abs() > 1e-9 && (coarse - fine).abs() < 1e-3, "{coarse} {fine}");
     let control = |race| eta(&["--model", "raceway-control", "--control", race]);
     assert!((control("nut") - control("screw")).abs() > 1e-6);
     for (args, part) in [
         (["--tolerance", "0"], "must be a number, finite and > 0"),
-        (["--quadrature", "0"], "--quadrature"),
+        (["--accuracy", "0"], "must be a number, from 1e-13 to"),
         (["--control", "ball"], "possible values: nut, screw"),
     ] {
         let output = bsm(dir.path(), &[&["solve", &drive], &args[..]].concat(), "");

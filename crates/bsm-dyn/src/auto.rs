@@ -3,20 +3,15 @@
 //! Theory: `docs/theory/10-choice.md`, equations (A1) to (A6). The constants are measured against
 //! the traction model, see the tests of `bsm-validate`.
 
-use std::num::NonZeroUsize;
-
 use bsm_kin::{Jet, Scalar};
 
 use crate::elastic::Elastic;
 use crate::elastic_ball::{ElasticBall, ElasticScrew};
 use crate::traction::{Root, Start, Traction};
 use crate::{
-    Angles, ClosedForm, Direction, Model, ModelWorkspace, RacewayControl, Reason, Size, Solution,
-    Solved, Transmitted, Unsolved,
+    Angles, ClosedForm, Direction, ErrorBound, Model, ModelWorkspace, RacewayControl, Reason, Size,
+    Solution, Solved, Transmitted, Unsolved,
 };
-
-/// The finest quadrature that is tried.
-const FINEST: NonZeroUsize = NonZeroUsize::new(32).expect("not zero");
 
 /// A screw at an operating point, to be solved by whatever model is good enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,10 +27,8 @@ pub struct Auto<D = f64> {
 pub struct Choice {
     /// What the bound of its error comes from.
     pub basis: Basis,
-    /// Bound of the error of the efficiency against the traction model, which 99 % of all points
-    /// keep.
-    pub error_bound: f64,
-    /// What was asked; the bound may be larger where no model is that exact.
+    /// What was asked of the error of the efficiency; its bound, which 99 % of all points keep, may be
+    /// larger where no model is that exact.
     pub tolerance: f64,
 }
 
@@ -57,8 +50,8 @@ pub enum Basis {
     },
     /// In between; friction was integrated over the ellipses.
     Integrated {
-        /// Order of the quadrature.
-        order: NonZeroUsize,
+        /// Accuracy of the quadrature.
+        accuracy: f64,
     },
 }
 
@@ -101,15 +94,16 @@ impl Auto {
             }
         }
         let traction =
-            Traction { screw: self.screw, order: Traction::ORDER, creep: Traction::CREEP };
+            Traction { screw: self.screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let integrated = self.screw.require_friction().and_then(|()| {
             let start = Start::new(&pair, grip.as_ref())?;
-            traction.solve_to(&start, self.tolerance, FINEST, &mut work.traction)
+            traction.solve_to(&start, self.tolerance, &mut work.traction)
         });
         match integrated {
-            Ok((found, order, error)) => {
-                let basis = Basis::Integrated { order };
-                (self.chosen(Model::Traction, &found.solved(), error, basis), Some(found.root))
+            Ok((found, accuracy, error)) => {
+                let basis = Basis::Integrated { accuracy };
+                let solved = found.solved(&pair);
+                (self.chosen(Model::Traction, &solved, error, basis), Some(found.root))
             }
             Err(none) => {
                 let solution = match regime {
@@ -130,8 +124,11 @@ impl Auto {
 
     /// A solution with the bound of its error.
     fn chosen(&self, model: Model, solved: &Solved, error_bound: f64, basis: Basis) -> Solution {
-        let choice = Some(Choice { basis, error_bound, tolerance: self.tolerance });
-        Solution { model, answer: Ok(*solved), choice }
+        let choice = Some(Choice { basis, tolerance: self.tolerance });
+        let direction =
+            Direction::of(self.screw.drive.relative_speed()).expect("the point was solved");
+        let error = Some(ErrorBound::of(direction, solved.transmission.efficiency, error_bound));
+        Solution { model, answer: Ok(Solved { error, ..*solved }), choice }
     }
 
     /// The closed form, if even the way from saturated friction to none, and spin at both contacts
@@ -189,8 +186,8 @@ impl<const M: usize> Auto<Jet<M>> {
                 Ok(screw.sliding(direction).transmitted())
             }
             (Some(Basis::Skids { .. }), _) => Elastic { screw }.sensitivities(&mut work.elastic),
-            (Some(Basis::Integrated { order }), Some(root)) => {
-                let case = Traction { screw, order, creep: Traction::CREEP };
+            (Some(Basis::Integrated { accuracy }), Some(root)) => {
+                let case = Traction { screw, accuracy, creep: Traction::CREEP };
                 case.sensitivities_at(&root, &mut work.traction)
             }
             _ => RacewayControl { screw, control: None }.sensitivities(&mut work.raceway),

@@ -26,13 +26,13 @@ mod tests {
 
     fn problem(model: Model, screw: ElasticScrew) -> Problem {
         let ElasticScrew { helix, contact_angle, ball, friction, drive, load, .. } = screw;
-        let (order, creep) = (Traction::ORDER, Traction::CREEP);
+        let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         match model {
             Model::RacewayControl => {
                 Problem::RacewayControl(RacewayControl { screw, control: None })
             }
             Model::Elastic => Problem::Elastic(Elastic { screw }),
-            Model::Traction => Problem::Traction(Traction { screw, order, creep }),
+            Model::Traction => Problem::Traction(Traction { screw, accuracy, creep }),
             _ => Problem::Rigid(Rigid { helix, contact_angle, ball, friction, drive, load }),
         }
     }

@@ -13,7 +13,7 @@ use crate::balance::{
     Ball, OwnUnits, POWER_BALANCE_TOL, axial_force, efficiency, ideal_torque, newton_euler, torque,
 };
 use crate::ball_unknowns::{self, BALL};
-use crate::ellipse::{Lanes, Local, Quadrature};
+use crate::ellipse::{Lanes, Local, Nodes};
 use crate::hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 use crate::jones::Jones;
 use crate::state::in_frenet;
@@ -289,12 +289,12 @@ impl<P: Scalar> ElasticBall<P> {
         loaded: &Loaded<D>,
         to_nut: &Motion<D>,
         creep: f64,
-        quadrature: &Quadrature,
+        nodes: [Nodes<'_>; 2],
     ) -> D {
         let motions = self.relative(to_nut, &loaded.frame);
         let [nut, screw] = [0, 1].map(|i| {
             let local = Local::of(&motions[i], &loaded.contacts[i], D::from(self.arc));
-            let power = D::power(&self.ellipse(i, loaded), &local, creep, quadrature);
+            let power = D::power(&self.ellipse(i, loaded), &local, creep, nodes[i]);
             // P_f = Σ f Q ∫ dP                                            (P7)
             loaded.loads[i] * self.friction * power
         });

@@ -14,6 +14,9 @@ use nalgebra::Vector3;
 /// The closed forms, the reductions of the rigid and the elastic model, and the fast sums over an
 /// ellipse hold for one [`Coulomb`] coefficient only and take that in place of a law.
 pub trait FrictionLaw<D> {
+    /// True if neither pressure nor speed change the coefficient: an ellipse then takes fewer nodes.
+    const IS_CONSTANT: bool = false;
+
     /// The coefficient at a point.
     ///
     /// * `pressure`: over the largest pressure of the contact, 0 to 1.
@@ -26,6 +29,8 @@ pub trait FrictionLaw<D> {
 pub struct Coulomb<D>(pub D);
 
 impl<D: Copy> FrictionLaw<D> for Coulomb<D> {
+    const IS_CONSTANT: bool = true;
+
     fn coefficient(&self, _pressure: D, _speed: D) -> D {
         self.0
     }

@@ -67,7 +67,7 @@ pub use balance::{Ball, Load, POWER_BALANCE_TOL, Wrench};
 pub use closed_form::{Angles, ClosedForm, Optimum, Sines, Size};
 pub use elastic::{Elastic, ElasticWorkspace};
 pub use elastic_ball::ElasticScrew;
-pub use ellipse::{Ellipse, Quadrature, pressed_radius};
+pub use ellipse::{Ellipse, EllipseSlip, Quadrature, power_of_many, pressed_radius};
 pub use friction::{Coulomb, FrictionLaw, friction_force};
 pub use hertz::{Axes, Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 pub use jam::{
@@ -85,8 +85,8 @@ pub use sensitivity::Transmitted;
 pub use slip::{Sliding, SlipPower, SteadyBall, Touch, rim_speed};
 pub use solution::{Direction, Evidence, Reason, Solution, Status, Unsolved};
 pub use state::{
-    BallState, ContactState, Others, Pressed, RaceControl, SkidNumbers, Slip, SolveInfo, Solved,
-    Transmission,
+    BallState, ContactState, ErrorBound, Others, Pressed, RaceControl, SkidNumbers, Slip,
+    SolveInfo, Solved, Transmission,
 };
 pub use traction::{Traction, TractionWorkspace};
 

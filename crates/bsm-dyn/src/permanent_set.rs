@@ -179,7 +179,7 @@ mod tests {
     fn a_light_load_leaves_the_state_of_the_model() {
         let screw = screw(44.0);
         let raceway = RacewayControl { screw, control: None };
-        let traction = Traction { screw, order: Traction::ORDER, creep: Traction::CREEP };
+        let traction = Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         for o in [
             raceway.solve(&mut RacewayWorkspace::default()),
             traction.solve(&mut crate::TractionWorkspace::default()),

@@ -6,15 +6,13 @@
 mod balance;
 mod sensitivities;
 
-use std::num::NonZeroUsize;
-
 use bsm_kin::{Motion, Scalar};
 use nalgebra::Vector3;
 
 pub(crate) use self::balance::STATIC;
 use self::balance::{Balance, Root};
 use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded, refused};
-use crate::ellipse::Quadrature;
+use crate::ellipse::{Nodes, Quadrature};
 use crate::equations::Workspace;
 use crate::{Model, RaceControl, SkidNumbers, Solution, SolveInfo, Solved, Transmission, Unsolved};
 
@@ -62,7 +60,7 @@ pub struct RacewayWorkspace {
 
 impl Default for RacewayWorkspace {
     fn default() -> Self {
-        Self { newton: Workspace::default(), quadrature: Quadrature::new(RacewayControl::ORDER) }
+        Self { newton: Workspace::default(), quadrature: Quadrature::of(RacewayControl::ACCURACY) }
     }
 }
 
@@ -264,9 +262,9 @@ impl Grip {
 }
 
 impl RacewayControl {
-    /// Order of the quadrature over the ellipse. A finer one moves the efficiency by 1e-6 to 1e-5
+    /// Accuracy of the quadrature over the ellipse. A finer one moves the efficiency by 1e-6 to 1e-5
     /// (see the tests), which is far below what the model leaves out.
-    pub const ORDER: NonZeroUsize = NonZeroUsize::new(8).expect("not zero");
+    pub const ACCURACY: f64 = 1e-4;
 
     /// Creep speed of (E4) over `$r_b |W|$`, small against the slip that the lead leaves,
     /// `$\sin\alpha/2$`.
@@ -310,9 +308,9 @@ impl RacewayWorkspace {
         pair: &ElasticBall,
         grip: &Grip,
     ) -> Result<Solved, Unsolved> {
-        let (loaded, quadrature) = (&grip.loaded, &self.quadrature);
+        let (loaded, nodes) = (&grip.loaded, [Nodes::from(&self.quadrature); 2]);
         let friction_power =
-            pair.friction_power(loaded, &grip.to_nut, RacewayControl::CREEP, quadrature);
+            pair.friction_power(loaded, &grip.to_nut, RacewayControl::CREEP, nodes);
         let ball = screw.ball_state(pair, loaded, &grip.to_nut)?;
         let (ideal, torque) = screw.rolling_torques(pair, friction_power);
         let speed = screw.drive.relative_speed();
@@ -405,17 +403,18 @@ mod tests {
         }
     }
 
-    /// The quadrature is fine enough: 2e-6 at Lin's load, 1.1e-5 at 5 kN, where the ellipse is larger.
+    /// The quadrature is fine enough: 7e-7 at Lin's load, 1.1e-5 at 5 kN, where the ellipse is larger.
     #[test]
     fn the_loss_does_not_depend_on_the_quadrature() {
-        let fine = Quadrature::new(NonZeroUsize::new(48).expect("positive"));
+        let fine = Quadrature::of(1e-12);
         for (axial, rpm) in [(2113.0, 2000.0), (20.0, 500.0), (5000.0, -30.0)] {
             let eta = |quadrature: Quadrature| {
                 let mut memory = RacewayWorkspace { quadrature, newton: Workspace::default() };
                 lin(axial, rpm).solve(&mut memory).efficiency().expect("efficiency")
             };
             let exact = eta(fine.clone());
-            assert_relative_eq!(eta(Quadrature::new(RacewayControl::ORDER)), exact, epsilon = 2e-5);
+            let ours = eta(Quadrature::of(RacewayControl::ACCURACY));
+            assert_relative_eq!(ours, exact, epsilon = 2e-5);
         }
     }
 

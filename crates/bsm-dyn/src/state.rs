@@ -127,6 +127,33 @@ pub struct Solved {
     pub control: Option<RaceControl>,
     /// Other admissible solutions that are known; none where none was looked for.
     pub others: Option<Others>,
+    /// Bound of the error: of the quadrature in model traction, against model traction in the choice by
+    /// error bounds.
+    pub error: Option<ErrorBound>,
+}
+
+/// How far an answer may be off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorBound {
+    /// Of the efficiency.
+    pub efficiency: f64,
+    /// Of the power that is lost, relative to it; none where the error may be all of the efficiency.
+    pub loss: Option<f64>,
+}
+
+impl ErrorBound {
+    /// Of an efficiency and the bound of its error; the load on the screw or on the nut is given,
+    /// whichever is not driven.
+    pub(crate) fn of(direction: Direction, efficiency: f64, bound: f64) -> Self {
+        // P_f/P_out = 1/η − 1 of a drive, P_f/P_in = 1 − η of a load that drives:
+        // δP_f/P_f = δη/[(η − δη) (1 − η)] or δη/(1 − η)                  (A7)
+        let least = match direction {
+            Direction::RotaryToLinear => (efficiency - bound).max(0.0),
+            Direction::LinearToRotary => 1.0,
+        };
+        let loss = bound / (least * (1.0 - efficiency).abs());
+        Self { efficiency: bound, loss: Some(loss).filter(|loss| loss.is_finite()) }
+    }
 }
 
 /// The race at which the ball does not spin.
@@ -150,7 +177,15 @@ pub struct Others {
 impl Solved {
     /// A ball and what the screw transmits, and nothing else.
     pub(crate) fn new(ball: &BallState, transmission: Transmission) -> Self {
-        Self { ball: *ball, transmission, skid: None, info: None, control: None, others: None }
+        Self {
+            ball: *ball,
+            transmission,
+            skid: None,
+            info: None,
+            control: None,
+            others: None,
+            error: None,
+        }
     }
 
     /// The same, with what is known of other solutions.

@@ -7,31 +7,34 @@ mod root;
 mod scatter;
 mod sensitivities;
 
-use std::num::NonZeroUsize;
-
 use bsm_kin::{Motion, Scalar};
 use bsm_newton::{EvalError, Options, Report, Scales, solve};
 
 use self::path::PATH;
 pub(crate) use self::root::Root;
+use crate::balance::{ideal_torque, torque};
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::ball_unknowns::{BALL, ROWS, weight};
+use crate::elastic_ball::refused;
 use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
-use crate::ellipse::{Lanes, Local, Quadrature};
+use crate::ellipse::{Lanes, Local, Nodes, Plan, Quadrature};
 use crate::equations::{Workspace, equations};
 use crate::raceway_control::{Grip, STATIC};
 use crate::{
-    BallState, Model, SkidNumbers, Solution, SolveInfo, Solved, Transmission, Unsolved, Wrench,
-    cost,
+    BallState, ErrorBound, Model, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission,
+    Unsolved, Wrench, cost,
 };
 
 /// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 const OMEGA: [usize; 3] = [4, 5, 6];
 
-/// Order that [`Traction::solve_to`] begins with.
-const COARSEST: NonZeroUsize = NonZeroUsize::new(4).expect("not zero");
-
-const TWO: NonZeroUsize = NonZeroUsize::new(2).expect("not zero");
+/// Accuracies of the quadrature: of the first try, of the search for what it does not find, whose sums
+/// change smoothly enough to be followed, and of the choice by error bounds after the first try.
+const COARSE: f64 = 1e-4;
+const SEARCH: f64 = 1e-6;
+/// Residual from which the first try is left to the quadrature that is asked for.
+const NEAR: f64 = 1e-3;
+const FINER: [f64; 2] = [1e-6, Traction::ACCURACY];
 
 /// A solve may take this many steps.
 const MOST_STEPS: usize = 20;
@@ -41,41 +44,43 @@ const MOST_STEPS: usize = 20;
 pub struct Traction<D = f64> {
     /// The screw at its operating point; friction positive.
     pub screw: ElasticScrew<D>,
-    /// Order of the quadrature over the ellipses.
-    pub order: NonZeroUsize,
+    /// Accuracy of the quadrature over the ellipses: its error over the friction.
+    pub accuracy: f64,
     /// Creep speed `$v_e$` over `$r_b |W|$`, positive.
     pub creep: f64,
 }
 
 impl Traction {
-    /// Order that leaves an error of 1e-7 in the efficiency of a screw like Lin's; long ellipses
-    /// with much spin need more, see the choice by error bounds.
-    pub const ORDER: NonZeroUsize = NonZeroUsize::new(12).expect("not zero");
+    /// Accuracy that leaves an error below 1e-7 in the efficiency.
+    pub const ACCURACY: f64 = 1e-8;
     /// Creep speed that moves the efficiency of most screws by less than 1e-6.
     pub const CREEP: f64 = 1e-4;
 }
 
 /// Memory of the solves.
+#[derive(Default)]
 pub struct TractionWorkspace {
     statics: Workspace<STATIC>,
     newton: Workspace,
     path: Workspace<PATH>,
-    quadratures: Vec<(NonZeroUsize, Quadrature)>,
+    rules: Vec<Rules>,
 }
 
-impl Default for TractionWorkspace {
-    fn default() -> Self {
-        let (statics, newton) = (Workspace::default(), Workspace::default());
-        Self { statics, newton, path: Workspace::default(), quadratures: Vec::new() }
-    }
+/// The quadrature of an accuracy, and the one that its error is told from.
+struct Rules {
+    accuracy: f64,
+    rule: Quadrature,
+    check: Quadrature,
 }
 
 impl TractionWorkspace {
-    /// Place of the quadrature of an order, made when it is first asked for.
-    fn quadrature(&mut self, order: NonZeroUsize) -> usize {
-        self.quadratures.iter().position(|(known, _)| *known == order).unwrap_or_else(|| {
-            self.quadratures.push((order, Quadrature::new(order)));
-            self.quadratures.len() - 1
+    /// Place of the rules of an accuracy, made when it is first asked for.
+    fn rules(&mut self, accuracy: f64) -> usize {
+        let known = |rules: &Rules| rules.accuracy.total_cmp(&accuracy).is_eq();
+        self.rules.iter().position(known).unwrap_or_else(|| {
+            let (rule, check) = (Quadrature::of(accuracy), Quadrature::check(accuracy));
+            self.rules.push(Rules { accuracy, rule, check });
+            self.rules.len() - 1
         })
     }
 }
@@ -84,7 +89,11 @@ impl TractionWorkspace {
 struct Rolling<'a, P = f64> {
     pair: &'a ElasticBall<P>,
     quadrature: &'a Quadrature,
+    /// Numbers of nodes near a root; by the slip elsewhere.
+    plans: Option<&'a [Plan; 2]>,
     creep: f64,
+    /// The residual that is small enough for a root, and the one that is aimed at.
+    enough: f64,
     /// The unknowns are those of a ball that is thrown against the nut (T10).
     at_nut: bool,
 }
@@ -95,33 +104,48 @@ struct State<D> {
     wrench: [Wrench<D>; 2],
 }
 
+/// A state with the power that friction takes.
+struct Settled {
+    state: State<f64>,
+    power: f64,
+}
+
 impl<P: Scalar> Rolling<'_, P> {
     fn state<D: Lanes<P>>(&self, y: &[D; BALL]) -> Result<State<D>, EvalError> {
         self.rubbed(y, D::from(self.pair.friction))
     }
 
-    /// The state with another friction coefficient.
-    fn rubbed<D: Lanes<P>>(&self, y: &[D; BALL], friction: D) -> Result<State<D>, EvalError> {
-        cost::evaluated();
-        let pair = self.pair;
+    /// Contacts of a state.
+    fn loaded<D: Lanes<P>>(&self, y: &[D; BALL]) -> Result<Loaded<D>, EvalError> {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
-        let loaded = if self.at_nut {
+        if self.at_nut {
             // (Q_A/F_a, β_A, Q_B/F_a, (P − Ω_n)/|W|, …)                   (T10)
-            pair.loaded_at_nut(loads, y[TILT])?
+            self.pair.loaded_at_nut(loads, y[TILT])
         } else {
-            pair.loaded(loads, y[TILT])?
-        };
+            self.pair.loaded(loads, y[TILT])
+        }
+    }
+
+    /// Motion relative to the nut.
+    fn to_nut<D: Lanes<P>>(&self, y: &[D; BALL], loaded: &Loaded<D>) -> Motion<D> {
         // ω' = ω'_k k + ω'_n n + ω'_c k × n                               (T4)
         let [k, n] = [loaded.frame.k, loaded.frame.n];
         let [along, radial, around] = OMEGA.map(|i| y[i]);
         let omega = k * along + n * radial + k.cross(&n) * around;
-        let to_nut = Motion { precession: y[PRECESSION] + (self.offset() - pair.nut_speed), omega };
+        Motion { precession: y[PRECESSION] + (self.offset() - self.pair.nut_speed), omega }
+    }
+
+    /// The state with another friction coefficient.
+    fn rubbed<D: Lanes<P>>(&self, y: &[D; BALL], friction: D) -> Result<State<D>, EvalError> {
+        cost::evaluated();
+        let (pair, loaded) = (self.pair, self.loaded(y)?);
+        let to_nut = self.to_nut(y, &loaded);
         let motions = pair.relative(&to_nut, &loaded.frame);
         let wrench = std::array::from_fn(|i| {
             let contact = &loaded.contacts[i];
             let local = Local::of(&motions[i], contact, D::from(pair.arc));
             let ellipse = pair.ellipse(i, &loaded);
-            let unit = D::integrate(&ellipse, &local, self.creep, self.quadrature);
+            let unit = D::integrate(&ellipse, &local, self.creep, self.nodes(i));
             // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                            (T2)
             let pull = loaded.loads[i] * friction;
             let friction = unit.wrench(contact);
@@ -131,6 +155,11 @@ impl<P: Scalar> Rolling<'_, P> {
             }
         });
         Ok(State { loaded, to_nut, wrench })
+    }
+
+    /// The nodes at nut (0) or screw (1).
+    fn nodes(&self, i: usize) -> Nodes<'_> {
+        Nodes { rule: self.quadrature, plan: self.plans.map(|plans| &plans[i]) }
     }
 
     /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far
@@ -156,7 +185,54 @@ impl<P: Scalar> Rolling<'_, P> {
     }
 }
 
+impl<'a> Rolling<'a> {
+    /// In the unknowns (T1).
+    fn of_pair(pair: &'a ElasticBall, quadrature: &'a Quadrature, creep: f64) -> Self {
+        Self { pair, quadrature, plans: None, creep, enough: 1e-13, at_nut: false }
+    }
+}
+
 impl Rolling<'_> {
+    /// The numbers of nodes of a state.
+    fn plans(&self, y: &[f64; BALL]) -> Result<[Plan; 2], EvalError> {
+        let (pair, loaded) = (self.pair, self.loaded(y)?);
+        let motions = pair.relative(&self.to_nut(y, &loaded), &loaded.frame);
+        Ok(std::array::from_fn(|i| {
+            let local = Local::of(&motions[i], &loaded.contacts[i], pair.arc);
+            pair.ellipse(i, &loaded).plan(&local, self.creep, self.quadrature)
+        }))
+    }
+
+    /// The state with the power that friction takes.
+    fn settled(&self, y: &[f64; BALL]) -> Result<Settled, EvalError> {
+        let state = self.state(y)?;
+        let nodes = [self.nodes(0), self.nodes(1)];
+        let power = self.pair.friction_power(&state.loaded, &state.to_nut, self.creep, nodes);
+        Ok(Settled { state, power })
+    }
+
+    /// What the efficiency of a root of another quadrature differs from that of this one, as it is stated:
+    /// ten times as much, and no less than rounding and creep are worth (T25).
+    ///
+    /// * `newton`: as the solve for the root has left it.
+    fn error(&self, root: &Root, efficiency: f64, newton: &mut Workspace) -> f64 {
+        let stepped = self.residual(&root.unknowns).and_then(|residual| {
+            // y' = y − J⁻¹ F'(y)                                          (T24)
+            let step = newton.correction(&residual);
+            let y = std::array::from_fn(|i| root.unknowns[i] + step[i]);
+            self.state(&y)
+        });
+        let other = stepped.map_or(f64::NAN, |state| {
+            let radius = self.pair.helix.radius;
+            let ideal = ideal_torque(1.0, radius, self.pair.helix.lead_angle);
+            let torque = torque(&state.wrench[1], radius, &state.loaded.frame);
+            crate::balance::efficiency(self.pair.direction, ideal, torque)
+        });
+        // δη = max(10 |η'(y') − η(y)|, 10⁻⁹)                              (T25)
+        let error = 10.0 * (other - efficiency).abs();
+        if error.is_finite() { error.max(1e-9) } else { (1.0 - efficiency).abs() }
+    }
+
     /// The unknowns (T1) of a state.
     fn unknowns(&self, loaded: &Loaded<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
         let mut y = [0.0; BALL];
@@ -209,7 +285,13 @@ impl Rolling<'_> {
     fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
         let weights = self.weights(y);
         let scales = Scales { x: &[1.0; BALL], f: &weights };
-        let options = Options { residual_goal: 1e-13, max_steps: MOST_STEPS, ..Options::default() };
+        let options = Options {
+            residual_tol: self.enough.max(1e-10),
+            residual_goal: self.enough,
+            max_steps: MOST_STEPS,
+            slopes_at_trials: true,
+            ..Options::default()
+        };
         solve(self, y, &scales, &options, newton)
     }
 }
@@ -219,88 +301,92 @@ equations!(Rolling<'_>, BALL, Rolling::residual, ROWS);
 impl Traction {
     /// Solves for the steady motion of the ball.
     ///
-    /// Orders above [`Traction::ORDER`] refine the root of that order: whether there is a root is
-    /// decided there, where it costs little.
+    /// The root is searched with a coarse quadrature, which decides whether there is one, and refined
+    /// with that of the accuracy.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
         let found = self.screw.require_friction().and_then(|()| {
             let pair = self.screw.scaled()?;
             let grip = Grip::of(&pair, None, &mut work.statics);
             let start = Start::new(&pair, grip.ok().as_ref())?;
-            let coarse = Self { order: self.order.min(Self::ORDER), ..*self };
-            let mut found = coarse.found(&start, None, work)?;
-            if coarse.order < self.order {
-                let steps = found.info.steps - start.grip.steps;
-                found = self.found(&start, Some(&found.root), work)?;
-                found.info.steps += steps;
-            }
-            Ok(found.solved())
+            Ok(self.found(&start, None, work)?.solved(&pair))
         });
         Solution::new(Model::Traction, found)
     }
 
-    /// Solves with orders from 4 on, each twice the last, until the error of the efficiency is at
-    /// most `tolerance` or the order is `finest`; returns the root, its order and the error.
+    /// Solves with finer and finer quadratures until the error that they state for the efficiency, with
+    /// that of the creep speed, is at most `tolerance`; returns the root, its accuracy and the error.
     ///
-    /// The error is the last change of the efficiency, which is larger than what is left, and for
-    /// changes that are small by chance the loss over the cube of the order (A6). Where a finer
-    /// order has no root, the last one that has is returned, with the whole loss as its error.
+    /// Where a finer one has no root, the last one that has is returned, with the whole loss as its error.
     pub(crate) fn solve_to(
         &self,
         start: &Start<'_>,
         tolerance: f64,
-        finest: NonZeroUsize,
         work: &mut TractionWorkspace,
-    ) -> Result<(Found, NonZeroUsize, f64), Unsolved> {
-        let mut case = Self { order: COARSEST, ..*self };
-        let mut found = case.found(start, None, work);
-        // A coarse quadrature may have no root where a finer one has.
-        if found.is_err() {
-            case.order = Self::ORDER.min(finest);
-            found = case.found(start, None, work);
-        }
-        let mut found = found?;
-        let eta = |found: &Found| found.transmission.efficiency;
-        let mut error = (1.0 - eta(&found)).abs();
-        let mut steps = found.info.steps;
-        while case.order < finest {
-            let finer = Self { order: case.order.saturating_mul(TWO).min(finest), ..case };
-            let Ok(next) = finer.found(start, Some(&found.root), work) else { break };
-            #[expect(clippy::cast_precision_loss, reason = "a small count")]
-            let order = finer.order.get() as f64;
-            // |η_n − η_{n/2}| + |1 − η|/n³ + 5·10⁻⁷                        (A6)
-            error =
-                (eta(&next) - eta(&found)).abs() + (1.0 - eta(&next)).abs() / order.powi(3) + 5e-7;
-            steps += next.info.steps - start.grip.steps;
-            (case, found) = (finer, next);
-            if error <= tolerance {
+    ) -> Result<(Found, f64, f64), Unsolved> {
+        // |δη| ≤ |δη|_rule + 5·10⁻⁷                                       (A6)
+        let bound = |found: &Found| found.error + 5e-7;
+        let mut case = Self { accuracy: COARSE, ..*self };
+        let mut found = case.found(start, None, work)?;
+        for accuracy in FINER {
+            if bound(&found) <= tolerance {
                 break;
             }
+            let finer = Self { accuracy, ..case };
+            let Ok(mut next) = finer.found(start, Some(&found.root), work) else {
+                found.error = (1.0 - found.transmission.efficiency).abs();
+                break;
+            };
+            next.info.steps += found.info.steps;
+            (case, found) = (finer, next);
         }
-        found.info.steps = steps;
-        Ok((found, case.order, error))
+        let error = bound(&found);
+        Ok((found, case.accuracy, error))
     }
 
-    /// The root and its answer, from the root of another order if there is one.
+    /// The root and its answer, from the root of another accuracy if there is one.
     fn found(
         &self,
         Start { pair, grip }: &Start<'_>,
         from: Option<&Root>,
         work: &mut TractionWorkspace,
     ) -> Result<Found, Unsolved> {
-        let quadrature = work.quadrature(self.order);
-        let quadrature = &work.quadratures[quadrature].1;
+        let accuracies = [COARSE, SEARCH, Self::ACCURACY, self.accuracy];
+        let places = accuracies.map(|accuracy| work.rules(accuracy));
+        let TractionWorkspace { newton, path, rules, .. } = work;
         let creep = self.creep * pair.slip_scale();
-        let system = Rolling { pair, quadrature, creep, at_nut: false };
-        let mut steps = grip.steps;
-        let root = system.find(grip, from, (&mut work.newton, &mut work.path), &mut steps)?;
-        let state =
-            system.of(&root).state(&root.unknowns).expect("the residual was evaluated at the root");
-        let ball = self.screw.ball_state(pair, &state.loaded, &state.to_nut)?;
-        let power = pair.friction_power(&state.loaded, &state.to_nut, creep, quadrature);
+        let ball = |at: usize| Rolling::of_pair(pair, &rules[places[at]].rule, creep);
+        let coarse = Rolling { enough: NEAR, ..ball(0) };
+        let (search, smooth, ball) = (ball(1), ball(2), ball(3));
+        let mut steps = 0;
+        let near = if let Some(root) = from {
+            Some(*root)
+        } else {
+            steps += grip.steps;
+            coarse.search(grip, false, (newton, path), &mut steps).ok()
+        };
+        let refined = near.and_then(|near| ball.refined(&near, newton, &mut steps));
+        let (root, plans) = match (refined, from) {
+            (Some(refined), _) => refined,
+            (None, Some(_)) => return Err(Unsolved::LOST),
+            (None, None) => {
+                let mut near = search.search(grip, true, (newton, path), &mut steps);
+                if near.as_ref().is_err_and(|none| none.status() == Status::NotConverged) {
+                    // The steps of its sums may be what a path was lost over.
+                    near = smooth.search(grip, true, (newton, path), &mut steps);
+                }
+                let near = near?;
+                ball.refined(&near, newton, &mut steps).ok_or(Unsolved::LOST)?
+            }
+        };
+        let ball = Rolling { plans: Some(&plans), ..ball.of(&root) };
+        let Settled { state, power } = ball.settled(&root.unknowns).map_err(refused)?;
+        let steady = self.screw.ball_state(pair, &state.loaded, &state.to_nut)?;
         let frame = &state.loaded.frame;
         let transmission = self.screw.transmission(pair, frame, &state.wrench[1], power)?;
+        let checked = Rolling { quadrature: &rules[places[3]].check, plans: None, ..ball };
+        let error = checked.error(&root, transmission.efficiency, newton);
         let info = SolveInfo { steps, residual: root.residual };
-        Ok(Found { ball, transmission, skid: grip.skid(pair), info, root })
+        Ok(Found { ball: steady, transmission, skid: grip.skid(pair), info, root, error })
     }
 }
 
@@ -326,12 +412,15 @@ pub(crate) struct Found {
     skid: SkidNumbers,
     info: SolveInfo,
     pub(crate) root: Root,
+    /// What the quadrature may leave in the efficiency (T25).
+    error: f64,
 }
 
 impl Found {
-    pub(crate) fn solved(&self) -> Solved {
-        let Self { ball, transmission, skid, info, .. } = *self;
-        Solved { skid: Some(skid), info: Some(info), ..Solved::new(&ball, transmission) }
+    pub(crate) fn solved(&self, pair: &ElasticBall) -> Solved {
+        let Self { ball, transmission, skid, info, error, .. } = *self;
+        let error = Some(ErrorBound::of(pair.direction, transmission.efficiency, error));
+        Solved { skid: Some(skid), info: Some(info), error, ..Solved::new(&ball, transmission) }
     }
 }
 

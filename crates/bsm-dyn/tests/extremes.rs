@@ -2,7 +2,6 @@
 //! panic, nothing false among what converged, and identities that hold everywhere.
 
 use std::f64::consts::PI;
-use std::num::NonZeroUsize;
 
 use approx::assert_relative_eq;
 use bsm_dyn::{
@@ -110,9 +109,8 @@ fn elastic_says_nothing_false() {
 
 #[test]
 fn traction_says_nothing_false() {
-    let order = NonZeroUsize::new(4).expect("not zero");
-    let unanswered =
-        unanswered(300, |screw| Problem::Traction(Traction { screw, order, creep: 1e-4 }));
+    let traction = |screw| Problem::Traction(Traction { screw, accuracy: 1e-4, creep: 1e-4 });
+    let unanswered = unanswered(300, traction);
     // Known: inertia forces far above load and friction, where a path is lost or rounding eats a root.
     assert!(unanswered <= 3, "{unanswered}");
 }
@@ -151,13 +149,12 @@ fn a_contact_angle_of_1e_307_deg_is_answered_in_time() {
         ][input] = value;
         screw
     };
-    let order = NonZeroUsize::new(4).expect("not zero");
     let problems = move |screw: ElasticScrew| {
         [
             rigid(&screw),
             rolling(screw, None),
             Problem::Elastic(Elastic { screw }),
-            Problem::Traction(Traction { screw, order, creep: 1e-4 }),
+            Problem::Traction(Traction { screw, accuracy: 1e-4, creep: 1e-4 }),
         ]
     };
     for (input, value) in (0..INPUTS).flat_map(|input| ABSURD.map(|value| (input, value))) {

@@ -16,6 +16,9 @@ pub struct Options {
     pub max_halvings: u32,
     /// Newton steps before giving up. Default `50`.
     pub max_steps: usize,
+    /// Evaluate the Jacobian with the residual at every trial, for models whose trials are hardly ever
+    /// rejected, and which compute both at once. Default `false`: after a trial is accepted.
+    pub slopes_at_trials: bool,
 }
 
 impl Default for Options {
@@ -27,6 +30,7 @@ impl Default for Options {
             armijo: 1e-4,
             max_halvings: 20,
             max_steps: 50,
+            slopes_at_trials: false,
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::system::{Square, VectorOf};
 use crate::{
-    Dense, DimensionError, Equations, LinearSolver, Options, Report, Scales, Status, Step, System,
+    Dense, DimensionError, Equations, EvalError, LinearSolver, Options, Report, Scales, Status,
+    Step, System,
 };
 
 /// Memory of a solve, reused by the next one; nothing is allocated per step.
@@ -11,18 +12,31 @@ pub struct Workspace<L: LinearSolver> {
     r: L::Vector,
     dx: L::Vector,
     x_trial: L::Vector,
+    /// Weights of the equations of the last solve.
+    d_f: L::Vector,
     pub(crate) linear: L,
 }
 
 impl<L: LinearSolver> Workspace<L> {
     /// Memory for systems whose Jacobian has the structure of `linear`.
     pub fn new(linear: L) -> Self {
-        Self { r: linear.zeros(), dx: linear.zeros(), x_trial: linear.zeros(), linear }
+        let zeros = || linear.zeros();
+        Self { r: zeros(), dx: zeros(), x_trial: zeros(), d_f: zeros(), linear }
     }
 
     /// The Jacobian as the last solve left it, factorized.
     pub fn jacobian(&self) -> &L {
         &self.linear
+    }
+
+    /// The step `$-J^{-1} r$` of another residual, with the Jacobian as the last solve left it.
+    pub fn correction(&mut self, residual: &L::Vector) -> L::Vector {
+        let mut step = residual.clone();
+        for (step, d) in step.as_mut().iter_mut().zip(self.d_f.as_ref()) {
+            *step *= -d;
+        }
+        self.linear.solve(&mut step);
+        step
     }
 }
 
@@ -117,11 +131,13 @@ fn iterate<S: System + ?Sized>(
     work: &mut Workspace<S::Jacobian>,
     report: &mut Report,
 ) -> Status {
-    report.n_residual += 1;
-    if let Err(refusal) = system.residual(x, &mut work.r) {
+    let joint = options.slopes_at_trials;
+    let first = evaluate(system, x, joint, (&mut work.r, &mut work.linear), report);
+    if let Err(refusal) = first {
         report.refusal = Some(refusal);
         return Status::ModelRefused;
     }
+    work.d_f.as_mut().copy_from_slice(scales.f.as_ref());
     let (d_x, d_f) = (scales.x.as_ref(), scales.f.as_ref());
     loop {
         // ‖D_F F(x_k)‖₂ ≤ residual_tol                                    (N1)
@@ -135,6 +151,9 @@ fn iterate<S: System + ?Sized>(
             || report.steps.last().is_some_and(|s| report.residual > 0.5 * s.residual);
         let exhausted = report.steps.len() == options.max_steps;
         if solved && (refined || exhausted) {
+            if joint {
+                factorize_last(work);
+            }
             return Status::Converged;
         }
         if exhausted {
@@ -142,10 +161,12 @@ fn iterate<S: System + ?Sized>(
         }
 
         let ended = |status| if solved { Status::Converged } else { status };
-        report.n_jacobian += 1;
-        if let Err(refusal) = system.linearize(x, &mut work.r, &mut work.linear) {
-            report.refusal = Some(refusal);
-            return ended(Status::ModelRefused);
+        if !joint {
+            report.n_jacobian += 1;
+            if let Err(refusal) = system.linearize(x, &mut work.r, &mut work.linear) {
+                report.refusal = Some(refusal);
+                return ended(Status::ModelRefused);
+            }
         }
         // D_F J(x_k) δx_k = −D_F F(x_k)
         work.linear.scale_rows(scales.f);
@@ -168,11 +189,38 @@ fn iterate<S: System + ?Sized>(
         }
 
         let Some(lambda) = backtrack(system, x, scales, options, work, report, solved) else {
+            if joint && solved {
+                factorize_last(work);
+            }
             return ended(Status::LineSearchFailed);
         };
         x.as_mut().copy_from_slice(work.x_trial.as_ref());
         report.steps.push(Step { residual: report.residual, step, lambda });
     }
+}
+
+/// Evaluates the residual, with the Jacobian if `joint`.
+fn evaluate<S: System + ?Sized>(
+    system: &S,
+    x: &VectorOf<S>,
+    joint: bool,
+    (r, jacobian): (&mut VectorOf<S>, &mut S::Jacobian),
+    report: &mut Report,
+) -> Result<(), EvalError> {
+    if joint {
+        report.n_jacobian += 1;
+        system.linearize(x, r, jacobian)
+    } else {
+        report.n_residual += 1;
+        system.residual(x, r)
+    }
+}
+
+/// Factors of the Jacobian of the last trial, which no step has asked for.
+fn factorize_last<L: LinearSolver>(work: &mut Workspace<L>) {
+    work.linear.scale_rows(&work.d_f);
+    // A correction without factors is no number.
+    let _ = work.linear.factorize();
 }
 
 /// Largest `$\lambda = 2^{-m}$` with a sufficient decrease; leaves the point in `x_trial`.
@@ -196,8 +244,9 @@ fn backtrack<S: System + ?Sized>(
         for ((t, x), dx) in trial.zip(x.as_ref()).zip(work.dx.as_ref()) {
             *t = x + lambda * dx;
         }
-        report.n_residual += 1;
-        match system.residual(&work.x_trial, &mut work.r) {
+        let joint = options.slopes_at_trials;
+        let into = (&mut work.r, &mut work.linear);
+        match evaluate(system, &work.x_trial, joint, into, report) {
             // φ(λ) ≤ (1 − 2 γ λ) φ(0)                                     (N5)
             Ok(()) => {
                 let phi = 0.5 * scaled_norm(work.r.as_ref(), scales.f.as_ref()).0.powi(2);

@@ -89,6 +89,13 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Self::splat(self.simd, x)
     }
 
+    /// The first numbers of a slice, as [`load`](Self::load).
+    #[inline(always)]
+    #[must_use]
+    pub fn like(self, from: &[f64]) -> Self {
+        Self::load(self.simd, from)
+    }
+
     /// The numbers one by one.
     #[inline(always)]
     pub fn as_slice(&self) -> &[f64] {

@@ -10,6 +10,7 @@
 )]
 
 mod compare;
+mod exponential;
 mod lane;
 mod root;
 mod trigonometry;

@@ -1,8 +1,6 @@
 //! Speed against accuracy: every model and dial over a set of points.
 //!
-//! The reference is traction with quadrature order 96 and a creep speed of 1e-5. (With order 24, balls
-//! that skid partly err up to 2e-4 in the efficiency, where a line between stick and slip crosses the
-//! ellipse.) Errors are those of the numbers that users ask for; times are those of this machine,
+//! The reference is traction with an accuracy of 1e-12 and a creep speed of 1e-5. Errors are those of the numbers that users ask for; times are those of this machine,
 //! medians of several rounds in which the dials take turns, so that a disturbance meets all of them.
 
 mod advice;
@@ -10,8 +8,6 @@ mod clock;
 mod dials;
 mod errors;
 mod pareto;
-
-use std::num::NonZeroUsize;
 
 use bsm_batch::{Chunk, Columns, CsvSource, Source};
 use bsm_case::{Scene, Settings};
@@ -81,18 +77,18 @@ impl Points {
 /// More points take minutes and tell no more.
 const MOST_POINTS: usize = 3000;
 
-/// Order of the quadrature of the reference.
-const FINE: NonZeroUsize = NonZeroUsize::new(96).expect("not zero");
+/// Accuracy of the quadrature of the reference.
+const FINE: f64 = 1e-12;
 
 /// What the reference is solved with.
 fn reference_settings() -> Settings {
-    Settings { quadrature: FINE, creep: 1e-5, ..Model::Traction.into() }
+    Settings { accuracy: FINE, creep: 1e-5, ..Model::Traction.into() }
 }
 
 /// The reference, as options of `bsm solve`.
 pub fn reference() -> String {
-    let Settings { model, quadrature, creep, .. } = reference_settings();
-    format!("--model {} --quadrature {quadrature} --creep {creep:e}", model.name())
+    let Settings { model, accuracy, creep, .. } = reference_settings();
+    format!("--model {} --accuracy {accuracy:e} --creep {creep:e}", model.name())
 }
 
 /// A dial, its errors and its times.

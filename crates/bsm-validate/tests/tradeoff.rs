@@ -1,6 +1,5 @@
 //! The measurement of speed against accuracy, and its golden data.
 
-use std::num::NonZeroUsize;
 use std::sync::LazyLock;
 
 use bsm_batch::CsvSource;
@@ -9,11 +8,11 @@ use bsm_dyn::{Model, ModelWorkspace, SlipRegime, Status};
 use bsm_validate::tradeoff::{self, Group, Points, Tradeoff};
 use bsm_validate::{ValidateError, tradeoff_page};
 
-const GOLDEN: &str = include_str!("../../../validation/golden/tradeoff/order-24.csv");
+const GOLDEN: &str = include_str!("../../../validation/golden/tradeoff/accuracy-1e-10.csv");
 
-/// Solutions of order 24 are as committed; made by
-/// `bsm batch validation/golden/tradeoff/scenes.csv --model traction --quadrature 24 --creep 1e-5
-/// --columns efficiency,... -o validation/golden/tradeoff/order-24.csv`.
+/// Solutions of an accuracy of 1e-10 are as committed; made by
+/// `bsm batch validation/golden/tradeoff/scenes.csv --model traction --accuracy 1e-10 --creep 1e-5
+/// --columns efficiency,... -o validation/golden/tradeoff/accuracy-1e-10.csv`.
 #[test]
 fn solutions_are_as_committed() {
     let points = Points::committed().expect("compiled-in table");
@@ -23,8 +22,7 @@ fn solutions_are_as_committed() {
         .filter_map(|place| Some((place, Output::named(&header[place])?)))
         .collect();
     assert_eq!(outputs.len(), 7);
-    let quadrature = NonZeroUsize::new(24).expect("not zero");
-    let settings = Settings { quadrature, creep: 1e-5, ..Model::Traction.into() };
+    let settings = Settings { accuracy: 1e-10, creep: 1e-5, ..Model::Traction.into() };
     let mut work = ModelWorkspace::default();
     let mut motions = Vec::new();
     for (scene, row) in points.scenes().iter().zip(table.records()) {
@@ -83,15 +81,14 @@ fn errors_and_times_are_measured() {
         }
     }
     let max = |name: &str| of(name).errors[0].efficiency.expect("solved").max;
-    // Half the order of the reference and another creep speed, over points that skid partly too:
-    // 4.0e-5 over all 300 (docs/guide/how-accurate.md).
-    assert!(max("traction --quadrature 48") < 5e-5);
-    // More nodes err less, down to what the creep speed leaves.
-    assert!(max("traction --quadrature 12") <= max("traction --quadrature 4"));
+    // What another creep speed leaves.
+    assert!(max("traction --accuracy 1e-10") < 1e-6);
+    // More nodes err less, down to that.
+    assert!(max("traction --accuracy 1e-8") <= max("traction --accuracy 1e-4"));
     // Rolling balls in a model that slides, and the other way round: several per cent.
     assert!(max("closed-form") > 1e-2 && max("raceway-control") > 1e-2);
     let single = |name: &str| of(name).times.of(Group::All).expect("timed").single;
-    assert!(single("closed-form") < single("traction --quadrature 24"));
+    assert!(single("closed-form") < single("traction --accuracy 1e-8"));
     assert!(!of("rigid").times.instruction_sets.is_empty());
     // A loose tolerance is met by something, and cheaper dials do not meet it elsewhere.
     let advice = measured.advice.iter().find(|a| a.group == Group::All).expect("all points");

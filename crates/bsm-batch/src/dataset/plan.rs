@@ -1,7 +1,7 @@
 //! The plan of a folder: all that the bytes of its parts depend on, and nothing else.
 
 use std::io;
-use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
+use std::num::{NonZeroU32, NonZeroU64};
 use std::path::Path;
 
 use bsm_case::{Axis, CaseError, Grid, ModelChoice, Output, Scene, Settings};
@@ -16,7 +16,7 @@ use crate::{Answers, Task, Workers};
 
 /// Goes up by one with each entry under "Changed numbers" in the changelog: parts of two revisions are
 /// not mixed.
-pub const RESULTS: u32 = 6;
+pub const RESULTS: u32 = 7;
 
 /// Form of the file itself.
 const FORMAT: u32 = 1;
@@ -66,22 +66,22 @@ impl Program {
 struct WrittenModel {
     name: String,
     tolerance: f64,
-    quadrature: NonZeroUsize,
+    accuracy: f64,
     creep: f64,
     control: Option<String>,
 }
 
 impl WrittenModel {
     fn of(settings: &Settings) -> Self {
-        let Settings { model, tolerance, quadrature, creep, control } = *settings;
+        let Settings { model, tolerance, accuracy, creep, control } = *settings;
         let control = control.map(|race| race.name().to_owned());
-        Self { name: model.name().to_owned(), tolerance, quadrature, creep, control }
+        Self { name: model.name().to_owned(), tolerance, accuracy, creep, control }
     }
 
     fn settings(&self) -> Result<Settings, CaseError> {
-        let Self { tolerance, quadrature, creep, .. } = *self;
+        let Self { tolerance, accuracy, creep, .. } = *self;
         let named = Settings::named(&self.name, self.control.as_deref())?;
-        Ok(Settings { tolerance, quadrature, creep, ..named })
+        Ok(Settings { tolerance, accuracy, creep, ..named })
     }
 }
 
@@ -294,7 +294,7 @@ mod tests {
                 "{{\"format\":1,\"program\":{{\"name\":\"bsm\",\"version\":\"{version}\",\
                  \"results\":{RESULTS}}},\"points\":{{\"grid\":[\"lead_mm=5:10:11\",\
                  \"screw_speed_rpm=1e300,-0.1,1500\"]}},\"base\":{{\"axial_load_N\":0.1}},\
-                 \"model\":{{\"name\":\"rigid\",\"tolerance\":0.01,\"quadrature\":12,\
+                 \"model\":{{\"name\":\"rigid\",\"tolerance\":0.01,\"accuracy\":1e-8,\
                  \"creep\":0.0001,\"control\":null}},\"columns\":[\"efficiency\"],\"rows\":33,\
                  \"rows_per_shard\":16}}\n"
             )
@@ -346,7 +346,7 @@ mod tests {
             (with(|t| t.settings.tolerance = 0.02), "model"),
             (with(|t| t.settings.creep = 0.02), "model"),
             (with(|t| t.settings.control = Some(Control::Nut)), "model"),
-            (with(|t| t.settings.quadrature = NonZeroUsize::MIN), "model"),
+            (with(|t| t.settings.accuracy = 1e-6), "model"),
             (with(all), "columns"),
             (plan(&task(), &points, 17), "rows_per_shard (17, now 16)"),
             (plan(&task(), &grid(&["lead_mm=5:11:11"]), 16), "points"),

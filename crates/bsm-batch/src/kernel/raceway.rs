@@ -36,7 +36,7 @@ impl Kernel for Raceway {
         let motion = Motion::of(&pair, &grip);
         contacts(out, &units, &pair, &grip);
         motion.outputs(out, &units, &pair);
-        transmit(out, given, (&units, &pair), (&grip, &motion));
+        let resolved = transmit(out, given, (&units, &pair), (&grip, &motion));
         regime(out, given, (&units, &pair), (&grip, &motion));
         out.set(OutputKey::iterations, grip.steps);
         out.set(OutputKey::residual_norm, grip.residual);
@@ -46,7 +46,7 @@ impl Kernel for Raceway {
             out.set(OutputKey::control_consistent, zero + 1.0);
         }
         out.set_unique(zero);
-        grip.found
+        grip.found & resolved
     }
 }
 
@@ -91,8 +91,8 @@ struct Motion<S: Simd> {
     p: Lane<S>,
     /// Angular velocity along n and b; along t it is `$\sin\alpha/2$` (W3).
     omega: [Lane<S>; 2],
-    /// Angular velocity about `$t \times N$`, relative to nut and screw.
-    roll: [Lane<S>; 2],
+    /// Speed of the centre, relative to nut and screw; the ball turns about `$t \times N$` against it.
+    speed: [Lane<S>; 2],
     /// Angular velocity about `$N$`, relative to nut and screw.
     spin: [Lane<S>; 2],
 }
@@ -113,7 +113,7 @@ impl<S: Simd> Motion<S> {
         Self {
             p,
             omega: [by_nut.select(nut[0], screw[0]), by_nut.select(nut[1], screw[1])],
-            roll: [-to_nut, -to_screw],
+            speed: [to_nut, to_screw],
             spin: [by_nut.select(zero, nut_spin), by_nut.select(screw_spin, zero)],
         }
     }
@@ -193,23 +193,25 @@ fn ellipse<S: Simd>(i: usize, pair: &Pair<S>, grip: &Grip<S>, motion: &Motion<S>
     let (side, pressed) = (&grip.sides[i], &pair.pressed[i]);
     // a ~ Q^{1/3}                                                         (P6)
     let a = side.growth * pressed.hertz.semi_axis;
+    let speed = motion.speed[i];
     Ellipse {
         load: side.load,
-        semi_axes: [a, a * pressed.hertz.flatness],
+        semi_axes: (a, a * pressed.hertz.flatness),
         pressed_radius: pressed.pressed_radius,
-        roll: motion.roll[i],
-        spin: motion.spin[i],
+        speed,
+        // Both centres roll, and share the slip of the lead.
+        omega: [pair.sin_a * 0.5, motion.spin[i], -speed],
     }
 }
 
-/// Torque, efficiency and powers by the friction of both ellipses.
+/// Torque, efficiency and powers by the friction of both ellipses; where it is resolved.
 #[inline(always)]
 fn transmit<S: Simd>(
     out: &mut Out<'_, '_>,
     given: &Given<'_, S>,
     (units, pair): (&Units<S>, &Pair<S>),
     (grip, motion): (&Grip<S>, &Motion<S>),
-) {
+) -> Mask<S> {
     if !out.wants(&[
         OutputKey::efficiency,
         OutputKey::screw_torque_Nm,
@@ -218,21 +220,20 @@ fn transmit<S: Simd>(
         OutputKey::dissipated_power_W,
         OutputKey::self_locking,
     ]) {
-        return;
+        return grip.found;
     }
     let (nut, screw) = (ellipse(0, pair, grip, motion), ellipse(1, pair, grip, motion));
-    let (controlling, other) = (nut.or(grip.by_nut, &screw), screw.or(grip.by_nut, &nut));
-    let across = pair.sin_a * 0.5;
+    let ((nut_power, at_nut), (screw_power, at_screw)) = (nut.power(), screw.power());
     // P_f = Σ f Q ∫ dP                                                    (P7)
     let loss = given.get(InputKey::friction_coefficient)
-        * (controlling.load * controlling.power_without_spin(across)
-            + other.load * other.power(across));
+        * (nut.load * nut_power + screw.load * screw_power);
     // T₀ = F_a r_m tanα,  T = T₀ + P_f/W                                  (B9), (W8)
     let ideal = units.axial * units.pitch * (pair.sin_a / pair.cos_a);
     let zero = loss.constant(0.0);
     let back = units.speed.lt(zero);
     let torque = ideal + back.select(-loss, loss) * units.ball * units.axial;
     transmit_torque(out, back, (torque, ideal), torque.constant(1.0), units.speed);
+    at_nut & at_screw
 }
 
 /// Skid number and onset number, where they have a meaning.

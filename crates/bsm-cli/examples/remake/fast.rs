@@ -24,7 +24,7 @@ pub(crate) struct Program {
 /// The blocks by name.
 pub(crate) const BLOCKS: &[(&str, Make)] = &[
     ("checks", checks),
-    ("quadrature", quadrature),
+    ("accuracies", accuracies),
     ("slip-powers", slip_powers),
     ("catalogue", catalogue),
     ("accuracy", accuracy),
@@ -84,21 +84,24 @@ fn checks(program: &Program) -> Made {
     ))
 }
 
-fn quadrature(program: &Program) -> Made {
-    let efficiency = |order: u32| {
-        let solve = "solve examples/feed_drive.json --model traction --format json --quadrature";
-        Ok::<_, Box<dyn Error>>(number(&program.json(&format!("{solve} {order}"))?, "efficiency")?)
+fn accuracies(program: &Program) -> Made {
+    let solved = |accuracy: &str| {
+        let solve = "solve examples/feed_drive.json --model traction --format json --accuracy";
+        program.json(&format!("{solve} {accuracy}"))
     };
-    let finest = efficiency(48)?;
-    let row = |order| {
-        let found = efficiency(order)?;
+    let finest = number(&solved("1e-12")?, "efficiency")?;
+    let row = |accuracy| {
+        let result = solved(accuracy)?;
+        let (found, bound) =
+            (number(&result, "efficiency")?, number(&result, "efficiency_error_bound")?);
         let off = (found - finest).abs();
         // The solver stops at residuals of 1e-10.
         let off = if off < 1e-10 { "< 1e-10".to_owned() } else { format!("{off:.0e}") };
-        Ok::<_, Box<dyn Error>>(format!("| {order} | {found:.9} | {off} |"))
+        Ok::<_, Box<dyn Error>>(format!("| {accuracy} | {found:.9} | {off} | {bound:.0e} |"))
     };
-    let rows = [4, 6, 8, 12, 24].map(row).into_iter().collect::<Result<Vec<_>, _>>()?;
-    Ok(table("| N | efficiency | off from order 48 by |", &rows))
+    let rows =
+        ["1e-2", "1e-4", "1e-6", "1e-8"].map(row).into_iter().collect::<Result<Vec<_>, _>>()?;
+    Ok(table("| A | efficiency | off from 1e-12 by | bound that is stated |", &rows))
 }
 
 fn slip_powers(program: &Program) -> Made {

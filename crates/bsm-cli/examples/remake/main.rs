@@ -50,7 +50,7 @@ fn sources() -> Vec<Source> {
     for (name, make) in fast::BLOCKS {
         let (commands, takes) = match *name {
             "checks" => ("bsm validate", "1 s"),
-            "quadrature" => ("bsm solve --model traction --quadrature N", "1 s"),
+            "accuracies" => ("bsm solve --model traction --accuracy A", "1 s"),
             "slip-powers" => ("bsm slip examples/xu2015.json --model M", "1 s"),
             "catalogue" => ("bsm catalog", "1 s"),
             _ => ("errors of `bsm tradeoff`", "10 s"),

@@ -7,53 +7,12 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
-use bsm_simd::{Arch, BLOCK, Lane, Simd, WithSimd};
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
+
+use bsm_simd::{Arch, BLOCK, Block, Lane, Simd, WithSimd};
 
 use super::Quadrature;
-
-/// Nodes of the quadrature by coordinate, filled up to whole groups with nodes without weight.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Nodes([Vec<f64>; 3]);
-
-impl Nodes {
-    pub(super) fn of(nodes: &[(f64, f64, f64)]) -> Self {
-        let part = |f: fn(&(f64, f64, f64)) -> f64| {
-            let mut part: Vec<f64> = nodes.iter().map(f).collect();
-            part.resize(nodes.len().next_multiple_of(BLOCK), 0.0);
-            part
-        };
-        Self([part(|n| n.0), part(|n| n.1), part(|n| n.2)])
-    }
-
-    /// Sums of `N` terms over all nodes, in [`BLOCK`] parts that are added in the same order for all
-    /// widths.
-    #[inline(always)]
-    fn total<S: Simd, const N: usize>(
-        &self,
-        simd: S,
-        terms: impl Fn([Lane<S>; 3]) -> [Lane<S>; N],
-    ) -> [f64; N] {
-        let [x, y, weight] = [&self.0[0], &self.0[1], &self.0[2]].map(|v| S::as_simd_f64s(v).0);
-        let parts = BLOCK / S::F64_LANES;
-        let mut totals = [0.0; N];
-        for part in 0..parts {
-            let mut sums = [Lane::splat(simd, 0.0); N];
-            for i in (part..x.len()).step_by(parts) {
-                let node =
-                    [Lane::of(simd, [x[i]]), Lane::of(simd, [y[i]]), Lane::of(simd, [weight[i]])];
-                for (sum, term) in sums.iter_mut().zip(terms(node)) {
-                    *sum = *sum + term;
-                }
-            }
-            for (total, sum) in totals.iter_mut().zip(&sums) {
-                for lane in sum.as_slice() {
-                    *total += lane;
-                }
-            }
-        }
-        totals
-    }
-}
+use super::panels::{EllipseSlip, FAR, Lines, Nodes, Plan, Visit, chord, walk};
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
@@ -75,62 +34,292 @@ pub(super) const MOTION: usize = 4;
 pub(super) const SUMS: usize = 5;
 pub(super) const SLOPES: usize = MOTION + 1;
 
-/// Slip of a few nodes and what it takes to compute with it.
-struct Slip<S: Simd> {
-    x: Lane<S>,
-    y: Lane<S>,
-    /// Height over the ball centre, and its change with the growth of the ellipse.
-    h: Lane<S>,
-    dh: Lane<S>,
-    v: [Lane<S>; 2],
-    /// Weight over regularized speed.
-    pull: Lane<S>,
-    /// One over its square.
-    inverse_square: Lane<S>,
+/// Sums and power; the same with what the derivatives are made of.
+const VALUES: usize = SUMS + 1;
+const ALL: usize = VALUES + 19;
+
+impl Point {
+    /// Slip along the long axis.
+    fn slip(&self) -> EllipseSlip<f64> {
+        let ([speed, w_t, w_n, w_c], radii) =
+            (self.motion, (self.pressed_radius, self.ball_radius));
+        EllipseSlip::new(self.semi_axes, radii, speed, [w_t, w_n, w_c], self.creep)
+    }
 }
 
-impl<S: Simd> Slip<S> {
-    #[inline(always)]
-    fn at(point: &Point, simd: S, [x, y, weight]: [Lane<S>; 3]) -> Self {
-        let s = |x| Lane::splat(simd, x);
-        let [along, w_t, w_n, w_c] = point.motion.map(s);
-        let (x, y) = (x * s(point.semi_axes.0), y * s(point.semi_axes.1));
-        let dh = x * x * s(-point.pressed_radius.recip());
-        let h = dh * s(0.5) + s(point.ball_radius);
-        let v = [along + w_n * x + w_c * h, -(w_t * h) - w_n * y];
-        let square = v[0] * v[0] + v[1] * v[1] + s(point.creep * point.creep);
-        let inverse_square = square.recip();
-        let pull = weight * inverse_square.sqrt();
-        Self { x, y, h, dh, v, pull, inverse_square }
+/// The nodes of a line whose spin pole is inside the ellipse.
+struct Near {
+    /// The angle of the pole, and its width.
+    at: f64,
+    width: f64,
+    /// Beginnings and lengths of both sides in the variable of the sinh transformation.
+    sides: [(f64, f64); 2],
+}
+
+impl Near {
+    fn of(slip: &EllipseSlip<f64>, xi: f64) -> Self {
+        let sinh = slip.analyticity(xi);
+        let (b_0, b_1) = slip.across(xi);
+        // s = cos φ, about φ₀ with cos φ₀ = −Re z/cosh η and the width η: η ≈ sinh η  (T20)
+        let cos = -(b_0 / b_1) / sinh.mul_add(sinh, 1.0).sqrt();
+        let at = if cos.is_nan() { FRAC_PI_2 } else { cos.clamp(-1.0, 1.0).acos() };
+        let width = sinh.clamp(1e-100, FAR);
+        let below = (-at / width).asinh();
+        Self { at, width, sides: [(below, -below), (0.0, ((PI - at) / width).asinh())] }
     }
 
-    /// Force along t and t × N, moment about t, N and t × N.
+    /// How many nodes.
+    fn len(rule: &Quadrature) -> usize {
+        2 * rule.part.len()
+    }
+
+    /// Places and weights from node `first` on, without weight beyond the last.
     #[inline(always)]
-    fn terms(&self) -> [Lane<S>; SUMS] {
-        let (f_t, f_c) = (-(self.pull * self.v[0]), -(self.pull * self.v[1]));
-        [f_t, f_c, -(self.h * f_c), self.x * f_t - self.y * f_c, self.h * f_t]
+    fn nodes<S: Simd>(&self, simd: S, rule: &Quadrature, first: usize) -> (Block, Block) {
+        let (mut places, mut weights) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for i in 0..BLOCK {
+            let node = first + i;
+            let (side, node) =
+                if node < rule.part.len() { (0, node) } else { (1, node - rule.part.len()) };
+            if node < rule.part.len() {
+                let ((from, length), (place, part)) = (self.sides[side], rule.part[node]);
+                (places[i], weights[i]) = (from + length * place, length * part);
+            }
+        }
+        for i in (0..BLOCK).step_by(S::F64_LANES) {
+            let grow = Lane::<S>::load(simd, &places[i..]).exp();
+            let fall = grow.recip();
+            let half = grow.constant(0.5 * self.width);
+            let phi =
+                (half * (grow - fall) + self.at).max(half.constant(0.0)).min(half.constant(PI));
+            let left = phi.gt(phi.constant(FRAC_PI_2));
+            let (sin, cos) = left.select(-phi + PI, phi).sin_cos_first_quadrant();
+            let weight = Lane::load(simd, &weights[i..]) * half * (grow + fall);
+            left.select(-cos, cos).store(&mut places[i..]);
+            (weight * (sin * sin) * (2.0 * FRAC_1_PI)).store(&mut weights[i..]);
+        }
+        (places, weights)
+    }
+}
+
+/// Sums along lines across the ellipse (T21).
+#[derive(Clone, Copy)]
+struct Inner<S: Simd> {
+    j: [Lane<S>; 3],
+    k: [Lane<S>; 3],
+}
+
+impl<S: Simd> Inner<S> {
+    #[inline(always)]
+    fn zero(simd: S) -> Self {
+        let zero = Lane::splat(simd, 0.0);
+        Self { j: [zero; 3], k: [zero; 3] }
+    }
+
+    /// Adds a node; `square`: of the slip along the groove and the creep speed.
+    #[inline(always)]
+    fn add<const SLOPED: bool>(
+        &mut self,
+        square: Lane<S>,
+        (b_0, b_1): (Lane<S>, Lane<S>),
+        (s, weight): (Lane<S>, Lane<S>),
+    ) {
+        let v_c = b_1.mul_add(s, b_0);
+        // q = (v_t² + v_e² + (b₀ + b₁ s)²)^{−1/2}
+        let inverse = v_c.mul_add(v_c, square).recip();
+        // J_k = Σ w sᵏ q,  K_k = Σ w sᵏ q³,  k = 0, 1, 2                 (T21)
+        let q = weight * inverse.sqrt();
+        let q_s = q * s;
+        self.j[0] = self.j[0] + q;
+        self.j[1] = self.j[1] + q_s;
+        self.j[2] = q_s.mul_add(s, self.j[2]);
+        if SLOPED {
+            let cube = q * inverse;
+            let cube_s = cube * s;
+            self.k[0] = self.k[0] + cube;
+            self.k[1] = self.k[1] + cube_s;
+            self.k[2] = cube_s.mul_add(s, self.k[2]);
+        }
+    }
+}
+
+/// Sums over all lines; those of the slopes only if `SLOPED`.
+struct Gather<'a, const SLOPED: bool> {
+    rule: &'a Quadrature,
+    point: &'a Point,
+    slip: EllipseSlip<f64>,
+    totals: [Block; ALL],
+}
+
+impl<const SLOPED: bool> Gather<'_, SLOPED> {
+    /// The sums (T21) of a line whose spin pole is inside.
+    #[inline(always)]
+    fn near<S: Simd>(&self, simd: S, xi: f64) -> [f64; 6] {
+        let (v_t, (b_0, b_1)) = (self.slip.along(xi), self.slip.across(xi));
+        let s = (Lane::splat(simd, b_0), Lane::splat(simd, b_1));
+        let square = Lane::splat(simd, v_t * v_t + self.slip.creep * self.slip.creep);
+        let near = Near::of(&self.slip, xi);
+        let mut sums = [[0.0; BLOCK]; 6];
+        for first in (0..Near::len(self.rule)).step_by(BLOCK) {
+            let (places, weights) = near.nodes(simd, self.rule, first);
+            for i in (0..BLOCK).step_by(S::F64_LANES) {
+                let mut inner = Inner::load(simd, &sums, i);
+                let node = (Lane::load(simd, &places[i..]), Lane::load(simd, &weights[i..]));
+                inner.add::<SLOPED>(square, s, node);
+                inner.store(&mut sums, i);
+            }
+        }
+        fold(sums)
+    }
+}
+
+impl<S: Simd> Inner<S> {
+    #[inline(always)]
+    fn load(simd: S, from: &[Block; 6], i: usize) -> Self {
+        let mut inner = Self::zero(simd);
+        for k in 0..3 {
+            inner.j[k] = Lane::load(simd, &from[k][i..]);
+            inner.k[k] = Lane::load(simd, &from[k + 3][i..]);
+        }
+        inner
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [Block; 6], i: usize) {
+        for k in 0..3 {
+            self.j[k].store(&mut to[k][i..]);
+            self.k[k].store(&mut to[k + 3][i..]);
+        }
+    }
+}
+
+/// Sums over blocks, in the same order for all widths.
+#[inline(always)]
+fn fold<const N: usize>(mut blocks: [Block; N]) -> [f64; N] {
+    let mut sums = [0.0; N];
+    for (sum, block) in sums.iter_mut().zip(&mut blocks) {
+        let mut half = BLOCK / 2;
+        while half > 0 {
+            for i in 0..half {
+                block[i] += block[i + half];
+            }
+            half /= 2;
+        }
+        *sum = block[0];
+    }
+    sums
+}
+
+impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
+    #[inline(always)]
+    fn visit(&mut self, simd: S, lines: &Lines) {
+        let slip = self.slip.splat(simd);
+        for at in (0..BLOCK).step_by(S::F64_LANES) {
+            let xi = Lane::<S>::load(simd, &lines.xi[at..]);
+            let weight = Lane::<S>::load(simd, &lines.weight[at..]);
+            let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
+            let square = v_t * v_t + slip.creep * slip.creep;
+            let mut inner = Inner::zero(simd);
+            if let Some(count) = lines.inner {
+                for (s, part) in &self.rule.inner[count] {
+                    let node = (Lane::splat(simd, *s), Lane::splat(simd, *part));
+                    inner.add::<SLOPED>(square, (b_0, b_1), node);
+                }
+            }
+            if lines.any_inside {
+                let mut sums = [[0.0; BLOCK]; 6];
+                inner.store(&mut sums, at);
+                for i in at..(at + S::F64_LANES) {
+                    if lines.inside[i] {
+                        let near = self.near(simd, lines.xi[i]);
+                        for (sum, near) in sums.iter_mut().zip(near) {
+                            sum[i] = near;
+                        }
+                    }
+                }
+                inner = Inner::load(simd, &sums, at);
+            }
+            let Inner { j, k } = inner;
+            let (j, k) = (
+                [j[0] * weight, j[1] * weight, j[2] * weight],
+                [k[0] * weight, k[1] * weight, k[2] * weight],
+            );
+            // T = v_t J₀,  C = b₀ J₀ + b₁ J₁,  S = b₀ J₁ + b₁ J₂
+            let (t, c, s) = (v_t * j[0], b_0 * j[0] + b_1 * j[1], b_0 * j[1] + b_1 * j[2]);
+            let (a, b) = self.point.semi_axes;
+            let (x, y, h) = (xi * a, chord(xi) * b, slip.height(xi));
+            // F_t = −T,  F_c = C,  M_t = −h C,  M_n = −(x T + Y S),  M_c = −h T,
+            // P = v_t T + b₀ C + b₁ S                                     (T22)
+            let m_n = -(x * t + y * s);
+            let power = v_t * t + b_0 * c + b_1 * s;
+            let values = [-t, c, -(h * c), m_n, -(h * t), power];
+            for (total, value) in self.totals.iter_mut().zip(values) {
+                (Lane::load(simd, &total[at..]) + value).store(&mut total[at..]);
+            }
+            if SLOPED {
+                let [_, w_t, w_n, w_c] = self.point.motion;
+                // T_v = J₀ − v_t² K₀,  T_b = −v_t (b₀ K₀ + b₁ K₁),  T_s = −v_t (b₀ K₁ + b₁ K₂)
+                let t_v = j[0] - v_t * v_t * k[0];
+                let t_b = -(v_t * (b_0 * k[0] + b_1 * k[1]));
+                let t_s = -(v_t * (b_0 * k[1] + b_1 * k[2]));
+                // (C_b, C_s, S_s) = (v_t² + v_e²) (K₀, K₁, K₂)            (T23)
+                let (c_b, c_s, s_s) = (square * k[0], square * k[1], square * k[2]);
+                // By the growth of the ellipse: of h, of the slip, and of the sums.
+                let dh = xi * xi * slip.sag * -2.0;
+                let (g_v, g_b) = (x * w_n + dh * w_c, dh * w_t);
+                let t_g = t_v * g_v + t_b * g_b + t_s * b_1;
+                let c_g = t_b * g_v + c_b * g_b + c_s * b_1;
+                let s_g = t_s * g_v + c_s * g_b + s_s * b_1;
+                // By the spin; by the rest of the motion they are (1, h).
+                let (t_n, c_n, s_n) = (t_v * x + t_s * y, t_b * x + c_s * y, t_s * x + s_s * y);
+                let (t_vh, t_bh, c_bh) = (t_v * h, t_b * h, c_b * h);
+                let slopes = [
+                    -t_v,
+                    -t_bh,
+                    -t_n,
+                    -t_vh,
+                    -(c_bh * h),
+                    -(c_n * h),
+                    -(t_bh * h),
+                    -(x * t_n + y * s_n),
+                    -(t_n * h),
+                    -(t_vh * h),
+                    t_b,
+                    c_bh,
+                    c_n,
+                    t_bh,
+                    -t_g,
+                    c_g,
+                    -(h * c_g + dh * c),
+                    m_n - (x * t_g + y * s_g),
+                    -(h * t_g + dh * t),
+                ];
+                for (total, slope) in self.totals[VALUES..].iter_mut().zip(slopes) {
+                    (Lane::load(simd, &total[at..]) + slope).store(&mut total[at..]);
+                }
+            }
+        }
     }
 }
 
 /// Force and moment over `$f Q$`, and the power that they take.
-pub(super) fn sums(point: &Point, quadrature: &Quadrature) -> ([f64; SUMS], f64) {
-    let [f_t, f_c, m_t, m_n, m_c, power] = Arch::new().dispatch(Sums(point, &quadrature.lanes));
+pub(super) fn sums(point: &Point, nodes: Nodes<'_>) -> ([f64; SUMS], f64) {
+    let all = Arch::new().dispatch(Total::<false>(point, nodes));
+    let [f_t, f_c, m_t, m_n, m_c, power, ..] = all;
     ([f_t, f_c, m_t, m_n, m_c], power)
 }
 
 /// Force and moment over `$f Q$`, and their derivatives: by the speed of the centre, the angular
 /// velocity, and the logarithm of the size of the ellipse.
-pub(super) fn slopes(
-    point: &Point,
-    quadrature: &Quadrature,
-) -> ([f64; SUMS], [[f64; SLOPES]; SUMS]) {
+pub(super) fn slopes(point: &Point, nodes: Nodes<'_>) -> ([f64; SUMS], [[f64; SLOPES]; SUMS]) {
     let [
-        // Force and moment.
+        // Force and moment; their power is not asked for.
         f_t,
         f_c,
         m_t,
         m_n,
         m_c,
+        _,
         // Upper triangle of the symmetric part: friction has a potential in the motion.
         aa,
         at,
@@ -153,7 +342,7 @@ pub(super) fn slopes(
         gt,
         gn,
         gc,
-    ] = Arch::new().dispatch(Slopes(point, &quadrature.lanes));
+    ] = Arch::new().dispatch(Total::<true>(point, nodes));
     let slopes = [
         [aa, at, an, ac, ga],
         [ea, et, en, ec, ge],
@@ -164,81 +353,98 @@ pub(super) fn slopes(
     ([f_t, f_c, m_t, m_n, m_c], slopes)
 }
 
-struct Sums<'a>(&'a Point, &'a Nodes);
+/// All sums on an instruction set.
+#[cfg(test)]
+pub(super) fn all_on(arch: Arch, point: &Point, rule: &Quadrature) -> [f64; ALL] {
+    arch.dispatch(Total::<true>(point, rule.into()))
+}
 
-impl WithSimd for Sums<'_> {
-    type Output = [f64; 6];
+struct Total<'a, const SLOPED: bool>(&'a Point, Nodes<'a>);
+
+impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
+    type Output = [f64; ALL];
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self(point, nodes) = self;
-        nodes.total(
-            simd,
-            #[inline(always)]
-            |node| {
-                let slip = Slip::at(point, simd, node);
-                let [f_t, f_c, m_t, m_n, m_c] = slip.terms();
-                let [v_t, v_c] = slip.v;
-                [f_t, f_c, m_t, m_n, m_c, slip.pull * (v_t * v_t + v_c * v_c)]
-            },
-        )
+        let (slip, rule) = (point.slip(), nodes.rule);
+        let mut gather = Gather::<SLOPED> { rule, point, slip, totals: [[0.0; BLOCK]; ALL] };
+        walk(simd, nodes, &slip, &mut gather);
+        fold(gather.totals)
     }
 }
 
-struct Slopes<'a>(&'a Point, &'a Nodes);
+/// Coordinates over the semi-axes and part of the load of all nodes; those of the sums where friction is
+/// as `constant` as there, and as many along each line as a spin pole inside takes elsewhere, so that
+/// they resolve the pressure too.
+pub(super) fn nodes(point: &Point, rule: &Quadrature, constant: bool) -> Vec<(f64, f64, f64)> {
+    Arch::new().dispatch(List(point, rule, constant))
+}
 
-impl WithSimd for Slopes<'_> {
-    type Output = [f64; 24];
+struct List<'a>(&'a Point, &'a Quadrature, bool);
+
+/// The nodes of all lines, one by one.
+struct Collect<'a> {
+    rule: &'a Quadrature,
+    slip: EllipseSlip<f64>,
+    constant: bool,
+    nodes: Vec<(f64, f64, f64)>,
+}
+
+impl<S: Simd> Visit<S> for Collect<'_> {
+    fn visit(&mut self, simd: S, lines: &Lines) {
+        for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
+            let chord = chord(xi);
+            if lines.inside[i] || !self.constant {
+                let near = Near::of(&self.slip, xi);
+                for first in (0..Near::len(self.rule)).step_by(BLOCK) {
+                    let (places, parts) = near.nodes(simd, self.rule, first);
+                    let all =
+                        places.iter().zip(parts).map(|(s, part)| (xi, chord * s, weight * part));
+                    self.nodes.extend(all);
+                }
+            } else if let Some(count) = lines.inner {
+                let all = &self.rule.inner[count];
+                self.nodes.extend(all.iter().map(|(s, part)| (xi, chord * s, weight * part)));
+            }
+        }
+        self.nodes.retain(|(_, _, weight)| *weight != 0.0);
+    }
+}
+
+impl WithSimd for List<'_> {
+    type Output = Vec<(f64, f64, f64)>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self(point, nodes) = self;
-        let [_, w_t, w_n, w_c] = point.motion.map(|x| Lane::splat(simd, x));
-        nodes.total(
-            simd,
-            #[inline(always)]
-            |node| {
-                let slip = Slip::at(point, simd, node);
-                let [f_t, f_c, m_t, m_n, m_c] = slip.terms();
-                let Slip { x, y, h, dh, v, pull, inverse_square } = slip;
-                // d(v/√(v² + v_e²)) = (1 − v v/(v² + v_e²)) dv / √(v² + v_e²)     (E7)
-                let scaled = pull * inverse_square;
-                let tt = scaled * v[0] * v[0] - pull;
-                let tc = scaled * v[0] * v[1];
-                let cc = scaled * v[1] * v[1] - pull;
-                // Change of the force with the spin; with the rest of the motion it is (1, h).
-                let (n_t, n_c) = (tt * x - tc * y, tc * x - cc * y);
-                let (tth, tch, cch) = (tt * h, tc * h, cc * h);
-                // Change of the slip, then of the force, with the growth of the ellipse.
-                let (e_t, e_c) = (w_n * x + w_c * dh, -(w_t * dh) - w_n * y);
-                let (g_t, g_c) = (tt * e_t + tc * e_c, tc * e_t + cc * e_c);
-                [
-                    f_t,
-                    f_c,
-                    m_t,
-                    m_n,
-                    m_c,
-                    tt,
-                    -tch,
-                    n_t,
-                    tth,
-                    cch * h,
-                    -(n_c * h),
-                    -(tch * h),
-                    x * n_t - y * n_c,
-                    n_t * h,
-                    tth * h,
-                    tc,
-                    -cch,
-                    n_c,
-                    tch,
-                    g_t,
-                    g_c,
-                    -(dh * f_c + h * g_c),
-                    m_n + x * g_t - y * g_c,
-                    dh * f_t + h * g_t,
-                ]
-            },
-        )
+        let Self(point, rule, constant) = self;
+        let mut list = Collect { rule, slip: point.slip(), constant, nodes: Vec::new() };
+        walk(simd, rule.into(), &point.slip(), &mut list);
+        list.nodes
+    }
+}
+
+/// The plan of a contact.
+pub(super) fn plan(point: &Point, rule: &Quadrature) -> Plan {
+    Arch::new().dispatch(Planned(point, rule))
+}
+
+struct Planned<'a>(&'a Point, &'a Quadrature);
+
+impl WithSimd for Planned<'_> {
+    type Output = Plan;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let mut plan = Plan::default();
+        walk(simd, self.1.into(), &self.0.slip(), &mut plan);
+        plan
+    }
+}
+
+impl<S: Simd> Visit<S> for Plan {
+    fn visit(&mut self, _simd: S, lines: &Lines) {
+        self.split = lines.split;
+        self.lines.push((lines.inner, lines.inside));
     }
 }

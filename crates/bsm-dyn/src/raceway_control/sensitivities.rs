@@ -6,6 +6,7 @@ use bsm_kin::Jet;
 
 use super::{Balance, Grip, RacewayControl, RacewayWorkspace};
 use crate::balance::efficiency;
+use crate::ellipse::Nodes;
 use crate::sensitivity::moving_root;
 use crate::{Transmitted, Unsolved};
 
@@ -23,8 +24,8 @@ impl<const M: usize> RacewayControl<Jet<M>> {
         let x = moving_root(&system, &unknowns, &system.weights(), residual, newton)?;
         let loaded = equations.loaded(&x);
         let to_nut = equations.rolling(&loaded);
-        let power =
-            inputs.friction_power(&loaded, &to_nut, RacewayControl::<f64>::CREEP, quadrature);
+        let (creep, nodes) = (RacewayControl::<f64>::CREEP, [Nodes::from(&*quadrature); 2]);
+        let power = inputs.friction_power(&loaded, &to_nut, creep, nodes);
         let (ideal, torque) = self.screw.rolling_torques(&inputs, power);
         let efficiency = efficiency(inputs.direction, ideal, torque);
         Ok(Transmitted { efficiency, screw_torque: Some(torque) })

@@ -1,7 +1,5 @@
 //! Limits and identities of the slips.
 
-use std::num::NonZeroUsize;
-
 use approx::assert_relative_eq;
 use bsm_kin::Jet;
 use proptest::prelude::*;
@@ -109,7 +107,7 @@ proptest! {
         omega in proptest::array::uniform3(-3000.0..3000.0_f64),
     ) {
         let ball = ball(Motion { precession: p, omega: omega.into() }, 0.15);
-        let quadrature = Quadrature::new(NonZeroUsize::new(6).expect("positive"));
+        let quadrature = Quadrature::of(1e-4);
         let touch = Touch { site: Site::Screw, angle: beta };
         let ellipse = Ellipse {
             contact: ball.contact(&touch),

@@ -188,7 +188,7 @@ impl Rolling<'_> {
 
     /// Contact angles at nut and screw.
     pub(super) fn angles(&self, y: &[f64; BALL]) -> [f64; 2] {
-        self.state(y).map_or([f64::NAN; 2], |state| state.loaded.angles)
+        self.loaded(y).map_or([f64::NAN; 2], |loaded| loaded.angles)
     }
 
     /// True if a contact is more than `margin` beyond its flank.

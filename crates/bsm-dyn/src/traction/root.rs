@@ -4,11 +4,12 @@
 
 use super::path::{LONGEST, PATH, Shown};
 use super::scatter::{MANY, STARTS};
-use super::{OMEGA, Rolling, State};
+use super::{OMEGA, Rolling, Settled, State};
 use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque, torque};
 use crate::ball_unknowns::BALL;
 use crate::continuation::{Stride, follow};
 use crate::elastic::Skid;
+use crate::ellipse::Plan;
 use crate::equations::Workspace;
 use crate::raceway_control::Grip;
 use crate::{Evidence, Reason, Unsolved};
@@ -36,23 +37,22 @@ pub(crate) struct Root {
 }
 
 impl Rolling<'_> {
-    /// The root, from one near by, or from a search.
-    ///
-    /// * `near`: root of the same point with another quadrature, for which all has been searched.
-    /// * `steps`: Newton steps of all solves are added.
-    pub(super) fn find(
+    /// The root near one of another quadrature, if it is on the flanks, with the numbers of nodes that it
+    /// has there: a root may lie where they change. `newton` keeps its Jacobian.
+    pub(super) fn refined(
         &self,
-        grip: &Grip,
-        near: Option<&Root>,
-        (newton, wide): (&mut Workspace, &mut Workspace<PATH>),
+        near: &Root,
+        newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Result<Root, Unsolved> {
-        if let Some(near) = near
-            && let Ok(root) = self.of(near).solved(near.unknowns, newton, steps)
-        {
-            return Ok(root);
-        }
-        self.search(grip, near.is_none(), (newton, wide), steps)
+    ) -> Option<(Root, [Plan; 2])> {
+        let mut unknowns = near.unknowns;
+        let plans = self.of(near).plans(&unknowns).ok()?;
+        let ball = Rolling { plans: Some(&plans), ..self.of(near) };
+        let report = ball.run(&mut unknowns, newton);
+        *steps += report.steps.len();
+        let root = Root { unknowns, residual: report.residual, ..*near };
+        let found = report.converged() && self.is_admissible(&root);
+        found.then_some((root, plans))
     }
 
     /// The root from the gripping ball or from the skidding one; if none of them leads to it, from
@@ -61,7 +61,7 @@ impl Rolling<'_> {
     ///
     /// Where the roots of the path are all beyond the flanks, and no start leads to another, the
     /// answer is that there is none.
-    fn search(
+    pub(super) fn search(
         &self,
         grip: &Grip,
         all_over: bool,
@@ -202,9 +202,8 @@ impl Rolling<'_> {
     /// residual vanishes without a root, and the powers do not balance.
     pub(super) fn is_balanced(&self, root: &Root) -> bool {
         let (pair, radius) = (self.pair, self.pair.helix.radius);
-        self.of(root).state(&root.unknowns).is_ok_and(|State { loaded, to_nut, wrench }| {
-            let friction = pair.friction_power(&loaded, &to_nut, self.creep, self.quadrature);
-            let torque = torque(&wrench[1], radius, &loaded.frame);
+        self.of(root).settled(&root.unknowns).is_ok_and(|Settled { state, power: friction }| {
+            let torque = torque(&state.wrench[1], radius, &state.loaded.frame);
             let ideal = ideal_torque(1.0, radius, pair.helix.lead_angle);
             let power = Power::transmitted(torque, ideal, pair.sign());
             power.imbalance(friction).abs() <= POWER_BALANCE_TOL

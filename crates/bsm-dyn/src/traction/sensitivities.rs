@@ -11,7 +11,7 @@ use crate::sensitivity::moving_root;
 use crate::{Transmitted, Unsolved};
 
 impl<const M: usize> Traction<Jet<M>> {
-    /// Efficiency and torque with their derivatives, at the order and the creep of the model.
+    /// Efficiency and torque with their derivatives, at the accuracy and the creep of the model.
     pub(crate) fn sensitivities(
         &self,
         work: &mut TractionWorkspace,
@@ -21,7 +21,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let pair = screw.scaled()?;
         let grip = Grip::of(&pair, None, &mut work.statics);
         let start = Start::new(&pair, grip.ok().as_ref())?;
-        let case = Traction { screw, order: self.order, creep: self.creep };
+        let case = Traction { screw, accuracy: self.accuracy, creep: self.creep };
         let root = case.found(&start, None, work)?.root;
         self.sensitivities_at(&root, work)
     }
@@ -33,12 +33,13 @@ impl<const M: usize> Traction<Jet<M>> {
         work: &mut TractionWorkspace,
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
         let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
-        let place = work.quadrature(self.order);
-        let TractionWorkspace { newton, quadratures, .. } = work;
-        let (quadrature, creep) = (&quadratures[place].1, self.creep * point.slip_scale());
+        let place = work.rules(self.accuracy);
+        let TractionWorkspace { newton, rules, .. } = work;
+        let (quadrature, creep) = (&rules[place].rule, self.creep * point.slip_scale());
         let Root { unknowns, at_nut, .. } = root;
-        let system = Rolling { pair: &point, quadrature, creep, at_nut: *at_nut };
-        let equations = Rolling { pair: &inputs, quadrature, creep, at_nut: *at_nut };
+        let system = Rolling { at_nut: *at_nut, ..Rolling::of_pair(&point, quadrature, creep) };
+        let Rolling { plans, enough, at_nut, .. } = system;
+        let equations = Rolling { pair: &inputs, quadrature, plans, creep, enough, at_nut };
         let residual = |y: &_| equations.residual(y);
         let y = moving_root(&system, unknowns, &system.weights(unknowns), residual, newton)?;
         let state = equations.state(&y).map_err(refused)?;

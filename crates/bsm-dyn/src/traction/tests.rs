@@ -19,7 +19,7 @@ fn point(seed: u64, number: u64) -> ElasticScrew {
 }
 
 fn solved(screw: ElasticScrew, work: &mut TractionWorkspace) -> Solution {
-    Traction { screw, order: Traction::ORDER, creep: Traction::CREEP }.solve(work)
+    Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP }.solve(work)
 }
 
 /// A random state, of a ball that rolls more or less or hardly circles.
@@ -88,10 +88,10 @@ fn confirmed(seed: u64, points: u64, starts: usize) -> Confirmed {
         let screw = point(seed, number);
         let Ok(pair) = screw.scaled() else { continue };
         let solution = solved(screw, &mut work);
-        let place = work.quadrature(Traction::ORDER);
+        let place = work.rules(SEARCH);
         let creep = Traction::CREEP * pair.slip_scale();
-        let quadrature = &work.quadratures[place].1;
-        let ball = Rolling { pair: &pair, quadrature, creep, at_nut: false };
+        let quadrature = &work.rules[place].rule;
+        let ball = Rolling::of_pair(&pair, quadrature, creep);
         let steps = solution.solved().and_then(|solved| Some(solved.info?.steps));
         let count = match solution.status() {
             Status::NoSolution => &mut counts.denied,
@@ -101,6 +101,9 @@ fn confirmed(seed: u64, points: u64, starts: usize) -> Confirmed {
             _ => continue,
         };
         count[0] += 1;
+        if solution.status() == Status::NotConverged {
+            println!("undecided: {number} {:?}", solution.reason());
+        }
         if let Some(root) = search(&ball, starts, &mut rng) {
             count[1] += 1;
             if solution.status() == Status::NoSolution {
@@ -145,12 +148,11 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         }
         let grip = Grip::of(&pair, None, &mut work.statics);
         let start = Start::new(&pair, grip.ok().as_ref()).unwrap();
-        let case = Traction { screw, order: Traction::ORDER, creep: Traction::CREEP };
+        let case = Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let Found { root, ball: found, .. } = case.found(&start, None, &mut work).unwrap();
-        let place = work.quadrature(Traction::ORDER);
+        let place = work.rules(Traction::ACCURACY);
         let creep = Traction::CREEP * pair.slip_scale();
-        let ball =
-            Rolling { pair: &pair, quadrature: &work.quadratures[place].1, creep, at_nut: false };
+        let ball = Rolling::of_pair(&pair, &work.rules[place].rule, creep);
         let state = ball.state(&root.unknowns).unwrap();
         let thrown = Rolling { at_nut: true, ..ball };
         let mut y = thrown.unknowns(&state.loaded, &state.to_nut);

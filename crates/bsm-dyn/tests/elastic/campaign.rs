@@ -1,8 +1,6 @@
 //! Seeded screws of the catalogue at real pressures: everything converges, or says why not, and
 //! the automatic choice keeps its bounds.
 
-use std::num::NonZeroUsize;
-
 use bsm_dyn::{
     Auto, Elastic, ElasticScrew, ElasticWorkspace, Model, ModelWorkspace, Reason, Solution, Status,
     Traction, TractionWorkspace,
@@ -48,8 +46,8 @@ fn campaign(
 #[test]
 fn traction_converges() {
     let mut work = TractionWorkspace::default();
-    let order = NonZeroUsize::new(6).expect("positive");
-    let mut solve = |screw| Traction { screw, order, creep: Traction::CREEP }.solve(&mut work);
+    let mut solve =
+        |screw| Traction { screw, accuracy: 1e-4, creep: Traction::CREEP }.solve(&mut work);
     let tally = campaign(real_screws(2026), &mut solve);
     println!("{tally:?}");
     assert!(tally.converged >= 1999, "{tally:?}");
@@ -79,7 +77,7 @@ fn the_choice_keeps_its_bounds() {
         let tried = bounds(real_screws(seed), tolerance);
         println!("tolerance {tolerance}: {tried:?}");
         assert!(tried.broken * 100 <= tried.points, "{tried:?} at {tolerance}");
-        // Long ellipses with much spin and balls about to skid need more than order 32.
+        // Tolerances near what the creep speed leaves are not met.
         assert!(tried.loose * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
         // A choice that always takes the dearest model is none.
         assert!(tolerance < 1e-3 || tried.traction * 10 <= 9 * tried.points, "{tried:?}");
@@ -100,15 +98,15 @@ struct Tried {
 }
 
 fn bounds(screws: impl Iterator<Item = ElasticScrew>, tolerance: f64) -> Tried {
-    let reference = NonZeroUsize::new(32).expect("positive");
     let (mut work, mut fine) = (ModelWorkspace::default(), TractionWorkspace::default());
     let mut tried = Tried::default();
     for screw in screws.take(2000) {
-        let exact = Traction { screw, order: reference, creep: 1e-5 }.solve(&mut fine);
+        let exact = Traction { screw, accuracy: 1e-10, creep: 1e-5 }.solve(&mut fine);
         let Some(exact) = exact.efficiency() else { continue };
         let chosen = Auto { screw, tolerance }.solve(&mut work);
-        let bound = chosen.choice.expect("a converged choice has a bound").error_bound;
-        let error = (chosen.efficiency().expect("converged") - exact).abs();
+        let solved = chosen.solved().expect("converged");
+        let bound = solved.error.expect("a converged choice has a bound").efficiency;
+        let error = (solved.transmission.efficiency - exact).abs();
         tried.points += 1;
         tried.broken += usize::from(error > bound);
         tried.loose += usize::from(bound > tolerance);

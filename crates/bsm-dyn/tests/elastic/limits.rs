@@ -1,7 +1,5 @@
 //! The elastic models in their common limits, and where they fail.
 
-use std::num::NonZeroUsize;
-
 use crate::screws::{inertia_ratio, lin, real_screws};
 use approx::assert_relative_eq;
 use bsm_dyn::{
@@ -9,10 +7,6 @@ use bsm_dyn::{
     RacewayWorkspace, Reason, Solution, Solved, Status, Traction, TractionWorkspace,
 };
 use proptest::prelude::*;
-
-fn order(n: usize) -> NonZeroUsize {
-    NonZeroUsize::new(n).expect("positive")
-}
 
 fn numbers(solution: Solution) -> Solved {
     solution.answer.expect("a solution")
@@ -22,8 +16,8 @@ fn onset(solution: &Solution) -> Option<f64> {
     solution.solved()?.skid?.onset_number()
 }
 
-fn traction(screw: ElasticScrew, n: usize, creep: f64) -> Solved {
-    let case = Traction { screw, order: order(n), creep };
+fn traction(screw: ElasticScrew, accuracy: f64, creep: f64) -> Solved {
+    let case = Traction { screw, accuracy, creep };
     numbers(case.solve(&mut TractionWorkspace::default()))
 }
 
@@ -57,7 +51,7 @@ fn traction_meets_raceway_control() {
         let rolling = RacewayControl { screw, control: None }.solve(&mut memory);
         if onset(&rolling).is_some_and(|s| s < 0.03) {
             tried += 1;
-            let o = traction(screw, 12, 1e-4);
+            let o = traction(screw, 1e-8, 1e-4);
             let difference = rolling.efficiency().expect("a root") - o.transmission.efficiency;
             apart += usize::from(difference.abs() > 1e-3);
         }
@@ -77,7 +71,7 @@ fn traction_meets_elastic() {
         if onset(&rolling).is_some_and(|s| s > 3.0) {
             tried += 1;
             let difference = elastic(screw).transmission.efficiency
-                - traction(screw, 12, 1e-4).transmission.efficiency;
+                - traction(screw, 1e-8, 1e-4).transmission.efficiency;
             assert!(difference.abs() <= 5e-3, "{screw:?} {difference}");
         }
     }
@@ -96,7 +90,7 @@ fn the_onset_number_tells_rolling_from_sliding() {
         let numbers = grip.solved().and_then(|grip| grip.skid).expect("raceway control");
         // Where spin is nearly all of the loss, raceway control is no measure.
         if numbers.cross_slip.is_some_and(|chi| chi > 0.7) {
-            let share = (g - traction(screw, 8, 1e-4).transmission.efficiency) / (g - s);
+            let share = (g - traction(screw, 1e-6, 1e-4).transmission.efficiency) / (g - s);
             let [skid, onset] = [numbers.skid_number, numbers.onset_number()];
             points.push((skid.expect("G"), onset.expect("S"), share));
         }
@@ -130,9 +124,10 @@ fn a_scaled_screw_moves_alike() {
         load: bsm_dyn::Load { axial: 9.0 * screw.load.axial, ..screw.load },
         ..screw
     };
-    for (one, other) in
-        [(traction(screw, 8, 1e-4), traction(large, 8, 1e-4)), (elastic(screw), elastic(large))]
-    {
+    for (one, other) in [
+        (traction(screw, 1e-6, 1e-4), traction(large, 1e-6, 1e-4)),
+        (elastic(screw), elastic(large)),
+    ] {
         // Equal in scaled units but for rounding.
         assert_relative_eq!(
             one.transmission.efficiency,
@@ -158,7 +153,7 @@ fn failures_say_why() {
     for (screw, reason) in [(still, Reason::NoRelativeSpeed), (smooth, Reason::Frictionless)] {
         let solutions = [
             Elastic { screw }.solve(&mut ElasticWorkspace::default()),
-            Traction { screw, order: order(4), creep: 1e-4 }
+            Traction { screw, accuracy: 1e-4, creep: 1e-4 }
                 .solve(&mut TractionWorkspace::default()),
         ];
         for solution in solutions {
@@ -232,7 +227,7 @@ fn a_soft_screw_is_answered() {
 #[test]
 fn next_to_no_friction_is_none() {
     let screw = ElasticScrew { friction: 1e-310, ..lin(10.0, 45.0, 2000.0, 2113.0) };
-    let case = Traction { screw, order: order(4), creep: 1e-4 };
+    let case = Traction { screw, accuracy: 1e-4, creep: 1e-4 };
     let solution = case.solve(&mut TractionWorkspace::default());
     assert_eq!(solution.reason(), Some(&Reason::Frictionless));
     // Without friction the skid number has no value, not an infinite one.
@@ -246,7 +241,7 @@ fn next_to_no_friction_is_none() {
 /// Found in review: roots with contact angles below 0 or beyond 90 deg counted as converged.
 #[test]
 fn a_ball_that_leaves_its_flank_is_no_result() {
-    let solution = Traction { screw: lin(5.0, 45.0, -30_000.0, 5.0), order: order(8), creep: 1e-4 }
+    let solution = Traction { screw: lin(5.0, 45.0, -30_000.0, 5.0), accuracy: 1e-6, creep: 1e-4 }
         .solve(&mut TractionWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
     let Some(Reason::BallLeavesFlank { nut, .. }) = solution.reason() else {
@@ -275,8 +270,8 @@ fn slow_saturated_friction_keeps_its_power_balance() {
 fn a_tolerance_that_is_not_met_shows() {
     let screw = lin(10.0, 45.0, 2000.0, 2113.0);
     let exact = Auto { screw, tolerance: 1e-9 }.solve(&mut ModelWorkspace::default());
-    let choice = exact.choice.expect("a choice");
-    assert!(choice.error_bound > choice.tolerance);
+    let (choice, solved) = (exact.choice.expect("a choice"), exact.solved().expect("converged"));
+    assert!(solved.error.expect("a bound").efficiency > choice.tolerance);
 }
 
 proptest! {
@@ -290,7 +285,7 @@ proptest! {
         axial in 20.0..3000.0_f64, back in any::<bool>(),
     ) {
         let screw = lin(lead, beta, if back { -rpm } else { rpm }, axial);
-        for o in [traction(screw, 6, 1e-4), elastic(screw)] {
+        for o in [traction(screw, 1e-4, 1e-4), elastic(screw)] {
             let torque = o.transmission.screw_torque.expect("torque");
             let speed = screw.drive.relative_speed();
             let ideal = axial * screw.helix.radius * screw.helix.lead_angle.tan();
@@ -311,7 +306,7 @@ proptest! {
             drive: bsm_kin::Drive { screw_speed: 0.0, nut_speed: -speed },
             ..driven
         };
-        let eta = |screw| traction(screw, 8, 1e-4).transmission.efficiency;
+        let eta = |screw| traction(screw, 1e-6, 1e-4).transmission.efficiency;
         // Inertia over friction is at most 2e-6 here.
         prop_assert!((eta(driven) - eta(turned)).abs() <= 1e-6);
     }

@@ -1,6 +1,4 @@
-//! What can be turned: model, quadrature, creep speed, tolerance of the choice.
-
-use std::num::NonZeroUsize;
+//! What can be turned: model, accuracy, creep speed, tolerance of the choice.
 
 use bsm_case::{ModelChoice, Settings};
 use bsm_dyn::Model;
@@ -29,8 +27,8 @@ impl Dial {
     }
 }
 
-/// Orders of the quadrature of traction, the default among them.
-const ORDERS: [usize; 7] = [4, 6, 8, 12, 16, 24, 48];
+/// Accuracies of the quadrature of traction, the default among them.
+const ACCURACIES: [f64; 4] = [1e-4, 1e-6, 1e-8, 1e-10];
 
 /// Creep speeds of traction, beside the default.
 const CREEPS: [f64; 3] = [1e-2, 1e-3, 1e-5];
@@ -45,9 +43,9 @@ pub(super) fn all() -> Vec<Dial> {
         .filter(|model| *model != Model::Traction)
         .map(|model| Dial::of(model.into(), String::new()))
         .collect();
-    for order in ORDERS.into_iter().filter_map(NonZeroUsize::new) {
-        let settings = Settings { quadrature: order, ..Model::Traction.into() };
-        dials.push(Dial::of(settings, format!("--quadrature {order}")));
+    for accuracy in ACCURACIES {
+        let settings = Settings { accuracy, ..Model::Traction.into() };
+        dials.push(Dial::of(settings, format!("--accuracy {accuracy:e}")));
     }
     for creep in CREEPS {
         let settings = Settings { creep, ..Model::Traction.into() };

@@ -156,7 +156,9 @@ impl Reference {
         };
         let bounds: Vec<_> = pairs
             .iter()
-            .filter_map(|(ours, exact)| Some((ours.choice?.error_bound, efficiency(ours, exact)?)))
+            .filter_map(|(ours, exact)| {
+                Some((ours.solved()?.error?.efficiency, efficiency(ours, exact)?))
+            })
             .collect();
         let broken = bounds.iter().filter(|(bound, error)| error > bound).count();
         Errors {

@@ -33,7 +33,7 @@ fn figure(
             continue;
         };
         let Some(error) = errors.efficiency else { continue };
-        // Creep speeds would lie on the orders of the quadrature, and no error has no place on a
+        // Creep speeds would lie on the accuracies, and no error has no place on a
         // logarithmic axis.
         if dial.dial.options.starts_with("--creep") || error.q99 == 0.0 {
             continue;
@@ -58,10 +58,9 @@ fn figure(
     Figure {
         key: format!("pareto-{key}"),
         title: format!("Error against time, {words}"),
-        caption:
-            "Left is faster, down is more exact. Numbers: quadrature of traction, tolerance of \
+        caption: "Left is faster, down is more exact. Numbers: accuracy of traction, tolerance of \
                   auto. Errors are over the points that a model solves."
-                .to_owned(),
+            .to_owned(),
         x: Axis::log("time of a point, us"),
         y: Axis::log("error of the efficiency, 99 %"),
         curves,

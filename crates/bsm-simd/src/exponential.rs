@@ -1,0 +1,156 @@
+//! Exponential and logarithm.
+//!
+//! No library has them for vectors whose width is chosen at run time.
+
+use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
+
+use pulp::Simd;
+
+use crate::Lane;
+
+/// What is added to round to whole numbers, which the last bits of the sum then hold.
+const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
+
+/// `$\ln 2$` to 33 bits, so that its multiples are exact, and the rest.
+const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
+const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
+
+/// Two to the power of the whole number in the last bits.
+#[inline(always)]
+fn power_of_two(sum: f64) -> f64 {
+    f64::from_bits(sum.to_bits().wrapping_add(1023) << 52)
+}
+
+/// The exponent of a normal number.
+#[inline(always)]
+fn exponent(x: f64) -> f64 {
+    // Its bits at the end of those of 2⁵², which is then taken off.
+    f64::from_bits(x.to_bits() >> 52 | 0x4330_0000_0000_0000) - ((1_u64 << 52) as f64 + 1023.0)
+}
+
+/// The number over two to the power of its exponent, from 1 to 2.
+#[inline(always)]
+fn mantissa(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & 0x000f_ffff_ffff_ffff | 0x3ff0_0000_0000_0000)
+}
+
+impl<S: Simd, const N: usize> Lane<S, N> {
+    /// Exponential of numbers from -700 to 700, to two units in the last place; no meaning outside.
+    #[inline(always)]
+    #[must_use]
+    pub fn exp(self) -> Self {
+        let sum = self.mul_add(self.constant(LOG2_E), self.constant(WHOLE));
+        let whole = sum - WHOLE;
+        let high = whole.neg_mul_add(self.constant(LN_2_HIGH), self);
+        let x = whole.neg_mul_add(self.constant(LN_2_LOW), high);
+        // Taylor's series on |x| ≤ ln 2/2: 0.35¹⁴/14! is 4e-18.
+        let mut series = self.constant(INVERSE_FACTORIALS[0]);
+        for c in &INVERSE_FACTORIALS[1..] {
+            series = series.mul_add(x, self.constant(*c));
+        }
+        series * sum.each(power_of_two)
+    }
+
+    /// Natural logarithm of normal positive numbers, to 2e-16 of one or of itself, whichever is larger;
+    /// no meaning outside.
+    #[inline(always)]
+    #[must_use]
+    pub fn ln(self) -> Self {
+        let (exponent, mantissa) = (self.each(exponent), self.each(mantissa));
+        let upper = mantissa.gt(self.constant(SQRT_2));
+        let x = upper.select(mantissa * 0.5, mantissa);
+        let exponent = upper.select(exponent + 1.0, exponent);
+        // ln x = 2 artanh s, s = (x − 1)/(x + 1), |s| ≤ 0.172: s²²/23 is 7e-19.
+        let s = (x - 1.0) / (x + 1.0);
+        let square = s * s;
+        let mut series = self.constant(1.0 / 21.0);
+        for odd in [19.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0, 1.0] {
+            series = series.mul_add(square, self.constant(1.0 / odd));
+        }
+        exponent.mul_add(self.constant(LN_2), s * 2.0 * series)
+    }
+
+    /// Inverse hyperbolic sine of numbers up to 1e150, to 1e-15 of one or of itself, whichever is larger.
+    #[inline(always)]
+    #[must_use]
+    pub fn arsinh(self) -> Self {
+        let size = self.abs();
+        let result = (size + size.mul_add(size, self.constant(1.0)).sqrt()).ln();
+        self.lt(self.constant(0.0)).select(-result, result)
+    }
+}
+
+/// One over 13! down to one over 0!.
+const INVERSE_FACTORIALS: [f64; 14] = [
+    1.605_904_383_682_161_5e-10,
+    2.087_675_698_786_81e-9,
+    2.505_210_838_544_171_7e-8,
+    2.755_731_922_398_589e-7,
+    2.755_731_922_398_589_3e-6,
+    2.480_158_730_158_73e-5,
+    1.984_126_984_126_984e-4,
+    1.388_888_888_888_889e-3,
+    8.333_333_333_333_333e-3,
+    4.166_666_666_666_666_4e-2,
+    0.166_666_666_666_666_66,
+    0.5,
+    1.0,
+    1.0,
+];
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use pulp::{Arch, WithSimd};
+
+    use super::*;
+    use crate::{BLOCK, Block};
+
+    struct Both(Block, Block);
+
+    impl WithSimd for Both {
+        type Output = [Block; 3];
+
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let mut found = [[0.0; BLOCK]; 3];
+            for at in (0..BLOCK).step_by(S::F64_LANES) {
+                Lane::<S>::load(simd, &self.0[at..]).exp().store(&mut found[0][at..]);
+                Lane::<S>::load(simd, &self.1[at..]).ln().store(&mut found[1][at..]);
+                Lane::<S>::load(simd, &self.0[at..]).arsinh().store(&mut found[2][at..]);
+            }
+            found
+        }
+    }
+
+    proptest! {
+        /// Against the standard library, which is within one unit of 1.1e-16.
+        #[test]
+        fn they_are_those_of_the_standard_library(
+            x in proptest::array::uniform8(-700.0..700.0_f64),
+            small in proptest::array::uniform8(-2.0..2.0_f64),
+        ) {
+            for x in [x, small] {
+                let positive = x.map(f64::exp);
+                let [exp, ln, arsinh] = Arch::new().dispatch(Both(x, positive));
+                for (i, x) in x.into_iter().enumerate() {
+                    prop_assert!((exp[i] / x.exp() - 1.0).abs() <= 4.5e-16, "exp {x}");
+                    let log = positive[i].ln();
+                    prop_assert!((ln[i] - log).abs() <= 4.5e-16 * log.abs().max(1.0), "ln {x}");
+                    let error = (arsinh[i] - x.asinh()).abs();
+                    prop_assert!(error <= 1e-15 * x.asinh().abs().max(1.0), "arsinh {x}");
+                }
+            }
+        }
+    }
+
+    /// The same bits on every instruction set.
+    #[test]
+    fn instruction_sets_agree() {
+        let x = [-600.0, -1.0, -1e-9, 0.0, 1e-3, 0.9, 33.0, 650.0];
+        let positive = [1e-300, 1e-3, 0.5, 1.0, 1.4142, 1.4143, 33.0, 1e300];
+        let bits = |arch: Arch| arch.dispatch(Both(x, positive)).map(|b| b.map(f64::to_bits));
+        for arch in crate::instruction_sets() {
+            assert_eq!(bits(arch), bits(Arch::Scalar), "{arch:?}");
+        }
+    }
+}
