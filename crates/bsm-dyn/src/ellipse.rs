@@ -9,8 +9,8 @@ mod panels;
 use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 
 use self::kernel::{MOTION, Point};
-pub(crate) use self::panels::{Nodes, Plan};
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
+pub(crate) use self::panels::{Nodes, Plan};
 use crate::{Coulomb, FrictionLaw, Wrench};
 
 /// A loaded contact ellipse on the ball.
@@ -162,12 +162,8 @@ pub(crate) trait Lanes<P>: Over<P> {
     ) -> Integral<Self>;
 
     /// Power that friction takes, over `$f Q$`.
-    fn power(
-        ellipse: &Ellipse<Self, P>,
-        local: &Local<Self>,
-        creep: f64,
-        nodes: Nodes<'_>,
-    ) -> Self;
+    fn power(ellipse: &Ellipse<Self, P>, local: &Local<Self>, creep: f64, nodes: Nodes<'_>)
+    -> Self;
 }
 
 impl<P: Scalar, D: Scalar> Ellipse<D, P> {
@@ -211,12 +207,7 @@ impl Lanes<f64> for f64 {
         Integral::from_sums(kernel::sums(&ellipse.point(local, creep), nodes).0)
     }
 
-    fn power(
-        ellipse: &Ellipse<f64>,
-        local: &Local<f64>,
-        creep: f64,
-        nodes: Nodes<'_>,
-    ) -> f64 {
+    fn power(ellipse: &Ellipse<f64>, local: &Local<f64>, creep: f64, nodes: Nodes<'_>) -> f64 {
         kernel::sums(&ellipse.point(local, creep), nodes).1
     }
 }
@@ -241,12 +232,7 @@ impl<const N: usize> Lanes<f64> for Jet<N> {
         }))
     }
 
-    fn power(
-        ellipse: &Ellipse<Self>,
-        local: &Local<Self>,
-        creep: f64,
-        nodes: Nodes<'_>,
-    ) -> Self {
+    fn power(ellipse: &Ellipse<Self>, local: &Local<Self>, creep: f64, nodes: Nodes<'_>) -> Self {
         ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule).1
     }
 }

@@ -358,7 +358,8 @@ pub(super) fn walk<S: Simd>(
         let mut lines = lines(simd, rule, slip, (&tau, &weight), (&at, &width));
         lines.split = split;
         if let Some((inner, inside)) = plan.and_then(|plan| plan.lines.get(number)) {
-            (lines.inner, lines.inside, lines.any_inside) = (*inner, *inside, *inside != [false; BLOCK]);
+            (lines.inner, lines.inside, lines.any_inside) =
+                (*inner, *inside, *inside != [false; BLOCK]);
         }
         number += 1;
         visitor.visit(simd, &lines);
