@@ -47,6 +47,7 @@ mod equations;
 #[cfg(test)]
 mod extreme;
 mod friction;
+mod held_ball;
 mod hertz;
 mod jam;
 mod jones;
@@ -69,6 +70,7 @@ pub use elastic::{Elastic, ElasticWorkspace};
 pub use elastic_ball::ElasticScrew;
 pub use ellipse::{Ellipse, EllipseSlip, Quadrature, power_of_many, pressed_radius};
 pub use friction::{Coulomb, FrictionLaw, friction_force};
+pub use held_ball::{HeldBall, HeldContact, HeldMotion};
 pub use hertz::{Axes, Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 pub use jam::{
     EntryStep, Wedge, apex_thrust, centrifugal_force, flat_stiffness, impact_force,
