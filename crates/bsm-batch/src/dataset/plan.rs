@@ -256,6 +256,7 @@ fn rows_of_a_shard(rows: u64, model: ModelChoice) -> NonZeroU64 {
 
 #[cfg(test)]
 mod tests {
+    use std::num::NonZeroUsize;
     use std::sync::atomic::AtomicBool;
 
     use bsm_dyn::Control;
