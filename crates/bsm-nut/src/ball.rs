@@ -48,6 +48,11 @@ impl BallInGrooves {
         slope: [[0.0; 2]; 2],
     };
 
+    /// Whether the flanks + and − press it.
+    pub fn flanks_pressed(&self) -> [bool; 2] {
+        [0, 1].map(|flank| self.loads[flank] > 0.0 || self.loads[2 + flank] > 0.0)
+    }
+
     /// The largest load of its contacts \[N\].
     pub fn max_load(&self) -> f64 {
         self.loads.iter().copied().fold(0.0, f64::max)

@@ -1,19 +1,24 @@
 //! Friction of all balls, each at its own load in its own displaced grooves.
 //!
-//! Theory: `docs/theory/16-nut.md`, equation (U21).
+//! Theory: `docs/theory/16-nut.md`, equations (U21), (U29) and (U30).
 
-use bsm_dyn::{Ball, ElasticScrew, Load, Solution};
-use bsm_kin::Drive;
+use bsm_dyn::{
+    Ball, ElasticScrew, HeldBall, HeldContact, Load, Quadrature, Solution, Traction, pressed_radius,
+};
+use bsm_kin::{Drive, Site};
 
 use crate::geometry::count;
-use crate::{BallNut, Equilibrium};
+use crate::{BallInGrooves, BallNut, Equilibrium};
 
 /// Friction torque and power of a nut, of the balls alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NutFriction {
     /// Friction torque of each ball on the screw \[N·m\], not negative; `None` where the model of a ball
-    /// has no answer, or the ball is loaded at more than two contacts.
+    /// has no answer.
     pub balls: Vec<Option<f64>>,
+    /// Balls that both flanks press, whose friction is integrated over all their ellipses, whatever the
+    /// model of the others.
+    pub on_both_flanks: usize,
     /// Sum over the balls \[N·m\]; `None` unless every ball has one.
     pub torque: Option<f64>,
     /// Torque on the screw that carries the axial force `$h F_a$` and drives against friction \[N·m\].
@@ -23,6 +28,10 @@ pub struct NutFriction {
     /// Friction power \[W\].
     pub heat: Option<f64>,
 }
+
+/// Accuracy of the quadrature over the ellipses of a ball on both flanks: far below what a constant
+/// friction coefficient is worth.
+const FOUR_CONTACTS: f64 = 1e-6;
 
 impl BallNut {
     /// The screw whose only ball is one of this nut (U21), with its own groove displacement and
@@ -37,10 +46,11 @@ impl BallNut {
         drive: &Drive<f64>,
     ) -> Option<ElasticScrew> {
         let ball = &found.balls[number];
-        let [plus, minus] = [ball.loads[0].max(ball.loads[2]), ball.loads[1].max(ball.loads[3])];
-        if (plus > 0.0) == (minus > 0.0) {
-            return None;
-        }
+        let plus = match ball.flanks_pressed() {
+            [true, false] => true,
+            [false, true] => false,
+            _ => return None,
+        };
         let excess = self.excess(number);
         let radius = self.ball.radius + excess;
         let scaled = |conformity: f64| conformity * self.ball.radius / radius;
@@ -52,7 +62,7 @@ impl BallNut {
         let radial = first_touch * self.contact_angle.cos() + found.grooves[number][1];
         let contact_angle = (radial / (first_touch - 2.0 * excess)).acos();
         // The far flank sees the drive the other way round.
-        let way = if plus > 0.0 { 1.0 } else { -1.0 };
+        let way = if plus { 1.0 } else { -1.0 };
         let axial = ball.force[0].abs() * self.helix.lead_angle.cos();
         let mass = self.ball.mass * (radius / self.ball.radius).powi(3);
         Some(ElasticScrew {
@@ -63,6 +73,41 @@ impl BallNut {
             drive: Drive { screw_speed: drive.screw_speed * way, nut_speed: drive.nut_speed * way },
             load: Load { axial, balls: 1.0 },
             ..share
+        })
+    }
+
+    /// The ball that both flanks press, with its loads as they are without friction (U29).
+    fn ball_on_both_flanks(
+        &self,
+        found: &Equilibrium,
+        number: usize,
+        friction: f64,
+        drive: &Drive<f64>,
+    ) -> Option<HeldBall> {
+        let (ball, hertz) = (&found.balls[number], self.hertz().ok()?);
+        let contact = |c: usize| {
+            let (site, conformity) = if c < 2 {
+                (Site::Nut, self.conformity.0)
+            } else {
+                (Site::Screw, self.conformity.1)
+            };
+            let flank = if c % 2 == 0 { 1.0 } else { -1.0 };
+            HeldContact {
+                site,
+                angle: flank * ball.angles[c],
+                load: ball.loads[c],
+                semi_axes: hertz[c / 2].semi_axes(ball.loads[c]),
+                pressed_radius: pressed_radius(conformity, self.ball.radius),
+            }
+        };
+        let pressed = (0..4).filter(|c| ball.loads[*c] > 0.0);
+        Some(HeldBall {
+            helix: self.helix,
+            ball: self.ball,
+            drive: *drive,
+            friction,
+            creep: Traction::<f64>::CREEP,
+            contacts: pressed.map(contact).collect(),
         })
     }
 
@@ -79,9 +124,14 @@ impl BallNut {
     ) -> NutFriction {
         let speed = drive.relative_speed();
         let per_radian = self.helix.lead() / std::f64::consts::TAU;
+        let quadrature = Quadrature::of(FOUR_CONTACTS);
         let mut of_ball = |number: usize| -> Option<f64> {
             if found.balls[number].max_load() <= 0.0 {
                 return Some(0.0);
+            }
+            if found.balls[number].flanks_pressed() == [true, true] {
+                let ball = self.ball_on_both_flanks(found, number, friction, drive)?;
+                return ball.solve(&quadrature).ok().map(|motion| motion.torque);
             }
             let screw = self.ball_alone(found, number, friction, drive)?;
             let torque = solve(screw).solved()?.transmission.screw_torque?;
@@ -99,7 +149,9 @@ impl BallNut {
             .filter(|_| axial.abs() > f64::EPSILON * found.forces())
             .map(|torque| if ideal * speed > 0.0 { ideal / torque } else { torque / ideal });
         let heat = torque.map(|torque| torque * speed.abs());
-        NutFriction { balls, torque, drive_torque, efficiency, heat }
+        let on_both = |ball: &&BallInGrooves| ball.flanks_pressed() == [true, true];
+        let on_both_flanks = found.balls.iter().filter(on_both).count();
+        NutFriction { balls, on_both_flanks, torque, drive_torque, efficiency, heat }
     }
 }
 

@@ -5,7 +5,7 @@ mod nuts;
 use std::f64::consts::{PI, TAU};
 
 use approx::assert_relative_eq;
-use bsm_dyn::{Ball, Material, ModelWorkspace, Problem, RacewayControl, Traction};
+use bsm_dyn::{Ball, Material, ModelWorkspace, Problem, RacewayControl};
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{
     BallNut, Bar, Circuit, Errors, Flanks, Freedom, LeadError, NutError, Preload, Ring, Support,
@@ -281,18 +281,27 @@ fn friction_adds_up() {
     assert!((0.028..0.038).contains(&factor), "{factor}");
 }
 
-/// Friction of oversize balls, on both flanks, is not what these models can tell.
+/// Oversize balls on both flanks drag: their friction is integrated over four ellipses.
 #[test]
-fn balls_on_both_flanks_have_no_friction_of_one_ball() {
+fn oversize_balls_drag() {
     let tight = nut_a().preloaded(Preload::Oversize, 8e-6);
     let found = tight.solve(&Support::guided(0.0)).expect("at rest");
-    let drive = Drive { screw_speed: 50.0, nut_speed: 0.0 };
-    let mut work = ModelWorkspace::default();
-    let all = tight.friction(&found, 0.06, &drive, |screw| {
-        Problem::Traction(Traction { screw, order: Traction::ORDER, creep: Traction::CREEP })
-            .solve(&mut work)
-    });
-    assert_eq!(all.torque, None);
+    let drag = |screw_speed: f64, friction: f64| {
+        let drive = Drive { screw_speed, nut_speed: 0.0 };
+        let nobody = |_: bsm_dyn::ElasticScrew| unreachable!("all balls are on both flanks");
+        let all = tight.friction(&found, friction, &drive, nobody);
+        assert_eq!(all.on_both_flanks, 98);
+        all.torque.expect("all balls")
+    };
+    let torque = drag(50.0, 0.06);
+    // The sliding of a ball on four contacts is proportional to the friction, up to inertia and the
+    // creep speed.
+    assert_relative_eq!(drag(50.0, 0.12), 2.0 * torque, max_relative = 1e-3);
+    assert_relative_eq!(drag(-50.0, 0.06), torque, max_relative = 1e-3);
+    // More than the pair of the same preload, whose balls roll: K_p of 0.033 there.
+    let preload = found.preload(&tight, Preload::Oversize);
+    let factor = torque * TAU / (preload * 10e-3);
+    assert!((0.04..0.4).contains(&factor), "{factor}");
 }
 
 proptest! {
