@@ -8,8 +8,11 @@ use pulp::Simd;
 
 use crate::Lane;
 
+/// `$2^{52}$`, whose last bit is one.
+const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
+
 /// What is added to round to whole numbers, which the last bits of the sum then hold.
-const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
+const WHOLE: f64 = 1.5 * TWO_TO_52;
 
 /// `$\ln 2$` to 33 bits, so that its multiples are exact, and the rest.
 const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
@@ -25,7 +28,7 @@ fn power_of_two(sum: f64) -> f64 {
 #[inline(always)]
 fn exponent(x: f64) -> f64 {
     // Its bits at the end of those of 2⁵², which is then taken off.
-    f64::from_bits(x.to_bits() >> 52 | 0x4330_0000_0000_0000) - ((1_u64 << 52) as f64 + 1023.0)
+    f64::from_bits(x.to_bits() >> 52 | 0x4330_0000_0000_0000) - (TWO_TO_52 + 1023.0)
 }
 
 /// The number over two to the power of its exponent, from 1 to 2.

@@ -456,10 +456,9 @@ pub fn power_of_many<S: Simd, const N: usize>(
         let length = ((high - pole.at) / pole.width).arsinh() - from;
         let mut lines = [(zero, zero); BLOCK];
         let mut sinh = zero.constant(f64::INFINITY);
-        for i in 0..BLOCK {
-            let (place, part) = rule.panel[i];
-            lines[i] = line(&pole, length * place + from, length * part);
-            sinh = sinh.min(slip.analyticity(lines[i].0));
+        for (known, (place, part)) in lines.iter_mut().zip(&rule.panel) {
+            *known = line(&pole, length * *place + from, length * *part);
+            sinh = sinh.min(slip.analyticity(known.0));
         }
         resolved = resolved & least.le(sinh);
         // Each contact has its own nodes along the lines, and none beyond its last.
