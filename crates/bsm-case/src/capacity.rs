@@ -5,6 +5,7 @@ use bsm_design::{
 };
 use serde_json::{Map, Value, json};
 
+use crate::nut::balls_and_turns;
 use crate::reader::lead_mm;
 use crate::record::message;
 use crate::units::{DEG, MM, RPM, UM};
@@ -144,7 +145,7 @@ fn is_life(name: &str) -> bool {
 }
 
 /// The body of the nut of a scene, which must hold its balls.
-fn body(scene: &Scene, nut: &Nut) -> Result<Body, CaseError> {
+pub(crate) fn body(scene: &Scene, nut: &Nut) -> Result<Body, CaseError> {
     let mut body = Body::usual(nut, nut.pitch_diameter);
     if let Some(outer) = scene.nut_outer_diameter_mm {
         body.outer = outer * MM;
@@ -215,7 +216,7 @@ fn doubts(nut: &Nut, body: &Body) -> Vec<String> {
 }
 
 /// The nut of a scene.
-fn nut(scene: &Scene) -> Result<Nut, CaseError> {
+pub(crate) fn nut(scene: &Scene) -> Result<Nut, CaseError> {
     let mut missing = Vec::new();
     let mut need = |name: &str, value: Option<f64>| {
         value.unwrap_or_else(|| {
@@ -224,6 +225,7 @@ fn nut(scene: &Scene) -> Result<Nut, CaseError> {
         })
     };
     let pitch_mm = need("pitch_circle_diameter_mm", scene.pitch_circle_diameter_mm);
+    let (balls_per_turn, turns) = balls_and_turns(scene);
     let lead_mm = scene.lead_mm.or_else(|| Some(lead_mm(scene.lead_angle_deg? * DEG, pitch_mm)));
     let nut = Nut {
         ball_diameter: need("ball_diameter_mm", scene.ball_diameter_mm) * MM,
@@ -235,8 +237,8 @@ fn nut(scene: &Scene) -> Result<Nut, CaseError> {
             need("screw_conformity", scene.screw_conformity),
         ),
         material: scene.reader().materials(),
-        balls_per_turn: need("loaded_balls_per_turn", scene.loaded_balls_per_turn),
-        turns: need("loaded_turns", scene.loaded_turns),
+        balls_per_turn: need("loaded_balls_per_turn", balls_per_turn),
+        turns: need("loaded_turns", turns),
     };
     if missing.is_empty() { Ok(nut) } else { Err(CaseError::MissingForRatings { missing }) }
 }

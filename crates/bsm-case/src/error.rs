@@ -77,9 +77,9 @@ pub enum CaseError {
         /// The nearest known one.
         nearest: Option<String>,
     },
-    /// A value of the lists of the catalogue that is not a list.
+    /// An entry of a file that cannot be used.
     #[error("`{key}`: {what}")]
-    NotAList {
+    BadEntry {
         /// The key.
         key: String,
         /// What is wrong.
@@ -106,6 +106,21 @@ pub enum CaseError {
     MissingForRatings {
         /// The keys.
         missing: Vec<String>,
+    },
+    /// Inputs that a nut needs are not given.
+    #[error("{} required for a nut", list(missing))]
+    MissingForNut {
+        /// The keys.
+        missing: Vec<String>,
+    },
+    /// A model whose ball is not one of a nut.
+    #[error(
+        "model {model} has no loaded grooves: models auto, raceway-control, elastic and traction give \
+         the friction of the balls of a nut"
+    )]
+    NoBallOfANut {
+        /// The model.
+        model: &'static str,
     },
     /// A key that requirements do not have.
     #[error("unknown key `{}`{}; `bsm design` without a file lists all keys", brief(key), nearest_hint(nearest.as_deref()))]

@@ -12,7 +12,7 @@ use crate::{CaseError, Cell, ModelChoice, OUTPUTS, Output, Scene};
 
 /// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
 /// load rating of ISO 76 is made from it.
-const MARKS_ABOVE: f64 = 4.2e9;
+pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
 
 /// One answer: model, status, numbers, and words where they are needed.
 #[derive(Debug, Clone, PartialEq)]

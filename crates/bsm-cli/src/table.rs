@@ -2,7 +2,8 @@
 
 use bsm_case::units::MM;
 use bsm_case::{
-    Analysis, Block, Cell, OUTPUTS, Output, Record, Scene, Sensitivity, Values, printable,
+    Analysis, Block, Cell, Line, NutReport, OUTPUTS, Output, Record, Scene, Sensitivity, Values,
+    printable,
 };
 use bsm_report::number;
 use bsm_validate::Study;
@@ -174,6 +175,31 @@ pub(crate) fn analysis(report: &Analysis) -> String {
     let lacks = report.lacks.iter().map(|lack| format!("left out: {lack}"));
     blocks.push(verdicts.chain(lacks).collect::<Vec<_>>().join("\n"));
     blocks.join("\n\n")
+}
+
+/// A nut under load: a table for each block.
+pub(crate) fn nut(report: &NutReport) -> String {
+    let blocks = report.blocks();
+    let values = |block: &Block| -> Vec<_> {
+        let of = |line: &Line| match line.values {
+            Values::Whole(value) => vec![(line.unit, value)],
+            Values::Contacts(_) => Vec::new(),
+        };
+        block.lines.iter().flat_map(of).collect()
+    };
+    let scales = Scales::of(blocks.iter().flat_map(values));
+    let rows = |block: &Block| {
+        let value = |line: &Line| match line.values {
+            Values::Whole(value) => scales.print(line.unit, value),
+            Values::Contacts(_) => String::new(),
+        };
+        let row = |line: &Line| vec![line.about.to_owned(), line.unit.to_owned(), value(line)];
+        let title = [block.title, "", ""].map(str::to_owned).to_vec();
+        std::iter::once(title).chain(block.lines.iter().map(row)).collect::<Vec<_>>()
+    };
+    let gap = || vec![String::new(); 3];
+    let all: Vec<_> = blocks.iter().flat_map(|block| [rows(block), vec![gap()]].concat()).collect();
+    plain(None, &all, 2)
 }
 
 /// A block of an analysis: what the ball has, then what its contacts have.
