@@ -141,10 +141,13 @@ pub enum TableError {
         found: String,
     },
     /// An output that does not exist.
-    #[error("no output is named `{name}`; `bsm schema output` lists them")]
+    #[error("no output is named `{}`{}; `bsm schema output` lists them", brief(name),
+        nearest.map_or_else(String::new, |n| format!(", did you mean `{n}`?")))]
     UnknownOutput {
         /// The name.
         name: String,
+        /// The nearest known output.
+        nearest: Option<&'static str>,
     },
     /// A column to keep that the table does not have.
     #[error("--keep {name}: the table has no such column")]

@@ -43,7 +43,9 @@ impl Wanted {
     pub(crate) fn of(outputs: &[&Output]) -> Self {
         let mut places = [None; OUTPUTS.len()];
         for (place, output) in outputs.iter().enumerate() {
-            places[output.key as usize] = Some(place);
+            if let Some(key) = output.key() {
+                places[key as usize] = Some(place);
+            }
         }
         Self(places)
     }

@@ -22,7 +22,7 @@
 //! )?;
 //! let grid = Grid::new(vec![Axis::parse("screw_speed_rpm=500:1500:3")?])?;
 //! let outputs = Answers::select(Some(&["efficiency".to_owned()]))?;
-//! let task = Task::over_grid(screw, Settings::from(Model::Rigid), outputs, &grid)?;
+//! let task = Task::over_grid(screw, Settings::from(Model::Rigid), outputs, None, &grid)?;
 //!
 //! // Whoever sets it from another thread stops the run.
 //! let stop = AtomicBool::new(false);

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{self, available_parallelism};
 
-use bsm_case::{CaseError, Grid, Output, Scene, Settings};
+use bsm_case::{CaseError, Grid, InputSet, ModelChoice, Output, Scene, Settings};
 use bsm_dyn::Status;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -141,34 +141,62 @@ impl Task {
         Self { base, settings, outputs, watched: None }
     }
 
-    /// A task for all points of a grid, with one model for all of them.
+    /// True if the points must be solved, and not only the inputs be read.
+    pub(crate) fn solves(&self) -> bool {
+        let mut outputs = self.outputs.iter().copied().chain(self.watched);
+        self.outputs.is_empty() || outputs.any(Output::needs_solution)
+    }
+
+    /// The task, if points that have the inputs `given` and are solved with `model` can fill its columns.
+    fn checked(self, given: InputSet, model: ModelChoice) -> Result<Self, CaseError> {
+        let mut outputs = self.outputs.iter().chain(&self.watched);
+        outputs.try_for_each(|output| output.check(given, model))?;
+        Ok(self)
+    }
+
+    /// A task for all points of a grid, with one model for all of them. What no point could have is
+    /// told here, once.
+    ///
+    /// * `watched`: an output that is only looked at.
     ///
     /// # Errors
     ///
-    /// As [`Grid::choose`].
+    /// As [`Grid::choose`], and as [`Output::check`].
     pub fn over_grid(
         base: Scene,
         settings: Settings,
         outputs: Vec<&'static Output>,
+        watched: Option<&'static Output>,
         grid: &Grid,
     ) -> Result<Self, CaseError> {
-        let model = grid.choose(&base, settings.model)?;
-        Ok(Self::new(base, Settings { model, ..settings }, outputs))
+        let given = base.given().overridden_by(grid.varied());
+        let mut task = Self { watched, ..Self::new(base, settings, outputs) };
+        if task.solves() {
+            task.settings.model = grid.choose(&task.base, settings.model)?;
+        } else {
+            grid.check(&task.base)?;
+        }
+        let model = task.settings.model;
+        task.checked(given, model)
     }
 
     /// A task for the rows of a table. What no row could be solved without is told here, once.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Missing`] if base and columns together lack an input of the model.
+    /// [`CaseError::Missing`] if base and columns together lack an input of the model, and those of
+    /// [`Output::check`].
     pub fn over_table(
         base: Scene,
         settings: Settings,
         outputs: Vec<&'static Output>,
         columns: &Columns,
     ) -> Result<Self, CaseError> {
-        settings.model.resolve(base.given() | columns.set(), |_| Ok(()))?;
-        Ok(Self::new(base, settings, outputs))
+        let given = base.given() | columns.set();
+        let task = Self::new(base, settings, outputs);
+        let model =
+            if task.solves() { settings.model.resolve(given, |_| Ok(()))? } else { settings.model };
+        task.checked(given, model)
     }
 
     /// Solves all rows of `source` into a table, and returns what it was written to.

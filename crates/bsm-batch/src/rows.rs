@@ -253,7 +253,8 @@ impl Answers {
         Some(&self.messages[place].1)
     }
 
-    /// All outputs, or those of a selection, in its order.
+    /// All outputs of a solution, or those of a selection, in its order, which may hold numbers of
+    /// analyses.
     ///
     /// # Errors
     ///
@@ -262,9 +263,11 @@ impl Answers {
         let Some(names) = names else { return Ok(OUTPUTS.iter().collect()) };
         let mut selected: Vec<&'static Output> = Vec::with_capacity(names.len());
         for name in names {
-            let output = Output::named(name)
-                .ok_or_else(|| TableError::UnknownOutput { name: name.clone() })?;
-            if selected.iter().any(|other| other.key == output.key) {
+            let output = Output::named(name).ok_or_else(|| TableError::UnknownOutput {
+                name: name.clone(),
+                nearest: Output::nearest(name),
+            })?;
+            if selected.iter().any(|other| other.name == output.name) {
                 return Err(TableError::RepeatedColumn { name: name.clone() });
             }
             selected.push(output);

@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use bsm_case::{Cell as Answer, Record};
-use bsm_dyn::ModelWorkspace;
+use bsm_case::{AnalysisKind, CaseError, Cell as Answer, Moving, Output, Quantity, Record, Scene};
+use bsm_dyn::{ModelWorkspace, Status};
 use bsm_simd::Arch;
 use rayon::prelude::*;
 
@@ -59,10 +59,12 @@ impl Task {
 
     /// The answers, complete unless `stop` has become true.
     fn answer(&self, arch: Arch, stop: &AtomicBool, chunk: &Chunk, columns: &Columns) -> Answers {
-        let Self { base, settings, outputs, watched } = self;
-        let outputs: Vec<_> = outputs.iter().copied().chain(*watched).collect();
-        let wanted = Wanted::of(&outputs);
-        let operands = Operands::of(chunk, columns, base, settings);
+        let Self { base, settings, .. } = self;
+        let asked = Asked::of(self);
+        let outputs = &asked.outputs;
+        let wanted = Wanted::of(outputs);
+        let operands =
+            if asked.solves { Operands::of(chunk, columns, base, settings) } else { None };
         let model = operands.as_ref().map_or(settings.model, |(_, model)| (*model).into());
         let mut answers = Answers::empty(chunk.len, outputs.len(), model);
 
@@ -92,33 +94,112 @@ impl Task {
                     rows.solve(arch, *model, settings);
                 }
                 let mut messages = Vec::new();
-                for (i, _) in done.iter().enumerate().filter(|(_, done)| !**done) {
+                for (i, done) in done.into_iter().enumerate() {
+                    if done && asked.analyses.is_empty() {
+                        continue;
+                    }
                     if stop.load(Ordering::Relaxed) {
                         break;
                     }
                     let row = part.first + i;
-                    let problem = chunk.scene(columns, base, row).and_then(|s| s.problem(settings));
-                    let record = match problem {
-                        Ok(problem) => {
-                            Record::new(WORK.with_borrow_mut(|work| problem.solve(work)))
-                        }
-                        Err(error) => Record::invalid(settings.model, &error),
-                    };
-                    part.verdicts[i] = Verdict {
-                        model: record.model(),
-                        status: record.status(),
-                        has_others: record.has_others(),
-                    };
-                    let message = record.message().map(str::to_owned).or_else(|| record.choice());
+                    let put = |place: usize, value| part.columns[place][i] = value;
+                    let scene = chunk.scene(columns, base, row);
+                    let (verdict, message) = self.answer_row(&asked, scene, done, put);
+                    part.verdicts[i] = verdict.unwrap_or(part.verdicts[i]);
                     messages.extend(message.map(|message| (row, message)));
-                    for (output, column) in outputs.iter().zip(&mut part.columns) {
-                        column[i] = record.cell(output).map_or(f64::NAN, Answer::number);
-                    }
                 }
                 messages
             })
             .collect();
         answers.messages = messages.into_iter().flatten().collect();
         answers
+    }
+
+    /// Answers a row: its verdict unless a kernel has answered all but its analyses, and its words.
+    ///
+    /// * `put`: takes the value of an output, by place.
+    fn answer_row(
+        &self,
+        asked: &Asked,
+        scene: Result<Scene, CaseError>,
+        by_kernel: bool,
+        mut put: impl FnMut(usize, f64),
+    ) -> (Option<Verdict>, Option<String>) {
+        let settings = &self.settings;
+        let invalid = |error: &CaseError| {
+            let status = Status::InvalidInput;
+            let verdict = Verdict { model: settings.model, status, has_others: false };
+            (Some(verdict), Some(error.to_string()))
+        };
+        let scene = match scene {
+            Ok(scene) => scene,
+            Err(error) => return invalid(&error),
+        };
+        let (mut verdict, mut words, mut motion) = (None, Vec::new(), None);
+        if asked.solves && (asked.moves || !by_kernel) {
+            let record = match scene.problem(settings) {
+                Ok(problem) => Record::new(WORK.with_borrow_mut(|work| problem.solve(work))),
+                Err(error) => return invalid(&error),
+            };
+            if !by_kernel {
+                verdict = Some(Verdict {
+                    model: record.model(),
+                    status: record.status(),
+                    has_others: record.has_others(),
+                });
+                words.extend(record.message().map(str::to_owned).or_else(|| record.choice()));
+                for (place, output) in asked.outputs.iter().enumerate() {
+                    put(place, record.cell(output).map_or(f64::NAN, Answer::number));
+                }
+            }
+            let solution = record.into_solution().filter(|s| asked.moves && s.solved().is_some());
+            let moving = solution.map(|found| {
+                WORK.with_borrow_mut(|work| Moving::of(&scene, settings, found, work))
+            });
+            match moving.transpose() {
+                Ok(moving) => motion = moving,
+                Err(error) => words.push(error.to_string()),
+            }
+            words.extend(motion.iter().filter_map(|moving| moving.note.clone()));
+        }
+        for kind in asked.analyses.iter().filter(|kind| motion.is_some() || !kind.needs_motion()) {
+            let wanted = |quantity: &Quantity| {
+                let of_it = |column: &Output| asked.outputs.iter().any(|o| o.name == column.name);
+                quantity.columns.iter().any(of_it)
+            };
+            match kind.numbers(&scene, settings, motion.as_ref(), wanted) {
+                Ok(numbers) => {
+                    let places = asked.outputs.iter().enumerate();
+                    let values =
+                        places.filter_map(|(place, output)| Some((place, numbers.value(output)?)));
+                    values.for_each(|(place, value)| put(place, value));
+                }
+                Err(error) if !asked.solves => return invalid(&error),
+                Err(error) => words.push(format!("{}: {error}", kind.name())),
+            }
+        }
+        (verdict, (!words.is_empty()).then(|| words.join("; ")))
+    }
+}
+
+/// What is asked of every row.
+struct Asked {
+    /// Outputs to write, then the one that is watched.
+    outputs: Vec<&'static Output>,
+    /// The analyses that they are numbers of.
+    analyses: Vec<AnalysisKind>,
+    /// True if the points must be solved, and not only the inputs be read.
+    solves: bool,
+    /// True if the motion of the ball is analysed.
+    moves: bool,
+}
+
+impl Asked {
+    fn of(task: &Task) -> Self {
+        let outputs: Vec<_> = task.outputs.iter().copied().chain(task.watched).collect();
+        let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
+        let analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
+        let moves = analyses.iter().any(|kind| kind.needs_motion());
+        Self { analyses, solves: task.solves(), moves, outputs }
     }
 }

@@ -1,74 +1,107 @@
-//! Analyses of a solved motion: their numbers, and what they are made from.
+//! Analyses of a scene or of a solved motion: their numbers, and what they are made from.
 
-use bsm_dyn::{Model, Solution, SteadyBall, Touch};
+use bsm_dyn::{Model, ModelWorkspace, Solution, SteadyBall, Touch};
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
+use crate::problem::Needs;
+use crate::quantity::Statement;
 use crate::record::message;
-use crate::{CaseError, ModelChoice, Record, Scene, Settings};
+use crate::{
+    CaseError, InputSet, ModelChoice, NutProblem, Numbers, OptimumReport, Output, Quantity, Record, Scene,
+    Settings, jam, nut, optimum, slip,
+};
 
-/// The contacts of a line.
+/// The contacts of a ball.
 const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutMinor];
 
-/// Their names in keys.
-const PREFIXES: [&str; 3] = ["nut", "screw", "minor"];
-
-/// The numbers of a line.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Values {
-    /// Of the ball, or of the screw.
-    Whole(f64),
-    /// At nut, screw and minor contact, where there is one.
-    Contacts([Option<f64>; 3]),
+/// An analysis, whose numbers may be columns of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AnalysisKind {
+    /// Slip of the balls, `bsm slip`.
+    Slip,
+    /// Jamming of the balls, `bsm jam`.
+    Jam,
+    /// Optimum contact angles and self-locking limits, `bsm optimum`.
+    Optimum,
+    /// All balls of a nut, `bsm nut`.
+    Nut,
 }
 
-/// A quantity of an analysis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line {
-    /// Name with its unit as suffix; the contact stands in front of it.
-    pub key: &'static str,
-    /// Unit in words; empty if dimensionless.
-    pub unit: &'static str,
-    /// Meaning.
-    pub about: &'static str,
-    /// Its numbers.
-    pub values: Values,
-}
+impl AnalysisKind {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Slip, Self::Jam, Self::Optimum, Self::Nut];
 
-/// Lines that belong together.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Block {
-    /// What they are about.
-    pub title: &'static str,
-    /// The lines.
-    pub lines: Vec<Line>,
-}
-
-impl Block {
-    pub(crate) fn new(title: &'static str) -> Self {
-        Self { title, lines: Vec::new() }
+    /// The command of that analysis.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Slip => "slip",
+            Self::Jam => "jam",
+            Self::Optimum => "optimum",
+            Self::Nut => "nut",
+        }
     }
 
-    pub(crate) fn whole(
-        &mut self,
-        key: &'static str,
-        unit: &'static str,
-        about: &'static str,
-        value: f64,
-    ) {
-        self.lines.push(Line { key, unit, about, values: Values::Whole(value) });
+    /// Its quantities, in the order in which they are printed.
+    pub fn quantities(self) -> &'static [Quantity] {
+        match self {
+            Self::Slip => slip::QUANTITIES,
+            Self::Jam => jam::QUANTITIES,
+            Self::Optimum => optimum::QUANTITIES,
+            Self::Nut => nut::QUANTITIES,
+        }
     }
 
-    /// Adds a line unless no contact has a number.
-    pub(crate) fn contacts(
-        &mut self,
-        key: &'static str,
-        unit: &'static str,
-        about: &'static str,
-        values: [Option<f64>; 3],
-    ) {
-        if values.iter().any(Option::is_some) {
-            self.lines.push(Line { key, unit, about, values: Values::Contacts(values) });
+    /// Its numbers as outputs.
+    pub fn columns(self) -> impl Iterator<Item = &'static Output> {
+        self.quantities().iter().flat_map(|quantity| quantity.columns)
+    }
+
+    /// True if it is of a ball in motion, false if it is of the inputs alone.
+    pub fn needs_motion(self) -> bool {
+        match self {
+            Self::Slip | Self::Jam => true,
+            Self::Optimum | Self::Nut => false,
+        }
+    }
+
+    /// Inputs that it needs and that are not given, in words; single quantities may need more.
+    pub(crate) fn missing(self, given: InputSet) -> Vec<String> {
+        match self {
+            Self::Slip | Self::Jam => Needs::of(Model::Rigid).missing(given),
+            Self::Optimum => optimum::NEEDS.missing(given),
+            Self::Nut => Needs::NUT.missing(given),
+        }
+    }
+
+    /// Its numbers at a scene.
+    ///
+    /// * `settings`: how it is solved where it solves itself. * `motion`: a solution with a motion of the ball, where the analysis [needs](Self::needs_motion)
+    ///   one. * `wanted`: quantities that may be left out if they are not wanted.
+    ///
+    /// # Errors
+    ///
+    /// Those of the analysis.
+    pub fn numbers(
+        self,
+        scene: &Scene,
+        settings: &Settings,
+        motion: Option<&Moving>,
+        wanted: impl Fn(&Quantity) -> bool,
+    ) -> Result<Numbers, CaseError> {
+        match (self, motion) {
+            (Self::Nut, _) => {
+                let found = NutProblem::of(scene, settings)?.solve();
+                found.map_err(CaseError::Nut).map(|report| report.numbers(wanted))
+            }
+            (Self::Optimum, _) => OptimumReport::of(scene, None).map(|report| report.numbers),
+            (Self::Slip, Some(Moving { settings, solution, .. })) => {
+                Analysis::slip(scene, settings, solution).map(|analysis| analysis.numbers)
+            }
+            (Self::Jam, Some(moving)) => {
+                Analysis::jam(scene, &moving.solution).map(|analysis| analysis.numbers)
+            }
+            (Self::Slip | Self::Jam, None) => Ok(Numbers::new(self)),
         }
     }
 }
@@ -80,10 +113,10 @@ pub struct Analysis {
     pub model: Model,
     /// Why that model, if it was chosen by the bound of its error.
     pub choice: Option<String>,
-    /// The numbers.
-    pub blocks: Vec<Block>,
-    /// Statements that follow from them: name, answer, words.
-    pub verdicts: Vec<(&'static str, bool, String)>,
+    /// The numbers, and whether its statements hold.
+    pub numbers: Numbers,
+    /// The statements in words, by name.
+    pub verdicts: Vec<(&'static str, String)>,
     /// Parts that were left out, and the inputs that they lack.
     pub lacks: Vec<String>,
     /// What an engineer should know before using the numbers.
@@ -92,29 +125,28 @@ pub struct Analysis {
 
 impl Analysis {
     /// An empty analysis of a solution.
-    pub(crate) fn of(scene: &Scene, solution: &Solution) -> Self {
+    pub(crate) fn of(kind: AnalysisKind, scene: &Scene, solution: &Solution) -> Self {
         let record = Record::new(solution.clone());
         Self {
             model: solution.model,
             choice: record.choice(),
-            blocks: Vec::new(),
+            numbers: Numbers::new(kind),
             verdicts: Vec::new(),
-            lacks: Vec::new(),
+            lacks: lacks(kind, scene.given()),
             warnings: scene.warnings().into_iter().chain(record.warnings(scene)).collect(),
         }
     }
 
-    /// The values by name, those of the contacts with the contact in front.
-    fn entries(&self) -> impl Iterator<Item = (String, f64)> {
-        let of_line = |line: &Line| match line.values {
-            Values::Whole(value) => vec![(line.key.to_owned(), value)],
-            Values::Contacts(values) => PREFIXES
-                .iter()
-                .zip(values)
-                .filter_map(|(prefix, value)| Some((format!("{prefix}_{}", line.key), value?)))
-                .collect(),
-        };
-        self.blocks.iter().flat_map(|block| &block.lines).flat_map(of_line)
+    /// Takes a statement, and says it.
+    pub(crate) fn state(&mut self, statement: Statement, holds: bool, words: String) {
+        self.numbers.statement(statement, holds);
+        self.verdicts.push((self.numbers.kind().quantities()[statement.0].key, words));
+    }
+
+    /// Says what is left out for want of contact ellipses, though their inputs may be given.
+    pub(crate) fn lacks_ellipses(&mut self, what: &str) {
+        let model = self.model.name();
+        self.lacks.push(format!("{what}: a model with elastic contacts, which {model} is not"));
     }
 
     /// The analysis, if every number of it is one.
@@ -123,19 +155,18 @@ impl Analysis {
     ///
     /// [`CaseError::BeyondDouble`] with the first that is not.
     pub(crate) fn finite(self) -> Result<Self, CaseError> {
-        let endless = |line: &&Line| match line.values {
-            Values::Whole(value) => !value.is_finite(),
-            Values::Contacts(values) => values.iter().flatten().any(|value| !value.is_finite()),
-        };
-        match self.blocks.iter().flat_map(|block| &block.lines).find(endless) {
-            Some(line) => Err(CaseError::BeyondDouble { output: line.key }),
-            None => Ok(self),
-        }
+        Ok(Self { numbers: self.numbers.finite()?, ..self })
     }
 
     /// A number by name.
     pub fn number(&self, name: &str) -> Option<f64> {
-        self.entries().find(|(key, _)| key == name).map(|(_, value)| value)
+        self.numbers.number(name)
+    }
+
+    /// The statements: name, whether it holds, words.
+    pub fn statements(&self) -> impl Iterator<Item = (&'static str, bool, &str)> {
+        let holds = |name| self.number(name).is_some_and(|number| number > 0.5);
+        self.verdicts.iter().map(move |(name, words)| (*name, holds(name), words.as_str()))
     }
 
     /// JSON object of model, numbers, verdicts and words.
@@ -143,16 +174,46 @@ impl Analysis {
         let mut map = Map::new();
         map.insert("model".to_owned(), json!(self.model.name()));
         map.insert("choice".to_owned(), json!(self.choice));
-        map.extend(self.entries().map(|(key, value)| (key, json!(value))));
-        let words = |(name, answer, words): &(&str, bool, String)| {
-            let verdict = json!({ "answer": answer, "words": words });
-            ((*name).to_owned(), verdict)
+        let numbers = self.numbers.entries().filter(|(column, _)| column.json_type == "number");
+        map.extend(numbers.map(|(column, value)| (column.name.to_owned(), json!(value))));
+        let verdict = |(name, answer, words): (&str, bool, &str)| {
+            (name.to_owned(), json!({ "answer": answer, "words": words }))
         };
-        map.insert("verdicts".to_owned(), Value::Object(self.verdicts.iter().map(words).collect()));
+        map.insert("verdicts".to_owned(), Value::Object(self.statements().map(verdict).collect()));
         map.insert("lacks".to_owned(), json!(self.lacks));
         map.insert("warnings".to_owned(), json!(self.warnings));
         map
     }
+}
+
+/// The quantities that lack inputs of their own, together with those that lack the same.
+fn lacks(kind: AnalysisKind, given: InputSet) -> Vec<String> {
+    let mut lacks: Vec<(String, Vec<&str>)> = Vec::new();
+    for quantity in kind.quantities() {
+        let missing = quantity.missing(given);
+        if missing.is_empty() {
+            continue;
+        }
+        let missing = missing.join(" and ");
+        match lacks.iter_mut().find(|(known, _)| *known == missing) {
+            Some((_, abouts)) => abouts.push(quantity.about),
+            None => lacks.push((missing, vec![quantity.about])),
+        }
+    }
+    let words =
+        |(missing, abouts): (String, Vec<&str>)| format!("{}: {missing}", abouts.join(", "));
+    lacks.into_iter().map(words).collect()
+}
+
+/// A solution that has a motion of the ball, unless there is none.
+#[derive(Debug, Clone)]
+pub struct Moving {
+    /// What it was found with.
+    pub settings: Settings,
+    /// The solution.
+    pub solution: Solution,
+    /// Why it is not the one that was asked for.
+    pub note: Option<String>,
 }
 
 /// A contact of a ball in motion.
@@ -211,25 +272,32 @@ impl MovingBall {
     }
 }
 
-impl Scene {
-    /// What to ask for a motion where `auto` has found none: the cheapest model that has one, and
-    /// that this is so in words.
-    pub fn next_with_motion(
-        &self,
+impl Moving {
+    /// What was found; where `auto` has taken a model without a motion, the solution of the cheapest
+    /// model that has one, and that this is so in words.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scene::problem`].
+    pub fn of(
+        scene: &Scene,
         settings: &Settings,
-        found: &Solution,
-    ) -> Option<(Settings, String)> {
+        found: Solution,
+        work: &mut ModelWorkspace,
+    ) -> Result<Self, CaseError> {
         let next = Model::RacewayControl;
         let lacks = found.solved().is_some_and(|solved| solved.ball.motion.is_none());
-        let asked = settings.model == ModelChoice::Auto && self.suits(next);
-        (lacks && asked).then(|| {
-            let words = format!(
-                "auto takes model {}, which is accurate enough but has no motion of the ball; \
-                 this analysis uses {}",
-                found.model.name(),
-                next.name()
-            );
-            (Settings { model: next.into(), ..*settings }, words)
-        })
+        if !lacks || settings.model != ModelChoice::Auto || !scene.suits(next) {
+            return Ok(Self { settings: *settings, solution: found, note: None });
+        }
+        let note = format!(
+            "auto takes model {}, which is accurate enough but has no motion of the ball; this \
+             analysis uses {}",
+            found.model.name(),
+            next.name()
+        );
+        let settings = Settings { model: next.into(), ..*settings };
+        let solution = scene.problem(&settings)?.solve(work);
+        Ok(Self { settings, solution, note: Some(note) })
     }
 }

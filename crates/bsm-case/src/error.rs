@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use bsm_nut::NutError;
 use thiserror::Error;
 
 use crate::exact;
@@ -113,6 +114,9 @@ pub enum CaseError {
         /// The keys.
         missing: Vec<String>,
     },
+    /// A nut that does not carry its load, or whose preload cannot be set.
+    #[error("{0}")]
+    Nut(NutError),
     /// A model whose ball is not one of a nut.
     #[error(
         "model {model} has no loaded grooves: models auto, raceway-control, elastic and traction give \
@@ -209,6 +213,14 @@ pub enum CaseError {
         /// The model.
         model: &'static str,
         /// What the simplest model with a motion lacks.
+        missing: Vec<String>,
+    },
+    /// A column that no row could fill.
+    #[error("column {column} would be empty: {} required for it", list(missing))]
+    EmptyColumn {
+        /// The column.
+        column: &'static str,
+        /// Inputs that lack.
         missing: Vec<String>,
     },
     /// The grooves leave no contact that can be rated.

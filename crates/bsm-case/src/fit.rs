@@ -64,7 +64,8 @@ impl Fit {
         let form = "output=value, such as screw_torque_Nm=1.5";
         let bad = || CaseError::BadSetting { text: measurement.to_owned(), form };
         let (name, value) = measurement.split_once('=').ok_or_else(bad)?;
-        let output = Output::named(name.trim()).filter(|o| o.json_type == "number");
+        let of_solution = |o: &&Output| o.json_type == "number" && o.key().is_some();
+        let output = Output::named(name.trim()).filter(of_solution);
         let output =
             output.ok_or_else(|| CaseError::UnknownOutput { name: name.trim().to_owned() })?;
         let measured: f64 =

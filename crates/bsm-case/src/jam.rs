@@ -2,13 +2,78 @@
 
 use bsm_dyn::{
     ElasticScrew, Reason, Solution, Wedge, apex_thrust, available_friction, centrifugal_force,
-    contact_modulus, flat_stiffness, impact_force, step_thrust, viscous_drag, yield_ratio,
+    contact_modulus, flat_stiffness, impact_force, step_thrust, viscous_drag,
 };
 
 use crate::analysis::{MovingBall, MovingContact};
+use crate::quantity::quantities;
 use crate::record::message;
 use crate::units::{DEG, MPA, UM};
-use crate::{Analysis, Block, CaseError, Scene};
+use crate::{Analysis, AnalysisKind, CaseError, Scene};
+
+quantities! { Jam;
+    "contact state, elastic and permanent" {
+        settled_load_N ["N"] Contacts needs [nut_conformity, screw_conformity],
+            "normal load per ball";
+        settled_angle_deg ["deg"] Contacts needs [nut_conformity, screw_conformity],
+            "contact angle";
+        elastic_approach_um ["um"] Contacts needs [nut_conformity, screw_conformity],
+            "elastic approach";
+        permanent_approach_um ["um"] Contacts needs [nut_conformity, screw_conformity],
+            "permanent approach";
+        total_approach_um ["um"] Contacts needs [nut_conformity, screw_conformity],
+            "total approach";
+        settled_pressure_MPa ["MPa"] Contacts needs [nut_conformity, screw_conformity],
+            "largest pressure, elastic";
+        yield_ratio [""] Contacts
+            needs [nut_conformity, screw_conformity, race_yield_strength_MPa, ball_yield_strength_MPa],
+            "pressure over that of first yield";
+        contacts_yield [""] Statement
+            needs [nut_conformity, screw_conformity, race_yield_strength_MPa, ball_yield_strength_MPa],
+            "true if the steel yields below the surface of a contact";
+    }
+    "inertia and drag forces, per ball" {
+        orbit_rate_rad_s ["rad/s"] Whole, "orbital speed of the ball in the nut";
+        ball_omega_rad_s ["rad/s"] Whole, "rotation of the ball";
+        centrifugal_force_N ["N"] Whole, "centrifugal force";
+        centrifugal_over_load [""] Whole, "centrifugal force over the normal load";
+        drag_force_N ["N"] Whole needs [lubricant_density_kg_m3, drag_coefficient],
+            "drag of the lubricant";
+        drag_over_load [""] Whole needs [lubricant_density_kg_m3, drag_coefficient],
+            "drag over the normal load";
+    }
+    "wedge between the races" {
+        wedge_angle_deg ["deg"] Whole, "contact angle, screw minus nut";
+        friction_across_N ["N"] Contacts, "friction across the groove";
+        holding_force_N ["N"] Whole, "force that holds the ball";
+        expelling_force_N ["N"] Whole, "force that pushes it out";
+        locking_ratio [""] Whole, "holding over expelling force";
+        critical_friction_coefficient [""] Whole, "critical friction coefficient";
+        critical_friction_published [""] Whole, "as published, without centrifugal force";
+        friction_self_locking [""] Statement, "true if friction holds the ball in the wedge";
+    }
+    "ball return" {
+        approach_speed_m_s ["m/s"] Whole, "speed of the ball at the ball return";
+        impact_force_N ["N"] Whole, "force of the impact";
+        apex_thrust_N ["N"] Whole needs [apex_half_angle_deg],
+            "thrust at the apex of the return curve";
+        step_force_N ["N"] Whole needs [return_angle_deg], "normal force of the step";
+        step_thrust_N ["N"] Whole needs [return_angle_deg], "thrust at the step into the screw";
+        available_friction_N ["N"] Whole needs [loaded_balls_per_turn],
+            "friction along the track, of one turn";
+        largest_friction_N ["N"] Whole needs [loaded_balls_per_turn],
+            "that friction if all of it pointed along the track";
+        returner_margin [""] Whole
+            needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
+            "friction along the track over thrust";
+        largest_margin [""] Whole
+            needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
+            "that margin if all friction pointed along the track";
+        jams [""] Statement
+            needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
+            "true if the thrust is at least the friction along the track";
+    }
+}
 
 /// Below this a critical friction coefficient, and the sine of a slip angle, is rounding: the
 /// balance of a ball that grips has neither.
@@ -28,7 +93,7 @@ impl Analysis {
     /// that no double holds.
     pub fn jam(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
         let solved = MovingBall::of(scene, solution)?;
-        let mut report = Self::of(scene, solution);
+        let mut report = Self::of(AnalysisKind::Jam, scene, solution);
         let [Some(nut), Some(screw), _] = solved.contacts else {
             unreachable!("every model with a motion has loads and angles of both contacts")
         };
@@ -42,14 +107,9 @@ impl Analysis {
             centrifugal: centrifugal_force(case.ball.mass, case.helix.radius, precession),
         };
         if nut.semi_axes.is_some() {
-            let block = report.contact_state(scene, &mut wedge)?;
-            report.blocks.push(block);
+            report.contact_state(scene, &mut wedge)?;
         } else {
-            report.lacks.push(
-                "contact state and wedge angle: nut_conformity, screw_conformity and a model with \
-                 elastic contacts; without them the contact angles are equal"
-                    .to_owned(),
-            );
+            report.lacks_ellipses("contact state and wedge angle");
         }
         report.inertia_and_drag(scene, &solved, &wedge);
         report.locking(&wedge);
@@ -61,109 +121,71 @@ impl Analysis {
     }
 
     /// Loads, angles and approaches with permanent approach, which `wedge` takes over.
-    fn contact_state(&mut self, scene: &Scene, wedge: &mut Wedge<f64>) -> Result<Block, CaseError> {
+    fn contact_state(&mut self, scene: &Scene, wedge: &mut Wedge<f64>) -> Result<(), CaseError> {
         let screw = scene.reader().elastic_screw();
         let failed = |reason: &Reason| CaseError::NotRated(message(reason));
         let settled =
             screw.permanent_set(wedge.loads, wedge.angles).map_err(|none| failed(none.reason()))?;
         (wedge.loads, wedge.angles) = (settled.loads, settled.angles);
-        let mut block = Block::new("contact state, elastic and permanent");
-        let mut line = |key, unit, about, values: [f64; 2]| {
-            block.contacts(key, unit, about, [Some(values[0]), Some(values[1]), None]);
-        };
-        line("settled_load_N", "N", "normal load per ball", settled.loads);
-        line("settled_angle_deg", "deg", "contact angle", settled.angles.map(|a| a / DEG));
-        line("elastic_approach_um", "um", "elastic approach", settled.elastic.map(|d| d / UM));
-        line(
-            "permanent_approach_um",
-            "um",
-            "permanent approach",
-            settled.permanent.map(|d| d / UM),
-        );
+        let numbers = &mut self.numbers;
+        numbers.both(settled_load_N, settled.loads);
+        numbers.both(settled_angle_deg, settled.angles.map(|a| a / DEG));
+        numbers.both(elastic_approach_um, settled.elastic.map(|d| d / UM));
+        numbers.both(permanent_approach_um, settled.permanent.map(|d| d / UM));
         let total = [0, 1].map(|i| (settled.elastic[i] + settled.permanent[i]) / UM);
-        line("total_approach_um", "um", "total approach", total);
+        numbers.both(total_approach_um, total);
         let pressures = pressures(&screw, settled.loads).map_err(|reason| failed(&reason))?;
-        line(
-            "settled_pressure_MPa",
-            "MPa",
-            "largest pressure, elastic",
-            pressures.map(|p| p / MPA),
-        );
-        let strengths = [
-            ("race_yield_strength_MPa", scene.race_yield_strength_MPa),
-            ("ball_yield_strength_MPa", scene.ball_yield_strength_MPa),
-        ];
-        if let Some([races, balls]) = self.need("margin against yield", strengths) {
-            let ratios = pressures.map(|p| yield_ratio(p / MPA, (races, balls)));
-            line("yield_ratio", "", "pressure over that of first yield", ratios);
-            let yields = ratios.iter().any(|ratio| *ratio > 1.0);
+        numbers.both(settled_pressure_MPa, pressures.map(|p| p / MPA));
+        if let (Some(races), Some(balls)) =
+            (scene.race_yield_strength_MPa, scene.ball_yield_strength_MPa)
+        {
+            let ratios = pressures.map(|p| bsm_dyn::yield_ratio(p / MPA, (races, balls)));
+            self.numbers.both(yield_ratio, ratios);
             let words = format!(
                 "the largest pressure is {:.2} (nut) and {:.2} (screw) times the pressure at which \
                  the steel first yields below the surface",
                 ratios[0], ratios[1]
             );
-            self.verdicts.push(("contacts_yield", yields, words));
+            self.state(contacts_yield, ratios.iter().any(|ratio| *ratio > 1.0), words);
         }
-        Ok(block)
+        Ok(())
     }
 
     fn inertia_and_drag(&mut self, scene: &Scene, solved: &MovingBall, wedge: &Wedge<f64>) {
-        let mut block = Block::new("inertia and drag forces, per ball");
+        let numbers = &mut self.numbers;
         let (ball, load) = (&solved.ball, wedge.loads[0].min(wedge.loads[1]));
         let to_nut = ball.motion.precession - ball.drive.nut_speed;
-        let spin = ball.motion.omega.norm();
-        block.whole("orbit_rate_rad_s", "rad/s", "orbital speed of the ball in the nut", to_nut);
-        block.whole("ball_omega_rad_s", "rad/s", "rotation of the ball", spin);
-        block.whole("centrifugal_force_N", "N", "centrifugal force", wedge.centrifugal);
-        let share = wedge.centrifugal / load;
-        block.whole("centrifugal_over_load", "", "over the normal load", share);
-        let lubricant = [
-            ("lubricant_density_kg_m3", scene.lubricant_density_kg_m3),
-            ("drag_coefficient", scene.drag_coefficient),
-        ];
-        if let Some([density, coefficient]) = self.need("drag of the lubricant", lubricant) {
+        numbers.whole(orbit_rate_rad_s, to_nut);
+        numbers.whole(ball_omega_rad_s, ball.motion.omega.norm());
+        numbers.whole(centrifugal_force_N, wedge.centrifugal);
+        numbers.whole(centrifugal_over_load, wedge.centrifugal / load);
+        if let (Some(density), Some(coefficient)) =
+            (scene.lubricant_density_kg_m3, scene.drag_coefficient)
+        {
             let speed = 2.0 * ball.helix.radius * to_nut.abs();
             let drag = viscous_drag(coefficient, density, 2.0 * ball.radius, speed);
-            block.whole("drag_force_N", "N", "drag of the lubricant", drag);
-            block.whole("drag_over_load", "", "over the normal load", drag / load);
+            numbers.whole(drag_force_N, drag);
+            numbers.whole(drag_over_load, drag / load);
         }
-        self.blocks.push(block);
     }
 
     fn locking(&mut self, wedge: &Wedge<f64>) {
-        let mut block = Block::new("wedge between the races");
+        let numbers = &mut self.numbers;
         let clean = |critical: f64| if critical < ROUNDING { 0.0 } else { critical };
         let (critical, published) =
             (clean(wedge.critical_friction()), clean(wedge.critical_friction_published()));
         let (holding, expelling) = (wedge.holding(), wedge.expelling());
-        block.whole(
-            "wedge_angle_deg",
-            "deg",
-            "contact angle, screw minus nut",
-            wedge.opening() / DEG,
-        );
-        let [nut, screw] = wedge.across();
-        block.contacts(
-            "friction_across_N",
-            "N",
-            "friction across the groove",
-            [Some(nut), Some(screw), None],
-        );
-        block.whole("holding_force_N", "N", "force that holds the ball", holding);
-        block.whole("expelling_force_N", "N", "force that pushes it out", expelling);
+        numbers.whole(wedge_angle_deg, wedge.opening() / DEG);
+        numbers.both(friction_across_N, wedge.across());
+        numbers.whole(holding_force_N, holding);
+        numbers.whole(expelling_force_N, expelling);
         if expelling > ROUNDING * holding {
-            block.whole("locking_ratio", "", "holding over expelling force", holding / expelling);
+            numbers.whole(locking_ratio, holding / expelling);
         }
         // Without slip across the grooves no friction holds the ball, and there is no such number.
-        for (key, about, number) in [
-            ("critical_friction_coefficient", "critical friction coefficient", critical),
-            ("critical_friction_published", "as published, without centrifugal force", published),
-        ] {
-            if number < f64::INFINITY {
-                block.whole(key, "", about, number);
-            }
-        }
-        self.blocks.push(block);
+        let finite = |number: f64| Some(number).filter(|x| *x < f64::INFINITY);
+        numbers.whole(critical_friction_coefficient, finite(critical));
+        numbers.whole(critical_friction_published, finite(published));
         let locks = wedge.friction >= critical;
         let words = format!(
             "friction coefficient {} {} the critical one, {}: friction {} the ball in the wedge \
@@ -177,11 +199,11 @@ impl Analysis {
             },
             if locks { "holds" } else { "cannot hold" },
         );
-        self.verdicts.push(("friction_self_locking", locks, words));
+        self.state(friction_self_locking, locks, words);
     }
 
     fn returner(&mut self, scene: &Scene, solved: &MovingBall, contacts: [MovingContact; 2]) {
-        let mut block = Block::new("ball return");
+        let numbers = &mut self.numbers;
         let case = scene.reader().rigid();
         let ball = &solved.ball;
         let speed = scene.return_approach_speed_m_s.unwrap_or_else(|| {
@@ -196,68 +218,38 @@ impl Analysis {
             |k| k * PER_UM15,
         );
         let impact = impact_force(case.ball.mass, speed, stiffness);
-        block.whole(
-            "return_approach_speed_m_s",
-            "m/s",
-            "speed of the ball at the ball return",
-            speed,
-        );
-        block.whole("impact_force_N", "N", "force of the impact", impact);
-        let apex = [("apex_half_angle_deg", scene.apex_half_angle_deg)];
-        let apex = self.need("thrust at the apex of the return curve", apex).map(|[angle]| {
-            let thrust = apex_thrust(impact, angle * DEG, case.friction);
-            block.whole("apex_thrust_N", "N", "thrust at the apex", thrust);
-            thrust
-        });
-        let step = [("return_angle_deg", scene.return_angle_deg)];
-        let step = self.need("thrust at the step into the screw", step).map(|[angle]| {
+        numbers.whole(approach_speed_m_s, speed);
+        numbers.whole(impact_force_N, impact);
+        let apex =
+            scene.apex_half_angle_deg.map(|angle| apex_thrust(impact, angle * DEG, case.friction));
+        numbers.whole(apex_thrust_N, apex);
+        let step = scene.return_angle_deg.map(|angle| {
             let normal = scene.step_normal_force_N.unwrap_or(impact);
-            let thrust = step_thrust(normal, case.friction, angle * DEG);
-            block.whole("step_normal_force_N", "N", "normal force of the step", normal);
-            block.whole("step_thrust_N", "N", "thrust at the step", thrust);
-            thrust
+            (normal, step_thrust(normal, case.friction, angle * DEG))
         });
-        let turn = [("loaded_balls_per_turn", scene.loaded_balls_per_turn)];
-        if let Some([balls]) = self.need("friction that pushes the balls through the return", turn)
+        numbers.whole(step_force_N, step.map(|(normal, _)| normal));
+        numbers.whole(step_thrust_N, step.map(|(_, thrust)| thrust));
+        let Some(balls) = scene.loaded_balls_per_turn else { return };
+        let at = |slip_angle: fn(&MovingContact) -> f64| contacts.map(|c| (c.load, slip_angle(&c)));
+        let largest = available_friction(balls, case.friction, at(|_| std::f64::consts::FRAC_PI_2));
+        let available = available_friction(balls, case.friction, at(|c| c.slip_angle));
+        let available = if available < ROUNDING * largest { 0.0 } else { available };
+        numbers.whole(available_friction_N, available);
+        numbers.whole(largest_friction_N, largest);
+        if let Some(thrust) =
+            apex.into_iter().chain(step.map(|(_, thrust)| thrust)).reduce(f64::max)
         {
-            let at =
-                |slip_angle: fn(&MovingContact) -> f64| contacts.map(|c| (c.load, slip_angle(&c)));
-            let largest =
-                available_friction(balls, case.friction, at(|_| std::f64::consts::FRAC_PI_2));
-            let available = available_friction(balls, case.friction, at(|c| c.slip_angle));
-            let available = if available < ROUNDING * largest { 0.0 } else { available };
-            block.whole(
-                "available_friction_N",
-                "N",
-                "friction along the track, of one turn",
-                available,
-            );
-            block.whole(
-                "largest_friction_N",
-                "N",
-                "if all friction pointed along the track",
-                largest,
-            );
-            if let Some(thrust) = apex.into_iter().chain(step).reduce(f64::max) {
-                if thrust > 0.0 {
-                    let margins = [available, largest].map(|friction| friction / thrust);
-                    block.whole("returner_margin", "", "friction over thrust", margins[0]);
-                    block.whole(
-                        "largest_margin",
-                        "",
-                        "if all friction pointed along the track",
-                        margins[1],
-                    );
-                }
-                self.jams(thrust, available, largest);
+            if thrust > 0.0 {
+                numbers.whole(returner_margin, available / thrust);
+                numbers.whole(largest_margin, largest / thrust);
             }
+            self.jam_at_return(thrust, available, largest);
         }
-        self.blocks.push(block);
     }
 
-    fn jams(&mut self, thrust: f64, available: f64, largest: f64) {
-        let jams = thrust >= available;
-        let words = if !jams {
+    fn jam_at_return(&mut self, thrust: f64, available: f64, largest: f64) {
+        let stuck = thrust >= available;
+        let words = if !stuck {
             format!("friction pushes with {available:.3} N against a thrust of {thrust:.3} N")
         } else if thrust >= largest {
             format!(
@@ -270,8 +262,8 @@ impl Analysis {
                  along the track; the friction is then up to {largest:.3} N"
             )
         };
-        self.verdicts.push(("jams", jams, words));
-        if jams && thrust < largest && available == 0.0 {
+        self.state(jams, stuck, words);
+        if stuck && thrust < largest && available == 0.0 {
             self.warnings.push(format!(
                 "the balls of model {} roll: friction along the track is zero at the contact \
                  centres, and the published criterion finds a jam at any thrust; \
@@ -279,21 +271,6 @@ impl Analysis {
                 self.model.name()
             ));
         }
-    }
-
-    /// The values of some inputs, or a line about what is left out for want of them.
-    fn need<const N: usize>(
-        &mut self,
-        part: &str,
-        inputs: [(&str, Option<f64>); N],
-    ) -> Option<[f64; N]> {
-        let missing: Vec<_> =
-            inputs.iter().filter(|(_, value)| value.is_none()).map(|(name, _)| *name).collect();
-        if missing.is_empty() {
-            return Some(inputs.map(|(_, value)| value.unwrap_or(f64::NAN)));
-        }
-        self.lacks.push(format!("{part}: {}", missing.join(" and ")));
-        None
     }
 }
 

@@ -48,6 +48,7 @@ mod nut;
 mod optimum;
 mod output;
 mod problem;
+mod quantity;
 mod reader;
 mod record;
 mod requirement;
@@ -59,7 +60,7 @@ mod slip;
 mod spectrum;
 pub mod units;
 
-pub use analysis::{Analysis, Block, Line, Values};
+pub use analysis::{Analysis, AnalysisKind, Moving};
 pub use capacity::CapacityReport;
 pub use catalogue::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
@@ -75,6 +76,7 @@ pub use nut::{BALL_COLUMNS, CURVE_COLUMNS, NutProblem, NutReport, NutWords, Samp
 pub use optimum::OptimumReport;
 pub use output::{Cell, OUTPUTS, Output, OutputKey};
 pub use problem::{ModelChoice, Settings};
+pub use quantity::{Numbers, Of, Quantity};
 pub use record::Record;
 pub use requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile};
 pub use rules::{Inputs, Relation, covered};

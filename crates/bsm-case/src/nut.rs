@@ -7,6 +7,7 @@ mod words;
 
 pub use problem::NutProblem;
 pub(crate) use problem::{OF_A_NUT, balls_and_turns};
+pub(crate) use report::QUANTITIES;
 pub use report::{BALL_COLUMNS, CURVE_COLUMNS, NutReport};
 pub use samples::Samples;
 pub use words::NutWords;

@@ -7,17 +7,34 @@ use bsm_design::search::minimum_inside;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum};
 use serde_json::{Map, Value, json};
 
+use crate::input_set::LEAD;
+use crate::problem::Needs;
+use crate::quantity::quantities;
 use crate::units::DEG;
-use crate::{CaseError, Scene, Settings};
+use crate::{AnalysisKind, CaseError, InputKey, InputSet, Numbers, Quantity, Scene, Settings};
+
+quantities! { Optimum;
+    "closed form" {
+        optimum_contact_angle_deg ["deg"] Directions, "contact angle of best efficiency";
+        optimum_efficiency [""] Directions, "efficiency at the contact angle of best efficiency";
+        self_locking_contact_angle_deg ["deg"] Directions,
+            "self-locking: contact angle up to which (rotary to linear), or from which (linear to rotary)";
+        efficiency [""] Directions needs [contact_angle_deg],
+            "efficiency at the scene's contact angle";
+    }
+}
+
+/// What it needs.
+pub(crate) const NEEDS: Needs =
+    Needs { all: InputSet::of(&[InputKey::friction_coefficient]), quantities: &[LEAD] };
 
 /// Both directions at one lead angle and friction coefficient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OptimumReport {
+    /// What is known in closed form.
+    pub numbers: Numbers,
     best: [Option<Optimum>; 2],
     best_efficiency: f64,
-    locking_deg: [Option<f64>; 2],
-    /// Efficiency at the scene's own contact angle, if it has one.
-    own_efficiency: Option<[f64; 2]>,
     /// The optimum that a model finds in the direction of the scene's speeds.
     by_model: Option<ByModel>,
 }
@@ -47,39 +64,31 @@ impl OptimumReport {
         scene.check()?;
         let by_model = model.map(|model| ByModel::of(scene, model)).transpose()?;
         let (Some(lead), Some(friction)) = (scene.lead_angle(), scene.friction_coefficient) else {
-            let mut missing = Vec::new();
-            if scene.lead_angle().is_none() {
-                missing
-                    .push("lead_angle_deg (or lead_mm with pitch_circle_diameter_mm)".to_owned());
-            }
-            if scene.friction_coefficient.is_none() {
-                missing.push("friction_coefficient".to_owned());
-            }
-            return Err(CaseError::Missing { missing, model: "closed-form" });
+            let missing = NEEDS.missing(scene.given());
+            return Err(CaseError::Missing { missing, model: Model::ClosedForm.name() });
         };
+        let best = DIRECTIONS.map(|d| Optimum::of(d, lead, friction));
         let own = scene.contact_angle_deg.map(|deg| Angles { lead, contact: deg * DEG });
-        Ok(Self {
-            best: DIRECTIONS.map(|d| Optimum::of(d, lead, friction)),
-            best_efficiency: Optimum::best_efficiency(friction),
-            locking_deg: DIRECTIONS
-                .map(|d| Angles::locking_contact_angle(d, lead, friction).map(|b| b / DEG)),
-            own_efficiency: own.map(|angles| DIRECTIONS.map(|d| angles.efficiency(d, friction))),
-            by_model,
-        })
+        let mut numbers = Numbers::new(AnalysisKind::Optimum);
+        numbers.directions(
+            optimum_contact_angle_deg,
+            best.map(|best| best.map(|b| b.contact_angle / DEG)),
+        );
+        numbers.directions(optimum_efficiency, best.map(|best| best.map(|b| b.efficiency)));
+        let locking = |d| Angles::locking_contact_angle(d, lead, friction).map(|b| b / DEG);
+        numbers.directions(self_locking_contact_angle_deg, DIRECTIONS.map(locking));
+        let at_own = |d| own.map(|angles| angles.efficiency(d, friction));
+        numbers.directions(efficiency, DIRECTIONS.map(at_own));
+        let numbers = numbers.finite()?;
+        Ok(Self { numbers, best, best_efficiency: Optimum::best_efficiency(friction), by_model })
     }
 
     /// Label, unit and values for rotary to linear and linear to rotary.
     pub fn rows(&self) -> Vec<(&'static str, &'static str, [Option<f64>; 2])> {
-        let angle = self.best.map(|best| best.map(|b| b.contact_angle / DEG));
-        let efficiency = self.best.map(|best| best.map(|b| b.efficiency));
-        let mut rows = vec![
-            ("contact angle of best efficiency", "deg", angle),
-            ("efficiency there", "", efficiency),
-            ("self-locking: contact angle up to (rl), from (lr)", "deg", self.locking_deg),
-        ];
-        if let Some(own) = self.own_efficiency {
-            rows.push(("efficiency at the scene's contact angle", "", own.map(Some)));
-        }
+        let row = |(quantity, [rotary, linear, _]): (&Quantity, [Option<f64>; 3])| {
+            (quantity.about, quantity.unit, [rotary, linear])
+        };
+        let mut rows: Vec<_> = self.numbers.rows().map(row).collect();
         if let Some(found) = &self.by_model {
             let row = |value: fn(&Optimum) -> f64| {
                 DIRECTIONS.map(|d| found.best.as_ref().filter(|_| d == found.direction).map(value))
@@ -123,14 +132,9 @@ impl OptimumReport {
     pub fn to_json(&self) -> Value {
         let mut map = Map::new();
         for (i, name) in ["rotary_to_linear", "linear_to_rotary"].into_iter().enumerate() {
-            let best = self.best[i];
-            let entry = json!({
-                "optimum_contact_angle_deg": best.map(|b| b.contact_angle / DEG),
-                "optimum_efficiency": best.map(|b| b.efficiency),
-                "self_locking_contact_angle_deg": self.locking_deg[i],
-                "efficiency": self.own_efficiency.map(|own| own[i]),
-            });
-            map.insert(name.to_owned(), entry);
+            let value = |quantity: &Quantity| self.numbers.value(&quantity.columns[i]);
+            let entry = QUANTITIES.iter().map(|q| (q.key.to_owned(), json!(value(q))));
+            map.insert(name.to_owned(), Value::Object(entry.collect()));
         }
         if let Some(found) = &self.by_model {
             let entry = json!({

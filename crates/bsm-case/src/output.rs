@@ -1,10 +1,12 @@
 //! The outputs: one table that records, tables and schema are made from.
 
-use bsm_dyn::{Control, Evidence, Solution, Transmission};
+use bsm_dyn::{Control, Evidence, Model, Solution, Transmission};
 use bsm_kin::Motion;
 use bsm_kin::Site::{Nut, NutMinor, Screw};
 
+use crate::scene::nearest;
 use crate::units::{DEG, MM, MPA, UM, direction_deg};
+use crate::{AnalysisKind, CaseError, InputSet, ModelChoice};
 
 /// A value of one output.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,15 +51,68 @@ pub struct Output {
     pub words: &'static [&'static str],
     /// Meaning.
     pub about: &'static str,
-    /// Place in [`OUTPUTS`].
-    pub key: OutputKey,
-    read: fn(&Solution) -> Option<Cell>,
+    pub(crate) origin: Origin,
+}
+
+/// Where the value of an output comes from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Origin {
+    /// From the solution of a model.
+    Solution { key: OutputKey, read: fn(&Solution) -> Option<Cell> },
+    /// From an analysis: a number of one of its quantities.
+    Analysis { kind: AnalysisKind, quantity: usize, member: usize },
 }
 
 impl Output {
     /// The value in a solution, in the unit of the vocabulary; `None` if it has none.
     pub fn read(&self, solution: &Solution) -> Option<Cell> {
-        (self.read)(solution)
+        match self.origin {
+            Origin::Solution { read, .. } => read(solution),
+            Origin::Analysis { .. } => None,
+        }
+    }
+
+    /// Its place in [`OUTPUTS`]; `None` for a number of an analysis.
+    pub fn key(&self) -> Option<OutputKey> {
+        match self.origin {
+            Origin::Solution { key, .. } => Some(key),
+            Origin::Analysis { .. } => None,
+        }
+    }
+
+    /// The analysis that it is a number of.
+    pub fn analysis(&self) -> Option<AnalysisKind> {
+        match self.origin {
+            Origin::Solution { .. } => None,
+            Origin::Analysis { kind, .. } => Some(kind),
+        }
+    }
+
+    /// True if a point must be solved for it.
+    pub fn needs_solution(&self) -> bool {
+        self.analysis().is_none_or(AnalysisKind::needs_motion)
+    }
+
+    /// Whether points that have the inputs `given` can have it.
+    ///
+    /// * `model`: what they are solved with.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::EmptyColumn`] with the inputs that lack, [`CaseError::NoMotion`].
+    pub fn check(&self, given: InputSet, model: ModelChoice) -> Result<(), CaseError> {
+        let Origin::Analysis { kind, quantity, .. } = self.origin else { return Ok(()) };
+        let mut missing = kind.missing(given);
+        if let (true, ModelChoice::Fixed(model @ (Model::ClosedForm | Model::QuasiStatic))) =
+            (kind.needs_motion(), model)
+        {
+            return Err(CaseError::NoMotion { model: model.name(), missing });
+        }
+        missing.extend(kind.quantities()[quantity].missing(given));
+        if missing.is_empty() {
+            return Ok(());
+        }
+        Err(CaseError::EmptyColumn { column: self.name, missing })
     }
 
     /// The word of a number in a column of texts.
@@ -67,25 +122,37 @@ impl Output {
         self.words.get(place).filter(|_| !number.is_nan()).copied()
     }
 
-    /// The output of that name.
+    /// The output of that name, of a solution or else of an analysis.
     pub fn named(name: &str) -> Option<&'static Self> {
-        OUTPUTS.iter().find(|output| output.name == name)
+        Self::all().find(|output| output.name == name)
+    }
+
+    /// The name of an output that is nearest to `name`, if any is near.
+    pub fn nearest(name: &str) -> Option<&'static str> {
+        nearest(name, Self::all().map(|output| output.name))
+    }
+
+    /// All of [`OUTPUTS`], then the numbers of all analyses.
+    pub fn all() -> impl Iterator<Item = &'static Self> {
+        OUTPUTS.iter().chain(AnalysisKind::ALL.into_iter().flat_map(AnalysisKind::columns))
     }
 }
 
 macro_rules! outputs {
     ($($name:ident [$unit:literal] $kind:ident($read:expr), $about:literal;)*) => {
-        /// All outputs, in the order of the documentation.
+        /// All outputs of a solution, in the order of the documentation.
         pub const OUTPUTS: &[Output] = &[$(Output {
             name: stringify!($name),
             unit: $unit,
             json_type: outputs!(@json $kind),
             words: outputs!(@words $kind),
             about: $about,
-            key: OutputKey::$name,
-            read: |solution| {
-                let read: fn(&Solution) -> Option<_> = $read;
-                read(solution).map(Cell::$kind)
+            origin: Origin::Solution {
+                key: OutputKey::$name,
+                read: |solution| {
+                    let read: fn(&Solution) -> Option<_> = $read;
+                    read(solution).map(Cell::$kind)
+                },
             },
         },)*];
 

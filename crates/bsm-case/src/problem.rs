@@ -128,18 +128,18 @@ impl Settings {
     }
 }
 
-/// Inputs without default that a model needs.
+/// Inputs without default that a model or an analysis needs.
 #[derive(Debug, Clone, Copy)]
-struct Needs {
+pub(crate) struct Needs {
     /// All of these.
-    all: InputSet,
+    pub(crate) all: InputSet,
     /// A form of each of these.
-    quantities: &'static [Quantity],
+    pub(crate) quantities: &'static [Quantity],
 }
 
 impl Needs {
     /// What a model needs.
-    const fn of(model: Model) -> Self {
+    pub(crate) const fn of(model: Model) -> Self {
         use InputKey as K;
         const FRICTION: InputSet = InputSet::of(&[K::contact_angle_deg, K::friction_coefficient]);
         const SIZES: InputSet = InputSet::of(&[K::ball_diameter_mm, K::pitch_circle_diameter_mm]);
@@ -158,7 +158,7 @@ impl Needs {
     }
 
     /// What a nut needs besides its balls and its load.
-    const NUT: Self = {
+    pub(crate) const NUT: Self = {
         use InputKey as K;
         let all = InputSet::of(&[
             K::ball_diameter_mm,
@@ -177,7 +177,7 @@ impl Needs {
     }
 
     /// What lacks among the inputs that are given, in words.
-    fn missing(&self, given: InputSet) -> Vec<String> {
+    pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let mut missing = Vec::new();
         for Quantity { words, forms } in self.quantities {
             let begun = forms.iter().filter(|form| given.contains(form.key));

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::nut::NutWords;
-use crate::{INPUTS, OUTPUTS, Rule};
+use crate::{AnalysisKind, INPUTS, OUTPUTS, Output, Rule};
 
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
 
@@ -69,17 +69,15 @@ pub fn output_schema() -> Value {
     ] {
         properties.insert(name.to_owned(), property);
     }
-    for output in OUTPUTS {
-        let mut property = json!({
-            "type": [output.json_type, "null"],
-            "description": with_unit(output.about, output.unit),
-        });
-        if !output.words.is_empty() {
-            let words = output.words.iter().map(|word| json!(word));
-            property["enum"] = words.chain([Value::Null]).collect();
-        }
-        properties.insert(output.name.to_owned(), property);
-    }
+    properties.extend(OUTPUTS.iter().map(property));
+    let columns = |kind: AnalysisKind| {
+        let about =
+            format!("numbers of bsm {}, as columns of bsm sweep and bsm batch", kind.name());
+        let properties: Map<_, _> = kind.columns().map(property).collect();
+        let columns = json!({ "type": "object", "description": about, "properties": properties });
+        (kind.name().to_owned(), columns)
+    };
+    let analyses: Map<_, _> = AnalysisKind::ALL.into_iter().map(columns).collect();
     let required: Vec<_> = properties.keys().cloned().collect();
     json!({
         "$schema": DIALECT,
@@ -88,7 +86,21 @@ pub fn output_schema() -> Value {
         "type": "object",
         "properties": properties,
         "required": required,
+        "$defs": analyses,
     })
+}
+
+/// Name and schema of an output.
+fn property(output: &Output) -> (String, Value) {
+    let mut property = json!({
+        "type": [output.json_type, "null"],
+        "description": with_unit(output.about, output.unit),
+    });
+    if !output.words.is_empty() {
+        let words = output.words.iter().map(|word| json!(word));
+        property["enum"] = words.chain([Value::Null]).collect();
+    }
+    (output.name.to_owned(), property)
 }
 
 fn with_unit(about: &str, unit: &str) -> String {

@@ -7,7 +7,37 @@ use bsm_dyn::{
 use bsm_kin::Site;
 
 use crate::analysis::{MovingBall, MovingContact};
-use crate::{Analysis, Block, CaseError, Scene, Settings};
+use crate::quantity::{Contacts, quantities};
+use crate::{Analysis, AnalysisKind, CaseError, Numbers, Scene, Settings};
+
+quantities! { Slip;
+    "slip between neighbouring balls" {
+        ball_slip_published_m_s ["m/s"] Whole, "slip speed between neighbouring balls as published";
+        ball_slip_m_s ["m/s"] Whole, "slip speed of the surfaces of neighbouring balls";
+    }
+    "slip at the contacts" {
+        differential_slip_m_s ["m/s"] Contacts, "differential slip, at the centre";
+        slide_roll_ratio [""] Contacts, "differential slip over rolling speed";
+        rolling_speed_m_s ["m/s"] Contacts, "rolling speed";
+        spin_slip_published_m_s ["m/s"] Contacts, "spin slip as published";
+        spin_rad_s ["rad/s"] Contacts, "spin about the normal";
+        orbit_slip_published_m_s ["m/s"] Contacts, "orbit slip as published";
+        orbit_spin_rad_s ["rad/s"] Contacts, "part of the spin from the orbit";
+        spin_slip_m_s ["m/s"] Contacts needs [nut_conformity, screw_conformity],
+            "spin slip at the end of the ellipse";
+        orbit_slip_m_s ["m/s"] Contacts needs [nut_conformity, screw_conformity],
+            "orbit slip, the part of it from the orbit";
+    }
+    "friction power, all balls" {
+        centre_power_W ["W"] Contacts, "friction power on the slip at the centre";
+        spin_power_W ["W"] Contacts, "friction power on the spin";
+        curvature_power_W ["W"] Contacts, "friction power on the slip of the curved surface";
+        friction_power_W ["W"] Contacts, "friction power";
+        total_friction_power_W ["W"] Whole, "friction power of all contacts";
+        dissipated_power_W ["W"] Whole, "power dissipated by the model";
+        power_difference [""] Whole, "relative difference of these powers";
+    }
+}
 
 /// Relative difference of friction power and dissipated power that rounding explains: the motion is
 /// read back from outputs, whose largest speeds may be a million times the slip.
@@ -28,14 +58,11 @@ impl Analysis {
         solution: &Solution,
     ) -> Result<Self, CaseError> {
         let solved = MovingBall::of(scene, solution)?;
-        let mut report = Self::of(scene, solution);
-        report.blocks = vec![between(&solved), at_contacts(&solved)];
+        let mut report = Self::of(AnalysisKind::Slip, scene, solution);
+        between(&mut report.numbers, &solved);
+        at_contacts(&mut report.numbers, &solved);
         if solved.contacts[0].is_some_and(|c| c.semi_axes.is_none()) {
-            report.lacks.push(
-                "spin slip at the ends of the contact ellipses: nut_conformity, \
-                 screw_conformity and a model with elastic contacts"
-                    .to_owned(),
-            );
+            report.lacks_ellipses("spin slip at the ends of the contact ellipses");
         }
         let powers = Powers::of(scene, settings, solution, &solved)?;
         let dissipated = solution
@@ -50,53 +77,36 @@ impl Analysis {
                 powers.total()
             ));
         }
-        report.blocks.push(powers.block(dissipated, difference));
+        powers.enter(&mut report.numbers, dissipated, difference);
         report.finite()
     }
 }
 
-fn between(solved: &MovingBall) -> Block {
-    let ball = &solved.ball;
-    let mut block = Block::new("slip between neighbouring balls");
-    block.whole("ball_slip_published_m_s", "m/s", "as published", ball.ball_slip_published());
-    block.whole("ball_slip_m_s", "m/s", "slip speed of their surfaces", ball.ball_slip());
-    block
+fn between(numbers: &mut Numbers, solved: &MovingBall) {
+    numbers.whole(ball_slip_published_m_s, solved.ball.ball_slip_published());
+    numbers.whole(ball_slip_m_s, solved.ball.ball_slip());
 }
 
-fn at_contacts(solved: &MovingBall) -> Block {
+fn at_contacts(numbers: &mut Numbers, solved: &MovingBall) {
     let ball = &solved.ball;
-    let mut block = Block::new("slip at the contacts");
-    let mut line = |key, unit, about, number: &dyn Fn(&MovingContact) -> f64| {
-        block.contacts(key, unit, about, solved.each(number));
+    let mut line = |place, number: &dyn Fn(&MovingContact) -> f64| {
+        numbers.contacts(place, solved.each(number));
     };
-    line("differential_slip_m_s", "m/s", "differential slip, at the centre", &|c| {
-        ball.differential_slip(&c.touch)
-    });
-    line("slide_roll_ratio", "", "differential slip over rolling speed", &|c| {
-        ball.slide_roll_ratio(&c.touch)
-    });
-    line("rolling_speed_m_s", "m/s", "rolling speed", &|c| ball.rolling_speed(&c.touch));
-    line("spin_slip_published_m_s", "m/s", "spin slip as published", &|c| {
-        ball.spin_slip_published(&c.touch)
-    });
-    line("spin_rad_s", "rad/s", "spin about the normal", &|c| ball.spin(&c.touch));
-    line("orbit_slip_published_m_s", "m/s", "orbit slip as published", &|c| {
-        ball.orbit_slip_published(&c.touch)
-    });
-    line("orbit_spin_rad_s", "rad/s", "part of the spin from the orbit", &|c| {
-        ball.orbit_spin(&c.touch)
-    });
+    line(differential_slip_m_s, &|c| ball.differential_slip(&c.touch));
+    line(slide_roll_ratio, &|c| ball.slide_roll_ratio(&c.touch));
+    line(rolling_speed_m_s, &|c| ball.rolling_speed(&c.touch));
+    line(spin_slip_published_m_s, &|c| ball.spin_slip_published(&c.touch));
+    line(spin_rad_s, &|c| ball.spin(&c.touch));
+    line(orbit_slip_published_m_s, &|c| ball.orbit_slip_published(&c.touch));
+    line(orbit_spin_rad_s, &|c| ball.orbit_spin(&c.touch));
     let rim = |rate: &dyn Fn(&MovingContact) -> f64| {
         solved.contacts.map(|c| {
             let contact = c?;
             Some(rim_speed(rate(&contact), contact.semi_axes?.0))
         })
     };
-    let spin = rim(&|c| ball.spin(&c.touch));
-    let orbit = rim(&|c| ball.orbit_spin(&c.touch));
-    block.contacts("spin_slip_m_s", "m/s", "spin at the end of the ellipse", spin);
-    block.contacts("orbit_slip_m_s", "m/s", "part of it from the orbit", orbit);
-    block
+    numbers.contacts(spin_slip_m_s, rim(&|c| ball.spin(&c.touch)));
+    numbers.contacts(orbit_slip_m_s, rim(&|c| ball.orbit_spin(&c.touch)));
 }
 
 /// Powers of the parts of the slip at each contact, all balls \[W\].
@@ -153,20 +163,16 @@ impl Powers {
         self.0.iter().flatten().map(SlipPower::total).sum()
     }
 
-    fn block(&self, dissipated: f64, difference: f64) -> Block {
-        let mut block = Block::new("friction power, all balls");
-        let mut line = |key, about, number: fn(&SlipPower<f64>) -> f64| {
-            block.contacts(key, "W", about, self.0.map(|p| p.as_ref().map(number)));
+    fn enter(&self, numbers: &mut Numbers, dissipated: f64, difference: f64) {
+        let mut line = |place: Contacts, number: fn(&SlipPower<f64>) -> f64| {
+            numbers.contacts(place, self.0.map(|p| p.as_ref().map(number)));
         };
-        line("centre_power_W", "on the slip at the centre", |p| p.centre);
-        line("spin_power_W", "on the spin", |p| p.spin);
-        line("curvature_power_W", "on the slip of the curved surface", |p| p.curvature);
-        line("friction_power_W", "friction power", SlipPower::total);
-        block.whole("friction_power_W", "W", "all contacts", self.total());
-        block.whole("dissipated_power_W", "W", "dissipated by the model", dissipated);
-        if difference.is_finite() {
-            block.whole("power_difference", "", "relative difference", difference);
-        }
-        block
+        line(centre_power_W, |p| p.centre);
+        line(spin_power_W, |p| p.spin);
+        line(curvature_power_W, |p| p.curvature);
+        line(friction_power_W, SlipPower::total);
+        numbers.whole(total_friction_power_W, self.total());
+        numbers.whole(dissipated_power_W, dissipated);
+        numbers.whole(power_difference, Some(difference).filter(|x| x.is_finite()));
     }
 }

@@ -1,6 +1,9 @@
 //! Analyses of a motion: published trends are in `bsm validate`, here what must hold for all.
 
-use bsm_case::{Analysis, CaseError, ModelChoice, Scene, Settings};
+use bsm_case::{
+    Analysis, AnalysisKind, CaseError, INPUTS, ModelChoice, Moving, OUTPUTS, Of, Output, Record,
+    Scene, Settings,
+};
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 
 const XU: &[u8] = include_bytes!("../../../examples/xu2015.json");
@@ -119,9 +122,8 @@ fn what_jamming_lacks_is_named() {
 fn jamming_has_three_answers() {
     let verdict = |model, changes: &[(&str, f64)]| {
         let report = jam(&scene(DONG, changes), model);
-        let (_, jams, words) =
-            report.verdicts.iter().find(|v| v.0 == "jams").expect("a verdict").clone();
-        (jams, words, report.warnings)
+        let (_, jams, words) = report.statements().find(|v| v.0 == "jams").expect("a verdict");
+        (jams, words.to_owned(), report.warnings.clone())
     };
     let (jams, words, _) = verdict(Model::Elastic, &[]);
     assert!(!jams, "{words}");
@@ -164,11 +166,66 @@ fn models_without_a_motion_are_refused() {
         assert!(error.to_string().contains("models rigid, raceway-control"), "{error}");
     }
     // A fixed model stays what it is; auto goes on to one that has a motion.
-    assert!(scene.next_with_motion(&settings, &solution).is_none());
+    let mut work = ModelWorkspace::default();
+    let fixed = Moving::of(&scene, &settings, solution.clone(), &mut work).expect("complete");
+    assert_eq!((fixed.solution, fixed.note), (solution, None));
     let auto = Settings { tolerance: 0.9, ..Settings::default() };
     let chosen = solved(&scene, &auto);
     assert_eq!(chosen.model, Model::ClosedForm);
-    let (next, words) = scene.next_with_motion(&auto, &chosen).expect("raceway control");
-    assert_eq!(next.model, ModelChoice::Fixed(Model::RacewayControl));
-    assert!(words.contains("closed-form"), "{words}");
+    let next = Moving::of(&scene, &auto, chosen, &mut work).expect("complete");
+    assert_eq!(next.settings.model, ModelChoice::Fixed(Model::RacewayControl));
+    assert_eq!(next.solution, solved(&scene, &next.settings));
+    assert!(next.note.is_some_and(|words| words.contains("closed-form")));
+}
+
+/// Outputs of a solution that an analysis has too.
+const SHARED: [&str; 3] = ["nut_spin_rad_s", "screw_spin_rad_s", "dissipated_power_W"];
+
+/// A column has one meaning: no other analysis has its name, nor has an input; what an analysis shares
+/// with a solution is the same number.
+#[test]
+fn a_column_has_one_meaning() {
+    let mut names: Vec<_> = Output::all().map(|output| output.name).collect();
+    let count = names.len();
+    names.sort_unstable();
+    let twice: Vec<_> = names.windows(2).filter(|two| two[0] == two[1]).map(|two| two[0]).collect();
+    let mut shared = SHARED;
+    shared.sort_unstable();
+    assert_eq!(twice, shared);
+    let inputs: Vec<_> = INPUTS.iter().filter(|i| names.contains(&i.name)).collect();
+    assert!(inputs.is_empty(), "{inputs:?}");
+    assert_eq!(
+        count,
+        OUTPUTS.len() + AnalysisKind::ALL.into_iter().flat_map(AnalysisKind::columns).count()
+    );
+    let scene = scene(XU, &[]);
+    let record = Record::new(solved(&scene, &Model::Traction.into()));
+    let report = slip(&scene, Model::Traction);
+    for name in SHARED {
+        let (there, here) = (record.number(name).expect("an output"), number(&report, name));
+        // Rounding of spins of 100 rad/s that are differences of rates of 3000 rad/s.
+        assert!((there - here).abs() <= 1e-10 * there.abs(), "{name}: {there} {here}");
+    }
+}
+
+/// Every quantity has a name with its unit, words, and a place of its own.
+#[test]
+fn quantities_are_complete() {
+    for kind in AnalysisKind::ALL {
+        for (place, quantity) in kind.quantities().iter().enumerate() {
+            let members = match quantity.of {
+                Of::Whole | Of::Statement => 1,
+                Of::Directions => 2,
+                Of::Contacts => 3,
+            };
+            assert_eq!(quantity.columns.len(), members, "{}", quantity.key);
+            assert!(!quantity.about.is_empty() && !quantity.title.is_empty());
+            for column in quantity.columns {
+                assert!(column.name.ends_with(quantity.key), "{}", column.name);
+                assert_eq!(column.analysis(), Some(kind));
+                let named = Output::named(column.name).expect("its name");
+                assert!(SHARED.contains(&column.name) || named.about == column.about, "{place}");
+            }
+        }
+    }
 }

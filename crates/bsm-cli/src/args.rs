@@ -221,7 +221,8 @@ pub(crate) struct TableArgs {
     /// Rows in each part of a folder; unless given, chosen from the number of rows, outputs and model.
     #[arg(long, value_name = "N")]
     pub(crate) rows_per_shard: Option<NonZeroU64>,
-    /// Outputs to write, in this order; all unless given.
+    /// Outputs to write, in this order, also numbers of `bsm slip`, `bsm jam` and `bsm optimum`; all of
+    /// `bsm solve` unless given. `bsm schema output` lists them.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) columns: Option<Vec<String>>,
     /// Number of threads, at most 1024; all cores unless given. Results do not depend on it.
@@ -251,7 +252,7 @@ pub(crate) struct SweepArgs {
     /// the second.
     #[arg(long, value_name = "OUT.svg")]
     pub(crate) plot: Option<PathBuf>,
-    /// Output to plot.
+    /// Output to plot, also a number of `bsm slip`, `bsm jam` or `bsm optimum`.
     #[arg(long, value_name = "NAME", default_value = "efficiency", requires = "plot")]
     pub(crate) plot_output: String,
 }

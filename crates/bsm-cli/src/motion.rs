@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bsm_case::{Analysis, CaseError, Scene, Settings};
+use bsm_case::{Analysis, CaseError, Moving, Scene, Settings};
 use bsm_dyn::{ModelWorkspace, Solution};
 use bsm_validate::Study;
 use serde_json::{Value, json};
@@ -30,13 +30,13 @@ fn run(args: &AnalysisArgs, analyse: Analyse, sweep: Sweep) -> Result<(), Failur
     let path = &args.scene.scene;
     let scene = read_scene(path, &args.scene.settings)?;
     let in_file = |e: CaseError| Failure::scene(path, &e);
-    let mut settings = args.model.settings().map_err(in_file)?;
+    let settings = args.model.settings().map_err(in_file)?;
     let work = &mut ModelWorkspace::default();
-    let mut solution = scene.problem(&settings).map_err(in_file)?.solve(work);
-    if let Some((next, words)) = scene.next_with_motion(&settings, &solution) {
+    let found = scene.problem(&settings).map_err(in_file)?.solve(work);
+    let Moving { settings, solution, note } =
+        Moving::of(&scene, &settings, found, work).map_err(in_file)?;
+    if let Some(words) = note {
         warn("note", &words);
-        settings = next;
-        solution = scene.problem(&settings).map_err(in_file)?.solve(work);
     }
     if solution.reason().is_some() {
         return solve::print(path, &scene, solution, args.format);

@@ -62,7 +62,7 @@ fn print_report(scene: &Scene, report: &NutReport) -> Result<(), Failure> {
     }
     let title = table::title(scene).map_or_else(String::new, |title| format!("{title}\n\n"));
     let notes: String = report.notes().iter().map(|note| format!("\nnote: {note}")).collect();
-    print(&format!("{title}{}\n{notes}", table::nut(report)))
+    print(&format!("{title}{}\n{notes}", table::nut(&report.numbers(|_| true))))
 }
 
 /// There is none: why.

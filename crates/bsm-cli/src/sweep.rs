@@ -30,17 +30,19 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     // Everything that can be told before the work: the fixed inputs, the model, the outputs.
     let settings = args.model.settings().map_err(in_file)?;
     let description = base.description.clone();
-    let task = Task::over_grid(base, settings, outputs(&args.table)?, &grid).map_err(in_file)?;
-    let model = task.settings.model;
-    let mut plot = match &args.plot {
-        Some(path) => {
-            let curves = Curves::new(&grid, &args.plot_output, path)?;
-            Some((curves, Output::create(path)?, path))
-        }
+    let curves = match &args.plot {
+        Some(path) => Some((Curves::new(&grid, &args.plot_output, path)?, path)),
         None => None,
     };
-    let mut job = Job::new(task, &args.table);
-    job.task.watched = plot.as_ref().map(|(curves, ..)| curves.output);
+    let watched = curves.as_ref().map(|(curves, _)| curves.output);
+    let task = Task::over_grid(base, settings, outputs(&args.table)?, watched, &grid);
+    let task = task.map_err(in_file)?;
+    let model = task.settings.model;
+    let mut plot = match curves {
+        Some((curves, path)) => Some((curves, Output::create(path)?, path)),
+        None => None,
+    };
+    let job = Job::new(task, &args.table);
     if plot.is_some() && args.table.resume {
         let text = "--plot needs all points; it does not go with --resume";
         return Err(Failure::Input(text.to_owned()));
@@ -78,9 +80,12 @@ impl Curves {
                 path.display()
             )));
         }
-        let output = OutputColumn::named(output).filter(|o| o.json_type == "number").ok_or_else(|| {
+        let named = OutputColumn::named(output).filter(|o| o.json_type == "number");
+        let output = named.ok_or_else(|| {
+            let nearest = OutputColumn::nearest(output);
             Failure::Input(format!(
-                "--plot-output: no numeric output is named `{output}`; `bsm schema output` lists them"
+                "--plot-output: no numeric output is named `{output}`{}; `bsm schema output` lists them",
+                nearest.map_or_else(String::new, |name| format!(", did you mean `{name}`?"))
             ))
         })?;
         let (x, series) = match grid.axes() {

@@ -2,8 +2,7 @@
 
 use bsm_case::units::MM;
 use bsm_case::{
-    Analysis, Block, Cell, Line, NutReport, OUTPUTS, Output, Record, Scene, Sensitivity, Values,
-    printable,
+    Analysis, Cell, Numbers, OUTPUTS, Of, Output, Quantity, Record, Scene, Sensitivity, printable,
 };
 use bsm_report::number;
 use bsm_validate::Study;
@@ -159,73 +158,49 @@ pub(crate) fn analysis(report: &Analysis) -> String {
     let choice = report.choice.as_deref();
     let head = [("model ", Some(report.model.name())), ("chosen", choice)];
     let head = head.into_iter().filter_map(|(label, text)| Some(format!("{label}  {}", text?)));
-    let mut blocks = vec![head.collect::<Vec<_>>().join("\n")];
-    let lines = report.blocks.iter().flat_map(|block| &block.lines);
-    let scales = Scales::of(lines.flat_map(|line| {
-        let values = match line.values {
-            Values::Whole(value) => vec![value],
-            Values::Contacts(values) => values.into_iter().flatten().collect(),
-        };
-        values.into_iter().map(|value| (line.unit, value))
-    }));
-    blocks.extend(report.blocks.iter().map(|b| block(b, &scales)));
-    let verdicts = report.verdicts.iter().map(|(name, answer, words)| {
-        format!("{name}: {}; {words}", if *answer { "yes" } else { "no" })
+    let mut parts = vec![head.collect::<Vec<_>>().join("\n")];
+    let rows = report.numbers.rows().filter(|(quantity, _)| quantity.of != Of::Statement);
+    parts.extend(blocks(rows.collect(), "ball"));
+    let verdicts = report.statements().map(|(name, holds, words)| {
+        format!("{name}: {}; {words}", if holds { "yes" } else { "no" })
     });
     let lacks = report.lacks.iter().map(|lack| format!("left out: {lack}"));
-    blocks.push(verdicts.chain(lacks).collect::<Vec<_>>().join("\n"));
-    blocks.join("\n\n")
+    parts.push(verdicts.chain(lacks).collect::<Vec<_>>().join("\n"));
+    parts.join("\n\n")
 }
 
-/// A nut under load: a table for each block.
-pub(crate) fn nut(report: &NutReport) -> String {
-    let blocks = report.blocks();
-    let values = |block: &Block| -> Vec<_> {
-        let of = |line: &Line| match line.values {
-            Values::Whole(value) => vec![(line.unit, value)],
-            Values::Contacts(_) => Vec::new(),
-        };
-        block.lines.iter().flat_map(of).collect()
-    };
-    let scales = Scales::of(blocks.iter().flat_map(values));
-    let rows = |block: &Block| {
-        let value = |line: &Line| match line.values {
-            Values::Whole(value) => scales.print(line.unit, value),
-            Values::Contacts(_) => String::new(),
-        };
-        let row = |line: &Line| vec![line.about.to_owned(), line.unit.to_owned(), value(line)];
-        let title = [block.title, "", ""].map(str::to_owned).to_vec();
-        std::iter::once(title).chain(block.lines.iter().map(row)).collect::<Vec<_>>()
-    };
-    let gap = || vec![String::new(); 3];
-    let all: Vec<_> = blocks.iter().flat_map(|block| [rows(block), vec![gap()]].concat()).collect();
-    plain(None, &all, 2)
+/// A nut under load: a table for each group of numbers.
+pub(crate) fn nut(numbers: &Numbers) -> String {
+    blocks(numbers.rows().collect(), "nut").join("\n\n")
 }
 
-/// A block of an analysis: what the ball has, then what its contacts have.
-fn block(block: &Block, scales: &Scales) -> String {
-    let (mut whole, mut contacts) = (Vec::new(), Vec::new());
-    for line in &block.lines {
-        let print = |value| scales.print(line.unit, value);
-        let row = |cells: Vec<String>| {
-            [vec![line.about.to_owned(), line.unit.to_owned()], cells].concat()
+/// Quantities in the tables of their titles.
+///
+/// * `whole`: what those of no contact and direction are of.
+fn blocks(rows: Vec<(&Quantity, [Option<f64>; 3])>, whole: &str) -> Vec<String> {
+    let scales = Scales::of(rows.iter().flat_map(|(quantity, values)| {
+        values.iter().flatten().map(|value| (quantity.unit, *value))
+    }));
+    let titled = rows.chunk_by(|a, b| a.0.title == b.0.title);
+    titled.map(|rows| block(rows, whole, &scales)).collect()
+}
+
+/// Quantities of an analysis that belong together: those of the ball, then those of its contacts.
+fn block(rows: &[(&Quantity, [Option<f64>; 3])], whole: &str, scales: &Scales) -> String {
+    let title = rows.first().map_or("", |(quantity, _)| quantity.title);
+    let table = |of, members: &[&str]| {
+        let rows = rows.iter().filter(|(quantity, _)| quantity.of == of);
+        let cells = |(quantity, values): &(&Quantity, [Option<f64>; 3])| {
+            let print =
+                |v: Option<f64>| v.map_or_else(String::new, |v| scales.print(quantity.unit, v));
+            let numbers = values.iter().take(members.len()).map(|value| print(*value));
+            [quantity.about, quantity.unit].map(str::to_owned).into_iter().chain(numbers).collect()
         };
-        match line.values {
-            Values::Whole(value) => whole.push(row(vec![print(value)])),
-            Values::Contacts(values) => {
-                let cells = values.map(|v| v.map_or_else(String::new, print));
-                contacts.push(row(cells.to_vec()));
-            }
-        }
-    }
-    let mut tables = Vec::new();
-    if !whole.is_empty() {
-        tables.push(plain(Some(&[block.title, "", "ball"]), &whole, 2));
-    }
-    if !contacts.is_empty() {
-        tables.push(plain(Some(&[block.title, "", "nut", "screw", "minor"]), &contacts, 2));
-    }
-    tables.join("\n\n")
+        let cells: Vec<Vec<String>> = rows.map(cells).collect();
+        (!cells.is_empty()).then(|| plain(Some(&[&[title, ""], members].concat()), &cells, 2))
+    };
+    let tables = [table(Of::Whole, &[whole]), table(Of::Contacts, &["nut", "screw", "minor"])];
+    tables.into_iter().flatten().collect::<Vec<_>>().join("\n\n")
 }
 
 /// Published trends, and whether the curves of a study follow them.

@@ -183,3 +183,41 @@ fn bad_input_is_told() {
     assert_eq!(output.status.code(), Some(1));
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
 }
+
+/// Numbers of analyses are columns and curves; a wrong name is answered with the nearest, and what no row
+/// could have is told before any work.
+#[test]
+fn analyses_are_columns_of_a_sweep() {
+    let dir = folder();
+    let scene = example("dong2020.json");
+    let sweep = |columns: &str, more: &[&str]| {
+        let vary = ["--vary", "screw_speed_rpm=500,2500", "--vary", "axial_load_N=8000,16000"];
+        let args = [&["sweep", &scene, "--columns", columns, "-o", "t.csv"], &vary[..], more];
+        bsm(dir.path(), &args.concat(), "")
+    };
+    let plot = ["--plot", "p.svg", "--plot-output", "returner_margin", "--model", "elastic"];
+    let output = sweep("efficiency,nut_spin_slip_m_s,returner_margin,jams", &plot);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let table = fs::read_to_string(dir.path().join("t.csv")).expect("a table");
+    let margin = json(&["jam", &scene, "--model", "elastic"])["returner_margin"].to_string();
+    let last = table.lines().last().expect("rows");
+    assert!(last.contains(&margin) && last.ends_with(",false"), "{margin}: {table}");
+    let plot = fs::read_to_string(dir.path().join("p.svg")).expect("a plot");
+    assert!(plot.contains("returner_margin"));
+
+    for (columns, more, part) in [
+        ("returner_margn", &[][..], "did you mean `returner_margin`?"),
+        ("ball_slip_m_s", &["--model", "closed-form"], "closed-form has no motion of the ball"),
+    ] {
+        let output = sweep(columns, more);
+        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        assert!(stderr(&output).contains(part), "{}", stderr(&output));
+    }
+    let args = ["sweep", &example("feed_drive.json"), "--vary", "screw_speed_rpm=500,2500"];
+    let output = bsm(dir.path(), &[&args[..], &["--columns", "jams", "-o", "u.csv"]].concat(), "");
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    let words = "column jams would be empty: loaded_balls_per_turn and apex_half_angle_deg or \
+                 return_angle_deg are required for it";
+    assert!(stderr(&output).contains(words), "{}", stderr(&output));
+    assert!(!dir.path().join("u.csv").exists());
+}

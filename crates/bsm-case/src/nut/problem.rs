@@ -91,13 +91,11 @@ pub(super) struct Made {
 }
 
 /// The preload of a nut.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Set {
     pub(super) by: Preload,
     /// Where nothing is loaded from outside and the nut is guided \[N\].
     pub(super) force: f64,
-    /// The nut there.
-    pub(super) at_rest: Equilibrium,
 }
 
 impl NutProblem {
@@ -200,9 +198,8 @@ impl NutProblem {
             None => None,
         };
         let preload = by.and_then(|by| {
-            let at_rest = nut.solve(&guided).ok()?;
-            let force = at_rest.preload(&nut, by);
-            (force > 0.0).then_some(Set { by, force, at_rest })
+            let force = nut.solve(&guided).ok()?.preload(&nut, by);
+            (force > 0.0).then_some(Set { by, force })
         });
         Ok(Made { nut, preload, found })
     }

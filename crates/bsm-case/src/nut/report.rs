@@ -11,7 +11,8 @@ use super::problem::{Made, NutProblem, Set};
 use crate::reader::in_grooves;
 use crate::record::MARKS_ABOVE;
 use crate::units::{DEG, MM, MPA, UM};
-use crate::{Block, exact};
+use crate::quantity::{Whole, quantities};
+use crate::{AnalysisKind, Numbers, Quantity, exact};
 
 /// Allowance of catalogues on the calculated rigidity, for what is made (HIWIN BS-08-2).
 const USUAL: f64 = 0.8;
@@ -45,121 +46,121 @@ impl State {
     }
 }
 
-/// A number of a nut under load.
-pub(super) struct Quantity {
-    pub(super) key: &'static str,
-    pub(super) unit: &'static str,
-    pub(super) about: &'static str,
-    block: &'static str,
-    read: fn(&NutProblem, &State) -> Option<f64>,
-}
+/// Reads a number of a nut under load; `None` where it has none.
+type Read = (Whole, fn(&NutProblem, &State) -> Option<f64>);
 
-impl Quantity {
-    /// Its value; `None` if the nut has none, or none that a number could tell.
-    fn value(&self, problem: &NutProblem, state: &State) -> Option<f64> {
-        (self.read)(problem, state).filter(|value| value.is_finite())
-    }
-}
-
-macro_rules! quantities {
-    ($($block:literal { $($key:ident [$unit:literal] $read:expr, $about:literal;)* })*) => {
-        /// All of them, in the order of the tables.
-        pub(super) const QUANTITIES: &[Quantity] = &[$($(Quantity {
-            key: stringify!($key),
-            unit: $unit,
-            about: $about,
-            block: $block,
-            read: $read,
-        },)*)*];
-    };
-}
-
-quantities! {
+quantities! { Nut;
     "displacement" {
-        axial_displacement_um ["um"] |_, s| Some(s.made.found.displacement[0] / UM),
-            "axial displacement of the nut";
-        lateral_displacement_um ["um"] |_, s| {
-            let [_, x, y, ..] = s.made.found.displacement;
-            Some(x.hypot(y) / UM)
-        }, "side displacement of the nut";
-        tilt_urad ["urad"] |_, s| {
-            let [.., x, y] = s.made.found.displacement;
-            Some(x.hypot(y) * 1e6)
-        }, "tilt of the nut";
+        nut_displacement_um ["um"] Whole, "axial displacement of the nut";
+        nut_side_displacement_um ["um"] Whole, "side displacement of the nut";
+        nut_tilt_urad ["urad"] Whole, "tilt of the nut";
     }
     "load sharing" {
-        max_contact_load_N ["N"] |_, s| Some(s.made.found.max_load()),
-            "largest load of a contact";
-        max_over_mean [""] |_, s| Some(s.made.found.concentration()),
-            "largest load of a contact over the mean";
-        unloaded_balls [""] |_, s| Some(count(s.made.found.unloaded())),
-            "balls that carry nothing";
-        max_pressure_MPa ["MPa"] |_, s| Some(max_pressure(&s.made)? / MPA),
-            "largest Hertz pressure";
-        load_bound_N ["N"] |p, s| load_bound(p, &s.made),
-            "bound of the largest load before solving (a guided nut)";
+        max_contact_load_N ["N"] Whole, "largest load of a contact";
+        max_over_mean [""] Whole, "largest load of a contact over the mean";
+        unloaded_balls [""] Whole, "balls that carry nothing";
+        max_pressure_MPa ["MPa"] Whole, "largest Hertz pressure";
+        load_bound_N ["N"] Whole, "bound of the largest load before solving (a guided nut)";
     }
     "stiffness along the axis" {
-        nut_stiffness_N_um ["N/um"] |p, s| Some(s.made.found.axial_stiffness(&p.support) * UM),
-            "tangent at this load";
-        secant_stiffness_N_um ["N/um"] |p, s| secant(p, &s.made).map(|k| k * UM),
-            "secant from no load";
-        rigidity_2_N_um ["N/um"] |_, s| stated(&s.made, 2.0),
-            "of the preload, 2 F_p/delta_p: two nuts side by side";
-        rigidity_2_83_N_um ["N/um"] |_, s| stated(&s.made, 2.0_f64.powf(1.5)),
-            "of the preload, 2^1.5 F_p/delta_p: secant to the limit load";
-        rigidity_3_N_um ["N/um"] |_, s| stated(&s.made, 3.0),
-            "of the preload, 3 F_p/delta_p: tangent without load";
-        iso_rigidity_N_um ["N/um"] |p, s| Some(iso_rigidity(p, s)? * UM),
-            "of ISO 3408-4, contacts and bodies";
-        usual_rigidity_N_um ["N/um"] |p, s| Some(USUAL * iso_rigidity(p, s)? * UM),
-            "0.8 of that, the usual allowance of catalogues";
+        nut_stiffness_N_um ["N/um"] Whole, "tangent at this load";
+        secant_stiffness_N_um ["N/um"] Whole, "secant from no load";
+        rigidity_2_N_um ["N/um"] Whole, "of the preload, 2 F_p/delta_p: two nuts side by side";
+        rigidity_2_83_N_um ["N/um"] Whole, "of the preload, 2^1.5 F_p/delta_p: secant to the limit load";
+        rigidity_3_N_um ["N/um"] Whole, "of the preload, 3 F_p/delta_p: tangent without load";
+        iso_rigidity_N_um ["N/um"] Whole, "of ISO 3408-4, contacts and bodies";
+        usual_rigidity_N_um ["N/um"] Whole, "0.8 of that, the usual allowance of catalogues";
     }
     "preload" {
-        preload_set_N ["N"] |_, s| Some(s.made.preload.as_ref()?.force),
-            "preload without load, the nut guided";
-        preload_approach_um ["um"] |_, s| {
-            let Set { by, .. } = s.made.preload.as_ref()?;
-            Some(s.made.nut.preload_approach(*by) / UM)
-        }, "delta_p, axial displacement of each side by it";
-        preload_displacement_um ["um"] |_, s| {
-            let Set { by, .. } = s.made.preload.as_ref()?;
-            Some(displacement(&s.made.nut, *by) / UM)
-        }, "offset of the pair, or excess of the balls' diameter, that gives it";
-        preload_left_N ["N"] |_, s| {
-            let Set { by, .. } = s.made.preload.as_ref()?;
-            Some(s.made.found.preload(&s.made.nut, *by))
-        }, "preload that is left at this load";
-        limit_load_N ["N"] |p, s| limit_load(p, &s.made),
-            "limit load, at which the last ball of a side lets go";
+        preload_set_N ["N"] Whole, "preload without load, the nut guided";
+        preload_approach_um ["um"] Whole, "delta_p, axial displacement of each side by it";
+        preload_displacement_um ["um"] Whole, "offset of the pair, or excess of the balls' diameter, that gives it";
+        preload_left_N ["N"] Whole, "preload that is left at this load";
+        limit_load_N ["N"] Whole, "limit load, at which the last ball of a side lets go";
     }
     "life and safety" {
-        life_revolutions [""] |p, s| lasting(s.made.found.life(&s.made.nut, &p.ratings).revolutions),
-            "life by the loads of all balls, revolutions";
-        iso_life_revolutions [""] |p, s| iso_life(p, s),
-            "life by ISO 3408-5, revolutions";
-        life_ratio [""] |p, s| {
-            let ours = lasting(s.made.found.life(&s.made.nut, &p.ratings).revolutions)?;
-            Some(ours / iso_life(p, s)?)
-        }, "one over the other";
-        static_safety [""] |p, s| {
-            lasting(s.made.found.static_safety(&s.made.nut, p.static_rating.rating))
-        }, "static safety of the most loaded ball";
-        dynamic_load_rating_N ["N"] |p, _| lasting(p.rating.rating),
-            "dynamic load rating of one nut";
-        static_load_rating_N ["N"] |p, _| lasting(p.static_rating.rating),
-            "static load rating of one nut";
+        life_revolutions [""] Whole, "life by the loads of all balls, revolutions";
+        iso_life_revolutions [""] Whole, "life by ISO 3408-5, revolutions";
+        life_ratio [""] Whole, "one over the other";
+        static_safety [""] Whole, "static safety of the most loaded ball";
+        dynamic_load_rating_N ["N"] Whole, "dynamic load rating of one nut";
+        static_load_rating_N ["N"] Whole, "static load rating of one nut";
     }
     "friction of the balls" {
-        friction_torque_Nm ["N m"] |p, s| s.friction(p)?.torque,
-            "friction torque";
-        drive_torque_Nm ["N m"] |p, s| s.friction(p)?.drive_torque,
-            "torque on the screw";
-        nut_efficiency [""] |p, s| s.friction(p)?.efficiency,
-            "efficiency";
-        friction_heat_W ["W"] |p, s| s.friction(p)?.heat,
-            "heat";
+        friction_torque_Nm ["N m"] Whole needs [friction_coefficient, screw_speed_rpm], "friction torque";
+        drive_torque_Nm ["N m"] Whole needs [friction_coefficient, screw_speed_rpm], "torque on the screw";
+        nut_efficiency [""] Whole needs [friction_coefficient, screw_speed_rpm], "efficiency";
+        friction_heat_W ["W"] Whole needs [friction_coefficient, screw_speed_rpm], "heat";
     }
+}
+
+/// How each is read, in their order.
+const READ: [Read; QUANTITIES.len()] = [
+    (nut_displacement_um, |_, s| Some(s.made.found.displacement[0] / UM)),
+    (nut_side_displacement_um, |_, s| {
+            let [_, x, y, ..] = s.made.found.displacement;
+            Some(x.hypot(y) / UM)
+        }),
+    (nut_tilt_urad, |_, s| {
+            let [.., x, y] = s.made.found.displacement;
+            Some(x.hypot(y) * 1e6)
+        }),
+    (max_contact_load_N, |_, s| Some(s.made.found.max_load())),
+    (max_over_mean, |_, s| Some(s.made.found.concentration())),
+    (unloaded_balls, |_, s| Some(count(s.made.found.unloaded()))),
+    (max_pressure_MPa, |_, s| Some(max_pressure(&s.made)? / MPA)),
+    (load_bound_N, |p, s| load_bound(p, &s.made)),
+    (nut_stiffness_N_um, |p, s| Some(s.made.found.axial_stiffness(&p.support) * UM)),
+    (secant_stiffness_N_um, |p, s| secant(p, &s.made).map(|k| k * UM)),
+    (rigidity_2_N_um, |_, s| stated(&s.made, 2.0)),
+    (rigidity_2_83_N_um, |_, s| stated(&s.made, 2.0_f64.powf(1.5))),
+    (rigidity_3_N_um, |_, s| stated(&s.made, 3.0)),
+    (iso_rigidity_N_um, |p, s| Some(iso_rigidity(p, s)? * UM)),
+    (usual_rigidity_N_um, |p, s| Some(USUAL * iso_rigidity(p, s)? * UM)),
+    (preload_set_N, |_, s| Some(s.made.preload.as_ref()?.force)),
+    (preload_approach_um, |_, s| {
+            let Set { by, .. } = s.made.preload.as_ref()?;
+            Some(s.made.nut.preload_approach(*by) / UM)
+        }),
+    (preload_displacement_um, |_, s| {
+            let Set { by, .. } = s.made.preload.as_ref()?;
+            Some(displacement(&s.made.nut, *by) / UM)
+        }),
+    (preload_left_N, |_, s| {
+            let Set { by, .. } = s.made.preload.as_ref()?;
+            Some(s.made.found.preload(&s.made.nut, *by))
+        }),
+    (limit_load_N, |p, s| limit_load(p, &s.made)),
+    (life_revolutions, |p, s| lasting(s.made.found.life(&s.made.nut, &p.ratings).revolutions)),
+    (iso_life_revolutions, |p, s| iso_life(p, s)),
+    (life_ratio, |p, s| {
+            let ours = lasting(s.made.found.life(&s.made.nut, &p.ratings).revolutions)?;
+            Some(ours / iso_life(p, s)?)
+        }),
+    (static_safety, |p, s| {
+            lasting(s.made.found.static_safety(&s.made.nut, p.static_rating.rating))
+        }),
+    (dynamic_load_rating_N, |p, _| lasting(p.rating.rating)),
+    (static_load_rating_N, |p, _| lasting(p.static_rating.rating)),
+    (friction_torque_Nm, |p, s| s.friction(p)?.torque),
+    (drive_torque_Nm, |p, s| s.friction(p)?.drive_torque),
+    (nut_efficiency, |p, s| s.friction(p)?.efficiency),
+    (friction_heat_W, |p, s| s.friction(p)?.heat),
+];
+
+/// The numbers of a nut under load that are wanted; none that no number could tell.
+pub(super) fn numbers(
+    problem: &NutProblem,
+    state: &State,
+    wanted: impl Fn(&Quantity) -> bool,
+) -> Numbers {
+    let mut numbers = Numbers::new(AnalysisKind::Nut);
+    for ((place, read), quantity) in READ.into_iter().zip(QUANTITIES) {
+        if wanted(quantity) {
+            numbers.whole(place, read(problem, state).filter(|value| value.is_finite()));
+        }
+    }
+    numbers
 }
 
 /// A small number as a number.
@@ -261,11 +262,10 @@ impl NutProblem {
         Ok(NutReport { problem: self, state })
     }
 
-    /// Some numbers of a nut that is made.
-    pub(super) fn numbers(&self, made: Made, keys: &[&str]) -> Vec<Option<f64>> {
-        let state = State::new(made);
-        let of = |key: &&str| QUANTITIES.iter().find(|q| q.key == *key)?.value(self, &state);
-        keys.iter().map(of).collect()
+    /// Some numbers of a nut that is made, by name.
+    pub(super) fn some(&self, made: Made, keys: &[&str]) -> Vec<Option<f64>> {
+        let found = numbers(self, &State::new(made), |quantity| keys.contains(&quantity.key));
+        keys.iter().map(|key| found.number(key)).collect()
     }
 }
 
@@ -298,7 +298,7 @@ pub const BALL_COLUMNS: [(&str, &str); 15] = [
 /// Columns of the curve of displacement over load, with their units.
 pub const CURVE_COLUMNS: [(&str, &str); 7] = [
     ("axial_load_N", "N"),
-    ("axial_displacement_um", "um"),
+    ("nut_displacement_um", "um"),
     ("nut_stiffness_N_um", "N/um"),
     ("preload_left_N", "N"),
     ("max_contact_load_N", "N"),
@@ -315,24 +315,14 @@ impl NutReport {
         &self.state.made.found
     }
 
-    /// The numbers, in blocks; what the nut has not is left out.
-    pub fn blocks(&self) -> Vec<Block> {
-        let mut blocks: Vec<Block> = Vec::new();
-        for quantity in QUANTITIES {
-            let Some(value) = quantity.value(&self.problem, &self.state) else { continue };
-            if blocks.last().is_none_or(|block| block.title != quantity.block) {
-                blocks.push(Block::new(quantity.block));
-            }
-            let last = blocks.last_mut().into_iter();
-            last.for_each(|block| block.whole(quantity.key, quantity.unit, quantity.about, value));
-        }
-        blocks
+    /// The numbers that are wanted; what the nut has not is left out.
+    pub fn numbers(&self, wanted: impl Fn(&Quantity) -> bool) -> Numbers {
+        numbers(&self.problem, &self.state, wanted)
     }
 
     /// A number by name.
     pub fn number(&self, name: &str) -> Option<f64> {
-        let quantity = QUANTITIES.iter().find(|quantity| quantity.key == name)?;
-        quantity.value(&self.problem, &self.state)
+        self.numbers(|quantity| quantity.key == name).number(name)
     }
 
     /// What the numbers mean, and what they leave out.
@@ -440,9 +430,9 @@ impl NutReport {
         row[0] = load;
         let Made { nut, preload, .. } = &self.state.made;
         if let Ok(found) = nut.solve(&problem.support) {
-            let made = Made { nut: nut.clone(), preload: preload.clone(), found };
+            let made = Made { nut: nut.clone(), preload: *preload, found };
             let keys = CURVE_COLUMNS.map(|(name, _)| name);
-            let numbers = problem.numbers(made, &keys[1..]);
+            let numbers = problem.some(made, &keys[1..]);
             for (cell, number) in row[1..].iter_mut().zip(numbers) {
                 *cell = number.unwrap_or(f64::NAN);
             }
@@ -457,9 +447,9 @@ impl NutReport {
         let mut map = Map::new();
         map.insert("status".to_owned(), json!("converged"));
         map.insert("message".to_owned(), Value::Null);
-        let numbers =
-            QUANTITIES.iter().map(|q| (q.key.to_owned(), json!(q.value(&self.problem, &self.state))));
-        map.extend(numbers);
+        let numbers = self.numbers(|_| true);
+        let entry = |quantity: &Quantity| (quantity.key.to_owned(), json!(numbers.number(quantity.key)));
+        map.extend(QUANTITIES.iter().map(entry));
         map.insert("unloaded_balls".to_owned(), json!(found.unloaded()));
         let [z, x, y, px, py] = found.displacement;
         map.insert("displacement_um".to_owned(), json!([z / UM, x / UM, y / UM]));

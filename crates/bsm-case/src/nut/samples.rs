@@ -71,7 +71,7 @@ impl Samples {
             .into_par_iter()
             .map(|i| {
                 let one = problem.drawn(seed, i, &waves);
-                Some(one.numbers(one.carried().ok()?, &SAMPLED))
+                Some(one.some(one.carried().ok()?, &SAMPLED))
             })
             .collect();
         let carried: Vec<_> = solved.iter().flatten().collect();

@@ -110,7 +110,7 @@ fn slip_powers(program: &Program) -> Made {
             Ok::<_, String>(at("nut")? + at("screw")?)
         };
         let [centre, spin, curvature] = [both("centre")?, both("spin")?, both("curvature")?];
-        let all = number(&report, "friction_power_W")?;
+        let all = number(&report, "total_friction_power_W")?;
         Ok::<_, Box<dyn Error>>(format!(
             "| `{model}` | {centre:.2} | {spin:.2} | {curvature:.2} | {all:.2} |"
         ))
