@@ -23,7 +23,7 @@ use crate::{CaseError, InputKey, InputSet, ModelChoice, Rule, Scene, Settings, c
 const WIDER: [(InputKey, Rule); 3] = [
     (InputKey::axial_load_N, Rule::Any),
     (InputKey::lead_mm, Rule::AtLeast(0.0)),
-    (InputKey::contact_angle_deg, Rule::AtLeast(0.0)),
+    (InputKey::contact_angle_deg, Rule::Within(0.0, 0.0)),
 ];
 
 /// Freedoms across the axis: load, displacement and spring, and what their units are in SI.

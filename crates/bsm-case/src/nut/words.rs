@@ -10,7 +10,6 @@ macro_rules! words {
         /// What a scene says of a nut besides numbers.
         #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
         #[serde(deny_unknown_fields)]
-        #[expect(non_snake_case, reason = "names carry their unit as it is written")]
         pub struct NutWords {
             $(
                 #[doc = $about]
