@@ -99,8 +99,12 @@ impl<W: Write + Send> NumberSink<W> {
             }
             Self::Parquet(table, schema) => {
                 let array = |values: &Vec<f64>| {
-                    Arc::new(values.iter().map(|x| (!x.is_nan()).then_some(*x)).collect::<Float64Array>())
-                        as ArrayRef
+                    Arc::new(
+                        values
+                            .iter()
+                            .map(|x| (!x.is_nan()).then_some(*x))
+                            .collect::<Float64Array>(),
+                    ) as ArrayRef
                 };
                 let arrays = rows.iter().map(array).collect();
                 table.write(&RecordBatch::try_new(schema.clone(), arrays)?)?;

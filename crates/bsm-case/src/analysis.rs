@@ -8,8 +8,8 @@ use crate::problem::Needs;
 use crate::quantity::Statement;
 use crate::record::message;
 use crate::{
-    CaseError, InputSet, ModelChoice, NutProblem, Numbers, OptimumReport, Output, Quantity, Record, Scene,
-    Settings, jam, nut, optimum, slip,
+    CaseError, InputSet, ModelChoice, Numbers, NutProblem, OptimumReport, Output, Quantity, Record,
+    Scene, Settings, jam, nut, optimum, slip,
 };
 
 /// The contacts of a ball.

@@ -4,9 +4,9 @@ use std::ops::{Index, IndexMut};
 
 use bsm_simd::Compare;
 
+use crate::CaseError;
 use crate::nut::NutWords;
 use crate::scene::unknown_key;
-use crate::CaseError;
 
 /// Up to here every whole number is a double.
 const MOST_WHOLE: f64 = 9_007_199_254_740_992.0;

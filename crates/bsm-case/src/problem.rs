@@ -243,7 +243,8 @@ impl Scene {
         ];
         let absent = ball_words.iter().filter(|(value, _)| value.is_none());
         missing.extend(absent.map(|(_, words)| (*words).to_owned()));
-        let pressed = [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um];
+        let pressed =
+            [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um];
         if self.axial_load_N.is_none() && !self.given().meets(InputSet::of(&pressed)) {
             missing.push("axial_load_N (or preload_N)".to_owned());
         }

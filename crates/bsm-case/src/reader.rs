@@ -177,11 +177,9 @@ pub(crate) fn in_grooves<D: Scalar>(
             Problem::RacewayControl(RacewayControl { screw, control: settings.control })
         }
         ModelChoice::Fixed(Model::Elastic) => Problem::Elastic(Elastic { screw }),
-        ModelChoice::Fixed(Model::Traction) => Problem::Traction(Traction {
-            screw,
-            order: settings.quadrature,
-            creep: settings.creep,
-        }),
+        ModelChoice::Fixed(Model::Traction) => {
+            Problem::Traction(Traction { screw, order: settings.quadrature, creep: settings.creep })
+        }
         _ => Problem::Auto(Auto { screw, tolerance: settings.tolerance }),
     }
 }

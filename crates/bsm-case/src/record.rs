@@ -7,8 +7,8 @@ use bsm_dyn::{
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
-use crate::units::{DEG, MM, MPA};
 use crate::nut::OF_A_NUT;
+use crate::units::{DEG, MM, MPA};
 use crate::{CaseError, Cell, InputKey, ModelChoice, OUTPUTS, Output, Scene};
 
 /// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
@@ -151,7 +151,10 @@ impl Record {
         let of_a_nut: Vec<_> =
             OF_A_NUT.iter().filter(|key| given.contains(*key)).map(InputKey::name).collect();
         if let [first, rest @ ..] = &of_a_nut[..] {
-            let (others, verb) = (rest.iter().map(|name| format!(", {name}")), if rest.is_empty() { "is" } else { "are" });
+            let (others, verb) = (
+                rest.iter().map(|name| format!(", {name}")),
+                if rest.is_empty() { "is" } else { "are" },
+            );
             warnings.push(format!(
                 "{first}{} {verb} not in the balance of one ball: see bsm nut",
                 others.collect::<String>()

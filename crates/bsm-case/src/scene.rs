@@ -67,7 +67,9 @@ impl Scene {
         if NutWords::have(&key) {
             return self.nut.set(key, value.clone());
         }
-        self[InputKey::named(&key)?] = match value {
+        // The name first: what is unknown has no type.
+        let input = InputKey::named(&key)?;
+        self[input] = match value {
             Value::Null => None,
             Value::Number(number) => number.as_f64(),
             other => return Err(wrong_type(key, other, "a number")),

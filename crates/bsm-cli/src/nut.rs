@@ -97,8 +97,10 @@ fn print_samples(scene: &Scene, samples: &Samples, format: Format) -> Result<(),
             let parts = Samples::PARTS.map(|part| format!("{:.0} %", 100.0 * part));
             let mut header = vec!["quantiles", ""];
             header.extend(parts.iter().map(String::as_str));
-            let title = table::title(scene).map_or_else(String::new, |title| format!("{title}\n\n"));
-            let count = format!("{} nuts carry the load, {} do not", samples.carried, samples.failed);
+            let title =
+                table::title(scene).map_or_else(String::new, |title| format!("{title}\n\n"));
+            let count =
+                format!("{} nuts carry the load, {} do not", samples.carried, samples.failed);
             print(&format!("{title}{}\n\n{count}", table::plain(Some(&header), &rows, 2)))?;
         }
     }

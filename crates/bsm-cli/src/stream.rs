@@ -6,7 +6,8 @@ use std::path::Path;
 
 use bsm_batch::dataset::{self, DatasetError, Event, Filling, Points};
 use bsm_batch::{
-    Answers, Chunk, Count, Format, NumberColumn, NumberSink, RunError, Source, TableError, Task, Workers,
+    Answers, Chunk, Count, Format, NumberColumn, NumberSink, RunError, Source, TableError, Task,
+    Workers,
 };
 use bsm_case::Output as Column;
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};

@@ -16,15 +16,19 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
     let balls = report.balls();
     let curve = report.curve();
     let mut figures = vec![
-        along(&balls, ("nut-loads", "Loads of the balls along the helix"), Axis::linear("normal load at the nut, N"), [
-            ("nut_plus_N", "flank +"),
-            ("nut_minus_N", "flank -"),
-        ]),
+        along(
+            &balls,
+            ("nut-loads", "Loads of the balls along the helix"),
+            Axis::linear("normal load at the nut, N"),
+            [("nut_plus_N", "flank +"), ("nut_minus_N", "flank -")],
+        ),
         developed(&balls),
-        along(&balls, ("nut-contact-angles", "Contact angles along the helix"), Axis::linear("contact angle at the nut, deg"), [
-            ("nut_plus_deg", "flank +"),
-            ("nut_minus_deg", "flank -"),
-        ]),
+        along(
+            &balls,
+            ("nut-contact-angles", "Contact angles along the helix"),
+            Axis::linear("contact angle at the nut, deg"),
+            [("nut_plus_deg", "flank +"), ("nut_minus_deg", "flank -")],
+        ),
         over_load(
             &curve,
             ("nut-displacement", "Displacement of the nut under its load"),
@@ -69,7 +73,8 @@ fn along<const N: usize>(
             let value = cell(&BALL_COLUMNS, row, name);
             (value != 0.0).then(|| (cell(&BALL_COLUMNS, row, "theta_deg") / 360.0, value))
         };
-        let points: Vec<_> = balls.iter().filter_map(point).filter(|(_, y)| y.is_finite()).collect();
+        let points: Vec<_> =
+            balls.iter().filter_map(point).filter(|(_, y)| y.is_finite()).collect();
         (!points.is_empty()).then(|| Curve::new(label, i, strokes[i], points))
     };
     Figure {
@@ -109,7 +114,8 @@ fn developed<const N: usize>(balls: &[[f64; N]]) -> Figure {
     Figure {
         key: "nut-developed".to_owned(),
         title: "Loads of the balls on the developed nut".to_owned(),
-        caption: "The nut unrolled: each mark is a ball, its colour the class of its load.".to_owned(),
+        caption: "The nut unrolled: each mark is a ball, its colour the class of its load."
+            .to_owned(),
         x: Axis::linear("angle around the axis, deg"),
         y: Axis::linear("place along the axis, mm"),
         curves,

@@ -1,6 +1,7 @@
 //! From the inputs of a scene to the nut in SI.
 
 use std::array::from_fn;
+use std::f64::consts::TAU;
 
 use bsm_design::{Body, DynamicRating, Nut, StaticRating};
 use bsm_dyn::Ball;
@@ -118,6 +119,8 @@ impl NutProblem {
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let design = capacity::nut(scene)?;
         let body = capacity::body(scene, &design)?;
+        // Short words leave a fraction of a ball, which no circuit has.
+        let design = of_circuits(design, &nut.circuits);
         let (rating, static_rating) = (design.dynamic_rating(), design.static_rating());
         let turns = design.turns.powf(0.86);
         let ratings = TurnRatings {
@@ -132,7 +135,11 @@ impl NutProblem {
                 return Err(CaseError::NoBallOfANut { model: model.name() });
             }
         }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a whole number"
+        )]
         let seed = value(InputKey::seed) as u64;
         Ok(Self {
             support: support(scene)?,
@@ -157,11 +164,7 @@ impl NutProblem {
     ///
     /// [`NutError`]: nothing carries the load, or no displacement gives the preload.
     pub(super) fn made(&self) -> Result<Made, NutError> {
-        if self.scatter > 0.0 {
-            self.drawn(self.seed, 0, &[]).carried()
-        } else {
-            self.carried()
-        }
+        if self.scatter > 0.0 { self.drawn(self.seed, 0, &[]).carried() } else { self.carried() }
     }
 
     /// One of many nuts like this: balls and phases of the lead error are drawn.
@@ -259,6 +262,14 @@ pub(crate) fn balls_and_turns(scene: &Scene) -> (Option<f64>, Option<f64>) {
     (Some(count(balls) / turns), Some(turns))
 }
 
+/// The nut of the ratings with the balls and turns that the circuits of one body have.
+fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
+    let first = || circuits.iter().filter(|circuit| circuit.body == 0);
+    let turns = first().map(|circuit| circuit.arc).sum::<f64>() / TAU;
+    let balls = first().map(|circuit| circuit.balls).sum::<usize>();
+    Nut { balls_per_turn: count(balls) / turns, turns, ..design }
+}
+
 /// The nut without its elastic bodies, and how it is preloaded if it is.
 fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
     let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
@@ -270,7 +281,13 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
                 return Err(twice("circuits", key.name()));
             }
             let way = words.preload_by.map_or_else(
-                || if listed.iter().any(|c| c.body > 0) { Preload::Offset } else { Preload::Oversize },
+                || {
+                    if listed.iter().any(|c| c.body > 0) {
+                        Preload::Offset
+                    } else {
+                        Preload::Oversize
+                    }
+                },
                 Preload::from,
             );
             (listed_circuits(listed, value(InputKey::starts))?, way)
@@ -363,11 +380,19 @@ fn listed_circuits(listed: &[CircuitWords], starts: f64) -> Result<Vec<Circuit>,
         balls = balls.saturating_add(words.balls);
         if words.balls == 0 || balls > MOST_BALLS {
             let rule = format!("from 1 to {MOST_BALLS} balls in all");
-            return Err(CaseError::OutOfRange { key: path("balls"), value: count(words.balls), rule });
+            return Err(CaseError::OutOfRange {
+                key: path("balls"),
+                value: count(words.balls),
+                rule,
+            });
         }
         if count(words.start) >= starts {
             let rule = format!("below the number of starts, {starts}");
-            return Err(CaseError::OutOfRange { key: path("start"), value: count(words.start), rule });
+            return Err(CaseError::OutOfRange {
+                key: path("start"),
+                value: count(words.start),
+                rule,
+            });
         }
         all.push(Circuit {
             start: checked(Rule::Any, &path("start_deg"), words.start_deg)? * DEG,
@@ -395,7 +420,9 @@ fn short_circuits(scene: &Scene, way: Preload) -> Result<Vec<Circuit>, CaseError
     let arc = 360.0 * turns / number;
     let balls = (per_turn * arc / 360.0).round();
     if balls < 1.0 || balls * number > count(MOST_BALLS) || !arc.is_finite() || arc <= 0.0 {
-        let rule = format!("so that each of {number} circuits has at least 1 ball, and all at most {MOST_BALLS}");
+        let rule = format!(
+            "so that each of {number} circuits has at least 1 ball, and all at most {MOST_BALLS}"
+        );
         let key = InputKey::loaded_balls_per_turn.name().to_owned();
         return Err(CaseError::OutOfRange { key, value: per_turn, rule });
     }
@@ -480,7 +507,10 @@ fn preload(
     let value = scene[key].unwrap_or(f64::NAN);
     let by = if key == K::ball_oversize_um { Preload::Oversize } else { way };
     if key == K::preload_offset_um && way == Preload::Oversize {
-        return Err(bad(key.name(), "is of a pair of nuts; balls that are too large have ball_oversize_um"));
+        return Err(bad(
+            key.name(),
+            "is of a pair of nuts; balls that are too large have ball_oversize_um",
+        ));
     }
     let bodies = 1 + nut.circuits.iter().map(|circuit| circuit.body).max().unwrap_or(0);
     if by == Preload::Offset && bodies != 2 {
@@ -505,7 +535,8 @@ fn bodies(scene: &Scene, mut nut: BallNut, body: &Body) -> Result<BallNut, CaseE
     let ends = ends(&nut);
     let made = nut.nut_stiffness(body.outer);
     let keys = [K::nut_EA_N, K::nut_anchor_z_mm];
-    nut.nut_bar = bar(scene, ("nut", bars.nut), (keys, "nut_anchor", words.nut_anchor), made, ends)?;
+    nut.nut_bar =
+        bar(scene, ("nut", bars.nut), (keys, "nut_anchor", words.nut_anchor), made, ends)?;
     let keys = [K::screw_EA_N, K::screw_anchor_z_mm];
     let made = nut.screw_stiffness();
     nut.screw_bar =
@@ -514,7 +545,8 @@ fn bodies(scene: &Scene, mut nut: BallNut, body: &Body) -> Result<BallNut, CaseE
     nut.ring = match (&words.ring, words.ring_expansion) {
         (Some(_), Some(_)) => return Err(twice("ring", "ring_expansion")),
         (Some(ring), None) => {
-            let inner = checked(Rule::Above(0.0), "ring.inner_diameter_mm", ring.inner_diameter_mm)?;
+            let inner =
+                checked(Rule::Above(0.0), "ring.inner_diameter_mm", ring.inner_diameter_mm)?;
             let larger = Rule::Above(inner);
             let outer = checked(larger, "ring.outer_diameter_mm", ring.outer_diameter_mm)?;
             Some(Ring { outer: outer * MM, inner: inner * MM, youngs_modulus })
@@ -565,7 +597,8 @@ fn bar(
         (Some(end), None) => at(end),
         (None, Some(z)) => z * MM,
         (None, None) if scene[stiffness].is_some() => {
-            let what = format!("needs the place where the force leaves: {word} or {}", place.name());
+            let what =
+                format!("needs the place where the force leaves: {word} or {}", place.name());
             return Err(bad(stiffness.name(), what));
         }
         (None, None) => return Ok(None),

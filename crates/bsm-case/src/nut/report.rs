@@ -4,14 +4,16 @@ use std::cell::OnceCell;
 
 use bsm_design::{Duty, life};
 use bsm_dyn::ModelWorkspace;
-use bsm_nut::{BallInGrooves, BallNut, Equilibrium, Freedom, NutError, NutFriction, Preload, Support};
+use bsm_nut::{
+    BallInGrooves, BallNut, Equilibrium, Freedom, NutError, NutFriction, Preload, Support,
+};
 use serde_json::{Map, Value, json};
 
 use super::problem::{Made, NutProblem, Set};
+use crate::quantity::{Whole, quantities};
 use crate::reader::in_grooves;
 use crate::record::MARKS_ABOVE;
 use crate::units::{DEG, MM, MPA, UM};
-use crate::quantity::{Whole, quantities};
 use crate::{AnalysisKind, Numbers, Quantity, exact};
 
 /// Allowance of catalogues on the calculated rigidity, for what is made (HIWIN BS-08-2).
@@ -81,7 +83,7 @@ quantities! { Nut;
     "life and safety" {
         life_revolutions [""] Whole, "life by the loads of all balls, revolutions";
         iso_life_revolutions [""] Whole, "life by ISO 3408-5, revolutions";
-        life_ratio [""] Whole, "one over the other";
+        life_ratio [""] Whole, "life by all balls over that of ISO";
         static_safety [""] Whole, "static safety of the most loaded ball";
         dynamic_load_rating_N ["N"] Whole, "dynamic load rating of one nut";
         static_load_rating_N ["N"] Whole, "static load rating of one nut";
@@ -98,13 +100,13 @@ quantities! { Nut;
 const READ: [Read; QUANTITIES.len()] = [
     (nut_displacement_um, |_, s| Some(s.made.found.displacement[0] / UM)),
     (nut_side_displacement_um, |_, s| {
-            let [_, x, y, ..] = s.made.found.displacement;
-            Some(x.hypot(y) / UM)
-        }),
+        let [_, x, y, ..] = s.made.found.displacement;
+        Some(x.hypot(y) / UM)
+    }),
     (nut_tilt_urad, |_, s| {
-            let [.., x, y] = s.made.found.displacement;
-            Some(x.hypot(y) * 1e6)
-        }),
+        let [.., x, y] = s.made.found.displacement;
+        Some(x.hypot(y) * 1e6)
+    }),
     (max_contact_load_N, |_, s| Some(s.made.found.max_load())),
     (max_over_mean, |_, s| Some(s.made.found.concentration())),
     (unloaded_balls, |_, s| Some(count(s.made.found.unloaded()))),
@@ -119,27 +121,27 @@ const READ: [Read; QUANTITIES.len()] = [
     (usual_rigidity_N_um, |p, s| Some(USUAL * iso_rigidity(p, s)? * UM)),
     (preload_set_N, |_, s| Some(s.made.preload.as_ref()?.force)),
     (preload_approach_um, |_, s| {
-            let Set { by, .. } = s.made.preload.as_ref()?;
-            Some(s.made.nut.preload_approach(*by) / UM)
-        }),
+        let Set { by, .. } = s.made.preload.as_ref()?;
+        Some(s.made.nut.preload_approach(*by) / UM)
+    }),
     (preload_displacement_um, |_, s| {
-            let Set { by, .. } = s.made.preload.as_ref()?;
-            Some(displacement(&s.made.nut, *by) / UM)
-        }),
+        let Set { by, .. } = s.made.preload.as_ref()?;
+        Some(displacement(&s.made.nut, *by) / UM)
+    }),
     (preload_left_N, |_, s| {
-            let Set { by, .. } = s.made.preload.as_ref()?;
-            Some(s.made.found.preload(&s.made.nut, *by))
-        }),
+        let Set { by, .. } = s.made.preload.as_ref()?;
+        Some(s.made.found.preload(&s.made.nut, *by))
+    }),
     (limit_load_N, |p, s| limit_load(p, &s.made)),
     (life_revolutions, |p, s| lasting(s.made.found.life(&s.made.nut, &p.ratings).revolutions)),
     (iso_life_revolutions, |p, s| iso_life(p, s)),
     (life_ratio, |p, s| {
-            let ours = lasting(s.made.found.life(&s.made.nut, &p.ratings).revolutions)?;
-            Some(ours / iso_life(p, s)?)
-        }),
+        let ours = lasting(s.made.found.life(&s.made.nut, &p.ratings).revolutions)?;
+        Some(ours / iso_life(p, s)?)
+    }),
     (static_safety, |p, s| {
-            lasting(s.made.found.static_safety(&s.made.nut, p.static_rating.rating))
-        }),
+        lasting(s.made.found.static_safety(&s.made.nut, p.static_rating.rating))
+    }),
     (dynamic_load_rating_N, |p, _| lasting(p.rating.rating)),
     (static_load_rating_N, |p, _| lasting(p.static_rating.rating)),
     (friction_torque_Nm, |p, s| s.friction(p)?.torque),
@@ -182,9 +184,11 @@ fn pressure(nut: &BallNut, ball: &BallInGrooves) -> Option<f64> {
 }
 
 fn max_pressure(made: &Made) -> Option<f64> {
-    made.found.balls.iter().map(|ball| pressure(&made.nut, ball)).try_fold(0.0, |most, p| {
-        Some(f64::max(most, p?))
-    })
+    made.found
+        .balls
+        .iter()
+        .map(|ball| pressure(&made.nut, ball))
+        .try_fold(0.0, |most, p| Some(f64::max(most, p?)))
 }
 
 /// The bound holds for a guided nut of one body on one flank.
@@ -331,7 +335,8 @@ impl NutReport {
         let friction = self.state.friction(&self.problem);
         match friction {
             None => notes.push(
-                "torque, efficiency and heat need friction_coefficient and screw_speed_rpm".to_owned(),
+                "torque, efficiency and heat need friction_coefficient and screw_speed_rpm"
+                    .to_owned(),
             ),
             Some(friction) if friction.torque.is_none() => {
                 let without = friction.balls.iter().filter(|torque| torque.is_none()).count();
@@ -382,7 +387,8 @@ impl NutReport {
         let Made { nut, found, .. } = &self.state.made;
         let friction = self.state.friction(&self.problem);
         let row = |(number, (place, ball)): (usize, (&bsm_nut::Place, &BallInGrooves))| {
-            let angle = |c: usize| if ball.loads[c] > 0.0 { ball.angles[c] / DEG } else { f64::NAN };
+            let angle =
+                |c: usize| if ball.loads[c] > 0.0 { ball.angles[c] / DEG } else { f64::NAN };
             let torque = friction.and_then(|friction| friction.balls[number]);
             [
                 count(place.circuit),
@@ -448,7 +454,8 @@ impl NutReport {
         map.insert("status".to_owned(), json!("converged"));
         map.insert("message".to_owned(), Value::Null);
         let numbers = self.numbers(|_| true);
-        let entry = |quantity: &Quantity| (quantity.key.to_owned(), json!(numbers.number(quantity.key)));
+        let entry =
+            |quantity: &Quantity| (quantity.key.to_owned(), json!(numbers.number(quantity.key)));
         map.extend(QUANTITIES.iter().map(entry));
         map.insert("unloaded_balls".to_owned(), json!(found.unloaded()));
         let [z, x, y, px, py] = found.displacement;
