@@ -57,8 +57,8 @@ impl BallInGrooves {
 /// Signs of the flanks + and −.
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
-/// Steps to the place of a ball; four are usual.
-const MOST_STEPS: usize = 100;
+/// Steps to the place of a ball; four are usual, a light ball that slides along a flank takes more.
+const MOST_STEPS: usize = 1000;
 
 impl FourContacts {
     /// The ball where the nut's groove is displaced against the screw's by `w` \[m\], along the binormal
@@ -82,11 +82,9 @@ impl FourContacts {
                 return Some(on_one_diagonal(first, &ball));
             }
         }
-        let start = match loaded[..] {
-            [] => w,
-            [i, ..] => self.place(i, &single[i]?, w, oversize),
-        };
-        self.settle(w, start, oversize, flanks)
+        let pressed = loaded.first().and_then(|&i| Some(self.place(i, &single[i]?, w, oversize)));
+        let starts = [Some(self.thrown_out(w, oversize, flanks)), pressed];
+        self.settle(w, starts, oversize, flanks)
     }
 
     /// Where the ball of one diagonal lies: from the nut's arc centre back along the contact normal.
@@ -96,6 +94,23 @@ impl FourContacts {
         let back = self.offsets[0] - oversize + approach;
         let m = [SIGNS[diagonal] * ball.angle.sin(), ball.angle.cos()];
         from_fn(|i| arc[i] + w[i] - back * m[i])
+    }
+
+    /// Where a loose ball lies in the groove of the nut, into which the centrifugal force presses it: on
+    /// both flanks, or at the bottom of the only one.
+    fn thrown_out(&self, w: [f64; 2], oversize: f64, flanks: Flanks) -> [f64; 2] {
+        let (sin, cos) = self.contact_angle.sin_cos();
+        let l = self.offsets[0];
+        let share = if flanks == Flanks::Both { 0.5 / cos } else { 1.0 };
+        let away = l - oversize + (share * self.outward / self.stiffness[0]).powf(2.0 / 3.0);
+        match flanks {
+            Flanks::Both => {
+                let down = (away * away - (l * sin).powi(2)).max(0.0).sqrt();
+                [w[0], w[1] + l * cos - down]
+            }
+            Flanks::Plus => [w[0] + l * sin, w[1] + l * cos - away],
+            Flanks::Minus => [w[0] - l * sin, w[1] + l * cos - away],
+        }
     }
 
     /// Groove-arc centre of a contact before the displacement.
@@ -132,11 +147,11 @@ impl FourContacts {
         Touching { approach, load, energy: 0.4 * load * approach, m, slope }
     }
 
-    /// The ball of least energy among all its places, from a start (U10).
+    /// The ball of least energy among all its places, from the better of two starts (U10).
     fn settle(
         &self,
         w: [f64; 2],
-        start: [f64; 2],
+        starts: [Option<[f64; 2]>; 2],
         oversize: f64,
         flanks: Flanks,
     ) -> Option<BallInGrooves> {
@@ -145,35 +160,39 @@ impl FourContacts {
             let touching = |c: usize| diagonals[c % 2].then(|| self.contact(c, w, x, oversize));
             Settling::of(&from_fn(touching), self.outward, x)
         };
-        let mut x = start;
-        let mut here = at(x);
+        let places = starts.into_iter().flatten().map(|x| (x, at(x)));
+        let (mut x, mut here) = places.min_by(|a, b| a.1.energy.total_cmp(&b.1.energy))?;
         for _ in 0..MOST_STEPS {
             // A step where nothing holds the ball is as long as the groove is deep.
             let step =
                 solve2(here.slope, here.pull, self.outward.max(here.size) / self.offsets[0])?;
             let fall = dot(step, here.pull);
-            let done = here.pull[0].hypot(here.pull[1]) <= 4.0 * f64::EPSILON * here.size;
-            if done || fall <= 0.0 {
+            // The place is known to the rounding of distances of the size of the groove arcs.
+            let still = step[0].hypot(step[1]) <= 4.0 * f64::EPSILON * self.series.distance;
+            if still || fall <= 0.0 {
                 return Some(here.ball());
             }
             let mut share = 1.0;
             let next = loop {
                 let y = from_fn(|i| x[i] + share * step[i]);
                 let next = at(y);
-                let rounding = 8.0 * f64::EPSILON * here.energy.abs();
-                if next.energy <= here.energy - 1e-4 * share * fall + rounding {
+                // Armijo; near the end the energy has no more digits, but the force has.
+                let rounding =
+                    64.0 * f64::EPSILON * here.energy.abs().max(self.outward * x[1].abs());
+                let level = (next.energy - here.energy).abs() <= rounding;
+                let nearer = next.left() < here.left();
+                if next.energy < here.energy - 1e-4 * share * fall || (level && nearer) {
                     break Some((y, next));
                 }
                 share *= 0.5;
-                if share < 1e-12 {
+                if share < 1e-9 {
                     break None;
                 }
             };
-            let still = share * step[0].hypot(step[1]) <= f64::EPSILON * self.offsets[0];
             match next {
-                Some((y, next)) if !still => (x, here) = (y, next),
+                Some((y, next)) => (x, here) = (y, next),
                 // Rounding is all that is left.
-                _ => return Some(here.ball()),
+                None => return Some(here.ball()),
             }
         }
         None
@@ -243,6 +262,11 @@ impl Settling {
             all.slope = plus(all.slope, touching.slope);
         }
         all
+    }
+
+    /// The force that no contact balances yet \[N\].
+    fn left(&self) -> f64 {
+        self.pull[0].hypot(self.pull[1])
     }
 
     fn ball(&self) -> BallInGrooves {

@@ -147,10 +147,21 @@ impl BallNut {
     ///
     /// [`NutError`]: there are no balls, no Hertzian contacts, or nothing carries the load.
     pub fn solve(&self, support: &Support) -> Result<Equilibrium, NutError> {
-        if self.balls() == 0 {
-            return Err(NutError::NoBalls);
-        }
-        Assembly::of(self, *support)?.solve()
+        self.solve_from(support, None)
+    }
+
+    /// [`solve`](Self::solve), the search begun at the displacement of a neighbour: it saves steps and moves
+    /// the answer by rounding only.
+    ///
+    /// # Errors
+    ///
+    /// As [`solve`](Self::solve).
+    pub fn solve_from(
+        &self,
+        support: &Support,
+        start: Option<&[f64; FREEDOMS]>,
+    ) -> Result<Equilibrium, NutError> {
+        Assembly::of(self, support)?.solve(start)
     }
 
     /// An estimate of [`solve`](Self::solve) at a third of its cost: one step from equal sharing (U28).
@@ -161,10 +172,7 @@ impl BallNut {
     ///
     /// As [`solve`](Self::solve), and where the nut has no axial load.
     pub fn estimate(&self, support: &Support) -> Result<Equilibrium, NutError> {
-        if self.balls() == 0 {
-            return Err(NutError::NoBalls);
-        }
-        Assembly::of(self, *support)?.estimate(support.0[0].load())
+        Assembly::of(self, support)?.estimate(support.0[0].load())
     }
 }
 
@@ -219,7 +227,10 @@ struct State {
 }
 
 impl<'a> Assembly<'a> {
-    fn of(nut: &'a BallNut, support: Support) -> Result<Self, NutError> {
+    fn of(nut: &'a BallNut, support: &Support) -> Result<Self, NutError> {
+        if nut.balls() == 0 {
+            return Err(NutError::NoBalls);
+        }
         let places = nut.places();
         let mut nodes: Vec<f64> = places.iter().map(|place| place.z).collect();
         nodes.sort_by(f64::total_cmp);
@@ -265,7 +276,7 @@ impl<'a> Assembly<'a> {
             matrix: Bordered::new(nodes.len(), border),
             nodes: nodes.len(),
             nut,
-            support,
+            support: *support,
             seats,
             springs,
             rings,
@@ -482,9 +493,14 @@ impl<'a> Assembly<'a> {
         self.finish(&y, &state, 1, residual)
     }
 
-    fn solve(mut self) -> Result<Equilibrium, NutError> {
+    fn solve(mut self, start: Option<&[f64; FREEDOMS]>) -> Result<Equilibrium, NutError> {
         let first = self.freedoms();
         let mut y = self.start();
+        for (i, start) in start.into_iter().flatten().enumerate() {
+            if !self.held[0][first + i] {
+                y[first + i] = *start;
+            }
+        }
         let none = |residual, steps| NutError::NotConverged { residual, steps };
         let mut state = self.state(&y, Want::Newton).ok_or(none(f64::NAN, 0))?;
         let mut damping = 0.0;

@@ -7,9 +7,27 @@ use std::f64::consts::{PI, TAU};
 use approx::assert_relative_eq;
 use bsm_dyn::{Ball, Material, ModelWorkspace, Problem, RacewayControl, Traction};
 use bsm_kin::{Drive, Helix};
-use bsm_nut::{BallNut, Bar, Errors, Flanks, Freedom, LeadError, NutError, Preload, Ring, Support};
-use nuts::{circuit, nut_a, pair, with_circuits};
+use bsm_nut::{
+    BallNut, Bar, Circuit, Errors, Flanks, Freedom, LeadError, NutError, Preload, Ring, Support,
+};
+use nuts::with_circuits;
 use proptest::prelude::*;
+
+fn circuit(start_deg: f64, arc_deg: f64, balls: usize, flanks: Flanks) -> Circuit {
+    let (start, arc) = (start_deg.to_radians(), arc_deg.to_radians());
+    Circuit { start, arc, balls, thread: 0, body: 0, flanks, offset: 0.0 }
+}
+
+/// 98 balls on 4.81 turns, both flanks.
+fn nut_a() -> BallNut {
+    with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Both)])
+}
+
+/// Two bodies against each other, without offset.
+fn pair() -> BallNut {
+    let second = Circuit { body: 1, ..circuit(1440.0, 1080.0, 60, Flanks::Minus) };
+    with_circuits(vec![circuit(0.0, 1080.0, 60, Flanks::Plus), second])
+}
 
 /// All freedoms held at a displacement.
 fn held(at: [f64; 5]) -> Support {

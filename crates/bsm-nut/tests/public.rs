@@ -190,6 +190,14 @@ fn reference_cases() {
             let life = found.life(&nut, &ratings).revolutions;
             agree(name, "life", &[life], &[number(expect, "life_revolutions")], tolerance);
         }
+        // Another start, a micrometre and ten microradians off: the energy is convex.
+        let off = [1e-6, -1e-6, 1e-6, 1e-5, -1e-5];
+        let start = std::array::from_fn(|i| found.displacement[i] + off[i]);
+        let again = nut.solve_from(&support(case), Some(&start)).expect("carried");
+        let [here, there] = [&found, &again]
+            .map(|f| f.balls.iter().flat_map(|b| b.loads).map(Some).collect::<Vec<_>>());
+        let there: Vec<f64> = there.into_iter().flatten().collect();
+        agree(name, "another start", &there, &here, tolerance);
         assert!(found.steps <= 12, "{name}: {} steps", found.steps);
     }
 }

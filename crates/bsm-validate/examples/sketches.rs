@@ -311,9 +311,95 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
     Ok(drawing)
 }
 
+/// A pair of nuts with its freedoms and anchors, and the groove-arc centres around a ball (U8).
+fn nut() -> Drawing {
+    let mut drawing = Drawing::new(
+        900.0,
+        390.0,
+        "A pair of nuts on its screw, and the groove-arc centres around a ball",
+    );
+    let mut block = |x: f64, y: f64, width: f64, height: f64| {
+        drawing.element(&format!(
+            "<rect class='body' x='{x}' y='{y}' width='{width}' height='{height}'/>"
+        ));
+    };
+    block(40.0, 170.0, 470.0, 70.0);
+    for y in [105.0, 250.0] {
+        block(110.0, y, 150.0, 55.0);
+        block(290.0, y, 150.0, 55.0);
+    }
+    block(260.0, 105.0, 30.0, 30.0);
+    block(260.0, 275.0, 30.0, 30.0);
+    block(96.0, 75.0, 14.0, 85.0);
+    block(96.0, 250.0, 14.0, 85.0);
+    for i in 0..6 {
+        let x = 130.0 + 22.0 * f64::from(i);
+        for x in [x, x + 180.0] {
+            drawing.circle("ball", Point::new(x, 165.0), 9.0);
+            drawing.circle("ball", Point::new(x + 11.0, 245.0), 9.0);
+        }
+    }
+    drawing.line("hidden", &[Point::new(20.0, 205.0), Point::new(545.0, 205.0)]);
+    drawing.line("ink", &[Point::new(40.0, 160.0), Point::new(40.0, 250.0)]);
+    for i in 0..6 {
+        let y = 165.0 + 16.0 * f64::from(i);
+        drawing.line("thin", &[Point::new(40.0, y), Point::new(30.0, y + 8.0)]);
+    }
+    for (x, y, text) in [
+        (185.0, 90.0, "body 0, flanks +"),
+        (365.0, 90.0, "body 1, flanks −"),
+        (275.0, 345.0, "offset O"),
+        (103.0, 60.0, "z_F"),
+        (40.0, 264.0, "z_S"),
+        (275.0, 372.0, "circuits of balls on the helix; the ball returns leave gaps"),
+        (720.0, 40.0, "nut"),
+        (720.0, 372.0, "screw"),
+        (860.0, 202.0, "n"),
+        (905.0 - 6.0, 128.0, "b"),
+    ] {
+        drawing.word("word", Point::new(x, y), text);
+    }
+    for [from, to] in [[276.0, 291.0], [274.0, 259.0]] {
+        drawing.arrow(0, Point::new(from, 322.0), Point::new(to, 322.0));
+    }
+    drawing.arrow(1, Point::new(455.0, 140.0), Point::new(530.0, 140.0));
+    drawing.word("fill1", Point::new(546.0, 138.0), "u_z");
+    drawing.arrow(1, Point::new(470.0, 155.0), Point::new(470.0, 80.0));
+    drawing.word("fill1", Point::new(486.0, 74.0), "u_x");
+    let turn = |i: i32| 470.0 + 50.0 * (f64::from(i) * TAU / 72.0).cos();
+    let turned = |i: i32| Point::new(turn(i), 140.0 - 50.0 * (f64::from(i) * TAU / 72.0).sin());
+    drawing.line("one", &(3..15).map(turned).collect::<Vec<_>>());
+    drawing.arrow(1, turned(14), turned(15));
+    drawing.word("fill1", Point::new(524.0, 98.0), "φ_y");
+    let corner = Point::new(860.0, 140.0);
+    drawing.arrow(0, corner, corner + Point::new(0.0, 45.0));
+    drawing.arrow(0, corner, corner + Point::new(32.0, 0.0));
+
+    let (centre, radius, offset) = (Point::new(720.0, 205.0), 95.0, 42.0);
+    drawing.circle("ball", centre, radius);
+    for (flank, sign, colour) in [("+", 1.0, 1), ("−", -1.0, 2)] {
+        for (member, side) in [("N", 1.0), ("S", -1.0)] {
+            // From the arc centre through the ball to its contact.
+            let angle = |turn: f64| TAU / 8.0 + turn;
+            let outwards =
+                |turn: f64| Point::new(-side * sign * angle(turn).sin(), -side * angle(turn).cos());
+            let arc_centre = centre - outwards(0.0) * offset;
+            let groove = |i: i32| arc_centre + outwards(f64::from(i) * 0.05) * (radius + offset);
+            drawing.line("ink", &(-10..=10).map(groove).collect::<Vec<_>>());
+            drawing.line(["", "one", "two"][colour], &[arc_centre, groove(0)]);
+            let fill = ["", "fill1", "fill2"][colour];
+            drawing.circle(fill, arc_centre, 4.0);
+            let beside = Point::new(18.0 * side * sign, 0.0);
+            drawing.word(fill, arc_centre + beside, &format!("{member}{flank}"));
+        }
+    }
+    drawing
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = env::args_os().nth(1).map_or_else(|| PathBuf::from("docs/img"), PathBuf::from);
-    let drawings = [("helix", helix()), ("contacts", contacts()), ("ellipse", ellipse()?)];
+    let drawings =
+        [("helix", helix()), ("contacts", contacts()), ("ellipse", ellipse()?), ("nut", nut())];
     for (name, drawing) in drawings {
         fs::write(folder.join(format!("{name}.svg")), drawing.svg())?;
     }
