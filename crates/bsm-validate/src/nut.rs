@@ -133,7 +133,8 @@ fn over_load<const N: usize>(
     let point = |row: &[f64; N]| {
         (cell(&CURVE_COLUMNS, row, "axial_load_N"), cell(&CURVE_COLUMNS, row, name))
     };
-    let mut curves = vec![Curve::new(title, 0, Stroke::Solid, curve.iter().map(point).collect())];
+    let label = y.label.split(',').next().unwrap_or_default();
+    let mut curves = vec![Curve::new(label, 0, Stroke::Solid, curve.iter().map(point).collect())];
     curves.extend(limit.map(|at| Curve::new("limit load", 1, Stroke::Circles, vec![at])));
     Figure {
         key: key.to_owned(),

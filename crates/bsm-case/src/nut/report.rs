@@ -204,10 +204,10 @@ fn load_bound(problem: &NutProblem, made: &Made) -> Option<f64> {
 /// Axial load over the displacement that it makes \[N/m\].
 fn secant(problem: &NutProblem, made: &Made) -> Option<f64> {
     let axial = problem.axial();
-    let from = match &made.preload {
-        Some(_) => made.nut.solve(&problem.support.with_axial(0.0)).ok()?.displacement[0],
-        None => 0.0,
-    };
+    // Preload, misalignment or side loads press balls already; else it is at first touch.
+    let without = made.nut.solve(&problem.support.with_axial(0.0)).ok();
+    let pressed = without.filter(|found| found.max_load() > 0.0);
+    let from = pressed.map_or(0.0, |found| found.displacement[0]);
     (axial != 0.0).then(|| axial / (made.found.displacement[0] - from))
 }
 
