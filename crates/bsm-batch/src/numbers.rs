@@ -21,7 +21,7 @@ pub struct NumberColumn {
     pub unit: &'static str,
 }
 
-/// Rows of numbers, the values of each column.
+/// Rows of numbers, the values of each column; NaN is a gap.
 pub type NumberRows = [Vec<f64>];
 
 /// A table of numbers that is being written.
@@ -59,7 +59,7 @@ impl<W: Write + Send> NumberSink<W> {
     pub fn parquet(writer: W, columns: &[NumberColumn]) -> Result<Self, TableError> {
         let field = |column: &NumberColumn| {
             let unit = HashMap::from([("unit".to_owned(), column.unit.to_owned())]);
-            Field::new(column.name, DataType::Float64, false).with_metadata(unit)
+            Field::new(column.name, DataType::Float64, true).with_metadata(unit)
         };
         let schema = Arc::new(Schema::new(columns.iter().map(field).collect::<Vec<_>>()));
         let table = ArrowWriter::try_new(writer, schema.clone(), None)?;
@@ -79,7 +79,9 @@ impl<W: Write + Send> NumberSink<W> {
                 for row in 0..count {
                     for values in rows {
                         digits.clear();
-                        write_exact(&mut digits, values[row])?;
+                        if !values[row].is_nan() {
+                            write_exact(&mut digits, values[row])?;
+                        }
                         table.write_field(&digits)?;
                     }
                     table.write_record(None::<&[u8]>)?;
@@ -97,7 +99,12 @@ impl<W: Write + Send> NumberSink<W> {
             }
             Self::Parquet(table, schema) => {
                 let array = |values: &Vec<f64>| {
-                    Arc::new(Float64Array::from_iter_values(values.iter().copied())) as ArrayRef
+                    Arc::new(
+                        values
+                            .iter()
+                            .map(|x| (!x.is_nan()).then_some(*x))
+                            .collect::<Float64Array>(),
+                    ) as ArrayRef
                 };
                 let arrays = rows.iter().map(array).collect();
                 table.write(&RecordBatch::try_new(schema.clone(), arrays)?)?;

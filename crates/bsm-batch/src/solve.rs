@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use bsm_case::{AnalysisKind, CaseError, Cell as Answer, Moving, Output, Record, Scene};
+use bsm_case::{AnalysisKind, CaseError, Cell as Answer, Moving, Output, Quantity, Record, Scene};
 use bsm_dyn::{ModelWorkspace, Status};
 use bsm_simd::Arch;
 use rayon::prelude::*;
@@ -163,7 +163,11 @@ impl Task {
             words.extend(motion.iter().filter_map(|moving| moving.note.clone()));
         }
         for kind in asked.analyses.iter().filter(|kind| motion.is_some() || !kind.needs_motion()) {
-            match kind.numbers(&scene, motion.as_ref()) {
+            let wanted = |quantity: &Quantity| {
+                let of_it = |column: &Output| asked.outputs.iter().any(|o| o.name == column.name);
+                quantity.columns.iter().any(of_it)
+            };
+            match kind.numbers(&scene, settings, motion.as_ref(), wanted) {
                 Ok(numbers) => {
                     let places = asked.outputs.iter().enumerate();
                     let values =

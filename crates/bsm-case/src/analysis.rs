@@ -8,8 +8,8 @@ use crate::problem::Needs;
 use crate::quantity::Statement;
 use crate::record::message;
 use crate::{
-    CapacityReport, CaseError, InputSet, ModelChoice, Numbers, Of, OptimumReport, Output, Quantity,
-    Record, Scene, Settings, capacity, jam, optimum, slip,
+    CapacityReport, CaseError, InputSet, ModelChoice, Numbers, NutProblem, Of, OptimumReport,
+    Output, Quantity, Record, Scene, Settings, capacity, jam, nut, optimum, slip,
 };
 
 /// The contacts of a ball.
@@ -26,11 +26,13 @@ pub enum AnalysisKind {
     Optimum,
     /// Ratings, rigidity and thread of a nut, `bsm capacity`.
     Capacity,
+    /// All balls of a nut, `bsm nut`.
+    Nut,
 }
 
 impl AnalysisKind {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Slip, Self::Jam, Self::Optimum, Self::Capacity];
+    pub const ALL: [Self; 5] = [Self::Slip, Self::Jam, Self::Optimum, Self::Capacity, Self::Nut];
 
     /// The command of that analysis.
     pub fn name(self) -> &'static str {
@@ -39,6 +41,7 @@ impl AnalysisKind {
             Self::Jam => "jam",
             Self::Optimum => "optimum",
             Self::Capacity => "capacity",
+            Self::Nut => "nut",
         }
     }
 
@@ -49,6 +52,7 @@ impl AnalysisKind {
             Self::Jam => jam::QUANTITIES,
             Self::Optimum => optimum::QUANTITIES,
             Self::Capacity => capacity::QUANTITIES,
+            Self::Nut => nut::QUANTITIES,
         }
     }
 
@@ -61,7 +65,7 @@ impl AnalysisKind {
     pub fn needs_motion(self) -> bool {
         match self {
             Self::Slip | Self::Jam => true,
-            Self::Optimum | Self::Capacity => false,
+            Self::Optimum | Self::Capacity | Self::Nut => false,
         }
     }
 
@@ -71,19 +75,30 @@ impl AnalysisKind {
             Self::Slip | Self::Jam => Needs::of(Model::Rigid).missing(given),
             Self::Optimum => optimum::NEEDS.missing(given),
             Self::Capacity => capacity::NEEDS.missing(given),
+            Self::Nut => Needs::NUT.missing(given),
         }
     }
 
     /// Its numbers at a scene.
     ///
-    /// * `motion`: a solution with a motion of the ball, where the analysis [needs](Self::needs_motion)
-    ///   one.
+    /// * `settings`: how it is solved where it solves itself. * `motion`: a solution with a motion of the ball, where the analysis [needs](Self::needs_motion)
+    ///   one. * `wanted`: quantities that may be left out if they are not wanted.
     ///
     /// # Errors
     ///
     /// Those of the analysis.
-    pub fn numbers(self, scene: &Scene, motion: Option<&Moving>) -> Result<Numbers, CaseError> {
+    pub fn numbers(
+        self,
+        scene: &Scene,
+        settings: &Settings,
+        motion: Option<&Moving>,
+        wanted: impl Fn(&Quantity) -> bool,
+    ) -> Result<Numbers, CaseError> {
         match (self, motion) {
+            (Self::Nut, _) => {
+                let found = NutProblem::of(scene, settings)?.solve();
+                found.map_err(CaseError::Nut).map(|report| report.numbers(wanted))
+            }
             (Self::Optimum, _) => OptimumReport::of(scene, None).map(|report| report.numbers),
             (Self::Capacity, _) => CapacityReport::numbers(scene),
             (Self::Slip, Some(Moving { settings, solution, .. })) => {

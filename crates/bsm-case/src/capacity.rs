@@ -7,6 +7,7 @@ use bsm_design::{
 use serde_json::{Map, Value, json};
 
 use crate::input_set::{CONTACT_ANGLE, LEAD};
+use crate::nut::balls_and_turns;
 use crate::problem::Needs;
 use crate::quantity::{Whole, quantities};
 use crate::reader::lead_mm;
@@ -64,7 +65,7 @@ quantities! { Capacity;
             "load that takes the same life if it stays";
         mean_speed_rpm ["rpm"] Whole needs [axial_load_N, screw_speed_rpm],
             "speed that takes the same revolutions if it stays";
-        life_revolutions [""] Whole needs [axial_load_N, screw_speed_rpm], "rating life";
+        rating_life_revolutions [""] Whole needs [axial_load_N, screw_speed_rpm], "rating life";
         life_h ["h"] Whole needs [axial_load_N, screw_speed_rpm], "rating life";
     }
     "thread" {
@@ -211,7 +212,7 @@ impl Rated {
             [
                 (mean_load_N, life.mean_load),
                 (mean_speed_rpm, life.mean_speed / RPM),
-                (life_revolutions, life.revolutions),
+                (rating_life_revolutions, life.revolutions),
                 (life_h, life.time / 3600.0),
             ]
         });
@@ -387,7 +388,7 @@ impl CapacityReport {
 }
 
 /// The thread of the nut of a scene, whose play arcs must be able to have, and whose screw must fit in.
-fn thread(scene: &Scene, nut: &Nut) -> Result<Thread, CaseError> {
+pub(crate) fn thread(scene: &Scene, nut: &Nut) -> Result<Thread, CaseError> {
     let (bore, outside) = nut.usual_lands();
     let bore = scene.nut_bore_mm.map_or(bore, |mm| mm * MM);
     let outside = scene.screw_outer_diameter_mm.map_or(outside, |mm| mm * MM);
@@ -409,7 +410,7 @@ fn thread(scene: &Scene, nut: &Nut) -> Result<Thread, CaseError> {
 }
 
 /// The body of the nut of a scene, which must have its grooves within.
-fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<Body, CaseError> {
+pub(crate) fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<Body, CaseError> {
     let mut body = Body::usual(nut);
     if let Some(outer) = scene.nut_outer_diameter_mm {
         body.outer = outer * MM;
@@ -532,12 +533,16 @@ fn off_the_flank(edge_load: f64, force: f64) -> Option<String> {
 }
 
 /// The nut of a scene.
-fn nut(scene: &Scene) -> Result<Nut, CaseError> {
+pub(crate) fn nut(scene: &Scene) -> Result<Nut, CaseError> {
     if let (Some(_), Some(_)) = (scene.contact_angle_deg, scene.groove_bottom_distance_mm) {
         let keys = ["contact_angle_deg", "groove_bottom_distance_mm"];
         return Err(CaseError::OneOfTwo { keys, found: "both are" });
     }
-    let missing = NEEDS.missing(scene.given());
+    let (balls_per_turn, turns) = balls_and_turns(scene);
+    let told = [(InputKey::loaded_balls_per_turn, balls_per_turn), (InputKey::loaded_turns, turns)];
+    let told: InputSet =
+        told.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key).collect();
+    let missing = NEEDS.missing(scene.given() | told);
     if !missing.is_empty() {
         return Err(CaseError::MissingForRatings { missing });
     }
@@ -553,8 +558,8 @@ fn nut(scene: &Scene) -> Result<Nut, CaseError> {
         contact_angle: scene.contact_angle_deg.map_or(f64::NAN, |deg| deg * DEG),
         conformity: (value(InputKey::nut_conformity), value(InputKey::screw_conformity)),
         material: scene.reader().materials(),
-        balls_per_turn: value(InputKey::loaded_balls_per_turn),
-        turns: value(InputKey::loaded_turns),
+        balls_per_turn: balls_per_turn.unwrap_or(f64::NAN),
+        turns: turns.unwrap_or(f64::NAN),
     };
     let Some(bottoms) = scene.groove_bottom_distance_mm else { return Ok(nut) };
     let contact_angle = nut.contact_angle_of(bottoms * MM).ok_or_else(|| {

@@ -77,7 +77,7 @@ impl Catalogue {
             all.insert(key, value);
         }
         let file: File = serde_path_to_error::deserialize(Value::Object(all)).map_err(|e| {
-            CaseError::NotAList { key: e.path().to_string(), what: e.inner().to_string() }
+            CaseError::BadEntry { key: e.path().to_string(), what: e.inner().to_string() }
         })?;
         file.catalogue()
     }
@@ -116,7 +116,7 @@ impl File {
         let scaled = |key: &str, list: &[f64], below: f64, unit: f64| {
             if list.is_empty() {
                 let what = "the list is empty".to_owned();
-                return Err(CaseError::NotAList { key: key.to_owned(), what });
+                return Err(CaseError::BadEntry { key: key.to_owned(), what });
             }
             let one = |value: &f64| {
                 if key.ends_with("_mm") && (0.0..LEAST).contains(value) && *value > 0.0 {
@@ -144,7 +144,7 @@ impl File {
         {
             if low > high {
                 let what = format!("from {low} to {high} is no range");
-                return Err(CaseError::NotAList { key: key.to_owned(), what });
+                return Err(CaseError::BadEntry { key: key.to_owned(), what });
             }
         }
         let (low, high) = self.conformity_range;

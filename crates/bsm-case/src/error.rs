@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use bsm_nut::NutError;
 use thiserror::Error;
 
 use crate::exact;
@@ -77,9 +78,9 @@ pub enum CaseError {
         /// The nearest known one.
         nearest: Option<String>,
     },
-    /// A value of the lists of the catalogue that is not a list.
+    /// An entry of a file that cannot be used.
     #[error("`{key}`: {what}")]
-    NotAList {
+    BadEntry {
         /// The key.
         key: String,
         /// What is wrong.
@@ -106,6 +107,24 @@ pub enum CaseError {
     MissingForRatings {
         /// The keys.
         missing: Vec<String>,
+    },
+    /// Inputs that a nut needs are not given.
+    #[error("{} required for a nut", list(missing))]
+    MissingForNut {
+        /// The keys.
+        missing: Vec<String>,
+    },
+    /// A nut that does not carry its load, or whose preload cannot be set.
+    #[error("{0}")]
+    Nut(NutError),
+    /// A model whose ball is not one of a nut.
+    #[error(
+        "model {model} has no loaded grooves: models auto, raceway-control, elastic and traction give \
+         the friction of the balls of a nut"
+    )]
+    NoBallOfANut {
+        /// The model.
+        model: &'static str,
     },
     /// A key that requirements do not have.
     #[error("unknown key `{}`{}; `bsm design` without a file lists all keys", brief(key), nearest_hint(nearest.as_deref()))]

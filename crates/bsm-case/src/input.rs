@@ -5,7 +5,11 @@ use std::ops::{Index, IndexMut};
 use bsm_simd::Compare;
 
 use crate::CaseError;
+use crate::nut::NutWords;
 use crate::scene::unknown_key;
+
+/// Up to here every whole number is a double.
+const MOST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
 /// What a value must satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +24,8 @@ pub enum Rule {
     Between(f64, f64),
     /// Between the bounds or one of them.
     Within(f64, f64),
+    /// A whole number, at least the bound.
+    Whole(f64),
 }
 
 impl Rule {
@@ -36,6 +42,12 @@ impl Rule {
             }
             Self::Within(low, high) => {
                 value.constant(low).le(value) & value.le(value.constant(high))
+            }
+            Self::Whole(low) => {
+                let rest = value.zip(value, |value, _| value.fract());
+                value.constant(low).le(value)
+                    & value.le(value.constant(MOST_WHOLE))
+                    & rest.le(value.constant(0.0))
             }
         }
     }
@@ -62,6 +74,7 @@ impl Rule {
             Self::AtLeast(low) => format!("finite and >= {low}"),
             Self::Between(low, high) => format!("between {low} and {high} (exclusive)"),
             Self::Within(low, high) => format!("from {low} to {high}"),
+            Self::Whole(low) => format!("a whole number, {low} or more"),
         }
     }
 }
@@ -90,6 +103,8 @@ macro_rules! inputs {
         pub struct Scene {
             /// Free text.
             pub description: Option<String>,
+            /// What it says of a nut besides numbers.
+            pub nut: NutWords,
             $(#[doc = $about] pub $name: Option<f64>,)*
         }
 
@@ -167,7 +182,7 @@ impl Scene {
     }
 }
 
-use Rule::{Above, Any, AtLeast, Between};
+use Rule::{Above, Any, AtLeast, Between, Whole};
 
 inputs! {
     ball_diameter_mm ["mm"] Above(0.0), None,
@@ -211,7 +226,71 @@ inputs! {
     loaded_turns [""] Above(0.0), None,
         "loaded turns of a nut, for its load ratings; may be a fraction";
     preload_N ["N"] Above(0.0), None,
-        "preload, axial force between the two nuts of a preloaded pair, for its rigidity and rating life";
+        "preload, axial force between the two nuts of a preloaded pair, or of oversize balls on either flank (preload_by)";
+    preload_offset_um ["um"] Any, None,
+        "axial offset of the two nuts of a pair against each other, in place of preload_N; < 0 presses them together";
+    ball_oversize_um ["um"] Any, None,
+        "excess of the diameter of all balls over the one that just touches both flanks of a nut; < 0 is play";
+    ball_deviation_sd_um ["um"] AtLeast(0.0), None,
+        "standard deviation of the diameters of the balls of a nut, drawn with seed";
+    seed [""] Whole(0.0), Some(0.0),
+        "number that the random deviations of the balls follow from";
+    starts [""] Whole(1.0), Some(1.0),
+        "threads of the screw";
+    circuits_count [""] Whole(1.0), Some(1.0),
+        "circuits of balls that the loaded turns of a nut are divided into";
+    gap_deg ["deg"] AtLeast(0.0), None,
+        "arc without loaded balls between two circuits of one thread; up to the next whole turn unless given";
+    phase_deg ["deg"] Any, Some(0.0),
+        "helix angle by which each circuit is shifted against the one before, besides arc and gap";
+    radial_gap_um ["um"] Any, Some(0.0),
+        "radial gap between grooves and balls of a nut at rest";
+    reference_z_mm ["mm"] Any, None,
+        "place on the axis to which displacements, side loads and moments of a nut belong; the middle of its balls unless given";
+    radial_load_x_N ["N"] Any, None,
+        "side load on the nut along x";
+    radial_load_y_N ["N"] Any, None,
+        "side load on the nut along y";
+    moment_x_Nm ["N m"] Any, None,
+        "moment on the nut about x";
+    moment_y_Nm ["N m"] Any, None,
+        "moment on the nut about y";
+    radial_x_um ["um"] Any, None,
+        "misalignment, side displacement along x at which the nut is held";
+    radial_y_um ["um"] Any, None,
+        "misalignment, side displacement along y at which the nut is held";
+    tilt_x_urad ["urad"] Any, None,
+        "misalignment, tilt about x at which the nut is held";
+    tilt_y_urad ["urad"] Any, None,
+        "misalignment, tilt about y at which the nut is held";
+    guide_x_N_um ["N/um"] Above(0.0), None,
+        "stiffness of the guides of the nut against side motion along x";
+    guide_y_N_um ["N/um"] Above(0.0), None,
+        "stiffness of the guides of the nut against side motion along y";
+    guide_tilt_x_Nm_mrad ["N m/mrad"] Above(0.0), None,
+        "stiffness of the guides of the nut against tilt about x";
+    guide_tilt_y_Nm_mrad ["N m/mrad"] Above(0.0), None,
+        "stiffness of the guides of the nut against tilt about y";
+    nut_anchor_z_mm ["mm"] Any, None,
+        "place on the axis where the force leaves the nut; or nut_anchor";
+    screw_anchor_z_mm ["mm"] Any, None,
+        "place on the axis where the force leaves the screw; or screw_anchor";
+    nut_EA_N ["N"] Above(0.0), None,
+        "Young's modulus times cross section of the nut; from its diameters unless given";
+    screw_EA_N ["N"] Above(0.0), None,
+        "Young's modulus times cross section of the screw; from its groove diameter unless given";
+    screw_rating_N ["N"] Above(0.0), None,
+        "dynamic load rating of the screw's side of one nut body; from the geometry unless given";
+    nut_rating_N ["N"] Above(0.0), None,
+        "dynamic load rating of the nut's side of one nut body; from the geometry unless given";
+    nut_temperature_rise_K ["K"] Any, Some(0.0),
+        "temperature of the nut above the one at which it fits";
+    screw_temperature_rise_K ["K"] Any, Some(0.0),
+        "temperature of the screw above the one at which it fits";
+    ball_temperature_rise_K ["K"] Any, Some(0.0),
+        "temperature of the balls above the one at which they fit";
+    thermal_expansion_um_m_K ["um/(m K)"] Above(0.0), Some(11.5),
+        "coefficient of thermal expansion of nut, screw and balls";
     nut_outer_diameter_mm ["mm"] Above(0.0), None,
         "outer diameter of the nut, for its rigidity and mass; pitch circle + 4 ball diameters unless given";
     nut_length_mm ["mm"] Above(0.0), None,

@@ -6,9 +6,9 @@ use crate::{INPUTS, InputKey, Scene};
 
 /// Some of the inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct InputSet(u64);
+pub struct InputSet(u128);
 
-const _: () = assert!(INPUTS.len() <= 64, "a bit for each input");
+const _: () = assert!(INPUTS.len() <= 128, "a bit for each input");
 
 impl InputSet {
     /// Inputs that have a default.
@@ -164,5 +164,6 @@ impl Scene {
         for key in given.replaced().iter() {
             self[key] = settings[key];
         }
+        self.nut.override_with(&settings.nut);
     }
 }

@@ -3,6 +3,7 @@
 use bsm_dyn::{Control, Model, Problem, Traction};
 
 use crate::input_set::{Form, LEAD, Quantity};
+use crate::nut::balls_and_turns;
 use crate::rules::{covered, not_covered};
 use crate::{CaseError, InputKey, InputSet, Rule, Scene};
 
@@ -153,6 +154,19 @@ impl Needs {
         Self { all, quantities: &[LEAD] }
     }
 
+    /// What a nut needs besides its balls and its load.
+    pub(crate) const NUT: Self = {
+        use InputKey as K;
+        let all = InputSet::of(&[
+            K::ball_diameter_mm,
+            K::pitch_circle_diameter_mm,
+            K::contact_angle_deg,
+            K::nut_conformity,
+            K::screw_conformity,
+        ]);
+        Self { all, quantities: &[LEAD] }
+    };
+
     /// True if the inputs are among those that are given.
     fn are_met(&self, given: InputSet) -> bool {
         let complete = |form: &Form| given.contains(form.key) && given.contains_all(form.with);
@@ -214,6 +228,24 @@ impl Scene {
     /// Inputs that `model` needs and the scene has not.
     pub fn missing(&self, model: Model) -> Vec<String> {
         Needs::of(model).missing(self.given())
+    }
+
+    /// Inputs that a nut needs and the scene has not.
+    pub(crate) fn missing_for_a_nut(&self) -> Vec<String> {
+        let mut missing = Needs::NUT.missing(self.given());
+        let (per_turn, turns) = balls_and_turns(self);
+        let ball_words = [
+            (per_turn, "loaded_balls_per_turn (or circuits)"),
+            (turns, "loaded_turns (or circuits)"),
+        ];
+        let absent = ball_words.iter().filter(|(value, _)| value.is_none());
+        missing.extend(absent.map(|(_, words)| (*words).to_owned()));
+        let pressed =
+            [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um];
+        if self.axial_load_N.is_none() && !self.given().meets(InputSet::of(&pressed)) {
+            missing.push("axial_load_N (or preload_N)".to_owned());
+        }
+        missing
     }
 
     /// Whether `model` covers the values of the scene.

@@ -26,11 +26,8 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     /// The problem of a model whose inputs [`Scene::choose`] has checked.
     pub(crate) fn problem(&self, model: ModelChoice, settings: &Settings) -> Problem<D> {
         let model = match model {
-            ModelChoice::Auto => {
-                let (screw, tolerance) = (self.elastic_screw(), settings.tolerance);
-                return Problem::Auto(Auto { screw, tolerance });
-            }
-            ModelChoice::Fixed(model) => model,
+            ModelChoice::Fixed(model) if !has_grooves(model) => model,
+            _ => return in_grooves(self.elastic_screw(), model, settings),
         };
         match model {
             Model::ClosedForm => Problem::ClosedForm(ClosedForm {
@@ -40,17 +37,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
                 size: self.size(),
             }),
             Model::QuasiStatic => Problem::QuasiStatic(self.quasi_static()),
-            Model::Rigid => Problem::Rigid(self.rigid()),
-            Model::RacewayControl => Problem::RacewayControl(RacewayControl {
-                screw: self.elastic_screw(),
-                control: settings.control,
-            }),
-            Model::Elastic => Problem::Elastic(Elastic { screw: self.elastic_screw() }),
-            Model::Traction => Problem::Traction(Traction {
-                screw: self.elastic_screw(),
-                accuracy: settings.accuracy,
-                creep: settings.creep,
-            }),
+            _ => Problem::Rigid(self.rigid()),
         }
     }
 
@@ -82,7 +69,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     }
 
     /// Speeds of screw and nut, if that of the screw is given.
-    fn drive(&self) -> Option<Drive<D>> {
+    pub(crate) fn drive(&self) -> Option<Drive<D>> {
         let screw = self.given(InputKey::screw_speed_rpm)?;
         let nut = self.value(InputKey::nut_speed_rpm);
         Some(Drive { screw_speed: screw * RPM, nut_speed: nut * RPM })
@@ -171,6 +158,31 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
             drive: self.drive().expect("required inputs were checked"),
             load: self.load().expect("required inputs were checked"),
         }
+    }
+}
+
+/// True if the balls of a model press the grooves.
+pub(crate) fn has_grooves(model: Model) -> bool {
+    matches!(model, Model::RacewayControl | Model::Elastic | Model::Traction)
+}
+
+/// The problem of a model whose balls press the grooves.
+pub(crate) fn in_grooves<D: Scalar>(
+    screw: ElasticScrew<D>,
+    model: ModelChoice,
+    settings: &Settings,
+) -> Problem<D> {
+    match model {
+        ModelChoice::Fixed(Model::RacewayControl) => {
+            Problem::RacewayControl(RacewayControl { screw, control: settings.control })
+        }
+        ModelChoice::Fixed(Model::Elastic) => Problem::Elastic(Elastic { screw }),
+        ModelChoice::Fixed(Model::Traction) => Problem::Traction(Traction {
+            screw,
+            accuracy: settings.accuracy,
+            creep: settings.creep,
+        }),
+        _ => Problem::Auto(Auto { screw, tolerance: settings.tolerance }),
     }
 }
 

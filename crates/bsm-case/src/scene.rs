@@ -9,6 +9,7 @@ use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::{Value, json};
 
 use crate::error::brief;
+use crate::nut::NutWords;
 use crate::reader::lead_mm;
 use crate::rules::Relation;
 use crate::{CaseError, INPUTS, InputKey, InputSet, Scene};
@@ -48,7 +49,8 @@ impl Scene {
     pub fn to_json(&self) -> Value {
         let text = self.description.iter().map(|text| (DESCRIPTION.to_owned(), json!(text)));
         let number = |key: InputKey| Some((key.name().to_owned(), json!(self[key]?)));
-        Value::Object(text.chain(InputKey::ALL.into_iter().filter_map(number)).collect())
+        let numbers = InputKey::ALL.into_iter().filter_map(number);
+        Value::Object(text.chain(numbers).chain(self.nut.to_map()).collect())
     }
 
     pub(crate) fn assign_json(&mut self, key: String, value: &Value) -> Result<(), CaseError> {
@@ -62,7 +64,12 @@ impl Scene {
                 other => Err(wrong_type(key, other, "text")),
             };
         }
-        self[InputKey::named(&key)?] = match value {
+        if NutWords::have(&key) {
+            return self.nut.set(key, value.clone());
+        }
+        // The name first: what is unknown has no type.
+        let input = InputKey::named(&key)?;
+        self[input] = match value {
             Value::Null => None,
             Value::Number(number) => number.as_f64(),
             other => return Err(wrong_type(key, other, "a number")),
@@ -94,7 +101,14 @@ impl Scene {
             let text = setting.as_ref();
             let bad = || CaseError::BadSetting { text: text.to_owned(), form: "name=value" };
             let (name, value) = text.split_once('=').ok_or_else(bad)?;
-            let (key, value) = (InputKey::named(name.trim())?, value.trim());
+            let (name, value) = (name.trim(), value.trim());
+            if NutWords::have(name) {
+                // A word need not stand in quotes.
+                let word = serde_json::from_str(value).unwrap_or_else(|_| json!(value));
+                given.nut.set(name.to_owned(), word)?;
+                continue;
+            }
+            let key = InputKey::named(name)?;
             let number = value.parse().map_err(|_| CaseError::not_a_number(key.name(), value))?;
             given[key] = Some(number);
         }
@@ -144,11 +158,17 @@ impl Scene {
             Some(lead_mm(self.lead_angle()?, pitch))
         });
         if let (Some(ball), Some(lead)) = (self.ball_diameter_mm, lead)
-            && ball >= lead
+            && lead > 0.0
+            && let Some(starts) = self.value_or_default(InputKey::starts)
+            && ball * starts >= lead
         {
+            let threads = match starts {
+                1.0 => "a single-start screw".to_owned(),
+                _ => format!("a screw of {starts} starts"),
+            };
             warnings.push(format!(
-                "ball_diameter_mm = {ball} is not smaller than the lead, {lead:.3} mm: neighbouring \
-                 turns of a single-start screw overlap"
+                "ball_diameter_mm = {ball} does not fit into the lead, {lead:.3} mm: neighbouring \
+                 turns of {threads} overlap"
             ));
         }
         warnings
@@ -204,7 +224,7 @@ pub(crate) fn unknown_key(key: String) -> CaseError {
 
 /// The known input whose name is nearest to `key`, if any is near.
 pub fn nearest_input(key: &str) -> Option<&'static str> {
-    nearest(key, INPUTS.iter().map(|input| input.name))
+    nearest(key, INPUTS.iter().map(|input| input.name).chain(NutWords::KEYS.iter().copied()))
 }
 
 /// The name that is nearest to `key`, if any is near.

@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::nut::NutWords;
 use crate::{AnalysisKind, INPUTS, OUTPUTS, Output, Rule};
 
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
@@ -13,14 +14,16 @@ pub fn input_schema() -> Value {
     properties.insert("description".to_owned(), text);
     for input in INPUTS {
         let mut property = Map::new();
-        property.insert("type".to_owned(), json!(["number", "null"]));
+        let whole = matches!(input.rule, Rule::Whole(_));
+        let kind = if whole { "integer" } else { "number" };
+        property.insert("type".to_owned(), json!([kind, "null"]));
         property.insert("description".to_owned(), json!(with_unit(input.about, input.unit)));
         match input.rule {
             Rule::Any => {}
             Rule::Above(low) => {
                 property.insert("exclusiveMinimum".to_owned(), json!(low));
             }
-            Rule::AtLeast(low) => {
+            Rule::AtLeast(low) | Rule::Whole(low) => {
                 property.insert("minimum".to_owned(), json!(low));
             }
             Rule::Within(low, high) => {
@@ -37,6 +40,7 @@ pub fn input_schema() -> Value {
         }
         properties.insert(input.name.to_owned(), Value::Object(property));
     }
+    properties.extend(NutWords::schema());
     json!({
         "$schema": DIALECT,
         "title": "bsm scene",

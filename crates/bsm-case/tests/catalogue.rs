@@ -161,7 +161,7 @@ fn a_spectrum_is_a_life() {
     assert!((one("life_h") / hours - 1.0).abs() < 1e-12, "{}", one("life_h"));
     // Half the turns at 9 kN, half at none: twice the life in revolutions.
     let half = numbers(&busy, Some(&format!("{head}9000,500,1\n0,250,2\n")));
-    assert!((half("life_revolutions") / one("life_revolutions") - 2.0).abs() < 1e-12);
+    assert!((half("rating_life_revolutions") / one("rating_life_revolutions") - 2.0).abs() < 1e-12);
     assert!((half("mean_speed_rpm") - 1000.0 / 3.0).abs() < 1e-9);
     for (table, words) in [
         ("axial_load_N,screw_speed_rpm\n1,2\n", "time_share"),

@@ -52,6 +52,15 @@ pub(crate) enum Command {
     /// axial_load_N and screw_speed_rpm, or a load spectrum.
     #[command(after_help = EXIT_CODES)]
     Capacity(CapacityArgs),
+    /// All balls of a nut: how they share the load, stiffness, preload, life, torque.
+    ///
+    /// The nut is a scene as for bsm capacity, with axial_load_N or a preload (preload_N, preload_offset_um,
+    /// ball_oversize_um). circuits lists loaded arcs and balls, or circuits_count and gap_deg divide
+    /// loaded_turns. nut_guidance free, side loads, moments, elastic bodies (nut_anchor, screw_anchor, ring_expansion)
+    /// and errors (ball_deviation_um, lead_error) make the sharing uneven. Static and without friction; the model gives
+    /// the friction of each ball at its own load.
+    #[command(after_help = EXIT_CODES)]
+    Nut(NutArgs),
     /// Friction coefficient, or another input, from a measured torque or another output.
     ///
     /// Example: bsm fit examples/feed_drive.json --measured screw_torque_Nm=26. Prints every value in
@@ -307,6 +316,38 @@ pub(crate) struct CapacityArgs {
     #[arg(long)]
     pub(crate) steps: bool,
     /// How to print the ratings.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct NutArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
+    /// Table to write with a row for each ball: .csv, .jsonl or .parquet.
+    #[arg(long, value_name = "BALLS")]
+    pub(crate) table: Option<PathBuf>,
+    /// Write displacement, stiffness and preload that is left over the axial load to --output, beyond the load and
+    /// the limit load.
+    #[arg(long, requires = "output")]
+    pub(crate) curve: bool,
+    /// Table of --curve: .csv, .jsonl or .parquet; `-` is CSV on standard output, in place of the summary.
+    #[arg(short, long, value_name = "OUT", requires = "curve")]
+    pub(crate) output: Option<PathBuf>,
+    /// Folder for figures (SVG and CSV): loads and contact angles along the helix, the developed nut,
+    /// displacement and preload over load; created if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Solve so many nuts with balls drawn by ball_deviation_sd_um and phases of lead_error drawn, and print
+    /// quantiles.
+    #[arg(long, value_name = "N", conflicts_with_all = ["table", "curve", "plot"])]
+    pub(crate) samples: Option<u64>,
+    /// Number that the samples follow from; the seed of the scene unless given.
+    #[arg(long, value_name = "S", requires = "samples")]
+    pub(crate) seed: Option<u64>,
+    /// How to print the summary.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
 }

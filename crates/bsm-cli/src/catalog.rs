@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use bsm_batch::{Format as TableFormat, NumberColumn, NumberSink};
+use bsm_batch::{Format as TableFormat, NumberColumn};
 use bsm_case::units::GPA;
 use bsm_case::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
@@ -15,8 +15,8 @@ use serde_json::{Value, json};
 
 use crate::args::{CatalogArgs, Format};
 use crate::failure::{Failure, warn};
-use crate::files::{self, Output, pretty_json, print, write_figures};
-use crate::stream::{format_of, unwritable};
+use crate::files::{self, pretty_json, print, write_figures};
+use crate::stream::{format_of, write_numbers};
 use crate::table;
 
 /// Rows that a screen shows.
@@ -165,21 +165,11 @@ fn write(
 ) -> Result<(), Failure> {
     let column = |c: &CatalogueColumn| NumberColumn { name: c.name, unit: c.unit };
     let columns: Vec<_> = CATALOGUE_COLUMNS.iter().map(column).collect();
-    let out = Output::create(path)?;
-    let written = || {
-        let mut table = match format {
-            TableFormat::Csv => NumberSink::csv(out, &columns)?,
-            TableFormat::JsonLines => NumberSink::json_lines(out, &columns),
-            TableFormat::Parquet => NumberSink::parquet(out, &columns)?,
-        };
-        for part in chosen.chunks(PART) {
-            let nuts = catalogue.map(part, |_, nut| Some(*nut));
-            let values = |c: &CatalogueColumn| nuts.iter().map(c.read).collect();
-            table.write(&CATALOGUE_COLUMNS.iter().map(values).collect::<Vec<_>>())?;
-        }
-        table.finish()
-    };
-    written().map_err(|error| unwritable(path, &error))?.complete()
+    let parts = chosen.chunks(PART).map(|part| {
+        let nuts = catalogue.map(part, |_, nut| Some(*nut));
+        CATALOGUE_COLUMNS.iter().map(|c| nuts.iter().map(c.read).collect()).collect()
+    });
+    write_numbers(path, format, &columns, parts)
 }
 
 fn show(catalogue: &Catalogue, chosen: &[u32], args: &CatalogArgs) -> Result<(), Failure> {

@@ -10,6 +10,7 @@ mod failure;
 mod files;
 mod fit;
 mod motion;
+mod nut;
 mod optimum;
 mod solve;
 mod stream;
@@ -60,6 +61,7 @@ fn main() -> ExitCode {
         Command::Optimum(args) => optimum::run(&args),
         Command::Capacity(args) => capacity::run(&args),
         Command::Catalog(args) => on_threads(asked, |_| catalog::run(&args)),
+        Command::Nut(args) => on_threads(asked, |_| nut::run(&args)),
         Command::Fit(args) => fit::run(&args),
         Command::Design(args) => on_threads(asked, |_| design::run(&args)),
         Command::Slip(args) => motion::slip(&args),

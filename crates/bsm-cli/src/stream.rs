@@ -5,7 +5,10 @@ use std::io::{self, IsTerminal};
 use std::path::Path;
 
 use bsm_batch::dataset::{self, DatasetError, Event, Filling, Points};
-use bsm_batch::{Answers, Chunk, Count, Format, RunError, Source, TableError, Task, Workers};
+use bsm_batch::{
+    Answers, Chunk, Count, Format, NumberColumn, NumberSink, RunError, Source, TableError, Task,
+    Workers,
+};
 use bsm_case::Output as Column;
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
 
@@ -197,6 +200,28 @@ pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
         TableError::Parquet(why) => files::refused(path, why),
         other => files::refused(path, &other.to_string()),
     }
+}
+
+/// Writes a table of numbers, part by part.
+pub(crate) fn write_numbers(
+    path: &Path,
+    format: Format,
+    columns: &[NumberColumn],
+    parts: impl Iterator<Item = Vec<Vec<f64>>>,
+) -> Result<(), Failure> {
+    let out = Output::create(path)?;
+    let written = || {
+        let mut table = match format {
+            Format::Csv => NumberSink::csv(out, columns)?,
+            Format::JsonLines => NumberSink::json_lines(out, columns),
+            Format::Parquet => NumberSink::parquet(out, columns)?,
+        };
+        for part in parts {
+            table.write(&part)?;
+        }
+        table.finish()
+    };
+    written().map_err(|error| unwritable(path, &error))?.complete()
 }
 
 /// The form of a table by the ending of its name; `-` is CSV.

@@ -2,7 +2,7 @@
 
 use bsm_case::units::MM;
 use bsm_case::{
-    Analysis, Cell, OUTPUTS, Of, Output, Quantity, Record, Scene, Sensitivity, printable,
+    Analysis, Cell, Numbers, OUTPUTS, Of, Output, Quantity, Record, Scene, Sensitivity, printable,
 };
 use bsm_report::number;
 use bsm_validate::Study;
@@ -160,22 +160,35 @@ pub(crate) fn analysis(report: &Analysis) -> String {
     let choice = report.choice.as_deref();
     let head = [("model ", Some(report.model.name())), ("chosen", choice)];
     let head = head.into_iter().filter_map(|(label, text)| Some(format!("{label}  {}", text?)));
-    let mut blocks = vec![head.collect::<Vec<_>>().join("\n")];
-    let rows: Vec<_> = report.numbers.rows().filter(|(q, _)| q.of != Of::Statement).collect();
-    let scales = Scales::of(rows.iter().flat_map(|(quantity, values)| {
-        values.iter().flatten().map(|value| (quantity.unit, *value))
-    }));
-    blocks.extend(rows.chunk_by(|a, b| a.0.title == b.0.title).map(|rows| block(rows, &scales)));
+    let mut parts = vec![head.collect::<Vec<_>>().join("\n")];
+    let rows = report.numbers.rows().filter(|(quantity, _)| quantity.of != Of::Statement);
+    parts.extend(blocks(rows.collect(), "ball"));
     let verdicts = report.statements().map(|(name, holds, words)| {
         format!("{name}: {}; {words}", if holds { "yes" } else { "no" })
     });
     let lacks = report.lacks.iter().map(|lack| format!("left out: {lack}"));
-    blocks.push(verdicts.chain(lacks).collect::<Vec<_>>().join("\n"));
-    blocks.join("\n\n")
+    parts.push(verdicts.chain(lacks).collect::<Vec<_>>().join("\n"));
+    parts.join("\n\n")
+}
+
+/// A nut under load: a table for each group of numbers.
+pub(crate) fn nut(numbers: &Numbers) -> String {
+    blocks(numbers.rows().collect(), "nut").join("\n\n")
+}
+
+/// Quantities in the tables of their titles.
+///
+/// * `whole`: what those of no contact and direction are of.
+fn blocks(rows: Vec<(&Quantity, [Option<f64>; 3])>, whole: &str) -> Vec<String> {
+    let scales = Scales::of(rows.iter().flat_map(|(quantity, values)| {
+        values.iter().flatten().map(|value| (quantity.unit, *value))
+    }));
+    let titled = rows.chunk_by(|a, b| a.0.title == b.0.title);
+    titled.map(|rows| block(rows, whole, &scales)).collect()
 }
 
 /// Quantities of an analysis that belong together: those of the ball, then those of its contacts.
-fn block(rows: &[(&Quantity, [Option<f64>; 3])], scales: &Scales) -> String {
+fn block(rows: &[(&Quantity, [Option<f64>; 3])], whole: &str, scales: &Scales) -> String {
     let title = rows.first().map_or("", |(quantity, _)| quantity.title);
     let table = |of, members: &[&str]| {
         let rows = rows.iter().filter(|(quantity, _)| quantity.of == of);
@@ -188,7 +201,7 @@ fn block(rows: &[(&Quantity, [Option<f64>; 3])], scales: &Scales) -> String {
         let cells: Vec<Vec<String>> = rows.map(cells).collect();
         (!cells.is_empty()).then(|| plain(Some(&[&[title, ""], members].concat()), &cells, 2))
     };
-    let tables = [table(Of::Whole, &["ball"]), table(Of::Contacts, &["nut", "screw", "minor"])];
+    let tables = [table(Of::Whole, &[whole]), table(Of::Contacts, &["nut", "screw", "minor"])];
     tables.into_iter().flatten().collect::<Vec<_>>().join("\n\n")
 }
 

@@ -150,7 +150,7 @@ impl Balance<'_> {
             let arc = D::from(held.helix.arc_length_per_radian());
             let (friction, lost) = ellipse.friction(motion, arc, &law, creep, self.quadrature);
             wrench = wrench + friction;
-            power = power + lost;
+            power += lost;
         }
         (to_nut, wrench, power)
     }
@@ -159,6 +159,7 @@ impl Balance<'_> {
         BallFrame::turned(D::from(self.held.helix.lead_angle), D::from(0.0))
     }
 
+    #[expect(clippy::unnecessary_wraps, reason = "the form that `equations!` takes")]
     fn residual<D: Over<f64>>(&self, y: &[D; UNKNOWNS]) -> Result<[D; UNKNOWNS], EvalError> {
         let held = self.held;
         let (to_nut, wrench, _) = self.friction(y);

@@ -2,6 +2,8 @@
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U13) and (U14).
 
+use std::f64::consts::PI;
+
 use crate::{BallNut, Circuit};
 
 /// A body that strains along the axis.
@@ -22,6 +24,30 @@ pub struct Ring {
     pub inner: f64,
     /// Young's modulus \[Pa\].
     pub youngs_modulus: f64,
+}
+
+impl BallNut {
+    /// Diameters to which the grooves of screw and nut reach at the contacts \[m\].
+    pub fn groove_diameters(&self) -> [f64; 2] {
+        let (middle, ball) = (2.0 * self.helix.radius, 2.0 * self.ball.radius);
+        let across = ball * self.contact_angle.cos();
+        // D_t = 2 r_m ± 2 r_b cosβ₀                                       (U13)
+        [middle - across, middle + across]
+    }
+
+    /// Young's modulus times cross section of the screw \[N\]: a shaft as thick as its groove is deep.
+    pub fn screw_stiffness(&self) -> f64 {
+        let [screw, _] = self.groove_diameters();
+        // EA = E π/4 D_s²                                                 (U13)
+        self.material.0.youngs_modulus * 0.25 * PI * screw * screw
+    }
+
+    /// Young's modulus times cross section \[N\] of a nut of this outer diameter \[m\]: a tube to its groove.
+    pub fn nut_stiffness(&self, outer: f64) -> f64 {
+        let [_, inner] = self.groove_diameters();
+        // EA = E π/4 (D₁² − D_t²)                                         (U13)
+        self.material.0.youngs_modulus * 0.25 * PI * (outer * outer - inner * inner)
+    }
 }
 
 impl Ring {

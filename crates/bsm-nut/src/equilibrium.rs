@@ -40,7 +40,7 @@ impl Freedom {
         }
     }
 
-    fn spring(self) -> f64 {
+    pub(crate) fn spring(self) -> f64 {
         if let Self::Sprung { stiffness, .. } = self { stiffness } else { 0.0 }
     }
 }

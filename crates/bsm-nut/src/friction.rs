@@ -91,7 +91,7 @@ impl BallNut {
             } else {
                 (Site::Screw, self.conformity.1)
             };
-            let flank = if c % 2 == 0 { 1.0 } else { -1.0 };
+            let flank = [1.0, -1.0][c % 2];
             HeldContact {
                 site,
                 angle: flank * ball.angles[c],

@@ -141,6 +141,30 @@ impl BallNut {
         self.circuits.iter().enumerate().flat_map(of).collect()
     }
 
+    /// The same nut with bodies and balls that are warmer than where they fit \[K\].
+    ///
+    /// * `rises`: of nut, screw and balls. * `expansion`: coefficient \[1/K\].
+    #[must_use]
+    pub fn warmed(&self, rises: [f64; 3], expansion: f64) -> Self {
+        let mut nut = self.clone();
+        let [of_nut, of_screw, of_balls] = rises.map(|rise| expansion * rise);
+        let slope = of_nut - of_screw;
+        // e += (ε_n − ε_s)(z − z_ref),  g += r_m (ε_n − ε_s),  Δr += r_b ε_b  (U7)
+        nut.errors.lead.push(LeadError::Slope { slope, origin: self.middle() });
+        nut.errors.gap += self.helix.radius * slope;
+        nut.errors.oversize += self.ball.radius * of_balls;
+        nut
+    }
+
+    /// Place on the axis to which displacements and loads belong \[m\].
+    pub fn middle(&self) -> f64 {
+        let mean = || {
+            let places = self.places();
+            places.iter().map(|place| place.z).sum::<f64>() / count(places.len())
+        };
+        self.reference.unwrap_or_else(mean)
+    }
+
     /// Number of loaded balls.
     pub fn balls(&self) -> usize {
         self.circuits.iter().map(|circuit| circuit.balls).sum()

@@ -14,6 +14,7 @@ mod geometry;
 mod life;
 mod preload;
 mod sharing;
+mod stiffness;
 
 pub use ball::{BallInGrooves, FourContacts};
 pub use bodies::{Bar, Ring};

@@ -3,7 +3,7 @@
 //! Theory: `docs/theory/16-nut.md`, equations (U22) to (U25).
 
 use crate::geometry::count;
-use crate::{BallInGrooves, BallNut, Equilibrium};
+use crate::{BallInGrooves, BallNut, Circuit, Equilibrium};
 
 /// Dynamic load ratings of the loaded turns of one nut body, screw and nut apart \[N\]: `$C_s i^{0.86}$`
 /// and `$C_n i^{0.86}$`.
@@ -38,6 +38,15 @@ impl Equilibrium {
     /// Balls that carry nothing.
     pub fn unloaded(&self) -> usize {
         self.balls.iter().filter(|ball| ball.max_load() <= 0.0).count()
+    }
+
+    /// Load of a ball under the static rating of one body \[N\], over the largest load of a contact.
+    pub fn static_safety(&self, nut: &BallNut, rating: f64) -> f64 {
+        let inclined = nut.contact_angle.sin() * nut.helix.lead_angle.cos();
+        let body = |circuit: &&Circuit| circuit.body == 0;
+        let balls: usize = nut.circuits.iter().filter(body).map(|circuit| circuit.balls).sum();
+        // C_0a / (Z_b sinβ₀ cosα) / max Q
+        rating / (count(balls) * inclined) / self.max_load()
     }
 
     /// Life of the tracks of all bodies together (U22) to (U24).

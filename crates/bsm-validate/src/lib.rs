@@ -10,6 +10,7 @@ mod dong2020;
 mod elastic;
 mod figures;
 mod lin1994;
+mod nut;
 mod pages;
 mod published;
 mod ratings;
@@ -23,6 +24,7 @@ mod xu2015;
 
 pub use catalogue::catalogue_figures;
 pub use figures::{figures, lin_figures};
+pub use nut::nut_figures;
 pub use pages::{tradeoff_page, validation_page};
 pub use published::Published;
 pub use report::{Check, Report, Verdict};

@@ -158,7 +158,8 @@ impl Solver<'_> {
             let moving = Moving::of(&scene, self.settings, solution, &mut self.work)?;
             // A point without a solution, or without a contact state, is a gap.
             let kinds = [AnalysisKind::Jam, AnalysisKind::Slip];
-            let numbers = kinds.map(|kind| kind.numbers(&scene, Some(&moving)));
+            let all = |_: &_| true;
+            let numbers = kinds.map(|kind| kind.numbers(&scene, self.settings, Some(&moving), all));
             rows.push((x, numbers.into_iter().flatten().collect()));
         }
         Ok(rows)

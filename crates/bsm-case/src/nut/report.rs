@@ -1,0 +1,485 @@
+//! What is said of a nut under load: numbers, words, the loads of all balls, the curve of its displacement.
+
+use std::cell::OnceCell;
+
+use bsm_design::{Duty, in_series, life};
+use bsm_dyn::ModelWorkspace;
+use bsm_nut::{
+    BallInGrooves, BallNut, Equilibrium, Freedom, NutError, NutFriction, Preload, Support,
+};
+use serde_json::{Map, Value, json};
+
+use super::problem::{Made, NutProblem, Set};
+use crate::quantity::{Whole, quantities};
+use crate::reader::in_grooves;
+use crate::record::MARKS_ABOVE;
+use crate::units::{DEG, MM, MPA, UM};
+use crate::{AnalysisKind, Numbers, Quantity, exact};
+
+/// Allowance of catalogues on the calculated rigidity, for what is made (HIWIN BS-08-2).
+const USUAL: f64 = 0.8;
+
+/// Points of the curve of a nut.
+const POINTS: u32 = 60;
+
+/// A nut under load, with what is worked out where it is asked for.
+#[derive(Debug)]
+pub(super) struct State {
+    pub(super) made: Made,
+    friction: OnceCell<Option<NutFriction>>,
+}
+
+impl State {
+    fn new(made: Made) -> Self {
+        Self { made, friction: OnceCell::new() }
+    }
+
+    fn friction(&self, problem: &NutProblem) -> Option<&NutFriction> {
+        let work_out = || {
+            let (coefficient, drive) = problem.friction.as_ref()?;
+            let mut work = ModelWorkspace::default();
+            let settings = &problem.settings;
+            let Made { nut, found, .. } = &self.made;
+            Some(nut.friction(found, *coefficient, drive, |screw| {
+                in_grooves(screw, settings.model, settings).solve(&mut work)
+            }))
+        };
+        self.friction.get_or_init(work_out).as_ref()
+    }
+}
+
+/// Reads a number of a nut under load; `None` where it has none.
+type Read = (Whole, fn(&NutProblem, &State) -> Option<f64>);
+
+quantities! { Nut;
+    "displacement" {
+        nut_displacement_um ["um"] Whole, "axial displacement of the nut";
+        nut_side_displacement_um ["um"] Whole, "side displacement of the nut";
+        nut_tilt_urad ["urad"] Whole, "tilt of the nut";
+    }
+    "load sharing" {
+        max_contact_load_N ["N"] Whole, "largest load of a contact";
+        max_over_mean [""] Whole, "largest load of a contact over the mean";
+        unloaded_balls [""] Whole, "balls that carry nothing";
+        max_pressure_MPa ["MPa"] Whole, "largest Hertz pressure";
+        load_bound_N ["N"] Whole, "bound of the largest load before solving (a guided nut)";
+    }
+    "stiffness along the axis" {
+        nut_stiffness_N_um ["N/um"] Whole, "tangent at this load";
+        secant_stiffness_N_um ["N/um"] Whole, "secant from no load";
+        rigidity_2_N_um ["N/um"] Whole, "of the preload, 2 F_p/delta_p: two nuts side by side";
+        rigidity_2_83_N_um ["N/um"] Whole, "of the preload, 2^1.5 F_p/delta_p: secant to the limit load";
+        rigidity_3_N_um ["N/um"] Whole, "of the preload, 3 F_p/delta_p: tangent without load";
+        iso_rigidity_N_um ["N/um"] Whole, "of ISO 3408-4: a pair at its preload, one nut as secant at its load";
+        usual_rigidity_N_um ["N/um"] Whole, "0.8 of that, the usual allowance of catalogues";
+    }
+    "preload" {
+        preload_set_N ["N"] Whole, "preload without load, the nut guided";
+        preload_approach_um ["um"] Whole, "delta_p, axial displacement of each side by it";
+        preload_setting_um ["um"] Whole, "offset of the pair, or excess of the balls' diameter, that gives it";
+        preload_left_N ["N"] Whole, "preload that is left at this load";
+        limit_load_N ["N"] Whole, "limit load, at which the last ball of a side lets go";
+    }
+    "life and safety" {
+        life_revolutions [""] Whole, "life by the loads of all balls, revolutions";
+        iso_life_revolutions [""] Whole, "life by ISO 3408-5, revolutions";
+        life_ratio [""] Whole, "life by all balls over that of ISO";
+        static_safety [""] Whole, "static safety of the most loaded ball";
+    }
+    "friction of the balls" {
+        friction_torque_Nm ["N m"] Whole needs [friction_coefficient, screw_speed_rpm], "friction torque";
+        drive_torque_Nm ["N m"] Whole needs [friction_coefficient, screw_speed_rpm], "torque on the screw";
+        nut_efficiency [""] Whole needs [friction_coefficient, screw_speed_rpm], "efficiency";
+        friction_heat_W ["W"] Whole needs [friction_coefficient, screw_speed_rpm], "heat";
+    }
+}
+
+/// How each is read, in their order.
+const READ: [Read; QUANTITIES.len()] = [
+    (nut_displacement_um, |_, s| Some(s.made.found.displacement[0] / UM)),
+    (nut_side_displacement_um, |_, s| {
+        let [_, x, y, ..] = s.made.found.displacement;
+        Some(x.hypot(y) / UM)
+    }),
+    (nut_tilt_urad, |_, s| {
+        let [.., x, y] = s.made.found.displacement;
+        Some(x.hypot(y) * 1e6)
+    }),
+    (max_contact_load_N, |_, s| Some(s.made.found.max_load())),
+    (max_over_mean, |_, s| Some(s.made.found.concentration())),
+    (unloaded_balls, |_, s| Some(count(s.made.found.unloaded()))),
+    (max_pressure_MPa, |_, s| Some(max_pressure(&s.made)? / MPA)),
+    (load_bound_N, |p, s| load_bound(p, &s.made)),
+    (nut_stiffness_N_um, |p, s| Some(s.made.found.axial_stiffness(&p.support) * UM)),
+    (secant_stiffness_N_um, |p, s| secant(p, &s.made).map(|k| k * UM)),
+    (rigidity_2_N_um, |_, s| stated(&s.made, 2.0)),
+    (rigidity_2_83_N_um, |_, s| stated(&s.made, 2.0_f64.powf(1.5))),
+    (rigidity_3_N_um, |_, s| stated(&s.made, 3.0)),
+    (iso_rigidity_N_um, |p, s| Some(iso_rigidity(p, s)? * UM)),
+    (usual_rigidity_N_um, |p, s| Some(USUAL * iso_rigidity(p, s)? * UM)),
+    (preload_set_N, |_, s| Some(s.made.preload.as_ref()?.force)),
+    (preload_approach_um, |_, s| {
+        let Set { by, .. } = s.made.preload.as_ref()?;
+        Some(s.made.nut.preload_approach(*by) / UM)
+    }),
+    (preload_setting_um, |_, s| {
+        let Set { by, .. } = s.made.preload.as_ref()?;
+        Some(displacement(&s.made.nut, *by) / UM)
+    }),
+    (preload_left_N, |_, s| {
+        let Set { by, .. } = s.made.preload.as_ref()?;
+        Some(s.made.found.preload(&s.made.nut, *by))
+    }),
+    (limit_load_N, |p, s| limit_load(p, &s.made)),
+    (life_revolutions, |p, s| lasting(s.made.found.life(&s.made.nut, &p.ratings).revolutions)),
+    (iso_life_revolutions, |p, s| iso_life(p, s)),
+    (life_ratio, |p, s| {
+        let ours = lasting(s.made.found.life(&s.made.nut, &p.ratings).revolutions)?;
+        Some(ours / iso_life(p, s)?)
+    }),
+    (static_safety, |p, s| {
+        lasting(s.made.found.static_safety(&s.made.nut, p.static_rating.rating))
+    }),
+    (friction_torque_Nm, |p, s| s.friction(p)?.torque),
+    (drive_torque_Nm, |p, s| s.friction(p)?.drive_torque),
+    (nut_efficiency, |p, s| s.friction(p)?.efficiency),
+    (friction_heat_W, |p, s| s.friction(p)?.heat),
+];
+
+/// The numbers of a nut under load that are wanted; none that no number could tell.
+pub(super) fn numbers(
+    problem: &NutProblem,
+    state: &State,
+    wanted: impl Fn(&Quantity) -> bool,
+) -> Numbers {
+    let mut numbers = Numbers::new(AnalysisKind::Nut);
+    for ((place, read), quantity) in READ.into_iter().zip(QUANTITIES) {
+        if wanted(quantity) {
+            numbers.whole(place, read(problem, state).filter(|value| value.is_finite()));
+        }
+    }
+    numbers
+}
+
+/// A small number as a number.
+#[expect(clippy::cast_precision_loss, reason = "numbers of balls")]
+fn count(n: usize) -> f64 {
+    n as f64
+}
+
+/// A life, a safety or a rating, which nothing makes zero.
+fn lasting(value: f64) -> Option<f64> {
+    (value > 0.0 && value.is_finite()).then_some(value)
+}
+
+/// Largest pressure of a ball \[Pa\].
+fn pressure(nut: &BallNut, ball: &BallInGrooves) -> Option<f64> {
+    let [at_nut, at_screw] = nut.hertz().ok()?;
+    let [a, b, c, d] = ball.loads;
+    Some(at_nut.max_pressure(a.max(b)).max(at_screw.max_pressure(c.max(d))))
+}
+
+fn max_pressure(made: &Made) -> Option<f64> {
+    made.found
+        .balls
+        .iter()
+        .map(|ball| pressure(&made.nut, ball))
+        .try_fold(0.0, |most, p| Some(f64::max(most, p?)))
+}
+
+/// The bound holds for a guided nut of one body on one flank.
+fn load_bound(problem: &NutProblem, made: &Made) -> Option<f64> {
+    let axial = problem.axial();
+    let guided = problem.support == Support::guided(axial);
+    let one_side = made.preload.is_none() && made.nut.ring.is_none() && made.nut.precession == 0.0;
+    let loaded_on_one = |ball: &BallInGrooves| (ball.loads[0] > 0.0) != (ball.loads[1] > 0.0);
+    let one_flank = made.found.balls.iter().all(|b| b.max_load() <= 0.0 || loaded_on_one(b));
+    (guided && one_side && one_flank && axial != 0.0).then(|| made.nut.load_bound(axial).ok())?
+}
+
+/// Axial load over the displacement that it makes \[N/m\].
+fn secant(problem: &NutProblem, made: &Made) -> Option<f64> {
+    let axial = problem.axial();
+    // Preload, misalignment or side loads press balls already; else it is at first touch.
+    let without = made.nut.solve(&problem.support.with_axial(0.0)).ok();
+    let pressed = without.filter(|found| found.max_load() > 0.0);
+    let from = pressed.map_or(0.0, |found| found.displacement[0]);
+    (axial != 0.0).then(|| axial / (made.found.displacement[0] - from))
+}
+
+/// Rigidity of a preloaded nut as makers state it, so many times the preload over its displacement \[N/um\].
+fn stated(made: &Made, times: f64) -> Option<f64> {
+    let Set { by, force, .. } = made.preload.as_ref()?;
+    Some(times * force / made.nut.preload_approach(*by) * UM)
+}
+
+/// Rigidity of ISO 3408-4 \[N/m\]: of a pair under its preload, or of one nut under its load.
+fn iso_rigidity(problem: &NutProblem, state: &State) -> Option<f64> {
+    let (force, pair) = match &state.made.preload {
+        Some(set) => (set.force, true),
+        None => (problem.axial().abs(), false),
+    };
+    let elasticity = problem.design.elasticity(&problem.body).ok()?;
+    let force = lasting(force)?;
+    lasting(if pair {
+        elasticity.preloaded_pair(force)
+    } else {
+        in_series(elasticity.secant(force), elasticity.body)
+    })
+}
+
+/// What makes the preload: the offset of the bodies, or the excess of the balls' diameter \[m\].
+fn displacement(nut: &BallNut, by: Preload) -> f64 {
+    match by {
+        Preload::Offset => 2.0 * nut.preload_approach(by),
+        Preload::Oversize => 2.0 * nut.errors.oversize,
+    }
+}
+
+fn limit_load(problem: &NutProblem, made: &Made) -> Option<f64> {
+    let way = if problem.axial() < 0.0 { -1.0 } else { 1.0 };
+    made.nut.limit_load(made.preload.as_ref()?.by, &problem.support, way).ok()
+}
+
+fn iso_life(problem: &NutProblem, state: &State) -> Option<f64> {
+    let preload = state.made.preload.as_ref().map(|set| set.force);
+    // Revolutions do not depend on speed and time.
+    let duty = Duty { load: problem.axial(), speed: 1.0, time: 1.0 };
+    lasting(life(problem.rating.rating, preload, &[duty])?.revolutions)
+}
+
+impl NutProblem {
+    /// The axial load \[N\].
+    pub(super) fn axial(&self) -> f64 {
+        match self.support.0[0] {
+            Freedom::Loaded(load) => load,
+            Freedom::Held(_) | Freedom::Sprung { .. } => 0.0,
+        }
+    }
+
+    /// Loads of all balls and what follows from them.
+    ///
+    /// # Errors
+    ///
+    /// [`NutError`]: nothing carries the load, or no displacement gives the preload.
+    pub fn solve(self) -> Result<NutReport, NutError> {
+        let state = State::new(self.made()?);
+        Ok(NutReport { problem: self, state })
+    }
+
+    /// Some numbers of a nut that is made, by name.
+    pub(super) fn some(&self, made: Made, keys: &[&str]) -> Vec<Option<f64>> {
+        let found = numbers(self, &State::new(made), |quantity| keys.contains(&quantity.key));
+        keys.iter().map(|key| found.number(key)).collect()
+    }
+}
+
+/// A nut under load.
+#[derive(Debug)]
+pub struct NutReport {
+    problem: NutProblem,
+    state: State,
+}
+
+/// Columns of the table of balls, with their units.
+pub const BALL_COLUMNS: [(&str, &str); 15] = [
+    ("circuit", ""),
+    ("body", ""),
+    ("theta_deg", "deg"),
+    ("z_mm", "mm"),
+    ("nut_plus_N", "N"),
+    ("nut_minus_N", "N"),
+    ("screw_plus_N", "N"),
+    ("screw_minus_N", "N"),
+    ("nut_plus_deg", "deg"),
+    ("nut_minus_deg", "deg"),
+    ("screw_plus_deg", "deg"),
+    ("screw_minus_deg", "deg"),
+    ("max_pressure_MPa", "MPa"),
+    ("outwards_um", "um"),
+    ("friction_torque_Nm", "N m"),
+];
+
+/// Columns of the curve of displacement over load, with their units.
+pub const CURVE_COLUMNS: [(&str, &str); 7] = [
+    ("axial_load_N", "N"),
+    ("nut_displacement_um", "um"),
+    ("nut_stiffness_N_um", "N/um"),
+    ("preload_left_N", "N"),
+    ("max_contact_load_N", "N"),
+    ("max_over_mean", ""),
+    ("unloaded_balls", ""),
+];
+
+/// Names of the loads and angles of the contacts: first of their columns.
+const LOADS: usize = 4;
+const ANGLES: usize = 8;
+
+impl NutReport {
+    fn found(&self) -> &Equilibrium {
+        &self.state.made.found
+    }
+
+    /// The numbers that are wanted; what the nut has not is left out.
+    pub fn numbers(&self, wanted: impl Fn(&Quantity) -> bool) -> Numbers {
+        numbers(&self.problem, &self.state, wanted)
+    }
+
+    /// A number by name.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.numbers(|quantity| quantity.key == name).number(name)
+    }
+
+    /// What the numbers mean, and what they leave out.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = self.problem.notes.clone();
+        let friction = self.state.friction(&self.problem);
+        match friction {
+            None => notes.push(
+                "torque, efficiency and heat need friction_coefficient and screw_speed_rpm"
+                    .to_owned(),
+            ),
+            Some(friction) if friction.torque.is_none() => {
+                let without = friction.balls.iter().filter(|torque| torque.is_none()).count();
+                notes.push(format!(
+                    "no torque: {without} of {} balls have none by model {}, which has no answer there or \
+                     no ball with four loaded contacts",
+                    friction.balls.len(),
+                    self.problem.settings.model.name()
+                ));
+            }
+            Some(_) => {
+                let drag = "the torque is that of the contacts alone: measured drag coefficients K_p of \
+                            catalogues, 0.1 to 0.3 in T = K_p F_p lead/(2 pi), are 3 to 10 times what dry \
+                            friction gives, as returns, ball-to-ball contact, lubricant and wipers are not in it";
+                notes.push(drag.to_owned());
+            }
+        }
+        notes
+    }
+
+    /// What an engineer should know before using the numbers.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if let Some(pressure) = max_pressure(&self.state.made).filter(|p| *p > MARKS_ABOVE) {
+            warnings.push(format!(
+                "pressure {:.0} MPa: above {:.0} MPa balls leave permanent marks (ISO 76)",
+                pressure / MPA,
+                MARKS_ABOVE / MPA
+            ));
+        }
+        let lost = self.number("preload_left_N").is_some_and(|left| left <= 0.0);
+        if let (true, Some(limit)) = (lost, self.number("limit_load_N")) {
+            warnings.push(format!(
+                "no preload is left: the load of {} N is beyond the limit load of {limit:.0} N",
+                exact(self.problem.axial())
+            ));
+        }
+        warnings
+    }
+
+    /// Model of the friction of a ball.
+    pub fn model(&self) -> &'static str {
+        self.problem.settings.model.name()
+    }
+
+    /// Values of [`BALL_COLUMNS`], a row a ball; NaN where there is none.
+    pub fn balls(&self) -> Vec<[f64; 15]> {
+        let Made { nut, found, .. } = &self.state.made;
+        let friction = self.state.friction(&self.problem);
+        let row = |(number, (place, ball)): (usize, (&bsm_nut::Place, &BallInGrooves))| {
+            let angle =
+                |c: usize| if ball.loads[c] > 0.0 { ball.angles[c] / DEG } else { f64::NAN };
+            let torque = friction.and_then(|friction| friction.balls[number]);
+            [
+                count(place.circuit),
+                count(nut.circuits[place.circuit].body),
+                place.theta / DEG,
+                place.z / MM,
+                ball.loads[0],
+                ball.loads[1],
+                ball.loads[2],
+                ball.loads[3],
+                angle(0),
+                angle(1),
+                angle(2),
+                angle(3),
+                pressure(nut, ball).unwrap_or(f64::NAN) / MPA,
+                -found.grooves[number][1] / UM,
+                torque.unwrap_or(f64::NAN),
+            ]
+        };
+        found.places.iter().zip(&found.balls).enumerate().map(row).collect()
+    }
+
+    /// Values of [`CURVE_COLUMNS`] from no load beyond the load and the limit load; NaN where there is none.
+    pub fn curve(&self) -> Vec<[f64; 7]> {
+        let (problem, made) = (&self.problem, &self.state.made);
+        let axial = problem.axial();
+        let limit = limit_load(problem, made).unwrap_or(0.0);
+        let far = f64::max(1.5 * axial.abs(), 1.25 * limit.abs());
+        let far = if far > 0.0 { far } else { 0.1 * problem.rating.rating };
+        let far = if axial < 0.0 { -far } else { far };
+        let mut loads: Vec<f64> =
+            (0..=POINTS).map(|i| far * f64::from(i) / f64::from(POINTS)).collect();
+        loads.extend([axial, limit].into_iter().filter(|load| *load != 0.0));
+        loads.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        loads.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * far.abs());
+        // Without preload nothing says where a nut without load is.
+        let start = usize::from(made.preload.is_none());
+        loads[start..].iter().map(|load| self.on_curve(*load)).collect()
+    }
+
+    fn on_curve(&self, load: f64) -> [f64; 7] {
+        let mut problem = self.problem.clone();
+        problem.support = problem.support.with_axial(load);
+        let mut row = [f64::NAN; 7];
+        row[0] = load;
+        let Made { nut, preload, .. } = &self.state.made;
+        if let Ok(found) = nut.solve(&problem.support) {
+            let made = Made { nut: nut.clone(), preload: *preload, found };
+            let keys = CURVE_COLUMNS.map(|(name, _)| name);
+            let numbers = problem.some(made, &keys[1..]);
+            for (cell, number) in row[1..].iter_mut().zip(numbers) {
+                *cell = number.unwrap_or(f64::NAN);
+            }
+        }
+        row
+    }
+
+    /// JSON object: displacements, loads of all balls and stiffness under the names of the reference
+    /// cases, and all other numbers; null where there is none.
+    pub fn to_json(&self) -> Map<String, Value> {
+        let (found, nut) = (self.found(), &self.state.made.nut);
+        let mut map = Map::new();
+        map.insert("status".to_owned(), json!("converged"));
+        map.insert("message".to_owned(), Value::Null);
+        let numbers = self.numbers(|_| true);
+        let entry =
+            |quantity: &Quantity| (quantity.key.to_owned(), json!(numbers.number(quantity.key)));
+        map.extend(QUANTITIES.iter().map(entry));
+        map.insert("unloaded_balls".to_owned(), json!(found.unloaded()));
+        let [z, x, y, px, py] = found.displacement;
+        map.insert("displacement_um".to_owned(), json!([z / UM, x / UM, y / UM]));
+        map.insert("tilt_urad".to_owned(), json!([px * 1e6, py * 1e6]));
+        map.insert("reaction_SI".to_owned(), json!(found.carried));
+        map.insert("stiffness_SI".to_owned(), json!(found.stiffness.concat()));
+        map.insert("body_axial_N".to_owned(), json!(found.bodies));
+        let balls = self.balls();
+        for column in LOADS..ANGLES + 4 {
+            let cell = |row: &[f64; 15]| json!(Some(row[column]).filter(|x| x.is_finite()));
+            let list: Vec<_> = balls.iter().map(cell).collect();
+            map.insert(BALL_COLUMNS[column].0.to_owned(), Value::Array(list));
+        }
+        if let Ok(ball) = nut.ball_in_grooves() {
+            map.insert("K_series_SI".to_owned(), json!(ball.series.stiffness));
+            map.insert("K_nut_SI".to_owned(), json!(ball.stiffness[0]));
+            map.insert("K_screw_SI".to_owned(), json!(ball.stiffness[1]));
+        }
+        map.insert("iterations".to_owned(), json!(found.steps));
+        map.insert("model".to_owned(), json!(self.model()));
+        map.insert("notes".to_owned(), json!(self.notes()));
+        map.insert("warnings".to_owned(), json!(self.warnings()));
+        map
+    }
+}

@@ -1,0 +1,347 @@
+//! What a scene says of a nut besides numbers: lists, objects, words and flags.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+
+use crate::CaseError;
+
+macro_rules! words {
+    ($($name:ident: $kind:ty, $about:literal, $schema:expr;)*) => {
+        /// What a scene says of a nut besides numbers.
+        #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct NutWords {
+            $(
+                #[doc = $about]
+                #[serde(skip_serializing_if = "Option::is_none")]
+                pub $name: Option<$kind>,
+            )*
+        }
+
+        impl NutWords {
+            /// Their keys, in the order of the documentation.
+            pub const KEYS: &[&str] = &[$(stringify!($name)),*];
+
+            /// Takes over what `other` says.
+            pub(crate) fn override_with(&mut self, other: &Self) {
+                $(if other.$name.is_some() {
+                    self.$name.clone_from(&other.$name);
+                })*
+            }
+
+            /// JSON Schema of each key.
+            pub(crate) fn schema() -> Map<String, Value> {
+                let mut all = Map::new();
+                $({
+                    let mut property: Value = $schema;
+                    property["description"] = json!($about);
+                    all.insert(stringify!($name).to_owned(), property);
+                })*
+                all
+            }
+        }
+    };
+}
+
+words! {
+    circuits: Vec<CircuitWords>,
+        "loaded balls of a nut, circuit by circuit; in place of circuits_count, loaded_turns and loaded_balls_per_turn",
+        list(&circuit_schema());
+    bars: BarsWords,
+        "nut and screw as bars along the axis; in place of nut_anchor, nut_EA_N, screw_anchor and screw_EA_N",
+        object(&[("nut", bar_schema()), ("screw", bar_schema())], &[]);
+    ring: RingWords,
+        "the tube that widens around the balls; in place of ring_expansion",
+        object(
+            &[("outer_diameter_mm", positive()), ("inner_diameter_mm", positive())],
+            &["outer_diameter_mm", "inner_diameter_mm"],
+        );
+    ring_expansion: bool,
+        "true: the nut widens around its balls, a tube from the grooves to nut_outer_diameter_mm",
+        json!({ "type": ["boolean", "null"] });
+    nut_guidance: Guidance,
+        "what holds a nut across its axis: guided, tilt and side motion are held; free, they are loaded",
+        choice(&["guided", "free"]);
+    nut_anchor: End,
+        "end of the loaded length where the force leaves the nut; without it the nut is rigid",
+        choice(&["low", "high"]);
+    screw_anchor: End,
+        "end of the loaded length where the force leaves the screw; without it the screw is rigid",
+        choice(&["low", "high"]);
+    preload_by: PreloadWay,
+        "how a nut is preloaded: pair, two nuts pressed apart; oversize, balls too large for both flanks. Unless given, a pair if the nut has two bodies or short words",
+        choice(&["pair", "oversize"]);
+    ball_deviation_um: Vec<f64>,
+        "deviation of the diameter of each ball from the nominal one [um], in the order of the circuits",
+        list(&json!({ "type": "number" }));
+    lead_error: Vec<LeadErrorWords>,
+        "axial errors of the nut's groove against the screw's, which add up: waves (amplitude_um, order per turn, phase_deg) and slopes (slope_um_per_mm, z0_mm)",
+        list(&lead_error_schema());
+    ball_precession_rad_s: f64,
+        "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; 0 unless given",
+        json!({ "type": ["number", "null"] });
+}
+
+impl NutWords {
+    /// True for one of the keys.
+    pub(crate) fn have(key: &str) -> bool {
+        Self::KEYS.contains(&key)
+    }
+
+    /// JSON object of what is given.
+    pub(crate) fn to_map(&self) -> Map<String, Value> {
+        match json!(self) {
+            Value::Object(map) => map,
+            _ => Map::new(),
+        }
+    }
+
+    /// Sets one of them from JSON.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::BadEntry`] with the path of what is wrong.
+    pub(crate) fn set(&mut self, key: String, value: Value) -> Result<(), CaseError> {
+        let one = Value::Object(Map::from_iter([(key, value)]));
+        let one: Self = serde_path_to_error::deserialize(one).map_err(|e| CaseError::BadEntry {
+            key: e.path().to_string(),
+            what: e.inner().to_string(),
+        })?;
+        self.override_with(&one);
+        Ok(())
+    }
+}
+
+/// A circuit of a nut.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CircuitWords {
+    /// Helix angle at which the loaded arc begins.
+    pub start_deg: f64,
+    /// Length of the loaded arc.
+    pub arc_deg: f64,
+    /// Loaded balls.
+    pub balls: usize,
+    /// Number of its thread, from 0.
+    #[serde(default)]
+    pub start: usize,
+    /// Number of its nut body, from 0.
+    #[serde(default)]
+    pub body: usize,
+    /// Flanks that exist; both for a single body, one for each body of several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flank: Option<Flank>,
+    /// Axial offset of its groove in the nut.
+    #[serde(default)]
+    pub offset_um: f64,
+}
+
+/// Flanks of a circuit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Flank {
+    /// Those that push the nut along +z.
+    #[serde(rename = "+")]
+    Plus,
+    /// Those that push it along -z.
+    #[serde(rename = "-")]
+    Minus,
+    /// Both.
+    #[serde(rename = "both")]
+    Both,
+}
+
+/// Nut and screw as bars; what is absent is rigid.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BarsWords {
+    /// The nut.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nut: Option<BarWords>,
+    /// The screw.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub screw: Option<BarWords>,
+}
+
+/// A bar along the axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(non_snake_case, reason = "names carry their unit as it is written")]
+pub struct BarWords {
+    /// Young's modulus times cross section.
+    pub EA_N: f64,
+    /// End of the loaded length where its force leaves; or `anchor_z_mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anchor: Option<End>,
+    /// Place where its force leaves; or `anchor`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anchor_z_mm: Option<f64>,
+}
+
+/// An end of the loaded length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum End {
+    /// Where z is least.
+    Low,
+    /// Where it is largest.
+    High,
+}
+
+/// The tube around the balls.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RingWords {
+    /// Outer diameter.
+    pub outer_diameter_mm: f64,
+    /// Inner diameter.
+    pub inner_diameter_mm: f64,
+}
+
+/// What holds a nut across its axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Guidance {
+    /// Tilt and side motion are held.
+    Guided,
+    /// They are loaded.
+    Free,
+}
+
+/// How a nut is preloaded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PreloadWay {
+    /// Two bodies are pressed apart.
+    Pair,
+    /// The balls are too large.
+    Oversize,
+}
+
+/// An axial error of the nut's groove against the screw's: a wave or a slope.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LeadErrorWords {
+    /// Amplitude of a wave.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude_um: Option<f64>,
+    /// Periods of the wave a turn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub order: Option<f64>,
+    /// Phase of the wave; 0 unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase_deg: Option<f64>,
+    /// Slope.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slope_um_per_mm: Option<f64>,
+    /// Where the slope is zero; 0 unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z0_mm: Option<f64>,
+}
+
+fn list(items: &Value) -> Value {
+    json!({ "type": ["array", "null"], "items": items })
+}
+
+fn choice(words: &[&str]) -> Value {
+    let words = words.iter().map(|word| json!(word)).chain([Value::Null]);
+    json!({ "enum": words.collect::<Vec<_>>() })
+}
+
+fn object(properties: &[(&str, Value)], required: &[&str]) -> Value {
+    let properties: Map<_, _> =
+        properties.iter().map(|(name, schema)| ((*name).to_owned(), schema.clone())).collect();
+    json!({
+        "type": ["object", "null"],
+        "properties": properties,
+        "required": required,
+        "additionalProperties": false,
+    })
+}
+
+fn positive() -> Value {
+    json!({ "type": "number", "exclusiveMinimum": 0.0 })
+}
+
+fn whole(least: u8) -> Value {
+    json!({ "type": "integer", "minimum": least })
+}
+
+fn number() -> Value {
+    json!({ "type": "number" })
+}
+
+fn circuit_schema() -> Value {
+    object(
+        &[
+            ("start_deg", number()),
+            ("arc_deg", positive()),
+            ("balls", whole(1)),
+            ("start", whole(0)),
+            ("body", whole(0)),
+            ("flank", choice(&["+", "-", "both"])),
+            ("offset_um", number()),
+        ],
+        &["start_deg", "arc_deg", "balls"],
+    )
+}
+
+fn bar_schema() -> Value {
+    let anchors = [("anchor", choice(&["low", "high"])), ("anchor_z_mm", number())];
+    object(&[[("EA_N", positive())].as_slice(), &anchors].concat(), &["EA_N"])
+}
+
+fn lead_error_schema() -> Value {
+    object(
+        &["amplitude_um", "order", "phase_deg", "slope_um_per_mm", "z0_mm"]
+            .map(|name| (name, json!({ "type": ["number", "null"] }))),
+        &[],
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One of everything, by the schema and by the types: the same keys.
+    #[test]
+    fn words_have_the_keys_of_their_schema() {
+        let all = json!({
+            "circuits": [{ "start_deg": 0.0, "arc_deg": 1.0, "balls": 1, "start": 0, "body": 0,
+                           "flank": "both", "offset_um": 0.0 }],
+            "bars": { "nut": { "EA_N": 1.0, "anchor": "low", "anchor_z_mm": 1.0 },
+                      "screw": { "EA_N": 1.0, "anchor": "high", "anchor_z_mm": 1.0 } },
+            "ring": { "outer_diameter_mm": 2.0, "inner_diameter_mm": 1.0 },
+            "ring_expansion": true,
+            "nut_guidance": "free",
+            "nut_anchor": "low",
+            "screw_anchor": "high",
+            "preload_by": "oversize",
+            "ball_deviation_um": [1.0],
+            "lead_error": [{ "amplitude_um": 1.0, "order": 1.0, "phase_deg": 1.0,
+                             "slope_um_per_mm": 1.0, "z0_mm": 1.0 }],
+            "ball_precession_rad_s": 1.0,
+        });
+        let mut words = NutWords::default();
+        for (key, value) in all.as_object().expect("an object") {
+            words.set(key.clone(), value.clone()).expect(key);
+        }
+        assert_eq!(Value::Object(words.to_map()), all);
+        assert_eq!(words.to_map().keys().collect::<Vec<_>>(), NutWords::KEYS);
+        let schema = NutWords::schema();
+        let keys = |value: &Value| -> Vec<String> {
+            value.as_object().map_or_else(Vec::new, |map| map.keys().cloned().collect())
+        };
+        fn walk(value: &Value, schema: &Value, keys: &dyn Fn(&Value) -> Vec<String>) {
+            if let (Value::Array(items), Some(item)) = (value, schema.get("items")) {
+                items.iter().for_each(|value| walk(value, item, keys));
+            }
+            if let Value::Object(map) = value {
+                assert_eq!(keys(value), keys(&schema["properties"]));
+                for (key, value) in map {
+                    walk(value, &schema["properties"][key], keys);
+                }
+            }
+        }
+        walk(&all, &json!({ "properties": schema }), &keys);
+    }
+}
