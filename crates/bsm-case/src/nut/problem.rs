@@ -276,27 +276,17 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
     let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
     let words = &scene.nut;
     let radius = 0.5 * MM * value(InputKey::ball_diameter_mm);
-    let (circuits, way) = match &words.circuits {
-        Some(listed) => {
-            if let Some(key) = SHORT.into_iter().find(|key| scene[*key].is_some()) {
-                return Err(twice("circuits", key.name()));
-            }
-            let way = words.preload_by.map_or_else(
-                || {
-                    if listed.iter().any(|c| c.body > 0) {
-                        Preload::Offset
-                    } else {
-                        Preload::Oversize
-                    }
-                },
-                Preload::from,
-            );
-            (listed_circuits(listed, value(InputKey::starts))?, way)
+    let (circuits, way) = if let Some(listed) = &words.circuits {
+        if let Some(key) = SHORT.into_iter().find(|key| scene[*key].is_some()) {
+            return Err(twice("circuits", key.name()));
         }
-        None => {
-            let way = words.preload_by.map_or(Preload::Offset, Preload::from);
-            (short_circuits(scene, way)?, way)
-        }
+        let several = listed.iter().any(|circuit| circuit.body > 0);
+        let usual = if several { Preload::Offset } else { Preload::Oversize };
+        let way = words.preload_by.map_or(usual, Preload::from);
+        (listed_circuits(listed, value(InputKey::starts))?, way)
+    } else {
+        let way = words.preload_by.map_or(Preload::Offset, Preload::from);
+        (short_circuits(scene, way)?, way)
     };
     let lead_errors = words.lead_error.as_deref().unwrap_or_default();
     let errors = Errors {
@@ -363,7 +353,7 @@ impl From<Flank> for Flanks {
 
 /// The flank of a body of a pair: each is pressed outwards.
 fn flank_of(body: usize) -> Flanks {
-    if body % 2 == 0 { Flanks::Plus } else { Flanks::Minus }
+    if body.is_multiple_of(2) { Flanks::Plus } else { Flanks::Minus }
 }
 
 fn listed_circuits(listed: &[CircuitWords], starts: f64) -> Result<Vec<Circuit>, CaseError> {

@@ -22,9 +22,6 @@ const SAMPLED: [&str; 6] = [
     "life_revolutions",
 ];
 
-/// Parts of the samples below a quantile.
-const PARTS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
-
 /// Samples at most.
 const MOST: u64 = 1_000_000;
 
@@ -41,7 +38,7 @@ pub struct Samples {
 
 impl Samples {
     /// The parts of the samples that lie below the quantiles.
-    pub const PARTS: [f64; 5] = PARTS;
+    pub const PARTS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
     /// Solves `number` nuts like the one of a problem; each follows from the seed and its own number
     /// alone, whatever the threads.
@@ -79,7 +76,7 @@ impl Samples {
             let quantity = QUANTITIES.iter().find(|quantity| quantity.key == *name)?;
             let mut values: Vec<_> = carried.iter().filter_map(|numbers| numbers[i]).collect();
             values.sort_by(f64::total_cmp);
-            let quantiles = PARTS.map(|part| quantile(&values, part));
+            let quantiles = Self::PARTS.map(|part| quantile(&values, part));
             (!values.is_empty()).then_some((quantity.key, quantity.unit, quantity.about, quantiles))
         };
         Ok(Self {
@@ -92,7 +89,8 @@ impl Samples {
     /// JSON object: each quantity with its quantiles.
     pub fn to_json(&self) -> Value {
         let row = |(name, _, _, quantiles): &(&str, _, _, [f64; 5])| {
-            let parts = PARTS.iter().map(|part| format!("{part}")).zip(quantiles.map(|q| json!(q)));
+            let parts =
+                Self::PARTS.iter().map(|part| format!("{part}")).zip(quantiles.map(|q| json!(q)));
             ((*name).to_owned(), Value::Object(parts.collect()))
         };
         let rows: Map<_, _> = self.rows.iter().map(row).collect();

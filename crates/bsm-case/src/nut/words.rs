@@ -302,6 +302,23 @@ fn lead_error_schema() -> Value {
 mod tests {
     use super::*;
 
+    /// Holds the keys of objects, also within lists and objects, to those of their schema.
+    fn same_keys(value: &Value, schema: &Value) {
+        if let (Value::Array(items), Some(item)) = (value, schema.get("items")) {
+            for value in items {
+                same_keys(value, item);
+            }
+        }
+        if let (Value::Object(map), Value::Object(properties)) = (value, &schema["properties"]) {
+            assert_eq!(map.keys().collect::<Vec<_>>(), properties.keys().collect::<Vec<_>>());
+            for (key, value) in map {
+                same_keys(value, &properties[key]);
+            }
+        } else {
+            assert!(!value.is_object(), "{value} has no schema");
+        }
+    }
+
     /// One of everything, by the schema and by the types: the same keys.
     #[test]
     fn words_have_the_keys_of_their_schema() {
@@ -328,20 +345,6 @@ mod tests {
         assert_eq!(Value::Object(words.to_map()), all);
         assert_eq!(words.to_map().keys().collect::<Vec<_>>(), NutWords::KEYS);
         let schema = NutWords::schema();
-        let keys = |value: &Value| -> Vec<String> {
-            value.as_object().map_or_else(Vec::new, |map| map.keys().cloned().collect())
-        };
-        fn walk(value: &Value, schema: &Value, keys: &dyn Fn(&Value) -> Vec<String>) {
-            if let (Value::Array(items), Some(item)) = (value, schema.get("items")) {
-                items.iter().for_each(|value| walk(value, item, keys));
-            }
-            if let Value::Object(map) = value {
-                assert_eq!(keys(value), keys(&schema["properties"]));
-                for (key, value) in map {
-                    walk(value, &schema["properties"][key], keys);
-                }
-            }
-        }
-        walk(&all, &json!({ "properties": schema }), &keys);
+        same_keys(&all, &json!({ "properties": schema }));
     }
 }
