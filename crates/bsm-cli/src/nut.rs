@@ -61,8 +61,10 @@ fn print_report(scene: &Scene, report: &NutReport) -> Result<(), Failure> {
         warn("warning", &warning);
     }
     let title = table::title(scene).map_or_else(String::new, |title| format!("{title}\n\n"));
-    let notes: String = report.notes().iter().map(|note| format!("\nnote: {note}")).collect();
-    print(&format!("{title}{}\n{notes}", table::nut(&report.numbers(|_| true))))
+    let tables = table::nut(&report.numbers(|_| true));
+    let notes = report.notes().iter().map(|note| format!("note: {note}"));
+    let parts: Vec<_> = [format!("{title}{tables}\n")].into_iter().chain(notes).collect();
+    print(&parts.join("\n"))
 }
 
 /// There is none: why.

@@ -162,7 +162,7 @@ pub(crate) fn analysis(report: &Analysis) -> String {
     let head = head.into_iter().filter_map(|(label, text)| Some(format!("{label}  {}", text?)));
     let mut parts = vec![head.collect::<Vec<_>>().join("\n")];
     let rows = report.numbers.rows().filter(|(quantity, _)| quantity.of != Of::Statement);
-    parts.extend(blocks(rows.collect(), "ball"));
+    parts.extend(blocks(&rows.collect::<Vec<_>>(), "ball"));
     let verdicts = report.statements().map(|(name, holds, words)| {
         format!("{name}: {}; {words}", if holds { "yes" } else { "no" })
     });
@@ -173,13 +173,13 @@ pub(crate) fn analysis(report: &Analysis) -> String {
 
 /// A nut under load: a table for each group of numbers.
 pub(crate) fn nut(numbers: &Numbers) -> String {
-    blocks(numbers.rows().collect(), "nut").join("\n\n")
+    blocks(&numbers.rows().collect::<Vec<_>>(), "nut").join("\n\n")
 }
 
 /// Quantities in the tables of their titles.
 ///
 /// * `whole`: what those of no contact and direction are of.
-fn blocks(rows: Vec<(&Quantity, [Option<f64>; 3])>, whole: &str) -> Vec<String> {
+fn blocks(rows: &[(&Quantity, [Option<f64>; 3])], whole: &str) -> Vec<String> {
     let scales = Scales::of(rows.iter().flat_map(|(quantity, values)| {
         values.iter().flatten().map(|value| (quantity.unit, *value))
     }));
