@@ -62,8 +62,8 @@ fn print_report(scene: &Scene, report: &NutReport) -> Result<(), Failure> {
     }
     let title = table::title(scene).map_or_else(String::new, |title| format!("{title}\n\n"));
     let tables = table::nut(&report.numbers(|_| true));
-    let notes = report.notes().iter().map(|note| format!("note: {note}"));
-    let parts: Vec<_> = [format!("{title}{tables}\n")].into_iter().chain(notes).collect();
+    let mut parts = vec![format!("{title}{tables}\n")];
+    parts.extend(report.notes().iter().map(|note| format!("note: {note}")));
     print(&parts.join("\n"))
 }
 
