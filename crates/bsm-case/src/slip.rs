@@ -177,7 +177,7 @@ impl Powers {
                 spin: spin * balls,
                 curvature: curvature * balls,
             };
-            // f_used = |F|/Q                                                  (X14)
+            // f_used = |F|/Q                                                  (X15)
             Ok((all, wrench.force.norm() / contact.load))
         };
         let [nut, screw, minor] = solved.contacts.each_ref();

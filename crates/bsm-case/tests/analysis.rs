@@ -1,8 +1,8 @@
 //! Analyses of a motion: published trends are in `bsm validate`, here what must hold for all.
 
 use bsm_case::{
-    Analysis, AnalysisKind, CaseError, INPUTS, ModelChoice, Moving, OUTPUTS, Of, Output, Record,
-    Scene, Settings,
+    Analysis, AnalysisKind, CaseError, Catalogue, INPUTS, ModelChoice, Moving, OUTPUTS, Of, Output,
+    Record, Scene, Settings, candidate_json,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 
@@ -257,28 +257,26 @@ fn no_alarm(scene: &Scene) {
 fn healthy_screws_raise_no_alarm() {
     no_alarm(&scene(FEED, &[]));
     no_alarm(&scene(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
-    // Diameter, lead, ball, balls per turn and turns of catalogue nuts, at a fifth of their rating or less
-    // and half of their permissible speed.
-    for (pitch, lead, ball, balls, turns, load) in [
-        (16.8, 5.0, 3.5, 14.0, 3.0, 1.5e3),
-        (20.8, 5.0, 3.5, 17.0, 4.0, 2e3),
-        (26.0, 5.0, 3.5, 22.0, 4.0, 2.5e3),
-        (26.0, 10.0, 4.762, 16.0, 3.0, 3e3),
-        (33.4, 5.0, 3.5, 28.0, 5.0, 3e3),
-        (33.4, 10.0, 6.35, 15.0, 4.0, 6e3),
-        (41.4, 10.0, 6.35, 19.0, 5.0, 8e3),
-        (41.4, 20.0, 6.35, 19.0, 3.0, 6e3),
-        (51.8, 10.0, 6.35, 24.0, 5.0, 9e3),
-        (65.0, 20.0, 9.525, 20.0, 4.0, 1.5e4),
-    ] {
+    let catalogue = Catalogue::standard().expect("lists");
+    let places = catalogue.places();
+    let ten: Vec<_> = (0..10).map(|i| places[(2 * i + 1) * places.len() / 20]).collect();
+    let nuts = catalogue.map(&ten, |_, nut| Some(candidate_json(nut)));
+    assert_eq!(nuts.len(), 10);
+    for nut in nuts {
+        let number = |name: &str| nut[name].as_f64().expect("a number");
+        let (balls, turns) = (number("loaded_balls_per_turn"), number("loaded_turns"));
         let healthy = [
-            ("pitch_circle_diameter_mm", pitch),
-            ("lead_mm", lead),
-            ("ball_diameter_mm", ball),
+            ("pitch_circle_diameter_mm", number("pitch_circle_diameter_mm")),
+            ("lead_mm", number("lead_mm")),
+            ("ball_diameter_mm", number("ball_diameter_mm")),
+            ("contact_angle_deg", number("contact_angle_deg")),
+            ("nut_conformity", number("nut_conformity")),
+            ("screw_conformity", number("screw_conformity")),
             ("loaded_balls_per_turn", balls),
             ("loaded_balls", balls * turns),
-            ("axial_load_N", load),
-            ("screw_speed_rpm", 35_000.0 / pitch),
+            // A tenth of the rating and half of the permissible speed.
+            ("axial_load_N", 0.1 * number("dynamic_load_rating_N")),
+            ("screw_speed_rpm", 35_000.0 / number("pitch_circle_diameter_mm")),
             // Hardened to 60 HRC.
             ("race_yield_strength_MPa", 2200.0),
             ("ball_yield_strength_MPa", 2400.0),

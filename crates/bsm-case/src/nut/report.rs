@@ -342,13 +342,20 @@ impl NutReport {
             Some(friction) if friction.torque.is_none() => {
                 let without = friction.balls.iter().filter(|torque| torque.is_none()).count();
                 notes.push(format!(
-                    "no torque: {without} of {} balls have none by model {}, which has no answer there or \
-                     no ball with four loaded contacts",
+                    "no torque: {without} of {} balls have none by model {}, which has no answer there",
                     friction.balls.len(),
                     self.problem.settings.model.name()
                 ));
             }
-            Some(_) => {
+            Some(friction) => {
+                if friction.on_both_flanks > 0 {
+                    notes.push(format!(
+                        "{} of {} balls press both flanks: their friction is integrated over all their \
+                         contacts, whatever the model",
+                        friction.on_both_flanks,
+                        friction.balls.len()
+                    ));
+                }
                 let drag = "the torque is that of the contacts alone: measured drag coefficients K_p of \
                             catalogues, 0.1 to 0.3 in T = K_p F_p lead/(2 pi), are 3 to 10 times what dry \
                             friction gives, as returns, ball-to-ball contact, lubricant and wipers are not in it";
