@@ -102,6 +102,10 @@ impl Task {
                         break;
                     }
                     let row = part.first + i;
+                    if !done {
+                        // A kernel may have begun the row.
+                        part.columns.iter_mut().for_each(|column| column[i] = f64::NAN);
+                    }
                     let put = |place: usize, value| part.columns[place][i] = value;
                     let scene = chunk.scene(columns, base, row);
                     let (verdict, message) = self.answer_row(&asked, scene, done, put);

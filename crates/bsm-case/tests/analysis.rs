@@ -72,7 +72,10 @@ fn powers_add_up_with_the_dials() {
         let solution = solved(&scene, &settings);
         assert_eq!(solution.model, Model::Traction);
         let report = Analysis::slip(&scene, &settings, &solution).expect("a motion");
-        assert!(number(&report, "power_difference").abs() < 1e-9);
+        // The model holds its nodes in the last steps, the report takes those of the motion: between them
+        // lies a part of the accuracy.
+        let apart = f64::max(1e-9, 1e-3 * settings.accuracy);
+        assert!(number(&report, "power_difference").abs() < apart);
         assert!(report.warnings.iter().all(|w| !w.contains("add up")), "{:?}", report.warnings);
     }
 }
@@ -274,8 +277,8 @@ fn healthy_screws_raise_no_alarm() {
             ("screw_conformity", number("screw_conformity")),
             ("loaded_balls_per_turn", balls),
             ("loaded_balls", balls * turns),
-            // A tenth of the rating and half of the permissible speed.
-            ("axial_load_N", 0.1 * number("dynamic_load_rating_N")),
+            // A fifth of the rating and half of the permissible speed.
+            ("axial_load_N", 0.2 * number("dynamic_load_rating_N")),
             ("screw_speed_rpm", 35_000.0 / number("pitch_circle_diameter_mm")),
             // Hardened to 60 HRC.
             ("race_yield_strength_MPa", 2200.0),

@@ -1,7 +1,7 @@
 //! Derivatives by the inputs against differences of full solves and against exact identities.
 
 use approx::assert_relative_eq;
-use bsm_case::{Jets, Scene, Sensitivities, Sensitivity, Settings};
+use bsm_case::{Jets, ModelChoice, Scene, Sensitivities, Sensitivity, Settings};
 use bsm_dyn::{Basis, Control, Model, ModelWorkspace, Traction, Transmission, Transmitted};
 use proptest::prelude::*;
 
@@ -147,6 +147,11 @@ const IDENTITY: f64 = 1e-11;
 /// Richardson's rule leaves is less.
 const DIFFERENCE: f64 = 1e-7;
 
+/// Where friction is integrated, the number of nodes follows the point: from a point to a neighbour, and between
+/// two solves of one point, the sums jump by what they may be wrong, 1e-8 of the loss. Loss and jumps are
+/// hundredths of that most often, so that a difference over 1e-4 errs by less than this.
+const JUMPS: (f64, f64) = (1e-8, 1e-5);
+
 fn check(scene: &Scene, settings: &Settings) -> Result<(), TestCaseError> {
     let (found, numbers) = (derived(scene, settings), solved(scene, settings));
     prop_assert_eq!(found.is_some(), numbers.is_some());
@@ -156,14 +161,17 @@ fn check(scene: &Scene, settings: &Settings) -> Result<(), TestCaseError> {
     // The values that come with the derivatives are those of the solve, to rounding.
     let torque = |o: Option<f64>| o.expect("a torque");
     let eta = numbers.efficiency;
-    assert_relative_eq!(found.0.efficiency.re, eta, max_relative = 1e-10, epsilon = 1e-12);
+    let integrates = [Model::RacewayControl, Model::Traction].map(ModelChoice::from);
+    let (rounding, apart) =
+        if integrates.contains(&settings.model) { JUMPS } else { (1e-10, DIFFERENCE) };
+    assert_relative_eq!(found.0.efficiency.re, eta, max_relative = rounding, epsilon = 1e-12);
     let own = torque(found.0.screw_torque.map(|t| t.re));
-    assert_relative_eq!(own, torque(numbers.screw_torque), max_relative = 1e-10);
+    assert_relative_eq!(own, torque(numbers.screw_torque), max_relative = rounding);
     let identity = worst_identity(&found);
     prop_assert!(identity <= IDENTITY, "{identity:e}");
     // A neighbour without solution, or with another branch, tells nothing.
     let difference = worst_difference(scene, settings, 1e-4);
-    prop_assert!(difference.is_none_or(|d| d <= DIFFERENCE), "{difference:?}");
+    prop_assert!(difference.is_none_or(|d| d <= apart), "{difference:?}");
     Ok(())
 }
 

@@ -34,7 +34,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     }
     let report = match problem.solve() {
         Ok(report) => report,
-        Err(none) => return unsolved(&none.to_string(), args.format),
+        Err(none) => return unsolved(none.status().name(), &none.to_string(), args.format),
     };
     if let (Some(path), Some(format)) = (&args.table, balls) {
         write(path, format, &BALL_COLUMNS, &report.balls())?;
@@ -68,10 +68,10 @@ fn print_report(scene: &Scene, report: &NutReport) -> Result<(), Failure> {
 }
 
 /// There is none: why.
-fn unsolved(why: &str, format: Format) -> Result<(), Failure> {
+fn unsolved(status: &str, message: &str, format: Format) -> Result<(), Failure> {
     match format {
-        Format::Json => print(&pretty_json(&json!({ "status": "no_solution", "message": why })))?,
-        Format::Table => print(&format!("status   no_solution\nmessage  {why}"))?,
+        Format::Json => print(&pretty_json(&json!({ "status": status, "message": message })))?,
+        Format::Table => print(&format!("status   {status}\nmessage  {message}"))?,
     }
     Err(Failure::Unsolved)
 }

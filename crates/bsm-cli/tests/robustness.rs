@@ -25,7 +25,7 @@ fn example(name: &str) -> String {
 fn printing() -> Vec<Vec<String>> {
     let (drive, lin, nut) =
         (example("feed_drive.json"), example("lin1994.json"), example("nut.json"));
-    let (slip, jam) = (example("xu2015.json"), example("dong2020.json"));
+    let (slip, jam) = (example("feed_drive.json"), example("dong2020.json"));
     let measured = "--measured=screw_torque_Nm=26";
     let sweep = ["--vary=axial_load_N=100:9000:2000", "--model=closed-form", "-o-"];
     [

@@ -52,7 +52,7 @@ impl BallNut {
 
 impl Ring {
     /// Stiffness of the tube around a circuit against its widening \[N/m\] (U14).
-    pub(crate) fn stiffness(&self, nut: &BallNut, circuit: &Circuit) -> f64 {
+    pub fn stiffness(&self, nut: &BallNut, circuit: &Circuit) -> f64 {
         let (outer, inner) = (self.outer * self.outer, self.inner * self.inner);
         let height = nut.helix.lead() / std::f64::consts::TAU;
         // k_r = E h Θ_c 2π / [(D² + D_t²)/(D² − D_t²) + 1]                (U14)

@@ -4,7 +4,7 @@
 
 use std::array::from_fn;
 
-use bsm_dyn::Reason;
+use bsm_dyn::{Reason, Status};
 use bsm_newton::{Bordered, DynamicDense, LinearSolver};
 
 use crate::ball::{BallInGrooves, FourContacts, on_one_diagonal};
@@ -130,6 +130,17 @@ pub enum NutError {
         /// The preload asked for \[N\].
         force: f64,
     },
+}
+
+impl NutError {
+    /// What it means for an answer: refused, without a solution, or not found.
+    pub fn status(&self) -> Status {
+        match self {
+            Self::Contact(_) | Self::NoBalls => Status::InvalidInput,
+            Self::NothingCarries { .. } | Self::NoPreload { .. } => Status::NoSolution,
+            Self::NotConverged { .. } => Status::NotConverged,
+        }
+    }
 }
 
 /// Newton steps at most; ten are usual.

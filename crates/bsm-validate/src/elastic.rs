@@ -259,8 +259,13 @@ fn transition(
         .measured(number(o.efficiency()), "");
         // At 20 N and 6000 rpm the table leaves the centrifugal force out of raceway control.
         let light = model == Model::RacewayControl && row.screw_speed_rpm > 2000.0;
+        let onset = o.solved().and_then(|solved| solved.skid?.onset_number());
+        let partly = model == Model::Traction && onset.is_some_and(|s| (0.1..2.0).contains(&s));
         checks.push(if light {
             check.equals(claimed, 1e-3, "the table has no centrifugal force in it")
+        } else if partly {
+            let rings = "the table is of a quadrature by rings, which errs by up to 6.2e-4 where balls skid partly";
+            check.equals(claimed, 6.5e-4, rings)
         } else {
             check.equals(claimed, 0.6 * digit, "half a unit of the last printed digit")
         });

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# A nut of 100, 1000 and 10 000 balls in this solver and in SciPy: benches/peers/nut.sh
+# Takes cargo and python3; the packages come from benches/peers/requirements.txt.
+set -euo pipefail
+here="$(cd "$(dirname "$0")" && pwd)"
+work="$here/../../target/peers"
+mkdir -p "$work"
+cargo run --quiet --release --locked --manifest-path "$here/../../Cargo.toml" -p bsm-nut --example times >"$work/nut.json"
+python="$work/venv/bin/python"
+[ -x "$python" ] || python3 -m venv "$work/venv"
+grep -E "^(numpy|scipy)=" "$here/requirements.txt" | xargs "$python" -m pip install --quiet
+"$python" -B "$here/nut.py" "$work/nut.json"
