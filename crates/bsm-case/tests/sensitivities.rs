@@ -148,9 +148,18 @@ const IDENTITY: f64 = 1e-11;
 const DIFFERENCE: f64 = 1e-7;
 
 /// Where friction is integrated, the number of nodes follows the point: from a point to a neighbour, and between
-/// two solves of one point, the sums jump by what they may be wrong, 1e-8 of the loss. Loss and jumps are
-/// hundredths of that most often, so that a difference over 1e-4 errs by less than this.
-const JUMPS: (f64, f64) = (1e-8, 1e-5);
+/// two solves of one point, the sums jump by what they may be wrong, 1e-8 of the loss, and 3e-6 where the
+/// ellipses are as long as the ball. Traction holds its nodes in the last steps; raceway control takes longer steps,
+/// of which the fourth order leaves 1e-5.
+///
+/// Relative jump of the answer, step of the differences, and what they may err by.
+fn dials(model: ModelChoice) -> (f64, f64, f64) {
+    match model {
+        ModelChoice::Fixed(Model::RacewayControl) => (3e-6, 1e-3, 5e-4),
+        ModelChoice::Fixed(Model::Traction) => (1e-8, 1e-4, 1e-5),
+        _ => (1e-10, 1e-4, DIFFERENCE),
+    }
+}
 
 fn check(scene: &Scene, settings: &Settings) -> Result<(), TestCaseError> {
     let (found, numbers) = (derived(scene, settings), solved(scene, settings));
@@ -161,16 +170,14 @@ fn check(scene: &Scene, settings: &Settings) -> Result<(), TestCaseError> {
     // The values that come with the derivatives are those of the solve, to rounding.
     let torque = |o: Option<f64>| o.expect("a torque");
     let eta = numbers.efficiency;
-    let integrates = [Model::RacewayControl, Model::Traction].map(ModelChoice::from);
-    let (rounding, apart) =
-        if integrates.contains(&settings.model) { JUMPS } else { (1e-10, DIFFERENCE) };
+    let (rounding, step, apart) = dials(settings.model);
     assert_relative_eq!(found.0.efficiency.re, eta, max_relative = rounding, epsilon = 1e-12);
     let own = torque(found.0.screw_torque.map(|t| t.re));
     assert_relative_eq!(own, torque(numbers.screw_torque), max_relative = rounding);
     let identity = worst_identity(&found);
     prop_assert!(identity <= IDENTITY, "{identity:e}");
     // A neighbour without solution, or with another branch, tells nothing.
-    let difference = worst_difference(scene, settings, 1e-4);
+    let difference = worst_difference(scene, settings, step);
     prop_assert!(difference.is_none_or(|d| d <= apart), "{difference:?}");
     Ok(())
 }

@@ -33,7 +33,12 @@ fn page_shows_every_check_and_figure() {
             let there = curve.points.iter().filter(|(_, y)| y.is_finite()).count();
             // Self-locking by the load is there at small lead angles only; the largest balls of Sobolewski
             // (2002) fit on three of his leads.
-            let least = if figure.key.starts_with("catalogue-") { 3 } else { 5 };
+            // A mark across the figure of Eq 11 has its two ends.
+            let least = match (figure.key.as_str(), curve.label.as_deref()) {
+                ("lin-efficiency-slip-angle", Some("slip angle of Eq 13")) => 2,
+                (key, _) if key.starts_with("catalogue-") => 3,
+                _ => 5,
+            };
             assert!(there >= least, "{}: {:?}", figure.key, curve.label);
         }
     }
