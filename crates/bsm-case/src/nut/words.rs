@@ -72,7 +72,7 @@ words! {
         "how a nut is preloaded: pair, two nuts pressed apart; oversize, balls too large for both flanks. Unless given, a pair if the nut has two bodies or short words",
         choice(&["pair", "oversize"]);
     ball_deviation_um: Vec<f64>,
-        "deviation of the diameter of each ball from the nominal one [um], in the order of the circuits",
+        "deviation of the diameter of each ball from the nominal one in um, in the order of the circuits",
         list(&json!({ "type": "number" }));
     lead_error: Vec<LeadErrorWords>,
         "axial errors of the nut's groove against the screw's, which add up: waves (amplitude_um, order per turn, phase_deg) and slopes (slope_um_per_mm, z0_mm)",
