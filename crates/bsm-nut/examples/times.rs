@@ -16,6 +16,8 @@ fn nut(balls: u16) -> BallNut {
     let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
     let arc = f64::from(balls) / 20.4 * 2.0 * PI;
     let length = lead * arc / (2.0 * PI);
+    // The same strain under the same load a ball, however long the nut: displacements of one size.
+    let bodies = f64::from(balls) / 100.0;
     let circuit = Circuit {
         start: 0.0,
         arc,
@@ -34,8 +36,8 @@ fn nut(balls: u16) -> BallNut {
         material: (steel, steel),
         circuits: vec![circuit],
         errors: Errors::default(),
-        nut_bar: Some(Bar { stiffness: 453e6, anchor: -0.01 }),
-        screw_bar: Some(Bar { stiffness: 219.7e6, anchor: length + 0.01 }),
+        nut_bar: Some(Bar { stiffness: bodies * bodies * 453e6, anchor: -0.01 }),
+        screw_bar: Some(Bar { stiffness: bodies * bodies * 219.7e6, anchor: length + 0.01 }),
         ring: Some(Ring { outer: 70e-3, inner: 45.826e-3, youngs_modulus: 206e9 }),
         reference: None,
         precession: 0.0,
