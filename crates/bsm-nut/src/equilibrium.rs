@@ -520,7 +520,7 @@ impl<'a> Assembly<'a> {
             if imbalance <= BALANCED {
                 return self.finish(&y, &state, steps, imbalance);
             }
-            let moved = y[first..first + 3].iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+            let moved = self.moved(&y, &state);
             // Beyond, balls would be pressed from the other side of the groove arcs.
             if moved > self.nut.arc_distance() {
                 return Err(NutError::NothingCarries { moved });
@@ -543,6 +543,15 @@ impl<'a> Assembly<'a> {
             state = self.state(&y, Want::Newton).ok_or(none(imbalance, steps))?;
         }
         Err(none(self.imbalance(&state), MOST_STEPS))
+    }
+
+    /// How far the nut has moved \[m\]: its section, or where bodies strain the groove that has moved least.
+    fn moved(&self, y: &[f64], state: &State) -> f64 {
+        let first = self.freedoms();
+        if self.nodes == 0 {
+            return y[first..first + 3].iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+        }
+        state.grooves.iter().map(|w| w[0].hypot(w[1])).fold(f64::MAX, f64::min)
     }
 
     /// A Newton step that lowers the energy; the stiffness of `state` is in the matrix.

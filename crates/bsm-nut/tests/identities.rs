@@ -227,6 +227,19 @@ fn nothing_carries_a_load_off_its_flank() {
     assert_eq!(empty.expect_err("no balls"), NutError::NoBalls);
 }
 
+/// A screw that is held metres away strains by more than a groove is deep, and carries all the same.
+#[test]
+fn a_long_screw_is_no_play() {
+    let mut nut = nut_a();
+    nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 5.0 });
+    let found = nut.solve(&Support::guided(100e3)).expect("carried");
+    // F l/EA of 5 m is 2.3 mm.
+    assert!((2.2e-3..2.4e-3).contains(&found.displacement[0]), "{}", found.displacement[0]);
+    let one_flank = BallNut { circuits: vec![circuit(0.0, 1731.6, 98, Flanks::Plus)], ..nut };
+    let refused = one_flank.solve(&Support::guided(-500.0));
+    assert!(matches!(refused, Err(NutError::NothingCarries { .. })));
+}
+
 /// A guide that is soft is a free one, a stiff one holds.
 #[test]
 fn springs_lead_from_free_to_guided() {
