@@ -71,9 +71,9 @@ impl FourContacts {
     ///
     /// The energy is convex in `w`. `None` if the place of the ball is not found.
     pub fn at(&self, w: [f64; 2], oversize: f64, flanks: Flanks) -> Option<BallInGrooves> {
-        let pressed = flanks.diagonals().map(|there| there.then_some(()));
+        let diagonals = flanks.diagonals();
         let single: [Option<Pressing>; 2] =
-            from_fn(|i| pressed[i].map(|()| self.series.at([SIGNS[i] * w[0], w[1]], oversize)));
+            from_fn(|i| diagonals[i].then(|| self.series.at([SIGNS[i] * w[0], w[1]], oversize)));
         let loaded: Vec<usize> =
             (0..2).filter(|&i| single[i].is_some_and(|ball| ball.load > 0.0)).collect();
         if self.outward == 0.0 {
@@ -81,7 +81,7 @@ impl FourContacts {
             let ball = single[first]?;
             let place = self.place(first, &ball, w, oversize);
             let others = [1 - first, 3 - first];
-            let free = !flanks.diagonals()[1 - first]
+            let free = !diagonals[1 - first]
                 || others.iter().all(|&c| self.contact(c, w, place, oversize).approach <= 0.0);
             if free {
                 return Some(on_one_diagonal(first, &ball));

@@ -53,17 +53,12 @@ pub struct Support(pub [Freedom; FREEDOMS]);
 impl Support {
     /// Loaded along the axis \[N\], and held otherwise: a table on stiff guides.
     pub fn guided(axial: f64) -> Self {
-        let [_, held @ ..] = [Freedom::Held(0.0); FREEDOMS];
-        let mut all = [Freedom::Loaded(axial); FREEDOMS];
-        all[1..].copy_from_slice(&held);
-        Self(all)
+        Self([Freedom::Held(0.0); FREEDOMS]).with_axial(axial)
     }
 
     /// Loaded along the axis \[N\], and free otherwise.
     pub fn free(axial: f64) -> Self {
-        let mut all = [Freedom::Loaded(0.0); FREEDOMS];
-        all[0] = Freedom::Loaded(axial);
-        Self(all)
+        Self([Freedom::Loaded(0.0); FREEDOMS]).with_axial(axial)
     }
 
     /// The same with another load along the axis \[N\].
@@ -132,10 +127,6 @@ pub enum NutError {
     },
 }
 
-/// After so many steps, so much may be left: where bodies strain by millimetres, the rounding of their
-/// displacements is a larger part of the approaches of the balls.
-const ROUNDED: (usize, f64) = (30, 1e-10);
-
 impl NutError {
     /// What it means for an answer: refused, without a solution, or not found.
     pub fn status(&self) -> Status {
@@ -152,6 +143,10 @@ const MOST_STEPS: usize = 100;
 
 /// Forces are in balance when this part of their sum is left.
 const BALANCED: f64 = 1e-12;
+
+/// After so many steps, so much may be left: where bodies strain by millimetres, the rounding of their
+/// displacements is a larger part of the approaches of the balls.
+const ROUNDED: (usize, f64) = (30, 1e-10);
 
 impl BallNut {
     /// Displacements, loads of all balls and stiffness of the nut under a load.
@@ -194,12 +189,18 @@ impl BallNut {
 /// A ball with what does not change in the iteration.
 struct Seat {
     place: Place,
-    /// Its node in the chain.
-    node: usize,
     /// Displacement of the groove by errors \[m\], excess of the radius \[m\].
     error: ([f64; 2], f64),
-    /// Displacement of the groove by those of the nut (U4).
-    kinematics: [[f64; FREEDOMS]; 2],
+    /// The unknowns that displace the groove, with the displacement by each: the freedoms of the nut
+    /// first (U4), (U5).
+    couplings: Vec<(usize, [f64; 2])>,
+}
+
+impl Seat {
+    /// The displacement of the groove by each freedom of the nut (U4).
+    fn by_the_nut(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.couplings[..FREEDOMS].iter().map(|(_, by)| *by)
+    }
 }
 
 /// The problem of (U15), and its state.
@@ -252,27 +253,35 @@ impl<'a> Assembly<'a> {
         let length = nodes.last().zip(nodes.first()).map_or(0.0, |(last, first)| last - first);
         // Threads may have balls at one place.
         nodes.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * length);
-        let middle = places.iter().map(|place| place.z).sum::<f64>() / count(places.len());
-        let reference = nut.reference.unwrap_or(middle);
+        let reference = nut.middle();
         let bars = [nut.nut_bar, nut.screw_bar];
         let chained = bars.iter().any(Option::is_some);
         if !chained {
             nodes.clear();
         }
-        let seat = |(number, place): (usize, Place)| Seat {
-            place,
-            node: nodes.partition_point(|z| *z < place.z - 1e-9 * length),
-            error: nut.error_at(number, &place),
-            kinematics: kinematics(nut, &place, reference),
-        };
-        let seats: Vec<_> = places.into_iter().enumerate().map(seat).collect();
         let rings: Vec<f64> = nut.ring.map_or_else(Vec::new, |ring| {
             nut.circuits.iter().map(|circuit| ring.stiffness(nut, circuit)).collect()
         });
-        let mut held = vec![false; 2 * nodes.len() + FREEDOMS + rings.len()];
+        let (first, along) = (2 * nodes.len(), nut.helix.lead_angle.cos());
+        let seat = |(number, place): (usize, Place)| {
+            let by_the_nut = kinematics(nut, &place, reference);
+            let mut couplings: Vec<_> = (first..).zip(by_the_nut).collect();
+            if chained {
+                let node = nodes.partition_point(|z| *z < place.z - 1e-9 * length);
+                // cosα (n_i − s_i) along the binormal                     (U5)
+                couplings.extend([(2 * node, [along, 0.0]), (2 * node + 1, [-along, 0.0])]);
+            }
+            if !rings.is_empty() {
+                // −w_c along the principal normal                         (U5)
+                couplings.push((first + FREEDOMS + place.circuit, [0.0, -1.0]));
+            }
+            Seat { place, error: nut.error_at(number, &place), couplings }
+        };
+        let seats: Vec<_> = places.into_iter().enumerate().map(seat).collect();
+        let mut held = vec![false; first + FREEDOMS + rings.len()];
         let springs = from_fn(|body| {
             let Some(bar) = bars[body] else {
-                held[..2 * nodes.len()].iter_mut().skip(body).step_by(2).for_each(|h| *h = true);
+                held[..first].iter_mut().skip(body).step_by(2).for_each(|h| *h = true);
                 return Vec::new();
             };
             let (springs, at) = bar.springs(&nodes);
@@ -283,7 +292,7 @@ impl<'a> Assembly<'a> {
         });
         let of_the_nut = held.clone();
         for (i, freedom) in support.0.iter().enumerate() {
-            held[2 * nodes.len() + i] = matches!(freedom, Freedom::Held(_));
+            held[first + i] = matches!(freedom, Freedom::Held(_));
         }
         let border = FREEDOMS + rings.len();
         Ok(Self {
@@ -302,28 +311,6 @@ impl<'a> Assembly<'a> {
     /// Place of the first freedom among the unknowns.
     fn freedoms(&self) -> usize {
         2 * self.nodes
-    }
-
-    /// Place of the widening of a circuit, if the nut widens.
-    fn ring(&self, circuit: usize) -> Option<usize> {
-        (!self.rings.is_empty()).then(|| self.freedoms() + FREEDOMS + circuit)
-    }
-
-    /// The unknowns that displace the groove of a ball, with the displacement by each (U4), (U5).
-    fn couplings(&self, seat: &Seat) -> Vec<(usize, [f64; 2])> {
-        let along = self.nut.helix.lead_angle.cos();
-        let first = self.freedoms();
-        let mut all: Vec<_> = (0..FREEDOMS)
-            .map(|i| (first + i, [seat.kinematics[0][i], seat.kinematics[1][i]]))
-            .collect();
-        if self.nodes > 0 {
-            // cosα (n_i − s_i) along the binormal                         (U5)
-            all.push((2 * seat.node, [along, 0.0]));
-            all.push((2 * seat.node + 1, [-along, 0.0]));
-        }
-        // −w_c along the principal normal                                 (U5)
-        all.extend(self.ring(seat.place.circuit).map(|ring| (ring, [0.0, -1.0])));
-        all
     }
 
     /// The state at `y`, and its slopes in the matrix.
@@ -352,12 +339,11 @@ impl<'a> Assembly<'a> {
         };
         let mut matrix = self.held.get(want as usize).map(|held| {
             self.matrix.clear();
-            Entries { matrix: std::mem::replace(&mut self.matrix, Bordered::new(0, 0)), held }
+            Entries { matrix: &mut self.matrix, held }
         });
         for seat in &self.seats {
             let (mut w, _) = seat.error;
-            let couplings = self.couplings(seat);
-            for (k, by) in &couplings {
+            for (k, by) in &seat.couplings {
                 w[0] += by[0] * y[*k];
                 w[1] += by[1] * y[*k];
             }
@@ -365,13 +351,13 @@ impl<'a> Assembly<'a> {
             state.energy += ball.energy;
             state.energies += ball.energy.abs();
             state.forces += ball.max_load();
-            for (k, by) in &couplings {
+            for (k, by) in &seat.couplings {
                 // r = Σ A_jᵀ G_j + …                                      (U15)
                 state.residual[*k] += by[0] * ball.force[0] + by[1] * ball.force[1];
                 let Some(matrix) = &mut matrix else { continue };
                 let [[bb, bn], [_, nn]] = ball.slope;
                 let (b, n) = (by[0] * bb + by[1] * bn, by[0] * bn + by[1] * nn);
-                for (l, other) in &couplings {
+                for (l, other) in &seat.couplings {
                     // H = K_q + Σ A_jᵀ V″ A_j                             (U16)
                     matrix.add(*k, *l, b * other[0] + n * other[1]);
                 }
@@ -424,9 +410,8 @@ impl<'a> Assembly<'a> {
             state.forces += load.abs() / arm;
         }
         if let Some(Entries { matrix, held }) = matrix {
-            self.matrix = matrix;
             for (i, _) in held.iter().enumerate().filter(|(_, held)| **held) {
-                self.matrix.add(i, i, 1.0);
+                matrix.add(i, i, 1.0);
             }
         }
         for (residual, held) in state.residual.iter_mut().zip(&self.held[0]) {
@@ -455,8 +440,8 @@ impl<'a> Assembly<'a> {
         let mut usual = vec![one; self.held[0].len()];
         let mut all = [0.0; FREEDOMS];
         for seat in &self.seats {
-            for (i, all) in all.iter_mut().enumerate() {
-                *all += one * (seat.kinematics[0][i].powi(2) + seat.kinematics[1][i].powi(2));
+            for (all, [b, n]) in all.iter_mut().zip(seat.by_the_nut()) {
+                *all += one * (b.powi(2) + n.powi(2));
             }
         }
         usual[2 * self.nodes..2 * self.nodes + FREEDOMS].copy_from_slice(&all);
@@ -605,17 +590,16 @@ impl<'a> Assembly<'a> {
         let mut carried = [0.0; FREEDOMS];
         let mut bodies = Vec::new();
         for (seat, ball) in self.seats.iter().zip(&state.balls) {
-            let force = |i: usize| {
-                seat.kinematics[0][i] * ball.force[0] + seat.kinematics[1][i] * ball.force[1]
-            };
-            for (i, carried) in carried.iter_mut().enumerate() {
-                *carried += force(i);
+            let along = |[b, n]: [f64; 2]| b * ball.force[0] + n * ball.force[1];
+            let forces: Vec<f64> = seat.by_the_nut().map(along).collect();
+            for (carried, force) in carried.iter_mut().zip(&forces) {
+                *carried += force;
             }
             let body = self.nut.circuits[seat.place.circuit].body;
             if bodies.len() <= body {
                 bodies.resize(body + 1, 0.0);
             }
-            bodies[body] += force(0);
+            bodies[body] += forces[0];
         }
         Ok(Equilibrium {
             displacement: from_fn(|i| y[first + i]),
@@ -664,7 +648,7 @@ impl<'a> Assembly<'a> {
 
 /// The matrix, and the unknowns whose rows and columns stay empty.
 struct Entries<'a> {
-    matrix: Bordered<2>,
+    matrix: &'a mut Bordered<2>,
     held: &'a [bool],
 }
 
@@ -676,8 +660,8 @@ impl Entries<'_> {
     }
 }
 
-/// Groove displacement of a ball by the freedoms of the nut, along binormal and principal normal (U4).
-fn kinematics(nut: &BallNut, place: &Place, reference: f64) -> [[f64; FREEDOMS]; 2] {
+/// Groove displacement of a ball by each freedom of the nut, along binormal and principal normal (U4).
+fn kinematics(nut: &BallNut, place: &Place, reference: f64) -> [[f64; 2]; FREEDOMS] {
     let (radius, zeta) = (nut.helix.radius, place.z - reference);
     let (sin, cos) = place.theta.sin_cos();
     let (sin_a, cos_a) = nut.helix.lead_angle.sin_cos();
@@ -687,7 +671,6 @@ fn kinematics(nut: &BallNut, place: &Place, reference: f64) -> [[f64; FREEDOMS];
     let binormal = [sin_a * sin, -sin_a * cos, cos_a];
     // u_j = (u_x + φ_y ζ, u_y − φ_x ζ, u_z + φ_x y − φ_y x)               (U3)
     let by = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -zeta, y], [zeta, 0.0, -x]];
-    let along = |axis: [f64; 3]| by.map(|u| axis.iter().zip(u).map(|(a, u)| a * u).sum());
     // w_j = (b_j·u_j, n_j·u_j) = B_j q                                    (U4)
-    [along(binormal), along(normal)]
+    by.map(|u| [binormal, normal].map(|axis| axis.iter().zip(u).map(|(a, u)| a * u).sum()))
 }

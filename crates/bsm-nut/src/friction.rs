@@ -3,7 +3,8 @@
 //! Theory: `docs/theory/16-nut.md`, equations (U21), (U29) and (U30).
 
 use bsm_dyn::{
-    Ball, ElasticScrew, HeldBall, HeldContact, Load, Quadrature, Solution, Traction, pressed_radius,
+    Ball, ElasticScrew, HeldBall, HeldContact, Hertz, Load, Quadrature, Solution, Traction,
+    pressed_radius,
 };
 use bsm_kin::{Drive, Site};
 
@@ -83,8 +84,9 @@ impl BallNut {
         number: usize,
         friction: f64,
         drive: &Drive<f64>,
-    ) -> Option<HeldBall> {
-        let (ball, hertz) = (&found.balls[number], self.hertz().ok()?);
+        hertz: &[Hertz; 2],
+    ) -> HeldBall {
+        let ball = &found.balls[number];
         let contact = |c: usize| {
             let (site, conformity) = if c < 2 {
                 (Site::Nut, self.conformity.0)
@@ -101,14 +103,14 @@ impl BallNut {
             }
         };
         let pressed = (0..4).filter(|c| ball.loads[*c] > 0.0);
-        Some(HeldBall {
+        HeldBall {
             helix: self.helix,
             ball: self.ball,
             drive: *drive,
             friction,
             creep: Traction::<f64>::CREEP,
             contacts: pressed.map(contact).collect(),
-        })
+        }
     }
 
     /// Friction of all balls by a model of one ball (U21): the sharing of the load is that without
@@ -124,13 +126,14 @@ impl BallNut {
     ) -> NutFriction {
         let speed = drive.relative_speed();
         let per_radian = self.helix.lead() / std::f64::consts::TAU;
-        let quadrature = Quadrature::of(FOUR_CONTACTS);
+        let (quadrature, hertz) = (Quadrature::of(FOUR_CONTACTS), self.hertz());
         let mut of_ball = |number: usize| -> Option<f64> {
             if found.balls[number].max_load() <= 0.0 {
                 return Some(0.0);
             }
             if found.balls[number].flanks_pressed() == [true, true] {
-                let ball = self.ball_on_both_flanks(found, number, friction, drive)?;
+                let hertz = hertz.as_ref().ok()?;
+                let ball = self.ball_on_both_flanks(found, number, friction, drive, hertz);
                 return ball.solve(&quadrature).ok().map(|motion| motion.torque);
             }
             let screw = self.ball_alone(found, number, friction, drive)?;

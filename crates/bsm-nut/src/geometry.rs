@@ -226,6 +226,11 @@ impl BallNut {
         ([along, -self.errors.gap], self.excess(number))
     }
 
+    /// Axial part of a normal load at first touch, `$\sin\beta_0\cos\alpha$`.
+    pub(crate) fn inclination(&self) -> f64 {
+        self.contact_angle.sin() * self.helix.lead_angle.cos()
+    }
+
     /// Excess of the radius of a ball over the nominal one \[m\] (U6).
     pub(crate) fn excess(&self, number: usize) -> f64 {
         // Δr_j: of each ball, and of all                                  (U6)

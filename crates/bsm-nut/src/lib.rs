@@ -21,6 +21,6 @@ pub use bodies::{Bar, Ring};
 pub use equilibrium::{Equilibrium, Freedom, NutError, Support};
 pub use friction::NutFriction;
 pub use geometry::{BallNut, Circuit, Errors, Flanks, LeadError, Place};
-pub use life::{NutLife, TurnRatings};
+pub use life::TurnRatings;
 pub use preload::Preload;
 pub use sharing::Equal;

@@ -15,13 +15,6 @@ pub struct TurnRatings {
     pub nut: f64,
 }
 
-/// What the loads of all balls mean for the nut.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NutLife {
-    /// Revolutions that 90 % of nuts reach; infinite if no ball is loaded.
-    pub revolutions: f64,
-}
-
 impl Equilibrium {
     /// Largest load of a contact \[N\].
     pub fn max_load(&self) -> f64 {
@@ -42,18 +35,19 @@ impl Equilibrium {
 
     /// Load of a ball under the static rating of one body \[N\], over the largest load of a contact.
     pub fn static_safety(&self, nut: &BallNut, rating: f64) -> f64 {
-        let inclined = nut.contact_angle.sin() * nut.helix.lead_angle.cos();
+        let inclined = nut.inclination();
         let body = |circuit: &&Circuit| circuit.body == 0;
         let balls: usize = nut.circuits.iter().filter(body).map(|circuit| circuit.balls).sum();
         // C_0a / (Z_b sinβ₀ cosα) / max Q
         rating / (count(balls) * inclined) / self.max_load()
     }
 
-    /// Life of the tracks of all bodies together (U22) to (U24).
+    /// Revolutions that 90 % of nuts reach, all tracks of all bodies together; infinite if no ball is
+    /// loaded (U22) to (U24).
     ///
     /// Source: the rule of ISO/TS 16281 with the ball loads of ISO 3408-5.
-    pub fn life(&self, nut: &BallNut, ratings: &TurnRatings) -> NutLife {
-        let inclined = nut.contact_angle.sin() * nut.helix.lead_angle.cos();
+    pub fn life(&self, nut: &BallNut, ratings: &TurnRatings) -> f64 {
+        let inclined = nut.inclination();
         let mut damage = 0.0;
         for body in 0..self.bodies.len() {
             let balls: Vec<_> = self
@@ -81,6 +75,6 @@ impl Equilibrium {
                 }
             }
         }
-        NutLife { revolutions: 1e6 * damage.powf(-0.9) }
+        1e6 * damage.powf(-0.9)
     }
 }

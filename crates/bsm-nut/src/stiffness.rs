@@ -40,10 +40,7 @@ impl BallNut {
                 0.5 * (offset(0) - offset(1)).abs()
             }
             // δ_p = 2Δr/(sinβ₀ cosα)
-            Preload::Oversize => {
-                let inclined = self.contact_angle.sin() * self.helix.lead_angle.cos();
-                2.0 * self.errors.oversize / inclined
-            }
+            Preload::Oversize => 2.0 * self.errors.oversize / self.inclination(),
         }
     }
 }

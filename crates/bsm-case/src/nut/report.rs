@@ -3,13 +3,13 @@
 use std::cell::OnceCell;
 
 use bsm_design::{Duty, in_series, life};
-use bsm_dyn::ModelWorkspace;
+use bsm_dyn::{Hertz, ModelWorkspace};
 use bsm_nut::{
     BallInGrooves, BallNut, Equilibrium, Freedom, NutError, NutFriction, Preload, Support,
 };
 use serde_json::{Map, Value, json};
 
-use super::problem::{Made, NutProblem, Set};
+use super::problem::{Made, NutProblem, Set, count};
 use crate::quantity::{Whole, quantities};
 use crate::reader::in_grooves;
 use crate::record::MARKS_ABOVE;
@@ -131,10 +131,10 @@ const READ: [Read; QUANTITIES.len()] = [
         Some(s.made.found.preload(&s.made.nut, *by))
     }),
     (limit_load_N, |p, s| limit_load(p, &s.made)),
-    (life_revolutions, |p, s| lasting(s.made.found.life(&s.made.nut, &p.ratings).revolutions)),
+    (life_revolutions, |p, s| lasting(s.made.found.life(&s.made.nut, &p.ratings))),
     (iso_life_revolutions, |p, s| iso_life(p, s)),
     (life_ratio, |p, s| {
-        let ours = lasting(s.made.found.life(&s.made.nut, &p.ratings).revolutions)?;
+        let ours = lasting(s.made.found.life(&s.made.nut, &p.ratings))?;
         Some(ours / iso_life(p, s)?)
     }),
     (static_safety, |p, s| {
@@ -161,30 +161,22 @@ pub(super) fn numbers(
     numbers
 }
 
-/// A small number as a number.
-#[expect(clippy::cast_precision_loss, reason = "numbers of balls")]
-fn count(n: usize) -> f64 {
-    n as f64
-}
-
 /// A life, a safety or a rating, which nothing makes zero.
 fn lasting(value: f64) -> Option<f64> {
     (value > 0.0 && value.is_finite()).then_some(value)
 }
 
 /// Largest pressure of a ball \[Pa\].
-fn pressure(nut: &BallNut, ball: &BallInGrooves) -> Option<f64> {
-    let [at_nut, at_screw] = nut.hertz().ok()?;
+///
+/// * `hertz`: contacts of its nut.
+fn pressure([at_nut, at_screw]: &[Hertz; 2], ball: &BallInGrooves) -> f64 {
     let [a, b, c, d] = ball.loads;
-    Some(at_nut.max_pressure(a.max(b)).max(at_screw.max_pressure(c.max(d))))
+    at_nut.max_pressure(a.max(b)).max(at_screw.max_pressure(c.max(d)))
 }
 
 fn max_pressure(made: &Made) -> Option<f64> {
-    made.found
-        .balls
-        .iter()
-        .map(|ball| pressure(&made.nut, ball))
-        .try_fold(0.0, |most, p| Some(f64::max(most, p?)))
+    let hertz = made.nut.hertz().ok()?;
+    Some(made.found.balls.iter().map(|ball| pressure(&hertz, ball)).fold(0.0, f64::max))
 }
 
 /// The bound holds for a guided nut of one body on one flank.
@@ -192,8 +184,7 @@ fn load_bound(problem: &NutProblem, made: &Made) -> Option<f64> {
     let axial = problem.axial();
     let guided = problem.support == Support::guided(axial);
     let one_side = made.preload.is_none() && made.nut.ring.is_none() && made.nut.precession == 0.0;
-    let loaded_on_one = |ball: &BallInGrooves| (ball.loads[0] > 0.0) != (ball.loads[1] > 0.0);
-    let one_flank = made.found.balls.iter().all(|b| b.max_load() <= 0.0 || loaded_on_one(b));
+    let one_flank = made.found.balls.iter().all(|ball| ball.flanks_pressed() != [true, true]);
     (guided && one_side && one_flank && axial != 0.0).then(|| made.nut.load_bound(axial).ok())?
 }
 
@@ -393,7 +384,7 @@ impl NutReport {
     /// Values of [`BALL_COLUMNS`], a row a ball; NaN where there is none.
     pub fn balls(&self) -> Vec<[f64; 15]> {
         let Made { nut, found, .. } = &self.state.made;
-        let friction = self.state.friction(&self.problem);
+        let (friction, hertz) = (self.state.friction(&self.problem), nut.hertz());
         let row = |(number, (place, ball)): (usize, (&bsm_nut::Place, &BallInGrooves))| {
             let angle =
                 |c: usize| if ball.loads[c] > 0.0 { ball.angles[c] / DEG } else { f64::NAN };
@@ -411,7 +402,7 @@ impl NutReport {
                 angle(1),
                 angle(2),
                 angle(3),
-                pressure(nut, ball).unwrap_or(f64::NAN) / MPA,
+                hertz.as_ref().map_or(f64::NAN, |hertz| pressure(hertz, ball)) / MPA,
                 -found.grooves[number][1] / UM,
                 torque.unwrap_or(f64::NAN),
             ]
