@@ -12,8 +12,8 @@ use crate::{ElasticScrew, Reason};
 pub struct PressedBall<D = f64> {
     /// Distance of the groove-arc centres at first touch `$l_{A0} + l_{B0}$` \[m\].
     pub distance: D,
-    /// Unloaded contact angle `$\beta_0$` \[rad\].
-    pub contact_angle: D,
+    /// Sine and cosine of the unloaded contact angle `$\beta_0$`.
+    pub unloaded: [D; 2],
     /// Hertz stiffness of both contacts in series `$K$` \[N/m^1.5\].
     pub stiffness: D,
 }
@@ -23,7 +23,7 @@ pub struct PressedBall<D = f64> {
 pub struct Pressing<D = f64> {
     /// Normal load at both contacts \[N\]; zero if the ball is loose.
     pub load: D,
-    /// Contact angle at both contacts \[rad\].
+    /// Contact angle at both contacts \[rad\]; zero if the ball is loose.
     pub angle: D,
     /// Elastic energy `$V$` \[J\].
     pub energy: D,
@@ -44,7 +44,8 @@ impl<D: Scalar> ElasticScrew<D> {
         let [l_a, l_b] = self.grooves().map(|groove| groove.offset(self.ball.radius));
         // K^(−2/3) = K_A^(−2/3) + K_B^(−2/3)                              (J11)
         let stiffness = (nut + screw).powf(-1.5);
-        Ok(PressedBall { distance: l_a + l_b, contact_angle: self.contact_angle, stiffness })
+        let (sin, cos) = self.contact_angle.sin_cos();
+        Ok(PressedBall { distance: l_a + l_b, unloaded: [sin, cos], stiffness })
     }
 }
 
@@ -57,7 +58,7 @@ impl<D: Scalar> PressedBall<D> {
     ///
     /// Assumes: no inertia, and no contact at the other flanks of the gothic arches.
     pub fn at(&self, [along_b, along_n]: [D; 2], oversize: D) -> Pressing<D> {
-        let (sin, cos) = self.contact_angle.sin_cos();
+        let [sin, cos] = self.unloaded;
         let (l, zero) = (self.distance, D::from(0.0));
         // G = (l_A0 + l_B0)(sinβ₀, cosβ₀) + w                             (J10)
         let (g_b, g_n) = (l * sin + along_b, l * cos + along_n);
@@ -65,10 +66,9 @@ impl<D: Scalar> PressedBall<D> {
         // |G| − (l_A0 + l_B0) + 2 Δr, without their difference            (J10)
         let moved = (sin * along_b + cos * along_n) * l * 2.0 + along_b.square() + along_n.square();
         let approach = moved / (length + l) + oversize * 2.0;
-        let angle = g_b.atan2(g_n);
         if approach.re() <= 0.0 {
             let (force, slope) = ([zero; 2], [[zero; 2]; 2]);
-            return Pressing { load: zero, angle, energy: zero, force, slope };
+            return Pressing { load: zero, angle: zero, energy: zero, force, slope };
         }
         let root = approach.sqrt();
         // Q = K (|G| − L)^(3/2),  V = ⅖ K (|G| − L)^(5/2)                 (J11)
@@ -85,7 +85,7 @@ impl<D: Scalar> PressedBall<D> {
             along * both + turning * (-both + unit)
         };
         let slope = [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]];
-        Pressing { load, angle, energy, force, slope }
+        Pressing { load, angle: g_b.atan2(g_n), energy, force, slope }
     }
 }
 
@@ -110,7 +110,7 @@ impl PressedBall {
         // F_a = Q m_b cosα,  w = (u cosα, 0);  F_a^(2/3) is nearly straight in u  (J14)
         let carried = |ball: &Pressing| ball.force[0] * cos_a;
         let mut u = (axial / self.stiffness).cbrt().powi(2)
-            / (self.contact_angle.sin() * cos_a).powf(5.0 / 3.0);
+            / (self.unloaded[0] * cos_a).powf(5.0 / 3.0);
         for _ in 0..MOST_STEPS {
             let ball = at(u);
             let (force, slope) = (carried(&ball), ball.slope[0][0] * cos_a * cos_a);
@@ -214,7 +214,7 @@ mod tests {
             let lift = |x: f64| Jet::<2>::from(x);
             let jets = PressedBall {
                 distance: lift(ball.distance),
-                contact_angle: lift(ball.contact_angle),
+                unloaded: ball.unloaded.map(lift),
                 stiffness: lift(ball.stiffness),
             };
             let w = [Jet::variable(along_b, 0), Jet::variable(along_n, 1)];

@@ -25,7 +25,7 @@ mod system;
 pub use bracket::{Bracket, Found, Root, Sample};
 pub use error::{DimensionError, EvalError, NotConverged, Singular};
 pub use implicit::implicit_slopes;
-pub use linear::{Bordered, Dense, DynamicDense, LinearSolver};
+pub use linear::{Block, Bordered, Dense, DynamicDense, LinearSolver};
 pub use options::{Options, Scales};
 pub use path::{Crossing, End, Family, Resolution, Seed, Stride, Trace, path_direction, trace};
 pub use report::{Report, Status, Step};

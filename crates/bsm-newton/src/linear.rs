@@ -6,7 +6,7 @@ mod dynamic;
 
 use crate::Singular;
 
-pub use bordered::Bordered;
+pub use bordered::{Block, Bordered};
 pub use dense::Dense;
 pub use dynamic::DynamicDense;
 

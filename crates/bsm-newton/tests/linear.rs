@@ -86,18 +86,51 @@ fn a_ring_is_a_chain_with_a_border() {
     const N: usize = 9;
     let mut ring = Bordered::<1>::new(N, 1);
     for i in 0..=N {
-        ring.add(i, i, if i == N { 1e30 } else { 2.0 });
+        ring.add(i, i, 2.0);
         let next = (i + 1) % (N + 1);
         ring.add(i, next, -1.0);
         ring.add(next, i, -1.0);
     }
+    ring.fix(N);
     assert_eq!(ring.factorize(), Ok(()));
-    let mut x = vec![1.0; N + 1];
+    let mut x = vec![1.0; N];
+    x.push(0.0);
     ring.solve(&mut x);
     for (i, x) in x[..N].iter().enumerate() {
         let place = f64::from(u32::try_from(i + 1).expect("small"));
         // Ten roundings of numbers up to 12.5.
         assert!((x - 0.5 * place * (10.0 - place)).abs() <= 1e-13, "{i}: {x}");
+    }
+}
+
+/// A matrix with fixed unknowns is the one that is filled without them.
+#[test]
+fn fixed_unknowns_stay_as_they_are() {
+    let (count, border, fixed) = (6, 3, [0, 5, 6, 11, 13]);
+    let [mut all, mut without] = [0, 1].map(|_| Bordered::<2>::new(count, border));
+    for (i, j, value) in entries::<2>(count, border, 9) {
+        all.add(i, j, value);
+        if !fixed.contains(&i) && !fixed.contains(&j) {
+            without.add(i, j, value);
+        }
+    }
+    for i in fixed {
+        all.fix(i);
+        without.add(i, i, 1.0);
+    }
+    let mut draw = Draw(11);
+    let rhs: Vec<f64> = (0..2 * count + border).map(|_| draw.next()).collect();
+    let [x, y] = [&mut all, &mut without].map(|matrix| {
+        assert_eq!(matrix.factorize(), Ok(()));
+        let mut x = rhs.clone();
+        matrix.solve(&mut x);
+        x
+    });
+    // The same numbers, bit by bit.
+    assert_eq!(x, y);
+    for i in fixed {
+        // A unit row, through sums of zeros.
+        assert!((x[i] - rhs[i]).abs() <= 1e-15, "{i}");
     }
 }
 

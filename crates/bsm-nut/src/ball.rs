@@ -13,12 +13,12 @@ use crate::Flanks;
 pub struct FourContacts {
     /// Distance from groove-arc centre to ball centre at first touch, of nut and screw \[m\].
     pub offsets: [f64; 2],
-    /// Unloaded contact angle `$\beta_0$` \[rad\].
-    pub contact_angle: f64,
     /// Hertz stiffness of a contact at nut and screw \[N/m^1.5\].
     pub stiffness: [f64; 2],
     /// Both contacts of a diagonal in series.
     pub series: PressedBall,
+    /// Part of the nut's contact in the approach of both.
+    pub nut_share: f64,
     /// Force on the ball away from the axis \[N\]: the centrifugal one.
     pub outward: f64,
 }
@@ -72,22 +72,22 @@ impl FourContacts {
     /// The energy is convex in `w`. `None` if the place of the ball is not found.
     pub fn at(&self, w: [f64; 2], oversize: f64, flanks: Flanks) -> Option<BallInGrooves> {
         let diagonals = flanks.diagonals();
-        let single: [Option<Pressing>; 2] =
-            from_fn(|i| diagonals[i].then(|| self.series.at([SIGNS[i] * w[0], w[1]], oversize)));
-        let loaded: Vec<usize> =
-            (0..2).filter(|&i| single[i].is_some_and(|ball| ball.load > 0.0)).collect();
+        let alone = |i: usize| -> Option<(usize, Pressing)> {
+            let ball = self.series.at([SIGNS[i] * w[0], w[1]], oversize);
+            (diagonals[i] && ball.load > 0.0).then_some((i, ball))
+        };
+        let alone = alone(0).or_else(|| alone(1));
         if self.outward == 0.0 {
-            let &[first, ..] = &loaded[..] else { return Some(BallInGrooves::LOOSE) };
-            let ball = single[first]?;
+            let Some((first, ball)) = alone else { return Some(BallInGrooves::LOOSE) };
             let place = self.place(first, &ball, w, oversize);
             let others = [1 - first, 3 - first];
             let free = !diagonals[1 - first]
-                || others.iter().all(|&c| self.contact(c, w, place, oversize).approach <= 0.0);
+                || others.iter().all(|&c| self.reach(c, w, place, oversize).approach <= 0.0);
             if free {
                 return Some(on_one_diagonal(first, &ball));
             }
         }
-        let pressed = loaded.first().and_then(|&i| Some(self.place(i, &single[i]?, w, oversize)));
+        let pressed = alone.map(|(i, ball)| self.place(i, &ball, w, oversize));
         let starts = [Some(self.thrown_out(w, oversize, flanks)), pressed];
         self.settle(w, starts, oversize, flanks)
     }
@@ -95,16 +95,17 @@ impl FourContacts {
     /// Where the ball of one diagonal lies: from the nut's arc centre back along the contact normal.
     fn place(&self, diagonal: usize, ball: &Pressing, w: [f64; 2], oversize: f64) -> [f64; 2] {
         let arc = self.arc_centre(diagonal);
-        let approach = (ball.load / self.stiffness[0]).powf(2.0 / 3.0);
+        // V = ⅖ Q δ, and δ_A is its part of the approach of both contacts
+        let approach = self.nut_share * ball.energy / (0.4 * ball.load);
         let back = self.offsets[0] - oversize + approach;
-        let m = [SIGNS[diagonal] * ball.angle.sin(), ball.angle.cos()];
+        let m = [SIGNS[diagonal] * ball.force[0] / ball.load, ball.force[1] / ball.load];
         from_fn(|i| arc[i] + w[i] - back * m[i])
     }
 
     /// Where a loose ball lies in the groove of the nut, into which the centrifugal force presses it: on
     /// both flanks, or at the bottom of the only one.
     fn thrown_out(&self, w: [f64; 2], oversize: f64, flanks: Flanks) -> [f64; 2] {
-        let (sin, cos) = self.contact_angle.sin_cos();
+        let [sin, cos] = self.series.unloaded;
         let l = self.offsets[0];
         let share = if flanks == Flanks::Both { 0.5 / cos } else { 1.0 };
         let away = l - oversize + (share * self.outward / self.stiffness[0]).powf(2.0 / 3.0);
@@ -120,25 +121,31 @@ impl FourContacts {
 
     /// Groove-arc centre of a contact before the displacement.
     fn arc_centre(&self, contact: usize) -> [f64; 2] {
-        let (sin, cos) = self.contact_angle.sin_cos();
+        let [sin, cos] = self.series.unloaded;
         // N± = l_A0 (±sinβ₀, cosβ₀) + w,  S± = −l_B0 (±sinβ₀, cosβ₀)      (U8)
         let signed = self.offsets[contact / 2] * SIGNS[contact / 2];
         [signed * SIGNS[contact % 2] * sin, signed * cos]
     }
 
-    /// A contact of the ball at `x`, the grooves displaced by `w`.
-    fn contact(&self, contact: usize, w: [f64; 2], x: [f64; 2], oversize: f64) -> Touching {
+    /// From the ball at `x` to the arc centre of a contact, the grooves displaced by `w`.
+    fn reach(&self, contact: usize, w: [f64; 2], x: [f64; 2], oversize: f64) -> Reach {
         let (l, arc) = (self.offsets[contact / 2], self.arc_centre(contact));
         let moved: [f64; 2] = from_fn(|i| if contact < 2 { w[i] - x[i] } else { -x[i] });
         let v: [f64; 2] = from_fn(|i| arc[i] + moved[i]);
-        let length = v[0].hypot(v[1]);
+        let length = dot(v, v).sqrt();
         // l − l_c0 = (2 C·D + D·D)/(l + l_c0),  δ = l − l_c0 + Δr         (U8)
         let approach = dot([2.0 * arc[0] + moved[0], 2.0 * arc[1] + moved[1]], moved)
             / (length + l)
             + oversize;
+        Reach { approach, length, v }
+    }
+
+    /// A contact of the ball at `x`, the grooves displaced by `w`.
+    fn contact(&self, contact: usize, w: [f64; 2], x: [f64; 2], oversize: f64) -> Touching {
+        let Reach { approach, length, v } = self.reach(contact, w, x, oversize);
         let m = v.map(|v| v / length);
         if approach <= 0.0 {
-            return Touching { approach, load: 0.0, energy: 0.0, m, slope: [[0.0; 2]; 2] };
+            return Touching { load: 0.0, energy: 0.0, m, slope: [[0.0; 2]; 2] };
         }
         let root = approach.sqrt();
         // Q = K δ^(3/2),  V = ⅖ K δ^(5/2)                                 (U9)
@@ -149,7 +156,7 @@ impl FourContacts {
             (along - turning) * m[i] * m[k] + if i == k { turning } else { 0.0 }
         };
         let slope = from_fn(|i| from_fn(|k| entry(i, k)));
-        Touching { approach, load, energy: 0.4 * load * approach, m, slope }
+        Touching { load, energy: 0.4 * load * approach, m, slope }
     }
 
     /// The ball of least energy among all its places, from the better of two starts (U10).
@@ -227,10 +234,17 @@ fn inverse2(a: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
     })
 }
 
+/// How far an arc centre is from the ball.
+struct Reach {
+    /// Negative where there is a gap \[m\].
+    approach: f64,
+    length: f64,
+    v: [f64; 2],
+}
+
 /// One contact at a place of the ball.
 #[derive(Debug, Clone, Copy)]
 struct Touching {
-    approach: f64,
     load: f64,
     energy: f64,
     /// From the ball to the groove-arc centre.
@@ -318,7 +332,7 @@ fn times(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
 }
 
 /// A ball that only one diagonal presses: the closed form, mirrored for the flanks −.
-pub(crate) fn on_one_diagonal(diagonal: usize, ball: &Pressing) -> BallInGrooves {
+fn on_one_diagonal(diagonal: usize, ball: &Pressing) -> BallInGrooves {
     let sign = SIGNS[diagonal];
     let mut found = BallInGrooves::LOOSE;
     for contact in [diagonal, 2 + diagonal] {

@@ -1,6 +1,6 @@
 //! Nut and screw as elastic bodies: bars along the axis, and rings that widen.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U13) and (U14).
+//! Theory: `docs/theory/16-nut.md`, equations (U13), (U14) and (U28).
 
 use std::f64::consts::PI;
 
@@ -36,10 +36,22 @@ impl BallNut {
     }
 
     /// Young's modulus times cross section of the screw \[N\]: a shaft as thick as its groove is deep.
-    pub fn screw_stiffness(&self) -> f64 {
+    ///
+    /// * `twists`: the screw is held against rotation at its anchor too, so that the torque of each ball twists
+    ///   it, which moves its groove along the axis.
+    pub fn screw_stiffness(&self, twists: bool) -> f64 {
         let [screw, _] = self.groove_diameters();
+        let steel = self.material.0;
         // EA = E π/4 D_s²                                                 (U13)
-        self.material.0.youngs_modulus * 0.25 * PI * screw * screw
+        let axial = steel.youngs_modulus * 0.25 * PI * screw * screw;
+        if !twists {
+            return axial;
+        }
+        let per_radian = self.helix.lead() / std::f64::consts::TAU;
+        // G = E/(2 (1 + ν)),  J = π/32 D_s⁴,  1/EA + h²/GJ                (U28)
+        let shear = 0.5 * steel.youngs_modulus / (1.0 + steel.poisson_ratio);
+        let torsional = shear * PI / 32.0 * screw.powi(4);
+        (axial.recip() + per_radian * per_radian / torsional).recip()
     }
 
     /// Young's modulus times cross section \[N\] of a nut of this outer diameter \[m\]: a tube to its groove.
@@ -61,29 +73,25 @@ impl Ring {
     }
 }
 
-/// A spring of a chain: between a node and the next one, or between a node and the anchor.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Spring {
-    Between(usize, f64),
-    Held(usize, f64),
-}
+/// A node, the next one or the anchor, and the stiffness between them \[N/m\].
+type BarSpring = (usize, Option<usize>, f64);
 
 impl Bar {
-    /// The springs between places in ascending order, and the node at the anchor, if there is one.
-    pub(crate) fn springs(&self, nodes: &[f64]) -> (Vec<Spring>, Option<usize>) {
+    /// The springs between places in ascending order, each from a node to another one or to the anchor, with
+    /// its stiffness; and the node at the anchor, if there is one.
+    pub(crate) fn springs(&self, nodes: &[f64]) -> (Vec<BarSpring>, Option<usize>) {
         let mut springs = Vec::new();
         // Places nearer than this are one: rounding of the helix angle.
         let near = 1e-12 * nodes.iter().fold(self.anchor.abs(), |most, z| most.max(z.abs()));
         let at = nodes.iter().position(|z| (z - self.anchor).abs() <= near);
-        let held =
-            |node: usize| Spring::Held(node, self.stiffness / (nodes[node] - self.anchor).abs());
+        let held = |node: usize| (node, None, self.stiffness / (nodes[node] - self.anchor).abs());
         // E_chain = ½ Σ EA/Δz (n_(i+1) − n_i)²,  n(z_F) = 0               (U13)
         for i in 0..nodes.len().saturating_sub(1) {
             let split = at.is_none() && nodes[i] < self.anchor && self.anchor < nodes[i + 1];
             if split {
                 springs.extend([held(i), held(i + 1)]);
             } else {
-                springs.push(Spring::Between(i, self.stiffness / (nodes[i + 1] - nodes[i])));
+                springs.push((i, Some(i + 1), self.stiffness / (nodes[i + 1] - nodes[i])));
             }
         }
         if let (None, Some(first), Some(last)) = (at, nodes.first(), nodes.last()) {

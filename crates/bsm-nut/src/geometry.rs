@@ -199,12 +199,14 @@ impl BallNut {
     ///
     /// [`Reason::CurvaturesNotHertzian`].
     pub fn ball_in_grooves(&self) -> Result<FourContacts, Reason> {
-        let screw = self.equal_share(1.0);
+        let series = self.equal_share(1.0).pressed_ball()?;
+        let stiffness = self.hertz()?.map(|hertz| hertz.stiffness());
         Ok(FourContacts {
             offsets: self.offsets(),
-            contact_angle: self.contact_angle,
-            stiffness: screw.hertz()?.map(|hertz| hertz.stiffness()),
-            series: screw.pressed_ball()?,
+            stiffness,
+            series,
+            // δ_A/(δ_A + δ_B) = (K/K_A)^(2/3) at one load
+            nut_share: (series.stiffness / stiffness[0]).powf(2.0 / 3.0),
             // F_c = m r_m P²                                              (U9)
             outward: self.ball.mass * self.helix.radius * self.precession * self.precession,
         })

@@ -6,6 +6,7 @@
 //! A [`BallNut`] is geometry: circuits of balls on the helix, the bodies that strain, and the errors of
 //! making. [`BallNut::solve`] finds how it carries a [`Support`]: the load, and what the guides hold.
 
+mod assembly;
 mod ball;
 mod bodies;
 mod equilibrium;
@@ -13,6 +14,7 @@ mod friction;
 mod geometry;
 mod life;
 mod preload;
+mod search;
 mod sharing;
 mod stiffness;
 

@@ -1,6 +1,8 @@
 //! A nut whose balls share the load equally.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U26) to (U28).
+//! Theory: `docs/theory/16-nut.md`, equations (U26) and (U27).
+
+use bsm_dyn::PressedBall;
 
 use crate::geometry::count;
 use crate::{BallNut, Bar, Circuit, Errors, Freedom, NutError, Place, Support};
@@ -26,11 +28,15 @@ impl BallNut {
     ///
     /// [`NutError::Contact`], [`NutError::NoBalls`], [`NutError::NothingCarries`].
     pub fn equal(&self, axial: f64) -> Result<Equal, NutError> {
-        let balls = count(self.balls());
-        if balls == 0.0 {
+        if self.balls() == 0 {
             return Err(NutError::NoBalls);
         }
-        let ball = self.ball_in_grooves().map_err(NutError::Contact)?.series;
+        self.equal_of(&self.ball_in_grooves().map_err(NutError::Contact)?.series, axial)
+    }
+
+    /// The same with a ball that is known.
+    pub(crate) fn equal_of(&self, ball: &PressedBall, axial: f64) -> Result<Equal, NutError> {
+        let balls = count(self.balls());
         let alpha = self.helix.lead_angle;
         // Z Q m_b cosα = F                                                (U26)
         let (displacement, pressing) = ball

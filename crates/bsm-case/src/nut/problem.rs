@@ -529,7 +529,7 @@ fn bodies(scene: &Scene, mut nut: BallNut, body: &Body) -> Result<BallNut, CaseE
     nut.nut_bar =
         bar(scene, ("nut", bars.nut), (keys, "nut_anchor", words.nut_anchor), made, ends)?;
     let keys = [K::screw_EA_N, K::screw_anchor_z_mm];
-    let made = nut.screw_stiffness();
+    let made = nut.screw_stiffness(false);
     nut.screw_bar =
         bar(scene, ("screw", bars.screw), (keys, "screw_anchor", words.screw_anchor), made, ends)?;
     let youngs_modulus = nut.material.0.youngs_modulus;

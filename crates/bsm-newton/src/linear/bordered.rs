@@ -37,6 +37,16 @@ pub struct Bordered<const K: usize> {
     schur: DynamicDense,
 }
 
+/// Entries of a [`Bordered`] matrix that belong to one block.
+pub struct Block<'a, const K: usize> {
+    /// The block, row by row.
+    pub rows: &'a mut [[f64; K]; K],
+    /// For each unknown of the border, its column in the equations of the block.
+    pub right: &'a mut [[f64; K]],
+    /// For each equation of the border, its row in the unknowns of the block.
+    pub bottom: &'a mut [[f64; K]],
+}
+
 impl<const K: usize> Bordered<K> {
     /// A matrix of zeros with so many blocks and unknowns of the border.
     pub fn new(count: usize, border: usize) -> Self {
@@ -93,6 +103,47 @@ impl<const K: usize> Bordered<K> {
             (false, false) => &mut self.corner[place(row) * border + place(column)],
         };
         *entry += value;
+    }
+
+    /// A block of the diagonal by rows, the columns that couple it to the unknowns of the border, and the rows
+    /// that couple the equations of the border to it: to add to many of its entries.
+    pub fn block_mut(&mut self, i: usize) -> Block<'_, K> {
+        let of_border = i * self.border..(i + 1) * self.border;
+        Block {
+            rows: self.diagonal[i].rows_mut(),
+            right: &mut self.right[of_border.clone()],
+            bottom: &mut self.bottom[of_border],
+        }
+    }
+
+    /// Leaves an unknown as it is: its row and column become those of the unit matrix.
+    pub fn fix(&mut self, unknown: usize) {
+        let (count, border) = (self.diagonal.len(), self.border);
+        if let Some(place) = unknown.checked_sub(K * count) {
+            for columns in [&mut self.right, &mut self.bottom] {
+                columns.iter_mut().skip(place).step_by(border).for_each(|c| *c = [0.0; K]);
+            }
+            for other in 0..border {
+                self.corner[place * border + other] = 0.0;
+                self.corner[other * border + place] = 0.0;
+            }
+            self.corner[place * border + place] = 1.0;
+            return;
+        }
+        let (i, k) = (unknown / K, unknown % K);
+        // Couplings to the next block and from the one before, and the other way round
+        if let (Some(above), Some(below)) = (self.above.get_mut(i), self.below.get_mut(i)) {
+            above.iter_mut().for_each(|column| column[k] = 0.0);
+            below.iter_mut().for_each(|row| row[k] = 0.0);
+        }
+        if let Some(before) = i.checked_sub(1) {
+            self.above[before][k] = [0.0; K];
+            self.below[before][k] = [0.0; K];
+        }
+        let Block { rows, right, bottom } = self.block_mut(i);
+        right.iter_mut().chain(bottom).for_each(|c| c[k] = 0.0);
+        rows.iter_mut().for_each(|row| row[k] = 0.0);
+        rows[k] = from_fn(|j| if j == k { 1.0 } else { 0.0 });
     }
 
     /// After the factorization, the matrix of the border alone, row by row, with the chain eliminated:

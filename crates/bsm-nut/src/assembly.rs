@@ -1,0 +1,433 @@
+//! The balance of a nut as a problem of its unknowns: energy, forces and their slopes.
+//!
+//! Theory: `docs/theory/16-nut.md`, equations (U2) to (U5) and (U15) to (U17).
+
+use std::array::from_fn;
+
+use bsm_newton::{Bordered, DynamicDense, LinearSolver};
+
+use crate::ball::{BallInGrooves, FourContacts};
+use crate::equilibrium::{FREEDOMS, Freedom, NutError, Support};
+use crate::geometry::{BallNut, Place, count};
+
+/// A ball with what does not change in the iteration.
+struct Seat {
+    place: Place,
+    /// Displacement of the groove by errors \[m\], excess of the radius \[m\].
+    error: ([f64; 2], f64),
+    /// From the reference to the ball, across the axis and along it \[m\].
+    arm: [f64; 3],
+    /// Displacement of the groove by each freedom of the nut (U4).
+    by_the_nut: [[f64; 2]; FREEDOMS],
+    /// Its section of the chain; none if both bodies are rigid.
+    node: Option<usize>,
+    /// The unknown that is the widening of its ring; none if the nut is rigid.
+    ring: Option<usize>,
+}
+
+/// A linear spring between two unknowns, or between one and what stands still.
+struct Spring {
+    ends: (usize, Option<usize>),
+    stiffness: f64,
+}
+
+/// Whose stiffness is put into the matrix.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Of {
+    /// Of all that moves in a Newton step: what the guides hold is left out.
+    Step = 0,
+    /// Of the nut itself: nothing of its guides.
+    Nut = 1,
+}
+
+/// The problem of (U15): its unknowns are nut and screw at each section, block by block, then the freedoms
+/// of the nut and the widening of each ring.
+pub(crate) struct Assembly<'a> {
+    pub(crate) nut: &'a BallNut,
+    support: Support,
+    ball: FourContacts,
+    seats: Vec<Seat>,
+    nodes: usize,
+    /// `$\cos\alpha$`: along the binormal for a displacement along the axis.
+    along: f64,
+    /// Of bars and rings.
+    bodies: Vec<Spring>,
+    guides: Vec<Spring>,
+    rings: usize,
+    /// Unknowns that stand still, for each of [`Of`].
+    held: [Vec<bool>; 2],
+    pub(crate) matrix: Bordered<2>,
+}
+
+/// Energy, forces and balls of a set of unknowns.
+pub(crate) struct State {
+    pub(crate) energy: f64,
+    /// Size of the energies that it is the sum of.
+    pub(crate) energies: f64,
+    pub(crate) residual: Vec<f64>,
+    /// Sum of the sizes of all forces \[N\].
+    pub(crate) forces: f64,
+    pub(crate) balls: Vec<BallInGrooves>,
+    pub(crate) grooves: Vec<[f64; 2]>,
+}
+
+impl<'a> Assembly<'a> {
+    pub(crate) fn of(nut: &'a BallNut, support: &Support) -> Result<Self, NutError> {
+        if nut.balls() == 0 {
+            return Err(NutError::NoBalls);
+        }
+        let ball = nut.ball_in_grooves().map_err(NutError::Contact)?;
+        let places = nut.places();
+        let bars = [nut.nut_bar, nut.screw_bar];
+        let mut nodes = Vec::new();
+        if bars.iter().any(Option::is_some) {
+            nodes.extend(places.iter().map(|place| place.z));
+            nodes.sort_by(f64::total_cmp);
+        }
+        let length = nodes.last().zip(nodes.first()).map_or(0.0, |(last, first)| last - first);
+        // Threads may have balls at one place.
+        nodes.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * length);
+        let first = 2 * nodes.len();
+        let (mut bodies, mut guides) = (Vec::new(), Vec::new());
+        let mut held = vec![false; first];
+        for (body, bar) in bars.iter().enumerate() {
+            let Some(bar) = bar else {
+                held.iter_mut().skip(body).step_by(2).for_each(|held| *held = true);
+                continue;
+            };
+            let (springs, at) = bar.springs(&nodes);
+            let unknown = |node: usize| 2 * node + body;
+            bodies.extend(springs.into_iter().map(|(node, next, stiffness)| Spring {
+                ends: (unknown(node), next.map(unknown)),
+                stiffness,
+            }));
+            if let Some(node) = at {
+                held[unknown(node)] = true;
+            }
+        }
+        let rings = nut.ring.map_or_else(Vec::new, |ring| {
+            nut.circuits.iter().map(|circuit| ring.stiffness(nut, circuit)).collect()
+        });
+        bodies.extend(
+            (first + FREEDOMS..)
+                .zip(&rings)
+                .map(|(ring, stiffness)| Spring { ends: (ring, None), stiffness: *stiffness }),
+        );
+        held.resize(first + FREEDOMS + rings.len(), false);
+        let of_the_nut = held.clone();
+        for (freedom, i) in support.0.iter().zip(first..) {
+            held[i] = matches!(freedom, Freedom::Held(_));
+            if freedom.spring() > 0.0 {
+                guides.push(Spring { ends: (i, None), stiffness: freedom.spring() });
+            }
+        }
+        let reference = nut.middle();
+        let seat = |(number, place): (usize, Place)| {
+            let node = nodes.partition_point(|z| *z < place.z - 1e-9 * length);
+            let ring = first + FREEDOMS + place.circuit;
+            let (sin, cos) = place.theta.sin_cos();
+            let radius = nut.helix.radius;
+            let arm = [radius * cos, radius * sin, place.z - reference];
+            Seat {
+                place,
+                error: nut.error_at(number, &place),
+                arm,
+                by_the_nut: kinematics([sin, cos], nut.helix.lead_angle, arm),
+                node: (!nodes.is_empty()).then_some(node),
+                ring: (!rings.is_empty()).then_some(ring),
+            }
+        };
+        Ok(Self {
+            ball,
+            seats: places.into_iter().enumerate().map(seat).collect(),
+            matrix: Bordered::new(nodes.len(), FREEDOMS + rings.len()),
+            nodes: nodes.len(),
+            along: nut.helix.lead_angle.cos(),
+            nut,
+            support: *support,
+            bodies,
+            guides,
+            rings: rings.len(),
+            held: [held, of_the_nut],
+        })
+    }
+
+    /// Place of the first freedom among the unknowns.
+    pub(crate) fn freedoms(&self) -> usize {
+        2 * self.nodes
+    }
+
+    /// The nut as if all balls shared the load equally, unless its place along the axis is given, or where a
+    /// neighbour is.
+    pub(crate) fn start(&self, neighbour: Option<&[f64; FREEDOMS]>) -> Vec<f64> {
+        let first = self.freedoms();
+        let mut y = vec![0.0; self.held[0].len()];
+        for (i, freedom) in self.support.0.iter().enumerate() {
+            y[first + i] = match (freedom, neighbour) {
+                (Freedom::Held(displacement), _) => *displacement,
+                (_, Some(neighbour)) => neighbour[i],
+                (_, None) => 0.0,
+            };
+        }
+        let load = self.support.0[0].load();
+        if neighbour.is_none() && !self.held[0][first] && load != 0.0 {
+            let equal = self.nut.equal_of(&self.ball.series, load);
+            y[first] = equal.map_or(0.0, |equal| equal.displacement);
+        }
+        y
+    }
+
+    /// The state at `y`; `None` where a ball finds no place.
+    pub(crate) fn state(&self, y: &[f64]) -> Option<State> {
+        let first = self.freedoms();
+        let mut state = State {
+            energy: 0.0,
+            energies: 0.0,
+            residual: vec![0.0; y.len()],
+            forces: 0.0,
+            balls: Vec::with_capacity(self.seats.len()),
+            grooves: Vec::with_capacity(self.seats.len()),
+        };
+        for seat in &self.seats {
+            let (mut w, excess) = seat.error;
+            for (q, by) in y[first..].iter().zip(seat.by_the_nut) {
+                w[0] += by[0] * q;
+                w[1] += by[1] * q;
+            }
+            // w_b += cosα (n_i − s_i),  w_n −= w_c                        (U5)
+            if let Some(node) = seat.node {
+                w[0] += self.along * (y[2 * node] - y[2 * node + 1]);
+            }
+            if let Some(ring) = seat.ring {
+                w[1] -= y[ring];
+            }
+            let flanks = self.nut.circuits[seat.place.circuit].flanks;
+            let ball = self.ball.at(w, excess, flanks)?;
+            state.energy += ball.energy;
+            state.energies += ball.energy.abs();
+            state.forces += ball.max_load();
+            // r = Σ A_jᵀ G_j + …                                          (U15)
+            for (r, by) in state.residual[first..].iter_mut().zip(seat.by_the_nut) {
+                *r += dot(by, ball.force);
+            }
+            if let Some(node) = seat.node {
+                state.residual[2 * node] += self.along * ball.force[0];
+                state.residual[2 * node + 1] -= self.along * ball.force[0];
+            }
+            if let Some(ring) = seat.ring {
+                state.residual[ring] -= ball.force[1];
+            }
+            state.balls.push(ball);
+            state.grooves.push(w);
+        }
+        for &Spring { ends: (i, other), stiffness } in self.bodies.iter().chain(&self.guides) {
+            let stretch = y[i] - other.map_or(0.0, |k| y[k]);
+            let energy = 0.5 * stiffness * stretch * stretch;
+            state.energy += energy;
+            state.energies += energy;
+            state.residual[i] += stiffness * stretch;
+            if let Some(k) = other {
+                state.residual[k] -= stiffness * stretch;
+            }
+        }
+        for (i, freedom) in self.support.0.iter().enumerate() {
+            let load = freedom.load();
+            state.energy -= load * y[first + i];
+            state.energies += (load * y[first + i]).abs();
+            state.residual[first + i] -= load;
+            // A moment as a force at the balls.
+            let arm = if i < 3 { 1.0 } else { self.nut.helix.radius };
+            state.forces += load.abs() / arm;
+        }
+        for (residual, held) in state.residual.iter_mut().zip(&self.held[0]) {
+            if *held {
+                *residual = 0.0;
+            }
+        }
+        Some(state)
+    }
+
+    /// Puts the slopes of the forces of a state into the matrix (U16).
+    pub(crate) fn linearize(&mut self, state: &State, of: Of) {
+        let (first, along) = (self.freedoms(), self.along);
+        let matrix = &mut self.matrix;
+        matrix.clear();
+        let mut of_the_nut = [[0.0; FREEDOMS]; FREEDOMS];
+        // H = K_q + Σ A_jᵀ V″ A_j                                         (U16)
+        for (seat, ball) in self.seats.iter().zip(&state.balls) {
+            let [[bb, bn], [_, nn]] = ball.slope;
+            let pulled = seat.by_the_nut.map(|by| [dot([bb, bn], by), dot([bn, nn], by)]);
+            for (row, pulled) in of_the_nut.iter_mut().zip(&pulled) {
+                for (entry, by) in row.iter_mut().zip(seat.by_the_nut) {
+                    *entry += dot(*pulled, by);
+                }
+            }
+            if let Some(node) = seat.node {
+                let block = matrix.block_mut(node);
+                let own = along * along * bb;
+                for (row, sign) in block.rows.iter_mut().zip([1.0, -1.0]) {
+                    row[0] += sign * own;
+                    row[1] -= sign * own;
+                }
+                let mut couple = |place: usize, coupling: f64| {
+                    for coupled in [&mut block.right[place], &mut block.bottom[place]] {
+                        coupled[0] += coupling;
+                        coupled[1] -= coupling;
+                    }
+                };
+                for (i, [b, _]) in pulled.iter().enumerate() {
+                    couple(i, along * b);
+                }
+                if let Some(ring) = seat.ring {
+                    couple(ring - first, -along * bn);
+                }
+            }
+            if let Some(ring) = seat.ring {
+                matrix.add(ring, ring, nn);
+                for (i, [_, n]) in pulled.iter().enumerate() {
+                    matrix.add(first + i, ring, -n);
+                    matrix.add(ring, first + i, -n);
+                }
+            }
+        }
+        for (i, row) in of_the_nut.iter().enumerate() {
+            for (k, entry) in row.iter().enumerate() {
+                matrix.add(first + i, first + k, *entry);
+            }
+        }
+        // What the guides do to the nut is no stiffness of the nut.
+        let guides = self.guides.iter().filter(|_| of == Of::Step);
+        for &Spring { ends: (i, other), stiffness } in self.bodies.iter().chain(guides) {
+            matrix.add(i, i, stiffness);
+            if let Some(k) = other {
+                matrix.add(k, k, stiffness);
+                matrix.add(i, k, -stiffness);
+                matrix.add(k, i, -stiffness);
+            }
+        }
+        for (i, _) in self.held[of as usize].iter().enumerate().filter(|(_, held)| **held) {
+            matrix.fix(i);
+        }
+    }
+
+    /// Adds a part of the stiffness that each unknown had if every ball carried its share.
+    pub(crate) fn damp(&mut self, state: &State, part: f64) {
+        let share = (state.forces / count(self.seats.len())).max(f64::MIN_POSITIVE);
+        let one = 1.5 * self.ball.series.stiffness.powf(2.0 / 3.0) * share.cbrt();
+        let mut usual = vec![one; self.held[0].len()];
+        let mut all = [0.0; FREEDOMS];
+        for seat in &self.seats {
+            for (all, by) in all.iter_mut().zip(seat.by_the_nut) {
+                *all += one * dot(by, by);
+            }
+        }
+        usual[2 * self.nodes..2 * self.nodes + FREEDOMS].copy_from_slice(&all);
+        for (i, (usual, held)) in usual.iter().zip(&self.held[0]).enumerate() {
+            if !held {
+                self.matrix.add(i, i, part * usual);
+            }
+        }
+    }
+
+    /// What is left of the forces, over the sum of their sizes.
+    pub(crate) fn imbalance(&self, state: &State) -> f64 {
+        let tilts = self.freedoms() + 3..self.freedoms() + FREEDOMS;
+        let force = |(i, r): (usize, &f64)| {
+            if tilts.contains(&i) { r.abs() / self.nut.helix.radius } else { r.abs() }
+        };
+        let left = state.residual.iter().enumerate().map(force).fold(0.0, f64::max);
+        if left == 0.0 { 0.0 } else { left / state.forces }
+    }
+
+    /// How far the nut has moved against the screw \[m\]: its section, or where bodies strain the ball where they
+    /// have moved least. A motion along the groove counts too: nothing carries it.
+    pub(crate) fn moved(&self, y: &[f64]) -> f64 {
+        let [u_z, u_x, u_y, phi_x, phi_y]: [f64; FREEDOMS] = from_fn(|i| y[self.freedoms() + i]);
+        if self.nodes == 0 {
+            return [u_z, u_x, u_y].into_iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+        }
+        let at = |seat: &Seat| {
+            let [x, y_j, zeta] = seat.arm;
+            let strain = seat.node.map_or(0.0, |node| y[2 * node] - y[2 * node + 1]);
+            let along = u_z + phi_x * y_j - phi_y * x + strain;
+            let across = [u_x + phi_y * zeta, u_y - phi_x * zeta];
+            (along * along + dot(across, across)).sqrt()
+        };
+        self.seats.iter().map(at).fold(f64::MAX, f64::min)
+    }
+
+    /// Force and moment of the nut on its balls, by freedom, and the axial force of each body.
+    pub(crate) fn carried(&self, state: &State) -> ([f64; FREEDOMS], Vec<f64>) {
+        let mut carried = [0.0; FREEDOMS];
+        let mut bodies = Vec::new();
+        for (seat, ball) in self.seats.iter().zip(&state.balls) {
+            let forces = seat.by_the_nut.map(|by| dot(by, ball.force));
+            for (carried, force) in carried.iter_mut().zip(forces) {
+                *carried += force;
+            }
+            let body = self.nut.circuits[seat.place.circuit].body;
+            if bodies.len() <= body {
+                bodies.resize(body + 1, 0.0);
+            }
+            bodies[body] += forces[0];
+        }
+        (carried, bodies)
+    }
+
+    /// Where the balls are.
+    pub(crate) fn places(&self) -> Vec<Place> {
+        self.seats.iter().map(|seat| seat.place).collect()
+    }
+
+    /// The stiffness in the matrix, condensed to the freedoms (U17).
+    pub(crate) fn condensed(&mut self) -> [[f64; FREEDOMS]; FREEDOMS] {
+        let rings = self.rings;
+        let border = FREEDOMS + rings;
+        // A nut that something does not carry has a singular border; the chain is eliminated before.
+        let _ = self.matrix.factorize();
+        let condensed = self.matrix.condensed();
+        let mut inner = DynamicDense::new(rings);
+        for i in 0..rings {
+            for k in 0..rings {
+                inner.set(i, k, condensed[(FREEDOMS + i) * border + FREEDOMS + k]);
+            }
+        }
+        let mut all: [[f64; FREEDOMS]; FREEDOMS] =
+            from_fn(|i| from_fn(|k| condensed[i * border + k]));
+        if rings > 0 && inner.factorize().is_ok() {
+            for k in 0..FREEDOMS {
+                let mut column: Vec<f64> =
+                    (0..rings).map(|i| condensed[(FREEDOMS + i) * border + k]).collect();
+                inner.solve(&mut column);
+                for (i, row) in all.iter_mut().enumerate() {
+                    let coupled = |(r, x): (usize, &f64)| condensed[i * border + FREEDOMS + r] * x;
+                    // K5 = S_qq − S_qr S_rr⁻¹ S_rq                        (U17)
+                    row[k] -= column.iter().enumerate().map(coupled).sum::<f64>();
+                }
+            }
+        }
+        all
+    }
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// Groove displacement of a ball by each freedom of the nut, along binormal and principal normal (U4).
+///
+/// * `theta`: sine and cosine of its helix angle. * `arm`: from the reference to the ball.
+fn kinematics(
+    [sin, cos]: [f64; 2],
+    lead_angle: f64,
+    [x, y, zeta]: [f64; 3],
+) -> [[f64; 2]; FREEDOMS] {
+    let (sin_a, cos_a) = lead_angle.sin_cos();
+    // n_j = (−cosθ, −sinθ, 0),  b_j = (sinα sinθ, −sinα cosθ, cosα)       (U2)
+    let normal = [-cos, -sin, 0.0];
+    let binormal = [sin_a * sin, -sin_a * cos, cos_a];
+    // u_j = (u_x + φ_y ζ, u_y − φ_x ζ, u_z + φ_x y − φ_y x)               (U3)
+    let by = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -zeta, y], [zeta, 0.0, -x]];
+    // w_j = (b_j·u_j, n_j·u_j) = B_j q                                    (U4)
+    by.map(|u| [binormal, normal].map(|axis| axis.iter().zip(u).map(|(a, u)| a * u).sum()))
+}

@@ -1,0 +1,116 @@
+//! The least energy of a nut, by damped Newton steps.
+//!
+//! Theory: `docs/theory/16-nut.md`, equations (U15) and (U16).
+
+use std::array::from_fn;
+
+use bsm_newton::LinearSolver;
+
+use crate::assembly::{Assembly, Of, State};
+use crate::equilibrium::{Equilibrium, FREEDOMS, NutError};
+
+/// Newton steps at most; ten are usual.
+const MOST_STEPS: usize = 100;
+
+/// Forces are in balance when this part of their sum is left.
+const BALANCED: f64 = 1e-12;
+
+/// After so many steps, so much may be left: where bodies strain by millimetres, the rounding of their
+/// displacements is a larger part of the approaches of the balls.
+const ROUNDED: (usize, f64) = (30, 1e-10);
+
+/// Where the search is.
+struct At {
+    y: Vec<f64>,
+    state: State,
+}
+
+impl Assembly<'_> {
+    /// The nut at rest, from equal sharing or from the displacement of a neighbour.
+    pub(crate) fn solve(
+        mut self,
+        start: Option<&[f64; FREEDOMS]>,
+    ) -> Result<Equilibrium, NutError> {
+        let none = |residual, steps| NutError::NotConverged { residual, steps };
+        let y = self.start(start);
+        let state = self.state(&y).ok_or(none(f64::NAN, 0))?;
+        // Displacements that are held may begin far away, which bodies take by their strain.
+        let begun = self.moved(&y);
+        let mut at = At { y, state };
+        let mut damping = 0.0;
+        for steps in 0..=MOST_STEPS {
+            let imbalance = self.imbalance(&at.state);
+            if imbalance <= BALANCED || (steps >= ROUNDED.0 && imbalance <= ROUNDED.1) {
+                return Ok(self.finish(at, steps, imbalance));
+            }
+            let moved = self.moved(&at.y);
+            // Beyond, balls would be pressed from the other side of the groove arcs.
+            if moved > begun + self.nut.arc_distance() {
+                return Err(NutError::NothingCarries { moved });
+            }
+            at = loop {
+                if let Some(next) = self.step(&at, damping) {
+                    break next;
+                }
+                // Free play, or a step that the balls refuse: nearer to the slope of the energy.
+                damping = f64::max(10.0 * damping, 1e-6);
+                if damping > 1e6 {
+                    return Err(none(imbalance, steps));
+                }
+            };
+            damping = if damping < 1e-7 { 0.0 } else { 0.1 * damping };
+        }
+        Err(none(self.imbalance(&at.state), MOST_STEPS))
+    }
+
+    /// A Newton step that lowers the energy.
+    fn step(&mut self, at: &At, damping: f64) -> Option<At> {
+        let At { y, state } = at;
+        self.linearize(state, Of::Step);
+        if damping > 0.0 {
+            self.damp(state, damping);
+        }
+        self.matrix.factorize().ok()?;
+        let mut step: Vec<f64> = state.residual.iter().map(|r| -r).collect();
+        self.matrix.solve(&mut step);
+        let fall: f64 = -step.iter().zip(&state.residual).map(|(s, r)| s * r).sum::<f64>();
+        if !fall.is_finite() || fall <= 0.0 {
+            return None;
+        }
+        let before = self.imbalance(state);
+        let mut share = 1.0;
+        while share > 1e-4 {
+            let next: Vec<f64> = y.iter().zip(&step).map(|(y, s)| y + share * s).collect();
+            if let Some(there) = self.state(&next) {
+                // Armijo; near the end the energy has no more digits, but the forces have.
+                let lower = there.energy <= state.energy - 1e-4 * share * fall;
+                let rounding = 1e-14 * state.energies.max(there.energies);
+                let level = (there.energy - state.energy).abs() <= rounding;
+                if lower || (level && self.imbalance(&there) < before) {
+                    return Some(At { y: next, state: there });
+                }
+            }
+            share *= 0.5;
+        }
+        None
+    }
+
+    fn finish(mut self, At { y, state }: At, steps: usize, residual: f64) -> Equilibrium {
+        let first = self.freedoms();
+        self.linearize(&state, Of::Nut);
+        let stiffness = self.condensed();
+        let (carried, bodies) = self.carried(&state);
+        Equilibrium {
+            displacement: from_fn(|i| y[first + i]),
+            carried,
+            stiffness,
+            places: self.places(),
+            balls: state.balls,
+            grooves: state.grooves,
+            bodies,
+            widening: y[first + FREEDOMS..].to_vec(),
+            steps,
+            residual,
+        }
+    }
+}
