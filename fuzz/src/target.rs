@@ -11,8 +11,8 @@ use bsm_batch::{
     Source, TableError, Task, hush_parquet_panics,
 };
 use bsm_case::{
-    Axis, CapacityReport, Catalogue, Condition, DesignReport, Fit, Grid, RequirementFile, Scene,
-    Spectrum, candidate_json,
+    Axis, CapacityReport, Catalogue, Condition, DesignReport, Fit, Grid, NutProblem,
+    RequirementFile, Samples, Scene, Spectrum, candidate_json,
 };
 use bsm_dyn::Model;
 use bytes::Bytes;
@@ -30,8 +30,9 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 9] = [
+pub const TARGETS: [Target; 10] = [
     Target { name: "scene", examples: Some(("", "json")), run: scene },
+    Target { name: "nut", examples: Some(("", "json")), run: nut },
     Target { name: "solve", examples: None, run: solve },
     Target { name: "words", examples: None, run: words },
     Target { name: "csv", examples: None, run: csv },
@@ -109,6 +110,24 @@ fn scene(input: &[u8]) {
     let again = Scene::from_json(scene.to_json().to_string().as_bytes());
     assert_eq!(again.expect("a scene that was written"), scene);
     everything(&scene);
+}
+
+/// Balls of a nut at most, so that an input stays quick.
+const BALLS: usize = 120;
+
+/// A scene file as a nut with all its balls.
+fn nut(input: &[u8]) {
+    let Ok(scene) = Scene::from_json(input) else { return };
+    let Ok(problem) = NutProblem::of(&scene, &Model::RacewayControl.into()) else { return };
+    if problem.balls() > BALLS {
+        return;
+    }
+    let _ = Samples::of(&problem, 2, None).map(|samples| samples.to_json().to_string());
+    let Ok(report) = problem.solve() else { return };
+    for (quantity, values) in report.numbers(|_| true).rows() {
+        assert!(values.into_iter().flatten().all(f64::is_finite), "{}", quantity.key);
+    }
+    let _ = (report.notes(), report.warnings(), report.to_json().to_string(), report.curve());
 }
 
 /// A base scene and settings, one a line: unlike JSON they may be infinite or NaN.

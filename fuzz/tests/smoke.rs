@@ -50,6 +50,11 @@ fn scenes() {
 }
 
 #[test]
+fn nuts() {
+    smoke("nut", 100);
+}
+
+#[test]
 fn the_solve_path() {
     smoke("solve", 300);
 }

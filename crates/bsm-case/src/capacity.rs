@@ -1,16 +1,20 @@
 //! Ratings of a nut in the vocabulary.
 
+mod described;
+mod doubts;
+
 use bsm_design::{
-    Body, Duty, DynamicRating, Elasticity, LIMIT_LOAD, Life, Limits, Nut, OPENS_AT, PRELOAD,
-    ROLLING_LEVER, Thread, in_series, life, pair_loads,
+    Body, Duty, DynamicRating, Elasticity, Life, Nut, PRELOAD, ROLLING_LEVER, Thread, in_series,
+    life, pair_loads,
 };
 use serde_json::{Map, Value, json};
 
+pub(crate) use described::{body, nut, thread};
+use doubts::{doubts, doubts_of_pair, off_the_flank};
+
 use crate::input_set::{CONTACT_ANGLE, LEAD};
-use crate::nut::balls_and_turns;
 use crate::problem::Needs;
 use crate::quantity::{Whole, quantities};
-use crate::reader::lead_mm;
 use crate::record::message;
 use crate::units::{DEG, MM, RPM, UM};
 use crate::{
@@ -385,194 +389,4 @@ impl CapacityReport {
         map.insert("warnings".to_owned(), json!(self.warnings));
         Value::Object(map)
     }
-}
-
-/// The thread of the nut of a scene, whose play arcs must be able to have, and whose screw must fit in.
-pub(crate) fn thread(scene: &Scene, nut: &Nut) -> Result<Thread, CaseError> {
-    let (bore, outside) = nut.usual_lands();
-    let bore = scene.nut_bore_mm.map_or(bore, |mm| mm * MM);
-    let outside = scene.screw_outer_diameter_mm.map_or(outside, |mm| mm * MM);
-    let refuse = |key: &str, value: f64, rule: String| {
-        Err(CaseError::OutOfRange { key: key.to_owned(), value, rule })
-    };
-    let play = scene.axial_play_um.unwrap_or(0.0);
-    let most = nut.monoarc_play() / UM;
-    if play > most {
-        let rule =
-            format!("<= {most:.3} um, the play of grooves of a single arc at this contact angle");
-        return refuse("axial_play_um", play, rule);
-    }
-    if bore <= outside {
-        let rule = format!("> {} mm, the outer diameter of the screw", outside / MM);
-        return refuse("nut_bore_mm", bore / MM, rule);
-    }
-    Ok(nut.thread(play * UM, (bore, outside)))
-}
-
-/// The body of the nut of a scene, which must have its grooves within.
-pub(crate) fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<Body, CaseError> {
-    let mut body = Body::usual(nut);
-    if let Some(outer) = scene.nut_outer_diameter_mm {
-        body.outer = outer * MM;
-    }
-    if let Some(length) = scene.nut_length_mm {
-        body.length = length * MM;
-    }
-    let widest = thread.nut.root;
-    if body.outer <= widest {
-        let (value, rule) =
-            (body.outer / MM, format!("> {:.3} mm, where the groove is", widest / MM));
-        return Err(CaseError::OutOfRange { key: "nut_outer_diameter_mm".to_owned(), value, rule });
-    }
-    let turn = nut.turn_length() / nut.ball_diameter;
-    if nut.balls_per_turn > turn * (1.0 + 1e-9) {
-        let (value, rule) = (nut.balls_per_turn, format!("<= {turn:.3}, which fill a turn"));
-        return Err(CaseError::OutOfRange { key: "loaded_balls_per_turn".to_owned(), value, rule });
-    }
-    Ok(body)
-}
-
-/// What makes the numbers of a nut doubtful, or the nut poor: the limits of the catalogue, and more.
-fn doubts(nut: &Nut, thread: &Thread, body: &Body, limits: &Limits) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if body.length < nut.turns * nut.lead {
-        warnings.push(format!(
-            "a nut of {:.3} mm has no room for {} loaded turns of {:.3} mm",
-            body.length / MM,
-            nut.turns,
-            nut.lead / MM
-        ));
-    }
-    let (few, many) = limits.turns;
-    if nut.turns < few || nut.turns > many {
-        warnings.push(format!(
-            "loaded_turns = {}: {few} to {many} are usual. Fewer guide the screw poorly, and of more the \
-             outer ones carry little, which the load ratings do not know",
-            nut.turns
-        ));
-    }
-    let over_lead = nut.ball_diameter / nut.lead;
-    if over_lead > limits.ball_over_lead * (1.0 + 1e-9) {
-        warnings.push(format!(
-            "the ball diameter is {over_lead:.3} of the lead: above {} little land is left between the turns",
-            limits.ball_over_lead
-        ));
-    }
-    let root = thread.screw.root;
-    if nut.ball_diameter >= limits.ball_over_root * root {
-        warnings.push(format!(
-            "the ball diameter is {:.3} of the root diameter of the screw, {:.3} mm: it should be below {}",
-            nut.ball_diameter / root,
-            root / MM,
-            limits.ball_over_root
-        ));
-    }
-    if body.mass(nut, thread) <= 0.0 {
-        warnings
-            .push("the grooves of this nut are larger than its body: no mass is given".to_owned());
-    }
-    for (name, conformity) in
-        [("nut_conformity", nut.conformity.0), ("screw_conformity", nut.conformity.1)]
-    {
-        let (low, high) = limits.conformity;
-        if !(low..=high).contains(&conformity) {
-            warnings.push(format!(
-                "{name} = {conformity}: the ratings were fitted for {low} to {high}"
-            ));
-        }
-    }
-    warnings
-}
-
-/// Where the preload of a pair is more than it should be (D22), or less than the load wants (D23).
-fn doubts_of_pair(
-    elasticity: &Elasticity,
-    preload: f64,
-    load: Option<f64>,
-    rating: f64,
-) -> Vec<String> {
-    let mut warnings = Vec::new();
-    // F_w ≤ 0.15 C_a                                                      (D22)
-    if preload > PRELOAD * rating * (1.0 + 1e-9) {
-        warnings.push(format!(
-            "preload_N is {:.3} of the dynamic rating: above {PRELOAD} it costs life",
-            preload / rating
-        ));
-    }
-    // F_m ≤ 3 F_w                                                         (D23)
-    if let Some(load) = load.filter(|load| *load > LIMIT_LOAD * preload * (1.0 + 1e-9)) {
-        let alone = elasticity.displacement(load) - elasticity.displacement(preload);
-        warnings.push(format!(
-            "a load of {} N is more than {LIMIT_LOAD} times the preload: from {:.0} N on one nut is free, \
-             the rigidity of the pair does not hold, and the displacement is that of the other nut alone, \
-             {:.3} um",
-            exact(load.round()),
-            OPENS_AT * preload,
-            alone / UM
-        ));
-    }
-    warnings
-}
-
-/// A warning if a contact reaches over the end of its flank.
-fn off_the_flank(edge_load: f64, force: f64) -> Option<String> {
-    if edge_load <= 0.0 {
-        return Some(
-            "this nut cannot hold its balls: their contacts are beyond the land of nut or screw; see \
-             nut_bore_mm and screw_outer_diameter_mm"
-                .to_owned(),
-        );
-    }
-    (force > edge_load).then(|| {
-        format!(
-            "under {} N on one nut a contact ellipse reaches over the end of its flank, which it does from \
-             {edge_load:.0} N on: Hertz's theory does not hold there",
-            exact(force.round())
-        )
-    })
-}
-
-/// The nut of a scene.
-pub(crate) fn nut(scene: &Scene) -> Result<Nut, CaseError> {
-    if let (Some(_), Some(_)) = (scene.contact_angle_deg, scene.groove_bottom_distance_mm) {
-        let keys = ["contact_angle_deg", "groove_bottom_distance_mm"];
-        return Err(CaseError::OneOfTwo { keys, found: "both are" });
-    }
-    let (balls_per_turn, turns) = balls_and_turns(scene);
-    let told = [(InputKey::loaded_balls_per_turn, balls_per_turn), (InputKey::loaded_turns, turns)];
-    let told: InputSet =
-        told.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key).collect();
-    let missing = NEEDS.missing(scene.given() | told);
-    if !missing.is_empty() {
-        return Err(CaseError::MissingForRatings { missing });
-    }
-    let value = |key: InputKey| scene[key].expect("required inputs were checked");
-    let pitch_mm = value(InputKey::pitch_circle_diameter_mm);
-    let lead = scene.lead_mm.unwrap_or_else(|| {
-        lead_mm(scene.lead_angle().expect("required inputs were checked"), pitch_mm)
-    });
-    let nut = Nut {
-        ball_diameter: value(InputKey::ball_diameter_mm) * MM,
-        pitch_diameter: pitch_mm * MM,
-        lead: lead * MM,
-        contact_angle: scene.contact_angle_deg.map_or(f64::NAN, |deg| deg * DEG),
-        conformity: (value(InputKey::nut_conformity), value(InputKey::screw_conformity)),
-        material: scene.reader().materials(),
-        balls_per_turn: balls_per_turn.unwrap_or(f64::NAN),
-        turns: turns.unwrap_or(f64::NAN),
-    };
-    let Some(bottoms) = scene.groove_bottom_distance_mm else { return Ok(nut) };
-    let contact_angle = nut.contact_angle_of(bottoms * MM).ok_or_else(|| {
-        let radii = (nut.conformity.0 + nut.conformity.1) * nut.ball_diameter;
-        CaseError::OutOfRange {
-            key: "groove_bottom_distance_mm".to_owned(),
-            value: bottoms,
-            rule: format!(
-                "between {:.4} mm, the ball, and {:.4} mm, the sum of the groove radii",
-                nut.ball_diameter / MM,
-                radii / MM
-            ),
-        }
-    })?;
-    Ok(Nut { contact_angle, ..nut })
 }

@@ -1,12 +1,16 @@
 //! All balls of a nut in the vocabulary: from a scene to its state under load.
 
+mod bodies;
+mod circuits;
+mod loading;
 mod problem;
 mod report;
 mod samples;
 mod words;
 
+pub(crate) use circuits::balls_and_turns;
 pub use problem::NutProblem;
-pub(crate) use problem::{OF_A_NUT, balls_and_turns};
+pub(crate) use problem::OF_A_NUT;
 pub(crate) use report::QUANTITIES;
 pub use report::{BALL_COLUMNS, CURVE_COLUMNS, NutReport};
 pub use samples::Samples;

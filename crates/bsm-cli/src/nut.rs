@@ -4,7 +4,6 @@ use std::path::Path;
 
 use bsm_batch::{Format as TableFormat, NumberColumn};
 use bsm_case::{BALL_COLUMNS, CURVE_COLUMNS, NutProblem, NutReport, Samples, Scene};
-use bsm_report::number;
 use bsm_validate::nut_figures;
 use serde_json::{Value, json};
 
@@ -93,7 +92,7 @@ fn print_samples(scene: &Scene, samples: &Samples, format: Format) -> Result<(),
         Format::Table => {
             let cells = |(_, unit, about, quantiles): &(&str, &str, &str, [f64; 5])| {
                 let words = [*about, *unit].map(str::to_owned);
-                [words.to_vec(), quantiles.map(number).to_vec()].concat()
+                [words.to_vec(), quantiles.map(table::count_or_number).to_vec()].concat()
             };
             let rows: Vec<_> = samples.rows.iter().map(cells).collect();
             let parts = Samples::PARTS.map(|part| format!("{:.0} %", 100.0 * part));

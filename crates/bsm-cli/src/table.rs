@@ -45,12 +45,21 @@ impl Scales {
         Self(scales)
     }
 
-    /// A number with its rounding left out. What has no unit has no scale.
+    /// A number with its rounding left out. What has no unit has no scale, and may be a count.
     fn print(&self, unit: &str, value: f64) -> String {
-        let scale = self.0.iter().find(|(known, _)| *known == unit && !unit.is_empty());
+        if unit.is_empty() {
+            return count_or_number(value);
+        }
+        let scale = self.0.iter().find(|(known, _)| *known == unit);
         let noise = scale.is_some_and(|(_, largest)| value.abs() < ROUNDING * largest);
         number(if noise { 0.0 } else { value })
     }
+}
+
+/// Five digits, or a whole number as it is.
+pub(crate) fn count_or_number(value: f64) -> String {
+    let is_count = value.abs() < 1e6 && value.fract().abs() <= 0.0;
+    if is_count { format!("{value:.0}") } else { number(value) }
 }
 
 /// Overall results: label, output.

@@ -1,11 +1,12 @@
 //! What is said of a nut under load: numbers, words, the loads of all balls, the curve of its displacement.
 
 use std::cell::OnceCell;
+use std::f64::consts::TAU;
 
 use bsm_design::{Duty, in_series, life};
 use bsm_dyn::{Hertz, ModelWorkspace};
 use bsm_nut::{
-    BallInGrooves, BallNut, Equilibrium, Freedom, NutError, NutFriction, Preload, Support,
+    BallInGrooves, BallNut, Equal, Equilibrium, Freedom, NutError, NutFriction, Preload, Support,
 };
 use serde_json::{Map, Value, json};
 
@@ -19,6 +20,12 @@ use crate::{AnalysisKind, Numbers, Quantity, exact};
 /// Allowance of catalogues on the calculated rigidity, for what is made (HIWIN BS-08-2).
 const USUAL: f64 = 0.8;
 
+/// Least and largest `$K_p$` that catalogues measure (HIWIN BS-08-2, eq. 3.2).
+const RULE_FACTORS: [f64; 2] = [0.1, 0.3];
+
+/// Centrifugal force above this part of the mean load of a ball is told if it is left out.
+const CENTRIFUGAL: f64 = 0.01;
+
 /// Points of the curve of a nut.
 const POINTS: u32 = 60;
 
@@ -27,24 +34,26 @@ const POINTS: u32 = 60;
 pub(super) struct State {
     pub(super) made: Made,
     friction: OnceCell<Option<NutFriction>>,
+    drag: OnceCell<Option<f64>>,
 }
 
 impl State {
     fn new(made: Made) -> Self {
-        Self { made, friction: OnceCell::new() }
+        Self { made, friction: OnceCell::new(), drag: OnceCell::new() }
     }
 
     fn friction(&self, problem: &NutProblem) -> Option<&NutFriction> {
+        self.friction.get_or_init(|| problem.friction_of(&self.made.nut, &self.made.found)).as_ref()
+    }
+
+    /// Friction torque of the preload where nothing is loaded from outside \[N·m\].
+    fn drag(&self, problem: &NutProblem) -> Option<f64> {
         let work_out = || {
-            let (coefficient, drive) = problem.friction.as_ref()?;
-            let mut work = ModelWorkspace::default();
-            let settings = &problem.settings;
-            let Made { nut, found, .. } = &self.made;
-            Some(nut.friction(found, *coefficient, drive, |screw| {
-                in_grooves(screw, settings.model, settings).solve(&mut work)
-            }))
+            self.made.preload.as_ref()?;
+            let found = self.made.nut.solve(&Support::guided(0.0)).ok()?;
+            problem.friction_of(&self.made.nut, &found)?.torque
         };
-        self.friction.get_or_init(work_out).as_ref()
+        *self.drag.get_or_init(work_out)
     }
 }
 
@@ -62,11 +71,13 @@ quantities! { Nut;
         max_over_mean [""] Whole, "largest load of a contact over the mean";
         unloaded_balls [""] Whole, "balls that carry nothing";
         max_pressure_MPa ["MPa"] Whole, "largest Hertz pressure";
+        equal_load_N ["N"] Whole, "load of each ball if all shared the axial load equally";
         load_bound_N ["N"] Whole, "bound of the largest load before solving (a guided nut)";
     }
     "stiffness along the axis" {
         nut_stiffness_N_um ["N/um"] Whole, "tangent at this load";
         secant_stiffness_N_um ["N/um"] Whole, "secant from no load";
+        equal_stiffness_N_um ["N/um"] Whole, "tangent if all balls shared the axial load equally, the bodies rigid";
         rigidity_2_N_um ["N/um"] Whole, "of the preload, 2 F_p/delta_p: two nuts side by side";
         rigidity_2_83_N_um ["N/um"] Whole, "of the preload, 2^1.5 F_p/delta_p: secant to the limit load";
         rigidity_3_N_um ["N/um"] Whole, "of the preload, 3 F_p/delta_p: tangent without load";
@@ -91,6 +102,14 @@ quantities! { Nut;
         drive_torque_Nm ["N m"] Whole needs [friction_coefficient, screw_speed_rpm], "torque on the screw";
         nut_efficiency [""] Whole needs [friction_coefficient, screw_speed_rpm], "efficiency";
         friction_heat_W ["W"] Whole needs [friction_coefficient, screw_speed_rpm], "heat";
+        preload_torque_Nm ["N m"] Whole needs [friction_coefficient, screw_speed_rpm],
+            "friction torque of the preload without load, contacts alone";
+        preload_torque_factor [""] Whole needs [friction_coefficient, screw_speed_rpm],
+            "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), contacts alone";
+        rule_torque_low_Nm ["N m"] Whole,
+            "drag torque of such a preload by the rule of catalogues, K_p = 0.1";
+        rule_torque_high_Nm ["N m"] Whole,
+            "drag torque of such a preload by the rule of catalogues, K_p = 0.3";
     }
 }
 
@@ -109,9 +128,11 @@ const READ: [Read; QUANTITIES.len()] = [
     (max_over_mean, |_, s| Some(s.made.found.concentration())),
     (unloaded_balls, |_, s| Some(count(s.made.found.unloaded()))),
     (max_pressure_MPa, |_, s| Some(max_pressure(&s.made)? / MPA)),
+    (equal_load_N, |p, s| Some(equal(p, &s.made)?.load)),
     (load_bound_N, |p, s| load_bound(p, &s.made)),
     (nut_stiffness_N_um, |p, s| Some(s.made.found.axial_stiffness(&p.support) * UM)),
     (secant_stiffness_N_um, |p, s| secant(p, &s.made).map(|k| k * UM)),
+    (equal_stiffness_N_um, |p, s| Some(equal(p, &s.made)?.stiffness * UM)),
     (rigidity_2_N_um, |_, s| stated(&s.made, 2.0)),
     (rigidity_2_83_N_um, |_, s| stated(&s.made, 2.0_f64.powf(1.5))),
     (rigidity_3_N_um, |_, s| stated(&s.made, 3.0)),
@@ -144,6 +165,10 @@ const READ: [Read; QUANTITIES.len()] = [
     (drive_torque_Nm, |p, s| s.friction(p)?.drive_torque),
     (nut_efficiency, |p, s| s.friction(p)?.efficiency),
     (friction_heat_W, |p, s| s.friction(p)?.heat),
+    (preload_torque_Nm, |p, s| s.drag(p)),
+    (preload_torque_factor, |p, s| Some(s.drag(p)? / rule_torque(s)?)),
+    (rule_torque_low_Nm, |_, s| Some(RULE_FACTORS[0] * rule_torque(s)?)),
+    (rule_torque_high_Nm, |_, s| Some(RULE_FACTORS[1] * rule_torque(s)?)),
 ];
 
 /// The numbers of a nut under load that are wanted; none that no number could tell.
@@ -177,6 +202,18 @@ fn pressure([at_nut, at_screw]: &[Hertz; 2], ball: &BallInGrooves) -> f64 {
 fn max_pressure(made: &Made) -> Option<f64> {
     let hertz = made.nut.hertz().ok()?;
     Some(made.found.balls.iter().map(|ball| pressure(&hertz, ball)).fold(0.0, f64::max))
+}
+
+/// The ball of a nut that shares its load equally: none for a preloaded one, whose bodies carry parts of it.
+fn equal(problem: &NutProblem, made: &Made) -> Option<Equal> {
+    let single = made.preload.is_none() && problem.axial() != 0.0;
+    single.then(|| made.nut.equal(problem.axial()).ok())?
+}
+
+/// Torque that moves the preload along the lead, `$F_p P_h/2\pi$` \[N·m\].
+fn rule_torque(state: &State) -> Option<f64> {
+    let force = state.made.preload.as_ref()?.force;
+    lasting(force * state.made.nut.helix.lead() / TAU)
 }
 
 /// The bound holds for a guided nut of one body on one flank.
@@ -246,6 +283,16 @@ impl NutProblem {
             Freedom::Loaded(load) => load,
             Freedom::Held(_) | Freedom::Sprung { .. } => 0.0,
         }
+    }
+
+    /// Friction of the balls of a nut; none without a friction coefficient and speeds.
+    fn friction_of(&self, nut: &BallNut, found: &Equilibrium) -> Option<NutFriction> {
+        let (coefficient, drive) = self.friction.as_ref()?;
+        let mut work = ModelWorkspace::default();
+        let settings = &self.settings;
+        Some(nut.friction(found, *coefficient, drive, |screw| {
+            in_grooves(screw, settings.model, settings).solve(&mut work)
+        }))
     }
 
     /// Loads of all balls and what follows from them.
@@ -324,6 +371,12 @@ impl NutReport {
     /// What the numbers mean, and what they leave out.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.problem.notes.clone();
+        let Made { nut, .. } = &self.state.made;
+        if nut.shares_equally(&self.problem.support) {
+            notes.push(
+                "every ball carries its equal share, as in the models of one ball".to_owned(),
+            );
+        }
         let friction = self.state.friction(&self.problem);
         match friction {
             None => notes.push(
@@ -347,9 +400,9 @@ impl NutReport {
                         friction.balls.len()
                     ));
                 }
-                let drag = "the torque is that of the contacts alone: measured drag coefficients K_p of \
-                            catalogues, 0.1 to 0.3 in T = K_p F_p lead/(2 pi), are 3 to 10 times what dry \
-                            friction gives, as returns, ball-to-ball contact, lubricant and wipers are not in it";
+                let drag = "the torque is that of the contacts alone: returns, ball-to-ball contact, lubricant and \
+                            wipers are not in it. Measured drag coefficients K_p of catalogues, 0.1 to 0.3 in \
+                            T = K_p F_p lead/(2 pi), are 3 to 10 times what dry friction of 0.06 gives for a pair";
                 notes.push(drag.to_owned());
             }
         }
@@ -366,6 +419,7 @@ impl NutReport {
                 MARKS_ABOVE / MPA
             ));
         }
+        warnings.extend(self.thrown());
         let lost = self.number("preload_left_N").is_some_and(|left| left <= 0.0);
         if let (true, Some(limit)) = (lost, self.number("limit_load_N")) {
             warnings.push(format!(
@@ -374,6 +428,23 @@ impl NutReport {
             ));
         }
         warnings
+    }
+
+    /// A warning if the speed makes a centrifugal force that is left out and should not be.
+    fn thrown(&self) -> Option<String> {
+        let (Made { nut, found, .. }, (_, drive)) =
+            (&self.state.made, self.problem.friction.as_ref()?);
+        // On the middle of both races the balls go half as fast as screw and nut together.
+        let precession = 0.5 * (drive.screw_speed + drive.nut_speed);
+        let force = nut.ball.mass * nut.helix.radius * precession * precession;
+        let mean = found.max_load() / found.concentration();
+        (nut.precession == 0.0 && force > CENTRIFUGAL * mean).then(|| {
+            format!(
+                "the centrifugal force of a ball is near {:.0} % of its mean load, and left out: give \
+                 ball_precession_rad_s, near {precession:.0}, to have it",
+                100.0 * force / mean
+            )
+        })
     }
 
     /// Model of the friction of a ball.

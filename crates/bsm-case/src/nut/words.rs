@@ -68,6 +68,9 @@ words! {
     screw_anchor: End,
         "end of the loaded length where the force leaves the screw; without it the screw is rigid",
         choice(&["low", "high"]);
+    screw_torsion: bool,
+        "true: the torque of the balls leaves the screw at its anchor too, and twists it",
+        json!({ "type": ["boolean", "null"] });
     preload_by: PreloadWay,
         "how a nut is preloaded: pair, two nuts pressed apart; oversize, balls too large for both flanks. Unless given, a pair if the nut has two bodies or short words",
         choice(&["pair", "oversize"]);
@@ -332,6 +335,7 @@ mod tests {
             "nut_guidance": "free",
             "nut_anchor": "low",
             "screw_anchor": "high",
+            "screw_torsion": true,
             "preload_by": "oversize",
             "ball_deviation_um": [1.0],
             "lead_error": [{ "amplitude_um": 1.0, "order": 1.0, "phase_deg": 1.0,
