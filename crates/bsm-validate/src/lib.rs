@@ -11,6 +11,7 @@ mod elastic;
 mod figures;
 mod lin1994;
 mod nut;
+mod nut_figures;
 mod pages;
 mod published;
 mod ratings;
@@ -24,7 +25,7 @@ mod xu2015;
 
 pub use catalogue::catalogue_figures;
 pub use figures::{figures, lin_figures};
-pub use nut::nut_figures;
+pub use nut_figures::nut_figures;
 pub use pages::{tradeoff_page, validation_page};
 pub use published::Published;
 pub use report::{Check, Report, Verdict};
@@ -117,6 +118,7 @@ pub fn run(published: &Published) -> Result<Report, ValidateError> {
     checks.extend(lin1994::checks(published)?);
     checks.extend(elastic::checks(published)?);
     checks.extend(ratings::checks(published)?);
+    checks.extend(nut::checks(published)?);
     checks.extend(xu2015::checks(published)?);
     checks.extend(dong2020::checks(published)?);
     Ok(Report { checks })

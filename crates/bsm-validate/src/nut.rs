@@ -1,147 +1,379 @@
-//! How the balls of a nut share its load, and what the nut gives way: figures.
+//! All balls of a nut: ball bearings, preload, rigidities of a catalogue, and elastic bodies in the limit.
 
-use bsm_case::{BALL_COLUMNS, CURVE_COLUMNS, NutReport};
-use bsm_report::{Axis, Curve, Figure, Stroke};
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
-/// Classes of loads of the developed nut: parts of the largest.
-const CLASSES: [(f64, f64, &str); 4] = [
-    (0.75, 1.0, "above 3/4 of the largest load"),
-    (0.5, 0.75, "1/2 to 3/4"),
-    (0.25, 0.5, "1/4 to 1/2"),
-    (0.0, 0.25, "below 1/4"),
-];
+use bsm_case::units::{MM, UM};
+use bsm_design::Nut;
+use bsm_dyn::{Ball, Material};
+use bsm_kin::Helix;
+use bsm_nut::{BallNut, Bar, Circuit, Errors, Flanks, Freedom, NutError, Preload, Ring, Support};
+use serde::Deserialize;
 
-/// Loads and contact angles along the helix, the developed nut, displacement and preload over load.
-pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
-    let balls = report.balls();
-    let curve = report.curve();
-    let mut figures = vec![
-        along(
-            &balls,
-            ("nut-loads", "Loads of the balls along the helix"),
-            Axis::linear("normal load at the nut, N"),
-            [("nut_plus_N", "flank +"), ("nut_minus_N", "flank -")],
-        ),
-        developed(&balls),
-        along(
-            &balls,
-            ("nut-contact-angles", "Contact angles along the helix"),
-            Axis::linear("contact angle at the nut, deg"),
-            [("nut_plus_deg", "flank +"), ("nut_minus_deg", "flank -")],
-        ),
-        over_load(
-            &curve,
-            ("nut-displacement", "Displacement of the nut under its load"),
-            Axis::linear("axial displacement, um"),
-            "nut_displacement_um",
-            None,
-        ),
-    ];
-    if report.number("preload_left_N").is_some() {
-        let limit = report.number("limit_load_N").map(|load| (load, 0.0));
-        figures.push(over_load(
-            &curve,
-            ("nut-preload", "Preload that is left under load"),
-            Axis::linear("preload left, N"),
-            "preload_left_N",
-            limit,
-        ));
+use crate::{Check, Published, ValidateError};
+
+const BEARING: &str = "a commercial program for ISO/TS 16281";
+const CATALOGUE: &str = "HIWIN catalogue BS-08-2";
+const STEINMEYER: &str = "Steinmeyer, and HIWIN catalogue BS-08-2, section 3.6";
+const BARS: &str = "linear bars on an elastic bed (theory 16)";
+
+/// Steel of the catalogue.
+const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
+
+/// Rule of the catalogue's grooves.
+const CONFORMITY: f64 = 0.5203;
+
+/// All checks of a nut.
+pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+    let mut checks = Vec::new();
+    for row in published.nut_bearings.rows::<Bearing>()? {
+        checks.extend(row.checks());
     }
-    figures
+    checks.extend(limit_loads());
+    let rows = published.nut_rigidity.rows::<Pair>()?;
+    checks.extend(rigidities(&rows));
+    checks.extend(stiff_bars());
+    Ok(checks)
 }
 
-/// Place of a column.
-fn place(columns: &[(&str, &str)], name: &str) -> usize {
-    columns.iter().position(|(column, _)| *column == name).unwrap_or(usize::MAX)
+/// A ball bearing, which is a nut of zero lead.
+#[derive(Deserialize)]
+#[expect(non_snake_case, reason = "columns of the table")]
+struct Bearing {
+    case: String,
+    axial_load_N: f64,
+    radial_load_N: f64,
+    moment_Nm: f64,
+    clearance_um: f64,
+    axial_um: Option<f64>,
+    radial_um: Option<f64>,
+    tilt_mrad: Option<f64>,
+    tolerance: f64,
 }
 
-/// A cell of a row, by its name.
-fn cell(columns: &[(&str, &str)], row: &[f64], name: &str) -> f64 {
-    row.get(place(columns, name)).copied().unwrap_or(f64::NAN)
-}
-
-/// A quantity of the balls, those of each flank with their own marks.
-fn along<const N: usize>(
-    balls: &[[f64; N]],
-    (key, title): (&str, &str),
-    y: Axis,
-    flanks: [(&str, &str); 2],
-) -> Figure {
-    let strokes = [Stroke::Circles, Stroke::Triangles];
-    let curve = |(i, (name, label)): (usize, (&str, &str))| {
-        let point = |row: &[f64; N]| {
-            let value = cell(&BALL_COLUMNS, row, name);
-            (value != 0.0).then(|| (cell(&BALL_COLUMNS, row, "theta_deg") / 360.0, value))
+impl Bearing {
+    fn checks(&self) -> Vec<Check> {
+        let found = self.displacement();
+        // A refused load leaves numbers that no check lets pass.
+        let [axial, x, y, tilt_x, tilt_y] = found.unwrap_or([f64::NAN; 5]);
+        let rows = [
+            ("axial", self.axial_um, axial / UM, "um"),
+            ("radial", self.radial_um, x.hypot(y) / UM, "um"),
+            ("tilt", self.tilt_mrad, 1e3 * tilt_x.hypot(tilt_y), "mrad"),
+        ];
+        let check = |(what, claimed, ours, unit): (&str, Option<f64>, f64, &str)| {
+            let claimed = claimed?;
+            let key = format!("nut/bearing-{}-{what}", self.case);
+            let claim = format!("{what} displacement of a ball bearing, {}", self.case);
+            let reason = "five printed digits, and the tilt is linear here";
+            let check = Check::new(&key, BEARING, claim).measured(ours, unit);
+            Some(check.equals(claimed, self.tolerance * claimed, reason))
         };
-        let points: Vec<_> =
-            balls.iter().filter_map(point).filter(|(_, y)| y.is_finite()).collect();
-        (!points.is_empty()).then(|| Curve::new(label, i, strokes[i], points))
-    };
-    Figure {
-        key: key.to_owned(),
-        title: title.to_owned(),
-        caption: "Each mark is a ball; balls that a flank does not touch have no mark.".to_owned(),
-        x: Axis::linear("turns along the helix"),
-        y,
-        curves: flanks.into_iter().enumerate().filter_map(curve).collect(),
+        rows.into_iter().filter_map(check).collect()
     }
-}
 
-/// The balls where they lie on the unrolled nut, in classes of their loads.
-fn developed<const N: usize>(balls: &[[f64; N]]) -> Figure {
-    let load = |row: &[f64; N]| {
-        let at = |name| cell(&BALL_COLUMNS, row, name);
-        at("nut_plus_N").max(at("nut_minus_N"))
-    };
-    let largest = balls.iter().map(load).fold(0.0, f64::max);
-    let at = |row: &[f64; N]| {
-        let around = cell(&BALL_COLUMNS, row, "theta_deg").rem_euclid(360.0);
-        (around, cell(&BALL_COLUMNS, row, "z_mm"))
-    };
-    let class = |(color, (low, high, label)): (usize, (f64, f64, &str))| {
-        let within = |row: &&[f64; N]| {
-            let load = load(row);
-            load > low * largest && load <= high * largest
+    /// Displacements and tilts: what is loaded is free.
+    fn displacement(&self) -> Result<[f64; 5], NutError> {
+        let (diameter, pitch) = (11.5 * MM, 43.5 * MM);
+        let steel = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
+        let circuit = Circuit {
+            // Balls are half a spacing from the ends of their arc: the first is at the radial load.
+            start: -PI / 7.0,
+            ..one_turn(7, Flanks::Plus)
         };
-        let points: Vec<_> = balls.iter().filter(within).map(at).collect();
-        (!points.is_empty()).then(|| Curve::new(label, color, Stroke::Circles, points))
-    };
-    let mut curves: Vec<_> = CLASSES.into_iter().enumerate().filter_map(class).collect();
-    let loose: Vec<_> = balls.iter().filter(|row| load(row) <= 0.0).map(at).collect();
-    if !loose.is_empty() {
-        curves.push(Curve::new("not loaded", CLASSES.len(), Stroke::Triangles, loose));
-    }
-    Figure {
-        key: "nut-developed".to_owned(),
-        title: "Loads of the balls on the developed nut".to_owned(),
-        caption: "The nut unrolled: each mark is a ball, its colour the class of its load."
-            .to_owned(),
-        x: Axis::linear("angle around the axis, deg"),
-        y: Axis::linear("place along the axis, mm"),
-        curves,
+        let bearing = BallNut {
+            helix: Helix { radius: 0.5 * pitch, lead_angle: 0.0 },
+            ball: Ball::of_density(0.5 * diameter, 7800.0),
+            contact_angle: 0.0,
+            conformity: (0.53, 0.52),
+            material: (steel, steel),
+            errors: Errors { gap: 0.5 * self.clearance_um * UM, ..Errors::default() },
+            ..rigid(vec![circuit])
+        };
+        let combined = self.axial_load_N * self.radial_load_N != 0.0;
+        let free = |on: bool, load: f64| {
+            if on { Freedom::Loaded(load) } else { Freedom::Held(0.0) }
+        };
+        let (side, tilt) = (self.radial_load_N != 0.0, self.moment_Nm != 0.0 || combined);
+        bearing
+            .solve(&Support([
+                free(self.axial_load_N != 0.0, self.axial_load_N),
+                free(side, -self.radial_load_N),
+                free(side, 0.0),
+                free(tilt, self.moment_Nm),
+                free(tilt, 0.0),
+            ]))
+            .map(|found| found.displacement)
     }
 }
 
-/// A quantity over the axial load, and a point that marks the limit load.
-fn over_load<const N: usize>(
-    curve: &[[f64; N]],
-    (key, title): (&str, &str),
-    y: Axis,
-    name: &str,
-    limit: Option<(f64, f64)>,
-) -> Figure {
-    let point = |row: &[f64; N]| {
-        (cell(&CURVE_COLUMNS, row, "axial_load_N"), cell(&CURVE_COLUMNS, row, name))
-    };
-    let label = y.label.split(',').next().unwrap_or_default();
-    let mut curves = vec![Curve::new(label, 0, Stroke::Solid, curve.iter().map(point).collect())];
-    curves.extend(limit.map(|at| Curve::new("limit load", 1, Stroke::Circles, vec![at])));
-    Figure {
-        key: key.to_owned(),
-        title: title.to_owned(),
-        caption: "Static, without friction; all balls.".to_owned(),
-        x: Axis::linear("axial load, N"),
-        y,
-        curves,
+fn one_turn(balls: usize, flanks: Flanks) -> Circuit {
+    Circuit { start: 0.0, arc: TAU, balls, thread: 0, body: 0, flanks, offset: 0.0 }
+}
+
+/// A nut of 40 x 10 mm, balls of 6.35 mm, with rigid bodies.
+fn rigid(circuits: Vec<Circuit>) -> BallNut {
+    let (pitch, lead) = (41.336 * MM, 10.0 * MM);
+    BallNut {
+        helix: Helix { radius: 0.5 * pitch, lead_angle: (lead / (PI * pitch)).atan() },
+        starts: 1,
+        ball: Ball::of_density(3.175 * MM, 7800.0),
+        contact_angle: FRAC_PI_4,
+        conformity: (CONFORMITY, CONFORMITY),
+        material: (STEEL, STEEL),
+        circuits,
+        errors: Errors::default(),
+        nut_bar: None,
+        screw_bar: None,
+        ring: None,
+        reference: None,
+        precession: 0.0,
     }
+}
+
+/// Two nuts of three turns against each other.
+fn pair() -> BallNut {
+    let circuit = |body: usize, flanks: Flanks| Circuit {
+        start: if body == 0 { 0.0 } else { 4.0 * TAU },
+        arc: 3.0 * TAU,
+        body,
+        ..one_turn(60, flanks)
+    };
+    rigid(vec![circuit(0, Flanks::Plus), circuit(1, Flanks::Minus)])
+}
+
+/// The load that frees one nut of a pair, over the preload, and the load of the busier nut.
+fn limit_loads() -> Vec<Check> {
+    let over = |preload: f64| -> Result<[f64; 2], NutError> {
+        let (nut, guided) = (pair(), Support::guided(0.0));
+        let offset = nut.preload_displacement(Preload::Offset, preload, &guided)?;
+        let nut = nut.preloaded(Preload::Offset, offset);
+        let limit = nut.limit_load(Preload::Offset, &guided, 1.0)?;
+        let busier = nut.solve(&Support::guided(preload))?.bodies[0];
+        Ok([limit / preload, busier / preload])
+    };
+    // Two nuts of C_a = 43 kN: a hundred-thousandth, a fiftieth and a tenth of it.
+    let [light, usual, heavy] =
+        [0.4, 860.0, 4300.0].map(|preload| over(preload).unwrap_or([f64::NAN; 2]));
+    let check = |key: &str, claim: &str| Check::new(key, STEINMEYER, claim);
+    let hertz = 2.0_f64.powf(1.5);
+    let claim = "a pair of nuts opens at 2.83 times its preload";
+    let turned = "contact angles turn under the preload, which claims with constant ones leave out";
+    vec![
+        check("nut/limit-load-light", claim).measured(light[0], "preloads").equals(
+            hertz,
+            1e-3,
+            "contact angles turn by 1e-4 under so light a preload",
+        ),
+        check("nut/limit-load-usual", claim)
+            .measured(usual[0], "preloads")
+            .equals(hertz, 0.09, turned),
+        check("nut/limit-load-heavy", claim)
+            .measured(heavy[0], "preloads")
+            .equals(hertz, 0.09, turned),
+        check("nut/busier-nut", "load of the busier nut under as much load as preload")
+            .measured(usual[1], "preloads")
+            .equals(
+                (1.0 + 1.0 / hertz).powf(1.5),
+                0.04,
+                "the formula takes the remaining preload as linear in the load: 2 % high",
+            ),
+    ]
+}
+
+/// A nut of the catalogue and the pair of the same balls.
+#[derive(Deserialize)]
+#[expect(non_snake_case, reason = "columns of the table")]
+struct Pair {
+    nut: String,
+    lead_mm: f64,
+    ball_diameter_mm: f64,
+    core_mm: f64,
+    outer_diameter_mm: f64,
+    dynamic_load_rating_N: f64,
+    static_load_rating_N: f64,
+    single_N_um: f64,
+    pair_N_um: f64,
+}
+
+/// Rigidity of the catalogue over that of the model, by what is elastic.
+struct Ratios {
+    /// Contacts alone, and ring, and bars, at 0.3 of the rating.
+    single: [f64; 3],
+    /// Contacts and ring at a preload of 0.1 of the rating: 2, 2^1.5 and 3 times F_p/δ_p.
+    pair: [f64; 3],
+}
+
+impl Pair {
+    /// Contacts, rings and bars as the catalogue's data let them be.
+    fn ratios(&self) -> Result<Ratios, NutError> {
+        let ball = self.ball_diameter_mm;
+        let deep = 2.0 * (CONFORMITY - 0.5) * ball * (1.0 - FRAC_PI_4.cos());
+        let pitch = self.core_mm + ball + deep;
+        let (lead, turn) = (self.lead_mm * MM, (PI * pitch).hypot(self.lead_mm) / ball);
+        let one = Nut {
+            ball_diameter: ball * MM,
+            pitch_diameter: pitch * MM,
+            lead,
+            contact_angle: FRAC_PI_4,
+            conformity: (CONFORMITY, CONFORMITY),
+            material: (STEEL, STEEL),
+            balls_per_turn: 1.0,
+            turns: 1.0,
+        };
+        // The static load rating is that of its balls (D5).
+        let balls = self.static_load_rating_N / one.static_rating().rating;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "some hundred balls"
+        )]
+        let whole = balls.round() as usize;
+        let arc = TAU * balls / turn;
+        let contacts = BallNut {
+            helix: Helix { radius: 0.5 * pitch * MM, lead_angle: one.lead_angle() },
+            ball: Ball::of_density(0.5 * ball * MM, 7800.0),
+            ..rigid(vec![Circuit { arc, ..one_turn(whole, Flanks::Plus) }])
+        };
+        let outer = self.outer_diameter_mm * MM;
+        let [_, inner] = contacts.groove_diameters();
+        let youngs_modulus = STEEL.youngs_modulus;
+        let ring = Some(Ring { outer, inner, youngs_modulus });
+        let with_ring = BallNut { ring, ..contacts.clone() };
+        let bar = |stiffness: f64| Some(Bar { stiffness, anchor: 0.0 });
+        let with_bars = BallNut {
+            nut_bar: bar(contacts.nut_stiffness(outer)),
+            screw_bar: bar(contacts.screw_stiffness(false)),
+            ..with_ring.clone()
+        };
+        let under = |nut: &BallNut, load: f64| -> Result<f64, NutError> {
+            Ok(load / nut.solve(&Support::guided(load))?.displacement[0] * UM)
+        };
+        let rating = self.dynamic_load_rating_N;
+        let secant = |nut: &BallNut| under(nut, 0.3 * rating);
+        let preloaded = under(&with_ring, 0.1 * rating)?;
+        let models = [secant(&contacts)?, secant(&with_ring)?, secant(&with_bars)?];
+        Ok(Ratios {
+            single: models.map(|model| self.single_N_um / model),
+            pair: [2.0, 2.0_f64.powf(1.5), 3.0].map(|times| self.pair_N_um / (times * preloaded)),
+        })
+    }
+}
+
+/// Mean and standard deviation.
+fn spread(values: &[f64]) -> [f64; 2] {
+    #[expect(clippy::cast_precision_loss, reason = "rows of a table")]
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    [mean, (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()]
+}
+
+/// What the catalogue calls rigidity, of single nuts and of pairs.
+fn rigidities(rows: &[Pair]) -> Vec<Check> {
+    let ratios: Vec<_> = rows
+        .iter()
+        .map(|row| row.ratios().unwrap_or(Ratios { single: [f64::NAN; 3], pair: [f64::NAN; 3] }))
+        .collect();
+    let of = |read: &dyn Fn(&Ratios) -> f64| {
+        let values: Vec<f64> = ratios.iter().map(read).collect();
+        let line = |(row, ratio): (&Pair, &f64)| format!("{} {ratio:.3}", row.nut);
+        let details: Vec<_> = rows.iter().zip(&values).map(line).collect();
+        (spread(&values), details.join("; "))
+    };
+    let check = |key: &str, claim: &str, read: &dyn Fn(&Ratios) -> f64| {
+        let ([mean, deviation], details) = of(read);
+        let mut check = Check::new(key, CATALOGUE, claim)
+            .measured(mean, "of the model")
+            .note(format!("standard deviation {deviation:.3} of {} nuts", rows.len()));
+        check.details = details;
+        check
+    };
+    let usual = "the usual allowance on calculated rigidity, and the spread of the nuts";
+    let single = "rigidity of single nuts FSI, load over displacement at 0.3 of the rating";
+    let pair = "rigidity of pairs FDI at a preload of 0.1 of the rating";
+    let definition = rows.iter().map(|row| row.pair_N_um / row.single_N_um).collect::<Vec<_>>();
+    vec![
+        check("nut/rigidity-single-contacts", &format!("{single}: contacts alone"), &|r| {
+            r.single[0]
+        }),
+        check("nut/rigidity-single", &format!("{single}: contacts and ring"), &|r| r.single[1])
+            .equals(0.8, 0.04, usual),
+        check("nut/rigidity-single-bars", &format!("{single}: contacts, ring and bars"), &|r| {
+            r.single[2]
+        }),
+        check("nut/rigidity-pair-2", &format!("{pair}, as 2 F_p/delta_p"), &|r| r.pair[0]),
+        check(
+            "nut/rigidity-pair",
+            &format!("{pair}, as 2^1.5 F_p/delta_p, the secant to the limit load"),
+            &|r| r.pair[1],
+        )
+        .equals(0.8, 0.04, usual),
+        check("nut/rigidity-pair-3", &format!("{pair}, as 3 F_p/delta_p"), &|r| r.pair[2]),
+        Check::new(
+            "nut/rigidity-definition",
+            CATALOGUE,
+            "FDI over FSI: two definitions of rigidity, 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3))",
+        )
+        .measured(spread(&definition)[0], "")
+        .equals(
+            2.0_f64.powf(1.5) * 0.1 / (0.3_f64.cbrt() * 0.1_f64.powf(2.0 / 3.0)),
+            0.03,
+            "Hertz contacts alone, and rigidities of three digits",
+        ),
+    ]
+}
+
+/// The first ball's share where stiff bars load it most, over that of the continuous nut: `$\mu l\coth\mu l$` with
+/// both anchors at one end, and the mean of both ends' curves with the anchors at opposite ends.
+fn stiff_bars() -> Vec<Check> {
+    let (turns, balls) = (4.0, 400_u16);
+    let nut =
+        rigid(vec![Circuit { arc: turns * TAU, ..one_turn(usize::from(balls), Flanks::Plus) }]);
+    let load = 6340.0;
+    let places = nut.places();
+    let ends = [places.first(), places.last()].map(|place| place.map_or(f64::NAN, |p| p.z));
+    let length = (ends[1] - ends[0]) * f64::from(balls) / f64::from(balls - 1);
+    let stiffness = nut.equal(load).map_or(f64::NAN, |equal| equal.stiffness);
+    let at = |small: f64, screw: f64| -> Result<f64, NutError> {
+        // μ² l² = k_u l (1/EA_n + 1/EA_s), two bars alike
+        let bar = |anchor: f64| Some(Bar { stiffness: 2.0 * stiffness * length / small, anchor });
+        let nut = BallNut { nut_bar: bar(ends[0]), screw_bar: bar(screw), ..nut.clone() };
+        let found = nut.solve(&Support::guided(load))?;
+        let axial = |i: usize| found.balls[i].force[0];
+        let mean = (0..usize::from(balls)).map(axial).sum::<f64>() / f64::from(balls);
+        Ok(axial(0) / mean - 1.0)
+    };
+    let same = |m: f64| m / m.tanh() - 1.0;
+    let opposite = |m: f64| 0.5 * (m / m.tanh() + m / m.sinh()) - 1.0;
+    let check = |key: &str, claim: &str, small: f64, found: Result<f64, NutError>, exact: f64| {
+        let off = found.map_or(f64::NAN, |found| found / exact - 1.0);
+        Check::new(key, BARS, claim)
+            .measured(off.abs(), "of the excess")
+            .note(format!("(mu l)^2 = {small}"))
+    };
+    let words = |at: &str| format!("excess of the first ball where stiff bars are held {at}");
+    let (coarse, fine) = (0.1, 0.01);
+    let [one, two] = [coarse, fine].map(|small| {
+        let m = f64::sqrt(small);
+        check("nut/cosh-same-end", &words("at one end"), small, at(small, ends[0]), same(m))
+    });
+    let m = f64::sqrt(fine);
+    let across = check(
+        "nut/cosh-opposite-ends",
+        &words("at opposite ends"),
+        fine,
+        at(fine, ends[1]),
+        opposite(m),
+    );
+    let ratio = one.measured / two.measured;
+    let order = Check::new(
+        "nut/cosh-order",
+        BARS,
+        "what is left of it falls with the compliance of the bars",
+    )
+    .measured(two.measured / one.measured, "")
+    .note(format!("tenfold stiffness leaves 1/{ratio:.1} of the difference"))
+    .at_most(0.5, "first order leaves a tenth, and 400 balls a hundredth of a spacing");
+    let reason = "the law of the balls is not linear, and 400 balls are no continuum";
+    let [two, across] = [two, across].map(|check| check.at_most(0.02, reason));
+    vec![two, across, order]
 }

@@ -99,6 +99,10 @@ tables! {
     rating_tables: "ratings/sobolewski.csv";
     /// Nuts of a catalogue.
     rating_catalogue: "ratings/hiwin.csv";
+    /// Displacements of a ball bearing.
+    nut_bearings: "nut/bearings.csv";
+    /// Rigidity of nuts and pairs of a catalogue.
+    nut_rigidity: "nut/rigidity.csv";
     /// The case of Xu and Tang (2015).
     xu_case: "xu2015/case.json";
     /// Their trends, and on how many curves they hold.

@@ -1,0 +1,147 @@
+//! How the balls of a nut share its load, and what the nut gives way: figures.
+
+use bsm_case::{BALL_COLUMNS, CURVE_COLUMNS, NutReport};
+use bsm_report::{Axis, Curve, Figure, Stroke};
+
+/// Classes of loads of the developed nut: parts of the largest.
+const CLASSES: [(f64, f64, &str); 4] = [
+    (0.75, 1.0, "above 3/4 of the largest load"),
+    (0.5, 0.75, "1/2 to 3/4"),
+    (0.25, 0.5, "1/4 to 1/2"),
+    (0.0, 0.25, "below 1/4"),
+];
+
+/// Loads and contact angles along the helix, the developed nut, displacement and preload over load.
+pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
+    let balls = report.balls();
+    let curve = report.curve();
+    let mut figures = vec![
+        along(
+            &balls,
+            ("nut-loads", "Loads of the balls along the helix"),
+            Axis::linear("normal load at the nut, N"),
+            [("nut_plus_N", "flank +"), ("nut_minus_N", "flank -")],
+        ),
+        developed(&balls),
+        along(
+            &balls,
+            ("nut-contact-angles", "Contact angles along the helix"),
+            Axis::linear("contact angle at the nut, deg"),
+            [("nut_plus_deg", "flank +"), ("nut_minus_deg", "flank -")],
+        ),
+        over_load(
+            &curve,
+            ("nut-displacement", "Displacement of the nut under its load"),
+            Axis::linear("axial displacement, um"),
+            "nut_displacement_um",
+            None,
+        ),
+    ];
+    if report.number("preload_left_N").is_some() {
+        let limit = report.number("limit_load_N").map(|load| (load, 0.0));
+        figures.push(over_load(
+            &curve,
+            ("nut-preload", "Preload that is left under load"),
+            Axis::linear("preload left, N"),
+            "preload_left_N",
+            limit,
+        ));
+    }
+    figures
+}
+
+/// Place of a column.
+fn place(columns: &[(&str, &str)], name: &str) -> usize {
+    columns.iter().position(|(column, _)| *column == name).unwrap_or(usize::MAX)
+}
+
+/// A cell of a row, by its name.
+fn cell(columns: &[(&str, &str)], row: &[f64], name: &str) -> f64 {
+    row.get(place(columns, name)).copied().unwrap_or(f64::NAN)
+}
+
+/// A quantity of the balls, those of each flank with their own marks.
+fn along<const N: usize>(
+    balls: &[[f64; N]],
+    (key, title): (&str, &str),
+    y: Axis,
+    flanks: [(&str, &str); 2],
+) -> Figure {
+    let strokes = [Stroke::Circles, Stroke::Triangles];
+    let curve = |(i, (name, label)): (usize, (&str, &str))| {
+        let point = |row: &[f64; N]| {
+            let value = cell(&BALL_COLUMNS, row, name);
+            (value != 0.0).then(|| (cell(&BALL_COLUMNS, row, "theta_deg") / 360.0, value))
+        };
+        let points: Vec<_> =
+            balls.iter().filter_map(point).filter(|(_, y)| y.is_finite()).collect();
+        (!points.is_empty()).then(|| Curve::new(label, i, strokes[i], points))
+    };
+    Figure {
+        key: key.to_owned(),
+        title: title.to_owned(),
+        caption: "Each mark is a ball; balls that a flank does not touch have no mark.".to_owned(),
+        x: Axis::linear("turns along the helix"),
+        y,
+        curves: flanks.into_iter().enumerate().filter_map(curve).collect(),
+    }
+}
+
+/// The balls where they lie on the unrolled nut, in classes of their loads.
+fn developed<const N: usize>(balls: &[[f64; N]]) -> Figure {
+    let load = |row: &[f64; N]| {
+        let at = |name| cell(&BALL_COLUMNS, row, name);
+        at("nut_plus_N").max(at("nut_minus_N"))
+    };
+    let largest = balls.iter().map(load).fold(0.0, f64::max);
+    let at = |row: &[f64; N]| {
+        let around = cell(&BALL_COLUMNS, row, "theta_deg").rem_euclid(360.0);
+        (around, cell(&BALL_COLUMNS, row, "z_mm"))
+    };
+    let class = |(color, (low, high, label)): (usize, (f64, f64, &str))| {
+        let within = |row: &&[f64; N]| {
+            let load = load(row);
+            load > low * largest && load <= high * largest
+        };
+        let points: Vec<_> = balls.iter().filter(within).map(at).collect();
+        (!points.is_empty()).then(|| Curve::new(label, color, Stroke::Circles, points))
+    };
+    let mut curves: Vec<_> = CLASSES.into_iter().enumerate().filter_map(class).collect();
+    let loose: Vec<_> = balls.iter().filter(|row| load(row) <= 0.0).map(at).collect();
+    if !loose.is_empty() {
+        curves.push(Curve::new("not loaded", CLASSES.len(), Stroke::Triangles, loose));
+    }
+    Figure {
+        key: "nut-developed".to_owned(),
+        title: "Loads of the balls on the developed nut".to_owned(),
+        caption: "The nut unrolled: each mark is a ball, its colour the class of its load."
+            .to_owned(),
+        x: Axis::linear("angle around the axis, deg"),
+        y: Axis::linear("place along the axis, mm"),
+        curves,
+    }
+}
+
+/// A quantity over the axial load, and a point that marks the limit load.
+fn over_load<const N: usize>(
+    curve: &[[f64; N]],
+    (key, title): (&str, &str),
+    y: Axis,
+    name: &str,
+    limit: Option<(f64, f64)>,
+) -> Figure {
+    let point = |row: &[f64; N]| {
+        (cell(&CURVE_COLUMNS, row, "axial_load_N"), cell(&CURVE_COLUMNS, row, name))
+    };
+    let label = y.label.split(',').next().unwrap_or_default();
+    let mut curves = vec![Curve::new(label, 0, Stroke::Solid, curve.iter().map(point).collect())];
+    curves.extend(limit.map(|at| Curve::new("limit load", 1, Stroke::Circles, vec![at])));
+    Figure {
+        key: key.to_owned(),
+        title: title.to_owned(),
+        caption: "Static, without friction; all balls.".to_owned(),
+        x: Axis::linear("axial load, N"),
+        y,
+        curves,
+    }
+}
