@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 
 use bsm_report::short;
 use bsm_validate::tradeoff::{self, Dial, Errors, Group, Points, Quantiles};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// A block and its text.
 type Made = Result<String, Box<dyn Error>>;
@@ -27,6 +27,7 @@ pub(crate) const BLOCKS: &[(&str, Make)] = &[
     ("accuracies", accuracies),
     ("slip-powers", slip_powers),
     ("catalogue", catalogue),
+    ("nut-sharing", nut_sharing),
     ("accuracy", accuracy),
 ];
 
@@ -130,6 +131,85 @@ fn catalogue(program: &Program) -> Made {
     let (_, note) = program.prints(&words)?;
     let count = note.split_whitespace().find_map(|word| word.parse::<u64>().ok());
     Ok(count.ok_or_else(|| format!("no number of nuts in: {note}"))?.to_string())
+}
+
+/// What equal sharing leaves out of a nut, one thing after the other: each is compared with the same balls on
+/// stiff guides in rigid bodies without errors.
+fn nut_sharing(program: &Program) -> Made {
+    let read = |scene: &str| std::fs::read(program.folder.join("examples").join(scene));
+    let mut base: Value = serde_json::from_slice(&read("nut_guided.json")?)?;
+    for (key, value) in [("axial_load_N", json!(6340)), ("seed", json!(1))] {
+        base[key] = value;
+    }
+    let fields = base.as_object_mut().ok_or("no scene")?;
+    fields.retain(|key, _| !["nut_anchor", "screw_anchor", "nut_guidance"].contains(&key.as_str()));
+    let solved = |change: &Value| -> Result<[f64; 4], Box<dyn Error>> {
+        let mut scene = base.clone();
+        let fields = scene.as_object_mut().ok_or("no scene")?;
+        fields.extend(change.as_object().ok_or("no words")?.clone());
+        fields.retain(|_, value| !value.is_null());
+        std::fs::write(program.folder.join("nut-sharing.json"), scene.to_string())?;
+        let found = program.json("nut nut-sharing.json --model raceway-control --format json")?;
+        let names =
+            ["max_over_mean", "secant_stiffness_N_um", "life_revolutions", "friction_torque_Nm"];
+        let [a, b, c, d] = names.map(|name| number(&found, name));
+        Ok([a?, b?, c?, d?])
+    };
+    let circuits = |phase: f64| json!({ "loaded_turns": null, "circuits_count": 5, "gap_deg": 30, "phase_deg": phase });
+    let bars = |screw: &str, more: &Value| {
+        let mut words = json!({ "nut_anchor": "low", "screw_anchor": screw });
+        words.as_object_mut().expect("object").extend(more.as_object().expect("object").clone());
+        words
+    };
+    let (whole, heavy) = (json!({}), json!({ "axial_load_N": 19020 }));
+    let ring = json!({ "ring_expansion": true, "nut_guidance": "free" });
+    let free = |key: &str, value: f64| json!({ "nut_guidance": "free", key: value });
+    let wave =
+        |amplitude: f64| json!({ "lead_error": [{ "amplitude_um": amplitude, "order": 1 }] });
+    let cases = [
+        ("guides alone: the nut is free", &whole, free("seed", 1.0)),
+        ("free, ball returns one above the other", &circuits(0.0), free("seed", 1.0)),
+        ("free, ball returns spread by 72 deg", &circuits(72.0), free("seed", 1.0)),
+        ("bodies strain, anchors at one end", &whole, bars("low", &json!({}))),
+        ("the same, 19 kN", &heavy, bars("low", &json!({}))),
+        ("bodies strain, anchors at opposite ends", &whole, bars("high", &json!({}))),
+        ("the same, 19 kN", &heavy, bars("high", &json!({}))),
+        ("free, bodies strain and widen, one end, 19 kN", &heavy, bars("low", &ring)),
+        ("free, bodies strain and widen, opposite ends, 19 kN", &heavy, bars("high", &ring)),
+        ("free, balls scatter by 0.5 um (sd)", &whole, free("ball_deviation_sd_um", 0.5)),
+        ("by 1 um", &whole, free("ball_deviation_sd_um", 1.0)),
+        ("by 2 um", &whole, free("ball_deviation_sd_um", 2.0)),
+        ("lead error of 1 um once a turn", &whole, wave(1.0)),
+        ("of 3 um", &whole, wave(3.0)),
+        ("of 5 um", &whole, wave(5.0)),
+        ("free, moment of 10 N m", &whole, free("moment_y_Nm", 10.0)),
+        ("of 50 N m", &whole, free("moment_y_Nm", 50.0)),
+        ("of 100 N m", &whole, free("moment_y_Nm", 100.0)),
+        ("free, side load of 0.1 kN", &whole, free("radial_load_x_N", 100.0)),
+        ("of 0.5 kN", &whole, free("radial_load_x_N", 500.0)),
+        ("of 1 kN", &whole, free("radial_load_x_N", 1000.0)),
+        ("of 2 kN", &whole, free("radial_load_x_N", 2000.0)),
+    ];
+    let row = |(name, balls, change): &(&str, &Value, Value)| {
+        let mut words = (*balls).clone();
+        let equal = solved(&words)?;
+        words
+            .as_object_mut()
+            .ok_or("no words")?
+            .extend(change.as_object().ok_or("no words")?.clone());
+        let found = solved(&words)?;
+        let [concentration, ..] = found;
+        let percent = |i: usize| 100.0 * (found[i] / equal[i] - 1.0);
+        Ok::<_, Box<dyn Error>>(format!(
+            "| {name} | {concentration:.2} | {:+.0} % | {:+.0} % | {:+.1} % |",
+            percent(1),
+            percent(2),
+            percent(3)
+        ))
+    };
+    let rows = cases.iter().map(row).collect::<Result<Vec<_>, _>>()?;
+    let header = "| what | largest load over mean | stiffness | life | friction torque |";
+    Ok(table(header, &rows))
 }
 
 /// Errors of every model and setting over the committed points.

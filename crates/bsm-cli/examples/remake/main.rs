@@ -53,6 +53,7 @@ fn sources() -> Vec<Source> {
             "accuracies" => ("bsm solve --model traction --accuracy A", "1 s"),
             "slip-powers" => ("bsm slip examples/xu2015.json --model M", "1 s"),
             "catalogue" => ("bsm catalog", "1 s"),
+            "nut-sharing" => ("bsm nut", "1 s"),
             _ => ("errors of `bsm tradeoff`", "10 s"),
         };
         all.push(source(name, commands, takes, How::Fast(*make)));
