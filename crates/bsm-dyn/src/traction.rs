@@ -2,23 +2,24 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T9) to (T11).
 
+mod columns;
 mod path;
 mod root;
 mod scatter;
 mod sensitivities;
 
-use bsm_kin::{Motion, Scalar};
+use bsm_kin::{Helix, Motion, Scalar};
 use bsm_newton::{EvalError, Options, Report, Scales, solve};
 
 use self::path::PATH;
 pub(crate) use self::root::Root;
-use crate::balance::{ideal_torque, torque};
+use crate::balance::ideal_torque;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::ball_unknowns::{BALL, ROWS, weight};
+use crate::ball_unknowns::{BALL, weight};
 use crate::elastic_ball::refused;
 use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
 use crate::ellipse::{Lanes, Local, Nodes, Plan, Quadrature};
-use crate::equations::{Workspace, equations};
+use crate::equations::Workspace;
 use crate::raceway_control::{Grip, STATIC};
 use crate::{
     BallState, ErrorBound, Model, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission,
@@ -34,6 +35,8 @@ const COARSE: f64 = 1e-4;
 const SEARCH: f64 = 1e-6;
 /// Residual from which the first try is left to the quadrature that is asked for.
 const NEAR: f64 = 1e-3;
+/// Residual below which steps keep the Jacobian.
+const KEEP: f64 = 1e-4;
 const FINER: [f64; 2] = [1e-6, Traction::ACCURACY];
 
 /// A solve may take this many steps.
@@ -207,16 +210,11 @@ impl Rolling<'_> {
     ///
     /// * `newton`: as the solve for the root has left it.
     fn error(&self, root: &Root, efficiency: f64, newton: &mut Workspace) -> f64 {
-        let stepped = self.residual(&root.unknowns).and_then(|residual| {
+        let other = self.evaluated::<true>(&root.unknowns).map_or(f64::NAN, |found| {
             // y' = y − J⁻¹ F'(y)                                          (T24)
-            let step = newton.correction(&residual);
-            let y = std::array::from_fn(|i| root.unknowns[i] + step[i]);
-            self.state(&y)
-        });
-        let other = stepped.map_or(f64::NAN, |state| {
-            let radius = self.pair.helix.radius;
-            let ideal = ideal_torque(1.0, radius, self.pair.helix.lead_angle);
-            let torque = torque(&state.wrench[1], radius, &state.loaded.frame);
+            let torque = found.torque_after(&newton.correction(&found.left));
+            let Helix { radius, lead_angle } = self.pair.helix;
+            let ideal = ideal_torque(1.0, radius, lead_angle);
             crate::balance::efficiency(self.pair.direction, ideal, torque)
         });
         // δη = max(10 |η'(y') − η(y)|, 10⁻⁹)                              (T25)
@@ -281,13 +279,14 @@ impl Rolling<'_> {
             residual_goal: self.enough,
             max_steps: MOST_STEPS,
             slopes_at_trials: true,
+            keep_below: KEEP,
             ..Options::default()
         };
         solve(self, y, &scales, &options, newton)
     }
 }
 
-equations!(Rolling<'_>, BALL, Rolling::residual, ROWS);
+
 
 impl Traction {
     /// Solves for the steady motion of the ball.
@@ -370,10 +369,11 @@ impl Traction {
             }
         };
         let ball = Rolling { plans: Some(&plans), ..ball.of(&root) };
-        let state = ball.state(&root.unknowns).map_err(refused)?;
-        let steady = self.screw.ball_state(pair, &state.loaded, &state.to_nut)?;
-        let frame = &state.loaded.frame;
-        let transmission = self.screw.transmission(pair, frame, &state.wrench[1], state.power)?;
+        let loaded = ball.loaded(&root.unknowns).map_err(refused)?;
+        let to_nut = ball.to_nut(&root.unknowns, &loaded);
+        let steady = self.screw.ball_state(pair, &loaded, &to_nut)?;
+        let found = ball.evaluated::<false>(&root.unknowns).map_err(refused)?;
+        let transmission = self.screw.transmission_at(pair, found.torque, found.power)?;
         let checked = Rolling { quadrature: &rules[places[3]].check, plans: None, ..ball };
         let error = checked.error(&root, transmission.efficiency, newton);
         let info = SolveInfo { steps, residual: root.residual };

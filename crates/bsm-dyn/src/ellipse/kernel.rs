@@ -12,27 +12,38 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 use bsm_simd::{Arch, BLOCK, Block, Lane, Simd, WithSimd};
 
 use super::Quadrature;
-use super::panels::{EllipseSlip, FAR, Lines, Nodes, Plan, Visit, chord, walk};
+use super::panels::{EllipseSlip, FAR, Lines, Nodes, Panels, Plan, Visit, chord, walk};
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Point {
+pub(crate) struct Point {
     /// Semi-axes across and along the groove.
-    pub(super) semi_axes: (f64, f64),
+    pub(crate) semi_axes: (f64, f64),
     /// Radius of the pressed surface.
-    pub(super) pressed_radius: f64,
+    pub(crate) pressed_radius: f64,
     /// Ball radius.
-    pub(super) ball_radius: f64,
+    pub(crate) ball_radius: f64,
     /// Speed of the centre along t; angular velocity about t, N, t × N.
-    pub(super) motion: [f64; MOTION],
+    pub(crate) motion: [f64; MOTION],
     /// Creep speed.
-    pub(super) creep: f64,
+    pub(crate) creep: f64,
+}
+
+/// Friction over `$f Q$` of a contact.
+pub(crate) struct Sums {
+    /// Force along t and t × N; moment about t, N, t × N.
+    pub(crate) values: [f64; SUMS],
+    /// The power that it takes.
+    pub(crate) power: f64,
+    /// Their derivatives, but not that of the power: by the motion, and by the logarithm of the size of the
+    /// ellipse.
+    pub(crate) slopes: [[f64; SLOPES]; SUMS],
 }
 
 /// Numbers of the motion, sums, and derivatives: by the motion and by the growth of both semi-axes.
-pub(super) const MOTION: usize = 4;
-pub(super) const SUMS: usize = 5;
-pub(super) const SLOPES: usize = MOTION + 1;
+pub(crate) const MOTION: usize = 4;
+pub(crate) const SUMS: usize = 5;
+pub(crate) const SLOPES: usize = MOTION + 1;
 
 /// Sums and power; the same with what the derivatives are made of.
 const VALUES: usize = SUMS + 1;
@@ -58,7 +69,7 @@ struct Near {
 
 impl Near {
     fn of(slip: &EllipseSlip<f64>, xi: f64) -> Self {
-        let sinh = slip.analyticity(xi);
+        let sinh = slip.analyticity(xi).sqrt();
         let (b_0, b_1) = slip.across(xi);
         // s = cos φ, about φ₀ with cos φ₀ = −Re z/cosh η and the width η: η ≈ sinh η  (T20)
         let cos = -(b_0 / b_1) / sinh.mul_add(sinh, 1.0).sqrt();
@@ -82,7 +93,7 @@ impl Near {
             let (side, node) =
                 if node < rule.part.len() { (0, node) } else { (1, node - rule.part.len()) };
             if node < rule.part.len() {
-                let ((from, length), (place, part)) = (self.sides[side], rule.part[node]);
+                let ((from, length), (place, part)) = (self.sides[side], rule.part.at(node));
                 (places[i], weights[i]) = (from + length * place, length * part);
             }
         }
@@ -169,7 +180,7 @@ impl<const SLOPED: bool> Gather<'_, SLOPED> {
                 inner.store(&mut sums, i);
             }
         }
-        fold(sums)
+        fold(simd, &sums)
     }
 }
 
@@ -195,17 +206,16 @@ impl<S: Simd> Inner<S> {
 
 /// Sums over blocks, in the same order for all widths.
 #[inline(always)]
-fn fold<const N: usize>(mut blocks: [Block; N]) -> [f64; N] {
+fn fold<S: Simd, const N: usize>(simd: S, blocks: &[Block; N]) -> [f64; N] {
     let mut sums = [0.0; N];
-    for (sum, block) in sums.iter_mut().zip(&mut blocks) {
-        let mut half = BLOCK / 2;
-        while half > 0 {
-            for i in 0..half {
-                block[i] += block[i + half];
-            }
-            half /= 2;
-        }
-        *sum = block[0];
+    for (sum, block) in sums.iter_mut().zip(blocks) {
+        // One of them is as long as a block.
+        *sum = match S::F64_LANES {
+            1 => Lane::<S, 8>::load(simd, block).sum(),
+            2 => Lane::<S, 4>::load(simd, block).sum(),
+            4 => Lane::<S, 2>::load(simd, block).sum(),
+            _ => Lane::<S, 1>::load(simd, block).sum(),
+        };
     }
     sums
 }
@@ -302,55 +312,81 @@ impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
     }
 }
 
-/// Force and moment over `$f Q$`, and the power that they take.
-pub(super) fn sums(point: &Point, nodes: Nodes<'_>) -> ([f64; SUMS], f64) {
-    let all = Arch::new().dispatch(Total::<false>(point, nodes));
-    let [f_t, f_c, m_t, m_n, m_c, power, ..] = all;
-    ([f_t, f_c, m_t, m_n, m_c], power)
+impl Sums {
+    fn of(all: [f64; ALL]) -> Self {
+        let [
+            // Force, moment and their power.
+            f_t,
+            f_c,
+            m_t,
+            m_n,
+            m_c,
+            power,
+            // Upper triangle of the symmetric part: friction has a potential in the motion.
+            aa,
+            at,
+            an,
+            ac,
+            tt,
+            tn,
+            tc,
+            nn,
+            nc,
+            cc,
+            // Force across, by the motion.
+            ea,
+            et,
+            en,
+            ec,
+            // All of them, by the growth of the ellipse.
+            ga,
+            ge,
+            gt,
+            gn,
+            gc,
+        ] = all;
+        let slopes = [
+            [aa, at, an, ac, ga],
+            [ea, et, en, ec, ge],
+            [at, tt, tn, tc, gt],
+            [an, tn, nn, nc, gn],
+            [ac, tc, nc, cc, gc],
+        ];
+        Self { values: [f_t, f_c, m_t, m_n, m_c], power, slopes }
+    }
+
+    /// Those of a few contacts; slopes only if `SLOPED`, else zero.
+    #[inline(always)]
+    pub(crate) fn along<S: Simd, const N: usize, const SLOPED: bool>(
+        simd: S,
+        points: &[Point; N],
+        nodes: &[Nodes<'_>; N],
+    ) -> [Self; N] {
+        all::<S, N, SLOPED>(simd, points, nodes).map(Self::of)
+    }
 }
 
-/// Force and moment over `$f Q$`, the power, and the derivatives of force and moment: by the speed of the centre,
-/// the angular velocity, and the logarithm of the size of the ellipse.
-pub(super) fn slopes(point: &Point, nodes: Nodes<'_>) -> ([f64; SUMS], f64, [[f64; SLOPES]; SUMS]) {
-    let [
-        // Force, moment and their power.
-        f_t,
-        f_c,
-        m_t,
-        m_n,
-        m_c,
-        power,
-        // Upper triangle of the symmetric part: friction has a potential in the motion.
-        aa,
-        at,
-        an,
-        ac,
-        tt,
-        tn,
-        tc,
-        nn,
-        nc,
-        cc,
-        // Force across, by the motion.
-        ea,
-        et,
-        en,
-        ec,
-        // All of them, by the growth of the ellipse.
-        ga,
-        ge,
-        gt,
-        gn,
-        gc,
-    ] = Arch::new().dispatch(Total::<true>(point, nodes));
-    let slopes = [
-        [aa, at, an, ac, ga],
-        [ea, et, en, ec, ge],
-        [at, tt, tn, tc, gt],
-        [an, tn, nn, nc, gn],
-        [ac, tc, nc, cc, gc],
-    ];
-    ([f_t, f_c, m_t, m_n, m_c], power, slopes)
+#[inline(always)]
+fn all<S: Simd, const N: usize, const SLOPED: bool>(
+    simd: S,
+    points: &[Point; N],
+    nodes: &[Nodes<'_>; N],
+) -> [[f64; ALL]; N] {
+    let slips = std::array::from_fn(|i| points[i].slip());
+    let panels = Panels::of(simd, nodes, &slips);
+    let mut sums = [[0.0; ALL]; N];
+    for i in 0..N {
+        let (rule, totals) = (nodes[i].rule, [[0.0; BLOCK]; ALL]);
+        let mut gather = Gather::<SLOPED> { rule, point: &points[i], slip: slips[i], totals };
+        panels[i].walk(simd, nodes[i], &slips[i], &mut gather);
+        sums[i] = fold(simd, &gather.totals);
+    }
+    sums
+}
+
+/// Sums of one contact.
+pub(super) fn sums<const SLOPED: bool>(point: &Point, nodes: Nodes<'_>) -> Sums {
+    Sums::of(Arch::new().dispatch(Total::<SLOPED>(point, nodes)))
 }
 
 /// All sums on an instruction set.
@@ -366,11 +402,8 @@ impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self(point, nodes) = self;
-        let (slip, rule) = (point.slip(), nodes.rule);
-        let mut gather = Gather::<SLOPED> { rule, point, slip, totals: [[0.0; BLOCK]; ALL] };
-        walk(simd, nodes, &slip, &mut gather);
-        fold(gather.totals)
+        let [sums] = all::<S, 1, SLOPED>(simd, &[*self.0], &[self.1]);
+        sums
     }
 }
 

@@ -255,7 +255,12 @@ impl Balance<'_> {
         let weights = self.weights();
         let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };
         // The displacement is a difference of lengths: down to their rounding.
-        let options = Options { residual_goal: 3e-15, max_steps: MOST_STEPS, ..Options::default() };
+        let options = Options {
+            residual_goal: 3e-15,
+            max_steps: MOST_STEPS,
+            slopes_at_trials: true,
+            ..Options::default()
+        };
         solve(self, x, &scales, &options, newton)
     }
 

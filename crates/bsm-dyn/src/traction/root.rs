@@ -4,8 +4,8 @@
 
 use super::path::{LONGEST, PATH, Shown};
 use super::scatter::{MANY, STARTS};
-use super::{OMEGA, Rolling, State};
-use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque, torque};
+use super::{OMEGA, Rolling};
+use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ball_unknowns::BALL;
 use crate::continuation::{Stride, follow};
 use crate::elastic::Skid;
@@ -178,7 +178,8 @@ impl Rolling<'_> {
         if self.at_nut || self.pair.inertia_ratio() * rate * rate <= THROWN {
             return root;
         }
-        let Ok(State { loaded, to_nut, .. }) = self.state(&y) else { return root };
+        let Ok(loaded) = self.loaded(&y) else { return root };
+        let to_nut = self.to_nut(&y, &loaded);
         let ball = Self { at_nut: true, ..*self };
         let mut unknowns = ball.unknowns(&loaded, &to_nut);
         let report = ball.run(&mut unknowns, newton);
@@ -201,12 +202,11 @@ impl Rolling<'_> {
     /// True for a root whose powers balance. Where a ball turns faster and faster about the axis the
     /// residual vanishes without a root, and the powers do not balance.
     pub(super) fn is_balanced(&self, root: &Root) -> bool {
-        let (pair, radius) = (self.pair, self.pair.helix.radius);
-        self.of(root).state(&root.unknowns).is_ok_and(|state| {
-            let torque = torque(&state.wrench[1], radius, &state.loaded.frame);
-            let ideal = ideal_torque(1.0, radius, pair.helix.lead_angle);
-            let power = Power::transmitted(torque, ideal, pair.sign());
-            power.imbalance(state.power).abs() <= POWER_BALANCE_TOL
+        let pair = self.pair;
+        self.of(root).evaluated::<false>(&root.unknowns).is_ok_and(|found| {
+            let ideal = ideal_torque(1.0, pair.helix.radius, pair.helix.lead_angle);
+            let power = Power::transmitted(found.torque, ideal, pair.sign());
+            power.imbalance(found.power).abs() <= POWER_BALANCE_TOL
         })
     }
 
