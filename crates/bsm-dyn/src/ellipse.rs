@@ -168,11 +168,6 @@ pub(crate) trait Lanes<P>: Over<P> {
 }
 
 impl<P: Scalar, D: Scalar> Ellipse<D, P> {
-    /// The numbers of nodes that this contact takes now.
-    pub(crate) fn plan(&self, local: &Local<D>, creep: f64, rule: &Quadrature) -> Plan {
-        kernel::plan(&self.point(local, creep), rule)
-    }
-
     /// The values without derivatives.
     fn point(&self, local: &Local<D>, creep: f64) -> Point {
         Point {

@@ -7,12 +7,13 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
+use std::array::from_fn;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
 use bsm_simd::{Arch, BLOCK, Block, Lane, Simd, WithSimd};
 
 use super::Quadrature;
-use super::panels::{EllipseSlip, FAR, Lines, Nodes, Panels, Plan, Visit, chord, walk};
+use super::panels::{EllipseSlip, FAR, Lines, Nodes, Plan, Visit, chord, walk, walk_along};
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
@@ -372,14 +373,21 @@ fn all<S: Simd, const N: usize, const SLOPED: bool>(
     points: &[Point; N],
     nodes: &[Nodes<'_>; N],
 ) -> [[f64; ALL]; N] {
-    let slips = std::array::from_fn(|i| points[i].slip());
-    let panels = Panels::of(simd, nodes, &slips);
-    let mut sums = [[0.0; ALL]; N];
-    for i in 0..N {
+    let slips = from_fn(|i| points[i].slip());
+    let mut gathered = from_fn(|i| {
         let (rule, totals) = (nodes[i].rule, [[0.0; BLOCK]; ALL]);
-        let mut gather = Gather::<SLOPED> { rule, point: &points[i], slip: slips[i], totals };
-        panels[i].walk(simd, nodes[i], &slips[i], &mut gather);
-        sums[i] = fold(simd, &gather.totals);
+        Gather::<SLOPED> { rule, point: &points[i], slip: slips[i], totals }
+    });
+    walk_along(simd, nodes, &slips, &mut gathered);
+    let mut sums = [[0.0; ALL]; N];
+    for (sums, gathered) in sums.iter_mut().zip(&gathered) {
+        if SLOPED {
+            *sums = fold(simd, &gathered.totals);
+        } else {
+            let [f_t, f_c, m_t, m_n, m_c, power, ..] = &gathered.totals;
+            let values: [f64; VALUES] = fold(simd, &[*f_t, *f_c, *m_t, *m_n, *m_c, *power]);
+            sums[..VALUES].copy_from_slice(&values);
+        }
     }
     sums
 }
@@ -457,21 +465,18 @@ impl WithSimd for List<'_> {
     }
 }
 
-/// The plan of a contact.
-pub(super) fn plan(point: &Point, rule: &Quadrature) -> Plan {
-    Arch::new().dispatch(Planned(point, rule))
-}
-
-struct Planned<'a>(&'a Point, &'a Quadrature);
-
-impl WithSimd for Planned<'_> {
-    type Output = Plan;
-
+impl Plan {
+    /// The plans of a few contacts.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut plan = Plan::default();
-        walk(simd, self.1.into(), &self.0.slip(), &mut plan);
-        plan
+    pub(crate) fn along<S: Simd, const N: usize>(
+        simd: S,
+        points: &[Point; N],
+        rule: &Quadrature,
+    ) -> [Self; N] {
+        let mut plans = from_fn(|_| Self { split: [false; 2], lines: Vec::with_capacity(8) });
+        let slips = from_fn(|i| points[i].slip());
+        walk_along(simd, &[rule.into(); N], &slips, &mut plans);
+        plans
     }
 }
 

@@ -117,12 +117,25 @@ impl Quadrature {
     /// Number of inner nodes, for places and weights, of a line with this `$\sinh^2\eta$`; none if the
     /// spin pole is so near that they do not suffice.
     fn count(&self, square: f64) -> Option<usize> {
-        self.reach.iter().position(|reach| square >= *reach)
+        // It falls with the number: a count without branches.
+        let number = self.reach.iter().filter(|reach| square < **reach).count();
+        (number < self.reach.len()).then_some(number)
     }
 
     /// The nodes of neighbouring lines with these `$\sinh^2\eta$`.
     #[inline(always)]
     fn along(&self, squares: &Block) -> PlannedLines {
+        let mut least = *squares;
+        let mut half = BLOCK / 2;
+        while half > 0 {
+            for i in 0..half {
+                least[i] = if least[i + half] < least[i] { least[i + half] } else { least[i] };
+            }
+            half /= 2;
+        }
+        if self.reach[MOST_INNER] <= least[0] {
+            return (self.count(least[0]), [false; BLOCK]);
+        }
         let mut inside = [false; BLOCK];
         let mut least = f64::INFINITY;
         for (inside, square) in inside.iter_mut().zip(squares) {
@@ -308,6 +321,7 @@ impl<'a> From<&'a Quadrature> for Nodes<'a> {
 }
 
 /// A few neighbouring lines across the ellipse.
+#[derive(Clone, Copy)]
 pub(super) struct Lines {
     /// Places over the long semi-axis, and their parts of the load.
     pub(super) xi: Block,
@@ -337,10 +351,28 @@ pub(super) struct Panels<'a> {
     split: [bool; 2],
 }
 
+impl Lines {
+    const NONE: Self = Self {
+        xi: [0.0; BLOCK],
+        weight: [0.0; BLOCK],
+        inner: None,
+        inside: [false; BLOCK],
+        any_inside: false,
+        split: [false; 2],
+    };
+}
+
 /// What is done with the lines of an ellipse.
 pub(super) trait Visit<S: Simd> {
     /// A few lines.
     fn visit(&mut self, simd: S, lines: &Lines);
+}
+
+impl<S: Simd, V: Visit<S>> Visit<S> for &mut V {
+    #[inline(always)]
+    fn visit(&mut self, simd: S, lines: &Lines) {
+        V::visit(self, simd, lines);
+    }
 }
 
 impl<'a> Panels<'a> {
@@ -415,7 +447,7 @@ impl<'a> Panels<'a> {
 
     /// The next nodes from node `node` of a panel on, and where they end; what is left over repeats the last
     /// one without weight.
-    fn gather(&self, mut panel: usize, mut node: usize, block: &mut Nodes1d) -> (usize, usize) {
+    fn gather(&self, mut panel: usize, mut node: usize, block: &mut LineNodes) -> (usize, usize) {
         for i in 0..BLOCK {
             if panel == self.count {
                 block.places[i] = block.places[i - 1];
@@ -437,40 +469,78 @@ impl<'a> Panels<'a> {
         (panel, node)
     }
 
-    /// Goes through the lines across the ellipse (T14) to (T19).
+    /// The next few lines across the ellipse from node `node` of a panel on (T14) to (T19).
     #[inline(always)]
-    pub(super) fn walk<S: Simd>(
+    fn next<S: Simd>(
         &self,
         simd: S,
+        at: &mut At,
         Nodes { rule, plan }: Nodes<'_>,
-        slip: &EllipseSlip<f64>,
-        visitor: &mut impl Visit<S>,
-    ) {
-        let slip = slip.splat(simd);
-        let (mut panel, mut node, mut number) = (0, 0, 0);
-        while panel < self.count {
-            let Panel { pole, ends: [begin, end], nodes } = self.panels[panel];
-            let mut block = Nodes1d {
-                places: [0.0; BLOCK],
-                parts: [0.0; BLOCK],
-                from: [begin; BLOCK],
-                length: [end - begin; BLOCK],
-                at: [pole.at; BLOCK],
-                width: [pole.width; BLOCK],
-            };
-            if let Some((places, parts)) = nodes.block(node) {
-                (block.places, block.parts) = (*places, *parts);
-                node += BLOCK;
-                if node == nodes.len() {
-                    (panel, node) = (panel + 1, 0);
-                }
-            } else {
-                (panel, node) = self.gather(panel, node, &mut block);
+        slip: &EllipseSlip<Lane<S>>,
+    ) -> Lines {
+        let Panel { pole, ends: [begin, end], nodes } = self.panels[at.panel];
+        let mut block = LineNodes {
+            places: [0.0; BLOCK],
+            parts: [0.0; BLOCK],
+            from: [begin; BLOCK],
+            length: [end - begin; BLOCK],
+            at: [pole.at; BLOCK],
+            width: [pole.width; BLOCK],
+        };
+        if let Some((places, parts)) = nodes.block(at.node) {
+            (block.places, block.parts) = (*places, *parts);
+            at.node += BLOCK;
+            if at.node == nodes.len() {
+                (at.panel, at.node) = (at.panel + 1, 0);
             }
-            let planned = plan.and_then(|plan| plan.lines.get(number));
-            let lines = lines(simd, (rule, planned), &slip, &block);
-            number += 1;
-            visitor.visit(simd, &Lines { split: self.split, ..lines });
+        } else {
+            (at.panel, at.node) = self.gather(at.panel, at.node, &mut block);
+        }
+        let planned = plan.and_then(|plan| plan.lines.get(at.number));
+        at.number += 1;
+        Lines { split: self.split, ..lines(simd, (rule, planned), slip, &block) }
+    }
+}
+
+/// Where a walk along an ellipse is: a panel, a node of it, and a number of lines.
+#[derive(Clone, Copy, Default)]
+struct At {
+    panel: usize,
+    node: usize,
+    number: usize,
+}
+
+/// Lines of a few places on the way along the ellipse, so that the processor works on some while it waits for
+/// others.
+const AHEAD: usize = 4;
+
+/// Goes through the lines across a few ellipses.
+#[inline(always)]
+pub(super) fn walk_along<S: Simd, V: Visit<S>, const N: usize>(
+    simd: S,
+    nodes: &[Nodes<'_>; N],
+    slips: &[EllipseSlip<f64>; N],
+    visitors: &mut [V; N],
+) {
+    let all = Panels::of(simd, nodes, slips);
+    let mut at = [At::default(); N];
+    let mut lines = [[Lines::NONE; AHEAD]; N];
+    loop {
+        let mut found = [0; N];
+        for c in 0..N {
+            let slip = slips[c].splat(simd);
+            while found[c] < AHEAD && at[c].panel < all[c].count {
+                lines[c][found[c]] = all[c].next(simd, &mut at[c], nodes[c], &slip);
+                found[c] += 1;
+            }
+        }
+        if found == [0; N] {
+            return;
+        }
+        for c in 0..N {
+            for lines in &lines[c][..found[c]] {
+                visitors[c].visit(simd, lines);
+            }
         }
     }
 }
@@ -483,8 +553,7 @@ pub(super) fn walk<S: Simd>(
     slip: &EllipseSlip<f64>,
     visitor: &mut impl Visit<S>,
 ) {
-    let [panels] = Panels::of(simd, &[nodes], &[*slip]);
-    panels.walk(simd, nodes, slip, visitor);
+    walk_along(simd, &[nodes], &[*slip], &mut [visitor]);
 }
 
 /// Place of a line on the long axis and its part of the load, from a node in the variable of (T17) and its
@@ -506,7 +575,7 @@ fn line<S: Simd, const N: usize>(
 
 /// Nodes of Gauss-Legendre on parts of the long axis: places and weights there, where the part begins, its
 /// length, and its pole.
-struct Nodes1d {
+struct LineNodes {
     places: Block,
     parts: Block,
     from: Block,
@@ -521,7 +590,7 @@ fn lines<S: Simd>(
     simd: S,
     (rule, planned): (&Quadrature, Option<&PlannedLines>),
     slip: &EllipseSlip<Lane<S>>,
-    block: &Nodes1d,
+    block: &LineNodes,
 ) -> Lines {
     let (mut xi, mut load, mut square) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
     for i in (0..BLOCK).step_by(S::F64_LANES) {

@@ -165,9 +165,15 @@ impl Balance<'_> {
 
     /// The root with the smallest difference of the contact angles, or the proof that there is
     /// none on the flanks.
-    pub(super) fn first_root(&self, newton: &mut Workspace<STATIC>) -> Result<Root, Unsolved> {
+    ///
+    /// * `near`: a root of the other race, if there is one.
+    pub(super) fn first_root(
+        &self,
+        near: Option<[f64; STATIC]>,
+        newton: &mut Workspace<STATIC>,
+    ) -> Result<Root, Unsolved> {
         let mut steps = 0;
-        if let Some(mut x) = self.start() {
+        if let Some(mut x) = near.or_else(|| self.start()) {
             let report = self.run(&mut x, newton);
             steps = report.steps.len();
             if report.converged() && self.is_first(&x) {

@@ -11,6 +11,7 @@
 )]
 
 use std::array::from_fn;
+use std::cell::Cell;
 
 use bsm_kin::Jet;
 use bsm_newton::{Equations, EvalError, Linear};
@@ -21,7 +22,7 @@ use crate::balance::torque;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::ball_unknowns::{BALL, ROWS};
 use crate::cost;
-use crate::ellipse::{Point, Sums};
+use crate::ellipse::{Plan, Point, Sums};
 use crate::equations::linear;
 
 /// What belongs to a state, all scaled.
@@ -29,9 +30,7 @@ use crate::equations::linear;
 pub(super) struct Evaluated {
     /// What the seven equations leave over.
     pub(super) left: [f64; BALL],
-    /// Torque on the screw, and the power that friction takes.
-    pub(super) torque: f64,
-    pub(super) power: f64,
+    pub(super) transmitted: Transmitted,
     /// Derivatives of the equations and of the torque by the unknowns, if asked for, and a place that is zero.
     rows: [Block; BALL],
     slope: Block,
@@ -52,6 +51,11 @@ impl Rolling<'_> {
         found.map_or_else(|| self.in_jets(y), Ok)
     }
 
+    /// The numbers of nodes of a state; none where it has no contacts.
+    pub(super) fn plans(&self, y: &[f64; BALL]) -> Option<[Plan; 2]> {
+        Arch::new().dispatch(Planned(self, y))
+    }
+
     /// The same from the formulas in any scalar.
     pub(super) fn in_jets(&self, y: &[f64; BALL]) -> Result<Evaluated, EvalError> {
         let mut power = f64::NAN;
@@ -66,8 +70,7 @@ impl Rolling<'_> {
         let block = |row: &[f64; BALL]| from_fn(|k| row.get(k).copied().unwrap_or(0.0));
         Ok(Evaluated {
             left: from_fn(|i| values[i]),
-            torque: values[BALL],
-            power,
+            transmitted: Transmitted { torque: values[BALL], power },
             rows: from_fn(|i| block(&slopes[i])),
             slope: block(&slopes[BALL]),
         })
@@ -83,25 +86,69 @@ impl Evaluated {
         }
         jacobian
     }
+}
 
-    /// Torque after a small step.
-    pub(super) fn torque_after(&self, step: &[f64; BALL]) -> f64 {
-        self.torque + step.iter().zip(&self.slope).map(|(x, slope)| x * slope).sum::<f64>()
+/// The equations of a ball, and what they were last evaluated for.
+pub(super) struct Watched<'a> {
+    pub(super) ball: &'a Rolling<'a>,
+    last: Cell<Option<([f64; BALL], Transmitted)>>,
+    slope: Cell<Block>,
+}
+
+/// Torque on the screw, and the power that friction takes, scaled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Transmitted {
+    pub(super) torque: f64,
+    pub(super) power: f64,
+}
+
+impl<'a> Watched<'a> {
+    pub(super) fn new(ball: &'a Rolling<'a>) -> Self {
+        Self { ball, last: Cell::new(None), slope: Cell::new([0.0; BLOCK]) }
+    }
+
+    /// What the screw transmits at a state, which mostly was the last one.
+    pub(super) fn transmitted(&self, y: &[f64; BALL]) -> Result<Transmitted, EvalError> {
+        match self.last.get() {
+            Some((last, known)) if last.map(f64::to_bits) == y.map(f64::to_bits) => Ok(known),
+            _ => Ok(self.ball.evaluated::<false>(y)?.transmitted),
+        }
+    }
+
+    /// Derivatives of the torque by the unknowns, where the Jacobian was last asked for.
+    pub(super) fn torque_slope(&self) -> Block {
+        self.slope.get()
     }
 }
 
-impl Equations<BALL> for Rolling<'_> {
+impl Equations<BALL> for Watched<'_> {
     fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
-        Ok(self.evaluated::<false>(x)?.left)
+        let found = self.ball.evaluated::<false>(x)?;
+        self.last.set(Some((*x, found.transmitted)));
+        Ok(found.left)
     }
 
     fn linearize(&self, x: &[f64; BALL]) -> Result<Linear<BALL>, EvalError> {
-        let found = self.evaluated::<true>(x)?;
+        let found = self.ball.evaluated::<true>(x)?;
+        self.last.set(Some((*x, found.transmitted)));
+        self.slope.set(found.slope);
         Ok((found.left, found.jacobian()))
     }
 
     fn equation(&self, i: usize) -> String {
         ROWS[i].to_owned()
+    }
+}
+
+struct Planned<'a>(&'a Rolling<'a>, &'a [f64; BALL]);
+
+impl WithSimd for Planned<'_> {
+    type Output = Option<[Plan; 2]>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self(ball, y) = self;
+        Some(Plan::along(simd, &contacts(ball, y)?.points, ball.quadrature))
     }
 }
 
@@ -157,12 +204,22 @@ struct Angle {
     by: Block,
 }
 
+/// The contacts of a state, with what their columns are made of.
+struct Contacts {
+    points: [Point; 2],
+    /// The turn of the triad, the angles of the contacts from there, and those of the contacts.
+    turn: Angle,
+    tilts: [Angle; 2],
+    angles: [Angle; 2],
+    /// Sine and cosine of the lead angle.
+    lead: (f64, f64),
+    /// Derivatives of the angular velocity about t and b.
+    by_t: Block,
+    by_b: Block,
+}
+
 #[inline(always)]
-fn evaluate<S: Simd, const SLOPED: bool>(
-    simd: S,
-    ball: &Rolling<'_>,
-    y: &[f64; BALL],
-) -> Option<Evaluated> {
+fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
     let pair = ball.pair;
     let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
     if !(loads[0] > 0.0 && loads[1] > 0.0) {
@@ -170,7 +227,6 @@ fn evaluate<S: Simd, const SLOPED: bool>(
     }
     // a ~ Q^{1/3},  δ = (Q/K_H)^{2/3}                                     (P6), (P2)
     let growth = [bsm_kin::cube_root(loads[0]), bsm_kin::cube_root(loads[1])];
-    let places = [NUT_LOAD, SCREW_LOAD];
     let jones = &pair.jones;
     let mut lengths = [jones.nut_offset, jones.screw_offset];
     let mut slopes = [0.0; 2];
@@ -183,7 +239,6 @@ fn evaluate<S: Simd, const SLOPED: bool>(
     let a_2 = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos();
     let (sin_y, cos_y) = y[TILT].sin_cos();
     let one = along(TILT, 1.0);
-    // The turn of the triad, the angles of the contacts from there, and those of the contacts.
     let (turn, tilts, angles);
     if ball.at_nut {
         // cosβ_B = (A₂ − l_A cosβ_A)/l_B                                  (J9)
@@ -236,7 +291,6 @@ fn evaluate<S: Simd, const SLOPED: bool>(
     // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
     let (sin_lead, cos_lead) = pair.helix.lead_angle.sin_cos();
     let [along_axis, radial, around] = OMEGA.map(|i| y[i]);
-    let rate = y[PRECESSION] + ball.offset();
     // About t and b, relative to the nut.
     let mut by_t = along(OMEGA[0], sin_lead);
     by_t[OMEGA[2]] = -cos_lead;
@@ -245,19 +299,7 @@ fn evaluate<S: Simd, const SLOPED: bool>(
     let omega_t = sin_lead * along_axis - cos_lead * around;
     let omega_b = cos_lead * along_axis + sin_lead * around;
 
-    let mut motions = [[0.0; 4]; 2];
-    for i in 0..2 {
-        let (side, body) = [(1.0, 0.0), (-1.0, pair.sign())][i];
-        let Angle { sin, cos, .. } = angles[i];
-        let (t, b) = (omega_t - body * sin_lead, omega_b - body * cos_lead);
-        let from_nut = y[PRECESSION] + (ball.offset() - pair.nut_speed);
-        motions[i] = [
-            pair.arc * (from_nut - body),
-            t,
-            side * (sin * b + cos * radial),
-            side * (cos * b - sin * radial),
-        ];
-    }
+    let from_nut = y[PRECESSION] + (ball.offset() - pair.nut_speed);
     let mut points = [Point {
         semi_axes: (0.0, 0.0),
         pressed_radius: 0.0,
@@ -266,28 +308,51 @@ fn evaluate<S: Simd, const SLOPED: bool>(
         creep: ball.creep,
     }; 2];
     for i in 0..2 {
+        let (side, body) = [(1.0, 0.0), (-1.0, pair.sign())][i];
+        let Angle { sin, cos, .. } = angles[i];
+        let (t, b) = (omega_t - body * sin_lead, omega_b - body * cos_lead);
+        points[i].motion = [
+            pair.arc * (from_nut - body),
+            t,
+            side * (sin * b + cos * radial),
+            side * (cos * b - sin * radial),
+        ];
         let (a, b) = pair.semi_axes[i];
         points[i].semi_axes = (growth[i] * a, growth[i] * b);
         points[i].pressed_radius = pair.pressed_radius[i];
-        points[i].motion = motions[i];
     }
+    Some(Contacts { points, turn, tilts, angles, lead: (sin_lead, cos_lead), by_t, by_b })
+}
+
+#[inline(always)]
+fn evaluate<S: Simd, const SLOPED: bool>(
+    simd: S,
+    ball: &Rolling<'_>,
+    y: &[f64; BALL],
+) -> Option<Evaluated> {
+    let Contacts { points, turn, tilts, angles, lead: (sin_lead, cos_lead), by_t, by_b } =
+        contacts(ball, y)?;
+    let (pair, loads) = (ball.pair, [y[NUT_LOAD], y[SCREW_LOAD]]);
+    let [_, radial, around] = OMEGA.map(|i| y[i]);
+    let rate = y[PRECESSION] + ball.offset();
     let nodes = [ball.nodes(0), ball.nodes(1)];
     let sums = Sums::along::<S, 2, SLOPED>(simd, &points, &nodes);
 
     let mut rows = [[0.0; BLOCK]; BALL];
     let mut left = [0.0; BALL];
-    let (mut on_screw, mut slope) = (0.0, [0.0; BLOCK]);
+    let (mut torque, mut slope) = (0.0, [0.0; BLOCK]);
     let mut power = 0.0;
     for i in 0..2 {
         let side = [1.0, -1.0][i];
-        let (load, by_load) = (loads[i], along(places[i], 1.0));
+        let place = [NUT_LOAD, SCREW_LOAD][i];
+        let (load, by_load) = (loads[i], along(place, 1.0));
         let (tilt, angle) = (&tilts[i], &angles[i]);
         let Sums { values, power: unit_power, slopes } = &sums[i];
         let pull = load * pair.friction;
         // P_f = Σ f Q ∫ dP                                                (P7)
         power += pull * unit_power;
         let mut parts = [Sloped { re: 0.0, by: [0.0; BLOCK] }; 5];
-        let [_, _, w_n, w_c] = motions[i];
+        let [_, _, w_n, w_c] = points[i].motion;
         let (mut by_n, mut by_c) = (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
         if SLOPED {
             add(&mut by_n, w_c, &angle.by);
@@ -301,7 +366,7 @@ fn evaluate<S: Simd, const SLOPED: bool>(
                 let [a, t, n, c, g] = *slopes;
                 part.by[PRECESSION] = pull * a * pair.arc;
                 // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
-                part.by[places[i]] = pair.friction * (value + g * (1.0 / 3.0));
+                part.by[place] = pair.friction * (value + g * (1.0 / 3.0));
                 add(&mut part.by, pull * t, &by_t);
                 add(&mut part.by, pull * n, &by_n);
                 add(&mut part.by, pull * c, &by_c);
@@ -340,7 +405,7 @@ fn evaluate<S: Simd, const SLOPED: bool>(
             // T = [(−r_m n) × F + M]·k                                    (B7)
             let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
             let (force, arm) = (pair.helix.radius * cos_lead, -pair.helix.radius * sin_lead);
-            on_screw = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
+            torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
             slope = combined([
                 (sin_lead, &m_t.by),
                 (cos_lead * side * angle.sin, &m_n.by),
@@ -384,7 +449,7 @@ fn evaluate<S: Simd, const SLOPED: bool>(
         add(&mut rows[4], -gyro * third, &turn.by);
         add(&mut rows[5], gyro * second, &turn.by);
     }
-    Some(Evaluated { left, torque: on_screw, power, rows, slope })
+    Some(Evaluated { left, transmitted: Transmitted { torque, power }, rows, slope })
 }
 
 /// Second and third component of a vector that has these along `$N = \pm(0, \cos, \sin)$` and `$t \times N$`.
