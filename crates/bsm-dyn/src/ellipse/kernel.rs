@@ -52,6 +52,7 @@ const ALL: usize = VALUES + 19;
 
 impl Point {
     /// Slip along the long axis.
+    #[inline(always)]
     fn slip(&self) -> EllipseSlip<f64> {
         let ([speed, w_t, w_n, w_c], radii) =
             (self.motion, (self.pressed_radius, self.ball_radius));
@@ -156,24 +157,25 @@ impl<S: Simd> Inner<S> {
 }
 
 /// Sums over all lines; those of the slopes only if `SLOPED`.
-struct Gather<'a, const SLOPED: bool> {
-    rule: &'a Quadrature,
-    point: &'a Point,
-    slip: EllipseSlip<f64>,
-    totals: [Block; ALL],
+struct Gather<'a, const N: usize, const SLOPED: bool> {
+    nodes: &'a [Nodes<'a>; N],
+    points: &'a [Point; N],
+    slips: &'a [EllipseSlip<f64>; N],
+    totals: [[Block; ALL]; N],
 }
 
-impl<const SLOPED: bool> Gather<'_, SLOPED> {
+impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
     /// The sums (T21) of a line whose spin pole is inside.
     #[inline(always)]
-    fn near<S: Simd>(&self, simd: S, xi: f64) -> [f64; 6] {
-        let (v_t, (b_0, b_1)) = (self.slip.along(xi), self.slip.across(xi));
+    fn near<S: Simd>(&self, simd: S, ellipse: usize, xi: f64) -> [f64; 6] {
+        let (slip, rule) = (&self.slips[ellipse], self.nodes[ellipse].rule);
+        let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
         let s = (Lane::splat(simd, b_0), Lane::splat(simd, b_1));
-        let square = Lane::splat(simd, v_t * v_t + self.slip.creep * self.slip.creep);
-        let near = Near::of(&self.slip, xi);
+        let square = Lane::splat(simd, v_t * v_t + slip.creep * slip.creep);
+        let near = Near::of(slip, xi);
         let mut sums = [[0.0; BLOCK]; 6];
-        for first in (0..Near::len(self.rule)).step_by(BLOCK) {
-            let (places, weights) = near.nodes(simd, self.rule, first);
+        for first in (0..Near::len(rule)).step_by(BLOCK) {
+            let (places, weights) = near.nodes(simd, rule, first);
             for i in (0..BLOCK).step_by(S::F64_LANES) {
                 let mut inner = Inner::load(simd, &sums, i);
                 let node = (Lane::load(simd, &places[i..]), Lane::load(simd, &weights[i..]));
@@ -181,7 +183,9 @@ impl<const SLOPED: bool> Gather<'_, SLOPED> {
                 inner.store(&mut sums, i);
             }
         }
-        fold(simd, &sums)
+        let mut folded = [0.0; 6];
+        fold(simd, &sums, &mut folded);
+        folded
     }
 }
 
@@ -207,8 +211,7 @@ impl<S: Simd> Inner<S> {
 
 /// Sums over blocks, in the same order for all widths.
 #[inline(always)]
-fn fold<S: Simd, const N: usize>(simd: S, blocks: &[Block; N]) -> [f64; N] {
-    let mut sums = [0.0; N];
+fn fold<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     for (sum, block) in sums.iter_mut().zip(blocks) {
         // One of them is as long as a block.
         *sum = match S::F64_LANES {
@@ -218,21 +221,22 @@ fn fold<S: Simd, const N: usize>(simd: S, blocks: &[Block; N]) -> [f64; N] {
             _ => Lane::<S, 1>::load(simd, block).sum(),
         };
     }
-    sums
 }
 
-impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
+impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLOPED> {
     #[inline(always)]
-    fn visit(&mut self, simd: S, lines: &Lines) {
-        let slip = self.slip.splat(simd);
+    fn visit(&mut self, simd: S, ellipse: usize, lines: &Lines) {
+        let (slip, point) = (self.slips[ellipse].splat(simd), &self.points[ellipse]);
+        let rule = self.nodes[ellipse].rule;
         for at in (0..BLOCK).step_by(S::F64_LANES) {
             let xi = Lane::<S>::load(simd, &lines.xi[at..]);
             let weight = Lane::<S>::load(simd, &lines.weight[at..]);
-            let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
+            let chord = Lane::<S>::load(simd, &lines.chord[at..]);
+            let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across_at(xi, chord));
             let square = v_t * v_t + slip.creep * slip.creep;
             let mut inner = Inner::zero(simd);
             if let Some(count) = lines.inner {
-                for (s, part) in &self.rule.inner[count] {
+                for (s, part) in &rule.inner[count] {
                     let node = (Lane::splat(simd, *s), Lane::splat(simd, *part));
                     inner.add::<SLOPED>(square, (b_0, b_1), node);
                 }
@@ -242,7 +246,7 @@ impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
                 inner.store(&mut sums, at);
                 for i in at..(at + S::F64_LANES) {
                     if lines.inside[i] {
-                        let near = self.near(simd, lines.xi[i]);
+                        let near = self.near(simd, ellipse, lines.xi[i]);
                         for (sum, near) in sums.iter_mut().zip(near) {
                             sum[i] = near;
                         }
@@ -257,18 +261,19 @@ impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
             );
             // T = v_t J₀,  C = b₀ J₀ + b₁ J₁,  S = b₀ J₁ + b₁ J₂
             let (t, c, s) = (v_t * j[0], b_0 * j[0] + b_1 * j[1], b_0 * j[1] + b_1 * j[2]);
-            let (a, b) = self.point.semi_axes;
-            let (x, y, h) = (xi * a, chord(xi) * b, slip.height(xi));
+            let (a, b) = point.semi_axes;
+            let (x, y, h) = (xi * a, chord * b, slip.height(xi));
+            let totals = &mut self.totals[ellipse];
             // F_t = −T,  F_c = C,  M_t = −h C,  M_n = −(x T + Y S),  M_c = −h T,
             // P = v_t T + b₀ C + b₁ S                                     (T22)
             let m_n = -(x * t + y * s);
             let power = v_t * t + b_0 * c + b_1 * s;
             let values = [-t, c, -(h * c), m_n, -(h * t), power];
-            for (total, value) in self.totals.iter_mut().zip(values) {
+            for (total, value) in totals.iter_mut().zip(values) {
                 (Lane::load(simd, &total[at..]) + value).store(&mut total[at..]);
             }
             if SLOPED {
-                let [_, w_t, w_n, w_c] = self.point.motion;
+                let [_, w_t, w_n, w_c] = point.motion;
                 // T_v = J₀ − v_t² K₀,  T_b = −v_t (b₀ K₀ + b₁ K₁),  T_s = −v_t (b₀ K₁ + b₁ K₂)
                 let t_v = j[0] - v_t * v_t * k[0];
                 let t_b = -(v_t * (b_0 * k[0] + b_1 * k[1]));
@@ -305,7 +310,7 @@ impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
                     m_n - (x * t_g + y * s_g),
                     -(h * t_g + dh * t),
                 ];
-                for (total, slope) in self.totals[VALUES..].iter_mut().zip(slopes) {
+                for (total, slope) in totals[VALUES..].iter_mut().zip(slopes) {
                     (Lane::load(simd, &total[at..]) + slope).store(&mut total[at..]);
                 }
             }
@@ -314,6 +319,9 @@ impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
 }
 
 impl Sums {
+    const NONE: Self = Self { values: [0.0; SUMS], power: 0.0, slopes: [[0.0; SLOPES]; SUMS] };
+
+    #[inline(always)]
     fn of(all: [f64; ALL]) -> Self {
         let [
             // Force, moment and their power.
@@ -363,7 +371,11 @@ impl Sums {
         points: &[Point; N],
         nodes: &[Nodes<'_>; N],
     ) -> [Self; N] {
-        all::<S, N, SLOPED>(simd, points, nodes).map(Self::of)
+        let mut sums = [Self::NONE; N];
+        for (sums, all) in sums.iter_mut().zip(all::<S, N, SLOPED>(simd, points, nodes)) {
+            *sums = Self::of(all);
+        }
+        sums
     }
 }
 
@@ -373,21 +385,17 @@ fn all<S: Simd, const N: usize, const SLOPED: bool>(
     points: &[Point; N],
     nodes: &[Nodes<'_>; N],
 ) -> [[f64; ALL]; N] {
-    let slips = from_fn(|i| points[i].slip());
-    let mut gathered = from_fn(|i| {
-        let (rule, totals) = (nodes[i].rule, [[0.0; BLOCK]; ALL]);
-        Gather::<SLOPED> { rule, point: &points[i], slip: slips[i], totals }
-    });
+    let mut slips = [points[0].slip(); N];
+    for (slip, point) in slips.iter_mut().zip(points) {
+        *slip = point.slip();
+    }
+    let totals = [[[0.0; BLOCK]; ALL]; N];
+    let mut gathered = Gather::<N, SLOPED> { nodes, points, slips: &slips, totals };
     walk_along(simd, nodes, &slips, &mut gathered);
     let mut sums = [[0.0; ALL]; N];
-    for (sums, gathered) in sums.iter_mut().zip(&gathered) {
-        if SLOPED {
-            *sums = fold(simd, &gathered.totals);
-        } else {
-            let [f_t, f_c, m_t, m_n, m_c, power, ..] = &gathered.totals;
-            let values: [f64; VALUES] = fold(simd, &[*f_t, *f_c, *m_t, *m_n, *m_c, *power]);
-            sums[..VALUES].copy_from_slice(&values);
-        }
+    for (sums, totals) in sums.iter_mut().zip(&gathered.totals) {
+        let some = if SLOPED { ALL } else { VALUES };
+        fold(simd, &totals[..some], &mut sums[..some]);
     }
     sums
 }
@@ -433,7 +441,7 @@ struct Collect<'a> {
 }
 
 impl<S: Simd> Visit<S> for Collect<'_> {
-    fn visit(&mut self, simd: S, lines: &Lines) {
+    fn visit(&mut self, simd: S, _ellipse: usize, lines: &Lines) {
         for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
             let chord = chord(xi);
             if lines.inside[i] || !self.constant {
@@ -480,9 +488,9 @@ impl Plan {
     }
 }
 
-impl<S: Simd> Visit<S> for Plan {
-    fn visit(&mut self, _simd: S, lines: &Lines) {
-        self.split = lines.split;
-        self.lines.push((lines.inner, lines.inside));
+impl<S: Simd, const N: usize> Visit<S> for [Plan; N] {
+    fn visit(&mut self, _simd: S, ellipse: usize, lines: &Lines) {
+        self[ellipse].split = lines.split;
+        self[ellipse].lines.push((lines.inner, lines.inside));
     }
 }

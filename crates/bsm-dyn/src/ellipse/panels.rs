@@ -231,8 +231,14 @@ impl<F: Compare> EllipseSlip<F> {
     /// Slip across it, `$-(b_0 + b_1 s)$`.
     #[inline(always)]
     pub(super) fn across(&self, xi: F) -> (F, F) {
+        self.across_at(xi, chord(xi))
+    }
+
+    /// The same of a line with this [`chord`].
+    #[inline(always)]
+    pub(super) fn across_at(&self, xi: F, chord: F) -> (F, F) {
         // b₀ = ω_t h,  b₁ = ω_N Y                                        (T13)
-        (self.roll * self.height(xi), self.turn * chord(xi))
+        (self.roll * self.height(xi), self.turn * chord)
     }
 
     /// Height over the ball centre.
@@ -326,6 +332,8 @@ pub(super) struct Lines {
     /// Places over the long semi-axis, and their parts of the load.
     pub(super) xi: Block,
     pub(super) weight: Block,
+    /// Half their lengths over the short semi-axis.
+    pub(super) chord: Block,
     /// How many inner nodes, for places and weights; none where all poles are inside.
     pub(super) inner: Option<usize>,
     /// Of each line, whether the spin pole is inside the ellipse.
@@ -345,6 +353,7 @@ struct Panel<'a> {
 }
 
 /// The parts of the long axis of an ellipse.
+#[derive(Clone, Copy)]
 pub(super) struct Panels<'a> {
     panels: [Panel<'a>; 4],
     count: usize,
@@ -355,6 +364,7 @@ impl Lines {
     const NONE: Self = Self {
         xi: [0.0; BLOCK],
         weight: [0.0; BLOCK],
+        chord: [0.0; BLOCK],
         inner: None,
         inside: [false; BLOCK],
         any_inside: false,
@@ -362,17 +372,10 @@ impl Lines {
     };
 }
 
-/// What is done with the lines of an ellipse.
+/// What is done with the lines of a few ellipses.
 pub(super) trait Visit<S: Simd> {
-    /// A few lines.
-    fn visit(&mut self, simd: S, lines: &Lines);
-}
-
-impl<S: Simd, V: Visit<S>> Visit<S> for &mut V {
-    #[inline(always)]
-    fn visit(&mut self, simd: S, lines: &Lines) {
-        V::visit(self, simd, lines);
-    }
+    /// A few lines of an ellipse.
+    fn visit(&mut self, simd: S, ellipse: usize, lines: &Lines);
 }
 
 impl<'a> Panels<'a> {
@@ -396,10 +399,11 @@ impl<'a> Panels<'a> {
                 slip.analyticity(poles[i].at).store(&mut square[i][first..]);
             }
         }
-        let mut all = std::array::from_fn(|c| {
-            let poles = [0, 1].map(|i| Pole { at: at[i][c], width: width[i][c] });
-            Self::between(nodes[c], poles, [square[0][c], square[1][c]])
-        });
+        let mut all = [Self::none(nodes[0].rule); N];
+        for c in 0..N {
+            let pole = |i: usize| Pole { at: at[i][c], width: width[i][c] };
+            all[c] = Self::between(nodes[c], [pole(0), pole(1)], [square[0][c], square[1][c]]);
+        }
         // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j)        (T17)
         let mut ends = [0.0; 2 * BLOCK];
         let mut found = 0;
@@ -422,11 +426,18 @@ impl<'a> Panels<'a> {
         all
     }
 
+    #[inline(always)]
+    fn none(rule: &'a Quadrature) -> Self {
+        let pole = Pole { at: 0.0, width: 1.0 };
+        let none = Panel { pole, ends: [0.0; 2], nodes: &rule.panel };
+        Self { panels: [none; 4], count: 0, split: [false; 2] }
+    }
+
     /// Around two poles with these `$\sinh^2\eta$`, split where they are inside.
+    #[inline(always)]
     fn between(nodes: Nodes<'a>, poles: [Pole<f64>; 2], square: [f64; 2]) -> Self {
         let Nodes { rule, plan } = nodes;
-        let none = Panel { pole: poles[0], ends: [0.0; 2], nodes: &rule.panel };
-        let mut all = Self { panels: [none; 4], count: 0, split: [false; 2] };
+        let mut all = Self::none(rule);
         let middle = clamp(0.5 * (poles[0].at + poles[1].at), -1.0, 1.0);
         for (i, (low, high)) in [(-1.0, middle), (middle, 1.0)].into_iter().enumerate() {
             let pole = poles[i];
@@ -436,7 +447,7 @@ impl<'a> Panels<'a> {
                 if all.split[i] { (pole.at, &rule.part) } else { (high, &rule.panel) };
             for (low, high) in [(low, cut), (cut, high)] {
                 if low < high {
-                    let ends = [low, high].map(|end| (end - pole.at) / pole.width);
+                    let ends = [(low - pole.at) / pole.width, (high - pole.at) / pole.width];
                     all.panels[all.count] = Panel { pole, ends, nodes };
                     all.count += 1;
                 }
@@ -512,15 +523,15 @@ struct At {
 
 /// Lines of a few places on the way along the ellipse, so that the processor works on some while it waits for
 /// others.
-const AHEAD: usize = 4;
+const AHEAD: usize = 2;
 
 /// Goes through the lines across a few ellipses.
 #[inline(always)]
-pub(super) fn walk_along<S: Simd, V: Visit<S>, const N: usize>(
+pub(super) fn walk_along<S: Simd, const N: usize>(
     simd: S,
     nodes: &[Nodes<'_>; N],
     slips: &[EllipseSlip<f64>; N],
-    visitors: &mut [V; N],
+    visitor: &mut impl Visit<S>,
 ) {
     let all = Panels::of(simd, nodes, slips);
     let mut at = [At::default(); N];
@@ -539,7 +550,7 @@ pub(super) fn walk_along<S: Simd, V: Visit<S>, const N: usize>(
         }
         for c in 0..N {
             for lines in &lines[c][..found[c]] {
-                visitors[c].visit(simd, lines);
+                visitor.visit(simd, c, lines);
             }
         }
     }
@@ -553,7 +564,7 @@ pub(super) fn walk<S: Simd>(
     slip: &EllipseSlip<f64>,
     visitor: &mut impl Visit<S>,
 ) {
-    walk_along(simd, &[nodes], &[*slip], &mut [visitor]);
+    walk_along(simd, &[nodes], &[*slip], visitor);
 }
 
 /// Place of a line on the long axis and its part of the load, from a node in the variable of (T17) and its
@@ -592,7 +603,8 @@ fn lines<S: Simd>(
     slip: &EllipseSlip<Lane<S>>,
     block: &LineNodes,
 ) -> Lines {
-    let (mut xi, mut load, mut square) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+    let (mut xi, mut load) = ([0.0; BLOCK], [0.0; BLOCK]);
+    let (mut half, mut square) = ([0.0; BLOCK], [0.0; BLOCK]);
     for i in (0..BLOCK).step_by(S::F64_LANES) {
         let at = Lane::<S>::load(simd, &block.at[i..]);
         let width = Lane::load(simd, &block.width[i..]);
@@ -603,6 +615,7 @@ fn lines<S: Simd>(
         let (x, part) = line(&Pole { at, width }, from + length * place, length * part);
         x.store(&mut xi[i..]);
         part.store(&mut load[i..]);
+        chord(x).store(&mut half[i..]);
         if planned.is_none() {
             slip.analyticity(x).store(&mut square[i..]);
         }
@@ -612,7 +625,7 @@ fn lines<S: Simd>(
         None => rule.along(&square),
     };
     let any_inside = inside != [false; BLOCK];
-    Lines { xi, weight: load, inner, inside, any_inside, split: [false; 2] }
+    Lines { xi, weight: load, chord: half, inner, inside, any_inside, split: [false; 2] }
 }
 
 /// The fields of a few slips, side by side.
