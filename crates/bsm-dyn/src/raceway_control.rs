@@ -508,7 +508,7 @@ mod tests {
             }
             let Ok(pair) = screw.scaled() else { continue };
             let [nut, screw] =
-                Control::ALL.map(|race| Grip::controlled(&pair, race, &mut newton).ok());
+                Control::ALL.map(|race| Grip::controlled(&pair, race, None, &mut newton).ok());
             let (Some(nut), Some(screw)) = (nut, screw) else { continue };
             solved += 1;
             asked += usize::from(!nut.is_clear(&pair));

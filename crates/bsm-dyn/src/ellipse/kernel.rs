@@ -10,7 +10,7 @@
 use std::array::from_fn;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
-use bsm_simd::{Arch, BLOCK, Block, Lane, Simd, WithSimd};
+use bsm_simd::{Arch, BLOCK, Block, Lane, NullaryFnOnce, Simd, WithSimd};
 
 use super::Quadrature;
 use super::panels::{EllipseSlip, FAR, Lines, Nodes, Plan, Visit, chord, walk, walk_along};
@@ -165,10 +165,27 @@ struct Gather<'a, const N: usize, const SLOPED: bool> {
 }
 
 impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
-    /// The sums (T21) of a line whose spin pole is inside.
+    /// The sums (T21) of a line whose spin pole is inside: rare, so that its code is out of the way.
     #[inline(always)]
     fn near<S: Simd>(&self, simd: S, ellipse: usize, xi: f64) -> [f64; 6] {
         let (slip, rule) = (&self.slips[ellipse], self.nodes[ellipse].rule);
+        simd.vectorize(NearLine::<S, SLOPED> { simd, rule, slip, xi })
+    }
+}
+
+struct NearLine<'a, S, const SLOPED: bool> {
+    simd: S,
+    rule: &'a Quadrature,
+    slip: &'a EllipseSlip<f64>,
+    xi: f64,
+}
+
+impl<S: Simd, const SLOPED: bool> NullaryFnOnce for NearLine<'_, S, SLOPED> {
+    type Output = [f64; 6];
+
+    #[inline(always)]
+    fn call(self) -> [f64; 6] {
+        let Self { simd, rule, slip, xi } = self;
         let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
         let s = (Lane::splat(simd, b_0), Lane::splat(simd, b_1));
         let square = Lane::splat(simd, v_t * v_t + slip.creep * slip.creep);

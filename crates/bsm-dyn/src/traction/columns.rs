@@ -33,7 +33,7 @@ pub(super) struct Evaluated {
     pub(super) transmitted: Transmitted,
     /// Derivatives of the equations and of the torque by the unknowns, if asked for, and a place that is zero.
     rows: [Block; BALL],
-    slope: Block,
+    pub(super) slope: Block,
 }
 
 impl Rolling<'_> {
