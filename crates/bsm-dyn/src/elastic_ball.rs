@@ -140,7 +140,7 @@ pub(crate) struct ElasticBall<P = f64> {
     /// Offsets of the groove arcs and unloaded contact angle.
     pub(crate) jones: Jones<P>,
     /// Approaches at nut and screw under the axial load.
-    approach: [P; 2],
+    pub(crate) approach: [P; 2],
     /// Semi-axes at nut and screw under the axial load.
     pub(crate) semi_axes: [(P, P); 2],
     /// Radii of the pressed surfaces.
@@ -424,8 +424,18 @@ impl ElasticScrew {
         screw: &Wrench<f64>,
         friction_power: f64,
     ) -> Result<Transmission, Unsolved> {
+        self.transmission_at(pair, torque(screw, pair.helix.radius, frame), friction_power)
+    }
+
+    /// The same of the scaled torque on the screw.
+    pub(crate) fn transmission_at(
+        &self,
+        pair: &ElasticBall,
+        torque: f64,
+        friction_power: f64,
+    ) -> Result<Transmission, Unsolved> {
         let unit = self.ball.radius * self.load.axial;
-        let torque = self.screw_torque(pair, frame, screw);
+        let torque = torque * unit;
         let speed = self.drive.relative_speed();
         let transmission = Transmission::of(pair.direction, self.ideal_torque(), torque, speed)
             .against(friction_power * unit * speed.abs());

@@ -8,7 +8,8 @@ mod panels;
 
 use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 
-use self::kernel::{MOTION, Point};
+use self::kernel::MOTION;
+pub(crate) use self::kernel::{Point, Sums};
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
 pub(crate) use self::panels::{Nodes, Plan};
 use crate::{Coulomb, FrictionLaw, Wrench};
@@ -167,11 +168,6 @@ pub(crate) trait Lanes<P>: Over<P> {
 }
 
 impl<P: Scalar, D: Scalar> Ellipse<D, P> {
-    /// The numbers of nodes that this contact takes now.
-    pub(crate) fn plan(&self, local: &Local<D>, creep: f64, rule: &Quadrature) -> Plan {
-        kernel::plan(&self.point(local, creep), rule)
-    }
-
     /// The values without derivatives.
     fn point(&self, local: &Local<D>, creep: f64) -> Point {
         Point {
@@ -204,12 +200,12 @@ impl Lanes<f64> for f64 {
         creep: f64,
         nodes: Nodes<'_>,
     ) -> (Integral<f64>, f64) {
-        let (sums, power) = kernel::sums(&ellipse.point(local, creep), nodes);
-        (Integral::from_sums(sums), power)
+        let sums = kernel::sums::<false>(&ellipse.point(local, creep), nodes);
+        (Integral::from_sums(sums.values), sums.power)
     }
 
     fn power(ellipse: &Ellipse<f64>, local: &Local<f64>, creep: f64, nodes: Nodes<'_>) -> f64 {
-        kernel::sums(&ellipse.point(local, creep), nodes).1
+        kernel::sums::<false>(&ellipse.point(local, creep), nodes).power
     }
 }
 
@@ -220,13 +216,14 @@ impl<const N: usize> Lanes<f64> for Jet<N> {
         creep: f64,
         nodes: Nodes<'_>,
     ) -> (Integral<Self>, f64) {
-        let (sums, power, slopes) = kernel::slopes(&ellipse.point(local, creep), nodes);
+        let Sums { values, power, slopes } =
+            kernel::sums::<true>(&ellipse.point(local, creep), nodes);
         // Both semi-axes grow alike.
         let growth = ellipse.semi_axes.0 * ellipse.semi_axes.0.re.recip();
         let [a, t, n, c] = local.numbers();
         let arguments = [a, t, n, c, growth];
         let sloped = Integral::from_sums(std::array::from_fn(|i| Jet {
-            re: sums[i],
+            re: values[i],
             eps: std::array::from_fn(|k| {
                 arguments.iter().zip(&slopes[i]).map(|(a, slope)| slope * a.eps[k]).sum()
             }),
@@ -389,7 +386,8 @@ mod tests {
             let (fast, sloped_power) =
                 Jet::integrate(&ellipse, &local, creep, (&quadrature).into());
             let point = ellipse.point(&local, creep);
-            let (values, fast_power) = kernel::sums(&point, (&quadrature).into());
+            let Sums { values, power: fast_power, .. } =
+                kernel::sums::<false>(&point, (&quadrature).into());
             // Rounding of sums of terms of at most one, and of slopes of at most 1/v_e.
             let same = |a: Jet<5>, b: Jet<5>| {
                 (a.re - b.re).abs() <= 1e-13
@@ -441,7 +439,7 @@ mod tests {
             let (ellipse, local) = sloped([along, roll, turn, bend], (a, a / ratio));
             let point = ellipse.point(&local, 1e-4);
             let wrench = |rule: &Quadrature| {
-                let [f_t, f_c, m_t, m_n, m_c] = kernel::sums(&point, rule.into()).0;
+                let [f_t, f_c, m_t, m_n, m_c] = kernel::sums::<false>(&point, rule.into()).values;
                 [f_t, f_c, m_t, m_n / a, m_c]
             };
             let [exact, other] = fine.each_ref().map(wrench);

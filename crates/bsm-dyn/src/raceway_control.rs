@@ -139,17 +139,18 @@ impl Grip {
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, Unsolved> {
-        let nut = Self::controlled(pair, control.unwrap_or(Control::Nut), newton);
+        let nut = Self::controlled(pair, control.unwrap_or(Control::Nut), None, newton);
         if control.is_some() {
             return nut;
         }
         match nut {
             Ok(nut) if control_of(pair, &nut.loaded) == Control::Nut => Ok(nut),
             Ok(nut) => {
-                let screw = Self::controlled(pair, Control::Screw, newton)?;
+                let near = Some(nut.unknowns);
+                let screw = Self::controlled(pair, Control::Screw, near, newton)?;
                 Ok(Self { steps: nut.steps + screw.steps, ..screw })
             }
-            Err(none) => match Self::controlled(pair, Control::Screw, newton) {
+            Err(none) => match Self::controlled(pair, Control::Screw, None, newton) {
                 Ok(screw) if control_of(pair, &screw.loaded) == Control::Screw => Ok(screw),
                 _ => Err(none),
             },
@@ -160,10 +161,11 @@ impl Grip {
     fn controlled(
         pair: &ElasticBall,
         control: Control,
+        near: Option<[f64; STATIC]>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, Unsolved> {
         let balance = Balance::new(pair, control);
-        Ok(Self::at(&balance, balance.first_root(newton)?))
+        Ok(Self::at(&balance, balance.first_root(near, newton)?))
     }
 
     /// The ball of a root.
@@ -191,7 +193,7 @@ impl Grip {
         let mut others: Vec<_> = farther.into_iter().map(|root| Self::at(&same, root)).collect();
         let decided = control.is_some() || self.control == Control::Screw || self.is_clear(pair);
         if !decided
-            && let Ok(screw) = Self::controlled(pair, Control::Screw, newton)
+            && let Ok(screw) = Self::controlled(pair, Control::Screw, Some(self.unknowns), newton)
             && screw.is_consistent(pair)
         {
             others.push(screw);
@@ -506,7 +508,7 @@ mod tests {
             }
             let Ok(pair) = screw.scaled() else { continue };
             let [nut, screw] =
-                Control::ALL.map(|race| Grip::controlled(&pair, race, &mut newton).ok());
+                Control::ALL.map(|race| Grip::controlled(&pair, race, None, &mut newton).ok());
             let (Some(nut), Some(screw)) = (nut, screw) else { continue };
             solved += 1;
             asked += usize::from(!nut.is_clear(&pair));

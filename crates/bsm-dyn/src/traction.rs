@@ -2,23 +2,27 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T9) to (T11).
 
+mod columns;
 mod path;
 mod root;
 mod scatter;
 mod sensitivities;
 
-use bsm_kin::{Motion, Scalar};
+use bsm_kin::{Helix, Motion, Scalar};
+use bsm_simd::Block;
 use bsm_newton::{EvalError, Options, Report, Scales, solve};
 
+use self::columns::{Transmitted, Watched};
 use self::path::PATH;
+use self::root::Refined;
 pub(crate) use self::root::Root;
-use crate::balance::{ideal_torque, torque};
+use crate::balance::ideal_torque;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::ball_unknowns::{BALL, ROWS, weight};
+use crate::ball_unknowns::{BALL, weight};
 use crate::elastic_ball::refused;
 use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
 use crate::ellipse::{Lanes, Local, Nodes, Plan, Quadrature};
-use crate::equations::{Workspace, equations};
+use crate::equations::Workspace;
 use crate::raceway_control::{Grip, STATIC};
 use crate::{
     BallState, ErrorBound, Model, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission,
@@ -33,7 +37,9 @@ const OMEGA: [usize; 3] = [4, 5, 6];
 const COARSE: f64 = 1e-4;
 const SEARCH: f64 = 1e-6;
 /// Residual from which the first try is left to the quadrature that is asked for.
-const NEAR: f64 = 1e-3;
+const NEAR: f64 = 1e-4;
+/// Residual below which steps keep the Jacobian; that whose square is enough, if it is larger.
+const KEEP: f64 = 1e-4;
 const FINER: [f64; 2] = [1e-6, Traction::ACCURACY];
 
 /// A solve may take this many steps.
@@ -192,31 +198,18 @@ impl<'a> Rolling<'a> {
 }
 
 impl Rolling<'_> {
-    /// The numbers of nodes of a state.
-    fn plans(&self, y: &[f64; BALL]) -> Result<[Plan; 2], EvalError> {
-        let (pair, loaded) = (self.pair, self.loaded(y)?);
-        let motions = pair.relative(&self.to_nut(y, &loaded), &loaded.frame);
-        Ok(std::array::from_fn(|i| {
-            let local = Local::of(&motions[i], &loaded.contacts[i], pair.arc);
-            pair.ellipse(i, &loaded).plan(&local, self.creep, self.quadrature)
-        }))
-    }
-
     /// What the efficiency of a root of another quadrature differs from that of this one, as it is stated:
     /// ten times as much, and no less than rounding is worth (T25).
     ///
-    /// * `newton`: as the solve for the root has left it.
-    fn error(&self, root: &Root, efficiency: f64, newton: &mut Workspace) -> f64 {
-        let stepped = self.residual(&root.unknowns).and_then(|residual| {
+    /// * `slope`: of the torque by the unknowns. * `newton`: as the solve for the root has left it.
+    fn error(&self, root: &Root, slope: &Block, efficiency: f64, newton: &mut Workspace) -> f64 {
+        let other = self.evaluated::<false>(&root.unknowns).map_or(f64::NAN, |found| {
             // y' = y − J⁻¹ F'(y)                                          (T24)
-            let step = newton.correction(&residual);
-            let y = std::array::from_fn(|i| root.unknowns[i] + step[i]);
-            self.state(&y)
-        });
-        let other = stepped.map_or(f64::NAN, |state| {
-            let radius = self.pair.helix.radius;
-            let ideal = ideal_torque(1.0, radius, self.pair.helix.lead_angle);
-            let torque = torque(&state.wrench[1], radius, &state.loaded.frame);
+            let step = newton.correction(&found.left);
+            let further = step.iter().zip(slope).map(|(x, slope)| x * slope).sum::<f64>();
+            let torque = found.transmitted.torque + further;
+            let Helix { radius, lead_angle } = self.pair.helix;
+            let ideal = ideal_torque(1.0, radius, lead_angle);
             crate::balance::efficiency(self.pair.direction, ideal, torque)
         });
         // δη = max(10 |η'(y') − η(y)|, 10⁻⁹)                              (T25)
@@ -274,20 +267,28 @@ impl Rolling<'_> {
 
     /// One damped Newton solve from `y`.
     fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
-        let weights = self.weights(y);
+        Watched::new(self).run(y, newton)
+    }
+}
+
+impl Watched<'_> {
+    fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+        let weights = self.ball.weights(y);
         let scales = Scales { x: &[1.0; BALL], f: &weights };
+        let enough = self.ball.enough;
         let options = Options {
-            residual_tol: self.enough.max(1e-10),
-            residual_goal: self.enough,
+            residual_tol: enough.max(1e-10),
+            residual_goal: enough,
             max_steps: MOST_STEPS,
             slopes_at_trials: true,
+            keep_below: enough.sqrt().max(KEEP),
             ..Options::default()
         };
         solve(self, y, &scales, &options, newton)
     }
 }
 
-equations!(Rolling<'_>, BALL, Rolling::residual, ROWS);
+
 
 impl Traction {
     /// Solves for the steady motion of the ball.
@@ -356,7 +357,7 @@ impl Traction {
             coarse.search(grip, false, (newton, path), &mut steps).ok()
         };
         let refined = near.and_then(|near| ball.refined(&near, newton, &mut steps));
-        let (root, plans) = match (refined, from) {
+        let refined = match (refined, from) {
             (Some(refined), _) => refined,
             (None, Some(_)) => return Err(Unsolved::LOST),
             (None, None) => {
@@ -369,13 +370,14 @@ impl Traction {
                 ball.refined(&near, newton, &mut steps).ok_or(Unsolved::LOST)?
             }
         };
-        let ball = Rolling { plans: Some(&plans), ..ball.of(&root) };
-        let state = ball.state(&root.unknowns).map_err(refused)?;
-        let steady = self.screw.ball_state(pair, &state.loaded, &state.to_nut)?;
-        let frame = &state.loaded.frame;
-        let transmission = self.screw.transmission(pair, frame, &state.wrench[1], state.power)?;
-        let checked = Rolling { quadrature: &rules[places[3]].check, plans: None, ..ball };
-        let error = checked.error(&root, transmission.efficiency, newton);
+        let Refined { root, transmitted: Transmitted { torque, power }, torque_slope } = refined;
+        let ball = ball.of(&root);
+        let loaded = ball.loaded(&root.unknowns).map_err(refused)?;
+        let to_nut = ball.to_nut(&root.unknowns, &loaded);
+        let steady = self.screw.ball_state(pair, &loaded, &to_nut)?;
+        let transmission = self.screw.transmission_at(pair, torque, power)?;
+        let checked = Rolling { quadrature: &rules[places[3]].check, ..ball };
+        let error = checked.error(&root, &torque_slope, transmission.efficiency, newton);
         let info = SolveInfo { steps, residual: root.residual };
         Ok(Found { ball: steady, transmission, skid: grip.skid(pair), info, root, error })
     }

@@ -8,7 +8,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 
 use num_traits::{One, Zero};
 
-use crate::{Field, Scalar};
+use crate::{Field, Scalar, cube_root};
 
 /// A value and its partial derivatives with respect to `N` variables.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +55,7 @@ impl<const N: usize> Field for Jet<N> {
     }
 
     fn cbrt(self) -> Self {
-        let root = self.re.cbrt();
+        let root = cube_root(self.re);
         self.chain(root, (3.0 * root * root).recip())
     }
 

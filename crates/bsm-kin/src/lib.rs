@@ -13,6 +13,7 @@ mod frame;
 mod helix;
 mod jet;
 mod motion;
+mod root;
 mod scalar;
 
 pub use contact::{Contact, Site};
@@ -21,4 +22,5 @@ pub use frame::BallFrame;
 pub use helix::{FrenetFrame, Helix};
 pub use jet::Jet;
 pub use motion::{Drive, Motion};
+pub use root::cube_root;
 pub use scalar::{Over, Scalar};

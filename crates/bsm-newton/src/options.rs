@@ -19,6 +19,9 @@ pub struct Options {
     /// Evaluate the Jacobian with the residual at every trial, for models whose trials are hardly ever
     /// rejected, and which compute both at once. Default `false`: after a trial is accepted.
     pub slopes_at_trials: bool,
+    /// With `slopes_at_trials`: a trial from a residual below this has no Jacobian of its own, and the steps
+    /// from there keep the last one as long as each lowers the residual to a tenth. Default `0`.
+    pub keep_below: f64,
 }
 
 impl Default for Options {
@@ -31,6 +34,7 @@ impl Default for Options {
             max_halvings: 20,
             max_steps: 50,
             slopes_at_trials: false,
+            keep_below: 0.0,
         }
     }
 }

@@ -139,6 +139,7 @@ fn iterate<S: System + ?Sized>(
     }
     work.d_f.as_mut().copy_from_slice(scales.f.as_ref());
     let (d_x, d_f) = (scales.x.as_ref(), scales.f.as_ref());
+    let mut held = if joint { Held::Jacobian } else { Held::Nothing };
     loop {
         // ‖D_F F(x_k)‖₂ ≤ residual_tol                                    (N1)
         (report.residual, report.worst_equation) = scaled_norm(work.r.as_ref(), d_f);
@@ -151,7 +152,7 @@ fn iterate<S: System + ?Sized>(
             || report.steps.last().is_some_and(|s| report.residual > 0.5 * s.residual);
         let exhausted = report.steps.len() == options.max_steps;
         if solved && (refined || exhausted) {
-            if joint {
+            if held == Held::Jacobian {
                 factorize_last(work);
             }
             return Status::Converged;
@@ -161,20 +162,25 @@ fn iterate<S: System + ?Sized>(
         }
 
         let ended = |status| if solved { Status::Converged } else { status };
-        if !joint {
-            report.n_jacobian += 1;
-            if let Err(refusal) = system.linearize(x, &mut work.r, &mut work.linear) {
-                report.refusal = Some(refusal);
-                return ended(Status::ModelRefused);
+        // ‖D_F F(x_k)‖₂ ≤ ‖D_F F(x_{k−1})‖₂/10 by the factors of an earlier point
+        let keeps = held == Held::Factors
+            && report.steps.last().is_some_and(|s| report.residual <= 0.1 * s.residual);
+        if !keeps {
+            if held != Held::Jacobian {
+                report.n_jacobian += 1;
+                if let Err(refusal) = system.linearize(x, &mut work.r, &mut work.linear) {
+                    report.refusal = Some(refusal);
+                    return ended(Status::ModelRefused);
+                }
+            }
+            // D_F J(x_k) δx_k = −D_F F(x_k)
+            work.linear.scale_rows(scales.f);
+            if work.linear.factorize().is_err() {
+                return ended(Status::SingularJacobian);
             }
         }
-        // D_F J(x_k) δx_k = −D_F F(x_k)
-        work.linear.scale_rows(scales.f);
         for ((dx, r), d) in work.dx.as_mut().iter_mut().zip(work.r.as_ref()).zip(d_f) {
             *dx = -r * d;
-        }
-        if work.linear.factorize().is_err() {
-            return ended(Status::SingularJacobian);
         }
         work.linear.solve(&mut work.dx);
         let dx = work.dx.as_ref();
@@ -188,15 +194,36 @@ fn iterate<S: System + ?Sized>(
             return ended(Status::Stalled);
         }
 
-        let Some(lambda) = backtrack(system, x, scales, options, work, report, solved) else {
-            if joint && solved {
+        let sloped = joint && report.residual > options.keep_below;
+        let halvings = if solved { 0 } else { options.max_halvings };
+        let trials = (sloped, halvings);
+        let Some(lambda) = backtrack(system, x, scales, options, work, report, trials) else {
+            if keeps && !solved {
+                // Its own Jacobian may do.
+                held = Held::Nothing;
+                continue;
+            }
+            if sloped && solved {
                 factorize_last(work);
             }
             return ended(Status::LineSearchFailed);
         };
+        held = match (joint, sloped) {
+            (_, true) => Held::Jacobian,
+            (true, false) => Held::Factors,
+            (false, false) => Held::Nothing,
+        };
         x.as_mut().copy_from_slice(work.x_trial.as_ref());
         report.steps.push(Step { residual: report.residual, step, lambda });
     }
+}
+
+/// What the matrix holds: the Jacobian of the point, or the factors of this or an earlier one.
+#[derive(PartialEq)]
+enum Held {
+    Nothing,
+    Jacobian,
+    Factors,
 }
 
 /// Evaluates the residual, with the Jacobian if `joint`.
@@ -226,7 +253,7 @@ fn factorize_last<L: LinearSolver>(work: &mut Workspace<L>) {
 /// Largest `$\lambda = 2^{-m}$` with a sufficient decrease; leaves the point in `x_trial`.
 ///
 /// A trial that the model refuses counts as no decrease: the step is halved. A point that
-/// already is a solution is only refined by full steps.
+/// already is a solution is only refined by full steps. Trials are `sloped` or values only.
 fn backtrack<S: System + ?Sized>(
     system: &S,
     x: &VectorOf<S>,
@@ -234,19 +261,18 @@ fn backtrack<S: System + ?Sized>(
     options: &Options,
     work: &mut Workspace<S::Jacobian>,
     report: &mut Report,
-    solved: bool,
+    (sloped, halvings): (bool, u32),
 ) -> Option<f64> {
     // φ(λ) = ½ ‖D_F F(x + λ δx)‖₂²,  φ'(0) = −2 φ(0) along a Newton step   (N4)
     let phi_0 = 0.5 * report.residual.powi(2);
     let mut lambda = 1.0;
-    for _ in 0..=if solved { 0 } else { options.max_halvings } {
+    for _ in 0..=halvings {
         let trial = work.x_trial.as_mut().iter_mut();
         for ((t, x), dx) in trial.zip(x.as_ref()).zip(work.dx.as_ref()) {
             *t = x + lambda * dx;
         }
-        let joint = options.slopes_at_trials;
         let into = (&mut work.r, &mut work.linear);
-        match evaluate(system, &work.x_trial, joint, into, report) {
+        match evaluate(system, &work.x_trial, sloped, into, report) {
             // φ(λ) ≤ (1 − 2 γ λ) φ(0)                                     (N5)
             Ok(()) => {
                 let phi = 0.5 * scaled_norm(work.r.as_ref(), scales.f.as_ref()).0.powi(2);

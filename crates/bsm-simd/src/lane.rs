@@ -154,6 +154,19 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Self { x: parts!(self.x, i, self.simd.sqrt_f64s(self.x[i])), ..self }
     }
 
+    /// The first number that a halving of the numbers ends with, each time adding the second half to the first.
+    #[inline(always)]
+    pub fn sum(mut self) -> f64 {
+        let mut parts = N;
+        while parts > 1 {
+            parts /= 2;
+            for i in 0..parts {
+                self.x[i] = self.simd.add_f64s(self.x[i], self.x[i + parts]);
+            }
+        }
+        self.simd.reduce_sum_f64s(self.x[0])
+    }
+
     /// Absolute value.
     #[inline(always)]
     #[must_use]

@@ -17,7 +17,7 @@ mod trigonometry;
 
 pub use compare::Compare;
 pub use lane::{Lane, Mask};
-pub use pulp::{Arch, Simd, WithSimd};
+pub use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 
 /// Numbers that are worked on together: the widest vectors hold as many.
 pub const BLOCK: usize = 8;

@@ -7,32 +7,44 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
+use std::array::from_fn;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
-use bsm_simd::{Arch, BLOCK, Block, Lane, Simd, WithSimd};
+use bsm_simd::{Arch, BLOCK, Block, Lane, NullaryFnOnce, Simd, WithSimd};
 
 use super::Quadrature;
-use super::panels::{EllipseSlip, FAR, Lines, Nodes, Plan, Visit, chord, walk};
+use super::panels::{EllipseSlip, FAR, Lines, Nodes, Plan, Visit, chord, walk, walk_along};
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Point {
+pub(crate) struct Point {
     /// Semi-axes across and along the groove.
-    pub(super) semi_axes: (f64, f64),
+    pub(crate) semi_axes: (f64, f64),
     /// Radius of the pressed surface.
-    pub(super) pressed_radius: f64,
+    pub(crate) pressed_radius: f64,
     /// Ball radius.
-    pub(super) ball_radius: f64,
+    pub(crate) ball_radius: f64,
     /// Speed of the centre along t; angular velocity about t, N, t × N.
-    pub(super) motion: [f64; MOTION],
+    pub(crate) motion: [f64; MOTION],
     /// Creep speed.
-    pub(super) creep: f64,
+    pub(crate) creep: f64,
+}
+
+/// Friction over `$f Q$` of a contact.
+pub(crate) struct Sums {
+    /// Force along t and t × N; moment about t, N, t × N.
+    pub(crate) values: [f64; SUMS],
+    /// The power that it takes.
+    pub(crate) power: f64,
+    /// Their derivatives, but not that of the power: by the motion, and by the logarithm of the size of the
+    /// ellipse.
+    pub(crate) slopes: [[f64; SLOPES]; SUMS],
 }
 
 /// Numbers of the motion, sums, and derivatives: by the motion and by the growth of both semi-axes.
-pub(super) const MOTION: usize = 4;
-pub(super) const SUMS: usize = 5;
-pub(super) const SLOPES: usize = MOTION + 1;
+pub(crate) const MOTION: usize = 4;
+pub(crate) const SUMS: usize = 5;
+pub(crate) const SLOPES: usize = MOTION + 1;
 
 /// Sums and power; the same with what the derivatives are made of.
 const VALUES: usize = SUMS + 1;
@@ -40,6 +52,7 @@ const ALL: usize = VALUES + 19;
 
 impl Point {
     /// Slip along the long axis.
+    #[inline(always)]
     fn slip(&self) -> EllipseSlip<f64> {
         let ([speed, w_t, w_n, w_c], radii) =
             (self.motion, (self.pressed_radius, self.ball_radius));
@@ -58,7 +71,7 @@ struct Near {
 
 impl Near {
     fn of(slip: &EllipseSlip<f64>, xi: f64) -> Self {
-        let sinh = slip.analyticity(xi);
+        let sinh = slip.analyticity(xi).sqrt();
         let (b_0, b_1) = slip.across(xi);
         // s = cos φ, about φ₀ with cos φ₀ = −Re z/cosh η and the width η: η ≈ sinh η  (T20)
         let cos = -(b_0 / b_1) / sinh.mul_add(sinh, 1.0).sqrt();
@@ -82,7 +95,7 @@ impl Near {
             let (side, node) =
                 if node < rule.part.len() { (0, node) } else { (1, node - rule.part.len()) };
             if node < rule.part.len() {
-                let ((from, length), (place, part)) = (self.sides[side], rule.part[node]);
+                let ((from, length), (place, part)) = (self.sides[side], rule.part.at(node));
                 (places[i], weights[i]) = (from + length * place, length * part);
             }
         }
@@ -144,24 +157,42 @@ impl<S: Simd> Inner<S> {
 }
 
 /// Sums over all lines; those of the slopes only if `SLOPED`.
-struct Gather<'a, const SLOPED: bool> {
-    rule: &'a Quadrature,
-    point: &'a Point,
-    slip: EllipseSlip<f64>,
-    totals: [Block; ALL],
+struct Gather<'a, const N: usize, const SLOPED: bool> {
+    nodes: &'a [Nodes<'a>; N],
+    points: &'a [Point; N],
+    slips: &'a [EllipseSlip<f64>; N],
+    totals: [[Block; ALL]; N],
 }
 
-impl<const SLOPED: bool> Gather<'_, SLOPED> {
-    /// The sums (T21) of a line whose spin pole is inside.
+impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
+    /// The sums (T21) of a line whose spin pole is inside: rare, so that its code is out of the way.
     #[inline(always)]
-    fn near<S: Simd>(&self, simd: S, xi: f64) -> [f64; 6] {
-        let (v_t, (b_0, b_1)) = (self.slip.along(xi), self.slip.across(xi));
+    fn near<S: Simd>(&self, simd: S, ellipse: usize, xi: f64) -> [f64; 6] {
+        let (slip, rule) = (&self.slips[ellipse], self.nodes[ellipse].rule);
+        simd.vectorize(NearLine::<S, SLOPED> { simd, rule, slip, xi })
+    }
+}
+
+struct NearLine<'a, S, const SLOPED: bool> {
+    simd: S,
+    rule: &'a Quadrature,
+    slip: &'a EllipseSlip<f64>,
+    xi: f64,
+}
+
+impl<S: Simd, const SLOPED: bool> NullaryFnOnce for NearLine<'_, S, SLOPED> {
+    type Output = [f64; 6];
+
+    #[inline(always)]
+    fn call(self) -> [f64; 6] {
+        let Self { simd, rule, slip, xi } = self;
+        let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
         let s = (Lane::splat(simd, b_0), Lane::splat(simd, b_1));
-        let square = Lane::splat(simd, v_t * v_t + self.slip.creep * self.slip.creep);
-        let near = Near::of(&self.slip, xi);
+        let square = Lane::splat(simd, v_t * v_t + slip.creep * slip.creep);
+        let near = Near::of(slip, xi);
         let mut sums = [[0.0; BLOCK]; 6];
-        for first in (0..Near::len(self.rule)).step_by(BLOCK) {
-            let (places, weights) = near.nodes(simd, self.rule, first);
+        for first in (0..Near::len(rule)).step_by(BLOCK) {
+            let (places, weights) = near.nodes(simd, rule, first);
             for i in (0..BLOCK).step_by(S::F64_LANES) {
                 let mut inner = Inner::load(simd, &sums, i);
                 let node = (Lane::load(simd, &places[i..]), Lane::load(simd, &weights[i..]));
@@ -169,7 +200,9 @@ impl<const SLOPED: bool> Gather<'_, SLOPED> {
                 inner.store(&mut sums, i);
             }
         }
-        fold(sums)
+        let mut folded = [0.0; 6];
+        fold(simd, &sums, &mut folded);
+        folded
     }
 }
 
@@ -195,33 +228,32 @@ impl<S: Simd> Inner<S> {
 
 /// Sums over blocks, in the same order for all widths.
 #[inline(always)]
-fn fold<const N: usize>(mut blocks: [Block; N]) -> [f64; N] {
-    let mut sums = [0.0; N];
-    for (sum, block) in sums.iter_mut().zip(&mut blocks) {
-        let mut half = BLOCK / 2;
-        while half > 0 {
-            for i in 0..half {
-                block[i] += block[i + half];
-            }
-            half /= 2;
-        }
-        *sum = block[0];
+fn fold<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
+    for (sum, block) in sums.iter_mut().zip(blocks) {
+        // One of them is as long as a block.
+        *sum = match S::F64_LANES {
+            1 => Lane::<S, 8>::load(simd, block).sum(),
+            2 => Lane::<S, 4>::load(simd, block).sum(),
+            4 => Lane::<S, 2>::load(simd, block).sum(),
+            _ => Lane::<S, 1>::load(simd, block).sum(),
+        };
     }
-    sums
 }
 
-impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
+impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLOPED> {
     #[inline(always)]
-    fn visit(&mut self, simd: S, lines: &Lines) {
-        let slip = self.slip.splat(simd);
+    fn visit(&mut self, simd: S, ellipse: usize, lines: &Lines) {
+        let (slip, point) = (self.slips[ellipse].splat(simd), &self.points[ellipse]);
+        let rule = self.nodes[ellipse].rule;
         for at in (0..BLOCK).step_by(S::F64_LANES) {
             let xi = Lane::<S>::load(simd, &lines.xi[at..]);
             let weight = Lane::<S>::load(simd, &lines.weight[at..]);
-            let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
+            let chord = Lane::<S>::load(simd, &lines.chord[at..]);
+            let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across_at(xi, chord));
             let square = v_t * v_t + slip.creep * slip.creep;
             let mut inner = Inner::zero(simd);
             if let Some(count) = lines.inner {
-                for (s, part) in &self.rule.inner[count] {
+                for (s, part) in &rule.inner[count] {
                     let node = (Lane::splat(simd, *s), Lane::splat(simd, *part));
                     inner.add::<SLOPED>(square, (b_0, b_1), node);
                 }
@@ -231,7 +263,7 @@ impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
                 inner.store(&mut sums, at);
                 for i in at..(at + S::F64_LANES) {
                     if lines.inside[i] {
-                        let near = self.near(simd, lines.xi[i]);
+                        let near = self.near(simd, ellipse, lines.xi[i]);
                         for (sum, near) in sums.iter_mut().zip(near) {
                             sum[i] = near;
                         }
@@ -246,18 +278,19 @@ impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
             );
             // T = v_t J₀,  C = b₀ J₀ + b₁ J₁,  S = b₀ J₁ + b₁ J₂
             let (t, c, s) = (v_t * j[0], b_0 * j[0] + b_1 * j[1], b_0 * j[1] + b_1 * j[2]);
-            let (a, b) = self.point.semi_axes;
-            let (x, y, h) = (xi * a, chord(xi) * b, slip.height(xi));
+            let (a, b) = point.semi_axes;
+            let (x, y, h) = (xi * a, chord * b, slip.height(xi));
+            let totals = &mut self.totals[ellipse];
             // F_t = −T,  F_c = C,  M_t = −h C,  M_n = −(x T + Y S),  M_c = −h T,
             // P = v_t T + b₀ C + b₁ S                                     (T22)
             let m_n = -(x * t + y * s);
             let power = v_t * t + b_0 * c + b_1 * s;
             let values = [-t, c, -(h * c), m_n, -(h * t), power];
-            for (total, value) in self.totals.iter_mut().zip(values) {
+            for (total, value) in totals.iter_mut().zip(values) {
                 (Lane::load(simd, &total[at..]) + value).store(&mut total[at..]);
             }
             if SLOPED {
-                let [_, w_t, w_n, w_c] = self.point.motion;
+                let [_, w_t, w_n, w_c] = point.motion;
                 // T_v = J₀ − v_t² K₀,  T_b = −v_t (b₀ K₀ + b₁ K₁),  T_s = −v_t (b₀ K₁ + b₁ K₂)
                 let t_v = j[0] - v_t * v_t * k[0];
                 let t_b = -(v_t * (b_0 * k[0] + b_1 * k[1]));
@@ -294,7 +327,7 @@ impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
                     m_n - (x * t_g + y * s_g),
                     -(h * t_g + dh * t),
                 ];
-                for (total, slope) in self.totals[VALUES..].iter_mut().zip(slopes) {
+                for (total, slope) in totals[VALUES..].iter_mut().zip(slopes) {
                     (Lane::load(simd, &total[at..]) + slope).store(&mut total[at..]);
                 }
             }
@@ -302,55 +335,91 @@ impl<S: Simd, const SLOPED: bool> Visit<S> for Gather<'_, SLOPED> {
     }
 }
 
-/// Force and moment over `$f Q$`, and the power that they take.
-pub(super) fn sums(point: &Point, nodes: Nodes<'_>) -> ([f64; SUMS], f64) {
-    let all = Arch::new().dispatch(Total::<false>(point, nodes));
-    let [f_t, f_c, m_t, m_n, m_c, power, ..] = all;
-    ([f_t, f_c, m_t, m_n, m_c], power)
+impl Sums {
+    const NONE: Self = Self { values: [0.0; SUMS], power: 0.0, slopes: [[0.0; SLOPES]; SUMS] };
+
+    #[inline(always)]
+    fn of(all: [f64; ALL]) -> Self {
+        let [
+            // Force, moment and their power.
+            f_t,
+            f_c,
+            m_t,
+            m_n,
+            m_c,
+            power,
+            // Upper triangle of the symmetric part: friction has a potential in the motion.
+            aa,
+            at,
+            an,
+            ac,
+            tt,
+            tn,
+            tc,
+            nn,
+            nc,
+            cc,
+            // Force across, by the motion.
+            ea,
+            et,
+            en,
+            ec,
+            // All of them, by the growth of the ellipse.
+            ga,
+            ge,
+            gt,
+            gn,
+            gc,
+        ] = all;
+        let slopes = [
+            [aa, at, an, ac, ga],
+            [ea, et, en, ec, ge],
+            [at, tt, tn, tc, gt],
+            [an, tn, nn, nc, gn],
+            [ac, tc, nc, cc, gc],
+        ];
+        Self { values: [f_t, f_c, m_t, m_n, m_c], power, slopes }
+    }
+
+    /// Those of a few contacts; slopes only if `SLOPED`, else zero.
+    #[inline(always)]
+    pub(crate) fn along<S: Simd, const N: usize, const SLOPED: bool>(
+        simd: S,
+        points: &[Point; N],
+        nodes: &[Nodes<'_>; N],
+    ) -> [Self; N] {
+        let mut sums = [Self::NONE; N];
+        for (sums, all) in sums.iter_mut().zip(all::<S, N, SLOPED>(simd, points, nodes)) {
+            *sums = Self::of(all);
+        }
+        sums
+    }
 }
 
-/// Force and moment over `$f Q$`, the power, and the derivatives of force and moment: by the speed of the centre,
-/// the angular velocity, and the logarithm of the size of the ellipse.
-pub(super) fn slopes(point: &Point, nodes: Nodes<'_>) -> ([f64; SUMS], f64, [[f64; SLOPES]; SUMS]) {
-    let [
-        // Force, moment and their power.
-        f_t,
-        f_c,
-        m_t,
-        m_n,
-        m_c,
-        power,
-        // Upper triangle of the symmetric part: friction has a potential in the motion.
-        aa,
-        at,
-        an,
-        ac,
-        tt,
-        tn,
-        tc,
-        nn,
-        nc,
-        cc,
-        // Force across, by the motion.
-        ea,
-        et,
-        en,
-        ec,
-        // All of them, by the growth of the ellipse.
-        ga,
-        ge,
-        gt,
-        gn,
-        gc,
-    ] = Arch::new().dispatch(Total::<true>(point, nodes));
-    let slopes = [
-        [aa, at, an, ac, ga],
-        [ea, et, en, ec, ge],
-        [at, tt, tn, tc, gt],
-        [an, tn, nn, nc, gn],
-        [ac, tc, nc, cc, gc],
-    ];
-    ([f_t, f_c, m_t, m_n, m_c], power, slopes)
+#[inline(always)]
+fn all<S: Simd, const N: usize, const SLOPED: bool>(
+    simd: S,
+    points: &[Point; N],
+    nodes: &[Nodes<'_>; N],
+) -> [[f64; ALL]; N] {
+    let mut slips = [points[0].slip(); N];
+    for (slip, point) in slips.iter_mut().zip(points) {
+        *slip = point.slip();
+    }
+    let totals = [[[0.0; BLOCK]; ALL]; N];
+    let mut gathered = Gather::<N, SLOPED> { nodes, points, slips: &slips, totals };
+    walk_along(simd, nodes, &slips, &mut gathered);
+    let mut sums = [[0.0; ALL]; N];
+    for (sums, totals) in sums.iter_mut().zip(&gathered.totals) {
+        let some = if SLOPED { ALL } else { VALUES };
+        fold(simd, &totals[..some], &mut sums[..some]);
+    }
+    sums
+}
+
+/// Sums of one contact.
+pub(super) fn sums<const SLOPED: bool>(point: &Point, nodes: Nodes<'_>) -> Sums {
+    Sums::of(Arch::new().dispatch(Total::<SLOPED>(point, nodes)))
 }
 
 /// All sums on an instruction set.
@@ -366,11 +435,8 @@ impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self(point, nodes) = self;
-        let (slip, rule) = (point.slip(), nodes.rule);
-        let mut gather = Gather::<SLOPED> { rule, point, slip, totals: [[0.0; BLOCK]; ALL] };
-        walk(simd, nodes, &slip, &mut gather);
-        fold(gather.totals)
+        let [sums] = all::<S, 1, SLOPED>(simd, &[*self.0], &[self.1]);
+        sums
     }
 }
 
@@ -392,7 +458,7 @@ struct Collect<'a> {
 }
 
 impl<S: Simd> Visit<S> for Collect<'_> {
-    fn visit(&mut self, simd: S, lines: &Lines) {
+    fn visit(&mut self, simd: S, _ellipse: usize, lines: &Lines) {
         for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
             let chord = chord(xi);
             if lines.inside[i] || !self.constant {
@@ -424,27 +490,24 @@ impl WithSimd for List<'_> {
     }
 }
 
-/// The plan of a contact.
-pub(super) fn plan(point: &Point, rule: &Quadrature) -> Plan {
-    Arch::new().dispatch(Planned(point, rule))
-}
-
-struct Planned<'a>(&'a Point, &'a Quadrature);
-
-impl WithSimd for Planned<'_> {
-    type Output = Plan;
-
+impl Plan {
+    /// The plans of a few contacts.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut plan = Plan::default();
-        walk(simd, self.1.into(), &self.0.slip(), &mut plan);
-        plan
+    pub(crate) fn along<S: Simd, const N: usize>(
+        simd: S,
+        points: &[Point; N],
+        rule: &Quadrature,
+    ) -> [Self; N] {
+        let mut plans = from_fn(|_| Self { split: [false; 2], lines: Vec::with_capacity(8) });
+        let slips = from_fn(|i| points[i].slip());
+        walk_along(simd, &[rule.into(); N], &slips, &mut plans);
+        plans
     }
 }
 
-impl<S: Simd> Visit<S> for Plan {
-    fn visit(&mut self, _simd: S, lines: &Lines) {
-        self.split = lines.split;
-        self.lines.push((lines.inner, lines.inside));
+impl<S: Simd, const N: usize> Visit<S> for [Plan; N] {
+    fn visit(&mut self, _simd: S, ellipse: usize, lines: &Lines) {
+        self[ellipse].split = lines.split;
+        self[ellipse].lines.push((lines.inner, lines.inside));
     }
 }

@@ -25,18 +25,44 @@ const TINY: f64 = 1e-150;
 /// How finely friction is integrated over an ellipse.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quadrature {
-    /// Nodes and weights of Gauss-Legendre on [0, 1]: of a panel, and of a part of a split one.
-    panel: Vec<(f64, f64)>,
-    pub(super) part: Vec<(f64, f64)>,
+    /// Gauss-Legendre of a panel, and of a part of a split one.
+    panel: Gauss,
+    pub(super) part: Gauss,
     /// Nodes and weights along a line, by their number (T19).
     pub(super) inner: Vec<Vec<(f64, f64)>>,
-    /// Least `$\sinh\eta$` (T18) for which that number is enough; falls with the number.
+    /// Least `$\sinh^2\eta$` (T18) for which that number is enough; falls with the number.
     reach: Vec<f64>,
 }
 
-/// Gauss-Legendre on [0, 1].
-fn gauss_legendre(nodes: NonZeroUsize) -> Vec<(f64, f64)> {
-    GaussLegendre::new(nodes).iter().map(|(x, w)| (0.5 * (x + 1.0), 0.5 * w)).collect()
+/// Nodes and weights of Gauss-Legendre on [0, 1].
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Gauss {
+    places: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl Gauss {
+    fn of(nodes: NonZeroUsize) -> Self {
+        let rule = GaussLegendre::new(nodes);
+        let (places, weights) = rule.iter().map(|(x, w)| (0.5 * (x + 1.0), 0.5 * w)).unzip();
+        Self { places, weights }
+    }
+
+    /// How many nodes.
+    pub(super) fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// The next nodes and weights, if they are as many as are worked on together.
+    fn block(&self, first: usize) -> Option<(&Block, &Block)> {
+        let places = self.places[first..].first_chunk()?;
+        Some((places, self.weights[first..].first_chunk()?))
+    }
+
+    /// A node and its weight.
+    pub(super) fn at(&self, node: usize) -> (f64, f64) {
+        (self.places[node], self.weights[node])
+    }
 }
 
 /// Gauss-Chebyshev of the second kind: `nodes` places and weights, which sum to one.
@@ -77,20 +103,47 @@ impl Quadrature {
         let most = u32::try_from(MOST_INNER).expect("few");
         // m = max(2, ⌈−ln ε/(2η)⌉ − 1): η from which m nodes are enough  (T19)
         let reach = |m: u32| {
-            if m < 2 { f64::INFINITY } else { (-tolerance.ln() / (2.0 * f64::from(m + 1))).sinh() }
+            let eta = -tolerance.ln() / (2.0 * f64::from(m + 1));
+            if m < 2 { f64::INFINITY } else { eta.sinh().powi(2) }
         };
         Self {
-            panel: gauss_legendre(nodes),
-            part: gauss_legendre(part),
+            panel: Gauss::of(nodes),
+            part: Gauss::of(part),
             inner: (0..=most).map(|m| chebyshev(m + more)).collect(),
             reach: (0..=most).map(reach).collect(),
         }
     }
 
-    /// Number of inner nodes, for places and weights, of a line with this `$\sinh\eta$`; none if the
+    /// Number of inner nodes, for places and weights, of a line with this `$\sinh^2\eta$`; none if the
     /// spin pole is so near that they do not suffice.
-    fn count(&self, sinh: f64) -> Option<usize> {
-        self.reach.iter().position(|reach| sinh >= *reach)
+    fn count(&self, square: f64) -> Option<usize> {
+        // It falls with the number: a count without branches.
+        let number = self.reach.iter().filter(|reach| square < **reach).count();
+        (number < self.reach.len()).then_some(number)
+    }
+
+    /// The nodes of neighbouring lines with these `$\sinh^2\eta$`.
+    #[inline(always)]
+    fn along(&self, squares: &Block) -> PlannedLines {
+        let mut least = *squares;
+        let mut half = BLOCK / 2;
+        while half > 0 {
+            for i in 0..half {
+                least[i] = if least[i + half] < least[i] { least[i + half] } else { least[i] };
+            }
+            half /= 2;
+        }
+        if self.reach[MOST_INNER] <= least[0] {
+            return (self.count(least[0]), [false; BLOCK]);
+        }
+        let mut inside = [false; BLOCK];
+        let mut least = f64::INFINITY;
+        for (inside, square) in inside.iter_mut().zip(squares) {
+            // One that is no number makes sums that are none.
+            *inside = *square < self.reach[MOST_INNER];
+            least = least.min(if *inside { f64::INFINITY } else { *square });
+        }
+        ((least < f64::INFINITY).then(|| self.count(least)).flatten(), inside)
     }
 }
 
@@ -178,8 +231,14 @@ impl<F: Compare> EllipseSlip<F> {
     /// Slip across it, `$-(b_0 + b_1 s)$`.
     #[inline(always)]
     pub(super) fn across(&self, xi: F) -> (F, F) {
+        self.across_at(xi, chord(xi))
+    }
+
+    /// The same of a line with this [`chord`].
+    #[inline(always)]
+    pub(super) fn across_at(&self, xi: F, chord: F) -> (F, F) {
         // b₀ = ω_t h,  b₁ = ω_N Y                                        (T13)
-        (self.roll * self.height(xi), self.turn * chord(xi))
+        (self.roll * self.height(xi), self.turn * chord)
     }
 
     /// Height over the ball centre.
@@ -188,7 +247,7 @@ impl<F: Compare> EllipseSlip<F> {
         self.radius - self.sag * (xi * xi)
     }
 
-    /// `$\sinh\eta$` of the ellipse of analyticity of the line at `xi`, and `$\cos\phi_0$` of its pole.
+    /// `$\sinh^2\eta$` of the ellipse of analyticity of the line at `xi`.
     #[inline(always)]
     pub(super) fn analyticity(&self, xi: F) -> F {
         let v_t = self.along(xi);
@@ -197,9 +256,9 @@ impl<F: Compare> EllipseSlip<F> {
         let (square, spin) = (v_t * v_t + self.creep * self.creep, b_1 * b_1);
         let far = (b_0.abs() - b_1.abs()) * (b_0.abs() + b_1.abs()) + square;
         // sinh²η = [A + √(A² + 4 b₁² r²)]/(2 b₁²),  r² = v_t² + v_e²,  A = b₀² − b₁² + r²
-        let both = (far * far + spin * square * 4.0).sqrt() + far.abs();
-        let (up, down) = (both / divisor(spin * 2.0), square * 2.0 / divisor(both));
-        F::select(far.lt(far.constant(0.0)), down, up).sqrt()
+        let (both, near) = ((far * far + spin * square * 4.0).sqrt() + far.abs(), far.lt(far.constant(0.0)));
+        let (up, down) = (F::select(near, square * 2.0, both), F::select(near, both, spin * 2.0));
+        up / divisor(down)
     }
 
     /// The poles that belong to the two lines of pure rolling, from left to right.
@@ -247,8 +306,12 @@ impl<F: Compare> EllipseSlip<F> {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Plan {
     pub(super) split: [bool; 2],
-    pub(super) lines: Vec<(Option<usize>, [bool; BLOCK])>,
+    pub(super) lines: Vec<PlannedLines>,
 }
+
+/// How many nodes each of a few neighbouring lines has, for places and weights, none where the spin poles of
+/// all are inside; and of each whether it is.
+type PlannedLines = (Option<usize>, [bool; BLOCK]);
 
 /// The nodes of a quadrature over an ellipse: by the slip, or as in a plan.
 #[derive(Debug, Clone, Copy)]
@@ -264,10 +327,13 @@ impl<'a> From<&'a Quadrature> for Nodes<'a> {
 }
 
 /// A few neighbouring lines across the ellipse.
+#[derive(Clone, Copy)]
 pub(super) struct Lines {
     /// Places over the long semi-axis, and their parts of the load.
     pub(super) xi: Block,
     pub(super) weight: Block,
+    /// Half their lengths over the short semi-axis.
+    pub(super) chord: Block,
     /// How many inner nodes, for places and weights; none where all poles are inside.
     pub(super) inner: Option<usize>,
     /// Of each line, whether the spin pole is inside the ellipse.
@@ -278,92 +344,227 @@ pub(super) struct Lines {
 }
 
 /// A part of the long axis with its nodes.
+#[derive(Clone, Copy)]
 struct Panel<'a> {
     pole: Pole<f64>,
-    /// Where it begins, and its length, in the variable of (T17).
-    from: f64,
-    length: f64,
-    nodes: &'a [(f64, f64)],
+    /// Where it begins and ends: from the pole over its width, and then in the variable of (T17).
+    ends: [f64; 2],
+    nodes: &'a Gauss,
 }
 
-/// What is done with the lines of an ellipse.
+/// The parts of the long axis of an ellipse.
+#[derive(Clone, Copy)]
+pub(super) struct Panels<'a> {
+    panels: [Panel<'a>; 4],
+    count: usize,
+    split: [bool; 2],
+}
+
+impl Lines {
+    const NONE: Self = Self {
+        xi: [0.0; BLOCK],
+        weight: [0.0; BLOCK],
+        chord: [0.0; BLOCK],
+        inner: None,
+        inside: [false; BLOCK],
+        any_inside: false,
+        split: [false; 2],
+    };
+}
+
+/// What is done with the lines of a few ellipses.
 pub(super) trait Visit<S: Simd> {
-    /// A few lines.
-    fn visit(&mut self, simd: S, lines: &Lines);
+    /// A few lines of an ellipse.
+    fn visit(&mut self, simd: S, ellipse: usize, lines: &Lines);
 }
 
-/// Goes through the lines across the ellipse (T14) to (T19).
-#[inline(always)]
-pub(super) fn walk<S: Simd>(
-    simd: S,
-    Nodes { rule, plan }: Nodes<'_>,
-    slip: &EllipseSlip<f64>,
-    visitor: &mut impl Visit<S>,
-) {
-    let poles = slip.poles();
-    let middle = clamp(0.5 * (poles[0].at + poles[1].at), -1.0, 1.0);
-    // Ends of panels, left and right, split at poles inside.
-    let mut ends = [[0.0; BLOCK]; 2];
-    let mut panels: [Panel<'_>; 4] = [const {
-        Panel { pole: Pole { at: 0.0, width: 1.0 }, from: 0.0, length: 0.0, nodes: &[] }
-    }; 4];
-    let (mut count, mut split) = (0, [false; 2]);
-    for i in 0..2 {
-        let pole = poles[i];
-        let (low, high) = if i == 0 { (-1.0, middle) } else { (middle, 1.0) };
-        let inside = match plan {
-            Some(plan) => plan.split[i],
-            None => rule.count(slip.analyticity(pole.at)).is_none(),
-        };
-        split[i] = inside && low < pole.at && pole.at < high;
-        let (cut, nodes) = if split[i] { (pole.at, &rule.part) } else { (high, &rule.panel) };
-        for (low, high) in [(low, cut), (cut, high)] {
-            if low < high {
-                (panels[count].pole, panels[count].nodes) = (pole, nodes);
-                // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j) (T17)
-                ends[0][count] = (low - pole.at) / pole.width;
-                ends[1][count] = (high - pole.at) / pole.width;
-                count += 1;
+impl<'a> Panels<'a> {
+    /// Of a few contacts, worked on side by side.
+    #[inline(always)]
+    pub(super) fn of<S: Simd, const N: usize>(
+        simd: S,
+        nodes: &[Nodes<'a>; N],
+        slips: &[EllipseSlip<f64>; N],
+    ) -> [Self; N] {
+        const { assert!(8 * N <= 2 * BLOCK, "four panels with two ends each") };
+        let (mut at, mut width) = ([[0.0; BLOCK]; 2], [[0.0; BLOCK]; 2]);
+        let mut square = [[0.0; BLOCK]; 2];
+        let blocks = EllipseSlip::side_by_side(slips);
+        for first in (0..N).step_by(S::F64_LANES) {
+            let slip = blocks.load(simd, first);
+            let poles = slip.poles();
+            for i in 0..2 {
+                poles[i].at.store(&mut at[i][first..]);
+                poles[i].width.store(&mut width[i][first..]);
+                slip.analyticity(poles[i].at).store(&mut square[i][first..]);
             }
         }
-    }
-    for end in &mut ends {
-        for at in (0..BLOCK).step_by(S::F64_LANES) {
-            Lane::<S>::load(simd, &end[at..]).arsinh().store(&mut end[at..]);
+        let mut all = [Self::none(nodes[0].rule); N];
+        for c in 0..N {
+            let pole = |i: usize| Pole { at: at[i][c], width: width[i][c] };
+            all[c] = Self::between(nodes[c], [pole(0), pole(1)], [square[0][c], square[1][c]]);
         }
-    }
-    for i in 0..count {
-        (panels[i].from, panels[i].length) = (ends[0][i], ends[1][i] - ends[0][i]);
-    }
-    let (mut panel, mut node, mut number) = (0, 0, 0);
-    while panel < count {
-        let (mut tau, mut weight) = ([0.0; BLOCK], [0.0; BLOCK]);
-        let (mut at, mut width) = ([0.0; BLOCK], [1.0; BLOCK]);
+        // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j)        (T17)
+        let mut ends = [0.0; 2 * BLOCK];
         let mut found = 0;
-        while found < BLOCK && panel < count {
-            let Panel { pole, from, length, nodes } = &panels[panel];
-            let (place, part) = nodes[node];
-            (tau[found], weight[found]) = (from + length * place, length * part);
-            (at[found], width[found]) = (pole.at, pole.width);
-            found += 1;
+        for Self { panels, count, .. } in &all {
+            for panel in &panels[..*count] {
+                ends[2 * found..2 * found + 2].copy_from_slice(&panel.ends);
+                found += 1;
+            }
+        }
+        for at in (0..2 * found).step_by(S::F64_LANES) {
+            Lane::<S>::load(simd, &ends[at..]).arsinh().store(&mut ends[at..]);
+        }
+        found = 0;
+        for Self { panels, count, .. } in &mut all {
+            for panel in &mut panels[..*count] {
+                panel.ends.copy_from_slice(&ends[2 * found..2 * found + 2]);
+                found += 1;
+            }
+        }
+        all
+    }
+
+    #[inline(always)]
+    fn none(rule: &'a Quadrature) -> Self {
+        let pole = Pole { at: 0.0, width: 1.0 };
+        let none = Panel { pole, ends: [0.0; 2], nodes: &rule.panel };
+        Self { panels: [none; 4], count: 0, split: [false; 2] }
+    }
+
+    /// Around two poles with these `$\sinh^2\eta$`, split where they are inside.
+    #[inline(always)]
+    fn between(nodes: Nodes<'a>, poles: [Pole<f64>; 2], square: [f64; 2]) -> Self {
+        let Nodes { rule, plan } = nodes;
+        let mut all = Self::none(rule);
+        let middle = clamp(0.5 * (poles[0].at + poles[1].at), -1.0, 1.0);
+        for (i, (low, high)) in [(-1.0, middle), (middle, 1.0)].into_iter().enumerate() {
+            let pole = poles[i];
+            let inside = plan.map_or(square[i] < rule.reach[MOST_INNER], |plan| plan.split[i]);
+            all.split[i] = inside && low < pole.at && pole.at < high;
+            let (cut, nodes) =
+                if all.split[i] { (pole.at, &rule.part) } else { (high, &rule.panel) };
+            for (low, high) in [(low, cut), (cut, high)] {
+                if low < high {
+                    let ends = [(low - pole.at) / pole.width, (high - pole.at) / pole.width];
+                    all.panels[all.count] = Panel { pole, ends, nodes };
+                    all.count += 1;
+                }
+            }
+        }
+        all
+    }
+
+    /// The next nodes from node `node` of a panel on, and where they end; what is left over repeats the last
+    /// one without weight.
+    fn gather(&self, mut panel: usize, mut node: usize, block: &mut LineNodes) -> (usize, usize) {
+        for i in 0..BLOCK {
+            if panel == self.count {
+                block.places[i] = block.places[i - 1];
+                block.from[i] = block.from[i - 1];
+                block.length[i] = block.length[i - 1];
+                block.at[i] = block.at[i - 1];
+                block.width[i] = block.width[i - 1];
+                continue;
+            }
+            let Panel { pole, ends: [begin, end], nodes } = self.panels[panel];
+            (block.places[i], block.parts[i]) = nodes.at(node);
+            (block.from[i], block.length[i]) = (begin, end - begin);
+            (block.at[i], block.width[i]) = (pole.at, pole.width);
             node += 1;
             if node == nodes.len() {
                 (panel, node) = (panel + 1, 0);
             }
         }
-        // What is left over repeats a node without weight.
-        for i in found..BLOCK {
-            (tau[i], at[i], width[i]) = (tau[found - 1], at[found - 1], width[found - 1]);
-        }
-        let mut lines = lines(simd, rule, slip, (&tau, &weight), (&at, &width));
-        lines.split = split;
-        if let Some((inner, inside)) = plan.and_then(|plan| plan.lines.get(number)) {
-            (lines.inner, lines.inside, lines.any_inside) =
-                (*inner, *inside, *inside != [false; BLOCK]);
-        }
-        number += 1;
-        visitor.visit(simd, &lines);
+        (panel, node)
     }
+
+    /// The next few lines across the ellipse from node `node` of a panel on (T14) to (T19).
+    #[inline(always)]
+    fn next<S: Simd>(
+        &self,
+        simd: S,
+        at: &mut At,
+        Nodes { rule, plan }: Nodes<'_>,
+        slip: &EllipseSlip<Lane<S>>,
+    ) -> Lines {
+        let Panel { pole, ends: [begin, end], nodes } = self.panels[at.panel];
+        let mut block = LineNodes {
+            places: [0.0; BLOCK],
+            parts: [0.0; BLOCK],
+            from: [begin; BLOCK],
+            length: [end - begin; BLOCK],
+            at: [pole.at; BLOCK],
+            width: [pole.width; BLOCK],
+        };
+        if let Some((places, parts)) = nodes.block(at.node) {
+            (block.places, block.parts) = (*places, *parts);
+            at.node += BLOCK;
+            if at.node == nodes.len() {
+                (at.panel, at.node) = (at.panel + 1, 0);
+            }
+        } else {
+            (at.panel, at.node) = self.gather(at.panel, at.node, &mut block);
+        }
+        let planned = plan.and_then(|plan| plan.lines.get(at.number));
+        at.number += 1;
+        Lines { split: self.split, ..lines(simd, (rule, planned), slip, &block) }
+    }
+}
+
+/// Where a walk along an ellipse is: a panel, a node of it, and a number of lines.
+#[derive(Clone, Copy, Default)]
+struct At {
+    panel: usize,
+    node: usize,
+    number: usize,
+}
+
+/// Lines of a few places on the way along the ellipse, so that the processor works on some while it waits for
+/// others.
+const AHEAD: usize = 2;
+
+/// Goes through the lines across a few ellipses.
+#[inline(always)]
+pub(super) fn walk_along<S: Simd, const N: usize>(
+    simd: S,
+    nodes: &[Nodes<'_>; N],
+    slips: &[EllipseSlip<f64>; N],
+    visitor: &mut impl Visit<S>,
+) {
+    let all = Panels::of(simd, nodes, slips);
+    let mut at = [At::default(); N];
+    let mut lines = [[Lines::NONE; AHEAD]; N];
+    loop {
+        let mut found = [0; N];
+        for c in 0..N {
+            let slip = slips[c].splat(simd);
+            while found[c] < AHEAD && at[c].panel < all[c].count {
+                lines[c][found[c]] = all[c].next(simd, &mut at[c], nodes[c], &slip);
+                found[c] += 1;
+            }
+        }
+        if found == [0; N] {
+            return;
+        }
+        for c in 0..N {
+            for lines in &lines[c][..found[c]] {
+                visitor.visit(simd, c, lines);
+            }
+        }
+    }
+}
+
+/// Goes through the lines across an ellipse.
+#[inline(always)]
+pub(super) fn walk<S: Simd>(
+    simd: S,
+    nodes: Nodes<'_>,
+    slip: &EllipseSlip<f64>,
+    visitor: &mut impl Visit<S>,
+) {
+    walk_along(simd, &[nodes], &[*slip], visitor);
 }
 
 /// Place of a line on the long axis and its part of the load, from a node in the variable of (T17) and its
@@ -383,40 +584,86 @@ fn line<S: Simd, const N: usize>(
     (xi, weight * pole.width * (grow + fall) * 0.5 * shape)
 }
 
-/// The lines of nodes in the variable of (T17).
+/// Nodes of Gauss-Legendre on parts of the long axis: places and weights there, where the part begins, its
+/// length, and its pole.
+struct LineNodes {
+    places: Block,
+    parts: Block,
+    from: Block,
+    length: Block,
+    at: Block,
+    width: Block,
+}
+
+/// The lines of a few nodes.
 #[inline(always)]
 fn lines<S: Simd>(
     simd: S,
-    rule: &Quadrature,
-    slip: &EllipseSlip<f64>,
-    (tau, weight): (&Block, &Block),
-    (at, width): (&Block, &Block),
+    (rule, planned): (&Quadrature, Option<&PlannedLines>),
+    slip: &EllipseSlip<Lane<S>>,
+    block: &LineNodes,
 ) -> Lines {
-    let slip = slip.splat(simd);
-    let (mut xi, mut load, mut sinh) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+    let (mut xi, mut load) = ([0.0; BLOCK], [0.0; BLOCK]);
+    let (mut half, mut square) = ([0.0; BLOCK], [0.0; BLOCK]);
     for i in (0..BLOCK).step_by(S::F64_LANES) {
-        let (at, width) = (Lane::<S>::load(simd, &at[i..]), Lane::load(simd, &width[i..]));
-        let (tau, weight) = (Lane::load(simd, &tau[i..]), Lane::load(simd, &weight[i..]));
-        let (x, part) = line(&Pole { at, width }, tau, weight);
+        let at = Lane::<S>::load(simd, &block.at[i..]);
+        let width = Lane::load(simd, &block.width[i..]);
+        let from = Lane::load(simd, &block.from[i..]);
+        let length = Lane::load(simd, &block.length[i..]);
+        let place = Lane::load(simd, &block.places[i..]);
+        let part = Lane::load(simd, &block.parts[i..]);
+        let (x, part) = line(&Pole { at, width }, from + length * place, length * part);
         x.store(&mut xi[i..]);
         part.store(&mut load[i..]);
-        slip.analyticity(x).store(&mut sinh[i..]);
-    }
-    let (mut inside, mut any_inside) = ([false; BLOCK], false);
-    let mut least = f64::INFINITY;
-    for (inside, sinh) in inside.iter_mut().zip(sinh) {
-        // One that is no number makes sums that are none.
-        *inside = sinh < rule.reach[MOST_INNER];
-        any_inside |= *inside;
-        if !*inside {
-            least = least.min(sinh);
+        chord(x).store(&mut half[i..]);
+        if planned.is_none() {
+            slip.analyticity(x).store(&mut square[i..]);
         }
     }
-    let inner = (least < f64::INFINITY).then(|| rule.count(least)).flatten();
-    Lines { xi, weight: load, inner, inside, any_inside, split: [false; 2] }
+    let (inner, inside) = match planned {
+        Some(planned) => *planned,
+        None => rule.along(&square),
+    };
+    let any_inside = inside != [false; BLOCK];
+    Lines { xi, weight: load, chord: half, inner, inside, any_inside, split: [false; 2] }
+}
+
+/// The fields of a few slips, side by side.
+pub(super) struct SideBySide([Block; 8]);
+
+impl SideBySide {
+    #[inline(always)]
+    fn load<S: Simd>(&self, simd: S, first: usize) -> EllipseSlip<Lane<S>> {
+        let [q_0, q_1, q_2, radius, sag, roll, turn, creep] = &self.0;
+        EllipseSlip {
+            along: [
+                Lane::load(simd, &q_0[first..]),
+                Lane::load(simd, &q_1[first..]),
+                Lane::load(simd, &q_2[first..]),
+            ],
+            radius: Lane::load(simd, &radius[first..]),
+            sag: Lane::load(simd, &sag[first..]),
+            roll: Lane::load(simd, &roll[first..]),
+            turn: Lane::load(simd, &turn[first..]),
+            creep: Lane::load(simd, &creep[first..]),
+        }
+    }
 }
 
 impl EllipseSlip<f64> {
+    #[inline(always)]
+    fn side_by_side(slips: &[Self]) -> SideBySide {
+        let mut fields = [[0.0; BLOCK]; 8];
+        for (i, slip) in slips.iter().enumerate() {
+            let Self { along: [q_0, q_1, q_2], radius, sag, roll, turn, creep } = *slip;
+            let values = [q_0, q_1, q_2, radius, sag, roll, turn, creep];
+            for (field, value) in fields.iter_mut().zip(values) {
+                field[i] = value;
+            }
+        }
+        SideBySide(fields)
+    }
+
     #[inline(always)]
     pub(super) fn splat<S: Simd>(&self, simd: S) -> EllipseSlip<Lane<S>> {
         let [q_0, q_1, q_2] = self.along;
@@ -455,16 +702,17 @@ pub fn power_of_many<S: Simd, const N: usize>(
         let from = ((low - pole.at) / pole.width).arsinh();
         let length = ((high - pole.at) / pole.width).arsinh() - from;
         let mut lines = [(zero, zero); BLOCK];
-        let mut sinh = zero.constant(f64::INFINITY);
-        for (known, (place, part)) in lines.iter_mut().zip(&rule.panel) {
-            *known = line(&pole, length * *place + from, length * *part);
-            sinh = sinh.min(slip.analyticity(known.0));
+        let mut square = zero.constant(f64::INFINITY);
+        for (node, known) in lines.iter_mut().enumerate() {
+            let (place, part) = rule.panel.at(node);
+            *known = line(&pole, length * place + from, length * part);
+            square = square.min(slip.analyticity(known.0));
         }
-        resolved = resolved & least.le(sinh);
+        resolved = resolved & least.le(square);
         // Each contact has its own nodes along the lines, and none beyond its last.
         let (mut counts, mut most) = ([0; MANY], 0);
-        for (count, sinh) in counts.iter_mut().zip(sinh.as_slice()) {
-            *count = rule.count(*sinh).unwrap_or(0);
+        for (count, square) in counts.iter_mut().zip(square.as_slice()) {
+            *count = rule.count(*square).unwrap_or(0);
             most = most.max(rule.inner[*count].len());
         }
         for k in 0..most {

@@ -165,9 +165,15 @@ impl Balance<'_> {
 
     /// The root with the smallest difference of the contact angles, or the proof that there is
     /// none on the flanks.
-    pub(super) fn first_root(&self, newton: &mut Workspace<STATIC>) -> Result<Root, Unsolved> {
+    ///
+    /// * `near`: a root of the other race, if there is one.
+    pub(super) fn first_root(
+        &self,
+        near: Option<[f64; STATIC]>,
+        newton: &mut Workspace<STATIC>,
+    ) -> Result<Root, Unsolved> {
         let mut steps = 0;
-        if let Some(mut x) = self.start() {
+        if let Some(mut x) = near.or_else(|| self.start()) {
             let report = self.run(&mut x, newton);
             steps = report.steps.len();
             if report.converged() && self.is_first(&x) {
@@ -255,7 +261,12 @@ impl Balance<'_> {
         let weights = self.weights();
         let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };
         // The displacement is a difference of lengths: down to their rounding.
-        let options = Options { residual_goal: 3e-15, max_steps: MOST_STEPS, ..Options::default() };
+        let options = Options {
+            residual_goal: 3e-15,
+            max_steps: MOST_STEPS,
+            slopes_at_trials: true,
+            ..Options::default()
+        };
         solve(self, x, &scales, &options, newton)
     }
 

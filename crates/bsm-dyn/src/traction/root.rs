@@ -2,14 +2,16 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equation (T10), sections "Starts" and "Existence".
 
+use super::columns::{Transmitted, Watched};
 use super::path::{LONGEST, PATH, Shown};
 use super::scatter::{MANY, STARTS};
-use super::{OMEGA, Rolling, State};
-use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque, torque};
+use super::{OMEGA, Rolling};
+use bsm_simd::Block;
+
+use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ball_unknowns::BALL;
 use crate::continuation::{Stride, follow};
 use crate::elastic::Skid;
-use crate::ellipse::Plan;
 use crate::equations::Workspace;
 use crate::raceway_control::Grip;
 use crate::{Evidence, Reason, Unsolved};
@@ -36,6 +38,14 @@ pub(crate) struct Root {
     pub(super) residual: f64,
 }
 
+/// A root with what belongs to it.
+pub(super) struct Refined {
+    pub(super) root: Root,
+    pub(super) transmitted: Transmitted,
+    /// Derivatives of the torque by the unknowns, near the root.
+    pub(super) torque_slope: Block,
+}
+
 impl Rolling<'_> {
     /// The root near one of another quadrature, if it is on the flanks, with the numbers of nodes that it
     /// has there: a root may lie where they change. `newton` keeps its Jacobian.
@@ -44,15 +54,19 @@ impl Rolling<'_> {
         near: &Root,
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Option<(Root, [Plan; 2])> {
+    ) -> Option<Refined> {
         let mut unknowns = near.unknowns;
-        let plans = self.of(near).plans(&unknowns).ok()?;
+        let plans = self.of(near).plans(&unknowns)?;
         let ball = Rolling { plans: Some(&plans), ..self.of(near) };
-        let report = ball.run(&mut unknowns, newton);
+        let watched = Watched::new(&ball);
+        let report = watched.run(&mut unknowns, newton);
         *steps += report.steps.len();
         let root = Root { unknowns, residual: report.residual, ..*near };
-        let found = report.converged() && self.is_admissible(&root);
-        found.then_some((root, plans))
+        if !(report.converged() && self.is_admissible(&root)) {
+            return None;
+        }
+        let transmitted = watched.transmitted(&unknowns).ok()?;
+        Some(Refined { root, transmitted, torque_slope: watched.torque_slope() })
     }
 
     /// The root from the gripping ball or from the skidding one; if none of them leads to it, from
@@ -178,7 +192,8 @@ impl Rolling<'_> {
         if self.at_nut || self.pair.inertia_ratio() * rate * rate <= THROWN {
             return root;
         }
-        let Ok(State { loaded, to_nut, .. }) = self.state(&y) else { return root };
+        let Ok(loaded) = self.loaded(&y) else { return root };
+        let to_nut = self.to_nut(&y, &loaded);
         let ball = Self { at_nut: true, ..*self };
         let mut unknowns = ball.unknowns(&loaded, &to_nut);
         let report = ball.run(&mut unknowns, newton);
@@ -201,12 +216,12 @@ impl Rolling<'_> {
     /// True for a root whose powers balance. Where a ball turns faster and faster about the axis the
     /// residual vanishes without a root, and the powers do not balance.
     pub(super) fn is_balanced(&self, root: &Root) -> bool {
-        let (pair, radius) = (self.pair, self.pair.helix.radius);
-        self.of(root).state(&root.unknowns).is_ok_and(|state| {
-            let torque = torque(&state.wrench[1], radius, &state.loaded.frame);
-            let ideal = ideal_torque(1.0, radius, pair.helix.lead_angle);
-            let power = Power::transmitted(torque, ideal, pair.sign());
-            power.imbalance(state.power).abs() <= POWER_BALANCE_TOL
+        let pair = self.pair;
+        self.of(root).evaluated::<false>(&root.unknowns).is_ok_and(|found| {
+            let ideal = ideal_torque(1.0, pair.helix.radius, pair.helix.lead_angle);
+            let Transmitted { torque, power } = found.transmitted;
+            let imbalance = Power::transmitted(torque, ideal, pair.sign()).imbalance(power);
+            imbalance.abs() <= POWER_BALANCE_TOL
         })
     }
 

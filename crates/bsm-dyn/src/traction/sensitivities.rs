@@ -4,6 +4,7 @@
 
 use bsm_kin::Jet;
 
+use super::columns::Watched;
 use super::{Rolling, Root, Start, Traction, TractionWorkspace};
 use crate::elastic_ball::refused;
 use crate::raceway_control::Grip;
@@ -41,7 +42,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let Rolling { plans, enough, at_nut, .. } = system;
         let equations = Rolling { pair: &inputs, quadrature, plans, creep, enough, at_nut };
         let residual = |y: &_| equations.residual(y);
-        let y = moving_root(&system, unknowns, &system.weights(unknowns), residual, newton)?;
+        let y = moving_root(&Watched::new(&system), unknowns, &system.weights(unknowns), residual, newton)?;
         let state = equations.state(&y).map_err(refused)?;
         Ok(self.screw.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
     }

@@ -195,3 +195,59 @@ fn the_stated_error_covers_what_the_rule_leaves() {
     assert!(broken[0] * 100 <= points && broken[1] * 200 <= points && broken[2] * 1000 <= points);
     assert!(largest[2] <= 1e-7, "{largest:?}");
 }
+
+/// The equations by hand are those in any scalar, and so are their columns, in both sets of unknowns.
+#[test]
+fn columns_by_hand_are_those_of_the_jets() {
+    let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(5));
+    let place = work.rules(COARSE);
+    let quadrature = &work.rules[place].rule;
+    let mut seen = [0; 2];
+    for number in 0..400 {
+        let screw = if number % 4 == 0 { extreme(&mut rng) } else { practical(&mut rng) };
+        let Ok(pair) = screw.scaled() else { continue };
+        let creep = Traction::CREEP * pair.slip_scale();
+        let at_nut = number % 2 == 1;
+        let ball = Rolling { at_nut, ..Rolling::of_pair(&pair, quadrature, creep) };
+        let mut y = state(&ball, &mut rng);
+        if at_nut {
+            y[TILT] = rng.random_range(0.1..1.0);
+            y[PRECESSION] = rng.random_range(-1.0..1.0);
+        }
+        let Ok(jets) = ball.in_jets(&y) else {
+            assert!(ball.evaluated::<false>(&y).is_err(), "{number}");
+            continue;
+        };
+        let found = ball.evaluated::<true>(&y).unwrap();
+        let values = ball.evaluated::<false>(&y).unwrap();
+        assert_eq!(found.left.map(f64::to_bits), values.left.map(f64::to_bits));
+        let [columns, rows] = [found.jacobian(), jets.jacobian()];
+        let rate = y[PRECESSION] + ball.offset();
+        // Forces of the ball: normal, of inertia; moments are smaller.
+        let size = y[NUT_LOAD].max(y[SCREW_LOAD]).max(pair.inertia_ratio() * rate * rate);
+        for i in 0..BALL {
+            // Rounding of the slip, of the angular velocities, over the creep speed.
+            let slip = 1.0 + y[4..].iter().fold(rate.abs() * pair.arc, |m, x| m.max(x.abs()));
+            let rounding = 1e-14 * size * (1.0 + pair.friction * slip / creep);
+            let off = (found.left[i] - jets.left[i]).abs();
+            assert!(off <= rounding, "{number} {i} {found:?} {jets:?}");
+            let largest = rows[i].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            for k in 0..BALL {
+                let off = (columns[i][k] - rows[i][k]).abs();
+                assert!(off <= 1e-10 * largest + rounding, "{number} {i} {k} {columns:?} {rows:?}");
+            }
+        }
+        let radius = pair.helix.radius;
+        let [here, there] = [found.transmitted, jets.transmitted];
+        let arm = size * radius;
+        let off = (here.torque - there.torque).abs();
+        assert!(off <= 1e-14 * arm * (1.0 + pair.friction / creep), "{number}");
+        assert_relative_eq!(here.power, there.power, max_relative = 1e-9);
+        let largest = jets.slope.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        for (here, there) in found.slope.iter().zip(&jets.slope) {
+            assert!((here - there).abs() <= 1e-10 * largest + 1e-12 * arm, "{number}");
+        }
+        seen[usize::from(at_nut)] += 1;
+    }
+    assert!(seen.iter().all(|seen| *seen > 60), "{seen:?}");
+}

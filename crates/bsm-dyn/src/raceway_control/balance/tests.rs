@@ -81,7 +81,7 @@ proptest! {
     fn the_first_root_is_that_of_a_dense_search(screw in screws(), nut in any::<bool>()) {
         let control = if nut { Control::Nut } else { Control::Screw };
         let Ok(pair) = screw.scaled() else { return Ok(()) };
-        let found = Balance::new(&pair, control).first_root(&mut Workspace::default());
+        let found = Balance::new(&pair, control).first_root(None, &mut Workspace::default());
         #[expect(clippy::cast_precision_loss, reason = "a small count")]
         let angles = (1..GRID).map(|i| FRAC_PI_2 * i as f64 / GRID as f64);
         let mut before = None;
@@ -149,7 +149,7 @@ fn a_second_root_needs_inertia() {
         }
         for control in Control::ALL {
             let balance = Balance::new(&pair, control);
-            let Ok(root) = balance.first_root(&mut newton) else { continue };
+            let Ok(root) = balance.first_root(None, &mut newton) else { continue };
             tried += 1;
             let has_more = !balance.scan(root.unknowns[0], &mut newton).is_empty();
             several += usize::from(has_more);

@@ -1,0 +1,459 @@
+//! The equations of a ball with both contacts in one call, and their Jacobian by hand.
+//!
+//! The equations are those of [`Rolling::residual`], and their columns those of its jets, which test this; a
+//! state that has no contacts is left to them.
+//!
+//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T10).
+
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
+use std::array::from_fn;
+use std::cell::Cell;
+
+use bsm_kin::Jet;
+use bsm_newton::{Equations, EvalError, Linear};
+use bsm_simd::{Arch, BLOCK, Block, Simd, WithSimd};
+
+use super::{OMEGA, Rolling};
+use crate::balance::torque;
+use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
+use crate::ball_unknowns::{BALL, ROWS};
+use crate::cost;
+use crate::ellipse::{Plan, Point, Sums};
+use crate::equations::linear;
+
+/// What belongs to a state, all scaled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Evaluated {
+    /// What the seven equations leave over.
+    pub(super) left: [f64; BALL],
+    pub(super) transmitted: Transmitted,
+    /// Derivatives of the equations and of the torque by the unknowns, if asked for, and a place that is zero.
+    rows: [Block; BALL],
+    pub(super) slope: Block,
+}
+
+impl Rolling<'_> {
+    /// The equations at a state, with derivatives if `SLOPED`.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if a contact is lost.
+    pub(super) fn evaluated<const SLOPED: bool>(
+        &self,
+        y: &[f64; BALL],
+    ) -> Result<Evaluated, EvalError> {
+        cost::evaluated();
+        let found = Arch::new().dispatch(Evaluate::<SLOPED>(self, y));
+        found.map_or_else(|| self.in_jets(y), Ok)
+    }
+
+    /// The numbers of nodes of a state; none where it has no contacts.
+    pub(super) fn plans(&self, y: &[f64; BALL]) -> Option<[Plan; 2]> {
+        Arch::new().dispatch(Planned(self, y))
+    }
+
+    /// The same from the formulas in any scalar.
+    pub(super) fn in_jets(&self, y: &[f64; BALL]) -> Result<Evaluated, EvalError> {
+        let mut power = f64::NAN;
+        let (values, slopes) = linear::<{ BALL + 1 }, BALL>(y, |y| {
+            let state = self.state(y)?;
+            power = state.power;
+            let left = self.left(y, &state, y[PRECESSION] + self.offset());
+            let radius = Jet::from(self.pair.helix.radius);
+            let torque = torque(&state.wrench[1], radius, &state.loaded.frame);
+            Ok(from_fn(|i| left.get(i).copied().unwrap_or(torque)))
+        })?;
+        let block = |row: &[f64; BALL]| from_fn(|k| row.get(k).copied().unwrap_or(0.0));
+        Ok(Evaluated {
+            left: from_fn(|i| values[i]),
+            transmitted: Transmitted { torque: values[BALL], power },
+            rows: from_fn(|i| block(&slopes[i])),
+            slope: block(&slopes[BALL]),
+        })
+    }
+}
+
+impl Evaluated {
+    /// The Jacobian.
+    pub(super) fn jacobian(&self) -> [[f64; BALL]; BALL] {
+        let mut jacobian = [[0.0; BALL]; BALL];
+        for (to, from) in jacobian.iter_mut().zip(&self.rows) {
+            to.copy_from_slice(&from[..BALL]);
+        }
+        jacobian
+    }
+}
+
+/// The equations of a ball, and what they were last evaluated for.
+pub(super) struct Watched<'a> {
+    pub(super) ball: &'a Rolling<'a>,
+    last: Cell<Option<([f64; BALL], Transmitted)>>,
+    slope: Cell<Block>,
+}
+
+/// Torque on the screw, and the power that friction takes, scaled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Transmitted {
+    pub(super) torque: f64,
+    pub(super) power: f64,
+}
+
+impl<'a> Watched<'a> {
+    pub(super) fn new(ball: &'a Rolling<'a>) -> Self {
+        Self { ball, last: Cell::new(None), slope: Cell::new([0.0; BLOCK]) }
+    }
+
+    /// What the screw transmits at a state, which mostly was the last one.
+    pub(super) fn transmitted(&self, y: &[f64; BALL]) -> Result<Transmitted, EvalError> {
+        match self.last.get() {
+            Some((last, known)) if last.map(f64::to_bits) == y.map(f64::to_bits) => Ok(known),
+            _ => Ok(self.ball.evaluated::<false>(y)?.transmitted),
+        }
+    }
+
+    /// Derivatives of the torque by the unknowns, where the Jacobian was last asked for.
+    pub(super) fn torque_slope(&self) -> Block {
+        self.slope.get()
+    }
+}
+
+impl Equations<BALL> for Watched<'_> {
+    fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
+        let found = self.ball.evaluated::<false>(x)?;
+        self.last.set(Some((*x, found.transmitted)));
+        Ok(found.left)
+    }
+
+    fn linearize(&self, x: &[f64; BALL]) -> Result<Linear<BALL>, EvalError> {
+        let found = self.ball.evaluated::<true>(x)?;
+        self.last.set(Some((*x, found.transmitted)));
+        self.slope.set(found.slope);
+        Ok((found.left, found.jacobian()))
+    }
+
+    fn equation(&self, i: usize) -> String {
+        ROWS[i].to_owned()
+    }
+}
+
+struct Planned<'a>(&'a Rolling<'a>, &'a [f64; BALL]);
+
+impl WithSimd for Planned<'_> {
+    type Output = Option<[Plan; 2]>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self(ball, y) = self;
+        Some(Plan::along(simd, &contacts(ball, y)?.points, ball.quadrature))
+    }
+}
+
+struct Evaluate<'a, const SLOPED: bool>(&'a Rolling<'a>, &'a [f64; BALL]);
+
+impl<const SLOPED: bool> WithSimd for Evaluate<'_, SLOPED> {
+    type Output = Option<Evaluated>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        evaluate::<S, SLOPED>(simd, self.0, self.1)
+    }
+}
+
+/// A number and its derivatives by the unknowns.
+#[derive(Clone, Copy)]
+struct Sloped {
+    re: f64,
+    by: Block,
+}
+
+/// The derivatives of an unknown at its own rate.
+#[inline(always)]
+fn along(unknown: usize, rate: f64) -> Block {
+    let mut by = [0.0; BLOCK];
+    by[unknown] = rate;
+    by
+}
+
+/// Adds derivatives.
+#[inline(always)]
+fn add(to: &mut Block, factor: f64, by: &Block) {
+    for i in 0..BLOCK {
+        to[i] += factor * by[i];
+    }
+}
+
+/// `$\sum_k c_k\,d_k$`.
+#[inline(always)]
+fn combined<const N: usize>(parts: [(f64, &Block); N]) -> Block {
+    let mut sum = [0.0; BLOCK];
+    for (factor, by) in parts {
+        add(&mut sum, factor, by);
+    }
+    sum
+}
+
+/// Sine and cosine of an angle, and its derivatives.
+#[derive(Clone, Copy)]
+struct Angle {
+    sin: f64,
+    cos: f64,
+    by: Block,
+}
+
+/// The contacts of a state, with what their columns are made of.
+struct Contacts {
+    points: [Point; 2],
+    /// The turn of the triad, the angles of the contacts from there, and those of the contacts.
+    turn: Angle,
+    tilts: [Angle; 2],
+    angles: [Angle; 2],
+    /// Sine and cosine of the lead angle.
+    lead: (f64, f64),
+    /// Derivatives of the angular velocity about t and b.
+    by_t: Block,
+    by_b: Block,
+}
+
+#[inline(always)]
+fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
+    let pair = ball.pair;
+    let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
+    if !(loads[0] > 0.0 && loads[1] > 0.0) {
+        return None;
+    }
+    // a ~ Q^{1/3},  δ = (Q/K_H)^{2/3}                                     (P6), (P2)
+    let growth = [bsm_kin::cube_root(loads[0]), bsm_kin::cube_root(loads[1])];
+    let jones = &pair.jones;
+    let mut lengths = [jones.nut_offset, jones.screw_offset];
+    let mut slopes = [0.0; 2];
+    for i in 0..2 {
+        let approach = growth[i] * growth[i] * pair.approach[i];
+        lengths[i] += approach;
+        slopes[i] = approach / loads[i] * (2.0 / 3.0);
+    }
+    let [l_a, l_b] = lengths;
+    let a_2 = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos();
+    let (sin_y, cos_y) = y[TILT].sin_cos();
+    let one = along(TILT, 1.0);
+    let (turn, tilts, angles);
+    if ball.at_nut {
+        // cosβ_B = (A₂ − l_A cosβ_A)/l_B                                  (J9)
+        let cos = (a_2 - l_a * cos_y) / l_b;
+        let square = (1.0 - cos) * (1.0 + cos);
+        if !(square > 0.0) {
+            return None;
+        }
+        let sin = square.sqrt();
+        let mut by = along(TILT, -l_a * sin_y);
+        (by[NUT_LOAD], by[SCREW_LOAD]) = (cos_y * slopes[0], cos * slopes[1]);
+        let nut = Angle { sin: sin_y, cos: cos_y, by: one };
+        let screw = Angle { sin, cos, by: combined([(1.0 / (l_b * sin), &by)]) };
+        let apart = Angle {
+            sin: sin * cos_y - cos * sin_y,
+            cos: cos * cos_y + sin * sin_y,
+            by: combined([(1.0, &screw.by), (-1.0, &one)]),
+        };
+        turn = nut;
+        tilts = [Angle { sin: 0.0, cos: 1.0, by: [0.0; BLOCK] }, apart];
+        angles = [nut, screw];
+    } else {
+        // l_A cos(β − ν) + l_B cos(β + ν) = A₂ = S cosβ + D sinβ          (J7)
+        let (s, d) = ((l_a + l_b) * cos_y, (l_a - l_b) * sin_y);
+        let both = s * s + d * d;
+        let square = both - a_2 * a_2;
+        if !(square > 0.0 && s > 0.0) {
+            return None;
+        }
+        let a_1 = square.sqrt();
+        let (sin, cos) = ((a_1 * s + a_2 * d) / both, (a_2 * s - a_1 * d) / both);
+        let (sin_a, cos_a) = (sin * cos_y - cos * sin_y, cos * cos_y + sin * sin_y);
+        let (sin_b, cos_b) = (sin * cos_y + cos * sin_y, cos * cos_y - sin * sin_y);
+        // A₁ dβ = cosβ_A dl_A + cosβ_B dl_B + (l_A sinβ_A − l_B sinβ_B) dν
+        let mut by = along(TILT, l_a * sin_a - l_b * sin_b);
+        (by[NUT_LOAD], by[SCREW_LOAD]) = (cos_a * slopes[0], cos_b * slopes[1]);
+        let by = combined([(1.0 / a_1, &by)]);
+        turn = Angle { sin, cos, by };
+        let less = along(TILT, -1.0);
+        tilts = [
+            Angle { sin: -sin_y, cos: cos_y, by: less },
+            Angle { sin: sin_y, cos: cos_y, by: one },
+        ];
+        angles = [
+            Angle { sin: sin_a, cos: cos_a, by: combined([(1.0, &by), (1.0, &less)]) },
+            Angle { sin: sin_b, cos: cos_b, by: combined([(1.0, &by), (1.0, &one)]) },
+        ];
+    }
+
+    // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
+    let (sin_lead, cos_lead) = pair.helix.lead_angle.sin_cos();
+    let [along_axis, radial, around] = OMEGA.map(|i| y[i]);
+    // About t and b, relative to the nut.
+    let mut by_t = along(OMEGA[0], sin_lead);
+    by_t[OMEGA[2]] = -cos_lead;
+    let mut by_b = along(OMEGA[0], cos_lead);
+    by_b[OMEGA[2]] = sin_lead;
+    let omega_t = sin_lead * along_axis - cos_lead * around;
+    let omega_b = cos_lead * along_axis + sin_lead * around;
+
+    let from_nut = y[PRECESSION] + (ball.offset() - pair.nut_speed);
+    let mut points = [Point {
+        semi_axes: (0.0, 0.0),
+        pressed_radius: 0.0,
+        ball_radius: 1.0,
+        motion: [0.0; 4],
+        creep: ball.creep,
+    }; 2];
+    for i in 0..2 {
+        let (side, body) = [(1.0, 0.0), (-1.0, pair.sign())][i];
+        let Angle { sin, cos, .. } = angles[i];
+        let (t, b) = (omega_t - body * sin_lead, omega_b - body * cos_lead);
+        points[i].motion = [
+            pair.arc * (from_nut - body),
+            t,
+            side * (sin * b + cos * radial),
+            side * (cos * b - sin * radial),
+        ];
+        let (a, b) = pair.semi_axes[i];
+        points[i].semi_axes = (growth[i] * a, growth[i] * b);
+        points[i].pressed_radius = pair.pressed_radius[i];
+    }
+    Some(Contacts { points, turn, tilts, angles, lead: (sin_lead, cos_lead), by_t, by_b })
+}
+
+#[inline(always)]
+fn evaluate<S: Simd, const SLOPED: bool>(
+    simd: S,
+    ball: &Rolling<'_>,
+    y: &[f64; BALL],
+) -> Option<Evaluated> {
+    let Contacts { points, turn, tilts, angles, lead: (sin_lead, cos_lead), by_t, by_b } =
+        contacts(ball, y)?;
+    let (pair, loads) = (ball.pair, [y[NUT_LOAD], y[SCREW_LOAD]]);
+    let [_, radial, around] = OMEGA.map(|i| y[i]);
+    let rate = y[PRECESSION] + ball.offset();
+    let nodes = [ball.nodes(0), ball.nodes(1)];
+    let sums = Sums::along::<S, 2, SLOPED>(simd, &points, &nodes);
+
+    let mut rows = [[0.0; BLOCK]; BALL];
+    let mut left = [0.0; BALL];
+    let (mut torque, mut slope) = (0.0, [0.0; BLOCK]);
+    let mut power = 0.0;
+    for i in 0..2 {
+        let side = [1.0, -1.0][i];
+        let place = [NUT_LOAD, SCREW_LOAD][i];
+        let (load, by_load) = (loads[i], along(place, 1.0));
+        let (tilt, angle) = (&tilts[i], &angles[i]);
+        let Sums { values, power: unit_power, slopes } = &sums[i];
+        let pull = load * pair.friction;
+        // P_f = Σ f Q ∫ dP                                                (P7)
+        power += pull * unit_power;
+        let mut parts = [Sloped { re: 0.0, by: [0.0; BLOCK] }; 5];
+        let [_, _, w_n, w_c] = points[i].motion;
+        let (mut by_n, mut by_c) = (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
+        if SLOPED {
+            add(&mut by_n, w_c, &angle.by);
+            add(&mut by_n, side * angle.sin, &by_b);
+            add(&mut by_c, -w_n, &angle.by);
+            add(&mut by_c, side * angle.cos, &by_b);
+        }
+        for (part, (value, slopes)) in parts.iter_mut().zip(values.iter().zip(slopes)) {
+            part.re = pull * value;
+            if SLOPED {
+                let [a, t, n, c, g] = *slopes;
+                part.by[PRECESSION] = pull * a * pair.arc;
+                // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
+                part.by[place] = pair.friction * (value + g * (1.0 / 3.0));
+                add(&mut part.by, pull * t, &by_t);
+                add(&mut part.by, pull * n, &by_n);
+                add(&mut part.by, pull * c, &by_c);
+            }
+        }
+        // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                               (T2)
+        let [f_t, f_c, m_t, m_n, m_c] = &parts;
+        let normal = Sloped { re: load, by: by_load };
+        for (row, along_t, along_n, across) in [(0, f_t, &normal, f_c), (3, m_t, m_n, m_c)] {
+            let (second, third) = turned(side, (tilt.sin, tilt.cos), (along_n.re, across.re));
+            left[row] += along_t.re;
+            left[row + 1] += second;
+            left[row + 2] += third;
+            if SLOPED {
+                add(&mut rows[row], 1.0, &along_t.by);
+                add(&mut rows[row + 1], side * tilt.cos, &along_n.by);
+                add(&mut rows[row + 1], -side * tilt.sin, &across.by);
+                add(&mut rows[row + 1], -third, &tilt.by);
+                add(&mut rows[row + 2], side * tilt.sin, &along_n.by);
+                add(&mut rows[row + 2], side * tilt.cos, &across.by);
+                add(&mut rows[row + 2], second, &tilt.by);
+            }
+        }
+        // Components along n and b.
+        let (n, b) = turned(side, (angle.sin, angle.cos), (load, f_c.re));
+        if i == 0 {
+            // F_nut·k − F_a                                               (P5)
+            left[6] = f_t.re * sin_lead + b * cos_lead - 1.0;
+            rows[6] = combined([
+                (sin_lead, &f_t.by),
+                (cos_lead * side * angle.sin, &normal.by),
+                (cos_lead * side * angle.cos, &f_c.by),
+                (cos_lead * n, &angle.by),
+            ]);
+        } else {
+            // T = [(−r_m n) × F + M]·k                                    (B7)
+            let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
+            let (force, arm) = (pair.helix.radius * cos_lead, -pair.helix.radius * sin_lead);
+            torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
+            slope = combined([
+                (sin_lead, &m_t.by),
+                (cos_lead * side * angle.sin, &m_n.by),
+                (cos_lead * side * angle.cos, &m_c.by),
+                (cos_lead * m_1 + arm * n, &angle.by),
+                (force, &f_t.by),
+                (arm * side * angle.sin, &normal.by),
+                (arm * side * angle.cos, &f_c.by),
+            ]);
+        }
+    }
+
+    // Σ F − m r_m P² n                                                    (B4)
+    let mass = pair.ball.mass * pair.helix.radius;
+    let thrown = mass * rate * rate;
+    left[1] -= thrown * turn.cos;
+    left[2] += thrown * turn.sin;
+    // Σ M − I P (ω'_n k × n − ω'_c n)                                     (B5), (T5)
+    let inertia = pair.ball.inertia();
+    let (second, third) = (
+        sin_lead * turn.sin * radial - turn.cos * around,
+        sin_lead * turn.cos * radial + turn.sin * around,
+    );
+    let gyro = inertia * rate;
+    left[3] += gyro * cos_lead * radial;
+    left[4] -= gyro * second;
+    left[5] -= gyro * third;
+    if SLOPED {
+        rows[1][PRECESSION] -= 2.0 * mass * rate * turn.cos;
+        rows[2][PRECESSION] += 2.0 * mass * rate * turn.sin;
+        add(&mut rows[1], thrown * turn.sin, &turn.by);
+        add(&mut rows[2], thrown * turn.cos, &turn.by);
+        rows[3][PRECESSION] += inertia * cos_lead * radial;
+        rows[4][PRECESSION] -= inertia * second;
+        rows[5][PRECESSION] -= inertia * third;
+        rows[3][OMEGA[1]] += gyro * cos_lead;
+        rows[4][OMEGA[1]] -= gyro * sin_lead * turn.sin;
+        rows[5][OMEGA[1]] -= gyro * sin_lead * turn.cos;
+        rows[4][OMEGA[2]] += gyro * turn.cos;
+        rows[5][OMEGA[2]] -= gyro * turn.sin;
+        add(&mut rows[4], -gyro * third, &turn.by);
+        add(&mut rows[5], gyro * second, &turn.by);
+    }
+    Some(Evaluated { left, transmitted: Transmitted { torque, power }, rows, slope })
+}
+
+/// Second and third component of a vector that has these along `$N = \pm(0, \cos, \sin)$` and `$t \times N$`.
+#[inline(always)]
+fn turned(side: f64, (sin, cos): (f64, f64), (normal, across): (f64, f64)) -> (f64, f64) {
+    (side * (cos * normal - sin * across), side * (sin * normal + cos * across))
+}
