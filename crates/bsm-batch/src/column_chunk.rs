@@ -88,7 +88,12 @@ impl Levels {
     }
 
     /// The page of these rows with `values` behind the levels, if the column may have rows without.
-    fn page(mut self, column: &ColumnDescPtr, encoding: Encoding, values: &[u8]) -> Result<CompressedPage> {
+    fn page(
+        mut self,
+        column: &ColumnDescPtr,
+        encoding: Encoding,
+        values: &[u8],
+    ) -> Result<CompressedPage> {
         let mut page = Vec::with_capacity(self.bytes.len() + values.len() + 16);
         if column.max_def_level() > 0 {
             self.end_run();
@@ -164,7 +169,9 @@ impl<T: Word> Keys<T> {
                 next
             } else if let Some(place) = self.places.get(&word) {
                 usize::from(*place)
-            } else if let (Ok(place), true) = (u16::try_from(self.words.len()), self.words.len() < self.most) {
+            } else if let (Ok(place), true) =
+                (u16::try_from(self.words.len()), self.words.len() < self.most)
+            {
                 self.places.insert(word, place);
                 self.words.push(word);
                 place.into()
@@ -395,7 +402,8 @@ impl Pages {
         let mut out = TrackedWrite::new(&mut self.bytes);
         let mut writer = SerializedPageWriter::new(&mut out);
         for page in pages {
-            let (page_type, encoding, rows) = (page.page_type(), page.encoding(), page.num_values());
+            let (page_type, encoding, rows) =
+                (page.page_type(), page.encoding(), page.num_values());
             let written = writer.write_page(page)?;
             self.unpacked += written.uncompressed_size;
             if page_type == PageType::DICTIONARY_PAGE {
@@ -582,7 +590,8 @@ mod tests {
         for array in read(&bytes) {
             found.extend(array.as_string::<i32>().iter().map(|name| name.map(str::to_owned)));
         }
-        let wanted = names.into_iter().zip(rows).flat_map(|(name, rows)| std::iter::repeat_n(name, rows));
+        let wanted =
+            names.into_iter().zip(rows).flat_map(|(name, rows)| std::iter::repeat_n(name, rows));
         assert!(found.iter().map(Option::as_deref).eq(wanted));
         let Statistics::ByteArray(told) = statistics(&bytes) else { panic!("no words") };
         let ends = [told.min_opt(), told.max_opt()].map(|end| end.expect("words").data().to_vec());

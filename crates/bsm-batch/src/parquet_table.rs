@@ -231,7 +231,8 @@ fn words(column: &ArrayRef) -> Result<StringViewArray, TableError> {
 /// Rows of a row group, which ends with a chunk: a compromise of memory, which holds one, and the readers' work.
 const ROW_GROUP: usize = 1 << 18;
 
-/// Words of a dictionary: inputs are often values of a grid; outputs that vary shall not fill one first.
+/// Words of a dictionary: inputs are often values of a grid; outputs that vary shall not fill one first. Names of
+/// models, of statuses and of words of an output are far fewer.
 const INPUT_WORDS: u16 = 1 << 14;
 const OUTPUT_WORDS: u16 = 1 << 8;
 
@@ -287,7 +288,8 @@ impl Encoder {
             }
             Self::Flag(place, column) => {
                 let values = answers.columns[*place].iter();
-                let flags: BooleanArray = values.map(|x| (!x.is_nan()).then_some(*x > 0.5)).collect();
+                let flags: BooleanArray =
+                    values.map(|x| (!x.is_nan()).then_some(*x > 0.5)).collect();
                 push_array(column, field, Arc::new(flags))?;
             }
             Self::Word(place, output, keys) => {
@@ -311,13 +313,19 @@ impl Encoder {
                 return Ok(column.close()?.append_to_row_group(to)?);
             }
             Self::Input(_, numbers) | Self::Number(_, numbers) => numbers.finish()?,
-            Self::Model(keys) | Self::Status(keys) | Self::Word(_, _, keys) => keys.finish(column)?,
+            Self::Model(keys) | Self::Status(keys) | Self::Word(_, _, keys) => {
+                keys.finish(column)?
+            }
         };
         Ok(to.append_column(&bytes, close)?)
     }
 }
 
-fn push_array(column: &mut ArrowColumnWriter, field: &Field, array: ArrayRef) -> Result<(), TableError> {
+fn push_array(
+    column: &mut ArrowColumnWriter,
+    field: &Field,
+    array: ArrayRef,
+) -> Result<(), TableError> {
     for leaf in compute_leaves(field, &array)? {
         column.write(&leaf)?;
     }
@@ -383,26 +391,26 @@ impl<W: Write + Send> ParquetSink<W> {
         let columns = self.file.schema_descr().columns();
         let (kept, inputs) = (self.columns.kept.len(), self.columns.inputs.len());
         let answers = kept + inputs;
-        let encoder = |(place, (column, arrow)): (usize, (&ColumnDescPtr, _))| {
-            if place < kept {
-                return Encoder::Kept(place, arrow);
-            } else if place < answers {
-                return Encoder::Input(place - kept, Numbers::new(column.clone(), INPUT_WORDS));
+        let words = || Keys::new(OUTPUT_WORDS);
+        let encoder = |(place, (column, arrow)): (usize, (&ColumnDescPtr, _))| match place {
+            _ if place < kept => Encoder::Kept(place, arrow),
+            _ if place < answers => {
+                Encoder::Input(place - kept, Numbers::new(column.clone(), INPUT_WORDS))
             }
-            let keys = || Keys::new(OUTPUT_WORDS);
-            match place - answers {
-                0 => Encoder::Model(keys()),
-                1 => Encoder::Status(keys()),
+            _ => match place - answers {
+                0 => Encoder::Model(words()),
+                1 => Encoder::Status(words()),
                 2 => Encoder::Message(arrow),
                 place => {
-                    let (place, output) = (place - ANSWERS.len(), self.outputs[place - ANSWERS.len()]);
+                    let place = place - ANSWERS.len();
+                    let output = self.outputs[place];
                     match output.json_type {
                         "boolean" => Encoder::Flag(place, arrow),
-                        "string" => Encoder::Word(place, output, keys()),
+                        "string" => Encoder::Word(place, output, words()),
                         _ => Encoder::Number(place, Numbers::new(column.clone(), OUTPUT_WORDS)),
                     }
                 }
-            }
+            },
         };
         Ok(columns.iter().zip(arrow).enumerate().map(encoder).collect())
     }
@@ -451,9 +459,10 @@ impl<W: Write + Send> Sink for ParquetSink<W> {
             self.group = self.begin_group()?;
         }
         let fields = self.schema.fields();
-        self.group.par_iter_mut().zip(&fields[..]).try_for_each(|(encoder, field)| {
-            encoder.push(field, &chunk, &answers)
-        })?;
+        self.group
+            .par_iter_mut()
+            .zip(&fields[..])
+            .try_for_each(|(encoder, field)| encoder.push(field, &chunk, &answers))?;
         self.rows += chunk.len;
         if self.rows >= ROW_GROUP {
             self.end_group()?;

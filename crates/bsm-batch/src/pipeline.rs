@@ -1,4 +1,4 @@
-//! From a source of rows to a sink: chunks solved on all cores, read ahead and written behind.
+//! From a source of rows to a sink: chunks read ahead, then solved and written on all cores.
 
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
