@@ -43,6 +43,7 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
+mod column_chunk;
 pub mod dataset;
 mod error;
 mod kernel;

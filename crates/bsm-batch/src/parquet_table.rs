@@ -8,11 +8,7 @@ use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use arrow_array::{
-    Array, ArrayRef, BooleanArray, Float64Array, RecordBatch, StringArray, StringViewArray,
-    UInt64Array,
-};
-use arrow_buffer::NullBuffer;
+use arrow_array::{Array, ArrayRef, BooleanArray, RecordBatch, StringArray, StringViewArray};
 use arrow_cast::display::FormatOptions;
 use arrow_cast::{CastOptions, cast_with_options};
 use arrow_schema::{DataType, Field, Schema};
@@ -21,12 +17,17 @@ use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader,
     ParquetRecordBatchReaderBuilder,
 };
+use parquet::arrow::arrow_writer::{ArrowColumnWriter, ArrowRowGroupWriterFactory, compute_leaves};
 use parquet::arrow::{ArrowWriter, ProjectionMask};
 use parquet::basic::Compression;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::reader::ChunkReader;
+use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
+use parquet::schema::types::ColumnDescPtr;
+use rayon::prelude::*;
 
+use crate::column_chunk::{Keys, Numbers, PACKED};
 use crate::pages::Pages;
 use crate::rows::{self, ANSWERS, Answers, Chunk, Column, Columns, TEXT};
 use crate::{Sink, Source, TableError};
@@ -227,14 +228,121 @@ fn words(column: &ArrayRef) -> Result<StringViewArray, TableError> {
     Ok(cast_with_options(column, &DataType::Utf8View, &STRICT)?.as_string_view().clone())
 }
 
-/// Rows of a row group: a compromise of memory, which holds one, and the readers' work.
+/// Rows of a row group, which ends with a chunk: a compromise of memory, which holds one, and the readers' work.
 const ROW_GROUP: usize = 1 << 18;
+
+/// Words of a dictionary: inputs are often values of a grid; outputs that vary shall not fill one first. Names of
+/// models, of statuses and of words of an output are far fewer.
+const INPUT_WORDS: u16 = 1 << 14;
+const OUTPUT_WORDS: u16 = 1 << 8;
+
+/// Where the values of a column come from, and its chunk of the row group that goes on.
+enum Encoder {
+    Kept(usize, ArrowColumnWriter),
+    Input(usize, Numbers),
+    Model(Keys<&'static str>),
+    Status(Keys<&'static str>),
+    Message(ArrowColumnWriter),
+    Number(usize, Numbers),
+    Flag(usize, ArrowColumnWriter),
+    Word(usize, &'static Output, Keys<&'static str>),
+}
+
+impl Encoder {
+    /// Appends the rows of a chunk.
+    fn push(&mut self, field: &Field, chunk: &Chunk, answers: &Answers) -> Result<(), TableError> {
+        let verdicts = &answers.verdicts;
+        match self {
+            Self::Kept(place, column) => {
+                let texts = StringArray::from_iter_values(&chunk.kept[*place]);
+                push_array(column, field, Arc::new(texts))?;
+            }
+            Self::Input(place, column) => {
+                let input = &chunk.inputs[*place];
+                column.push(input.values(), input.given().as_deref())?;
+            }
+            Self::Model(keys) => {
+                for run in verdicts.chunk_by(|a, b| a.model == b.model) {
+                    keys.push(Some(run[0].model.name()), run.len());
+                }
+            }
+            Self::Status(keys) => {
+                for run in verdicts.chunk_by(|a, b| a.status == b.status) {
+                    keys.push(Some(run[0].status.name()), run.len());
+                }
+            }
+            Self::Message(column) => {
+                let texts = if answers.messages.is_empty() {
+                    StringArray::new_null(chunk.len)
+                } else {
+                    (0..chunk.len).map(|row| answers.message(row)).collect()
+                };
+                push_array(column, field, Arc::new(texts))?;
+            }
+            Self::Number(place, column) => {
+                let values = &answers.columns[*place];
+                let there = |x: &f64| !x.is_nan();
+                let gaps = !values.iter().all(there);
+                let there: Option<Vec<_>> = gaps.then(|| values.iter().map(there).collect());
+                column.push(values, there.as_deref())?;
+            }
+            Self::Flag(place, column) => {
+                let values = answers.columns[*place].iter();
+                let flags: BooleanArray =
+                    values.map(|x| (!x.is_nan()).then_some(*x > 0.5)).collect();
+                push_array(column, field, Arc::new(flags))?;
+            }
+            Self::Word(place, output, keys) => {
+                let same = |a: &f64, b: &f64| a.to_bits() == b.to_bits();
+                for run in answers.columns[*place].chunk_by(same) {
+                    keys.push(output.word(run[0]), run.len());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the chunk to its row group.
+    fn finish<W: Write + Send>(
+        self,
+        column: &ColumnDescPtr,
+        to: &mut SerializedRowGroupWriter<'_, W>,
+    ) -> Result<(), TableError> {
+        let (bytes, close) = match self {
+            Self::Kept(_, column) | Self::Message(column) | Self::Flag(_, column) => {
+                return Ok(column.close()?.append_to_row_group(to)?);
+            }
+            Self::Input(_, numbers) | Self::Number(_, numbers) => numbers.finish()?,
+            Self::Model(keys) | Self::Status(keys) | Self::Word(_, _, keys) => {
+                keys.finish(column)?
+            }
+        };
+        Ok(to.append_column(&bytes, close)?)
+    }
+}
+
+fn push_array(
+    column: &mut ArrowColumnWriter,
+    field: &Field,
+    array: ArrayRef,
+) -> Result<(), TableError> {
+    for leaf in compute_leaves(field, &array)? {
+        column.write(&leaf)?;
+    }
+    Ok(())
+}
 
 /// Parquet with the columns of the source, then model, status, message and outputs.
 pub struct ParquetSink<W: Write + Send> {
-    writer: ArrowWriter<W>,
-    schema: Arc<Schema>,
+    file: SerializedFileWriter<W>,
+    columns: Columns,
     outputs: Vec<&'static Output>,
+    schema: Arc<Schema>,
+    /// Makes the columns that Arrow encodes.
+    arrow: ArrowRowGroupWriterFactory,
+    /// The row group that goes on, if it has begun.
+    group: Vec<Encoder>,
+    rows: usize,
 }
 
 impl<W: Write + Send> ParquetSink<W> {
@@ -265,19 +373,59 @@ impl<W: Write + Send> ParquetSink<W> {
         });
         let fields: Vec<_> = kept.chain(inputs).chain(words).chain(answers).collect();
         let schema = Arc::new(Schema::new(fields));
-        let mut properties = WriterProperties::builder()
-            .set_compression(Compression::SNAPPY)
-            .set_max_row_group_row_count(Some(ROW_GROUP))
+        let properties = WriterProperties::builder()
+            .set_compression(PACKED)
             // The footer follows the rows at once, so that one hash covers all before it.
             .set_offset_index_disabled(true)
-            .set_statistics_enabled(EnabledStatistics::Chunk);
-        for output in outputs.iter().filter(|output| output.words.is_empty()) {
-            // Numbers that hardly repeat.
-            properties = properties.set_column_dictionary_enabled(output.name.into(), false);
-        }
-        let properties = properties.build();
+            .set_statistics_enabled(EnabledStatistics::Chunk)
+            .build();
         let writer = ArrowWriter::try_new(writer, schema.clone(), Some(properties))?;
-        Ok(Self { writer, schema, outputs: outputs.to_vec() })
+        let (file, arrow) = writer.into_serialized_writer()?;
+        let (columns, outputs) = (columns.clone(), outputs.to_vec());
+        Ok(Self { file, columns, outputs, schema, arrow, group: Vec::new(), rows: 0 })
+    }
+
+    /// Encoders of a row group, in the order of the schema.
+    fn begin_group(&self) -> Result<Vec<Encoder>, TableError> {
+        let arrow = self.arrow.create_column_writers(self.file.flushed_row_groups().len())?;
+        let columns = self.file.schema_descr().columns();
+        let (kept, inputs) = (self.columns.kept.len(), self.columns.inputs.len());
+        let answers = kept + inputs;
+        let words = || Keys::new(OUTPUT_WORDS);
+        let encoder = |(place, (column, arrow)): (usize, (&ColumnDescPtr, _))| match place {
+            _ if place < kept => Encoder::Kept(place, arrow),
+            _ if place < answers => {
+                Encoder::Input(place - kept, Numbers::new(column.clone(), INPUT_WORDS))
+            }
+            _ => match place - answers {
+                0 => Encoder::Model(words()),
+                1 => Encoder::Status(words()),
+                2 => Encoder::Message(arrow),
+                place => {
+                    let place = place - ANSWERS.len();
+                    let output = self.outputs[place];
+                    match output.json_type {
+                        "boolean" => Encoder::Flag(place, arrow),
+                        "string" => Encoder::Word(place, output, words()),
+                        _ => Encoder::Number(place, Numbers::new(column.clone(), OUTPUT_WORDS)),
+                    }
+                }
+            },
+        };
+        Ok(columns.iter().zip(arrow).enumerate().map(encoder).collect())
+    }
+
+    fn end_group(&mut self) -> Result<(), TableError> {
+        if self.rows > 0 {
+            let columns = self.file.schema_descr().columns().to_vec();
+            let mut group = self.file.next_row_group()?;
+            for (encoder, column) in self.group.drain(..).zip(&columns) {
+                encoder.finish(column, &mut group)?;
+            }
+            group.close()?;
+            self.rows = 0;
+        }
+        Ok(())
     }
 
     /// Writes what is left and the footer, and returns the writer.
@@ -285,8 +433,9 @@ impl<W: Write + Send> ParquetSink<W> {
     /// # Errors
     ///
     /// [`TableError`].
-    pub fn finish(self) -> Result<W, TableError> {
-        Ok(self.writer.into_inner()?)
+    pub fn finish(mut self) -> Result<W, TableError> {
+        self.end_group()?;
+        Ok(self.file.into_inner()?)
     }
 
     /// [`finish`](Self::finish) with keys in the footer, which are asked for when all before the
@@ -295,10 +444,10 @@ impl<W: Write + Send> ParquetSink<W> {
         mut self,
         keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,
     ) -> Result<W, TableError> {
-        self.writer.flush()?;
-        self.writer.sync()?;
-        for (key, value) in keys(self.writer.inner_mut()) {
-            self.writer.append_key_value_metadata(KeyValue::new(key.to_owned(), value));
+        self.end_group()?;
+        self.file.flush()?;
+        for (key, value) in keys(self.file.inner_mut()) {
+            self.file.append_key_value_metadata(KeyValue::new(key.to_owned(), value));
         }
         self.finish()
     }
@@ -306,50 +455,18 @@ impl<W: Write + Send> ParquetSink<W> {
 
 impl<W: Write + Send> Sink for ParquetSink<W> {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
-        let verdicts = &answers.verdicts;
-        let mut arrays: Vec<ArrayRef> = Vec::with_capacity(self.schema.fields().len());
-        for texts in &chunk.kept {
-            arrays.push(Arc::new(StringArray::from_iter_values(texts)));
+        if self.group.is_empty() {
+            self.group = self.begin_group()?;
         }
-        for column in chunk.inputs {
-            let (values, given) = column.into_numbers();
-            arrays.push(nullable(values, given.into()));
+        let fields = self.schema.fields();
+        self.group
+            .par_iter_mut()
+            .zip(&fields[..])
+            .try_for_each(|(encoder, field)| encoder.push(field, &chunk, &answers))?;
+        self.rows += chunk.len;
+        if self.rows >= ROW_GROUP {
+            self.end_group()?;
         }
-        let models = verdicts.iter().map(|verdict| verdict.model.name());
-        arrays.push(Arc::new(StringArray::from_iter_values(models)));
-        let statuses = verdicts.iter().map(|verdict| verdict.status.name());
-        arrays.push(Arc::new(StringArray::from_iter_values(statuses)));
-        let messages = (0..chunk.len).map(|row| answers.message(row));
-        arrays.push(Arc::new(messages.collect::<StringArray>()));
-        for (output, column) in self.outputs.iter().zip(answers.columns) {
-            let there: NullBuffer = column.iter().map(|x| !x.is_nan()).collect();
-            arrays.push(match output.json_type {
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "small counts"
-                )]
-                "integer" => {
-                    let counts: Vec<_> = column.iter().map(|x| *x as u64).collect();
-                    Arc::new(UInt64Array::new(counts.into(), Some(there)))
-                }
-                "boolean" => {
-                    let flags = column.iter().map(|x| *x > 0.5).collect();
-                    Arc::new(BooleanArray::new(flags, Some(there)))
-                }
-                "string" => {
-                    let words = column.iter().map(|x| output.word(*x));
-                    Arc::new(words.collect::<StringArray>())
-                }
-                _ => nullable(column, there),
-            });
-        }
-        self.writer.write(&RecordBatch::try_new(self.schema.clone(), arrays)?)?;
         Ok(())
     }
-}
-
-/// A column of numbers with null where there is none.
-fn nullable(values: Vec<f64>, there: NullBuffer) -> ArrayRef {
-    Arc::new(Float64Array::new(values.into(), Some(there)))
 }

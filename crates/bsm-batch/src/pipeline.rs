@@ -1,10 +1,10 @@
-//! From a source of rows to a sink: chunks solved on all cores, read ahead and written behind.
+//! From a source of rows to a sink: chunks read ahead, then solved and written on all cores.
 
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{self, available_parallelism};
 
 use bsm_case::{CaseError, Grid, InputSet, ModelChoice, Output, Scene, Settings};
@@ -222,7 +222,7 @@ impl Task {
 
     /// Solves the next rows of `source`, at most `most`, into `sink`, which it returns.
     ///
-    /// One thread reads ahead and one writes behind those that solve.
+    /// One thread reads ahead; the workers write each chunk while they solve the next one.
     ///
     /// * `seen`: is shown every chunk that is solved.
     ///
@@ -232,51 +232,36 @@ impl Task {
     pub fn run<S: Sink + Send>(
         &self,
         source: &mut dyn Source,
-        sink: S,
+        mut sink: S,
         most: u64,
         workers: &Workers<'_>,
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<(S, Count), RunError> {
         let columns = source.columns().clone();
         let (read, chunks) = sync_channel(1);
-        let (solved, answered) = sync_channel(1);
         thread::scope(|scope| {
             thread::Builder::new()
                 .spawn_scoped(scope, move || read_ahead(source, most, &read))
                 .map_err(RunError::Thread)?;
-            let writer = thread::Builder::new()
-                .spawn_scoped(scope, move || write_behind(sink, &answered))
-                .map_err(RunError::Thread)?;
             let mut count = Count::default();
-            let mut done = Ok(());
+            let mut behind = None;
             for chunk in chunks {
-                let answers = chunk.map_err(RunError::Read).and_then(|chunk| {
-                    let answers =
-                        workers.install(|| self.solve_until(workers.stop, &chunk, &columns));
-                    Ok((chunk, answers.ok_or(RunError::Stopped)?))
-                });
-                let (chunk, answers) = match answers {
-                    Ok(answered) => answered,
-                    Err(error) => {
-                        done = Err(error);
-                        break;
-                    }
-                };
+                let chunk = chunk.map_err(RunError::Read)?;
+                let solve = || self.solve_until(workers.stop, &chunk, &columns);
+                let write = || write(&mut sink, behind.take());
+                let (answers, written) = workers.install(|| rayon::join(solve, write));
+                let answers = answers.ok_or(RunError::Stopped)?;
+                written?;
                 let verdicts = &answers.verdicts;
                 count.rows += verdicts.len() as u64;
                 count.several += verdicts.iter().filter(|v| v.has_others).count() as u64;
                 count.failed +=
                     verdicts.iter().filter(|v| v.status != Status::Converged).count() as u64;
                 seen(&chunk, &answers);
-                if solved.send((chunk, answers)).is_err() {
-                    // The writer has failed, and says why itself.
-                    break;
-                }
+                behind = Some((chunk, answers));
             }
-            drop(solved);
-            let sink = writer.join().unwrap_or_else(|panic| resume_unwind(panic));
-            done?;
-            Ok((sink.map_err(RunError::Write)?, count))
+            workers.install(|| write(&mut sink, behind))?;
+            Ok((sink, count))
         })
     }
 }
@@ -294,10 +279,8 @@ fn read_ahead(source: &mut dyn Source, most: u64, to: &SyncSender<Result<Chunk, 
     }
 }
 
-/// Writes what comes.
-fn write_behind<S: Sink>(mut sink: S, from: &Receiver<(Chunk, Answers)>) -> Result<S, TableError> {
-    for (chunk, answers) in from {
-        sink.write(chunk, answers)?;
-    }
-    Ok(sink)
+/// Writes a chunk that is solved, if there is one.
+fn write<S: Sink>(sink: &mut S, solved: Option<(Chunk, Answers)>) -> Result<(), RunError> {
+    let written = solved.map_or(Ok(()), |(chunk, answers)| sink.write(chunk, answers));
+    written.map_err(RunError::Write)
 }

@@ -113,6 +113,11 @@ impl Column {
         }
     }
 
+    /// Appends the numbers that `fill` appends.
+    pub(crate) fn extend_with(&mut self, fill: impl FnOnce(&mut Vec<f64>)) {
+        fill(&mut self.values);
+    }
+
     /// The value of a row.
     pub fn cell(&self, row: usize) -> Cell {
         match self.odd.binary_search_by_key(&row, |(odd, _)| *odd) {
@@ -138,13 +143,13 @@ impl Column {
         values
     }
 
-    /// The numbers, and whether there is one, which may be NaN itself.
-    pub(crate) fn into_numbers(self) -> (Vec<f64>, Vec<bool>) {
-        let mut given = vec![true; self.values.len()];
+    /// The rows that have a number, which may be NaN itself, unless all have.
+    pub(crate) fn given(&self) -> Option<Vec<bool>> {
+        let mut given = (!self.odd.is_empty()).then(|| vec![true; self.values.len()])?;
         for (row, _) in &self.odd {
             given[*row] = false;
         }
-        (self.values, given)
+        Some(given)
     }
 }
 

@@ -3,7 +3,7 @@
 use bsm_case::Grid;
 
 use crate::TableError;
-use crate::rows::{Cell, Chunk, Columns};
+use crate::rows::{Chunk, Columns};
 
 /// Rows in chunks, in order.
 pub trait Source: Send {
@@ -71,7 +71,9 @@ impl Source for GridSource {
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
         let end = self.grid.len().min(self.at.saturating_add(rows));
         let mut chunk = Chunk::empty(self.at as u64 + 1, &self.columns, end - self.at);
-        self.grid.fill(self.at..end, |axis, value| chunk.inputs[axis].push(Cell::Number(value)));
+        for (axis, column) in chunk.inputs.iter_mut().enumerate() {
+            column.extend_with(|values| self.grid.fill(axis, self.at..end, values));
+        }
         chunk.len = end - self.at;
         self.at = end;
         Ok(chunk.filled())

@@ -55,7 +55,7 @@ impl Format {
 /// A table of answers, in one of the forms.
 pub enum TableSink<W: Write + Send> {
     /// Text with commas.
-    Csv(Box<CsvSink<W>>),
+    Csv(CsvSink<W>),
     /// One JSON object a line.
     Json(JsonSink<W>),
     /// Columns in binary.
@@ -75,7 +75,7 @@ impl<W: Write + Send> TableSink<W> {
         outputs: &[&'static Output],
     ) -> Result<Self, TableError> {
         Ok(match format {
-            Format::Csv => Self::Csv(Box::new(CsvSink::new(out, columns, outputs)?)),
+            Format::Csv => Self::Csv(CsvSink::new(out, columns, outputs)?),
             Format::JsonLines => Self::Json(JsonSink::new(out, columns.clone(), outputs)),
             Format::Parquet => Self::Parquet(Box::new(ParquetSink::new(out, columns, outputs)?)),
         })

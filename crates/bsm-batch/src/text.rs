@@ -1,10 +1,11 @@
 //! Tables as text: CSV and JSON Lines.
 
 use std::borrow::Cow;
-use std::io::{Read, Write};
-use std::mem;
+use std::io::{self, Read, Write};
+use std::ops::Range;
 
 use bsm_case::{Output, brief, entries, write_exact};
+use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use crate::lines::Lines;
@@ -24,9 +25,17 @@ fn parse(text: &str) -> Cell {
 pub struct CsvSource<R> {
     lines: Lines<R>,
     columns: Columns,
-    /// Number of columns, those that are passed over too.
-    width: usize,
+    /// What becomes of each cell of a line.
+    takes: Vec<Take>,
     row: u64,
+}
+
+/// Where a cell goes, if it is not passed over.
+#[derive(Debug, Clone, Copy)]
+enum Take {
+    Nothing,
+    Input(usize),
+    Kept(usize),
 }
 
 impl<R: Read> CsvSource<R> {
@@ -38,10 +47,9 @@ impl<R: Read> CsvSource<R> {
     pub fn new(reader: R, keep: &[String]) -> Result<Self, TableError> {
         let mut lines = Lines::new(reader);
         let header = lines.next()?.ok_or(TableError::NoHeader)?;
-        let sorted = split(header, 1).and_then(|names| {
-            let columns = Columns::sort(names.iter().map(AsRef::as_ref), keep)?;
-            Ok((columns, names.len()))
-        });
+        let mut names = Vec::new();
+        let sorted = split(header, 1, |_, name| names.push(name))
+            .and_then(|width| Ok((Columns::sort(names.iter().map(AsRef::as_ref), keep)?, width)));
         let (columns, width) = sorted.map_err(|error| {
             let separator = header.chars().find(|c| [';', '\t', '|'].contains(c));
             match separator.filter(|_| !header.contains(',')) {
@@ -49,19 +57,34 @@ impl<R: Read> CsvSource<R> {
                 None => error,
             }
         })?;
-        Ok(Self { lines, columns, width, row: 0 })
+        let mut takes = vec![Take::Nothing; width];
+        for (input, place) in columns.input_places.iter().enumerate() {
+            takes[*place] = Take::Input(input);
+        }
+        for (kept, place) in columns.kept_places.iter().enumerate() {
+            takes[*place] = Take::Kept(kept);
+        }
+        Ok(Self { lines, columns, takes, row: 0 })
     }
 }
 
-/// The cells of a line of CSV. A cell that begins with a quote ends with one, may hold commas, and
+/// Gives the cells of a line of CSV with their places, and returns their number. A cell that begins with a quote ends with one, may hold commas, and
 /// quotes twice; no other cell holds a quote. So no quote that is forgotten or one too many can join
 /// cells or lines.
-fn split(text: &str, line: u64) -> Result<Vec<Cow<'_, str>>, TableError> {
+fn split<'a>(
+    text: &'a str,
+    line: u64,
+    mut each: impl FnMut(usize, Cow<'a, str>),
+) -> Result<usize, TableError> {
+    let (mut rest, mut cells) = (Some(text), 0);
     if memchr::memchr(b'"', text.as_bytes()).is_none() {
-        return Ok(text.split(',').map(Cow::Borrowed).collect());
+        let mut begin = 0;
+        for end in memchr::memchr_iter(b',', text.as_bytes()) {
+            each(cells, Cow::Borrowed(&text[begin..end]));
+            (begin, cells) = (end + 1, cells + 1);
+        }
+        rest = Some(&text[begin..]);
     }
-    let mut cells = Vec::new();
-    let mut rest = Some(text);
     while let Some(text) = rest {
         let (cell, after) = if let Some(quoted) = text.strip_prefix('"') {
             // Quotes in pairs belong to the cell; the first one alone ends it.
@@ -88,7 +111,8 @@ fn split(text: &str, line: u64) -> Result<Vec<Cow<'_, str>>, TableError> {
             }
             (Cow::Borrowed(cell), after)
         };
-        cells.push(cell);
+        each(cells, cell);
+        cells += 1;
         rest = after;
     }
     Ok(cells)
@@ -105,17 +129,15 @@ impl<R: Read + Send> Source for CsvSource<R> {
         while chunk.len < rows && text < TEXT {
             let line = self.lines.number() + 1;
             let Some(row) = self.lines.next()? else { break };
-            let mut cells = split(row, line)?;
-            if cells.len() != self.width {
-                let (found, columns) = (cells.len(), self.width);
-                return Err(TableError::Ragged { line, found, columns });
-            }
             text += row.len();
-            for (values, place) in chunk.inputs.iter_mut().zip(&self.columns.input_places) {
-                values.push(parse(&cells[*place]));
-            }
-            for (texts, place) in chunk.kept.iter_mut().zip(&self.columns.kept_places) {
-                texts.push(mem::take(&mut cells[*place]).into_owned());
+            let found = split(row, line, |place, cell| match self.takes.get(place) {
+                Some(Take::Input(input)) => chunk.inputs[*input].push(parse(&cell)),
+                Some(Take::Kept(kept)) => chunk.kept[*kept].push(cell.into_owned()),
+                Some(Take::Nothing) | None => {}
+            })?;
+            let columns = self.takes.len();
+            if found != columns {
+                return Err(TableError::Ragged { line, found, columns });
             }
             chunk.len += 1;
         }
@@ -201,9 +223,59 @@ impl<R: Read + Send> Source for JsonSource<R> {
     }
 }
 
+/// Rows whose text one thread makes at a time, and how many such texts there are at a time.
+const SLICE: usize = 512;
+const SLICES: usize = 32;
+
+/// Writes rows: their texts are made side by side and written in order.
+fn write_rows(
+    to: &mut impl Write,
+    rows: usize,
+    text: impl Fn(Range<usize>, &mut Vec<u8>) -> io::Result<()> + Sync,
+) -> io::Result<()> {
+    for first in (0..rows).step_by(SLICE * SLICES) {
+        let slice = |i: usize| {
+            let (from, mut made) = ((first + i * SLICE).min(rows), Vec::new());
+            text(from..(from + SLICE).min(rows), &mut made)?;
+            Ok(made)
+        };
+        let texts: io::Result<Vec<_>> = (0..SLICES).into_par_iter().map(slice).collect();
+        texts?.iter().try_for_each(|text| to.write_all(text))?;
+    }
+    Ok(())
+}
+
+/// Appends a text as a cell of CSV, which [`split`] reads.
+fn write_cell(to: &mut Vec<u8>, text: &str) {
+    let is_plain = !text.bytes().any(|byte| matches!(byte, b',' | b'"' | b'\n' | b'\r'));
+    if is_plain {
+        to.extend_from_slice(text.as_bytes());
+    } else {
+        to.extend([b"\"", text.replace('"', "\"\"").as_bytes(), b"\""].concat());
+    }
+}
+
+/// The number that a column had last, and where its digits stand: in a grid most are those of the row above.
+#[derive(Clone, Default)]
+struct Last(u64, Range<usize>);
+
+impl Last {
+    fn write(&mut self, to: &mut Vec<u8>, value: f64) -> io::Result<()> {
+        let Self(bits, digits) = self;
+        if *bits == value.to_bits() && digits.end > 0 {
+            to.extend_from_within(digits.clone());
+            return Ok(());
+        }
+        let begin = to.len();
+        write_exact(to, value)?;
+        (*bits, *digits) = (value.to_bits(), begin..to.len());
+        Ok(())
+    }
+}
+
 /// CSV with the columns of the source, then model, status, message and outputs.
-pub struct CsvSink<W: Write> {
-    writer: csv::Writer<W>,
+pub struct CsvSink<W> {
+    writer: W,
     outputs: Vec<&'static Output>,
 }
 
@@ -214,14 +286,19 @@ impl<W: Write> CsvSink<W> {
     ///
     /// [`TableError::Io`].
     pub fn new(
-        writer: W,
+        mut writer: W,
         columns: &Columns,
         outputs: &[&'static Output],
     ) -> Result<Self, TableError> {
-        let mut writer = csv::Writer::from_writer(writer);
         let kept = columns.kept.iter().map(String::as_str);
-        let names = kept.chain(columns.inputs.iter().map(|key| key.name()));
-        writer.write_record(names.chain(ANSWERS).chain(outputs.iter().map(|o| o.name)))?;
+        let names = kept.chain(columns.inputs.iter().map(|key| key.name())).chain(ANSWERS);
+        let mut header = Vec::new();
+        for name in names.chain(outputs.iter().map(|output| output.name)) {
+            write_cell(&mut header, name);
+            header.push(b',');
+        }
+        end_row(&mut header);
+        writer.write_all(&header)?;
         Ok(Self { writer, outputs: outputs.to_vec() })
     }
 
@@ -230,45 +307,58 @@ impl<W: Write> CsvSink<W> {
     /// # Errors
     ///
     /// [`TableError::Io`].
-    pub fn finish(self) -> Result<W, TableError> {
-        self.writer.into_inner().map_err(|e| TableError::Io(e.into_error()))
+    pub fn finish(mut self) -> Result<W, TableError> {
+        self.writer.flush()?;
+        Ok(self.writer)
     }
+}
+
+/// The comma behind the last cell becomes the end of the row.
+fn end_row(text: &mut Vec<u8>) {
+    text.pop();
+    text.push(b'\n');
 }
 
 impl<W: Write> Sink for CsvSink<W> {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
-        let mut digits = Vec::new();
-        for (row, verdict) in answers.verdicts.iter().enumerate() {
-            for texts in &chunk.kept {
-                self.writer.write_field(&texts[row])?;
-            }
-            for column in &chunk.inputs {
-                match column.cell(row) {
-                    Cell::Missing => self.writer.write_field("")?,
-                    Cell::Number(value) => {
-                        digits.clear();
-                        write_exact(&mut digits, value)?;
-                        self.writer.write_field(&digits)?;
-                    }
-                    Cell::Text(text) => self.writer.write_field(text)?,
+        let Self { writer, outputs } = self;
+        let (inputs, numbers) = (chunk.inputs.len(), chunk.inputs.len() + outputs.len());
+        write_rows(writer, chunk.len, |rows, to| {
+            let mut last = vec![Last::default(); numbers];
+            for row in rows {
+                for texts in &chunk.kept {
+                    write_cell(to, &texts[row]);
+                    to.push(b',');
                 }
-            }
-            self.writer.write_field(verdict.model.name())?;
-            self.writer.write_field(verdict.status.name())?;
-            self.writer.write_field(answers.message(row).unwrap_or_default())?;
-            for (output, column) in self.outputs.iter().zip(&answers.columns) {
-                digits.clear();
-                match json(output, column[row]) {
-                    Value::Null => {}
-                    Value::Number(number) if number.is_f64() => {
-                        write_exact(&mut digits, column[row])?;
+                for (column, last) in chunk.inputs.iter().zip(&mut last) {
+                    match column.cell(row) {
+                        Cell::Missing => {}
+                        Cell::Number(value) => last.write(to, value)?,
+                        Cell::Text(text) => write_cell(to, &text),
                     }
-                    value => write!(digits, "{value}")?,
+                    to.push(b',');
                 }
-                self.writer.write_field(&digits)?;
+                let verdict = answers.verdicts[row];
+                for name in [verdict.model.name(), verdict.status.name()] {
+                    to.extend_from_slice(name.as_bytes());
+                    to.push(b',');
+                }
+                write_cell(to, answers.message(row).unwrap_or_default());
+                to.push(b',');
+                let columns = outputs.iter().zip(&answers.columns);
+                for ((output, column), last) in columns.zip(&mut last[inputs..]) {
+                    match json(output, column[row]) {
+                        Value::Null => {}
+                        Value::Number(number) if number.is_f64() => last.write(to, column[row])?,
+                        Value::String(word) => write_cell(to, &word),
+                        value => write!(to, "{value}")?,
+                    }
+                    to.push(b',');
+                }
+                end_row(to);
             }
-            self.writer.write_record(None::<&[u8]>)?;
-        }
+            Ok(())
+        })?;
         Ok(())
     }
 }
@@ -306,29 +396,34 @@ impl<W: Write> JsonSink<W> {
 
 impl<W: Write> Sink for JsonSink<W> {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
-        for (row, verdict) in answers.verdicts.iter().enumerate() {
-            let mut line = Map::new();
-            for (name, texts) in self.columns.kept.iter().zip(&chunk.kept) {
-                line.insert(name.clone(), json!(texts[row]));
+        let Self { writer, columns, outputs } = self;
+        write_rows(writer, chunk.len, |rows, to| {
+            for row in rows {
+                let verdict = answers.verdicts[row];
+                let mut line = Map::new();
+                for (name, texts) in columns.kept.iter().zip(&chunk.kept) {
+                    line.insert(name.clone(), json!(texts[row]));
+                }
+                for (key, column) in columns.inputs.iter().zip(&chunk.inputs) {
+                    line.insert(
+                        key.name().to_owned(),
+                        match column.cell(row) {
+                            Cell::Missing => Value::Null,
+                            Cell::Number(value) => json!(value),
+                            Cell::Text(text) => json!(text),
+                        },
+                    );
+                }
+                line.insert("model".to_owned(), json!(verdict.model.name()));
+                line.insert("status".to_owned(), json!(verdict.status.name()));
+                line.insert("message".to_owned(), json!(answers.message(row)));
+                for (output, column) in outputs.iter().zip(&answers.columns) {
+                    line.insert(output.name.to_owned(), json(output, column[row]));
+                }
+                writeln!(to, "{}", Value::Object(line))?;
             }
-            for (key, column) in self.columns.inputs.iter().zip(&chunk.inputs) {
-                line.insert(
-                    key.name().to_owned(),
-                    match column.cell(row) {
-                        Cell::Missing => Value::Null,
-                        Cell::Number(value) => json!(value),
-                        Cell::Text(text) => json!(text),
-                    },
-                );
-            }
-            line.insert("model".to_owned(), json!(verdict.model.name()));
-            line.insert("status".to_owned(), json!(verdict.status.name()));
-            line.insert("message".to_owned(), json!(answers.message(row)));
-            for (output, column) in self.outputs.iter().zip(&answers.columns) {
-                line.insert(output.name.to_owned(), json(output, column[row]));
-            }
-            writeln!(self.writer, "{}", Value::Object(line))?;
-        }
+            Ok(())
+        })?;
         Ok(())
     }
 }

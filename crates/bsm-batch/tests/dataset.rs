@@ -283,6 +283,28 @@ fn rows_of_parquet_are_passed_over() {
     }
 }
 
+/// The program runs its commands on the workers: what waits for a worker must not hold the only one. More rows
+/// than a chunk, with an axis that has more values than a dictionary.
+#[test]
+fn a_table_that_is_solved_on_its_only_worker_has_the_same_bytes() {
+    let axes = ["axial_load_N=500:9000:3", "friction_coefficient=0.01:0.1:30001"];
+    let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();
+    let grid = Grid::new(axes).expect("a grid");
+    for format in [Format::Parquet, Format::Csv, Format::JsonLines] {
+        let written = |threads| {
+            let workers = workers(threads);
+            workers.install(|| {
+                let (task, mut source) = (task(Model::ClosedForm), GridSource::new(grid.clone()));
+                let out = task.write(&mut source, format, Vec::new(), &workers, &mut |_, _| {});
+                let (out, count) = out.expect("solved");
+                assert_eq!(count, Count { rows: 90_003, failed: 0, several: 0 });
+                out
+            })
+        };
+        assert!(written(1) == written(3), "{format:?}");
+    }
+}
+
 /// A table without rows is one part without rows, which readers open.
 #[test]
 fn a_table_without_rows_is_one_part() {

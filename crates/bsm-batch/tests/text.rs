@@ -1,6 +1,11 @@
 //! Tables of text: one line is one row, and what is not clear is refused with its line.
 
-use bsm_batch::{Cell, CsvSource, JsonSource, Source, TableError};
+use std::num::NonZeroUsize;
+use std::sync::atomic::AtomicBool;
+
+use bsm_batch::{Answers, Cell, CsvSource, Format, JsonSource, Source, TableError, Task, Workers};
+use bsm_case::Scene;
+use bsm_dyn::Model;
 
 /// The kept texts and the inputs of every row.
 type Rows = Vec<(Vec<String>, Vec<Cell>)>;
@@ -173,4 +178,22 @@ fn json_that_is_not_clear_is_refused_with_its_line() {
     // A row that says that it is invalid.
     let text = json(b"{\"lead_mm\": \"5\"}\n", &[]).expect("a table");
     assert_eq!(text, [(vec![], vec![Cell::Text("\"5\"".to_owned())])]);
+}
+
+/// A word stood in quotes within quotes, which readers found in it.
+#[test]
+fn words_of_outputs_stand_as_they_are() {
+    let base =
+        Scene::from_json(include_bytes!("../../../examples/feed_drive.json")).expect("a scene");
+    let outputs = ["controlling_race", "control_consistent", "iterations"].map(str::to_owned);
+    let outputs = Answers::select(Some(&outputs)).expect("outputs");
+    let task = Task::new(base, Model::RacewayControl.into(), outputs);
+    let mut source =
+        CsvSource::new(&b"id,axial_load_N\n\"a, b\",5000\n"[..], &keep(&["id"])).expect("a table");
+    let stop = AtomicBool::new(false);
+    let workers = Workers::start(NonZeroUsize::new(1), &stop).expect("a thread");
+    let out = task.write(&mut source, Format::Csv, Vec::new(), &workers, &mut |_, _| {});
+    let out = String::from_utf8(out.expect("solved").0).expect("text");
+    let row = out.lines().last().expect("a row");
+    assert!(row.starts_with("\"a, b\",5000,raceway-control,converged,,screw,true,"), "{row}");
 }

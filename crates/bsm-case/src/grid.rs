@@ -1,6 +1,7 @@
 //! Grids over inputs, generated on the fly.
 
 use std::fmt::{self, Display, Formatter};
+use std::iter::repeat_n;
 use std::ops::Range;
 
 use crate::{CaseError, InputKey, InputSet, ModelChoice, Scene};
@@ -151,30 +152,23 @@ impl Grid {
     /// The values of point `i`, one per axis.
     pub fn point(&self, i: usize) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.axes.len());
-        self.fill(i..i + 1, |_, value| values.push(value));
+        for axis in 0..self.axes.len() {
+            self.fill(axis, i..i + 1, &mut values);
+        }
         values
     }
 
-    /// Gives the values of some points, by the place of their axis, point after point.
-    pub fn fill(&self, points: Range<usize>, mut each: impl FnMut(usize, f64)) {
-        let Some(first) = points.clone().next() else { return };
-        let (mut places, mut rest) = (vec![0; self.axes.len()], first);
-        for (place, axis) in places.iter_mut().zip(&self.axes).rev() {
-            *place = rest % axis.len();
-            rest /= axis.len();
-        }
-        for _ in points {
-            for (i, (place, axis)) in places.iter().zip(&self.axes).enumerate() {
-                each(i, axis.value(*place));
-            }
-            // The last axis runs fastest.
-            for (place, axis) in places.iter_mut().zip(&self.axes).rev() {
-                *place += 1;
-                if *place < axis.len() {
-                    break;
-                }
-                *place = 0;
-            }
+    /// Appends the values of an axis at some points.
+    pub fn fill(&self, axis: usize, points: Range<usize>, to: &mut Vec<f64>) {
+        // Points of one value.
+        let run: usize = self.axes[axis + 1..].iter().map(Axis::len).product();
+        let (axis, mut at, first) = (&self.axes[axis], points.start, points.start / run);
+        let (mut place, mut end) = (first % axis.len(), (first + 1) * run);
+        while at < points.end {
+            let until = end.min(points.end);
+            to.extend(repeat_n(axis.value(place), until - at));
+            (at, end) = (until, end.saturating_add(run));
+            place = if place + 1 < axis.len() { place + 1 } else { 0 };
         }
     }
 

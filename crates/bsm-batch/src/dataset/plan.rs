@@ -18,8 +18,8 @@ use crate::{Answers, Task, Workers};
 /// not mixed.
 pub const RESULTS: u32 = 10;
 
-/// Form of the file itself.
-const FORMAT: u32 = 1;
+/// Form of the file itself and of the parts: their bytes follow from the plan.
+const FORMAT: u32 = 2;
 
 /// Most parts of a folder.
 pub const MOST_SHARDS: u64 = 100_000;
@@ -135,8 +135,14 @@ impl Plan {
         let (found, this) = (&written.program, Program::this());
         if (written.format, found) != (FORMAT, &this) {
             return Err(format!(
-                "it is of {} {} with results {}, this is {} {} with results {}",
-                found.name, found.version, found.results, this.name, this.version, this.results
+                "it is of {} {} with results {} in form {}, this is {} {} with results {} in form {FORMAT}",
+                found.name,
+                found.version,
+                found.results,
+                written.format,
+                this.name,
+                this.version,
+                this.results
             ));
         }
         let id = digest::of_bytes(text.as_bytes());
@@ -292,7 +298,7 @@ mod tests {
         assert_eq!(
             plan.text(),
             format!(
-                "{{\"format\":1,\"program\":{{\"name\":\"bsm\",\"version\":\"{version}\",\
+                "{{\"format\":{FORMAT},\"program\":{{\"name\":\"bsm\",\"version\":\"{version}\",\
                  \"results\":{RESULTS}}},\"points\":{{\"grid\":[\"lead_mm=5:10:11\",\
                  \"screw_speed_rpm=1e300,-0.1,1500\"]}},\"base\":{{\"axial_load_N\":0.1}},\
                  \"model\":{{\"name\":\"rigid\",\"tolerance\":0.01,\"accuracy\":1e-8,\

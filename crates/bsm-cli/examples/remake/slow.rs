@@ -313,18 +313,22 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     };
     let (rigid, closed, small) =
         (grid("rigid", axis)?, grid("closed-form", axis)?, grid("rigid", axis / 10)?);
+    let side = axis / 10;
+    let traction = site.took(
+        folder,
+        &format!(
+            "sweep {scene} --model traction --vary screw_speed_rpm=100:6000:{side} \
+             --vary axial_load_N=500:20000:{side} --columns efficiency,screw_torque_Nm -o traction/"
+        ),
+    )?;
     let (points, rows) = (f64::from(axis.pow(2)), f64::from(cube.pow(3)));
     let bytes = parquet_bytes(&folder.join(format!("rigid-{axis}")))? / points;
-    let memory = match (rigid.memory, small.memory) {
-        (Some(large), Some(small)) => {
-            format!(
-                "{} of memory ({} for a hundredth of the points), ",
-                megabytes(large),
-                megabytes(small)
-            )
-        }
-        _ => String::new(),
+    let memory = |took: &Took| {
+        took.memory.map_or_else(String::new, |bytes| format!(", {} of memory", megabytes(bytes)))
     };
+    let fewer = small.memory.map_or_else(String::new, |bytes| {
+        format!(" ({} for a hundredth of the points)", megabytes(bytes))
+    });
     for end in ["parquet", "csv"] {
         let words = format!(
             "sweep {scene} --set lead_mm=25 --model closed-form --vary axial_load_N=2000:8000:{cube} \
@@ -343,14 +347,19 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     Ok(vec![(
         "many",
         Text::Whole(format!(
-            "\nThese {} points take {} (`closed-form` {}), {memory}and {bytes:.1} bytes a row. {} rows with three varied\n\
-             inputs take {} from Parquet to Parquet and {} from CSV to CSV. ({})\n",
+            "\nThese {} points take {} (`closed-form` {}){}{fewer}, and {bytes:.1} bytes a row. {} rows with three varied\n\
+             inputs take {} from Parquet to Parquet and {} from CSV to CSV. {} points of the same drive with `traction`\n\
+             take {}{}. ({})\n",
             millions(points),
             seconds(&rigid),
             seconds(&closed),
+            memory(&rigid),
             millions(rows),
             seconds(&parquet),
             seconds(&csv),
+            millions(points / 100.0),
+            seconds(&traction),
+            memory(&traction),
             site.machine()?
         )),
     )])
