@@ -6,8 +6,9 @@ mod samples;
 mod words;
 
 pub use problem::NutProblem;
-pub(crate) use problem::{OF_A_NUT, balls_and_turns};
+pub(crate) use problem::{OF_A_NUT, balls_and_turns, count};
 pub(crate) use report::QUANTITIES;
 pub use report::{BALL_COLUMNS, CURVE_COLUMNS, NutReport};
 pub use samples::Samples;
 pub use words::NutWords;
+pub(crate) use words::SupportWord;

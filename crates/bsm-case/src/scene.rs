@@ -40,6 +40,11 @@ impl Scene {
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
         let mut scene = Self::default();
         for (key, value) in entries(json)? {
+            let twice = InputKey::in_unit(&key).ok().filter(|(input, _)| scene[*input].is_some());
+            if let Some((input, _)) = twice {
+                let keys = [input.name(), "the same in another unit"];
+                return Err(CaseError::OneOfTwo { keys, found: "both are" });
+            }
             scene.assign_json(key, &value)?;
         }
         Ok(scene)
@@ -68,12 +73,13 @@ impl Scene {
             return self.nut.set(key, value.clone());
         }
         // The name first: what is unknown has no type.
-        let input = InputKey::named(&key)?;
-        self[input] = match value {
+        let (input, factor) = InputKey::in_unit(&key)?;
+        let number = match value {
             Value::Null => None,
             Value::Number(number) => number.as_f64(),
             other => return Err(wrong_type(key, other, "a number")),
         };
+        self[input] = number.map(|number| number * factor);
         Ok(())
     }
 
@@ -108,9 +114,9 @@ impl Scene {
                 given.nut.set(name.to_owned(), word)?;
                 continue;
             }
-            let key = InputKey::named(name)?;
-            let number = value.parse().map_err(|_| CaseError::not_a_number(key.name(), value))?;
-            given[key] = Some(number);
+            let (key, factor) = InputKey::in_unit(name)?;
+            let number: f64 = value.parse().map_err(|_| CaseError::not_a_number(name, value))?;
+            given[key] = Some(number * factor);
         }
         self.override_with(&given);
         Ok(())
@@ -131,6 +137,11 @@ impl Scene {
             let value = self[key].unwrap_or(f64::NAN);
             key.input().rule.check(key.name(), value)?;
         }
+        let twice = InputSet::of(&[InputKey::screw_speed_rpm, InputKey::feed_m_min]);
+        if (self.given() - open).contains_all(twice) {
+            let keys = [InputKey::screw_speed_rpm, InputKey::feed_m_min].map(InputKey::name);
+            return Err(CaseError::OneOfTwo { keys, found: "both are" });
+        }
         let relations = Relation::ALL.into_iter().filter(|relation| !relation.inputs().meets(open));
         for relation in relations {
             if relation.holds(self) == Some(false) {
@@ -142,7 +153,8 @@ impl Scene {
 
     /// Screw and nut speed, the nut at rest unless given; `None` without a screw speed.
     pub fn speeds_rpm(&self) -> Option<(f64, f64)> {
-        self.screw_speed_rpm.map(|screw| (screw, self.nut_speed_rpm.unwrap_or(0.0)))
+        let screw = self.value_or_default(InputKey::screw_speed_rpm)?;
+        Some((screw, self.nut_speed_rpm.unwrap_or(0.0)))
     }
 
     /// Lead angle \[rad\], from the angle or from lead and pitch circle.
@@ -233,13 +245,15 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
     let names = names.filter(|name| key.len() <= 2 * name.len());
     let key = key.to_lowercase();
     let part = if key.len() < 3 { "no part of a name" } else { key.as_str() };
-    names
-        .map(|name| {
-            let distance = strsim::damerau_levenshtein(&key, &name.to_lowercase());
-            (if name.contains(part) { distance.min(3) } else { distance }, name)
-        })
+    let ranked = names.enumerate().map(|(place, name)| {
+        let distance = strsim::damerau_levenshtein(&key, &name.to_lowercase());
+        let (begins, has) = (name.starts_with(part), name.contains(part));
+        // Of several that have it as a part, one that begins with it, and of those the first.
+        ((if has { distance.min(3) } else { distance }, !begins, !has, place), name)
+    });
+    ranked
         .min()
-        .filter(|(distance, name)| *distance <= name.len().max(key.len()) / 2)
+        .filter(|((distance, ..), name)| *distance <= name.len().max(key.len()) / 2)
         .map(|(_, name)| name)
 }
 
