@@ -98,11 +98,11 @@ impl DesignReport {
             }
         }
         let nut = &design.nut;
-        let gap = nut.turn_length() / nut.ball_diameter - nut.balls_per_turn;
-        if found && gap.fract() > 0.1 + 1e-6 {
+        let gap = nut.ball_gap() / nut.ball_diameter;
+        if found && gap > 0.1 + 1e-6 {
             warnings.push(format!(
                 "on this pitch circle the balls of a turn leave a gap of {:.2} ball diameters",
-                gap.fract()
+                gap
             ));
         }
         let reasons = if found || !reasons.is_empty() {
