@@ -9,7 +9,7 @@ use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::{Value, json};
 
 use crate::error::brief;
-use crate::nut::NutWords;
+use crate::nut::{NutWords, OF_A_NUT};
 use crate::reader::lead_mm;
 use crate::rules::Relation;
 use crate::{CaseError, INPUTS, InputKey, InputSet, Scene};
@@ -187,18 +187,25 @@ impl Scene {
     }
 }
 
-/// Inputs that no model of the ball uses although they change what it does, and what this means.
-const NOT_IN_BALANCE: &[(InputKey, &str)] = &[(
-    InputKey::preload_N,
-    "no model has the preload in the balance of a ball: loads, torque and efficiency are those of a \
-     nut without preload; `bsm capacity` rates the preloaded pair",
-)];
+/// Inputs that no model of the ball uses although they change what a screw does, and the command that does.
+const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
+    use InputKey as K;
+    let of_an_axis =
+        InputSet::of(&[K::moved_mass_kg, K::seal_torque_Nm, K::support_bearing_torque_Nm]);
+    [(OF_A_NUT, "bsm nut"), (of_an_axis, "bsm size")]
+};
 
 impl InputSet {
     /// What an engineer should know of inputs that are given, but that no model of the ball uses.
     pub fn unused_by_models(self) -> impl Iterator<Item = String> {
-        let given = NOT_IN_BALANCE.iter().filter(move |(key, _)| self.contains(*key));
-        given.map(|(key, meaning)| format!("{} is not used here: {meaning}", key.name()))
+        NOT_IN_BALANCE.into_iter().filter_map(move |(unused, command)| {
+            let names: Vec<_> =
+                unused.iter().filter(|key| self.contains(*key)).map(InputKey::name).collect();
+            let verb = if names.len() == 1 { "is" } else { "are" };
+            let names = names.join(", ");
+            (!names.is_empty())
+                .then(|| format!("{names} {verb} not in the balance of one ball: see {command}"))
+        })
     }
 }
 
@@ -248,8 +255,13 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
     let ranked = names.enumerate().map(|(place, name)| {
         let distance = strsim::damerau_levenshtein(&key, &name.to_lowercase());
         let (begins, has) = (name.starts_with(part), name.contains(part));
+        let distance = match has {
+            true if name.split('_').any(|word| word == part) => distance.min(1),
+            true => distance.min(3),
+            false => distance,
+        };
         // Of several that have it as a part, one that begins with it, and of those the first.
-        ((if has { distance.min(3) } else { distance }, !begins, !has, place), name)
+        ((distance, !begins, !has, place), name)
     });
     ranked
         .min()

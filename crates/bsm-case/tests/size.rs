@@ -38,7 +38,7 @@ fn the_rules_again_in_workshop_units() {
     for (support, root, kappa) in [
         ("fixed-free", 1.875_104_068_711_961, 0.25),
         ("supported-supported", PI, 1.0),
-        ("fixed-supported", 3.926_602_312_047_919, 2.045_748_102_110_6),
+        ("fixed-supported", 3.926_602_312_047_919, 2.045_748_515_938_295_8),
         ("fixed-fixed", 4.730_040_744_862_704, 4.0),
     ] {
         let report = axis(&[&format!("support={support}"), "screw_temperature_rise_K=5"]);

@@ -134,7 +134,7 @@ fn read(path: Option<&Path>) -> Result<Catalogue, Failure> {
 }
 
 fn count(all: usize, met: usize, left: usize, args: &CatalogArgs) -> String {
-    let met = if args.require.is_empty() {
+    let met = if args.require.is_empty() && args.requirement.is_none() {
         String::new()
     } else {
         format!(", {met} of them meet the requirements")

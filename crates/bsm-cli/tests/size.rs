@@ -93,8 +93,8 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
 fn a_failing_rule_says_what_would_help() {
     let dir = folder();
     let sheet = |settings: &[&str]| {
-        let sets = settings.iter().flat_map(|setting| ["--set", *setting]);
         let axis = example("axis.json");
+        let sets = settings.iter().flat_map(|setting| ["--set", *setting]);
         let args: Vec<_> = ["size", &axis, "--format", "json"].into_iter().chain(sets).collect();
         let output = bsm(dir.path(), &args, "");
         (output.status.code(), json(&stdout(&output)))

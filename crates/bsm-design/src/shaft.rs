@@ -68,7 +68,7 @@ impl Support {
             Self::FixedFree => 0.25,
             Self::SupportedSupported => 1.0,
             // (x/π)² of the first root of tan x = x.
-            Self::FixedSupported => 2.045_748_102_110_613_7,
+            Self::FixedSupported => 2.045_748_515_938_295_8,
             Self::FixedFixed => 4.0,
         }
     }
