@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use bsm_case::units::{DEG, RPM};
 use bsm_case::{
     INPUTS, Input, InputKey, InputSet, Inputs, ModelChoice, Relation, Rule, Scene, Settings,
-    covered,
+    covered, following,
 };
 use bsm_dyn::{Model, Sines};
 use bsm_simd::Simd;
@@ -42,7 +42,7 @@ impl<'a> Operands<'a> {
         settings: &Settings,
     ) -> Option<(Self, Model)> {
         settings.check().ok()?;
-        let in_row = |cells: InputSet| base.given().overridden_by(cells);
+        let in_row = |cells: InputSet| base.stated().overridden_by(cells);
         let cells = columns.set();
         let ordinary = in_row(cells);
         // Rows that a model does not cover are not ordinary either.
@@ -62,7 +62,11 @@ impl<'a> Operands<'a> {
                 let filled = has_same(in_row(cells - InputSet::of(&[key])));
                 let value = base.value_or_default(key).filter(|_| filled);
                 *operand = Operand::Column(rule, chunk.inputs[place].filled(value));
-            } else if let Some(value) = base[key].filter(|_| ordinary.contains(key)) {
+            } else if let Some(value) = follows(key, chunk, columns, base, ordinary) {
+                *operand = Operand::Column(rule, Cow::Owned(value));
+            } else if let Some(value) =
+                base.value_or_default(key).filter(|_| ordinary.completed().contains(key))
+            {
                 if !rule.holds(value) || !is_plain(value) {
                     return None;
                 }
@@ -73,6 +77,27 @@ impl<'a> Operands<'a> {
         }
         Some((Self(operands), model))
     }
+}
+
+/// The values of an input that follows from columns where it is not given.
+fn follows(
+    key: InputKey,
+    chunk: &Chunk,
+    columns: &Columns,
+    base: &Scene,
+    ordinary: InputSet,
+) -> Option<Vec<f64>> {
+    if ordinary.contains(key) || !ordinary.completed().contains(key) {
+        return None;
+    }
+    let place = |key| columns.inputs.iter().position(|column| *column == key);
+    let value = |row: usize| {
+        following(key, |from| match place(from) {
+            Some(place) => Some(chunk.inputs[place].values()[row]),
+            None => base[from].filter(|_| ordinary.contains(from)),
+        })
+    };
+    (0..chunk.len).map(value).collect()
 }
 
 /// Sizes whose products of a few stay numbers; what is beyond is left to the model, which looks closer.

@@ -169,7 +169,7 @@ impl Task {
         watched: Option<&'static Output>,
         grid: &Grid,
     ) -> Result<Self, CaseError> {
-        let given = base.given().overridden_by(grid.varied());
+        let given = base.stated().overridden_by(grid.varied());
         let mut task = Self { watched, ..Self::new(base, settings, outputs) };
         if task.solves() {
             task.settings.model = grid.choose(&task.base, settings.model)?;
@@ -192,7 +192,7 @@ impl Task {
         outputs: Vec<&'static Output>,
         columns: &Columns,
     ) -> Result<Self, CaseError> {
-        let given = base.given() | columns.set();
+        let given = base.stated() | columns.set();
         let task = Self::new(base, settings, outputs);
         let model =
             if task.solves() { settings.model.resolve(given, |_| Ok(()))? } else { settings.model };

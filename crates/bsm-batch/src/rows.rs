@@ -33,6 +33,8 @@ pub struct Columns {
     pub inputs: Vec<InputKey>,
     /// Places of the inputs in the table.
     pub(crate) input_places: Vec<usize>,
+    /// Their names in the table, and what a value there is multiplied with to be in the unit of the input.
+    pub(crate) units: Vec<(String, f64)>,
     /// Columns that are carried through as text.
     pub kept: Vec<String>,
     pub(crate) kept_places: Vec<usize>,
@@ -56,17 +58,20 @@ impl Columns {
         let mut columns = Self::default();
         for (place, name) in names.into_iter().enumerate() {
             let name = name.trim();
-            let seen = columns.inputs.iter().any(|key| key.name() == name)
-                || columns.kept.iter().any(|k| k == name);
-            if seen {
-                return Err(TableError::RepeatedColumn { name: name.to_owned() });
+            let repeated = || Err(TableError::RepeatedColumn { name: name.to_owned() });
+            if columns.kept.iter().any(|k| k == name) {
+                return repeated();
             }
             if keep.iter().any(|kept| kept == name) {
                 columns.kept.push(name.to_owned());
                 columns.kept_places.push(place);
-            } else if let Some(key) = InputKey::ALL.into_iter().find(|key| key.name() == name) {
+            } else if let Ok((key, factor)) = InputKey::in_unit(name) {
+                if columns.inputs.contains(&key) {
+                    return repeated();
+                }
                 columns.inputs.push(key);
                 columns.input_places.push(place);
+                columns.units.push((name.to_owned(), factor));
             } else if !is_answer(name) {
                 let nearest = nearest_input(name).map(str::to_owned);
                 return Err(TableError::UnknownColumn { name: name.to_owned(), nearest });
@@ -89,24 +94,32 @@ impl Columns {
 const APART: usize = 40;
 
 /// The values of an input.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// Numbers, NaN where there is none.
     values: Vec<f64>,
     /// What is no number, by row.
     odd: Vec<(usize, Cell)>,
+    /// What numbers are multiplied with, from the unit of the table to that of the input.
+    factor: f64,
+}
+
+impl Default for Column {
+    fn default() -> Self {
+        Self { values: Vec::new(), odd: Vec::new(), factor: 1.0 }
+    }
 }
 
 impl Column {
     /// A column with room for some rows.
     pub fn with_capacity(rows: usize) -> Self {
-        Self { values: Vec::with_capacity(rows + APART), odd: Vec::new() }
+        Self { values: Vec::with_capacity(rows + APART), ..Self::default() }
     }
 
-    /// Appends a value.
+    /// Appends a value, in the unit of the table.
     pub fn push(&mut self, cell: Cell) {
         if let Cell::Number(value) = cell {
-            self.values.push(value);
+            self.values.push(value * self.factor);
         } else {
             self.odd.push((self.values.len(), cell));
             self.values.push(f64::NAN);
@@ -184,7 +197,13 @@ impl Chunk {
         Self {
             first,
             len: 0,
-            inputs: columns.inputs.iter().map(|_| Column::with_capacity(rows)).collect(),
+            inputs: (0..columns.inputs.len())
+                .map(|i| Column {
+                    // A grid has the units of the inputs.
+                    factor: columns.units.get(i).map_or(1.0, |(_, factor)| *factor),
+                    ..Column::with_capacity(rows)
+                })
+                .collect(),
             kept: columns.kept.iter().map(|_| Vec::with_capacity(rows)).collect(),
         }
     }
@@ -267,7 +286,8 @@ impl Answers {
     pub fn select(names: Option<&[String]>) -> Result<Vec<&'static Output>, TableError> {
         let Some(names) = names else { return Ok(OUTPUTS.iter().collect()) };
         let mut selected: Vec<&'static Output> = Vec::with_capacity(names.len());
-        for name in names {
+        // The answers are in every table.
+        for name in names.iter().filter(|name| !ANSWERS.contains(&name.as_str())) {
             let output = Output::named(name).ok_or_else(|| TableError::UnknownOutput {
                 name: name.clone(),
                 nearest: Output::nearest(name),

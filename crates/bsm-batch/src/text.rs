@@ -197,8 +197,8 @@ impl<R: Read + Send> Source for JsonSource<R> {
             };
             let Some((object, length)) = next else { break };
             let mut object: Map<String, Value> = object.into_iter().collect();
-            for (cells, key) in chunk.inputs.iter_mut().zip(&self.columns.inputs) {
-                cells.push(match object.remove(key.name()) {
+            for (cells, (name, _)) in chunk.inputs.iter_mut().zip(&self.columns.units) {
+                cells.push(match object.remove(name) {
                     None | Some(Value::Null) => Cell::Missing,
                     Some(Value::Number(n)) => n.as_f64().map_or(Cell::Missing, Cell::Number),
                     Some(other) => Cell::Text(other.to_string()),

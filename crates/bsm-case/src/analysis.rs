@@ -9,7 +9,7 @@ use crate::quantity::Statement;
 use crate::record::message;
 use crate::{
     CapacityReport, CaseError, InputSet, ModelChoice, Numbers, NutProblem, Of, OptimumReport,
-    Output, Quantity, Record, Scene, Settings, capacity, jam, nut, optimum, slip,
+    Output, Quantity, Record, Scene, Settings, SizeReport, capacity, jam, nut, optimum, size, slip,
 };
 
 /// The contacts of a ball.
@@ -28,11 +28,14 @@ pub enum AnalysisKind {
     Capacity,
     /// All balls of a nut, `bsm nut`.
     Nut,
+    /// The axis around a screw, `bsm size`.
+    Size,
 }
 
 impl AnalysisKind {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Slip, Self::Jam, Self::Optimum, Self::Capacity, Self::Nut];
+    pub const ALL: [Self; 6] =
+        [Self::Slip, Self::Jam, Self::Optimum, Self::Capacity, Self::Nut, Self::Size];
 
     /// The command of that analysis.
     pub fn name(self) -> &'static str {
@@ -42,6 +45,7 @@ impl AnalysisKind {
             Self::Optimum => "optimum",
             Self::Capacity => "capacity",
             Self::Nut => "nut",
+            Self::Size => "size",
         }
     }
 
@@ -53,6 +57,7 @@ impl AnalysisKind {
             Self::Optimum => optimum::QUANTITIES,
             Self::Capacity => capacity::QUANTITIES,
             Self::Nut => nut::QUANTITIES,
+            Self::Size => size::QUANTITIES,
         }
     }
 
@@ -65,7 +70,7 @@ impl AnalysisKind {
     pub fn needs_motion(self) -> bool {
         match self {
             Self::Slip | Self::Jam => true,
-            Self::Optimum | Self::Capacity | Self::Nut => false,
+            Self::Optimum | Self::Capacity | Self::Nut | Self::Size => false,
         }
     }
 
@@ -76,6 +81,7 @@ impl AnalysisKind {
             Self::Optimum => optimum::NEEDS.missing(given),
             Self::Capacity => capacity::NEEDS.missing(given),
             Self::Nut => Needs::NUT.missing(given),
+            Self::Size => size::NEEDS.missing(given),
         }
     }
 
@@ -99,6 +105,7 @@ impl AnalysisKind {
                 let found = NutProblem::of(scene, settings)?.solve();
                 found.map_err(CaseError::Nut).map(|report| report.numbers(wanted))
             }
+            (Self::Size, _) => SizeReport::of(scene, settings).map(|report| report.numbers),
             (Self::Optimum, _) => OptimumReport::of(scene, None).map(|report| report.numbers),
             (Self::Capacity, _) => CapacityReport::numbers(scene),
             (Self::Slip, Some(Moving { settings, solution, .. })) => {

@@ -2,13 +2,13 @@
 
 use std::cell::RefCell;
 
-use bsm_design::{Blocked, Check, Demand, Nut, Outcome, Quantity, Why};
+use bsm_design::{Blocked, Check, Demand, Design, Nut, Outcome, Pitch, Quantity, Why};
 use bsm_dyn::{Direction, ModelWorkspace};
 use serde_json::{Map, Value, json};
 
 use crate::optimum::hard_to_make;
 use crate::units::{DEG, MM, MPA, RPM};
-use crate::{RequirementFile, Scene};
+use crate::{Catalogue, RequirementFile, Scene};
 
 /// A number of the procedure: step, what it is, value and requirement in words, and whether it
 /// holds.
@@ -49,15 +49,24 @@ thread_local! {
 }
 
 impl DesignReport {
-    /// Searches for the best screw; a requirement that cannot be met is a result.
+    /// Searches for the best screw of any size, with balls of standard diameters: Lin's procedure. A
+    /// requirement that cannot be met is a result.
     pub fn of(wish: &RequirementFile) -> Self {
-        let efficiency = |nut: &Nut, load: f64| {
-            let problem = scene(wish, nut, load).problem(&wish.model.into()).ok()?;
-            let solution = WORK.with_borrow_mut(|work| problem.solve(work));
-            solution.efficiency()
-        };
+        Self::from_outcome(wish, wish.requirement.choose(&|nut, load| efficiency(wish, nut, load)))
+    }
+
+    /// Searches for the best screw among standard sizes; `None` if the lists have none for the requirement,
+    /// such as for a lead angle.
+    pub fn standard(wish: &RequirementFile, catalogue: &Catalogue) -> Option<Self> {
+        let Catalogue { lists, limits } = catalogue;
+        let efficiency = |nut: &Nut, load: f64| efficiency(wish, nut, load);
+        let outcome = wish.requirement.choose_standard(lists, limits, &efficiency)?;
+        Some(Self::from_outcome(wish, outcome))
+    }
+
+    fn from_outcome(wish: &RequirementFile, outcome: Outcome) -> Self {
         let (design, reasons, found): (_, Vec<String>, _) =
-            match wish.requirement.choose(&efficiency) {
+            match outcome {
                 Outcome::Found { design, active } => {
                     (design, active.into_iter().map(|q| label(q).0.to_owned()).collect(), true)
                 }
@@ -89,11 +98,11 @@ impl DesignReport {
             }
         }
         let nut = &design.nut;
-        let gap = nut.turn_length() / nut.ball_diameter - nut.balls_per_turn;
-        if found && gap.fract() > 0.1 + 1e-6 {
+        let gap = nut.ball_gap() / nut.ball_diameter;
+        if found && gap > 0.1 + 1e-6 {
             warnings.push(format!(
                 "on this pitch circle the balls of a turn leave a gap of {:.2} ball diameters",
-                gap.fract()
+                gap
             ));
         }
         let reasons = if found || !reasons.is_empty() {
@@ -126,6 +135,32 @@ impl DesignReport {
             "scene": self.scene.to_json(),
         })
     }
+}
+
+impl RequirementFile {
+    /// True if a nut keeps all limits of the requirement but those of its efficiency and power.
+    pub fn is_kept_by(&self, nut: &Nut) -> bool {
+        let of_pitch = |pitch: &Pitch| match pitch {
+            Pitch::Lead(lead) => (lead - nut.lead).abs() < 1e-9,
+            Pitch::Angle(angle) => (angle - nut.lead_angle()).abs() < 1e-9,
+        };
+        let design = Design::of(&self.requirement, *nut, None);
+        let mut checks = design.checks.iter().filter(|check| !check.value.is_nan());
+        self.requirement.pitches.iter().any(of_pitch) && checks.all(Check::passes)
+    }
+
+    /// A nut at the operating point of the requirement.
+    pub fn scene_of(&self, nut: &Nut) -> Scene {
+        let design = Design::of(&self.requirement, *nut, None);
+        scene(self, nut, design.load)
+    }
+}
+
+/// Efficiency of a nut under a load by the model of a requirement, if it has one.
+fn efficiency(wish: &RequirementFile, nut: &Nut, load: f64) -> Option<f64> {
+    let problem = scene(wish, nut, load).problem(&wish.model.into()).ok()?;
+    let solution = WORK.with_borrow_mut(|work| problem.solve(work));
+    solution.efficiency()
 }
 
 /// The screw of a nut at the operating point of a requirement.
@@ -178,6 +213,9 @@ fn label(quantity: Quantity) -> (&'static str, &'static str, f64) {
         Quantity::OutputPower => ("output_power_W", "W", 1.0),
         Quantity::DynamicRating => ("dynamic_load_rating_N", "N", 1.0),
         Quantity::Life => ("life_h", "h", 3600.0),
+        Quantity::StaticSafety => ("static_safety", "", 1.0),
+        Quantity::CriticalSpeedRatio => ("critical_speed_ratio", "", 1.0),
+        Quantity::BucklingSafety => ("buckling_safety", "", 1.0),
         Quantity::Mass => ("mass_of_nut_and_screw_kg", "kg", 1.0),
     }
 }

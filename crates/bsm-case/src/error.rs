@@ -108,6 +108,12 @@ pub enum CaseError {
         /// The keys.
         missing: Vec<String>,
     },
+    /// Inputs that an axis needs are not given.
+    #[error("{} required for the axis", list(missing))]
+    MissingForAxis {
+        /// The keys.
+        missing: Vec<String>,
+    },
     /// Inputs that a nut needs are not given.
     #[error("{} required for a nut", list(missing))]
     MissingForNut {
@@ -169,10 +175,12 @@ pub enum CaseError {
         screw: f64,
     },
     /// An output that does not exist, or is no number.
-    #[error("no numeric output is named `{}`; `bsm schema output` lists them", brief(name))]
+    #[error("no numeric output is named `{}`{}; `bsm schema output` lists them", brief(name), nearest_hint(*nearest))]
     UnknownOutput {
         /// The name.
         name: String,
+        /// The nearest one.
+        nearest: Option<&'static str>,
     },
     /// An output that a model does not have.
     #[error(

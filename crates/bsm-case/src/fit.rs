@@ -66,8 +66,10 @@ impl Fit {
         let (name, value) = measurement.split_once('=').ok_or_else(bad)?;
         let of_solution = |o: &&Output| o.json_type == "number" && o.key().is_some();
         let output = Output::named(name.trim()).filter(of_solution);
-        let output =
-            output.ok_or_else(|| CaseError::UnknownOutput { name: name.trim().to_owned() })?;
+        let output = output.ok_or_else(|| CaseError::UnknownOutput {
+            name: name.trim().to_owned(),
+            nearest: Output::nearest(name.trim()),
+        })?;
         let measured: f64 =
             value.trim().parse().ok().filter(|v| f64::is_finite(*v)).ok_or_else(bad)?;
         let range = match (range, input, scene[input]) {

@@ -33,8 +33,11 @@ impl Axis {
             form: "name=start:stop:count or name=v1,v2,... with finite numbers and a count of at least 2",
         };
         let (name, values) = text.split_once('=').ok_or_else(bad)?;
-        let key = InputKey::named(name.trim())?;
-        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+        let (key, factor) = InputKey::in_unit(name.trim())?;
+        let number = |text: &str| {
+            let value = factor * text.trim().parse::<f64>().ok()?;
+            value.is_finite().then_some(value)
+        };
         let values = match values.split(':').collect::<Vec<_>>()[..] {
             [start, stop, count] => Values::Range {
                 start: number(start).ok_or_else(bad)?,
@@ -196,7 +199,7 @@ impl Grid {
         self.check(base)?;
         let ends = [0, self.len - 1].map(|i| self.scene(base, &self.point(i)));
         let covers = |model| ends[0].covered_by(model).or_else(|_| ends[1].covered_by(model));
-        choice.resolve(base.given().overridden_by(self.varied()), covers)
+        choice.resolve(base.stated().overridden_by(self.varied()), covers)
     }
 
     /// `base` with the values of a [`point`](Self::point).

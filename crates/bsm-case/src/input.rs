@@ -7,6 +7,7 @@ use bsm_simd::Compare;
 use crate::CaseError;
 use crate::nut::NutWords;
 use crate::scene::unknown_key;
+use crate::units::convert;
 
 /// Up to here every whole number is a double.
 const MOST_WHOLE: f64 = 9_007_199_254_740_992.0;
@@ -172,17 +173,34 @@ impl InputKey {
         let found = Self::ALL.into_iter().find(|key| key.name() == name);
         found.ok_or_else(|| unknown_key(name.to_owned()))
     }
-}
 
-impl Scene {
-    /// The value of an input, or else its default.
-    #[inline]
-    pub fn value_or_default(&self, key: InputKey) -> Option<f64> {
-        self[key].or(key.input().default)
+    /// The input that a name in any unit means, and the factor to the unit of the input: `axial_load_kN` is
+    /// `axial_load_N` times 1000.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::UnknownKey`] with the nearest name.
+    pub fn in_unit(name: &str) -> Result<(Self, f64), CaseError> {
+        let unknown = match Self::named(name) {
+            Ok(key) => return Ok((key, 1.0)),
+            Err(unknown) => unknown,
+        };
+        match convert(name, INPUTS.iter().map(|input| input.name)) {
+            Some((own, factor)) => Self::named(own).map(|key| (key, factor)),
+            None => Err(unknown),
+        }
     }
 }
 
-use Rule::{Above, Any, AtLeast, Between, Whole};
+impl Scene {
+    /// The value of an input, given or following from others, or else its default.
+    #[inline]
+    pub fn value_or_default(&self, key: InputKey) -> Option<f64> {
+        self[key].or_else(|| self.follows(key)).or(key.input().default)
+    }
+}
+
+use Rule::{Above, Any, AtLeast, Between, Whole, Within};
 
 inputs! {
     ball_diameter_mm ["mm"] Above(0.0), None,
@@ -215,12 +233,14 @@ inputs! {
         "Poisson's ratio of the ball, if it differs from the races";
     screw_speed_rpm ["rpm"] Any, None,
         "speed of the screw about the axis; screw minus nut speed > 0 drives against the load, < 0 is back-driving";
+    feed_m_min ["m/min"] Any, None,
+        "velocity of the nut along the screw, in place of screw_speed_rpm; needs the lead";
     nut_speed_rpm ["rpm"] Any, Some(0.0),
         "speed of the nut about the axis";
     axial_load_N ["N"] Above(0.0), None,
         "axial load on the nut, carried by all loaded balls together";
     loaded_balls [""] AtLeast(1.0), None,
-        "number of balls that share the load equally";
+        "number of balls that share the load equally; loaded_balls_per_turn times loaded_turns, or those of the circuits, unless given";
     loaded_balls_per_turn [""] Above(0.0), None,
         "loaded balls per turn, for the load ratings of a nut; may be a fraction";
     loaded_turns [""] Above(0.0), None,
@@ -327,4 +347,44 @@ inputs! {
         "linear stiffness of the impact on the ball return, for jamming, in place of return_stiffness_N_um15";
     step_height_mm ["mm"] AtLeast(0.0), None,
         "height of the step over which a ball enters the ball return, for jamming";
+    rated_dynamic_load_N ["N"] Above(0.0), None,
+        "dynamic load rating as the maker states it, in place of the calculated one";
+    rated_static_load_N ["N"] Above(0.0), None,
+        "static load rating as the maker states it, in place of the calculated one";
+    stroke_mm ["mm"] Above(0.0), None,
+        "stroke of the nut; the screw is longer by the length of the nut";
+    unsupported_length_mm ["mm"] Above(0.0), None,
+        "length of the screw between its bearings; stroke_mm + length of the nut + two leads unless given";
+    shaft_diameter_mm ["mm"] Above(0.0), None,
+        "diameter of the screw that bends and strains; the calculated core diameter of its thread unless given";
+    moved_mass_kg ["kg"] AtLeast(0.0), Some(0.0),
+        "mass that the axis moves; its weight, friction and inertia are added to the axial load";
+    inclination_deg ["deg"] Within(-90.0, 90.0), Some(0.0),
+        "inclination of the axis: 0 level, 90 upwards along the feed";
+    guide_friction [""] AtLeast(0.0), Some(0.0),
+        "friction coefficient of the guides under the moved mass";
+    motor_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
+        "moment of inertia of the motor";
+    coupling_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
+        "moment of inertia of what turns with the screw, such as its coupling";
+    gear_ratio [""] Above(0.0), Some(1.0),
+        "turns of the motor for one of the screw";
+    support_bearing_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
+        "friction torque of the support bearings";
+    seal_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
+        "friction torque of the seals and wipers of the nut";
+    support_bearing_rigidity_N_um ["N/um"] Above(0.0), None,
+        "axial rigidity of the support bearings; rigid unless given";
+    housing_rigidity_N_um ["N/um"] Above(0.0), None,
+        "axial rigidity of the housings of bearings and nut; rigid unless given";
+    reliability_percent ["%"] Within(90.0, 99.0), Some(90.0),
+        "share of the nuts that reach the life";
+    required_life_h ["h"] Above(0.0), None,
+        "life that is required";
+    required_static_safety [""] Above(0.0), Some(1.5),
+        "static safety that is required";
+    required_critical_speed_ratio [""] Above(0.0), Some(0.8),
+        "largest speed over the critical one that is permitted";
+    required_buckling_safety [""] Above(0.0), Some(2.0),
+        "buckling load over the largest axial load that is required";
 }

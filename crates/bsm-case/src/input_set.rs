@@ -2,6 +2,9 @@
 
 use std::ops::{BitOr, Sub};
 
+use crate::nut::count;
+use crate::reader::lead_mm;
+use crate::units::{DEG, MM};
 use crate::{INPUTS, InputKey, Scene};
 
 /// Some of the inputs.
@@ -68,6 +71,13 @@ impl InputSet {
             .map(Quantity::keys)
             .filter(|keys| keys.meets(self))
             .fold(self, Self::bitor)
+    }
+
+    /// These, and those that follow from them: see [`following`].
+    #[must_use]
+    pub fn completed(self) -> Self {
+        let from = FOLLOW.iter().filter(|(_, ways)| ways.iter().any(|way| self.contains_all(*way)));
+        from.fold(self, |set, (key, _)| set | Self::of(&[*key]))
     }
 
     /// What is given after `settings` have been applied to a scene that has these inputs.
@@ -147,13 +157,77 @@ pub(crate) const CONTACT_ANGLE: Quantity = Quantity {
     ],
 };
 
+/// Speed of the screw, or of the nut along it.
+const SPEED: Quantity = Quantity {
+    words: "screw_speed_rpm (or feed_m_min)",
+    forms: &[
+        Form { key: InputKey::screw_speed_rpm, with: InputSet::of(&[]), to: "" },
+        Form {
+            key: InputKey::feed_m_min,
+            with: InputSet::of(&[InputKey::lead_mm]),
+            to: "to turn feed_m_min into a speed",
+        },
+    ],
+};
+
 /// All quantities that have several forms.
-const QUANTITIES: &[Quantity] = &[LEAD, CONTACT_ANGLE];
+const QUANTITIES: &[Quantity] = &[LEAD, CONTACT_ANGLE, SPEED];
+
+/// Inputs that follow from others where they are not given, and from which.
+const FOLLOW: &[(InputKey, &[InputSet])] = {
+    use InputKey as K;
+    &[
+        (K::loaded_balls, &[InputSet::of(&[K::loaded_balls_per_turn, K::loaded_turns])]),
+        (
+            K::screw_speed_rpm,
+            &[
+                InputSet::of(&[K::feed_m_min, K::lead_mm]),
+                InputSet::of(&[K::feed_m_min, K::lead_angle_deg, K::pitch_circle_diameter_mm]),
+            ],
+        ),
+    ]
+};
+
+/// The value of an input that follows from others: the balls of a nut from those of a turn, the speed from
+/// the feed.
+pub fn following(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Option<f64> {
+    use InputKey as K;
+    match key {
+        K::loaded_balls => Some(given(K::loaded_balls_per_turn)? * given(K::loaded_turns)?),
+        K::screw_speed_rpm => {
+            let feed = given(K::feed_m_min)?;
+            let lead = given(K::lead_mm).or_else(|| {
+                let angle = given(K::lead_angle_deg)? * DEG;
+                Some(lead_mm(angle, given(K::pitch_circle_diameter_mm)?))
+            })?;
+            Some(feed / (lead * MM))
+        }
+        _ => None,
+    }
+}
 
 impl Scene {
     /// The inputs that it has.
     pub fn given(&self) -> InputSet {
         InputKey::ALL.into_iter().filter(|key| self[*key].is_some()).collect()
+    }
+
+    /// The inputs that it has, and those that its words say.
+    pub fn stated(&self) -> InputSet {
+        let listed = self.nut.circuits.as_ref().map(|_| InputKey::loaded_balls);
+        self.given() | listed.into_iter().collect()
+    }
+
+    /// The value of an input that is not given, from others or from the circuits of a nut.
+    #[inline(never)]
+    pub(crate) fn follows(&self, key: InputKey) -> Option<f64> {
+        match (&self.nut.circuits, key) {
+            (Some(circuits), InputKey::loaded_balls) => {
+                let first = circuits.iter().filter(|circuit| circuit.body == 0);
+                Some(count(first.map(|circuit| circuit.balls).sum()))
+            }
+            _ => following(key, |key| self[key]),
+        }
     }
 
     /// Applies the values of `settings`, all at once: a form of a quantity replaces the other forms.

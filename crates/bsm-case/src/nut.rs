@@ -15,3 +15,4 @@ pub(crate) use report::QUANTITIES;
 pub use report::{BALL_COLUMNS, CURVE_COLUMNS, NutReport};
 pub use samples::Samples;
 pub use words::NutWords;
+pub(crate) use words::SupportWord;

@@ -169,13 +169,14 @@ impl Needs {
 
     /// True if the inputs are among those that are given.
     fn are_met(&self, given: InputSet) -> bool {
+        let given = given.completed();
         let complete = |form: &Form| given.contains(form.key) && given.contains_all(form.with);
         given.contains_all(self.all) && self.quantities.iter().all(|q| q.forms.iter().any(complete))
     }
 
     /// What lacks among the inputs that are given, in words.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
-        let mut missing = Vec::new();
+        let (given, mut missing) = (given.completed(), Vec::new());
         for Quantity { words, forms } in self.quantities {
             let begun = forms.iter().filter(|form| given.contains(form.key));
             // What is needed anyway is told below.
@@ -227,7 +228,7 @@ impl ModelChoice {
 impl Scene {
     /// Inputs that `model` needs and the scene has not.
     pub fn missing(&self, model: Model) -> Vec<String> {
-        Needs::of(model).missing(self.given())
+        Needs::of(model).missing(self.stated())
     }
 
     /// Inputs that a nut needs and the scene has not.
@@ -271,7 +272,7 @@ impl Scene {
     ///
     /// [`CaseError::Missing`], [`CaseError::NotCovered`].
     pub fn choose(&self, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
-        choice.resolve(self.given(), |model| self.covered_by(model))
+        choice.resolve(self.stated(), |model| self.covered_by(model))
     }
 
     /// What a choice comes to, after every check.

@@ -30,7 +30,7 @@ impl Quantity {
             let names: Vec<_> = set.iter().map(InputKey::name).collect();
             names.join(" or ")
         };
-        self.needs.iter().filter(|set| !given.meets(**set)).map(names).collect()
+        self.needs.iter().filter(|set| !given.completed().meets(**set)).map(names).collect()
     }
 }
 

@@ -7,9 +7,8 @@ use bsm_dyn::{
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
-use crate::nut::OF_A_NUT;
 use crate::units::{DEG, MM, MPA};
-use crate::{CaseError, Cell, InputKey, ModelChoice, OUTPUTS, Output, Scene};
+use crate::{CaseError, Cell, ModelChoice, OUTPUTS, Output, Scene};
 
 /// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
 /// load rating of ISO 76 is made from it.
@@ -147,19 +146,6 @@ impl Record {
     pub fn warnings(&self, scene: &Scene) -> Vec<String> {
         let mut warnings = Vec::new();
         let Some(solution) = &self.solution else { return warnings };
-        let given = scene.given();
-        let of_a_nut: Vec<_> =
-            OF_A_NUT.iter().filter(|key| given.contains(*key)).map(InputKey::name).collect();
-        if let [first, rest @ ..] = &of_a_nut[..] {
-            let (others, verb) = (
-                rest.iter().map(|name| format!(", {name}")),
-                if rest.is_empty() { "is" } else { "are" },
-            );
-            warnings.push(format!(
-                "{first}{} {verb} not in the balance of one ball: see bsm nut",
-                others.collect::<String>()
-            ));
-        }
         let slip = |site| solution.contact(site).and_then(|contact| contact.slip);
         if let (Some(Slip { spin, .. }), Model::Rigid | Model::Elastic, None) =
             (slip(Site::Nut), solution.model, solution.choice)

@@ -1,11 +1,13 @@
 //! What a screw must do, in the vocabulary and a few more keys.
 
-use bsm_design::{Demand, Fixed, Lists, Objective, Pitch, Ranges, Reach, Requirement};
+use bsm_design::{
+    Demand, Fixed, Lists, Objective, Pace, Pitch, Ranges, Reach, Requirement, ShaftDemand, Support,
+};
 use bsm_dyn::{Direction, Model, Optimum};
 use serde_json::{Map, Value};
 
 use crate::scene::{entries, wrong_type};
-use crate::units::{DEG, MM, MPA, RPM};
+use crate::units::{DEG, MM, MPA, RPM, convert};
 use crate::{CaseError, Input, InputKey, Rule, Scene, nearest};
 
 /// Numbers that only requirements have.
@@ -25,18 +27,11 @@ pub const REQUIREMENT_INPUTS: &[Input] = &[
         "length of the screw, or give stroke_mm",
     ),
     input(
-        "stroke_mm",
-        "mm",
-        Rule::Above(0.0),
-        None,
-        "stroke of the nut; the screw is longer by the length of the nut, or give screw_length_mm",
-    ),
-    input(
         "life_h",
         "h",
         Rule::Above(0.0),
         None,
-        "rating life, which 90 % of the screws must reach",
+        "rating life, which 90 % of the screws must reach; or required_life_h",
     ),
     input("least_efficiency", "", Rule::Between(0.0, 1.0), None, "smallest efficiency allowed"),
     input(
@@ -140,7 +135,7 @@ pub const REQUIREMENT_WORDS: [(&str, &[&str], &str); 3] = [
 ];
 
 /// Inputs of a scene that a requirement may have.
-const FROM_SCENES: [InputKey; 18] = [
+const FROM_SCENES: [InputKey; 40] = [
     InputKey::axial_load_N,
     InputKey::lead_mm,
     InputKey::lead_angle_deg,
@@ -159,7 +154,33 @@ const FROM_SCENES: [InputKey; 18] = [
     InputKey::poisson_ratio,
     InputKey::ball_youngs_modulus_GPa,
     InputKey::ball_poisson_ratio,
+    // What bsm size reads besides, so that one file serves all.
+    InputKey::feed_m_min,
+    InputKey::stroke_mm,
+    InputKey::preload_N,
+    InputKey::unsupported_length_mm,
+    InputKey::shaft_diameter_mm,
+    InputKey::moved_mass_kg,
+    InputKey::inclination_deg,
+    InputKey::guide_friction,
+    InputKey::motor_inertia_kg_m2,
+    InputKey::coupling_inertia_kg_m2,
+    InputKey::gear_ratio,
+    InputKey::support_bearing_torque_Nm,
+    InputKey::seal_torque_Nm,
+    InputKey::support_bearing_rigidity_N_um,
+    InputKey::housing_rigidity_N_um,
+    InputKey::reliability_percent,
+    InputKey::required_life_h,
+    InputKey::required_static_safety,
+    InputKey::required_critical_speed_ratio,
+    InputKey::required_buckling_safety,
+    InputKey::screw_temperature_rise_K,
+    InputKey::thermal_expansion_um_m_K,
 ];
+
+/// Words of a scene that a requirement may have.
+const WORDS_FROM_SCENES: [&str; 2] = ["support", "cycle"];
 
 const fn input(
     name: &'static str,
@@ -235,7 +256,11 @@ impl Given {
             self.numbers.insert(key.to_owned(), value.clone());
             return Ok(());
         }
-        let known = key == "description" || FROM_SCENES.iter().any(|k| k.name() == key);
+        let names = || FROM_SCENES.iter().map(|key| key.name());
+        let known = key == "description"
+            || WORDS_FROM_SCENES.contains(&key)
+            || names().any(|name| name == key)
+            || convert(key, names()).is_some();
         if !known {
             let names = FROM_SCENES.iter().map(|k| k.name());
             let names = names.chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));
@@ -314,18 +339,17 @@ impl Given {
             let diameter = lead / (std::f64::consts::PI * (angle * DEG).tan());
             scene.pitch_circle_diameter_mm = Some(diameter);
         }
-        let mut missing = Vec::new();
-        let mut need = |key: InputKey| {
-            scene[key].unwrap_or_else(|| {
-                missing.push(key.name().to_owned());
-                f64::NAN
-            })
+        let speed = match (scene.screw_speed_rpm, scene.feed_m_min) {
+            (Some(rpm), None) => Some(Pace::Turns(rpm.abs() * RPM)),
+            (None, Some(feed)) => Some(Pace::Feed(feed.abs() / 60.0)),
+            _ => None,
         };
-        let (rpm, friction) =
-            (need(InputKey::screw_speed_rpm), need(InputKey::friction_coefficient));
-        if !missing.is_empty() {
+        let (Some(speed), Some(friction)) = (speed, scene.friction_coefficient) else {
+            let friction = scene.friction_coefficient.is_none().then_some("friction_coefficient");
+            let speed = speed.is_none().then_some("screw_speed_rpm (or feed_m_min)");
+            let missing = speed.into_iter().chain(friction).map(str::to_owned).collect();
             return Err(CaseError::MissingForDesign { missing });
-        }
+        };
         let conformity = match (scene.nut_conformity, scene.screw_conformity) {
             (Some(nut), Some(screw)) if (nut - screw).abs() > 1e-12 => {
                 return Err(CaseError::TwoConformities { nut, screw });
@@ -337,7 +361,9 @@ impl Given {
             _ => Direction::RotaryToLinear,
         };
         // The motion tells the direction; a sign of the speed is of no matter.
-        scene.screw_speed_rpm = Some(direction.sign() * rpm.abs());
+        let towards = |speed: f64| direction.sign() * speed.abs();
+        scene.screw_speed_rpm = scene.screw_speed_rpm.map(towards);
+        scene.feed_m_min = scene.feed_m_min.map(towards);
         let ranges = self.ranges()?;
         let pitches = match (scene.lead_mm, scene.lead_angle_deg) {
             (Some(lead), _) => vec![Pitch::Lead(lead * MM)],
@@ -360,8 +386,9 @@ impl Given {
             direction,
             pitches,
             reach,
-            speed: rpm.abs() * RPM,
-            life: self.number("life_h").map(|hours| 3600.0 * hours),
+            speed,
+            shaft: shaft(&scene),
+            life: self.number("life_h").or(scene.required_life_h).map(|hours| 3600.0 * hours),
             friction,
             material: scene.reader().materials(),
             pressure: limit("pressure_limit_MPa") * MPA,
@@ -389,4 +416,16 @@ impl Given {
         let model = Model::from_name(self.word("model")).unwrap_or(Model::Traction);
         Ok(RequirementFile { scene, model, requirement })
     }
+}
+
+/// What the screw must keep between its bearings: asked for by `support`.
+fn shaft(scene: &Scene) -> Option<ShaftDemand> {
+    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+    Some(ShaftDemand {
+        support: Support::from(scene.nut.support?),
+        length: scene.unsupported_length_mm.map(|mm| mm * MM),
+        speed_ratio: value(InputKey::required_critical_speed_ratio),
+        buckling_safety: value(InputKey::required_buckling_safety),
+        static_safety: value(InputKey::required_static_safety),
+    })
 }

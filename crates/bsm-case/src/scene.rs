@@ -9,7 +9,7 @@ use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::{Value, json};
 
 use crate::error::brief;
-use crate::nut::NutWords;
+use crate::nut::{NutWords, OF_A_NUT};
 use crate::reader::lead_mm;
 use crate::rules::Relation;
 use crate::{CaseError, INPUTS, InputKey, InputSet, Scene};
@@ -40,6 +40,11 @@ impl Scene {
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
         let mut scene = Self::default();
         for (key, value) in entries(json)? {
+            let twice = InputKey::in_unit(&key).ok().filter(|(input, _)| scene[*input].is_some());
+            if let Some((input, _)) = twice {
+                let keys = [input.name(), "the same in another unit"];
+                return Err(CaseError::OneOfTwo { keys, found: "both are" });
+            }
             scene.assign_json(key, &value)?;
         }
         Ok(scene)
@@ -68,12 +73,13 @@ impl Scene {
             return self.nut.set(key, value.clone());
         }
         // The name first: what is unknown has no type.
-        let input = InputKey::named(&key)?;
-        self[input] = match value {
+        let (input, factor) = InputKey::in_unit(&key)?;
+        let number = match value {
             Value::Null => None,
             Value::Number(number) => number.as_f64(),
             other => return Err(wrong_type(key, other, "a number")),
         };
+        self[input] = number.map(|number| number * factor);
         Ok(())
     }
 
@@ -108,9 +114,9 @@ impl Scene {
                 given.nut.set(name.to_owned(), word)?;
                 continue;
             }
-            let key = InputKey::named(name)?;
-            let number = value.parse().map_err(|_| CaseError::not_a_number(key.name(), value))?;
-            given[key] = Some(number);
+            let (key, factor) = InputKey::in_unit(name)?;
+            let number: f64 = value.parse().map_err(|_| CaseError::not_a_number(name, value))?;
+            given[key] = Some(number * factor);
         }
         self.override_with(&given);
         Ok(())
@@ -131,6 +137,11 @@ impl Scene {
             let value = self[key].unwrap_or(f64::NAN);
             key.input().rule.check(key.name(), value)?;
         }
+        let twice = InputSet::of(&[InputKey::screw_speed_rpm, InputKey::feed_m_min]);
+        if (self.given() - open).contains_all(twice) {
+            let keys = [InputKey::screw_speed_rpm, InputKey::feed_m_min].map(InputKey::name);
+            return Err(CaseError::OneOfTwo { keys, found: "both are" });
+        }
         let relations = Relation::ALL.into_iter().filter(|relation| !relation.inputs().meets(open));
         for relation in relations {
             if relation.holds(self) == Some(false) {
@@ -142,7 +153,8 @@ impl Scene {
 
     /// Screw and nut speed, the nut at rest unless given; `None` without a screw speed.
     pub fn speeds_rpm(&self) -> Option<(f64, f64)> {
-        self.screw_speed_rpm.map(|screw| (screw, self.nut_speed_rpm.unwrap_or(0.0)))
+        let screw = self.value_or_default(InputKey::screw_speed_rpm)?;
+        Some((screw, self.nut_speed_rpm.unwrap_or(0.0)))
     }
 
     /// Lead angle \[rad\], from the angle or from lead and pitch circle.
@@ -175,18 +187,25 @@ impl Scene {
     }
 }
 
-/// Inputs that no model of the ball uses although they change what it does, and what this means.
-const NOT_IN_BALANCE: &[(InputKey, &str)] = &[(
-    InputKey::preload_N,
-    "no model has the preload in the balance of a ball: loads, torque and efficiency are those of a \
-     nut without preload; `bsm capacity` rates the preloaded pair",
-)];
+/// Inputs that no model of the ball uses although they change what a screw does, and the command that does.
+const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
+    use InputKey as K;
+    let of_an_axis =
+        InputSet::of(&[K::moved_mass_kg, K::seal_torque_Nm, K::support_bearing_torque_Nm]);
+    [(OF_A_NUT, "bsm nut"), (of_an_axis, "bsm size")]
+};
 
 impl InputSet {
     /// What an engineer should know of inputs that are given, but that no model of the ball uses.
     pub fn unused_by_models(self) -> impl Iterator<Item = String> {
-        let given = NOT_IN_BALANCE.iter().filter(move |(key, _)| self.contains(*key));
-        given.map(|(key, meaning)| format!("{} is not used here: {meaning}", key.name()))
+        NOT_IN_BALANCE.into_iter().filter_map(move |(unused, command)| {
+            let names: Vec<_> =
+                unused.iter().filter(|key| self.contains(*key)).map(InputKey::name).collect();
+            let verb = if names.len() == 1 { "is" } else { "are" };
+            let names = names.join(", ");
+            (!names.is_empty())
+                .then(|| format!("{names} {verb} not in the balance of one ball: see {command}"))
+        })
     }
 }
 
@@ -233,13 +252,20 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
     let names = names.filter(|name| key.len() <= 2 * name.len());
     let key = key.to_lowercase();
     let part = if key.len() < 3 { "no part of a name" } else { key.as_str() };
-    names
-        .map(|name| {
-            let distance = strsim::damerau_levenshtein(&key, &name.to_lowercase());
-            (if name.contains(part) { distance.min(3) } else { distance }, name)
-        })
+    let ranked = names.enumerate().map(|(place, name)| {
+        let distance = strsim::damerau_levenshtein(&key, &name.to_lowercase());
+        let (begins, has) = (name.starts_with(part), name.contains(part));
+        let distance = match has {
+            true if name.split('_').any(|word| word == part) => distance.min(1),
+            true => distance.min(3),
+            false => distance,
+        };
+        // Of several that have it as a part, one that begins with it, and of those the first.
+        ((distance, !begins, !has, place), name)
+    });
+    ranked
         .min()
-        .filter(|(distance, name)| *distance <= name.len().max(key.len()) / 2)
+        .filter(|((distance, ..), name)| *distance <= name.len().max(key.len()) / 2)
         .map(|(_, name)| name)
 }
 

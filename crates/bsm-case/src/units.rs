@@ -1,4 +1,4 @@
-//! Factors from the units of the vocabulary to SI.
+//! Factors from the units of the vocabulary to SI, and of the other units that a name may have.
 
 use std::f64::consts::PI;
 
@@ -22,4 +22,199 @@ const TURN_ROUNDING: f64 = 1e-9;
 pub fn direction_deg(angle: f64) -> f64 {
     let degrees = angle / DEG;
     if degrees + 180.0 < TURN_ROUNDING { 180.0 } else { degrees }
+}
+
+/// What a unit measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Dimension {
+    Length,
+    Angle,
+    Speed,
+    Velocity,
+    Acceleration,
+    Force,
+    Torque,
+    Pressure,
+    Mass,
+    Density,
+    Inertia,
+    Stiffness,
+    Time,
+    Rise,
+    Expansion,
+    Viscosity,
+}
+
+/// Units as they end a name, what they measure, and their size in SI.
+const UNITS: &[(&str, Dimension, f64)] = {
+    use Dimension as D;
+    const INCH: f64 = 0.0254;
+    const POUND: f64 = 0.453_592_37;
+    const GRAVITY: f64 = 9.806_65;
+    const POUND_FORCE: f64 = POUND * GRAVITY;
+    const MINUTE: f64 = 60.0;
+    &[
+        ("m", D::Length, 1.0),
+        ("cm", D::Length, 1e-2),
+        ("mm", D::Length, MM),
+        ("um", D::Length, UM),
+        ("nm", D::Length, 1e-9),
+        ("inch", D::Length, INCH),
+        ("in", D::Length, INCH),
+        ("ft", D::Length, 12.0 * INCH),
+        ("rad", D::Angle, 1.0),
+        ("mrad", D::Angle, 1e-3),
+        ("urad", D::Angle, 1e-6),
+        ("deg", D::Angle, DEG),
+        ("arcmin", D::Angle, DEG / 60.0),
+        ("arcsec", D::Angle, DEG / 3600.0),
+        ("rad_s", D::Speed, 1.0),
+        ("rpm", D::Speed, RPM),
+        ("1_min", D::Speed, RPM),
+        ("1_s", D::Speed, 2.0 * PI),
+        ("deg_s", D::Speed, DEG),
+        ("m_s", D::Velocity, 1.0),
+        ("mm_s", D::Velocity, MM),
+        ("m_min", D::Velocity, 1.0 / MINUTE),
+        ("mm_min", D::Velocity, MM / MINUTE),
+        ("inch_s", D::Velocity, INCH),
+        ("in_s", D::Velocity, INCH),
+        ("inch_min", D::Velocity, INCH / MINUTE),
+        ("in_min", D::Velocity, INCH / MINUTE),
+        ("m_s2", D::Acceleration, 1.0),
+        ("mm_s2", D::Acceleration, MM),
+        ("g", D::Acceleration, GRAVITY),
+        ("N", D::Force, 1.0),
+        ("kN", D::Force, 1e3),
+        ("MN", D::Force, 1e6),
+        ("daN", D::Force, 10.0),
+        ("kgf", D::Force, GRAVITY),
+        ("lbf", D::Force, POUND_FORCE),
+        ("Nm", D::Torque, 1.0),
+        ("Nmm", D::Torque, MM),
+        ("Ncm", D::Torque, 1e-2),
+        ("kNm", D::Torque, 1e3),
+        ("lbf_in", D::Torque, POUND_FORCE * INCH),
+        ("lbf_ft", D::Torque, POUND_FORCE * 12.0 * INCH),
+        ("Pa", D::Pressure, 1.0),
+        ("MPa", D::Pressure, MPA),
+        ("GPa", D::Pressure, GPA),
+        ("N_mm2", D::Pressure, MPA),
+        ("bar", D::Pressure, 1e5),
+        ("psi", D::Pressure, POUND_FORCE / (INCH * INCH)),
+        ("ksi", D::Pressure, 1e3 * POUND_FORCE / (INCH * INCH)),
+        ("kg", D::Mass, 1.0),
+        ("g", D::Mass, 1e-3),
+        ("t", D::Mass, 1e3),
+        ("lb", D::Mass, POUND),
+        ("kg_m3", D::Density, 1.0),
+        ("g_cm3", D::Density, 1e3),
+        ("lb_in3", D::Density, POUND / (INCH * INCH * INCH)),
+        ("kg_m2", D::Inertia, 1.0),
+        ("kg_cm2", D::Inertia, 1e-4),
+        ("kg_mm2", D::Inertia, 1e-6),
+        ("g_cm2", D::Inertia, 1e-7),
+        ("lb_in2", D::Inertia, POUND * INCH * INCH),
+        ("N_m", D::Stiffness, 1.0),
+        ("N_mm", D::Stiffness, 1e3),
+        ("N_um", D::Stiffness, 1e6),
+        ("kN_mm", D::Stiffness, 1e6),
+        ("lbf_in", D::Stiffness, POUND_FORCE / INCH),
+        ("s", D::Time, 1.0),
+        ("min", D::Time, MINUTE),
+        ("h", D::Time, 60.0 * MINUTE),
+        ("K", D::Rise, 1.0),
+        ("um_m_K", D::Expansion, 1e-6),
+        ("1_K", D::Expansion, 1.0),
+        ("m2_s", D::Viscosity, 1.0),
+        ("mm2_s", D::Viscosity, 1e-6),
+        ("cSt", D::Viscosity, 1e-6),
+    ]
+};
+
+/// Short names that stand for one of the vocabulary, without their units.
+const SHORT_NAMES: [(&str, &str); 2] = [("speed", "screw_speed"), ("load", "axial_load")];
+
+/// A name in another unit: the one of `known` that differs from it in its unit alone, and what a value is to
+/// be multiplied with. `axial_load_kN` is `axial_load_N` times 1000.
+pub(crate) fn convert<'a>(
+    name: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+) -> Option<(&'a str, f64)> {
+    let found = |&(unit, dimension, size): &(&str, Dimension, f64)| {
+        let stem = name.strip_suffix(unit)?.strip_suffix('_')?;
+        let long = SHORT_NAMES.iter().find(|(short, _)| *short == stem);
+        let stem = long.map_or(stem, |(_, long)| long);
+        let same = |other: &&'a str| {
+            let unit = other.strip_prefix(stem)?.strip_prefix('_')?;
+            let (.., own) = UNITS.iter().find(|(u, d, _)| *u == unit && *d == dimension)?;
+            Some((*other, digits(size / own)))
+        };
+        known.clone().find_map(|other| same(&other))
+    };
+    UNITS.iter().find_map(found)
+}
+
+/// A factor without the rounding of its two sizes: 15 digits.
+fn digits(factor: f64) -> f64 {
+    format!("{factor:.14e}").parse().unwrap_or(factor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::INPUTS;
+
+    fn known() -> impl Iterator<Item = &'static str> + Clone {
+        INPUTS.iter().map(|input| input.name)
+    }
+
+    /// By hand; factors are exact where the units are.
+    #[test]
+    fn names_in_other_units() {
+        for (name, own, factor) in [
+            ("axial_load_kN", "axial_load_N", 1e3),
+            ("axial_load_lbf", "axial_load_N", 4.448_221_615_260_5),
+            ("load_kN", "axial_load_N", 1e3),
+            ("lead_inch", "lead_mm", 25.4),
+            ("lead_m", "lead_mm", 1e3),
+            ("speed_1_min", "screw_speed_rpm", 1.0),
+            ("screw_speed_rad_s", "screw_speed_rpm", 9.549_296_585_513_72),
+            ("lead_angle_rad", "lead_angle_deg", 57.295_779_513_082_3),
+            ("youngs_modulus_psi", "youngs_modulus_GPa", 6.894_757_293_168_36e-6),
+            ("moment_x_lbf_in", "moment_x_Nm", 0.112_984_829_027_617),
+            ("guide_x_N_mm", "guide_x_N_um", 1e-3),
+            ("density_g_cm3", "density_kg_m3", 1e3),
+            ("preload_offset_nm", "preload_offset_um", 1e-3),
+        ] {
+            let (found, by) = convert(name, known()).expect(name);
+            // Fifteen digits.
+            assert!(found == own && (by / factor - 1.0).abs() < 1e-14, "{name}: {found} {by}");
+        }
+        for name in ["axial_load_mm", "axial_load", "lead", "lead_mm_mm", "speed", "kN", "_kN"] {
+            assert_eq!(convert(name, known()), None, "{name}");
+        }
+    }
+
+    /// Every unit that ends a name of the vocabulary is in the table, but those of one input alone.
+    #[test]
+    fn the_table_has_the_units_of_the_vocabulary() {
+        let own = ["N/um^1.5", "um/(m K)", "N m/mrad", "%", ""];
+        for input in INPUTS.iter().filter(|input| !own.contains(&input.unit)) {
+            let has = |(unit, ..): &(&str, Dimension, f64)| {
+                input.name.strip_suffix(unit).is_some_and(|stem| stem.ends_with('_'))
+            };
+            assert!(UNITS.iter().any(has), "{}", input.name);
+        }
+    }
+
+    /// A factor is the same there and back.
+    #[test]
+    fn one_size_for_a_unit() {
+        for (i, (unit, dimension, size)) in UNITS.iter().enumerate() {
+            assert!(*size > 0.0);
+            let twice = UNITS[..i].iter().any(|(u, d, _)| u == unit && d == dimension);
+            assert!(!twice, "{unit}");
+        }
+    }
 }

@@ -61,6 +61,15 @@ pub(crate) enum Command {
     /// the friction of each ball at its own load.
     #[command(after_help = EXIT_CODES)]
     Nut(NutArgs),
+    /// The axis around a screw, from a requirement to a calculation sheet.
+    ///
+    /// Critical speed, buckling, speed number, static safety, life, rigidity, torque and heat over the cycle, each
+    /// by the rule that makers' catalogues share, with its limit, margin and source. The scene has the nut as
+    /// for bsm capacity, axial_load_N and feed_m_min or screw_speed_rpm or a cycle, and of the axis what is
+    /// known: stroke_mm, support, moved_mass_kg, inclination_deg, required_life_h, preload_N and others.
+    /// Exit code 3 if a rule fails. Try: bsm size examples/axis.json
+    #[command(after_help = EXIT_CODES)]
+    Size(SizeArgs),
     /// Friction coefficient, or another input, from a measured torque or another output.
     ///
     /// Example: bsm fit examples/feed_drive.json --measured screw_torque_Nm=26. Prints every value in
@@ -71,8 +80,9 @@ pub(crate) enum Command {
     /// The best screw for a requirement: load, motion, lead, length, speed, life.
     ///
     /// Prints the steps of Lin, Velinsky and Ravani (1994): each value, its limit, and whether it passes.
-    /// What the requirement leaves open is chosen for the largest efficiency or load rating, or the
-    /// smallest mass, with balls of standard diameters and whole numbers of balls per turn.
+    /// What the requirement leaves open is chosen among standard sizes for the largest efficiency or load rating, or the
+    /// smallest mass; --free takes any size with balls of standard diameters and whole numbers of balls per turn.
+    /// With support in the requirement, critical speed, buckling and static safety are checked too.
     #[command(after_help = EXIT_CODES)]
     Design(DesignArgs),
     /// All nuts of standard sizes: filter them, sort them, write them as a table.
@@ -321,6 +331,31 @@ pub(crate) struct CapacityArgs {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct SizeArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
+    /// Cycle of the axis: CSV with the columns time_s or share, force_N, feed_m_min and acceleration_m_s2, in
+    /// any unit; in place of the cycle of the scene.
+    #[arg(long, value_name = "CYCLE.csv")]
+    pub(crate) cycle: Option<PathBuf>,
+    /// What separates the cells of --cycle; a comma unless given.
+    #[arg(long, value_enum, default_value_t = Delimiter::Comma, requires = "cycle")]
+    pub(crate) delimiter: Delimiter,
+    /// Decimal sign of --cycle.
+    #[arg(long, value_enum, default_value_t = Decimal::Point, requires = "cycle")]
+    pub(crate) decimal: Decimal,
+    /// Folder for report.html, a sheet of two pages, results.json and figures/ (SVG and CSV); created if it
+    /// does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// How to print the sheet.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct NutArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
@@ -410,7 +445,11 @@ pub(crate) struct DesignArgs {
         requires = "requirement"
     )]
     pub(crate) settings: Vec<String>,
-    /// Write the screw and its operating point to this scene, for bsm solve and bsm capacity.
+    /// Let sizes and contact angle run, as the procedure of Lin, Velinsky and Ravani has them, with balls of standard
+    /// diameters; unless given, standard sizes of ISO 3408-2 at 45 degrees are tried.
+    #[arg(long)]
+    pub(crate) free: bool,
+    /// Write the screw and its operating point to this scene, for every other command.
     #[arg(short, long, value_name = "SCREW.json")]
     pub(crate) output: Option<PathBuf>,
     /// How to print the steps.
@@ -424,6 +463,26 @@ pub(crate) struct CatalogArgs {
     /// Lists and limits in JSON; what it leaves out is standard (--lists prints the standard).
     #[arg(value_name = "LISTS.json")]
     pub(crate) catalogue: Option<PathBuf>,
+    /// Keep only nuts that keep all limits of a requirement, as for bsm design: life, speed number, pressure, and with
+    /// support critical speed, buckling and static safety.
+    #[arg(long, value_name = "REQ.json")]
+    pub(crate) requirement: Option<PathBuf>,
+    /// Nuts of a maker in place of the lists: CSV with the columns nut, lead_mm, ball_diameter_mm, circuits or
+    /// loaded_turns, core_diameter_mm or pitch_circle_diameter_mm, dynamic_load_rating_N, static_load_rating_N and
+    /// rigidity_N_um, in any unit. The maker's ratings stand, ours are printed beside; with --requirement
+    /// each nut is sized as by bsm size, and the lightest that passes is picked.
+    #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["catalogue", "require", "pareto", "sort", "plot", "output"])]
+    pub(crate) makers: Option<PathBuf>,
+    /// Names of the columns of --makers: a JSON object from the maker's name to ours, or to null for a column that
+    /// is not read.
+    #[arg(long, value_name = "MAP.json", requires = "makers")]
+    pub(crate) columns_from: Option<PathBuf>,
+    /// What separates the cells of --makers.
+    #[arg(long, value_enum, default_value_t = Delimiter::Comma, requires = "makers")]
+    pub(crate) delimiter: Delimiter,
+    /// Decimal sign of --makers.
+    #[arg(long, value_enum, default_value_t = Decimal::Point, requires = "makers")]
+    pub(crate) decimal: Decimal,
     /// Keep only nuts that meet a condition: NAME>=VALUE, NAME<=VALUE or NAME=VALUE; may be repeated.
     #[arg(long, value_name = "CONDITION")]
     pub(crate) require: Vec<String>,
@@ -442,7 +501,7 @@ pub(crate) struct CatalogArgs {
     /// Table to write with all columns: .csv, .jsonl or .parquet; `-` is CSV on standard output.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: Option<PathBuf>,
-    /// Write the first nut to this scene, for bsm capacity and, with an operating point, bsm solve.
+    /// Write the first nut to this scene, for every other command; with --requirement it has the operating point.
     #[arg(long, value_name = "NUT.json")]
     pub(crate) pick: Option<PathBuf>,
     /// Folder for the figures of Sobolewski (2002), SVG and CSV, drawn with the nuts that meet the conditions.
@@ -495,6 +554,50 @@ pub(crate) enum Format {
     Table,
     /// For programs; results of a point have the names of `bsm schema output`.
     Json,
+}
+
+/// What separates cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Delimiter {
+    /// A comma.
+    Comma,
+    /// A semicolon.
+    Semicolon,
+    /// A tab.
+    Tab,
+    /// A vertical bar.
+    Bar,
+}
+
+impl Delimiter {
+    /// The sign.
+    pub(crate) fn byte(self) -> u8 {
+        match self {
+            Self::Comma => b',',
+            Self::Semicolon => b';',
+            Self::Tab => b'\t',
+            Self::Bar => b'|',
+        }
+    }
+}
+
+/// The decimal sign of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Decimal {
+    /// 1.5
+    Point,
+    /// 1,5
+    Comma,
+}
+
+impl Decimal {
+    /// The sign.
+    pub(crate) fn sign(self) -> char {
+        match self {
+            Self::Point => '.',
+            Self::Comma => ',',
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]

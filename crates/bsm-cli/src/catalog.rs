@@ -6,7 +6,8 @@ use std::path::Path;
 use bsm_batch::{Format as TableFormat, NumberColumn};
 use bsm_case::units::GPA;
 use bsm_case::{
-    CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
+    CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, RequirementFile, STANDARD_CATALOGUE,
+    candidate_json,
 };
 use bsm_design::Candidate;
 use bsm_report::{Figure, number};
@@ -16,6 +17,7 @@ use serde_json::{Value, json};
 use crate::args::{CatalogArgs, Format};
 use crate::failure::{Failure, warn};
 use crate::files::{self, pretty_json, print, write_figures};
+use crate::makers;
 use crate::stream::{format_of, write_numbers};
 use crate::table;
 
@@ -33,6 +35,9 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         let row = |c: &CatalogueColumn| vec![c.name.to_owned(), c.unit.to_owned()];
         let rows: Vec<_> = CATALOGUE_COLUMNS.iter().map(row).collect();
         return print(&table::plain(None, &rows, usize::MAX));
+    }
+    if let Some(table) = &args.makers {
+        return makers::run(args, table);
     }
     let requirements: Vec<_> = args
         .require
@@ -55,8 +60,14 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         warn("note", &format!("no combination of the lists is within the limits: {limits}"));
         return Err(Failure::Unsolved);
     }
-    let meets = |nut: &Candidate| requirements.iter().all(|(_, r)| r.is_met(nut));
+    let wish = requirement(args, &catalogue)?;
+    let keeps = |nut: &Candidate| wish.as_ref().is_none_or(|wish| wish.is_kept_by(&nut.nut));
+    let meets = |nut: &Candidate| requirements.iter().all(|(_, r)| r.is_met(nut)) && keeps(nut);
     let mut chosen = catalogue.map(&all, |place, nut| meets(nut).then_some(place));
+    if chosen.is_empty() && wish.is_some() && requirements.is_empty() {
+        warn("note", "no nut keeps all limits of the requirement; bsm design says which one blocks");
+        return Err(Failure::Unsolved);
+    }
     if chosen.is_empty() {
         warn("note", &none(&catalogue, &all, &requirements));
         return Err(Failure::Unsolved);
@@ -79,13 +90,26 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     warn("note", &count(all.len(), met, chosen.len(), args));
     chosen.truncate(args.first.map_or(usize::MAX, NonZeroUsize::get));
     if let Some(path) = &args.pick {
-        let picked = catalogue.map(&chosen[..1], |_, nut| Some(scene(nut)));
+        let picked = catalogue.map(&chosen[..1], |_, nut| {
+            Some(wish.as_ref().map_or_else(|| scene(nut), |wish| wish.scene_of(&nut.nut).to_json()))
+        });
         files::write(path, &(pretty_json(&picked[0]) + "\n"))?;
     }
     match (&args.output, kind) {
         (Some(path), Some(kind)) => write(path, kind, &catalogue, &chosen),
         _ => show(&catalogue, &chosen, args),
     }
+}
+
+/// The requirement that nuts are held against.
+pub(crate) fn requirement(
+    args: &CatalogArgs,
+    catalogue: &Catalogue,
+) -> Result<Option<RequirementFile>, Failure> {
+    let Some(path) = &args.requirement else { return Ok(None) };
+    let json = files::read_json(path)?;
+    let wish = RequirementFile::from_json(&json, &[], catalogue.lists.clone());
+    wish.map(Some).map_err(|e| Failure::scene(path, &e))
 }
 
 fn plot(folder: &Path, figures: &[Figure]) -> Result<(), Failure> {
@@ -110,7 +134,7 @@ fn read(path: Option<&Path>) -> Result<Catalogue, Failure> {
 }
 
 fn count(all: usize, met: usize, left: usize, args: &CatalogArgs) -> String {
-    let met = if args.require.is_empty() {
+    let met = if args.require.is_empty() && args.requirement.is_none() {
         String::new()
     } else {
         format!(", {met} of them meet the requirements")

@@ -19,9 +19,17 @@ pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
     let json = read_json(path)?;
     files::keep(path, args.output.as_deref())?;
     let in_file = |e| Failure::scene(path, &e);
-    let standard = Catalogue::standard().map_err(in_file)?.lists;
+    let catalogue = Catalogue::standard().map_err(in_file)?;
+    let standard = catalogue.lists.clone();
     let wish = RequirementFile::from_json(&json, &args.settings, standard).map_err(in_file)?;
-    let report = DesignReport::of(&wish);
+    let report = if args.free {
+        DesignReport::of(&wish)
+    } else if let Some(report) = DesignReport::standard(&wish, &catalogue) {
+        report
+    } else {
+        warn("note", "no standard size is meant by this requirement: any size is taken, as with --free");
+        DesignReport::of(&wish)
+    };
     if let Some(output) = args.output.as_deref().filter(|_| report.found) {
         files::write(output, &(pretty_json(&report.scene.to_json()) + "\n"))?;
     }
@@ -64,7 +72,7 @@ fn describe(report: &DesignReport, output: Option<&Path>) -> String {
         };
         let next = match output {
             Some(path) => format!("wrote {0}; next: bsm solve {0}", path.display()),
-            None => "-o SCREW.json writes the scene for bsm solve and bsm capacity".to_owned(),
+            None => "-o SCREW.json writes the scene for every other command".to_owned(),
         };
         format!("what holds it back: {held}\n{next}")
     } else {
@@ -88,8 +96,8 @@ fn keys() -> String {
     let rows: Vec<_> = words.chain(numbers).collect();
     let table = table::plain(None, &rows, usize::MAX);
     format!(
-        "A requirement needs axial_load_N or screw_torque_Nm, stroke_mm or screw_length_mm, screw_speed_rpm\n\
-         and friction_coefficient. The design chooses lead_mm or lead_angle_deg, ball_diameter_mm,\n\
+        "A requirement needs axial_load_N or screw_torque_Nm, stroke_mm or screw_length_mm, screw_speed_rpm or\n\
+         feed_m_min, and friction_coefficient. The design chooses lead_mm or lead_angle_deg, ball_diameter_mm,\n\
          pitch_circle_diameter_mm, contact_angle_deg, nut_conformity and loaded_turns unless given.\n\
          These are inputs of a scene (bsm schema input), or one of the following keys.\n\n{table}"
     )

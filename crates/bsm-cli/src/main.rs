@@ -9,9 +9,11 @@ mod design;
 mod failure;
 mod files;
 mod fit;
+mod makers;
 mod motion;
 mod nut;
 mod optimum;
+mod size;
 mod solve;
 mod stream;
 mod sweep;
@@ -62,6 +64,7 @@ fn main() -> ExitCode {
         Command::Capacity(args) => capacity::run(&args),
         Command::Catalog(args) => on_threads(asked, |_| catalog::run(&args)),
         Command::Nut(args) => on_threads(asked, |_| nut::run(&args)),
+        Command::Size(args) => on_threads(asked, |_| size::run(&args)),
         Command::Fit(args) => fit::run(&args),
         Command::Design(args) => on_threads(asked, |_| design::run(&args)),
         Command::Slip(args) => motion::slip(&args),

@@ -185,6 +185,11 @@ pub(crate) fn nut(numbers: &Numbers) -> String {
     blocks(&numbers.rows().collect::<Vec<_>>(), "nut").join("\n\n")
 }
 
+/// An axis: a table for each group of numbers.
+pub(crate) fn size(numbers: &Numbers) -> String {
+    blocks(&numbers.rows().collect::<Vec<_>>(), "axis").join("\n\n")
+}
+
 /// Quantities in the tables of their titles.
 ///
 /// * `whole`: what those of no contact and direction are of.

@@ -23,7 +23,7 @@ fn json(text: &str) -> Value {
 fn a_requirement_becomes_a_solved_motion() {
     let dir = folder();
     let requirement = example("requirements/feed_drive.json");
-    let output = bsm(dir.path(), &["design", &requirement, "-o", "screw.json"], "");
+    let output = bsm(dir.path(), &["design", &requirement, "--free", "-o", "screw.json"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     for part in ["what holds it back: ", "pass", ">= 10000", "next: bsm solve screw.json"] {
@@ -45,7 +45,7 @@ fn requirements_that_cannot_be_met_are_answered() {
     let dir = folder();
     let requirement = example("requirements/feed_drive.json");
     let set = |setting: &str| {
-        let args = ["design", &requirement, "--set", setting, "-o", "none.json"];
+        let args = ["design", &requirement, "--free", "--set", setting, "-o", "none.json"];
         let output = bsm(dir.path(), &args, "");
         (output.status.code(), stdout(&output), stderr(&output))
     };

@@ -6,7 +6,7 @@ use crate::thread::Profile;
 use crate::{Nut, Thread};
 
 /// Density of the steel of nuts and screws \[kg/m³\].
-const STEEL: f64 = 7850.0;
+pub(crate) const STEEL: f64 = 7850.0;
 
 /// Turns of a nut that carry no balls: returns and ends (Sobolewski 2002).
 const IDLE_TURNS: f64 = 3.0;
@@ -41,7 +41,7 @@ impl Body {
 
 impl Nut {
     /// Mass \[kg\] of a screw of some length \[m\] (D11).
-    pub(crate) fn mass_of_screw(&self, thread: &Thread, length: f64) -> f64 {
+    pub fn mass_of_screw(&self, thread: &Thread, length: f64) -> f64 {
         threaded(self, &thread.screw, thread.screw.land.powi(2), length)
     }
 }

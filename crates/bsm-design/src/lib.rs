@@ -1,7 +1,7 @@
 //! Design of ball screws, SI units: ratings, rigidity, mass and life of a nut, the catalogue of all
-//! nuts of standard sizes, and the choice of a screw for a requirement.
+//! nuts of standard sizes, the choice of a screw for a requirement, and the rules of the axis around it.
 //!
-//! Theory: `docs/theory/11-ratings.md` and `15-design.md`.
+//! Theory: `docs/theory/11-ratings.md`, `15-design.md` and `18-axis.md`.
 //!
 //! A nut of the design tables of Sobolewski (2002), which print 103 546 N:
 //!
@@ -27,24 +27,31 @@
 
 mod body;
 mod catalogue;
+mod drive;
 mod life;
 mod nut;
 mod procedure;
 mod requirement;
 mod rigidity;
 pub mod search;
+mod shaft;
+mod standard;
 mod thread;
 
 pub use body::Body;
 pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, Size, front, loaded_balls};
-pub use life::{Duty, Life, OPENS_AT, life, pair_loads};
+pub use drive::{Carriage, Drive, drag_torque, rod_inertia, root_mean_square};
+pub use life::{Duty, Life, OPENS_AT, life, pair_loads, reliability_factor};
 pub use nut::{DynamicRating, Nut, StaticRating};
 pub use procedure::{Blocked, Outcome, Why};
 pub use requirement::{
-    Check, Demand, Design, EfficiencyOf, Fixed, Objective, Pitch, Quantity, Ranges, Reach,
-    Requirement,
+    Check, Demand, Design, EfficiencyOf, Fixed, Objective, Pace, Pitch, Quantity, Ranges, Reach,
+    Requirement, ShaftDemand,
 };
 pub use rigidity::{Elasticity, in_series};
+pub use shaft::{
+    BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, PERMITTED_STRESS, Shaft, Support, lost_motion,
+};
 pub use thread::{Profile, Thread};
 
 /// Preload of a pair of nuts over the dynamic rating, unless one is chosen, and the largest one

@@ -112,9 +112,10 @@ impl Requirement {
             .iter()
             .filter(|design| design.is_feasible() && design.objective(self.objective).is_finite());
         if let Some(design) = least(feasible, |design| value(design).objective) {
-            let near = |check: &&Check| check.excess().is_some_and(|excess| excess > -NEAR);
-            let active = design.checks.iter().filter(near).map(|check| check.quantity).collect();
-            return Outcome::Found { design: complete(design.nut), active };
+            return Outcome::Found {
+                design: complete(design.nut),
+                active: near_their_limits(design),
+            };
         }
         // Only what is limited matters now.
         let search = Search { efficiency: limited.then_some(efficiency), ..search };
@@ -140,6 +141,12 @@ impl Requirement {
                 .collect(),
         }
     }
+}
+
+/// The limits that a design meets with nothing to spare.
+pub(crate) fn near_their_limits(design: &Design) -> Vec<Quantity> {
+    let near = |check: &&Check| check.excess().is_some_and(|excess| excess > -NEAR);
+    design.checks.iter().filter(near).map(|check| check.quantity).collect()
 }
 
 /// The item of the least value.

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use bsm_dyn::{Direction, Hertz, Material, Optimum};
 
 use crate::search::SLACK;
-use crate::{Body, Duty, Nut, life};
+use crate::{Body, Duty, Nut, Shaft, Support, life};
 
 /// Load or torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +42,40 @@ pub enum Reach {
     Screw(f64),
     /// Way of the nut \[m\].
     Stroke(f64),
+}
+
+/// Speed of the screw, or of the nut along it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Pace {
+    /// Relative speed of screw and nut \[rad/s\], positive.
+    Turns(f64),
+    /// Velocity of the nut \[m/s\], positive.
+    Feed(f64),
+}
+
+impl Pace {
+    /// Relative speed of screw and nut with a lead \[rad/s\].
+    pub fn speed(self, lead: f64) -> f64 {
+        match self {
+            Self::Turns(speed) => speed,
+            Self::Feed(feed) => feed * TAU / lead,
+        }
+    }
+}
+
+/// What the screw must keep between its bearings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShaftDemand {
+    /// How its ends are held.
+    pub support: Support,
+    /// Unsupported length \[m\]; stroke, nut and two leads unless given.
+    pub length: Option<f64>,
+    /// Largest speed over the critical one.
+    pub speed_ratio: f64,
+    /// Least buckling load over the load.
+    pub buckling_safety: f64,
+    /// Least static safety.
+    pub static_safety: f64,
 }
 
 /// What the design is to be best in.
@@ -94,8 +128,10 @@ pub struct Requirement {
     pub pitches: Vec<Pitch>,
     /// Length or stroke.
     pub reach: Reach,
-    /// Relative speed of screw and nut \[rad/s\], positive.
-    pub speed: f64,
+    /// Speed.
+    pub speed: Pace,
+    /// The screw between its bearings, if it is to be checked.
+    pub shaft: Option<ShaftDemand>,
     /// Life \[s\].
     pub life: Option<f64>,
     /// Coulomb friction coefficient.
@@ -156,6 +192,9 @@ pub enum Quantity {
     OutputPower,
     DynamicRating,
     Life,
+    StaticSafety,
+    CriticalSpeedRatio,
+    BucklingSafety,
     Mass,
 }
 
@@ -226,7 +265,8 @@ impl Design {
     /// Source: Lin, Velinsky and Ravani (1994), the procedure for both directions, with the load rating
     /// and the life of ISO 3408-5 besides.
     pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
-        let Requirement { direction, friction, speed, ranges, .. } = *requirement;
+        let Requirement { direction, friction, ranges, .. } = *requirement;
+        let speed = requirement.speed.speed(nut.lead);
         let (lead, beta) = (nut.lead_angle(), nut.contact_angle);
         let (radius, ball) = (0.5 * nut.pitch_diameter, 0.5 * nut.ball_diameter);
         let body = Body::usual(&nut);
@@ -290,7 +330,7 @@ impl Design {
         // v = r_m tanα W                                                  (L6)
         let advance = per_radian * speed;
         add(8, Quantity::Advance, advance, None, None);
-        let number = nut.pitch_diameter * speed;
+        let number = nut.speed_number(speed);
         add(8, Quantity::SpeedNumber, number, None, Some(requirement.speed_number));
         for (quantity, pressure) in
             [Quantity::NutPressure, Quantity::ScrewPressure].into_iter().zip(pressures)
@@ -313,6 +353,20 @@ impl Design {
         // C_a ≥ F_a                                                       (L10)
         add(11, Quantity::DynamicRating, rating, Some(load), None);
         add(11, Quantity::Life, life, requirement.life, None);
+        if let Some(demand) = requirement.shaft {
+            let safety = nut.static_rating().safety(load);
+            add(11, Quantity::StaticSafety, safety, Some(demand.static_safety), None);
+            let shaft = Shaft {
+                support: demand.support,
+                length: demand.length.unwrap_or(stroke + body.length + 2.0 * nut.lead),
+                diameter: thread.screw.core,
+                youngs_modulus: nut.material.0.youngs_modulus,
+            };
+            let ratio = speed / shaft.critical_speed();
+            add(11, Quantity::CriticalSpeedRatio, ratio, None, Some(demand.speed_ratio));
+            let safety = shaft.buckling_load() / load;
+            add(11, Quantity::BucklingSafety, safety, Some(demand.buckling_safety), None);
+        }
         add(
             11,
             Quantity::Mass,

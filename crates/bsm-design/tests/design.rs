@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use bsm_design::{
-    Blocked, Demand, Design, Fixed, Nut, Objective, Outcome, Pitch, Quantity, Ranges, Reach,
+    Blocked, Demand, Design, Fixed, Nut, Objective, Outcome, Pace, Pitch, Quantity, Ranges, Reach,
     Requirement, Why,
 };
 use bsm_dyn::{Angles, Direction, Material};
@@ -19,7 +19,8 @@ fn feed_drive() -> Requirement {
         direction: Direction::RotaryToLinear,
         pitches: vec![Pitch::Lead(10e-3)],
         reach: Reach::Stroke(0.7),
-        speed: 50.0 * PI,
+        speed: Pace::Turns(50.0 * PI),
+        shaft: None,
         life: Some(3.6e7),
         friction: 0.05,
         material: (STEEL, STEEL),
@@ -110,7 +111,7 @@ fn the_search_finds_what_a_full_one_does() {
         (Objective::Mass, 12e-3, 100.0, Some(3.6e8)),
         (Objective::Capacity, 6e-3, 300.0, None),
     ] {
-        let speed = rpm * PI / 30.0;
+        let speed = Pace::Turns(rpm * PI / 30.0);
         let pitches = vec![Pitch::Lead(lead)];
         let requirement = Requirement { objective, pitches, speed, life, ..feed_drive() };
         let (design, active) = found(&requirement);

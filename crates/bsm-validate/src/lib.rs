@@ -17,6 +17,7 @@ mod published;
 mod ratings;
 mod reference;
 mod report;
+mod size;
 mod study;
 mod sweep;
 pub mod tradeoff;
@@ -29,6 +30,7 @@ pub use nut_figures::nut_figures;
 pub use pages::{tradeoff_page, validation_page};
 pub use published::Published;
 pub use report::{Check, Report, Verdict};
+pub use size::{size_figures, size_page};
 pub use study::{Claim, Shape, Study, Trend};
 
 /// Data, a table of points or the machine does not allow what is to be done.

@@ -282,10 +282,9 @@ struct Single {
 
 impl Single {
     fn checks(&self) -> [Check; 3] {
-        const CONFORMITY: f64 = 0.5203;
+        const CONFORMITY: f64 = Nut::USUAL_CONFORMITY;
         let ball = self.ball_diameter_mm;
-        let deep = 2.0 * (CONFORMITY - 0.5) * ball * (1.0 - FRAC_PI_4.cos());
-        let pitch = self.core_mm + ball + deep;
+        let pitch = Nut::pitch_diameter_over(self.core_mm, ball, CONFORMITY, FRAC_PI_4);
         let nut = Nut {
             ball_diameter: ball * MM,
             pitch_diameter: pitch * MM,
@@ -294,7 +293,7 @@ impl Single {
             conformity: (CONFORMITY, CONFORMITY),
             material: (STEEL, STEEL),
             balls_per_turn: (PI * pitch).hypot(self.lead_mm) / ball,
-            turns: self.circuits - 0.19,
+            turns: self.circuits - Nut::RETURN_TURNS,
         };
         let load = 0.3 * self.dynamic_load_rating_N;
         let elasticity = nut.elasticity(&Body::usual(&nut));

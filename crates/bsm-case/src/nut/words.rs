@@ -1,9 +1,10 @@
-//! What a scene says of a nut besides numbers: lists, objects, words and flags.
+//! What a scene says of a nut and its axis besides numbers: lists, objects, words and flags.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::CaseError;
+use crate::size::PhaseWords;
 
 macro_rules! words {
     ($($name:ident: $kind:ty, $about:literal, $schema:expr;)*) => {
@@ -83,6 +84,12 @@ words! {
     ball_precession_rad_s: f64,
         "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; 0 unless given",
         json!({ "type": ["number", "null"] });
+    support: SupportWord,
+        "how the ends of the screw are held, for bsm size: the fixed end takes the axial load",
+        choice(&["fixed-free", "supported-supported", "fixed-supported", "fixed-fixed"]);
+    cycle: Vec<PhaseWords>,
+        "phases of the cycle of the axis, for bsm size: time_s or share, force_N, feed_m_min, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm",
+        PhaseWords::schema();
 }
 
 impl NutWords {
@@ -220,6 +227,20 @@ pub enum PreloadWay {
     Oversize,
 }
 
+/// How the ends of a screw are held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SupportWord {
+    /// One end is free.
+    FixedFree,
+    /// Both ends may tilt.
+    SupportedSupported,
+    /// One end may tilt.
+    FixedSupported,
+    /// No end may tilt.
+    FixedFixed,
+}
+
 /// An axial error of the nut's groove against the screw's: a wave or a slope.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -313,7 +334,9 @@ mod tests {
             }
         }
         if let (Value::Object(map), Value::Object(properties)) = (value, &schema["properties"]) {
-            assert_eq!(map.keys().collect::<Vec<_>>(), properties.keys().collect::<Vec<_>>());
+            // A phase has one of time_s and share.
+            let known = properties.keys().filter(|key| *key != "share");
+            assert_eq!(map.keys().collect::<Vec<_>>(), known.collect::<Vec<_>>());
             for (key, value) in map {
                 same_keys(value, &properties[key]);
             }
@@ -341,6 +364,8 @@ mod tests {
             "lead_error": [{ "amplitude_um": 1.0, "order": 1.0, "phase_deg": 1.0,
                              "slope_um_per_mm": 1.0, "z0_mm": 1.0 }],
             "ball_precession_rad_s": 1.0,
+            "support": "fixed-supported",
+            "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0 }],
         });
         let mut words = NutWords::default();
         for (key, value) in all.as_object().expect("an object") {

@@ -1,0 +1,183 @@
+//! Nuts of a maker's table: a row each, in the words of the vocabulary or of the maker.
+
+use bsm_design::Nut;
+use serde_json::{Map, Value};
+
+use crate::scene::{entries, wrong_type};
+use crate::size::number;
+use crate::units::{MM, convert};
+use crate::{CaseError, INPUTS, InputKey, RequirementFile, Scene, nearest};
+
+/// Contact angle of makers, unless the table has it \[deg\].
+const CONTACT_ANGLE_DEG: f64 = 45.0;
+
+/// Columns besides the inputs of a scene.
+const WORDS: [&str; 6] = [
+    "nut",
+    "circuits",
+    "core_diameter_mm",
+    "dynamic_load_rating_N",
+    "static_load_rating_N",
+    "rigidity_N_um",
+];
+
+/// A nut of a maker's table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MakerNut {
+    /// Its name, or the number of its row.
+    pub name: String,
+    /// The nut, with the maker's ratings in place of the calculated ones.
+    pub scene: Scene,
+    /// Rigidity as the maker states it \[N/um\].
+    pub rigidity: Option<f64>,
+}
+
+impl MakerNut {
+    /// Reads a table.
+    ///
+    /// * `names`: JSON object from the maker's names of columns to ours, null for one that is not read; `{}` if
+    ///   they are ours. * `separator`: between cells. * `decimal`: the decimal sign.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] with the row or the column.
+    pub fn from_csv(
+        table: &[u8],
+        names: &[u8],
+        separator: u8,
+        decimal: char,
+    ) -> Result<Vec<Self>, CaseError> {
+        let names = renamed(names)?;
+        let wrong = |what: String| CaseError::Spectrum { what };
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .delimiter(separator)
+            .from_reader(table);
+        let header = reader.headers().map_err(|e| wrong(e.to_string()))?.clone();
+        let columns: Vec<_> = header
+            .iter()
+            .map(|name| column(name, &names).map_err(wrong))
+            .collect::<Result<_, _>>()?;
+        let mut nuts = Vec::new();
+        for (row, record) in (1_usize..).zip(reader.records()) {
+            let in_row = |what: String| wrong(format!("row {row}: {what}"));
+            let record = record.map_err(|e| in_row(e.to_string()))?;
+            let mut given = Given { name: format!("row {row}"), ..Given::default() };
+            let cells = columns.iter().zip(&record).filter(|(_, text)| !text.is_empty());
+            for (column, text) in cells {
+                let Some((word, factor)) = column else { continue };
+                if *word == "nut" {
+                    text.clone_into(&mut given.name);
+                    continue;
+                }
+                let value = number(text, decimal);
+                let value = value.ok_or_else(|| in_row(format!("{word}: `{text}` is no number")))?;
+                given.set(word, factor * value)?;
+            }
+            nuts.push(given.nut().map_err(|e| in_row(e.to_string()))?);
+        }
+        Ok(nuts)
+    }
+
+    /// The nut in the axis of a requirement.
+    pub fn within(&self, wish: &RequirementFile) -> Scene {
+        let mut scene = wish.scene.clone();
+        scene.lead_angle_deg = None;
+        scene.override_with(&self.scene);
+        scene.description = Some(self.name.clone());
+        scene
+    }
+}
+
+/// A column: our name of it, and the factor to our unit; `None` if it is not read.
+fn column(
+    name: &str,
+    names: &Map<String, Value>,
+) -> Result<Option<(&'static str, f64)>, String> {
+    let own = match names.get(name) {
+        Some(Value::Null) => return Ok(None),
+        Some(own) => own.as_str().unwrap_or_default(),
+        None => name,
+    };
+    let known = || WORDS.into_iter().chain(INPUTS.iter().map(|input| input.name));
+    if let Some(word) = known().find(|word| *word == own) {
+        return Ok(Some((word, 1.0)));
+    }
+    convert(own, known()).map(Some).ok_or_else(|| {
+        let near = nearest(own, known()).map_or(String::new(), |near| format!(", did you mean `{near}`?"));
+        format!(
+            "unknown column `{own}`{near}; --columns-from MAP.json gives the names of a maker, null for a \
+             column that is not read"
+        )
+    })
+}
+
+/// The names of a maker.
+fn renamed(json: &[u8]) -> Result<Map<String, Value>, CaseError> {
+    let map: Map<_, _> = entries(json)?.into_iter().collect();
+    match map.iter().find(|(_, value)| !value.is_null() && !value.is_string()) {
+        Some((key, value)) => Err(wrong_type(key.clone(), value, "a name, or null")),
+        None => Ok(map),
+    }
+}
+
+/// What a row says.
+#[derive(Default)]
+struct Given {
+    name: String,
+    scene: Scene,
+    circuits: Option<f64>,
+    core: Option<f64>,
+    rigidity: Option<f64>,
+}
+
+impl Given {
+    fn set(&mut self, word: &str, value: f64) -> Result<(), CaseError> {
+        match word {
+            "circuits" => self.circuits = Some(value),
+            "core_diameter_mm" => self.core = Some(value),
+            "rigidity_N_um" => self.rigidity = Some(value),
+            "dynamic_load_rating_N" => self.scene.rated_dynamic_load_N = Some(value),
+            "static_load_rating_N" => self.scene.rated_static_load_N = Some(value),
+            _ => self.scene[InputKey::named(word)?] = Some(value),
+        }
+        Ok(())
+    }
+
+    /// The nut, with what tables leave out by the rule that reproduces those of HIWIN.
+    fn nut(self) -> Result<MakerNut, CaseError> {
+        let mut scene = self.scene;
+        let conformity = Nut::USUAL_CONFORMITY;
+        scene.nut_conformity.get_or_insert(conformity);
+        let conformity = *scene.screw_conformity.get_or_insert(conformity);
+        if scene.groove_bottom_distance_mm.is_none() {
+            scene.contact_angle_deg.get_or_insert(CONTACT_ANGLE_DEG);
+        }
+        if let (None, Some(core), Some(ball), Some(angle)) = (
+            scene.pitch_circle_diameter_mm,
+            self.core,
+            scene.ball_diameter_mm,
+            scene.contact_angle_deg,
+        ) {
+            let angle = angle * crate::units::DEG;
+            let pitch = Nut::pitch_diameter_over(core * MM, ball * MM, conformity, angle);
+            scene.pitch_circle_diameter_mm = Some(pitch / MM);
+        }
+        if let (None, Some(circuits)) = (scene.loaded_turns, self.circuits) {
+            scene.loaded_turns = Some(circuits - Nut::RETURN_TURNS);
+        }
+        if let (None, Some(ball), Some(pitch), Some(lead)) = (
+            scene.loaded_balls_per_turn,
+            scene.ball_diameter_mm,
+            scene.pitch_circle_diameter_mm,
+            scene.lead_mm,
+        ) {
+            scene.loaded_balls_per_turn =
+                Some((std::f64::consts::PI * pitch).hypot(lead) / ball);
+        }
+        scene.check()?;
+        // Says what lacks.
+        crate::capacity::nut(&scene)?;
+        Ok(MakerNut { name: self.name, scene, rigidity: self.rigidity })
+    }
+}

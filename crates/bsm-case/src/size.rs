@@ -1,0 +1,448 @@
+//! The axis around a screw: loads of its cycle, torque, and every rule with its value, limit and source.
+
+mod axis;
+mod contacts;
+mod cycle;
+mod rules;
+
+use bsm_design::{Life, drag_torque, in_series, life, lost_motion, reliability_factor, root_mean_square};
+use bsm_dyn::ModelWorkspace;
+use serde_json::{Map, Value, json};
+
+use self::axis::{Axis, Phase};
+use self::contacts::{Contacts, contacts, is_preloaded, nut_at};
+pub use self::cycle::PhaseWords;
+pub(crate) use self::cycle::number;
+pub use self::rules::SizeRule;
+use crate::quantity::{Whole, quantities};
+use crate::units::{DEG, MM, RPM, UM};
+use crate::{
+    AnalysisKind, CapacityReport, CaseError, InputKey, Numbers, Scene, Settings, capacity,
+};
+
+/// What an axis is sized from: its nut, and a load and a speed or a cycle.
+pub(crate) const NEEDS: crate::problem::Needs = capacity::NEEDS;
+
+quantities! { Size;
+    "the cycle" {
+        largest_load_N ["N"] Whole, "largest axial load of the screw";
+        largest_speed_rpm ["rpm"] Whole, "largest speed of the screw";
+        largest_feed_m_min ["m/min"] Whole, "largest feed";
+        equivalent_load_N ["N"] Whole, "load that takes the same life if it stays; of a pair, that of the busier nut";
+        equivalent_speed_rpm ["rpm"] Whole, "mean speed";
+    }
+    "screw and bearings" {
+        screw_length_between_bearings_mm ["mm"] Whole, "unsupported length";
+        bending_diameter_mm ["mm"] Whole, "diameter that bends and strains";
+        critical_speed_rpm ["rpm"] Whole, "critical speed";
+        critical_speed_ratio [""] Whole, "largest speed over the critical one";
+        buckling_load_N ["N"] Whole, "buckling load";
+        buckling_safety [""] Whole, "buckling load over the largest load";
+        yield_load_N ["N"] Whole, "load that strains the core to 147 N/mm2";
+        cycle_speed_number_mm_min ["mm/min"] Whole, "largest speed number";
+        screw_mass_kg ["kg"] Whole, "mass of the screw between its bearings";
+        screw_growth_um ["um"] Whole needs [screw_temperature_rise_K], "growth of the screw between its bearings, warmer by screw_temperature_rise_K";
+    }
+    "nut and life" {
+        static_safety_factor [""] Whole, "static safety by the rating and by the most loaded ball, the smaller one";
+        cycle_life_revolutions [""] Whole, "life of the cycle by ISO 3408-5";
+        cycle_life_h ["h"] Whole, "life of the cycle by ISO 3408-5";
+        cycle_life_by_balls_h ["h"] Whole, "life of the cycle by the loads of all balls";
+        opening_load_N ["N"] Whole, "load at which the preload is lost";
+    }
+    "rigidity" {
+        screw_rigidity_N_um ["N/um"] Whole, "rigidity of the screw where it is least";
+        nut_rigidity_N_um ["N/um"] Whole, "tangent rigidity of the nut at the largest load, all balls";
+        axis_rigidity_N_um ["N/um"] Whole, "rigidity of screw, nut, bearings and housings in series";
+        lost_motion_um ["um"] Whole, "elastic lost motion where the friction of the guides turns round";
+    }
+    "drive" {
+        peak_motor_torque_Nm ["N m"] Whole needs [friction_coefficient], "largest torque of the motor";
+        rms_motor_torque_Nm ["N m"] Whole needs [friction_coefficient], "root of the mean square of the torque of the motor";
+        peak_motor_power_W ["W"] Whole needs [friction_coefficient], "largest power of the motor";
+        mean_heat_W ["W"] Whole needs [friction_coefficient], "mean heat of nut, seals and support bearings";
+        preload_drag_Nm ["N m"] Whole, "drag of the preload by the rule of makers";
+        contact_drag_Nm ["N m"] Whole needs [friction_coefficient], "drag of the preload by its contacts alone";
+        holding_torque_Nm ["N m"] Whole needs [friction_coefficient], "torque on the screw that keeps the load from driving it, contacts alone";
+        inertia_of_screw_kg_m2 ["kg m2"] Whole, "moment of inertia of the screw";
+        inertia_of_mass_kg_m2 ["kg m2"] Whole, "moment of inertia of the moved mass at the screw";
+        inertia_at_motor_kg_m2 ["kg m2"] Whole, "moment of inertia of the load at the motor";
+        inertia_ratio [""] Whole needs [motor_inertia_kg_m2], "moment of inertia of the load at the motor over that of the motor";
+    }
+}
+
+/// The parts of the torque in a phase, and what follows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SizePhase {
+    /// Name, unit and value of each.
+    pub numbers: Vec<(&'static str, &'static str, Option<f64>)>,
+    /// The model of the contacts.
+    pub contacts: String,
+}
+
+/// An axis: its numbers, its rules, its cycle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SizeReport {
+    /// What was asked.
+    pub scene: Scene,
+    /// The numbers.
+    pub numbers: Numbers,
+    /// Each rule, in the order of the sheet.
+    pub rules: Vec<SizeRule>,
+    /// Each phase of the cycle.
+    pub phases: Vec<SizePhase>,
+    /// The screw and its nut: name, unit and value, given or by rule.
+    pub sizes: Vec<(&'static str, &'static str, f64)>,
+    /// What was taken where nothing was given.
+    pub notes: Vec<String>,
+    /// What an engineer should know before using the numbers.
+    pub warnings: Vec<String>,
+}
+
+/// What the torque of an axis leaves out.
+pub const NOT_MODELLED: [&str; 6] = [
+    "lubricant: contacts are dry, with one friction coefficient; the drag of the preload is that of makers' rule, which holds to some 50 %",
+    "returns of the balls and balls that touch each other: only in makers' rule for the drag",
+    "temperature: nothing warms up by its own heat; screw_temperature_rise_K is an input",
+    "vibration of the axis, its control, and shocks: multiply the loads by the factor of your machine",
+    "bending of the screw by its weight, and of the frame; misalignment unless it is given",
+    "brackets of motor and bearings beyond housing_rigidity_N_um",
+];
+
+/// The torque of a phase.
+struct Torques {
+    phase: Phase,
+    ideal: f64,
+    contacts: Contacts,
+    /// Of returns and lubricant, beyond the contacts of the preload, with its sign.
+    drag: f64,
+    seal: f64,
+    bearing: f64,
+}
+
+impl Torques {
+    /// What acts against the motion, without its sign \[N·m\].
+    fn friction(&self) -> Option<f64> {
+        Some(self.contacts.friction? + self.drag + self.seal + self.bearing)
+    }
+
+    /// Torque that the screw takes \[N·m\].
+    fn at_screw(&self) -> Option<f64> {
+        let way = if self.phase.speed == 0.0 { 0.0 } else { self.phase.speed.signum() };
+        Some(self.ideal + way * self.friction()?)
+    }
+
+    fn heat(&self) -> Option<f64> {
+        Some(self.friction()? * self.phase.speed.abs())
+    }
+}
+
+impl SizeReport {
+    /// The axis of a scene.
+    ///
+    /// * `settings`: the model that friction is calculated with.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if an input is missing or breaks its rule.
+    pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
+        let axis = Axis::of(scene)?;
+        let mut work = ModelWorkspace::default();
+        let heaviest = axis.heaviest().filter(|phase| phase.load != 0.0);
+        let (largest, fastest) = (axis.largest_load(), axis.fastest());
+        let mut notes = Vec::new();
+        let nut = heaviest.and_then(|phase| {
+            let speed = if phase.speed == 0.0 { fastest } else { phase.speed };
+            let found = nut_at(scene, settings, phase.load, speed);
+            found.map_err(|why| notes.push(format!("no numbers of all balls: {why}"))).ok()
+        });
+        let preloaded = is_preloaded(scene);
+        let preload = nut.as_ref().filter(|_| preloaded).and_then(|nut| nut.number("preload_set_N"));
+        let rule = preload.map(|force| drag_torque(force, axis.nut.lead, axis.nut.lead_angle()));
+        let alone = match preload {
+            Some(_) if fastest > 0.0 && scene.friction_coefficient.is_some() => {
+                let found = nut_at(scene, settings, 0.0, fastest)?;
+                found.number("friction_heat_W").map(|heat| heat / fastest)
+            }
+            _ => None,
+        };
+        let beyond = rule.map_or(0.0, |rule| (rule - alone.unwrap_or(0.0)).max(0.0));
+        let value = |key| scene.value_or_default(key).unwrap_or(0.0);
+        let torque = |phase: &Phase, work: &mut ModelWorkspace| -> Result<Torques, CaseError> {
+            let moves = f64::from(u8::from(phase.speed != 0.0));
+            Ok(Torques {
+                phase: *phase,
+                ideal: axis.advance() * phase.load,
+                contacts: contacts(scene, settings, &axis, phase, work)?,
+                drag: moves * beyond,
+                seal: moves * value(InputKey::seal_torque_Nm),
+                bearing: moves * value(InputKey::support_bearing_torque_Nm),
+            })
+        };
+        let torques: Vec<_> =
+            axis.phases.iter().map(|phase| torque(phase, &mut work)).collect::<Result<_, _>>()?;
+        let holding = heaviest.map(|phase| {
+            // The load drives: its sign against the speed.
+            let back = Phase { speed: -phase.load.signum() * fastest.max(RPM), ..*phase };
+            contacts(scene, settings, &axis, &back, &mut work)
+        });
+        let holding = holding.transpose()?.and_then(|found| {
+            Some((axis.advance() * largest - found.friction?).max(0.0))
+        });
+
+        let lived = life(axis.dynamic_rating, preload, &axis.duty());
+        let reliability = reliability_factor(value(InputKey::reliability_percent));
+        let lived = lived.map(|life| Life {
+            revolutions: reliability * life.revolutions,
+            time: reliability * life.time,
+            ..life
+        });
+        let by_balls = life_by_balls(scene, settings, &axis).map(|time| reliability * time);
+
+        let mut numbers = Numbers::new(AnalysisKind::Size);
+        let mut put = |place: Whole, value: Option<f64>| {
+            numbers.whole(place, value.filter(|value| value.is_finite()));
+        };
+        put(largest_load_N, Some(largest));
+        put(largest_speed_rpm, Some(fastest / RPM));
+        put(largest_feed_m_min, Some(fastest * axis.advance() * 60.0));
+        put(equivalent_load_N, lived.map(|life| life.mean_load));
+        put(equivalent_speed_rpm, lived.map(|life| life.mean_speed / RPM));
+        if let Some(shaft) = &axis.shaft {
+            let (critical, buckling) = (shaft.critical_speed(), shaft.buckling_load());
+            put(screw_length_between_bearings_mm, Some(shaft.length / MM));
+            put(bending_diameter_mm, Some(shaft.diameter / MM));
+            put(critical_speed_rpm, Some(critical / RPM));
+            put(critical_speed_ratio, Some(fastest / critical));
+            put(buckling_load_N, Some(buckling));
+            put(buckling_safety, Some(buckling / largest));
+            put(yield_load_N, Some(shaft.yield_load(bsm_design::PERMITTED_STRESS)));
+            put(screw_mass_kg, Some(axis.nut.mass_of_screw(&axis.thread, shaft.length)));
+            let rise = scene.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
+            let expansion = value(InputKey::thermal_expansion_um_m_K) * UM;
+            put(screw_growth_um, rise.map(|rise| shaft.growth(expansion, rise) / UM));
+            put(screw_rigidity_N_um, Some(shaft.least_stiffness() * UM));
+        }
+        put(cycle_speed_number_mm_min, Some(axis.nut.speed_number(fastest) / (MM * RPM)));
+        let of_balls = nut.as_ref().and_then(|nut| nut.number("static_safety"));
+        let of_balls = of_balls.map(|safety| {
+            // By the rating of the maker too, which is of the same ball.
+            safety * axis.static_rating.rating / axis.nut.static_rating().rating
+        });
+        let by_rating = axis.static_rating.safety(largest);
+        put(static_safety_factor, Some(of_balls.map_or(by_rating, |safety| safety.min(by_rating))));
+        put(cycle_life_revolutions, lived.map(|life| life.revolutions));
+        put(cycle_life_h, lived.map(|life| life.time / 3600.0));
+        put(cycle_life_by_balls_h, by_balls.map(|time| time / 3600.0));
+        put(opening_load_N, nut.as_ref().and_then(|nut| nut.number("limit_load_N")));
+        let nut_stiffness = nut.as_ref().and_then(|nut| nut.number("nut_stiffness_N_um"));
+        put(nut_rigidity_N_um, nut_stiffness);
+        let stiffness = axis.shaft.as_ref().zip(nut_stiffness).map(|(shaft, nut)| {
+            let others = [scene.support_bearing_rigidity_N_um, scene.housing_rigidity_N_um];
+            let springs = others.into_iter().flatten().map(|rigidity| rigidity / UM);
+            springs.fold(in_series(shaft.least_stiffness(), nut / UM), in_series)
+        });
+        put(axis_rigidity_N_um, stiffness.map(|stiffness| stiffness * UM));
+        let friction = axis.carriage.guide_friction();
+        let lost = stiffness.filter(|_| friction > 0.0).map(|k| lost_motion(friction, k) / UM);
+        put(lost_motion_um, lost);
+        let motor = |torques: &Torques| {
+            Some(axis.drive.motor_torque(torques.at_screw()?, torques.phase.acceleration))
+        };
+        let power = |torques: &Torques| {
+            Some(motor(torques)? * torques.phase.speed * axis.drive.gear_ratio)
+        };
+        let all = |number: &dyn Fn(&Torques) -> Option<f64>| -> Option<Vec<f64>> {
+            torques.iter().map(number).collect()
+        };
+        let peak = |values: Vec<f64>| values.into_iter().map(f64::abs).fold(0.0, f64::max);
+        let times = || torques.iter().map(|torques| torques.phase.time);
+        let torque_of_motor = all(&motor);
+        put(peak_motor_torque_Nm, torque_of_motor.clone().map(peak));
+        let mean_square = |values: Vec<f64>| root_mean_square(values.into_iter().zip(times()));
+        put(rms_motor_torque_Nm, torque_of_motor.and_then(mean_square));
+        put(peak_motor_power_W, all(&power).map(peak));
+        let mean = |values: Vec<f64>| {
+            let heat: f64 = values.iter().zip(times()).map(|(heat, time)| heat * time).sum();
+            heat / times().sum::<f64>()
+        };
+        put(mean_heat_W, all(&Torques::heat).map(mean));
+        put(preload_drag_Nm, rule);
+        put(contact_drag_Nm, alone);
+        put(holding_torque_Nm, holding);
+        put(inertia_of_screw_kg_m2, axis.screw_inertia);
+        put(inertia_of_mass_kg_m2, Some(axis.drive.mass_inertia()));
+        let at_motor = axis.screw_inertia.map(|_| axis.drive.load_inertia());
+        put(inertia_at_motor_kg_m2, at_motor);
+        let motor_inertia = Some(axis.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
+        put(inertia_ratio, at_motor.zip(motor_inertia).map(|(load, motor)| load / motor));
+
+        let of_nut = CapacityReport::of(&at_largest(scene, &axis), None)?;
+        let mut warnings = of_nut.warnings().to_vec();
+        if let Some(nut) = &nut {
+            warnings.extend(nut.warnings());
+        }
+        warnings.sort();
+        warnings.dedup();
+        if axis.shaft.is_none() {
+            notes.push(
+                "without stroke_mm or unsupported_length_mm there is no critical speed, buckling load and inertia of the screw"
+                    .to_owned(),
+            );
+        } else if !axis.support_is_given {
+            notes.push("support is not given: fixed-supported is taken".to_owned());
+        }
+        if axis.length.is_some() && scene.unsupported_length_mm.is_none() {
+            notes.push("unsupported_length_mm is stroke, length of the nut and two leads".to_owned());
+        }
+        let phases = torques.iter().map(|t| phase_numbers(t, &axis, motor(t), power(t))).collect();
+        let sizes = sizes(scene, &axis, &of_nut, preload);
+        let rules = rules::rules(scene, &axis, &numbers, &of_nut, preload);
+        Ok(Self { scene: scene.clone(), numbers, rules, phases, sizes, notes, warnings })
+    }
+
+    /// True if every rule holds.
+    pub fn passes(&self) -> bool {
+        self.rules.iter().all(|rule| rule.passes())
+    }
+
+    /// A number by name.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.numbers.number(name)
+    }
+
+    /// JSON object of requirement, screw, numbers, rules and cycle.
+    pub fn to_json(&self) -> Value {
+        let numbers: Map<_, _> = self
+            .numbers
+            .entries()
+            .map(|(column, value)| (column.name.to_owned(), json!(value)))
+            .collect();
+        let sizes: Map<_, _> =
+            self.sizes.iter().map(|(name, _, value)| ((*name).to_owned(), json!(value))).collect();
+        let phase = |phase: &SizePhase| {
+            let mut map: Map<_, _> = phase
+                .numbers
+                .iter()
+                .map(|(name, _, value)| ((*name).to_owned(), json!(value)))
+                .collect();
+            map.insert("contacts".to_owned(), json!(phase.contacts));
+            Value::Object(map)
+        };
+        json!({
+            "passes": self.passes(),
+            "inputs": self.scene.to_json(),
+            "screw": sizes,
+            "results": numbers,
+            "rules": self.rules.iter().map(SizeRule::to_json).collect::<Vec<_>>(),
+            "phases": self.phases.iter().map(phase).collect::<Vec<_>>(),
+            "not_modelled": NOT_MODELLED,
+            "notes": self.notes,
+            "warnings": self.warnings,
+        })
+    }
+
+    /// Points of the speed-force diagram: for a speed \[rpm\] the load that gives the required life \[N\].
+    pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
+        let hours = self.scene.required_life_h?;
+        let rating = self.sizes.iter().find(|(name, ..)| *name == "dynamic_load_rating_N")?.2;
+        Some(rating * (1e6 / (60.0 * rpm * hours)).cbrt())
+    }
+}
+
+/// A scene at the largest load and speed of its axis, for the ratings.
+fn at_largest(scene: &Scene, axis: &Axis) -> Scene {
+    let mut scene = scene.clone();
+    let load = axis.largest_load();
+    (scene.axial_load_N, scene.feed_m_min) = (Some(load).filter(|load| *load > 0.0), None);
+    let rpm = axis.fastest() / RPM;
+    (scene.screw_speed_rpm, scene.nut_speed_rpm) = (Some(rpm).filter(|rpm| *rpm > 0.0), None);
+    scene
+}
+
+/// Life of the cycle by the loads of all balls \[s\]: each phase takes its share of the life that it has alone.
+fn life_by_balls(scene: &Scene, settings: &Settings, axis: &Axis) -> Option<f64> {
+    let (mut taken, mut time) = (0.0, 0.0);
+    for phase in &axis.phases {
+        time += phase.time;
+        let moves = phase.speed != 0.0 && (phase.load != 0.0 || is_preloaded(scene));
+        if moves {
+            let nut = nut_at(scene, settings, phase.load, phase.speed).ok()?;
+            let ours = nut.number("life_revolutions")?;
+            let rated = nut.number("iso_life_revolutions")?;
+            // The ratio is of the model, the rating may be of the maker.
+            let preload = nut.number("preload_set_N").filter(|_| is_preloaded(scene));
+            let duty = bsm_design::Duty { load: phase.load, speed: 1.0, time: 1.0 };
+            let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
+            let turns = phase.speed.abs() * phase.time / std::f64::consts::TAU;
+            taken += turns / (stated * ours / rated);
+        }
+    }
+    (taken > 0.0).then(|| time / taken)
+}
+
+fn phase_numbers(
+    torques: &Torques,
+    axis: &Axis,
+    motor: Option<f64>,
+    power: Option<f64>,
+) -> SizePhase {
+    let phase = &torques.phase;
+    let share = phase.time / axis.phases.iter().map(|phase| phase.time).sum::<f64>();
+    let output = torques.ideal * phase.speed;
+    let efficiency = torques.at_screw().map(|torque| torque * phase.speed).and_then(|input| {
+        let efficiency = if output > 0.0 { output / input } else { input / output };
+        (output != 0.0).then_some(efficiency)
+    });
+    let numbers = vec![
+        ("time_share", "", Some(share)),
+        ("axial_load_N", "N", Some(phase.load)),
+        ("screw_speed_rpm", "rpm", Some(phase.speed / RPM)),
+        ("feed_m_min", "m/min", Some(phase.speed * axis.advance() * 60.0)),
+        ("acceleration_m_s2", "m/s2", Some(phase.acceleration)),
+        ("ideal_torque_Nm", "N m", Some(torques.ideal)),
+        ("contact_friction_torque_Nm", "N m", torques.contacts.friction),
+        ("preload_drag_beyond_contacts_Nm", "N m", Some(torques.drag)),
+        ("seal_torque_Nm", "N m", Some(torques.seal)),
+        ("support_bearing_torque_Nm", "N m", Some(torques.bearing)),
+        ("screw_torque_Nm", "N m", torques.at_screw()),
+        ("efficiency", "", efficiency),
+        ("motor_torque_Nm", "N m", motor),
+        ("motor_power_W", "W", power),
+        ("heat_W", "W", torques.heat()),
+    ];
+    SizePhase { numbers, contacts: torques.contacts.words.clone() }
+}
+
+/// The screw and its nut as they were used.
+fn sizes(
+    scene: &Scene,
+    axis: &Axis,
+    of_nut: &CapacityReport,
+    preload: Option<f64>,
+) -> Vec<(&'static str, &'static str, f64)> {
+    let nut = &axis.nut;
+    let mut sizes = vec![
+        ("pitch_circle_diameter_mm", "mm", nut.pitch_diameter / MM),
+        ("lead_mm", "mm", nut.lead / MM),
+        ("lead_angle_deg", "deg", nut.lead_angle() / DEG),
+        ("ball_diameter_mm", "mm", nut.ball_diameter / MM),
+        ("contact_angle_deg", "deg", nut.contact_angle / DEG),
+        ("nut_conformity", "", nut.conformity.0),
+        ("screw_conformity", "", nut.conformity.1),
+        ("loaded_balls_per_turn", "", nut.balls_per_turn),
+        ("loaded_turns", "", nut.turns),
+        ("nut_outer_diameter_mm", "mm", axis.body.outer / MM),
+        ("nut_length_mm", "mm", axis.body.length / MM),
+        ("screw_outer_diameter_mm", "mm", axis.thread.screw.land / MM),
+        ("screw_core_diameter_mm", "mm", axis.thread.screw.core / MM),
+        ("dynamic_load_rating_N", "N", axis.dynamic_rating),
+        ("static_load_rating_N", "N", axis.static_rating.rating),
+    ];
+    let of_capacity = ["edge_load_N", "mass_kg"];
+    let rows = of_nut.rows();
+    sizes.extend(rows.iter().filter(|(name, ..)| of_capacity.contains(name)));
+    sizes.extend(preload.map(|force| ("preload_N", "N", force)));
+    sizes.extend(scene.friction_coefficient.map(|f| ("friction_coefficient", "", f)));
+    sizes
+}

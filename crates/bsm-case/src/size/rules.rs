@@ -1,0 +1,201 @@
+//! The rules that an axis must keep: value, limit, source, and what would help.
+
+use bsm_design::{OPENS_AT, PRELOAD, pair_loads};
+use serde_json::{Value, json};
+
+use super::axis::Axis;
+use crate::{CapacityReport, InputKey, Numbers, Scene};
+
+/// A rule: a number of the axis and its limit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SizeRule {
+    /// What it is about.
+    pub title: &'static str,
+    /// Name of the number, with its unit as suffix.
+    pub name: &'static str,
+    /// Unit in words.
+    pub unit: &'static str,
+    /// The number.
+    pub value: f64,
+    /// Its limit; `None` if nothing is required.
+    pub limit: Option<f64>,
+    /// True if the limit is the least value.
+    pub at_least: bool,
+    /// Whose rule it is, with the tag of the theory.
+    pub source: &'static str,
+    /// The smallest change of one input that would keep it, if it fails.
+    pub remedy: Option<String>,
+}
+
+impl SizeRule {
+    /// True if it holds, or nothing is required.
+    pub fn passes(&self) -> bool {
+        // Inputs are decimals, which a limit may meet but for rounding.
+        self.margin().is_none_or(|margin| margin >= 1.0 - 1e-9)
+    }
+
+    /// How many times the rule is kept: above 1 it holds.
+    pub fn margin(&self) -> Option<f64> {
+        let limit = self.limit?;
+        Some(if self.at_least { self.value / limit } else { limit / self.value })
+    }
+
+    /// JSON object.
+    pub fn to_json(&self) -> Value {
+        json!({
+            "rule": self.title,
+            "name": self.name,
+            "value": self.value,
+            "must_be": if self.at_least { ">=" } else { "<=" },
+            "limit": self.limit,
+            "margin": self.margin(),
+            "passes": self.passes(),
+            "source": self.source,
+            "remedy": self.remedy,
+        })
+    }
+}
+
+/// All rules of an axis that it has numbers for.
+pub(super) fn rules(
+    scene: &Scene,
+    axis: &Axis,
+    numbers: &Numbers,
+    of_nut: &CapacityReport,
+    preload: Option<f64>,
+) -> Vec<SizeRule> {
+    let number = |name: &str| numbers.number(name);
+    let input = |key| scene.value_or_default(key);
+    let largest = axis.largest_load();
+    let size = |name: &str| of_nut.rows().iter().find(|row| row.0 == name).map(|row| row.2);
+    let mut rules = Vec::new();
+    // `remedy` takes how many times the rule is kept.
+    let mut add = |title: &'static str,
+                   (name, unit): (&'static str, &'static str),
+                   value: Option<f64>,
+                   (at_least, limit): (bool, Option<f64>),
+                   source: &'static str,
+                   remedy: &dyn Fn(f64) -> String| {
+        if let Some(value) = value {
+            let mut rule =
+                SizeRule { title, name, unit, value, limit, at_least, source, remedy: None };
+            rule.remedy = rule.margin().filter(|_| !rule.passes()).map(remedy);
+            rules.push(rule);
+        }
+    };
+    let length = number("screw_length_between_bearings_mm").unwrap_or(f64::NAN);
+    let diameter = number("bending_diameter_mm").unwrap_or(f64::NAN);
+    add(
+        "critical speed",
+        ("critical_speed_ratio", ""),
+        number("critical_speed_ratio"),
+        (false, input(InputKey::required_critical_speed_ratio)),
+        "makers' catalogues: 0.8 of the critical speed (Z1)",
+        &|margin| {
+            format!(
+                "unsupported_length_mm {:.0} or less, or a core of {:.1} mm, or a stiffer support",
+                length * margin.sqrt(),
+                diameter / margin
+            )
+        },
+    );
+    let limit = input(InputKey::speed_number_limit_mm_min);
+    add(
+        "speed number",
+        ("cycle_speed_number_mm_min", "mm/min"),
+        number("cycle_speed_number_mm_min"),
+        (false, limit),
+        "limit of the ball return: 70 000 unless given, end caps some 120 000, internal high-speed returns 160 000 (Z15)",
+        &|margin| {
+            format!(
+                "lead_mm {:.1} at the same feed, or another ball return (speed_number_limit_mm_min)",
+                axis.nut.lead / crate::units::MM / margin
+            )
+        },
+    );
+    add(
+        "buckling",
+        ("buckling_safety", ""),
+        number("buckling_safety"),
+        (true, input(InputKey::required_buckling_safety)),
+        "Euler; half of the buckling load (Z2)",
+        &|margin| {
+            format!(
+                "unsupported_length_mm {:.0} or less, or a core of {:.1} mm",
+                length * margin.sqrt(),
+                diameter * margin.powf(-0.25)
+            )
+        },
+    );
+    add(
+        "stress of the core",
+        ("largest_load_N", "N"),
+        number("yield_load_N").map(|_| largest),
+        (false, number("yield_load_N")),
+        "THK and others: 147 N/mm2 (Z3)",
+        &|margin| format!("a core of {:.1} mm", diameter * margin.powf(-0.5)),
+    );
+    let rating = axis.static_rating.rating;
+    add(
+        "static safety",
+        ("static_safety_factor", ""),
+        number("static_safety_factor"),
+        (true, input(InputKey::required_static_safety)),
+        "ISO 3408-5 (Z16); by the most loaded ball too, bsm nut",
+        &|margin| format!("a static load rating of {:.0} N", rating / margin),
+    );
+    let dynamic = axis.dynamic_rating;
+    add(
+        "life",
+        ("cycle_life_h", "h"),
+        number("cycle_life_h"),
+        (true, scene.required_life_h),
+        "ISO 3408-5 (D12) to (D15), reliability (Z14)",
+        &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin.cbrt()),
+    );
+    add(
+        "life by all balls",
+        ("cycle_life_by_balls_h", "h"),
+        number("cycle_life_by_balls_h"),
+        (true, scene.required_life_h),
+        "loads of all balls (U24)",
+        &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin.cbrt()),
+    );
+    add(
+        "equivalent load",
+        ("equivalent_load_N", "N"),
+        number("equivalent_load_N"),
+        (false, Some(dynamic)),
+        "a million revolutions at least (D13)",
+        &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin),
+    );
+    let busier = preload.map_or(largest, |preload| pair_loads(preload, largest).0);
+    add(
+        "contact ellipse on its flank",
+        ("largest_load_N", "N"),
+        size("edge_load_N").map(|_| busier),
+        (false, size("edge_load_N")),
+        "edge of the land (G8)",
+        &|_| "a larger land: nut_bore_mm smaller, screw_outer_diameter_mm larger".to_owned(),
+    );
+    if let Some(preload) = preload {
+        add(
+            "preload",
+            ("preload_N", "N"),
+            Some(preload),
+            (false, Some(PRELOAD * dynamic)),
+            "Sobolewski, 0.15 of the dynamic load rating (D22)",
+            &|_| format!("preload_N {:.0} or less", PRELOAD * dynamic),
+        );
+        let opens = number("opening_load_N").unwrap_or(OPENS_AT * preload);
+        add(
+            "preload left",
+            ("largest_load_N", "N"),
+            Some(largest),
+            (false, Some(opens)),
+            "the preload is lost at some 2.83 times itself (D14), (U20)",
+            &|margin| format!("preload_N {:.0}", preload / margin),
+        );
+    }
+    rules
+}

@@ -1,0 +1,199 @@
+//! Loads of an axis in its cycle, torque of its motor, inertia.
+//!
+//! Theory: `docs/theory/18-axis.md`, equations (Z7) to (Z13).
+
+use std::f64::consts::{PI, TAU};
+
+use crate::body::STEEL;
+
+/// Acceleration of free fall \[m/s²\], standard.
+pub(crate) const GRAVITY: f64 = 9.806_65;
+
+/// What an axis moves, and along which slope.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Carriage {
+    /// Moved mass \[kg\].
+    pub mass: f64,
+    /// Inclination `$\varphi$` of the axis \[rad\]: 0 level, π/2 upwards along the feed.
+    pub inclination: f64,
+    /// Friction coefficient of the guides.
+    pub friction: f64,
+}
+
+impl Carriage {
+    /// Axial load of the screw \[N\], positive against a positive feed (Z7).
+    ///
+    /// ```math
+    /// F = F_p + m g\sin\varphi + \mu\,m g\cos\varphi\,\mathrm{sgn}\,v + m a
+    /// ```
+    ///
+    /// * `process`: force on the carriage \[N\], positive against a positive feed. * `feed`: velocity
+    ///   \[m/s\]. * `acceleration`: along the positive feed \[m/s²\].
+    ///
+    /// Source: THK, "Calculating the permissible axial load", horizontal and vertical mount.
+    pub fn load(&self, process: f64, feed: f64, acceleration: f64) -> f64 {
+        let weight = self.mass * GRAVITY;
+        let way = if feed == 0.0 { 0.0 } else { feed.signum() };
+        // F = F_p + m g sinφ + μ m g cosφ sgn v + m a                     (Z7)
+        process
+            + weight * self.inclination.sin()
+            + way * self.guide_friction()
+            + self.mass * acceleration
+    }
+
+    /// Friction of the guides \[N\].
+    pub fn guide_friction(&self) -> f64 {
+        self.friction * self.mass * GRAVITY * self.inclination.cos().max(0.0)
+    }
+}
+
+/// Drag torque of a preload by the rule of makers \[N·m\] (Z8).
+///
+/// ```math
+/// T_p = K_p\,\frac{F_w P_h}{2\pi}, \qquad K_p = 0.05\,(\tan\alpha)^{-1/2}
+/// ```
+///
+/// * `preload` \[N\]; * `lead` \[m\]; * `lead_angle` \[rad\].
+///
+/// Valid: lubricated nuts with wipers off, at some 100 rpm. Makers allow 20 to 50 % on either side; HIWIN
+/// states 0.1 to 0.3 for `$K_p$`. Source: JIS B 1192; THK, "Studying the rotational torque".
+pub fn drag_torque(preload: f64, lead: f64, lead_angle: f64) -> f64 {
+    // T_p = 0.05 F_w P_h/(2π √tanα)                                       (Z8)
+    0.05 * preload * lead / (TAU * lead_angle.tan().sqrt())
+}
+
+/// Moment of inertia of a solid steel rod about its axis \[kg·m²\] (Z9).
+///
+/// Source: HIWIN BS-08-2, F 3.20.
+pub fn rod_inertia(length: f64, diameter: f64) -> f64 {
+    // J_s = π ρ l d⁴/32                                                   (Z9)
+    PI * STEEL * length * diameter.powi(4) / 32.0
+}
+
+/// What turns and moves between motor and carriage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive {
+    /// Lead \[m\].
+    pub lead: f64,
+    /// Moment of inertia of the screw, with what turns with it \[kg·m²\].
+    pub screw_inertia: f64,
+    /// Moved mass \[kg\].
+    pub mass: f64,
+    /// Turns of the motor for one of the screw, positive.
+    pub gear_ratio: f64,
+    /// Moment of inertia of the motor \[kg·m²\].
+    pub motor_inertia: f64,
+}
+
+impl Drive {
+    /// Moment of inertia of the moved mass at the screw \[kg·m²\] (Z10).
+    pub fn mass_inertia(&self) -> f64 {
+        // J_m = m (P_h/2π)²                                               (Z10)
+        self.mass * (self.lead / TAU).powi(2)
+    }
+
+    /// Moment of inertia of the load at the motor \[kg·m²\] (Z11).
+    pub fn load_inertia(&self) -> f64 {
+        // J_L = (J_s + J_m)/i_g²                                          (Z11)
+        (self.screw_inertia + self.mass_inertia()) / self.gear_ratio.powi(2)
+    }
+
+    /// Torque of the motor \[N·m\] (Z12).
+    ///
+    /// ```math
+    /// T = \frac{T_s + J_s\dot\Omega}{i_g} + J_{mot}\,i_g\dot\Omega
+    /// ```
+    ///
+    /// * `at_screw`: torque that the screw takes at its speed \[N·m\], with the force that accelerates the moved
+    ///   mass in its load. * `acceleration`: of the carriage \[m/s²\].
+    ///
+    /// Assumes: a gear without losses. Source: HIWIN BS-08-2, F 3.17 to F 3.22.
+    pub fn motor_torque(&self, at_screw: f64, acceleration: f64) -> f64 {
+        let turning = acceleration * TAU / self.lead;
+        // T = (T_s + J_s Ω̇)/i_g + J_mot i_g Ω̇                             (Z12)
+        (at_screw + self.screw_inertia * turning) / self.gear_ratio
+            + self.motor_inertia * self.gear_ratio * turning
+    }
+}
+
+/// Root of the mean square over time (Z13), of torques: what heats a motor; `None` without any time.
+///
+/// Source: THK, "Studying the driving motor", eq. 54.
+pub fn root_mean_square(values: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+    let (mut squares, mut time) = (0.0, 0.0);
+    for (value, share) in values {
+        squares += value.powi(2) * share;
+        time += share;
+    }
+    // T_rms = √(Σ T_j² t_j/Σ t_j)                                         (Z13)
+    (time > 0.0).then(|| (squares / time).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    /// Level, the load turns with the feed and carries no weight; upright it is the weight either way,
+    /// and the guides carry nothing. Nook's selection example: 5000 lb on guides of 0.0013 take 6.5 lb.
+    #[test]
+    fn loads_of_a_carriage() {
+        let level = Carriage { mass: 500.0, inclination: 0.0, friction: 0.01 };
+        assert_relative_eq!(level.load(1e3, 0.1, 0.0), 1049.033_25, max_relative = 1e-12);
+        assert_relative_eq!(level.load(1e3, -0.1, 0.0), 950.966_75, max_relative = 1e-12);
+        assert_relative_eq!(level.load(1e3, 0.0, 2.0), 2e3, max_relative = 1e-12);
+        let upright = Carriage { inclination: FRAC_PI_2, ..level };
+        for feed in [0.3, -0.3] {
+            // cos of the rounded π/2 is 6e-17.
+            assert_relative_eq!(upright.load(0.0, feed, 0.0), 4903.325, max_relative = 1e-12);
+        }
+        let pounds = 0.453_592_37;
+        let nook = Carriage { mass: 5000.0 * pounds, inclination: 0.0, friction: 0.0013 };
+        let in_pounds = nook.load(0.0, 1.0, 0.0) / (pounds * GRAVITY);
+        assert_relative_eq!(in_pounds, 6.5, max_relative = 1e-12);
+    }
+
+    /// By hand: 2 kN on 10 mm at tanα = 0.0796 (40 mm): 0.1772 of 3.1831 N m.
+    #[test]
+    fn drag_by_the_rule() {
+        let angle = (10.0_f64 / (PI * 40.0)).atan();
+        assert!((drag_torque(2e3, 10e-3, angle) - 0.5642).abs() < 5e-5);
+    }
+
+    /// By hand: a metre of 40 mm has 1.973e-3 kg m²; 500 kg on 20 mm a turn 5.066e-3 kg m². At 2 m/s² the screw
+    /// gains 628.3 rad/s²; with a gear of 2 the motor takes half of the torque and twice its own.
+    #[test]
+    fn inertia_and_torque_of_the_motor() {
+        let screw = rod_inertia(1.0, 40e-3);
+        assert!((screw - 1.9729e-3).abs() < 5e-8, "{screw}");
+        let drive = Drive {
+            lead: 20e-3,
+            screw_inertia: screw,
+            mass: 500.0,
+            gear_ratio: 2.0,
+            motor_inertia: 1e-3,
+        };
+        assert!((drive.mass_inertia() - 5.0661e-3).abs() < 5e-8);
+        assert_relative_eq!(
+            4.0 * drive.load_inertia(),
+            screw + drive.mass_inertia(),
+            max_relative = 1e-14
+        );
+        assert_relative_eq!(drive.motor_torque(10.0, 0.0), 5.0, max_relative = 1e-14);
+        let turning = 2.0 * TAU / 20e-3;
+        let torque = 0.5 * (10.0 + screw * turning) + 2.0e-3 * turning;
+        assert_relative_eq!(drive.motor_torque(10.0, 2.0), torque, max_relative = 1e-14);
+    }
+
+    /// By hand: 3, 4 and 0 N m for a second, two and one: √(41/4).
+    #[test]
+    fn the_mean_of_squares_counts_time() {
+        let torques = [(3.0, 1.0), (-4.0, 2.0), (0.0, 1.0)];
+        let mean = root_mean_square(torques.into_iter()).expect("time");
+        assert_relative_eq!(mean, (41.0_f64 / 4.0).sqrt(), max_relative = 1e-14);
+        assert_eq!(root_mean_square([(1.0, 0.0)].into_iter()), None);
+    }
+}

@@ -1,0 +1,297 @@
+//! The screw as a shaft between its bearings: critical speed, buckling, yield, stiffness, growth.
+//!
+//! Theory: `docs/theory/18-axis.md`, equations (Z1) to (Z6).
+
+use std::f64::consts::PI;
+
+use crate::body::STEEL;
+
+/// Stress up to which the screw is loaded along its axis \[Pa\] (Z3): THK, PMI and others state
+/// 147 N/mm².
+pub const PERMITTED_STRESS: f64 = 147e6;
+
+/// Largest speed over the critical one, unless one is required: what all makers permit.
+pub const CRITICAL_SPEED_RATIO: f64 = 0.8;
+
+/// Least buckling load over the load, unless one is required: what all makers permit.
+pub const BUCKLING_SAFETY: f64 = 2.0;
+
+/// How the ends of a screw are held; the fixed end takes the axial load.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Support {
+    /// One end is free.
+    FixedFree,
+    /// Both ends may tilt.
+    SupportedSupported,
+    /// One end may tilt.
+    FixedSupported,
+    /// No end may tilt, and both take axial load.
+    FixedFixed,
+}
+
+impl Support {
+    /// All of them, from the least to the most stiff.
+    pub const ALL: [Self; 4] =
+        [Self::FixedFree, Self::SupportedSupported, Self::FixedSupported, Self::FixedFixed];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::FixedFree => "fixed-free",
+            Self::SupportedSupported => "supported-supported",
+            Self::FixedSupported => "fixed-supported",
+            Self::FixedFixed => "fixed-fixed",
+        }
+    }
+
+    /// The support of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|support| support.name() == name)
+    }
+
+    /// First root `$\lambda$` of the frequency equation of a bar (Z1).
+    ///
+    /// `$\cos\lambda\cosh\lambda = -1$` with a free end and `$1$` with two fixed ones,
+    /// `$\sin\lambda = 0$` with two that tilt, `$\tan\lambda = \tanh\lambda$` with one.
+    pub fn frequency_root(self) -> f64 {
+        match self {
+            Self::FixedFree => 1.875_104_068_711_961_2,
+            Self::SupportedSupported => PI,
+            Self::FixedSupported => 3.926_602_312_047_919,
+            Self::FixedFixed => 4.730_040_744_862_704,
+        }
+    }
+
+    /// Buckling load over that of a bar whose ends may tilt `$\kappa$` (Z2): Euler's cases.
+    pub fn buckling_factor(self) -> f64 {
+        match self {
+            Self::FixedFree => 0.25,
+            Self::SupportedSupported => 1.0,
+            // (x/π)² of the first root of tan x = x.
+            Self::FixedSupported => 2.045_748_515_938_295_8,
+            Self::FixedFixed => 4.0,
+        }
+    }
+}
+
+/// The screw between its bearings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shaft {
+    /// How its ends are held.
+    pub support: Support,
+    /// Unsupported length `$l$` \[m\], positive.
+    pub length: f64,
+    /// Diameter `$d_3$` that bends and strains \[m\], positive: the core of the thread.
+    pub diameter: f64,
+    /// Young's modulus \[Pa\].
+    pub youngs_modulus: f64,
+}
+
+impl Shaft {
+    /// Speed at which it whirls \[rad/s\] (Z1).
+    ///
+    /// ```math
+    /// \omega_c = \frac{\lambda^2}{l^2}\sqrt{\frac{EI}{\rho A}} = \frac{\lambda^2 d_3}{4 l^2}\sqrt{\frac E\rho}
+    /// ```
+    ///
+    /// Assumes: a slender bar without axial load; the nut, which supports it too, is left out.
+    /// Source: Euler and Bernoulli; makers' catalogues, such as THK 513-1E, A15-32, eq. 7.
+    pub fn critical_speed(&self) -> f64 {
+        let root = self.support.frequency_root();
+        // ω_c = λ² d₃/(4 l²) √(E/ρ)                                       (Z1)
+        root.powi(2) * self.diameter / (4.0 * self.length.powi(2))
+            * (self.youngs_modulus / STEEL).sqrt()
+    }
+
+    /// Load under which it buckles \[N\] (Z2).
+    ///
+    /// ```math
+    /// F_k = \frac{\kappa\pi^2 EI}{l^2}, \qquad I = \frac{\pi d_3^4}{64}
+    /// ```
+    ///
+    /// Assumes: a slender bar; of a short one [`yield_load`](Self::yield_load) is less. Source: Euler;
+    /// makers' catalogues, such as HIWIN BS-08-2, F 3.25, which takes 2 for 2.046.
+    pub fn buckling_load(&self) -> f64 {
+        let inertia = PI * self.diameter.powi(4) / 64.0;
+        // F_k = κ π² E I/l²                                               (Z2)
+        self.support.buckling_factor() * PI.powi(2) * self.youngs_modulus * inertia
+            / self.length.powi(2)
+    }
+
+    /// Load that strains its core up to a stress \[N\] (Z3).
+    ///
+    /// Source: THK 513-1E, A15-30, eq. 6.
+    pub fn yield_load(&self, stress: f64) -> f64 {
+        // F_σ = σ π d₃²/4                                                 (Z3)
+        stress * self.section()
+    }
+
+    /// Its stiffness along the axis where a nut at `place` loads it \[N/m\] (Z4).
+    ///
+    /// ```math
+    /// K_s = \frac{EA}{x} \quad\text{or}\quad EA\Big(\frac1x + \frac1{l - x}\Big)
+    /// ```
+    ///
+    /// with one end that takes axial load, or two. * `place`: distance `$x$` of the nut from that end
+    /// \[m\], above 0 and below the length.
+    ///
+    /// Source: HIWIN BS-08-2, F 3.31 and F 3.32.
+    pub fn stiffness_at(&self, place: f64) -> f64 {
+        let strained = self.youngs_modulus * self.section();
+        match self.support {
+            // K_s = E A/x                                                 (Z4)
+            Support::FixedFree | Support::SupportedSupported | Support::FixedSupported => {
+                strained / place
+            }
+            // K_s = E A [1/x + 1/(l − x)]                                 (Z4)
+            Support::FixedFixed => strained * (place.recip() + (self.length - place).recip()),
+        }
+    }
+
+    /// Its least stiffness along the axis \[N/m\] (Z4): the nut at the far end, or in the middle if both
+    /// ends take axial load.
+    pub fn least_stiffness(&self) -> f64 {
+        let share = if self.support == Support::FixedFixed { 0.5 } else { 1.0 };
+        self.stiffness_at(share * self.length)
+    }
+
+    /// How much longer it becomes \[m\] (Z5).
+    ///
+    /// * `expansion`: coefficient of thermal expansion \[1/K\]. * `rise`: of its temperature \[K\].
+    pub fn growth(&self, expansion: f64, rise: f64) -> f64 {
+        // Δl = α_T l ΔT                                                   (Z5)
+        expansion * self.length * rise
+    }
+
+    /// Section of its core \[m²\].
+    fn section(&self) -> f64 {
+        0.25 * PI * self.diameter.powi(2)
+    }
+}
+
+/// Way by which an axis lags where its friction turns round \[m\] (Z6): elastic lost motion.
+///
+/// * `friction`: force that changes its sign \[N\]. * `stiffness`: of the axis \[N/m\].
+pub fn lost_motion(friction: f64, stiffness: f64) -> f64 {
+    // u_0 = 2 F_r/K                                                       (Z6)
+    2.0 * friction / stiffness
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    const RPM: f64 = PI / 30.0;
+
+    fn shaft(support: Support, length: f64, diameter: f64) -> Shaft {
+        Shaft { support, length, diameter, youngs_modulus: 206e9 }
+    }
+
+    /// The roots solve their equations, in the form that is of order one there.
+    #[test]
+    fn roots_solve_the_frequency_equations() {
+        let [free, tilting, one, fixed] = Support::ALL.map(Support::frequency_root);
+        for residual in [
+            free.cos() + free.cosh().recip(),
+            tilting.sin(),
+            one.tan() - one.tanh(),
+            fixed.cos() - fixed.cosh().recip(),
+        ] {
+            assert!(residual.abs() < 1e-14, "{residual}");
+        }
+        let x = PI * Support::FixedSupported.buckling_factor().sqrt();
+        // tan x rises by 1 + x² = 21 times the rounding of x.
+        assert!((x.tan() - x).abs() < 1e-13, "{}", x.tan() - x);
+    }
+
+    /// The factors of catalogues, as they print them: THK 513-1E (0.8 of the critical speed over
+    /// 10⁷ d/l²) to half a unit of their last digit, HIWIN BS-08-2 (2.71e8 f_n d/l²) and HSK.
+    #[test]
+    fn factors_of_catalogues_come_back() {
+        let thk = [3.4, 9.7, 15.1, 21.9];
+        let hiwin = [0.147, 0.446, 0.692, 1.0];
+        for ((support, thk), hiwin) in Support::ALL.into_iter().zip(thk).zip(hiwin) {
+            // One millimetre of diameter, one metre of length: d/l² = 1e-6/mm.
+            let speed = shaft(support, 1.0, 1e-3).critical_speed() / RPM;
+            assert!((0.8 * speed / 10.0 - thk).abs() < 0.05, "{support:?} {speed}");
+            // HIWIN's factors are not quite the roots: 0.010 low with a free end, 0.005 high at most.
+            let of_fixed = shaft(Support::FixedFixed, 1.0, 1e-3).critical_speed() / RPM;
+            let off = speed / of_fixed - hiwin;
+            assert!((-0.0055..0.0105).contains(&off), "{support:?} {off}");
+            // 273.6 to its 271.
+            assert!((of_fixed / 271.0 - 1.0).abs() < 0.01);
+        }
+        // Of HSK: half of the buckling load, m d⁴/l² 10³ kgf, with 21 000 kgf/mm².
+        for (support, m) in Support::ALL.into_iter().zip([1.3, 5.1, 10.2, 20.3]) {
+            let load = 0.5 * shaft(support, 1.0, 1e-3).buckling_load() * (21_000.0 * 9.806_65)
+                / 206e3
+                / 9.806_65;
+            // 10³ mm⁴/(10⁶ mm²) = 10⁻³; 10.2 is of 2 where Euler has 2.046.
+            let near = if support == Support::FixedSupported { 0.025 * m } else { 0.05 };
+            assert!((load / 1e-3 - m).abs() < near, "{support:?} {load}");
+        }
+    }
+
+    /// Worked examples: MISUMI economy series, "Selection of ball screws": 3630 N on a root diameter of
+    /// 12.5 mm over 820 mm, fixed-supported, with m = 10 for 0.5 · 2.046 π³ E/64; and the speed over
+    /// 790 mm, 15.1 d/l² 10⁷ = 3024 rpm. Machine Design's white paper: one inch over 100 inches
+    /// has 18 Hz fixed and 8 Hz supported.
+    #[test]
+    fn worked_examples_of_catalogues() {
+        let example = shaft(Support::FixedSupported, 0.82, 12.5e-3);
+        // m = 10 is 10.21 rounded.
+        let permitted = example.buckling_load() / BUCKLING_SAFETY;
+        assert!((permitted / 3630.0 - 1.021).abs() < 2e-3, "{permitted}");
+        let example = shaft(Support::FixedSupported, 0.79, 12.5e-3);
+        let permitted = CRITICAL_SPEED_RATIO * example.critical_speed() / RPM;
+        // 15.1 has three digits.
+        assert!((permitted / 3024.0 - 1.0).abs() < 3.5e-3, "{permitted}");
+        let inch = 25.4e-3;
+        let turns = |support| shaft(support, 100.0 * inch, inch).critical_speed() / (2.0 * PI);
+        assert!((turns(Support::FixedFixed) - 18.0).abs() < 0.5);
+        assert!((turns(Support::SupportedSupported) - 8.0).abs() < 0.5);
+    }
+
+    /// 34 mm over 1 m, fixed-supported, by hand: I = 6.5597e-8 m⁴, E I = 13 513 N m².
+    #[test]
+    fn by_hand() {
+        let screw = shaft(Support::FixedSupported, 1.0, 34e-3);
+        // Four digits each.
+        assert!((screw.critical_speed() / RPM - 6411.0).abs() < 0.5);
+        assert!((screw.buckling_load() / 1e3 - 272.8).abs() < 0.05);
+        // 907.92 mm² of 147 N/mm².
+        assert!((screw.yield_load(PERMITTED_STRESS) - 133_464.0).abs() < 1.0);
+        // 206e9 · 9.0792e-4 N over 1 m.
+        assert!((screw.least_stiffness() * 1e-6 - 187.03).abs() < 0.005);
+        // A kelvin and a metre are 11.5 µm.
+        assert_relative_eq!(screw.growth(11.5e-6, 1.0), 11.5e-6, max_relative = 1e-14);
+    }
+
+    /// Held at both ends it is four times as stiff in the middle, and stiffer everywhere else; near an
+    /// end the other one does not matter.
+    #[test]
+    fn two_ends_are_stiffer_than_one() {
+        let (one, two) =
+            (shaft(Support::FixedSupported, 1.2, 30e-3), shaft(Support::FixedFixed, 1.2, 30e-3));
+        assert_relative_eq!(
+            two.least_stiffness(),
+            4.0 * one.least_stiffness(),
+            max_relative = 1e-14
+        );
+        for place in [0.1, 0.3, 0.59, 0.61, 1.1] {
+            assert!(two.stiffness_at(place) > two.least_stiffness());
+            assert!(one.stiffness_at(place) > one.least_stiffness());
+        }
+        // The other end adds x/(l − x).
+        let share = two.stiffness_at(1e-6) / one.stiffness_at(1e-6);
+        assert_relative_eq!(share, 1.0 + 1e-6 / (1.2 - 1e-6), max_relative = 1e-14);
+    }
+
+    /// Friction of 100 N each way at 100 N/µm lags by 2 µm.
+    #[test]
+    fn friction_turns_round() {
+        assert_relative_eq!(lost_motion(100.0, 1e8), 2e-6, max_relative = 1e-14);
+    }
+}

@@ -1,0 +1,346 @@
+//! The sheet of an axis: figures and page.
+
+use bsm_case::{NOT_MODELLED, SizePhase, SizeReport, SizeRule};
+use bsm_report::{Axis, Curve, Figure, Page, Stroke};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::ValidateError;
+
+/// Points of a limit in the diagram of speed and force.
+const POINTS: u32 = 60;
+
+/// Numbers that stand at the top of the page.
+const HEADLINES: [&str; 4] =
+    ["cycle_life_h", "peak_motor_torque_Nm", "mean_heat_W", "axis_rigidity_N_um"];
+
+/// Parts of the torque, in the order of their colours.
+const PARTS: [(&str, &str); 5] = [
+    ("ideal_torque_Nm", "load"),
+    ("contact_friction_torque_Nm", "contacts of the balls"),
+    ("preload_drag_beyond_contacts_Nm", "returns and lubricant, by makers' rule"),
+    ("seal_torque_Nm", "seals"),
+    ("support_bearing_torque_Nm", "support bearings"),
+];
+
+/// Columns of the table of phases: name and title.
+const COLUMNS: [(&str, &str); 8] = [
+    ("time_share", "share of time"),
+    ("axial_load_N", "axial load"),
+    ("feed_m_min", "feed"),
+    ("screw_speed_rpm", "screw"),
+    ("screw_torque_Nm", "torque of screw"),
+    ("efficiency", "efficiency"),
+    ("motor_torque_Nm", "torque of motor"),
+    ("heat_W", "heat"),
+];
+
+#[derive(Serialize)]
+struct Sheet {
+    description: Option<String>,
+    failed: usize,
+    limited: usize,
+    headlines: Vec<Row>,
+    rules: Vec<RuleRow>,
+    parts: Vec<&'static str>,
+    contacts: Vec<String>,
+    phase_columns: Vec<Column>,
+    phases: Vec<PhaseRow>,
+    groups: Vec<Group>,
+    notes: Vec<String>,
+    warnings: Vec<String>,
+    not_modelled: [&'static str; NOT_MODELLED.len()],
+    drag: Option<Drag>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    name: String,
+    about: String,
+    unit: String,
+    value: f64,
+    text: Option<String>,
+}
+
+#[derive(Serialize)]
+struct Group {
+    title: &'static str,
+    rows: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct RuleRow {
+    title: &'static str,
+    name: &'static str,
+    unit: &'static str,
+    value: f64,
+    must_be: &'static str,
+    limit: Option<f64>,
+    margin: Option<f64>,
+    passes: bool,
+    source: &'static str,
+    remedy: Option<String>,
+}
+
+#[derive(Serialize)]
+struct Column {
+    title: &'static str,
+    unit: &'static str,
+}
+
+#[derive(Serialize)]
+struct PhaseRow {
+    values: Vec<Option<f64>>,
+    shares: Vec<f64>,
+}
+
+#[derive(Serialize)]
+struct Drag {
+    contacts: f64,
+    rule: f64,
+}
+
+/// The sheet of an axis as a page that prints on two sides of A4.
+///
+/// # Errors
+///
+/// [`ValidateError::Report`] if the template is wrong.
+pub fn size_page(report: &SizeReport) -> Result<String, ValidateError> {
+    let figures = size_figures(report);
+    let page = Page {
+        title: "Ball screw axis: calculation sheet",
+        command: "bsm size SCENE.json --out DIR",
+        template: include_str!("../templates/size.html"),
+        figures: &figures,
+    };
+    Ok(page.html(&sheet(report))?)
+}
+
+fn sheet(report: &SizeReport) -> Sheet {
+    let limited: Vec<_> = report.rules.iter().filter(|rule| rule.limit.is_some()).collect();
+    let mut contacts: Vec<_> = report.phases.iter().map(|phase| phase.contacts.clone()).collect();
+    contacts.dedup();
+    let column = |(name, title): (&str, &'static str)| {
+        let found = report.phases.first().and_then(|phase| entry(phase, name));
+        Column { title, unit: found.map_or("", |(unit, _)| unit) }
+    };
+    let number = |name: &str| report.number(name);
+    Sheet {
+        description: report.scene.description.clone(),
+        failed: limited.iter().filter(|rule| !rule.passes()).count(),
+        limited: limited.len(),
+        headlines: results(report).filter(|(_, row)| HEADLINES.contains(&row.name.as_str())).map(|(_, row)| row).collect(),
+        rules: report.rules.iter().map(rule_row).collect(),
+        parts: PARTS.map(|(_, title)| title).to_vec(),
+        contacts,
+        phase_columns: COLUMNS.map(column).into(),
+        phases: report.phases.iter().map(phase_row).collect(),
+        groups: groups(report),
+        notes: report.notes.clone(),
+        warnings: report.warnings.clone(),
+        not_modelled: NOT_MODELLED,
+        drag: number("contact_drag_Nm")
+            .zip(number("preload_drag_Nm"))
+            .map(|(contacts, rule)| Drag { contacts, rule }),
+    }
+}
+
+/// Unit and value of a number of a phase.
+fn entry(phase: &SizePhase, name: &str) -> Option<(&'static str, Option<f64>)> {
+    let found = phase.numbers.iter().find(|(own, ..)| *own == name);
+    found.map(|(_, unit, value)| (*unit, *value))
+}
+
+fn value(phase: &SizePhase, name: &str) -> Option<f64> {
+    entry(phase, name).and_then(|(_, value)| value)
+}
+
+fn rule_row(rule: &SizeRule) -> RuleRow {
+    RuleRow {
+        title: rule.title,
+        name: rule.name,
+        unit: rule.unit,
+        value: rule.value,
+        must_be: if rule.at_least { "≥" } else { "≤" },
+        limit: rule.limit,
+        margin: rule.margin(),
+        passes: rule.passes(),
+        source: rule.source,
+        remedy: rule.remedy.clone(),
+    }
+}
+
+fn phase_row(phase: &SizePhase) -> PhaseRow {
+    let parts = PARTS.map(|(name, _)| value(phase, name).unwrap_or(0.0).abs());
+    let all: f64 = parts.iter().sum();
+    let share = |part: f64| if all > 0.0 { (1e3 * part / all).round() / 10.0 } else { 0.0 };
+    PhaseRow {
+        values: COLUMNS.map(|(name, _)| value(phase, name)).to_vec(),
+        shares: parts.map(share).to_vec(),
+    }
+}
+
+/// The numbers with their titles.
+fn results(report: &SizeReport) -> impl Iterator<Item = (&'static str, Row)> {
+    report.numbers.rows().filter_map(|(quantity, values)| {
+        let row = Row {
+            name: quantity.key.to_owned(),
+            about: quantity.about.to_owned(),
+            unit: quantity.unit.to_owned(),
+            value: values[0]?,
+            text: None,
+        };
+        Some((quantity.title, row))
+    })
+}
+
+fn groups(report: &SizeReport) -> Vec<Group> {
+    let input = |(name, value): (&String, &Value)| {
+        let known = bsm_case::INPUTS.iter().find(|input| input.name == name);
+        let text = if known.is_some() { None } else { value.as_str().map(str::to_owned) };
+        let number = value.as_f64();
+        (name != "description" && (number.is_some() || text.is_some())).then(|| Row {
+            name: name.clone(),
+            about: name.clone(),
+            unit: known.map_or("", |input| input.unit).to_owned(),
+            value: number.unwrap_or(f64::NAN),
+            text,
+        })
+    };
+    let inputs = report.scene.to_json();
+    let of_sizes: Vec<_> = report.sizes.iter().map(|(name, ..)| *name).collect();
+    let inputs = inputs.as_object().into_iter().flatten();
+    let inputs = inputs.filter_map(input).filter(|row| !of_sizes.contains(&row.name.as_str()));
+    let size = |(name, unit, value): &(&str, &str, f64)| Row {
+        name: (*name).to_owned(),
+        about: (*name).to_owned(),
+        unit: (*unit).to_owned(),
+        value: *value,
+        text: None,
+    };
+    let mut groups = vec![
+        Group { title: "requirement and axis, as given", rows: inputs.collect() },
+        Group { title: "screw and nut", rows: report.sizes.iter().map(size).collect() },
+    ];
+    for (title, row) in results(report) {
+        match groups.iter_mut().find(|group| group.title == title) {
+            Some(group) => group.rows.push(row),
+            None => groups.push(Group { title, rows: vec![row] }),
+        }
+    }
+    groups
+}
+
+/// Load and speed of the screw over the cycle, and the cycle among its limits.
+pub fn size_figures(report: &SizeReport) -> Vec<Figure> {
+    vec![among_limits(report), over_time(report)]
+}
+
+/// Axial load over speed: limits as lines, phases as points.
+fn among_limits(report: &SizeReport) -> Figure {
+    let number = |name: &str| report.number(name);
+    let point = |phase: &SizePhase| {
+        Some((value(phase, "screw_speed_rpm")?.abs(), value(phase, "axial_load_N")?.abs() / 1e3))
+    };
+    let points: Vec<_> = report.phases.iter().filter_map(point).collect();
+    let (fastest, largest) =
+        points.iter().fold((0.0, 0.0), |(n, f): (f64, f64), (x, y)| (n.max(*x), f.max(*y)));
+    let rule = |name: &str| {
+        let found = report.rules.iter().find(|rule| rule.name == name);
+        found.and_then(|rule| Some((rule.limit?, rule.margin()?)))
+    };
+    // Speeds and loads at which a rule is just kept.
+    let speeds = [
+        (rule("critical_speed_ratio"), "permitted part of the critical speed"),
+        (rule("cycle_speed_number_mm_min"), "speed number"),
+    ]
+    .map(|(rule, label)| (rule.map(|(_, margin)| fastest * margin), label));
+    let loads = [
+        (number("buckling_load_N").zip(rule("buckling_safety").map(|r| r.0)).map(|(f, s)| f / s), "buckling"),
+        (number("yield_load_N"), "stress of the core"),
+        (rule("static_safety_factor").map(|(_, margin)| 1e3 * largest * margin), "static safety"),
+    ]
+    .map(|(load, label)| (load.map(|load| load / 1e3), label));
+    let known = |limits: &[(Option<f64>, &str)], least: f64| {
+        limits.iter().filter_map(|(limit, _)| *limit).fold(least, f64::max)
+    };
+    // Far limits would press the points into a corner.
+    let far = known(&speeds, 1.25 * fastest).min(4.0 * fastest);
+    let high = known(&loads, 1.5 * largest).min(5.0 * largest);
+    let mut curves = Vec::new();
+    for (limit, label) in speeds {
+        if let Some(limit) = limit.filter(|limit| *limit <= far) {
+            let line = vec![(limit, 0.0), (limit, high)];
+            curves.push(Curve::new(label, curves.len(), Stroke::Solid, line));
+        }
+    }
+    for (limit, label) in loads {
+        if let Some(limit) = limit.filter(|limit| *limit <= high) {
+            let line = vec![(0.0, limit), (far, limit)];
+            curves.push(Curve::new(label, curves.len(), Stroke::Dashed, line));
+        }
+    }
+    let life = |i: u32| {
+        let speed = far * f64::from(i) / f64::from(POINTS);
+        let load = report.load_of_life(speed)? / 1e3;
+        (load <= high).then_some((speed, load))
+    };
+    let life: Vec<_> = (1..=POINTS).filter_map(life).collect();
+    if !life.is_empty() {
+        curves.push(Curve::new("required life at this load alone", 5, Stroke::Dotted, life));
+    }
+    curves.push(Curve {
+        marks: (1..=points.len()).map(|i| i.to_string()).collect(),
+        ..Curve::new("phases", 6, Stroke::Circles, points)
+    });
+    Figure {
+        key: "size-limits".to_owned(),
+        title: "The cycle among its limits".to_owned(),
+        caption: "Phases must lie to the left of the solid lines and below the others. Limits that are far away are left out.".to_owned(),
+        x: Axis::linear("speed of the screw, rpm"),
+        y: Axis::linear("axial load, kN"),
+        curves,
+    }
+}
+
+/// Axial load, feed and torque of the motor over the cycle, each over its largest.
+fn over_time(report: &SizeReport) -> Figure {
+    let timed: Option<Vec<f64>> = report
+        .scene
+        .nut
+        .cycle
+        .as_ref()
+        .and_then(|cycle| cycle.iter().map(|phase| phase.time_s).collect());
+    let shares = || report.phases.iter().map(|phase| value(phase, "time_share").unwrap_or(0.0));
+    let (times, label): (Vec<f64>, _) = match timed {
+        Some(times) => (times, "time, s"),
+        None => (shares().map(|share| 100.0 * share).collect(), "share of the time, %"),
+    };
+    let curve = |(place, (name, label, unit)): (usize, (&str, &str, &str))| {
+        let values: Option<Vec<f64>> = report.phases.iter().map(|phase| value(phase, name)).collect();
+        let values = values?;
+        let largest = values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let (mut at, mut points) = (0.0, Vec::new());
+        for (value, time) in values.iter().zip(&times) {
+            points.push((at, value / largest.max(f64::MIN_POSITIVE)));
+            at += time;
+            points.push((at, value / largest.max(f64::MIN_POSITIVE)));
+        }
+        let label = format!("{label}, 1 = {} {unit}", bsm_report::number(largest));
+        let stroke = [Stroke::Solid, Stroke::Dashed, Stroke::Dotted][place];
+        Some(Curve::new(label, place, stroke, points))
+    };
+    let wanted = [
+        ("axial_load_N", "axial load", "N"),
+        ("feed_m_min", "feed", "m/min"),
+        ("motor_torque_Nm", "torque of the motor", "N m"),
+    ];
+    Figure {
+        key: "size-cycle".to_owned(),
+        title: "The cycle".to_owned(),
+        caption: "Each over its largest value; the sign is that of the feed.".to_owned(),
+        x: Axis::linear(label),
+        y: Axis::linear("over the largest"),
+        curves: wanted.into_iter().enumerate().filter_map(curve).collect(),
+    }
+}
