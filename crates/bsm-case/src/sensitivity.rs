@@ -56,7 +56,7 @@ impl Sensitivities {
             values[key as usize] = Some(value);
             asked.set(values);
             Some(Jets::variable(value, key as usize))
-        });
+        }, scene.base_oil());
         let problem = reader.problem(model, settings);
         let values = asked.get().into_iter().enumerate();
         Ok(Self { problem, used: values.filter_map(|(place, v)| Some((place, v?))).collect() })

@@ -10,7 +10,7 @@ use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Over, Scalar, Site};
 use bsm_newton::EvalError;
 
 use crate::balance::{
-    Ball, OwnUnits, POWER_BALANCE_TOL, axial_force, efficiency, ideal_torque, newton_euler, torque,
+    Ball, OwnUnits, axial_force, efficiency, ideal_torque, newton_euler, torque,
 };
 use crate::ball_unknowns::{self, BALL};
 use crate::ellipse::{Lanes, Local, Nodes};
@@ -427,13 +427,8 @@ impl ElasticScrew {
         let unit = self.ball.radius * self.load.axial;
         let torque = self.screw_torque(pair, frame, screw);
         let speed = self.drive.relative_speed();
-        let transmission = Transmission::of(pair.direction, self.ideal_torque(), torque, speed)
-            .against(friction_power * unit * speed.abs());
-        let imbalance = transmission.power_balance.unwrap_or(f64::NAN);
-        if imbalance.abs() <= POWER_BALANCE_TOL {
-            return Ok(transmission);
-        }
-        Err(Unsolved::not_converged(Reason::PowerDoesNotBalance { imbalance }))
+        Transmission::of(pair.direction, self.ideal_torque(), torque, speed)
+            .balanced_against(friction_power * unit * speed.abs())
     }
 }
 

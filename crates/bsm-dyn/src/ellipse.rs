@@ -106,7 +106,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         L: FrictionLaw<D>,
     {
         let local = Local::of(motion, &self.contact, arc_length_per_radian);
-        let (unit, power) = self.integrate(&local, law, creep, quadrature);
+        let (unit, power) = self.integrate(&local, law, creep, quadrature.into());
         let wrench = unit.wrench(&self.contact);
         let [force, moment] = [wrench.force, wrench.moment].map(|v| v * self.load);
         (Wrench { force, moment }, power * self.load)
@@ -118,7 +118,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         local: &Local<D>,
         law: &L,
         creep: f64,
-        quadrature: &Quadrature,
+        nodes: Nodes<'_>,
     ) -> (Integral<D>, D) {
         let zero = D::from(0.0);
         let mut sum = Integral { force: [zero; 2], moment: [zero; 3] };
@@ -126,7 +126,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         let [w_t, w_n, w_c] = local.omega;
         let curvature = self.pressed_radius.recip() * -0.5;
         let point = self.point(local, creep);
-        for (x, y, weight) in kernel::nodes(&point, quadrature, L::IS_CONSTANT) {
+        for (x, y, weight) in kernel::nodes(&point, nodes, L::IS_CONSTANT) {
             let pressure = (1.0 - x * x - y * y).max(0.0).sqrt();
             let (x, y) = (self.semi_axes.0 * x, self.semi_axes.1 * y);
             // r = −N (r_b − x²/(2 R_c)) + x e + y t,  e = t × N           (E3)
@@ -235,7 +235,7 @@ impl<const N: usize> Lanes<f64> for Jet<N> {
     }
 
     fn power(ellipse: &Ellipse<Self>, local: &Local<Self>, creep: f64, nodes: Nodes<'_>) -> Self {
-        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule).1
+        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into()).1
     }
 }
 
@@ -246,7 +246,7 @@ impl<const N: usize> Lanes<Self> for Jet<N> {
         creep: f64,
         nodes: Nodes<'_>,
     ) -> (Integral<Self>, f64) {
-        let (unit, power) = ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule);
+        let (unit, power) = ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into());
         (unit, power.re)
     }
 
@@ -256,7 +256,7 @@ impl<const N: usize> Lanes<Self> for Jet<N> {
         creep: f64,
         nodes: Nodes<'_>,
     ) -> Self {
-        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule).1
+        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into()).1
     }
 }
 
@@ -385,7 +385,7 @@ mod tests {
             let motion = [along * a, 10.0_f64.powf(roll), omega[0], omega[1] * a];
             let (ellipse, local) = sloped(motion, (a, 0.2 * a));
             let one = Coulomb(Jet::from(1.0));
-            let (law, power) = ellipse.integrate(&local, &one, creep, &quadrature);
+            let (law, power) = ellipse.integrate(&local, &one, creep, (&quadrature).into());
             let (fast, sloped_power) =
                 Jet::integrate(&ellipse, &local, creep, (&quadrature).into());
             let point = ellipse.point(&local, creep);
