@@ -99,14 +99,14 @@ impl<const M: usize> Lubricated<Jet<M>> {
         let (pair, steady) = match &self.model {
             LubricatedModel::RacewayControl(case, friction) => {
                 let (pair, loaded, to_nut) = case.rolling_ball(&mut work.raceway)?;
-                let nodes = Nodes::from(work.lubricated.quadrature());
+                let nodes = Nodes::from(work.lubricated.rule(friction.accuracy()));
                 let (_, rubs) = friction.rubs(&wetted, &pair, (&loaded, &to_nut), nodes);
                 let torque = screw.rolling_torques(&pair, lost(&rubs)).1;
                 (pair, Steady { loaded, to_nut, rubs, torque })
             }
             LubricatedModel::Traction(case) => {
                 let values = Wetted::new(&screw.values(), &self.lubricant.values(), kelvin.re)?;
-                case.lubricated_slopes(&wetted, &values, &mut work.traction)?
+                case.lubricated_slopes(&wetted, &values, work)?
             }
         };
         let outside = self.outside(&pair, &steady);

@@ -44,13 +44,37 @@ pub struct Lubricated<D = f64> {
 /// Memory of the solves.
 #[derive(Default)]
 pub struct LubricatedWorkspace {
-    pub(super) quadrature: Option<Quadrature>,
+    /// Rules by their accuracies.
+    rules: Vec<(f64, Quadrature)>,
 }
 
 impl LubricatedWorkspace {
-    /// The rule of powers that no balance needs.
-    pub(super) fn quadrature(&mut self) -> &Quadrature {
-        self.quadrature.get_or_insert_with(|| Quadrature::of(Traction::ACCURACY))
+    /// The rules of accuracies, made when they are first asked for.
+    pub(crate) fn rules<const N: usize>(&mut self, accuracies: [f64; N]) -> [&Quadrature; N] {
+        let places = accuracies.map(|accuracy| {
+            let known = |(known, _): &(f64, _)| known.total_cmp(&accuracy).is_eq();
+            self.rules.iter().position(known).unwrap_or_else(|| {
+                self.rules.push((accuracy, Quadrature::of_oil(accuracy)));
+                self.rules.len() - 1
+            })
+        });
+        places.map(|place| &self.rules[place].1)
+    }
+
+    /// The rule of an accuracy.
+    pub(crate) fn rule(&mut self, accuracy: f64) -> &Quadrature {
+        let [rule] = self.rules([accuracy]);
+        rule
+    }
+}
+
+impl RacewayFriction {
+    /// Accuracy of the rule: sums of a coefficient of one need fewer nodes.
+    pub(super) fn accuracy(self) -> f64 {
+        match self {
+            Self::Local => Traction::ACCURACY,
+            Self::PerContact => RacewayControl::ACCURACY,
+        }
     }
 }
 
@@ -233,14 +257,16 @@ impl Lubricated {
                 let (loaded, to_nut) = (grip.loaded, grip.to_nut);
                 let creep = RacewayControl::CREEP;
                 let pair = pair.with_friction(wetted.friction_scale(&pair, &loaded, &to_nut, creep));
-                let nodes = Nodes::from(lubricated.quadrature());
+                let nodes = Nodes::from(lubricated.rule(friction.accuracy()));
                 let (unit, rubs) = friction.rubs(&wetted, &pair, (&loaded, &to_nut), nodes);
                 let (_, torque) = screw.rolling_torques(&pair, lost(&rubs));
                 let steady = Steady { loaded, to_nut, rubs, torque };
                 let (skid, info, control) = grip.told(&pair);
                 Found { pair, steady, unit, skid, info, control: Some(control) }
             }
-            LubricatedModel::Traction(case) => case.lubricated(&wetted, &mut work.traction)?,
+            LubricatedModel::Traction(case) => {
+                case.lubricated(&wetted, &mut work.traction, &mut work.lubricated)?
+            },
         };
         self.told(&wetted, &found)
     }

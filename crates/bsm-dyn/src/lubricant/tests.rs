@@ -7,8 +7,7 @@ use bsm_kin::{Drive, Helix};
 
 use super::*;
 use crate::{
-    Ball, Control, Coulomb, ElasticScrew, FrictionLaw, Load, Material, ModelWorkspace,
-    RacewayControl, Solved, Status, Traction,
+    Ball, ElasticScrew, Load, Material, ModelWorkspace, RacewayControl, Solved, Traction,
 };
 
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
@@ -153,25 +152,4 @@ fn the_band_is_a_quarter_either_way_while_the_ball_grips() {
         assert!((band.loss[0] - low).abs() < 0.07, "{band:?}");
         assert!((band.loss[1] - high).abs() < 0.07, "{band:?}");
     }
-}
-
-#[test]
-fn scratch() {
-    let (screw, lubricant) = (feed_drive(1500.0, 8000.0), vg_68());
-    for digits in [4, 6, 8, 10, 12] {
-        let mut work = ModelWorkspace::default();
-        work.lubricated.quadrature = Some(crate::Quadrature::of(10f64.powi(-digits)));
-        let all = Lubricated { lubricant, model: rolling(screw) }.solve(&mut work);
-        let film = all.solved().unwrap().film.unwrap();
-        println!("{digits} {} {} {} {}", film.nut.friction, film.screw.friction, film.sliding_power, film.sliding_power/film.nut.friction);
-    }
-    let mut s = screw; s.friction = 1.0;
-    let pair = s.scaled().unwrap();
-    let mut work = ModelWorkspace::default();
-    let grip = work.raceway.grip(&pair, None).unwrap();
-    let wetted = Wetted::new(&screw, &lubricant, 313.15).unwrap();
-    let motions = pair.relative(&grip.to_nut, &grip.loaded.frame);
-    let local = crate::ellipse::Local::of(&motions[0], &grip.loaded.contacts[0], pair.arc);
-    let film = wetted.film(0, (&grip.loaded.contacts[0], grip.loaded.loads[0]), &motions[0], &grip.loaded.frame, (pair.arc, 1e-4));
-    println!("{:?}\n{:?}\n{:?}", local, pair.ellipse(0, &grip.loaded), film.law);
 }

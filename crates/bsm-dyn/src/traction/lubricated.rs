@@ -14,10 +14,10 @@ use crate::continuation::{Stride, follow};
 use crate::elastic_ball::{ElasticBall, refused};
 use crate::ellipse::Lanes;
 use crate::equations::{Workspace, equations};
-use crate::lubricant::{Found, Rub, Steady, Wetted, unit_powers};
+use crate::lubricant::{Found, LubricatedWorkspace, Rub, Steady, Wetted, unit_powers};
 use crate::raceway_control::Grip;
 use crate::sensitivity::moving_root;
-use crate::{SolveInfo, Unsolved, Wrench};
+use crate::{ModelWorkspace, SolveInfo, Unsolved, Wrench};
 
 /// The equations of a point with its lubricant.
 #[derive(Clone, Copy)]
@@ -154,28 +154,36 @@ struct Place {
 
 impl Traction {
     /// The root near that of a constant coefficient, with the quadrature of the accuracy.
-    fn wet_root(&self, wetted: &Wetted, work: &mut TractionWorkspace) -> Result<Place, Unsolved> {
+    fn wet_root(
+        &self,
+        wetted: &Wetted,
+        work: &mut TractionWorkspace,
+        oil: &mut LubricatedWorkspace,
+    ) -> Result<Place, Unsolved> {
         let pair = self.screw.scaled()?;
         let grip = Grip::of(&pair, None, &mut work.statics);
         let Start { grip, .. } = Start::new(&pair, grip.ok().as_ref())?;
         let creep = self.creep * pair.slip_scale();
         let scale = wetted.friction_scale(&pair, &grip.loaded, &grip.to_nut, creep);
         let pair = pair.with_friction(scale);
-        let places = [COARSE, SEARCH, self.accuracy].map(|accuracy| work.rules(accuracy));
+        let places = [COARSE, SEARCH].map(|accuracy| work.rules(accuracy));
         let TractionWorkspace { newton, path, rules, .. } = work;
-        let ball = |at: usize| Rolling::of_pair(&pair, &rules[places[at]].rule, creep);
+        let ball = |rule| Rolling::of_pair(&pair, rule, creep);
         let wet = |ball| Wet { ball, wetted, part: 1.0 };
-        let coarse = Rolling { enough: NEAR, ..ball(0) };
+        let coarse = Rolling { enough: NEAR, ..ball(&rules[places[0]].rule) };
         let mut steps = grip.steps;
         let near = coarse.search(&grip, false, (newton, path), &mut steps).ok();
-        let found = wet(coarse).search(near.as_ref(), &grip, newton, &mut steps);
+        let [rough, smooth, rule] = oil.rules([COARSE, SEARCH, self.accuracy]);
+        let oiled = wet(Rolling { enough: NEAR, ..ball(rough) });
+        let found = oiled.search(near.as_ref(), &grip, newton, &mut steps);
         let root = if let Ok(root) = found {
             root
         } else {
-            let near = ball(1).search(&grip, true, (newton, path), &mut steps).ok();
-            wet(ball(1)).search(near.as_ref(), &grip, newton, &mut steps)?
+            let search = ball(&rules[places[1]].rule);
+            let near = search.search(&grip, true, (newton, path), &mut steps).ok();
+            wet(ball(smooth)).search(near.as_ref(), &grip, newton, &mut steps)?
         };
-        let fine = ball(2).of(&root);
+        let fine = ball(rule).of(&root);
         let plans = fine.plans(&root.unknowns).map_err(refused)?;
         let fine = wet(Rolling { plans: Some(&plans), ..fine });
         let root = fine.solved(root.unknowns, newton, &mut steps)?;
@@ -187,11 +195,11 @@ impl Traction {
         &self,
         wetted: &Wetted,
         work: &mut TractionWorkspace,
+        oil: &mut LubricatedWorkspace,
     ) -> Result<Found, Unsolved> {
-        let Place { pair, grip, root, plans, steps } = self.wet_root(wetted, work)?;
+        let Place { pair, grip, root, plans, steps } = self.wet_root(wetted, work, oil)?;
         let creep = self.creep * pair.slip_scale();
-        let place = work.rules(self.accuracy);
-        let ball = Rolling::of_pair(&pair, &work.rules[place].rule, creep).of(&root);
+        let ball = Rolling::of_pair(&pair, oil.rule(self.accuracy), creep).of(&root);
         let ball = Rolling { plans: Some(&plans), ..ball };
         let (State { loaded, to_nut, wrench, .. }, rubs) =
             Wet { ball, wetted, part: 1.0 }.state(&root.unknowns).map_err(refused)?;
@@ -217,13 +225,12 @@ impl<const M: usize> Traction<Jet<M>> {
         &self,
         wetted: &Wetted<Jet<M>>,
         values: &Wetted,
-        work: &mut TractionWorkspace,
+        ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
     ) -> Result<(ElasticBall<Jet<M>>, Steady<Jet<M>>), Unsolved> {
         let inputs = self.screw.scaled()?;
-        let Place { pair, root, plans, .. } = self.values().wet_root(values, work)?;
-        let (creep, place) = (self.creep * pair.slip_scale(), work.rules(self.accuracy));
-        let TractionWorkspace { newton, rules, .. } = work;
-        let quadrature = &rules[place].rule;
+        let Place { pair, root, plans, .. } = self.values().wet_root(values, traction, lubricated)?;
+        let creep = self.creep * pair.slip_scale();
+        let (newton, quadrature) = (&mut traction.newton, lubricated.rule(self.accuracy));
         let ball = Rolling::of_pair(&pair, quadrature, creep).of(&root);
         let ball = Rolling { plans: Some(&plans), ..ball };
         let Rolling { plans, enough, at_nut, .. } = ball;
