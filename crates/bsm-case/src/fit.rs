@@ -70,7 +70,7 @@ impl Fit {
             output.ok_or_else(|| CaseError::UnknownOutput { name: name.trim().to_owned() })?;
         let measured: f64 =
             value.trim().parse().ok().filter(|v| f64::is_finite(*v)).ok_or_else(bad)?;
-        let range = match (range, input, scene[input]) {
+        let range = match (range, input, scene.value_or_default(input)) {
             (Some(range), ..) => range,
             (None, InputKey::friction_coefficient, _) => FRICTION,
             (None, _, Some(value)) if value != 0.0 => {

@@ -147,11 +147,8 @@ impl Needs {
     const LUBRICATED: Self = {
         use InputKey as K;
         let Self { all, .. } = Self::of(Model::Traction);
-        let roughness = InputSet::of(&[
-            K::ball_roughness_um,
-            K::nut_roughness_um,
-            K::screw_roughness_um,
-        ]);
+        let roughness =
+            InputSet::of(&[K::ball_roughness_um, K::nut_roughness_um, K::screw_roughness_um]);
         let all = all.without(InputSet::of(&[K::friction_coefficient])).and(roughness);
         Self { all, quantities: &[LEAD, VISCOSITY, TEMPERATURE] }
     };

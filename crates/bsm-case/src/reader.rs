@@ -159,10 +159,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         let at = |key| Some(self.given(key)? * MM2);
         match grade.and_then(|grade| Oil::of_grade(grade.re())) {
             Some(viscosities) => Some(viscosities.map(D::from)),
-            None => Some([
-                at(InputKey::viscosity_40C_mm2_s)?,
-                at(InputKey::viscosity_100C_mm2_s)?,
-            ]),
+            None => Some([at(InputKey::viscosity_40C_mm2_s)?, at(InputKey::viscosity_100C_mm2_s)?]),
         }
     }
 

@@ -17,7 +17,13 @@ fn oiled(settings: &[&str]) -> Scene {
 fn solved(scene: &Scene, model: Model) -> Record {
     let problem = scene.problem(&model.into()).expect("a complete scene");
     let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
-    assert_eq!(record.status(), Status::Converged, "{:?} {:?}", scene.description, record.message());
+    assert_eq!(
+        record.status(),
+        Status::Converged,
+        "{:?} {:?}",
+        scene.description,
+        record.message()
+    );
     record
 }
 
@@ -40,7 +46,11 @@ fn an_independent_solution_agrees() {
             let ours = ours.unwrap_or_else(|| panic!("{name} of {}", case["id"]));
             let tolerance = if name.contains("spin") { 1e-3 } else { told };
             if (ours - value).abs() > tolerance * value.abs() {
-                far.push(format!("{} {name}: {ours} {value} {:.1e}", case["id"], ours / value - 1.0));
+                far.push(format!(
+                    "{} {name}: {ours} {value} {:.1e}",
+                    case["id"],
+                    ours / value - 1.0
+                ));
             }
             numbers += 1;
         }
@@ -65,12 +75,17 @@ fn friction_is_said_once() {
         let error = oiled(&[]).problem(&model.into()).expect_err("no lubricant");
         assert!(matches!(error, CaseError::NoLubricant { .. }));
         let text = error.to_string();
-        assert!(text.contains("raceway-control and traction") && text.contains("equivalent_friction"));
+        assert!(
+            text.contains("raceway-control and traction") && text.contains("equivalent_friction")
+        );
     }
     let mut bare = oiled(&[]);
     (bare.ball_roughness_um, bare.lubricant_temperature_C) = (None, None);
     let text = told(&bare, &auto);
-    assert!(text.contains("ball_roughness_um") && text.contains("lubricant_temperature_C (or"), "{text}");
+    assert!(
+        text.contains("ball_roughness_um") && text.contains("lubricant_temperature_C (or"),
+        "{text}"
+    );
     let text = told(&oiled(&["viscosity_100C_mm2_s=8"]), &auto);
     assert!(text.contains("iso_vg") && text.contains("viscosity_100C_mm2_s"), "{text}");
     assert!(told(&oiled(&["iso_vg=69"]), &auto).contains("one of 10, 15, 22"));
@@ -82,7 +97,10 @@ fn friction_is_said_once() {
 #[test]
 fn a_lubricant_is_for_traction_unless_asked_otherwise() {
     let record = Record::new(
-        oiled(&[]).problem(&Settings::default()).expect("complete").solve(&mut ModelWorkspace::default()),
+        oiled(&[])
+            .problem(&Settings::default())
+            .expect("complete")
+            .solve(&mut ModelWorkspace::default()),
     );
     assert_eq!(record.model(), Model::Traction.into());
     let thin = oiled(&["viscosity_40C_mm2_s=31", "viscosity_100C_mm2_s=5.8", "base_oil=pao"]);
@@ -95,18 +113,18 @@ fn a_lubricant_is_for_traction_unless_asked_otherwise() {
 #[test]
 fn sensitivities_match_differences() {
     let heat = ["heat_transfer_W_K=6", "ambient_temperature_C=22", "screw_speed_rpm=3000"];
-    let cases = [
-        (Model::Traction, oiled(&[])),
-        (Model::RacewayControl, oiled(&heat)),
-    ];
+    let cases = [(Model::Traction, oiled(&[])), (Model::RacewayControl, oiled(&heat))];
     for (model, scene) in cases {
         let settings = Settings::from(model);
         let inputs = Sensitivities::of(&scene, &settings).expect("complete");
         let mut work = ModelWorkspace::default();
         let answer = inputs.problem.sensitivities(&mut work).expect("a solution");
         let rows = inputs.rows(&answer);
-        for name in ["axial_load_N", "nut_roughness_um", "boundary_friction_coefficient", "film_factor"] {
-            let row = rows.iter().find(|row| row.input.name == name).expect("an input that is used");
+        for name in
+            ["axial_load_N", "nut_roughness_um", "boundary_friction_coefficient", "film_factor"]
+        {
+            let row =
+                rows.iter().find(|row| row.input.name == name).expect("an input that is used");
             let torque = |factor: f64| {
                 let mut moved = scene.clone();
                 moved.set(name, row.value * factor).expect("an input");

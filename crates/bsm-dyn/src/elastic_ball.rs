@@ -9,9 +9,7 @@ use std::f64::consts::FRAC_PI_2;
 use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Over, Scalar, Site};
 use bsm_newton::EvalError;
 
-use crate::balance::{
-    Ball, OwnUnits, axial_force, efficiency, ideal_torque, newton_euler, torque,
-};
+use crate::balance::{Ball, OwnUnits, axial_force, efficiency, ideal_torque, newton_euler, torque};
 use crate::ball_unknowns::{self, BALL};
 use crate::ellipse::{Lanes, Local, Nodes};
 use crate::hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};

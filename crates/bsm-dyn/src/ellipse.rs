@@ -4,6 +4,7 @@
 //! `docs/theory/09-traction.md`, equations (T12) to (T20).
 
 mod kernel;
+mod oil;
 mod panels;
 
 use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
@@ -11,7 +12,7 @@ use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 use self::kernel::{MOTION, Point};
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
 pub(crate) use self::panels::{Nodes, Plan};
-use crate::{Coulomb, FrictionLaw, Wrench};
+use crate::{Coulomb, FrictionLaw, MixedFriction, Wrench};
 
 /// A loaded contact ellipse on the ball.
 #[derive(Debug, Clone, Copy)]
@@ -164,6 +165,16 @@ pub(crate) trait Lanes<P>: Over<P> {
     /// Power that friction takes, over `$f Q$`.
     fn power(ellipse: &Ellipse<Self, P>, local: &Local<Self>, creep: f64, nodes: Nodes<'_>)
     -> Self;
+
+    /// Friction of a lubricated ellipse over `$Q$`, as [`Ellipse::integrate`], and the power that it takes: with
+    /// derivatives where constants have some.
+    fn oiled(
+        ellipse: &Ellipse<Self, P>,
+        local: &Local<Self>,
+        law: &MixedFriction<Self>,
+        creep: f64,
+        nodes: Nodes<'_>,
+    ) -> (Integral<Self>, Self);
 }
 
 impl<P: Scalar, D: Scalar> Ellipse<D, P> {
@@ -211,6 +222,17 @@ impl Lanes<f64> for f64 {
     fn power(ellipse: &Ellipse<f64>, local: &Local<f64>, creep: f64, nodes: Nodes<'_>) -> f64 {
         kernel::sums(&ellipse.point(local, creep), nodes).1
     }
+
+    fn oiled(
+        ellipse: &Ellipse<f64>,
+        local: &Local<f64>,
+        law: &MixedFriction,
+        creep: f64,
+        nodes: Nodes<'_>,
+    ) -> (Integral<f64>, f64) {
+        let (sums, power) = oil::sums(&ellipse.point(local, creep), law, nodes);
+        (Integral::from_sums(sums), power)
+    }
 }
 
 impl<const N: usize> Lanes<f64> for Jet<N> {
@@ -221,21 +243,50 @@ impl<const N: usize> Lanes<f64> for Jet<N> {
         nodes: Nodes<'_>,
     ) -> (Integral<Self>, f64) {
         let (sums, power, slopes) = kernel::slopes(&ellipse.point(local, creep), nodes);
-        // Both semi-axes grow alike.
-        let growth = ellipse.semi_axes.0 * ellipse.semi_axes.0.re.recip();
         let [a, t, n, c] = local.numbers();
-        let arguments = [a, t, n, c, growth];
-        let sloped = Integral::from_sums(std::array::from_fn(|i| Jet {
-            re: sums[i],
-            eps: std::array::from_fn(|k| {
-                arguments.iter().zip(&slopes[i]).map(|(a, slope)| slope * a.eps[k]).sum()
-            }),
-        }));
-        (sloped, power)
+        let arguments = [a, t, n, c, ellipse.growth()];
+        (Integral::sloped(sums, &slopes, &arguments), power)
     }
 
     fn power(ellipse: &Ellipse<Self>, local: &Local<Self>, creep: f64, nodes: Nodes<'_>) -> Self {
         ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into()).1
+    }
+
+    fn oiled(
+        ellipse: &Ellipse<Self>,
+        local: &Local<Self>,
+        law: &MixedFriction<Self>,
+        creep: f64,
+        nodes: Nodes<'_>,
+    ) -> (Integral<Self>, Self) {
+        let (sums, power, slopes) = oil::slopes(&ellipse.point(local, creep), &law.values(), nodes);
+        let [a, t, n, c] = local.numbers();
+        let MixedFriction { share, shear, eyring_stress, max_pressure, .. } = *law;
+        let arguments = [a, t, n, c, ellipse.growth(), share, shear, eyring_stress, max_pressure];
+        (Integral::sloped(sums, &slopes, &arguments), Self::from(power))
+    }
+}
+
+impl<const N: usize> Ellipse<Jet<N>> {
+    /// Relative growth: both semi-axes grow alike.
+    fn growth(&self) -> Jet<N> {
+        self.semi_axes.0 * self.semi_axes.0.re.recip()
+    }
+}
+
+impl<const N: usize> Integral<Jet<N>> {
+    /// Sums with their slopes by what they depend on.
+    fn sloped<const M: usize>(
+        sums: [f64; kernel::SUMS],
+        slopes: &[[f64; M]; kernel::SUMS],
+        arguments: &[Jet<N>; M],
+    ) -> Self {
+        Self::from_sums(std::array::from_fn(|i| Jet {
+            re: sums[i],
+            eps: std::array::from_fn(|k| {
+                arguments.iter().zip(&slopes[i]).map(|(a, slope)| slope * a.eps[k]).sum()
+            }),
+        }))
     }
 }
 
@@ -246,7 +297,8 @@ impl<const N: usize> Lanes<Self> for Jet<N> {
         creep: f64,
         nodes: Nodes<'_>,
     ) -> (Integral<Self>, f64) {
-        let (unit, power) = ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into());
+        let (unit, power) =
+            ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into());
         (unit, power.re)
     }
 
@@ -257,6 +309,16 @@ impl<const N: usize> Lanes<Self> for Jet<N> {
         nodes: Nodes<'_>,
     ) -> Self {
         ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into()).1
+    }
+
+    fn oiled(
+        ellipse: &Ellipse<Self, Self>,
+        local: &Local<Self>,
+        law: &MixedFriction<Self>,
+        creep: f64,
+        nodes: Nodes<'_>,
+    ) -> (Integral<Self>, Self) {
+        ellipse.integrate(local, law, creep, nodes)
     }
 }
 
@@ -372,6 +434,72 @@ mod tests {
     }
 
     proptest! {
+        /// The fast sums of an oil against its law at the same nodes, value and derivatives by motion, growth and
+        /// the numbers of the law.
+        #[test]
+        fn the_sums_of_an_oil_follow_its_law(
+            along in -0.5..0.5_f64, roll in -4.0..0.0_f64,
+            omega in proptest::array::uniform2(-3.0..3.0_f64),
+            a in 0.01..0.1_f64, log_creep in -4.0..0.0_f64, share in 0.0..1.0_f64,
+            log_shear in -6.0..1.0_f64, gigapascals in 0.05..4.0_f64,
+        ) {
+            let quadrature = Quadrature::of_oil(1e-4);
+            let creep = 10.0_f64.powf(log_creep);
+            let jet = |x, i| Jet::<9>::variable(x, i);
+            let growth = jet(1.0, 4);
+            let [w_n, w_c] = [jet(omega[0], 2), jet(omega[1] * a, 3)];
+            let local = Local {
+                along: jet(along * a, 0),
+                omega: [jet(10.0_f64.powf(roll), 1), w_n, w_c],
+            };
+            let frame = BallFrame::turned(Jet::from(0.17), Jet::from(0.0));
+            let ellipse = Ellipse {
+                contact: Contact::new(Site::Screw, Jet::from(0.8), &frame),
+                load: Jet::from(1.0),
+                semi_axes: (growth * a, growth * (0.2 * a)),
+                pressed_radius: 1.03,
+                ball_radius: 1.0,
+            };
+            let law = MixedFriction {
+                share: jet(share, 5),
+                boundary: Jet::from(0.12),
+                limit: Jet::from(0.047),
+                shear: jet(10.0_f64.powf(log_shear), 6),
+                eyring_stress: jet(7.7e6, 7),
+                max_pressure: jet(gigapascals * 1e9, 8),
+                pressure_scale: Jet::from(52e6),
+            };
+            let nodes = Nodes::from(&quadrature);
+            let (slow, power) = ellipse.integrate(&local, &law, creep, nodes);
+            let (fast, fast_power) = Jet::oiled(&ellipse, &local, &law, creep, nodes);
+            let numbers = Ellipse {
+                contact: Contact::new(Site::Screw, 0.8, &BallFrame::turned(0.17, 0.0)),
+                load: 1.0,
+                semi_axes: (a, 0.2 * a),
+                pressed_radius: 1.03,
+                ball_radius: 1.0,
+            };
+            let plain = Local { along: local.along.re, omega: local.omega.map(|w| w.re) };
+            let (bare, bare_power) = f64::oiled(&numbers, &plain, &law.values(), creep, nodes);
+            prop_assert!((fast_power.re - power.re).abs() <= 1e-12 * power.re);
+            prop_assert!((bare_power - power.re).abs() <= 1e-12 * power.re);
+            for ((slow, fast), bare) in all(&slow).iter().zip(all(&fast)).zip(all(&bare)) {
+                // Rounding of thousands of nodes, of sums of the size of the coefficient.
+                prop_assert!((fast.re - slow.re).abs() <= 1e-13 && (bare - slow.re).abs() <= 1e-13);
+                for (k, (ours, jets)) in fast.eps.iter().zip(slow.eps).enumerate() {
+                    // By the slip as it falls to the creep speed, by others as they are.
+                    let unit = match k {
+                        0..=3 => 1.0 / creep,
+                        4 | 5 => 1.0 / creep.min(1.0),
+                        6 => 1.0 / law.shear.re,
+                        7 => 1.0 / law.eyring_stress.re,
+                        _ => 1.0 / law.max_pressure.re,
+                    };
+                    prop_assert!((ours - jets).abs() <= 1e-11 * unit, "{k}: {ours} {jets}");
+                }
+            }
+        }
+
         /// The fast sums against the law at the same nodes, value and derivatives, with the spin pole in the
         /// ellipse and outside.
         #[test]

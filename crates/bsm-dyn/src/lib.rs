@@ -79,8 +79,9 @@ pub use jam::{
 };
 pub use jones::{Deformed, Displacement, Jones, Side};
 pub use lubricant::{
-    Band, BaseOil, ContactFilm, FilmState, Losses, Lubricant, Lubricated, LubricatedModel, LubricatedWorkspace, MixedFriction,
-    Oil, OutsidePower, RacewayFriction, Regime, Roughness, Temperature, VISCOSITY_GRADES, WarmOil, ZERO_CELSIUS,
+    Band, BaseOil, ContactFilm, FilmState, Losses, Lubricant, Lubricated, LubricatedModel,
+    LubricatedWorkspace, MixedFriction, Oil, OutsidePower, RacewayFriction, Regime, Roughness,
+    Temperature, VISCOSITY_GRADES, WarmOil, ZERO_CELSIUS,
 };
 pub use model::{Model, ModelWorkspace, Problem};
 pub use permanent_set::{PermanentSet, yield_ratio};

@@ -17,6 +17,7 @@ pub use self::film::Roughness;
 pub(crate) use self::film::{Rub, Wetted};
 pub use self::losses::{Losses, OutsidePower};
 pub use self::mixed::MixedFriction;
+pub(crate) use self::oil::PRESSURE_SLOPE;
 pub use self::oil::{BaseOil, Oil, VISCOSITY_GRADES, WarmOil};
 pub use self::solve::LubricatedWorkspace;
 pub(crate) use self::solve::{Found, Steady, unit_powers};

@@ -195,7 +195,7 @@ impl<S: Simd> Inner<S> {
 
 /// Sums over blocks, in the same order for all widths.
 #[inline(always)]
-fn fold<const N: usize>(mut blocks: [Block; N]) -> [f64; N] {
+pub(super) fn fold<const N: usize>(mut blocks: [Block; N]) -> [f64; N] {
     let mut sums = [0.0; N];
     for (sum, block) in sums.iter_mut().zip(&mut blocks) {
         let mut half = BLOCK / 2;

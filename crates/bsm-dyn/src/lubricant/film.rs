@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use super::{Lubricant, MixedFriction, WarmOil};
 use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
-use crate::ellipse::{Local, Nodes};
+use crate::ellipse::{Lanes, Local, Nodes};
 use crate::hertz::contact_modulus;
 use crate::{FrictionLaw, Unsolved, Wrench};
 
@@ -120,7 +120,13 @@ impl<P: Scalar> Wetted<P> {
     }
 
     /// The film of a load and an entrainment, signed and its size.
-    pub(crate) fn of_speed<D: Over<P>>(&self, i: usize, load: D, along: D, entrainment: D) -> Film<D> {
+    pub(crate) fn of_speed<D: Over<P>>(
+        &self,
+        i: usize,
+        load: D,
+        along: D,
+        entrainment: D,
+    ) -> Film<D> {
         let (Self { lubricant, oil, .. }, gap) = (self, &self.gaps[i]);
         let (speed, force) = (entrainment * self.speed, load * self.load);
         let radius = D::from(gap.radius);
@@ -130,12 +136,17 @@ impl<P: Scalar> Wetted<P> {
         let weight = force / (stiffness * radius);
         let stiffening = D::from((oil.pressure_viscosity * self.modulus).powf(0.53));
         // φ_T = 1/(1 + 0.254 L^0.62),  L = η β u²/k                       (Y8)
-        let heat = speed.square() * (oil.viscosity * oil.thinning)
+        let heat = speed.square()
+            * (oil.viscosity * oil.thinning)
             * lubricant.oil.base.conductivity().recip();
         let heating = (heat.powf(0.62) * 0.254 + 1.0).recip();
         // h = 2.69 R_x U^0.67 G^0.53 W^−0.067 (1 − 0.61 e^{−0.73κ}) φ_T φ_s  (Y7)
         let shape = -(gap.flatness.recip() * -0.73).exp() * 0.61 + 1.0;
-        let thickness = radius * rate.powf(0.67) * stiffening * weight.powf(-0.067) * 2.69
+        let thickness = radius
+            * rate.powf(0.67)
+            * stiffening
+            * weight.powf(-0.067)
+            * 2.69
             * heating
             * D::from(shape * lubricant.film_factor);
         // λ = h/√(R_q,ball² + R_q,race²),  ξ = e^{−1.4λ}                  (Y9)
@@ -151,7 +162,8 @@ impl<P: Scalar> Wetted<P> {
         );
         let rolling = self.rolling_force(gap, rate, weight, semi_axis) * heating;
         // C = 2 F_R R_x + (3/16) c_h Q b                                  (Y18)
-        let couple = rolling * radius * 2.0 + force * short * lubricant.hysteresis_loss * (3.0 / 16.0);
+        let couple =
+            rolling * radius * 2.0 + force * short * lubricant.hysteresis_loss * (3.0 / 16.0);
         Film {
             along,
             entrainment,
@@ -189,7 +201,7 @@ pub(crate) struct Rub<D> {
     pub(crate) film: Film<D>,
     /// Friction and rolling resistance on the ball.
     pub(crate) wrench: Wrench<D>,
-    /// Power that sliding takes, and rolling.
+    /// Power that sliding takes, with the derivatives of constants only, and rolling.
     pub(crate) sliding: D,
     pub(crate) rolling: D,
 }
@@ -198,7 +210,7 @@ impl<P: Scalar> Wetted<P> {
     /// Friction and rolling resistance at nut (0) or screw (1).
     ///
     /// * `motion`: relative to the race.
-    pub(crate) fn rub<D: Over<P>>(
+    pub(crate) fn rub<D: Lanes<P>>(
         &self,
         i: usize,
         (pair, loaded): (&ElasticBall<P>, &Loaded<D>),
@@ -209,7 +221,7 @@ impl<P: Scalar> Wetted<P> {
         let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
         let film = self.film(i, (contact, load), motion, &loaded.frame, (pair.arc, creep));
         let local = Local::of(motion, contact, D::from(pair.arc));
-        let (unit, power) = pair.ellipse(i, loaded).integrate(&local, &film.law, creep, nodes);
+        let (unit, power) = D::oiled(&pair.ellipse(i, loaded), &local, &film.law, creep, nodes);
         let friction = unit.wrench(contact);
         let resistance = film.resistance(contact, motion, creep);
         let Wrench { force, moment } = resistance.wrench(contact);

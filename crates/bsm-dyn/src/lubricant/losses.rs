@@ -78,9 +78,9 @@ impl<D: Scalar> Losses<D> {
             * rubbing.dot(&rubbing).sqrt()
             * 2.0;
         // P = n_c ζ (m v²/2) v/(2 r_b),  v = d |P − Ω_n|                  (Y26)
-        let ball_return = self.return_circuits * self.return_loss * ball.mass * travel.square()
-            * travel
-            / (*radius * 4.0);
+        let ball_return =
+            self.return_circuits * self.return_loss * ball.mass * travel.square() * travel
+                / (*radius * 4.0);
         // P = Z F_v v                                                     (Y27)
         let around = ball.helix.radius * rate * 2.0;
         let drag = viscous_drag(self.drag_coefficient, density, *radius * 2.0, around);

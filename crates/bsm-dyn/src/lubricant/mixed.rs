@@ -54,7 +54,20 @@ impl<D: Scalar> MixedFriction<D> {
         Self { share, boundary, limit, eyring_stress, max_pressure, pressure_scale, shear }
     }
 
-    /// The coefficient where all of the load is carried by the surface that rubs more.
+    /// The same without derivatives.
+    pub(crate) fn values(&self) -> MixedFriction {
+        MixedFriction {
+            share: self.share.re(),
+            boundary: self.boundary.re(),
+            limit: self.limit.re(),
+            eyring_stress: self.eyring_stress.re(),
+            max_pressure: self.max_pressure.re(),
+            pressure_scale: self.pressure_scale.re(),
+            shear: self.shear.re(),
+        }
+    }
+
+    /// The coefficient if the oil bore all that it can.
     pub(crate) fn most(&self) -> D {
         self.share * self.boundary + (-self.share + 1.0) * self.limit
     }

@@ -108,7 +108,7 @@ pub struct WarmOil<D = f64> {
 const EXPANSION: f64 = 6.5e-4;
 
 /// `$b_p$` of (Y5).
-pub(super) const PRESSURE_SLOPE: f64 = 0.02;
+pub(crate) const PRESSURE_SLOPE: f64 = 0.02;
 
 impl Oil {
     /// Kinematic viscosities at 40 and 100 °C \[m²/s\] of a viscosity grade of ISO 3448 with the
@@ -140,8 +140,8 @@ impl<D: Scalar> Oil<D> {
         let density = self.density * ((temperature - (ZERO_CELSIUS + 15.0)) * -EXPANSION + 1.0);
         let viscosity = nu * density * 1e-6;
         // β = (ν + 0.7)/ν ln(10) Z B/θ + 6.5·10⁻⁴ ρ₁₅/ρ                   (Y3)
-        let thinning = shifted / nu * z * exponent * LN_10 / temperature
-            + self.density / density * EXPANSION;
+        let thinning =
+            shifted / nu * z * exponent * LN_10 / temperature + self.density / density * EXPANSION;
         // α = s νᵗ 10⁻⁹                                                   (Y4)
         let (s, t) = self.base.typical().pressure_viscosity;
         let pressure_viscosity = self.pressure_viscosity.unwrap_or(nu.powf(t) * (s * 1e-9));

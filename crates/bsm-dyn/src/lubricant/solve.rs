@@ -9,8 +9,8 @@ use super::{ContactFilm, FilmState, Lubricant, OutsidePower, Rub, Temperature, W
 use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
 use crate::ellipse::{Lanes, Local, Nodes, Quadrature};
 use crate::{
-    Direction, Model, ModelWorkspace, RaceControl, RacewayControl, Reason,
-    SkidNumbers, Solution, SolveInfo, Solved, Traction, Transmission, Unsolved,
+    Direction, Model, ModelWorkspace, RaceControl, RacewayControl, Reason, SkidNumbers, Solution,
+    SolveInfo, Solved, Traction, Transmission, Unsolved,
 };
 
 /// What friction is in the raceway-control model.
@@ -256,7 +256,8 @@ impl Lubricated {
                 let grip = raceway.grip(&pair, case.control)?;
                 let (loaded, to_nut) = (grip.loaded, grip.to_nut);
                 let creep = RacewayControl::CREEP;
-                let pair = pair.with_friction(wetted.friction_scale(&pair, &loaded, &to_nut, creep));
+                let pair =
+                    pair.with_friction(wetted.friction_scale(&pair, &loaded, &to_nut, creep));
                 let nodes = Nodes::from(lubricated.rule(friction.accuracy()));
                 let (unit, rubs) = friction.rubs(&wetted, &pair, (&loaded, &to_nut), nodes);
                 let (_, torque) = screw.rolling_torques(&pair, lost(&rubs));
@@ -266,7 +267,7 @@ impl Lubricated {
             }
             LubricatedModel::Traction(case) => {
                 case.lubricated(&wetted, &mut work.traction, &mut work.lubricated)?
-            },
+            }
         };
         self.told(&wetted, &found)
     }

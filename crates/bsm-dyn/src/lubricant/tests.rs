@@ -6,9 +6,7 @@ use approx::assert_relative_eq;
 use bsm_kin::{Drive, Helix};
 
 use super::*;
-use crate::{
-    Ball, ElasticScrew, Load, Material, ModelWorkspace, RacewayControl, Solved, Traction,
-};
+use crate::{Ball, ElasticScrew, Load, Material, ModelWorkspace, RacewayControl, Solved, Traction};
 
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 

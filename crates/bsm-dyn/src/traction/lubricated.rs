@@ -135,7 +135,8 @@ impl Wet<'_> {
         }
         let gripping = self.ball.unknowns(&grip.loaded, &grip.to_nut);
         let stride = Stride { first: 1.0, shortest: 0.05 };
-        let lowered = |wet: &Self, log: f64| Self { ball: Rolling { creep: log.exp(), ..wet.ball }, ..*wet };
+        let lowered =
+            |wet: &Self, log: f64| Self { ball: Rolling { creep: log.exp(), ..wet.ball }, ..*wet };
         let way = (0.0, self.ball.creep.ln(), stride);
         self.followed(gripping, way, lowered, newton, steps).ok_or(failure)
     }
@@ -228,7 +229,8 @@ impl<const M: usize> Traction<Jet<M>> {
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
     ) -> Result<(ElasticBall<Jet<M>>, Steady<Jet<M>>), Unsolved> {
         let inputs = self.screw.scaled()?;
-        let Place { pair, root, plans, .. } = self.values().wet_root(values, traction, lubricated)?;
+        let Place { pair, root, plans, .. } =
+            self.values().wet_root(values, traction, lubricated)?;
         let creep = self.creep * pair.slip_scale();
         let (newton, quadrature) = (&mut traction.newton, lubricated.rule(self.accuracy));
         let ball = Rolling::of_pair(&pair, quadrature, creep).of(&root);
