@@ -151,3 +151,174 @@ fn the_band_is_a_quarter_either_way_while_the_ball_grips() {
         assert!((band.loss[1] - high).abs() < 0.07, "{band:?}");
     }
 }
+
+/// Limit: surfaces so rough that asperities carry all, and rolling that costs nothing, are one coefficient.
+#[test]
+fn rough_surfaces_are_a_constant_coefficient() {
+    let rough = Roughness { ball: 1.0, nut: 1.0, screw: 1.0 };
+    let lubricant =
+        Lubricant { roughness: rough, rolling_factor: 0.0, hysteresis_loss: 0.0, ..vg_68() };
+    for (rpm, axial) in [(150.0, 8000.0), (-800.0, 3000.0), (6000.0, 1400.0)] {
+        let screw = feed_drive(rpm, axial);
+        let oiled = solved(lubricant, traction(screw)).transmission.efficiency;
+        let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
+        let dry = Traction { screw: ElasticScrew { friction: 0.12, ..screw }, accuracy, creep };
+        let dry = dry.solve(&mut crate::TractionWorkspace::default());
+        // What the two rules leave in an efficiency.
+        assert_relative_eq!(oiled, dry.efficiency().unwrap(), max_relative = 1e-7);
+    }
+}
+
+/// Limits: a ball that hardly moves rubs on asperities alone, and rolling costs its hysteresis; perfect surfaces
+/// have no asperities.
+#[test]
+fn slow_is_boundary_and_smooth_is_film() {
+    let film = solved(vg_68(), traction(feed_drive(1e-3, 8000.0))).film.unwrap();
+    assert!(film.nut.share > 0.999 && (film.nut.friction - 0.12).abs() < 2e-4, "{film:?}");
+    let stiff = Lubricant { rolling_factor: 0.0, ..vg_68() };
+    let hysteresis = solved(stiff, traction(feed_drive(1e-3, 8000.0))).film.unwrap();
+    // The oil adds a three thousandth at this speed.
+    assert_relative_eq!(film.rolling_power, hysteresis.rolling_power, max_relative = 1e-2);
+    let smooth = Roughness { ball: 1e-9, nut: 1e-9, screw: 1e-9 };
+    let film =
+        solved(Lubricant { roughness: smooth, ..vg_68() }, traction(feed_drive(1500.0, 8000.0)));
+    let film = film.film.unwrap();
+    assert!(film.nut.share < 1e-12 && film.nut.friction < 0.047, "{film:?}");
+}
+
+/// Who drives makes no difference to the loss but by the inertia of the balls; so does the sense of turning but by
+/// the contact angles that friction turns.
+#[test]
+fn screw_and_nut_drive_lose_the_same() {
+    let light = |rpm: f64| {
+        let screw = feed_drive(rpm, 8000.0);
+        ElasticScrew { ball: Ball::of_density(3.175e-3, 1e-6), ..screw }
+    };
+    let lost = |screw| {
+        let film = solved(vg_68(), traction(screw)).film.unwrap();
+        film.sliding_power + film.rolling_power
+    };
+    let by_screw = lost(light(1500.0));
+    let drive = Drive { screw_speed: 0.0, nut_speed: -50.0 * PI };
+    assert_relative_eq!(
+        lost(ElasticScrew { drive, ..light(1500.0) }),
+        by_screw,
+        max_relative = 1e-6
+    );
+    // Friction of 0.05 turns the contact angles of 45 deg by as much, one way or the other: 6 %.
+    assert_relative_eq!(lost(light(-1500.0)), by_screw, max_relative = 0.08);
+}
+
+/// Extremes: 0.1 N a ball to 5 GPa, 1e-3 to 10 000 rpm, 1 mPa s to 100 Pa s: no answer holds a number that is none.
+#[test]
+fn extremes_have_numbers_or_none() {
+    let mut work = ModelWorkspace::default();
+    let (mut answers, mut points) = (0, 0);
+    for axial in [7.0, 2e5] {
+        for rpm in [1e-3, -1e4] {
+            for viscosity in [1.2e-6, 0.12] {
+                let mut lubricant = vg_68();
+                lubricant.oil.viscosities = [viscosity, 0.6 * viscosity];
+                for model in [traction(feed_drive(rpm, axial)), rolling(feed_drive(rpm, axial))] {
+                    points += 1;
+                    let solution = Lubricated { lubricant, model }.solve(&mut work);
+                    let Some(solved) = solution.solved() else { continue };
+                    answers += 1;
+                    let film = solved.film.unwrap();
+                    let [nut, screw] = [film.nut, film.screw];
+                    let numbers = [
+                        solved.transmission.efficiency,
+                        film.sliding_power,
+                        film.rolling_power,
+                        nut.friction,
+                        screw.friction,
+                        nut.thickness,
+                        film.heating,
+                    ];
+                    assert!(
+                        numbers.iter().all(|x| x.is_finite()),
+                        "{axial} {rpm} {viscosity}: {film:?}"
+                    );
+                    // Between nothing and the larger of boundary friction and limiting shear.
+                    assert!((0.0..=0.12 + 1e-12).contains(&nut.friction), "{film:?}");
+                }
+            }
+        }
+    }
+    assert!(2 * answers > points, "{answers} of {points}");
+}
+
+/// One coefficient for each contact against the law of each point.
+#[test]
+fn one_coefficient_errs_by_a_few_per_cent() {
+    let mut off = Vec::new();
+    for (rpm, axial) in
+        [(10.0, 8000.0), (150.0, 3000.0), (1500.0, 8000.0), (1500.0, 1500.0), (4000.0, 8000.0)]
+    {
+        let screw = feed_drive(rpm, axial);
+        let fast = LubricatedModel::RacewayControl(
+            RacewayControl { screw, control: None },
+            RacewayFriction::PerContact,
+        );
+        let [local, fast] = [rolling(screw), fast].map(|model| {
+            let film = solved(vg_68(), model).film.unwrap();
+            (film.sliding_power, film.sliding_power + film.rolling_power)
+        });
+        off.push(fast.0 / local.0 - 1.0);
+        // An independent measurement over 120 screws: all loss 3.2 % at most.
+        assert!((fast.1 / local.1 - 1.0).abs() < 0.032, "{rpm} {axial}: {fast:?} {local:?}");
+    }
+    // Sliding alone: 95 of 100 screws keep 6.6 %; a light load, whose pressures are low all over, is beyond.
+    assert!(off.iter().all(|off| off.abs() < 0.1), "{off:?}");
+}
+
+/// Of random screws over everyday ranges, the number that traction does not solve.
+fn unsolved(seed: u64, points: u64) -> u64 {
+    use rand::{RngExt, SeedableRng};
+    let mut work = ModelWorkspace::default();
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    let mut failed = 0;
+    for _ in 0..points {
+        let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
+        let radius = part(1.0e-3, 5e-3);
+        let speed = part(1.0_f64.ln(), 5000.0_f64.ln()).exp() * part(-1.0, 1.0).signum();
+        let per_ball = part(10.0_f64.ln(), 400.0_f64.ln()).exp() * (radius / 3e-3).powi(2);
+        let helix =
+            Helix { radius: radius * part(4.0, 10.0), lead_angle: part(2.0, 22.0).to_radians() };
+        let conformity = part(0.515, 0.56);
+        let screw = ElasticScrew {
+            helix,
+            contact_angle: part(30.0, 60.0).to_radians(),
+            ball: Ball::of_density(radius, 7800.0),
+            conformity: (conformity, conformity),
+            drive: Drive { screw_speed: speed * PI / 30.0, nut_speed: 0.0 },
+            load: Load { axial: per_ball * 50.0, balls: 50.0 },
+            ..feed_drive(1.0, 1.0)
+        };
+        let rough = part(0.05e-6, 0.5e-6);
+        let lubricant = Lubricant {
+            temperature: Temperature::Known(273.15 + part(0.0, 70.0)),
+            roughness: Roughness { ball: 0.02e-6, nut: rough, screw: rough },
+            ..vg_68()
+        };
+        let solution = Lubricated { lubricant, model: traction(screw) }.solve(&mut work);
+        if solution.solved().is_none() {
+            failed += 1;
+            println!("{:?} {screw:?} {lubricant:?}", solution.reason());
+        }
+    }
+    failed
+}
+
+#[test]
+fn everyday_screws_have_a_solution() {
+    assert_eq!(unsolved(1886, 60), 0);
+}
+
+/// The same at length: `cargo test --release -p bsm-dyn --lib everyday_screws -- --ignored --nocapture`.
+#[test]
+#[ignore = "minutes"]
+fn everyday_screws_have_a_solution_at_length() {
+    // 99.9 %.
+    assert!(unsolved(1904, 10_000) <= 10);
+}
