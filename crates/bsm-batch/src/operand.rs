@@ -45,6 +45,9 @@ impl<'a> Operands<'a> {
         let in_row = |cells: InputSet| base.stated().overridden_by(cells);
         let cells = columns.set();
         let ordinary = in_row(cells);
+        if ordinary.is_lubricated() {
+            return None;
+        }
         // Rows that a model does not cover are not ordinary either.
         let choice = settings.model.resolve(ordinary, |_| Ok(())).ok()?;
         let ModelChoice::Fixed(model) = choice else { return None };

@@ -135,6 +135,12 @@ pub enum RunError {
     Stopped,
 }
 
+/// The outputs that are not the inputs of a table under the same name, as a temperature that is given.
+fn besides(mut outputs: Vec<&'static Output>, inputs: InputSet) -> Vec<&'static Output> {
+    outputs.retain(|output| inputs.iter().all(|key| key.name() != output.name));
+    outputs
+}
+
 impl Task {
     /// A task that writes these outputs and watches none.
     pub fn new(base: Scene, settings: Settings, outputs: Vec<&'static Output>) -> Self {
@@ -170,6 +176,7 @@ impl Task {
         grid: &Grid,
     ) -> Result<Self, CaseError> {
         let given = base.stated().overridden_by(grid.varied());
+        let outputs = besides(outputs, grid.varied());
         let mut task = Self { watched, ..Self::new(base, settings, outputs) };
         if task.solves() {
             task.settings.model = grid.choose(&task.base, settings.model)?;
@@ -193,7 +200,7 @@ impl Task {
         columns: &Columns,
     ) -> Result<Self, CaseError> {
         let given = base.stated() | columns.set();
-        let task = Self::new(base, settings, outputs);
+        let task = Self::new(base, settings, besides(outputs, columns.set()));
         let model =
             if task.solves() { settings.model.resolve(given, |_| Ok(()))? } else { settings.model };
         task.checked(given, model)

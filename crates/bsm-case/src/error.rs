@@ -102,6 +102,33 @@ pub enum CaseError {
         /// The model.
         model: &'static str,
     },
+    /// Friction by a coefficient, and from a lubricant.
+    #[error(
+        "give friction_coefficient or a lubricant, not both: friction_coefficient and {key} are given"
+    )]
+    FrictionTwice {
+        /// The first input of the lubricant.
+        key: &'static str,
+    },
+    /// A model in which friction is a coefficient.
+    #[error(
+        "model {model} takes no lubricant: models raceway-control and traction do; others take the \
+         equivalent_friction_coefficient of their result as friction_coefficient"
+    )]
+    NoLubricant {
+        /// The model.
+        model: &'static str,
+    },
+    /// An oil that is thicker when it is hotter.
+    #[error(
+        "viscosity_100C_mm2_s = {hot} must be below viscosity_40C_mm2_s = {warm}: oil thins with heat"
+    )]
+    OilThickens {
+        /// At 40 C.
+        warm: f64,
+        /// At 100 C.
+        hot: f64,
+    },
     /// Inputs that the ratings of a nut need are not given.
     #[error("{} required for the ratings of a nut", list(missing))]
     MissingForRatings {

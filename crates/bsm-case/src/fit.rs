@@ -72,7 +72,7 @@ impl Fit {
         })?;
         let measured: f64 =
             value.trim().parse().ok().filter(|v| f64::is_finite(*v)).ok_or_else(bad)?;
-        let range = match (range, input, scene[input]) {
+        let range = match (range, input, scene.value_or_default(input)) {
             (Some(range), ..) => range,
             (None, InputKey::friction_coefficient, _) => FRICTION,
             (None, _, Some(value)) if value != 0.0 => {

@@ -2,6 +2,7 @@
 
 use std::ops::{Index, IndexMut};
 
+use bsm_dyn::VISCOSITY_GRADES;
 use bsm_simd::Compare;
 
 use crate::CaseError;
@@ -27,6 +28,8 @@ pub enum Rule {
     Within(f64, f64),
     /// A whole number, at least the bound.
     Whole(f64),
+    /// One of these numbers.
+    OneOf(&'static [f64]),
 }
 
 impl Rule {
@@ -50,6 +53,10 @@ impl Rule {
                     & value.le(value.constant(MOST_WHOLE))
                     & rest.le(value.constant(0.0))
             }
+            Self::OneOf(numbers) => numbers
+                .iter()
+                .map(|number| value.le(value.constant(*number)) & value.constant(*number).le(value))
+                .fold(value.lt(value), |any, this| any | this),
         }
     }
 
@@ -76,6 +83,10 @@ impl Rule {
             Self::Between(low, high) => format!("between {low} and {high} (exclusive)"),
             Self::Within(low, high) => format!("from {low} to {high}"),
             Self::Whole(low) => format!("a whole number, {low} or more"),
+            Self::OneOf(numbers) => {
+                let words: Vec<_> = numbers.iter().map(f64::to_string).collect();
+                format!("one of {}", words.join(", "))
+            }
         }
     }
 }
@@ -200,7 +211,7 @@ impl Scene {
     }
 }
 
-use Rule::{Above, Any, AtLeast, Between, Whole, Within};
+use Rule::{Above, Any, AtLeast, Between, OneOf, Whole, Within};
 
 inputs! {
     ball_diameter_mm ["mm"] Above(0.0), None,
@@ -330,9 +341,49 @@ inputs! {
     ball_yield_strength_MPa ["MPa"] Above(0.0), None,
         "yield strength of the balls, for the margin of the contacts against yield";
     lubricant_density_kg_m3 ["kg/m3"] Above(0.0), None,
-        "density of the lubricant around the balls, for their drag";
+        "density of the lubricant, at 15 C where it varies with temperature; that of base_oil unless given, for drag in jam none";
     drag_coefficient [""] AtLeast(0.0), None,
         "drag coefficient of a ball in the lubricant";
+    iso_vg [""] OneOf(&VISCOSITY_GRADES), None,
+        "viscosity grade of the lubricant, for one of viscosity index 95; or give viscosity_40C_mm2_s and viscosity_100C_mm2_s";
+    viscosity_40C_mm2_s ["mm2/s"] AtLeast(1.0), None,
+        "kinematic viscosity of the lubricant at 40 C, of a grease that of its base oil";
+    viscosity_100C_mm2_s ["mm2/s"] AtLeast(0.5), None,
+        "kinematic viscosity of the lubricant at 100 C, less than at 40 C";
+    pressure_viscosity_1_GPa ["1/GPa"] Between(0.0, 200.0), None,
+        "pressure-viscosity coefficient at the temperature of the lubricant; from viscosity and base_oil unless given";
+    limiting_shear_ratio [""] Above(0.0), None,
+        "largest shear stress of the lubricant over pressure; that of base_oil unless given";
+    boundary_friction_coefficient [""] Above(0.0), Some(0.12),
+        "friction coefficient where asperities touch; 0.09 with friction modifiers, 0.15 at the start";
+    lubricant_temperature_C ["C"] Within(-40.0, 200.0), None,
+        "temperature of the lubricant at the inlet of the contacts; or give heat_transfer_W_K and ambient_temperature_C";
+    heat_transfer_W_K ["W/K"] Above(0.0), None,
+        "heat that leaves the nut for each kelvin above ambient_temperature_C, in place of lubricant_temperature_C";
+    ambient_temperature_C ["C"] Within(-40.0, 150.0), None,
+        "temperature of the surroundings";
+    ball_roughness_um ["um"] Above(0.0), None,
+        "root mean square roughness of the balls, 1.25 times the arithmetic one: 0.01 to 0.03";
+    nut_roughness_um ["um"] Above(0.0), None,
+        "root mean square roughness of the nut's groove: ground 0.1 to 0.3, run in half of it";
+    screw_roughness_um ["um"] Above(0.0), None,
+        "root mean square roughness of the screw's groove: ground 0.1 to 0.3, run in half of it, rolled 0.3 to 0.6";
+    film_factor [""] Above(0.0), Some(1.0),
+        "film thickness over that of plenty of lubricant; 0.7 (0.4 to 1) for grease";
+    rolling_factor [""] AtLeast(0.0), Some(0.85),
+        "rolling force of the lubricant over that of flooded inlets";
+    hysteresis_loss [""] AtLeast(0.0), Some(0.01),
+        "part of the elastic energy of the contacts that rolling loses, 0.003 to 0.034";
+    seal_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
+        "friction torque of the seals, of the maker or measured; felt wipers 0.02 to 0.3";
+    ball_contact_force_N ["N"] AtLeast(0.0), Some(0.0),
+        "force between neighbouring balls, 0.1 to 1; 0 with spacer balls";
+    ball_contact_friction [""] AtLeast(0.0), None,
+        "friction coefficient between balls; boundary_friction_coefficient unless given";
+    return_circuits [""] AtLeast(0.0), Some(0.0),
+        "number of ball returns that lose kinetic energy of the balls";
+    return_loss_coefficient [""] AtLeast(0.0), Some(0.0),
+        "kinetic energy that a ball loses in a return over its own, 1 to 4 for in and out";
     apex_half_angle_deg ["deg"] Between(0.0, 90.0), None,
         "half angle of the apex of the return curve, for jamming";
     return_angle_deg ["deg"] Between(0.0, 90.0), None,
@@ -371,8 +422,6 @@ inputs! {
         "turns of the motor for one of the screw";
     support_bearing_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
         "friction torque of the support bearings";
-    seal_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
-        "friction torque of the seals and wipers of the nut";
     support_bearing_rigidity_N_um ["N/um"] Above(0.0), None,
         "axial rigidity of the support bearings; rigid unless given";
     housing_rigidity_N_um ["N/um"] Above(0.0), None,

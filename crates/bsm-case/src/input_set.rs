@@ -5,7 +5,7 @@ use std::ops::{BitOr, Sub};
 use crate::nut::count;
 use crate::reader::lead_mm;
 use crate::units::{DEG, MM};
-use crate::{INPUTS, InputKey, Scene};
+use crate::{CaseError, INPUTS, InputKey, Scene};
 
 /// Some of the inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -40,6 +40,12 @@ impl InputSet {
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self(self.0 | other.0)
+    }
+
+    /// The inputs of this set that are not in the other.
+    #[must_use]
+    pub const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
     }
 
     /// True if the input is one of them.
@@ -99,7 +105,7 @@ impl Sub for InputSet {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
-        Self(self.0 & !other.0)
+        self.without(other)
     }
 }
 
@@ -170,8 +176,34 @@ const SPEED: Quantity = Quantity {
     ],
 };
 
+/// Viscosity of the lubricant, by its grade or at two temperatures.
+pub(crate) const VISCOSITY: Quantity = Quantity {
+    words: "iso_vg (or viscosity_40C_mm2_s and viscosity_100C_mm2_s)",
+    forms: &[
+        Form { key: InputKey::iso_vg, with: InputSet::of(&[]), to: "" },
+        Form {
+            key: InputKey::viscosity_40C_mm2_s,
+            with: InputSet::of(&[InputKey::viscosity_100C_mm2_s]),
+            to: "for the viscosity at other temperatures",
+        },
+    ],
+};
+
+/// Temperature of the lubricant, or what it follows from.
+pub(crate) const TEMPERATURE: Quantity = Quantity {
+    words: "lubricant_temperature_C (or heat_transfer_W_K and ambient_temperature_C)",
+    forms: &[
+        Form { key: InputKey::lubricant_temperature_C, with: InputSet::of(&[]), to: "" },
+        Form {
+            key: InputKey::heat_transfer_W_K,
+            with: InputSet::of(&[InputKey::ambient_temperature_C]),
+            to: "for the heat that leaves",
+        },
+    ],
+};
+
 /// All quantities that have several forms.
-const QUANTITIES: &[Quantity] = &[LEAD, CONTACT_ANGLE, SPEED];
+const QUANTITIES: &[Quantity] = &[LEAD, CONTACT_ANGLE, SPEED, VISCOSITY, TEMPERATURE];
 
 /// Inputs that follow from others where they are not given, and from which.
 const FOLLOW: &[(InputKey, &[InputSet])] = {
@@ -203,6 +235,62 @@ pub fn following(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Opti
             Some(feed / (lead * MM))
         }
         _ => None,
+    }
+}
+
+/// Inputs that say of a scene that its friction comes from a lubricant. Density and drag coefficient are
+/// not among them: jamming takes them whatever friction is.
+const OF_A_LUBRICANT: InputSet = {
+    use InputKey as K;
+    InputSet::of(&[
+        K::iso_vg,
+        K::viscosity_40C_mm2_s,
+        K::viscosity_100C_mm2_s,
+        K::pressure_viscosity_1_GPa,
+        K::limiting_shear_ratio,
+        K::boundary_friction_coefficient,
+        K::lubricant_temperature_C,
+        K::heat_transfer_W_K,
+        K::ambient_temperature_C,
+        K::ball_roughness_um,
+        K::nut_roughness_um,
+        K::screw_roughness_um,
+        K::film_factor,
+        K::rolling_factor,
+        K::hysteresis_loss,
+        K::ball_contact_force_N,
+        K::ball_contact_friction,
+        K::return_circuits,
+        K::return_loss_coefficient,
+    ])
+};
+
+impl InputSet {
+    /// True if friction comes from a lubricant.
+    pub fn is_lubricated(self) -> bool {
+        self.meets(OF_A_LUBRICANT)
+    }
+
+    /// Checks that friction and what it comes from are said once.
+    pub(crate) fn check_friction(self) -> Result<(), CaseError> {
+        if self.contains(InputKey::friction_coefficient)
+            && let Some(key) = OF_A_LUBRICANT.iter().find(|key| self.contains(*key))
+        {
+            return Err(CaseError::FrictionTwice { key: key.name() });
+        }
+        use InputKey as K;
+        let pairs = [
+            [K::iso_vg, K::viscosity_40C_mm2_s],
+            [K::iso_vg, K::viscosity_100C_mm2_s],
+            [K::lubricant_temperature_C, K::heat_transfer_W_K],
+        ];
+        match pairs.into_iter().find(|pair| self.contains_all(Self::of(pair))) {
+            Some(pair) => {
+                let keys = pair.map(InputKey::name);
+                Err(CaseError::OneOfTwo { keys, found: "both are" })
+            }
+            None => Ok(()),
+        }
     }
 }
 

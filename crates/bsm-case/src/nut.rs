@@ -10,7 +10,7 @@ mod words;
 
 pub(crate) use circuits::balls_and_turns;
 pub use problem::NutProblem;
-pub(crate) use problem::OF_A_NUT;
+pub(crate) use problem::{OF_A_NUT, count};
 pub(crate) use report::QUANTITIES;
 pub use report::{BALL_COLUMNS, CURVE_COLUMNS, NutReport};
 pub use samples::Samples;

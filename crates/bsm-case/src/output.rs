@@ -1,11 +1,11 @@
 //! The outputs: one table that records, tables and schema are made from.
 
-use bsm_dyn::{Control, Evidence, Model, Solution, Transmission};
+use bsm_dyn::{Control, Evidence, FilmState, Model, Solution, Transmission, ZERO_CELSIUS};
 use bsm_kin::Motion;
 use bsm_kin::Site::{Nut, NutMinor, Screw};
 
 use crate::scene::nearest;
-use crate::units::{DEG, MM, MPA, UM, direction_deg};
+use crate::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg};
 use crate::{AnalysisKind, CaseError, InputSet, ModelChoice};
 
 /// A value of one output.
@@ -177,6 +177,10 @@ fn transmission(solution: &Solution) -> Option<&Transmission> {
     Some(&solution.solved()?.transmission)
 }
 
+fn film(solution: &Solution) -> Option<&FilmState> {
+    solution.solved()?.film.as_ref()
+}
+
 fn motion(solution: &Solution) -> Option<Motion<f64>> {
     solution.solved()?.ball.motion
 }
@@ -216,6 +220,30 @@ outputs! {
     power_balance [""] Number(|s| transmission(s)?.power_balance), "relative error of the power balance, rounding only at an exact solution";
     iterations [""] Count(|s| Some(s.solved()?.info?.steps)), "Newton steps";
     residual_norm [""] Number(|s| Some(s.solved()?.info?.residual)), "scaled residual of the equations";
+    lubricant_temperature_C ["C"] Number(|s| Some(film(s)?.temperature - ZERO_CELSIUS)), "temperature of the lubricant, given or that at which all losses leave as heat";
+    viscosity_mPas ["mPa s"] Number(|s| Some(film(s)?.viscosity / MILLI)), "dynamic viscosity of the lubricant at its temperature";
+    pressure_viscosity_1_GPa ["1/GPa"] Number(|s| Some(film(s)?.pressure_viscosity * GPA)), "pressure-viscosity coefficient of the lubricant";
+    nut_film_um ["um"] Number(|s| Some(film(s)?.nut.thickness / UM)), "film thickness at the nut";
+    screw_film_um ["um"] Number(|s| Some(film(s)?.screw.thickness / UM)), "film thickness at the screw";
+    nut_film_ratio [""] Number(|s| Some(film(s)?.nut.ratio)), "film thickness over roughness at the nut: below 0.3 boundary, to 2 mixed, above full film";
+    screw_film_ratio [""] Number(|s| Some(film(s)?.screw.ratio)), "film thickness over roughness at the screw";
+    nut_asperity_share [""] Number(|s| Some(film(s)?.nut.share)), "share of the load that asperities carry at the nut";
+    screw_asperity_share [""] Number(|s| Some(film(s)?.screw.share)), "share of the load that asperities carry at the screw";
+    nut_friction_coefficient [""] Number(|s| Some(film(s)?.nut.friction)), "mean friction coefficient at the nut: sliding power over that of a coefficient of one";
+    screw_friction_coefficient [""] Number(|s| Some(film(s)?.screw.friction)), "mean friction coefficient at the screw";
+    nut_rolling_moment_Nmm ["N mm"] Number(|s| Some(film(s)?.nut.rolling_moment / MM)), "couple against rolling at the nut, by lubricant and hysteresis";
+    screw_rolling_moment_Nmm ["N mm"] Number(|s| Some(film(s)?.screw.rolling_moment / MM)), "couple against rolling at the screw";
+    nut_entrainment_m_s ["m/s"] Number(|s| Some(film(s)?.nut.entrainment)), "mean speed of both surfaces along the track at the nut";
+    screw_entrainment_m_s ["m/s"] Number(|s| Some(film(s)?.screw.entrainment)), "mean speed of both surfaces along the track at the screw";
+    sliding_power_W ["W"] Number(|s| Some(film(s)?.sliding_power)), "power lost by sliding at the contacts, all balls";
+    rolling_power_W ["W"] Number(|s| Some(film(s)?.rolling_power)), "power lost by rolling resistance of lubricant and hysteresis, all balls";
+    seal_power_W ["W"] Number(|s| Some(film(s)?.outside.seal)), "power lost at the seals";
+    ball_contact_power_W ["W"] Number(|s| Some(film(s)?.outside.ball_contact)), "power lost by balls that rub on each other";
+    return_power_W ["W"] Number(|s| Some(film(s)?.outside.ball_return)), "power lost in the ball returns";
+    drag_power_W ["W"] Number(|s| Some(film(s)?.outside.drag)), "power lost by drag of the balls in the lubricant";
+    film_heating_K ["K"] Number(|s| Some(film(s)?.heating)), "by how much sliding heats the hotter film; not in the viscosity";
+    equivalent_friction_coefficient [""] Number(|s| Some(film(s)?.equivalent_friction)), "constant friction coefficient with the same loss of the contacts at this point";
+    catalogue_friction_coefficient [""] Number(|s| Some(film(s)?.catalogue_friction)), "friction coefficient of catalogues, that of a plain thread of the same efficiency";
     skid_number [""] Number(|s| s.solved()?.skid?.skid_number), "gyroscopic moment over friction moment of a ball that grips";
     onset_number [""] Number(|s| s.solved()?.skid?.onset_number()), "skid onset number, the skid number times a factor for the friction that the slip of the lead takes: below 0.1 the ball grips, above 2 it skids";
     efficiency_error_bound [""] Number(|s| Some(s.solved()?.error?.efficiency)), "bound of the error of the efficiency: in model traction of its integration over the contact ellipses; in model auto against model traction, for 99 % of all points";

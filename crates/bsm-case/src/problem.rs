@@ -2,7 +2,7 @@
 
 use bsm_dyn::{Control, Model, Problem, Traction};
 
-use crate::input_set::{Form, LEAD, Quantity};
+use crate::input_set::{Form, LEAD, Quantity, TEMPERATURE, VISCOSITY};
 use crate::nut::balls_and_turns;
 use crate::rules::{covered, not_covered};
 use crate::{CaseError, InputKey, InputSet, Rule, Scene};
@@ -135,7 +135,25 @@ pub(crate) struct Needs {
 }
 
 impl Needs {
-    /// What a model needs.
+    /// What a model needs of points that have the inputs `given`.
+    fn for_points(model: Model, given: InputSet) -> Self {
+        if given.is_lubricated() && has_lubricant(model) {
+            return Self::LUBRICATED;
+        }
+        Self::of(model)
+    }
+
+    /// What a model needs whose friction comes from a lubricant.
+    const LUBRICATED: Self = {
+        use InputKey as K;
+        let Self { all, .. } = Self::of(Model::Traction);
+        let roughness =
+            InputSet::of(&[K::ball_roughness_um, K::nut_roughness_um, K::screw_roughness_um]);
+        let all = all.without(InputSet::of(&[K::friction_coefficient])).and(roughness);
+        Self { all, quantities: &[LEAD, VISCOSITY, TEMPERATURE] }
+    };
+
+    /// What a model needs whose friction is a coefficient.
     pub(crate) const fn of(model: Model) -> Self {
         use InputKey as K;
         const FRICTION: InputSet = InputSet::of(&[K::contact_angle_deg, K::friction_coefficient]);
@@ -195,29 +213,41 @@ impl Needs {
     }
 }
 
+/// True if friction of a model may come from a lubricant.
+fn has_lubricant(model: Model) -> bool {
+    matches!(model, Model::RacewayControl | Model::Traction)
+}
+
 impl ModelChoice {
     /// What the choice comes to for points that have the inputs `given`: `auto` stays where they
     /// are those of raceway control, which tell the error of a model, and is the most complete other
-    /// model elsewhere.
+    /// model elsewhere; with a lubricant it is traction.
     ///
     /// * `covers`: whether a model covers the values of the inputs.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Missing`] if not even the cheapest model has its inputs, and what `covers` says of
-    /// a fixed one.
+    /// [`CaseError::Missing`] if not even the cheapest model has its inputs, what `covers` says of
+    /// a fixed one, and [`CaseError::FrictionTwice`] or [`CaseError::NoLubricant`].
     pub fn resolve(
         self,
         given: InputSet,
         covers: impl Fn(Model) -> Result<(), CaseError>,
     ) -> Result<Self, CaseError> {
-        let suits = |model: &Model| Needs::of(*model).are_met(given) && covers(*model).is_ok();
+        given.check_friction()?;
+        let suits = |model: &Model| {
+            Needs::for_points(*model, given).are_met(given) && covers(*model).is_ok()
+        };
         let model = match self {
+            Self::Fixed(model) if given.is_lubricated() && !has_lubricant(model) => {
+                return Err(CaseError::NoLubricant { model: model.name() });
+            }
             Self::Fixed(model) => model,
+            Self::Auto if given.is_lubricated() => Model::Traction,
             Self::Auto if suits(&Model::RacewayControl) => return Ok(self),
             Self::Auto => Model::ALL.into_iter().rev().find(suits).unwrap_or(Model::ClosedForm),
         };
-        let needs = Needs::of(model);
+        let needs = Needs::for_points(model, given);
         if !needs.are_met(given) {
             return Err(CaseError::Missing { missing: needs.missing(given), model: model.name() });
         }
@@ -228,7 +258,7 @@ impl ModelChoice {
 impl Scene {
     /// Inputs that `model` needs and the scene has not.
     pub fn missing(&self, model: Model) -> Vec<String> {
-        Needs::of(model).missing(self.stated())
+        Needs::for_points(model, self.stated()).missing(self.stated())
     }
 
     /// Inputs that a nut needs and the scene has not.

@@ -3,28 +3,37 @@
 use std::f64::consts::PI;
 
 use bsm_dyn::{
-    Angles, Auto, Ball, ClosedForm, Direction, Driven, Elastic, ElasticScrew, Load, Material,
-    Model, Problem, QuasiStatic, RacewayControl, Rigid, Size, Traction,
+    Angles, Auto, Ball, BaseOil, ClosedForm, Direction, Driven, Elastic, ElasticScrew, Load,
+    Losses, Lubricant, Lubricated, LubricatedModel, Material, Model, Oil, Problem, QuasiStatic,
+    RacewayControl, RacewayFriction, Rigid, Roughness, Size, Temperature, Traction, ZERO_CELSIUS,
 };
 use bsm_kin::{Drive, Helix, Scalar};
 
-use crate::units::{DEG, GPA, MM, RPM};
+use crate::units::{DEG, GPA, MM, MM2, RPM, UM};
 use crate::{InputKey, ModelChoice, Scene, Settings};
 
 /// The inputs by their keys, given or default, in any scalar: numbers to solve with, jets to take
-/// derivatives with.
-pub(crate) struct Reader<F>(pub(crate) F);
+/// derivatives with; and the base oil of the lubricant.
+pub(crate) struct Reader<F>(pub(crate) F, pub(crate) BaseOil);
 
 impl Scene {
+    /// Base oil of its lubricant.
+    pub(crate) fn base_oil(&self) -> BaseOil {
+        self.nut.base_oil.unwrap_or_default().into()
+    }
+
     /// Its numbers.
     pub(crate) fn reader(&self) -> Reader<impl Fn(InputKey) -> Option<f64>> {
-        Reader(|key| self.value_or_default(key))
+        Reader(|key| self.value_or_default(key), self.base_oil())
     }
 }
 
 impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     /// The problem of a model whose inputs [`Scene::choose`] has checked.
     pub(crate) fn problem(&self, model: ModelChoice, settings: &Settings) -> Problem<D> {
+        if let Some(lubricant) = self.lubricant() {
+            return self.lubricated(lubricant, model, settings);
+        }
         let model = match model {
             ModelChoice::Fixed(model) if !has_grooves(model) => model,
             _ => return in_grooves(self.elastic_screw(), model, settings),
@@ -144,6 +153,84 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         }
     }
 
+    /// Viscosities at 40 and 100 C \[m²/s\], from the grade or given.
+    fn viscosities(&self) -> Option<[D; 2]> {
+        let grade = self.given(InputKey::iso_vg);
+        let at = |key| Some(self.given(key)? * MM2);
+        match grade.and_then(|grade| Oil::of_grade(grade.re())) {
+            Some(viscosities) => Some(viscosities.map(D::from)),
+            None => Some([at(InputKey::viscosity_40C_mm2_s)?, at(InputKey::viscosity_100C_mm2_s)?]),
+        }
+    }
+
+    /// The lubricant, if the scene has one.
+    fn lubricant(&self) -> Option<Lubricant<D>> {
+        let viscosities = self.viscosities()?;
+        let base = self.1;
+        let boundary_friction = self.value(InputKey::boundary_friction_coefficient);
+        let kelvin = |key| Some(self.given(key)? + ZERO_CELSIUS);
+        let roughness = |key| self.value(key) * UM;
+        let or = |key, typical: f64| self.given(key).unwrap_or(D::from(typical));
+        Some(Lubricant {
+            oil: Oil {
+                base,
+                viscosities,
+                density: or(InputKey::lubricant_density_kg_m3, base.density()),
+                pressure_viscosity: self
+                    .given(InputKey::pressure_viscosity_1_GPa)
+                    .map(|alpha| alpha / D::from(GPA)),
+                limiting_shear: or(InputKey::limiting_shear_ratio, base.limiting_shear()),
+            },
+            temperature: match kelvin(InputKey::lubricant_temperature_C) {
+                Some(known) => Temperature::Known(known),
+                None => Temperature::Balance {
+                    heat_transfer: self.value(InputKey::heat_transfer_W_K),
+                    ambient: kelvin(InputKey::ambient_temperature_C)?,
+                },
+            },
+            boundary_friction,
+            roughness: Roughness {
+                ball: roughness(InputKey::ball_roughness_um),
+                nut: roughness(InputKey::nut_roughness_um),
+                screw: roughness(InputKey::screw_roughness_um),
+            },
+            film_factor: self.value(InputKey::film_factor),
+            rolling_factor: self.value(InputKey::rolling_factor),
+            hysteresis_loss: self.value(InputKey::hysteresis_loss),
+            losses: Losses {
+                seal_torque: self.value(InputKey::seal_torque_Nm),
+                ball_contact_force: self.value(InputKey::ball_contact_force_N),
+                ball_contact_friction: self
+                    .given(InputKey::ball_contact_friction)
+                    .unwrap_or(boundary_friction),
+                return_circuits: self.value(InputKey::return_circuits),
+                return_loss: self.value(InputKey::return_loss_coefficient),
+                drag_coefficient: or(InputKey::drag_coefficient, 0.0),
+            },
+        })
+    }
+
+    fn lubricated(
+        &self,
+        lubricant: Lubricant<D>,
+        model: ModelChoice,
+        settings: &Settings,
+    ) -> Problem<D> {
+        let screw = self.elastic_screw();
+        let model = match model {
+            ModelChoice::Fixed(Model::RacewayControl) => LubricatedModel::RacewayControl(
+                RacewayControl { screw, control: settings.control },
+                RacewayFriction::Local,
+            ),
+            _ => LubricatedModel::Traction(Traction {
+                screw,
+                accuracy: settings.accuracy,
+                creep: settings.creep,
+            }),
+        };
+        Problem::Lubricated(Lubricated { lubricant, model })
+    }
+
     pub(crate) fn rigid(&self) -> Rigid<D> {
         let angles = self.angles();
         let radius = self.value(InputKey::ball_diameter_mm) * (0.5 * MM);
@@ -154,7 +241,8 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
             },
             contact_angle: angles.contact,
             ball: Ball::of_density(radius, self.value(InputKey::density_kg_m3)),
-            friction: self.value(InputKey::friction_coefficient),
+            // A lubricated ball has none; it does not read it.
+            friction: self.given(InputKey::friction_coefficient).unwrap_or(D::from(f64::NAN)),
             drive: self.drive().expect("required inputs were checked"),
             load: self.load().expect("required inputs were checked"),
         }

@@ -1,8 +1,8 @@
 //! The answer in the vocabulary.
 
 use bsm_dyn::{
-    Basis, Choice, ContactState, ErrorBound, GRIPS_BELOW, Model, Others, RaceControl, Reason, Slip,
-    SlipRegime, Solution, Solved, Status,
+    Basis, Choice, ContactState, ErrorBound, FilmState, GRIPS_BELOW, Model, Others, RaceControl,
+    Reason, Regime, Slip, SlipRegime, Solution, Solved, Status, ZERO_CELSIUS,
 };
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
@@ -169,6 +169,7 @@ impl Record {
                  raceway control does not cover; use model traction"
             ));
         }
+        warnings.extend(self.film().into_iter().flat_map(of_a_film));
         warnings.extend(self.ambiguities());
         if let (Some(Choice { tolerance, .. }), Some(ErrorBound { efficiency: bound, .. })) =
             (solution.choice, self.solved().and_then(|solved| solved.error))
@@ -204,6 +205,17 @@ impl Record {
             });
         }
         warnings
+    }
+
+    fn film(&self) -> Option<&FilmState> {
+        self.solved()?.film.as_ref()
+    }
+
+    /// How ball and races are separated at nut and screw, in words.
+    pub fn lubrication(&self) -> Option<String> {
+        let film = self.film()?;
+        let [nut, screw] = [film.nut, film.screw].map(|film| Regime::of(film.ratio).name());
+        Some(if nut == screw { nut.to_owned() } else { format!("{nut} (nut), {screw} (screw)") })
     }
 
     fn others(&self) -> Option<Others> {
@@ -278,6 +290,26 @@ impl Record {
         }
         map
     }
+}
+
+/// What to know of a friction that comes from a lubricant.
+fn of_a_film(film: &FilmState) -> Vec<String> {
+    /// Heating of a film that thins it by half or so \[K\].
+    const HOT: f64 = 10.0;
+    let mut warnings = vec![
+        "friction from the lubricant is known to a quarter of the loss of the contacts; balls that \
+         rub on each other, the ball returns, errors of lead and balls and contact at four points \
+         are not predicted: of the torque of a preloaded nut the contacts give about a third"
+            .to_owned(),
+    ];
+    if film.heating > HOT {
+        warnings.push(format!(
+            "sliding heats the film by {:.0} K, which thins the lubricant in the contact; the model \
+             leaves this out, and the friction is less",
+            film.heating
+        ));
+    }
+    warnings
 }
 
 /// A reason in words, with the numbers in the units of the vocabulary.
@@ -370,6 +402,11 @@ pub(crate) fn message(reason: &Reason) -> String {
         Reason::DualDrive => "model quasi-static covers a turning screw or a turning nut, not \
              both; set one of screw_speed_rpm and nut_speed_rpm to 0"
             .to_owned(),
+        Reason::LubricantRunsAway { hottest } => format!(
+            "runs away: the losses heat the lubricant faster than heat_transfer_W_K cools it, up to \
+             {:.0} C",
+            hottest - ZERO_CELSIUS
+        ),
         Reason::PowerDoesNotBalance { imbalance } => {
             format!("rounding is too large: relative error of the power balance {imbalance:.1e}")
         }

@@ -39,6 +39,8 @@ pub enum Relation {
     LeadsAgree,
     /// Screw and nut do not turn together.
     SpeedsDiffer,
+    /// The lubricant is thinner at 100 C than at 40 C.
+    OilThins,
 }
 
 /// What lead and lead angle may differ in, relative.
@@ -46,7 +48,8 @@ const LEADS_AGREE: f64 = 1e-9;
 
 impl Relation {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::BallsFit, Self::LeadsAgree, Self::SpeedsDiffer];
+    pub const ALL: [Self; 4] =
+        [Self::BallsFit, Self::LeadsAgree, Self::SpeedsDiffer, Self::OilThins];
 
     /// The inputs that it is about.
     pub fn inputs(self) -> InputSet {
@@ -55,6 +58,7 @@ impl Relation {
             Self::BallsFit => &[K::ball_diameter_mm, K::pitch_circle_diameter_mm],
             Self::LeadsAgree => &[K::lead_angle_deg, K::lead_mm, K::pitch_circle_diameter_mm],
             Self::SpeedsDiffer => &[K::screw_speed_rpm, K::nut_speed_rpm],
+            Self::OilThins => &[K::viscosity_40C_mm2_s, K::viscosity_100C_mm2_s],
         })
     }
 
@@ -78,6 +82,9 @@ impl Relation {
                 let nut = inputs.value(InputKey::nut_speed_rpm)?;
                 ((screw - nut) * RPM).abs().gt(screw.constant(0.0))
             }
+            Self::OilThins => inputs
+                .value(InputKey::viscosity_100C_mm2_s)?
+                .lt(inputs.value(InputKey::viscosity_40C_mm2_s)?),
         })
     }
 
@@ -101,6 +108,10 @@ impl Relation {
             Self::SpeedsDiffer => CaseError::NoRelativeSpeed {
                 screw_rpm: value(InputKey::screw_speed_rpm),
                 nut_rpm: value(InputKey::nut_speed_rpm),
+            },
+            Self::OilThins => CaseError::OilThickens {
+                warm: value(InputKey::viscosity_40C_mm2_s),
+                hot: value(InputKey::viscosity_100C_mm2_s),
             },
         }
     }

@@ -20,6 +20,10 @@ pub fn input_schema() -> Value {
         property.insert("description".to_owned(), json!(with_unit(input.about, input.unit)));
         match input.rule {
             Rule::Any => {}
+            Rule::OneOf(numbers) => {
+                let numbers = numbers.iter().map(|number| json!(number));
+                property.insert("enum".to_owned(), numbers.chain([Value::Null]).collect());
+            }
             Rule::Above(low) => {
                 property.insert("exclusiveMinimum".to_owned(), json!(low));
             }

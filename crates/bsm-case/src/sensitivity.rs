@@ -50,13 +50,16 @@ impl Sensitivities {
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
         let model = scene.ask(settings)?;
         let asked = Cell::new([None; INPUTS.len()]);
-        let reader = Reader(|key: InputKey| {
-            let value = scene.value_or_default(key)?;
-            let mut values = asked.get();
-            values[key as usize] = Some(value);
-            asked.set(values);
-            Some(Jets::variable(value, key as usize))
-        });
+        let reader = Reader(
+            |key: InputKey| {
+                let value = scene.value_or_default(key)?;
+                let mut values = asked.get();
+                values[key as usize] = Some(value);
+                asked.set(values);
+                Some(Jets::variable(value, key as usize))
+            },
+            scene.base_oil(),
+        );
         let problem = reader.problem(model, settings);
         let values = asked.get().into_iter().enumerate();
         Ok(Self { problem, used: values.filter_map(|(place, v)| Some((place, v?))).collect() })

@@ -6,6 +6,10 @@ use std::f64::consts::PI;
 pub const MM: f64 = 1e-3;
 /// Metres per micrometre.
 pub const UM: f64 = 1e-6;
+/// Pascal seconds per millipascal second.
+pub const MILLI: f64 = 1e-3;
+/// Square metres per square millimetre.
+pub const MM2: f64 = 1e-6;
 /// Radians per degree.
 pub const DEG: f64 = PI / 180.0;
 /// Radians per second per revolution per minute.

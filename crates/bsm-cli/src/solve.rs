@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use bsm_case::{CaseError, Record, Scene, Sensitivities, Sensitivity};
-use bsm_dyn::{ModelWorkspace, Solution, Status};
-use serde_json::{Map, Value};
+use bsm_dyn::{Band, ModelWorkspace, Problem, Solution, Status};
+use serde_json::{Map, Value, json};
 
 use crate::args::{Format, SolveArgs};
 use crate::failure::{Failure, note_unused, warn};
@@ -20,16 +20,25 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let problem = scene.problem(&settings).map_err(in_file)?;
     let mut work = ModelWorkspace::default();
     let solution = problem.solve(&mut work);
+    let band = match (&problem, solution.solved()) {
+        (Problem::Lubricated(case), Some(solved)) => case.band(solved, &mut work),
+        _ => None,
+    };
+    let band = band.as_ref();
     if !args.sensitivities || solution.status() != Status::Converged {
-        return print(path, &scene, solution, args.format);
+        return print_with(path, &scene, solution, (None, band), args.format);
     }
     let inputs = Sensitivities::of(&scene, &settings).map_err(in_file)?;
     match inputs.problem.sensitivities(&mut work) {
-        Ok(answer) => print_with(path, &scene, solution, Some(&inputs.rows(&answer)), args.format),
+        Ok(answer) => {
+            let rows = inputs.rows(&answer);
+            print_with(path, &scene, solution, (Some(&rows), band), args.format)
+        }
         Err(none) => {
             let failed = Record::new(Solution::new(solution.model, Err(none)));
             warn("no sensitivities", failed.message().unwrap_or_default());
-            print(path, &scene, solution, args.format).and(Err(Failure::Unsolved))
+            print_with(path, &scene, solution, (None, band), args.format)
+                .and(Err(Failure::Unsolved))
         }
     }
 }
@@ -41,14 +50,14 @@ pub(crate) fn print(
     solution: Solution,
     format: Format,
 ) -> Result<(), Failure> {
-    print_with(path, scene, solution, None, format)
+    print_with(path, scene, solution, (None, None), format)
 }
 
 fn print_with(
     path: &Path,
     scene: &Scene,
     solution: Solution,
-    sensitivities: Option<&[Sensitivity]>,
+    (sensitivities, band): (Option<&[Sensitivity]>, Option<&Band>),
     format: Format,
 ) -> Result<(), Failure> {
     let record = Record::new(solution);
@@ -67,12 +76,21 @@ fn print_with(
                 let rows: Map<_, _> = rows.iter().map(entry).collect();
                 map.insert("sensitivities".to_owned(), Value::Object(rows));
             }
+            if let Some(Band { loss, screw_torque, efficiency }) = band {
+                let band = json!({
+                    "contact_loss_ratio": loss,
+                    "screw_torque_Nm": screw_torque,
+                    "efficiency": efficiency,
+                });
+                map.insert("band".to_owned(), band);
+            }
             files::print(&pretty_json(&Value::Object(map)))?;
         }
         Format::Table => {
             let blocks = [
                 table::title(scene),
                 Some(table::record(scene, &record)),
+                band.map(table::band),
                 sensitivities.map(table::sensitivities),
             ];
             files::print(&blocks.into_iter().flatten().collect::<Vec<_>>().join("\n\n"))?;

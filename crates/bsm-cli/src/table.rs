@@ -4,6 +4,7 @@ use bsm_case::units::MM;
 use bsm_case::{
     Analysis, Cell, Numbers, OUTPUTS, Of, Output, Quantity, Record, Scene, Sensitivity, printable,
 };
+use bsm_dyn::Band;
 use bsm_report::number;
 use bsm_validate::Study;
 use comfy_table::{CellAlignment, Table, presets};
@@ -69,6 +70,18 @@ const OVERALL: &[(&str, &str)] = &[
     ("input power", "input_power_W"),
     ("output power", "output_power_W"),
     ("dissipated power", "dissipated_power_W"),
+    ("  sliding at the contacts", "sliding_power_W"),
+    ("  rolling resistance", "rolling_power_W"),
+    ("  seals", "seal_power_W"),
+    ("  balls on each other", "ball_contact_power_W"),
+    ("  ball returns", "return_power_W"),
+    ("  drag", "drag_power_W"),
+    ("equivalent friction coefficient", "equivalent_friction_coefficient"),
+    ("friction coefficient of catalogues", "catalogue_friction_coefficient"),
+    ("temperature of the lubricant", "lubricant_temperature_C"),
+    ("viscosity", "viscosity_mPas"),
+    ("pressure-viscosity coefficient", "pressure_viscosity_1_GPa"),
+    ("heating of the film", "film_heating_K"),
     ("error of the efficiency, at most", "efficiency_error_bound"),
     ("relative error of the dissipated power, at most", "loss_error_bound"),
     ("axial displacement of the nut", "axial_displacement_um"),
@@ -94,6 +107,12 @@ const CONTACTS: &[(&str, [&str; 3])] = &[
     ("ellipse across the groove", ["nut_ellipse_a_mm", "screw_ellipse_a_mm", ""]),
     ("ellipse along the groove", ["nut_ellipse_b_mm", "screw_ellipse_b_mm", ""]),
     ("elastic approach", ["nut_approach_um", "screw_approach_um", ""]),
+    ("film", ["nut_film_um", "screw_film_um", ""]),
+    ("film over roughness", ["nut_film_ratio", "screw_film_ratio", ""]),
+    ("share of asperities", ["nut_asperity_share", "screw_asperity_share", ""]),
+    ("friction coefficient", ["nut_friction_coefficient", "screw_friction_coefficient", ""]),
+    ("rolling moment", ["nut_rolling_moment_Nmm", "screw_rolling_moment_Nmm", ""]),
+    ("entrainment", ["nut_entrainment_m_s", "screw_entrainment_m_s", ""]),
 ];
 
 /// One solved point.
@@ -117,6 +136,7 @@ pub(crate) fn record(scene: &Scene, record: &Record) -> String {
         Some(Cell::Evidence(evidence)) => Some(evidence.to_string()),
         _ => None,
     };
+    let lubrication = record.lubrication();
     let head = [
         ("model ", Some(record.model().name())),
         ("chosen", choice.as_deref()),
@@ -124,6 +144,7 @@ pub(crate) fn record(scene: &Scene, record: &Record) -> String {
         ("reason", record.message()),
         ("shown by", evidence.as_deref()),
         ("regime", record.regime()),
+        ("lubrication", lubrication.as_deref()),
         ("race  ", race.as_deref()),
     ];
     let head: Vec<_> =
@@ -162,6 +183,19 @@ pub(crate) fn record(scene: &Scene, record: &Record) -> String {
         blocks.push(plain(Some(&["contact", "", "nut", "screw", "minor"]), &contacts, 2));
     }
     blocks.join("\n\n")
+}
+
+/// How sure the friction of a lubricant is.
+pub(crate) fn band(band: &Band) -> String {
+    let row = |label: &str, unit: &str, [low, high]: [f64; 2]| {
+        vec![label.to_owned(), unit.to_owned(), number(low), number(high)]
+    };
+    let rows = [
+        row("loss of the contacts over the stated one", "", band.loss),
+        row("screw torque, all balls", "N m", band.screw_torque),
+        row("efficiency", "", band.efficiency),
+    ];
+    plain(Some(&["nine of ten draws lie between", "", "less friction", "more friction"]), &rows, 2)
 }
 
 /// An analysis: a table for each block, then what follows from them.

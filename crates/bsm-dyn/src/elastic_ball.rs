@@ -9,9 +9,7 @@ use std::f64::consts::FRAC_PI_2;
 use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Over, Scalar, Site};
 use bsm_newton::EvalError;
 
-use crate::balance::{
-    Ball, OwnUnits, POWER_BALANCE_TOL, axial_force, efficiency, ideal_torque, newton_euler, torque,
-};
+use crate::balance::{Ball, OwnUnits, axial_force, efficiency, ideal_torque, newton_euler, torque};
 use crate::ball_unknowns::{self, BALL};
 use crate::ellipse::{Lanes, Local, Nodes};
 use crate::hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
@@ -437,13 +435,8 @@ impl ElasticScrew {
         let unit = self.ball.radius * self.load.axial;
         let torque = torque * unit;
         let speed = self.drive.relative_speed();
-        let transmission = Transmission::of(pair.direction, self.ideal_torque(), torque, speed)
-            .against(friction_power * unit * speed.abs());
-        let imbalance = transmission.power_balance.unwrap_or(f64::NAN);
-        if imbalance.abs() <= POWER_BALANCE_TOL {
-            return Ok(transmission);
-        }
-        Err(Unsolved::not_converged(Reason::PowerDoesNotBalance { imbalance }))
+        Transmission::of(pair.direction, self.ideal_torque(), torque, speed)
+            .balanced_against(friction_power * unit * speed.abs())
     }
 }
 

@@ -4,6 +4,7 @@
 //! `docs/theory/09-traction.md`, equations (T12) to (T20).
 
 mod kernel;
+mod oil;
 mod panels;
 
 use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
@@ -12,7 +13,7 @@ use self::kernel::MOTION;
 pub(crate) use self::kernel::{Point, Sums};
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
 pub(crate) use self::panels::{Nodes, Plan};
-use crate::{Coulomb, FrictionLaw, Wrench};
+use crate::{Coulomb, FrictionLaw, MixedFriction, Wrench};
 
 /// A loaded contact ellipse on the ball.
 #[derive(Debug, Clone, Copy)]
@@ -107,7 +108,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         L: FrictionLaw<D>,
     {
         let local = Local::of(motion, &self.contact, arc_length_per_radian);
-        let (unit, power) = self.integrate(&local, law, creep, quadrature);
+        let (unit, power) = self.integrate(&local, law, creep, quadrature.into());
         let wrench = unit.wrench(&self.contact);
         let [force, moment] = [wrench.force, wrench.moment].map(|v| v * self.load);
         (Wrench { force, moment }, power * self.load)
@@ -119,7 +120,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         local: &Local<D>,
         law: &L,
         creep: f64,
-        quadrature: &Quadrature,
+        nodes: Nodes<'_>,
     ) -> (Integral<D>, D) {
         let zero = D::from(0.0);
         let mut sum = Integral { force: [zero; 2], moment: [zero; 3] };
@@ -127,7 +128,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         let [w_t, w_n, w_c] = local.omega;
         let curvature = self.pressed_radius.recip() * -0.5;
         let point = self.point(local, creep);
-        for (x, y, weight) in kernel::nodes(&point, quadrature, L::IS_CONSTANT) {
+        for (x, y, weight) in kernel::nodes(&point, nodes, L::IS_CONSTANT) {
             let pressure = (1.0 - x * x - y * y).max(0.0).sqrt();
             let (x, y) = (self.semi_axes.0 * x, self.semi_axes.1 * y);
             // r = −N (r_b − x²/(2 R_c)) + x e + y t,  e = t × N           (E3)
@@ -165,6 +166,16 @@ pub(crate) trait Lanes<P>: Over<P> {
     /// Power that friction takes, over `$f Q$`.
     fn power(ellipse: &Ellipse<Self, P>, local: &Local<Self>, creep: f64, nodes: Nodes<'_>)
     -> Self;
+
+    /// Friction of a lubricated ellipse over `$Q$`, as [`Ellipse::integrate`], and the power that it takes: with
+    /// derivatives where constants have some.
+    fn oiled(
+        ellipse: &Ellipse<Self, P>,
+        local: &Local<Self>,
+        law: &MixedFriction<Self>,
+        creep: f64,
+        nodes: Nodes<'_>,
+    ) -> (Integral<Self>, Self);
 }
 
 impl<P: Scalar, D: Scalar> Ellipse<D, P> {
@@ -207,6 +218,17 @@ impl Lanes<f64> for f64 {
     fn power(ellipse: &Ellipse<f64>, local: &Local<f64>, creep: f64, nodes: Nodes<'_>) -> f64 {
         kernel::sums::<false>(&ellipse.point(local, creep), nodes).power
     }
+
+    fn oiled(
+        ellipse: &Ellipse<f64>,
+        local: &Local<f64>,
+        law: &MixedFriction,
+        creep: f64,
+        nodes: Nodes<'_>,
+    ) -> (Integral<f64>, f64) {
+        let (sums, power) = oil::sums(&ellipse.point(local, creep), law, nodes);
+        (Integral::from_sums(sums), power)
+    }
 }
 
 impl<const N: usize> Lanes<f64> for Jet<N> {
@@ -218,21 +240,50 @@ impl<const N: usize> Lanes<f64> for Jet<N> {
     ) -> (Integral<Self>, f64) {
         let Sums { values, power, slopes } =
             kernel::sums::<true>(&ellipse.point(local, creep), nodes);
-        // Both semi-axes grow alike.
-        let growth = ellipse.semi_axes.0 * ellipse.semi_axes.0.re.recip();
         let [a, t, n, c] = local.numbers();
-        let arguments = [a, t, n, c, growth];
-        let sloped = Integral::from_sums(std::array::from_fn(|i| Jet {
-            re: values[i],
-            eps: std::array::from_fn(|k| {
-                arguments.iter().zip(&slopes[i]).map(|(a, slope)| slope * a.eps[k]).sum()
-            }),
-        }));
-        (sloped, power)
+        let arguments = [a, t, n, c, ellipse.growth()];
+        (Integral::sloped(values, &slopes, &arguments), power)
     }
 
     fn power(ellipse: &Ellipse<Self>, local: &Local<Self>, creep: f64, nodes: Nodes<'_>) -> Self {
-        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule).1
+        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into()).1
+    }
+
+    fn oiled(
+        ellipse: &Ellipse<Self>,
+        local: &Local<Self>,
+        law: &MixedFriction<Self>,
+        creep: f64,
+        nodes: Nodes<'_>,
+    ) -> (Integral<Self>, Self) {
+        let (sums, power, slopes) = oil::slopes(&ellipse.point(local, creep), &law.values(), nodes);
+        let [a, t, n, c] = local.numbers();
+        let MixedFriction { share, shear, eyring_stress, max_pressure, .. } = *law;
+        let arguments = [a, t, n, c, ellipse.growth(), share, shear, eyring_stress, max_pressure];
+        (Integral::sloped(sums, &slopes, &arguments), Self::from(power))
+    }
+}
+
+impl<const N: usize> Ellipse<Jet<N>> {
+    /// Relative growth: both semi-axes grow alike.
+    fn growth(&self) -> Jet<N> {
+        self.semi_axes.0 * self.semi_axes.0.re.recip()
+    }
+}
+
+impl<const N: usize> Integral<Jet<N>> {
+    /// Sums with their slopes by what they depend on.
+    fn sloped<const M: usize>(
+        sums: [f64; kernel::SUMS],
+        slopes: &[[f64; M]; kernel::SUMS],
+        arguments: &[Jet<N>; M],
+    ) -> Self {
+        Self::from_sums(std::array::from_fn(|i| Jet {
+            re: sums[i],
+            eps: std::array::from_fn(|k| {
+                arguments.iter().zip(&slopes[i]).map(|(a, slope)| slope * a.eps[k]).sum()
+            }),
+        }))
     }
 }
 
@@ -243,7 +294,8 @@ impl<const N: usize> Lanes<Self> for Jet<N> {
         creep: f64,
         nodes: Nodes<'_>,
     ) -> (Integral<Self>, f64) {
-        let (unit, power) = ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule);
+        let (unit, power) =
+            ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into());
         (unit, power.re)
     }
 
@@ -253,7 +305,17 @@ impl<const N: usize> Lanes<Self> for Jet<N> {
         creep: f64,
         nodes: Nodes<'_>,
     ) -> Self {
-        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule).1
+        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into()).1
+    }
+
+    fn oiled(
+        ellipse: &Ellipse<Self, Self>,
+        local: &Local<Self>,
+        law: &MixedFriction<Self>,
+        creep: f64,
+        nodes: Nodes<'_>,
+    ) -> (Integral<Self>, Self) {
+        ellipse.integrate(local, law, creep, nodes)
     }
 }
 
@@ -369,6 +431,72 @@ mod tests {
     }
 
     proptest! {
+        /// The fast sums of an oil against its law at the same nodes, value and derivatives by motion, growth and
+        /// the numbers of the law.
+        #[test]
+        fn the_sums_of_an_oil_follow_its_law(
+            along in -0.5..0.5_f64, roll in -4.0..0.0_f64,
+            omega in proptest::array::uniform2(-3.0..3.0_f64),
+            a in 0.01..0.1_f64, log_creep in -4.0..0.0_f64, share in 0.0..1.0_f64,
+            log_shear in -6.0..1.0_f64, gigapascals in 0.05..4.0_f64,
+        ) {
+            let quadrature = Quadrature::of_oil(1e-4);
+            let creep = 10.0_f64.powf(log_creep);
+            let jet = |x, i| Jet::<9>::variable(x, i);
+            let growth = jet(1.0, 4);
+            let [w_n, w_c] = [jet(omega[0], 2), jet(omega[1] * a, 3)];
+            let local = Local {
+                along: jet(along * a, 0),
+                omega: [jet(10.0_f64.powf(roll), 1), w_n, w_c],
+            };
+            let frame = BallFrame::turned(Jet::from(0.17), Jet::from(0.0));
+            let ellipse = Ellipse {
+                contact: Contact::new(Site::Screw, Jet::from(0.8), &frame),
+                load: Jet::from(1.0),
+                semi_axes: (growth * a, growth * (0.2 * a)),
+                pressed_radius: 1.03,
+                ball_radius: 1.0,
+            };
+            let law = MixedFriction {
+                share: jet(share, 5),
+                boundary: Jet::from(0.12),
+                limit: Jet::from(0.047),
+                shear: jet(10.0_f64.powf(log_shear), 6),
+                eyring_stress: jet(7.7e6, 7),
+                max_pressure: jet(gigapascals * 1e9, 8),
+                pressure_scale: Jet::from(52e6),
+            };
+            let nodes = Nodes::from(&quadrature);
+            let (slow, power) = ellipse.integrate(&local, &law, creep, nodes);
+            let (fast, fast_power) = Jet::oiled(&ellipse, &local, &law, creep, nodes);
+            let numbers = Ellipse {
+                contact: Contact::new(Site::Screw, 0.8, &BallFrame::turned(0.17, 0.0)),
+                load: 1.0,
+                semi_axes: (a, 0.2 * a),
+                pressed_radius: 1.03,
+                ball_radius: 1.0,
+            };
+            let plain = Local { along: local.along.re, omega: local.omega.map(|w| w.re) };
+            let (bare, bare_power) = f64::oiled(&numbers, &plain, &law.values(), creep, nodes);
+            prop_assert!((fast_power.re - power.re).abs() <= 1e-12 * power.re);
+            prop_assert!((bare_power - power.re).abs() <= 1e-12 * power.re);
+            for ((slow, fast), bare) in all(&slow).iter().zip(all(&fast)).zip(all(&bare)) {
+                // Rounding of thousands of nodes, of sums of the size of the coefficient.
+                prop_assert!((fast.re - slow.re).abs() <= 1e-13 && (bare - slow.re).abs() <= 1e-13);
+                for (k, (ours, jets)) in fast.eps.iter().zip(slow.eps).enumerate() {
+                    // By the slip as it falls to the creep speed, by others as they are.
+                    let unit = match k {
+                        0..=3 => 1.0 / creep,
+                        4 | 5 => 1.0 / creep.min(1.0),
+                        6 => 1.0 / law.shear.re,
+                        7 => 1.0 / law.eyring_stress.re,
+                        _ => 1.0 / law.max_pressure.re,
+                    };
+                    prop_assert!((ours - jets).abs() <= 1e-11 * unit, "{k}: {ours} {jets}");
+                }
+            }
+        }
+
         /// The fast sums against the law at the same nodes, value and derivatives, with the spin pole in the
         /// ellipse and outside.
         #[test]
@@ -382,7 +510,7 @@ mod tests {
             let motion = [along * a, 10.0_f64.powf(roll), omega[0], omega[1] * a];
             let (ellipse, local) = sloped(motion, (a, 0.2 * a));
             let one = Coulomb(Jet::from(1.0));
-            let (law, power) = ellipse.integrate(&local, &one, creep, &quadrature);
+            let (law, power) = ellipse.integrate(&local, &one, creep, (&quadrature).into());
             let (fast, sloped_power) =
                 Jet::integrate(&ellipse, &local, creep, (&quadrature).into());
             let point = ellipse.point(&local, creep);

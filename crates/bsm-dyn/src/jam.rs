@@ -105,9 +105,9 @@ pub fn centrifugal_force<D: Scalar>(mass: D, pitch_radius: D, precession: D) -> 
 ///   axis \[m/s\].
 ///
 /// Source: Dong et al. (2020), as for rolling bearings.
-pub fn viscous_drag(coefficient: f64, density: f64, diameter: f64, speed: f64) -> f64 {
+pub fn viscous_drag<D: Scalar>(coefficient: D, density: D, diameter: D, speed: D) -> D {
     // F_v = (π/32) C_v ρ d_b² (2 r_m ω_m)^1.95                            (M6)
-    PI / 32.0 * coefficient * density * diameter.powi(2) * speed.powf(1.95)
+    coefficient * (PI / 32.0) * density * diameter.square() * speed.powf(1.95)
 }
 
 /// Hertz stiffness of a ball against a flat of contact modulus `modulus` \[N/m^1.5\] (M11).

@@ -4,7 +4,7 @@
 //! operating point with the inputs of one model; [`Problem::solve`] returns a [`Solution`], which
 //! is data also when there is none.
 //!
-//! Theory: `docs/theory`, chapters 02 to 10 and 12 to 14.
+//! Theory: `docs/theory`, chapters 02 to 10, 12 to 14 and 17.
 //!
 //! The feed drive of `examples/feed_drive.json`, whose balls grip: 98.6 % efficiency.
 //!
@@ -51,6 +51,7 @@ mod held_ball;
 mod hertz;
 mod jam;
 mod jones;
+mod lubricant;
 mod model;
 mod permanent_set;
 mod pressed_ball;
@@ -77,6 +78,11 @@ pub use jam::{
     linear_impact_force, step_thrust, track_friction, viscous_drag,
 };
 pub use jones::{Deformed, Displacement, Jones, Side};
+pub use lubricant::{
+    Band, BaseOil, ContactFilm, FilmState, Losses, Lubricant, Lubricated, LubricatedModel,
+    LubricatedWorkspace, MixedFriction, Oil, OutsidePower, RacewayFriction, Regime, Roughness,
+    Temperature, VISCOSITY_GRADES, WarmOil, ZERO_CELSIUS,
+};
 pub use model::{Model, ModelWorkspace, Problem};
 pub use permanent_set::{PermanentSet, yield_ratio};
 pub use pressed_ball::{PressedBall, Pressing};

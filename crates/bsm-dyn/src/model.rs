@@ -1,8 +1,8 @@
 //! The models by name, and one operating point with the inputs of one model.
 
 use crate::{
-    Auto, ClosedForm, Elastic, ElasticWorkspace, QuasiStatic, RacewayControl, RacewayWorkspace,
-    Rigid, RigidWorkspace, Solution, Traction, TractionWorkspace,
+    Auto, ClosedForm, Elastic, ElasticWorkspace, Lubricated, LubricatedWorkspace, QuasiStatic,
+    RacewayControl, RacewayWorkspace, Rigid, RigidWorkspace, Solution, Traction, TractionWorkspace,
 };
 
 /// A model of the ball screw, from the one with the fewest inputs to the one with the most.
@@ -29,6 +29,7 @@ pub struct ModelWorkspace {
     pub(crate) raceway: RacewayWorkspace,
     pub(crate) elastic: ElasticWorkspace,
     pub(crate) traction: TractionWorkspace,
+    pub(crate) lubricated: LubricatedWorkspace,
 }
 
 impl Model {
@@ -77,6 +78,8 @@ pub enum Problem<D = f64> {
     Traction(Traction<D>),
     /// Inputs of the choice by error bounds.
     Auto(Auto<D>),
+    /// Inputs of [`Model::RacewayControl`] or [`Model::Traction`] with a lubricant.
+    Lubricated(Lubricated<D>),
 }
 
 impl Problem {
@@ -90,6 +93,7 @@ impl Problem {
             Self::Elastic(p) => p.solve(&mut work.elastic),
             Self::Traction(p) => p.solve(&mut work.traction),
             Self::Auto(p) => p.solve(work),
+            Self::Lubricated(p) => p.solve(work),
         }
     }
 }

@@ -234,6 +234,12 @@ impl Grip {
         Ok(Self { control, unknowns, loaded, to_nut, steps: 0, residual: f64::INFINITY })
     }
 
+    /// What it says besides its loads and its motion.
+    pub(crate) fn told(&self, pair: &ElasticBall) -> (SkidNumbers, SolveInfo, RaceControl) {
+        let info = SolveInfo { steps: self.steps, residual: self.residual };
+        (self.skid(pair), info, RaceControl { race: self.control, consistent: None })
+    }
+
     /// Gyroscopic over friction moment (W9), and slip of the lead over that of spin (W10).
     pub(crate) fn skid(&self, pair: &ElasticBall) -> SkidNumbers {
         SkidNumbers::new(self.skid_number(pair), self.cross_slip(pair))
@@ -285,7 +291,7 @@ impl RacewayControl {
 
 impl<D: Scalar> ElasticScrew<D> {
     /// Torques of the frictionless screw and on the screw, from the scaled friction power.
-    fn rolling_torques(&self, pair: &ElasticBall<D>, friction_power: D) -> (D, D) {
+    pub(crate) fn rolling_torques(&self, pair: &ElasticBall<D>, friction_power: D) -> (D, D) {
         let ideal = self.ideal_torque();
         // T = T₀ + P_f/W                                                  (W8)
         let torque = ideal + friction_power * pair.sign() * self.ball.radius * self.load.axial;
@@ -317,9 +323,8 @@ impl RacewayWorkspace {
         let (ideal, torque) = screw.rolling_torques(pair, friction_power);
         let speed = screw.drive.relative_speed();
         let transmission = Transmission::of(pair.direction, ideal, torque, speed);
-        let info = Some(SolveInfo { steps: grip.steps, residual: grip.residual });
-        let control = Some(RaceControl { race: grip.control, consistent: None });
-        let skid = Some(grip.skid(pair));
+        let (skid, info, control) = grip.told(pair);
+        let (skid, info, control) = (Some(skid), Some(info), Some(control));
         Ok(Solved { skid, info, control, ..Solved::new(&ball, transmission) })
     }
 

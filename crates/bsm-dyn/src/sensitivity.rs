@@ -100,6 +100,7 @@ impl<const M: usize> Problem<Jet<M>> {
             Self::Elastic(p) => p.sensitivities(&mut work.elastic),
             Self::Traction(p) => p.sensitivities(&mut work.traction),
             Self::Auto(p) => p.sensitivities(work),
+            Self::Lubricated(p) => p.sensitivities(work),
         }
     }
 }

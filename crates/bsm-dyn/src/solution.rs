@@ -177,6 +177,11 @@ pub enum Reason {
         /// Relative violation.
         imbalance: f64,
     },
+    /// The losses heat the lubricant more than its surroundings cool it, up to a temperature.
+    LubricantRunsAway {
+        /// That temperature \[K\].
+        hottest: f64,
+    },
     /// The model cannot be evaluated where it was asked.
     Refused {
         /// Quantity, value and requirement.

@@ -5,8 +5,8 @@
 use bsm_kin::{BallFrame, Contact, Motion, Site};
 use nalgebra::Vector3;
 
-use crate::balance::{Power, efficiency};
-use crate::{Control, Direction, SlipRegime};
+use crate::balance::{POWER_BALANCE_TOL, Power, efficiency};
+use crate::{Control, Direction, FilmState, Reason, SlipRegime, Unsolved};
 
 /// What a model says of the steady ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,6 +130,8 @@ pub struct Solved {
     /// Bound of the error: of the quadrature in model traction, against model traction in the choice by
     /// error bounds.
     pub error: Option<ErrorBound>,
+    /// Of a lubricated ball.
+    pub film: Option<FilmState>,
 }
 
 /// How far an answer may be off.
@@ -185,6 +187,7 @@ impl Solved {
             control: None,
             others: None,
             error: None,
+            film: None,
         }
     }
 
@@ -263,5 +266,15 @@ impl Transmission {
     pub(crate) fn against(self, friction_power: f64) -> Self {
         let power_balance = self.power.map(|power| power.imbalance(friction_power));
         Self { power_balance, ..self }
+    }
+
+    /// The same, unless it violates the balance by more than rounding.
+    pub(crate) fn balanced_against(self, friction_power: f64) -> Result<Self, Unsolved> {
+        let transmission = self.against(friction_power);
+        let imbalance = transmission.power_balance.unwrap_or(f64::NAN);
+        if imbalance.abs() <= POWER_BALANCE_TOL {
+            return Ok(transmission);
+        }
+        Err(Unsolved::not_converged(Reason::PowerDoesNotBalance { imbalance }))
     }
 }

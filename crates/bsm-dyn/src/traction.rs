@@ -3,6 +3,7 @@
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T9) to (T11).
 
 mod columns;
+mod lubricated;
 mod path;
 mod root;
 mod scatter;
@@ -92,6 +93,7 @@ impl TractionWorkspace {
 }
 
 /// The equations of a point.
+#[derive(Clone, Copy)]
 struct Rolling<'a, P = f64> {
     pair: &'a ElasticBall<P>,
     quadrature: &'a Quadrature,

@@ -80,6 +80,19 @@ impl<const N: usize> Scalar for Jet<N> {
         self.chain(power, exponent * power / self.re)
     }
 
+    fn exp(&self) -> Self {
+        let exp = self.re.exp();
+        self.chain(exp, exp)
+    }
+
+    fn ln(&self) -> Self {
+        self.chain(self.re.ln(), self.re.recip())
+    }
+
+    fn asinh(&self) -> Self {
+        self.chain(self.re.asinh(), self.re.hypot(1.0).recip())
+    }
+
     fn atan(&self) -> Self {
         self.chain(self.re.atan(), (1.0 + self.re * self.re).recip())
     }
@@ -209,6 +222,7 @@ mod tests {
         z += x.atan2(y) * 0.3 - x.atan() * y.powf(-1.5) - 1.5;
         z -= -x.tan();
         z *= x.cos() + D::one() * y.sin() + y.cbrt();
+        z += (-y).exp() * y.ln() + (x + y).asinh();
         z /= y + D::from(3.0);
         z + D::zero()
     }

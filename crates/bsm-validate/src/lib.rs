@@ -10,6 +10,7 @@ mod dong2020;
 mod elastic;
 mod figures;
 mod lin1994;
+mod lubrication;
 mod nut;
 mod nut_figures;
 mod pages;
@@ -123,5 +124,6 @@ pub fn run(published: &Published) -> Result<Report, ValidateError> {
     checks.extend(nut::checks(published)?);
     checks.extend(xu2015::checks(published)?);
     checks.extend(dong2020::checks(published)?);
+    checks.extend(lubrication::checks(published)?);
     Ok(Report { checks })
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fs;
 use std::path::Path;
 
-use bsm_case::{Catalogue, Scene};
+use bsm_case::{CaseError, Catalogue, Scene};
 use serde::Deserialize;
 
 use crate::ValidateError;
@@ -32,6 +32,19 @@ impl File {
     pub(crate) fn catalogue(&self) -> Result<Catalogue, ValidateError> {
         Catalogue::from_json(self.text.as_bytes())
             .map_err(|error| ValidateError::Scene { file: self.name, error })
+    }
+
+    /// What a JSON file holds.
+    pub(crate) fn json<T: for<'de> Deserialize<'de>>(&self) -> Result<T, ValidateError> {
+        serde_json::from_str(&self.text).map_err(|error| ValidateError::Scene {
+            file: self.name,
+            error: CaseError::Syntax(error),
+        })
+    }
+
+    /// Its name.
+    pub(crate) fn name(&self) -> &'static str {
+        self.name
     }
 
     /// The scene of a file.
@@ -111,4 +124,6 @@ tables! {
     dong_case: "dong2020/case.json";
     /// Their trends, and on how many curves they hold.
     dong_trends: "dong2020/trends.csv";
+    /// Independent solutions of lubricated scenes.
+    lubrication: "lubrication/public.json";
 }

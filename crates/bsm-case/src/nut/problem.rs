@@ -272,7 +272,7 @@ pub(super) fn whole(value: f64) -> usize {
 }
 
 #[expect(clippy::cast_precision_loss, reason = "numbers of circuits and balls")]
-pub(super) fn count(n: usize) -> f64 {
+pub(crate) fn count(n: usize) -> f64 {
     n as f64
 }
 

@@ -1,5 +1,6 @@
-//! What a scene says of a nut and its axis besides numbers: lists, objects, words and flags.
+//! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, words and flags.
 
+use bsm_dyn::BaseOil;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
@@ -81,6 +82,9 @@ words! {
     lead_error: Vec<LeadErrorWords>,
         "axial errors of the nut's groove against the screw's, which add up: waves (amplitude_um, order per turn, phase_deg) and slopes (slope_um_per_mm, z0_mm)",
         list(&lead_error_schema());
+    base_oil: OilWord,
+        "base oil of the lubricant, for what is not given of it; mineral unless given",
+        choice(&["mineral", "pao", "ester", "pag"]);
     ball_precession_rad_s: f64,
         "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; 0 unless given",
         json!({ "type": ["number", "null"] });
@@ -119,6 +123,32 @@ impl NutWords {
         })?;
         self.override_with(&one);
         Ok(())
+    }
+}
+
+/// A base oil.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum OilWord {
+    /// Mineral oil.
+    #[default]
+    Mineral,
+    /// Polyalphaolefin.
+    Pao,
+    /// Ester.
+    Ester,
+    /// Polyglycol.
+    Pag,
+}
+
+impl From<OilWord> for BaseOil {
+    fn from(word: OilWord) -> Self {
+        match word {
+            OilWord::Mineral => Self::Mineral,
+            OilWord::Pao => Self::Pao,
+            OilWord::Ester => Self::Ester,
+            OilWord::Pag => Self::Pag,
+        }
     }
 }
 

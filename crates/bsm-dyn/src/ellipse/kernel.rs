@@ -228,7 +228,7 @@ impl<S: Simd> Inner<S> {
 
 /// Sums over blocks, in the same order for all widths.
 #[inline(always)]
-fn fold<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
+pub(super) fn fold<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     for (sum, block) in sums.iter_mut().zip(blocks) {
         // One of them is as long as a block.
         *sum = match S::F64_LANES {
@@ -443,11 +443,11 @@ impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
 /// Coordinates over the semi-axes and part of the load of all nodes; those of the sums where friction is
 /// as `constant` as there, and as many along each line as a spin pole inside takes elsewhere, so that
 /// they resolve the pressure too.
-pub(super) fn nodes(point: &Point, rule: &Quadrature, constant: bool) -> Vec<(f64, f64, f64)> {
-    Arch::new().dispatch(List(point, rule, constant))
+pub(super) fn nodes(point: &Point, nodes: Nodes<'_>, constant: bool) -> Vec<(f64, f64, f64)> {
+    Arch::new().dispatch(List(point, nodes, constant))
 }
 
-struct List<'a>(&'a Point, &'a Quadrature, bool);
+struct List<'a>(&'a Point, Nodes<'a>, bool);
 
 /// The nodes of all lines, one by one.
 struct Collect<'a> {
@@ -483,9 +483,10 @@ impl WithSimd for List<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self(point, rule, constant) = self;
-        let mut list = Collect { rule, slip: point.slip(), constant, nodes: Vec::new() };
-        walk(simd, rule.into(), &point.slip(), &mut list);
+        let Self(point, nodes, constant) = self;
+        let mut list =
+            Collect { rule: nodes.rule, slip: point.slip(), constant, nodes: Vec::new() };
+        walk(simd, nodes, &point.slip(), &mut list);
         list.nodes
     }
 }

@@ -19,6 +19,8 @@ const MOST_INNER: usize = 24;
 /// Poles farther from the centre than this, in semi-axes, and wider ones, grade nothing.
 pub(super) const FAR: f64 = 8.0;
 
+const THREE: NonZeroUsize = NonZeroUsize::new(3).expect("not zero");
+
 /// Numbers below this are no divisors.
 const TINY: f64 = 1e-150;
 
@@ -80,6 +82,16 @@ impl Quadrature {
     /// The rule whose wrench errs by about `accuracy` of the friction: `$n = -2\log_{10}$` of it nodes a
     /// panel.
     pub fn of(accuracy: f64) -> Self {
+        Self::with(Self::nodes(accuracy), accuracy, 0)
+    }
+
+    /// The same for an oil, which turns from thin to stiff within a part of the pressure: three times the
+    /// nodes, by which 1e-8 is asked for and 1e-6 is left.
+    pub(crate) fn of_oil(accuracy: f64) -> Self {
+        Self::with(Self::nodes(accuracy).saturating_mul(THREE), accuracy, 0)
+    }
+
+    fn nodes(accuracy: f64) -> NonZeroUsize {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -87,7 +99,7 @@ impl Quadrature {
         )]
         // Powers of ten are taken for what they are meant to be.
         let nodes = (-2.0 * accuracy.log10() - 1e-9).ceil() as usize;
-        Self::with(NonZeroUsize::new(nodes).unwrap_or(NonZeroUsize::MIN), accuracy, 0)
+        NonZeroUsize::new(nodes).unwrap_or(NonZeroUsize::MIN)
     }
 
     /// The rule that the error of this one is told from: fewer nodes a panel, one more along each line.

@@ -2,13 +2,18 @@
 //!
 //! Theory: `docs/theory/12-sensitivities.md`.
 
-use bsm_kin::Jet;
+use bsm_kin::{Jet, Motion};
 
-use super::{Balance, Grip, RacewayControl, RacewayWorkspace};
+use super::{Balance, Grip, RacewayControl, RacewayWorkspace, STATIC};
 use crate::balance::efficiency;
+use crate::elastic_ball::{ElasticBall, Loaded};
 use crate::ellipse::Nodes;
+use crate::equations::Workspace;
 use crate::sensitivity::moving_root;
 use crate::{Transmitted, Unsolved};
+
+/// A point, and contacts and motion of its ball.
+type Moving<D> = (ElasticBall<D>, Loaded<D>, Motion<D>);
 
 impl<const M: usize> RacewayControl<Jet<M>> {
     /// Efficiency and torque with their derivatives, for the race that controls.
@@ -16,6 +21,16 @@ impl<const M: usize> RacewayControl<Jet<M>> {
         &self,
         RacewayWorkspace { newton, quadrature }: &mut RacewayWorkspace,
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
+        let (inputs, loaded, to_nut) = self.moving(newton)?;
+        let (creep, nodes) = (RacewayControl::<f64>::CREEP, [Nodes::from(&*quadrature); 2]);
+        let power = inputs.friction_power(&loaded, &to_nut, creep, nodes);
+        let (ideal, torque) = self.screw.rolling_torques(&inputs, power);
+        let efficiency = efficiency(inputs.direction, ideal, torque);
+        Ok(Transmitted { efficiency, screw_torque: Some(torque) })
+    }
+
+    /// The point, and contacts and motion of the ball, with their derivatives.
+    fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<Moving<Jet<M>>, Unsolved> {
         let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
         let Grip { control, unknowns, .. } = Grip::of(&point, self.control, newton)?;
         let system = Balance::new(&point, control);
@@ -24,10 +39,14 @@ impl<const M: usize> RacewayControl<Jet<M>> {
         let x = moving_root(&system, &unknowns, &system.weights(), residual, newton)?;
         let loaded = equations.loaded(&x);
         let to_nut = equations.rolling(&loaded);
-        let (creep, nodes) = (RacewayControl::<f64>::CREEP, [Nodes::from(&*quadrature); 2]);
-        let power = inputs.friction_power(&loaded, &to_nut, creep, nodes);
-        let (ideal, torque) = self.screw.rolling_torques(&inputs, power);
-        let efficiency = efficiency(inputs.direction, ideal, torque);
-        Ok(Transmitted { efficiency, screw_torque: Some(torque) })
+        Ok((inputs, loaded, to_nut))
+    }
+
+    /// The same of the ball of a workspace.
+    pub(crate) fn rolling_ball(
+        &self,
+        work: &mut RacewayWorkspace,
+    ) -> Result<Moving<Jet<M>>, Unsolved> {
+        self.moving(&mut work.newton)
     }
 }

@@ -1,0 +1,140 @@
+//! Friction from the lubricant: an independent solution, and what a scene may say of it.
+
+use bsm_case::{CaseError, Record, Scene, Sensitivities, Settings};
+use bsm_dyn::{Model, ModelWorkspace, Status};
+use serde_json::Value;
+
+const CASES: &str = include_str!("../../../validation/published/lubrication/public.json");
+const OILED: &[u8] = include_bytes!("../../../examples/feed_drive_oil.json");
+const DRY: &[u8] = include_bytes!("../../../examples/feed_drive.json");
+
+fn oiled(settings: &[&str]) -> Scene {
+    let mut scene = Scene::from_json(OILED).expect("an example");
+    scene.apply(settings).expect("inputs");
+    scene
+}
+
+fn solved(scene: &Scene, model: Model) -> Record {
+    let problem = scene.problem(&model.into()).expect("a complete scene");
+    let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
+    assert_eq!(
+        record.status(),
+        Status::Converged,
+        "{:?} {:?}",
+        scene.description,
+        record.message()
+    );
+    record
+}
+
+/// An independent solution: its 11 scenes to its own tolerances.
+#[test]
+fn an_independent_solution_agrees() {
+    let cases: Value = serde_json::from_str(CASES).expect("JSON");
+    let mut numbers = 0;
+    let mut far = Vec::new();
+    for case in cases["cases"].as_array().expect("a list") {
+        let scene = Scene::from_json(case["scene"].to_string().as_bytes()).expect("a scene");
+        let model = Model::from_name(case["model"].as_str().expect("a name")).expect("a model");
+        let record = solved(&scene, model);
+        if model == Model::Traction {
+            assert!(record.number("power_balance").expect("a balance").abs() <= 1e-9);
+        }
+        let told = case["rel_tol"].as_f64().expect("a number");
+        for (name, value) in case["expect"].as_object().expect("numbers") {
+            let (value, ours) = (value.as_f64().expect("a number"), record.number(name));
+            let ours = ours.unwrap_or_else(|| panic!("{name} of {}", case["id"]));
+            let tolerance = if name.contains("spin") { 1e-3 } else { told };
+            if (ours - value).abs() > tolerance * value.abs() {
+                far.push(format!(
+                    "{} {name}: {ours} {value} {:.1e}",
+                    case["id"],
+                    ours / value - 1.0
+                ));
+            }
+            numbers += 1;
+        }
+    }
+    assert!(far.is_empty() && numbers > 300, "{numbers} {far:#?}");
+}
+
+/// Friction is said once, and only to models that take what is said.
+#[test]
+fn friction_is_said_once() {
+    let told = |scene: &Scene, settings: &Settings| match scene.problem(settings) {
+        Err(error) => error.to_string(),
+        Ok(_) => String::new(),
+    };
+    let auto = Settings::default();
+    let both = oiled(&["friction_coefficient=0.06"]);
+    assert!(told(&both, &auto).contains("friction_coefficient and iso_vg are given"));
+    let mut dry = Scene::from_json(DRY).expect("an example");
+    dry.apply(&["film_factor=0.7"]).expect("an input");
+    assert!(told(&dry, &auto).contains("friction_coefficient and film_factor are given"));
+    for model in [Model::ClosedForm, Model::QuasiStatic, Model::Rigid, Model::Elastic] {
+        let error = oiled(&[]).problem(&model.into()).expect_err("no lubricant");
+        assert!(matches!(error, CaseError::NoLubricant { .. }));
+        let text = error.to_string();
+        assert!(
+            text.contains("raceway-control and traction") && text.contains("equivalent_friction")
+        );
+    }
+    let mut bare = oiled(&[]);
+    (bare.ball_roughness_um, bare.lubricant_temperature_C) = (None, None);
+    let text = told(&bare, &auto);
+    assert!(
+        text.contains("ball_roughness_um") && text.contains("lubricant_temperature_C (or"),
+        "{text}"
+    );
+    let text = told(&oiled(&["viscosity_100C_mm2_s=8"]), &auto);
+    assert!(text.contains("iso_vg") && text.contains("viscosity_100C_mm2_s"), "{text}");
+    assert!(told(&oiled(&["iso_vg=69"]), &auto).contains("one of 10, 15, 22"));
+    let thick = oiled(&["viscosity_40C_mm2_s=8", "viscosity_100C_mm2_s=9"]);
+    assert!(told(&thick, &auto).contains("must be below"), "{}", told(&thick, &auto));
+}
+
+/// The choice is traction, and a viscosity replaces the grade.
+#[test]
+fn a_lubricant_is_for_traction_unless_asked_otherwise() {
+    let record = Record::new(
+        oiled(&[])
+            .problem(&Settings::default())
+            .expect("complete")
+            .solve(&mut ModelWorkspace::default()),
+    );
+    assert_eq!(record.model(), Model::Traction.into());
+    let thin = oiled(&["viscosity_40C_mm2_s=31", "viscosity_100C_mm2_s=5.8", "base_oil=pao"]);
+    assert!(thin.iso_vg.is_none());
+    let film = |scene: &Scene| solved(scene, Model::Traction).number("nut_film_um");
+    assert!(film(&thin) < film(&oiled(&[])));
+}
+
+/// Derivatives against differences of solves, at a known temperature and at one that the losses keep.
+#[test]
+fn sensitivities_match_differences() {
+    let heat = ["heat_transfer_W_K=6", "ambient_temperature_C=22", "screw_speed_rpm=3000"];
+    let cases = [(Model::Traction, oiled(&[])), (Model::RacewayControl, oiled(&heat))];
+    for (model, scene) in cases {
+        let settings = Settings::from(model);
+        let inputs = Sensitivities::of(&scene, &settings).expect("complete");
+        let mut work = ModelWorkspace::default();
+        let answer = inputs.problem.sensitivities(&mut work).expect("a solution");
+        let rows = inputs.rows(&answer);
+        for name in
+            ["axial_load_N", "nut_roughness_um", "boundary_friction_coefficient", "film_factor"]
+        {
+            let row =
+                rows.iter().find(|row| row.input.name == name).expect("an input that is used");
+            let torque = |factor: f64| {
+                let mut moved = scene.clone();
+                moved.set(name, row.value * factor).expect("an input");
+                solved(&moved, model).number("screw_torque_Nm").expect("a torque")
+            };
+            let step = 1e-3;
+            let slope = (torque(1.0 + step) - torque(1.0 - step)) / (2.0 * step * row.value);
+            let ours = row.screw_torque.expect("a torque");
+            // Truncation of the difference, its square.
+            assert!((ours - slope).abs() <= 1e-4 * slope.abs() + 1e-9, "{name}: {ours} {slope}");
+        }
+    }
+}

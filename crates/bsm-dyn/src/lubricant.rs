@@ -1,0 +1,66 @@
+//! Friction from the lubricant: the oil, the film between ball and race, friction at a point, rolling
+//! resistance, and what is lost outside the contacts.
+//!
+//! Theory: `docs/theory/17-lubricant.md`, equations (Y1) to (Y32).
+
+mod band;
+mod film;
+mod losses;
+mod mixed;
+mod oil;
+mod sensitivities;
+mod solve;
+mod state;
+
+pub use self::band::Band;
+pub use self::film::Roughness;
+pub(crate) use self::film::{Rub, Wetted};
+pub use self::losses::{Losses, OutsidePower};
+pub use self::mixed::MixedFriction;
+pub(crate) use self::oil::PRESSURE_SLOPE;
+pub use self::oil::{BaseOil, Oil, VISCOSITY_GRADES, WarmOil};
+pub use self::solve::LubricatedWorkspace;
+pub(crate) use self::solve::{Found, Steady, unit_powers};
+pub use self::solve::{Lubricated, LubricatedModel, RacewayFriction};
+pub use self::state::{ContactFilm, Film as FilmState, Regime};
+
+/// A lubricant, the surfaces that it separates, and what it loses outside the contacts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lubricant<D = f64> {
+    /// The oil; of a grease its base oil.
+    pub oil: Oil<D>,
+    /// Temperature at the inlet of the contacts.
+    pub temperature: Temperature<D>,
+    /// Friction coefficient where asperities touch `$\mu_b$`, positive.
+    pub boundary_friction: D,
+    /// Of the surfaces.
+    pub roughness: Roughness<D>,
+    /// Film over that of plenty of oil `$\varphi_s$`, positive.
+    pub film_factor: D,
+    /// Rolling force over that of flooded inlets `$c_R \ge 0$`.
+    pub rolling_factor: D,
+    /// Part of the elastic energy that rolling loses `$c_h \ge 0$`.
+    pub hysteresis_loss: D,
+    /// Outside the contacts.
+    pub losses: Losses<D>,
+}
+
+/// Temperature of the lubricant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Temperature<D = f64> {
+    /// It is known \[K\].
+    Known(D),
+    /// All that is lost heats it.
+    Balance {
+        /// Heat that leaves for each kelvin above the surroundings `$hA$` \[W/K\], positive.
+        heat_transfer: D,
+        /// Temperature of the surroundings \[K\].
+        ambient: D,
+    },
+}
+
+/// 0 °C \[K\].
+pub const ZERO_CELSIUS: f64 = 273.15;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,319 @@
+//! The film between ball and race, the share of the load that asperities carry, and what rolling loses.
+//!
+//! Theory: `docs/theory/17-lubricant.md`, equations (Y6) to (Y9), (Y14) to (Y20).
+
+use std::f64::consts::PI;
+
+use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar};
+use nalgebra::Vector3;
+
+use super::{Lubricant, MixedFriction, WarmOil};
+use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
+use crate::ellipse::{Lanes, Local, Nodes};
+use crate::hertz::contact_modulus;
+use crate::{FrictionLaw, Unsolved, Wrench};
+
+/// Root mean square roughness of the surfaces \[m\], positive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Roughness<D = f64> {
+    /// Of the balls.
+    pub ball: D,
+    /// Of the groove of the nut.
+    pub nut: D,
+    /// Of the groove of the screw.
+    pub screw: D,
+}
+
+/// What a film depends on besides load and speed: the gap of one contact \[SI\].
+#[derive(Debug, Clone, Copy)]
+struct Gap<P> {
+    /// Radius along the track `$R_x = 1/\rho_t$`.
+    radius: P,
+    /// `$b/a$`.
+    flatness: P,
+    /// Semi-axis across the groove over the cube root of the load.
+    semi_axis: P,
+    /// `$B$` of (Y15), and its roots.
+    inlet: P,
+    /// Roughness of both surfaces together.
+    roughness: P,
+}
+
+/// An operating point with its oil: what turns loads and speeds of a scaled point into films.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Wetted<P = f64> {
+    lubricant: Lubricant<P>,
+    pub(crate) oil: WarmOil<P>,
+    /// `$E' = 2 E^*$`.
+    modulus: P,
+    gaps: [Gap<P>; 2],
+    /// `$F_a$`, `$r_b |W|$` and `$r_b$`.
+    pub(crate) load: P,
+    pub(crate) speed: P,
+    pub(crate) length: P,
+}
+
+/// A film, scaled as the point is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Film<D> {
+    /// Entrainment: signed along the track, and its size, with the creep speed.
+    pub(crate) along: D,
+    pub(crate) entrainment: D,
+    /// Thickness \[m\], over the roughness.
+    pub(crate) thickness: D,
+    pub(crate) ratio: D,
+    /// Friction at its points.
+    pub(crate) law: MixedFriction<D>,
+    /// Force of the oil `$F_R$`, and couple of all that rolling loses `$C$`.
+    pub(crate) force: D,
+    pub(crate) couple: D,
+    /// `$2 R_x/r_b - 1$`.
+    lever: D,
+}
+
+impl<P: Scalar> Wetted<P> {
+    /// A point with its oil at a temperature \[K\].
+    pub(crate) fn new(
+        screw: &ElasticScrew<P>,
+        lubricant: &Lubricant<P>,
+        temperature: P,
+    ) -> Result<Self, Unsolved> {
+        let hertz = screw.hertz().map_err(Unsolved::invalid)?;
+        let (curvatures, Roughness { ball, nut, screw: groove }) =
+            (screw.curvatures(), lubricant.roughness);
+        let gaps = [(0, nut), (1, groove)].map(|(i, race)| Gap {
+            radius: curvatures[i].along.recip(),
+            flatness: hertz[i].flatness,
+            semi_axis: hertz[i].semi_axis,
+            // B = (4/π) E(m)/(1 + ρ_x/ρ_t)                                (Y15)
+            inlet: hertz[i].second_integral * (4.0 / PI)
+                / (curvatures[i].across / curvatures[i].along + 1.0),
+            roughness: (ball.square() + race.square()).sqrt(),
+        });
+        let relative = screw.drive.relative_speed();
+        Ok(Self {
+            lubricant: *lubricant,
+            oil: lubricant.oil.at(temperature),
+            modulus: contact_modulus(&screw.material.0, &screw.material.1) * 2.0,
+            gaps,
+            load: screw.load.per_ball(),
+            speed: screw.ball.radius * relative * relative.re().signum(),
+            length: screw.ball.radius,
+        })
+    }
+
+    /// The film at nut (0) or screw (1).
+    ///
+    /// * `motion`: relative to the race. * `load`, `arc`, `creep`: scaled as the point is.
+    pub(crate) fn film<D: Over<P>>(
+        &self,
+        i: usize,
+        (contact, load): (&Contact<D>, D),
+        motion: &Motion<D>,
+        frame: &BallFrame<D>,
+        (arc, creep): (P, f64),
+    ) -> Film<D> {
+        let along = entrainment(contact, motion, frame, D::from(arc));
+        // u = √(u_t² + v_e²)                                              (Y14)
+        let u = (along.square() + creep * creep).sqrt();
+        self.of_speed(i, load, along, u)
+    }
+
+    /// The film of a load and an entrainment, signed and its size.
+    pub(crate) fn of_speed<D: Over<P>>(
+        &self,
+        i: usize,
+        load: D,
+        along: D,
+        entrainment: D,
+    ) -> Film<D> {
+        let (Self { lubricant, oil, .. }, gap) = (self, &self.gaps[i]);
+        let (speed, force) = (entrainment * self.speed, load * self.load);
+        let radius = D::from(gap.radius);
+        let stiffness = D::from(self.modulus * gap.radius);
+        // U = η u/(E' R_x),  G = α E',  W = Q/(E' R_x²)                   (Y6)
+        let rate = speed * oil.viscosity / stiffness;
+        let weight = force / (stiffness * radius);
+        let stiffening = D::from((oil.pressure_viscosity * self.modulus).powf(0.53));
+        // φ_T = 1/(1 + 0.254 L^0.62),  L = η β u²/k                       (Y8)
+        let heat = speed.square()
+            * (oil.viscosity * oil.thinning)
+            * lubricant.oil.base.conductivity().recip();
+        let heating = (heat.powf(0.62) * 0.254 + 1.0).recip();
+        // h = 2.69 R_x U^0.67 G^0.53 W^−0.067 (1 − 0.61 e^{−0.73κ}) φ_T φ_s  (Y7)
+        let shape = -(gap.flatness.recip() * -0.73).exp() * 0.61 + 1.0;
+        let thickness = radius
+            * rate.powf(0.67)
+            * stiffening
+            * weight.powf(-0.067)
+            * 2.69
+            * heating
+            * D::from(shape * lubricant.film_factor);
+        // λ = h/√(R_q,ball² + R_q,race²),  ξ = e^{−1.4λ}                  (Y9)
+        let ratio = thickness / D::from(gap.roughness);
+        let share = (ratio * -1.4).exp();
+        let semi_axis = force.cbrt() * gap.semi_axis;
+        let short = semi_axis * gap.flatness;
+        let max_pressure = force * 1.5 / (semi_axis * short * PI);
+        let law = MixedFriction::of(
+            (oil, lubricant.oil.limiting_shear, lubricant.boundary_friction),
+            (thickness, share, max_pressure),
+            self.speed,
+        );
+        let rolling = self.rolling_force(gap, rate, weight, semi_axis) * heating;
+        // C = 2 F_R R_x + (3/16) c_h Q b                                  (Y18)
+        let couple =
+            rolling * radius * 2.0 + force * short * lubricant.hysteresis_loss * (3.0 / 16.0);
+        Film {
+            along,
+            entrainment,
+            thickness,
+            ratio,
+            law,
+            force: rolling / D::from(self.load),
+            couple: couple / D::from(self.load * self.length),
+            lever: D::from(gap.radius * 2.0 / self.length - 1.0),
+        }
+    }
+
+    /// Force that presses the oil through the inlet, without heating \[N\] (Y16).
+    ///
+    /// Source: Biboulet and Houpert (2010), part 2, point contacts from rigid to elastic.
+    fn rolling_force<D: Over<P>>(&self, gap: &Gap<P>, rate: D, weight: D, semi_axis: D) -> D {
+        let (radius, k) = (D::from(gap.radius), gap.flatness);
+        // U₂ = 2 η u/(E' R_x),  M = B^{1/4} k W U₂^{−3/4}                 (Y17)
+        let doubled = rate * 2.0;
+        let root = doubled.powf(0.75);
+        let elastic = weight * (gap.inlet.powf(0.25) * k) / root;
+        // F_R = c_R φ_s φ_T E' R_x² (2a/R_x) [(0.77 B^{−1/3} k^0.12 U₂^{−1/12} − c)/(1 + M/6.6) + c] U₂^{3/4},
+        // c = 1.8 B^{−1/4}                                                (Y16)
+        let flat = D::from(gap.inlet.powf(-0.25) * 1.8);
+        let rigid = doubled.powf(-1.0 / 12.0) * (gap.inlet.powf(-1.0 / 3.0) * k.powf(0.12) * 0.77);
+        let size = self.modulus * self.lubricant.rolling_factor * self.lubricant.film_factor;
+        let both = (rigid - flat) / (elastic * 6.6_f64.recip() + 1.0) + flat;
+        semi_axis * radius * 2.0 * both * root * size
+    }
+}
+
+/// What ball and race do to each other besides the normal load; scaled as the point is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rub<D> {
+    pub(crate) film: Film<D>,
+    /// Friction and rolling resistance on the ball.
+    pub(crate) wrench: Wrench<D>,
+    /// Power that sliding takes, with the derivatives of constants only, and rolling.
+    pub(crate) sliding: D,
+    pub(crate) rolling: D,
+}
+
+impl<P: Scalar> Wetted<P> {
+    /// Friction and rolling resistance at nut (0) or screw (1).
+    ///
+    /// * `motion`: relative to the race.
+    pub(crate) fn rub<D: Lanes<P>>(
+        &self,
+        i: usize,
+        (pair, loaded): (&ElasticBall<P>, &Loaded<D>),
+        motion: &Motion<D>,
+        creep: f64,
+        nodes: Nodes<'_>,
+    ) -> Rub<D> {
+        let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
+        let film = self.film(i, (contact, load), motion, &loaded.frame, (pair.arc, creep));
+        let local = Local::of(motion, contact, D::from(pair.arc));
+        let (unit, power) = D::oiled(&pair.ellipse(i, loaded), &local, &film.law, creep, nodes);
+        let friction = unit.wrench(contact);
+        let resistance = film.resistance(contact, motion, creep);
+        let Wrench { force, moment } = resistance.wrench(contact);
+        Rub {
+            film,
+            wrench: Wrench {
+                force: friction.force * load + force,
+                moment: friction.moment * load + moment,
+            },
+            sliding: power * load,
+            rolling: resistance.power(contact, motion, D::from(pair.arc)),
+        }
+    }
+
+    /// The same with one coefficient for all points, at the mean of pressure and slip that the load
+    /// sees (Y23), and without the wrench of friction.
+    ///
+    /// * `unit`: power of a coefficient of one.
+    pub(crate) fn rub_at_once<D: Over<P>>(
+        &self,
+        i: usize,
+        (pair, loaded): (&ElasticBall<P>, &Loaded<D>),
+        motion: &Motion<D>,
+        creep: f64,
+        unit: D,
+    ) -> Rub<D> {
+        let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
+        let film = self.film(i, (contact, load), motion, &loaded.frame, (pair.arc, creep));
+        // μ = μ(¾ p_max, ∫|v| dQ/Q)                                       (Y23)
+        let mean = film.law.coefficient(D::from(0.75), unit / load);
+        let resistance = film.resistance(contact, motion, creep);
+        Rub {
+            film,
+            wrench: resistance.wrench(contact),
+            sliding: mean * unit,
+            rolling: resistance.power(contact, motion, D::from(pair.arc)),
+        }
+    }
+}
+
+/// Mean speed of both surfaces along the track, as the contact sees them (Y14).
+///
+/// * `motion`: relative to the race.
+fn entrainment<D: Scalar>(
+    contact: &Contact<D>,
+    motion: &Motion<D>,
+    frame: &BallFrame<D>,
+    arc: D,
+) -> D {
+    let point = contact.point(D::from(1.0));
+    let ball = (motion.omega - frame.k * motion.precession).cross(&point).x;
+    let race = motion.precession * (arc + frame.k.cross(&point).x);
+    // u_t = ½ {[(ω − P k) × r]·t − (P − Ω_i)[d + (k × r)·t]}              (Y14)
+    (ball - race) * 0.5
+}
+
+/// What rolling costs at a contact: a force at its centre, and a couple.
+pub(crate) struct Resistance<D> {
+    force: Vector3<D>,
+    couple: Vector3<D>,
+}
+
+impl<D: Scalar> Film<D> {
+    /// Rolling resistance on the ball.
+    ///
+    /// * `motion`: relative to the race.
+    pub(crate) fn resistance(
+        &self,
+        contact: &Contact<D>,
+        motion: &Motion<D>,
+        creep: f64,
+    ) -> Resistance<D> {
+        // F_h = (2 R_x/r_b − 1) F_R (u_t/u) t                             (Y19)
+        let push = self.lever * self.force * self.along / self.entrainment;
+        let across = motion.omega.dot(&contact.across);
+        // C_h = −C ω_x/√(ω_x² + (v_e/r_b)²) e_x                           (Y20)
+        let twist = self.couple * across / (across.square() + creep * creep).sqrt();
+        Resistance { force: BallFrame::tangent() * push, couple: contact.across * -twist }
+    }
+}
+
+impl<D: Scalar> Resistance<D> {
+    /// As a wrench about the ball centre.
+    pub(crate) fn wrench(&self, contact: &Contact<D>) -> Wrench<D> {
+        let moment = contact.point(D::from(1.0)).cross(&self.force) + self.couple;
+        Wrench { force: self.force, moment }
+    }
+
+    /// Power that it takes.
+    pub(crate) fn power(&self, contact: &Contact<D>, motion: &Motion<D>, arc: D) -> D {
+        let slip = motion.slip_velocity(arc, &contact.point(D::from(1.0)));
+        // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                                (Y21)
+        -self.force.dot(&slip) - self.couple.dot(&motion.omega)
+    }
+}

@@ -1,0 +1,95 @@
+//! What is lost outside the contacts of balls and races.
+//!
+//! Theory: `docs/theory/17-lubricant.md`, equations (Y24) to (Y27).
+
+use bsm_kin::{BallFrame, Helix, Motion, Scalar};
+
+use crate::jam::viscous_drag;
+use crate::slip::magnitude;
+
+/// What causes losses outside the contacts; nothing does unless it is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Losses<D = f64> {
+    /// Torque of the seals \[N·m\].
+    pub seal_torque: D,
+    /// Force between neighbouring balls \[N\], and friction coefficient there.
+    pub ball_contact_force: D,
+    /// Friction coefficient between balls.
+    pub ball_contact_friction: D,
+    /// Number of ball returns, and `$\zeta$`: kinetic energy lost in one, over that of the ball.
+    pub return_circuits: D,
+    /// Kinetic energy lost in a return over that of the ball.
+    pub return_loss: D,
+    /// Drag coefficient of a ball in the lubricant.
+    pub drag_coefficient: D,
+}
+
+/// Power lost outside the contacts, of all balls \[W\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OutsidePower<D = f64> {
+    /// Of the seals.
+    pub seal: D,
+    /// Of balls that rub on each other.
+    pub ball_contact: D,
+    /// Of the ball returns.
+    pub ball_return: D,
+    /// Of the lubricant around the balls.
+    pub drag: D,
+}
+
+impl<D: Scalar> OutsidePower<D> {
+    /// All of them.
+    pub fn total(&self) -> D {
+        self.seal + self.ball_contact + self.ball_return + self.drag
+    }
+}
+
+/// A ball that circles.
+pub(crate) struct Circling<D> {
+    /// Absolute motion in the triad of `frame` \[rad/s\].
+    pub(crate) motion: Motion<D>,
+    pub(crate) frame: BallFrame<D>,
+    /// Speed of nut, and of the screw against it \[rad/s\].
+    pub(crate) nut_speed: D,
+    pub(crate) relative_speed: D,
+    /// Radius \[m\] and mass \[kg\] of a ball.
+    pub(crate) radius: D,
+    pub(crate) mass: D,
+    /// Helix of the ball centres.
+    pub(crate) helix: Helix<D>,
+    pub(crate) balls: D,
+}
+
+impl<D: Scalar> Losses<D> {
+    /// Powers of a motion.
+    ///
+    /// * `density`: of the lubricant \[kg/m³\].
+    pub(crate) fn power(&self, ball: &Circling<D>, density: D) -> OutsidePower<D> {
+        let Circling { motion, frame, radius, .. } = ball;
+        let in_carrier = motion.omega - frame.k * motion.precession;
+        let rubbing = in_carrier.cross(&BallFrame::tangent());
+        let rate = magnitude(motion.precession - ball.nut_speed);
+        let travel = ball.helix.arc_length_per_radian() * rate;
+        // P = Z μ_bb F_bb 2 r_b |(ω − P k) × t|                           (Y25)
+        let ball_contact = ball.balls
+            * self.ball_contact_friction
+            * self.ball_contact_force
+            * *radius
+            * rubbing.dot(&rubbing).sqrt()
+            * 2.0;
+        // P = n_c ζ (m v²/2) v/(2 r_b),  v = d |P − Ω_n|                  (Y26)
+        let ball_return =
+            self.return_circuits * self.return_loss * ball.mass * travel.square() * travel
+                / (*radius * 4.0);
+        // P = Z F_v v                                                     (Y27)
+        let around = ball.helix.radius * rate * 2.0;
+        let drag = viscous_drag(self.drag_coefficient, density, *radius * 2.0, around);
+        OutsidePower {
+            // P = T_seal |W|                                              (Y24)
+            seal: self.seal_torque * magnitude(ball.relative_speed),
+            ball_contact,
+            ball_return,
+            drag: ball.balls * drag * travel,
+        }
+    }
+}

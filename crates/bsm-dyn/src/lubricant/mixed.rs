@@ -1,0 +1,88 @@
+//! Friction at a point of a lubricated contact.
+//!
+//! Theory: `docs/theory/17-lubricant.md`, equations (Y10) to (Y13).
+
+use bsm_kin::{Over, Scalar};
+
+use super::oil::{PRESSURE_SLOPE, WarmOil};
+use crate::FrictionLaw;
+
+/// Friction of asperities that touch and of an oil that is sheared between them.
+///
+/// ```math
+/// \mu = \xi\mu_b + (1-\xi)\,\Lambda\Big[1 + \Big(\frac{\Lambda p}{\tau_y}\Big)^4\Big]^{-1/4},
+/// \qquad \tau_y = \tau_E\,\mathrm{arsinh}\frac{\eta(p)\,s}{h\,\tau_E}
+/// ```
+///
+/// Source: Eyring's law with the limiting shear of Bair and Winer (1979); the sum of both over the share
+/// of the load, as in Zhou and Hoeprich (1991).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MixedFriction<D = f64> {
+    /// Share of the load that asperities carry `$\xi$`.
+    pub share: D,
+    /// Friction coefficient where they touch `$\mu_b$`.
+    pub boundary: D,
+    /// Largest shear stress of the oil over pressure `$\Lambda$`.
+    pub limit: D,
+    /// Eyring stress `$\tau_E$` \[Pa\].
+    pub eyring_stress: D,
+    /// Largest pressure of the contact \[Pa\].
+    pub max_pressure: D,
+    /// `$a_p$` of (Y5) \[Pa\].
+    pub pressure_scale: D,
+    /// `$\eta/(h\,\tau_E)$` over the unit of speed.
+    pub shear: D,
+}
+
+impl<D: Scalar> MixedFriction<D> {
+    /// Of an oil in a film of a thickness \[m\].
+    ///
+    /// * `speed_unit`: of the slip \[m/s\].
+    pub(super) fn of<P: Scalar>(
+        (oil, limit, boundary): (&WarmOil<P>, P, P),
+        (film, share, max_pressure): (D, D, D),
+        speed_unit: P,
+    ) -> Self
+    where
+        D: Over<P>,
+    {
+        let (limit, boundary) = (D::from(limit), D::from(boundary));
+        // τ_E = 2 Λ (a_p + b_p p_max)                                     (Y10)
+        let pressure_scale = D::from(oil.pressure_scale);
+        let eyring_stress = (max_pressure * PRESSURE_SLOPE + pressure_scale) * limit * 2.0;
+        let shear = D::from(oil.viscosity * speed_unit) / (film * eyring_stress);
+        Self { share, boundary, limit, eyring_stress, max_pressure, pressure_scale, shear }
+    }
+
+    /// The same without derivatives.
+    pub(crate) fn values(&self) -> MixedFriction {
+        MixedFriction {
+            share: self.share.re(),
+            boundary: self.boundary.re(),
+            limit: self.limit.re(),
+            eyring_stress: self.eyring_stress.re(),
+            max_pressure: self.max_pressure.re(),
+            pressure_scale: self.pressure_scale.re(),
+            shear: self.shear.re(),
+        }
+    }
+
+    /// The coefficient if the oil bore all that it can.
+    pub(crate) fn most(&self) -> D {
+        self.share * self.boundary + (-self.share + 1.0) * self.limit
+    }
+}
+
+impl<D: Scalar> FrictionLaw<D> for MixedFriction<D> {
+    fn coefficient(&self, pressure: D, speed: D) -> D {
+        let p = self.max_pressure * pressure;
+        let thickened = (p / (p * PRESSURE_SLOPE + self.pressure_scale)).exp();
+        // τ_y = τ_E arsinh[η(p) s/(h τ_E)]                                (Y11)
+        let stress = self.eyring_stress * (thickened * self.shear * speed).asinh();
+        // μ_f = Λ [1 + (Λ p/τ_y)⁴]^{−1/4}                                 (Y12)
+        let fourth = (self.limit * p / stress).square().square();
+        let fluid = self.limit / (fourth + 1.0).sqrt().sqrt();
+        // μ = ξ μ_b + (1 − ξ) μ_f                                         (Y13)
+        self.share * self.boundary + (-self.share + 1.0) * fluid
+    }
+}

@@ -1,0 +1,396 @@
+//! A lubricated ball by the models that friction is integrated in, and the temperature that it takes.
+//!
+//! Theory: `docs/theory/17-lubricant.md`, equations (Y22), (Y23), (Y28) to (Y31).
+
+use bsm_kin::{Motion, Scalar};
+
+use super::losses::Circling;
+use super::{ContactFilm, FilmState, Lubricant, OutsidePower, Rub, Temperature, Wetted};
+use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
+use crate::ellipse::{Lanes, Local, Nodes, Quadrature};
+use crate::{
+    Direction, Model, ModelWorkspace, RaceControl, RacewayControl, Reason, SkidNumbers, Solution,
+    SolveInfo, Solved, Traction, Transmission, Unsolved,
+};
+
+/// What friction is in the raceway-control model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RacewayFriction {
+    /// The law of each point of the ellipses.
+    #[default]
+    Local,
+    /// One coefficient for each contact (Y23).
+    PerContact,
+}
+
+/// The model of the ball; its friction coefficient is not read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LubricatedModel<D = f64> {
+    /// The ball rolls, whatever friction does.
+    RacewayControl(RacewayControl<D>, RacewayFriction),
+    /// Friction takes part in the balance.
+    Traction(Traction<D>),
+}
+
+/// A screw with a lubricant at an operating point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lubricated<D = f64> {
+    /// What friction comes from.
+    pub lubricant: Lubricant<D>,
+    /// What the ball does with it.
+    pub model: LubricatedModel<D>,
+}
+
+/// Memory of the solves.
+#[derive(Default)]
+pub struct LubricatedWorkspace {
+    /// Rules by their accuracies.
+    rules: Vec<(f64, Quadrature)>,
+}
+
+impl LubricatedWorkspace {
+    /// The rules of accuracies, made when they are first asked for.
+    pub(crate) fn rules<const N: usize>(&mut self, accuracies: [f64; N]) -> [&Quadrature; N] {
+        let places = accuracies.map(|accuracy| {
+            let known = |(known, _): &(f64, _)| known.total_cmp(&accuracy).is_eq();
+            self.rules.iter().position(known).unwrap_or_else(|| {
+                self.rules.push((accuracy, Quadrature::of_oil(accuracy)));
+                self.rules.len() - 1
+            })
+        });
+        places.map(|place| &self.rules[place].1)
+    }
+
+    /// The rule of an accuracy.
+    pub(crate) fn rule(&mut self, accuracy: f64) -> &Quadrature {
+        let [rule] = self.rules([accuracy]);
+        rule
+    }
+}
+
+impl RacewayFriction {
+    /// Accuracy of the rule: sums of a coefficient of one need fewer nodes.
+    pub(super) fn accuracy(self) -> f64 {
+        match self {
+            Self::Local => Traction::ACCURACY,
+            Self::PerContact => RacewayControl::ACCURACY,
+        }
+    }
+}
+
+/// A lubricated ball in steady motion; scaled as the point is, but for the torque.
+pub(crate) struct Steady<D = f64> {
+    pub(crate) loaded: Loaded<D>,
+    pub(crate) to_nut: Motion<D>,
+    /// At nut and screw.
+    pub(crate) rubs: [Rub<D>; 2],
+    /// Torque on the screw by the contacts \[N·m\].
+    pub(crate) torque: D,
+}
+
+/// How it was found.
+pub(crate) struct Found {
+    pub(crate) pair: ElasticBall,
+    pub(crate) steady: Steady,
+    /// Sliding powers of a friction coefficient of one.
+    pub(crate) unit: [f64; 2],
+    pub(crate) skid: SkidNumbers,
+    pub(crate) info: SolveInfo,
+    pub(crate) control: Option<RaceControl>,
+}
+
+impl Wetted {
+    /// The larger friction coefficient of nut and screw if the oil bore all that it can.
+    pub(crate) fn friction_scale(
+        &self,
+        pair: &ElasticBall,
+        loaded: &Loaded<f64>,
+        to_nut: &Motion<f64>,
+        creep: f64,
+    ) -> f64 {
+        let motions = pair.relative(to_nut, &loaded.frame);
+        let [nut, screw] = [0, 1].map(|i| {
+            let at = (&loaded.contacts[i], loaded.loads[i]);
+            self.film(i, at, &motions[i], &loaded.frame, (pair.arc, creep)).law.most()
+        });
+        nut.max(screw)
+    }
+}
+
+/// Sliding powers of a friction coefficient of one at nut and screw.
+pub(crate) fn unit_powers<P: Scalar, D: Lanes<P>>(
+    pair: &ElasticBall<P>,
+    loaded: &Loaded<D>,
+    to_nut: &Motion<D>,
+    creep: f64,
+    nodes: [Nodes<'_>; 2],
+) -> [D; 2] {
+    let motions = pair.relative(to_nut, &loaded.frame);
+    std::array::from_fn(|i| {
+        let local = Local::of(&motions[i], &loaded.contacts[i], D::from(pair.arc));
+        loaded.loads[i] * D::power(&pair.ellipse(i, loaded), &local, creep, nodes[i])
+    })
+}
+
+/// What both contacts lose; scaled as the point is.
+pub(super) fn lost<D: Scalar>(rubs: &[Rub<D>; 2]) -> D {
+    let [nut, screw] = rubs;
+    nut.sliding + nut.rolling + screw.sliding + screw.rolling
+}
+
+impl RacewayFriction {
+    /// Sliding powers of a coefficient of one, and what the contacts of a rolling ball do.
+    pub(super) fn rubs<P: Scalar, D: Lanes<P>>(
+        self,
+        wetted: &Wetted<P>,
+        pair: &ElasticBall<P>,
+        (loaded, to_nut): (&Loaded<D>, &Motion<D>),
+        nodes: Nodes<'_>,
+    ) -> ([D; 2], [Rub<D>; 2]) {
+        let (motions, creep) = (pair.relative(to_nut, &loaded.frame), RacewayControl::CREEP);
+        let unit = unit_powers(pair, loaded, to_nut, creep, [nodes; 2]);
+        let rubs = std::array::from_fn(|i| {
+            let motion = &motions[i];
+            match self {
+                Self::Local => wetted.rub(i, (pair, loaded), motion, creep, nodes),
+                Self::PerContact => wetted.rub_at_once(i, (pair, loaded), motion, creep, unit[i]),
+            }
+        });
+        (unit, rubs)
+    }
+}
+
+impl<D: Scalar> Lubricated<D> {
+    /// The screw.
+    pub(crate) fn screw(&self) -> &ElasticScrew<D> {
+        match &self.model {
+            LubricatedModel::RacewayControl(case, _) => &case.screw,
+            LubricatedModel::Traction(case) => &case.screw,
+        }
+    }
+
+    /// Powers lost outside the contacts \[W\].
+    pub(super) fn outside(&self, pair: &ElasticBall<D>, steady: &Steady<D>) -> OutsidePower<D> {
+        let screw = self.screw();
+        let relative = screw.drive.relative_speed();
+        let size = relative * relative.re().signum();
+        let motion = pair.absolute(&steady.to_nut, &steady.loaded.frame);
+        let ball = Circling {
+            motion: Motion { precession: motion.precession * size, omega: motion.omega * size },
+            frame: steady.loaded.frame,
+            nut_speed: screw.drive.nut_speed,
+            relative_speed: relative,
+            radius: screw.ball.radius,
+            mass: screw.ball.mass,
+            helix: screw.helix,
+            balls: screw.load.balls,
+        };
+        self.lubricant.losses.power(&ball, self.lubricant.oil.density)
+    }
+}
+
+/// Step and end of the search for the temperature \[K\], and what it may err by.
+const WARMING: f64 = 5.0;
+const HOTTEST: f64 = super::ZERO_CELSIUS + 180.0;
+const SETTLED: f64 = 1e-9;
+
+impl Lubricated {
+    /// The model that answers.
+    pub fn name(&self) -> Model {
+        match self.model {
+            LubricatedModel::RacewayControl(..) => Model::RacewayControl,
+            LubricatedModel::Traction(_) => Model::Traction,
+        }
+    }
+
+    /// Solves for the steady motion of the ball and what it loses.
+    pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
+        let solved = match self.lubricant.temperature {
+            Temperature::Known(kelvin) => self.at(kelvin, work),
+            Temperature::Balance { heat_transfer, ambient } => {
+                self.settled(heat_transfer, ambient, work)
+            }
+        };
+        Solution::new(self.name(), solved)
+    }
+
+    /// The answer at the lowest temperature that the losses keep (Y28).
+    fn settled(
+        &self,
+        heat_transfer: f64,
+        ambient: f64,
+        work: &mut ModelWorkspace,
+    ) -> Result<Solved, Unsolved> {
+        let mut excess = |kelvin: f64| {
+            let solved = self.at(kelvin, work)?;
+            let heat = solved.transmission.power.map_or(f64::NAN, |power| power.dissipated);
+            // hA (T − T₀) = Σ P(T)                                        (Y28)
+            Ok((heat_transfer * (kelvin - ambient) - heat, solved))
+        };
+        let (mut low, mut below) = (ambient, excess(ambient)?.0);
+        loop {
+            let high = low + WARMING;
+            if high > HOTTEST {
+                let evidence = crate::Evidence::Traced { resolution: WARMING };
+                let reason = Reason::LubricantRunsAway { hottest: HOTTEST };
+                return Err(Unsolved::none(evidence, reason));
+            }
+            let (above, _) = excess(high)?;
+            if above < 0.0 {
+                (low, below) = (high, above);
+                continue;
+            }
+            let settled = between(&mut excess, (low, below), (high, above))?;
+            return Ok(settled);
+        }
+    }
+
+    /// The answer at a temperature.
+    fn at(&self, kelvin: f64, work: &mut ModelWorkspace) -> Result<Solved, Unsolved> {
+        let screw = self.screw();
+        let wetted = Wetted::new(screw, &self.lubricant, kelvin)?;
+        let found = match &self.model {
+            LubricatedModel::RacewayControl(case, friction) => {
+                let ModelWorkspace { raceway, lubricated, .. } = work;
+                let pair = screw.scaled()?;
+                let grip = raceway.grip(&pair, case.control)?;
+                let (loaded, to_nut) = (grip.loaded, grip.to_nut);
+                let creep = RacewayControl::CREEP;
+                let pair =
+                    pair.with_friction(wetted.friction_scale(&pair, &loaded, &to_nut, creep));
+                let nodes = Nodes::from(lubricated.rule(friction.accuracy()));
+                let (unit, rubs) = friction.rubs(&wetted, &pair, (&loaded, &to_nut), nodes);
+                let (_, torque) = screw.rolling_torques(&pair, lost(&rubs));
+                let steady = Steady { loaded, to_nut, rubs, torque };
+                let (skid, info, control) = grip.told(&pair);
+                Found { pair, steady, unit, skid, info, control: Some(control) }
+            }
+            LubricatedModel::Traction(case) => {
+                case.lubricated(&wetted, &mut work.traction, &mut work.lubricated)?
+            }
+        };
+        self.told(&wetted, &found)
+    }
+
+    /// All that a found ball tells.
+    fn told(&self, wetted: &Wetted, found: &Found) -> Result<Solved, Unsolved> {
+        let (screw, Found { pair, steady, .. }) = (self.screw(), found);
+        let Steady { loaded, to_nut, rubs, torque } = steady;
+        let speed = screw.drive.relative_speed();
+        let outside = self.outside(pair, steady);
+        let ball = screw.ball_state(pair, loaded, to_nut)?;
+        // T = Z T_ball + Σ P/W                                            (Y27)
+        let torque = torque + outside.total() / speed;
+        let ideal = screw.ideal_torque();
+        let transmission = Transmission::of(pair.direction, ideal, torque, speed);
+        // Scaled powers in watts, of all balls.
+        let unit = screw.ball.radius * screw.load.axial * speed.abs();
+        let [sliding_power, rolling_power] =
+            [rubs.map(|rub| rub.sliding), rubs.map(|rub| rub.rolling)]
+                .map(|[nut, screw]| (nut + screw) * unit);
+        let lost = sliding_power + rolling_power + outside.total();
+        let transmission = match self.model {
+            LubricatedModel::Traction(_) => transmission.balanced_against(lost)?,
+            LubricatedModel::RacewayControl(..) => transmission,
+        };
+        let contacts = [0, 1].map(|i| {
+            let Rub { film, sliding, .. } = &rubs[i];
+            ContactFilm {
+                thickness: film.thickness,
+                ratio: film.ratio,
+                share: film.law.share,
+                // μ_c = P_s/P_s(1)                                        (Y22)
+                friction: sliding / found.unit[i],
+                rolling_moment: film.couple * wetted.load * wetted.length,
+                entrainment: film.entrainment * wetted.speed,
+            }
+        });
+        let of_one: f64 = found.unit.iter().sum::<f64>() * unit;
+        let heating = [0, 1].map(|i| {
+            let (a, b) = pair.hertz[i].semi_axes(loaded.loads[i] * wetted.load);
+            let power = rubs[i].sliding * unit / screw.load.balls;
+            contacts[i].heating(power / (std::f64::consts::PI * a * b), b, self.conductivity())
+        });
+        let film = FilmState {
+            temperature: wetted.oil.temperature,
+            viscosity: wetted.oil.viscosity,
+            pressure_viscosity: wetted.oil.pressure_viscosity,
+            nut: contacts[0],
+            screw: contacts[1],
+            sliding_power,
+            rolling_power,
+            outside,
+            heating: heating[0].max(heating[1]),
+            // f_eq = (P_s + P_r)/Σ P_s(1)                                 (Y30)
+            equivalent_friction: (sliding_power + rolling_power) / of_one,
+            catalogue_friction: catalogue_friction(
+                pair.direction,
+                screw.helix.lead_angle,
+                transmission.efficiency,
+            ),
+        };
+        Ok(Solved {
+            skid: Some(found.skid),
+            info: Some(found.info),
+            control: found.control,
+            film: Some(film),
+            ..Solved::new(&ball, transmission)
+        })
+    }
+
+    fn conductivity(&self) -> f64 {
+        self.lubricant.oil.base.conductivity()
+    }
+}
+
+/// The answer where the excess changes its sign, by regula falsi that halves the weight of an end that stays
+/// (Illinois).
+fn between(
+    excess: &mut impl FnMut(f64) -> Result<(f64, Solved), Unsolved>,
+    (mut low, mut below): (f64, f64),
+    (mut high, mut above): (f64, f64),
+) -> Result<Solved, Unsolved> {
+    let mut last = 0.0;
+    loop {
+        let kelvin = (low * above - high * below) / (above - below);
+        let (value, solved) = excess(kelvin)?;
+        let moved: f64 = if value < 0.0 { kelvin - low } else { high - kelvin };
+        if value == 0.0 || moved.abs() <= SETTLED || high - low <= SETTLED {
+            return Ok(solved);
+        }
+        if value < 0.0 {
+            (low, below) = (kelvin, value);
+            if last < 0.0 {
+                above *= 0.5;
+            }
+        } else {
+            (high, above) = (kelvin, value);
+            if last > 0.0 {
+                below *= 0.5;
+            }
+        }
+        last = value;
+    }
+}
+
+impl ContactFilm {
+    /// By how much sliding heats the film \[K\] (Y29).
+    ///
+    /// * `heat`: sliding power over the area of the contact \[W/m²\]. * `short`: `$b$` \[m\].
+    /// * `conductivity`: of the oil \[W/(m·K)\].
+    fn heating(&self, heat: f64, short: f64, conductivity: f64) -> f64 {
+        /// Conductivity, density and heat capacity of steel \[SI\].
+        const STEEL: f64 = 46.0 * 7800.0 * 460.0;
+        // ΔT = q h/(8 k) + 0.53 q √(b/(u k_s ρ_s c_s)),  q = P_s/(π a b)   (Y29)
+        heat * self.thickness / (8.0 * conductivity)
+            + 0.53 * heat * (short / (self.entrainment * STEEL)).sqrt()
+    }
+}
+
+/// The coefficient of a plain thread of an efficiency (Y31).
+fn catalogue_friction(direction: Direction, lead_angle: f64, efficiency: f64) -> f64 {
+    let tan = lead_angle.tan();
+    // η = (1 − μ tanα)/(1 + μ/tanα),  back-driving (1 − μ/tanα)/(1 + μ tanα)  (Y31)
+    let (with, against) = if direction.is_back() { (tan, tan.recip()) } else { (tan.recip(), tan) };
+    (1.0 - efficiency) / (efficiency * with + against)
+}

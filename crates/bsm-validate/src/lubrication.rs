@@ -1,0 +1,221 @@
+//! Friction from the lubricant: an independent solution, a bearing catalogue, ranges and trends.
+
+use std::f64::consts::PI;
+
+use bsm_case::{Record, Scene};
+use bsm_dyn::{Model, ModelWorkspace, Status};
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+use crate::published::File;
+use crate::{Check, Published, ValidateError};
+
+const SOLUTION: &str = "independent solution of the lubricated models";
+const BEARING: &str = "SKF model of bearing friction, size 7208, 40 deg";
+const CATALOGUES: &str = "catalogue rules of ball screws (NSK, THK, SKF, TBI)";
+const TRENDS: &str = "published trends of lubricated ball screws";
+
+/// All checks of this kind.
+pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+    let cases: Cases = published.lubrication.json()?;
+    let work = &mut ModelWorkspace::default();
+    let mut checks = Vec::new();
+    for case in &cases.cases {
+        checks.push(solution(case, &published.lubrication, work)?);
+    }
+    let [feed, bearing] = ["feed-mixed", "thrust-bearing-limit"].map(|id| {
+        let case = cases.cases.iter().find(|case| case.id == id);
+        case.ok_or(ValidateError::NoRows { file: published.lubrication.name() })
+    });
+    let (feed, bearing) =
+        (feed?.scene(&published.lubrication)?, bearing?.scene(&published.lubrication)?);
+    checks.extend(against_skf(&bearing, work)?);
+    checks.extend(catalogue(&feed, work)?);
+    checks.extend(trends(&feed, work)?);
+    Ok(checks)
+}
+
+#[derive(Deserialize)]
+struct Cases {
+    cases: Vec<Case>,
+}
+
+/// A scene with its solution.
+#[derive(Deserialize)]
+struct Case {
+    id: String,
+    model: String,
+    scene: Value,
+    expect: Map<String, Value>,
+    rel_tol: f64,
+}
+
+impl Case {
+    fn scene(&self, file: &File) -> Result<Scene, ValidateError> {
+        Scene::from_json(self.scene.to_string().as_bytes())
+            .map_err(|error| ValidateError::Scene { file: file.name(), error })
+    }
+}
+
+fn solve(scene: &Scene, model: Model, work: &mut ModelWorkspace) -> Result<Record, ValidateError> {
+    Ok(Record::new(scene.problem(&model.into())?.solve(work)))
+}
+
+/// A missing number is a NaN, which no check passes.
+fn number(record: &Record, name: &str) -> f64 {
+    let converged = record.status() == Status::Converged;
+    record.number(name).filter(|_| converged).unwrap_or(f64::NAN)
+}
+
+/// The largest deviation of a scene over its tolerance.
+fn solution(case: &Case, file: &File, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
+    let model = Model::from_name(&case.model).unwrap_or(Model::Traction);
+    let record = solve(&case.scene(file)?, model, work)?;
+    let (mut worst, mut at) = (0.0, "");
+    for (name, value) in &case.expect {
+        let value = value.as_f64().unwrap_or(f64::NAN);
+        let tolerance = if name.contains("spin") { 1e-3 } else { case.rel_tol };
+        let off = (number(&record, name) - value).abs();
+        let part = if off > 0.0 { off / (tolerance * value.abs()) } else { off };
+        if part.is_nan() || part > worst {
+            (worst, at) = (part, name);
+        }
+    }
+    Ok(Check::new(
+        &format!("lubrication/{}", case.id),
+        SOLUTION,
+        format!("{}: all numbers", case.id),
+    )
+    .measured(worst, "of the tolerance")
+    .note(at)
+    .at_most(1.0, "what nodes and creep speed of the independent solution leave"))
+}
+
+/// Middle of some numbers, the least and the largest.
+fn spread(mut numbers: Vec<f64>) -> [f64; 3] {
+    numbers.sort_by(f64::total_cmp);
+    let last = numbers.len().saturating_sub(1);
+    [0, last / 2, last].map(|i| numbers.get(i).copied().unwrap_or(f64::NAN))
+}
+
+/// Rolling and sliding moment of SKF's model \[N m\], a single-row angular contact bearing of 40 deg; without
+/// starvation and inlet heating.
+///
+/// * `diameter`: mean diameter \[mm\]. * `viscosity`: mm²/s. * `speed`: rpm. * `load`: axial \[N\].
+fn skf(diameter: f64, viscosity: f64, speed: f64, load: f64) -> [f64; 2] {
+    let rolling = 5.03e-7
+        * diameter.powf(1.97)
+        * (1.90e-12 * diameter.powi(4) * speed * speed + 1.97 * load).powf(0.54)
+        * (viscosity * speed).powf(0.6);
+    let pressed =
+        (1.91e-12 * diameter.powi(4) * speed * speed).powf(4.0 / 3.0) + 0.68 * load.powf(4.0 / 3.0);
+    let boundary = (-2.6e-8 * (viscosity * speed).powf(1.4) * diameter).exp();
+    let sliding =
+        1.30e-2 * diameter.powf(0.26) * pressed * (0.12 * boundary + 0.05 * (1.0 - boundary));
+    [rolling * 1e-3, sliding * 1e-3]
+}
+
+/// The bearing as a screw without lead, over load, speed and viscosity.
+fn against_skf(bearing: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
+    let (mut whole, mut rolling) = (Vec::new(), Vec::new());
+    for load in [2000.0, 4000.0, 8000.0] {
+        for speed in [200.0, 500.0, 1000.0, 2000.0, 3000.0] {
+            for celsius in [40.0, 60.0, 80.0] {
+                let mut scene = bearing.clone();
+                scene.set("axial_load_N", load)?;
+                scene.set("screw_speed_rpm", speed)?;
+                scene.set("lubricant_temperature_C", celsius)?;
+                let record = solve(&scene, Model::RacewayControl, work)?;
+                let density = 880.0 * (1.0 - 6.5e-4 * (celsius - 15.0));
+                let viscosity = number(&record, "viscosity_mPas") * 1e3 / density;
+                if viscosity * speed > 1.1e5 {
+                    continue;
+                }
+                let per_watt = 30.0 / (PI * speed);
+                let [rolls, slides] = skf(60.0, viscosity, speed, load);
+                let ours = ["rolling_power_W", "sliding_power_W"]
+                    .map(|name| number(&record, name) * per_watt);
+                whole.push((ours[0] + ours[1]) / (rolls + slides));
+                rolling.push(ours[0] / rolls);
+            }
+        }
+    }
+    let points = whole.len();
+    let check = |key: &str, what: &str, numbers: Vec<f64>| {
+        let [least, middle, most] = spread(numbers);
+        Check::new(
+            &format!("lubrication/{key}"),
+            BEARING,
+            format!("{what} over that of SKF's model"),
+        )
+        .measured(middle, "")
+        .note(format!(
+            "middle of {points} points, {least:.2} to {most:.2}; constants of the model from memory"
+        ))
+        .equals(1.0, 0.36, "two models of friction agree to a third")
+    };
+    Ok(vec![check("skf-torque", "torque", whole), check("skf-rolling", "rolling part", rolling)])
+}
+
+/// Friction coefficients of catalogues, over leads and speeds.
+fn catalogue(feed: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
+    let mut all = Vec::new();
+    for lead in [5.0, 10.0, 20.0, 40.0] {
+        for speed in [10.0, 100.0, 1000.0, 3000.0] {
+            let mut scene = feed.clone();
+            scene.set("lead_mm", lead)?;
+            scene.set("screw_speed_rpm", speed)?;
+            scene.set("ball_diameter_mm", if lead < 10.0 { 3.175 } else { 6.35 })?;
+            let record = solve(&scene, Model::RacewayControl, work)?;
+            all.push(number(&record, "catalogue_friction_coefficient"));
+        }
+    }
+    let [least, middle, most] = spread(all);
+    let check = Check::new(
+        "lubrication/catalogue-friction",
+        CATALOGUES,
+        "friction coefficients of 0.002 to 0.01, for a whole nut",
+    );
+    let note = format!("{least:.4} to {most:.4}; the contacts alone");
+    Ok(vec![check.measured(middle, "").note(note).equals(
+        0.0045,
+        0.0027,
+        "0.0018 to 0.0073: the contacts without seals, returns and balls that rub",
+    )])
+}
+
+/// Efficiency over load, a Stribeck curve with a minimum, loss nearly linear in load.
+fn trends(feed: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
+    let mut at = |load: f64, speed: f64, name: &str| -> Result<f64, ValidateError> {
+        let mut scene = feed.clone();
+        scene.set("axial_load_N", load)?;
+        scene.set("screw_speed_rpm", speed)?;
+        Ok(number(&solve(&scene, Model::RacewayControl, work)?, name))
+    };
+    let mut gains = Vec::new();
+    for pair in [[1000.0, 2000.0], [2000.0, 4000.0], [4000.0, 8000.0]] {
+        gains.push(at(pair[1], 1000.0, "efficiency")? - at(pair[0], 1000.0, "efficiency")?);
+    }
+    let grows = Check::new(
+        "lubrication/efficiency-over-load",
+        TRENDS,
+        "efficiency grows with the load at 1000 rpm (Zhou 2018)",
+    )
+    .measured(spread(gains)[0], "")
+    .note("least gain from 1 to 8 kN")
+    .at_least(0.0, "it grows");
+    let mut curve = Vec::new();
+    for speed in [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 4000.0] {
+        curve.push((speed, at(3000.0, speed, "equivalent_friction_coefficient")?));
+    }
+    let least = curve.iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(f64::NAN, |point| point.0);
+    let stribeck = Check::new(
+        "lubrication/stribeck-minimum",
+        TRENDS,
+        "friction over speed has a minimum (Zhang 2021)",
+    )
+    .measured(least, "rpm")
+    .note("at 3 kN")
+    .equals(200.0, 150.0, "inside the curve from 10 to 4000 rpm, at some 200");
+    Ok(vec![grows, stribeck])
+}
