@@ -185,7 +185,7 @@ impl Traction {
             wet(ball(smooth)).search(near.as_ref(), &grip, newton, &mut steps)?
         };
         let fine = ball(rule).of(&root);
-        let plans = fine.plans(&root.unknowns).map_err(refused)?;
+        let plans = fine.plans(&root.unknowns).ok_or(Unsolved::LOST)?;
         let fine = wet(Rolling { plans: Some(&plans), ..fine });
         let root = fine.solved(root.unknowns, newton, &mut steps)?;
         Ok(Place { pair, grip, root, plans, steps })
