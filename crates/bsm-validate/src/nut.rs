@@ -164,12 +164,16 @@ fn limit_loads() -> Vec<Check> {
             1e-3,
             "contact angles turn by 1e-4 under so light a preload",
         ),
-        check("nut/limit-load-usual", claim)
-            .measured(usual[0], "preloads")
-            .equals(hertz, 0.04 * hertz, turned),
-        check("nut/limit-load-heavy", claim)
-            .measured(heavy[0], "preloads")
-            .equals(hertz, 0.04 * hertz, turned),
+        check("nut/limit-load-usual", claim).measured(usual[0], "preloads").equals(
+            hertz,
+            0.04 * hertz,
+            turned,
+        ),
+        check("nut/limit-load-heavy", claim).measured(heavy[0], "preloads").equals(
+            hertz,
+            0.04 * hertz,
+            turned,
+        ),
         check("nut/busier-nut", "load of the busier nut under as much load as preload")
             .measured(usual[1], "preloads")
             .equals(
