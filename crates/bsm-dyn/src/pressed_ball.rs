@@ -109,8 +109,8 @@ impl PressedBall {
         let at = |u: f64| self.at([u * cos_a, 0.0], 0.0);
         // F_a = Q m_b cosα,  w = (u cosα, 0);  F_a^(2/3) is nearly straight in u  (J14)
         let carried = |ball: &Pressing| ball.force[0] * cos_a;
-        let mut u = (axial / self.stiffness).cbrt().powi(2)
-            / (self.unloaded[0] * cos_a).powf(5.0 / 3.0);
+        let mut u =
+            (axial / self.stiffness).cbrt().powi(2) / (self.unloaded[0] * cos_a).powf(5.0 / 3.0);
         for _ in 0..MOST_STEPS {
             let ball = at(u);
             let (force, slope) = (carried(&ball), ball.slope[0][0] * cos_a * cos_a);

@@ -157,19 +157,23 @@ fn limit_loads() -> Vec<Check> {
     let check = |key: &str, claim: &str| Check::new(key, STEINMEYER, claim);
     let hertz = 2.0_f64.powf(1.5);
     let claim = "a pair of nuts opens at 2.83 times its preload";
-    let turned = "contact angles turn under the preload, which claims with constant ones leave out";
+    let turned = "4 %: contact angles turn under the preload, and the claim takes them as constant";
     vec![
         check("nut/limit-load-light", claim).measured(light[0], "preloads").equals(
             hertz,
             1e-3,
             "contact angles turn by 1e-4 under so light a preload",
         ),
-        check("nut/limit-load-usual", claim)
-            .measured(usual[0], "preloads")
-            .equals(hertz, 0.09, turned),
-        check("nut/limit-load-heavy", claim)
-            .measured(heavy[0], "preloads")
-            .equals(hertz, 0.09, turned),
+        check("nut/limit-load-usual", claim).measured(usual[0], "preloads").equals(
+            hertz,
+            0.04 * hertz,
+            turned,
+        ),
+        check("nut/limit-load-heavy", claim).measured(heavy[0], "preloads").equals(
+            hertz,
+            0.04 * hertz,
+            turned,
+        ),
         check("nut/busier-nut", "load of the busier nut under as much load as preload")
             .measured(usual[1], "preloads")
             .equals(
@@ -325,7 +329,7 @@ fn rigidities(rows: &[Pair]) -> Vec<Check> {
 /// The first ball's share where stiff bars load it most, over that of the continuous nut: `$\mu l\coth\mu l$` with
 /// both anchors at one end, and the mean of both ends' curves with the anchors at opposite ends.
 fn stiff_bars() -> Vec<Check> {
-    let (turns, balls) = (4.0, 400_u16);
+    let (turns, balls) = (4.0, 4000_u16);
     let nut =
         rigid(vec![Circuit { arc: turns * TAU, ..one_turn(usize::from(balls), Flanks::Plus) }]);
     let load = 6340.0;
@@ -351,7 +355,7 @@ fn stiff_bars() -> Vec<Check> {
             .note(format!("(mu l)^2 = {small}"))
     };
     let words = |at: &str| format!("excess of the first ball where stiff bars are held {at}");
-    let (coarse, fine) = (0.1, 0.01);
+    let (coarse, fine) = (0.3, 0.03);
     let [one, two] = [coarse, fine].map(|small| {
         let m = f64::sqrt(small);
         check("nut/cosh-same-end", &words("at one end"), small, at(small, ends[0]), same(m))
@@ -372,8 +376,8 @@ fn stiff_bars() -> Vec<Check> {
     )
     .measured(two.measured / one.measured, "")
     .note(format!("tenfold stiffness leaves 1/{ratio:.1} of the difference"))
-    .at_most(0.5, "first order leaves a tenth, and 400 balls a hundredth of a spacing");
-    let reason = "the law of the balls is not linear, and 400 balls are no continuum";
-    let [two, across] = [two, across].map(|check| check.at_most(0.02, reason));
+    .at_most(0.15, "first order leaves a tenth, up to the next order and the spacing of the balls");
+    let reason = "the law of the balls is not linear, and 4000 balls are no continuum";
+    let [two, across] = [two, across].map(|check| check.at_most(2e-3, reason));
     vec![two, across, order]
 }
