@@ -65,15 +65,14 @@ impl DesignReport {
     }
 
     fn from_outcome(wish: &RequirementFile, outcome: Outcome) -> Self {
-        let (design, reasons, found): (_, Vec<String>, _) =
-            match outcome {
-                Outcome::Found { design, active } => {
-                    (design, active.into_iter().map(|q| label(q).0.to_owned()).collect(), true)
-                }
-                Outcome::Infeasible { design, blocking } => {
-                    (design, blocking.iter().map(blocks).collect(), false)
-                }
-            };
+        let (design, reasons, found): (_, Vec<String>, _) = match outcome {
+            Outcome::Found { design, active } => {
+                (design, active.into_iter().map(|q| label(q).0.to_owned()).collect(), true)
+            }
+            Outcome::Infeasible { design, blocking } => {
+                (design, blocking.iter().map(blocks).collect(), false)
+            }
+        };
         let scene = scene(wish, &design.nut, design.load);
         let mut warnings = scene.warnings();
         let best = design.value(Quantity::BestContactAngle) / DEG;
@@ -101,8 +100,7 @@ impl DesignReport {
         let gap = nut.ball_gap() / nut.ball_diameter;
         if found && gap > 0.1 + 1e-6 {
             warnings.push(format!(
-                "on this pitch circle the balls of a turn leave a gap of {:.2} ball diameters",
-                gap
+                "on this pitch circle the balls of a turn leave a gap of {gap:.2} ball diameters"
             ));
         }
         let reasons = if found || !reasons.is_empty() {

@@ -196,7 +196,7 @@ impl InputKey {
             Ok(key) => return Ok((key, 1.0)),
             Err(unknown) => unknown,
         };
-        match convert(name, INPUTS.iter().map(|input| input.name)) {
+        match convert(name, &INPUTS.iter().map(|input| input.name)) {
             Some((own, factor)) => Self::named(own).map(|key| (key, factor)),
             None => Err(unknown),
         }

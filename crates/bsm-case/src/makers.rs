@@ -49,10 +49,8 @@ impl MakerNut {
     ) -> Result<Vec<Self>, CaseError> {
         let names = renamed(names)?;
         let wrong = |what: String| CaseError::Spectrum { what };
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .delimiter(separator)
-            .from_reader(table);
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).delimiter(separator).from_reader(table);
         let header = reader.headers().map_err(|e| wrong(e.to_string()))?.clone();
         let columns: Vec<_> = header
             .iter()
@@ -71,7 +69,8 @@ impl MakerNut {
                     continue;
                 }
                 let value = number(text, decimal);
-                let value = value.ok_or_else(|| in_row(format!("{word}: `{text}` is no number")))?;
+                let value =
+                    value.ok_or_else(|| in_row(format!("{word}: `{text}` is no number")))?;
                 given.set(word, factor * value)?;
             }
             nuts.push(given.nut().map_err(|e| in_row(e.to_string()))?);
@@ -90,10 +89,7 @@ impl MakerNut {
 }
 
 /// A column: our name of it, and the factor to our unit; `None` if it is not read.
-fn column(
-    name: &str,
-    names: &Map<String, Value>,
-) -> Result<Option<(&'static str, f64)>, String> {
+fn column(name: &str, names: &Map<String, Value>) -> Result<Option<(&'static str, f64)>, String> {
     let own = match names.get(name) {
         Some(Value::Null) => return Ok(None),
         Some(own) => own.as_str().unwrap_or_default(),
@@ -103,7 +99,7 @@ fn column(
     if let Some(word) = known().find(|word| *word == own) {
         return Ok(Some((word, 1.0)));
     }
-    convert(own, known()).map(Some).ok_or_else(|| {
+    convert(own, &known()).map(Some).ok_or_else(|| {
         let near = nearest(own, known()).map_or(String::new(), |near| format!(", did you mean `{near}`?"));
         format!(
             "unknown column `{own}`{near}; --columns-from MAP.json gives the names of a maker, null for a \
@@ -172,8 +168,7 @@ impl Given {
             scene.pitch_circle_diameter_mm,
             scene.lead_mm,
         ) {
-            scene.loaded_balls_per_turn =
-                Some((std::f64::consts::PI * pitch).hypot(lead) / ball);
+            scene.loaded_balls_per_turn = Some((std::f64::consts::PI * pitch).hypot(lead) / ball);
         }
         scene.check()?;
         // Says what lacks.

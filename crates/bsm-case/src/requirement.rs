@@ -260,7 +260,7 @@ impl Given {
         let known = key == "description"
             || WORDS_FROM_SCENES.contains(&key)
             || names().any(|name| name == key)
-            || convert(key, names()).is_some();
+            || convert(key, &names()).is_some();
         if !known {
             let names = FROM_SCENES.iter().map(|k| k.name());
             let names = names.chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));

@@ -12,6 +12,7 @@ use crate::error::brief;
 use crate::nut::{NutWords, OF_A_NUT};
 use crate::reader::lead_mm;
 use crate::rules::Relation;
+use crate::units::long_name;
 use crate::{CaseError, INPUTS, InputKey, InputSet, Scene};
 
 /// Key of the free text.
@@ -243,6 +244,14 @@ pub(crate) fn unknown_key(key: String) -> CaseError {
 
 /// The known input whose name is nearest to `key`, if any is near.
 pub fn nearest_input(key: &str) -> Option<&'static str> {
+    let meant = |name: &&str| {
+        long_name(key)
+            .and_then(|long| name.strip_prefix(long))
+            .is_some_and(|unit| unit.starts_with('_'))
+    };
+    if let Some(name) = INPUTS.iter().map(|input| input.name).find(meant) {
+        return Some(name);
+    }
     nearest(key, INPUTS.iter().map(|input| input.name).chain(NutWords::KEYS.iter().copied()))
 }
 

@@ -5,7 +5,10 @@ mod contacts;
 mod cycle;
 mod rules;
 
-use bsm_design::{Life, drag_torque, in_series, life, lost_motion, reliability_factor, root_mean_square};
+use bsm_design::{
+    PERMITTED_STRESS, drag_torque, in_series, life, lost_motion, reliability_factor,
+    root_mean_square,
+};
 use bsm_dyn::ModelWorkspace;
 use serde_json::{Map, Value, json};
 
@@ -17,7 +20,8 @@ pub use self::rules::SizeRule;
 use crate::quantity::{Whole, quantities};
 use crate::units::{DEG, MM, RPM, UM};
 use crate::{
-    AnalysisKind, CapacityReport, CaseError, InputKey, Numbers, Scene, Settings, capacity,
+    AnalysisKind, CapacityReport, CaseError, InputKey, Numbers, NutReport, Scene, Settings,
+    capacity,
 };
 
 /// What an axis is sized from: its nut, and a load and a speed or a cycle.
@@ -146,164 +150,28 @@ impl SizeReport {
     ///
     /// [`CaseError`] if an input is missing or breaks its rule.
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
-        let axis = Axis::of(scene)?;
-        let mut work = ModelWorkspace::default();
-        let heaviest = axis.heaviest().filter(|phase| phase.load != 0.0);
-        let (largest, fastest) = (axis.largest_load(), axis.fastest());
-        let mut notes = Vec::new();
-        let nut = heaviest.and_then(|phase| {
-            let speed = if phase.speed == 0.0 { fastest } else { phase.speed };
-            let found = nut_at(scene, settings, phase.load, speed);
-            found.map_err(|why| notes.push(format!("no numbers of all balls: {why}"))).ok()
-        });
-        let preloaded = is_preloaded(scene);
-        let preload = nut.as_ref().filter(|_| preloaded).and_then(|nut| nut.number("preload_set_N"));
-        let rule = preload.map(|force| drag_torque(force, axis.nut.lead, axis.nut.lead_angle()));
-        let alone = match preload {
-            Some(_) if fastest > 0.0 && scene.friction_coefficient.is_some() => {
-                let found = nut_at(scene, settings, 0.0, fastest)?;
-                found.number("friction_heat_W").map(|heat| heat / fastest)
-            }
-            _ => None,
-        };
-        let beyond = rule.map_or(0.0, |rule| (rule - alone.unwrap_or(0.0)).max(0.0));
-        let value = |key| scene.value_or_default(key).unwrap_or(0.0);
-        let torque = |phase: &Phase, work: &mut ModelWorkspace| -> Result<Torques, CaseError> {
-            let moves = f64::from(u8::from(phase.speed != 0.0));
-            Ok(Torques {
-                phase: *phase,
-                ideal: axis.advance() * phase.load,
-                contacts: contacts(scene, settings, &axis, phase, work)?,
-                drag: moves * beyond,
-                seal: moves * value(InputKey::seal_torque_Nm),
-                bearing: moves * value(InputKey::support_bearing_torque_Nm),
-            })
-        };
-        let torques: Vec<_> =
-            axis.phases.iter().map(|phase| torque(phase, &mut work)).collect::<Result<_, _>>()?;
-        let holding = heaviest.map(|phase| {
-            // The load drives: its sign against the speed.
-            let back = Phase { speed: -phase.load.signum() * fastest.max(RPM), ..*phase };
-            contacts(scene, settings, &axis, &back, &mut work)
-        });
-        let holding = holding.transpose()?.and_then(|found| {
-            Some((axis.advance() * largest - found.friction?).max(0.0))
-        });
-
-        let lived = life(axis.dynamic_rating, preload, &axis.duty());
-        let reliability = reliability_factor(value(InputKey::reliability_percent));
-        let lived = lived.map(|life| Life {
-            revolutions: reliability * life.revolutions,
-            time: reliability * life.time,
-            ..life
-        });
-        let by_balls = life_by_balls(scene, settings, &axis).map(|time| reliability * time);
-
-        let mut numbers = Numbers::new(AnalysisKind::Size);
-        let mut put = |place: Whole, value: Option<f64>| {
-            numbers.whole(place, value.filter(|value| value.is_finite()));
-        };
-        put(largest_load_N, Some(largest));
-        put(largest_speed_rpm, Some(fastest / RPM));
-        put(largest_feed_m_min, Some(fastest * axis.advance() * 60.0));
-        put(equivalent_load_N, lived.map(|life| life.mean_load));
-        put(equivalent_speed_rpm, lived.map(|life| life.mean_speed / RPM));
-        if let Some(shaft) = &axis.shaft {
-            let (critical, buckling) = (shaft.critical_speed(), shaft.buckling_load());
-            put(screw_length_between_bearings_mm, Some(shaft.length / MM));
-            put(bending_diameter_mm, Some(shaft.diameter / MM));
-            put(critical_speed_rpm, Some(critical / RPM));
-            put(critical_speed_ratio, Some(fastest / critical));
-            put(buckling_load_N, Some(buckling));
-            put(buckling_safety, Some(buckling / largest));
-            put(yield_load_N, Some(shaft.yield_load(bsm_design::PERMITTED_STRESS)));
-            put(screw_mass_kg, Some(axis.nut.mass_of_screw(&axis.thread, shaft.length)));
-            let rise = scene.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
-            let expansion = value(InputKey::thermal_expansion_um_m_K) * UM;
-            put(screw_growth_um, rise.map(|rise| shaft.growth(expansion, rise) / UM));
-            put(screw_rigidity_N_um, Some(shaft.least_stiffness() * UM));
-        }
-        put(cycle_speed_number_mm_min, Some(axis.nut.speed_number(fastest) / (MM * RPM)));
-        let of_balls = nut.as_ref().and_then(|nut| nut.number("static_safety"));
-        let of_balls = of_balls.map(|safety| {
-            // By the rating of the maker too, which is of the same ball.
-            safety * axis.static_rating.rating / axis.nut.static_rating().rating
-        });
-        let by_rating = axis.static_rating.safety(largest);
-        put(static_safety_factor, Some(of_balls.map_or(by_rating, |safety| safety.min(by_rating))));
-        put(cycle_life_revolutions, lived.map(|life| life.revolutions));
-        put(cycle_life_h, lived.map(|life| life.time / 3600.0));
-        put(cycle_life_by_balls_h, by_balls.map(|time| time / 3600.0));
-        put(opening_load_N, nut.as_ref().and_then(|nut| nut.number("limit_load_N")));
-        let nut_stiffness = nut.as_ref().and_then(|nut| nut.number("nut_stiffness_N_um"));
-        put(nut_rigidity_N_um, nut_stiffness);
-        let stiffness = axis.shaft.as_ref().zip(nut_stiffness).map(|(shaft, nut)| {
-            let others = [scene.support_bearing_rigidity_N_um, scene.housing_rigidity_N_um];
-            let springs = others.into_iter().flatten().map(|rigidity| rigidity / UM);
-            springs.fold(in_series(shaft.least_stiffness(), nut / UM), in_series)
-        });
-        put(axis_rigidity_N_um, stiffness.map(|stiffness| stiffness * UM));
-        let friction = axis.carriage.guide_friction();
-        let lost = stiffness.filter(|_| friction > 0.0).map(|k| lost_motion(friction, k) / UM);
-        put(lost_motion_um, lost);
-        let motor = |torques: &Torques| {
-            Some(axis.drive.motor_torque(torques.at_screw()?, torques.phase.acceleration))
-        };
-        let power = |torques: &Torques| {
-            Some(motor(torques)? * torques.phase.speed * axis.drive.gear_ratio)
-        };
-        let all = |number: &dyn Fn(&Torques) -> Option<f64>| -> Option<Vec<f64>> {
-            torques.iter().map(number).collect()
-        };
-        let peak = |values: Vec<f64>| values.into_iter().map(f64::abs).fold(0.0, f64::max);
-        let times = || torques.iter().map(|torques| torques.phase.time);
-        let torque_of_motor = all(&motor);
-        put(peak_motor_torque_Nm, torque_of_motor.clone().map(peak));
-        let mean_square = |values: Vec<f64>| root_mean_square(values.into_iter().zip(times()));
-        put(rms_motor_torque_Nm, torque_of_motor.and_then(mean_square));
-        put(peak_motor_power_W, all(&power).map(peak));
-        let mean = |values: Vec<f64>| {
-            let heat: f64 = values.iter().zip(times()).map(|(heat, time)| heat * time).sum();
-            heat / times().sum::<f64>()
-        };
-        put(mean_heat_W, all(&Torques::heat).map(mean));
-        put(preload_drag_Nm, rule);
-        put(contact_drag_Nm, alone);
-        put(holding_torque_Nm, holding);
-        put(inertia_of_screw_kg_m2, axis.screw_inertia);
-        put(inertia_of_mass_kg_m2, Some(axis.drive.mass_inertia()));
-        let at_motor = axis.screw_inertia.map(|_| axis.drive.load_inertia());
-        put(inertia_at_motor_kg_m2, at_motor);
-        let motor_inertia = Some(axis.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
-        put(inertia_ratio, at_motor.zip(motor_inertia).map(|(load, motor)| load / motor));
-
-        let of_nut = CapacityReport::of(&at_largest(scene, &axis), None)?;
+        let worked = Worked::of(scene, settings)?;
+        let of_nut = CapacityReport::of(&at_largest(scene, &worked.axis), None)?;
         let mut warnings = of_nut.warnings().to_vec();
-        if let Some(nut) = &nut {
-            warnings.extend(nut.warnings());
-        }
+        warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
         warnings.sort();
         warnings.dedup();
-        if axis.shaft.is_none() {
-            notes.push(
-                "without stroke_mm or unsupported_length_mm there is no critical speed, buckling load and inertia of the screw"
-                    .to_owned(),
-            );
-        } else if !axis.support_is_given {
-            notes.push("support is not given: fixed-supported is taken".to_owned());
-        }
-        if axis.length.is_some() && scene.unsupported_length_mm.is_none() {
-            notes.push("unsupported_length_mm is stroke, length of the nut and two leads".to_owned());
-        }
-        let phases = torques.iter().map(|t| phase_numbers(t, &axis, motor(t), power(t))).collect();
-        let sizes = sizes(scene, &axis, &of_nut, preload);
-        let rules = rules::rules(scene, &axis, &numbers, &of_nut, preload);
-        Ok(Self { scene: scene.clone(), numbers, rules, phases, sizes, notes, warnings })
+        let (axis, preload) = (&worked.axis, worked.preload);
+        let numbers = worked.numbers();
+        Ok(Self {
+            scene: scene.clone(),
+            rules: rules::rules(scene, axis, &numbers, &of_nut, preload),
+            phases: worked.torques.iter().map(|torques| worked.phase_numbers(torques)).collect(),
+            sizes: sizes(scene, axis, &of_nut, preload),
+            notes: worked.notes(),
+            warnings,
+            numbers,
+        })
     }
 
     /// True if every rule holds.
     pub fn passes(&self) -> bool {
-        self.rules.iter().all(|rule| rule.passes())
+        self.rules.iter().all(SizeRule::passes)
     }
 
     /// A number by name.
@@ -350,6 +218,243 @@ impl SizeReport {
     }
 }
 
+/// What the numbers of an axis are made from.
+struct Worked<'a> {
+    scene: &'a Scene,
+    axis: Axis,
+    /// The nut under the largest load, with all its balls; or why there is none.
+    nut: Option<NutReport>,
+    no_nut: Option<String>,
+    /// Preload \[N\], its drag by the rule of makers and by its contacts alone \[N·m\].
+    preload: Option<f64>,
+    drag_by_rule: Option<f64>,
+    drag_of_contacts: Option<f64>,
+    torques: Vec<Torques>,
+    holding: Option<f64>,
+    /// Life by the loads of all balls \[s\].
+    life_by_balls: Option<f64>,
+}
+
+/// Takes a number of the axis.
+type Put<'a> = &'a mut dyn FnMut(Whole, Option<f64>);
+
+impl<'a> Worked<'a> {
+    fn of(scene: &'a Scene, settings: &Settings) -> Result<Self, CaseError> {
+        let axis = Axis::of(scene)?;
+        let mut work = ModelWorkspace::default();
+        let heaviest = axis.heaviest().filter(|phase| phase.load != 0.0).copied();
+        let fastest = axis.fastest();
+        let found = heaviest.map(|phase| {
+            let speed = if phase.speed == 0.0 { fastest } else { phase.speed };
+            nut_at(scene, settings, phase.load, speed)
+        });
+        let (nut, no_nut) = match found {
+            Some(Ok(nut)) => (Some(nut), None),
+            Some(Err(why)) => (None, Some(format!("no numbers of all balls: {why}"))),
+            None => (None, None),
+        };
+        let preload = nut.as_ref().filter(|_| is_preloaded(scene));
+        let preload = preload.and_then(|nut| nut.number("preload_set_N"));
+        let drag_by_rule =
+            preload.map(|force| drag_torque(force, axis.nut.lead, axis.nut.lead_angle()));
+        let drag_of_contacts = match preload {
+            Some(_) if fastest > 0.0 && scene.friction_coefficient.is_some() => {
+                let found = nut_at(scene, settings, 0.0, fastest)?;
+                found.number("friction_heat_W").map(|heat| heat / fastest)
+            }
+            _ => None,
+        };
+        let beyond = drag_by_rule.map_or(0.0, |rule| rule - drag_of_contacts.unwrap_or(0.0));
+        let value = |key| scene.value_or_default(key).unwrap_or(0.0);
+        let torque = |phase: &Phase| -> Result<Torques, CaseError> {
+            let moves = f64::from(u8::from(phase.speed != 0.0));
+            Ok(Torques {
+                phase: *phase,
+                ideal: axis.advance() * phase.load,
+                contacts: contacts(scene, settings, &axis, phase, &mut work)?,
+                drag: moves * beyond.max(0.0),
+                seal: moves * value(InputKey::seal_torque_Nm),
+                bearing: moves * value(InputKey::support_bearing_torque_Nm),
+            })
+        };
+        let torques = axis.phases.iter().map(torque).collect::<Result<_, _>>()?;
+        // The load drives: its sign against the speed.
+        let back =
+            heaviest.map(|phase| Phase { speed: -phase.load.signum() * fastest.max(RPM), ..phase });
+        let back = back.map(|back| contacts(scene, settings, &axis, &back, &mut work));
+        let holding = back.transpose()?.and_then(|found| {
+            Some((axis.advance() * axis.largest_load() - found.friction?).max(0.0))
+        });
+        let life_by_balls = life_by_balls(scene, settings, &axis);
+        Ok(Self {
+            scene,
+            axis,
+            nut,
+            no_nut,
+            preload,
+            drag_by_rule,
+            drag_of_contacts,
+            torques,
+            holding,
+            life_by_balls,
+        })
+    }
+
+    fn numbers(&self) -> Numbers {
+        let mut numbers = Numbers::new(AnalysisKind::Size);
+        let mut put = |place: Whole, value: Option<f64>| {
+            numbers.whole(place, value.filter(|value| value.is_finite()));
+        };
+        self.of_life(&mut put);
+        self.of_screw(&mut put);
+        self.of_drive(&mut put);
+        numbers
+    }
+
+    /// A number of the nut under the largest load.
+    fn of_nut(&self, name: &str) -> Option<f64> {
+        self.nut.as_ref()?.number(name)
+    }
+
+    /// The cycle, and what the nut lasts under it.
+    fn of_life(&self, put: Put<'_>) {
+        let axis = &self.axis;
+        let (largest, fastest) = (axis.largest_load(), axis.fastest());
+        let reliability = self.scene.value_or_default(InputKey::reliability_percent);
+        let reliability = reliability.map_or(1.0, reliability_factor);
+        let lived = life(axis.dynamic_rating, self.preload, &axis.duty());
+        put(largest_load_N, Some(largest));
+        put(largest_speed_rpm, Some(fastest / RPM));
+        put(largest_feed_m_min, Some(fastest * axis.advance() * 60.0));
+        put(equivalent_load_N, lived.map(|life| life.mean_load));
+        put(equivalent_speed_rpm, lived.map(|life| life.mean_speed / RPM));
+        put(cycle_life_revolutions, lived.map(|life| reliability * life.revolutions));
+        put(cycle_life_h, lived.map(|life| reliability * life.time / 3600.0));
+        put(cycle_life_by_balls_h, self.life_by_balls.map(|time| reliability * time / 3600.0));
+        // By the rating of the maker too, which is of the same ball.
+        let stated = axis.static_rating.rating / axis.nut.static_rating().rating;
+        let of_balls = self.of_nut("static_safety").map_or(f64::INFINITY, |safety| safety * stated);
+        put(static_safety_factor, Some(axis.static_rating.safety(largest).min(of_balls)));
+        put(opening_load_N, self.of_nut("limit_load_N"));
+    }
+
+    /// The screw between its bearings, and the rigidity of the axis.
+    fn of_screw(&self, put: Put<'_>) {
+        let Self { scene, axis, .. } = self;
+        put(cycle_speed_number_mm_min, Some(axis.nut.speed_number(axis.fastest()) / (MM * RPM)));
+        let nut_stiffness = self.of_nut("nut_stiffness_N_um");
+        put(nut_rigidity_N_um, nut_stiffness);
+        let Some(shaft) = &axis.shaft else { return };
+        let (critical, buckling) = (shaft.critical_speed(), shaft.buckling_load());
+        put(screw_length_between_bearings_mm, Some(shaft.length / MM));
+        put(bending_diameter_mm, Some(shaft.diameter / MM));
+        put(critical_speed_rpm, Some(critical / RPM));
+        put(critical_speed_ratio, Some(axis.fastest() / critical));
+        put(buckling_load_N, Some(buckling));
+        put(buckling_safety, Some(buckling / axis.largest_load()));
+        put(yield_load_N, Some(shaft.yield_load(PERMITTED_STRESS)));
+        put(screw_mass_kg, Some(axis.nut.mass_of_screw(&axis.thread, shaft.length)));
+        let rise = scene.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
+        let expansion = scene.value_or_default(InputKey::thermal_expansion_um_m_K);
+        let growth = rise.zip(expansion).map(|(rise, by)| shaft.growth(by * UM, rise) / UM);
+        put(screw_growth_um, growth);
+        put(screw_rigidity_N_um, Some(shaft.least_stiffness() * UM));
+        let Some(nut_stiffness) = nut_stiffness else { return };
+        let others = [scene.support_bearing_rigidity_N_um, scene.housing_rigidity_N_um];
+        let springs = others.into_iter().flatten().map(|rigidity| rigidity / UM);
+        let stiffness =
+            springs.fold(in_series(shaft.least_stiffness(), nut_stiffness / UM), in_series);
+        put(axis_rigidity_N_um, Some(stiffness * UM));
+        let friction = Some(axis.carriage.guide_friction()).filter(|friction| *friction > 0.0);
+        put(lost_motion_um, friction.map(|friction| lost_motion(friction, stiffness) / UM));
+    }
+
+    /// Torque, power, heat and inertia.
+    fn of_drive(&self, put: Put<'_>) {
+        let axis = &self.axis;
+        let all = |number: &dyn Fn(&Torques) -> Option<f64>| -> Option<Vec<f64>> {
+            self.torques.iter().map(number).collect()
+        };
+        let peak = |values: Vec<f64>| values.into_iter().map(f64::abs).fold(0.0, f64::max);
+        let times = || self.torques.iter().map(|torques| torques.phase.time);
+        let torque = all(&|torques| self.motor_torque(torques));
+        put(peak_motor_torque_Nm, torque.clone().map(peak));
+        let mean_square = |values: Vec<f64>| root_mean_square(values.into_iter().zip(times()));
+        put(rms_motor_torque_Nm, torque.and_then(mean_square));
+        put(peak_motor_power_W, all(&|torques| self.motor_power(torques)).map(peak));
+        let mean = |values: Vec<f64>| {
+            let heat: f64 = values.iter().zip(times()).map(|(heat, time)| heat * time).sum();
+            heat / times().sum::<f64>()
+        };
+        put(mean_heat_W, all(&Torques::heat).map(mean));
+        put(preload_drag_Nm, self.drag_by_rule);
+        put(contact_drag_Nm, self.drag_of_contacts);
+        put(holding_torque_Nm, self.holding);
+        put(inertia_of_screw_kg_m2, axis.screw_inertia);
+        put(inertia_of_mass_kg_m2, Some(axis.drive.mass_inertia()));
+        let at_motor = axis.screw_inertia.map(|_| axis.drive.load_inertia());
+        put(inertia_at_motor_kg_m2, at_motor);
+        let motor = Some(axis.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
+        put(inertia_ratio, at_motor.zip(motor).map(|(load, motor)| load / motor));
+    }
+
+    fn motor_torque(&self, torques: &Torques) -> Option<f64> {
+        Some(self.axis.drive.motor_torque(torques.at_screw()?, torques.phase.acceleration))
+    }
+
+    fn motor_power(&self, torques: &Torques) -> Option<f64> {
+        let speed = torques.phase.speed * self.axis.drive.gear_ratio;
+        Some(self.motor_torque(torques)? * speed)
+    }
+
+    /// What was taken where nothing was given.
+    fn notes(&self) -> Vec<String> {
+        let mut notes: Vec<_> = self.no_nut.clone().into_iter().collect();
+        let mut note = |words: &str| notes.push(words.to_owned());
+        if self.axis.shaft.is_none() {
+            note(
+                "without stroke_mm or unsupported_length_mm there is no critical speed, buckling load and inertia of the screw",
+            );
+            return notes;
+        }
+        if self.scene.nut.support.is_none() {
+            note("support is not given: fixed-supported is taken");
+        }
+        if self.scene.unsupported_length_mm.is_none() {
+            note("unsupported_length_mm is stroke, length of the nut and two leads");
+        }
+        notes
+    }
+
+    fn phase_numbers(&self, torques: &Torques) -> SizePhase {
+        let phase = &torques.phase;
+        let share = phase.time / self.axis.phases.iter().map(|phase| phase.time).sum::<f64>();
+        let output = torques.ideal * phase.speed;
+        let efficiency = torques.at_screw().map(|torque| torque * phase.speed).and_then(|input| {
+            let efficiency = if output > 0.0 { output / input } else { input / output };
+            (output != 0.0).then_some(efficiency)
+        });
+        let numbers = vec![
+            ("time_share", "", Some(share)),
+            ("axial_load_N", "N", Some(phase.load)),
+            ("screw_speed_rpm", "rpm", Some(phase.speed / RPM)),
+            ("feed_m_min", "m/min", Some(phase.speed * self.axis.advance() * 60.0)),
+            ("acceleration_m_s2", "m/s2", Some(phase.acceleration)),
+            ("ideal_torque_Nm", "N m", Some(torques.ideal)),
+            ("contact_friction_torque_Nm", "N m", torques.contacts.friction),
+            ("preload_drag_beyond_contacts_Nm", "N m", Some(torques.drag)),
+            ("seal_torque_Nm", "N m", Some(torques.seal)),
+            ("support_bearing_torque_Nm", "N m", Some(torques.bearing)),
+            ("screw_torque_Nm", "N m", torques.at_screw()),
+            ("efficiency", "", efficiency),
+            ("motor_torque_Nm", "N m", self.motor_torque(torques)),
+            ("motor_power_W", "W", self.motor_power(torques)),
+            ("heat_W", "W", torques.heat()),
+        ];
+        SizePhase { numbers, contacts: torques.contacts.words.clone() }
+    }
+}
+
 /// A scene at the largest load and speed of its axis, for the ratings.
 fn at_largest(scene: &Scene, axis: &Axis) -> Scene {
     let mut scene = scene.clone();
@@ -379,39 +484,6 @@ fn life_by_balls(scene: &Scene, settings: &Settings, axis: &Axis) -> Option<f64>
         }
     }
     (taken > 0.0).then(|| time / taken)
-}
-
-fn phase_numbers(
-    torques: &Torques,
-    axis: &Axis,
-    motor: Option<f64>,
-    power: Option<f64>,
-) -> SizePhase {
-    let phase = &torques.phase;
-    let share = phase.time / axis.phases.iter().map(|phase| phase.time).sum::<f64>();
-    let output = torques.ideal * phase.speed;
-    let efficiency = torques.at_screw().map(|torque| torque * phase.speed).and_then(|input| {
-        let efficiency = if output > 0.0 { output / input } else { input / output };
-        (output != 0.0).then_some(efficiency)
-    });
-    let numbers = vec![
-        ("time_share", "", Some(share)),
-        ("axial_load_N", "N", Some(phase.load)),
-        ("screw_speed_rpm", "rpm", Some(phase.speed / RPM)),
-        ("feed_m_min", "m/min", Some(phase.speed * axis.advance() * 60.0)),
-        ("acceleration_m_s2", "m/s2", Some(phase.acceleration)),
-        ("ideal_torque_Nm", "N m", Some(torques.ideal)),
-        ("contact_friction_torque_Nm", "N m", torques.contacts.friction),
-        ("preload_drag_beyond_contacts_Nm", "N m", Some(torques.drag)),
-        ("seal_torque_Nm", "N m", Some(torques.seal)),
-        ("support_bearing_torque_Nm", "N m", Some(torques.bearing)),
-        ("screw_torque_Nm", "N m", torques.at_screw()),
-        ("efficiency", "", efficiency),
-        ("motor_torque_Nm", "N m", motor),
-        ("motor_power_W", "W", power),
-        ("heat_W", "W", torques.heat()),
-    ];
-    SizePhase { numbers, contacts: torques.contacts.words.clone() }
 }
 
 /// The screw and its nut as they were used.

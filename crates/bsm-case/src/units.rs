@@ -139,16 +139,20 @@ const UNITS: &[(&str, Dimension, f64)] = {
 /// Short names that stand for one of the vocabulary, without their units.
 const SHORT_NAMES: [(&str, &str); 2] = [("speed", "screw_speed"), ("load", "axial_load")];
 
+/// What a short name stands for.
+pub(crate) fn long_name(short: &str) -> Option<&'static str> {
+    SHORT_NAMES.iter().find(|(known, _)| *known == short).map(|(_, long)| *long)
+}
+
 /// A name in another unit: the one of `known` that differs from it in its unit alone, and what a value is to
 /// be multiplied with. `axial_load_kN` is `axial_load_N` times 1000.
 pub(crate) fn convert<'a>(
     name: &str,
-    known: impl Iterator<Item = &'a str> + Clone,
+    known: &(impl Iterator<Item = &'a str> + Clone),
 ) -> Option<(&'a str, f64)> {
     let found = |&(unit, dimension, size): &(&str, Dimension, f64)| {
         let stem = name.strip_suffix(unit)?.strip_suffix('_')?;
-        let long = SHORT_NAMES.iter().find(|(short, _)| *short == stem);
-        let stem = long.map_or(stem, |(_, long)| long);
+        let stem = long_name(stem).unwrap_or(stem);
         let same = |other: &&'a str| {
             let unit = other.strip_prefix(stem)?.strip_prefix('_')?;
             let (.., own) = UNITS.iter().find(|(u, d, _)| *u == unit && *d == dimension)?;
@@ -191,12 +195,12 @@ mod tests {
             ("density_g_cm3", "density_kg_m3", 1e3),
             ("preload_offset_nm", "preload_offset_um", 1e-3),
         ] {
-            let (found, by) = convert(name, known()).expect(name);
+            let (found, by) = convert(name, &known()).expect(name);
             // Fifteen digits.
             assert!(found == own && (by / factor - 1.0).abs() < 1e-14, "{name}: {found} {by}");
         }
         for name in ["axial_load_mm", "axial_load", "lead", "lead_mm_mm", "speed", "kN", "_kN"] {
-            assert_eq!(convert(name, known()), None, "{name}");
+            assert_eq!(convert(name, &known()), None, "{name}");
         }
     }
 

@@ -77,7 +77,7 @@ fn requirements_are_checked() {
     says(&["pressure_limit_MPa=much"], "must be a number");
     let bare = read(b"{\"axial_load_N\": 1, \"lead_mm\": 5, \"stroke_mm\": 9}", &[]);
     let error = bare.expect_err("incomplete").to_string();
-    assert!(error.contains("screw_speed_rpm and friction_coefficient are required"), "{error}");
+    assert!(error.contains("(or feed_m_min) and friction_coefficient are required"), "{error}");
 }
 
 /// An absurd load is no error, but nothing carries it.

@@ -2,9 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bsm_case::{
-    Catalogue, DesignReport, MakerNut, RequirementFile, Scene, Settings, SizeReport,
-};
+use bsm_case::{Catalogue, DesignReport, MakerNut, RequirementFile, Scene, Settings, SizeReport};
 
 const AXIS: &[u8] = include_bytes!("../../../examples/axis.json");
 
@@ -145,10 +143,19 @@ fn what_lacks_is_told() {
         "nut_conformity": 0.53, "screw_conformity": 0.53, "loaded_balls_per_turn": 16, "loaded_turns": 4"#;
     says(&format!("{{{nut}}}"), "axial_load_N (or cycle)");
     says(&format!("{{{nut}, \"axial_load_N\": 1, \"axial_load_kN\": 1}}"), "both are given");
-    says(&format!("{{{nut}, \"axial_load_N\": 1, \"feed_m_min\": 1, \"screw_speed_rpm\": 1}}"), "feed_m_min");
+    says(
+        &format!("{{{nut}, \"axial_load_N\": 1, \"feed_m_min\": 1, \"screw_speed_rpm\": 1}}"),
+        "feed_m_min",
+    );
     says(&format!("{{{nut}, \"cycle\": [{{\"force_N\": 1}}]}}"), "one of time_s and share");
-    says(&format!("{{{nut}, \"cycle\": [{{\"time_s\": 1, \"froce_N\": 1}}]}}"), "did you mean `force_N`");
-    says(&format!("{{{nut}, \"cycle\": [{{\"time_s\": 1}}, {{\"share\": 1}}]}}"), "all have time_s");
+    says(
+        &format!("{{{nut}, \"cycle\": [{{\"time_s\": 1, \"froce_N\": 1}}]}}"),
+        "did you mean `force_N`",
+    );
+    says(
+        &format!("{{{nut}, \"cycle\": [{{\"time_s\": 1}}, {{\"share\": 1}}]}}"),
+        "all have time_s",
+    );
     says(&format!("{{{nut}, \"support\": \"loose\"}}"), "support");
 }
 
@@ -175,7 +182,8 @@ fn a_design_is_of_standard_size() {
     assert!(listed(&catalogue.lists.balls, scene.ball_diameter_mm), "{scene:?}");
     assert!(scene.contact_angle_deg.is_some_and(|angle| (angle - 45.0).abs() < 1e-6));
     let sheet = SizeReport::of(scene, &Settings::default()).expect("an axis");
-    let step = |name: &str| report.rows.iter().find(|row| row.name == name).and_then(|row| row.value);
+    let step =
+        |name: &str| report.rows.iter().find(|row| row.name == name).and_then(|row| row.value);
     // The sheet adds 1 % of the weight on the guides, 0.5 % of the load.
     for (name, of_design) in [("cycle_life_h", "life_h"), ("buckling_safety", "buckling_safety")] {
         near(number(&sheet, name), step(of_design).expect(of_design), 0.02, name);

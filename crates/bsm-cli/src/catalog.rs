@@ -65,7 +65,10 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     let meets = |nut: &Candidate| requirements.iter().all(|(_, r)| r.is_met(nut)) && keeps(nut);
     let mut chosen = catalogue.map(&all, |place, nut| meets(nut).then_some(place));
     if chosen.is_empty() && wish.is_some() && requirements.is_empty() {
-        warn("note", "no nut keeps all limits of the requirement; bsm design says which one blocks");
+        warn(
+            "note",
+            "no nut keeps all limits of the requirement; bsm design says which one blocks",
+        );
         return Err(Failure::Unsolved);
     }
     if chosen.is_empty() {

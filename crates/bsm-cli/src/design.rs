@@ -27,7 +27,10 @@ pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
     } else if let Some(report) = DesignReport::standard(&wish, &catalogue) {
         report
     } else {
-        warn("note", "no standard size is meant by this requirement: any size is taken, as with --free");
+        warn(
+            "note",
+            "no standard size is meant by this requirement: any size is taken, as with --free",
+        );
         DesignReport::of(&wish)
     };
     if let Some(output) = args.output.as_deref().filter(|_| report.found) {

@@ -112,20 +112,23 @@ fn describe(rows: &[Row]) -> String {
     let Some(first) = rows.first() else { return "the table has no nut".to_owned() };
     let sized = first.passes.is_some();
     let cells = |row: &Row| {
-        let numbers = row.numbers.iter().map(|(_, value)| value.map_or_else(|| "-".to_owned(), number));
+        let numbers =
+            row.numbers.iter().map(|(_, value)| value.map_or_else(|| "-".to_owned(), number));
         let verdict = row.passes.map(|passes| if passes { "pass" } else { "FAIL" }.to_owned());
         std::iter::once(row.nut.name.clone()).chain(numbers).chain(verdict).collect()
     };
-    let mut header: Vec<_> = std::iter::once("nut").chain(first.numbers.iter().map(|(name, _)| name.as_str())).collect();
+    let mut header: Vec<_> =
+        std::iter::once("nut").chain(first.numbers.iter().map(|(name, _)| name.as_str())).collect();
     header.extend(sized.then_some(""));
     let table = table::plain(Some(&header), &rows.iter().map(cells).collect::<Vec<_>>(), 1);
     // How far ours are from the maker's.
     let ratio = |name: &str| {
-        let ratios = rows.iter().filter_map(|row| {
-            Some(value(row, &format!("our_{name}"))? / value(row, name)?)
-        });
+        let ratios = rows
+            .iter()
+            .filter_map(|row| Some(value(row, &format!("our_{name}"))? / value(row, name)?));
         let ratios: Vec<f64> = ratios.collect();
-        let (low, high) = ratios.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), r| (l.min(*r), h.max(*r)));
+        let (low, high) =
+            ratios.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), r| (l.min(*r), h.max(*r)));
         (!ratios.is_empty()).then(|| format!("{name} {} to {}", short(low), short(high)))
     };
     let ratios = ["dynamic_load_rating_N", "static_load_rating_N", "rigidity_N_um"].map(ratio);

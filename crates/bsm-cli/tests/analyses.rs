@@ -266,7 +266,8 @@ fn a_preload_that_no_model_uses_is_told() {
         let told = |settings: &[&str]| {
             let output = bsm(dir.path(), &[&[command, &scene], settings, more].concat(), "");
             assert_eq!(output.status.code(), Some(0), "{command}: {}", stderr(&output));
-            stderr(&output).contains("note: preload_N is not in the balance of one ball: see bsm nut")
+            stderr(&output)
+                .contains("note: preload_N is not in the balance of one ball: see bsm nut")
         };
         assert!(told(&["--set", "preload_N=4000"]), "{command}");
         assert!(!told(&[]), "{command}");

@@ -35,7 +35,13 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
         let dir = folder();
         let run = |args: &[&str]| {
             let output = bsm(dir.path(), args, "");
-            assert_eq!(output.status.code(), Some(0), "{way} {args:?}: {}{}", stdout(&output), stderr(&output));
+            assert_eq!(
+                output.status.code(),
+                Some(0),
+                "{way} {args:?}: {}{}",
+                stdout(&output),
+                stderr(&output)
+            );
             stdout(&output)
         };
         // The upright screw carries the weight too: its life is that of 14.9 kN.
@@ -51,7 +57,10 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
 
         let close = |name: &str, by_hand: f64, tolerance: f64| {
             let ours = number(results, name);
-            assert!((ours / by_hand - 1.0).abs() < tolerance, "{way} {name}: {ours}, by hand {by_hand}");
+            assert!(
+                (ours / by_hand - 1.0).abs() < tolerance,
+                "{way} {name}: {ours}, by hand {by_hand}"
+            );
         };
         let lead = number(screw, "lead_mm");
         let rpm = 30_000.0 / lead;
@@ -123,10 +132,22 @@ fn a_failing_rule_says_what_would_help() {
 #[test]
 fn a_cycle_comes_from_a_table_of_ones_own() {
     let dir = folder();
-    let table = "time_s;force_kN;feed_m_min;acceleration_m_s2\n0,2;0;15;2,5\n3,6;10;30;0\n0,2;0;15;-2,5\n";
+    let table =
+        "time_s;force_kN;feed_m_min;acceleration_m_s2\n0,2;0;15;2,5\n3,6;10;30;0\n0,2;0;15;-2,5\n";
     fs::write(dir.path().join("cycle.csv"), table).expect("written");
     let axis = example("axis.json");
-    let args = ["size", &axis, "--cycle", "cycle.csv", "--delimiter", "semicolon", "--decimal", "comma", "--format", "json"];
+    let args = [
+        "size",
+        &axis,
+        "--cycle",
+        "cycle.csv",
+        "--delimiter",
+        "semicolon",
+        "--decimal",
+        "comma",
+        "--format",
+        "json",
+    ];
     let output = bsm(dir.path(), &args, "");
     let from_table = json(&stdout(&output));
     let cycle = r#"cycle=[{"time_s":0.2,"feed_m_min":15,"acceleration_m_s2":2.5},
@@ -178,7 +199,8 @@ fn names_may_have_any_unit() {
         assert_eq!(lines.next(), Some(header), "{text}");
         assert!(lines.next().is_some_and(|row| row.starts_with("8000,30,")), "{text}");
     }
-    let args = ["sweep", &drive, "--vary", "axial_load_kN=4,8", "-o", "-", "--columns", "screw_torque_Nm"];
+    let args =
+        ["sweep", &drive, "--vary", "axial_load_kN=4,8", "-o", "-", "--columns", "screw_torque_Nm"];
     let text = stdout(&bsm(dir.path(), &args, ""));
     assert!(text.lines().nth(2).is_some_and(|row| row.starts_with("8000,")), "{text}");
     let args = ["solve", &drive, "--set", "axial_load_kN=8", "--set", "axial_load_mm=8"];
@@ -205,9 +227,18 @@ fn short_names_are_suggested() {
 #[test]
 fn a_picked_nut_is_a_scene_for_every_command() {
     let dir = folder();
-    let args = ["catalog", "--require", "nominal_diameter_mm=40", "--require", "lead_mm=20", "--pick", "nut.json"];
+    let args = [
+        "catalog",
+        "--require",
+        "nominal_diameter_mm=40",
+        "--require",
+        "lead_mm=20",
+        "--pick",
+        "nut.json",
+    ];
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(0));
-    let point = ["friction_coefficient=0.06", "axial_load_N=8000", "feed_m_min=30", "stroke_mm=800"];
+    let point =
+        ["friction_coefficient=0.06", "axial_load_N=8000", "feed_m_min=30", "stroke_mm=800"];
     let sets: Vec<_> = point.iter().flat_map(|setting| ["--set", *setting]).collect();
     for command in [
         &["solve"][..],

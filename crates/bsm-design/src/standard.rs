@@ -27,9 +27,10 @@ impl Requirement {
         let limits = Limits { material: self.material, ..*limits };
         let places = lists.places(&limits);
         let designs = lists.map(&limits, &places, |_, candidate| {
-            let fits = self.fixed.pitch_diameter.is_none_or(|diameter| {
-                (candidate.nut.pitch_diameter - diameter).abs() <= 1e-9
-            });
+            let fits = self
+                .fixed
+                .pitch_diameter
+                .is_none_or(|diameter| (candidate.nut.pitch_diameter - diameter).abs() <= 1e-9);
             fits.then(|| Design::of(self, candidate.nut, None))
         });
         let complete = |design: &Design| Design::of(self, design.nut, Some(efficiency));
@@ -40,7 +41,9 @@ impl Requirement {
         if limited || self.objective == Objective::Efficiency {
             kept = kept.par_iter().map(complete).filter(Design::is_feasible).collect();
         } else {
-            kept.sort_by(|a, b| a.objective(self.objective).total_cmp(&b.objective(self.objective)));
+            kept.sort_by(|a, b| {
+                a.objective(self.objective).total_cmp(&b.objective(self.objective))
+            });
             let first = kept.len().min(ASKED);
             kept = kept[..first].par_iter().map(complete).collect();
         }
@@ -51,12 +54,13 @@ impl Requirement {
         if let Some(design) = best {
             return Some(Outcome::Found { active: near_their_limits(&design), design });
         }
-        self.blocked(failed, complete)
+        blocked(failed, complete)
     }
 
     /// The lists with what is fixed in their place.
     fn lists(&self, lists: &Lists) -> Lists {
-        let one = |fixed: Option<f64>, list: &[f64]| fixed.map_or(list.to_vec(), |value| vec![value]);
+        let one =
+            |fixed: Option<f64>, list: &[f64]| fixed.map_or(list.to_vec(), |value| vec![value]);
         let leads = self.pitches.iter().filter_map(|pitch| match pitch {
             Pitch::Lead(lead) => Some(*lead),
             Pitch::Angle(_) => None,
@@ -70,39 +74,39 @@ impl Requirement {
             contact_angles: one(self.fixed.contact_angle, &lists.contact_angles),
         }
     }
+}
 
-    /// Why no standard size keeps all limits: the one that fails least, and each limit that alone is in the way, with
-    /// the best value that it could have.
-    fn blocked(&self, designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option<Outcome> {
-        let excess = |design: &Design| -> f64 {
-            let far = design.checks.iter().filter_map(Check::excess).filter(|e| e.is_finite());
-            far.map(|excess| excess.max(0.0).powi(2)).sum()
-        };
-        let failing = |design: &Design| -> Vec<Check> {
-            let told = design.checks.iter().filter(|check| !check.value.is_nan());
-            told.filter(|check| !check.passes()).copied().collect()
-        };
-        let mut alone: Vec<(Quantity, Check)> = Vec::new();
-        for design in &designs {
-            // The only one that fails.
-            if let [check] = failing(design)[..] {
-                match alone.iter_mut().find(|(quantity, _)| *quantity == check.quantity) {
-                    Some((_, best)) if check.excess() < best.excess() => *best = check,
-                    Some(_) => {}
-                    None => alone.push((check.quantity, check)),
-                }
+/// Why no standard size keeps all limits: the one that fails least, and each limit that alone is in the way, with
+/// the best value that it could have.
+fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option<Outcome> {
+    let excess = |design: &Design| -> f64 {
+        let far = design.checks.iter().filter_map(Check::excess).filter(|e| e.is_finite());
+        far.map(|excess| excess.max(0.0).powi(2)).sum()
+    };
+    let failing = |design: &Design| -> Vec<Check> {
+        let told = design.checks.iter().filter(|check| !check.value.is_nan());
+        told.filter(|check| !check.passes()).copied().collect()
+    };
+    let mut alone: Vec<(Quantity, Check)> = Vec::new();
+    for design in &designs {
+        // The only one that fails.
+        if let [check] = failing(design)[..] {
+            match alone.iter_mut().find(|(quantity, _)| *quantity == check.quantity) {
+                Some((_, best)) if check.excess() < best.excess() => *best = check,
+                Some(_) => {}
+                None => alone.push((check.quantity, check)),
             }
         }
-        let nearest = designs.into_iter().min_by(|a, b| excess(a).total_cmp(&excess(b)));
-        let nearest = nearest?;
-        let mut blocking: Vec<_> = alone
-            .into_iter()
-            .map(|(_, check)| Blocked { why: Why::Alone(check.value), check })
-            .collect();
-        if blocking.is_empty() {
-            let with = |check: Check| Blocked { check, why: Why::WithOthers };
-            blocking = failing(&nearest).into_iter().map(with).collect();
-        }
-        Some(Outcome::Infeasible { design: complete(&nearest), blocking })
     }
+    let nearest = designs.into_iter().min_by(|a, b| excess(a).total_cmp(&excess(b)));
+    let nearest = nearest?;
+    let mut blocking: Vec<_> = alone
+        .into_iter()
+        .map(|(_, check)| Blocked { why: Why::Alone(check.value), check })
+        .collect();
+    if blocking.is_empty() {
+        let with = |check: Check| Blocked { check, why: Why::WithOthers };
+        blocking = failing(&nearest).into_iter().map(with).collect();
+    }
+    Some(Outcome::Infeasible { design: complete(&nearest), blocking })
 }

@@ -129,7 +129,10 @@ fn sheet(report: &SizeReport) -> Sheet {
         description: report.scene.description.clone(),
         failed: limited.iter().filter(|rule| !rule.passes()).count(),
         limited: limited.len(),
-        headlines: results(report).filter(|(_, row)| HEADLINES.contains(&row.name.as_str())).map(|(_, row)| row).collect(),
+        headlines: results(report)
+            .filter(|(_, row)| HEADLINES.contains(&row.name.as_str()))
+            .map(|(_, row)| row)
+            .collect(),
         rules: report.rules.iter().map(rule_row).collect(),
         parts: PARTS.map(|(_, title)| title).to_vec(),
         contacts,
@@ -256,7 +259,10 @@ fn among_limits(report: &SizeReport) -> Figure {
     ]
     .map(|(rule, label)| (rule.map(|(_, margin)| fastest * margin), label));
     let loads = [
-        (number("buckling_load_N").zip(rule("buckling_safety").map(|r| r.0)).map(|(f, s)| f / s), "buckling"),
+        (
+            number("buckling_load_N").zip(rule("buckling_safety").map(|r| r.0)).map(|(f, s)| f / s),
+            "buckling",
+        ),
         (number("yield_load_N"), "stress of the core"),
         (rule("static_safety_factor").map(|(_, margin)| 1e3 * largest * margin), "static safety"),
     ]
@@ -317,7 +323,8 @@ fn over_time(report: &SizeReport) -> Figure {
         None => (shares().map(|share| 100.0 * share).collect(), "share of the time, %"),
     };
     let curve = |(place, (name, label, unit)): (usize, (&str, &str, &str))| {
-        let values: Option<Vec<f64>> = report.phases.iter().map(|phase| value(phase, name)).collect();
+        let values: Option<Vec<f64>> =
+            report.phases.iter().map(|phase| value(phase, name)).collect();
         let values = values?;
         let largest = values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         let (mut at, mut points) = (0.0, Vec::new());

@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use bsm_design::{Body, Carriage, Drive, Duty, Nut, Shaft, StaticRating, Support, Thread, rod_inertia};
+use bsm_design::{
+    Body, Carriage, Drive, Duty, Nut, Shaft, StaticRating, Support, Thread, rod_inertia,
+};
 
 use crate::nut::SupportWord;
 use crate::units::{DEG, MM, RPM};
@@ -32,9 +34,6 @@ pub(super) struct Axis {
     pub(super) body: Body,
     /// `None` without a length.
     pub(super) shaft: Option<Shaft>,
-    /// Length of the screw \[m\], if it is known.
-    pub(super) length: Option<f64>,
-    pub(super) support_is_given: bool,
     pub(super) carriage: Carriage,
     pub(super) drive: Drive,
     pub(super) screw_inertia: Option<f64>,
@@ -80,8 +79,6 @@ impl Axis {
         Ok(Self {
             phases: phases(scene, &nut, &carriage)?,
             shaft,
-            length,
-            support_is_given: scene.nut.support.is_some(),
             carriage,
             drive,
             screw_inertia,
@@ -131,7 +128,8 @@ fn phases(scene: &Scene, nut: &Nut, carriage: &Carriage) -> Result<Vec<Phase>, C
     if let Some(cycle) = &scene.nut.cycle {
         let timed = cycle.iter().filter(|phase| phase.time_s.is_some()).count();
         if cycle.is_empty() || (timed > 0 && timed < cycle.len()) {
-            let what = "must be a list of phases that all have time_s, or all have share".to_owned();
+            let what =
+                "must be a list of phases that all have time_s, or all have share".to_owned();
             return Err(CaseError::BadEntry { key: "cycle".to_owned(), what });
         }
         return Ok(cycle.iter().map(phase).collect());

@@ -48,9 +48,10 @@ impl PhaseWords {
         for (name, value) in entries {
             let known = WORDS.iter().find(|known| **known == name).map(|known| (*known, 1.0));
             let (word, factor) =
-                known.or_else(|| convert(name, WORDS.into_iter())).ok_or_else(|| {
+                known.or_else(|| convert(name, &WORDS.into_iter())).ok_or_else(|| {
                     let near = nearest(name, WORDS.into_iter());
-                    let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+                    let hint =
+                        near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
                     format!("unknown key `{name}`{hint}; a phase has {}", WORDS.join(", "))
                 })?;
             let value = factor * value;
@@ -65,9 +66,8 @@ impl PhaseWords {
                 _ => phase.acceleration_m_s2 = value,
             }
         }
-        let time = match (phase.time_s, phase.share) {
-            (Some(time), None) | (None, Some(time)) => time,
-            _ => return Err("a phase has one of time_s and share".to_owned()),
+        let ((Some(time), None) | (None, Some(time))) = (phase.time_s, phase.share) else {
+            return Err("a phase has one of time_s and share".to_owned());
         };
         if time > 0.0 { Ok(phase) } else { Err("the time of a phase must be > 0".to_owned()) }
     }
@@ -101,10 +101,8 @@ impl PhaseWords {
     /// [`CaseError::Spectrum`] with the row.
     pub fn from_csv(table: &[u8], separator: u8, decimal: char) -> Result<Vec<Self>, CaseError> {
         let wrong = |what: String| CaseError::Spectrum { what };
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .delimiter(separator)
-            .from_reader(table);
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).delimiter(separator).from_reader(table);
         let header = reader.headers().map_err(|e| wrong(e.to_string()))?.clone();
         let mut phases = Vec::new();
         for (row, record) in (1_usize..).zip(reader.records()) {
@@ -112,7 +110,9 @@ impl PhaseWords {
             let record = record.map_err(|e| in_row(e.to_string()))?;
             let cell = |(name, text): (&str, &str)| {
                 let number = number(text, decimal);
-                number.ok_or_else(|| in_row(format!("`{text}` is no number"))).map(|n| (name.to_owned(), n))
+                number
+                    .ok_or_else(|| in_row(format!("`{text}` is no number")))
+                    .map(|n| (name.to_owned(), n))
             };
             let cells: Vec<_> = header
                 .iter()
@@ -138,4 +138,3 @@ pub(crate) fn number(text: &str, decimal: char) -> Option<f64> {
     }
     text.replace(decimal, ".").parse().ok().filter(|value: &f64| value.is_finite())
 }
-

@@ -56,6 +56,31 @@ impl SizeRule {
     }
 }
 
+/// The rules of a sheet as they are added.
+#[derive(Default)]
+struct Rules(Vec<SizeRule>);
+
+impl Rules {
+    /// Adds a rule about a number, if there is one.
+    ///
+    /// * `name`: with its unit. * `limit`: whether it is the least value, and it. * `remedy`: what would help,
+    ///   from how many times the rule is kept.
+    fn add(
+        &mut self,
+        title: &'static str,
+        (name, unit): (&'static str, &'static str),
+        value: Option<f64>,
+        (at_least, limit): (bool, Option<f64>),
+        source: &'static str,
+        remedy: &dyn Fn(f64) -> String,
+    ) {
+        let Some(value) = value else { return };
+        let mut rule = SizeRule { title, name, unit, value, limit, at_least, source, remedy: None };
+        rule.remedy = rule.margin().filter(|_| !rule.passes()).map(remedy);
+        self.0.push(rule);
+    }
+}
+
 /// All rules of an axis that it has numbers for.
 pub(super) fn rules(
     scene: &Scene,
@@ -64,28 +89,20 @@ pub(super) fn rules(
     of_nut: &CapacityReport,
     preload: Option<f64>,
 ) -> Vec<SizeRule> {
+    let mut rules = Rules::default();
+    screw_rules(&mut rules, scene, axis, numbers);
+    nut_rules(&mut rules, scene, axis, numbers);
+    preload_rules(&mut rules, axis, numbers, of_nut, preload);
+    rules.0
+}
+
+/// Of the screw between its bearings.
+fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
     let number = |name: &str| numbers.number(name);
     let input = |key| scene.value_or_default(key);
-    let largest = axis.largest_load();
-    let size = |name: &str| of_nut.rows().iter().find(|row| row.0 == name).map(|row| row.2);
-    let mut rules = Vec::new();
-    // `remedy` takes how many times the rule is kept.
-    let mut add = |title: &'static str,
-                   (name, unit): (&'static str, &'static str),
-                   value: Option<f64>,
-                   (at_least, limit): (bool, Option<f64>),
-                   source: &'static str,
-                   remedy: &dyn Fn(f64) -> String| {
-        if let Some(value) = value {
-            let mut rule =
-                SizeRule { title, name, unit, value, limit, at_least, source, remedy: None };
-            rule.remedy = rule.margin().filter(|_| !rule.passes()).map(remedy);
-            rules.push(rule);
-        }
-    };
     let length = number("screw_length_between_bearings_mm").unwrap_or(f64::NAN);
     let diameter = number("bending_diameter_mm").unwrap_or(f64::NAN);
-    add(
+    rules.add(
         "critical speed",
         ("critical_speed_ratio", ""),
         number("critical_speed_ratio"),
@@ -100,7 +117,7 @@ pub(super) fn rules(
         },
     );
     let limit = input(InputKey::speed_number_limit_mm_min);
-    add(
+    rules.add(
         "speed number",
         ("cycle_speed_number_mm_min", "mm/min"),
         number("cycle_speed_number_mm_min"),
@@ -113,7 +130,7 @@ pub(super) fn rules(
             )
         },
     );
-    add(
+    rules.add(
         "buckling",
         ("buckling_safety", ""),
         number("buckling_safety"),
@@ -127,16 +144,22 @@ pub(super) fn rules(
             )
         },
     );
-    add(
+    rules.add(
         "stress of the core",
         ("largest_load_N", "N"),
-        number("yield_load_N").map(|_| largest),
+        number("yield_load_N").map(|_| axis.largest_load()),
         (false, number("yield_load_N")),
         "THK and others: 147 N/mm2 (Z3)",
         &|margin| format!("a core of {:.1} mm", diameter * margin.powf(-0.5)),
     );
+}
+
+/// Of the load ratings.
+fn nut_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
+    let number = |name: &str| numbers.number(name);
+    let input = |key| scene.value_or_default(key);
     let rating = axis.static_rating.rating;
-    add(
+    rules.add(
         "static safety",
         ("static_safety_factor", ""),
         number("static_safety_factor"),
@@ -145,7 +168,7 @@ pub(super) fn rules(
         &|margin| format!("a static load rating of {:.0} N", rating / margin),
     );
     let dynamic = axis.dynamic_rating;
-    add(
+    rules.add(
         "life",
         ("cycle_life_h", "h"),
         number("cycle_life_h"),
@@ -153,7 +176,7 @@ pub(super) fn rules(
         "ISO 3408-5 (D12) to (D15), reliability (Z14)",
         &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin.cbrt()),
     );
-    add(
+    rules.add(
         "life by all balls",
         ("cycle_life_by_balls_h", "h"),
         number("cycle_life_by_balls_h"),
@@ -161,7 +184,7 @@ pub(super) fn rules(
         "loads of all balls (U24)",
         &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin.cbrt()),
     );
-    add(
+    rules.add(
         "equivalent load",
         ("equivalent_load_N", "N"),
         number("equivalent_load_N"),
@@ -169,17 +192,30 @@ pub(super) fn rules(
         "a million revolutions at least (D13)",
         &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin),
     );
+}
+
+/// Of the contacts, and of the preload if there is one.
+fn preload_rules(
+    rules: &mut Rules,
+    axis: &Axis,
+    numbers: &Numbers,
+    of_nut: &CapacityReport,
+    preload: Option<f64>,
+) {
+    let number = |name: &str| numbers.number(name);
+    let edge = of_nut.rows().iter().find(|row| row.0 == "edge_load_N").map(|row| row.2);
+    let (largest, dynamic) = (axis.largest_load(), axis.dynamic_rating);
     let busier = preload.map_or(largest, |preload| pair_loads(preload, largest).0);
-    add(
+    rules.add(
         "contact ellipse on its flank",
         ("largest_load_N", "N"),
-        size("edge_load_N").map(|_| busier),
-        (false, size("edge_load_N")),
+        edge.map(|_| busier),
+        (false, edge),
         "edge of the land (G8)",
         &|_| "a larger land: nut_bore_mm smaller, screw_outer_diameter_mm larger".to_owned(),
     );
     if let Some(preload) = preload {
-        add(
+        rules.add(
             "preload",
             ("preload_N", "N"),
             Some(preload),
@@ -188,7 +224,7 @@ pub(super) fn rules(
             &|_| format!("preload_N {:.0} or less", PRELOAD * dynamic),
         );
         let opens = number("opening_load_N").unwrap_or(OPENS_AT * preload);
-        add(
+        rules.add(
             "preload left",
             ("largest_load_N", "N"),
             Some(largest),
@@ -197,5 +233,4 @@ pub(super) fn rules(
             &|margin| format!("preload_N {:.0}", preload / margin),
         );
     }
-    rules
 }
