@@ -77,9 +77,9 @@ fn solution(case: &Case, file: &File, work: &mut ModelWorkspace) -> Result<Check
         let tolerance = if name.contains("spin") { 1e-3 } else { case.rel_tol };
         // A ball that a race controls does not spin there, but for rounding.
         let rounding = if name.contains("spin") { 1e-9 } else { 0.0 };
-        let off = ((number(&record, name) - value).abs() - rounding).max(0.0);
-        let part = if off > 0.0 { off / (tolerance * value.abs()) } else { off };
-        if part > worst {
+        let off = (number(&record, name) - value).abs() - rounding;
+        let part = if off <= 0.0 { 0.0 } else { off / (tolerance * value.abs()) };
+        if part.is_nan() || part > worst {
             (worst, at) = (part, name);
         }
     }

@@ -366,6 +366,7 @@ mod tests {
             "ball_deviation_um": [1.0],
             "lead_error": [{ "amplitude_um": 1.0, "order": 1.0, "phase_deg": 1.0,
                              "slope_um_per_mm": 1.0, "z0_mm": 1.0 }],
+            "base_oil": "pao",
             "ball_precession_rad_s": 1.0,
         });
         let mut words = NutWords::default();
