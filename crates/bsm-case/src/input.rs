@@ -345,7 +345,7 @@ inputs! {
     drag_coefficient [""] AtLeast(0.0), None,
         "drag coefficient of a ball in the lubricant";
     iso_vg [""] OneOf(&VISCOSITY_GRADES), None,
-        "viscosity grade of the lubricant, for one of viscosity index 95; or give viscosity_40C_mm2_s and viscosity_100C_mm2_s";
+        "viscosity grade of the lubricant, for one of viscosity index 95, unless viscosity_40C_mm2_s and viscosity_100C_mm2_s are given";
     viscosity_40C_mm2_s ["mm2/s"] AtLeast(1.0), None,
         "kinematic viscosity of the lubricant at 40 C, of a grease that of its base oil";
     viscosity_100C_mm2_s ["mm2/s"] AtLeast(0.5), None,
@@ -357,7 +357,7 @@ inputs! {
     boundary_friction_coefficient [""] Above(0.0), Some(0.12),
         "friction coefficient where asperities touch; 0.09 with friction modifiers, 0.15 at the start";
     lubricant_temperature_C ["C"] Within(-40.0, 200.0), None,
-        "temperature of the lubricant at the inlet of the contacts; or give heat_transfer_W_K and ambient_temperature_C";
+        "temperature of the lubricant at the inlet of the contacts, unless heat_transfer_W_K and ambient_temperature_C are given";
     heat_transfer_W_K ["W/K"] Above(0.0), None,
         "heat that leaves the nut for each kelvin above ambient_temperature_C, in place of lubricant_temperature_C";
     ambient_temperature_C ["C"] Within(-40.0, 150.0), None,

@@ -176,29 +176,29 @@ const SPEED: Quantity = Quantity {
     ],
 };
 
-/// Viscosity of the lubricant, by its grade or at two temperatures.
+/// Viscosity of the lubricant, at two temperatures or by its grade.
 pub(crate) const VISCOSITY: Quantity = Quantity {
     words: "iso_vg (or viscosity_40C_mm2_s and viscosity_100C_mm2_s)",
     forms: &[
-        Form { key: InputKey::iso_vg, with: InputSet::of(&[]), to: "" },
         Form {
             key: InputKey::viscosity_40C_mm2_s,
             with: InputSet::of(&[InputKey::viscosity_100C_mm2_s]),
             to: "for the viscosity at other temperatures",
         },
+        Form { key: InputKey::iso_vg, with: InputSet::of(&[]), to: "" },
     ],
 };
 
-/// Temperature of the lubricant, or what it follows from.
+/// What the temperature of the lubricant follows from, or the temperature.
 pub(crate) const TEMPERATURE: Quantity = Quantity {
     words: "lubricant_temperature_C (or heat_transfer_W_K and ambient_temperature_C)",
     forms: &[
-        Form { key: InputKey::lubricant_temperature_C, with: InputSet::of(&[]), to: "" },
         Form {
             key: InputKey::heat_transfer_W_K,
             with: InputSet::of(&[InputKey::ambient_temperature_C]),
             to: "for the heat that leaves",
         },
+        Form { key: InputKey::lubricant_temperature_C, with: InputSet::of(&[]), to: "" },
     ],
 };
 
@@ -271,7 +271,7 @@ impl InputSet {
         self.meets(OF_A_LUBRICANT)
     }
 
-    /// Checks that friction and what it comes from are said once.
+    /// Checks that friction is said once, and what it comes from is said in full.
     pub(crate) fn check_friction(self) -> Result<(), CaseError> {
         if self.contains(InputKey::friction_coefficient)
             && let Some(key) = OF_A_LUBRICANT.iter().find(|key| self.contains(*key))
@@ -280,15 +280,18 @@ impl InputSet {
         }
         use InputKey as K;
         let pairs = [
-            [K::iso_vg, K::viscosity_40C_mm2_s],
-            [K::iso_vg, K::viscosity_100C_mm2_s],
-            [K::lubricant_temperature_C, K::heat_transfer_W_K],
+            [K::viscosity_40C_mm2_s, K::viscosity_100C_mm2_s],
+            [K::viscosity_100C_mm2_s, K::viscosity_40C_mm2_s],
+            [K::heat_transfer_W_K, K::ambient_temperature_C],
+            [K::ambient_temperature_C, K::heat_transfer_W_K],
         ];
-        match pairs.into_iter().find(|pair| self.contains_all(Self::of(pair))) {
-            Some(pair) => {
-                let keys = pair.map(InputKey::name);
-                Err(CaseError::OneOfTwo { keys, found: "both are" })
-            }
+        let half =
+            pairs.into_iter().find(|[one, other]| self.contains(*one) && !self.contains(*other));
+        match half {
+            Some([one, other]) => Err(CaseError::BadEntry {
+                key: one.name().to_owned(),
+                what: format!("needs {}, too", other.name()),
+            }),
             None => Ok(()),
         }
     }

@@ -153,14 +153,12 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         }
     }
 
-    /// Viscosities at 40 and 100 C \[m²/s\], from the grade or given.
+    /// Viscosities at 40 and 100 C \[m²/s\], given or from the grade.
     fn viscosities(&self) -> Option<[D; 2]> {
-        let grade = self.given(InputKey::iso_vg);
         let at = |key| Some(self.given(key)? * MM2);
-        match grade.and_then(|grade| Oil::of_grade(grade.re())) {
-            Some(viscosities) => Some(viscosities.map(D::from)),
-            None => Some([at(InputKey::viscosity_40C_mm2_s)?, at(InputKey::viscosity_100C_mm2_s)?]),
-        }
+        let given = at(InputKey::viscosity_40C_mm2_s).zip(at(InputKey::viscosity_100C_mm2_s));
+        let of_grade = || Oil::of_grade(self.given(InputKey::iso_vg)?.re());
+        given.map_or_else(|| Some(of_grade()?.map(D::from)), |(warm, hot)| Some([warm, hot]))
     }
 
     /// The lubricant, if the scene has one.
@@ -181,12 +179,12 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
                     .map(|alpha| alpha / D::from(GPA)),
                 limiting_shear: or(InputKey::limiting_shear_ratio, base.limiting_shear()),
             },
-            temperature: match kelvin(InputKey::lubricant_temperature_C) {
-                Some(known) => Temperature::Known(known),
-                None => Temperature::Balance {
-                    heat_transfer: self.value(InputKey::heat_transfer_W_K),
+            temperature: match self.given(InputKey::heat_transfer_W_K) {
+                Some(heat_transfer) => Temperature::Balance {
+                    heat_transfer,
                     ambient: kelvin(InputKey::ambient_temperature_C)?,
                 },
+                None => Temperature::Known(kelvin(InputKey::lubricant_temperature_C)?),
             },
             boundary_friction,
             roughness: Roughness {

@@ -45,7 +45,9 @@ fn an_independent_solution_agrees() {
             let (value, ours) = (value.as_f64().expect("a number"), record.number(name));
             let ours = ours.unwrap_or_else(|| panic!("{name} of {}", case["id"]));
             let tolerance = if name.contains("spin") { 1e-3 } else { told };
-            if (ours - value).abs() > tolerance * value.abs() {
+            // A ball that a race controls does not spin there: rounding of the speeds of its surface.
+            let rounding = if name.contains("spin") { 1e-9 } else { 0.0 };
+            if (ours - value).abs() > tolerance * value.abs() + rounding {
                 far.push(format!(
                     "{} {name}: {ours} {value} {:.1e}",
                     case["id"],
@@ -87,7 +89,7 @@ fn friction_is_said_once() {
         "{text}"
     );
     let text = told(&oiled(&["viscosity_100C_mm2_s=8"]), &auto);
-    assert!(text.contains("iso_vg") && text.contains("viscosity_100C_mm2_s"), "{text}");
+    assert!(text.contains("viscosity_100C_mm2_s`: needs viscosity_40C_mm2_s"), "{text}");
     assert!(told(&oiled(&["iso_vg=69"]), &auto).contains("one of 10, 15, 22"));
     let thick = oiled(&["viscosity_40C_mm2_s=8", "viscosity_100C_mm2_s=9"]);
     assert!(told(&thick, &auto).contains("must be below"), "{}", told(&thick, &auto));

@@ -32,7 +32,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     match inputs.problem.sensitivities(&mut work) {
         Ok(answer) => {
             let rows = inputs.rows(&answer);
-            print_with(path, &scene, solution, (Some(&rows), band), args.format)
+            print_with(path, &scene, solution, (Some(&rows[..]), band), args.format)
         }
         Err(none) => {
             let failed = Record::new(Solution::new(solution.model, Err(none)));

@@ -393,6 +393,7 @@ mod tests {
             "ball_deviation_um": [1.0],
             "lead_error": [{ "amplitude_um": 1.0, "order": 1.0, "phase_deg": 1.0,
                              "slope_um_per_mm": 1.0, "z0_mm": 1.0 }],
+            "base_oil": "pao",
             "ball_precession_rad_s": 1.0,
             "support": "fixed-supported",
             "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0 }],

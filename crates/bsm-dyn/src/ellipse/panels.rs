@@ -19,7 +19,7 @@ const MOST_INNER: usize = 24;
 /// Poles farther from the centre than this, in semi-axes, and wider ones, grade nothing.
 pub(super) const FAR: f64 = 8.0;
 
-const THREE: NonZeroUsize = NonZeroUsize::new(3).expect("not zero");
+const FOUR: NonZeroUsize = NonZeroUsize::new(4).expect("not zero");
 
 /// Numbers below this are no divisors.
 const TINY: f64 = 1e-150;
@@ -85,10 +85,10 @@ impl Quadrature {
         Self::with(Self::nodes(accuracy), accuracy, 0)
     }
 
-    /// The same for an oil, which turns from thin to stiff within a part of the pressure: three times the
-    /// nodes, by which 1e-8 is asked for and 1e-6 is left.
+    /// The same for an oil, which turns from thin to stiff within a part of the pressure: four times the
+    /// nodes. Where 1e-8 is asked for, some 1e-6 is left.
     pub(crate) fn of_oil(accuracy: f64) -> Self {
-        Self::with(Self::nodes(accuracy).saturating_mul(THREE), accuracy, 0)
+        Self::with(Self::nodes(accuracy).saturating_mul(FOUR), accuracy, 0)
     }
 
     fn nodes(accuracy: f64) -> NonZeroUsize {
