@@ -3,7 +3,7 @@
 //! The equations are those of [`Rolling::residual`], and their columns those of its jets, which test this; a
 //! state that has no contacts is left to them.
 //!
-//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T10).
+//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T10), (T23).
 
 #![expect(
     clippy::inline_always,
@@ -211,8 +211,6 @@ struct Contacts {
     turn: Angle,
     tilts: [Angle; 2],
     angles: [Angle; 2],
-    /// Sine and cosine of the lead angle.
-    lead: (f64, f64),
     /// Derivatives of the angular velocity about t and b.
     by_t: Block,
     by_b: Block,
@@ -236,7 +234,7 @@ fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
         slopes[i] = approach / loads[i] * (2.0 / 3.0);
     }
     let [l_a, l_b] = lengths;
-    let a_2 = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos();
+    let a_2 = pair.reach;
     let (sin_y, cos_y) = y[TILT].sin_cos();
     let one = along(TILT, 1.0);
     let (turn, tilts, angles);
@@ -289,7 +287,7 @@ fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
     }
 
     // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
-    let (sin_lead, cos_lead) = pair.helix.lead_angle.sin_cos();
+    let (sin_lead, cos_lead) = pair.lead;
     let [along_axis, radial, around] = OMEGA.map(|i| y[i]);
     // About t and b, relative to the nut.
     let mut by_t = along(OMEGA[0], sin_lead);
@@ -321,7 +319,7 @@ fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
         points[i].semi_axes = (growth[i] * a, growth[i] * b);
         points[i].pressed_radius = pair.pressed_radius[i];
     }
-    Some(Contacts { points, turn, tilts, angles, lead: (sin_lead, cos_lead), by_t, by_b })
+    Some(Contacts { points, turn, tilts, angles, by_t, by_b })
 }
 
 #[inline(always)]
@@ -330,8 +328,8 @@ fn evaluate<S: Simd, const SLOPED: bool>(
     ball: &Rolling<'_>,
     y: &[f64; BALL],
 ) -> Option<Evaluated> {
-    let Contacts { points, turn, tilts, angles, lead: (sin_lead, cos_lead), by_t, by_b } =
-        contacts(ball, y)?;
+    let Contacts { points, turn, tilts, angles, by_t, by_b } = contacts(ball, y)?;
+    let (sin_lead, cos_lead) = ball.pair.lead;
     let (pair, loads) = (ball.pair, [y[NUT_LOAD], y[SCREW_LOAD]]);
     let [_, radial, around] = OMEGA.map(|i| y[i]);
     let rate = y[PRECESSION] + ball.offset();
@@ -395,26 +393,30 @@ fn evaluate<S: Simd, const SLOPED: bool>(
         if i == 0 {
             // F_nut·k − F_a                                               (P5)
             left[6] = f_t.re * sin_lead + b * cos_lead - 1.0;
-            rows[6] = combined([
-                (sin_lead, &f_t.by),
-                (cos_lead * side * angle.sin, &normal.by),
-                (cos_lead * side * angle.cos, &f_c.by),
-                (cos_lead * n, &angle.by),
-            ]);
+            if SLOPED {
+                rows[6] = combined([
+                    (sin_lead, &f_t.by),
+                    (cos_lead * side * angle.sin, &normal.by),
+                    (cos_lead * side * angle.cos, &f_c.by),
+                    (cos_lead * n, &angle.by),
+                ]);
+            }
         } else {
             // T = [(−r_m n) × F + M]·k                                    (B7)
             let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
             let (force, arm) = (pair.helix.radius * cos_lead, -pair.helix.radius * sin_lead);
             torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
-            slope = combined([
-                (sin_lead, &m_t.by),
-                (cos_lead * side * angle.sin, &m_n.by),
-                (cos_lead * side * angle.cos, &m_c.by),
-                (cos_lead * m_1 + arm * n, &angle.by),
-                (force, &f_t.by),
-                (arm * side * angle.sin, &normal.by),
-                (arm * side * angle.cos, &f_c.by),
-            ]);
+            if SLOPED {
+                slope = combined([
+                    (sin_lead, &m_t.by),
+                    (cos_lead * side * angle.sin, &m_n.by),
+                    (cos_lead * side * angle.cos, &m_c.by),
+                    (cos_lead * m_1 + arm * n, &angle.by),
+                    (force, &f_t.by),
+                    (arm * side * angle.sin, &normal.by),
+                    (arm * side * angle.cos, &f_c.by),
+                ]);
+            }
         }
     }
 
