@@ -47,8 +47,12 @@ impl Rolling<'_> {
         y: &[f64; BALL],
     ) -> Result<Evaluated, EvalError> {
         cost::evaluated();
-        let found = Arch::new().dispatch(Evaluate::<SLOPED>(self, y));
-        found.map_or_else(|| self.in_jets(y), Ok)
+        let mut found = Evaluated::NONE;
+        if Arch::new().dispatch(Evaluate::<SLOPED>(self, y, &mut found)) {
+            Ok(found)
+        } else {
+            self.in_jets(y)
+        }
     }
 
     /// The numbers of nodes of a state; none where it has no contacts.
@@ -78,6 +82,13 @@ impl Rolling<'_> {
 }
 
 impl Evaluated {
+    const NONE: Self = Self {
+        left: [0.0; BALL],
+        transmitted: Transmitted { torque: 0.0, power: 0.0 },
+        rows: [[0.0; BLOCK]; BALL],
+        slope: [0.0; BLOCK],
+    };
+
     /// The Jacobian.
     pub(super) fn jacobian(&self) -> [[f64; BALL]; BALL] {
         let mut jacobian = [[0.0; BALL]; BALL];
@@ -152,14 +163,18 @@ impl WithSimd for Planned<'_> {
     }
 }
 
-struct Evaluate<'a, const SLOPED: bool>(&'a Rolling<'a>, &'a [f64; BALL]);
+/// Evaluates a state, in place, if it has contacts.
+struct Evaluate<'a, const SLOPED: bool>(&'a Rolling<'a>, &'a [f64; BALL], &'a mut Evaluated);
 
 impl<const SLOPED: bool> WithSimd for Evaluate<'_, SLOPED> {
-    type Output = Option<Evaluated>;
+    type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        evaluate::<S, SLOPED>(simd, self.0, self.1)
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self(ball, y, found) = self;
+        let Some(contacts) = contacts(ball, y) else { return false };
+        evaluate::<S, SLOPED>(simd, ball, y, &contacts, found);
+        true
     }
 }
 
@@ -327,19 +342,15 @@ fn evaluate<S: Simd, const SLOPED: bool>(
     simd: S,
     ball: &Rolling<'_>,
     y: &[f64; BALL],
-) -> Option<Evaluated> {
-    let Contacts { points, turn, tilts, angles, by_t, by_b } = contacts(ball, y)?;
+    Contacts { points, turn, tilts, angles, by_t, by_b }: &Contacts,
+    Evaluated { left, transmitted, rows, slope }: &mut Evaluated,
+) {
     let (sin_lead, cos_lead) = ball.pair.lead;
     let (pair, loads) = (ball.pair, [y[NUT_LOAD], y[SCREW_LOAD]]);
     let [_, radial, around] = OMEGA.map(|i| y[i]);
     let rate = y[PRECESSION] + ball.offset();
     let nodes = [ball.nodes(0), ball.nodes(1)];
-    let sums = Sums::along::<S, 2, SLOPED>(simd, &points, &nodes);
-
-    let mut rows = [[0.0; BLOCK]; BALL];
-    let mut left = [0.0; BALL];
-    let (mut torque, mut slope) = (0.0, [0.0; BLOCK]);
-    let mut power = 0.0;
+    let sums = Sums::along::<S, 2, SLOPED>(simd, points, &nodes);
     for i in 0..2 {
         let side = [1.0, -1.0][i];
         let place = [NUT_LOAD, SCREW_LOAD][i];
@@ -348,15 +359,16 @@ fn evaluate<S: Simd, const SLOPED: bool>(
         let Sums { values, power: unit_power, slopes } = &sums[i];
         let pull = load * pair.friction;
         // P_f = Σ f Q ∫ dP                                                (P7)
-        power += pull * unit_power;
+        transmitted.power += pull * unit_power;
         let mut parts = [Sloped { re: 0.0, by: [0.0; BLOCK] }; 5];
         let [_, _, w_n, w_c] = points[i].motion;
-        let (mut by_n, mut by_c) = (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
+        let (mut by_n, mut by_c) =
+            (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
         if SLOPED {
             add(&mut by_n, w_c, &angle.by);
-            add(&mut by_n, side * angle.sin, &by_b);
+            add(&mut by_n, side * angle.sin, by_b);
             add(&mut by_c, -w_n, &angle.by);
-            add(&mut by_c, side * angle.cos, &by_b);
+            add(&mut by_c, side * angle.cos, by_b);
         }
         for (part, (value, slopes)) in parts.iter_mut().zip(values.iter().zip(slopes)) {
             part.re = pull * value;
@@ -365,7 +377,7 @@ fn evaluate<S: Simd, const SLOPED: bool>(
                 part.by[PRECESSION] = pull * a * pair.arc;
                 // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
                 part.by[place] = pair.friction * (value + g * (1.0 / 3.0));
-                add(&mut part.by, pull * t, &by_t);
+                add(&mut part.by, pull * t, by_t);
                 add(&mut part.by, pull * n, &by_n);
                 add(&mut part.by, pull * c, &by_c);
             }
@@ -405,9 +417,9 @@ fn evaluate<S: Simd, const SLOPED: bool>(
             // T = [(−r_m n) × F + M]·k                                    (B7)
             let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
             let (force, arm) = (pair.helix.radius * cos_lead, -pair.helix.radius * sin_lead);
-            torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
+            transmitted.torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
             if SLOPED {
-                slope = combined([
+                *slope = combined([
                     (sin_lead, &m_t.by),
                     (cos_lead * side * angle.sin, &m_n.by),
                     (cos_lead * side * angle.cos, &m_c.by),
@@ -451,7 +463,6 @@ fn evaluate<S: Simd, const SLOPED: bool>(
         add(&mut rows[4], -gyro * third, &turn.by);
         add(&mut rows[5], gyro * second, &turn.by);
     }
-    Some(Evaluated { left, transmitted: Transmitted { torque, power }, rows, slope })
 }
 
 /// Second and third component of a vector that has these along `$N = \pm(0, \cos, \sin)$` and `$t \times N$`.
