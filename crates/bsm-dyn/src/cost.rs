@@ -67,12 +67,12 @@ mod tests {
         for (model, most) in [
             // Newton from the first order: one evaluation to begin with, and two a step [7, 8].
             (Model::Rigid, [10, 12]),
-            // Newton in two unknowns, both contacts in every evaluation [44, 52].
-            (Model::RacewayControl, [66, 78]),
+            // Newton in two unknowns, both contacts in every evaluation [24, 28].
+            (Model::RacewayControl, [36, 42]),
             // Begin of the curve, Newton in three unknowns, and a check by the seven equations [12, 13].
             (Model::Elastic, [18, 20]),
-            // Newton from creep to creep, and the gripping ball that it begins with [59, 69].
-            (Model::Traction, [88, 104]),
+            // Newton with coarse sums and with fine ones, and the gripping ball that it begins with [34, 40].
+            (Model::Traction, [51, 60]),
         ] {
             let counted = evaluations(model);
             let dear = counted[0] > most[0] || counted[1] > most[1];

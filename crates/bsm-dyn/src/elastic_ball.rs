@@ -106,8 +106,11 @@ impl<D: Scalar> ElasticScrew<D> {
         let (r_b, load) = (self.ball.radius, self.load.per_ball());
         let one = D::from(1.0);
         let [nut_offset, screw_offset] = self.grooves().map(|groove| groove.offset(one));
+        let reach = (nut_offset + screw_offset) * self.contact_angle.cos();
         Ok(ElasticBall {
             helix,
+            lead: helix.lead_angle.sin_cos(),
+            reach,
             arc: helix.arc_length_per_radian(),
             jones: Jones { nut_offset, screw_offset, contact_angle: self.contact_angle },
             approach: hertz.map(|h| h.approach(load) / r_b),
@@ -133,6 +136,10 @@ impl<D: Scalar> ElasticScrew<D> {
 pub(crate) struct ElasticBall<P = f64> {
     /// Helix with radius `$r_m/r_b$`.
     pub(crate) helix: Helix<P>,
+    /// Sine and cosine of its lead angle.
+    pub(crate) lead: (P, P),
+    /// `$A_2$` of (J2).
+    pub(crate) reach: P,
     /// Arc length per radian of the helix.
     pub(crate) arc: P,
     /// Offsets of the groove arcs and unloaded contact angle.

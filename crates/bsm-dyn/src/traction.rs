@@ -10,8 +10,8 @@ mod scatter;
 mod sensitivities;
 
 use bsm_kin::{Helix, Motion, Scalar};
-use bsm_simd::Block;
 use bsm_newton::{EvalError, Options, Report, Scales, solve};
+use bsm_simd::Block;
 
 use self::columns::{Transmitted, Watched};
 use self::path::PATH;
@@ -289,8 +289,6 @@ impl Watched<'_> {
         solve(self, y, &scales, &options, newton)
     }
 }
-
-
 
 impl Traction {
     /// Solves for the steady motion of the ball.

@@ -268,7 +268,8 @@ impl<F: Compare> EllipseSlip<F> {
         let (square, spin) = (v_t * v_t + self.creep * self.creep, b_1 * b_1);
         let far = (b_0.abs() - b_1.abs()) * (b_0.abs() + b_1.abs()) + square;
         // sinh²η = [A + √(A² + 4 b₁² r²)]/(2 b₁²),  r² = v_t² + v_e²,  A = b₀² − b₁² + r²
-        let (both, near) = ((far * far + spin * square * 4.0).sqrt() + far.abs(), far.lt(far.constant(0.0)));
+        let (both, near) =
+            ((far * far + spin * square * 4.0).sqrt() + far.abs(), far.lt(far.constant(0.0)));
         let (up, down) = (F::select(near, square * 2.0, both), F::select(near, both, spin * 2.0));
         up / divisor(down)
     }

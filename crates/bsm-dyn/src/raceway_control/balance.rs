@@ -71,14 +71,14 @@ impl<D: Scalar> Flank<D> {
 
 impl<'a, P: Scalar> Balance<'a, P> {
     pub(super) fn new(pair: &'a ElasticBall<P>, control: Control) -> Self {
-        let (cos, jones) = (pair.helix.lead_angle.cos(), &pair.jones);
+        let cos = pair.lead.1;
         Self {
             pair,
             control,
             axial: cos.recip(),
             inertia: pair.inertia_ratio() * cos,
             lever: cos * cos / pair.helix.radius,
-            reach: (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos(),
+            reach: pair.reach,
         }
     }
 

@@ -3,7 +3,7 @@
 //! The equations are those of [`Rolling::residual`], and their columns those of its jets, which test this; a
 //! state that has no contacts is left to them.
 //!
-//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T10).
+//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T10), (T23).
 
 #![expect(
     clippy::inline_always,
@@ -47,8 +47,12 @@ impl Rolling<'_> {
         y: &[f64; BALL],
     ) -> Result<Evaluated, EvalError> {
         cost::evaluated();
-        let found = Arch::new().dispatch(Evaluate::<SLOPED>(self, y));
-        found.map_or_else(|| self.in_jets(y), Ok)
+        let mut found = Evaluated::NONE;
+        if Arch::new().dispatch(Evaluate::<SLOPED>(self, y, &mut found)) {
+            Ok(found)
+        } else {
+            self.in_jets(y)
+        }
     }
 
     /// The numbers of nodes of a state; none where it has no contacts.
@@ -78,6 +82,13 @@ impl Rolling<'_> {
 }
 
 impl Evaluated {
+    const NONE: Self = Self {
+        left: [0.0; BALL],
+        transmitted: Transmitted { torque: 0.0, power: 0.0 },
+        rows: [[0.0; BLOCK]; BALL],
+        slope: [0.0; BLOCK],
+    };
+
     /// The Jacobian.
     pub(super) fn jacobian(&self) -> [[f64; BALL]; BALL] {
         let mut jacobian = [[0.0; BALL]; BALL];
@@ -152,14 +163,18 @@ impl WithSimd for Planned<'_> {
     }
 }
 
-struct Evaluate<'a, const SLOPED: bool>(&'a Rolling<'a>, &'a [f64; BALL]);
+/// Evaluates a state, in place, if it has contacts.
+struct Evaluate<'a, const SLOPED: bool>(&'a Rolling<'a>, &'a [f64; BALL], &'a mut Evaluated);
 
 impl<const SLOPED: bool> WithSimd for Evaluate<'_, SLOPED> {
-    type Output = Option<Evaluated>;
+    type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        evaluate::<S, SLOPED>(simd, self.0, self.1)
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self(ball, y, found) = self;
+        let Some(contacts) = contacts(ball, y) else { return false };
+        evaluate::<S, SLOPED>(simd, ball, y, &contacts, found);
+        true
     }
 }
 
@@ -211,8 +226,6 @@ struct Contacts {
     turn: Angle,
     tilts: [Angle; 2],
     angles: [Angle; 2],
-    /// Sine and cosine of the lead angle.
-    lead: (f64, f64),
     /// Derivatives of the angular velocity about t and b.
     by_t: Block,
     by_b: Block,
@@ -236,7 +249,7 @@ fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
         slopes[i] = approach / loads[i] * (2.0 / 3.0);
     }
     let [l_a, l_b] = lengths;
-    let a_2 = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos();
+    let a_2 = pair.reach;
     let (sin_y, cos_y) = y[TILT].sin_cos();
     let one = along(TILT, 1.0);
     let (turn, tilts, angles);
@@ -289,7 +302,7 @@ fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
     }
 
     // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
-    let (sin_lead, cos_lead) = pair.helix.lead_angle.sin_cos();
+    let (sin_lead, cos_lead) = pair.lead;
     let [along_axis, radial, around] = OMEGA.map(|i| y[i]);
     // About t and b, relative to the nut.
     let mut by_t = along(OMEGA[0], sin_lead);
@@ -321,7 +334,7 @@ fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
         points[i].semi_axes = (growth[i] * a, growth[i] * b);
         points[i].pressed_radius = pair.pressed_radius[i];
     }
-    Some(Contacts { points, turn, tilts, angles, lead: (sin_lead, cos_lead), by_t, by_b })
+    Some(Contacts { points, turn, tilts, angles, by_t, by_b })
 }
 
 #[inline(always)]
@@ -329,19 +342,15 @@ fn evaluate<S: Simd, const SLOPED: bool>(
     simd: S,
     ball: &Rolling<'_>,
     y: &[f64; BALL],
-) -> Option<Evaluated> {
-    let Contacts { points, turn, tilts, angles, lead: (sin_lead, cos_lead), by_t, by_b } =
-        contacts(ball, y)?;
+    Contacts { points, turn, tilts, angles, by_t, by_b }: &Contacts,
+    Evaluated { left, transmitted, rows, slope }: &mut Evaluated,
+) {
+    let (sin_lead, cos_lead) = ball.pair.lead;
     let (pair, loads) = (ball.pair, [y[NUT_LOAD], y[SCREW_LOAD]]);
     let [_, radial, around] = OMEGA.map(|i| y[i]);
     let rate = y[PRECESSION] + ball.offset();
     let nodes = [ball.nodes(0), ball.nodes(1)];
-    let sums = Sums::along::<S, 2, SLOPED>(simd, &points, &nodes);
-
-    let mut rows = [[0.0; BLOCK]; BALL];
-    let mut left = [0.0; BALL];
-    let (mut torque, mut slope) = (0.0, [0.0; BLOCK]);
-    let mut power = 0.0;
+    let sums = Sums::along::<S, 2, SLOPED>(simd, points, &nodes);
     for i in 0..2 {
         let side = [1.0, -1.0][i];
         let place = [NUT_LOAD, SCREW_LOAD][i];
@@ -350,15 +359,16 @@ fn evaluate<S: Simd, const SLOPED: bool>(
         let Sums { values, power: unit_power, slopes } = &sums[i];
         let pull = load * pair.friction;
         // P_f = Σ f Q ∫ dP                                                (P7)
-        power += pull * unit_power;
+        transmitted.power += pull * unit_power;
         let mut parts = [Sloped { re: 0.0, by: [0.0; BLOCK] }; 5];
         let [_, _, w_n, w_c] = points[i].motion;
-        let (mut by_n, mut by_c) = (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
+        let (mut by_n, mut by_c) =
+            (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
         if SLOPED {
             add(&mut by_n, w_c, &angle.by);
-            add(&mut by_n, side * angle.sin, &by_b);
+            add(&mut by_n, side * angle.sin, by_b);
             add(&mut by_c, -w_n, &angle.by);
-            add(&mut by_c, side * angle.cos, &by_b);
+            add(&mut by_c, side * angle.cos, by_b);
         }
         for (part, (value, slopes)) in parts.iter_mut().zip(values.iter().zip(slopes)) {
             part.re = pull * value;
@@ -367,7 +377,7 @@ fn evaluate<S: Simd, const SLOPED: bool>(
                 part.by[PRECESSION] = pull * a * pair.arc;
                 // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
                 part.by[place] = pair.friction * (value + g * (1.0 / 3.0));
-                add(&mut part.by, pull * t, &by_t);
+                add(&mut part.by, pull * t, by_t);
                 add(&mut part.by, pull * n, &by_n);
                 add(&mut part.by, pull * c, &by_c);
             }
@@ -395,26 +405,30 @@ fn evaluate<S: Simd, const SLOPED: bool>(
         if i == 0 {
             // F_nut·k − F_a                                               (P5)
             left[6] = f_t.re * sin_lead + b * cos_lead - 1.0;
-            rows[6] = combined([
-                (sin_lead, &f_t.by),
-                (cos_lead * side * angle.sin, &normal.by),
-                (cos_lead * side * angle.cos, &f_c.by),
-                (cos_lead * n, &angle.by),
-            ]);
+            if SLOPED {
+                rows[6] = combined([
+                    (sin_lead, &f_t.by),
+                    (cos_lead * side * angle.sin, &normal.by),
+                    (cos_lead * side * angle.cos, &f_c.by),
+                    (cos_lead * n, &angle.by),
+                ]);
+            }
         } else {
             // T = [(−r_m n) × F + M]·k                                    (B7)
             let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
             let (force, arm) = (pair.helix.radius * cos_lead, -pair.helix.radius * sin_lead);
-            torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
-            slope = combined([
-                (sin_lead, &m_t.by),
-                (cos_lead * side * angle.sin, &m_n.by),
-                (cos_lead * side * angle.cos, &m_c.by),
-                (cos_lead * m_1 + arm * n, &angle.by),
-                (force, &f_t.by),
-                (arm * side * angle.sin, &normal.by),
-                (arm * side * angle.cos, &f_c.by),
-            ]);
+            transmitted.torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
+            if SLOPED {
+                *slope = combined([
+                    (sin_lead, &m_t.by),
+                    (cos_lead * side * angle.sin, &m_n.by),
+                    (cos_lead * side * angle.cos, &m_c.by),
+                    (cos_lead * m_1 + arm * n, &angle.by),
+                    (force, &f_t.by),
+                    (arm * side * angle.sin, &normal.by),
+                    (arm * side * angle.cos, &f_c.by),
+                ]);
+            }
         }
     }
 
@@ -449,7 +463,6 @@ fn evaluate<S: Simd, const SLOPED: bool>(
         add(&mut rows[4], -gyro * third, &turn.by);
         add(&mut rows[5], gyro * second, &turn.by);
     }
-    Some(Evaluated { left, transmitted: Transmitted { torque, power }, rows, slope })
 }
 
 /// Second and third component of a vector that has these along `$N = \pm(0, \cos, \sin)$` and `$t \times N$`.

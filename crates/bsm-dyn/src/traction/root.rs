@@ -5,7 +5,7 @@
 use super::columns::{Transmitted, Watched};
 use super::path::{LONGEST, PATH, Shown};
 use super::scatter::{MANY, STARTS};
-use super::{OMEGA, Rolling};
+use super::{OMEGA, Rolling, State};
 use bsm_simd::Block;
 
 use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque};
@@ -192,8 +192,7 @@ impl Rolling<'_> {
         if self.at_nut || self.pair.inertia_ratio() * rate * rate <= THROWN {
             return root;
         }
-        let Ok(loaded) = self.loaded(&y) else { return root };
-        let to_nut = self.to_nut(&y, &loaded);
+        let Ok(State { loaded, to_nut, .. }) = self.state(&y) else { return root };
         let ball = Self { at_nut: true, ..*self };
         let mut unknowns = ball.unknowns(&loaded, &to_nut);
         let report = ball.run(&mut unknowns, newton);

@@ -42,7 +42,13 @@ impl<const M: usize> Traction<Jet<M>> {
         let Rolling { plans, enough, at_nut, .. } = system;
         let equations = Rolling { pair: &inputs, quadrature, plans, creep, enough, at_nut };
         let residual = |y: &_| equations.residual(y);
-        let y = moving_root(&Watched::new(&system), unknowns, &system.weights(unknowns), residual, newton)?;
+        let y = moving_root(
+            &Watched::new(&system),
+            unknowns,
+            &system.weights(unknowns),
+            residual,
+            newton,
+        )?;
         let state = equations.state(&y).map_err(refused)?;
         Ok(self.screw.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
     }

@@ -223,25 +223,29 @@ fn columns_by_hand_are_those_of_the_jets() {
         assert_eq!(found.left.map(f64::to_bits), values.left.map(f64::to_bits));
         let [columns, rows] = [found.jacobian(), jets.jacobian()];
         let rate = y[PRECESSION] + ball.offset();
-        // Forces of the ball: normal, of inertia; moments are smaller.
-        let size = y[NUT_LOAD].max(y[SCREW_LOAD]).max(pair.inertia_ratio() * rate * rate);
+        // Normal forces, those of inertia, and moments: of friction, and gyroscopic ones.
+        let turning = y[4..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let thrown = pair.inertia_ratio() * rate * rate;
+        let gyroscopic = pair.ball.inertia() * rate.abs() * turning;
+        let size = (y[NUT_LOAD].max(y[SCREW_LOAD]) * ball.lever(&y)).max(thrown).max(gyroscopic);
         for i in 0..BALL {
             // Rounding of the slip, of the angular velocities, over the creep speed.
-            let slip = 1.0 + y[4..].iter().fold(rate.abs() * pair.arc, |m, x| m.max(x.abs()));
+            let slip = 1.0 + (rate.abs() * pair.arc).max(turning);
             let rounding = 1e-14 * size * (1.0 + pair.friction * slip / creep);
             let off = (found.left[i] - jets.left[i]).abs();
-            assert!(off <= rounding, "{number} {i} {found:?} {jets:?}");
+            assert!(off <= rounding, "{number} {i} {off:e} {rounding:e} {found:?} {jets:?}");
             let largest = rows[i].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
             for k in 0..BALL {
                 let off = (columns[i][k] - rows[i][k]).abs();
-                assert!(off <= 1e-10 * largest + rounding, "{number} {i} {k} {columns:?} {rows:?}");
+                assert!(off <= 1e-10 * largest + rounding, "{number} {i} {k} {off:e} {rounding:e}");
             }
         }
         let radius = pair.helix.radius;
         let [here, there] = [found.transmitted, jets.transmitted];
         let arm = size * radius;
         let off = (here.torque - there.torque).abs();
-        assert!(off <= 1e-14 * arm * (1.0 + pair.friction / creep), "{number}");
+        let slip = 1.0 + (rate.abs() * pair.arc).max(turning);
+        assert!(off <= 1e-14 * arm * (1.0 + pair.friction * slip / creep), "{number} {off:e}");
         assert_relative_eq!(here.power, there.power, max_relative = 1e-9);
         let largest = jets.slope.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         for (here, there) in found.slope.iter().zip(&jets.slope) {
