@@ -384,7 +384,7 @@ impl CaseError {
             | Self::VariedTwice { key } => key,
             Self::NoRange { key } | Self::BadRange { key, .. } | Self::NotCovered { key, .. } => key,
             Self::UnknownColumn { name, .. }
-            | Self::UnknownOutput { name }
+            | Self::UnknownOutput { name, .. }
             | Self::UnknownModel { name, .. }
             | Self::UnknownRace { name, .. } => name,
             Self::Missing { missing, .. }
@@ -419,6 +419,7 @@ impl CaseError {
             | Self::UnknownListKey { nearest, .. }
             | Self::UnknownColumn { nearest, .. }
             | Self::UnknownRequirement { nearest, .. } => nearest.as_deref(),
+            Self::UnknownOutput { nearest, .. } => *nearest,
             _ => None,
         }
     }
