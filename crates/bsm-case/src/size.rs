@@ -45,7 +45,7 @@ quantities! { Size;
         yield_load_N ["N"] Whole, "load that strains the core to 147 N/mm2";
         cycle_speed_number_mm_min ["mm/min"] Whole, "largest speed number";
         screw_mass_kg ["kg"] Whole, "mass of the screw between its bearings";
-        screw_growth_um ["um"] Whole needs [screw_temperature_rise_K], "growth of the screw between its bearings, warmer by screw_temperature_rise_K";
+        screw_growth_um ["um"] Whole, "growth of the screw between its bearings, warmer by screw_temperature_rise_K";
     }
     "nut and life" {
         static_safety_factor [""] Whole, "static safety by the rating and by the most loaded ball, the smaller one";
@@ -71,7 +71,7 @@ quantities! { Size;
         inertia_of_screw_kg_m2 ["kg m2"] Whole, "moment of inertia of the screw";
         inertia_of_mass_kg_m2 ["kg m2"] Whole, "moment of inertia of the moved mass at the screw";
         inertia_at_motor_kg_m2 ["kg m2"] Whole, "moment of inertia of the load at the motor";
-        inertia_ratio [""] Whole needs [motor_inertia_kg_m2], "moment of inertia of the load at the motor over that of the motor";
+        inertia_ratio [""] Whole, "moment of inertia of the load at the motor over that of the motor";
     }
 }
 

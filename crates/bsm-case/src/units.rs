@@ -151,16 +151,26 @@ pub(crate) fn convert<'a>(
     known: &(impl Iterator<Item = &'a str> + Clone),
 ) -> Option<(&'a str, f64)> {
     let found = |&(unit, dimension, size): &(&str, Dimension, f64)| {
-        let stem = name.strip_suffix(unit)?.strip_suffix('_')?;
+        let stem = stem(name, unit)?;
         let stem = long_name(stem).unwrap_or(stem);
-        let same = |other: &&'a str| {
+        let same = |other: &'a str| {
+            // Its own unit: N_um ends with um too.
+            let own = UNITS.iter().filter(|(own, ..)| self::stem(other, own).is_some());
+            let longest = own.map(|(own, ..)| own.len()).max()?;
             let unit = other.strip_prefix(stem)?.strip_prefix('_')?;
-            let (.., own) = UNITS.iter().find(|(u, d, _)| *u == unit && *d == dimension)?;
-            Some((*other, digits(size / own)))
+            let (.., own) = UNITS
+                .iter()
+                .find(|(own, d, _)| *own == unit && own.len() == longest && *d == dimension)?;
+            Some((other, digits(size / own)))
         };
-        known.clone().find_map(|other| same(&other))
+        known.clone().find_map(same)
     };
     UNITS.iter().find_map(found)
+}
+
+/// A name without its unit, if it ends with that.
+fn stem<'a>(name: &'a str, unit: &str) -> Option<&'a str> {
+    name.strip_suffix(unit)?.strip_suffix('_')
 }
 
 /// A factor without the rounding of its two sizes: 15 digits.
