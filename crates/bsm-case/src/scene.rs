@@ -236,11 +236,12 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
     names
         .map(|name| {
             let distance = strsim::damerau_levenshtein(&key, &name.to_lowercase());
-            (if name.contains(part) { distance.min(3) } else { distance }, name)
+            let distance = if name.contains(part) { distance.min(3) } else { distance };
+            (distance, !name.starts_with(part), name)
         })
         .min()
-        .filter(|(distance, name)| *distance <= name.len().max(key.len()) / 2)
-        .map(|(_, name)| name)
+        .filter(|(distance, _, name)| *distance <= name.len().max(key.len()) / 2)
+        .map(|(_, _, name)| name)
 }
 
 pub(crate) fn wrong_type(key: String, value: &Value, expected: &str) -> CaseError {
