@@ -264,6 +264,9 @@ impl MovingBall {
             model: solution.model.name(),
             missing: scene.missing(Model::Rigid),
         })?;
+        if scene.given().is_lubricated() {
+            return Err(CaseError::NoLubricant { model: "of slip and jam" });
+        }
         let case = scene.reader().rigid();
         let ball =
             SteadyBall { helix: case.helix, radius: case.ball.radius, drive: case.drive, motion };

@@ -80,7 +80,7 @@ fn solution(case: &Case, file: &File, work: &mut ModelWorkspace) -> Result<Check
         let off = (number(&record, name) - value).abs() - rounding;
         let part = if off <= 0.0 { 0.0 } else { off / (tolerance * value.abs()) };
         if part.is_nan() || part > worst {
-            (worst, at) = (part, name);
+            (worst, at) = (part, name.as_str());
         }
     }
     Ok(Check::new(
