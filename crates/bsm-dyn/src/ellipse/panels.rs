@@ -368,7 +368,7 @@ struct Panel<'a> {
 /// The parts of the long axis of an ellipse.
 #[derive(Clone, Copy)]
 pub(super) struct Panels<'a> {
-    panels: [Panel<'a>; 4],
+    parts: [Panel<'a>; 4],
     count: usize,
     split: [bool; 2],
 }
@@ -420,8 +420,8 @@ impl<'a> Panels<'a> {
         // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j)        (T17)
         let mut ends = [0.0; 2 * BLOCK];
         let mut found = 0;
-        for Self { panels, count, .. } in &all {
-            for panel in &panels[..*count] {
+        for Self { parts, count, .. } in &all {
+            for panel in &parts[..*count] {
                 ends[2 * found..2 * found + 2].copy_from_slice(&panel.ends);
                 found += 1;
             }
@@ -430,8 +430,8 @@ impl<'a> Panels<'a> {
             Lane::<S>::load(simd, &ends[at..]).arsinh().store(&mut ends[at..]);
         }
         found = 0;
-        for Self { panels, count, .. } in &mut all {
-            for panel in &mut panels[..*count] {
+        for Self { parts, count, .. } in &mut all {
+            for panel in &mut parts[..*count] {
                 panel.ends.copy_from_slice(&ends[2 * found..2 * found + 2]);
                 found += 1;
             }
@@ -443,7 +443,7 @@ impl<'a> Panels<'a> {
     fn none(rule: &'a Quadrature) -> Self {
         let pole = Pole { at: 0.0, width: 1.0 };
         let none = Panel { pole, ends: [0.0; 2], nodes: &rule.panel };
-        Self { panels: [none; 4], count: 0, split: [false; 2] }
+        Self { parts: [none; 4], count: 0, split: [false; 2] }
     }
 
     /// Around two poles with these `$\sinh^2\eta$`, split where they are inside.
@@ -461,7 +461,7 @@ impl<'a> Panels<'a> {
             for (low, high) in [(low, cut), (cut, high)] {
                 if low < high {
                     let ends = [(low - pole.at) / pole.width, (high - pole.at) / pole.width];
-                    all.panels[all.count] = Panel { pole, ends, nodes };
+                    all.parts[all.count] = Panel { pole, ends, nodes };
                     all.count += 1;
                 }
             }
@@ -481,7 +481,7 @@ impl<'a> Panels<'a> {
                 block.width[i] = block.width[i - 1];
                 continue;
             }
-            let Panel { pole, ends: [begin, end], nodes } = self.panels[panel];
+            let Panel { pole, ends: [begin, end], nodes } = self.parts[panel];
             (block.places[i], block.parts[i]) = nodes.at(node);
             (block.from[i], block.length[i]) = (begin, end - begin);
             (block.at[i], block.width[i]) = (pole.at, pole.width);
@@ -502,7 +502,7 @@ impl<'a> Panels<'a> {
         Nodes { rule, plan }: Nodes<'_>,
         slip: &EllipseSlip<Lane<S>>,
     ) -> Lines {
-        let Panel { pole, ends: [begin, end], nodes } = self.panels[at.panel];
+        let Panel { pole, ends: [begin, end], nodes } = self.parts[at.panel];
         let mut block = LineNodes {
             places: [0.0; BLOCK],
             parts: [0.0; BLOCK],

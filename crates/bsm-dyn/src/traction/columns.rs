@@ -257,7 +257,7 @@ fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
         // cosβ_B = (A₂ − l_A cosβ_A)/l_B                                  (J9)
         let cos = (a_2 - l_a * cos_y) / l_b;
         let square = (1.0 - cos) * (1.0 + cos);
-        if !(square > 0.0) {
+        if square.is_nan() || square <= 0.0 {
             return None;
         }
         let sin = square.sqrt();
@@ -347,8 +347,6 @@ fn evaluate<S: Simd, const SLOPED: bool>(
 ) {
     let (sin_lead, cos_lead) = ball.pair.lead;
     let (pair, loads) = (ball.pair, [y[NUT_LOAD], y[SCREW_LOAD]]);
-    let [_, radial, around] = OMEGA.map(|i| y[i]);
-    let rate = y[PRECESSION] + ball.offset();
     let nodes = [ball.nodes(0), ball.nodes(1)];
     let sums = Sums::along::<S, 2, SLOPED>(simd, points, &nodes);
     for i in 0..2 {
@@ -432,6 +430,20 @@ fn evaluate<S: Simd, const SLOPED: bool>(
         }
     }
 
+    add_inertia::<SLOPED>(ball, y, turn, (left, rows));
+}
+
+/// Inertia forces and the gyroscopic moment.
+#[inline(always)]
+fn add_inertia<const SLOPED: bool>(
+    ball: &Rolling<'_>,
+    y: &[f64; BALL],
+    turn: &Angle,
+    (left, rows): (&mut [f64; BALL], &mut [Block; BALL]),
+) {
+    let (pair, (sin_lead, cos_lead)) = (ball.pair, ball.pair.lead);
+    let [_, radial, around] = OMEGA.map(|i| y[i]);
+    let rate = y[PRECESSION] + ball.offset();
     // Σ F − m r_m P² n                                                    (B4)
     let mass = pair.ball.mass * pair.helix.radius;
     let thrown = mass * rate * rate;
