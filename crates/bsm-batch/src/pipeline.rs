@@ -88,7 +88,7 @@ impl<'a> Workers<'a> {
                 }
                 Err(error) if idle.is_empty() => return Err(error),
                 Err(_) => {
-                    // The other half is for reading, writing and memory.
+                    // The other half is for reading and memory.
                     for (give, thread) in idle.split_off(idle.len().div_ceil(2)) {
                         drop(give);
                         thread.join().unwrap_or_else(|panic| resume_unwind(panic));
