@@ -4,11 +4,13 @@
 //! `docs/theory/09-traction.md`, equations (T12) to (T20).
 
 mod kernel;
+mod many;
 mod panels;
 
 use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 
 use self::kernel::{MOTION, Point};
+pub use self::many::{ContactMotion, InnerNodes, ManyFrictions, ManyQuadrature};
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
 pub(crate) use self::panels::{Nodes, Plan};
 use crate::{Coulomb, FrictionLaw, Wrench};

@@ -14,7 +14,7 @@ use bsm_simd::{BLOCK, Block, Compare, Lane, Mask, Simd};
 use gauss_quad::GaussLegendre;
 
 /// Inner nodes of a line across the ellipse beyond which the spin pole counts as inside.
-const MOST_INNER: usize = 24;
+pub(super) const MOST_INNER: usize = 24;
 
 /// Poles farther from the centre than this, in semi-axes, and wider ones, grade nothing.
 pub(super) const FAR: f64 = 8.0;
@@ -26,12 +26,12 @@ const TINY: f64 = 1e-150;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quadrature {
     /// Nodes and weights of Gauss-Legendre on [0, 1]: of a panel, and of a part of a split one.
-    panel: Vec<(f64, f64)>,
+    pub(super) panel: Vec<(f64, f64)>,
     pub(super) part: Vec<(f64, f64)>,
     /// Nodes and weights along a line, by their number (T19).
     pub(super) inner: Vec<Vec<(f64, f64)>>,
     /// Least `$\sinh\eta$` (T18) for which that number is enough; falls with the number.
-    reach: Vec<f64>,
+    pub(super) reach: Vec<f64>,
 }
 
 /// Gauss-Legendre on [0, 1].
@@ -89,7 +89,7 @@ impl Quadrature {
 
     /// Number of inner nodes, for places and weights, of a line with this `$\sinh\eta$`; none if the
     /// spin pole is so near that they do not suffice.
-    fn count(&self, sinh: f64) -> Option<usize> {
+    pub(super) fn count(&self, sinh: f64) -> Option<usize> {
         self.reach.iter().position(|reach| sinh >= *reach)
     }
 }
@@ -114,7 +114,7 @@ fn larger<F: Compare>(x: F, y: F) -> F {
 }
 
 #[inline(always)]
-fn clamp<F: Compare>(x: F, low: f64, high: f64) -> F {
+pub(super) fn clamp<F: Compare>(x: F, low: f64, high: f64) -> F {
     let (low, high) = (x.constant(low), x.constant(high));
     F::select(x.lt(low), low, F::select(high.lt(x), high, x))
 }
@@ -188,9 +188,15 @@ impl<F: Compare> EllipseSlip<F> {
         self.radius - self.sag * (xi * xi)
     }
 
-    /// `$\sinh\eta$` of the ellipse of analyticity of the line at `xi`, and `$\cos\phi_0$` of its pole.
+    /// `$\sinh\eta$` of the ellipse of analyticity of the line at `xi`.
     #[inline(always)]
     pub(super) fn analyticity(&self, xi: F) -> F {
+        self.analyticity_square(xi).sqrt()
+    }
+
+    /// `$\sinh^2\eta$`.
+    #[inline(always)]
+    pub(super) fn analyticity_square(&self, xi: F) -> F {
         let v_t = self.along(xi);
         let (b_0, b_1) = self.across(xi);
         // z = (b₀ + i √(v_t² + v_e²))/b₁                                 (T18)
@@ -199,7 +205,7 @@ impl<F: Compare> EllipseSlip<F> {
         // sinh²η = [A + √(A² + 4 b₁² r²)]/(2 b₁²),  r² = v_t² + v_e²,  A = b₀² − b₁² + r²
         let both = (far * far + spin * square * 4.0).sqrt() + far.abs();
         let (up, down) = (both / divisor(spin * 2.0), square * 2.0 / divisor(both));
-        F::select(far.lt(far.constant(0.0)), down, up).sqrt()
+        F::select(far.lt(far.constant(0.0)), down, up)
     }
 
     /// The poles that belong to the two lines of pure rolling, from left to right.
@@ -369,7 +375,7 @@ pub(super) fn walk<S: Simd>(
 /// Place of a line on the long axis and its part of the load, from a node in the variable of (T17) and its
 /// weight.
 #[inline(always)]
-fn line<S: Simd, const N: usize>(
+pub(super) fn line<S: Simd, const N: usize>(
     pole: &Pole<Lane<S, N>>,
     tau: Lane<S, N>,
     weight: Lane<S, N>,
