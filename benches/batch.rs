@@ -54,7 +54,7 @@ fn kernels(c: &mut Criterion) {
     let (points, columns, base) = chunk(&scenes);
     let few = named(&["efficiency", "nut_normal_load_N", "screw_normal_load_N"]);
     let all = Answers::select(None).expect("all outputs");
-    for model in [Model::ClosedForm, Model::QuasiStatic, Model::Rigid, Model::RacewayControl] {
+    for model in Model::ALL {
         let settings: Settings = model.into();
         let mut group = c.benchmark_group(format!("batch/{}", model.name()));
         group.throughput(Throughput::Elements(count)).sample_size(20);

@@ -5,9 +5,13 @@
 //! lanes; the tests compare the two.
 
 mod closed_form;
+mod elastic;
+mod hertz;
+mod pair;
 mod quasi_static;
 mod raceway;
 mod rigid;
+mod traction;
 mod units;
 
 use bsm_case::{OUTPUTS, Output, OutputKey, Settings};
@@ -15,16 +19,11 @@ use bsm_dyn::Model;
 use bsm_simd::{Arch, Simd, WithSimd};
 
 use self::closed_form::ClosedForm;
+use self::elastic::Elastic;
 use self::quasi_static::QuasiStatic;
 use self::raceway::Raceway;
 use self::rigid::Rigid;
 use crate::operand::{Given, Lane, Mask, Operands};
-
-/// True if there is a kernel of the model; those that integrate friction by lanes inside a point
-/// have none.
-pub fn exists(model: Model) -> bool {
-    !matches!(model, Model::Elastic | Model::Traction)
-}
 
 /// A model by lanes.
 trait Kernel {
@@ -110,7 +109,8 @@ impl Rows<'_, '_> {
                 let kernel = Raceway { control: settings.control };
                 arch.dispatch(Run { kernel, rows: self });
             }
-            Model::Elastic | Model::Traction => {}
+            Model::Elastic => arch.dispatch(Run { kernel: Elastic, rows: self }),
+            Model::Traction => arch.dispatch(traction::Run { settings, rows: self }),
         }
     }
 }

@@ -30,9 +30,6 @@ const INPUTS: [&str; 16] = [
     "ball_poisson_ratio",
 ];
 
-const KERNELS: [Model; 4] =
-    [Model::ClosedForm, Model::QuasiStatic, Model::Rigid, Model::RacewayControl];
-
 /// Points of practice and somewhat beyond: screw drive, nut drive and both, both ways.
 fn points(count: usize) -> (Chunk, Columns) {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
@@ -135,6 +132,19 @@ fn raceway_control() {
     }
 }
 
+#[test]
+fn elastic() {
+    compare(&Model::Elastic.into(), 4000);
+}
+
+/// At accuracies whose panels fill the groups of lines that share their inner nodes, and at one whose do not.
+#[test]
+fn traction() {
+    for (accuracy, count) in [(1e-8, 400), (1e-6, 200), (1e-4, 200)] {
+        compare(&Settings { accuracy, ..Model::Traction.into() }, count);
+    }
+}
+
 /// Rows `first` to `last` of a chunk.
 fn part(chunk: &Chunk, first: usize, last: usize) -> Chunk {
     let inputs = chunk.inputs.iter().map(|column| {
@@ -160,7 +170,7 @@ fn bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
 fn results_depend_on_the_point_only() {
     // More than two threads' worth.
     let (chunk, columns) = points(5000);
-    for model in KERNELS {
+    for model in Model::ALL {
         let task = Task::new(Scene::default(), model.into(), all());
         let expected = bits(&task.solve(&chunk, &columns));
         for arch in bsm_simd::instruction_sets() {
@@ -188,7 +198,7 @@ fn results_depend_on_the_point_only() {
 fn columns_do_not_depend_on_the_selection() {
     let (base, everything) = (Scene::default(), all());
     let (chunk, columns) = points(500);
-    for model in KERNELS {
+    for model in Model::ALL {
         let task = |outputs| Task::new(base.clone(), model.into(), outputs);
         let expected = task(everything.clone()).solve(&chunk, &columns);
         for (output, column) in everything.iter().zip(&expected.columns) {

@@ -6,12 +6,14 @@
 mod curve;
 mod forces;
 mod sensitivities;
+mod states;
 
 use bsm_kin::{BallFrame, Motion, Over, Scalar};
 use bsm_newton::{EvalError, Options, Report, Scales, solve};
 use nalgebra::Vector3;
 
 use self::curve::first_root;
+pub use self::states::{SlidingBall, SlidingMotion, SlidingState};
 use crate::balance::DOES_NOT_CIRCLE;
 use crate::ball_unknowns::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,

@@ -191,7 +191,7 @@ impl<P: Scalar> ElasticBall<P> {
     }
 
     /// Approaches over ball radius of loads over axial load (P2).
-    fn approaches<D: Over<P>>(&self, loads: [D; 2]) -> [D; 2] {
+    pub(crate) fn approaches<D: Over<P>>(&self, loads: [D; 2]) -> [D; 2] {
         // δ = (Q/K_H)^{2/3}, Eq (H9)                                      (P2)
         std::array::from_fn(|i| self.approach_of(i, loads[i]))
     }

@@ -52,6 +52,17 @@ pub trait Field:
     }
 }
 
+/// Field that constants of the type `P` enter: a number or a lane, or either with derivatives.
+pub trait FieldOver<P>:
+    Field + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self>
+{
+}
+
+impl<P, D> FieldOver<P> for D where
+    D: Field + Add<P, Output = D> + Sub<P, Output = D> + Mul<P, Output = D>
+{
+}
+
 impl<T: DualNumCopy + DualNum<Primitive = f64>> Field for T {
     type Mask = bool;
 

@@ -17,7 +17,7 @@ mod root;
 mod scalar;
 
 pub use contact::{Contact, Site};
-pub use field::Field;
+pub use field::{Field, FieldOver};
 pub use frame::BallFrame;
 pub use helix::{FrenetFrame, Helix};
 pub use jet::Jet;

@@ -13,11 +13,13 @@ mod compare;
 mod exponential;
 mod lane;
 mod root;
+mod slopes;
 mod trigonometry;
 
 pub use compare::Compare;
 pub use lane::{Lane, Mask};
 pub use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
+pub use slopes::Slopes;
 
 /// Numbers that are worked on together: the widest vectors hold as many.
 pub const BLOCK: usize = 8;

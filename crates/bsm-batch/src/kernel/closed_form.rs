@@ -116,6 +116,21 @@ pub(super) fn transmit_torque<S: Simd>(
     powers(out, back, (torque * unit, ideal * unit), speed);
 }
 
+/// Stores the violation of the power balance by a friction power, all over the same unit, and returns it.
+#[inline(always)]
+pub(super) fn power_balance<S: Simd>(
+    out: &mut Out<'_, '_>,
+    back: Mask<S>,
+    (torque, ideal): (Lane<S>, Lane<S>),
+    lost: Lane<S>,
+) -> Lane<S> {
+    let gained = back.select(ideal - torque, torque - ideal);
+    // (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)                    (B10)
+    let imbalance = (gained - lost) / torque.abs().max(ideal).max(lost);
+    out.set(OutputKey::power_balance, imbalance);
+    imbalance
+}
+
 /// Powers of a torque on the screw and of that of the frictionless screw.
 #[inline(always)]
 fn powers<S: Simd>(

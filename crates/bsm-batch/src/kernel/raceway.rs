@@ -2,17 +2,15 @@
 
 mod balance;
 mod friction;
-mod hertz;
 
-use bsm_case::units::{DEG, MM, MPA, UM};
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::{Control, Member, Model};
+use bsm_dyn::{Control, Model};
 use bsm_simd::Simd;
 
-use self::balance::{Grip, Pair};
+pub(super) use self::balance::Grip;
 use self::friction::Ellipse;
-use self::hertz::{ElasticContact, Screw};
 use super::closed_form::transmit_torque;
+use super::pair::{Pair, contacts};
 use super::units::Units;
 use super::{Kernel, Out};
 use crate::operand::{Given, Lane, Mask};
@@ -34,7 +32,7 @@ impl Kernel for Raceway {
             return grip.found;
         }
         let motion = Motion::of(&pair, &grip);
-        contacts(out, &units, &pair, &grip);
+        contacts(out, &units, &pair, &grip.sides);
         motion.outputs(out, &units, &pair);
         let resolved = transmit(out, given, (&units, &pair), (&grip, &motion));
         regime(out, given, (&units, &pair), (&grip, &motion));
@@ -50,47 +48,11 @@ impl Kernel for Raceway {
     }
 }
 
-impl<S: Simd> Pair<S> {
-    #[inline(always)]
-    fn of(given: &Given<'_, S>, units: &Units<S>) -> Self {
-        let (sin_a, cos_a) = given.lead();
-        let (sin_b, cos_b) = given.sin_cos(InputKey::contact_angle_deg);
-        // Lengths in r_b, forces in F_a, speeds in W                      (P1)
-        let radius = units.pitch / units.ball;
-        let arc = radius / cos_a;
-        let modulus = hertz::modulus(given, units);
-        let screw = Screw { radius, tan_a: sin_a / cos_a, cos_b, modulus };
-        let pressed = [
-            ElasticContact::of(Member::Nut, given.get(InputKey::nut_conformity), &screw),
-            ElasticContact::of(Member::Screw, given.get(InputKey::screw_conformity), &screw),
-        ];
-        let inertia_ratio = units.mass * radius;
-        let [least, infinity] = [f64::MIN_POSITIVE, f64::INFINITY].map(|x| arc.constant(x));
-        let regular = pressed[0].regular
-            & pressed[1].regular
-            & units.mass.gt(least)
-            & inertia_ratio.gt(least)
-            & inertia_ratio.lt(infinity);
-        Self {
-            sin_a,
-            cos_a,
-            sin_b,
-            cos_b,
-            arc,
-            lever: cos_a / arc,
-            inertia_ratio,
-            nut_speed: units.nut_speed / units.speed,
-            pressed,
-            regular,
-        }
-    }
-}
-
 /// Motion of the ball relative to the nut over `$W$`.
-struct Motion<S: Simd> {
-    p: Lane<S>,
+pub(super) struct Motion<S: Simd> {
+    pub(super) p: Lane<S>,
     /// Angular velocity along n and b; along t it is `$\sin\alpha/2$` (W3).
-    omega: [Lane<S>; 2],
+    pub(super) omega: [Lane<S>; 2],
     /// Speed of the centre, relative to nut and screw; the ball turns about `$t \times N$` against it.
     speed: [Lane<S>; 2],
     /// Angular velocity about `$N$`, relative to nut and screw.
@@ -99,7 +61,7 @@ struct Motion<S: Simd> {
 
 impl<S: Simd> Motion<S> {
     #[inline(always)]
-    fn of(pair: &Pair<S>, grip: &Grip<S>) -> Self {
+    pub(super) fn of(pair: &Pair<S>, grip: &Grip<S>) -> Self {
         let [a, b] = &grip.sides;
         let (p, by_nut, zero) = (grip.rolling.p, grip.by_nut, pair.arc.constant(0.0));
         let (to_nut, to_screw) = (p * pair.arc, (p - 1.0) * pair.arc);
@@ -142,51 +104,6 @@ impl<S: Simd> Motion<S> {
     }
 }
 
-/// Loads, angles, ellipses, approaches and displacement.
-#[inline(always)]
-fn contacts<S: Simd>(out: &mut Out<'_, '_>, units: &Units<S>, pair: &Pair<S>, grip: &Grip<S>) {
-    const KEYS: [[OutputKey; 6]; 2] = [
-        [
-            OutputKey::nut_normal_load_N,
-            OutputKey::nut_contact_angle_deg,
-            OutputKey::nut_ellipse_a_mm,
-            OutputKey::nut_ellipse_b_mm,
-            OutputKey::nut_max_pressure_MPa,
-            OutputKey::nut_approach_um,
-        ],
-        [
-            OutputKey::screw_normal_load_N,
-            OutputKey::screw_contact_angle_deg,
-            OutputKey::screw_ellipse_a_mm,
-            OutputKey::screw_ellipse_b_mm,
-            OutputKey::screw_max_pressure_MPa,
-            OutputKey::screw_approach_um,
-        ],
-    ];
-    let ball = units.ball;
-    for (i, [load, angle, long, short, pressure, approach]) in KEYS.into_iter().enumerate() {
-        let (side, pressed) = (&grip.sides[i], &pair.pressed[i]);
-        let q = side.load * units.load;
-        out.set(load, q);
-        if out.wants(&[angle]) {
-            out.set(angle, side.sin.zip(side.cos, f64::atan2) / DEG);
-        }
-        // a ~ Q^{1/3}                                                     (P6)
-        let a = side.growth * pressed.hertz.semi_axis * ball;
-        let b = a * pressed.hertz.flatness;
-        out.set(long, a / MM);
-        out.set(short, b / MM);
-        // p_max = 3 Q / (2 π a b)                                         (H10)
-        out.set(pressure, q * 1.5 / (a * b * std::f64::consts::PI) / MPA);
-        out.set(approach, side.approach * ball / UM);
-    }
-    let [a, b] = &grip.sides;
-    // δ_a = l_A sinβ_A + l_B sinβ_B − (l_A0 + l_B0) sinβ₀                 (J8)
-    let both = pair.pressed[0].offset + pair.pressed[1].offset;
-    let displacement = a.length * a.sin + b.length * b.sin - both * pair.sin_b;
-    out.set(OutputKey::axial_displacement_um, displacement * ball / UM);
-}
-
 /// The ellipse at nut (0) or screw (1) and the motion over it.
 #[inline(always)]
 fn ellipse<S: Simd>(i: usize, pair: &Pair<S>, grip: &Grip<S>, motion: &Motion<S>) -> Ellipse<S> {
@@ -227,14 +144,14 @@ fn transmit<S: Simd>(
     at_nut & at_screw
 }
 
-/// Skid number and onset number, where they have a meaning.
+/// Stores skid number and onset number where they have a meaning, and returns the skid number.
 #[inline(always)]
-fn regime<S: Simd>(
+pub(super) fn regime<S: Simd>(
     out: &mut Out<'_, '_>,
     given: &Given<'_, S>,
     (units, pair): (&Units<S>, &Pair<S>),
     (grip, motion): (&Grip<S>, &Motion<S>),
-) {
+) -> Lane<S> {
     let [a, b] = &grip.sides;
     let rate = motion.p + pair.nut_speed;
     let friction = given.get(InputKey::friction_coefficient);
@@ -251,4 +168,5 @@ fn regime<S: Simd>(
         let finite = x.lt(x.constant(f64::INFINITY));
         out.set(key, finite.select(x, x.constant(f64::NAN)));
     }
+    skid
 }

@@ -10,7 +10,7 @@ use bsm_dyn::{Model, POWER_BALANCE_TOL, SEARCHED_FROM, UNIQUE_BELOW};
 use bsm_simd::Simd;
 
 use self::sweep::{Plane, Scaled, State, dot, times};
-use super::closed_form::{contact_angles, transmit_torque};
+use super::closed_form::{contact_angles, power_balance, transmit_torque};
 use super::units::Units;
 use super::{Kernel, Out};
 use crate::operand::{Given, Lane, Mask};
@@ -228,10 +228,7 @@ fn outputs<S: Simd>(
     // P_f = Σ f Q_c |V_c|                                                 (R21)
     let [v_a, v_m, v_b] = contacts.speeds;
     let lost = case.friction * (q_a * v_a + q_m * v_m + q_b * v_b);
-    let gained = back.select(ideal - torque, torque - ideal);
-    // (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)                    (B10)
-    let imbalance = (gained - lost) / torque.abs().max(ideal).max(lost);
-    out.set(OutputKey::power_balance, imbalance);
+    let imbalance = power_balance(out, back, (torque, ideal), lost);
 
     let w = si.speed.abs();
     let slip = w * si.ball;
@@ -258,9 +255,9 @@ fn outputs<S: Simd>(
     imbalance
 }
 
-/// Stores the direction of friction.
+/// Stores the direction of friction, by its parts across the groove and along the helix.
 #[inline(always)]
-fn slip_angle<S: Simd>(out: &mut Out<'_, '_>, key: OutputKey, friction: Plane<S>) {
+pub(super) fn slip_angle<S: Simd>(out: &mut Out<'_, '_>, key: OutputKey, friction: Plane<S>) {
     if out.wants(&[key]) {
         out.set(key, friction[1].zip(friction[0], f64::atan2).each(direction_deg));
     }

@@ -7,7 +7,8 @@ use std::array::from_fn;
 use bsm_kin::Jet;
 use bsm_newton::{Crossing, End, Seed, Stride, Trace, trace};
 
-use super::forces::{CURVE, Forces, Kinematics, Place, State};
+use super::forces::{CURVE, Forces, Place};
+use super::states::{SlidingMotion, SlidingState};
 use crate::ball_unknowns::BALL;
 use crate::elastic_ball::ElasticBall;
 use crate::{Evidence, Reason, Unsolved};
@@ -38,8 +39,8 @@ const LARGE: f64 = 3.0;
 #[derive(Debug, Clone, Copy)]
 struct Node {
     z: [f64; CURVE],
-    state: State<f64>,
-    kinematics: Kinematics<f64>,
+    state: SlidingState<f64>,
+    motion: SlidingMotion<f64>,
 }
 
 impl Node {
@@ -57,15 +58,15 @@ impl Node {
         let scale = forces.scale(&level.z);
         let off = |i: usize| self.z[i] - level.z[i] - if i == 0 { rise } else { 0.0 };
         near(self.state.centrifugal / level.state.centrifugal, rise.exp())
-            && near(self.kinematics.inertia, level.kinematics.inertia)
-            && near(self.kinematics.drive, level.kinematics.drive)
+            && near(self.motion.inertia, level.motion.inertia)
+            && near(self.motion.drive, level.motion.drive)
             && (0..CURVE).all(|i| off(i).abs() <= LARGE * change * scale[i])
     }
 
     /// True if the ball slides against friction on its flanks.
     fn is_admissible(&self) -> bool {
-        let State { sin, cos, .. } = &self.state;
-        self.kinematics.slip.iter().all(|slip| *slip > 0.0)
+        let SlidingState { sin, cos, .. } = &self.state;
+        self.motion.slip.iter().all(|slip| *slip > 0.0)
             && sin.iter().all(|sin| *sin >= 0.0)
             && cos.iter().all(|cos| *cos > 0.0)
     }
@@ -82,7 +83,7 @@ pub(super) fn first_root(pair: &ElasticBall) -> Result<([f64; BALL], usize), Uns
         Some(root) => root,
         None => curve.search(begin)?,
     };
-    Ok((curve.forces.unknowns(&root.state, &root.kinematics, sign), curve.steps))
+    Ok((curve.forces.unknowns(&root.state, &root.motion, sign), curve.steps))
 }
 
 /// Where the curve begins.
@@ -105,16 +106,16 @@ impl Curve<'_> {
         Some(self.at(place, state))
     }
 
-    fn at(&self, place: Place, state: State<f64>) -> Node {
-        let kinematics = self.forces.kinematics(&state);
+    fn at(&self, place: Place, state: SlidingState<f64>) -> Node {
+        let motion = self.forces.motion(&state);
         let [nut, screw] = state.across;
-        Node { z: [place[0], nut, screw, place[2]], state, kinematics }
+        Node { z: [place[0], nut, screw, place[2]], state, motion }
     }
 
     /// The node at a point of the curve.
     fn held(&self, z: &[f64; CURVE]) -> Option<Node> {
         let (state, _) = self.forces.held(z)?;
-        Some(Node { z: *z, state, kinematics: self.forces.kinematics(&state) })
+        Some(Node { z: *z, state, motion: self.forces.motion(&state) })
     }
 
     /// What is a large step from a state.
@@ -135,7 +136,7 @@ impl Curve<'_> {
         let level = self.level().ok_or(Unsolved::LOST)?;
         // M ~ q, up to where the curve bends. Where nut and screw turn together, the inertia here
         // underflows, its logarithm does not.
-        let here = Forces::log_inertia(&level.state, &level.kinematics);
+        let here = Forces::log_inertia(&level.state, &level.motion);
         let root = NO_INERTIA + inertia.ln() - here;
         if root < NO_INERTIA {
             let reason = Reason::InertiaOutOfRange { inertia_ratio: inertia };
@@ -152,22 +153,22 @@ impl Curve<'_> {
         let scale = self.scale(level);
         let (place, state) = self.forces.steady(level.place() + rise, &scale, &mut self.steps)?;
         let node = self.at(place, state);
-        let sign = (level.kinematics.drive * level.kinematics.inertia).signum();
+        let sign = (level.motion.drive * level.motion.inertia).signum();
         let is_first = node.is_straight_from(level, place[0] - NO_INERTIA, RISES, &self.forces);
         // Where rounding decides, the search does its best.
-        let left = self.forces.excess(&node.state, &node.kinematics)[usize::from(sign < 0.0)].abs();
-        let is_exact = left <= digit(place[0]) * node.kinematics.drive.abs();
+        let left = self.forces.excess(&node.state, &node.motion)[usize::from(sign < 0.0)].abs();
+        let is_exact = left <= digit(place[0]) * node.motion.drive.abs();
         (is_first && is_exact && node.is_admissible()).then_some((node, sign))
     }
 
     /// The first root along the whole curve, or why there is none.
     fn search(&mut self, Begin { level, root }: Begin) -> Result<Root, Unsolved> {
         let inertia = self.forces.inertia_ratio();
-        let slip = level.kinematics.slip[0];
+        let slip = level.motion.slip[0];
         // Smallest and largest inertia ratio of a ball that slides against friction on its flanks.
         let mut seen = None::<(f64, f64)>;
         if level.is_admissible() {
-            seen = Some((0.0, Forces::log_inertia(&level.state, &level.kinematics).exp()));
+            seen = Some((0.0, Forces::log_inertia(&level.state, &level.motion).exp()));
         }
         let seed = Seed { z: self.below(level, root).z, towards: [1.0, 0.0, 0.0, 0.0] };
         let (mut root, mut known, mut admissible) = (None, 0, false);
@@ -181,7 +182,7 @@ impl Curve<'_> {
                 let node = self.held(z);
                 admissible = node.is_some_and(|node| node.is_admissible());
                 if let Some(node) = node.filter(Node::is_admissible) {
-                    let inertia = Forces::log_inertia(&node.state, &node.kinematics).exp();
+                    let inertia = Forces::log_inertia(&node.state, &node.motion).exp();
                     let (least, most) = seen.unwrap_or((inertia, inertia));
                     seen = Some((least.min(inertia), most.max(inertia)));
                 }
@@ -213,7 +214,7 @@ impl Curve<'_> {
     fn events(&self, z: &[f64; CURVE], way: &[f64; CURVE]) -> [(f64, f64); 2] {
         let along: [Jet<1>; CURVE] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
         self.forces.held(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {
-            let left = self.forces.excess(&state, &self.forces.kinematics(&state));
+            let left = self.forces.excess(&state, &self.forces.motion(&state));
             left.map(|left| (left.re, left.eps[0]))
         })
     }

@@ -1,11 +1,12 @@
 //! All states of force that a ball with saturated friction can have, at any inertia: a curve.
 //!
-//! Theory: `docs/theory/08-elastic.md`, equations (S13) to (S28).
+//! Theory: `docs/theory/08-elastic.md`, equations (S13), (S14), (S19), (S20), (S26) to (S28).
 
-use bsm_kin::{Jet, Scalar};
+use bsm_kin::{Jet, Over};
 use bsm_newton::{Bracket, EvalError, Family, Sample};
 use nalgebra::Vector3;
 
+use super::states::{SlidingBall, SlidingMotion, SlidingState};
 use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
@@ -37,51 +38,12 @@ pub(super) const CURVE: usize = HELD + 1;
 /// A point in scaled units, in the terms of the curve.
 pub(super) struct Forces<'a> {
     pair: &'a ElasticBall,
-    /// `$F$`.
-    friction: f64,
-    sin: f64,
-    cos: f64,
-    /// `$\cot\alpha$`.
-    cot: f64,
-    /// `$\Omega_n/W$`.
-    nut_speed: f64,
-    /// `$A_2$`.
-    reach: f64,
-}
-
-/// A state of force; pairs are of nut and screw.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct State<D> {
-    /// `$x$`.
-    pub(super) across: [D; 2],
-    /// Sines of the contact angles.
-    pub(super) sin: [D; 2],
-    /// Cosines of the contact angles.
-    pub(super) cos: [D; 2],
-    /// `$Q/F_a$`.
-    loads: [D; 2],
-    /// `$Y$`.
-    along: D,
-    /// `$M$`.
-    pub(super) centrifugal: D,
-    /// Sine and cosine of `$2\nu$`.
-    turn: (D, D),
-}
-
-/// How a ball in a state of force moves.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Kinematics<D> {
-    /// Slips at nut and screw against friction, over `$r_b|W|$`.
-    pub(super) slip: [D; 2],
-    /// `$1 - g$`.
-    pub(super) inertia: D,
-    /// `$\pi/d + \Omega_n/W$`.
-    pub(super) drive: D,
+    ball: SlidingBall<f64>,
 }
 
 /// How many times more than [`CLOSED`] is rounding: where friction all but holds the load, `$Y$` is one over
 /// a small difference.
-fn digits(state: &State<f64>) -> f64 {
+fn digits(state: &SlidingState<f64>) -> f64 {
     (16.0 * f64::EPSILON / CLOSED * state.along).max(1.0)
 }
 
@@ -118,44 +80,43 @@ impl<'a> Forces<'a> {
     pub(super) fn new(pair: &'a ElasticBall) -> Self {
         let (sin, cos) = pair.helix.lead_angle.sin_cos();
         let jones = &pair.jones;
-        Self {
-            pair,
+        let ball = SlidingBall {
             friction: pair.friction * pair.sign(),
             sin,
             cos,
             cot: cos / sin,
+            arc: pair.arc,
+            inertia_ratio: pair.inertia_ratio(),
             nut_speed: pair.nut_speed * pair.sign(),
+            offsets: [jones.nut_offset, jones.screw_offset],
+            approaches: pair.approaches([1.0; 2]),
             reach: (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos(),
-        }
+        };
+        Self { pair, ball }
     }
 
     /// `$F\tan\alpha$`.
     pub(super) fn friction_term(&self) -> f64 {
-        self.friction / self.cot
+        self.ball.friction / self.ball.cot
     }
 
     /// `$\mu$` of the point.
     pub(super) fn inertia_ratio(&self) -> f64 {
-        self.pair.inertia_ratio()
+        self.ball.inertia_ratio
     }
 
     /// `$(r_b/d)\sin\alpha$`, below which `$-x_A$` stays.
     pub(super) fn least(&self) -> f64 {
-        self.sin / self.pair.arc
-    }
-
-    /// `$\delta$`, and the square of `$x_A$` that belongs to `$q$`, `$x_B$` and `$c$`.
-    fn nut_square<D: Scalar>(&self, [q, screw, c]: [D; 3]) -> (D, D) {
-        // δ = q (2c + q)/(1 + c²),  x_A² = (1 + δ) x_B² + δ/(1 + F²)      (S19)
-        let beyond = (c * 2.0 + q) * q / (c.square() + 1.0);
-        let even = (1.0 + self.friction * self.friction).recip();
-        (beyond, screw.square() * (beyond + 1.0) + beyond * even)
+        self.ball.sin / self.ball.arc
     }
 
     /// The state of `$q$`, `$c$` and the `$x$` of the screw, with a positive one of the nut, and what it
     /// leaves of (S14) and (S20); none if no forces belong to them.
-    fn state<D: Scalar>(&self, unknowns @ [q, screw, c]: [D; 3]) -> Option<(State<D>, [D; 2])> {
-        let (beyond, square) = self.nut_square(unknowns);
+    fn state<D: Over<f64>>(
+        &self,
+        unknowns @ [q, screw, c]: [D; 3],
+    ) -> Option<(SlidingState<D>, [D; 2])> {
+        let (beyond, square) = self.ball.nut_square(unknowns);
         if square.re() < 0.0 {
             return None;
         }
@@ -163,111 +124,70 @@ impl<'a> Forces<'a> {
     }
 
     /// The state at a point of the curve, and what it leaves of (S14), (S20) and (S19).
-    pub(super) fn held<D: Scalar>(
+    pub(super) fn held<D: Over<f64>>(
         &self,
         &[log, nut, screw, c]: &[D; CURVE],
-    ) -> Option<(State<D>, [D; HELD])> {
+    ) -> Option<(SlidingState<D>, [D; HELD])> {
         let q = log.re().exp();
         let q = (log - D::from(log.re())) * q + q;
-        let (beyond, square) = self.nut_square([q, screw, c]);
+        let (beyond, square) = self.ball.nut_square([q, screw, c]);
         let (state, [triangle, reach]) = self.state_of([nut, screw], beyond, q, c)?;
         Some((state, [triangle, reach, nut.square() - square]))
     }
 
     /// The state of `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`.
-    fn state_of<D: Scalar>(
+    fn state_of<D: Over<f64>>(
         &self,
-        across @ [nut, screw]: [D; 2],
+        across: [D; 2],
         beyond: D,
         q: D,
         c: D,
-    ) -> Option<(State<D>, [D; 2])> {
+    ) -> Option<(SlidingState<D>, [D; 2])> {
         cost::evaluated();
-        let (f, v) = (self.friction, 1.0 + self.friction * self.friction);
-        let w = across.map(|x| (x.square() + 1.0).sqrt());
-        // E = R_B/√(1 + c²),  m_A = E (c + q),  m_B = E c                 (S18)
-        let e = ((screw.square() * v + 1.0) / (c.square() + 1.0)).sqrt();
-        let m = [e * (c + q), e * c];
-        let r = m.map(|m| e.square() + m.square());
-        // cosβ = (w m − F x E)/R²,  sinβ = (w E + F x m)/R²               (S17)
-        let cos = [0, 1].map(|i| (w[i] * m[i] - across[i] * e * f) / r[i]);
-        let sin = [0, 1].map(|i| (w[i] * e + across[i] * m[i] * f) / r[i]);
-        // Y = 1/(E cosα − F sinα)                                         (S15)
-        let along = (e * self.cos - D::from(f * self.sin)).recip();
-        if !(along.re() > 0.0 && along.re().is_finite()) {
-            return None;
-        }
-        // Q = Y w                                                         (S13)
-        let loads = w.map(|w| along * w);
-        // sin(φ_A − φ_B) and sin(η_B − η_A) without differences; 2ν is the difference  (S21)
-        let apart = beyond * r[1] * (f / v) / (nut * w[1] + screw * w[0]);
-        let level = w[0] * w[1] + nut * screw * (f * f);
-        let (s, k) = (e.square() * q, m[0] * m[1] + e.square());
-        let both = r[0] * r[1];
-        let turn = ((s * level - k * apart) / both, (k * level + s * apart) / both);
-        // M = Y E q                                                       (S16)
-        let state = State { across, sin, cos, loads, along, centrifugal: along * e * q, turn };
-        let jones = &self.pair.jones;
-        let offsets = [jones.nut_offset, jones.screw_offset];
-        let [a, b] = [0, 1].map(|i| (self.pair.approach_of(i, loads[i]) + offsets[i]) * cos[i]);
-        let left = [
-            // cosβ_A + cosβ_B = (x_A + x_B) tanα                          (S14)
-            (cos[0] + cos[1]) * self.cot / (nut + screw) - D::from(1.0),
-            // l_A cosβ_A + l_B cosβ_B = A₂, Eq (J7)                       (S20)
-            (a + b) * self.reach.recip() - 1.0,
-        ];
-        Some((state, left))
+        let (state, left) = self.ball.state(across, beyond, q, c);
+        let along = state.along.re();
+        (along > 0.0 && along.is_finite()).then_some((state, left))
     }
 
     /// The motion of a state.
-    ///
-    /// Assumes: `$r_m > 1.21\,r_b$`, so that slips against friction have `$Y > 0$`.
-    pub(super) fn kinematics<D: Scalar>(&self, s: &State<D>) -> Kinematics<D> {
-        let (d, [x_a, x_b]) = (self.pair.arc, s.across);
-        let share = ((x_a + x_b) * (x_a * x_b + 1.0)).recip();
-        // |V_A| = w_A [x_B (d − cosα cosβ_B) − sinα]/[(x_A + x_B)(1 + x_A x_B)]  (S22)
-        let nut = (x_b * (-s.cos[1] * self.cos + d) - self.sin) * share;
-        // |V_B| = w_B [x_A (d + cosα cosβ_A) + sinα]/[(x_A + x_B)(1 + x_A x_B)]  (S23)
-        let screw = (x_a * (s.cos[0] * self.cos + d) + self.sin) * share;
-        // π = |V_A| (1 + x_A cotα cosβ_A)/w_A                             (S24)
-        let rolling = nut * (x_a * s.cos[0] * self.cot + 1.0) / D::from(d);
-        // g = (5/2) F Y cotα sin2ν/M                                      (S25)
-        let g = s.along * (2.5 * self.friction * self.cot) * s.turn.0 / s.centrifugal;
-        let slip = [nut * s.loads[0] / s.along, screw * s.loads[1] / s.along];
-        Kinematics { slip, inertia: -g + 1.0, drive: rolling + self.nut_speed }
+    pub(super) fn motion<D: Over<f64>>(&self, s: &SlidingState<D>) -> SlidingMotion<D> {
+        self.ball.motion(s)
     }
 
     /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
-    pub(super) fn excess<D: Scalar>(&self, s: &State<D>, k: &Kinematics<D>) -> [D; 2] {
-        // (1 − g) √(M/μ) = ± (π/d + Ω_n/W)                                (S26)
-        let circling = k.inertia * (s.centrifugal / D::from(self.inertia_ratio())).sqrt();
-        [circling - k.drive, circling + k.drive]
+    pub(super) fn excess<D: Over<f64>>(&self, s: &SlidingState<D>, k: &SlidingMotion<D>) -> [D; 2] {
+        self.ball.excess(s, k)
     }
 
     /// Logarithm of the `$\mu$` with which the state is that of a steady motion.
-    pub(super) fn log_inertia(s: &State<f64>, k: &Kinematics<f64>) -> f64 {
+    pub(super) fn log_inertia(s: &SlidingState<f64>, k: &SlidingMotion<f64>) -> f64 {
         // μ = M [(1 − g)/(π/d + Ω_n/W)]²                                  (S27)
         s.centrifugal.ln() + 2.0 * (k.inertia / k.drive).abs().ln()
     }
 
     /// Unknowns (S1) of a root of (S26), `sign` that of `$P/W$`.
-    pub(super) fn unknowns(&self, s: &State<f64>, k: &Kinematics<f64>, sign: f64) -> [f64; BALL] {
+    pub(super) fn unknowns(
+        &self,
+        s: &SlidingState<f64>,
+        k: &SlidingMotion<f64>,
+        sign: f64,
+    ) -> [f64; BALL] {
         let rate = sign * (s.centrifugal / self.inertia_ratio()).sqrt();
         let tilt = 0.5 * s.turn.0.atan2(s.turn.1);
         let mean = s.sin[0].atan2(s.cos[0]) + tilt;
         let mut y = [0.0; BALL];
         [y[NUT_LOAD], y[SCREW_LOAD]] = s.loads;
         y[TILT] = tilt;
-        y[PRECESSION] = rate - self.nut_speed;
+        y[PRECESSION] = rate - self.ball.nut_speed;
         y[SLIP] = k.slip[0];
         y[SLIP_ANGLE] = 1.0_f64.atan2(s.across[0]);
         // s = −2 F Y cosν/sinα − (I P/W) |V_A| cosθ_A cotα sinβ           (S28)
-        y[SPIN] = -2.0 * self.friction * s.along * tilt.cos() / self.sin
+        y[SPIN] = -2.0 * self.ball.friction * s.along * tilt.cos() / self.ball.sin
             - self.pair.ball.inertia()
                 * rate
                 * k.slip[0]
                 * y[SLIP_ANGLE].cos()
-                * self.cot
+                * self.ball.cot
                 * mean.sin();
         y
     }
@@ -285,7 +205,7 @@ impl<'a> Forces<'a> {
         guess: Place,
         scale: &Place,
         steps: &mut usize,
-    ) -> Option<(Place, State<f64>)> {
+    ) -> Option<(Place, SlidingState<f64>)> {
         self.newton(guess, scale, steps, |_| (0.0, Place::x()))
     }
 
@@ -295,9 +215,9 @@ impl<'a> Forces<'a> {
         guess: Place,
         scale: &Place,
         steps: &mut usize,
-    ) -> Option<(Place, State<f64>)> {
+    ) -> Option<(Place, SlidingState<f64>)> {
         self.newton(guess, scale, steps, |s| {
-            let Kinematics { inertia: i, drive: d, .. } = self.kinematics(s);
+            let SlidingMotion { inertia: i, drive: d, .. } = self.motion(s);
             // 0 = ln[(M/μ) ((1 − g)/(π/d + Ω_n/W))²], to the last digit of its argument  (S27)
             let left = (s.centrifugal.re / self.inertia_ratio() * (i.re / d.re).powi(2)).ln();
             let slope = |jet: Jet<3>| Place::from(jet.eps) / jet.re;
@@ -311,8 +231,8 @@ impl<'a> Forces<'a> {
         guess: Place,
         scale: &Place,
         steps: &mut usize,
-        condition: impl Fn(&State<Jet<3>>) -> (f64, Place),
-    ) -> Option<(Place, State<f64>)> {
+        condition: impl Fn(&SlidingState<Jet<3>>) -> (f64, Place),
+    ) -> Option<(Place, SlidingState<f64>)> {
         let (mut place, mut step) = (guess, Place::zeros());
         for _ in 0..MOST_STEPS {
             *steps += 1;
@@ -346,13 +266,9 @@ impl<'a> Forces<'a> {
     }
 
     /// `$x$` and `$c$` of equal contact angles, from the cotangent of the angle.
-    fn level<D: Scalar>(&self, cot: D) -> Option<[D; 2]> {
-        let sin = (cot.square() + 1.0).sqrt().recip();
-        let (cos, f) = (cot * sin, self.friction);
-        let x = cos * self.cot;
-        let w = (x.square() + 1.0).sqrt();
-        let effect = w * sin - x * cos * f;
-        (effect.re() > 0.0).then(|| [x, (w * cos + x * sin * f) / effect])
+    fn level<D: Over<f64>>(&self, cot: D) -> Option<[D; 2]> {
+        let ([x, c], effect) = self.ball.level(cot);
+        (effect.re() > 0.0).then_some([x, c])
     }
 
     /// `$x$` and `$c$` where the curve begins, without inertia: a guess; counts evaluations.

@@ -6,8 +6,7 @@
 use bsm_dyn::Control;
 use bsm_simd::Simd;
 
-use super::hertz::ElasticContact;
-
+use crate::kernel::pair::{Pair, Side};
 use crate::operand::{Lane, Mask};
 
 /// Newton steps before a point is left to the model.
@@ -35,60 +34,26 @@ const CLEAR: f64 = 4.0;
 /// nearer to zero which flank carries.
 const TIE: f64 = 1e-9;
 
-/// A lane of points in units of ball radius, axial load per ball and relative speed.
-pub(super) struct Pair<S: Simd> {
-    pub(super) sin_a: Lane<S>,
-    pub(super) cos_a: Lane<S>,
-    /// Of the unloaded contact angle.
-    pub(super) sin_b: Lane<S>,
-    pub(super) cos_b: Lane<S>,
-    /// `$d/r_b$`, and its inverse times `$\cos\alpha$`.
-    pub(super) arc: Lane<S>,
-    pub(super) lever: Lane<S>,
-    /// `$m r_m W^2/F_a$`.
-    pub(super) inertia_ratio: Lane<S>,
-    /// `$\Omega_n/W$`.
-    pub(super) nut_speed: Lane<S>,
-    /// Contacts at nut and screw.
-    pub(super) pressed: [ElasticContact<S>; 2],
-    /// Where numbers neither overflow nor underflow and contacts are ellipses.
-    pub(super) regular: Mask<S>,
-}
-
-/// A contact at its angle.
-#[derive(Clone, Copy)]
-pub(super) struct Side<S: Simd> {
-    cot: Lane<S>,
-    pub(super) sin: Lane<S>,
-    pub(super) cos: Lane<S>,
-    /// `$Q/F_a$`, and its cube root.
-    pub(super) load: Lane<S>,
-    pub(super) growth: Lane<S>,
-    pub(super) approach: Lane<S>,
-    /// `$l$`, from the arc centre to the ball centre.
-    pub(super) length: Lane<S>,
-}
-
 /// Precession of the rolling ball relative to the nut over `$W$`.
 #[derive(Clone, Copy)]
-pub(super) struct Rolling<S: Simd> {
-    pub(super) p: Lane<S>,
+pub(in crate::kernel) struct Rolling<S: Simd> {
+    pub(in crate::kernel) p: Lane<S>,
     /// Its derivatives by both cotangents.
     slopes: [Lane<S>; 2],
     /// `$\sin(\beta_B - \beta_A)$`.
-    pub(super) twist: Lane<S>,
+    pub(in crate::kernel) twist: Lane<S>,
 }
 
 /// A lane of gripping balls.
-pub(super) struct Grip<S: Simd> {
+pub(in crate::kernel) struct Grip<S: Simd> {
     /// Where the nut controls.
-    pub(super) by_nut: Mask<S>,
-    pub(super) sides: [Side<S>; 2],
-    pub(super) rolling: Rolling<S>,
-    pub(super) steps: Lane<S>,
-    pub(super) residual: Lane<S>,
+    pub(in crate::kernel) by_nut: Mask<S>,
+    pub(in crate::kernel) sides: [Side<S>; 2],
+    pub(in crate::kernel) rolling: Rolling<S>,
+    pub(in crate::kernel) steps: Lane<S>,
+    pub(in crate::kernel) residual: Lane<S>,
     /// Where it is the answer.
-    pub(super) found: Mask<S>,
+    pub(in crate::kernel) found: Mask<S>,
 }
 
 /// The iterate.
@@ -102,7 +67,7 @@ struct Iterate<S: Simd> {
 impl<S: Simd> Grip<S> {
     /// Solves the balance, with the race that controls or by the decision.
     #[inline(always)]
-    pub(super) fn of(pair: &Pair<S>, control: Option<Control>) -> Self {
+    pub(in crate::kernel) fn of(pair: &Pair<S>, control: Option<Control>) -> Self {
         let zero = pair.arc.constant(0.0);
         let mut by_nut = match control {
             Some(Control::Screw) => zero.lt(zero),
@@ -132,14 +97,12 @@ impl<S: Simd> Grip<S> {
     }
 }
 
-impl<S: Simd> Side<S> {
-    /// Derivative of `$l\cos\beta$` by the cotangent.
-    #[inline(always)]
-    fn slope(&self) -> Lane<S> {
-        // d cosβ = sin³β d cotβ,  dδ = ⅔ δ sinβ cosβ d cotβ by δ ~ Q^{2/3}
-        let (square, cosine) = (self.sin * self.sin, self.cos * self.cos);
-        square * self.sin * self.length + self.approach * self.sin * cosine * (2.0 / 3.0)
-    }
+/// Derivative of `$l\cos\beta$` by the cotangent.
+#[inline(always)]
+fn slope<S: Simd>(side: &Side<S>) -> Lane<S> {
+    // d cosβ = sin³β d cotβ,  dδ = ⅔ δ sinβ cosβ d cotβ by δ ~ Q^{2/3}
+    let (square, cosine) = (side.sin * side.sin, side.cos * side.cos);
+    square * side.sin * side.length + side.approach * side.sin * cosine * (2.0 / 3.0)
 }
 
 /// `$\cos(\beta_A - \beta_B)$`.
@@ -149,22 +112,9 @@ fn between<S: Simd>([a, b]: &[Side<S>; 2]) -> Lane<S> {
 }
 
 impl<S: Simd> Pair<S> {
-    /// The contact of this cotangent.
-    #[inline(always)]
-    fn side(&self, pressed: &ElasticContact<S>, cot: Lane<S>) -> Side<S> {
-        let length = (cot * cot + 1.0).sqrt();
-        let sin = length.recip();
-        // Q_A sinβ_A cosα = F_a                                           (W2)
-        let load = length / self.cos_a;
-        let growth = load.cbrt_positive();
-        // δ = (Q/K_H)^{2/3}                                               (P2), (W1)
-        let approach = pressed.hertz.compliance * growth * growth;
-        Side { cot, sin, cos: cot * sin, load, growth, approach, length: pressed.offset + approach }
-    }
-
     #[inline(always)]
     fn sides(&self, cots: &[Lane<S>; 2]) -> [Side<S>; 2] {
-        [self.side(&self.pressed[0], cots[0]), self.side(&self.pressed[1], cots[1])]
+        [self.side(0, cots[0]), self.side(1, cots[1])]
     }
 
     /// The angle that the loads of the unloaded angle lead to.
@@ -175,17 +125,6 @@ impl<S: Simd> Pair<S> {
         let cos = self.reach() / (nut.length + screw.length);
         let cot = cos / (self.constant(1.0) - cos * cos).sqrt();
         Iterate { cots: [cot; 2], steps: self.constant(0.0), settled: !self.regular }
-    }
-
-    #[inline(always)]
-    fn constant(&self, x: f64) -> Lane<S> {
-        self.arc.constant(x)
-    }
-
-    /// `$A_2 = (l_{A0} + l_{B0})\cos\beta_0$`.
-    #[inline(always)]
-    fn reach(&self) -> Lane<S> {
-        (self.pressed[0].offset + self.pressed[1].offset) * self.cos_b
     }
 
     /// Newton steps on the cotangents that are not settled.
@@ -203,7 +142,7 @@ impl<S: Simd> Pair<S> {
             let drift = self.inertia_ratio * self.cos_a * rate * 2.0;
             let one = self.constant(1.0);
             let [r_a, r_b] = [one - drift * rolling.slopes[0], -one - drift * rolling.slopes[1]];
-            let (c_a, c_b) = (nut.slope(), screw.slope());
+            let (c_a, c_b) = (slope(nut), slope(screw));
             let scale = (r_a * c_b - r_b * c_a).recip();
             let step_a = (radial * c_b - reach * r_b) * scale;
             let step_b = (reach * r_a - radial * c_a) * scale;

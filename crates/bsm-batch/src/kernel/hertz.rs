@@ -5,7 +5,7 @@ use bsm_case::units::GPA;
 use bsm_dyn::{Axes, Groove, Hertz, Material, Member, contact_modulus, pressed_radius};
 use bsm_simd::Simd;
 
-use crate::kernel::units::Units;
+use super::units::Units;
 use crate::operand::{Given, Lane, Mask};
 
 /// A contact in units of ball radius and axial load per ball.

@@ -1,0 +1,167 @@
+//! A state of balanced forces at saturated friction, and the motion that goes with it, for one point
+//! and for several side by side.
+//!
+//! Theory: `docs/theory/08-elastic.md`, equations (S13) to (S27).
+
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+
+use bsm_kin::{Field, FieldOver};
+
+/// A ball that slides at both contacts, in units of ball radius, axial load per ball and relative speed;
+/// pairs are of nut and screw.
+#[derive(Debug, Clone, Copy)]
+pub struct SlidingBall<P> {
+    /// `$F = f\,\mathrm{sign} W$`.
+    pub friction: P,
+    /// `$\sin\alpha$`.
+    pub sin: P,
+    /// `$\cos\alpha$`.
+    pub cos: P,
+    /// `$\cot\alpha$`.
+    pub cot: P,
+    /// Arc length per radian `$d$`.
+    pub arc: P,
+    /// `$m r_m W^2/F_a$`.
+    pub inertia_ratio: P,
+    /// `$\Omega_n/W$`.
+    pub nut_speed: P,
+    /// Offsets of the groove arcs.
+    pub offsets: [P; 2],
+    /// Approaches under the axial load.
+    pub approaches: [P; 2],
+    /// `$A_2$`.
+    pub reach: P,
+}
+
+/// A state of force; pairs are of nut and screw.
+#[derive(Debug, Clone, Copy)]
+pub struct SlidingState<D> {
+    /// `$x$`.
+    pub across: [D; 2],
+    /// Sines of the contact angles.
+    pub sin: [D; 2],
+    /// Cosines of the contact angles.
+    pub cos: [D; 2],
+    /// `$Q/F_a$`.
+    pub loads: [D; 2],
+    /// `$Y$`; no forces belong to a state in which it is not positive and finite.
+    pub along: D,
+    /// `$M$`.
+    pub centrifugal: D,
+    /// Sine and cosine of `$2\nu$`.
+    pub turn: (D, D),
+}
+
+/// How a ball in a state of force moves.
+#[derive(Debug, Clone, Copy)]
+pub struct SlidingMotion<D> {
+    /// Slips at nut and screw against friction, over `$r_b|W|$`.
+    pub slip: [D; 2],
+    /// `$1 - g$`.
+    pub inertia: D,
+    /// `$\pi/d + \Omega_n/W$`.
+    pub drive: D,
+}
+
+impl<P: Field> SlidingBall<P> {
+    /// `$1 + F^2$`.
+    #[inline(always)]
+    fn stretch(&self) -> P {
+        self.friction.square() + 1.0
+    }
+
+    /// `$\delta$`, and the square of `$x_A$` that belongs to `$q$`, `$x_B$` and `$c$`.
+    #[inline(always)]
+    pub fn nut_square<D: FieldOver<P>>(&self, [q, screw, c]: [D; 3]) -> (D, D) {
+        // δ = q (2c + q)/(1 + c²),  x_A² = (1 + δ) x_B² + δ/(1 + F²)      (S19)
+        let beyond = (c * 2.0 + q) * q / (c.square() + 1.0);
+        let even = self.stretch().recip();
+        (beyond, screw.square() * (beyond + 1.0) + beyond * even)
+    }
+
+    /// The state of `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`, and what it leaves of (S14) and
+    /// (S20).
+    #[inline(always)]
+    pub fn state<D: FieldOver<P>>(
+        &self,
+        [nut, screw]: [D; 2],
+        beyond: D,
+        q: D,
+        c: D,
+    ) -> (SlidingState<D>, [D; 2]) {
+        let (f, v) = (self.friction, self.stretch());
+        let w = [(nut.square() + 1.0).sqrt(), (screw.square() + 1.0).sqrt()];
+        // E = R_B/√(1 + c²),  m_A = E (c + q),  m_B = E c                 (S18)
+        let e = ((screw.square() * v + 1.0) / (c.square() + 1.0)).sqrt();
+        let m = [e * (c + q), e * c];
+        let r = [e.square() + m[0].square(), e.square() + m[1].square()];
+        // cosβ = (w m − F x E)/R²,  sinβ = (w E + F x m)/R²               (S17)
+        let cos = [(w[0] * m[0] - nut * e * f) / r[0], (w[1] * m[1] - screw * e * f) / r[1]];
+        let sin = [(w[0] * e + nut * m[0] * f) / r[0], (w[1] * e + screw * m[1] * f) / r[1]];
+        // Y = 1/(E cosα − F sinα)                                         (S15)
+        let along = (e * self.cos - f * self.sin).recip();
+        // Q = Y w                                                         (S13)
+        let loads = [along * w[0], along * w[1]];
+        // sin(φ_A − φ_B) and sin(η_B − η_A) without differences; 2ν is the difference  (S21)
+        let apart = beyond * r[1] * (f / v) / (nut * w[1] + screw * w[0]);
+        let level = w[0] * w[1] + nut * screw * f.square();
+        let (s, k) = (e.square() * q, m[0] * m[1] + e.square());
+        let both = r[0] * r[1];
+        let turn = ((s * level - k * apart) / both, (k * level + s * apart) / both);
+        // M = Y E q                                                       (S16)
+        let centrifugal = along * e * q;
+        // δ = (Q/K_H)^{2/3}                                               (P2)
+        let a = (loads[0].cbrt().square() * self.approaches[0] + self.offsets[0]) * cos[0];
+        let b = (loads[1].cbrt().square() * self.approaches[1] + self.offsets[1]) * cos[1];
+        let left = [
+            // cosβ_A + cosβ_B = (x_A + x_B) tanα                          (S14)
+            (cos[0] + cos[1]) * self.cot / (nut + screw) - 1.0,
+            // l_A cosβ_A + l_B cosβ_B = A₂, Eq (J7)                       (S20)
+            (a + b) * self.reach.recip() - 1.0,
+        ];
+        let across = [nut, screw];
+        (SlidingState { across, sin, cos, loads, along, centrifugal, turn }, left)
+    }
+
+    /// `$x$` and `$c$` of equal contact angles, from the cotangent of the angle, and what must be positive
+    /// for the friction not to hold the load.
+    #[inline(always)]
+    pub fn level<D: FieldOver<P>>(&self, cot: D) -> ([D; 2], D) {
+        let sin = (cot.square() + 1.0).sqrt().recip();
+        let (cos, f) = (cot * sin, self.friction);
+        let x = cos * self.cot;
+        let w = (x.square() + 1.0).sqrt();
+        let effect = w * sin - x * cos * f;
+        ([x, (w * cos + x * sin * f) / effect], effect)
+    }
+
+    /// The motion of a state.
+    ///
+    /// Assumes: `$r_m > 1.21\,r_b$`, so that slips against friction have `$Y > 0$`.
+    #[inline(always)]
+    pub fn motion<D: FieldOver<P>>(&self, s: &SlidingState<D>) -> SlidingMotion<D> {
+        let (d, [x_a, x_b]) = (self.arc, s.across);
+        let share = ((x_a + x_b) * (x_a * x_b + 1.0)).recip();
+        // |V_A| = w_A [x_B (d − cosα cosβ_B) − sinα]/[(x_A + x_B)(1 + x_A x_B)]  (S22)
+        let nut = (x_b * (-s.cos[1] * self.cos + d) - self.sin) * share;
+        // |V_B| = w_B [x_A (d + cosα cosβ_A) + sinα]/[(x_A + x_B)(1 + x_A x_B)]  (S23)
+        let screw = (x_a * (s.cos[0] * self.cos + d) + self.sin) * share;
+        // π = |V_A| (1 + x_A cotα cosβ_A)/w_A                             (S24)
+        let rolling = nut * (x_a * s.cos[0] * self.cot + 1.0) * d.recip();
+        // g = (5/2) F Y cotα sin2ν/M                                      (S25)
+        let g = s.along * (self.friction * 2.5 * self.cot) * s.turn.0 / s.centrifugal;
+        let slip = [nut * s.loads[0] / s.along, screw * s.loads[1] / s.along];
+        SlidingMotion { slip, inertia: -g + 1.0, drive: rolling + self.nut_speed }
+    }
+
+    /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
+    #[inline(always)]
+    pub fn excess<D: FieldOver<P>>(&self, s: &SlidingState<D>, k: &SlidingMotion<D>) -> [D; 2] {
+        // (1 − g) √(M/μ) = ± (π/d + Ω_n/W)                                (S26)
+        let circling = k.inertia * (s.centrifugal * self.inertia_ratio.recip()).sqrt();
+        [circling - k.drive, circling + k.drive]
+    }
+}

@@ -1,0 +1,246 @@
+//! Lanes with derivatives.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use bsm_kin::Field;
+use pulp::Simd;
+
+use crate::{Lane, Mask};
+
+/// Numbers of a [`Lane`] and their partial derivatives with respect to `K` variables.
+#[derive(Clone, Copy)]
+pub struct Slopes<S: Simd, const N: usize, const K: usize> {
+    /// The values.
+    pub re: Lane<S, N>,
+    /// The partial derivatives.
+    pub eps: [Lane<S, N>; K],
+}
+
+/// The same for each derivative; a loop, because closures are calls where the instruction set differs.
+macro_rules! each {
+    ($like:expr, $i:ident, $slope:expr) => {{
+        let mut eps = $like;
+        for $i in 0..K {
+            eps[$i] = $slope;
+        }
+        eps
+    }};
+}
+
+impl<S: Simd, const N: usize, const K: usize> Slopes<S, N, K> {
+    /// A value that does not change.
+    #[inline(always)]
+    pub fn fixed(re: Lane<S, N>) -> Self {
+        Self { re, eps: [re.constant(0.0); K] }
+    }
+
+    /// A value that changes with variable number `i` at this rate.
+    #[inline(always)]
+    pub fn along(re: Lane<S, N>, i: usize, rate: Lane<S, N>) -> Self {
+        let mut variable = Self::fixed(re);
+        variable.eps[i] = rate;
+        variable
+    }
+
+    /// Variable number `i` with this value.
+    #[inline(always)]
+    pub fn variable(re: Lane<S, N>, i: usize) -> Self {
+        Self::along(re, i, re.constant(1.0))
+    }
+
+    /// Square root.
+    #[inline(always)]
+    #[must_use]
+    pub fn sqrt(self) -> Self {
+        let root = self.re.sqrt();
+        self.chain(root, root.constant(0.5) / root)
+    }
+
+    /// A function with these values and slopes at `self` (chain rule).
+    #[inline(always)]
+    fn chain(self, re: Lane<S, N>, slope: Lane<S, N>) -> Self {
+        Self { re, eps: each!(self.eps, i, self.eps[i] * slope) }
+    }
+}
+
+impl<S: Simd, const N: usize, const K: usize> Field for Slopes<S, N, K> {
+    type Mask = Mask<S, N>;
+
+    #[inline(always)]
+    fn constant(self, x: f64) -> Self {
+        Self::fixed(self.re.constant(x))
+    }
+
+    #[inline(always)]
+    fn select(mask: Mask<S, N>, yes: Self, no: Self) -> Self {
+        let eps = each!(no.eps, i, mask.select(yes.eps[i], no.eps[i]));
+        Self { re: mask.select(yes.re, no.re), eps }
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+
+    #[inline(always)]
+    fn cbrt(self) -> Self {
+        let root = self.re.cbrt_positive();
+        self.chain(root, (root * root * 3.0).recip())
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        let inverse = self.re.recip();
+        self.chain(inverse, -(inverse * inverse))
+    }
+}
+
+impl<S: Simd, const N: usize, const K: usize> Neg for Slopes<S, N, K> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { re: -self.re, eps: each!(self.eps, i, -self.eps[i]) }
+    }
+}
+
+impl<S: Simd, const N: usize, const K: usize> Mul for Slopes<S, N, K> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let eps = each!(self.eps, i, self.eps[i] * other.re + other.eps[i] * self.re);
+        Self { re: self.re * other.re, eps }
+    }
+}
+
+impl<S: Simd, const N: usize, const K: usize> Div for Slopes<S, N, K> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let inverse = other.re.recip();
+        let quotient = self.re * inverse;
+        let eps = each!(self.eps, i, (self.eps[i] - quotient * other.eps[i]) * inverse);
+        Self { re: quotient, eps }
+    }
+}
+
+macro_rules! sums {
+    ($($trait:ident $method:ident $op:tt;)*) => {$(
+        impl<S: Simd, const N: usize, const K: usize> $trait for Slopes<S, N, K> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                let eps = each!(self.eps, i, self.eps[i] $op other.eps[i]);
+                Self { re: self.re $op other.re, eps }
+            }
+        }
+
+        impl<S: Simd, const N: usize, const K: usize> $trait<Lane<S, N>> for Slopes<S, N, K> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Lane<S, N>) -> Self {
+                Self { re: self.re $op other, ..self }
+            }
+        }
+
+        impl<S: Simd, const N: usize, const K: usize> $trait<f64> for Slopes<S, N, K> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: f64) -> Self {
+                Self { re: self.re $op other, ..self }
+            }
+        }
+    )*};
+}
+
+sums! {
+    Add add +;
+    Sub sub -;
+}
+
+impl<S: Simd, const N: usize, const K: usize> Mul<Lane<S, N>> for Slopes<S, N, K> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Lane<S, N>) -> Self {
+        self.chain(self.re * other, other)
+    }
+}
+
+impl<S: Simd, const N: usize, const K: usize> Mul<f64> for Slopes<S, N, K> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: f64) -> Self {
+        self * self.re.constant(other)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bsm_kin::{Jet, Over};
+    use proptest::prelude::*;
+    use pulp::{Arch, WithSimd};
+
+    use super::*;
+    use crate::{BLOCK, Block};
+
+    /// Every operation in one expression.
+    #[inline(always)]
+    fn everything<D: bsm_kin::FieldOver<P>, P>(x: D, y: D, p: P) -> D
+    where
+        P: Copy,
+    {
+        let z = (x * y + p) / (y * p + 2.0) - (x - p).square() * 0.5;
+        (z.square() + 1.0).sqrt().recip() + y.cbrt() - (-x) * x.constant(0.3) - 1.5
+    }
+
+    struct Both(Block, Block);
+
+    impl WithSimd for Both {
+        type Output = [Block; 3];
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let mut found = [[0.0; BLOCK]; 3];
+            for at in (0..BLOCK).step_by(S::F64_LANES) {
+                let (x, y) =
+                    (Lane::<S>::load(simd, &self.0[at..]), Lane::load(simd, &self.1[at..]));
+                let p = x.constant(0.7);
+                let z: Slopes<S, 1, 2> =
+                    everything(Slopes::variable(x, 0), Slopes::variable(y, 1), p);
+                z.re.store(&mut found[0][at..]);
+                z.eps[0].store(&mut found[1][at..]);
+                z.eps[1].store(&mut found[2][at..]);
+            }
+            found
+        }
+    }
+
+    fn jets<D: Over<f64>>(x: D, y: D) -> D {
+        everything(x, y, 0.7)
+    }
+
+    proptest! {
+        #[test]
+        fn lanes_with_slopes_are_jets(
+            x in proptest::array::uniform8(-2.0..2.0_f64), y in proptest::array::uniform8(0.1..2.0_f64),
+        ) {
+            let found = Arch::new().dispatch(Both(x, y));
+            for i in 0..BLOCK {
+                let jet = jets(Jet::<2>::variable(x[i], 0), Jet::variable(y[i], 1));
+                // Rounding of a handful of terms of at most ten.
+                prop_assert!((found[0][i] - jet.re).abs() <= 1e-14 * (1.0 + jet.re.abs()));
+                for k in 0..2 {
+                    let error = (found[k + 1][i] - jet.eps[k]).abs();
+                    prop_assert!(error <= 1e-13 * (1.0 + jet.eps[k].abs()), "{error}");
+                }
+            }
+        }
+    }
+}
