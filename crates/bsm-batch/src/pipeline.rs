@@ -14,6 +14,9 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::{Answers, Chunk, Columns, Format, Sink, Source, TableError, TableSink};
 
+/// Stack of a thread \[B\]: the kernels keep every intermediate result where the code is not optimised, some 4 MB.
+const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
+
 /// Rows that are in memory at a time. The pages of a Parquet table end where chunks do, so that its bytes
 /// depend on this number.
 pub const ROWS: usize = 1 << 16;
@@ -76,7 +79,7 @@ impl<'a> Workers<'a> {
             let started = match room.try_reserve_exact(ROOM) {
                 Ok(()) => {
                     drop(room);
-                    thread::Builder::new().spawn(run)
+                    thread::Builder::new().stack_size(STACK).spawn(run)
                 }
                 Err(error) => Err(io::Error::other(error)),
             };

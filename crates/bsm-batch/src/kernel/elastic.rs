@@ -3,7 +3,7 @@
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{Model, POWER_BALANCE_TOL, SlidingBall, SlidingMotion, SlidingState};
-use bsm_simd::{Simd, Slopes};
+use bsm_simd::{Simd, Slopes, WithSimd};
 
 use super::closed_form::{power_balance, transmit_torque};
 use super::pair::{Pair, contacts};
@@ -51,7 +51,7 @@ impl Kernel for Elastic {
         let pair = Pair::of(given, &units);
         let friction = given.get(InputKey::friction_coefficient);
         let back = units.speed.lt(friction.constant(0.0));
-        let skid = Skid::of(&pair, back.select(-friction, friction));
+        let skid = Skid::of(given.simd, &pair, back.select(-friction, friction));
         if !skid.found.any() {
             return skid.found;
         }
@@ -110,7 +110,13 @@ impl<S: Simd> Turns<S> {
 impl<S: Simd> Skid<S> {
     /// The first roots, if they are where the curve is straight, of a friction with the sign of the speed.
     #[inline(always)]
-    pub(super) fn of(pair: &Pair<S>, friction: Lane<S>) -> Self {
+    pub(super) fn of(simd: S, pair: &Pair<S>, friction: Lane<S>) -> Self {
+        // A call of its own: the code is long.
+        simd.vectorize(Call { simd, pair, friction })
+    }
+
+    #[inline(always)]
+    fn first(simd: S, pair: &Pair<S>, friction: Lane<S>) -> Self {
         let one = pair.constant(1.0);
         let [nut, screw] = &pair.pressed;
         let ball = SlidingBall {
@@ -132,7 +138,7 @@ impl<S: Simd> Skid<S> {
             & friction.lt(ball.cot)
             & pair.inertia_ratio.gt(one * least)
             & pair.inertia_ratio.lt(one * most);
-        let curve = Curve { ball };
+        let curve = Curve { simd, ball };
         let (level, scale) = curve.begin(pair.cos_b / pair.sin_b, expected);
         // ln μ = ln M + 2 ln |(1 − g)/(π/d + Ω_n/W)|                      (S27)
         let ratio = (level.motion.inertia / level.motion.drive).abs();
@@ -234,8 +240,42 @@ impl<S: Simd> Skid<S> {
     }
 }
 
+/// What [`Skid::of`] is asked for.
+struct Call<'a, S: Simd> {
+    simd: S,
+    pair: &'a Pair<S>,
+    friction: Lane<S>,
+}
+
+impl<S: Simd> WithSimd for Call<'_, S> {
+    type Output = Skid<S>;
+
+    #[inline(always)]
+    fn with_simd<Same: Simd>(self, _: Same) -> Skid<S> {
+        Skid::first(self.simd, self.pair, self.friction)
+    }
+}
+
+/// What [`Curve::settle`] is asked for.
+struct Settle<'a, S: Simd, const STEADY: bool> {
+    curve: &'a Curve<S>,
+    guess: [Lane<S>; 3],
+    scale: &'a Scale<S>,
+    expected: Mask<S>,
+}
+
+impl<S: Simd, const STEADY: bool> WithSimd for Settle<'_, S, STEADY> {
+    type Output = Node<S>;
+
+    #[inline(always)]
+    fn with_simd<Same: Simd>(self, _: Same) -> Node<S> {
+        self.curve.settled::<STEADY>(self.guess, self.scale, self.expected)
+    }
+}
+
 /// The curve of all states of force.
 struct Curve<S: Simd> {
+    simd: S,
     ball: SlidingBall<Lane<S>>,
 }
 
@@ -337,6 +377,17 @@ impl<S: Simd> Curve<S> {
     /// The states next to a guess: steady motions, or with the same `$q$`.
     #[inline(always)]
     fn settle<const STEADY: bool>(
+        &self,
+        guess: [Lane<S>; 3],
+        scale: &Scale<S>,
+        expected: Mask<S>,
+    ) -> Node<S> {
+        let call = Settle::<S, STEADY> { curve: self, guess, scale, expected };
+        self.simd.vectorize(call)
+    }
+
+    #[inline(always)]
+    fn settled<const STEADY: bool>(
         &self,
         guess: [Lane<S>; 3],
         &[_, by_screw, by_c]: &Scale<S>,

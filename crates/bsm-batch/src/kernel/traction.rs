@@ -195,7 +195,7 @@ impl Solve {
         let mut steps = grip.steps;
         let skids = skid_number.gt(one * SKIDS);
         if (found & skids).any() {
-            let skid = Skid::of(&pair, sign * friction);
+            let skid = Skid::of(given.simd, &pair, sign * friction);
             found = found & (skid.found | !skids);
             let turns = skid.turns(&pair);
             let [(q_a, ..), (q_b, ..)] = skid.contacts();
