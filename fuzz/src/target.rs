@@ -127,7 +127,7 @@ fn nut(input: &[u8]) {
     for (quantity, values) in report.numbers(|_| true).rows() {
         assert!(values.into_iter().flatten().all(f64::is_finite), "{}", quantity.key);
     }
-    let _ = (report.notes(), report.warnings(), report.to_json().to_string(), report.curve());
+    let _ = (report.notes(), report.warnings(), report.to_json(), report.curve());
 }
 
 /// A base scene and settings, one a line: unlike JSON they may be infinite or NaN.

@@ -20,7 +20,8 @@ pub(crate) fn table(error: &TableError) -> PyErr {
     match error {
         TableError::Io(error) => PyOSError::new_err(error.to_string()),
         TableError::UnknownColumn { name, nearest } => {
-            let text = nearest.as_ref().map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
+            let text =
+                nearest.as_ref().map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
             let text = format!("column `{name}` is no input{text}");
             invalid(&text, Some(name), None, None, nearest.clone(), None)
         }

@@ -1,6 +1,12 @@
 //! The core of the Python package `ballscrew`: conversions only, no formula. Private; the public functions are
 //! those of `ballscrew/_api.py`.
 
+#![expect(
+    clippy::needless_pass_by_value,
+    clippy::type_complexity,
+    reason = "what Python hands over is ours, and its tuples are rows of tables"
+)]
+
 mod errors;
 mod points;
 mod reports;
@@ -20,7 +26,6 @@ fn inputs() -> Vec<(&'static str, &'static str, &'static str, Option<f64>, Strin
 
 /// Name, unit, meaning, type in JSON, words and analysis of every output.
 #[pyfunction]
-#[expect(clippy::type_complexity, reason = "a row of a table")]
 fn outputs() -> Vec<(
     &'static str,
     &'static str,

@@ -10,8 +10,8 @@ use std::time::Duration;
 
 use arrow_buffer::{Buffer, ScalarBuffer};
 use bsm_batch::{
-    Answers, Cell, Chunk, Column, Columns, Format, GridSource, ROWS, RunError, Sink, Source, TableError,
-    TableSink, Task, Verdict, Workers,
+    Answers, Cell, Chunk, Column, Columns, Format, GridSource, ROWS, RunError, Sink, Source,
+    TableError, TableSink, Task, Verdict, Workers,
 };
 use bsm_case::{Axis, Grid, ModelChoice, Output};
 use bsm_dyn::Status;
@@ -142,7 +142,6 @@ impl Rows {
     }
 
     /// Models, as places in their names.
-    #[expect(clippy::cast_possible_truncation, reason = "few models")]
     fn models(&self) -> Words {
         let names: Vec<_> = ModelChoice::names().collect();
         let place = |verdict: &Verdict| match verdict.model {
@@ -236,7 +235,8 @@ pub(crate) fn solve_many(
     let names = columns.iter().map(|(name, ..)| name).chain(&keep).map(String::as_str);
     let named = Columns::sort(names, &keep).map_err(|e| errors::table(&e))?;
     // Columns of an earlier answer are passed over.
-    let inputs = columns.into_iter().filter(|(name, ..)| named.inputs.iter().any(|k| k.name() == name));
+    let inputs =
+        columns.into_iter().filter(|(name, ..)| named.inputs.iter().any(|k| k.name() == name));
     let (inputs, gaps) = inputs.map(|(_, numbers, gaps)| (numbers, gaps)).unzip();
     let kept = kept.into_iter().map(|(_, texts)| texts).collect();
     let base = base.get().0.clone();

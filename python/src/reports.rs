@@ -1,8 +1,8 @@
 //! Reports as JSON, in the names of the program.
 
 use bsm_case::{
-    Analysis, CapacityReport, CaseError, Catalogue, DesignReport, Fit, Moving, NutProblem, OptimumReport,
-    Record, RequirementFile, Samples, Spectrum,
+    Analysis, CapacityReport, CaseError, Catalogue, DesignReport, Fit, Moving, NutProblem,
+    OptimumReport, Record, RequirementFile, Samples, Spectrum,
 };
 use bsm_dyn::{Model, ModelWorkspace};
 use pyo3::prelude::*;
@@ -20,7 +20,12 @@ fn refused(error: CaseError) -> PyErr {
 
 /// Slip or jamming of a solved motion.
 #[pyfunction]
-pub(crate) fn analysis(py: Python<'_>, kind: &str, scene: &Bound<'_, Scene>, how: How) -> PyResult<Report> {
+pub(crate) fn analysis(
+    py: Python<'_>,
+    kind: &str,
+    scene: &Bound<'_, Scene>,
+    how: How,
+) -> PyResult<Report> {
     let scene = &scene.get().0;
     let settings = how.settings()?;
     let jams = kind == "jam";
@@ -53,7 +58,6 @@ pub(crate) fn capacity(scene: &Bound<'_, Scene>, spectrum: Option<&[u8]>) -> PyR
 
 /// All balls of a nut: the report, rows of its balls, rows of its curve.
 #[pyfunction]
-#[expect(clippy::type_complexity, reason = "rows of two tables")]
 pub(crate) fn nut(
     py: Python<'_>,
     scene: &Bound<'_, Scene>,
@@ -78,9 +82,8 @@ pub(crate) fn nut(
 
 /// Columns of the balls and of the curve of a nut: name and unit.
 #[pyfunction]
-#[expect(clippy::type_complexity, reason = "columns of two tables")]
-pub(crate) fn nut_columns()
--> (Vec<(&'static str, &'static str)>, Vec<(&'static str, &'static str)>) {
+pub(crate) fn nut_columns() -> (Vec<(&'static str, &'static str)>, Vec<(&'static str, &'static str)>)
+{
     (bsm_case::BALL_COLUMNS.to_vec(), bsm_case::CURVE_COLUMNS.to_vec())
 }
 

@@ -26,7 +26,9 @@ impl Scene {
     ) -> PyResult<Self> {
         let mut scene = base.map_or_else(bsm_case::Scene::default, |base| base.get().0.clone());
         let mut given = match words {
-            Some(words) => bsm_case::Scene::from_json(words.as_bytes()).map_err(|e| errors::input(&e))?,
+            Some(words) => {
+                bsm_case::Scene::from_json(words.as_bytes()).map_err(|e| errors::input(&e))?
+            }
             None => bsm_case::Scene::default(),
         };
         for (name, value) in numbers {

@@ -94,12 +94,12 @@ fn answer(scene: &bsm_case::Scene, how: How) -> PyResult<Record> {
 /// Derivatives of efficiency and torque by every input that the model uses: name, value, efficiency,
 /// torque, both relative; `None` without a solution.
 #[pyfunction]
-#[expect(clippy::type_complexity, reason = "a row of a table")]
 pub(crate) fn sensitivities(
     scene: &Bound<'_, Scene>,
     how: How,
 ) -> PyResult<Option<Vec<(&'static str, f64, f64, Option<f64>, Option<f64>, Option<f64>)>>> {
-    let inputs = Sensitivities::of(&scene.get().0, &how.settings()?).map_err(|e| errors::input(&e))?;
+    let inputs =
+        Sensitivities::of(&scene.get().0, &how.settings()?).map_err(|e| errors::input(&e))?;
     let answer = WORK.with_borrow_mut(|work| inputs.problem.sensitivities(work));
     let row = |r: bsm_case::Sensitivity| {
         let relative = (r.relative_efficiency, r.relative_torque);

@@ -329,7 +329,9 @@ impl Numbers {
     fn push_page(&mut self, values: &[f64], there: Option<&[bool]>) -> Result<()> {
         let mut levels = Levels::default();
         let given: Cow<'_, [f64]> = if let Some(there) = there {
-            there.iter().for_each(|there| levels.push(*there, 1));
+            for there in there {
+                levels.push(*there, 1);
+            }
             values.iter().zip(there).filter_map(|(value, there)| there.then_some(*value)).collect()
         } else {
             levels.push(true, values.len());
@@ -461,9 +463,9 @@ impl Pages {
 mod tests {
     use std::sync::Arc;
 
+    use arrow_array::ArrayRef;
     use arrow_array::cast::AsArray;
     use arrow_array::types::{Float64Type, Int64Type};
-    use arrow_array::{Array, ArrayRef};
     use parquet::arrow::arrow_reader::ParquetRecordBatchReader;
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::file::writer::SerializedFileWriter;

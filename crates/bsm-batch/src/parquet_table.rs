@@ -255,7 +255,7 @@ impl Encoder {
         match self {
             Self::Kept(place, column) => {
                 let texts = StringArray::from_iter_values(&chunk.kept[*place]);
-                push_array(column, field, Arc::new(texts))?;
+                push_array(column, field, &(Arc::new(texts) as ArrayRef))?;
             }
             Self::Input(place, column) => {
                 let input = &chunk.inputs[*place];
@@ -277,7 +277,7 @@ impl Encoder {
                 } else {
                     (0..chunk.len).map(|row| answers.message(row)).collect()
                 };
-                push_array(column, field, Arc::new(texts))?;
+                push_array(column, field, &(Arc::new(texts) as ArrayRef))?;
             }
             Self::Number(place, column) => {
                 let values = &answers.columns[*place];
@@ -290,7 +290,7 @@ impl Encoder {
                 let values = answers.columns[*place].iter();
                 let flags: BooleanArray =
                     values.map(|x| (!x.is_nan()).then_some(*x > 0.5)).collect();
-                push_array(column, field, Arc::new(flags))?;
+                push_array(column, field, &(Arc::new(flags) as ArrayRef))?;
             }
             Self::Word(place, output, keys) => {
                 let same = |a: &f64, b: &f64| a.to_bits() == b.to_bits();
@@ -324,9 +324,9 @@ impl Encoder {
 fn push_array(
     column: &mut ArrowColumnWriter,
     field: &Field,
-    array: ArrayRef,
+    array: &ArrayRef,
 ) -> Result<(), TableError> {
-    for leaf in compute_leaves(field, &array)? {
+    for leaf in compute_leaves(field, array)? {
         column.write(&leaf)?;
     }
     Ok(())

@@ -382,7 +382,9 @@ impl CaseError {
             | Self::BadEntry { key, .. }
             | Self::UnknownRequirement { key, .. }
             | Self::VariedTwice { key } => key,
-            Self::NoRange { key } | Self::BadRange { key, .. } | Self::NotCovered { key, .. } => key,
+            Self::NoRange { key } | Self::BadRange { key, .. } | Self::NotCovered { key, .. } => {
+                key
+            }
             Self::UnknownColumn { name, .. }
             | Self::UnknownOutput { name, .. }
             | Self::UnknownModel { name, .. }

@@ -273,12 +273,12 @@ impl InputSet {
 
     /// Checks that friction is said once, and what it comes from is said in full.
     pub(crate) fn check_friction(self) -> Result<(), CaseError> {
+        use InputKey as K;
         if self.contains(InputKey::friction_coefficient)
             && let Some(key) = OF_A_LUBRICANT.iter().find(|key| self.contains(*key))
         {
             return Err(CaseError::FrictionTwice { key: key.name() });
         }
-        use InputKey as K;
         let pairs = [
             [K::viscosity_40C_mm2_s, K::viscosity_100C_mm2_s],
             [K::viscosity_100C_mm2_s, K::viscosity_40C_mm2_s],

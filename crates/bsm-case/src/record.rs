@@ -313,6 +313,7 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
 }
 
 /// A reason in words, with the numbers in the units of the vocabulary.
+#[expect(clippy::too_many_lines, reason = "one arm a reason")]
 pub(crate) fn message(reason: &Reason) -> String {
     match reason {
         Reason::SelfLocking { sin_contact_angle, friction_term } => format!(

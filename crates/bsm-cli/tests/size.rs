@@ -159,7 +159,7 @@ fn a_cycle_comes_from_a_table_of_ones_own() {
     assert_eq!(in_scene["phases"].as_array().map(Vec::len), Some(3));
     // 500 kg at 2.5 m/s² and 49 N of guides.
     let first = number(&in_scene["phases"][0], "axial_load_N");
-    assert!((first - 1299.033_25).abs() < 1e-6, "{first}");
+    assert!((first - 1_299.033_25).abs() < 1e-6, "{first}");
     let args = ["size", &axis, "--cycle", "cycle.csv"];
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(2));
 }

@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn loads_of_a_carriage() {
         let level = Carriage { mass: 500.0, inclination: 0.0, friction: 0.01 };
-        assert_relative_eq!(level.load(1e3, 0.1, 0.0), 1049.033_25, max_relative = 1e-12);
+        assert_relative_eq!(level.load(1e3, 0.1, 0.0), 1_049.033_25, max_relative = 1e-12);
         assert_relative_eq!(level.load(1e3, -0.1, 0.0), 950.966_75, max_relative = 1e-12);
         assert_relative_eq!(level.load(1e3, 0.0, 2.0), 2e3, max_relative = 1e-12);
         let upright = Carriage { inclination: FRAC_PI_2, ..level };

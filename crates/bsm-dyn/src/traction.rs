@@ -131,7 +131,7 @@ impl<P: Scalar> Rolling<'_, P> {
     }
 
     /// Motion relative to the nut.
-    fn to_nut<D: Lanes<P>>(&self, y: &[D; BALL], loaded: &Loaded<D>) -> Motion<D> {
+    fn motion_to_nut<D: Lanes<P>>(&self, y: &[D; BALL], loaded: &Loaded<D>) -> Motion<D> {
         // ω' = ω'_k k + ω'_n n + ω'_c k × n                               (T4)
         let [k, n] = [loaded.frame.k, loaded.frame.n];
         let [along, radial, around] = OMEGA.map(|i| y[i]);
@@ -143,7 +143,7 @@ impl<P: Scalar> Rolling<'_, P> {
     fn rubbed<D: Lanes<P>>(&self, y: &[D; BALL], friction: D) -> Result<State<D>, EvalError> {
         cost::evaluated();
         let (pair, loaded) = (self.pair, self.loaded(y)?);
-        let to_nut = self.to_nut(y, &loaded);
+        let to_nut = self.motion_to_nut(y, &loaded);
         let motions = pair.relative(&to_nut, &loaded.frame);
         let mut power = 0.0;
         let wrench = std::array::from_fn(|i| {
@@ -373,7 +373,7 @@ impl Traction {
         let Refined { root, transmitted: Transmitted { torque, power }, torque_slope } = refined;
         let ball = ball.of(&root);
         let loaded = ball.loaded(&root.unknowns).map_err(refused)?;
-        let to_nut = ball.to_nut(&root.unknowns, &loaded);
+        let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
         let steady = self.screw.ball_state(pair, &loaded, &to_nut)?;
         let transmission = self.screw.transmission_at(pair, torque, power)?;
         let checked = Rolling { quadrature: &rules[places[3]].check, ..ball };

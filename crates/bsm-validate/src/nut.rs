@@ -29,7 +29,7 @@ pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError>
         checks.extend(row.checks());
     }
     checks.extend(limit_loads());
-    let rows = published.nut_rigidity.rows::<Pair>()?;
+    let rows = published.nut_rigidity.rows::<Listed>()?;
     checks.extend(rigidities(&rows));
     checks.extend(stiff_bars());
     Ok(checks)
@@ -187,7 +187,7 @@ fn limit_loads() -> Vec<Check> {
 /// A nut of the catalogue and the pair of the same balls.
 #[derive(Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
-struct Pair {
+struct Listed {
     nut: String,
     lead_mm: f64,
     ball_diameter_mm: f64,
@@ -207,7 +207,7 @@ struct Ratios {
     pair: [f64; 3],
 }
 
-impl Pair {
+impl Listed {
     /// Contacts, rings and bars as the catalogue's data let them be.
     fn ratios(&self) -> Result<Ratios, NutError> {
         let ball = self.ball_diameter_mm;
@@ -272,14 +272,14 @@ fn spread(values: &[f64]) -> [f64; 2] {
 }
 
 /// What the catalogue calls rigidity, of single nuts and of pairs.
-fn rigidities(rows: &[Pair]) -> Vec<Check> {
+fn rigidities(rows: &[Listed]) -> Vec<Check> {
     let ratios: Vec<_> = rows
         .iter()
         .map(|row| row.ratios().unwrap_or(Ratios { single: [f64::NAN; 3], pair: [f64::NAN; 3] }))
         .collect();
     let of = |read: &dyn Fn(&Ratios) -> f64| {
         let values: Vec<f64> = ratios.iter().map(read).collect();
-        let line = |(row, ratio): (&Pair, &f64)| format!("{} {ratio:.3}", row.nut);
+        let line = |(row, ratio): (&Listed, &f64)| format!("{} {ratio:.3}", row.nut);
         let details: Vec<_> = rows.iter().zip(&values).map(line).collect();
         (spread(&values), details.join("; "))
     };

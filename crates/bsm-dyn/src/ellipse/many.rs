@@ -459,8 +459,9 @@ mod tests {
                 if found[FOUND - 1][i] < 0.5 {
                     continue;
                 }
-                let (wrench, power, slopes) = kernel::slopes(&point, (&single).into());
-                let expected = wrench.into_iter().chain(slopes.into_iter().flatten());
+                let kernel::Sums { values, power, slopes } =
+                    kernel::sums::<true>(&point, (&single).into());
+                let expected = values.into_iter().chain(slopes.into_iter().flatten());
                 for (number, expected) in expected.chain([power]).enumerate() {
                     // Rounding of sums of terms of at most one, and of slopes of at most 1/v_e.
                     let room = if (5..30).contains(&number) { 1e-12 / creep } else { 1e-12 };

@@ -34,7 +34,7 @@ impl<P: Scalar> Wet<'_, P> {
         crate::cost::evaluated();
         let Self { ball, wetted, part } = self;
         let (pair, loaded) = (ball.pair, ball.loaded(y)?);
-        let to_nut = ball.to_nut(y, &loaded);
+        let to_nut = ball.motion_to_nut(y, &loaded);
         let motions = pair.relative(&to_nut, &loaded.frame);
         let rubs = std::array::from_fn(|i| {
             wetted.rub(i, (pair, &loaded), &motions[i], ball.creep, ball.nodes(i))

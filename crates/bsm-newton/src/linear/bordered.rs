@@ -133,16 +133,21 @@ impl<const K: usize> Bordered<K> {
         let (i, k) = (unknown / K, unknown % K);
         // Couplings to the next block and from the one before, and the other way round
         if let (Some(above), Some(below)) = (self.above.get_mut(i), self.below.get_mut(i)) {
-            above.iter_mut().for_each(|column| column[k] = 0.0);
-            below.iter_mut().for_each(|row| row[k] = 0.0);
+            for line in above.iter_mut().chain(below) {
+                line[k] = 0.0;
+            }
         }
         if let Some(before) = i.checked_sub(1) {
             self.above[before][k] = [0.0; K];
             self.below[before][k] = [0.0; K];
         }
         let Block { rows, right, bottom } = self.block_mut(i);
-        right.iter_mut().chain(bottom).for_each(|c| c[k] = 0.0);
-        rows.iter_mut().for_each(|row| row[k] = 0.0);
+        for line in right.iter_mut().chain(bottom) {
+            line[k] = 0.0;
+        }
+        for row in rows.iter_mut() {
+            row[k] = 0.0;
+        }
         rows[k] = from_fn(|j| if j == k { 1.0 } else { 0.0 });
     }
 
