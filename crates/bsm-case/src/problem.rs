@@ -143,14 +143,18 @@ impl Needs {
         Self::of(model)
     }
 
+    /// What friction from a lubricant needs besides the ball.
+    pub(crate) const LUBRICANT: Self = {
+        use InputKey as K;
+        let all = InputSet::of(&[K::ball_roughness_um, K::nut_roughness_um, K::screw_roughness_um]);
+        Self { all, quantities: &[VISCOSITY, TEMPERATURE] }
+    };
+
     /// What a model needs whose friction comes from a lubricant.
     const LUBRICATED: Self = {
-        use InputKey as K;
         let Self { all, .. } = Self::of(Model::Traction);
-        let roughness =
-            InputSet::of(&[K::ball_roughness_um, K::nut_roughness_um, K::screw_roughness_um]);
-        let all = all.without(InputSet::of(&[K::friction_coefficient])).and(roughness);
-        Self { all, quantities: &[LEAD, VISCOSITY, TEMPERATURE] }
+        let all = all.without(InputSet::of(&[InputKey::friction_coefficient]));
+        Self { all: all.and(Self::LUBRICANT.all), quantities: &[LEAD, VISCOSITY, TEMPERATURE] }
     };
 
     /// What a model needs whose friction is a coefficient.
@@ -214,7 +218,7 @@ impl Needs {
 }
 
 /// True if friction of a model may come from a lubricant.
-fn has_lubricant(model: Model) -> bool {
+pub(crate) fn has_lubricant(model: Model) -> bool {
     matches!(model, Model::RacewayControl | Model::Traction)
 }
 

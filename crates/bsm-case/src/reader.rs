@@ -32,7 +32,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     /// The problem of a model whose inputs [`Scene::choose`] has checked.
     pub(crate) fn problem(&self, model: ModelChoice, settings: &Settings) -> Problem<D> {
         if let Some(lubricant) = self.lubricant() {
-            return self.lubricated(lubricant, model, settings);
+            return lubricated(self.elastic_screw(), lubricant, model, settings);
         }
         let model = match model {
             ModelChoice::Fixed(model) if !has_grooves(model) => model,
@@ -162,7 +162,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     }
 
     /// The lubricant, if the scene has one.
-    fn lubricant(&self) -> Option<Lubricant<D>> {
+    pub(crate) fn lubricant(&self) -> Option<Lubricant<D>> {
         let viscosities = self.viscosities()?;
         let base = self.1;
         let boundary_friction = self.value(InputKey::boundary_friction_coefficient);
@@ -208,27 +208,6 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         })
     }
 
-    fn lubricated(
-        &self,
-        lubricant: Lubricant<D>,
-        model: ModelChoice,
-        settings: &Settings,
-    ) -> Problem<D> {
-        let screw = self.elastic_screw();
-        let model = match model {
-            ModelChoice::Fixed(Model::RacewayControl) => LubricatedModel::RacewayControl(
-                RacewayControl { screw, control: settings.control },
-                RacewayFriction::Local,
-            ),
-            _ => LubricatedModel::Traction(Traction {
-                screw,
-                accuracy: settings.accuracy,
-                creep: settings.creep,
-            }),
-        };
-        Problem::Lubricated(Lubricated { lubricant, model })
-    }
-
     pub(crate) fn rigid(&self) -> Rigid<D> {
         let angles = self.angles();
         let radius = self.value(InputKey::ball_diameter_mm) * (0.5 * MM);
@@ -270,6 +249,27 @@ pub(crate) fn in_grooves<D: Scalar>(
         }),
         _ => Problem::Auto(Auto { screw, tolerance: settings.tolerance }),
     }
+}
+
+/// The problem of a model whose balls press the grooves through a lubricant.
+pub(crate) fn lubricated<D: Scalar>(
+    screw: ElasticScrew<D>,
+    lubricant: Lubricant<D>,
+    model: ModelChoice,
+    settings: &Settings,
+) -> Problem<D> {
+    let model = match model {
+        ModelChoice::Fixed(Model::RacewayControl) => LubricatedModel::RacewayControl(
+            RacewayControl { screw, control: settings.control },
+            RacewayFriction::Local,
+        ),
+        _ => LubricatedModel::Traction(Traction {
+            screw,
+            accuracy: settings.accuracy,
+            creep: settings.creep,
+        }),
+    };
+    Problem::Lubricated(Lubricated { lubricant, model })
 }
 
 /// tanα = L / (π d)

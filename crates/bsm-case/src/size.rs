@@ -61,13 +61,13 @@ quantities! { Size;
         lost_motion_um ["um"] Whole, "elastic lost motion where the friction of the guides turns round";
     }
     "drive" {
-        peak_motor_torque_Nm ["N m"] Whole needs [friction_coefficient], "largest torque of the motor";
-        rms_motor_torque_Nm ["N m"] Whole needs [friction_coefficient], "root of the mean square of the torque of the motor";
-        peak_motor_power_W ["W"] Whole needs [friction_coefficient], "largest power of the motor";
-        mean_heat_W ["W"] Whole needs [friction_coefficient], "mean heat of nut, seals and support bearings";
+        peak_motor_torque_Nm ["N m"] Whole needs [friction_coefficient | lubricant_temperature_C], "largest torque of the motor";
+        rms_motor_torque_Nm ["N m"] Whole needs [friction_coefficient | lubricant_temperature_C], "root of the mean square of the torque of the motor";
+        peak_motor_power_W ["W"] Whole needs [friction_coefficient | lubricant_temperature_C], "largest power of the motor";
+        mean_heat_W ["W"] Whole needs [friction_coefficient | lubricant_temperature_C], "mean heat of nut, seals and support bearings";
         preload_drag_Nm ["N m"] Whole, "drag of the preload by the rule of makers";
-        contact_drag_Nm ["N m"] Whole needs [friction_coefficient], "drag of the preload by its contacts alone";
-        holding_torque_Nm ["N m"] Whole needs [friction_coefficient], "torque on the screw that keeps the load from driving it, contacts alone";
+        contact_drag_Nm ["N m"] Whole needs [friction_coefficient | lubricant_temperature_C], "drag of the preload by its contacts alone";
+        holding_torque_Nm ["N m"] Whole needs [friction_coefficient | lubricant_temperature_C], "torque on the screw that keeps the load from driving it, contacts alone";
         inertia_of_screw_kg_m2 ["kg m2"] Whole, "moment of inertia of the screw";
         inertia_of_mass_kg_m2 ["kg m2"] Whole, "moment of inertia of the moved mass at the screw";
         inertia_at_motor_kg_m2 ["kg m2"] Whole, "moment of inertia of the load at the motor";
@@ -105,7 +105,7 @@ pub struct SizeReport {
 
 /// What the torque of an axis leaves out.
 pub const NOT_MODELLED: [&str; 6] = [
-    "lubricant: contacts are dry, with one friction coefficient; the drag of the preload is that of makers' rule, which holds to some 50 %",
+    "lubricant, unless its inputs are given: contacts are dry then, with one friction coefficient; the drag of the preload is that of makers' rule, which holds to some 50 %",
     "returns of the balls and balls that touch each other: only in makers' rule for the drag",
     "temperature: nothing warms up by its own heat; screw_temperature_rise_K is an input",
     "vibration of the axis, its control, and shocks: multiply the loads by the factor of your machine",
@@ -258,7 +258,10 @@ impl<'a> Worked<'a> {
         let drag_by_rule =
             preload.map(|force| drag_torque(force, axis.nut.lead, axis.nut.lead_angle()));
         let drag_of_contacts = match preload {
-            Some(_) if fastest > 0.0 && scene.friction_coefficient.is_some() => {
+            Some(_)
+                if fastest > 0.0
+                    && (scene.friction_coefficient.is_some() || scene.given().is_lubricated()) =>
+            {
                 let found = nut_at(scene, settings, 0.0, fastest)?;
                 found.number("friction_heat_W").map(|heat| heat / fastest)
             }

@@ -1,6 +1,7 @@
 //! Friction from the lubricant: an independent solution, and what a scene may say of it.
 
-use bsm_case::{CaseError, Record, Scene, Sensitivities, Settings};
+use approx::assert_relative_eq;
+use bsm_case::{CaseError, NutProblem, NutReport, Record, Scene, Sensitivities, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::Value;
 
@@ -139,4 +140,49 @@ fn sensitivities_match_differences() {
             assert!((ours - slope).abs() <= 1e-4 * slope.abs() + 1e-9, "{name}: {ours} {slope}");
         }
     }
+}
+
+/// A nut with rough surfaces and nothing lost by rolling has the friction of one coefficient; with oil that
+/// bears, each ball has its own film.
+#[test]
+fn each_ball_of_a_nut_has_its_own_film() {
+    const NUT: &[u8] = include_bytes!("../../../examples/nut_guided.json");
+    const OIL: [&str; 5] = [
+        "iso_vg=68",
+        "lubricant_temperature_C=40",
+        "ball_roughness_um=0.03",
+        "nut_roughness_um=0.2",
+        "screw_roughness_um=0.2",
+    ];
+    let nut = |settings: &[&str]| {
+        let mut scene = Scene::from_json(NUT).expect("an example");
+        scene.friction_coefficient = None;
+        scene.apply(settings).expect("inputs");
+        NutProblem::of(&scene, &Model::RacewayControl.into())
+    };
+    let report = |settings: &[&str]| {
+        nut(settings).expect("a complete nut").solve().expect("a nut that carries")
+    };
+    let torque = |report: &NutReport| report.number("friction_torque_Nm").expect("a torque");
+    let dry = report(&["friction_coefficient=0.12"]);
+    let rough =
+        ["nut_roughness_um=1e9", "screw_roughness_um=1e9", "rolling_factor=0", "hysteresis_loss=0"];
+    let rough = report(&[&OIL[..], &rough].concat());
+    // Both integrate the same law, by rules whose errors are near 1e-6 of the friction.
+    assert_relative_eq!(torque(&rough), torque(&dry), max_relative = 1e-5);
+    let oiled = report(&OIL);
+    assert!(torque(&oiled) < torque(&dry));
+    // Seals have a line of their own in the axis.
+    let sealed = report(&[&OIL[..], &["seal_torque_Nm=5"]].concat());
+    assert_eq!(torque(&sealed).to_bits(), torque(&oiled).to_bits());
+
+    let warming =
+        [&OIL[..1], &OIL[2..], &["heat_transfer_W_K=5", "ambient_temperature_C=20"]].concat();
+    let refused = nut(&warming).expect_err("no temperature").to_string();
+    assert!(refused.contains("lubricant_temperature_C"), "{refused}");
+    let refused = nut(&OIL[..4]).expect_err("no roughness").to_string();
+    assert!(refused.contains("screw_roughness_um"), "{refused}");
+    let tight = report(&[&OIL[..], &["preload_N=3000", "preload_by=oversize"]].concat());
+    assert!(tight.number("friction_torque_Nm").is_none());
+    assert!(tight.notes().iter().any(|note| note.contains("both flanks")), "{:?}", tight.notes());
 }

@@ -116,11 +116,12 @@ impl BallNut {
     /// Friction of all balls by a model of one ball (U21): the sharing of the load is that without
     /// friction, which changes it by a few thousandths.
     ///
-    /// * `solve`: the model. * `drive`: speeds; friction needs a relative speed.
+    /// * `friction`: coefficient; without one the model has another law, and a ball on both flanks no friction
+    ///   that is known. * `solve`: the model. * `drive`: speeds; friction needs a relative speed.
     pub fn friction(
         &self,
         found: &Equilibrium,
-        friction: f64,
+        friction: Option<f64>,
         drive: &Drive<f64>,
         mut solve: impl FnMut(ElasticScrew) -> Solution,
     ) -> NutFriction {
@@ -133,10 +134,11 @@ impl BallNut {
             }
             if found.balls[number].flanks_pressed() == [true, true] {
                 let hertz = hertz.as_ref().ok()?;
-                let ball = self.ball_on_both_flanks(found, number, friction, drive, hertz);
+                let ball = self.ball_on_both_flanks(found, number, friction?, drive, hertz);
                 return ball.solve(&quadrature).ok().map(|motion| motion.torque);
             }
-            let screw = self.ball_alone(found, number, friction, drive)?;
+            let coefficient = friction.unwrap_or(f64::NAN);
+            let screw = self.ball_alone(found, number, coefficient, drive)?;
             let torque = solve(screw).solved()?.transmission.screw_torque?;
             // T_f = |T − h F|                                             (U21)
             Some((torque - per_radian * screw.load.axial).abs())

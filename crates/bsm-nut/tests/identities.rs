@@ -290,7 +290,7 @@ fn friction_adds_up() {
     let found = nut.solve(&Support::guided(6340.0)).expect("carried");
     let mut rolling =
         |screw| Problem::RacewayControl(RacewayControl { screw, control: None }).solve(&mut work);
-    let all = nut.friction(&found, 0.06, &drive, &mut rolling);
+    let all = nut.friction(&found, Some(0.06), &drive, &mut rolling);
     let one = nut.ball_alone(&found, 0, 0.06, &drive).expect("one flank");
     let whole = bsm_dyn::ElasticScrew { load: bsm_dyn::Load { axial: 6340.0, balls: 98.0 }, ..one };
     let single = rolling(whole);
@@ -304,7 +304,7 @@ fn friction_adds_up() {
     let support = Support::guided(0.0);
     let nut = pair.preloaded(Preload::Offset, 11.722_956_420_2e-6);
     let found = nut.solve(&support).expect("at rest");
-    let all = nut.friction(&found, 0.06, &drive, &mut rolling);
+    let all = nut.friction(&found, Some(0.06), &drive, &mut rolling);
     assert_eq!(all.efficiency, None);
     let (drag, drive_torque) = (all.torque.expect("all"), all.drive_torque.expect("all"));
     // h F of the two bodies cancel to the rounding of 3000 N.
@@ -322,7 +322,7 @@ fn oversize_balls_drag() {
     let drag = |screw_speed: f64, friction: f64| {
         let drive = Drive { screw_speed, nut_speed: 0.0 };
         let nobody = |_: bsm_dyn::ElasticScrew| unreachable!("all balls are on both flanks");
-        let all = tight.friction(&found, friction, &drive, nobody);
+        let all = tight.friction(&found, Some(friction), &drive, nobody);
         assert_eq!(all.on_both_flanks, 98);
         all.torque.expect("all balls")
     };

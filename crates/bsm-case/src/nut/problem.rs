@@ -1,7 +1,7 @@
 //! From the inputs of a scene to the nut in SI.
 
 use bsm_design::{Body, DynamicRating, Nut, StaticRating};
-use bsm_dyn::Ball;
+use bsm_dyn::{Ball, Lubricant, Temperature};
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{BallNut, Equilibrium, Errors, NutError, Preload, Support, TurnRatings};
 
@@ -11,6 +11,7 @@ use super::circuits::{
 };
 use super::loading::{Amount, preload, support};
 use super::samples::draw;
+use crate::problem::{Needs, has_lubricant};
 use crate::reader::has_grooves;
 use crate::units::{DEG, MM, UM};
 use crate::{CaseError, InputKey, InputSet, ModelChoice, Rule, Scene, Settings, capacity};
@@ -38,10 +39,41 @@ pub struct NutProblem {
     pub(super) rating: DynamicRating,
     pub(super) static_rating: StaticRating,
     pub(super) ratings: TurnRatings,
-    /// Friction coefficient and speeds of screw and nut.
-    pub(super) friction: Option<(f64, Drive<f64>)>,
+    /// What rubs, and speeds of screw and nut.
+    pub(super) friction: Option<(Rubbing, Drive<f64>)>,
     pub(super) settings: Settings,
     pub(super) notes: Vec<String>,
+}
+
+/// What the friction of the balls comes from.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Rubbing {
+    /// One coefficient.
+    Coefficient(f64),
+    /// The film of each ball, without what is lost where no ball is.
+    Lubricant(Lubricant),
+}
+
+impl Rubbing {
+    /// What a scene gives.
+    fn of(scene: &Scene) -> Result<Option<Self>, CaseError> {
+        let given = scene.given();
+        given.check_friction()?;
+        if !given.is_lubricated() {
+            return Ok(scene.friction_coefficient.map(Self::Coefficient));
+        }
+        let missing = Needs::LUBRICANT.missing(given);
+        let Some(mut lubricant) = scene.reader().lubricant().filter(|_| missing.is_empty()) else {
+            return Err(CaseError::MissingForNut { missing });
+        };
+        if let Temperature::Balance { .. } = lubricant.temperature {
+            let what =
+                "a nut does not find its temperature; give lubricant_temperature_C".to_owned();
+            return Err(CaseError::BadEntry { key: "heat_transfer_W_K".to_owned(), what });
+        }
+        (lubricant.losses.seal_torque, lubricant.losses.return_circuits) = (0.0, 0.0);
+        Ok(Some(Self::Lubricant(lubricant)))
+    }
 }
 
 /// A nut that is made and carries its load.
@@ -97,6 +129,9 @@ impl NutProblem {
             if !has_grooves(model) {
                 return Err(CaseError::NoBallOfANut { model: model.name() });
             }
+            if scene.given().is_lubricated() && !has_lubricant(model) {
+                return Err(CaseError::NoLubricant { model: model.name() });
+            }
         }
         #[expect(
             clippy::cast_possible_truncation,
@@ -116,7 +151,7 @@ impl NutProblem {
             rating,
             static_rating,
             ratings,
-            friction: scene.friction_coefficient.zip(drive),
+            friction: Rubbing::of(scene)?.zip(drive),
             settings: *settings,
         })
     }

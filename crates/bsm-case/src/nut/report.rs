@@ -10,9 +10,9 @@ use bsm_nut::{
 };
 use serde_json::{Map, Value, json};
 
-use super::problem::{Made, NutProblem, Set, count};
+use super::problem::{Made, NutProblem, Rubbing, Set, count};
 use crate::quantity::{Whole, quantities};
-use crate::reader::in_grooves;
+use crate::reader::{in_grooves, lubricated};
 use crate::record::MARKS_ABOVE;
 use crate::units::{DEG, MM, MPA, UM};
 use crate::{AnalysisKind, Numbers, Quantity, exact};
@@ -98,13 +98,13 @@ quantities! { Nut;
         static_safety [""] Whole, "static safety of the most loaded ball";
     }
     "friction of the balls" {
-        friction_torque_Nm ["N m"] Whole needs [friction_coefficient, screw_speed_rpm], "friction torque";
-        drive_torque_Nm ["N m"] Whole needs [friction_coefficient, screw_speed_rpm], "torque on the screw";
-        nut_efficiency [""] Whole needs [friction_coefficient, screw_speed_rpm], "efficiency";
-        friction_heat_W ["W"] Whole needs [friction_coefficient, screw_speed_rpm], "heat";
-        preload_torque_Nm ["N m"] Whole needs [friction_coefficient, screw_speed_rpm],
+        friction_torque_Nm ["N m"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque";
+        drive_torque_Nm ["N m"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "torque on the screw";
+        nut_efficiency [""] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "efficiency";
+        friction_heat_W ["W"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "heat";
+        preload_torque_Nm ["N m"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "friction torque of the preload without load, contacts alone";
-        preload_torque_factor [""] Whole needs [friction_coefficient, screw_speed_rpm],
+        preload_torque_factor [""] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), contacts alone";
         rule_torque_low_Nm ["N m"] Whole,
             "drag torque of such a preload by the rule of catalogues, K_p = 0.1";
@@ -285,14 +285,22 @@ impl NutProblem {
         }
     }
 
-    /// Friction of the balls of a nut; none without a friction coefficient and speeds.
+    /// Friction of the balls of a nut; none without speeds, and a friction coefficient or a lubricant.
     fn friction_of(&self, nut: &BallNut, found: &Equilibrium) -> Option<NutFriction> {
-        let (coefficient, drive) = self.friction.as_ref()?;
+        let (rubbing, drive) = self.friction.as_ref()?;
         let mut work = ModelWorkspace::default();
         let settings = &self.settings;
-        Some(nut.friction(found, *coefficient, drive, |screw| {
-            in_grooves(screw, settings.model, settings).solve(&mut work)
-        }))
+        let model = settings.model;
+        Some(match rubbing {
+            Rubbing::Coefficient(friction) => {
+                nut.friction(found, Some(*friction), drive, |screw| {
+                    in_grooves(screw, model, settings).solve(&mut work)
+                })
+            }
+            Rubbing::Lubricant(lubricant) => nut.friction(found, None, drive, |screw| {
+                lubricated(screw, *lubricant, model, settings).solve(&mut work)
+            }),
+        })
     }
 
     /// Loads of all balls and what follows from them.
@@ -380,9 +388,21 @@ impl NutReport {
         let friction = self.state.friction(&self.problem);
         match friction {
             None => notes.push(
-                "torque, efficiency and heat need friction_coefficient and screw_speed_rpm"
+                "torque, efficiency and heat need screw_speed_rpm, and friction_coefficient or a lubricant with \
+                 lubricant_temperature_C"
                     .to_owned(),
             ),
+            Some(friction)
+                if friction.on_both_flanks > 0
+                    && matches!(self.problem.friction, Some((Rubbing::Lubricant(_), _))) =>
+            {
+                notes.push(format!(
+                    "no torque: {} of {} balls press both flanks, where friction from a lubricant is not known; \
+                     give friction_coefficient",
+                    friction.on_both_flanks,
+                    friction.balls.len()
+                ));
+            }
             Some(friction) if friction.torque.is_none() => {
                 let without = friction.balls.iter().filter(|torque| torque.is_none()).count();
                 notes.push(format!(
@@ -400,10 +420,15 @@ impl NutReport {
                         friction.balls.len()
                     ));
                 }
-                let drag = "the torque is that of the contacts alone: returns, ball-to-ball contact, lubricant and \
-                            wipers are not in it. Measured drag coefficients K_p of catalogues, 0.1 to 0.3 in \
-                            T = K_p F_p lead/(2 pi), are 3 to 10 times what dry friction of 0.06 gives for a pair";
-                notes.push(drag.to_owned());
+                let not_in_it = match self.problem.friction {
+                    Some((Rubbing::Lubricant(_), _)) => "returns and wipers",
+                    _ => "returns, ball-to-ball contact, lubricant and wipers",
+                };
+                notes.push(format!(
+                    "the torque is that of the balls alone: {not_in_it} are not in it. Measured drag coefficients K_p \
+                     of catalogues, 0.1 to 0.3 in T = K_p F_p lead/(2 pi), are 3 to 10 times what dry friction of \
+                     0.06 gives for a pair"
+                ));
             }
         }
         notes

@@ -27,6 +27,8 @@ fn at(scene: &Scene, load: f64, speed: f64) -> Scene {
     let mut scene = scene.clone();
     (scene.axial_load_N, scene.feed_m_min) = (Some(load), None);
     (scene.screw_speed_rpm, scene.nut_speed_rpm) = (Some(speed / RPM), None);
+    // It has a line of its own.
+    scene.seal_torque_Nm = None;
     scene
 }
 
@@ -49,8 +51,8 @@ pub(super) fn contacts(
     Phase { load, speed, .. }: &Phase,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
-    if scene.friction_coefficient.is_none() {
-        let words = "no torque: friction_coefficient is not given".to_owned();
+    if scene.friction_coefficient.is_none() && !scene.given().is_lubricated() {
+        let words = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();
         return Ok(Contacts { friction: None, words });
     }
     if *speed == 0.0 {
