@@ -1033,6 +1033,68 @@ def optimum(
     return _report(_core.optimum(_scene(scene, inputs), model))
 
 
+def size(
+    scene: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    **inputs: Unpack[Inputs],
+) -> Report:
+    """The axis around a screw, as `bsm size`: rules with limit and margin, torque, power, heat and life.
+
+    Returns
+    -------
+    Report
+        `found` is true if every rule is kept.
+    """
+    return _report(_core.size(_scene(scene, inputs), _how(model, tolerance, accuracy, creep, control)))
+
+
+def catalog(
+    lists: Mapping[str, Any] | None = None,
+    /,
+    *,
+    require: Sequence[str] = (),
+    pareto: bool = False,
+    sort: str | None = None,
+    descending: bool = False,
+    first: int | None = None,
+) -> Table:
+    """Every nut of standard sizes, as `bsm catalog`.
+
+    Parameters
+    ----------
+    lists : mapping, optional
+        The sizes; those of the program unless given.
+    require : sequence of str
+        Conditions such as `"dynamic_load_rating_N>=40000"`.
+    pareto : bool
+        Only nuts that no other beats in dynamic load rating, rigidity and mass together.
+    sort : str, optional
+        The column that gives the order.
+    descending : bool
+        The largest first.
+    first : int, optional
+        So many rows.
+
+    Returns
+    -------
+    Table
+        One row a nut; a row is a scene for `capacity`, `nut` and `size`.
+    """
+    import numpy as np
+
+    text = None if lists is None else json.dumps(dict(lists))
+    found = _core.catalog(text, list(require), pareto, sort, descending, first)
+    columns = {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
+    units = {name: unit for name, unit, _ in found}
+    return Table(columns, units, len(next(iter(columns.values()))))
+
+
 def fit(
     scene: Scene | Mapping[str, Any],
     measured: Mapping[str, float],

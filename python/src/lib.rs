@@ -84,6 +84,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(reports::fit, module)?,
         wrap_pyfunction!(reports::design, module)?,
         wrap_pyfunction!(reports::optimum, module)?,
+        wrap_pyfunction!(reports::size, module)?,
+        wrap_pyfunction!(reports::catalog, module)?,
     ] {
         module.add_function(function)?;
     }

@@ -1,15 +1,18 @@
 //! Reports as JSON, in the names of the program.
 
 use bsm_case::{
-    Analysis, CapacityReport, CaseError, Catalogue, DesignReport, Fit, Moving, NutProblem,
-    OptimumReport, Record, RequirementFile, Samples, Spectrum,
+    Analysis, CATALOGUE_COLUMNS, CapacityReport, CaseError, Catalogue, CatalogueColumn, Condition,
+    DesignReport, Fit, Moving, NutProblem, OptimumReport, Record, RequirementFile, Samples,
+    SizeReport, Spectrum,
 };
 use bsm_dyn::{Model, ModelWorkspace};
 use pyo3::prelude::*;
+use pyo3_arrow::buffer::PyArrowBuffer;
 use serde_json::{Value, json};
 
 use crate::errors;
 use crate::scene::{How, Scene};
+use crate::table::shared;
 
 /// A report, and whether it found what it looked for.
 type Report = (String, bool);
@@ -135,4 +138,57 @@ pub(crate) fn optimum(scene: &Bound<'_, Scene>, model: Option<&str>) -> PyResult
     let model = model.and_then(Model::from_name);
     let report = OptimumReport::of(&scene.get().0, model).map_err(refused)?;
     Ok((report.to_json().to_string(), true))
+}
+
+/// The axis around a screw.
+#[pyfunction]
+pub(crate) fn size(py: Python<'_>, scene: &Bound<'_, Scene>, how: How) -> PyResult<Report> {
+    let (scene, settings) = (&scene.get().0, how.settings()?);
+    let report = py.detach(|| SizeReport::of(scene, &settings)).map_err(refused)?;
+    Ok((report.to_json().to_string(), report.passes()))
+}
+
+/// Nuts of standard sizes: name, unit and values of each column.
+///
+/// * `lists`: JSON of the sizes, the standard ones unless given.
+#[pyfunction]
+pub(crate) fn catalog(
+    py: Python<'_>,
+    lists: Option<&str>,
+    require: Vec<String>,
+    pareto: bool,
+    sort: Option<&str>,
+    descending: bool,
+    first: Option<usize>,
+) -> PyResult<Vec<(&'static str, &'static str, PyArrowBuffer)>> {
+    let chosen = py.detach(|| -> Result<Vec<_>, CaseError> {
+        let catalogue = match lists {
+            Some(lists) => Catalogue::from_json(lists.as_bytes())?,
+            None => Catalogue::standard()?,
+        };
+        let require: Vec<_> =
+            require.iter().map(|text| Condition::parse(text)).collect::<Result<_, _>>()?;
+        let order = sort.map(CatalogueColumn::named).transpose()?;
+        let all = catalogue.places();
+        let meets = |nut: &_| require.iter().all(|condition| condition.is_met(nut));
+        let mut chosen = catalogue.map(&all, |place, nut| meets(nut).then_some(place));
+        if pareto {
+            chosen = catalogue.pareto(&chosen);
+        }
+        let mut nuts = catalogue.map(&chosen, |_, nut| Some(*nut));
+        if let Some(column) = order {
+            nuts.sort_by(|a, b| (column.read)(a).total_cmp(&(column.read)(b)));
+            if descending {
+                nuts.reverse();
+            }
+        }
+        nuts.truncate(first.unwrap_or(usize::MAX));
+        Ok(nuts)
+    });
+    let nuts = chosen.map_err(refused)?;
+    let column = |c: &CatalogueColumn| {
+        let values: Vec<f64> = nuts.iter().map(c.read).collect();
+        (c.name, c.unit, shared(values))
+    };
+    Ok(CATALOGUE_COLUMNS.iter().map(column).collect())
 }

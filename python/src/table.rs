@@ -32,7 +32,7 @@ impl<'py> FromPyObject<'_, 'py> for Numbers {
 }
 
 /// Numbers for Python, not copied.
-fn shared(values: Vec<f64>) -> PyArrowBuffer {
+pub(crate) fn shared(values: Vec<f64>) -> PyArrowBuffer {
     PyArrowBuffer::new(Buffer::from_vec(values))
 }
 
