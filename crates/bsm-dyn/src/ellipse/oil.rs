@@ -121,6 +121,54 @@ impl<S: Simd> Coefficient<S> {
     }
 }
 
+/// A node on the pressed surface.
+struct Place<S: Simd> {
+    x: Lane<S>,
+    y: Lane<S>,
+    h: Lane<S>,
+}
+
+impl<S: Simd> Place<S> {
+    /// Force and moment of a force along t and t × N.
+    #[inline(always)]
+    fn moment(&self, [f_t, f_c]: [Lane<S>; 2]) -> [Lane<S>; SUMS] {
+        let &Self { x, y, h } = self;
+        [f_t, f_c, -(h * f_c), x * f_t - y * f_c, h * f_t]
+    }
+}
+
+/// Slopes of friction by the slip, along t and t × N.
+struct Bend<S: Simd> {
+    tt: Lane<S>,
+    tc: Lane<S>,
+    cc: Lane<S>,
+}
+
+impl<S: Simd> Bend<S> {
+    /// Change of the force on the ball by a change of slip.
+    #[inline(always)]
+    fn force(&self, [dv_t, dv_c]: [Lane<S>; 2]) -> [Lane<S>; 2] {
+        let &Self { tt, tc, cc } = self;
+        [-(tt * dv_t + tc * dv_c), -(tc * dv_t + cc * dv_c)]
+    }
+}
+
+/// Adds to every `step`-th total from `first` on.
+#[inline(always)]
+fn add<S: Simd, const N: usize>(
+    simd: S,
+    totals: &mut [Block; ALL],
+    first: usize,
+    step: usize,
+    at: usize,
+    values: [Lane<S>; N],
+) {
+    for (i, value) in values.into_iter().enumerate() {
+        let total = &mut totals[first + i * step][at..];
+        (Lane::load(simd, total) + value).store(total);
+    }
+}
+
 impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
     type Output = [f64; ALL];
 
@@ -131,8 +179,10 @@ impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
         let mut totals: [Block; ALL] = [[0.0; BLOCK]; ALL];
         for first in (0..weights.len()).step_by(BLOCK) {
             for at in (0..BLOCK).step_by(S::F64_LANES) {
-                let load = |from: &[f64]| Lane::<S>::load(simd, &from[first + at..]);
-                let (xi, upsilon, weight) = (load(xs), load(ys), load(weights));
+                let here = first + at;
+                let (xi, upsilon) =
+                    (Lane::<S>::load(simd, &xs[here..]), Lane::load(simd, &ys[here..]));
+                let weight = Lane::<S>::load(simd, &weights[here..]);
                 let one = xi.constant(1.0);
                 let inside = one - xi * xi - upsilon * upsilon;
                 let pressure = inside.max(one.constant(0.0)).sqrt();
@@ -147,42 +197,29 @@ impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
                 let part = weight / speed;
                 let pull = part * mu.value;
                 let (f_t, f_c) = (-(pull * v_t), -(pull * v_c));
-                let moment =
-                    |f_t: Lane<S>, f_c: Lane<S>| [f_t, f_c, -(h * f_c), x * f_t - y * f_c, h * f_t];
-                let mut add = |place: usize, value: Lane<S>| {
-                    let total = &mut totals[place][at..];
-                    (Lane::load(simd, total) + value).store(total);
-                };
-                let values = moment(f_t, f_c);
-                for (i, value) in values.into_iter().enumerate() {
-                    add(i, value);
-                }
-                add(SUMS, pull * square);
+                let place = Place { x, y, h };
+                let values = place.moment([f_t, f_c]);
+                add(simd, &mut totals, 0, 1, at, values);
+                add(simd, &mut totals, SUMS, 1, at, [pull * square]);
                 if SLOPED {
                     // d(μ v/s) = (μ/s) dv + (s μ' − μ)/s³ v (v·dv)         (Y33)
                     let bend = part * (mu.by_slip - mu.value) / (speed * speed);
                     let (tt, tc, cc) =
                         (bend * v_t * v_t + pull, bend * v_t * v_c, bend * v_c * v_c + pull);
-                    let moved = |dv_t: Lane<S>, dv_c: Lane<S>| {
-                        (-(tt * dv_t + tc * dv_c), -(tc * dv_t + cc * dv_c))
-                    };
+                    let bend = Bend { tt, tc, cc };
                     let zero = one.constant(0.0);
-                    let ways =
-                        [(one, zero), (zero, -h), (x, -y), (h, zero)].map(|(t, c)| moved(t, c));
-                    for (k, (df_t, df_c)) in ways.into_iter().enumerate() {
-                        for (i, slope) in moment(df_t, df_c).into_iter().enumerate() {
-                            add(VALUES + i * BY + k, slope);
-                        }
+                    let ways = [[one, zero], [zero, -h], [x, -y], [h, zero]];
+                    for (k, way) in ways.into_iter().enumerate() {
+                        let slopes = place.moment(bend.force(way));
+                        add(simd, &mut totals, VALUES + k, BY, at, slopes);
                     }
                     // Of place and slip by the growth of the ellipse.
-                    let (df_t, df_c) = moved(x * w_n + dh * w_c, -(dh * w_t) - y * w_n);
-                    let mut grown = moment(df_t, df_c);
+                    let mut grown =
+                        place.moment(bend.force([x * w_n + dh * w_c, -(dh * w_t) - y * w_n]));
                     grown[2] = grown[2] - dh * f_c;
                     grown[3] = grown[3] + values[3];
                     grown[4] = grown[4] + dh * f_t;
-                    for (i, slope) in grown.into_iter().enumerate() {
-                        add(VALUES + i * BY + SLOPES - 1, slope);
-                    }
+                    add(simd, &mut totals, VALUES + SLOPES - 1, BY, at, grown);
                     let by = [
                         mu.by_share,
                         mu.by_slip * law.shear.recip(),
@@ -191,10 +228,8 @@ impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
                     ];
                     for (k, by) in by.into_iter().enumerate() {
                         let pull = -(part * by);
-                        let slopes = moment(pull * v_t, pull * v_c);
-                        for (i, slope) in slopes.into_iter().enumerate() {
-                            add(VALUES + i * BY + SLOPES + k, slope);
-                        }
+                        let slopes = place.moment([pull * v_t, pull * v_c]);
+                        add(simd, &mut totals, VALUES + SLOPES + k, BY, at, slopes);
                     }
                 }
             }
