@@ -11,7 +11,6 @@ mod pair;
 mod quasi_static;
 mod raceway;
 mod rigid;
-mod traction;
 mod units;
 
 use bsm_case::{OUTPUTS, Output, OutputKey, Settings};
@@ -110,7 +109,8 @@ impl Rows<'_, '_> {
                 arch.dispatch(Run { kernel, rows: self });
             }
             Model::Elastic => arch.dispatch(Run { kernel: Elastic, rows: self }),
-            Model::Traction => arch.dispatch(traction::Run { settings, rows: self }),
+            // Without a kernel: rows are solved one by one.
+            Model::Traction => {}
         }
     }
 }

@@ -4,7 +4,6 @@
 //! `docs/theory/09-traction.md`, equations (T12) to (T20).
 
 mod kernel;
-mod many;
 mod oil;
 mod panels;
 
@@ -12,7 +11,6 @@ use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 
 use self::kernel::MOTION;
 pub(crate) use self::kernel::{Point, Sums};
-pub use self::many::{ContactMotion, InnerNodes, ManyFrictions, ManyQuadrature};
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
 pub(crate) use self::panels::{Nodes, Plan};
 use crate::{Coulomb, FrictionLaw, MixedFriction, Wrench};
