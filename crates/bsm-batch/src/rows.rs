@@ -56,15 +56,19 @@ impl Columns {
             return Err(TableError::NameOfAnAnswer { name: name.clone() });
         }
         let mut columns = Self::default();
+        let mut answered = false;
         for (place, name) in names.into_iter().enumerate() {
             let name = name.trim();
             let repeated = || Err(TableError::RepeatedColumn { name: name.to_owned() });
+            answered |= ANSWERS.contains(&name);
             if columns.kept.iter().any(|k| k == name) {
                 return repeated();
             }
             if keep.iter().any(|kept| kept == name) {
                 columns.kept.push(name.to_owned());
                 columns.kept_places.push(place);
+            } else if answered && is_answer(name) {
+                // Some answers have the name of an input; the inputs of an earlier answer stand before it.
             } else if let Ok((key, factor)) = InputKey::in_unit(name) {
                 if columns.inputs.contains(&key) {
                     return repeated();

@@ -168,8 +168,8 @@ fn each_ball_of_a_nut_has_its_own_film() {
     let rough =
         ["nut_roughness_um=1e9", "screw_roughness_um=1e9", "rolling_factor=0", "hysteresis_loss=0"];
     let rough = report(&[&OIL[..], &rough].concat());
-    // Both integrate the same law, by rules whose errors are near 1e-6 of the friction.
-    assert_relative_eq!(torque(&rough), torque(&dry), max_relative = 1e-5);
+    // Raceway control integrates a constant coefficient to 1e-4 of the friction at each contact.
+    assert_relative_eq!(torque(&rough), torque(&dry), max_relative = 1e-3);
     let oiled = report(&OIL);
     assert!(torque(&oiled) < torque(&dry));
     // Seals have a line of their own in the axis.
