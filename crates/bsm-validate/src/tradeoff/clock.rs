@@ -120,7 +120,7 @@ fn ways(dial: &Dial, groups: usize) -> impl Iterator<Item = Way> {
 }
 
 fn has_kernel(settings: &Settings) -> bool {
-    matches!(settings.model, ModelChoice::Fixed(_))
+    matches!(settings.model, ModelChoice::Fixed(model) if model != bsm_dyn::Model::Traction)
 }
 
 fn median(mut times: Vec<f64>) -> f64 {
