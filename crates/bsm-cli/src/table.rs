@@ -57,9 +57,9 @@ impl Scales {
     }
 }
 
-/// Five digits, or a whole number as it is.
+/// Five digits, or a whole number as it is; one keeps its digits, as most ones are ratios.
 pub(crate) fn count_or_number(value: f64) -> String {
-    let is_count = value.abs() < 1e6 && value.fract().abs() <= 0.0;
+    let is_count = (2.0..1e6).contains(&value.abs()) && value.fract().abs() <= 0.0;
     if is_count { format!("{value:.0}") } else { number(value) }
 }
 

@@ -63,7 +63,8 @@ impl Rubbing {
             return Ok(scene.friction_coefficient.map(Self::Coefficient));
         }
         let missing = Needs::LUBRICANT.missing(given);
-        let Some(mut lubricant) = scene.reader().lubricant().filter(|_| missing.is_empty()) else {
+        let read = || scene.reader().lubricant();
+        let Some(mut lubricant) = missing.is_empty().then(read).flatten() else {
             return Err(CaseError::MissingForNut { missing });
         };
         if let Temperature::Balance { .. } = lubricant.temperature {
