@@ -182,7 +182,8 @@ fn each_ball_of_a_nut_has_its_own_film() {
     assert!(refused.contains("lubricant_temperature_C"), "{refused}");
     let refused = nut(&OIL[..4]).expect_err("no roughness").to_string();
     assert!(refused.contains("screw_roughness_um"), "{refused}");
-    let tight = report(&[&OIL[..], &["preload_N=3000", "preload_by=oversize"]].concat());
+    let pressed = ["preload_N=3000", "preload_by=oversize", "axial_load_N=3000"];
+    let tight = report(&[&OIL[..], &pressed].concat());
     assert!(tight.number("friction_torque_Nm").is_none());
     assert!(tight.notes().iter().any(|note| note.contains("both flanks")), "{:?}", tight.notes());
 }
