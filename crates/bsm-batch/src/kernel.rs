@@ -24,6 +24,11 @@ use self::raceway::Raceway;
 use self::rigid::Rigid;
 use crate::operand::{Given, Lane, Mask, Operands};
 
+/// True if there is a kernel of the model.
+pub fn exists(model: Model) -> bool {
+    model != Model::Traction
+}
+
 /// A model by lanes.
 trait Kernel {
     /// The model.
@@ -109,7 +114,6 @@ impl Rows<'_, '_> {
                 arch.dispatch(Run { kernel, rows: self });
             }
             Model::Elastic => arch.dispatch(Run { kernel: Elastic, rows: self }),
-            // Without a kernel: rows are solved one by one.
             Model::Traction => {}
         }
     }

@@ -60,9 +60,10 @@ mod table;
 mod text;
 
 pub use error::TableError;
+pub use kernel::exists as has_kernel;
 pub use numbers::{NumberColumn, NumberRows, NumberSink};
 pub use parquet_table::{ParquetSink, ParquetSource, hush_parquet_panics};
-pub use pipeline::{Count, ROWS, RunError, Task, Workers};
+pub use pipeline::{Count, RunError, Task, Workers};
 pub use rows::{Answers, Cell, Chunk, Column, Columns, Verdict};
 pub use source::{GridSource, Source};
 pub use table::{Format, TableSink};

@@ -10,6 +10,7 @@ use bsm_case::{
 use bsm_dyn::{Model, Sines};
 use bsm_simd::Simd;
 
+use crate::kernel;
 use crate::rows::{Chunk, Columns};
 
 /// Vectors that are worked on together: measured, the fastest number for the rigid model.
@@ -32,7 +33,8 @@ pub(crate) struct Operands<'a>([Operand<'a>; INPUTS.len()]);
 
 impl<'a> Operands<'a> {
     /// The inputs, and the model that answers ordinary rows, which have a value in every column;
-    /// `None` if the model depends on the row, or if something is wrong that every row must tell.
+    /// `None` if the model depends on the row or has no kernel, or if something is wrong that every
+    /// row must tell.
     pub(crate) fn of(
         chunk: &'a Chunk,
         columns: &Columns,
@@ -49,6 +51,9 @@ impl<'a> Operands<'a> {
         // Rows that a model does not cover are not ordinary either.
         let choice = settings.model.resolve(ordinary, |_| Ok(())).ok()?;
         let ModelChoice::Fixed(model) = choice else { return None };
+        if !kernel::exists(model) {
+            return None;
+        }
         let mut operands = [const { Operand::Absent }; INPUTS.len()];
         for (key, operand) in InputKey::ALL.into_iter().zip(&mut operands) {
             let Input { rule, default, .. } = *key.input();

@@ -3,7 +3,6 @@
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::panic::resume_unwind;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{self, available_parallelism};
@@ -19,7 +18,7 @@ const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
 
 /// Rows that are in memory at a time. The pages of a Parquet table end where chunks do, so that its bytes
 /// depend on this number.
-pub const ROWS: usize = 1 << 16;
+pub(crate) const ROWS: usize = 1 << 16;
 
 /// What all rows of a table have in common.
 #[derive(Debug, Clone)]
@@ -46,9 +45,9 @@ pub struct Count {
 }
 
 /// What solves: threads, and an interrupt that they look at.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Workers<'a> {
-    pub(crate) pool: Arc<ThreadPool>,
+    pub(crate) pool: ThreadPool,
     pub(crate) stop: &'a AtomicBool,
 }
 
@@ -104,12 +103,7 @@ impl<'a> Workers<'a> {
             let given = idle.pop().is_some_and(|(give, _)| give.send(worker).is_ok());
             given.then_some(()).ok_or_else(|| io::Error::other("it has ended"))
         });
-        Ok(Self { pool: Arc::new(pool.build().map_err(io::Error::other)?), stop })
-    }
-
-    /// The same threads with another interrupt.
-    pub fn with<'b>(&self, stop: &'b AtomicBool) -> Workers<'b> {
-        Workers { pool: self.pool.clone(), stop }
+        Ok(Self { pool: pool.build().map_err(io::Error::other)?, stop })
     }
 
     /// How many threads were started.

@@ -252,7 +252,7 @@ pub struct Answers {
     /// One for each row.
     pub verdicts: Vec<Verdict>,
     /// Why there is no result, or why auto chose its model: rows in their order.
-    pub messages: Vec<(usize, String)>,
+    pub(crate) messages: Vec<(usize, String)>,
     /// The outputs that were asked for, in their order, as [`Cell::number`](bsm_case::Cell::number)
     /// has them; NaN where there is none.
     pub columns: Vec<Vec<f64>>,

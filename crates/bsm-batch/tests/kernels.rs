@@ -139,7 +139,7 @@ fn elastic() {
 
 /// The models that have a kernel; the rows of the other are solved one by one.
 fn with_kernel() -> impl Iterator<Item = Model> {
-    Model::ALL.into_iter().filter(|model| *model != Model::Traction)
+    Model::ALL.into_iter().filter(|model| bsm_batch::has_kernel(*model))
 }
 
 /// Rows `first` to `last` of a chunk.

@@ -371,61 +371,6 @@ impl CaseError {
         Self::WrongType { key: key.to_owned(), found, expected: "a number".to_owned() }
     }
 
-    /// The input or column that it is about, if it is about one.
-    pub fn key(&self) -> Option<&str> {
-        Some(match self {
-            Self::UnknownKey { key, .. }
-            | Self::DuplicateKey { key }
-            | Self::WrongType { key, .. }
-            | Self::OutOfRange { key, .. }
-            | Self::UnknownListKey { key, .. }
-            | Self::BadEntry { key, .. }
-            | Self::UnknownRequirement { key, .. }
-            | Self::VariedTwice { key } => key,
-            Self::NoRange { key } | Self::BadRange { key, .. } | Self::NotCovered { key, .. } => {
-                key
-            }
-            Self::UnknownColumn { name, .. }
-            | Self::UnknownOutput { name, .. }
-            | Self::UnknownModel { name, .. }
-            | Self::UnknownRace { name, .. } => name,
-            Self::Missing { missing, .. }
-            | Self::MissingForRatings { missing }
-            | Self::MissingForNut { missing }
-            | Self::MissingForDesign { missing } => missing.first()?,
-            _ => return None,
-        })
-    }
-
-    /// The value that breaks a rule.
-    pub fn value(&self) -> Option<f64> {
-        match self {
-            Self::OutOfRange { value, .. } | Self::NotCovered { value, .. } => Some(*value),
-            _ => None,
-        }
-    }
-
-    /// The rule that a value breaks, after "must be".
-    pub fn rule(&self) -> Option<&str> {
-        match self {
-            Self::OutOfRange { rule, .. } => Some(rule),
-            Self::NotCovered { rule, .. } => Some(rule),
-            _ => None,
-        }
-    }
-
-    /// The known name that is nearest to an unknown one.
-    pub fn nearest(&self) -> Option<&str> {
-        match self {
-            Self::UnknownKey { nearest, .. }
-            | Self::UnknownListKey { nearest, .. }
-            | Self::UnknownColumn { nearest, .. }
-            | Self::UnknownRequirement { nearest, .. } => nearest.as_deref(),
-            Self::UnknownOutput { nearest, .. } => *nearest,
-            _ => None,
-        }
-    }
-
     /// True if the file system is at fault, not the input.
     pub fn is_io(&self) -> bool {
         matches!(self, Self::Unreadable { .. })

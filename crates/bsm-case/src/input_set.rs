@@ -271,6 +271,11 @@ impl InputSet {
         self.meets(OF_A_LUBRICANT)
     }
 
+    /// True if friction is known, by a coefficient or from a lubricant.
+    pub(crate) fn has_friction(self) -> bool {
+        self.contains(InputKey::friction_coefficient) || self.is_lubricated()
+    }
+
     /// Checks that friction is said once, and what it comes from is said in full.
     pub(crate) fn check_friction(self) -> Result<(), CaseError> {
         use InputKey as K;

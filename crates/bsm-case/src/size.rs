@@ -258,10 +258,7 @@ impl<'a> Worked<'a> {
         let drag_by_rule =
             preload.map(|force| drag_torque(force, axis.nut.lead, axis.nut.lead_angle()));
         let drag_of_contacts = match preload {
-            Some(_)
-                if fastest > 0.0
-                    && (scene.friction_coefficient.is_some() || scene.given().is_lubricated()) =>
-            {
+            Some(_) if fastest > 0.0 && scene.given().has_friction() => {
                 let found = nut_at(scene, settings, 0.0, fastest)?;
                 found.number("friction_heat_W").map(|heat| heat / fastest)
             }

@@ -273,19 +273,25 @@ impl Rolling<'_> {
     }
 }
 
+impl<P> Rolling<'_, P> {
+    /// Of a Newton solve.
+    fn options(&self) -> Options {
+        Options {
+            residual_tol: self.enough.max(1e-10),
+            residual_goal: self.enough,
+            max_steps: MOST_STEPS,
+            slopes_at_trials: true,
+            ..Options::default()
+        }
+    }
+}
+
 impl Watched<'_> {
     fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
         let weights = self.ball.weights(y);
         let scales = Scales { x: &[1.0; BALL], f: &weights };
-        let enough = self.ball.enough;
-        let options = Options {
-            residual_tol: enough.max(1e-10),
-            residual_goal: enough,
-            max_steps: MOST_STEPS,
-            slopes_at_trials: true,
-            keep_below: enough.sqrt().max(KEEP),
-            ..Options::default()
-        };
+        let keep_below = self.ball.enough.sqrt().max(KEEP);
+        let options = Options { keep_below, ..self.ball.options() };
         solve(self, y, &scales, &options, newton)
     }
 }

@@ -51,7 +51,7 @@ pub(super) fn contacts(
     Phase { load, speed, .. }: &Phase,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
-    if scene.friction_coefficient.is_none() && !scene.given().is_lubricated() {
+    if !scene.given().has_friction() {
         let words = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();
         return Ok(Contacts { friction: None, words });
     }

@@ -3,10 +3,10 @@
 //! Theory: `docs/theory/17-lubricant.md`, equation (Y32).
 
 use bsm_kin::{Jet, Scalar};
-use bsm_newton::{EvalError, Options, Report, Scales, solve};
+use bsm_newton::{EvalError, Report, Scales, solve};
 
 use super::root::Root;
-use super::{COARSE, MOST_STEPS, NEAR, Rolling, SEARCH, Start, State, Traction};
+use super::{COARSE, NEAR, Rolling, SEARCH, Start, State, Traction};
 use super::{Plan, TractionWorkspace};
 use crate::ball_unknowns::unknown::PRECESSION;
 use crate::ball_unknowns::{BALL, ROWS};
@@ -66,14 +66,7 @@ impl Wet<'_> {
     /// One damped Newton solve from `y`.
     fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace, steps: &mut usize) -> Report {
         let weights = self.ball.weights(y);
-        let enough = self.ball.enough;
-        let options = Options {
-            residual_tol: enough.max(1e-10),
-            residual_goal: enough,
-            max_steps: MOST_STEPS,
-            slopes_at_trials: true,
-            ..Options::default()
-        };
+        let options = self.ball.options();
         let report = solve(self, y, &Scales { x: &[1.0; BALL], f: &weights }, &options, newton);
         *steps += report.steps.len();
         report

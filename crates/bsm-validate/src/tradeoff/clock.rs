@@ -120,7 +120,7 @@ fn ways(dial: &Dial, groups: usize) -> impl Iterator<Item = Way> {
 }
 
 fn has_kernel(settings: &Settings) -> bool {
-    matches!(settings.model, ModelChoice::Fixed(model) if model != bsm_dyn::Model::Traction)
+    matches!(settings.model, ModelChoice::Fixed(model) if bsm_batch::has_kernel(model))
 }
 
 fn median(mut times: Vec<f64>) -> f64 {
