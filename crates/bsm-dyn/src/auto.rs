@@ -260,7 +260,7 @@ impl Regime {
         let angles = |contact| Angles { lead: pair.helix.lead_angle, contact };
         // Saturated friction at the angle that the load leaves; where it holds any load nothing
         // comes out.
-        let loaded = pair.static_load(|beta| f * pair.sign() * angles(beta).slip_factor());
+        let loaded = pair.static_load(|beta| pair.signed_friction() * angles(beta).slip_factor());
         let sliding = match loaded {
             Ok((_, beta)) => angles(beta).efficiency(direction, f),
             Err(none) if matches!(none.reason(), Reason::SelfLocking { .. }) => 0.0,

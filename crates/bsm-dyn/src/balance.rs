@@ -18,7 +18,7 @@ pub const POWER_BALANCE_TOL: f64 = 1e-9;
 
 /// The refusal of a ball that stands still in space, where the moment of its spin is an unknown.
 pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
-    quantity: "precession rate P of the ball over |W|",
+    quantity: "precession rate P of the ball over W",
     value: 0.0,
     requirement: "not zero: a ball that does not circle has no gyroscopic moment",
 };
@@ -57,9 +57,9 @@ pub(crate) struct OwnUnits<D> {
     pub(crate) helix: Helix<D>,
     /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
     pub(crate) ball: Ball<D>,
-    /// Nut speed over `$|W|$`.
+    /// Nut speed over `$W$`.
     pub(crate) nut_speed: D,
-    /// Sign of `$W$`.
+    /// Which side drives: the sign of `$W$`.
     pub(crate) direction: Direction,
 }
 
@@ -77,8 +77,8 @@ impl<D: Scalar> OwnUnits<D> {
     ) -> Result<Self, Reason> {
         let speed = drive.relative_speed();
         let direction = Direction::of(speed.re()).ok_or(Reason::NoRelativeSpeed)?;
-        let (r_b, w) = (ball.radius, speed * direction.sign());
-        // Lengths in r_b, forces in F_a, speeds in |W|                    (R1)
+        let (r_b, w) = (ball.radius, speed);
+        // Lengths in r_b, forces in F_a, speeds in W                      (R1)
         let helix = Helix { radius: helix.radius / r_b, ..*helix };
         let mass = ball.mass * r_b * w * w / load.per_ball();
         let nut_speed = drive.nut_speed / w;

@@ -63,7 +63,7 @@ impl<P: Scalar> Saturated<'_, P> {
         let loaded = pair.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
         let [nut, screw] = loaded.contacts;
         // P = Ω_n + p W                                                   (S2)
-        let precession = y[PRECESSION] * pair.sign() + pair.nut_speed;
+        let precession = y[PRECESSION] + pair.nut_speed;
         if precession.re() == 0.0 {
             return Err(DOES_NOT_CIRCLE);
         }
@@ -72,28 +72,28 @@ impl<P: Scalar> Saturated<'_, P> {
         // V_A = W r_b λ (cosθ e_xA + sinθ t)                              (S4)
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
         let tangent = BallFrame::tangent();
-        let along = (nut.across * cos + tangent * sin) * D::from(pair.sign());
+        let along = nut.across * cos + tangent * sin;
         // ω'_t = −W λ cosθ,  ω'·e_xA = W (λ sinθ − p d/r_b)               (S5)
-        let omega_t = -y[SLIP] * cos * pair.sign();
-        let omega_a = (y[SLIP] * sin - y[PRECESSION] * pair.arc) * pair.sign();
+        let omega_t = -y[SLIP] * cos;
+        let omega_a = y[SLIP] * sin - y[PRECESSION] * pair.arc;
         // e_xA = sinν N + cosν e_x                                        (S6)
         let omega_x = (omega_a - sigma * nut.across.y) / nut.across.z;
         let omega = Vector3::new(omega_t, sigma, omega_x);
-        let to_nut = Motion { precession: y[PRECESSION] * pair.sign(), omega };
+        let to_nut = Motion { precession: y[PRECESSION], omega };
 
         let points = loaded.contacts.map(|c| c.point(D::from(1.0)));
         // V_A + V_B = d (2p − 1) W t + ω' × (r_A + r_B) − W k × r_B, in which the spin, of order
         // 1/P, meets the tilt only and does not cancel                    (S11)
-        let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * (pair.arc * pair.sign()));
-        let both = arc + omega.cross(&(points[0] + points[1]))
-            - loaded.frame.k.cross(&points[1]) * D::from(pair.sign());
+        let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * pair.arc);
+        let both = arc + omega.cross(&(points[0] + points[1])) - loaded.frame.k.cross(&points[1]);
         let at_screw = both - along * y[SLIP];
         // The part along the normal is zero but for rounding.
         let slip_screw = screw.across * at_screw.dot(&screw.across) + tangent * at_screw.x;
         let slip = [along * y[SLIP], slip_screw];
+        let friction = D::from(pair.signed_friction());
         let friction = [
-            against(&along, y[NUT_LOAD] * pair.friction),
-            friction_force(&Coulomb(D::from(pair.friction)), y[SCREW_LOAD], &slip[1])?,
+            against(&along, y[NUT_LOAD] * friction),
+            friction_force(&Coulomb(friction), y[SCREW_LOAD], &slip[1])?,
         ];
         let wrench = std::array::from_fn(|i| {
             let normal = &loaded.contacts[i].normal;
@@ -154,14 +154,14 @@ fn find(pair: &ElasticBall, newton: &mut Workspace) -> Result<Found, Unsolved> {
 
 /// How many times as much inertia it takes for a ball to be no longer slow.
 fn slowness(pair: &ElasticBall, root: &[f64; BALL]) -> f64 {
-    let rate = root[PRECESSION] * pair.sign() + pair.nut_speed;
+    let rate = root[PRECESSION] + pair.nut_speed;
     SLOW / (pair.inertia_ratio() * rate * rate / pair.friction)
 }
 
 /// Weights of the equations near `y`: one over the largest term of each. None of them vanishes where
 /// the ball stops circling, P → 0.
 fn weights(pair: &ElasticBall, y: &[f64; BALL]) -> [f64; BALL] {
-    let rate = (y[PRECESSION] * pair.sign() + pair.nut_speed).abs();
+    let rate = (y[PRECESSION] + pair.nut_speed).abs();
     let centrifugal = pair.inertia_ratio() * rate * rate;
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
     // I P ω of the rolling ball, all there is of the moment about the mean normal.
@@ -201,8 +201,9 @@ impl Elastic {
         let Skid { state, steps, residual } = Skid::of(pair, &mut work.0)?;
         let ball = self.screw.ball_state(pair, &state.loaded, &state.to_nut)?;
         // P_f = Σ f Q_c |V_c|, Eq (R21)
+        let friction = pair.signed_friction();
         let friction_power =
-            (0..2).map(|i| pair.friction * state.loaded.loads[i] * state.slip[i].norm()).sum();
+            (0..2).map(|i| friction * state.loaded.loads[i] * state.slip[i].norm()).sum();
         let frame = &state.loaded.frame;
         let transmission =
             self.screw.transmission(pair, frame, &state.wrench[1], friction_power)?;

@@ -99,7 +99,7 @@ impl<D: Scalar> ElasticScrew<D> {
     /// The point in units of ball radius, axial load per ball and relative speed (P1).
     pub(crate) fn scaled(&self) -> Result<ElasticBall<D>, Unsolved> {
         let invalid = Unsolved::invalid;
-        // Lengths in r_b, forces in F_a, speeds in |W|, Eq (R1)           (P1)
+        // Lengths in r_b, forces in F_a, speeds in W, Eq (R1)             (P1)
         let OwnUnits { helix, ball, nut_speed, direction } =
             OwnUnits::of(&self.helix, &self.ball, &self.drive, &self.load).map_err(invalid)?;
         let hertz = self.hertz().map_err(invalid)?;
@@ -154,9 +154,9 @@ pub(crate) struct ElasticBall<P = f64> {
     pub(crate) friction: P,
     /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
     pub(crate) ball: Ball<P>,
-    /// Nut speed over `$|W|$`.
+    /// Nut speed over `$W$`.
     pub(crate) nut_speed: P,
-    /// Sign of `$W$`.
+    /// Which side drives: the sign of `$W$`.
     pub(crate) direction: Direction,
     /// Contacts in SI units.
     pub(crate) hertz: [Hertz<P>; 2],
@@ -180,9 +180,14 @@ pub(crate) struct Loaded<D> {
 }
 
 impl<P: Scalar> ElasticBall<P> {
-    /// Sign of the relative speed.
-    pub(crate) fn sign(&self) -> f64 {
-        self.direction.sign()
+    /// What is against a slip, or the power it takes, of the same for a slip over `$W$`.
+    pub(crate) fn signed<D: Over<P>>(&self, size: D) -> D {
+        size * self.direction.sign()
+    }
+
+    /// Friction coefficient against a slip over `$W$`.
+    pub(crate) fn signed_friction(&self) -> P {
+        self.friction * self.direction.sign()
     }
 
     /// `$m r_m W^2/F_a$`, the size of the inertia forces.
@@ -288,7 +293,7 @@ impl<P: Scalar> ElasticBall<P> {
         ball_unknowns::rows(&left, axial_force(&nut.force, &loaded.frame) - 1.0)
     }
 
-    /// Friction power of both ellipses at a motion relative to the nut (P7).
+    /// Friction power over `$W$` of both ellipses at a motion relative to the nut (P7).
     pub(crate) fn friction_power<D: Lanes<P>>(
         &self,
         loaded: &Loaded<D>,
@@ -301,7 +306,7 @@ impl<P: Scalar> ElasticBall<P> {
             let local = Local::of(&motions[i], &loaded.contacts[i], D::from(self.arc));
             let power = D::power(&self.ellipse(i, loaded), &local, creep, nodes[i]);
             // P_f = Σ f Q ∫ dP                                            (P7)
-            loaded.loads[i] * self.friction * power
+            loaded.loads[i] * self.signed_friction() * power
         });
         nut + screw
     }
@@ -312,7 +317,7 @@ impl<P: Scalar> ElasticBall<P> {
         to_nut: &Motion<D>,
         frame: &BallFrame<D>,
     ) -> [Motion<D>; 2] {
-        [*to_nut, to_nut.relative_to(D::from(self.sign()), frame)]
+        [*to_nut, to_nut.relative_to(D::from(1.0), frame)]
     }
 
     /// Absolute motion of a motion relative to the nut.
@@ -324,8 +329,8 @@ impl<P: Scalar> ElasticBall<P> {
         to_nut.relative_to(D::from(-self.nut_speed), frame)
     }
 
-    /// Speed over `$r_b |W|$` of the ends of the longer ellipse under the axial load when the ball
-    /// turns against a race at `$|W|$`; 1 for ellipses shorter than the ball (T9).
+    /// Speed over `$r_b W$` of the ends of the longer ellipse under the axial load when the ball
+    /// turns against a race at `$W$`; 1 for ellipses shorter than the ball (T9).
     pub(crate) fn slip_scale(&self) -> f64 {
         // max(1, a²/2R_c)                                                 (T9)
         let [nut, screw] = [0, 1].map(|i| self.depth(i, self.semi_axes[i].0.re()));
@@ -396,7 +401,7 @@ impl ElasticScrew {
         if !angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
             return Err(Unsolved::not_converged(Reason::BallLeavesFlank { nut, screw }));
         }
-        let (w, r_b) = (self.drive.relative_speed().abs(), self.ball.radius);
+        let (w, r_b) = (self.drive.relative_speed(), self.ball.radius);
         let motions = pair.relative(to_nut, &loaded.frame);
         let approaches = pair.approaches(loaded.loads);
         let [nut, screw] = std::array::from_fn(|i| {
@@ -421,7 +426,7 @@ impl ElasticScrew {
     }
 
     /// Torque, efficiency and powers of the wrench of the screw, and their balance against the
-    /// friction power; both scaled.
+    /// friction power; both scaled, the power over `$W$`.
     pub(crate) fn transmission(
         &self,
         pair: &ElasticBall,
@@ -443,7 +448,7 @@ impl ElasticScrew {
         let torque = torque * unit;
         let speed = self.drive.relative_speed();
         Transmission::of(pair.direction, self.ideal_torque(), torque, speed)
-            .balanced_against(friction_power * unit * speed.abs())
+            .balanced_against(friction_power * unit * speed)
     }
 }
 

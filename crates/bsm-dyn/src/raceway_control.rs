@@ -123,7 +123,7 @@ pub(crate) struct Grip {
     /// Unknowns of the balance.
     unknowns: [f64; STATIC],
     pub(crate) loaded: Loaded<f64>,
-    /// Motion relative to the nut over `$|W|$`.
+    /// Motion relative to the nut over `$W$`.
     pub(crate) to_nut: Motion<f64>,
     pub(crate) steps: usize,
     residual: f64,
@@ -227,7 +227,7 @@ impl Grip {
         let (lead, size) = (pair.helix.lead_angle, pair.helix.radius.recip());
         let beta = pair.jones.contact_angle;
         let p = rolling(Control::Nut, lead, size, beta, beta).0;
-        let [nut, screw, tilt] = pair.static_balance(p * pair.sign() + pair.nut_speed);
+        let [nut, screw, tilt] = pair.static_balance(p + pair.nut_speed);
         let loaded = pair.loaded([nut, screw], tilt).map_err(refused)?;
         let (control, to_nut) = (balance.control, balance.rolling(&loaded));
         let unknowns = [f64::NAN; STATIC];
@@ -290,11 +290,11 @@ impl RacewayControl {
 }
 
 impl<D: Scalar> ElasticScrew<D> {
-    /// Torques of the frictionless screw and on the screw, from the scaled friction power.
-    pub(crate) fn rolling_torques(&self, pair: &ElasticBall<D>, friction_power: D) -> (D, D) {
+    /// Torques of the frictionless screw and on the screw, from the scaled friction power over `$W$`.
+    pub(crate) fn rolling_torques(&self, friction_power: D) -> (D, D) {
         let ideal = self.ideal_torque();
         // T = T₀ + P_f/W                                                  (W8)
-        let torque = ideal + friction_power * pair.sign() * self.ball.radius * self.load.axial;
+        let torque = ideal + friction_power * self.ball.radius * self.load.axial;
         (ideal, torque)
     }
 }
@@ -320,7 +320,7 @@ impl RacewayWorkspace {
         let friction_power =
             pair.friction_power(loaded, &grip.to_nut, RacewayControl::CREEP, nodes);
         let ball = screw.ball_state(pair, loaded, &grip.to_nut)?;
-        let (ideal, torque) = screw.rolling_torques(pair, friction_power);
+        let (ideal, torque) = screw.rolling_torques(friction_power);
         let speed = screw.drive.relative_speed();
         let transmission = Transmission::of(pair.direction, ideal, torque, speed);
         let (skid, info, control) = grip.told(pair);

@@ -25,8 +25,8 @@ use crate::ball_unknowns::unknown::{MINOR_LOAD, NUT_LOAD, SCREW_LOAD, SLIP, SLIP
 use crate::elastic_ball::LEAST_FRICTION;
 use crate::state::in_frenet;
 use crate::{
-    BallState, ContactState, Load, Model, Reason, Solution, SolveInfo, Solved, Transmission,
-    Unsolved,
+    BallState, ContactState, Direction, Load, Model, Reason, Solution, SolveInfo, Solved,
+    Transmission, Unsolved,
 };
 
 /// Inputs of the rigid model.
@@ -124,8 +124,13 @@ impl<D: Scalar> Rigid<D> {
         if self.friction.re() < LEAST_FRICTION {
             return Err(invalid(Reason::Frictionless));
         }
-        let (beta, sign) = (self.contact_angle, direction.sign());
-        Ok(Scaled::new(helix, beta, self.friction, ball.mass, nut_speed, sign))
+        let signed = self.friction * direction.sign();
+        Ok(Scaled::new(helix, self.contact_angle, signed, ball.mass, nut_speed))
+    }
+
+    /// Which side drives.
+    fn direction(&self) -> Direction {
+        Direction::of(self.drive.relative_speed().re()).expect("the point was scaled")
     }
 
     /// Torques of the frictionless screw and on the screw.
@@ -208,13 +213,13 @@ impl Rigid {
     /// The answer in SI units.
     fn solved(&self, case: &Scaled<f64>, root: &Root) -> Solved {
         let state = case.state(&root.unknowns).expect("the residual was evaluated at the root");
-        let (w, r_b) = (self.drive.relative_speed().abs(), self.ball.radius);
+        let (w, r_b) = (self.drive.relative_speed(), self.ball.radius);
         let per_ball = self.load.per_ball();
 
         let to_nut = state.to_nut;
         let motion = to_nut.relative_to(-case.nut_speed, &case.frame);
         let motion = Motion { precession: state.precession, ..motion };
-        let to_screw = to_nut.relative_to(case.sign, &case.frame);
+        let to_screw = to_nut.relative_to(1.0, &case.frame);
         // Of A, A' and B in the order of the unknowns.
         let [nut, minor, screw] = std::array::from_fn(|i| {
             let (contact, load) = (&case.contacts[i], root.unknowns[i] * per_ball);
@@ -233,17 +238,17 @@ impl Rigid {
         let (ideal, screw_torque) = self.torques(case, &state);
         let friction_power =
             friction_power(case, &state, &root.unknowns) * (r_b * per_ball) * w * self.load.balls;
-        let transmission = Transmission::of(case.direction(), ideal, screw_torque, case.sign * w);
+        let transmission = Transmission::of(self.direction(), ideal, screw_torque, w);
         let transmission = transmission.against(friction_power);
         let info = SolveInfo { steps: root.steps, residual: root.residual };
         Solved { info: Some(info), ..Solved::new(&ball, transmission) }
     }
 }
 
-/// Friction power of all contacts `$\sum_c f Q_c |V_c|$`, in scaled units (R21).
+/// Friction power of all contacts `$\sum_c f Q_c |V_c|$` over `$W$`, in scaled units (R21).
 fn friction_power(case: &Scaled<f64>, state: &State<f64>, y: &Unknowns<f64>) -> f64 {
     // P_f = Σ f Q_c |V_c|                                                 (R21)
-    state.slip.iter().zip(y.iter()).map(|(v, q)| case.friction * q * v.norm()).sum()
+    state.slip.iter().zip(y.iter()).map(|(v, q)| case.signed_friction * q * v.norm()).sum()
 }
 
 #[cfg(test)]

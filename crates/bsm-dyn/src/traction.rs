@@ -123,7 +123,7 @@ impl<P: Scalar> Rolling<'_, P> {
     fn loaded<D: Lanes<P>>(&self, y: &[D; BALL]) -> Result<Loaded<D>, EvalError> {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
         if self.at_nut {
-            // (Q_A/F_a, β_A, Q_B/F_a, (P − Ω_n)/|W|, …)                   (T10)
+            // (Q_A/F_a, β_A, Q_B/F_a, (P − Ω_n)/W, …)                     (T10)
             self.pair.loaded_at_nut(loads, y[TILT])
         } else {
             self.pair.loaded(loads, y[TILT])
@@ -151,7 +151,7 @@ impl<P: Scalar> Rolling<'_, P> {
             let local = Local::of(&motions[i], contact, D::from(pair.arc));
             let ellipse = pair.ellipse(i, &loaded);
             let (unit, unit_power) = D::integrate(&ellipse, &local, self.creep, self.nodes(i));
-            let pull = loaded.loads[i] * friction;
+            let pull = loaded.loads[i] * pair.signed(friction);
             // P_f = Σ f Q ∫ dP                                            (P7)
             power += pull.re() * unit_power;
             // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                            (T2)

@@ -81,13 +81,13 @@ impl<'a> Forces<'a> {
         let (sin, cos) = pair.helix.lead_angle.sin_cos();
         let jones = &pair.jones;
         let ball = SlidingBall {
-            friction: pair.friction * pair.sign(),
+            friction: pair.signed_friction(),
             sin,
             cos,
             cot: cos / sin,
             arc: pair.arc,
             inertia_ratio: pair.inertia_ratio(),
-            nut_speed: pair.nut_speed * pair.sign(),
+            nut_speed: pair.nut_speed,
             offsets: [jones.nut_offset, jones.screw_offset],
             approaches: pair.approaches([1.0; 2]),
             reach: (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos(),

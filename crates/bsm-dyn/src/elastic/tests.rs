@@ -15,7 +15,7 @@ use crate::{Angles, Status};
 /// Random loads, angles and directions that carry the axial load at the nut, in the unknowns (S1).
 fn start(pair: &ElasticBall, rng: &mut impl Rng) -> Option<[f64; BALL]> {
     let (sin, cos) = pair.helix.lead_angle.sin_cos();
-    let friction = pair.friction * pair.sign();
+    let friction = pair.signed_friction();
     let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
     let (mu, spread) = (pair.inertia_ratio(), log(1e-9, 1.0));
     let (circling, slip, scatter) = (log(1e-9, 1e3), log(1e-4, 30.0), log(1e-4, 1.0));
@@ -27,7 +27,7 @@ fn start(pair: &ElasticBall, rng: &mut impl Rng) -> Option<[f64; BALL]> {
     let load = effect.recip();
     // Precessions of a few W, or with a centrifugal force of any size.
     let rate = if rng.random_bool(0.5) {
-        rng.random_range(-1.5..2.0) + pair.nut_speed * pair.sign()
+        rng.random_range(-1.5..2.0) + pair.nut_speed
     } else {
         (circling / mu).sqrt() * if rng.random_bool(0.5) { 1.0 } else { -1.0 }
     };
@@ -35,7 +35,7 @@ fn start(pair: &ElasticBall, rng: &mut impl Rng) -> Option<[f64; BALL]> {
     y[NUT_LOAD] = load;
     y[SCREW_LOAD] = load * (1.0 + spread * rng.random_range(-1.0..0.2));
     y[TILT] = tilt;
-    y[PRECESSION] = rate - pair.nut_speed * pair.sign();
+    y[PRECESSION] = rate - pair.nut_speed;
     y[SLIP] = pair.arc * slip;
     y[SLIP_ANGLE] = along;
     y[SPIN] = -2.0 * friction * load * along.sin() / sin * rng.random_range(0.5..1.5);
@@ -61,13 +61,12 @@ fn search(
         // against inertia.
         let left = Saturated(pair).residual(&y).ok()?;
         let load = y[NUT_LOAD].max(y[SCREW_LOAD]);
-        let force =
-            load.max(pair.inertia_ratio() * (y[PRECESSION] * pair.sign() + pair.nut_speed).powi(2));
+        let force = load.max(pair.inertia_ratio() * (y[PRECESSION] + pair.nut_speed).powi(2));
         let is_root = [0, 1, 2, 6].into_iter().all(|i| left[i].abs() < 1e-9 * force)
             && [3, 5].into_iter().all(|i| left[i].abs() < 1e-6 * pair.friction * load)
             && (left[MOMENT_NORMAL] * weights(pair, &y)[MOMENT_NORMAL]).abs() < 1e-6;
         // Slips below the rounding of the moment about N (R23) have no direction.
-        let rate = y[PRECESSION] * pair.sign() + pair.nut_speed;
+        let rate = y[PRECESSION] + pair.nut_speed;
         let told = pair.inertia_ratio() * rate * rate > 1e-9 * pair.friction && y[SLIP] > 1e-6;
         (report.converged() && is_root && y[SLIP] > 0.0 && flanks && told).then_some(y)
     })
@@ -102,7 +101,7 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
                 }
             }
             Ok((y, ..)) if tally.found < points => {
-                let rate = y[PRECESSION] * pair.sign() + pair.nut_speed;
+                let rate = y[PRECESSION] + pair.nut_speed;
                 if pair.inertia_ratio() * rate * rate > 1e-9 * pair.friction {
                     tally.found += 1;
                     let seen = search(&pair, starts, &mut rng, &mut newton);
@@ -152,7 +151,7 @@ fn a_slow_ball_moves_to_first_order() {
         let (alpha, beta) = (pair.helix.lead_angle, loaded.angles[0] + y[TILT]);
         let ((sin_a, cos_a), (sin_b, cos_b)) = (alpha.sin_cos(), beta.sin_cos());
         let angles = Angles { lead: alpha, contact: beta };
-        let (signed, load) = (pair.friction * pair.sign(), y[NUT_LOAD]);
+        let (signed, load) = (pair.signed_friction(), y[NUT_LOAD]);
         let Sliding { slip_factor: d, sin_psi, cos_psi, precession: rigid, .. } =
             Sliding::of(&angles, pair.helix.radius.recip());
         // γ = sinβ − F (cosβ + F cosψ sinβ)/[cosψ (1 + F²)]               (S7)
@@ -160,8 +159,8 @@ fn a_slow_ball_moves_to_first_order() {
             - signed * (cos_b + signed * cos_psi * sin_b) / (cos_psi * (1.0 + signed * signed));
         // g = (5/2) F γ / D,  p = (p_R + g Ω_n/W)/(1 − g)                 (S8)
         let g = 2.5 * signed * gamma / d;
-        let p = (rigid + g * pair.nut_speed * pair.sign()) / (1.0 - g);
-        let rate = p + pair.nut_speed * pair.sign();
+        let p = (rigid + g * pair.nut_speed) / (1.0 - g);
+        let rate = p + pair.nut_speed;
         let inertia = pair.inertia_ratio() * rate * rate;
         // Far from resonance, g = 1, and from pulling friction; else the first order holds for less.
         if inertia > 1e-8 || (1.0 - g).abs() < 0.1 || load > 20.0 || cos_b < 0.05 {
@@ -195,7 +194,7 @@ fn no_root_is_at_infinity() {
         let Ok(pair) = extreme(&mut rng).scaled() else { continue };
         let Ok((y, ..)) = find(&pair, &mut newton) else { continue };
         let state = Saturated(&pair).state(&y).expect("a root");
-        let rate = y[PRECESSION] + pair.nut_speed * pair.sign();
+        let rate = y[PRECESSION] + pair.nut_speed;
         // The centrifugal force is what the contacts hold, relative to their difference.
         let held = state.wrench[0].force + state.wrench[1].force;
         let held = held.dot(&state.loaded.frame.n) / pair.inertia_ratio();

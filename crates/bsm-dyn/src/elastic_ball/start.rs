@@ -45,7 +45,7 @@ impl ElasticBall {
     }
 
     /// Loads and tilt of the frictionless balance with the centrifugal force of a precession rate
-    /// over `$|W|$`; to two digits, a start.
+    /// over `$W$`; to two digits, a start.
     ///
     /// With the axial and the centrifugal force given, the force triangle leaves one unknown,
     /// `$\beta_B$`, from the unloaded angle upwards; what (J7) needs falls with it.

@@ -201,7 +201,7 @@ pub(crate) struct Rub<D> {
     pub(crate) film: Film<D>,
     /// Friction and rolling resistance on the ball.
     pub(crate) wrench: Wrench<D>,
-    /// Power that sliding takes, with the derivatives of constants only, and rolling.
+    /// Power over `$W$` that sliding takes, with the derivatives of constants only, and rolling.
     pub(crate) sliding: D,
     pub(crate) rolling: D,
 }
@@ -228,18 +228,18 @@ impl<P: Scalar> Wetted<P> {
         Rub {
             film,
             wrench: Wrench {
-                force: friction.force * load + force,
-                moment: friction.moment * load + moment,
+                force: (friction.force * load + force).map(|x| pair.signed(x)),
+                moment: (friction.moment * load + moment).map(|x| pair.signed(x)),
             },
-            sliding: power * load,
-            rolling: resistance.power(contact, motion, D::from(pair.arc)),
+            sliding: pair.signed(power * load),
+            rolling: pair.signed(resistance.power(contact, motion, D::from(pair.arc))),
         }
     }
 
     /// The same with one coefficient for all points, at the mean of pressure and slip that the load
     /// sees (Y23), and without the wrench of friction.
     ///
-    /// * `unit`: power of a coefficient of one.
+    /// * `unit`: power over `$W$` of a coefficient of one.
     pub(crate) fn rub_at_once<D: Over<P>>(
         &self,
         i: usize,
@@ -251,13 +251,13 @@ impl<P: Scalar> Wetted<P> {
         let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
         let film = self.film(i, (contact, load), motion, &loaded.frame, (pair.arc, creep));
         // μ = μ(¾ p_max, ∫|v| dQ/Q)                                       (Y23)
-        let mean = film.law.coefficient(D::from(0.75), unit / load);
+        let mean = film.law.coefficient(D::from(0.75), pair.signed(unit / load));
         let resistance = film.resistance(contact, motion, creep);
         Rub {
             film,
-            wrench: resistance.wrench(contact),
+            wrench: Wrench { force: Vector3::zeros(), moment: Vector3::zeros() },
             sliding: mean * unit,
-            rolling: resistance.power(contact, motion, D::from(pair.arc)),
+            rolling: pair.signed(resistance.power(contact, motion, D::from(pair.arc))),
         }
     }
 }

@@ -101,7 +101,7 @@ impl<const M: usize> Lubricated<Jet<M>> {
                 let (pair, loaded, to_nut) = case.rolling_ball(&mut work.raceway)?;
                 let nodes = Nodes::from(work.lubricated.rule(friction.accuracy()));
                 let (_, rubs) = friction.rubs(&wetted, &pair, (&loaded, &to_nut), nodes);
-                let torque = screw.rolling_torques(&pair, lost(&rubs)).1;
+                let torque = screw.rolling_torques(lost(&rubs)).1;
                 (pair, Steady { loaded, to_nut, rubs, torque })
             }
             LubricatedModel::Traction(case) => {

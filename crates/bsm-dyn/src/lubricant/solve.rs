@@ -117,7 +117,7 @@ impl Wetted {
     }
 }
 
-/// Sliding powers of a friction coefficient of one at nut and screw.
+/// Sliding powers over `$W$` of a friction coefficient of one at nut and screw.
 pub(crate) fn unit_powers<P: Scalar, D: Lanes<P>>(
     pair: &ElasticBall<P>,
     loaded: &Loaded<D>,
@@ -128,11 +128,12 @@ pub(crate) fn unit_powers<P: Scalar, D: Lanes<P>>(
     let motions = pair.relative(to_nut, &loaded.frame);
     std::array::from_fn(|i| {
         let local = Local::of(&motions[i], &loaded.contacts[i], D::from(pair.arc));
-        loaded.loads[i] * D::power(&pair.ellipse(i, loaded), &local, creep, nodes[i])
+        let power = D::power(&pair.ellipse(i, loaded), &local, creep, nodes[i]);
+        pair.signed(loaded.loads[i] * power)
     })
 }
 
-/// What both contacts lose; scaled as the point is.
+/// What both contacts lose, over `$W$`; scaled as the point is.
 pub(super) fn lost<D: Scalar>(rubs: &[Rub<D>; 2]) -> D {
     let [nut, screw] = rubs;
     nut.sliding + nut.rolling + screw.sliding + screw.rolling
@@ -172,14 +173,13 @@ impl<D: Scalar> Lubricated<D> {
     /// Powers lost outside the contacts \[W\].
     pub(super) fn outside(&self, pair: &ElasticBall<D>, steady: &Steady<D>) -> OutsidePower<D> {
         let screw = self.screw();
-        let relative = screw.drive.relative_speed();
-        let size = relative * relative.re().signum();
+        let speed = screw.drive.relative_speed();
         let motion = pair.absolute(&steady.to_nut, &steady.loaded.frame);
         let ball = Circling {
-            motion: Motion { precession: motion.precession * size, omega: motion.omega * size },
+            motion: Motion { precession: motion.precession * speed, omega: motion.omega * speed },
             frame: steady.loaded.frame,
             nut_speed: screw.drive.nut_speed,
-            relative_speed: relative,
+            relative_speed: speed,
             radius: screw.ball.radius,
             mass: screw.ball.mass,
             helix: screw.helix,
@@ -260,7 +260,7 @@ impl Lubricated {
                     pair.with_friction(wetted.friction_scale(&pair, &loaded, &to_nut, creep));
                 let nodes = Nodes::from(lubricated.rule(friction.accuracy()));
                 let (unit, rubs) = friction.rubs(&wetted, &pair, (&loaded, &to_nut), nodes);
-                let (_, torque) = screw.rolling_torques(&pair, lost(&rubs));
+                let (_, torque) = screw.rolling_torques(lost(&rubs));
                 let steady = Steady { loaded, to_nut, rubs, torque };
                 let (skid, info, control) = grip.told(&pair);
                 Found { pair, steady, unit, skid, info, control: Some(control) }
@@ -284,7 +284,7 @@ impl Lubricated {
         let ideal = screw.ideal_torque();
         let transmission = Transmission::of(pair.direction, ideal, torque, speed);
         // Scaled powers in watts, of all balls.
-        let unit = screw.ball.radius * screw.load.axial * speed.abs();
+        let unit = screw.ball.radius * screw.load.axial * speed;
         let [sliding_power, rolling_power] =
             [rubs.map(|rub| rub.sliding), rubs.map(|rub| rub.rolling)]
                 .map(|[nut, screw]| (nut + screw) * unit);

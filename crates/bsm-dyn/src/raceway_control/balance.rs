@@ -99,7 +99,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
     fn rate<D: Over<P>>(&self, nut: &Flank<D>, screw: &Flank<D>) -> D {
         let between = nut.cos * screw.cos + nut.sin * screw.sin;
         let p = precession(self.control, D::from(self.lever), (nut.cos, screw.cos), between);
-        p + D::from(self.pair.nut_speed) * self.pair.sign()
+        p + D::from(self.pair.nut_speed)
     }
 
     /// What is left of the radial balance and of the triangle of the arc centres (W12), (W13).
@@ -136,14 +136,13 @@ impl<'a, P: Scalar> Balance<'a, P> {
         Loaded { loads: [a.load, b.load], tilt, angles, frame, contacts, displacement }
     }
 
-    /// Rolling motion relative to the nut over `$|W|$`.
+    /// Rolling motion relative to the nut over `$W$`.
     pub(super) fn rolling<D: Over<P>>(&self, loaded: &Loaded<D>) -> Motion<D> {
-        let (helix, sign) = (&self.pair.helix, self.pair.sign());
+        let helix = &self.pair.helix;
         let [nut, screw] = loaded.angles;
         let (lead, size) = (D::from(helix.lead_angle), D::from(helix.radius.recip()));
         let (p, omega) = rolling(self.control, lead, size, nut, screw);
-        let omega = loaded.frame.from_frenet(&(omega * D::from(sign)));
-        Motion { precession: p * sign, omega }
+        Motion { precession: p, omega: loaded.frame.from_frenet(&omega) }
     }
 }
 
@@ -193,7 +192,7 @@ impl Balance<'_> {
 
     /// True if (W17) leaves no second root.
     pub(super) fn is_unique(&self) -> bool {
-        let nut = self.pair.nut_speed * self.pair.sign();
+        let nut = self.pair.nut_speed;
         let outwards = match self.control {
             Control::Nut => 1.0 + nut,
             Control::Screw => self.lever - nut,
@@ -277,7 +276,7 @@ impl Balance<'_> {
         }
         let [a, b] = [self.flank(0, screw + c), self.flank(1, screw)];
         let rate = self.rate(&a, &b);
-        let p = rate - self.pair.nut_speed * self.pair.sign();
+        let p = rate - self.pair.nut_speed;
         let (outwards, part) = match self.control {
             Control::Nut => (rate, p),
             Control::Screw => (-rate, 1.0 - p),

@@ -24,7 +24,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
         let (inputs, loaded, to_nut) = self.moving(newton)?;
         let (creep, nodes) = (RacewayControl::<f64>::CREEP, [Nodes::from(&*quadrature); 2]);
         let power = inputs.friction_power(&loaded, &to_nut, creep, nodes);
-        let (ideal, torque) = self.screw.rolling_torques(&inputs, power);
+        let (ideal, torque) = self.screw.rolling_torques(power);
         let efficiency = efficiency(inputs.direction, ideal, torque);
         Ok(Transmitted { efficiency, screw_torque: Some(torque) })
     }

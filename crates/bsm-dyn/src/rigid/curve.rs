@@ -129,13 +129,13 @@ impl Curve {
         let (sin_a, cos_a) = angles.lead.sin_cos();
         let (sin_b, cos_b) = angles.contact.sin_cos();
         let factor = angles.slip_factor();
-        let signed = case.friction * case.sign;
+        let signed = case.signed_friction;
         Self {
             signed,
             gyration: 5.0 * signed * sin_b * cos_b * case.helix.radius,
             radius: case.helix.radius,
             arc: case.arc,
-            nut: case.nut_speed * case.sign,
+            nut: case.nut_speed,
             inertia: case.inertia_ratio(),
             contact: [sin_b, cos_b],
             psi: [sin_a / cos_a / factor, cos_b / factor],

@@ -80,21 +80,20 @@ impl FirstOrder {
     pub(crate) fn of(case: &Scaled<f64>) -> Self {
         let (sin_a, cos_a) = case.helix.lead_angle.sin_cos();
         let (sin_b, cos_b) = case.contact_angle.sin_cos();
-        let (f, ball, sign) = (case.friction, case.helix.radius.recip(), case.sign);
+        let (signed, ball) = (case.signed_friction, case.helix.radius.recip());
         let angles = Angles { lead: case.helix.lead_angle, contact: case.contact_angle };
         let Sliding { slip_factor: d, sin_psi, cos_psi, lever, precession: p } =
             Sliding::of(&angles, ball);
         // P/W = p + Ω_n/W,  ε = μ (P/W)²                                  (R14)
-        let rate = p + case.nut_speed * sign;
+        let rate = p + case.nut_speed;
         let inertia = case.inertia_ratio() * rate * rate;
         // q_A' = (sinβ − F D) / [sin2β − F (cos2β + h sinψ) D/cosβ]       (R15)
-        let signed = f * sign;
-        let h = (rate * sign).signum();
+        let h = rate.signum() * signed.signum();
         let (sin_2b, cos_2b) = (2.0 * sin_b * cos_b, (cos_b - sin_b) * (cos_b + sin_b));
         let denominator = sin_2b - signed * (cos_2b + h * sin_psi) / cos_psi;
         let minor = (sin_b - signed * d) / denominator;
         // margin = p tanα − 5 f sinβ cosβ q_A' |P/W|                      (R16)
-        let margin = p * sin_a / cos_a - 5.0 * f * sin_b * cos_b * minor * rate.abs();
+        let margin = p * sin_a / cos_a - 5.0 * signed.abs() * sin_b * cos_b * minor * rate.abs();
         // Q/F_a = 1/[cosα (sinβ − F D)], Eq (C4)                          (R17)
         let load = (cos_a * (sin_b - signed * d)).recip();
         Self {

@@ -100,7 +100,7 @@ pub struct RigidWorkspace(pub(super) Workspace);
 /// first order has a root by more than its error, none is denied.
 pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root, Unsolved> {
     let start = FirstOrder::of(case);
-    let crowding = start.crowding(case.friction);
+    let crowding = start.crowding(case.friction());
     let found = root_near(case, &start, work).map(|root| {
         // That a search which Newton needed has met no other is not told: the kernel needs none, and a
         // row of a table says what the model says.
@@ -109,7 +109,7 @@ pub(crate) fn find(case: &Scaled<f64>, work: &mut RigidWorkspace) -> Result<Root
         Root { others, ..root }
     });
     found.map_err(|none| {
-        let loaded = start.size / case.friction * start.load;
+        let loaded = start.size / case.friction() * start.load;
         let error = FIRST_ORDER_ERROR * loaded;
         let sure = loaded < SMALL_INERTIA
             && start.exists()
@@ -125,7 +125,7 @@ fn root_near(
     start: &FirstOrder,
     work: &mut RigidWorkspace,
 ) -> Result<Root, Unsolved> {
-    let inertia = start.size / case.friction;
+    let inertia = start.size / case.friction();
     if inertia < SMALL_INERTIA
         && let Some(denial) = denied(case, start, inertia, work)
     {
@@ -140,7 +140,7 @@ fn root_near(
     let (mut denial, mut near) = (None, None);
     if let Some(root) = direct(case, start, inertia, work) {
         match accept(case, root, work) {
-            Ok(root) if start.crowding(case.friction) < SEARCHED_FROM => return Ok(root),
+            Ok(root) if start.crowding(case.friction()) < SEARCHED_FROM => return Ok(root),
             Ok(root) => near = Some(root),
             Err(none) if inertia < SMALL_INERTIA => return Err(none),
             // A branch whose contacts pull already without inertia says nothing.
@@ -324,7 +324,7 @@ fn interpolate(
     let mut unknowns = limit + (far - limit) * fraction;
     // Loads round by Q ε and vary by Q ι/f, and Q_A' is some ι/Q: known to Q² ε/ι there, to Q ι/f to
     // first order.
-    if start.load.max(1.0) * f64::EPSILON / at.size > start.size / case.friction {
+    if start.load.max(1.0) * f64::EPSILON / at.size > start.size / case.friction() {
         (unknowns[MINOR_LOAD], unknowns[SLIP]) = (limit[MINOR_LOAD], limit[SLIP]);
     }
     unknowns[MINOR_LOAD] *= start.inertia;
@@ -398,7 +398,7 @@ fn margin_error(case: &Scaled<f64>, start: &FirstOrder, error: f64) -> f64 {
 /// Both sides of Lin's Eq 16.
 fn locking_terms(case: &Scaled<f64>) -> (f64, f64) {
     let angles = Angles { lead: case.helix.lead_angle, contact: case.contact_angle };
-    (angles.contact.sin(), case.friction * angles.slip_factor())
+    (angles.contact.sin(), case.friction() * angles.slip_factor())
 }
 
 fn self_locking(case: &Scaled<f64>) -> Reason {
@@ -438,7 +438,7 @@ pub(crate) fn critical_lead_angle(case: &Scaled<f64>, work: &mut RigidWorkspace)
     let high = found.map_or(high, |root| root.ends[1]);
 
     // With too little inertia to tell, as much as can be told moves the angle by that much.
-    let slow = case.friction * SLOW / at(high).size;
+    let slow = case.friction() * SLOW / at(high).size;
     let case = &case.with_inertia(slow.max(1.0));
     let start = FirstOrder::of(&case.with_lead_angle(high));
     let mut x = start.unknowns();

@@ -13,9 +13,9 @@ use crate::ball_unknowns::unknown::{
 use crate::ball_unknowns::{self, BALL, MOMENT_NORMAL, ROWS, weight};
 use crate::equations::{equations, linear};
 use crate::friction::{Coulomb, against, friction_force};
-use crate::{Direction, Wrench, cost};
+use crate::{Wrench, cost};
 
-/// One operating point in units of ball radius, axial load per ball and `$|W|$` (R1).
+/// One operating point in units of ball radius, axial load per ball and `$W$` (R1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scaled<D> {
     /// Helix with radius `$r_m/r_b$`.
@@ -28,14 +28,12 @@ pub(crate) struct Scaled<D> {
     pub(crate) contacts: [Contact<D>; 3],
     /// Contact angle \[rad\].
     pub(crate) contact_angle: D,
-    /// Coulomb coefficient.
-    pub(crate) friction: D,
+    /// Coulomb coefficient with the sign of `$W$`: friction against a slip over `$W$`.
+    pub(crate) signed_friction: D,
     /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
     pub(crate) ball: Ball<D>,
-    /// Nut speed over `$|W|$`.
+    /// Nut speed over `$W$`.
     pub(crate) nut_speed: D,
-    /// Sign of `$W$`.
-    pub(crate) sign: f64,
     /// True if the unknown of the precession counts from the ground, `$P/W$` in the place of `$p$`:
     /// where the ball hardly circles, the sum `$p + \Omega_n/W$` would lose its digits.
     pub(crate) from_ground: bool,
@@ -49,7 +47,7 @@ pub type Unknowns<D> = SVector<D, BALL>;
 pub(crate) struct State<D> {
     /// Motion of the ball relative to the nut.
     pub(crate) to_nut: Motion<D>,
-    /// Absolute precession over `$|W|$`.
+    /// Absolute precession over `$W$`.
     pub(crate) precession: D,
     /// Slip velocities at A, A', B.
     pub(crate) slip: [Vector3<D>; 3],
@@ -62,10 +60,9 @@ impl<D: Scalar> Scaled<D> {
     pub(crate) fn new(
         helix: Helix<D>,
         contact_angle: D,
-        friction: D,
+        signed_friction: D,
         mass: D,
         nut_speed: D,
-        sign: f64,
     ) -> Self {
         let frame = BallFrame::turned(helix.lead_angle, contact_angle);
         let contacts = [Site::Nut, Site::NutMinor, Site::Screw]
@@ -78,17 +75,16 @@ impl<D: Scalar> Scaled<D> {
             frame,
             contacts,
             contact_angle,
-            friction,
+            signed_friction,
             ball,
             nut_speed,
-            sign,
             from_ground: false,
         }
     }
 
-    /// Which side drives.
-    pub(crate) fn direction(&self) -> Direction {
-        if self.sign > 0.0 { Direction::RotaryToLinear } else { Direction::LinearToRotary }
+    /// Coulomb coefficient.
+    pub(crate) fn friction(&self) -> f64 {
+        self.signed_friction.re().abs()
     }
 
     /// The same point with the inertia multiplied by `factor`.
@@ -104,7 +100,7 @@ impl<D: Scalar> Scaled<D> {
 
     /// Precession `$p$` relative to the nut and absolute `$P/W$`, over relative speed.
     pub(crate) fn rates(&self, y: &Unknowns<D>) -> (D, D) {
-        let (counted, nut) = (y[PRECESSION], self.nut_speed * self.sign);
+        let (counted, nut) = (y[PRECESSION], self.nut_speed);
         // P = Ω_n + p W                                                   (R3)
         if self.from_ground { (counted - nut, counted) } else { (counted, counted + nut) }
     }
@@ -126,10 +122,9 @@ impl<D: Scalar> Scaled<D> {
                 across: vector(&c.across),
             }),
             contact_angle: to(self.contact_angle),
-            friction: to(self.friction),
+            signed_friction: to(self.signed_friction),
             ball: Ball { radius: to(self.ball.radius), mass: to(self.ball.mass) },
             nut_speed: to(self.nut_speed),
-            sign: self.sign,
             from_ground: self.from_ground,
         }
     }
@@ -137,7 +132,7 @@ impl<D: Scalar> Scaled<D> {
     /// Motion of the ball relative to the nut: precession, and `u`, `τ` from the slip at A.
     fn relative_motion(&self, y: &Unknowns<D>) -> Result<Motion<D>, EvalError> {
         let (p, rate) = self.rates(y);
-        let (precession, slip) = (rate * self.sign, y[SLIP]);
+        let (precession, slip) = (rate, y[SLIP]);
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
         if precession.re() == 0.0 {
             return Err(DOES_NOT_CIRCLE);
@@ -148,8 +143,8 @@ impl<D: Scalar> Scaled<D> {
         // σ = s r_b F_a / (I P)                                           (R5)
         let sigma = y[SPIN] / (self.ball.inertia() * precession);
         // ω − Ω_n k = W u t + σ N + W τ e_x                               (R6)
-        let omega = Vector3::new(u * self.sign, sigma, tau * self.sign);
-        Ok(Motion { precession: p * self.sign, omega })
+        let omega = Vector3::new(u, sigma, tau);
+        Ok(Motion { precession: p, omega })
     }
 
     /// Motion, slip and wrenches of a set of unknowns.
@@ -159,22 +154,21 @@ impl<D: Scalar> Scaled<D> {
     /// [`EvalError`] where friction or the gyroscopic moment has no direction.
     pub(crate) fn state(&self, y: &Unknowns<D>) -> Result<State<D>, EvalError> {
         let to_nut = self.relative_motion(y)?;
-        let precession = self.rates(y).1 * self.sign;
-        let to_screw = to_nut.relative_to(D::from(self.sign), &self.frame);
+        let precession = self.rates(y).1;
+        let to_screw = to_nut.relative_to(D::from(1.0), &self.frame);
         let points = self.contacts.map(|c| c.point(self.ball.radius));
 
         // V_A = W r_b λ (cosθ e_x + sinθ t), friction against it whatever the size of λ  (R7)
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
-        let along =
-            (self.contacts[0].across * cos + BallFrame::tangent() * sin) * D::from(self.sign);
+        let along = self.contacts[0].across * cos + BallFrame::tangent() * sin;
         let slip = [
             along * y[SLIP],
             to_nut.slip_velocity(self.arc, &points[1]),
             to_screw.slip_velocity(self.arc, &points[2]),
         ];
-        let law = Coulomb(self.friction);
+        let law = Coulomb(self.signed_friction);
         let friction = [
-            against(&along, self.friction * y[NUT_LOAD]),
+            against(&along, self.signed_friction * y[NUT_LOAD]),
             friction_force(&law, y[MINOR_LOAD], &slip[1])?,
             friction_force(&law, y[SCREW_LOAD], &slip[2])?,
         ];
@@ -231,7 +225,7 @@ impl Scaled<f64> {
         let force = (inertia * rate * rate).max(1.0);
         let moment = (self.ball.inertia() * rate * (y[SLIP].abs() + p * self.arc)).max(force);
         // M_N = μ |P/W| (|p| + f |P/W|)                                   (R44)
-        let normal = inertia * rate * (p + self.friction * rate);
+        let normal = inertia * rate * (p + self.friction() * rate);
         // D_F = diag(1/U, 1/U, 1/U, 1/M, 1/M_N, 1/M, 1/U)                 (R44)
         let [u, m, n] = [force, moment, normal].map(weight);
         [u, u, u, m, n, m, u]
@@ -243,10 +237,9 @@ impl Scaled<f64> {
         Scaled::new(
             helix,
             D::from(self.contact_angle),
-            D::from(self.friction),
+            D::from(self.signed_friction),
             D::from(self.ball.mass),
             D::from(self.nut_speed),
-            self.sign,
         )
     }
 
@@ -296,9 +289,9 @@ mod tests {
     use super::super::first_order::FirstOrder;
     use super::*;
 
-    fn case(lead: f64, contact: f64, friction: f64, mass: f64, nut: f64, sign: f64) -> Scaled<f64> {
+    fn case(lead: f64, contact: f64, friction: f64, mass: f64, nut: f64) -> Scaled<f64> {
         let helix = Helix { radius: 5.56, lead_angle: lead };
-        Scaled::new(helix, contact, friction, mass, nut, sign)
+        Scaled::new(helix, contact, friction, mass, nut)
     }
 
     proptest! {
@@ -311,14 +304,13 @@ mod tests {
             shift in proptest::array::uniform7(-0.05..0.05_f64),
         ) {
             let sign = if back { -1.0 } else { 1.0 };
-            let nut = nut * sign;
-            let case = case(lead, contact, friction, 10.0_f64.powf(log_mass), nut, sign);
+            let case = case(lead, contact, friction * sign, 10.0_f64.powf(log_mass), nut);
             let mut y = FirstOrder::of(&case).unknowns();
             prop_assume!(y.iter().all(|v| v.is_finite()) && y[PRECESSION].abs() > 0.1);
             for (y, s) in y.iter_mut().zip(shift) {
                 *y += s;
             }
-            prop_assume!((nut + sign * y[PRECESSION]).abs() > 0.2);
+            prop_assume!((nut + y[PRECESSION]).abs() > 0.2);
             // The direction of friction turns with the third power of one over the slip.
             let slip = case.state(&y).expect("in the domain").slip;
             prop_assume!(slip[1..].iter().all(|slip| slip.norm() > 0.1));
@@ -348,7 +340,7 @@ mod tests {
     /// The tail of the iteration is quadratic, which only an exact Jacobian gives.
     #[test]
     fn newton_converges_quadratically() {
-        let case = case(0.3, 0.7, 0.08, 0.02, 0.0, 1.0);
+        let case = case(0.3, 0.7, 0.08, 0.02, 0.0);
         let mut y = FirstOrder::of(&case).unknowns();
         y[SLIP_ANGLE] += 0.1;
         let weights = case.weights(FirstOrder::of(&case).normal_moment());
@@ -369,7 +361,7 @@ mod tests {
     /// order one and an inertia of 1e-12, the moment about the normal is of order 1e-12.
     #[test]
     fn the_normal_moment_is_inertia_sized() {
-        let case = case(0.3, 0.7, 0.08, 1e-12, 0.0, 1.0);
+        let case = case(0.3, 0.7, 0.08, 1e-12, 0.0);
         let r = case.residual(&FirstOrder::of(&case).unknowns()).expect("in the domain");
         // First order cancels it; the rest is of second order or rounding of 1e-12.
         assert!(r[MOMENT_NORMAL].abs() <= 1e-20, "{r}");

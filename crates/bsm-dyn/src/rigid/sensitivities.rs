@@ -33,7 +33,7 @@ impl<const M: usize> Rigid<Jet<M>> {
                 moving_root(&point, &root.unknowns.into(), &weights, residual, &mut work.0)?;
             let state = inputs.state(&unknowns.into()).map_err(refused)?;
             let (ideal, torque) = self.torques(&inputs, &state);
-            let efficiency = efficiency(point.direction(), ideal, torque);
+            let efficiency = efficiency(self.direction(), ideal, torque);
             Ok(Transmitted { efficiency, screw_torque: Some(torque) })
         })
     }

@@ -36,7 +36,7 @@ fn screw(rng: &mut impl Rng) -> Rigid {
 /// would pull.
 fn start(case: &Scaled<f64>, rng: &mut impl Rng) -> Option<(Unknowns<f64>, bool)> {
     let angles: [f64; 3] = std::array::from_fn(|_| rng.random_range(-PI..PI));
-    let friction = case.friction * case.sign;
+    let friction = case.signed_friction;
     let slips: [_; 3] = std::array::from_fn(|i| {
         case.contacts[i].across * angles[i].cos() + BallFrame::tangent() * angles[i].sin()
     });
@@ -53,7 +53,7 @@ fn start(case: &Scaled<f64>, rng: &mut impl Rng) -> Option<(Unknowns<f64>, bool)
     }
     let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
     let rate = side * (loads[3] / case.inertia_ratio()).sqrt();
-    let p = rate - case.nut_speed * case.sign;
+    let p = rate - case.nut_speed;
     let points = case.contacts.map(|c| c.point(1.0));
     let at_screw = |slip: f64| {
         let tau = slip * angles[0].sin() - p * case.arc;
@@ -125,7 +125,7 @@ fn many_starts_find_no_root_where_one_is_denied() {
         let Ok(case) = rigid.scaled() else { continue };
         let answer = root::find(&case, &mut work);
         // Without inertia the first order is a proof.
-        if case.inertia_ratio() < 1e-3 * case.friction {
+        if case.inertia_ratio() < 1e-3 * case.friction() {
             continue;
         }
         match answer {
@@ -175,7 +175,7 @@ fn many_starts_find_few_roots_that_are_not_known() {
         let rigid = practical(&mut rng);
         let Ok(case) = rigid.scaled() else { continue };
         let first = FirstOrder::of(&case);
-        if first.size < 10.0 * case.friction {
+        if first.size < 10.0 * case.friction() {
             continue;
         }
         let Ok(root) = root::find(&case, &mut work) else { continue };
@@ -229,11 +229,11 @@ fn count_second_roots(counts: [usize; 2]) {
             let Ok(case) = rigid.scaled() else { continue };
             let start = FirstOrder::of(&case);
             // Below, rounding decides about loads.
-            if start.size < 1e-3 * case.friction {
+            if start.size < 1e-3 * case.friction() {
                 continue;
             }
             tried += 1;
-            let crowding = start.crowding(case.friction);
+            let crowding = start.crowding(case.friction());
             let Ok(root) = root::find(&case, &mut work) else { continue };
             let met = root::Met::of(&case, &start, &mut work);
             if let Some(first) = met.roots.first() {
@@ -326,7 +326,7 @@ fn an_arc_of_its_own_is_not_denied() {
     let slip_angle = met.roots[1].unknowns[SLIP_ANGLE];
     assert!(slip_angle.cos() < -0.99, "{slip_angle}");
     // Nobody looks there: unknown is not none.
-    assert!((UNIQUE_BELOW..SEARCHED_FROM).contains(&start.crowding(case.friction)));
+    assert!((UNIQUE_BELOW..SEARCHED_FROM).contains(&start.crowding(case.friction())));
     assert_eq!(rigid.solve(&mut work).answer.expect("a root").others, None);
 }
 
@@ -368,7 +368,7 @@ fn newton_and_the_search_find_the_same_root() {
     while tried < 1000 {
         let Ok(case) = screw(&mut rng).scaled() else { continue };
         let start = FirstOrder::of(&case);
-        if start.size < MODERATE_INERTIA * case.friction {
+        if start.size < MODERATE_INERTIA * case.friction() {
             continue;
         }
         let Ok(root) = root::find(&case, &mut work) else { continue };

@@ -321,7 +321,7 @@ fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
         creep: ball.creep,
     }; 2];
     for i in 0..2 {
-        let (side, body) = [(1.0, 0.0), (-1.0, pair.sign())][i];
+        let (side, body) = [(1.0, 0.0), (-1.0, 1.0)][i];
         let Angle { sin, cos, .. } = angles[i];
         let (t, b) = (omega_t - body * sin_lead, omega_b - body * cos_lead);
         points[i].motion = [
@@ -347,6 +347,7 @@ fn evaluate<S: Simd, const SLOPED: bool>(
 ) {
     let (sin_lead, cos_lead) = ball.pair.lead;
     let (pair, loads) = (ball.pair, [y[NUT_LOAD], y[SCREW_LOAD]]);
+    let friction = pair.signed_friction();
     let nodes = [ball.nodes(0), ball.nodes(1)];
     let sums = Sums::along::<S, 2, SLOPED>(simd, points, &nodes);
     for i in 0..2 {
@@ -355,7 +356,7 @@ fn evaluate<S: Simd, const SLOPED: bool>(
         let (load, by_load) = (loads[i], along(place, 1.0));
         let (tilt, angle) = (&tilts[i], &angles[i]);
         let Sums { values, power: unit_power, slopes } = &sums[i];
-        let pull = load * pair.friction;
+        let pull = load * friction;
         // P_f = Σ f Q ∫ dP                                                (P7)
         transmitted.power += pull * unit_power;
         let mut parts = [Sloped { re: 0.0, by: [0.0; BLOCK] }; 5];
@@ -374,7 +375,7 @@ fn evaluate<S: Simd, const SLOPED: bool>(
                 let [a, t, n, c, g] = *slopes;
                 part.by[PRECESSION] = pull * a * pair.arc;
                 // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
-                part.by[place] = pair.friction * (value + g * (1.0 / 3.0));
+                part.by[place] = friction * (value + g * (1.0 / 3.0));
                 add(&mut part.by, pull * t, by_t);
                 add(&mut part.by, pull * n, &by_n);
                 add(&mut part.by, pull * c, &by_c);

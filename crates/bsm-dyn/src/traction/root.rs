@@ -219,7 +219,7 @@ impl Rolling<'_> {
         self.of(root).evaluated::<false>(&root.unknowns).is_ok_and(|found| {
             let ideal = ideal_torque(1.0, pair.helix.radius, pair.helix.lead_angle);
             let Transmitted { torque, power } = found.transmitted;
-            let imbalance = Power::transmitted(torque, ideal, pair.sign()).imbalance(power);
+            let imbalance = Power::transmitted(torque, ideal, 1.0).imbalance(power);
             imbalance.abs() <= POWER_BALANCE_TOL
         })
     }

@@ -41,7 +41,7 @@ impl Rolling<'_> {
         // friction.
         let mu = pair.inertia_ratio();
         let rate = match number / 3 % 4 {
-            0 => pair.nut_speed + (2.0 * rate - 0.5) * pair.sign(),
+            0 => pair.nut_speed + 2.0 * rate - 0.5,
             kind => {
                 let size = if kind == 1 { pair.friction / mu } else { mu.recip().sqrt() };
                 (size * (2.0 - 8.0 * slow).exp()).min(1.0).copysign(rate - 0.5)

@@ -38,7 +38,7 @@ fn state(ball: &Rolling<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     let cos = pair.helix.lead_angle.cos();
     let slow = if part(0.0, 1.0) < 0.5 { pair.friction / mu } else { mu.recip().sqrt() };
     let rate = if part(0.0, 1.0) < 0.5 {
-        pair.nut_speed + part(-0.5, 1.5) * pair.sign()
+        pair.nut_speed + part(-0.5, 1.5)
     } else {
         (slow * part(-8.0, 1.0).exp()).min(1.0) * part(-1.0, 1.0).signum()
     };

@@ -67,7 +67,7 @@ fn left(pair: &ElasticBall, control: Control, screw: f64) -> Option<f64> {
     }
     let nut = 0.5 * (low + high);
     let (p, _) = rolling(control, lead, pair.helix.radius.recip(), nut, screw);
-    let rate = p * pair.sign() + pair.nut_speed;
+    let rate = p + pair.nut_speed;
     let centrifugal = pair.inertia_ratio() * rate * rate;
     Some(load(nut) * nut.cos() - load(screw) * screw.cos() - centrifugal)
 }
