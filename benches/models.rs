@@ -46,7 +46,7 @@ fn one_point(c: &mut Criterion) {
 
     let case = lin_rigid();
     let mut neighbour = case;
-    neighbour.load.axial *= 0.99;
+    neighbour.point.load.axial *= 0.99;
     let memory = &mut Workspace::default();
     let run = |case: &Rigid, from: Option<[f64; 7]>, memory: &mut Workspace<Dense<7>>| {
         let system = RigidSystem::of(case).expect("friction and speed");

@@ -267,7 +267,7 @@ impl MovingBall {
         if scene.given().is_lubricated() {
             return Err(CaseError::NoLubricant { model: "of slip and jam" });
         }
-        let case = scene.reader().rigid();
+        let case = scene.reader().operating_point();
         let ball =
             SteadyBall { helix: case.helix, radius: case.ball.radius, drive: case.drive, motion };
         let contacts = SITES.map(|site| {

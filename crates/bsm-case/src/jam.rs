@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_dyn::{
-    ElasticScrew, EntryStep, Reason, Solution, Wedge, apex_thrust, centrifugal_force,
+    ElasticPoint, EntryStep, Reason, Solution, Wedge, apex_thrust, centrifugal_force,
     contact_modulus, flat_stiffness, impact_force, linear_impact_force, step_thrust,
     track_friction, viscous_drag,
 };
@@ -118,13 +118,13 @@ impl Analysis {
         let [Some(nut), Some(screw), _] = solved.contacts else {
             unreachable!("every model with a motion has loads and angles of both contacts")
         };
-        let case = scene.reader().rigid();
+        let case = scene.reader().operating_point();
         let precession = solved.ball.motion.precession;
         let mut wedge = Wedge {
             loads: [nut.load, screw.load],
             angles: [nut.touch.angle, screw.touch.angle],
             slip_angles: [nut.slip_angle, screw.slip_angle],
-            friction: case.friction,
+            friction: case.friction.0,
             centrifugal: centrifugal_force(case.ball.mass, case.helix.radius, precession),
         };
         if nut.semi_axes.is_some() {
@@ -143,7 +143,7 @@ impl Analysis {
 
     /// Loads, angles and approaches with permanent approach, which `wedge` takes over.
     fn contact_state(&mut self, scene: &Scene, wedge: &mut Wedge<f64>) -> Result<(), CaseError> {
-        let screw = scene.reader().elastic_screw();
+        let screw = scene.reader().elastic_point();
         let failed = |reason: &Reason| CaseError::NotRated(message(reason));
         let settled =
             screw.permanent_set(wedge.loads, wedge.angles).map_err(|none| failed(none.reason()))?;
@@ -222,7 +222,7 @@ impl Analysis {
 
     fn returner(&mut self, scene: &Scene, solved: &MovingBall, contacts: [MovingContact; 2]) {
         let numbers = &mut self.numbers;
-        let case = scene.reader().rigid();
+        let case = scene.reader().operating_point();
         let ball = &solved.ball;
         let speed = scene.return_approach_speed_m_s.unwrap_or_else(|| {
             let to_nut = ball.motion.precession - ball.drive.nut_speed;
@@ -242,12 +242,13 @@ impl Analysis {
         };
         numbers.whole(approach_speed_m_s, speed);
         numbers.whole(impact_force_N, impact);
-        let apex =
-            scene.apex_half_angle_deg.map(|angle| apex_thrust(impact, angle * DEG, case.friction));
+        let apex = scene
+            .apex_half_angle_deg
+            .map(|angle| apex_thrust(impact, angle * DEG, case.friction.0));
         numbers.whole(apex_thrust_N, apex);
         let step = scene.return_angle_deg.map(|angle| {
             let normal = scene.step_normal_force_N.unwrap_or(impact);
-            (normal, step_thrust(normal, case.friction, angle * DEG))
+            (normal, step_thrust(normal, case.friction.0, angle * DEG))
         });
         numbers.whole(step_force_N, step.map(|(normal, _)| normal));
         numbers.whole(step_thrust_N, step.map(|(_, thrust)| thrust));
@@ -261,7 +262,7 @@ impl Analysis {
         numbers.whole(entry_thrust_N, into.flatten());
         let Some(balls) = scene.loaded_balls_per_turn else { return };
         let friction = |c: &MovingContact, slip_angle: f64| {
-            track_friction(balls, case.friction, c.load, slip_angle)
+            track_friction(balls, case.friction.0, c.load, slip_angle)
         };
         let stopped = friction(&contacts[1], FRAC_PI_2);
         let clean = |force: f64| if force < ROUNDING * stopped { 0.0 } else { force };
@@ -304,7 +305,7 @@ fn entry_step(scene: &Scene, ball_radius: f64) -> EntryStep {
 }
 
 /// Largest pressures at nut and screw \[Pa\].
-fn pressures(screw: &ElasticScrew, loads: [f64; 2]) -> Result<[f64; 2], bsm_dyn::Reason> {
+fn pressures(screw: &ElasticPoint, loads: [f64; 2]) -> Result<[f64; 2], bsm_dyn::Reason> {
     let hertz = screw.hertz()?;
     Ok([0, 1].map(|i| hertz[i].max_pressure(loads[i])))
 }

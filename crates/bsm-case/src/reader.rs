@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use bsm_dyn::{
-    Angles, Auto, Ball, BaseOil, ClosedForm, Direction, Driven, Elastic, ElasticScrew, Load,
-    Losses, Lubricant, Lubricated, LubricatedModel, Material, Model, Oil, Problem, QuasiStatic,
-    RacewayControl, RacewayFriction, Rigid, Roughness, Size, Temperature, Traction, ZERO_CELSIUS,
+    Angles, Auto, Ball, BaseOil, ClosedForm, Coulomb, Direction, Driven, Elastic, ElasticPoint,
+    Load, Losses, Lubricant, Lubricated, LubricatedModel, Material, Model, Oil, OperatingPoint,
+    Problem, QuasiStatic, RacewayControl, RacewayFriction, Rigid, Roughness, Size, Temperature,
+    Traction, ZERO_CELSIUS,
 };
 use bsm_kin::{Drive, Helix, Scalar};
 
@@ -32,21 +33,21 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     /// The problem of a model whose inputs [`Scene::choose`] has checked.
     pub(crate) fn problem(&self, model: ModelChoice, settings: &Settings) -> Problem<D> {
         if let Some(lubricant) = self.lubricant() {
-            return lubricated(self.elastic_screw(), lubricant, model, settings);
+            return lubricated(self.elastic_point(), lubricant, model, settings);
         }
         let model = match model {
             ModelChoice::Fixed(model) if !has_grooves(model) => model,
-            _ => return in_grooves(self.elastic_screw(), model, settings),
+            _ => return in_grooves(self.elastic_point(), model, settings),
         };
         match model {
             Model::ClosedForm => Problem::ClosedForm(ClosedForm {
                 angles: self.angles(),
-                friction: self.value(InputKey::friction_coefficient),
+                friction: Coulomb(self.value(InputKey::friction_coefficient)),
                 direction: self.direction(),
                 size: self.size(),
             }),
             Model::QuasiStatic => Problem::QuasiStatic(self.quasi_static()),
-            _ => Problem::Rigid(self.rigid()),
+            _ => Problem::Rigid(Rigid { point: self.operating_point() }),
         }
     }
 
@@ -113,7 +114,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         };
         QuasiStatic {
             angles: self.angles(),
-            friction: self.value(InputKey::friction_coefficient),
+            friction: Coulomb(self.value(InputKey::friction_coefficient)),
             size_ratio: ball / self.value(InputKey::pitch_circle_diameter_mm),
             rolling_ratio: self.value(InputKey::rolling_friction_mm) / (ball * 0.5),
             driven,
@@ -136,20 +137,14 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         (races, balls)
     }
 
-    pub(crate) fn elastic_screw(&self) -> ElasticScrew<D> {
-        let Rigid { helix, contact_angle, ball, friction, drive, load } = self.rigid();
-        ElasticScrew {
-            helix,
-            contact_angle,
-            ball,
+    pub(crate) fn elastic_point(&self) -> ElasticPoint<D> {
+        ElasticPoint {
+            point: self.operating_point(),
             conformity: (
                 self.value(InputKey::nut_conformity),
                 self.value(InputKey::screw_conformity),
             ),
             material: self.materials(),
-            friction,
-            drive,
-            load,
         }
     }
 
@@ -208,18 +203,19 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         })
     }
 
-    pub(crate) fn rigid(&self) -> Rigid<D> {
+    pub(crate) fn operating_point(&self) -> OperatingPoint<D> {
         let angles = self.angles();
         let radius = self.value(InputKey::ball_diameter_mm) * (0.5 * MM);
-        Rigid {
+        // A lubricated ball has none; it does not read it.
+        let friction = self.given(InputKey::friction_coefficient).unwrap_or(D::from(f64::NAN));
+        OperatingPoint {
             helix: Helix {
                 radius: self.value(InputKey::pitch_circle_diameter_mm) * (0.5 * MM),
                 lead_angle: angles.lead,
             },
             contact_angle: angles.contact,
             ball: Ball::of_density(radius, self.value(InputKey::density_kg_m3)),
-            // A lubricated ball has none; it does not read it.
-            friction: self.given(InputKey::friction_coefficient).unwrap_or(D::from(f64::NAN)),
+            friction: Coulomb(friction),
             drive: self.drive().expect("required inputs were checked"),
             load: self.load().expect("required inputs were checked"),
         }
@@ -233,38 +229,36 @@ pub(crate) fn has_grooves(model: Model) -> bool {
 
 /// The problem of a model whose balls press the grooves.
 pub(crate) fn in_grooves<D: Scalar>(
-    screw: ElasticScrew<D>,
+    at: ElasticPoint<D>,
     model: ModelChoice,
     settings: &Settings,
 ) -> Problem<D> {
     match model {
         ModelChoice::Fixed(Model::RacewayControl) => {
-            Problem::RacewayControl(RacewayControl { screw, control: settings.control })
+            Problem::RacewayControl(RacewayControl { at, control: settings.control })
         }
-        ModelChoice::Fixed(Model::Elastic) => Problem::Elastic(Elastic { screw }),
-        ModelChoice::Fixed(Model::Traction) => Problem::Traction(Traction {
-            screw,
-            accuracy: settings.accuracy,
-            creep: settings.creep,
-        }),
-        _ => Problem::Auto(Auto { screw, tolerance: settings.tolerance }),
+        ModelChoice::Fixed(Model::Elastic) => Problem::Elastic(Elastic { at }),
+        ModelChoice::Fixed(Model::Traction) => {
+            Problem::Traction(Traction { at, accuracy: settings.accuracy, creep: settings.creep })
+        }
+        _ => Problem::Auto(Auto { at, tolerance: settings.tolerance }),
     }
 }
 
 /// The problem of a model whose balls press the grooves through a lubricant.
 pub(crate) fn lubricated<D: Scalar>(
-    screw: ElasticScrew<D>,
+    at: ElasticPoint<D>,
     lubricant: Lubricant<D>,
     model: ModelChoice,
     settings: &Settings,
 ) -> Problem<D> {
     let model = match model {
         ModelChoice::Fixed(Model::RacewayControl) => LubricatedModel::RacewayControl(
-            RacewayControl { screw, control: settings.control },
+            RacewayControl { at, control: settings.control },
             RacewayFriction::Local,
         ),
         _ => LubricatedModel::Traction(Traction {
-            screw,
+            at,
             accuracy: settings.accuracy,
             creep: settings.creep,
         }),

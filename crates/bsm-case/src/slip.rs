@@ -1,7 +1,7 @@
 //! Slip of a solved ball in the vocabulary.
 
 use bsm_dyn::{
-    Basis, Coulomb, Model, Quadrature, RacewayControl, Sliding, SlipPower, Solution, Traction,
+    Basis, Model, Quadrature, RacewayControl, Sliding, SlipPower, Solution, Traction,
     pressed_radius, rim_speed,
 };
 use bsm_kin::Site;
@@ -143,7 +143,7 @@ impl Powers {
         solution: &Solution,
         solved: &MovingBall,
     ) -> Result<Self, CaseError> {
-        let case = scene.reader().rigid();
+        let case = scene.reader().operating_point();
         let unit = case.ball.radius * case.drive.relative_speed().abs();
         let (accuracy, creep) = match (solution.model, solution.choice.map(|c| c.basis)) {
             (Model::Traction, Some(Basis::Integrated { accuracy })) => (accuracy, Traction::CREEP),
@@ -167,7 +167,7 @@ impl Powers {
                 _ => Sliding::Point,
             };
             let ball = &solved.ball;
-            let law = Coulomb(case.friction);
+            let law = case.friction;
             let wrench = ball.friction(&contact.touch, contact.load, &law, sliding);
             let wrench = wrench.map_err(|e| CaseError::NotRated(e.to_string()))?;
             let SlipPower { centre, spin, curvature } = ball.power(&contact.touch, &wrench);

@@ -6,18 +6,18 @@
 use bsm_kin::{Jet, Scalar};
 
 use crate::elastic::Elastic;
-use crate::elastic_ball::{ElasticBall, ElasticScrew};
+use crate::elastic_ball::{ElasticBall, ElasticPoint};
 use crate::traction::{Root, Start, Traction};
 use crate::{
-    Angles, ClosedForm, Direction, ErrorBound, Model, ModelWorkspace, RacewayControl, Reason, Size,
-    Solution, Solved, Transmitted, Unsolved,
+    Angles, ClosedForm, Direction, ErrorBound, Model, ModelWorkspace, OperatingPoint,
+    RacewayControl, Reason, Size, Solution, Solved, Transmitted, Unsolved,
 };
 
 /// A screw at an operating point, to be solved by whatever model is good enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Auto<D = f64> {
     /// The screw at its operating point.
-    pub screw: ElasticScrew<D>,
+    pub at: ElasticPoint<D>,
     /// Error of the efficiency against the traction model that is small enough, positive.
     pub tolerance: f64,
 }
@@ -64,7 +64,7 @@ impl Auto {
 
     /// The solution, and the root of the traction model if it is the one that was chosen.
     fn solve_for_root(&self, work: &mut ModelWorkspace) -> (Solution, Option<Root>) {
-        let pair = match self.screw.scaled() {
+        let pair = match self.at.scaled() {
             Ok(pair) => pair,
             Err(invalid) => return (Solution::new(Model::RacewayControl, Err(invalid)), None),
         };
@@ -72,8 +72,8 @@ impl Auto {
             return (solution, None);
         }
         let grip = work.raceway.grip(&pair, None).ok();
-        let gripping = grip
-            .and_then(|grip| work.raceway.solved_and_others(&self.screw, &pair, &grip, None).ok());
+        let gripping =
+            grip.and_then(|grip| work.raceway.solved_and_others(&self.at, &pair, &grip, None).ok());
         let regime = gripping.and_then(|o| Some((o, Regime::of(&pair, &o)?)));
         if let Some((solved, regime)) = &regime {
             if regime.grip_bound <= self.tolerance {
@@ -81,9 +81,10 @@ impl Auto {
             }
             if regime.skid_bound(regime.range) <= self.tolerance
                 && let Ok(skid) = self
-                    .screw
+                    .at
+                    .point
                     .require_friction()
-                    .and_then(|()| Elastic { screw: self.screw }.solved(&pair, &mut work.elastic))
+                    .and_then(|()| Elastic { at: self.at }.solved(&pair, &mut work.elastic))
             {
                 let eta = |solved: &Solved| solved.transmission.efficiency;
                 let bound = regime.skid_bound((eta(solved) - eta(&skid)).abs());
@@ -94,8 +95,8 @@ impl Auto {
             }
         }
         let traction =
-            Traction { screw: self.screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
-        let integrated = self.screw.require_friction().and_then(|()| {
+            Traction { at: self.at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        let integrated = self.at.point.require_friction().and_then(|()| {
             let start = Start::new(&pair, grip.as_ref())?;
             traction.solve_to(&start, self.tolerance, &mut work.traction)
         });
@@ -126,7 +127,7 @@ impl Auto {
     fn chosen(&self, model: Model, solved: &Solved, error_bound: f64, basis: Basis) -> Solution {
         let choice = Some(Choice { basis, tolerance: self.tolerance });
         let direction =
-            Direction::of(self.screw.drive.relative_speed()).expect("the point was solved");
+            Direction::of(self.at.point.drive.relative_speed()).expect("the point was solved");
         let error = Some(ErrorBound::of(direction, solved.transmission.efficiency, error_bound));
         Solution { model, answer: Ok(Solved { error, ..*solved }), choice }
     }
@@ -134,9 +135,9 @@ impl Auto {
     /// The closed form, if even the way from saturated friction to none, and spin at both contacts
     /// besides, are small enough (A1).
     fn closed_form(&self, pair: &ElasticBall) -> Option<Solution> {
-        let Self { screw, tolerance } = self;
-        let lead = screw.helix.lead_angle;
-        let solution = screw.sliding(pair.direction).solve();
+        let Self { at, tolerance } = self;
+        let lead = at.point.helix.lead_angle;
+        let solution = at.point.sliding(pair.direction).solve();
         let eta = solution.efficiency().filter(|eta| *eta > 0.0)?;
         if 1.0 - eta > *tolerance {
             return None;
@@ -144,14 +145,14 @@ impl Auto {
         let (a, _) = pair.semi_axes[0];
         // |δη| ≤ (1 − η)(1 + μ) + 2 f a / (r_m tanα)                      (A1)
         let bound = (1.0 - eta) * (1.0 + pair.inertia_ratio())
-            + 2.0 * screw.friction * a / (pair.helix.radius * lead.tan());
+            + 2.0 * at.point.friction.0 * a / (pair.helix.radius * lead.tan());
         let solved = solution.solved()?;
         (bound <= *tolerance)
             .then(|| self.chosen(Model::ClosedForm, solved, bound, Basis::NoWorseThanSliding))
     }
 }
 
-impl<D: Scalar> ElasticScrew<D> {
+impl<D: Scalar> OperatingPoint<D> {
     /// The closed form of the unloaded contact angle.
     fn sliding(&self, direction: Direction) -> ClosedForm<D> {
         ClosedForm {
@@ -173,24 +174,24 @@ impl<const M: usize> Auto<Jet<M>> {
         &self,
         work: &mut ModelWorkspace,
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
-        let Self { screw, tolerance } = *self;
-        let (solution, root) = Auto { screw: screw.values(), tolerance }.solve_for_root(work);
+        let Self { at, tolerance } = *self;
+        let (solution, root) = Auto { at: at.values(), tolerance }.solve_for_root(work);
         let basis = match solution.answer {
             Err(none) => return Err(none),
             Ok(_) => solution.choice.map(|choice| choice.basis),
         };
         match (basis, root) {
             (Some(Basis::NoWorseThanSliding), _) => {
-                let speed = screw.drive.relative_speed().re;
+                let speed = at.point.drive.relative_speed().re;
                 let direction = Direction::of(speed).expect("the point was solved");
-                Ok(screw.sliding(direction).transmitted())
+                Ok(at.point.sliding(direction).transmitted())
             }
-            (Some(Basis::Skids { .. }), _) => Elastic { screw }.sensitivities(&mut work.elastic),
+            (Some(Basis::Skids { .. }), _) => Elastic { at }.sensitivities(&mut work.elastic),
             (Some(Basis::Integrated { accuracy }), Some(root)) => {
-                let case = Traction { screw, accuracy, creep: Traction::CREEP };
+                let case = Traction { at, accuracy, creep: Traction::CREEP };
                 case.sensitivities_at(&root, &mut work.traction)
             }
-            _ => RacewayControl { screw, control: None }.sensitivities(&mut work.raceway),
+            _ => RacewayControl { at, control: None }.sensitivities(&mut work.raceway),
         }
     }
 }

@@ -3,13 +3,13 @@
 //! Theory: `docs/theory/02-balance.md`, equations (B1) to (B10).
 
 use std::f64::consts::PI;
-use std::ops::{Add, RangeInclusive};
+use std::ops::Add;
 
-use bsm_kin::{BallFrame, Drive, Helix, Motion, Scalar};
+use bsm_kin::{BallFrame, Motion, Scalar};
 use bsm_newton::EvalError;
 use nalgebra::Vector3;
 
-use crate::{Direction, Reason};
+use crate::Direction;
 
 /// Largest relative violation of the power balance (B10) of a result that is returned. An exact
 /// root has rounding only; more means that rounding errors have spoilt the result, as they do when the
@@ -22,10 +22,6 @@ pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
     value: 0.0,
     requirement: "not zero: a ball that does not circle has no gyroscopic moment",
 };
-
-/// Inertia ratios whose squares and ratios to loads double precision has room for. The extremes of
-/// practice and far beyond are between 1e-45 and 1e20.
-const INERTIA: RangeInclusive<f64> = 1e-100..=1e28;
 
 /// A homogeneous ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,46 +43,6 @@ impl<D: Scalar> Ball<D> {
     pub fn inertia(&self) -> D {
         // I = (2/5) m r_b²                                                (B2)
         self.mass * self.radius.square() * 0.4
-    }
-}
-
-/// An operating point in units of ball radius, axial load per ball and relative speed.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct OwnUnits<D> {
-    /// Helix with radius `$r_m/r_b$`.
-    pub(crate) helix: Helix<D>,
-    /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
-    pub(crate) ball: Ball<D>,
-    /// Nut speed over `$W$`.
-    pub(crate) nut_speed: D,
-    /// Which side drives: the sign of `$W$`.
-    pub(crate) direction: Direction,
-}
-
-impl<D: Scalar> OwnUnits<D> {
-    /// Scales an operating point.
-    ///
-    /// # Errors
-    ///
-    /// [`Reason::NoRelativeSpeed`], [`Reason::InertiaOutOfRange`].
-    pub(crate) fn of(
-        helix: &Helix<D>,
-        ball: &Ball<D>,
-        drive: &Drive<D>,
-        load: &Load<D>,
-    ) -> Result<Self, Reason> {
-        let speed = drive.relative_speed();
-        let direction = Direction::of(speed.re()).ok_or(Reason::NoRelativeSpeed)?;
-        let (r_b, w) = (ball.radius, speed);
-        // Lengths in r_b, forces in F_a, speeds in W                      (R1)
-        let helix = Helix { radius: helix.radius / r_b, ..*helix };
-        let mass = ball.mass * r_b * w * w / load.per_ball();
-        let nut_speed = drive.nut_speed / w;
-        let inertia_ratio = (mass * helix.radius).re();
-        if !INERTIA.contains(&inertia_ratio) || !nut_speed.re().is_finite() {
-            return Err(Reason::InertiaOutOfRange { inertia_ratio });
-        }
-        Ok(Self { helix, ball: Ball { radius: D::from(1.0), mass }, nut_speed, direction })
     }
 }
 

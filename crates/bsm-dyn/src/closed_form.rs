@@ -13,7 +13,9 @@ use bsm_kin::{Field, Scalar};
 use bsm_simd::Compare;
 
 use crate::balance::{Power, ideal_torque};
-use crate::{BallState, Direction, Load, Model, Solution, Solved, Transmission, Transmitted};
+use crate::{
+    BallState, Coulomb, Direction, Load, Model, Solution, Solved, Transmission, Transmitted,
+};
 
 /// Lead angle and contact angle of a screw whose two loaded contacts have equal angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -346,7 +348,7 @@ pub struct ClosedForm<D = f64> {
     /// Lead and contact angle.
     pub angles: Angles<D>,
     /// Coulomb friction coefficient `$f \ge 0$`.
-    pub friction: D,
+    pub friction: Coulomb<D>,
     /// Which side drives.
     pub direction: Direction,
     /// Size and load, if the torque is wanted.
@@ -356,8 +358,8 @@ pub struct ClosedForm<D = f64> {
 impl<D: Scalar> ClosedForm<D> {
     /// Efficiency, and torque if there is one.
     pub(crate) fn transmitted(&self) -> Transmitted<D> {
-        let efficiency = self.angles.efficiency(self.direction, self.friction);
-        let ratio = self.angles.load_ratio(self.direction, self.friction);
+        let efficiency = self.angles.efficiency(self.direction, self.friction.0);
+        let ratio = self.angles.load_ratio(self.direction, self.friction.0);
         let torques =
             self.size.and_then(|t| t.torques(self.direction, self.angles.lead, efficiency, ratio));
         Transmitted { efficiency, screw_torque: torques.map(|(_, torque)| torque) }
@@ -367,7 +369,7 @@ impl<D: Scalar> ClosedForm<D> {
 impl ClosedForm {
     /// Evaluates the closed form; it has a value at every point.
     pub fn solve(&self) -> Solution {
-        let (angles, f, direction) = (&self.angles, self.friction, self.direction);
+        let (angles, f, direction) = (&self.angles, self.friction.0, self.direction);
         let eta = angles.efficiency(direction, f);
         let psi = angles.screw_slip_angle(direction);
         let mut ball = BallState::at_angle(angles.contact);
@@ -411,8 +413,12 @@ mod tests {
         let friction = angles.contact.sin() / angles.slip_factor();
         let load = Load { axial: 2113.0, balls: 1.0 };
         let size = Size { pitch_radius: 24.3e-3, load, relative_speed: None };
-        let case =
-            ClosedForm { angles, friction, direction: Direction::RotaryToLinear, size: Some(size) };
+        let case = ClosedForm {
+            angles,
+            friction: Coulomb(friction),
+            direction: Direction::RotaryToLinear,
+            size: Some(size),
+        };
         let solution = case.solve();
         let torque = solution.solved().expect("converged").transmission.screw_torque;
         let load = solution.contact(Site::Nut).expect("a contact").load;

@@ -20,20 +20,17 @@ mod tests {
     use super::EVALUATIONS;
     use crate::extreme::practical;
     use crate::{
-        Elastic, ElasticScrew, Model, ModelWorkspace, Problem, RacewayControl, Rigid, Status,
+        Elastic, ElasticPoint, Model, ModelWorkspace, Problem, RacewayControl, Rigid, Status,
         Traction,
     };
 
-    fn problem(model: Model, screw: ElasticScrew) -> Problem {
-        let ElasticScrew { helix, contact_angle, ball, friction, drive, load, .. } = screw;
+    fn problem(model: Model, at: ElasticPoint) -> Problem {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         match model {
-            Model::RacewayControl => {
-                Problem::RacewayControl(RacewayControl { screw, control: None })
-            }
-            Model::Elastic => Problem::Elastic(Elastic { screw }),
-            Model::Traction => Problem::Traction(Traction { screw, accuracy, creep }),
-            _ => Problem::Rigid(Rigid { helix, contact_angle, ball, friction, drive, load }),
+            Model::RacewayControl => Problem::RacewayControl(RacewayControl { at, control: None }),
+            Model::Elastic => Problem::Elastic(Elastic { at }),
+            Model::Traction => Problem::Traction(Traction { at, accuracy, creep }),
+            _ => Problem::Rigid(Rigid { point: at.point }),
         }
     }
 

@@ -19,7 +19,7 @@ use crate::ball_unknowns::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
 };
 use crate::ball_unknowns::{BALL, MOMENT_NORMAL, ROWS, weight};
-use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded, refused};
+use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded, refused};
 use crate::equations::{Workspace, equations};
 use crate::friction::{Coulomb, against, friction_force};
 use crate::{Model, Reason, Solution, SolveInfo, Solved, Unsolved, Wrench, cost};
@@ -34,7 +34,7 @@ const MOST_STEPS: usize = 4;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elastic<D = f64> {
     /// The screw at its operating point; friction positive.
-    pub screw: ElasticScrew<D>,
+    pub at: ElasticPoint<D>,
 }
 
 /// Memory of the solves.
@@ -185,9 +185,10 @@ impl Elastic {
     /// Solves for the steady motion of the ball.
     pub fn solve(&self, work: &mut ElasticWorkspace) -> Solution {
         let solved = self
-            .screw
+            .at
+            .point
             .require_friction()
-            .and_then(|()| self.screw.scaled())
+            .and_then(|()| self.at.scaled())
             .and_then(|pair| self.solved(&pair, work));
         Solution::new(Model::Elastic, solved)
     }
@@ -199,14 +200,13 @@ impl Elastic {
         work: &mut ElasticWorkspace,
     ) -> Result<Solved, Unsolved> {
         let Skid { state, steps, residual } = Skid::of(pair, &mut work.0)?;
-        let ball = self.screw.ball_state(pair, &state.loaded, &state.to_nut)?;
+        let ball = self.at.ball_state(pair, &state.loaded, &state.to_nut)?;
         // P_f = Σ f Q_c |V_c|, Eq (R21)
         let friction = pair.signed_friction();
         let friction_power =
             (0..2).map(|i| friction * state.loaded.loads[i] * state.slip[i].norm()).sum();
         let frame = &state.loaded.frame;
-        let transmission =
-            self.screw.transmission(pair, frame, &state.wrench[1], friction_power)?;
+        let transmission = self.at.transmission(pair, frame, &state.wrench[1], friction_power)?;
         let info = Some(SolveInfo { steps, residual });
         Ok(Solved { info, ..Solved::new(&ball, transmission) })
     }

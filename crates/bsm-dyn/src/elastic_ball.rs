@@ -6,42 +6,33 @@ mod start;
 
 use std::f64::consts::FRAC_PI_2;
 
-use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Over, Scalar, Site};
+use bsm_kin::{BallFrame, Contact, Helix, Motion, Over, Scalar, Site};
 use bsm_newton::EvalError;
 
-use crate::balance::{Ball, OwnUnits, axial_force, efficiency, ideal_torque, newton_euler, torque};
+use crate::balance::{Ball, axial_force, efficiency, newton_euler, torque};
 use crate::ball_unknowns::{self, BALL};
 use crate::ellipse::{Lanes, Local, Nodes};
 use crate::hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus};
 use crate::jones::Jones;
+use crate::operating_point::{OperatingPoint, OwnUnits};
 use crate::state::in_frenet;
 use crate::{
-    BallState, ContactState, Direction, Ellipse, Load, Pressed, Reason, Transmission, Transmitted,
+    BallState, ContactState, Direction, Ellipse, Pressed, Reason, Transmission, Transmitted,
     Unsolved, Wrench, pressed_radius,
 };
 
-/// A ball screw whose balls touch nut and screw at one elastic contact each, at an operating point.
+/// An operating point of a ball screw whose balls touch nut and screw at one elastic contact each.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ElasticScrew<D = f64> {
-    /// Helix of the ball centres.
-    pub helix: Helix<D>,
-    /// Unloaded contact angle `$\beta_0$` \[rad\], in (0, π/2).
-    pub contact_angle: D,
-    /// The ball.
-    pub ball: Ball<D>,
+pub struct ElasticPoint<D = f64> {
+    /// Geometry, friction, speeds and load.
+    pub point: OperatingPoint<D>,
     /// Conformities of nut and screw, groove radius over ball diameter, above 1/2.
     pub conformity: (D, D),
     /// Elastic constants of races and ball.
     pub material: (Material<D>, Material<D>),
-    /// Coulomb friction coefficient `$f \ge 0$`.
-    pub friction: D,
-    /// Speeds of screw and nut.
-    pub drive: Drive<D>,
-    /// Load on the balls.
-    pub load: Load<D>,
 }
 
-impl<D: Scalar> ElasticScrew<D> {
+impl<D: Scalar> ElasticPoint<D> {
     /// Hertz contacts at nut and screw.
     ///
     /// # Errors
@@ -55,29 +46,21 @@ impl<D: Scalar> ElasticScrew<D> {
 
     /// Relative curvatures at nut and screw.
     pub(crate) fn curvatures(&self) -> [Curvatures<D>; 2] {
-        let (r_m, r_b) = (self.helix.radius, self.ball.radius);
-        let (lead, beta) = (self.helix.lead_angle, self.contact_angle);
+        let (r_m, r_b) = (self.point.helix.radius, self.point.ball.radius);
+        let (lead, beta) = (self.point.helix.lead_angle, self.point.contact_angle);
         self.grooves().map(|groove| groove.curvatures(r_m, r_b, lead, beta))
     }
 
     /// The same screw without derivatives.
-    pub(crate) fn values(&self) -> ElasticScrew {
+    pub(crate) fn values(&self) -> ElasticPoint {
         let material = |m: &Material<D>| Material {
             youngs_modulus: m.youngs_modulus.re(),
             poisson_ratio: m.poisson_ratio.re(),
         };
-        ElasticScrew {
-            helix: Helix { radius: self.helix.radius.re(), lead_angle: self.helix.lead_angle.re() },
-            contact_angle: self.contact_angle.re(),
-            ball: Ball { radius: self.ball.radius.re(), mass: self.ball.mass.re() },
+        ElasticPoint {
+            point: self.point.values(),
             conformity: (self.conformity.0.re(), self.conformity.1.re()),
             material: (material(&self.material.0), material(&self.material.1)),
-            friction: self.friction.re(),
-            drive: Drive {
-                screw_speed: self.drive.screw_speed.re(),
-                nut_speed: self.drive.nut_speed.re(),
-            },
-            load: Load { axial: self.load.axial.re(), balls: self.load.balls.re() },
         }
     }
 
@@ -88,31 +71,21 @@ impl<D: Scalar> ElasticScrew<D> {
         ]
     }
 
-    /// Refuses a point without friction, for models in which friction takes part in the balance.
-    pub(crate) fn require_friction(&self) -> Result<(), Unsolved> {
-        if self.friction.re() < LEAST_FRICTION {
-            return Err(Unsolved::invalid(Reason::Frictionless));
-        }
-        Ok(())
-    }
-
     /// The point in units of ball radius, axial load per ball and relative speed (P1).
     pub(crate) fn scaled(&self) -> Result<ElasticBall<D>, Unsolved> {
-        let invalid = Unsolved::invalid;
         // Lengths in r_b, forces in F_a, speeds in W, Eq (R1)             (P1)
-        let OwnUnits { helix, ball, nut_speed, direction } =
-            OwnUnits::of(&self.helix, &self.ball, &self.drive, &self.load).map_err(invalid)?;
-        let hertz = self.hertz().map_err(invalid)?;
-        let (r_b, load) = (self.ball.radius, self.load.per_ball());
+        let OwnUnits { helix, ball, nut_speed, direction } = self.point.in_own_units()?;
+        let hertz = self.hertz().map_err(Unsolved::invalid)?;
+        let (r_b, load) = (self.point.ball.radius, self.point.load.per_ball());
         let one = D::from(1.0);
         let [nut_offset, screw_offset] = self.grooves().map(|groove| groove.offset(one));
-        let reach = (nut_offset + screw_offset) * self.contact_angle.cos();
+        let reach = (nut_offset + screw_offset) * self.point.contact_angle.cos();
         Ok(ElasticBall {
             helix,
             lead: helix.lead_angle.sin_cos(),
             reach,
             arc: helix.arc_length_per_radian(),
-            jones: Jones { nut_offset, screw_offset, contact_angle: self.contact_angle },
+            jones: Jones { nut_offset, screw_offset, contact_angle: self.point.contact_angle },
             approach: hertz.map(|h| h.approach(load) / r_b),
             semi_axes: hertz.map(|h| {
                 let (a, b) = h.semi_axes(load);
@@ -122,7 +95,7 @@ impl<D: Scalar> ElasticScrew<D> {
                 pressed_radius(self.conformity.0, one),
                 pressed_radius(self.conformity.1, one),
             ],
-            friction: self.friction,
+            friction: self.point.friction.0,
             ball,
             nut_speed,
             direction,
@@ -160,6 +133,11 @@ pub(crate) struct ElasticBall<P = f64> {
     pub(crate) direction: Direction,
     /// Contacts in SI units.
     pub(crate) hertz: [Hertz<P>; 2],
+}
+
+/// Motion relative to nut and to screw of a motion relative to the nut; speeds over `$W$`.
+pub(crate) fn to_both<D: Scalar>(to_nut: &Motion<D>, frame: &BallFrame<D>) -> [Motion<D>; 2] {
+    [*to_nut, to_nut.relative_to(D::from(1.0), frame)]
 }
 
 /// What loads and tilt say about the two contacts.
@@ -301,7 +279,7 @@ impl<P: Scalar> ElasticBall<P> {
         creep: f64,
         nodes: [Nodes<'_>; 2],
     ) -> D {
-        let motions = self.relative(to_nut, &loaded.frame);
+        let motions = to_both(to_nut, &loaded.frame);
         let [nut, screw] = [0, 1].map(|i| {
             let local = Local::of(&motions[i], &loaded.contacts[i], D::from(self.arc));
             let power = D::power(&self.ellipse(i, loaded), &local, creep, nodes[i]);
@@ -309,15 +287,6 @@ impl<P: Scalar> ElasticBall<P> {
             loaded.loads[i] * self.signed_friction() * power
         });
         nut + screw
-    }
-
-    /// Motion relative to nut and to screw of a motion relative to the nut.
-    pub(crate) fn relative<D: Over<P>>(
-        &self,
-        to_nut: &Motion<D>,
-        frame: &BallFrame<D>,
-    ) -> [Motion<D>; 2] {
-        [*to_nut, to_nut.relative_to(D::from(1.0), frame)]
     }
 
     /// Absolute motion of a motion relative to the nut.
@@ -357,12 +326,7 @@ impl<P: Scalar> ElasticBall<P> {
     }
 }
 
-impl<D: Scalar> ElasticScrew<D> {
-    /// Torque of the frictionless screw.
-    pub(crate) fn ideal_torque(&self) -> D {
-        ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle)
-    }
-
+impl<D: Scalar> ElasticPoint<D> {
     /// Torque on the screw from its scaled wrench on the ball.
     pub(crate) fn screw_torque(
         &self,
@@ -370,7 +334,7 @@ impl<D: Scalar> ElasticScrew<D> {
         frame: &BallFrame<D>,
         screw: &Wrench<D>,
     ) -> D {
-        torque(screw, pair.helix.radius, frame) * (self.ball.radius * self.load.axial)
+        torque(screw, pair.helix.radius, frame) * (self.point.ball.radius * self.point.load.axial)
     }
 
     /// Efficiency and torque of a scaled wrench of the screw on the ball.
@@ -381,12 +345,12 @@ impl<D: Scalar> ElasticScrew<D> {
         screw: &Wrench<D>,
     ) -> Transmitted<D> {
         let torque = self.screw_torque(pair, frame, screw);
-        let efficiency = efficiency(pair.direction, self.ideal_torque(), torque);
+        let efficiency = efficiency(pair.direction, self.point.ideal_torque(), torque);
         Transmitted { efficiency, screw_torque: Some(torque) }
     }
 }
 
-impl ElasticScrew {
+impl ElasticPoint {
     /// The ball in SI units, of a state of the pair.
     ///
     /// A ball that has left its flanks is no result: at the bottom of the groove a gothic arch
@@ -401,12 +365,12 @@ impl ElasticScrew {
         if !angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
             return Err(Unsolved::not_converged(Reason::BallLeavesFlank { nut, screw }));
         }
-        let (w, r_b) = (self.drive.relative_speed(), self.ball.radius);
-        let motions = pair.relative(to_nut, &loaded.frame);
+        let (w, r_b) = (self.point.drive.relative_speed(), self.point.ball.radius);
+        let motions = to_both(to_nut, &loaded.frame);
         let approaches = pair.approaches(loaded.loads);
         let [nut, screw] = std::array::from_fn(|i| {
             let (contact, hertz, motion) = (&loaded.contacts[i], &pair.hertz[i], &motions[i]);
-            let load = loaded.loads[i] * self.load.per_ball();
+            let load = loaded.loads[i] * self.point.load.per_ball();
             let slip = motion.slip_velocity(pair.arc, &contact.point(1.0)) * (w * r_b);
             let pressed = Some(Pressed {
                 semi_axes: hertz.semi_axes(load),
@@ -444,16 +408,13 @@ impl ElasticScrew {
         torque: f64,
         friction_power: f64,
     ) -> Result<Transmission, Unsolved> {
-        let unit = self.ball.radius * self.load.axial;
+        let unit = self.point.ball.radius * self.point.load.axial;
         let torque = torque * unit;
-        let speed = self.drive.relative_speed();
-        Transmission::of(pair.direction, self.ideal_torque(), torque, speed)
+        let speed = self.point.drive.relative_speed();
+        Transmission::of(pair.direction, self.point.ideal_torque(), torque, speed)
             .balanced_against(friction_power * unit * speed)
     }
 }
-
-/// Friction below this is none: it would drown in the rounding of the loads.
-pub(crate) const LEAST_FRICTION: f64 = 1e-12;
 
 /// The answer where the model cannot be evaluated.
 pub(crate) fn refused(error: EvalError) -> Unsolved {

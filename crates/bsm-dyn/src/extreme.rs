@@ -6,30 +6,32 @@ use bsm_kin::{Drive, Helix};
 use bsm_sample::Sample;
 use rand::{Rng, RngExt};
 
-use crate::{Ball, ElasticScrew, Load, Material};
+use crate::{Ball, Coulomb, ElasticPoint, Load, Material, OperatingPoint};
 
 /// A screw of practice with a root of the rigid model mostly: the ranges of the benches.
-pub(crate) fn practical(rng: &mut impl Rng) -> ElasticScrew {
+pub(crate) fn practical(rng: &mut impl Rng) -> ElasticPoint {
     let radius = 24.3e-3;
     let speed = rng.random_range(50.0..6000.0) * PI / 30.0;
     let speed = if rng.random_bool(0.5) { speed } else { -speed };
     let (screw_speed, nut_speed) = if rng.random_bool(0.5) { (speed, 0.0) } else { (0.0, speed) };
     let steel = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
-    ElasticScrew {
-        helix: Helix { radius, lead_angle: rng.random_range(8.0_f64..45.0).to_radians() },
-        contact_angle: rng.random_range(30.0_f64..70.0).to_radians(),
-        ball: Ball::of_density(radius * rng.random_range(0.07..0.2), 7800.0),
+    ElasticPoint {
+        point: OperatingPoint {
+            helix: Helix { radius, lead_angle: rng.random_range(8.0_f64..45.0).to_radians() },
+            contact_angle: rng.random_range(30.0_f64..70.0).to_radians(),
+            ball: Ball::of_density(radius * rng.random_range(0.07..0.2), 7800.0),
+            friction: Coulomb(rng.random_range(0.01..0.1)),
+            drive: Drive { screw_speed, nut_speed },
+            load: Load { axial: rng.random_range(20.0..3000.0), balls: 1.0 },
+        },
         conformity: (0.53, 0.53),
         material: (steel, steel),
-        friction: rng.random_range(0.01..0.1),
-        drive: Drive { screw_speed, nut_speed },
-        load: Load { axial: rng.random_range(20.0..3000.0), balls: 1.0 },
     }
 }
 
 /// A screw of the ranges of the extremes; speeds, loads, sizes, moduli, friction and density spread over
 /// their orders of magnitude.
-pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticScrew {
+pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticPoint {
     let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
     let (radius, size) = (0.5e-3 * log(0.1, 200.0), log(0.01, 0.45));
     let (axial, speed, other) = (log(1e-6, 1e6), log(1e-3, 1e6), log(1e-3, 1e6));
@@ -45,14 +47,16 @@ pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticScrew {
     };
     let lead_angle = rng.random_range(0.05_f64..85.0).to_radians();
     let material = |youngs_modulus| Material { youngs_modulus, poisson_ratio: 0.3 };
-    ElasticScrew {
-        helix: Helix { radius: radius / size, lead_angle },
-        contact_angle: rng.random_range(1.0_f64..89.0).to_radians(),
-        ball: Ball::of_density(radius, density),
+    ElasticPoint {
+        point: OperatingPoint {
+            helix: Helix { radius: radius / size, lead_angle },
+            contact_angle: rng.random_range(1.0_f64..89.0).to_radians(),
+            ball: Ball::of_density(radius, density),
+            friction: Coulomb(friction),
+            drive: Drive { screw_speed, nut_speed },
+            load: Load { axial, balls: 1.0 },
+        },
         conformity,
         material: (material(groove), material(ball)),
-        friction,
-        drive: Drive { screw_speed, nut_speed },
-        load: Load { axial, balls: 1.0 },
     }
 }

@@ -34,8 +34,8 @@ pub struct HeldBall {
     pub ball: Ball<f64>,
     /// Speeds of screw and nut.
     pub drive: Drive<f64>,
-    /// Coulomb friction coefficient, positive.
-    pub friction: f64,
+    /// Friction, positive.
+    pub friction: Coulomb<f64>,
     /// Creep speed over `$r_b |W|$`, positive.
     pub creep: f64,
     /// Its contacts.
@@ -84,7 +84,7 @@ impl HeldBall {
         if speed == 0.0 {
             return Err(Unsolved::invalid(Reason::NoRelativeSpeed));
         }
-        if loads <= 0.0 || self.friction <= 0.0 {
+        if loads <= 0.0 || self.friction.0 <= 0.0 {
             return Err(Unsolved::invalid(Reason::Frictionless));
         }
         // Half the speed of the screw, and rolling about b: where the races of nut and screw move on
@@ -131,7 +131,7 @@ impl Balance<'_> {
         let to_nut = Motion { precession: y[0] * speed, omega };
         let frame = self.frame_of::<D>();
         let to_screw = to_nut.relative_to(D::from(held.drive.relative_speed()), &frame);
-        let law = Coulomb(D::from(held.friction));
+        let law = Coulomb(D::from(held.friction.0));
         let creep = self.creep * held.ball.radius * speed;
         let mut wrench = Wrench {
             force: nalgebra::Vector3::repeat(D::from(0.0)),
@@ -168,7 +168,7 @@ impl Balance<'_> {
         let ball = Ball { radius: D::from(held.ball.radius), mass: D::from(held.ball.mass) };
         // F·t = 0,  Σ M − P k × Iω = 0                                    (U29)
         let left = newton_euler(&wrench, &ball, D::from(held.helix.radius), &motion, &frame);
-        let (force, arm) = ((held.friction * self.loads).recip(), held.ball.radius.recip());
+        let (force, arm) = ((held.friction.0 * self.loads).recip(), held.ball.radius.recip());
         let moment = left.moment * D::from(force * arm);
         Ok([left.force.x * force, moment.x, moment.y, moment.z])
     }
@@ -182,28 +182,30 @@ mod tests {
 
     use super::*;
     use crate::traction::Traction;
-    use crate::{ElasticScrew, Load, Material, TractionWorkspace, pressed_radius};
+    use crate::{ElasticPoint, Load, Material, OperatingPoint, TractionWorkspace, pressed_radius};
 
     /// A screw of 40 x 10 at 500 rpm under 100 N a ball.
-    fn screw() -> ElasticScrew {
+    fn screw() -> ElasticPoint {
         let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
         let (pitch, lead) = (41.336e-3, 10e-3);
-        ElasticScrew {
-            helix: Helix {
-                radius: 0.5 * pitch,
-                lead_angle: (lead / (std::f64::consts::PI * pitch)).atan(),
+        ElasticPoint {
+            point: OperatingPoint {
+                helix: Helix {
+                    radius: 0.5 * pitch,
+                    lead_angle: (lead / (std::f64::consts::PI * pitch)).atan(),
+                },
+                contact_angle: 45_f64.to_radians(),
+                ball: Ball::of_density(3.175e-3, 7800.0),
+                friction: Coulomb(0.06),
+                drive: Drive { screw_speed: 52.36, nut_speed: 0.0 },
+                load: Load { axial: 100.0, balls: 1.0 },
             },
-            contact_angle: 45_f64.to_radians(),
-            ball: Ball::of_density(3.175e-3, 7800.0),
             conformity: (0.5203, 0.5203),
             material: (steel, steel),
-            friction: 0.06,
-            drive: Drive { screw_speed: 52.36, nut_speed: 0.0 },
-            load: Load { axial: 100.0, balls: 1.0 },
         }
     }
 
-    fn held(screw: &ElasticScrew, contacts: &[(Site, f64, f64)]) -> HeldBall {
+    fn held(screw: &ElasticPoint, contacts: &[(Site, f64, f64)]) -> HeldBall {
         let hertz = screw.hertz().expect("Hertz contacts");
         let contact = |&(site, angle, load): &(Site, f64, f64)| {
             let (member, conformity) = match site {
@@ -215,14 +217,14 @@ mod tests {
                 angle,
                 load,
                 semi_axes: hertz[member].semi_axes(load),
-                pressed_radius: pressed_radius(conformity, screw.ball.radius),
+                pressed_radius: pressed_radius(conformity, screw.point.ball.radius),
             }
         };
         HeldBall {
-            helix: screw.helix,
-            ball: screw.ball,
-            drive: screw.drive,
-            friction: screw.friction,
+            helix: screw.point.helix,
+            ball: screw.point.ball,
+            drive: screw.point.drive,
+            friction: screw.point.friction,
             creep: Traction::<f64>::CREEP,
             contacts: contacts.iter().map(contact).collect(),
         }
@@ -232,7 +234,7 @@ mod tests {
     #[test]
     fn two_contacts_are_model_traction() {
         let screw = screw();
-        let traction = Traction { screw, accuracy: 1e-8, creep: Traction::<f64>::CREEP };
+        let traction = Traction { at: screw, accuracy: 1e-8, creep: Traction::<f64>::CREEP };
         let solution = traction.solve(&mut TractionWorkspace::default());
         let solved = solution.solved().expect("a solution");
         let [nut, on_screw] = [&solved.ball.nut, &solved.ball.screw];
@@ -254,7 +256,7 @@ mod tests {
     fn four_equal_contacts_know_no_direction() {
         let mut screw = screw();
         // Without inertia: the gyroscopic moment knows a direction.
-        screw.ball.mass = 1e-12;
+        screw.point.ball.mass = 1e-12;
         let angle = 45_f64.to_radians();
         let contacts = [
             (Site::Nut, angle, 80.0),
@@ -263,7 +265,7 @@ mod tests {
             (Site::Screw, -angle, 80.0),
         ];
         let there = held(&screw, &contacts).solve(&Quadrature::of(1e-6)).expect("a motion");
-        screw.drive.screw_speed *= -1.0;
+        screw.point.drive.screw_speed *= -1.0;
         let back = held(&screw, &contacts).solve(&Quadrature::of(1e-6)).expect("a motion");
         // The balance ends at 1e-10 of the friction, the loss is flat about it.
         assert_relative_eq!(there.torque, back.torque, max_relative = 1e-8);
@@ -277,7 +279,7 @@ mod tests {
     #[test]
     fn the_balance_is_the_least_power() {
         let mut screw = screw();
-        screw.ball.mass = 1e-12;
+        screw.point.ball.mass = 1e-12;
         let angle = 44_f64.to_radians();
         let contacts = [
             (Site::Nut, angle, 120.0),
@@ -307,10 +309,10 @@ mod tests {
     fn a_ball_at_rest_or_without_friction_is_refused() {
         let mut screw = screw();
         let contacts = [(Site::Nut, 0.8, 80.0), (Site::Screw, 0.8, 80.0)];
-        screw.friction = 0.0;
+        screw.point.friction = Coulomb(0.0);
         assert!(held(&screw, &contacts).solve(&Quadrature::of(1e-4)).is_err());
-        screw.friction = 0.1;
-        screw.drive.screw_speed = 0.0;
+        screw.point.friction = Coulomb(0.1);
+        screw.point.drive.screw_speed = 0.0;
         assert!(held(&screw, &contacts).solve(&Quadrature::of(1e-4)).is_err());
     }
 }

@@ -11,22 +11,24 @@
 //! ```
 //! use std::f64::consts::PI;
 //!
-//! use bsm_dyn::{Ball, ElasticScrew, Load, Material, ModelWorkspace, Problem, RacewayControl};
+//! use bsm_dyn::{
+//!     Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Problem,
+//!     RacewayControl,
+//! };
 //! use bsm_kin::{Drive, Helix, Site};
 //!
 //! let (radius, lead) = (20.75e-3, 20e-3);
 //! let steel = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
-//! let screw = ElasticScrew {
+//! let point = OperatingPoint {
 //!     helix: Helix { radius, lead_angle: f64::atan2(lead, 2.0 * PI * radius) },
 //!     contact_angle: PI / 4.0,
 //!     ball: Ball::of_density(3.175e-3, 7800.0),
-//!     conformity: (0.53, 0.53),
-//!     material: (steel, steel),
-//!     friction: 0.06,
+//!     friction: Coulomb(0.06),
 //!     drive: Drive { screw_speed: 50.0 * PI, nut_speed: 0.0 },
 //!     load: Load { axial: 8000.0, balls: 70.0 },
 //! };
-//! let problem = Problem::RacewayControl(RacewayControl { screw, control: None });
+//! let at = ElasticPoint { point, conformity: (0.53, 0.53), material: (steel, steel) };
+//! let problem = Problem::RacewayControl(RacewayControl { at, control: None });
 //! let solution = problem.solve(&mut ModelWorkspace::default());
 //!
 //! let nut = solution.contact(Site::Nut).expect("a solution");
@@ -53,6 +55,7 @@ mod jam;
 mod jones;
 mod lubricant;
 mod model;
+mod operating_point;
 mod permanent_set;
 mod pressed_ball;
 mod quasi_static;
@@ -68,7 +71,7 @@ pub use auto::{Auto, Basis, Choice, GRIPS_BELOW, SlipRegime};
 pub use balance::{Ball, Load, POWER_BALANCE_TOL, Wrench};
 pub use closed_form::{Angles, ClosedForm, Optimum, Sines, Size};
 pub use elastic::{Elastic, ElasticWorkspace, SlidingBall, SlidingMotion, SlidingState};
-pub use elastic_ball::ElasticScrew;
+pub use elastic_ball::ElasticPoint;
 pub use ellipse::{Ellipse, EllipseSlip, Quadrature, power_of_many, pressed_radius};
 pub use friction::{Coulomb, FrictionLaw, friction_force};
 pub use held_ball::{HeldBall, HeldContact, HeldMotion};
@@ -84,6 +87,7 @@ pub use lubricant::{
     Temperature, VISCOSITY_GRADES, WarmOil, ZERO_CELSIUS,
 };
 pub use model::{Model, ModelWorkspace, Problem};
+pub use operating_point::OperatingPoint;
 pub use permanent_set::{PermanentSet, yield_ratio};
 pub use pressed_ball::{PressedBall, Pressing};
 pub use quasi_static::{Driven, QuasiStatic, TwoContacts};

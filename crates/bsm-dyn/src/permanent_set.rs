@@ -8,7 +8,7 @@ use std::f64::consts::FRAC_PI_2;
 use bsm_kin::Scalar;
 use bsm_newton::{EvalError, Options, Scales, solve};
 
-use crate::elastic_ball::{ElasticScrew, refused};
+use crate::elastic_ball::{ElasticPoint, refused};
 use crate::equations::{Workspace, equations};
 use crate::{Curvatures, Hertz, Reason, Unsolved};
 
@@ -31,7 +31,7 @@ pub struct PermanentSet {
 /// Source: Johnson, *Contact Mechanics*, §6.2, Poisson's ratio 0.3.
 const FIRST_YIELD: f64 = 1.60;
 
-impl ElasticScrew {
+impl ElasticPoint {
     /// The contact state with the permanent approach of (H12) added to the elastic one, from the
     /// loads \[N\] and contact angles \[rad\] at nut and screw of a model without it (M1) to (M3).
     ///
@@ -48,7 +48,7 @@ impl ElasticScrew {
         let invalid = Unsolved::invalid;
         let hertz = self.hertz().map_err(invalid)?;
         let curvatures = self.curvatures();
-        let [nut_offset, screw_offset] = self.grooves().map(|g| g.offset(self.ball.radius));
+        let [nut_offset, screw_offset] = self.grooves().map(|g| g.offset(self.point.ball.radius));
         // Q sinβ = S,  Q_A cosβ_A − Q_B cosβ_B = C, those of the model    (M1)
         let axial = [0, 1].map(|i| loads[i] * angles[i].sin());
         let radial = loads[0] * angles[0].cos() - loads[1] * angles[1].cos();
@@ -56,8 +56,8 @@ impl ElasticScrew {
             axial,
             radial,
             offsets: [nut_offset, screw_offset],
-            reach: (nut_offset + screw_offset) * self.contact_angle.cos(),
-            ball_radius: self.ball.radius,
+            reach: (nut_offset + screw_offset) * self.point.contact_angle.cos(),
+            ball_radius: self.point.ball.radius,
             hertz,
             curvatures,
         };
@@ -149,21 +149,26 @@ mod tests {
     use bsm_kin::{Drive, Helix, Site};
 
     use super::*;
-    use crate::{Ball, Load, Material, RacewayControl, RacewayWorkspace, Solution, Traction};
+    use crate::{
+        Ball, Coulomb, Load, Material, OperatingPoint, RacewayControl, RacewayWorkspace, Solution,
+        Traction,
+    };
 
     /// The screw of Dong et al. (2020), 44 balls, 2500 rpm.
-    fn screw(axial: f64) -> ElasticScrew {
+    fn screw(axial: f64) -> ElasticPoint {
         let races = Material { youngs_modulus: 200e9, poisson_ratio: 0.3 };
         let balls = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
-        ElasticScrew {
-            helix: Helix { radius: 8e-3, lead_angle: 6.807_f64.to_radians() },
-            contact_angle: 45.0_f64.to_radians(),
-            ball: Ball::of_density(1.75e-3, 7800.0),
+        ElasticPoint {
+            point: OperatingPoint {
+                helix: Helix { radius: 8e-3, lead_angle: 6.807_f64.to_radians() },
+                contact_angle: 45.0_f64.to_radians(),
+                ball: Ball::of_density(1.75e-3, 7800.0),
+                friction: Coulomb(0.1),
+                drive: Drive { screw_speed: 262.0, nut_speed: 0.0 },
+                load: Load { axial, balls: 44.0 },
+            },
             conformity: (0.535, 0.535),
             material: (races, balls),
-            friction: 0.1,
-            drive: Drive { screw_speed: 262.0, nut_speed: 0.0 },
-            load: Load { axial, balls: 44.0 },
         }
     }
 
@@ -178,8 +183,8 @@ mod tests {
     #[test]
     fn a_light_load_leaves_the_state_of_the_model() {
         let screw = screw(44.0);
-        let raceway = RacewayControl { screw, control: None };
-        let traction = Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        let raceway = RacewayControl { at: screw, control: None };
+        let traction = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         for o in [
             raceway.solve(&mut RacewayWorkspace::default()),
             traction.solve(&mut crate::TractionWorkspace::default()),
@@ -205,7 +210,7 @@ mod tests {
     #[test]
     fn marks_steepen_the_angles_and_keep_the_balance() {
         let screw = screw(24e3);
-        let raceway = RacewayControl { screw, control: None };
+        let raceway = RacewayControl { at: screw, control: None };
         let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
         let settled = screw.permanent_set(loads, angles).unwrap();
         for i in 0..2 {
@@ -224,10 +229,10 @@ mod tests {
     #[test]
     fn the_corrected_radical_is_the_difference_of_the_angles() {
         let screw = screw(44.0);
-        let raceway = RacewayControl { screw, control: None };
+        let raceway = RacewayControl { at: screw, control: None };
         let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
         let settled = screw.permanent_set(loads, angles).unwrap();
-        let [nut, screw_offset] = screw.grooves().map(|g| g.offset(screw.ball.radius));
+        let [nut, screw_offset] = screw.grooves().map(|g| g.offset(screw.point.ball.radius));
         let length = |i: usize, l: f64| l + settled.elastic[i] + settled.permanent[i];
         let (l_a, l_b) = (length(0, nut), length(1, screw_offset));
         let [(sin_a, cos_a), (sin_b, cos_b)] = settled.angles.map(f64::sin_cos);
@@ -237,7 +242,7 @@ mod tests {
         assert!(difference > 8e-3, "{difference}");
         assert_relative_eq!(2.0 * radical.sqrt().atan(), difference, epsilon = 1e-12);
         // The lengths close the triangle whose height the unloaded angle gives.
-        let reach = (nut + screw_offset) * screw.contact_angle.cos();
+        let reach = (nut + screw_offset) * screw.point.contact_angle.cos();
         assert_relative_eq!(l_a * cos_a + l_b * cos_b, reach, max_relative = 1e-14);
     }
 

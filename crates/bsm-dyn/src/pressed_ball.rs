@@ -5,7 +5,7 @@
 use bsm_kin::Scalar;
 use bsm_newton::EvalError;
 
-use crate::{ElasticScrew, Reason};
+use crate::{ElasticPoint, Reason};
 
 /// A ball between one flank of the nut and one of the screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +33,7 @@ pub struct Pressing<D = f64> {
     pub slope: [[D; 2]; 2],
 }
 
-impl<D: Scalar> ElasticScrew<D> {
+impl<D: Scalar> ElasticPoint<D> {
     /// The ball given the displacement of its grooves.
     ///
     /// # Errors
@@ -41,10 +41,10 @@ impl<D: Scalar> ElasticScrew<D> {
     /// [`Reason::CurvaturesNotHertzian`].
     pub fn pressed_ball(&self) -> Result<PressedBall<D>, Reason> {
         let [nut, screw] = self.hertz()?.map(|hertz| hertz.compliance);
-        let [l_a, l_b] = self.grooves().map(|groove| groove.offset(self.ball.radius));
+        let [l_a, l_b] = self.grooves().map(|groove| groove.offset(self.point.ball.radius));
         // K^(−2/3) = K_A^(−2/3) + K_B^(−2/3)                              (J11)
         let stiffness = (nut + screw).powf(-1.5);
-        let (sin, cos) = self.contact_angle.sin_cos();
+        let (sin, cos) = self.point.contact_angle.sin_cos();
         Ok(PressedBall { distance: l_a + l_b, unloaded: [sin, cos], stiffness })
     }
 }
@@ -135,23 +135,25 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{Ball, Load, Material, RacewayControl, RacewayWorkspace};
+    use crate::{Ball, Coulomb, Load, Material, OperatingPoint, RacewayControl, RacewayWorkspace};
 
     const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 
     /// The screw of the independent nut solutions: 40 x 10, balls of 6.35 mm.
-    fn screw(axial: f64, speed: f64) -> ElasticScrew {
+    fn screw(axial: f64, speed: f64) -> ElasticPoint {
         let radius = 20.668e-3;
         let lead_angle = (10e-3 / (std::f64::consts::TAU * radius)).atan();
-        ElasticScrew {
-            helix: Helix { radius, lead_angle },
-            contact_angle: 45.0_f64.to_radians(),
-            ball: Ball::of_density(3.175e-3, 7850.0),
+        ElasticPoint {
+            point: OperatingPoint {
+                helix: Helix { radius, lead_angle },
+                contact_angle: 45.0_f64.to_radians(),
+                ball: Ball::of_density(3.175e-3, 7850.0),
+                friction: Coulomb(0.06),
+                drive: Drive { screw_speed: speed, nut_speed: 0.0 },
+                load: Load { axial, balls: 98.0 },
+            },
             conformity: (0.5203, 0.5203),
             material: (STEEL, STEEL),
-            friction: 0.06,
-            drive: Drive { screw_speed: speed, nut_speed: 0.0 },
-            load: Load { axial, balls: 98.0 },
         }
     }
 
@@ -161,10 +163,10 @@ mod tests {
     fn equal_sharing_has_the_reference_values() {
         let screw = screw(6340.0, 1.0);
         let ball = screw.pressed_ball().unwrap();
-        let (u, pressing) = ball.under(6340.0 / 98.0, screw.helix.lead_angle).unwrap();
+        let (u, pressing) = ball.under(6340.0 / 98.0, screw.point.helix.lead_angle).unwrap();
         assert_relative_eq!(u, 6.937_390_322_458_6e-6, max_relative = 1e-9);
         assert_relative_eq!(pressing.load, 90.100_228_3, max_relative = 1e-9);
-        let cos_a = screw.helix.lead_angle.cos();
+        let cos_a = screw.point.helix.lead_angle.cos();
         let along = 98.0 * pressing.slope[0][0] * cos_a * cos_a;
         assert_relative_eq!(along, 1.399_319_430_252_6e9, max_relative = 1e-9);
     }
@@ -174,13 +176,13 @@ mod tests {
     fn a_ball_at_rest_is_raceway_control() {
         for axial in [10.0, 6340.0, 90e3] {
             let screw = screw(axial, 1e-4);
-            let solved = RacewayControl { screw, control: None }
+            let solved = RacewayControl { at: screw, control: None }
                 .solve(&mut RacewayWorkspace::default())
                 .answer
                 .expect("a slow ball");
             let ball = screw.pressed_ball().unwrap();
-            let lead = screw.helix.lead_angle;
-            let (u, pressing) = ball.under(screw.load.per_ball(), lead).unwrap();
+            let lead = screw.point.helix.lead_angle;
+            let (u, pressing) = ball.under(screw.point.load.per_ball(), lead).unwrap();
             // The residual of the rolling balance, 1e-13.
             let nut = solved.ball.nut;
             assert_relative_eq!(pressing.angle, nut.angle, max_relative = 1e-12);

@@ -11,7 +11,7 @@ use bsm_kin::{Field, Scalar};
 
 use crate::closed_form::{Angles, Sines, Size, answer};
 use crate::{
-    BallState, Direction, Evidence, Model, Reason, Solution, Solved, Transmitted, Unsolved,
+    BallState, Coulomb, Direction, Evidence, Model, Reason, Solution, Solved, Transmitted, Unsolved,
 };
 
 /// Inputs of the quasi-static model.
@@ -20,7 +20,7 @@ pub struct QuasiStatic<D = f64> {
     /// Lead and contact angle.
     pub angles: Angles<D>,
     /// Coulomb friction coefficient `$f \ge 0$`.
-    pub friction: D,
+    pub friction: Coulomb<D>,
     /// Ball radius over pitch radius `$r_b/r_m$`.
     pub size_ratio: D,
     /// Lever arm of rolling resistance over ball radius `$f_r/r_b \ge 0$`.
@@ -112,7 +112,7 @@ impl<D: Scalar> QuasiStatic<D> {
         let sign = self.direction.sign();
         TwoContacts {
             sines: self.angles.sines(),
-            friction: self.friction * sign,
+            friction: self.friction.0 * sign,
             rolling_ratio: self.rolling_ratio * sign,
             size_ratio: self.size_ratio,
             nut_turns: self.driven == Driven::Nut,
@@ -175,7 +175,7 @@ mod tests {
 
     const LIN: QuasiStatic = QuasiStatic {
         angles: Angles { lead: PI / 18.0, contact: FRAC_PI_4 },
-        friction: 0.075,
+        friction: Coulomb(0.075),
         size_ratio: 4.37 / 24.3,
         rolling_ratio: 0.0,
         driven: Driven::Screw,
@@ -203,7 +203,7 @@ mod tests {
         ) {
             let case = QuasiStatic {
                 angles: Angles { lead, contact },
-                friction,
+                friction: Coulomb(friction),
                 size_ratio: size,
                 rolling_ratio: rolling,
                 driven: if nut { Driven::Nut } else { Driven::Screw },
@@ -221,7 +221,7 @@ mod tests {
     fn no_friction_means_no_loss() {
         for direction in [Direction::RotaryToLinear, Direction::LinearToRotary] {
             for driven in [Driven::Screw, Driven::Nut] {
-                let ideal = QuasiStatic { friction: 0.0, direction, driven, ..LIN };
+                let ideal = QuasiStatic { friction: Coulomb(0.0), direction, driven, ..LIN };
                 assert_relative_eq!(ideal.efficiency(), 1.0);
             }
         }
@@ -231,7 +231,7 @@ mod tests {
     /// `$\tan\rho' = \tan\rho/\sin\beta$`: `$\eta = \tan\alpha/\tan(\alpha + \rho')$`.
     #[test]
     fn rolling_resistance_alone_is_a_wedge() {
-        let rolling = QuasiStatic { friction: 0.0, rolling_ratio: 2.3e-3, ..LIN };
+        let rolling = QuasiStatic { friction: Coulomb(0.0), rolling_ratio: 2.3e-3, ..LIN };
         let (lead, contact) = (LIN.angles.lead, LIN.angles.contact);
         let rho = (2.3e-3 / contact.sin().powi(2)).atan();
         let wedge = lead.tan() / (lead + rho).tan();

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 
 pub(crate) use self::balance::STATIC;
 use self::balance::{Balance, Root};
-use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded, refused};
+use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded, refused, to_both};
 use crate::ellipse::{Nodes, Quadrature};
 use crate::equations::Workspace;
 use crate::{Model, RaceControl, SkidNumbers, Solution, SolveInfo, Solved, Transmission, Unsolved};
@@ -47,7 +47,7 @@ impl Control {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RacewayControl<D = f64> {
     /// The screw at its operating point.
-    pub screw: ElasticScrew<D>,
+    pub at: ElasticPoint<D>,
     /// The controlling race; `None` decides by (W7).
     pub control: Option<Control>,
 }
@@ -257,7 +257,7 @@ impl Grip {
     /// Slip that the lead forces across the grooves over the slip of the spin at the end of the
     /// ellipse (W10).
     fn cross_slip(&self, pair: &ElasticBall) -> f64 {
-        let motions = pair.relative(&self.to_nut, &self.loaded.frame);
+        let motions = to_both(&self.to_nut, &self.loaded.frame);
         let spin = (0..2)
             .map(|i| {
                 let (a, _) = pair.ellipse(i, &self.loaded).semi_axes;
@@ -281,20 +281,20 @@ impl RacewayControl {
     /// Solves for loads and contact angles, takes the rolling motion, and integrates the friction
     /// power of the slip that it leaves.
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
-        let solved = self.screw.scaled().and_then(|pair| {
+        let solved = self.at.scaled().and_then(|pair| {
             let grip = memory.grip(&pair, self.control)?;
-            memory.solved_and_others(&self.screw, &pair, &grip, self.control)
+            memory.solved_and_others(&self.at, &pair, &grip, self.control)
         });
         Solution::new(Model::RacewayControl, solved)
     }
 }
 
-impl<D: Scalar> ElasticScrew<D> {
+impl<D: Scalar> ElasticPoint<D> {
     /// Torques of the frictionless screw and on the screw, from the scaled friction power over `$W$`.
     pub(crate) fn rolling_torques(&self, friction_power: D) -> (D, D) {
-        let ideal = self.ideal_torque();
+        let ideal = self.point.ideal_torque();
         // T = T₀ + P_f/W                                                  (W8)
-        let torque = ideal + friction_power * self.ball.radius * self.load.axial;
+        let torque = ideal + friction_power * self.point.ball.radius * self.point.load.axial;
         (ideal, torque)
     }
 }
@@ -312,7 +312,7 @@ impl RacewayWorkspace {
     /// Its answer.
     pub(crate) fn solved(
         &self,
-        screw: &ElasticScrew,
+        screw: &ElasticPoint,
         pair: &ElasticBall,
         grip: &Grip,
     ) -> Result<Solved, Unsolved> {
@@ -321,7 +321,7 @@ impl RacewayWorkspace {
             pair.friction_power(loaded, &grip.to_nut, RacewayControl::CREEP, nodes);
         let ball = screw.ball_state(pair, loaded, &grip.to_nut)?;
         let (ideal, torque) = screw.rolling_torques(friction_power);
-        let speed = screw.drive.relative_speed();
+        let speed = screw.point.drive.relative_speed();
         let transmission = Transmission::of(pair.direction, ideal, torque, speed);
         let (skid, info, control) = grip.told(pair);
         let (skid, info, control) = (Some(skid), Some(info), Some(control));
@@ -331,7 +331,7 @@ impl RacewayWorkspace {
     /// Its answer, and what is known of other solutions.
     pub(crate) fn solved_and_others(
         &mut self,
-        screw: &ElasticScrew,
+        screw: &ElasticPoint,
         pair: &ElasticBall,
         grip: &Grip,
         control: Option<Control>,
@@ -374,22 +374,26 @@ mod tests {
 
     use super::*;
     use crate::extreme::extreme;
-    use crate::{Ball, ContactState, Load, Material, Reason, Slip, Status};
+    use crate::{
+        Ball, ContactState, Coulomb, Load, Material, OperatingPoint, Reason, Slip, Status,
+    };
 
     const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
     fn lin(axial: f64, rpm: f64) -> RacewayControl {
-        let screw = ElasticScrew {
-            helix: Helix { radius: 24.3e-3, lead_angle: 10.0_f64.to_radians() },
-            contact_angle: 45.0_f64.to_radians(),
-            ball: Ball::of_density(4.37e-3, 7800.0),
+        let screw = ElasticPoint {
+            point: OperatingPoint {
+                helix: Helix { radius: 24.3e-3, lead_angle: 10.0_f64.to_radians() },
+                contact_angle: 45.0_f64.to_radians(),
+                ball: Ball::of_density(4.37e-3, 7800.0),
+                friction: Coulomb(0.075),
+                drive: Drive { screw_speed: rpm * std::f64::consts::PI / 30.0, nut_speed: 0.0 },
+                load: Load { axial, balls: 1.0 },
+            },
             conformity: (0.53, 0.53),
             material: (STEEL, STEEL),
-            friction: 0.075,
-            drive: Drive { screw_speed: rpm * std::f64::consts::PI / 30.0, nut_speed: 0.0 },
-            load: Load { axial, balls: 1.0 },
         };
-        RacewayControl { screw, control: None }
+        RacewayControl { at: screw, control: None }
     }
 
     fn solved(case: &RacewayControl) -> Solved {
@@ -429,8 +433,8 @@ mod tests {
     #[test]
     fn the_larger_spin_moment_controls() {
         let spins = |conformity| {
-            let screw = ElasticScrew { conformity, ..lin(2113.0, 2000.0).screw };
-            let o = solved(&RacewayControl { screw, control: None });
+            let screw = ElasticPoint { conformity, ..lin(2113.0, 2000.0).at };
+            let o = solved(&RacewayControl { at: screw, control: None });
             (slip(o.ball.nut).spin.abs(), slip(o.ball.screw).spin.abs())
         };
         // The closer groove has the longer ellipse, the larger moment, and holds the ball.
@@ -447,26 +451,20 @@ mod tests {
             lead in 1.0..40.0_f64, beta in 30.0..60.0_f64, f_n in 0.51..0.56_f64, f_s in 0.51..0.56_f64,
             rpm in 10.0..5000.0_f64, axial in 50.0..2000.0_f64, back in any::<bool>(), nut in -0.9..0.9_f64,
         ) {
-            let base = lin(axial, if back { -rpm } else { rpm }).screw;
-            let speed = base.drive.screw_speed;
-            let case = ElasticScrew {
-                helix: Helix { lead_angle: lead.to_radians(), ..base.helix },
-                contact_angle: beta.to_radians(),
-                conformity: (f_n, f_s),
-                drive: Drive { screw_speed: speed, nut_speed: nut * speed },
-                ..base
-            };
-            let o = solved(&RacewayControl { screw: case, control: None });
+            let base = lin(axial, if back { -rpm } else { rpm }).at;
+            let speed = base.point.drive.screw_speed;
+            let case = ElasticPoint { point: OperatingPoint { helix: Helix { lead_angle: lead.to_radians(), ..base.point.helix }, contact_angle: beta.to_radians(), drive: Drive { screw_speed: speed, nut_speed: nut * speed }, ..base.point }, conformity: (f_n, f_s), ..base };
+            let o = solved(&RacewayControl { at: case, control: None });
             let [q_a, q_b] = [o.ball.nut, o.ball.screw].map(|c| c.load.expect("a load"));
             let (a, b) = (o.ball.nut.angle, o.ball.screw.angle);
             let rate = o.ball.motion.expect("a motion").precession;
-            let centrifugal = case.ball.mass * case.helix.radius * rate * rate;
+            let centrifugal = case.point.ball.mass * case.point.helix.radius * rate * rate;
             prop_assert!((q_a * a.cos() - q_b * b.cos() - centrifugal).abs() <= 1e-9 * axial);
             prop_assert!((q_a * a.sin() - q_b * b.sin()).abs() <= 1e-9 * axial);
             prop_assert!((q_a * a.sin() * lead.to_radians().cos() - axial).abs() <= 1e-9 * axial);
             // Only the lead's slip across the groove is left, shared equally.
-            let w = case.drive.relative_speed().abs();
-            let shared = 0.5 * case.ball.radius * w * lead.to_radians().sin();
+            let w = case.point.drive.relative_speed().abs();
+            let shared = 0.5 * case.point.ball.radius * w * lead.to_radians().sin();
             prop_assert!((slip(o.ball.nut).speed - shared).abs() <= 1e-9 * shared.max(w * 1e-3));
             prop_assert!((slip(o.ball.screw).speed - shared).abs() <= 1e-9 * shared.max(w * 1e-3));
             let least = slip(o.ball.nut).spin.abs().min(slip(o.ball.screw).spin.abs());
@@ -479,8 +477,11 @@ mod tests {
     /// Limit: without friction nothing is lost.
     #[test]
     fn no_friction_means_no_loss() {
-        let screw = ElasticScrew { friction: 0.0, ..lin(500.0, 2000.0).screw };
-        let o = solved(&RacewayControl { screw, control: None });
+        let screw = ElasticPoint {
+            point: OperatingPoint { friction: Coulomb(0.0), ..lin(500.0, 2000.0).at.point },
+            ..lin(500.0, 2000.0).at
+        };
+        let o = solved(&RacewayControl { at: screw, control: None });
         assert_relative_eq!(o.transmission.efficiency, 1.0);
     }
 
@@ -543,8 +544,8 @@ mod tests {
         };
         let still = lin(100.0, 0.0);
         assert_eq!(why(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
-        let screw = ElasticScrew { conformity: (5.0, 0.53), ..lin(100.0, 100.0).screw };
-        let (status, reason) = why(&RacewayControl { screw, control: None });
+        let screw = ElasticPoint { conformity: (5.0, 0.53), ..lin(100.0, 100.0).at };
+        let (status, reason) = why(&RacewayControl { at: screw, control: None });
         assert_eq!(status, Status::InvalidInput);
         assert!(matches!(reason, Reason::CurvaturesNotHertzian { .. }), "{reason:?}");
     }

@@ -11,7 +11,7 @@ mod search;
 mod sensitivities;
 mod trig_quadratic;
 
-use bsm_kin::{Drive, Helix, Motion, Scalar, Site};
+use bsm_kin::{Motion, Scalar, Site};
 use bsm_newton::{Equations, EvalError, Linear};
 
 pub use self::first_order::{FirstOrder, SEARCHED_FROM, UNIQUE_BELOW};
@@ -19,31 +19,21 @@ pub use self::root::RigidWorkspace;
 use self::root::Root;
 pub use self::scaled::Unknowns;
 use self::scaled::{Scaled, State};
-use crate::balance::{Ball, OwnUnits, POWER_BALANCE_TOL, ideal_torque, torque};
+use crate::balance::{POWER_BALANCE_TOL, torque};
 use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{MINOR_LOAD, NUT_LOAD, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN};
-use crate::elastic_ball::LEAST_FRICTION;
+use crate::operating_point::OwnUnits;
 use crate::state::in_frenet;
 use crate::{
-    BallState, ContactState, Direction, Load, Model, Reason, Solution, SolveInfo, Solved,
+    BallState, ContactState, Direction, Model, OperatingPoint, Reason, Solution, SolveInfo, Solved,
     Transmission, Unsolved,
 };
 
-/// Inputs of the rigid model.
+/// Inputs of the rigid model: the contact angle is that of all three contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rigid<D = f64> {
-    /// Helix of the ball centres.
-    pub helix: Helix<D>,
-    /// Contact angle `$\beta$` of all three contacts \[rad\], in (0, π/2).
-    pub contact_angle: D,
-    /// The ball.
-    pub ball: Ball<D>,
-    /// Coulomb friction coefficient `$f > 0$`.
-    pub friction: D,
-    /// Speeds of screw and nut.
-    pub drive: Drive<D>,
-    /// Load on the balls.
-    pub load: Load<D>,
+    /// Geometry, friction, speeds and load.
+    pub point: OperatingPoint<D>,
 }
 
 /// A root of the rigid equations in the unknowns of the theory.
@@ -118,27 +108,23 @@ impl Equations<BALL> for RigidSystem {
 impl<D: Scalar> Rigid<D> {
     /// The point in the model's own units, or why there is none.
     fn scaled(&self) -> Result<Scaled<D>, Unsolved> {
-        let invalid = Unsolved::invalid;
-        let OwnUnits { helix, ball, nut_speed, direction } =
-            OwnUnits::of(&self.helix, &self.ball, &self.drive, &self.load).map_err(invalid)?;
-        if self.friction.re() < LEAST_FRICTION {
-            return Err(invalid(Reason::Frictionless));
-        }
-        let signed = self.friction * direction.sign();
-        Ok(Scaled::new(helix, self.contact_angle, signed, ball.mass, nut_speed))
+        let OwnUnits { helix, ball, nut_speed, direction } = self.point.in_own_units()?;
+        self.point.require_friction()?;
+        let (angle, signed) = (self.point.contact_angle, self.point.friction.0 * direction.sign());
+        Ok(Scaled::new(helix, angle, signed, ball.mass, nut_speed))
     }
 
     /// Which side drives.
     fn direction(&self) -> Direction {
-        Direction::of(self.drive.relative_speed().re()).expect("the point was scaled")
+        Direction::of(self.point.drive.relative_speed().re()).expect("the point was scaled")
     }
 
     /// Torques of the frictionless screw and on the screw.
     fn torques(&self, case: &Scaled<D>, state: &State<D>) -> (D, D) {
-        let ideal = ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle);
-        let moment = self.ball.radius * self.load.per_ball();
+        let ideal = self.point.ideal_torque();
+        let moment = self.point.ball.radius * self.point.load.per_ball();
         let screw = torque(&state.wrench[2], case.helix.radius, &case.frame);
-        (ideal, screw * moment * self.load.balls)
+        (ideal, screw * moment * self.point.load.balls)
     }
 }
 
@@ -213,8 +199,8 @@ impl Rigid {
     /// The answer in SI units.
     fn solved(&self, case: &Scaled<f64>, root: &Root) -> Solved {
         let state = case.state(&root.unknowns).expect("the residual was evaluated at the root");
-        let (w, r_b) = (self.drive.relative_speed(), self.ball.radius);
-        let per_ball = self.load.per_ball();
+        let (w, r_b) = (self.point.drive.relative_speed(), self.point.ball.radius);
+        let per_ball = self.point.load.per_ball();
 
         let to_nut = state.to_nut;
         let motion = to_nut.relative_to(-case.nut_speed, &case.frame);
@@ -225,7 +211,7 @@ impl Rigid {
             let (contact, load) = (&case.contacts[i], root.unknowns[i] * per_ball);
             let motion = if contact.site == Site::Screw { &to_screw } else { &to_nut };
             let slip = state.slip[i] * (w * r_b);
-            ContactState::sliding((self.contact_angle, load), contact, motion, &slip, w)
+            ContactState::sliding((self.point.contact_angle, load), contact, motion, &slip, w)
         });
         let ball = BallState {
             motion: Some(in_frenet(&motion, &case.frame, w)),
@@ -236,8 +222,10 @@ impl Rigid {
         };
 
         let (ideal, screw_torque) = self.torques(case, &state);
-        let friction_power =
-            friction_power(case, &state, &root.unknowns) * (r_b * per_ball) * w * self.load.balls;
+        let friction_power = friction_power(case, &state, &root.unknowns)
+            * (r_b * per_ball)
+            * w
+            * self.point.load.balls;
         let transmission = Transmission::of(self.direction(), ideal, screw_torque, w);
         let transmission = transmission.against(friction_power);
         let info = SolveInfo { steps: root.steps, residual: root.residual };

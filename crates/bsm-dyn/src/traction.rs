@@ -20,8 +20,7 @@ pub(crate) use self::root::Root;
 use crate::balance::ideal_torque;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::ball_unknowns::{BALL, weight};
-use crate::elastic_ball::refused;
-use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
+use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded, refused, to_both};
 use crate::ellipse::{Lanes, Local, Nodes, Plan, Quadrature};
 use crate::equations::Workspace;
 use crate::raceway_control::{Grip, STATIC};
@@ -50,7 +49,7 @@ const MOST_STEPS: usize = 20;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Traction<D = f64> {
     /// The screw at its operating point; friction positive.
-    pub screw: ElasticScrew<D>,
+    pub at: ElasticPoint<D>,
     /// Accuracy of the quadrature over the ellipses: its error over the friction.
     pub accuracy: f64,
     /// Creep speed `$v_e$` over `$r_b |W|$`, positive.
@@ -144,7 +143,7 @@ impl<P: Scalar> Rolling<'_, P> {
         cost::evaluated();
         let (pair, loaded) = (self.pair, self.loaded(y)?);
         let to_nut = self.motion_to_nut(y, &loaded);
-        let motions = pair.relative(&to_nut, &loaded.frame);
+        let motions = to_both(&to_nut, &loaded.frame);
         let mut power = 0.0;
         let wrench = std::array::from_fn(|i| {
             let contact = &loaded.contacts[i];
@@ -302,8 +301,8 @@ impl Traction {
     /// The root is searched with a coarse quadrature, which decides whether there is one, and refined
     /// with that of the accuracy.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
-        let found = self.screw.require_friction().and_then(|()| {
-            let pair = self.screw.scaled()?;
+        let found = self.at.point.require_friction().and_then(|()| {
+            let pair = self.at.scaled()?;
             let grip = Grip::of(&pair, None, &mut work.statics);
             let start = Start::new(&pair, grip.ok().as_ref())?;
             Ok(self.found(&start, None, work)?.solved(&pair))
@@ -380,8 +379,8 @@ impl Traction {
         let ball = ball.of(&root);
         let loaded = ball.loaded(&root.unknowns).map_err(refused)?;
         let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
-        let steady = self.screw.ball_state(pair, &loaded, &to_nut)?;
-        let transmission = self.screw.transmission_at(pair, torque, power)?;
+        let steady = self.at.ball_state(pair, &loaded, &to_nut)?;
+        let transmission = self.at.transmission_at(pair, torque, power)?;
         let checked = Rolling { quadrature: &rules[places[3]].check, ..ball };
         let error = checked.error(&root, &torque_slope, transmission.efficiency, newton);
         let info = SolveInfo { steps, residual: root.residual };

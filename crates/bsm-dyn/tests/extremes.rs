@@ -5,8 +5,9 @@ use std::f64::consts::PI;
 
 use approx::assert_relative_eq;
 use bsm_dyn::{
-    Angles, Auto, Ball, Control, Direction, Elastic, ElasticScrew, Load, Material, Model,
-    ModelWorkspace, Problem, RacewayControl, Reason, Rigid, Solution, Status, Traction,
+    Angles, Auto, Ball, Control, Coulomb, Direction, Elastic, ElasticPoint, Load, Material, Model,
+    ModelWorkspace, OperatingPoint, Problem, RacewayControl, Reason, Rigid, Solution, Status,
+    Traction,
 };
 use bsm_kin::{Drive, Helix, Site};
 use bsm_sample::Sample;
@@ -18,7 +19,7 @@ const INPUTS: usize = 12;
 
 /// Screws of the ranges of the extremes; speeds, loads, sizes and moduli spread over their orders of
 /// magnitude.
-fn extremes(seed: u64) -> impl Iterator<Item = ElasticScrew> {
+fn extremes(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     std::iter::from_fn(move || {
         let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
@@ -35,33 +36,34 @@ fn extremes(seed: u64) -> impl Iterator<Item = ElasticScrew> {
             1 => (0.0, speed),
             _ => (speed, other),
         };
-        Some(ElasticScrew {
-            helix: Helix {
-                radius: ball / size,
-                lead_angle: rng.random_range(0.05_f64..85.0).to_radians(),
+        Some(ElasticPoint {
+            point: OperatingPoint {
+                helix: Helix {
+                    radius: ball / size,
+                    lead_angle: rng.random_range(0.05_f64..85.0).to_radians(),
+                },
+                contact_angle: rng.random_range(1.0_f64..89.0).to_radians(),
+                ball: Ball::of_density(ball, 7800.0),
+                friction: Coulomb(friction),
+                drive: Drive { screw_speed, nut_speed },
+                load: Load { axial, balls: 1.0 },
             },
-            contact_angle: rng.random_range(1.0_f64..89.0).to_radians(),
-            ball: Ball::of_density(ball, 7800.0),
             conformity,
             material,
-            friction,
-            drive: Drive { screw_speed, nut_speed },
-            load: Load { axial, balls: 1.0 },
         })
     })
 }
 
-fn rigid(screw: &ElasticScrew) -> Problem {
-    let ElasticScrew { helix, contact_angle, ball, friction, drive, load, .. } = *screw;
-    Problem::Rigid(Rigid { helix, contact_angle, ball, friction, drive, load })
+fn rigid(screw: &ElasticPoint) -> Problem {
+    Problem::Rigid(Rigid { point: screw.point })
 }
 
-fn rolling(screw: ElasticScrew, control: Option<Control>) -> Problem {
-    Problem::RacewayControl(RacewayControl { screw, control })
+fn rolling(screw: ElasticPoint, control: Option<Control>) -> Problem {
+    Problem::RacewayControl(RacewayControl { at: screw, control })
 }
 
 /// Nothing false; returns whether there is an answer.
-fn check(screw: &ElasticScrew, solution: &Solution) -> bool {
+fn check(screw: &ElasticPoint, solution: &Solution) -> bool {
     let o = match &solution.answer {
         Ok(solved) => solved,
         Err(none) => return none.evidence().is_some(),
@@ -81,9 +83,9 @@ fn check(screw: &ElasticScrew, solution: &Solution) -> bool {
 }
 
 /// Points without an answer among `count`.
-fn unanswered(count: usize, problem: impl Fn(ElasticScrew) -> Problem) -> usize {
+fn unanswered(count: usize, problem: impl Fn(ElasticPoint) -> Problem) -> usize {
     let mut work = ModelWorkspace::default();
-    let solve = |screw: ElasticScrew| check(&screw, &problem(screw).solve(&mut work));
+    let solve = |screw: ElasticPoint| check(&screw, &problem(screw).solve(&mut work));
     extremes(1994).take(count).map(solve).filter(|answered| !answered).count()
 }
 
@@ -104,12 +106,12 @@ fn rigid_says_nothing_false() {
 #[test]
 fn elastic_says_nothing_false() {
     // Known: friction that all but holds the load, 0.1 %.
-    assert!(unanswered(4000, |screw| Problem::Elastic(Elastic { screw })) <= 12);
+    assert!(unanswered(4000, |screw| Problem::Elastic(Elastic { at: screw })) <= 12);
 }
 
 #[test]
 fn traction_says_nothing_false() {
-    let traction = |screw| Problem::Traction(Traction { screw, accuracy: 1e-4, creep: 1e-4 });
+    let traction = |screw| Problem::Traction(Traction { at: screw, accuracy: 1e-4, creep: 1e-4 });
     let unanswered = unanswered(300, traction);
     // Known: inertia forces far above load and friction, where a path is lost or rounding eats a root.
     assert!(unanswered <= 3, "{unanswered}");
@@ -121,40 +123,42 @@ fn traction_says_nothing_false() {
 fn a_contact_angle_of_1e_307_deg_is_answered_in_time() {
     const ABSURD: [f64; 8] = [5e-324, 1e-310, 1e-307, 1e-150, 1e-30, 1e30, 1e150, f64::MAX];
     let steel = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
-    let screw = ElasticScrew {
-        helix: Helix { radius: 24.3e-3, lead_angle: 0.17 },
-        contact_angle: 0.79,
-        ball: Ball::of_density(4.37e-3, 7800.0),
+    let screw = ElasticPoint {
+        point: OperatingPoint {
+            helix: Helix { radius: 24.3e-3, lead_angle: 0.17 },
+            contact_angle: 0.79,
+            ball: Ball::of_density(4.37e-3, 7800.0),
+            friction: Coulomb(0.075),
+            drive: Drive { screw_speed: 209.0, nut_speed: 0.0 },
+            load: Load { axial: 100.0, balls: 1.0 },
+        },
         conformity: (0.53, 0.53),
         material: (steel, steel),
-        friction: 0.075,
-        drive: Drive { screw_speed: 209.0, nut_speed: 0.0 },
-        load: Load { axial: 100.0, balls: 1.0 },
     };
     let absurd = move |input: usize, value: f64| {
         let mut screw = screw;
         *[
-            &mut screw.contact_angle,
-            &mut screw.helix.lead_angle,
-            &mut screw.helix.radius,
-            &mut screw.ball.radius,
-            &mut screw.ball.mass,
+            &mut screw.point.contact_angle,
+            &mut screw.point.helix.lead_angle,
+            &mut screw.point.helix.radius,
+            &mut screw.point.ball.radius,
+            &mut screw.point.ball.mass,
             &mut screw.conformity.0,
             &mut screw.material.0.youngs_modulus,
-            &mut screw.friction,
-            &mut screw.drive.screw_speed,
-            &mut screw.drive.nut_speed,
-            &mut screw.load.axial,
-            &mut screw.load.balls,
+            &mut screw.point.friction.0,
+            &mut screw.point.drive.screw_speed,
+            &mut screw.point.drive.nut_speed,
+            &mut screw.point.load.axial,
+            &mut screw.point.load.balls,
         ][input] = value;
         screw
     };
-    let problems = move |screw: ElasticScrew| {
+    let problems = move |screw: ElasticPoint| {
         [
             rigid(&screw),
             rolling(screw, None),
-            Problem::Elastic(Elastic { screw }),
-            Problem::Traction(Traction { screw, accuracy: 1e-4, creep: 1e-4 }),
+            Problem::Elastic(Elastic { at: screw }),
+            Problem::Traction(Traction { at: screw, accuracy: 1e-4, creep: 1e-4 }),
         ]
     };
     for (input, value) in (0..INPUTS).flat_map(|input| ABSURD.map(|value| (input, value))) {
@@ -181,7 +185,7 @@ fn a_contact_angle_of_1e_307_deg_is_answered_in_time() {
 /// The choice states a finite bound, where saturated friction would lock the screw too.
 #[test]
 fn the_choice_says_nothing_false() {
-    unanswered(300, |screw| Problem::Auto(Auto { screw, tolerance: 1e-2 }));
+    unanswered(300, |screw| Problem::Auto(Auto { at: screw, tolerance: 1e-2 }));
 }
 
 /// Nothing depends on the units of length, force and time: the same ratios give the same efficiency.
@@ -192,21 +196,27 @@ fn units_do_not_matter() {
     for screw in extremes(7).take(1000) {
         // Lengths 4 fold, pressures 8 fold, times a half; powers of two round alike.
         let stiff = |m: Material| Material { youngs_modulus: 8.0 * m.youngs_modulus, ..m };
-        let other = ElasticScrew {
-            helix: Helix { radius: 4.0 * screw.helix.radius, ..screw.helix },
-            ball: Ball { radius: 4.0 * screw.ball.radius, mass: 8.0 * screw.ball.mass },
-            material: (stiff(screw.material.0), stiff(screw.material.1)),
-            drive: Drive {
-                screw_speed: 2.0 * screw.drive.screw_speed,
-                nut_speed: 2.0 * screw.drive.nut_speed,
+        let other = ElasticPoint {
+            point: OperatingPoint {
+                helix: Helix { radius: 4.0 * screw.point.helix.radius, ..screw.point.helix },
+                ball: Ball {
+                    radius: 4.0 * screw.point.ball.radius,
+                    mass: 8.0 * screw.point.ball.mass,
+                },
+                drive: Drive {
+                    screw_speed: 2.0 * screw.point.drive.screw_speed,
+                    nut_speed: 2.0 * screw.point.drive.nut_speed,
+                },
+                load: Load { axial: 128.0 * screw.point.load.axial, ..screw.point.load },
+                ..screw.point
             },
-            load: Load { axial: 128.0 * screw.load.axial, ..screw.load },
+            material: (stiff(screw.material.0), stiff(screw.material.1)),
             ..screw
         };
         let pairs = [
             (rigid(&screw), rigid(&other)),
             (rolling(screw, None), rolling(other, None)),
-            (Problem::Elastic(Elastic { screw }), Problem::Elastic(Elastic { screw: other })),
+            (Problem::Elastic(Elastic { at: screw }), Problem::Elastic(Elastic { at: other })),
         ];
         for (model, (one, two)) in pairs.into_iter().enumerate() {
             let (one, two) = (one.solve(&mut work), two.solve(&mut work));
@@ -230,22 +240,24 @@ fn back_driving_mirrors_driving() {
     let mut work = ModelWorkspace::default();
     let mut tried = 0;
     for screw in extremes(3).take(2000) {
-        let Drive { screw_speed, nut_speed } = screw.drive;
+        let Drive { screw_speed, nut_speed } = screw.point.drive;
         let drive = Drive { screw_speed: -screw_speed, nut_speed: -nut_speed };
-        let [one, other] = [screw, ElasticScrew { drive, ..screw }]
-            .map(|screw| rolling(screw, None).solve(&mut work));
+        let [one, other] =
+            [screw, ElasticPoint { point: OperatingPoint { drive, ..screw.point }, ..screw }]
+                .map(|screw| rolling(screw, None).solve(&mut work));
         assert_eq!(one.status(), other.status(), "{screw:?}");
         if let Some((one, other)) = one.efficiency().zip(other.efficiency()) {
-            let forward = screw.drive.relative_speed() > 0.0;
+            let forward = screw.point.drive.relative_speed() > 0.0;
             let (driving, driven) = if forward { (one, other) } else { (other, one) };
             let (lost, loss) = (driving.recip() - 1.0, 1.0 - driven);
             // The differences cancel where next to nothing is lost.
             assert_relative_eq!(lost, loss, max_relative = 1e-9, epsilon = 1e-12);
             tried += 1;
         }
-        let angles = Angles { lead: screw.helix.lead_angle, contact: screw.contact_angle };
-        let driving = angles.efficiency(Direction::RotaryToLinear, -screw.friction);
-        let driven = angles.efficiency(Direction::LinearToRotary, screw.friction);
+        let angles =
+            Angles { lead: screw.point.helix.lead_angle, contact: screw.point.contact_angle };
+        let driving = angles.efficiency(Direction::RotaryToLinear, -screw.point.friction.0);
+        let driven = angles.efficiency(Direction::LinearToRotary, screw.point.friction.0);
         assert_relative_eq!(driven, driving.recip(), max_relative = 1e-9, epsilon = 1e-12);
     }
     assert!(tried > 1000, "{tried}");
@@ -258,22 +270,25 @@ fn saturated_friction_without_inertia_is_the_closed_form() {
     let mut work = ModelWorkspace::default();
     let mut tried = [0; 2];
     for screw in extremes(5).take(2000) {
-        let Drive { screw_speed, nut_speed } = screw.drive;
-        let speed = screw.drive.relative_speed();
+        let Drive { screw_speed, nut_speed } = screw.point.drive;
+        let speed = screw.point.drive.relative_speed();
         let fastest = screw_speed.abs().max(nut_speed.abs());
         // Inertia of 1e-8 of friction at the speed of the faster side.
-        let mass =
-            1e-8 * screw.friction * screw.load.axial / (screw.helix.radius * fastest.powi(2));
-        let screw = ElasticScrew { ball: Ball { mass, ..screw.ball }, ..screw };
+        let mass = 1e-8 * screw.point.friction.0 * screw.point.load.axial
+            / (screw.point.helix.radius * fastest.powi(2));
+        let screw = ElasticPoint {
+            point: OperatingPoint { ball: Ball { mass, ..screw.point.ball }, ..screw.point },
+            ..screw
+        };
         let direction = Direction::of(speed).expect("turning");
         for (i, case) in
-            [rigid(&screw), Problem::Elastic(Elastic { screw })].into_iter().enumerate()
+            [rigid(&screw), Problem::Elastic(Elastic { at: screw })].into_iter().enumerate()
         {
             let Ok(o) = case.solve(&mut work).answer else { continue };
             let eta = o.transmission.efficiency;
             let contact = 0.5 * (o.ball.nut.angle + o.ball.screw.angle);
-            let angles = Angles { lead: screw.helix.lead_angle, contact };
-            let closed = angles.efficiency(direction, screw.friction);
+            let angles = Angles { lead: screw.point.helix.lead_angle, contact };
+            let closed = angles.efficiency(direction, screw.point.friction.0);
             // First order in inertia over friction.
             assert_relative_eq!(eta, closed, max_relative = 1e-7, epsilon = 1e-7);
             tried[i] += 1;
@@ -288,14 +303,18 @@ fn saturated_friction_without_inertia_is_the_closed_form() {
 fn a_sweep_of_speed_has_no_jumps() {
     let mut work = ModelWorkspace::default();
     let mut ended = 0;
-    for screw in extremes(11).filter(|screw| screw.drive.nut_speed.total_cmp(&0.0).is_eq()).take(8)
+    for screw in
+        extremes(11).filter(|screw| screw.point.drive.nut_speed.total_cmp(&0.0).is_eq()).take(8)
     {
-        let unit = screw.ball.mass * screw.helix.radius / screw.load.axial;
+        let unit = screw.point.ball.mass * screw.point.helix.radius / screw.point.load.axial;
         let (mut before, mut left): (Option<f64>, bool) = (None, false);
         for i in 0..1500 {
             let inertia = 10.0_f64.powf(f64::from(i) / 250.0 - 4.0);
             let drive = Drive { screw_speed: (inertia / unit).sqrt(), nut_speed: 0.0 };
-            let case = rolling(ElasticScrew { drive, ..screw }, Some(Control::Nut));
+            let case = rolling(
+                ElasticPoint { point: OperatingPoint { drive, ..screw.point }, ..screw },
+                Some(Control::Nut),
+            );
             let solution = case.solve(&mut work);
             match solution.status() {
                 Status::Converged => {

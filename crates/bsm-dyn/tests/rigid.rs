@@ -2,31 +2,35 @@
 
 use approx::assert_relative_eq;
 use bsm_dyn::{
-    Angles, Ball, Direction, Load, Reason, Rigid, RigidWorkspace, Solution, Solved, Status,
+    Angles, Ball, Coulomb, Direction, Load, OperatingPoint, Reason, Rigid, RigidWorkspace,
+    Solution, Solved, Status,
 };
 use bsm_kin::{BallFrame, Contact, Drive, Helix, Site};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
 /// Lin's own case: 2000 rpm, lead angle 10°, contact angle 45°, 2113 N on one ball.
-fn lin() -> Rigid {
-    Rigid {
+fn lin() -> OperatingPoint {
+    OperatingPoint {
         helix: Helix { radius: 24.3e-3, lead_angle: 10.0_f64.to_radians() },
         contact_angle: 45.0_f64.to_radians(),
         ball: Ball::of_density(4.37e-3, 7800.0),
-        friction: 0.075,
+        friction: Coulomb(0.075),
         drive: Drive { screw_speed: 2000.0_f64.to_radians() * 6.0, nut_speed: 0.0 },
         load: Load { axial: 2113.0, balls: 1.0 },
     }
 }
 
-fn solved(case: &Rigid) -> Solved {
-    let solution = case.solve(&mut RigidWorkspace::default());
+fn solved(case: &OperatingPoint) -> Solved {
+    let solution = Rigid { point: *case }.solve(&mut RigidWorkspace::default());
     solution.answer.unwrap_or_else(|none| panic!("{case:?} {none:?}"))
 }
 
-fn reason(case: &Rigid) -> (Status, Reason) {
-    let none = case.solve(&mut RigidWorkspace::default()).answer.expect_err("no solution");
+fn reason(case: &OperatingPoint) -> (Status, Reason) {
+    let none = Rigid { point: *case }
+        .solve(&mut RigidWorkspace::default())
+        .answer
+        .expect_err("no solution");
     (none.status(), none.reason().clone())
 }
 
@@ -35,7 +39,7 @@ fn reason(case: &Rigid) -> (Status, Reason) {
 #[test]
 fn root_satisfies_the_published_equations() {
     for (screw, nut) in [(209.4, 0.0), (-209.4, 0.0), (0.0, -209.4), (314.0, -105.0)] {
-        let case = Rigid { drive: Drive { screw_speed: screw, nut_speed: nut }, ..lin() };
+        let case = OperatingPoint { drive: Drive { screw_speed: screw, nut_speed: nut }, ..lin() };
         let o = solved(&case);
         let motion = o.ball.motion.expect("a motion");
         let (a, b) = (case.helix.lead_angle, case.contact_angle);
@@ -53,7 +57,7 @@ fn root_satisfies_the_published_equations() {
             let v = motion.relative_to(speed, &frame).slip_velocity(r_m / a.cos(), &r);
             let psi = (-v.x).atan2(-v.dot(&contact.across));
             let friction = contact.across * psi.cos() + Vector3::x() * psi.sin();
-            let total = (contact.normal + friction * case.friction) * told.load.expect("a load");
+            let total = (contact.normal + friction * case.friction.0) * told.load.expect("a load");
             force += total;
             moment += r.cross(&total);
             if site != Site::Screw {
@@ -77,7 +81,7 @@ fn small_inertia_is_the_closed_form() {
     for (speed, direction) in
         [(209.4, Direction::RotaryToLinear), (-209.4, Direction::LinearToRotary)]
     {
-        let at = |axial| Rigid {
+        let at = |axial| OperatingPoint {
             drive: Drive { screw_speed: speed, nut_speed: 0.0 },
             load: Load { axial, balls: 1.0 },
             ..lin()
@@ -97,7 +101,7 @@ fn small_inertia_is_the_closed_form() {
 #[test]
 fn no_solution_below_the_critical_lead_angle() {
     let mut work = RigidWorkspace::default();
-    let at = |degrees: f64| Rigid {
+    let at = |degrees: f64| OperatingPoint {
         helix: Helix { lead_angle: degrees.to_radians(), ..lin().helix },
         ..lin()
     };
@@ -113,7 +117,7 @@ fn no_solution_below_the_critical_lead_angle() {
     let above = solved(&at(critical.to_degrees() + 1e-6));
     assert!(above.ball.nut.slip.is_some_and(|slip| slip.speed < 1e-6), "{above:?}");
     assert_eq!(reason(&at(critical.to_degrees() - 1e-6)).0, Status::NoSolution);
-    let again = at(6.0).critical_lead_angle(&mut work).expect("critical angle");
+    let again = Rigid { point: at(6.0) }.critical_lead_angle(&mut work).expect("critical angle");
     assert_relative_eq!(again, critical, max_relative = 1e-9);
 }
 
@@ -124,13 +128,14 @@ fn slow_screws_have_one_border_of_existence() {
     let mut work = RigidWorkspace::default();
     for rpm in [1e-3, 5e-3, 0.02, 0.05, 0.2, 1.0, 20.0] {
         let speed = rpm * std::f64::consts::PI / 30.0;
-        let at = |degrees: f64| Rigid {
+        let at = |degrees: f64| OperatingPoint {
             helix: Helix { lead_angle: degrees.to_radians(), ..lin().helix },
             drive: Drive { screw_speed: speed, nut_speed: 0.0 },
             ..lin()
         };
-        let found: Vec<_> =
-            (0..400).map(|i| at(7.0 + 0.15 * f64::from(i) / 399.0).root(&mut work).ok()).collect();
+        let found: Vec<_> = (0..400)
+            .map(|i| Rigid { point: at(7.0 + 0.15 * f64::from(i) / 399.0) }.root(&mut work).ok())
+            .collect();
         let border = found.iter().position(Option::is_some).expect("a root at 7.15 deg");
         assert!(border > 0 && found[border..].iter().all(Option::is_some), "{rpm} rpm");
         // The slip at A grows from zero in a straight line, to the curvature of this short piece.
@@ -147,7 +152,7 @@ fn slow_screws_have_one_border_of_existence() {
 fn numbers_beyond_double_precision_are_refused() {
     for (speed, axial) in [(1e200, 1.0), (1e-200, 1.0), (1.0, 1e-320), (1.0, 1e308)] {
         let drive = Drive { screw_speed: speed, nut_speed: 0.0 };
-        let case = Rigid { drive, load: Load { axial, balls: 1.0 }, ..lin() };
+        let case = OperatingPoint { drive, load: Load { axial, balls: 1.0 }, ..lin() };
         let (status, why) = reason(&case);
         let refused = matches!(why, Reason::InertiaOutOfRange { .. } | Reason::Newton { .. });
         assert!(status != Status::Converged && refused, "{speed} {axial} {why:?}");
@@ -159,21 +164,21 @@ fn numbers_beyond_double_precision_are_refused() {
 #[test]
 fn large_inertia_is_not_denied_by_the_first_order() {
     let rpm = std::f64::consts::PI / 30.0;
-    let locking = Rigid {
+    let locking = OperatingPoint {
         helix: Helix { radius: 42.9601e-3, lead_angle: 59.60875_f64.to_radians() },
         contact_angle: 30.5165_f64.to_radians(),
         ball: Ball::of_density(0.180_774 * 42.9601e-3, 7800.0),
-        friction: 0.31299,
+        friction: Coulomb(0.31299),
         drive: Drive { screw_speed: 923.1028 * rpm, nut_speed: 0.0 },
         load: Load { axial: 0.6855, balls: 1.0 },
     };
     let pitch = 83.287_007e-3;
     let lead = (48.236_978e-3 / (std::f64::consts::PI * pitch)).atan();
-    let pulling = Rigid {
+    let pulling = OperatingPoint {
         helix: Helix { radius: 0.5 * pitch, lead_angle: lead },
         contact_angle: 75.86308_f64.to_radians(),
         ball: Ball::of_density(0.5 * 9.30229e-3, 7800.0),
-        friction: 0.210_719_7,
+        friction: Coulomb(0.210_719_7),
         drive: Drive { screw_speed: -8561.84345 * rpm, nut_speed: 4745.78072 * rpm },
         load: Load { axial: 10.483_234_1, balls: 1.0 },
     };
@@ -187,22 +192,25 @@ fn large_inertia_is_not_denied_by_the_first_order() {
 /// Expected failures, each with its reason.
 #[test]
 fn failures_say_why() {
-    let still = Rigid { drive: Drive { screw_speed: 3.0, nut_speed: 3.0 }, ..lin() };
+    let still = OperatingPoint { drive: Drive { screw_speed: 3.0, nut_speed: 3.0 }, ..lin() };
     assert_eq!(reason(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
-    let ideal = Rigid { friction: 0.0, ..lin() };
+    let ideal = OperatingPoint { friction: Coulomb(0.0), ..lin() };
     assert_eq!(reason(&ideal), (Status::InvalidInput, Reason::Frictionless));
 
-    let flat = Rigid { contact_angle: 4.0_f64.to_radians(), ..lin() };
+    let flat = OperatingPoint { contact_angle: 4.0_f64.to_radians(), ..lin() };
     let (status, why) = reason(&flat);
     assert_eq!(status, Status::NoSolution);
     assert!(matches!(why, Reason::SelfLocking { .. }), "{why:?}");
-    assert_eq!(flat.solve(&mut RigidWorkspace::default()).self_locking(), Some(true));
+    assert_eq!(
+        Rigid { point: flat }.solve(&mut RigidWorkspace::default()).self_locking(),
+        Some(true)
+    );
 
     // Steep contact and large friction, back-driving: A' would have to pull.
-    let steep = Rigid {
+    let steep = OperatingPoint {
         contact_angle: 79.0_f64.to_radians(),
         helix: Helix { lead_angle: 40.0_f64.to_radians(), ..lin().helix },
-        friction: 0.15,
+        friction: Coulomb(0.15),
         drive: Drive { screw_speed: -200.0, nut_speed: 0.0 },
         ..lin()
     };
@@ -215,16 +223,16 @@ fn failures_say_why() {
 /// and the full equations have no root: the ball would roll on the nut.
 #[test]
 fn a_screw_that_locks_against_its_load_has_no_root() {
-    let case = Rigid {
+    let case = OperatingPoint {
         contact_angle: 70.0_f64.to_radians(),
         drive: Drive { screw_speed: -200.0, nut_speed: 0.0 },
-        friction: 0.45,
+        friction: Coulomb(0.45),
         helix: Helix { lead_angle: 8.0_f64.to_radians(), ..lin().helix },
         ..lin()
     };
     let angles = Angles { lead: case.helix.lead_angle, contact: case.contact_angle };
-    assert!(angles.self_locking(Direction::LinearToRotary, case.friction));
-    assert!(angles.efficiency(Direction::LinearToRotary, case.friction) < 0.0);
+    assert!(angles.self_locking(Direction::LinearToRotary, case.friction.0));
+    assert!(angles.efficiency(Direction::LinearToRotary, case.friction.0) < 0.0);
     let (status, why) = reason(&case);
     assert_eq!(status, Status::NoSolution);
     assert!(matches!(why, Reason::NutContactWouldRoll { .. }), "{why:?}");
@@ -237,7 +245,7 @@ fn inertia_from_everything_to_nothing() {
     let mut last = f64::NAN;
     for exponent in -40..=120 {
         let axial = 10.0_f64.powf(f64::from(exponent) / 10.0);
-        let o = solved(&Rigid { load: Load { axial, balls: 1.0 }, ..lin() });
+        let o = solved(&OperatingPoint { load: Load { axial, balls: 1.0 }, ..lin() });
         let (eta, balance) =
             (o.transmission.efficiency, o.transmission.power_balance.expect("a balance of forces"));
         assert!(balance.abs() <= 1e-9, "{axial}: {balance}");
@@ -254,14 +262,15 @@ fn inertia_from_everything_to_nothing() {
 fn overwhelming_inertia_is_no_false_answer() {
     for exponent in -160..-40 {
         let axial = 10.0_f64.powf(f64::from(exponent) / 10.0);
-        let eta =
-            solved(&Rigid { load: Load { axial, balls: 1.0 }, ..lin() }).transmission.efficiency;
+        let eta = solved(&OperatingPoint { load: Load { axial, balls: 1.0 }, ..lin() })
+            .transmission
+            .efficiency;
         // The limit is approached like the root of the load.
         assert_relative_eq!(eta, 0.642_7, epsilon = 1e-3);
     }
 }
 
-fn scene() -> impl Strategy<Value = Rigid> {
+fn scene() -> impl Strategy<Value = OperatingPoint> {
     (
         (8.0..45.0_f64, 30.0..70.0_f64, 0.01..0.1_f64, 0.07..0.2_f64),
         (50.0..6000.0_f64, 20.0..3000.0_f64, any::<bool>(), any::<bool>()),
@@ -273,11 +282,11 @@ fn scene() -> impl Strategy<Value = Rigid> {
             } else {
                 Drive { screw_speed: speed, nut_speed: 0.0 }
             };
-            Rigid {
+            OperatingPoint {
                 helix: Helix { radius: 24.3e-3, lead_angle: lead.to_radians() },
                 contact_angle: contact.to_radians(),
                 ball: Ball::of_density(24.3e-3 * size, 7800.0),
-                friction,
+                friction: Coulomb(friction),
                 drive,
                 load: Load { axial, balls: 1.0 },
             }
@@ -288,7 +297,7 @@ proptest! {
     /// Power balance and residual of whatever converges.
     #[test]
     fn power_balances(case in scene()) {
-        let solution = case.solve(&mut RigidWorkspace::default());
+        let solution = Rigid { point: case }.solve(&mut RigidWorkspace::default());
         prop_assert_ne!(solution.status(), Status::NotConverged, "{:?}", solution.reason());
         if solution.status() == Status::Converged {
             let o = solution.solved().expect("converged");
@@ -302,17 +311,12 @@ proptest! {
     /// ratio, has the same efficiency and load ratios.
     #[test]
     fn scaling_changes_nothing(case in scene(), length in 0.1..10.0_f64, force in 0.1..10.0_f64) {
-        let scaled = Rigid {
-            helix: Helix { radius: case.helix.radius * length, ..case.helix },
-            ball: Ball {
+        let scaled = OperatingPoint { helix: Helix { radius: case.helix.radius * length, ..case.helix }, ball: Ball {
                 radius: case.ball.radius * length,
                 mass: case.ball.mass * force / length,
-            },
-            load: Load { axial: case.load.axial * force, ..case.load },
-            ..case
-        };
+            }, load: Load { axial: case.load.axial * force, ..case.load }, ..case };
         let (one, other) =
-            (case.root(&mut RigidWorkspace::default()), scaled.root(&mut RigidWorkspace::default()));
+            (Rigid { point: case }.root(&mut RigidWorkspace::default()), Rigid { point: scaled }.root(&mut RigidWorkspace::default()));
         match (one, other) {
             (Ok(one), Ok(other)) => {
                 prop_assert!((one.nut_load - other.nut_load).abs() <= 1e-12 * one.nut_load);
@@ -327,9 +331,9 @@ proptest! {
     #[test]
     fn balls_share_the_load(case in scene(), balls in 2_u8..80) {
         let z = f64::from(balls);
-        let many = Rigid { load: Load { axial: case.load.axial * z, balls: z }, ..case };
+        let many = OperatingPoint { load: Load { axial: case.load.axial * z, balls: z }, ..case };
         let mut work = RigidWorkspace::default();
-        let (one, other) = (case.solve(&mut work), many.solve(&mut work));
+        let (one, other) = (Rigid { point: case }.solve(&mut work), Rigid { point: many }.solve(&mut work));
         prop_assert_eq!(one.status(), other.status());
         let torque = |s: &Solution| s.solved()?.transmission.screw_torque;
         if let (Some(t), Some(t_z)) = (torque(&one), torque(&other)) {

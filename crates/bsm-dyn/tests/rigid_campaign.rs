@@ -1,6 +1,6 @@
 //! Ten thousand seeded scenes: everything converges or is denied, and by what.
 
-use bsm_dyn::{Ball, Load, Rigid, RigidWorkspace, Unsolved};
+use bsm_dyn::{Ball, Coulomb, Load, OperatingPoint, Rigid, RigidWorkspace, Unsolved};
 use bsm_kin::{Drive, Helix};
 use bsm_sample::Sample;
 use rand::{RngExt, SeedableRng};
@@ -26,9 +26,9 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, case: &Rigid, work: &mut RigidWorkspace) {
-        let start = case.first_order().expect("friction and speed are positive");
-        let solution = case.solve(work);
+    fn add(&mut self, case: &OperatingPoint, work: &mut RigidWorkspace) {
+        let start = Rigid { point: *case }.first_order().expect("friction and speed are positive");
+        let solution = Rigid { point: *case }.solve(work);
         match &solution.answer {
             Ok(o) => {
                 self.converged += 1;
@@ -44,7 +44,7 @@ impl Tally {
                 if start.load > 0.0 && start.minor > 0.0 && start.margin < 0.0 {
                     self.against += 1;
                     let relative = start.margin / (start.precession * case.helix.lead_angle.tan());
-                    let inertia = (start.size / case.friction).min(1.0);
+                    let inertia = (start.size / case.friction.0).min(1.0);
                     self.farthest = self.farthest.max(relative.abs() / inertia);
                 }
             }
@@ -54,7 +54,7 @@ impl Tally {
             }
             Err(_) => {
                 self.not_converged += 1;
-                self.calmest = self.calmest.min(start.size / case.friction);
+                self.calmest = self.calmest.min(start.size / case.friction.0);
             }
         }
     }
@@ -74,11 +74,11 @@ fn campaign(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) -> f64) -> 
         } else {
             Drive { screw_speed: 0.0, nut_speed: speed }
         };
-        let case = Rigid {
+        let case = OperatingPoint {
             helix: Helix { radius, lead_angle: rng.random_range(3.0_f64..45.0).to_radians() },
             contact_angle: rng.random_range(20.0_f64..80.0).to_radians(),
             ball: Ball::of_density(radius * rng.random_range(0.07..0.2), 7800.0),
-            friction: rng.random_range(0.01..0.15),
+            friction: Coulomb(rng.random_range(0.01..0.15)),
             drive,
             load: Load { axial: rng.random_range(20.0..3000.0), balls: 1.0 },
         };
@@ -131,11 +131,11 @@ fn extremes() {
         let mut speed =
             || rng.log_uniform(1e-4, 1e4) * if rng.random_bool(0.5) { 1.0 } else { -1.0 };
         let drive = Drive { screw_speed: speed(), nut_speed: speed() };
-        let case = Rigid {
+        let case = OperatingPoint {
             helix: Helix { radius, lead_angle: rng.random_range(0.05_f64..80.0).to_radians() },
             contact_angle: rng.random_range(2.0_f64..88.0).to_radians(),
             ball: Ball::of_density(radius * rng.random_range(0.05..0.4), 7800.0),
-            friction: rng.log_uniform(1e-4, 1.0),
+            friction: Coulomb(rng.log_uniform(1e-4, 1.0)),
             drive,
             load: Load { axial: rng.log_uniform(1e-3, 1e6), balls: 1.0 },
         };

@@ -3,8 +3,8 @@
 //! Theory: `docs/theory/16-nut.md`, equations (U21), (U29) and (U30).
 
 use bsm_dyn::{
-    Ball, ElasticScrew, HeldBall, HeldContact, Hertz, Load, Quadrature, Solution, Traction,
-    pressed_radius,
+    Ball, Coulomb, ElasticPoint, HeldBall, HeldContact, Hertz, Load, OperatingPoint, Quadrature,
+    Solution, Traction, pressed_radius,
 };
 use bsm_kin::{Drive, Site};
 
@@ -45,7 +45,7 @@ impl BallNut {
         number: usize,
         friction: f64,
         drive: &Drive<f64>,
-    ) -> Option<ElasticScrew> {
+    ) -> Option<ElasticPoint> {
         let ball = &found.balls[number];
         let plus = match ball.flanks_pressed() {
             [true, false] => true,
@@ -66,13 +66,19 @@ impl BallNut {
         let way = if plus { 1.0 } else { -1.0 };
         let axial = ball.force[0].abs() * self.helix.lead_angle.cos();
         let mass = self.ball.mass * (radius / self.ball.radius).powi(3);
-        Some(ElasticScrew {
-            contact_angle,
-            ball: Ball { radius, mass },
+        Some(ElasticPoint {
+            point: OperatingPoint {
+                contact_angle,
+                ball: Ball { radius, mass },
+                friction: Coulomb(friction),
+                drive: Drive {
+                    screw_speed: drive.screw_speed * way,
+                    nut_speed: drive.nut_speed * way,
+                },
+                load: Load { axial, balls: 1.0 },
+                ..share.point
+            },
             conformity,
-            friction,
-            drive: Drive { screw_speed: drive.screw_speed * way, nut_speed: drive.nut_speed * way },
-            load: Load { axial, balls: 1.0 },
             ..share
         })
     }
@@ -107,7 +113,7 @@ impl BallNut {
             helix: self.helix,
             ball: self.ball,
             drive: *drive,
-            friction,
+            friction: Coulomb(friction),
             creep: Traction::<f64>::CREEP,
             contacts: pressed.map(contact).collect(),
         }
@@ -123,7 +129,7 @@ impl BallNut {
         found: &Equilibrium,
         friction: Option<f64>,
         drive: &Drive<f64>,
-        mut solve: impl FnMut(ElasticScrew) -> Solution,
+        mut solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> NutFriction {
         let speed = drive.relative_speed();
         let per_radian = self.helix.lead() / std::f64::consts::TAU;
@@ -138,10 +144,10 @@ impl BallNut {
                 return ball.solve(&quadrature).ok().map(|motion| motion.torque);
             }
             let coefficient = friction.unwrap_or(f64::NAN);
-            let screw = self.ball_alone(found, number, coefficient, drive)?;
-            let torque = solve(screw).solved()?.transmission.screw_torque?;
+            let alone = self.ball_alone(found, number, coefficient, drive)?;
+            let torque = solve(alone).solved()?.transmission.screw_torque?;
             // T_f = |T − h F|                                             (U21)
-            Some((torque - per_radian * screw.load.axial).abs())
+            Some((torque - per_radian * alone.point.load.axial).abs())
         };
         let balls: Vec<_> = (0..found.balls.len()).map(&mut of_ball).collect();
         let torque: Option<f64> = balls.iter().copied().sum();

@@ -4,7 +4,9 @@
 
 use std::f64::consts::TAU;
 
-use bsm_dyn::{Ball, ElasticScrew, Groove, Hertz, Load, Material, Member, Reason};
+use bsm_dyn::{
+    Ball, Coulomb, ElasticPoint, Groove, Hertz, Load, Material, Member, OperatingPoint, Reason,
+};
 use bsm_kin::{Drive, Helix};
 
 use crate::ball::FourContacts;
@@ -171,16 +173,18 @@ impl BallNut {
     }
 
     /// The equal share of one ball as a screw of its own, at an axial load \[N\] of all balls.
-    pub(crate) fn equal_share(&self, axial: f64) -> ElasticScrew {
-        ElasticScrew {
-            helix: self.helix,
-            contact_angle: self.contact_angle,
-            ball: self.ball,
+    pub(crate) fn equal_share(&self, axial: f64) -> ElasticPoint {
+        ElasticPoint {
+            point: OperatingPoint {
+                helix: self.helix,
+                contact_angle: self.contact_angle,
+                ball: self.ball,
+                friction: Coulomb(0.0),
+                drive: Drive { screw_speed: 0.0, nut_speed: 0.0 },
+                load: Load { axial, balls: count(self.balls()) },
+            },
             conformity: self.conformity,
             material: self.material,
-            friction: 0.0,
-            drive: Drive { screw_speed: 0.0, nut_speed: 0.0 },
-            load: Load { axial, balls: count(self.balls()) },
         }
     }
 

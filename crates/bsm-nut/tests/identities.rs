@@ -288,11 +288,18 @@ fn friction_adds_up() {
     let mut work = ModelWorkspace::default();
     let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
     let found = nut.solve(&Support::guided(6340.0)).expect("carried");
-    let mut rolling =
-        |screw| Problem::RacewayControl(RacewayControl { screw, control: None }).solve(&mut work);
+    let mut rolling = |screw| {
+        Problem::RacewayControl(RacewayControl { at: screw, control: None }).solve(&mut work)
+    };
     let all = nut.friction(&found, Some(0.06), &drive, &mut rolling);
     let one = nut.ball_alone(&found, 0, 0.06, &drive).expect("one flank");
-    let whole = bsm_dyn::ElasticScrew { load: bsm_dyn::Load { axial: 6340.0, balls: 98.0 }, ..one };
+    let whole = bsm_dyn::ElasticPoint {
+        point: bsm_dyn::OperatingPoint {
+            load: bsm_dyn::Load { axial: 6340.0, balls: 98.0 },
+            ..one.point
+        },
+        ..one
+    };
     let single = rolling(whole);
     let expected = single.efficiency().expect("solved");
     // The share of a ball ends at 1e-12 of the load; the models converge to 1e-10.
@@ -321,7 +328,7 @@ fn oversize_balls_drag() {
     let found = tight.solve(&Support::guided(0.0)).expect("at rest");
     let drag = |screw_speed: f64, friction: f64| {
         let drive = Drive { screw_speed, nut_speed: 0.0 };
-        let nobody = |_: bsm_dyn::ElasticScrew| unreachable!("all balls are on both flanks");
+        let nobody = |_: bsm_dyn::ElasticPoint| unreachable!("all balls are on both flanks");
         let all = tight.friction(&found, Some(friction), &drive, nobody);
         assert_eq!(all.on_both_flanks, 98);
         all.torque.expect("all balls")

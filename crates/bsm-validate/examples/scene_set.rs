@@ -53,9 +53,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let problem = scene.problem(&Model::Traction.into())?;
         let Problem::Traction(case) = &problem else { unreachable!("the model was fixed") };
-        let speed = case.screw.drive.relative_speed();
-        let (ball, radius) = (&case.screw.ball, case.screw.helix.radius);
-        if ball.mass * radius * speed * speed > 3.0 * case.screw.load.per_ball() {
+        let speed = case.at.point.drive.relative_speed();
+        let (ball, radius) = (&case.at.point.ball, case.at.point.helix.radius);
+        if ball.mass * radius * speed * speed > 3.0 * case.at.point.load.per_ball() {
             continue;
         }
         let solution = problem.solve(&mut work);

@@ -239,11 +239,11 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
     let (a, b) = ball.nut.pressed.ok_or("no ellipse")?.semi_axes;
     let angle = ball.nut.angle;
     let (frame, ball) =
-        (BallFrame::turned(case.screw.helix.lead_angle, 0.0), case.screw.ball.radius);
+        (BallFrame::turned(case.at.point.helix.lead_angle, 0.0), case.at.point.ball.radius);
     let contact = Contact::new(Site::Nut, angle, &frame);
-    let motion = motion.relative_to(case.screw.drive.nut_speed, &frame);
-    let arc = case.screw.helix.arc_length_per_radian();
-    let pressed = bsm_dyn::pressed_radius(case.screw.conformity.0, ball);
+    let motion = motion.relative_to(case.at.point.drive.nut_speed, &frame);
+    let arc = case.at.point.helix.arc_length_per_radian();
+    let pressed = bsm_dyn::pressed_radius(case.at.conformity.0, ball);
     let slip = |x: f64, y: f64| {
         let point = contact.normal * (x * x / (2.0 * pressed) - ball)
             + contact.across * x

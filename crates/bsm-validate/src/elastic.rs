@@ -63,7 +63,7 @@ fn hertz(lin: &Scene, published: &Published) -> Result<Vec<Check>, ValidateError
     let Problem::Elastic(case) = lin.problem(&Model::Elastic.into())? else {
         unreachable!("the model was fixed")
     };
-    let Ok([nut, screw]) = case.screw.hertz() else { unreachable!("the grooves have ellipses") };
+    let Ok([nut, screw]) = case.at.hertz() else { unreachable!("the grooves have ellipses") };
     let read = |contact: &Hertz, quantity: &str| match quantity {
         "ratio" => contact.ratio(),
         "stiffness_N_m15" => contact.stiffness(),

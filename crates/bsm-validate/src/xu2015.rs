@@ -56,7 +56,7 @@ fn case(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
         unreachable!("the model was fixed")
     };
     let (helix, radius, drive) =
-        (problem.screw.helix, problem.screw.ball.radius, problem.screw.drive);
+        (problem.at.point.helix, problem.at.point.ball.radius, problem.at.point.drive);
     let angles = [50.0_f64, 40.0].map(f64::to_radians);
     let ball = SteadyBall::rolling(Control::Nut, helix, radius, drive, angles);
     // Eqs 1 and 2 as printed; the nut stands.
@@ -94,7 +94,7 @@ fn case(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
     let length = 2.0 * radius * offsets;
     let displacement =
         solution.solved().and_then(|s| s.ball.axial_displacement).unwrap_or(f64::NAN);
-    let (sin, cos) = problem.screw.contact_angle.sin_cos();
+    let (sin, cos) = problem.at.point.contact_angle.sin_cos();
     let off = [radial - length * cos, axial - length * sin - displacement]
         .map(|x| x.abs() / length)
         .into_iter()
@@ -160,7 +160,8 @@ fn field(scene: &Scene) -> Result<[Check; 2], ValidateError> {
     if let (Some(motion), Ok(bsm_dyn::Problem::Traction(case))) =
         (solution.solved().and_then(|solved| solved.ball.motion), scene.problem(&settings))
     {
-        let (helix, radius, drive) = (case.screw.helix, case.screw.ball.radius, case.screw.drive);
+        let (helix, radius, drive) =
+            (case.at.point.helix, case.at.point.ball.radius, case.at.point.drive);
         let ball = SteadyBall { helix, radius, drive, motion };
         for (i, site) in [Site::Nut, Site::Screw].into_iter().enumerate() {
             let state = solution.contact(site);

@@ -303,7 +303,7 @@ mod tests {
         for number in 0..1000 {
             let mut screw = extreme(&mut rng);
             if let Some(angle) = [5e-324, 1.7e-309, 1e-150, 1e-17].get(number % 8) {
-                screw.contact_angle = *angle;
+                screw.point.contact_angle = *angle;
             }
             let Ok(pair) = screw.scaled() else { continue };
             let mut curve = Curve { forces: Forces::new(&pair), steps: 0 };

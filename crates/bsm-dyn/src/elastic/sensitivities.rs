@@ -15,8 +15,8 @@ impl<const M: usize> Elastic<Jet<M>> {
         &self,
         ElasticWorkspace(newton): &mut ElasticWorkspace,
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
-        self.screw.require_friction()?;
-        let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
+        self.at.point.require_friction()?;
+        let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
         let (root, ..) = find(&point, newton)?;
         told_by_inertia(slowness(&point, &root), |factor| {
             let (inputs, point) = (inputs.with_inertia(factor), point.with_inertia(factor));
@@ -25,7 +25,7 @@ impl<const M: usize> Elastic<Jet<M>> {
             let residual = |y: &_| Saturated(&inputs).residual(y);
             let y = moving_root(&Saturated(&point), &root, &weights, residual, newton)?;
             let state = Saturated(&inputs).state(&y).map_err(refused)?;
-            Ok(self.screw.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
+            Ok(self.at.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
         })
     }
 }

@@ -78,7 +78,7 @@ struct Tally {
     denied: usize,
     found: usize,
     seen: usize,
-    refuted: Vec<(ElasticScrew, Reason, [f64; BALL])>,
+    refuted: Vec<(ElasticPoint, Reason, [f64; BALL])>,
 }
 
 /// Searches at as many denials and as many roots.
@@ -213,10 +213,10 @@ fn nut_and_screw_that_turn_together_are_not_denied() {
     let mut converged = 0;
     for _ in 0..1000 {
         let mut screw = extreme(&mut rng);
-        let speed = screw.drive.relative_speed();
+        let speed = screw.point.drive.relative_speed();
         let apart = rng.log_uniform(1e-12, 0.1);
-        screw.drive = bsm_kin::Drive { screw_speed: speed, nut_speed: speed * (1.0 - apart) };
-        let solution = Elastic { screw }.solve(&mut work);
+        screw.point.drive = bsm_kin::Drive { screw_speed: speed, nut_speed: speed * (1.0 - apart) };
+        let solution = Elastic { at: screw }.solve(&mut work);
         converged += usize::from(solution.status() == Status::Converged);
         if let Some(Reason::NoSkidAtInertia { inertia, least, most }) = solution.reason() {
             assert!(!(least..=most).contains(&inertia), "{inertia} {least} {most} {screw:?}");

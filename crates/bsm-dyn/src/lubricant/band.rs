@@ -59,8 +59,9 @@ impl Lubricated {
         losses.sort_by(f64::total_cmp);
         let places = losses.len().checked_sub(1).filter(|last| 2 * last > DRAWS as usize)?;
         let [low, high] = [places / 20, places - places / 20].map(|i| losses[i] / nominal);
-        let speed = self.screw().drive.relative_speed();
-        let (torque, ideal) = (solved.transmission.screw_torque?, self.screw().ideal_torque());
+        let speed = self.screw().point.drive.relative_speed();
+        let (torque, ideal) =
+            (solved.transmission.screw_torque?, self.screw().point.ideal_torque());
         let contacts = (film.sliding_power + film.rolling_power) / speed;
         let direction = Direction::of(speed)?;
         let torques = [low, high].map(|ratio| torque + (ratio - 1.0) * contacts);
@@ -103,7 +104,7 @@ impl Lubricated {
         lubricant.oil.limiting_shear = limiting_shear * factor(5);
         let alpha = lubricant.oil.at(kelvin).pressure_viscosity;
         lubricant.oil.pressure_viscosity = Some(alpha * factor(7));
-        let case = RacewayControl { screw, control: None };
+        let case = RacewayControl { at: screw, control: None };
         Self {
             lubricant,
             model: LubricatedModel::RacewayControl(case, RacewayFriction::PerContact),

@@ -8,7 +8,7 @@ use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar};
 use nalgebra::Vector3;
 
 use super::{Lubricant, MixedFriction, WarmOil};
-use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
+use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded};
 use crate::ellipse::{Lanes, Local, Nodes};
 use crate::hertz::contact_modulus;
 use crate::{FrictionLaw, Unsolved, Wrench};
@@ -74,7 +74,7 @@ pub(crate) struct Film<D> {
 impl<P: Scalar> Wetted<P> {
     /// A point with its oil at a temperature \[K\].
     pub(crate) fn new(
-        screw: &ElasticScrew<P>,
+        screw: &ElasticPoint<P>,
         lubricant: &Lubricant<P>,
         temperature: P,
     ) -> Result<Self, Unsolved> {
@@ -90,15 +90,15 @@ impl<P: Scalar> Wetted<P> {
                 / (curvatures[i].across / curvatures[i].along + 1.0),
             roughness: (ball.square() + race.square()).sqrt(),
         });
-        let relative = screw.drive.relative_speed();
+        let relative = screw.point.drive.relative_speed();
         Ok(Self {
             lubricant: *lubricant,
             oil: lubricant.oil.at(temperature),
             modulus: contact_modulus(&screw.material.0, &screw.material.1) * 2.0,
             gaps,
-            load: screw.load.per_ball(),
-            speed: screw.ball.radius * relative * relative.re().signum(),
-            length: screw.ball.radius,
+            load: screw.point.load.per_ball(),
+            speed: screw.point.ball.radius * relative * relative.re().signum(),
+            length: screw.point.ball.radius,
         })
     }
 

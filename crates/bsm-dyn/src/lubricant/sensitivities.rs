@@ -80,8 +80,8 @@ impl<const M: usize> Lubricated<Jet<M>> {
     fn values(&self) -> Lubricated {
         let model = match &self.model {
             LubricatedModel::RacewayControl(case, friction) => {
-                let (screw, control) = (case.screw.values(), case.control);
-                LubricatedModel::RacewayControl(RacewayControl { screw, control }, *friction)
+                let (screw, control) = (case.at.values(), case.control);
+                LubricatedModel::RacewayControl(RacewayControl { at: screw, control }, *friction)
             }
             LubricatedModel::Traction(case) => LubricatedModel::Traction(case.values()),
         };
@@ -110,7 +110,7 @@ impl<const M: usize> Lubricated<Jet<M>> {
             }
         };
         let outside = self.outside(&pair, &steady);
-        let (ideal, speed) = (screw.ideal_torque(), screw.drive.relative_speed());
+        let (ideal, speed) = (screw.point.ideal_torque(), screw.point.drive.relative_speed());
         let torque = steady.torque + outside.total() / speed;
         let efficiency = efficiency(pair.direction, ideal, torque);
         let transmitted = Transmitted { efficiency, screw_torque: Some(torque) };

@@ -6,7 +6,7 @@ use bsm_kin::{Motion, Scalar};
 
 use super::losses::Circling;
 use super::{ContactFilm, FilmState, Lubricant, OutsidePower, Rub, Temperature, Wetted};
-use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
+use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded, to_both};
 use crate::ellipse::{Lanes, Local, Nodes, Quadrature};
 use crate::{
     Direction, Model, ModelWorkspace, RaceControl, RacewayControl, Reason, SkidNumbers, Solution,
@@ -108,7 +108,7 @@ impl Wetted {
         to_nut: &Motion<f64>,
         creep: f64,
     ) -> f64 {
-        let motions = pair.relative(to_nut, &loaded.frame);
+        let motions = to_both(to_nut, &loaded.frame);
         let [nut, screw] = [0, 1].map(|i| {
             let at = (&loaded.contacts[i], loaded.loads[i]);
             self.film(i, at, &motions[i], &loaded.frame, (pair.arc, creep)).law.most()
@@ -125,7 +125,7 @@ pub(crate) fn unit_powers<P: Scalar, D: Lanes<P>>(
     creep: f64,
     nodes: [Nodes<'_>; 2],
 ) -> [D; 2] {
-    let motions = pair.relative(to_nut, &loaded.frame);
+    let motions = to_both(to_nut, &loaded.frame);
     std::array::from_fn(|i| {
         let local = Local::of(&motions[i], &loaded.contacts[i], D::from(pair.arc));
         let power = D::power(&pair.ellipse(i, loaded), &local, creep, nodes[i]);
@@ -148,7 +148,7 @@ impl RacewayFriction {
         (loaded, to_nut): (&Loaded<D>, &Motion<D>),
         nodes: Nodes<'_>,
     ) -> ([D; 2], [Rub<D>; 2]) {
-        let (motions, creep) = (pair.relative(to_nut, &loaded.frame), RacewayControl::CREEP);
+        let (motions, creep) = (to_both(to_nut, &loaded.frame), RacewayControl::CREEP);
         let unit = unit_powers(pair, loaded, to_nut, creep, [nodes; 2]);
         let rubs = std::array::from_fn(|i| {
             let motion = &motions[i];
@@ -163,27 +163,27 @@ impl RacewayFriction {
 
 impl<D: Scalar> Lubricated<D> {
     /// The screw.
-    pub(crate) fn screw(&self) -> &ElasticScrew<D> {
+    pub(crate) fn screw(&self) -> &ElasticPoint<D> {
         match &self.model {
-            LubricatedModel::RacewayControl(case, _) => &case.screw,
-            LubricatedModel::Traction(case) => &case.screw,
+            LubricatedModel::RacewayControl(case, _) => &case.at,
+            LubricatedModel::Traction(case) => &case.at,
         }
     }
 
     /// Powers lost outside the contacts \[W\].
     pub(super) fn outside(&self, pair: &ElasticBall<D>, steady: &Steady<D>) -> OutsidePower<D> {
         let screw = self.screw();
-        let speed = screw.drive.relative_speed();
+        let speed = screw.point.drive.relative_speed();
         let motion = pair.absolute(&steady.to_nut, &steady.loaded.frame);
         let ball = Circling {
             motion: Motion { precession: motion.precession * speed, omega: motion.omega * speed },
             frame: steady.loaded.frame,
-            nut_speed: screw.drive.nut_speed,
+            nut_speed: screw.point.drive.nut_speed,
             relative_speed: speed,
-            radius: screw.ball.radius,
-            mass: screw.ball.mass,
-            helix: screw.helix,
-            balls: screw.load.balls,
+            radius: screw.point.ball.radius,
+            mass: screw.point.ball.mass,
+            helix: screw.point.helix,
+            balls: screw.point.load.balls,
         };
         self.lubricant.losses.power(&ball, self.lubricant.oil.density)
     }
@@ -276,15 +276,15 @@ impl Lubricated {
     fn told(&self, wetted: &Wetted, found: &Found) -> Result<Solved, Unsolved> {
         let (screw, Found { pair, steady, .. }) = (self.screw(), found);
         let Steady { loaded, to_nut, rubs, torque } = steady;
-        let speed = screw.drive.relative_speed();
+        let speed = screw.point.drive.relative_speed();
         let outside = self.outside(pair, steady);
         let ball = screw.ball_state(pair, loaded, to_nut)?;
         // T = Z T_ball + Σ P/W                                            (Y27)
         let torque = torque + outside.total() / speed;
-        let ideal = screw.ideal_torque();
+        let ideal = screw.point.ideal_torque();
         let transmission = Transmission::of(pair.direction, ideal, torque, speed);
         // Scaled powers in watts, of all balls.
-        let unit = screw.ball.radius * screw.load.axial * speed;
+        let unit = screw.point.ball.radius * screw.point.load.axial * speed;
         let [sliding_power, rolling_power] =
             [rubs.map(|rub| rub.sliding), rubs.map(|rub| rub.rolling)]
                 .map(|[nut, screw]| (nut + screw) * unit);
@@ -308,7 +308,7 @@ impl Lubricated {
         let of_one: f64 = found.unit.iter().sum::<f64>() * unit;
         let heating = [0, 1].map(|i| {
             let (a, b) = pair.hertz[i].semi_axes(loaded.loads[i] * wetted.load);
-            let power = rubs[i].sliding * unit / screw.load.balls;
+            let power = rubs[i].sliding * unit / screw.point.load.balls;
             contacts[i].heating(power / (std::f64::consts::PI * a * b), b, self.conductivity())
         });
         let film = FilmState {
@@ -325,7 +325,7 @@ impl Lubricated {
             equivalent_friction: (sliding_power + rolling_power) / of_one,
             catalogue_friction: catalogue_friction(
                 pair.direction,
-                screw.helix.lead_angle,
+                screw.point.helix.lead_angle,
                 transmission.efficiency,
             ),
         };

@@ -6,22 +6,27 @@ use approx::assert_relative_eq;
 use bsm_kin::{Drive, Helix};
 
 use super::*;
-use crate::{Ball, ElasticScrew, Load, Material, ModelWorkspace, RacewayControl, Solved, Traction};
+use crate::{
+    Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, RacewayControl,
+    Solved, Traction,
+};
 
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
 /// The feed drive of the examples.
-fn feed_drive(rpm: f64, axial: f64) -> ElasticScrew {
+fn feed_drive(rpm: f64, axial: f64) -> ElasticPoint {
     let (radius, lead) = (20.75e-3, 20e-3);
-    ElasticScrew {
-        helix: Helix { radius, lead_angle: f64::atan2(lead, 2.0 * PI * radius) },
-        contact_angle: PI / 4.0,
-        ball: Ball::of_density(3.175e-3, 7800.0),
+    ElasticPoint {
+        point: OperatingPoint {
+            helix: Helix { radius, lead_angle: f64::atan2(lead, 2.0 * PI * radius) },
+            contact_angle: PI / 4.0,
+            ball: Ball::of_density(3.175e-3, 7800.0),
+            friction: Coulomb(f64::NAN),
+            drive: Drive { screw_speed: rpm * PI / 30.0, nut_speed: 0.0 },
+            load: Load { axial, balls: 70.0 },
+        },
         conformity: (0.53, 0.53),
         material: (STEEL, STEEL),
-        friction: f64::NAN,
-        drive: Drive { screw_speed: rpm * PI / 30.0, nut_speed: 0.0 },
-        load: Load { axial, balls: 70.0 },
     }
 }
 
@@ -52,13 +57,16 @@ fn vg_68() -> Lubricant {
     }
 }
 
-fn traction(screw: ElasticScrew) -> LubricatedModel {
+fn traction(screw: ElasticPoint) -> LubricatedModel {
     let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
-    LubricatedModel::Traction(Traction { screw, accuracy, creep })
+    LubricatedModel::Traction(Traction { at: screw, accuracy, creep })
 }
 
-fn rolling(screw: ElasticScrew) -> LubricatedModel {
-    LubricatedModel::RacewayControl(RacewayControl { screw, control: None }, RacewayFriction::Local)
+fn rolling(screw: ElasticPoint) -> LubricatedModel {
+    LubricatedModel::RacewayControl(
+        RacewayControl { at: screw, control: None },
+        RacewayFriction::Local,
+    )
 }
 
 fn solved(lubricant: Lubricant, model: LubricatedModel) -> Solved {
@@ -162,7 +170,14 @@ fn rough_surfaces_are_a_constant_coefficient() {
         let screw = feed_drive(rpm, axial);
         let oiled = solved(lubricant, traction(screw)).transmission.efficiency;
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
-        let dry = Traction { screw: ElasticScrew { friction: 0.12, ..screw }, accuracy, creep };
+        let dry = Traction {
+            at: ElasticPoint {
+                point: OperatingPoint { friction: Coulomb(0.12), ..screw.point },
+                ..screw
+            },
+            accuracy,
+            creep,
+        };
         let dry = dry.solve(&mut crate::TractionWorkspace::default());
         // What the two rules leave in an efficiency.
         assert_relative_eq!(oiled, dry.efficiency().unwrap(), max_relative = 1e-7);
@@ -192,7 +207,10 @@ fn slow_is_boundary_and_smooth_is_film() {
 fn screw_and_nut_drive_lose_the_same() {
     let light = |rpm: f64| {
         let screw = feed_drive(rpm, 8000.0);
-        ElasticScrew { ball: Ball::of_density(3.175e-3, 1e-6), ..screw }
+        ElasticPoint {
+            point: OperatingPoint { ball: Ball::of_density(3.175e-3, 1e-6), ..screw.point },
+            ..screw
+        }
     };
     let lost = |screw| {
         let film = solved(vg_68(), traction(screw)).film.unwrap();
@@ -201,7 +219,10 @@ fn screw_and_nut_drive_lose_the_same() {
     let by_screw = lost(light(1500.0));
     let drive = Drive { screw_speed: 0.0, nut_speed: -50.0 * PI };
     assert_relative_eq!(
-        lost(ElasticScrew { drive, ..light(1500.0) }),
+        lost(ElasticPoint {
+            point: OperatingPoint { drive, ..light(1500.0).point },
+            ..light(1500.0)
+        }),
         by_screw,
         max_relative = 1e-6
     );
@@ -257,7 +278,7 @@ fn one_coefficient_errs_by_a_few_per_cent() {
     {
         let screw = feed_drive(rpm, axial);
         let fast = LubricatedModel::RacewayControl(
-            RacewayControl { screw, control: None },
+            RacewayControl { at: screw, control: None },
             RacewayFriction::PerContact,
         );
         let [local, fast] = [rolling(screw), fast].map(|model| {
@@ -286,13 +307,16 @@ fn unsolved(seed: u64, points: u64) -> u64 {
         let helix =
             Helix { radius: radius * part(4.0, 10.0), lead_angle: part(2.0, 22.0).to_radians() };
         let conformity = part(0.515, 0.56);
-        let screw = ElasticScrew {
-            helix,
-            contact_angle: part(30.0, 60.0).to_radians(),
-            ball: Ball::of_density(radius, 7800.0),
+        let screw = ElasticPoint {
+            point: OperatingPoint {
+                helix,
+                contact_angle: part(30.0, 60.0).to_radians(),
+                ball: Ball::of_density(radius, 7800.0),
+                drive: Drive { screw_speed: speed * PI / 30.0, nut_speed: 0.0 },
+                load: Load { axial: per_ball * 50.0, balls: 50.0 },
+                ..feed_drive(1.0, 1.0).point
+            },
             conformity: (conformity, conformity),
-            drive: Drive { screw_speed: speed * PI / 30.0, nut_speed: 0.0 },
-            load: Load { axial: per_ball * 50.0, balls: 50.0 },
             ..feed_drive(1.0, 1.0)
         };
         let rough = part(0.05e-6, 0.5e-6);

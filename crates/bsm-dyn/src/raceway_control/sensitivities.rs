@@ -24,14 +24,14 @@ impl<const M: usize> RacewayControl<Jet<M>> {
         let (inputs, loaded, to_nut) = self.moving(newton)?;
         let (creep, nodes) = (RacewayControl::<f64>::CREEP, [Nodes::from(&*quadrature); 2]);
         let power = inputs.friction_power(&loaded, &to_nut, creep, nodes);
-        let (ideal, torque) = self.screw.rolling_torques(power);
+        let (ideal, torque) = self.at.rolling_torques(power);
         let efficiency = efficiency(inputs.direction, ideal, torque);
         Ok(Transmitted { efficiency, screw_torque: Some(torque) })
     }
 
     /// The point, and contacts and motion of the ball, with their derivatives.
     fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<Moving<Jet<M>>, Unsolved> {
-        let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
+        let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
         let Grip { control, unknowns, .. } = Grip::of(&point, self.control, newton)?;
         let system = Balance::new(&point, control);
         let equations = Balance::new(&inputs, control);

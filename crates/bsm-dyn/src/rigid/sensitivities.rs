@@ -21,7 +21,7 @@ impl<const M: usize> Rigid<Jet<M>> {
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
         let inputs = self.scaled()?;
         let start = FirstOrder::of(&inputs.map(|x| x.re));
-        told_by_inertia(SLOW * self.friction.re / start.size, |factor| {
+        told_by_inertia(SLOW * self.point.friction.0.re / start.size, |factor| {
             let inputs = inputs.with_inertia(factor);
             let point = inputs.map(|x| x.re);
             let root = root::find(&point, work)?;

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use approx::assert_relative_eq;
-use bsm_kin::{BallFrame, Motion};
+use bsm_kin::{BallFrame, Drive, Helix, Motion};
 use bsm_newton::{Options, Scales, solve};
 use bsm_sample::Sample;
 use nalgebra::{Matrix4, Vector3, Vector4};
@@ -16,7 +16,7 @@ use super::root::MODERATE_INERTIA;
 use super::*;
 use crate::equations::Workspace;
 use crate::extreme::extreme;
-use crate::{ElasticScrew, Status};
+use crate::{Ball, Coulomb, Load, Status};
 
 /// Directions of slip that are tried at one point, and Newton solves among them.
 const DIRECTIONS: usize = 20_000;
@@ -26,9 +26,8 @@ const STARTS: usize = 200;
 const DENIED: usize = 100;
 
 /// A screw of the ranges of the extremes.
-fn screw(rng: &mut impl Rng) -> Rigid {
-    let ElasticScrew { helix, contact_angle, ball, friction, drive, load, .. } = extreme(rng);
-    Rigid { helix, contact_angle, ball, friction, drive, load }
+fn screw(rng: &mut impl Rng) -> OperatingPoint {
+    extreme(rng).point
 }
 
 /// A start from random directions of slip at A, A' and B: the loads and the rate follow from the force
@@ -76,7 +75,7 @@ fn start(case: &Scaled<f64>, rng: &mut impl Rng) -> Option<(Unknowns<f64>, bool)
 
 /// Admissible roots from random starts, at most so many.
 fn many_starts(
-    (rigid, case): (&Rigid, &Scaled<f64>),
+    (rigid, case): (&OperatingPoint, &Scaled<f64>),
     most: usize,
     rng: &mut impl Rng,
     newton: &mut Workspace,
@@ -97,7 +96,8 @@ fn many_starts(
                 // The root at infinity does not balance the powers.
                 let residual = report.residual;
                 let root = Root { unknowns: y, from_ground, steps: 0, residual, others: None };
-                let imbalance = rigid.solved(&case, &root).transmission.power_balance;
+                let imbalance =
+                    Rigid { point: *rigid }.solved(&case, &root).transmission.power_balance;
                 let balances = imbalance.is_some_and(|x| x.abs() < 1e-6);
                 if balances && !found.iter().any(|other| other.is_near(&root)) {
                     found.push(root);
@@ -122,7 +122,7 @@ fn many_starts_find_no_root_where_one_is_denied() {
     let mut refuted = Vec::new();
     while denied < DENIED {
         let rigid = screw(&mut rng);
-        let Ok(case) = rigid.scaled() else { continue };
+        let Ok(case) = Rigid { point: rigid }.scaled() else { continue };
         let answer = root::find(&case, &mut work);
         // Without inertia the first order is a proof.
         if case.inertia_ratio() < 1e-3 * case.friction() {
@@ -148,16 +148,16 @@ fn many_starts_find_no_root_where_one_is_denied() {
 
 /// A screw of the ranges of practice and somewhat beyond: pitch circles of 8 to 120 mm, screw drive, nut
 /// drive or both, 10 to 10 000 rpm both ways, 1 N to 10 kN a ball.
-fn practical(rng: &mut impl Rng) -> Rigid {
+fn practical(rng: &mut impl Rng) -> OperatingPoint {
     let radius = rng.random_range(4e-3..60e-3);
     let rpm = rng.log_uniform(10.0, 1e4);
     let speed = if rng.random_bool(0.5) { rpm } else { -rpm } * PI / 30.0;
     let nut = [0.0, -1.0, rng.random_range(-1.0..1.0)][rng.random_range(0..3)];
-    Rigid {
+    OperatingPoint {
         helix: Helix { radius, lead_angle: rng.random_range(2.0_f64..45.0).to_radians() },
         contact_angle: rng.random_range(30.0_f64..75.0).to_radians(),
         ball: Ball::of_density(radius * rng.random_range(0.07..0.3), 7800.0),
-        friction: rng.log_uniform(3e-3, 0.2),
+        friction: Coulomb(rng.log_uniform(3e-3, 0.2)),
         drive: Drive { screw_speed: speed * (1.0 + nut), nut_speed: speed * nut },
         load: Load { axial: rng.log_uniform(1.0, 1e4), balls: 1.0 },
     }
@@ -173,7 +173,7 @@ fn many_starts_find_few_roots_that_are_not_known() {
     let (mut points, mut known, mut seen, mut missed) = ([0; 2], 0, 0, Vec::new());
     while points.iter().sum::<usize>() < 2 * POINTS {
         let rigid = practical(&mut rng);
-        let Ok(case) = rigid.scaled() else { continue };
+        let Ok(case) = Rigid { point: rigid }.scaled() else { continue };
         let first = FirstOrder::of(&case);
         if first.size < 10.0 * case.friction() {
             continue;
@@ -221,12 +221,13 @@ fn second_roots_counted() {
 fn count_second_roots(counts: [usize; 2]) {
     let mut rng = ChaCha8Rng::seed_from_u64(45);
     let mut work = RigidWorkspace::default();
-    let draws = [("practice", practical as fn(&mut ChaCha8Rng) -> Rigid), ("extremes", screw)];
+    let draws =
+        [("practice", practical as fn(&mut ChaCha8Rng) -> OperatingPoint), ("extremes", screw)];
     for ((name, draw), count) in draws.into_iter().zip(counts) {
         let (mut tried, mut several, mut below, mut least) = (0, 0, 0, f64::INFINITY);
         while tried < count {
             let rigid = draw(&mut rng);
-            let Ok(case) = rigid.scaled() else { continue };
+            let Ok(case) = Rigid { point: rigid }.scaled() else { continue };
             let start = FirstOrder::of(&case);
             // Below, rounding decides about loads.
             if start.size < 1e-3 * case.friction() {
@@ -259,16 +260,16 @@ fn count_second_roots(counts: [usize; 2]) {
 }
 
 /// The sweep over the contact angle of the audit, at strong inertia.
-fn stepping(contact_angle_deg: f64) -> Rigid {
+fn stepping(contact_angle_deg: f64) -> OperatingPoint {
     let rpm = PI / 30.0;
-    Rigid {
+    OperatingPoint {
         helix: Helix {
             radius: 0.5 * 96.970_829_287_513_72e-3,
             lead_angle: 21.833_579_108_750_985_f64.to_radians(),
         },
         contact_angle: contact_angle_deg.to_radians(),
         ball: Ball::of_density(0.5 * 22.510_703_287_064_903e-3, 7800.0),
-        friction: 0.026_685_642_355_053_593,
+        friction: Coulomb(0.026_685_642_355_053_593),
         drive: Drive {
             screw_speed: 591.824_023_668_092 * rpm,
             nut_speed: -987.429_642_734_032_8 * rpm,
@@ -278,7 +279,8 @@ fn stepping(contact_angle_deg: f64) -> Rigid {
 }
 
 /// Of these roots, those whose powers balance.
-fn balanced(rigid: &Rigid, case: &Scaled<f64>, roots: &[Root]) -> usize {
+fn balanced(rigid: &OperatingPoint, case: &Scaled<f64>, roots: &[Root]) -> usize {
+    let rigid = Rigid { point: *rigid };
     roots.iter().filter(|r| rigid.balanced(&case.counted(r.from_ground), r).is_ok()).count()
 }
 
@@ -288,7 +290,7 @@ fn balanced(rigid: &Rigid, case: &Scaled<f64>, roots: &[Root]) -> usize {
 fn a_step_of_the_efficiency_is_told_by_the_other_solution() {
     let mut work = RigidWorkspace::default();
     let told = |angle: f64, work: &mut _| {
-        let solved = stepping(angle).solve(work).answer.expect("a root");
+        let solved = Rigid { point: stepping(angle) }.solve(work).answer.expect("a root");
         let others = solved.others.expect("a search");
         (solved.transmission.efficiency, others.count, others.farthest_efficiency)
     };
@@ -319,7 +321,8 @@ fn an_arc_of_its_own_is_not_denied() {
         [0.0, -27.856_407_067_407_805],
         6.527_150_674_132_145,
     );
-    let (case, mut work) = (rigid.scaled().expect("in the domain"), RigidWorkspace::default());
+    let (case, mut work) =
+        (Rigid { point: rigid }.scaled().expect("in the domain"), RigidWorkspace::default());
     let start = FirstOrder::of(&case);
     let met = root::Met::of(&case, &start, &mut work);
     assert_eq!(balanced(&rigid, &case, &met.roots), 2);
@@ -327,7 +330,7 @@ fn an_arc_of_its_own_is_not_denied() {
     assert!(slip_angle.cos() < -0.99, "{slip_angle}");
     // Nobody looks there: unknown is not none.
     assert!((UNIQUE_BELOW..SEARCHED_FROM).contains(&start.crowding(case.friction())));
-    assert_eq!(rigid.solve(&mut work).answer.expect("a root").others, None);
+    assert_eq!(Rigid { point: rigid }.solve(&mut work).answer.expect("a root").others, None);
 }
 
 /// Every state of the curve is a root of the seven equations of the inertia that it belongs to.
@@ -337,7 +340,7 @@ fn the_reduction_solves_the_equations() {
     let mut tried = 0;
     while tried < 1000 {
         let rigid = screw(&mut rng);
-        let Ok(case) = rigid.scaled() else { continue };
+        let Ok(case) = Rigid { point: rigid }.scaled() else { continue };
         let curve = Curve::of(&case);
         let turn = rng.random_range(-3.0..3.0_f64) * rng.log_uniform(1e-3, 1.0);
         for point in curve.sample(turn).sheets.into_iter().flatten() {
@@ -366,7 +369,7 @@ fn newton_and_the_search_find_the_same_root() {
     let mut work = RigidWorkspace::default();
     let mut tried = 0;
     while tried < 1000 {
-        let Ok(case) = screw(&mut rng).scaled() else { continue };
+        let Ok(case) = Rigid { point: screw(&mut rng) }.scaled() else { continue };
         let start = FirstOrder::of(&case);
         if start.size < MODERATE_INERTIA * case.friction() {
             continue;
@@ -394,20 +397,21 @@ fn at(
     friction: f64,
     [screw_speed, nut_speed]: [f64; 2],
     axial: f64,
-) -> Rigid {
-    Rigid {
+) -> OperatingPoint {
+    OperatingPoint {
         helix: Helix { radius, lead_angle },
         contact_angle,
         ball: Ball { radius: ball, mass },
-        friction,
+        friction: Coulomb(friction),
         drive: Drive { screw_speed, nut_speed },
         load: Load { axial, balls: 1.0 },
     }
 }
 
 /// The root, which must balance the powers.
-fn solved(rigid: &Rigid) -> RigidRoot {
+fn solved(rigid: &OperatingPoint) -> RigidRoot {
     let mut work = RigidWorkspace::default();
+    let rigid = Rigid { point: *rigid };
     let solution = rigid.solve(&mut work);
     assert_eq!(solution.status(), Status::Converged, "{rigid:?} {:?}", solution.reason());
     rigid.root(&mut work).expect("it converged")
@@ -423,7 +427,7 @@ fn roots_far_from_the_first_order_are_found() {
         [-0.037_968_384_84, 0.0],
         0.001_652_936_937,
     );
-    assert!(screw.first_order().expect("friction").margin < 0.0);
+    assert!(Rigid { point: screw }.first_order().expect("friction").margin < 0.0);
     // Loads of the search, seen from random starts too.
     assert_relative_eq!(solved(&screw).minor_load, 3.208_358_8, max_relative = 1e-6);
     let calm = at(
@@ -433,7 +437,7 @@ fn roots_far_from_the_first_order_are_found() {
         [-5_056.834_461, 0.0],
         122.066_740_4,
     );
-    assert!(calm.first_order().expect("friction").margin < 0.0);
+    assert!(Rigid { point: calm }.first_order().expect("friction").margin < 0.0);
     assert_relative_eq!(solved(&calm).minor_load, 0.065_903_58, max_relative = 1e-6);
 }
 
@@ -450,7 +454,7 @@ fn large_loads_do_not_eat_the_minor_one() {
             [screw_speed, -360.684_3].map(|rpm| rpm * PI / 30.0),
             14_065.66,
         );
-        let first = screw.first_order().expect("friction");
+        let first = Rigid { point: screw }.first_order().expect("friction");
         let root = solved(&screw);
         assert!(root.nut_load > 1e5, "{root:?}");
         // Error of the first order: 2e5 times ι/f, 2e-2 here.
@@ -485,8 +489,8 @@ fn a_ball_that_hardly_circles_keeps_its_digits() {
         [4_947.433_489, -2_687.953_720],
         8.922_003_487e-6,
     );
-    let case = rigid.scaled().expect("in the domain");
-    let (_, root) = rigid.find(&mut RigidWorkspace::default()).expect("a root");
+    let case = Rigid { point: rigid }.scaled().expect("in the domain");
+    let (_, root) = Rigid { point: rigid }.find(&mut RigidWorkspace::default()).expect("a root");
     let (p, rate) = case.counted(root.from_ground).rates(&root.unknowns);
     assert!(root.from_ground && rate.abs() < 1e-5 * p, "{p} {rate}");
     solved(&rigid);
@@ -522,13 +526,13 @@ fn the_nearest_inertia_has_a_root() {
     let mut named = 0;
     while named < 50 {
         let rigid = screw(&mut rng);
-        let solution = rigid.solve(&mut work);
+        let solution = Rigid { point: rigid }.solve(&mut work);
         let Some(Reason::NoRootAtInertia { inertia_ratio, nearest }) = solution.reason() else {
             continue;
         };
         named += 1;
         let axial = rigid.load.axial * inertia_ratio / nearest;
-        solved(&Rigid { load: Load { axial, ..rigid.load }, ..rigid });
+        solved(&OperatingPoint { load: Load { axial, ..rigid.load }, ..rigid });
     }
 }
 

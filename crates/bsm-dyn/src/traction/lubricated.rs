@@ -11,7 +11,7 @@ use super::{Plan, TractionWorkspace};
 use crate::ball_unknowns::unknown::PRECESSION;
 use crate::ball_unknowns::{BALL, ROWS};
 use crate::continuation::{Stride, follow};
-use crate::elastic_ball::{ElasticBall, refused};
+use crate::elastic_ball::{ElasticBall, refused, to_both};
 use crate::ellipse::Lanes;
 use crate::equations::{Workspace, equations};
 use crate::lubricant::{Found, LubricatedWorkspace, Rub, Steady, Wetted, unit_powers};
@@ -35,7 +35,7 @@ impl<P: Scalar> Wet<'_, P> {
         let Self { ball, wetted, part } = self;
         let (pair, loaded) = (ball.pair, ball.loaded(y)?);
         let to_nut = ball.motion_to_nut(y, &loaded);
-        let motions = pair.relative(&to_nut, &loaded.frame);
+        let motions = to_both(&to_nut, &loaded.frame);
         let rubs = std::array::from_fn(|i| {
             wetted.rub(i, (pair, &loaded), &motions[i], ball.creep, ball.nodes(i))
         });
@@ -154,7 +154,7 @@ impl Traction {
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
     ) -> Result<Place, Unsolved> {
-        let pair = self.screw.scaled()?;
+        let pair = self.at.scaled()?;
         let grip = Grip::of(&pair, None, &mut work.statics);
         let Start { grip, .. } = Start::new(&pair, grip.ok().as_ref())?;
         let creep = self.creep * pair.slip_scale();
@@ -198,7 +198,7 @@ impl Traction {
         let (State { loaded, to_nut, wrench, .. }, rubs) =
             Wet { ball, wetted, part: 1.0 }.state(&root.unknowns).map_err(refused)?;
         let unit = unit_powers(&pair, &loaded, &to_nut, creep, [0, 1].map(|i| ball.nodes(i)));
-        let torque = self.screw.screw_torque(&pair, &loaded.frame, &wrench[1]);
+        let torque = self.at.screw_torque(&pair, &loaded.frame, &wrench[1]);
         let info = SolveInfo { steps, residual: root.residual };
         let steady = Steady { loaded, to_nut, rubs, torque };
         Ok(Found { skid: grip.skid(&pair), pair, steady, unit, info, control: None })
@@ -208,8 +208,8 @@ impl Traction {
 impl<const M: usize> Traction<Jet<M>> {
     /// The same without derivatives.
     pub(crate) fn values(&self) -> Traction {
-        let Self { screw, accuracy, creep } = *self;
-        Traction { screw: screw.values(), accuracy, creep }
+        let Self { at, accuracy, creep } = *self;
+        Traction { at: at.values(), accuracy, creep }
     }
 
     /// The steady ball with a lubricant, with derivatives, and the point.
@@ -221,7 +221,7 @@ impl<const M: usize> Traction<Jet<M>> {
         values: &Wetted,
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
     ) -> Result<(ElasticBall<Jet<M>>, Steady<Jet<M>>), Unsolved> {
-        let inputs = self.screw.scaled()?;
+        let inputs = self.at.scaled()?;
         let Place { pair, root, plans, .. } =
             self.values().wet_root(values, traction, lubricated)?;
         let creep = self.creep * pair.slip_scale();
@@ -239,7 +239,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let weights = ball.weights(&root.unknowns);
         let y = moving_root(&system, &root.unknowns, &weights, residual, newton)?;
         let (State { loaded, to_nut, wrench, .. }, rubs) = moving.state(&y).map_err(refused)?;
-        let torque = self.screw.screw_torque(&inputs, &loaded.frame, &wrench[1]);
+        let torque = self.at.screw_torque(&inputs, &loaded.frame, &wrench[1]);
         Ok((inputs, Steady { loaded, to_nut, rubs, torque }))
     }
 }

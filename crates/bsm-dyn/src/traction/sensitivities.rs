@@ -17,12 +17,12 @@ impl<const M: usize> Traction<Jet<M>> {
         &self,
         work: &mut TractionWorkspace,
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
-        let screw = self.screw.values();
-        screw.require_friction()?;
-        let pair = screw.scaled()?;
+        let at = self.at.values();
+        at.point.require_friction()?;
+        let pair = at.scaled()?;
         let grip = Grip::of(&pair, None, &mut work.statics);
         let start = Start::new(&pair, grip.ok().as_ref())?;
-        let case = Traction { screw, accuracy: self.accuracy, creep: self.creep };
+        let case = Traction { at, accuracy: self.accuracy, creep: self.creep };
         let root = case.found(&start, None, work)?.root;
         self.sensitivities_at(&root, work)
     }
@@ -33,7 +33,7 @@ impl<const M: usize> Traction<Jet<M>> {
         root: &Root,
         work: &mut TractionWorkspace,
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
-        let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
+        let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
         let place = work.rules(self.accuracy);
         let TractionWorkspace { newton, rules, .. } = work;
         let (quadrature, creep) = (&rules[place].rule, self.creep * point.slip_scale());
@@ -50,6 +50,6 @@ impl<const M: usize> Traction<Jet<M>> {
             newton,
         )?;
         let state = equations.state(&y).map_err(refused)?;
-        Ok(self.screw.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
+        Ok(self.at.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
     }
 }

@@ -12,14 +12,14 @@ use crate::Status;
 use crate::extreme::{extreme, practical};
 
 /// The point of a seed and a number.
-fn point(seed: u64, number: u64) -> ElasticScrew {
+fn point(seed: u64, number: u64) -> ElasticPoint {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
     extreme(&mut rng)
 }
 
-fn solved(screw: ElasticScrew, work: &mut TractionWorkspace) -> Solution {
-    Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP }.solve(work)
+fn solved(screw: ElasticPoint, work: &mut TractionWorkspace) -> Solution {
+    Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP }.solve(work)
 }
 
 /// A random state, of a ball that rolls more or less or hardly circles.
@@ -148,7 +148,7 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         }
         let grip = Grip::of(&pair, None, &mut work.statics);
         let start = Start::new(&pair, grip.ok().as_ref()).unwrap();
-        let case = Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        let case = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let Found { root, ball: found, .. } = case.found(&start, None, &mut work).unwrap();
         let place = work.rules(Traction::ACCURACY);
         let creep = Traction::CREEP * pair.slip_scale();
@@ -177,7 +177,7 @@ fn the_stated_error_covers_what_the_rule_leaves() {
     for _ in 0..1000 {
         let screw = practical(&mut rng);
         let mut solved = |accuracy| {
-            let case = Traction { screw, accuracy, creep: Traction::CREEP };
+            let case = Traction { at: screw, accuracy, creep: Traction::CREEP };
             case.solve(&mut work).answer.ok()
         };
         let Some(exact) = solved(1e-12) else { continue };

@@ -2,7 +2,7 @@
 //! the automatic choice keeps its bounds.
 
 use bsm_dyn::{
-    Auto, Elastic, ElasticScrew, ElasticWorkspace, Model, ModelWorkspace, Reason, Solution, Status,
+    Auto, Elastic, ElasticPoint, ElasticWorkspace, Model, ModelWorkspace, Reason, Solution, Status,
     Traction, TractionWorkspace,
 };
 
@@ -19,8 +19,8 @@ struct Tally {
 }
 
 fn campaign(
-    screws: impl Iterator<Item = ElasticScrew>,
-    mut solve: impl FnMut(ElasticScrew) -> Solution,
+    screws: impl Iterator<Item = ElasticPoint>,
+    mut solve: impl FnMut(ElasticPoint) -> Solution,
 ) -> Tally {
     let mut tally = Tally::default();
     for screw in screws.take(2000) {
@@ -47,7 +47,7 @@ fn campaign(
 fn traction_converges() {
     let mut work = TractionWorkspace::default();
     let mut solve =
-        |screw| Traction { screw, accuracy: 1e-4, creep: Traction::CREEP }.solve(&mut work);
+        |screw| Traction { at: screw, accuracy: 1e-4, creep: Traction::CREEP }.solve(&mut work);
     let tally = campaign(real_screws(2026), &mut solve);
     println!("{tally:?}");
     assert!(tally.converged >= 1999, "{tally:?}");
@@ -62,7 +62,7 @@ fn traction_converges() {
 #[test]
 fn elastic_converges_where_it_has_a_root() {
     let mut work = ElasticWorkspace::default();
-    let tally = campaign(real_screws(2026), |screw| Elastic { screw }.solve(&mut work));
+    let tally = campaign(real_screws(2026), |screw| Elastic { at: screw }.solve(&mut work));
     println!("{tally:?}");
     // Inertia forces of up to thousands of times the load: the largest have no root.
     assert!(tally.ended <= 4 && tally.other == 0, "{tally:?}");
@@ -97,13 +97,13 @@ struct Tried {
     traction: usize,
 }
 
-fn bounds(screws: impl Iterator<Item = ElasticScrew>, tolerance: f64) -> Tried {
+fn bounds(screws: impl Iterator<Item = ElasticPoint>, tolerance: f64) -> Tried {
     let (mut work, mut fine) = (ModelWorkspace::default(), TractionWorkspace::default());
     let mut tried = Tried::default();
     for screw in screws.take(2000) {
-        let exact = Traction { screw, accuracy: 1e-10, creep: 1e-5 }.solve(&mut fine);
+        let exact = Traction { at: screw, accuracy: 1e-10, creep: 1e-5 }.solve(&mut fine);
         let Some(exact) = exact.efficiency() else { continue };
-        let chosen = Auto { screw, tolerance }.solve(&mut work);
+        let chosen = Auto { at: screw, tolerance }.solve(&mut work);
         let solved = chosen.solved().expect("converged");
         let bound = solved.error.expect("a converged choice has a bound").efficiency;
         let error = (solved.transmission.efficiency - exact).abs();

@@ -3,8 +3,9 @@
 use crate::screws::{inertia_ratio, lin, real_screws};
 use approx::assert_relative_eq;
 use bsm_dyn::{
-    Auto, Elastic, ElasticScrew, ElasticWorkspace, ModelWorkspace, RacewayControl,
-    RacewayWorkspace, Reason, Solution, Solved, Status, Traction, TractionWorkspace,
+    Auto, Coulomb, Elastic, ElasticPoint, ElasticWorkspace, ModelWorkspace, OperatingPoint,
+    RacewayControl, RacewayWorkspace, Reason, Solution, Solved, Status, Traction,
+    TractionWorkspace,
 };
 use proptest::prelude::*;
 
@@ -16,13 +17,13 @@ fn onset(solution: &Solution) -> Option<f64> {
     solution.solved()?.skid?.onset_number()
 }
 
-fn traction(screw: ElasticScrew, accuracy: f64, creep: f64) -> Solved {
-    let case = Traction { screw, accuracy, creep };
+fn traction(screw: ElasticPoint, accuracy: f64, creep: f64) -> Solved {
+    let case = Traction { at: screw, accuracy, creep };
     numbers(case.solve(&mut TractionWorkspace::default()))
 }
 
-fn elastic(screw: ElasticScrew) -> Solved {
-    numbers(Elastic { screw }.solve(&mut ElasticWorkspace::default()))
+fn elastic(screw: ElasticPoint) -> Solved {
+    numbers(Elastic { at: screw }.solve(&mut ElasticWorkspace::default()))
 }
 
 /// Loaded angles are all that separates saturated friction on elastic contacts from the closed
@@ -32,9 +33,9 @@ fn elastic_is_the_closed_form_at_the_loaded_angle() {
     for screw in [lin(10.0, 45.0, 2000.0, 2113.0), lin(20.0, 30.0, 2000.0, 200.0)] {
         let o = elastic(screw);
         let loaded = 0.5 * (o.ball.nut.angle + o.ball.screw.angle);
-        let angles = bsm_dyn::Angles { lead: screw.helix.lead_angle, contact: loaded };
+        let angles = bsm_dyn::Angles { lead: screw.point.helix.lead_angle, contact: loaded };
         let direction = bsm_dyn::Direction::RotaryToLinear;
-        let eta = angles.efficiency(direction, screw.friction);
+        let eta = angles.efficiency(direction, screw.point.friction.0);
         assert_relative_eq!(o.transmission.efficiency, eta, epsilon = 2e-5);
     }
 }
@@ -44,11 +45,11 @@ fn elastic_is_the_closed_form_at_the_loaded_angle() {
 #[test]
 fn traction_meets_raceway_control() {
     let (mut memory, mut tried, mut apart) = (RacewayWorkspace::default(), 0, 0);
-    let calm = |screw: &ElasticScrew| {
-        screw.friction < 0.03 && screw.helix.lead_angle > 10.0_f64.to_radians()
+    let calm = |screw: &ElasticPoint| {
+        screw.point.friction.0 < 0.03 && screw.point.helix.lead_angle > 10.0_f64.to_radians()
     };
     for screw in real_screws(31).filter(calm).take(400) {
-        let rolling = RacewayControl { screw, control: None }.solve(&mut memory);
+        let rolling = RacewayControl { at: screw, control: None }.solve(&mut memory);
         if onset(&rolling).is_some_and(|s| s < 0.03) {
             tried += 1;
             let o = traction(screw, 1e-8, 1e-4);
@@ -67,7 +68,7 @@ fn traction_meets_elastic() {
     let mut memory = RacewayWorkspace::default();
     let mut tried = 0;
     for screw in real_screws(32).filter(|screw| inertia_ratio(screw) < 1.0).take(2000) {
-        let rolling = RacewayControl { screw, control: None }.solve(&mut memory);
+        let rolling = RacewayControl { at: screw, control: None }.solve(&mut memory);
         if onset(&rolling).is_some_and(|s| s > 3.0) {
             tried += 1;
             let difference = elastic(screw).transmission.efficiency
@@ -84,8 +85,8 @@ fn the_onset_number_tells_rolling_from_sliding() {
     let (mut rolling, mut sliding) = (RacewayWorkspace::default(), ElasticWorkspace::default());
     let mut points = Vec::new();
     for screw in real_screws(33).take(4000) {
-        let grip = RacewayControl { screw, control: None }.solve(&mut rolling);
-        let skid = Elastic { screw }.solve(&mut sliding);
+        let grip = RacewayControl { at: screw, control: None }.solve(&mut rolling);
+        let skid = Elastic { at: screw }.solve(&mut sliding);
         let (Some(g), Some(s)) = (grip.efficiency(), skid.efficiency()) else { continue };
         let numbers = grip.solved().and_then(|grip| grip.skid).expect("raceway control");
         // Where spin is nearly all of the loss, raceway control is no measure.
@@ -118,10 +119,16 @@ fn the_onset_number_tells_rolling_from_sliding() {
 #[test]
 fn a_scaled_screw_moves_alike() {
     let screw = lin(10.0, 45.0, 6000.0, 20.0);
-    let large = ElasticScrew {
-        helix: bsm_kin::Helix { radius: 3.0 * screw.helix.radius, ..screw.helix },
-        ball: bsm_dyn::Ball { radius: 3.0 * screw.ball.radius, mass: 3.0 * screw.ball.mass },
-        load: bsm_dyn::Load { axial: 9.0 * screw.load.axial, ..screw.load },
+    let large = ElasticPoint {
+        point: OperatingPoint {
+            helix: bsm_kin::Helix { radius: 3.0 * screw.point.helix.radius, ..screw.point.helix },
+            ball: bsm_dyn::Ball {
+                radius: 3.0 * screw.point.ball.radius,
+                mass: 3.0 * screw.point.ball.mass,
+            },
+            load: bsm_dyn::Load { axial: 9.0 * screw.point.load.axial, ..screw.point.load },
+            ..screw.point
+        },
         ..screw
     };
     for (one, other) in [
@@ -145,15 +152,21 @@ fn a_scaled_screw_moves_alike() {
 /// Expected failures.
 #[test]
 fn failures_say_why() {
-    let still = ElasticScrew {
-        drive: bsm_kin::Drive { screw_speed: 10.0, nut_speed: 10.0 },
+    let still = ElasticPoint {
+        point: OperatingPoint {
+            drive: bsm_kin::Drive { screw_speed: 10.0, nut_speed: 10.0 },
+            ..lin(10.0, 45.0, 1.0, 100.0).point
+        },
         ..lin(10.0, 45.0, 1.0, 100.0)
     };
-    let smooth = ElasticScrew { friction: 0.0, ..lin(10.0, 45.0, 100.0, 100.0) };
+    let smooth = ElasticPoint {
+        point: OperatingPoint { friction: Coulomb(0.0), ..lin(10.0, 45.0, 100.0, 100.0).point },
+        ..lin(10.0, 45.0, 100.0, 100.0)
+    };
     for (screw, reason) in [(still, Reason::NoRelativeSpeed), (smooth, Reason::Frictionless)] {
         let solutions = [
-            Elastic { screw }.solve(&mut ElasticWorkspace::default()),
-            Traction { screw, accuracy: 1e-4, creep: 1e-4 }
+            Elastic { at: screw }.solve(&mut ElasticWorkspace::default()),
+            Traction { at: screw, accuracy: 1e-4, creep: 1e-4 }
                 .solve(&mut TractionWorkspace::default()),
         ];
         for solution in solutions {
@@ -163,8 +176,11 @@ fn failures_say_why() {
         }
     }
     // F tanα = 1: friction holds any load.
-    let locked = ElasticScrew { friction: 0.5, ..lin(64.0, 45.0, 2000.0, 100.0) };
-    let solution = Elastic { screw: locked }.solve(&mut ElasticWorkspace::default());
+    let locked = ElasticPoint {
+        point: OperatingPoint { friction: Coulomb(0.5), ..lin(64.0, 45.0, 2000.0, 100.0).point },
+        ..lin(64.0, 45.0, 2000.0, 100.0)
+    };
+    let solution = Elastic { at: locked }.solve(&mut ElasticWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
     assert!(matches!(solution.reason(), Some(Reason::SelfLocking { .. })), "{solution:?}");
 }
@@ -174,7 +190,10 @@ fn failures_say_why() {
 #[test]
 fn very_slow_saturated_friction_keeps_its_power_balance() {
     for rpm in [1e-1, 1e-3, 1e-5, 1e-7] {
-        let screw = ElasticScrew { friction: 0.39, ..lin(16.0, 50.0, -rpm, 3e3) };
+        let screw = ElasticPoint {
+            point: OperatingPoint { friction: Coulomb(0.39), ..lin(16.0, 50.0, -rpm, 3e3).point },
+            ..lin(16.0, 50.0, -rpm, 3e3)
+        };
         let balance = elastic(screw).transmission.power_balance.expect("a balance of forces");
         assert!(balance.abs() <= 1e-10, "{rpm} rpm: {balance}");
     }
@@ -189,7 +208,7 @@ fn inertia_decides_along_the_whole_curve() {
     for step in 0..200 {
         let screw = lin(10.0, 45.0, 500.0 * 1.05_f64.powi(step), 20.0);
         let inertia = inertia_ratio(&screw);
-        let solution = Elastic { screw }.solve(&mut work);
+        let solution = Elastic { at: screw }.solve(&mut work);
         match solution.reason() {
             None => (roots, most) = (roots + 1, inertia),
             Some(Reason::NoSkidAtInertia { most, inertia: own, .. }) => {
@@ -208,7 +227,7 @@ fn inertia_decides_along_the_whole_curve() {
 fn a_flying_ball_slides_on() {
     let screw = lin(10.0, 45.0, 60_000.0, 1.0);
     let o = elastic(screw);
-    assert!(o.ball.motion.expect("P").precession.abs() < 0.1 * screw.drive.screw_speed);
+    assert!(o.ball.motion.expect("P").precession.abs() < 0.1 * screw.point.drive.screw_speed);
     assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
 }
 
@@ -217,8 +236,8 @@ fn a_flying_ball_slides_on() {
 #[test]
 fn a_soft_screw_is_answered() {
     let soft = bsm_dyn::Material { youngs_modulus: 1e7, poisson_ratio: 0.3 };
-    let screw = ElasticScrew { material: (soft, soft), ..lin(10.0, 45.0, 2000.0, 1e6) };
-    let solution = Elastic { screw }.solve(&mut ElasticWorkspace::default());
+    let screw = ElasticPoint { material: (soft, soft), ..lin(10.0, 45.0, 2000.0, 1e6) };
+    let solution = Elastic { at: screw }.solve(&mut ElasticWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
     assert!(matches!(solution.reason(), Some(Reason::SlipAlongFriction { .. })), "{solution:?}");
 }
@@ -226,13 +245,20 @@ fn a_soft_screw_is_answered() {
 /// Found in review: friction that drowns in rounding ended in a panic of the solver.
 #[test]
 fn next_to_no_friction_is_none() {
-    let screw = ElasticScrew { friction: 1e-310, ..lin(10.0, 45.0, 2000.0, 2113.0) };
-    let case = Traction { screw, accuracy: 1e-4, creep: 1e-4 };
+    let screw = ElasticPoint {
+        point: OperatingPoint {
+            friction: Coulomb(1e-310),
+            ..lin(10.0, 45.0, 2000.0, 2113.0).point
+        },
+        ..lin(10.0, 45.0, 2000.0, 2113.0)
+    };
+    let case = Traction { at: screw, accuracy: 1e-4, creep: 1e-4 };
     let solution = case.solve(&mut TractionWorkspace::default());
     assert_eq!(solution.reason(), Some(&Reason::Frictionless));
     // Without friction the skid number has no value, not an infinite one.
-    let screw = ElasticScrew { friction: 0.0, ..screw };
-    let rolling = RacewayControl { screw, control: None };
+    let screw =
+        ElasticPoint { point: OperatingPoint { friction: Coulomb(0.0), ..screw.point }, ..screw };
+    let rolling = RacewayControl { at: screw, control: None };
     let o = numbers(rolling.solve(&mut RacewayWorkspace::default()));
     let skid = o.skid.expect("raceway control");
     assert_eq!((skid.skid_number, skid.onset_number()), (None, None));
@@ -241,7 +267,7 @@ fn next_to_no_friction_is_none() {
 /// Found in review: roots with contact angles below 0 or beyond 90 deg counted as converged.
 #[test]
 fn a_ball_that_leaves_its_flank_is_no_result() {
-    let solution = Traction { screw: lin(5.0, 45.0, -30_000.0, 5.0), accuracy: 1e-6, creep: 1e-4 }
+    let solution = Traction { at: lin(5.0, 45.0, -30_000.0, 5.0), accuracy: 1e-6, creep: 1e-4 }
         .solve(&mut TractionWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
     let Some(Reason::BallLeavesFlank { nut, .. }) = solution.reason() else {
@@ -255,9 +281,9 @@ fn a_ball_that_leaves_its_flank_is_no_result() {
 #[test]
 fn slow_saturated_friction_keeps_its_power_balance() {
     for rpm in [300.0, 30.0, 3.0] {
-        let screw = ElasticScrew {
+        let screw = ElasticPoint {
+            point: OperatingPoint { friction: Coulomb(0.15), ..lin(1.1, 55.0, rpm, 3000.0).point },
             conformity: (0.52, 0.56),
-            friction: 0.15,
             ..lin(1.1, 55.0, rpm, 3000.0)
         };
         let balance = elastic(screw).transmission.power_balance.expect("a balance of forces");
@@ -269,7 +295,7 @@ fn slow_saturated_friction_keeps_its_power_balance() {
 #[test]
 fn a_tolerance_that_is_not_met_shows() {
     let screw = lin(10.0, 45.0, 2000.0, 2113.0);
-    let exact = Auto { screw, tolerance: 1e-9 }.solve(&mut ModelWorkspace::default());
+    let exact = Auto { at: screw, tolerance: 1e-9 }.solve(&mut ModelWorkspace::default());
     let (choice, solved) = (exact.choice.expect("a choice"), exact.solved().expect("converged"));
     assert!(solved.error.expect("a bound").efficiency > choice.tolerance);
 }
@@ -287,8 +313,8 @@ proptest! {
         let screw = lin(lead, beta, if back { -rpm } else { rpm }, axial);
         for o in [traction(screw, 1e-4, 1e-4), elastic(screw)] {
             let torque = o.transmission.screw_torque.expect("torque");
-            let speed = screw.drive.relative_speed();
-            let ideal = axial * screw.helix.radius * screw.helix.lead_angle.tan();
+            let speed = screw.point.drive.relative_speed();
+            let ideal = axial * screw.point.helix.radius * screw.point.helix.lead_angle.tan();
             // Friction only ever costs.
             prop_assert!((torque - ideal) * speed > 0.0);
             // Root to 1e-10, powers of the size of the input.
@@ -301,11 +327,8 @@ proptest! {
     #[test]
     fn slow_nut_drive_is_slow_screw_drive(axial in 50.0..2000.0_f64, rpm in 1.0..20.0_f64) {
         let driven = lin(10.0, 45.0, rpm, axial);
-        let speed = driven.drive.screw_speed;
-        let turned = ElasticScrew {
-            drive: bsm_kin::Drive { screw_speed: 0.0, nut_speed: -speed },
-            ..driven
-        };
+        let speed = driven.point.drive.screw_speed;
+        let turned = ElasticPoint { point: OperatingPoint { drive: bsm_kin::Drive { screw_speed: 0.0, nut_speed: -speed }, ..driven.point }, ..driven };
         let eta = |screw| traction(screw, 1e-6, 1e-4).transmission.efficiency;
         // Inertia over friction is at most 2e-6 here.
         prop_assert!((eta(driven) - eta(turned)).abs() <= 1e-6);

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_dyn::{Ball, ElasticScrew, Load, Material};
+use bsm_dyn::{Ball, Coulomb, ElasticPoint, Load, Material, OperatingPoint};
 use bsm_kin::{Drive, Helix};
 use bsm_sample::Sample;
 use rand::{RngExt, SeedableRng};
@@ -11,16 +11,18 @@ use rand_chacha::ChaCha8Rng;
 pub(crate) const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
 /// Lin's screw with conformities of 0.53 and one ball.
-pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> ElasticScrew {
-    ElasticScrew {
-        helix: Helix { radius: 24.3e-3, lead_angle: lead_deg.to_radians() },
-        contact_angle: contact_deg.to_radians(),
-        ball: Ball::of_density(4.37e-3, 7800.0),
+pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> ElasticPoint {
+    ElasticPoint {
+        point: OperatingPoint {
+            helix: Helix { radius: 24.3e-3, lead_angle: lead_deg.to_radians() },
+            contact_angle: contact_deg.to_radians(),
+            ball: Ball::of_density(4.37e-3, 7800.0),
+            friction: Coulomb(0.075),
+            drive: Drive { screw_speed: rpm * PI / 30.0, nut_speed: 0.0 },
+            load: Load { axial, balls: 1.0 },
+        },
         conformity: (0.53, 0.53),
         material: (STEEL, STEEL),
-        friction: 0.075,
-        drive: Drive { screw_speed: rpm * PI / 30.0, nut_speed: 0.0 },
-        load: Load { axial, balls: 1.0 },
     }
 }
 
@@ -29,14 +31,14 @@ pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> Elas
 /// Static pressure 0.2 to 5 GPa, lead angle 1 to 40 deg, 10 to 30 000 rpm both ways, screw or nut
 /// drive, contact angle 30 to 60 deg, conformities 0.51 to 0.56, f 0.01 to 0.15, ball over pitch
 /// radius 0.07 to 0.2.
-pub(crate) fn screws(seed: u64) -> impl Iterator<Item = ElasticScrew> {
+pub(crate) fn screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     let usual = Ranges { lead: (1.0, 40.0), contact: (30.0, 60.0), friction: 0.01, ball: 0.07 };
     drawn(seed, usual)
 }
 
 /// The same with lead angles of 0.3 to 55 deg, contact angles of 25 to 65 deg, f from 0.002 and
 /// balls from 0.03 of the pitch radius on.
-pub(crate) fn unusual_screws(seed: u64) -> impl Iterator<Item = ElasticScrew> {
+pub(crate) fn unusual_screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     let wide = Ranges { lead: (0.3, 55.0), contact: (25.0, 65.0), friction: 0.002, ball: 0.03 };
     drawn(seed, wide).filter(|screw| inertia_ratio(screw) <= 3.0)
 }
@@ -49,7 +51,7 @@ struct Ranges {
     ball: f64,
 }
 
-fn drawn(seed: u64, ranges: Ranges) -> impl Iterator<Item = ElasticScrew> {
+fn drawn(seed: u64, ranges: Ranges) -> impl Iterator<Item = ElasticPoint> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     std::iter::from_fn(move || {
         let radius = rng.random_range(4e-3..50e-3);
@@ -57,37 +59,40 @@ fn drawn(seed: u64, ranges: Ranges) -> impl Iterator<Item = ElasticScrew> {
         let speed = if rng.random_bool(0.5) { rpm } else { -rpm } * PI / 30.0;
         let (screw_speed, nut_speed) =
             if rng.random_bool(0.5) { (speed, 0.0) } else { (0.0, -speed) };
-        let mut screw = ElasticScrew {
-            helix: Helix {
-                radius,
-                lead_angle: rng.random_range(ranges.lead.0..ranges.lead.1).to_radians(),
+        let mut screw = ElasticPoint {
+            point: OperatingPoint {
+                helix: Helix {
+                    radius,
+                    lead_angle: rng.random_range(ranges.lead.0..ranges.lead.1).to_radians(),
+                },
+                contact_angle: rng.random_range(ranges.contact.0..ranges.contact.1).to_radians(),
+                ball: Ball::of_density(radius * rng.random_range(ranges.ball..0.2), 7800.0),
+                friction: Coulomb(rng.random_range(ranges.friction..0.15)),
+                drive: Drive { screw_speed, nut_speed },
+                load: Load { axial: 1.0, balls: 1.0 },
             },
-            contact_angle: rng.random_range(ranges.contact.0..ranges.contact.1).to_radians(),
-            ball: Ball::of_density(radius * rng.random_range(ranges.ball..0.2), 7800.0),
             conformity: (rng.random_range(0.51..0.56), rng.random_range(0.51..0.56)),
             material: (STEEL, STEEL),
-            friction: rng.random_range(ranges.friction..0.15),
-            drive: Drive { screw_speed, nut_speed },
-            load: Load { axial: 1.0, balls: 1.0 },
         };
         let pressure = rng.log_uniform(0.2e9, 5e9);
         let of_one_newton = screw.hertz().expect("an ellipse")[0].max_pressure(1.0);
         // p_max ~ Q^{1/3}; Q cosα sinβ = F_a
         let normal = (pressure / of_one_newton).powi(3);
-        screw.load.axial = normal * screw.helix.lead_angle.cos() * screw.contact_angle.sin();
+        screw.point.load.axial =
+            normal * screw.point.helix.lead_angle.cos() * screw.point.contact_angle.sin();
         Some(screw)
     })
 }
 
 /// `$m r_m W^2/F_a$`.
-pub(crate) fn inertia_ratio(screw: &ElasticScrew) -> f64 {
-    let speed = screw.drive.relative_speed();
-    screw.ball.mass * screw.helix.radius * speed * speed / screw.load.per_ball()
+pub(crate) fn inertia_ratio(screw: &ElasticPoint) -> f64 {
+    let speed = screw.point.drive.relative_speed();
+    screw.point.ball.mass * screw.point.helix.radius * speed * speed / screw.point.load.per_ball()
 }
 
 /// Screws that can be run: the centrifugal force `$m r_m P^2$`, about a third of `$m r_m W^2$`, stays
 /// below the axial load. Beyond, it carries the ball to the bottom of the nut's groove, where the
 /// opposite flank would have to take part.
-pub(crate) fn real_screws(seed: u64) -> impl Iterator<Item = ElasticScrew> {
+pub(crate) fn real_screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     screws(seed).filter(|screw| inertia_ratio(screw) <= 3.0)
 }

@@ -2,7 +2,9 @@
 
 use bsm_case::Scene;
 use bsm_design::search::minimum_of;
-use bsm_dyn::{Angles, Direction, Driven, Model, ModelWorkspace, Optimum, QuasiStatic, Solution};
+use bsm_dyn::{
+    Angles, Coulomb, Direction, Driven, Model, ModelWorkspace, Optimum, QuasiStatic, Solution,
+};
 use bsm_kin::Site;
 
 use super::{SOURCE, slender};
@@ -46,7 +48,7 @@ fn quotient() -> Check {
                     let angles = angles(lead, contact);
                     let case = QuasiStatic {
                         angles,
-                        friction,
+                        friction: Coulomb(friction),
                         size_ratio: size,
                         rolling_ratio,
                         driven,

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 
 use bsm_case::{Scene, Settings};
 use bsm_dyn::{
-    Angles, Control, Direction, Model, ModelWorkspace, Problem, Solution, SteadyBall, Touch,
-    rim_speed,
+    Angles, Control, Direction, Model, ModelWorkspace, OperatingPoint, Problem, Solution,
+    SteadyBall, Touch, rim_speed,
 };
 use bsm_kin::{Drive, Helix, Site};
 use bsm_report::{Axis, Figure, Stroke};
@@ -572,17 +572,15 @@ impl Study {
 
 impl<'a> Screw<'a> {
     fn of(scene: &'a Scene, model: Model, balls: Balls) -> Result<Self, ValidateError> {
-        let of_elastic = |screw: &bsm_dyn::ElasticScrew| {
-            (screw.helix, screw.ball.radius, screw.drive, screw.contact_angle, screw.friction)
-        };
-        let (helix, ball_radius, drive, contact_angle, friction) =
+        let OperatingPoint { helix, contact_angle, ball, friction, drive, .. } =
             match scene.problem(&model.into())? {
-                Problem::Rigid(p) => (p.helix, p.ball.radius, p.drive, p.contact_angle, p.friction),
-                Problem::RacewayControl(p) => of_elastic(&p.screw),
-                Problem::Elastic(p) => of_elastic(&p.screw),
-                Problem::Traction(p) => of_elastic(&p.screw),
+                Problem::Rigid(p) => p.point,
+                Problem::RacewayControl(p) => p.at.point,
+                Problem::Elastic(p) => p.at.point,
+                Problem::Traction(p) => p.at.point,
                 other => unreachable!("{other:?} has no motion, and so no analysis"),
             };
+        let (ball_radius, friction) = (ball.radius, friction.0);
         Ok(Self { scene, helix, ball_radius, drive, contact_angle, friction, balls })
     }
 }

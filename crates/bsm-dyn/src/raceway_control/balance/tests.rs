@@ -8,16 +8,16 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::elastic_ball::ElasticScrew;
+use crate::elastic_ball::ElasticPoint;
 use crate::extreme::extreme;
-use crate::{Ball, Load, Material};
+use crate::{Ball, Coulomb, Load, Material, OperatingPoint};
 
 /// Points of the search.
 const GRID: usize = 1500;
 
 /// Screws with inertia forces from a hundredth of the load to a hundred times as much, in which
 /// most answers are not the obvious one.
-fn screws() -> impl Strategy<Value = ElasticScrew> {
+fn screws() -> impl Strategy<Value = ElasticPoint> {
     let shape = (0.5..80.0_f64, 3.0..87.0_f64, 0.02..0.45_f64, 0.505..0.8_f64, 0.505..0.8_f64);
     let state = (-2.0..2.0_f64, 1e-9..1e-1_f64, -3.0..3.0_f64, any::<bool>());
     (shape, state).prop_map(|((lead, beta, size, f_n, f_s), (inertia, soft, nut, back))| {
@@ -29,15 +29,17 @@ fn screws() -> impl Strategy<Value = ElasticScrew> {
         let speed = (10.0_f64.powf(inertia) * axial / (ball.mass * radius)).sqrt();
         let speed = if back { -speed } else { speed };
         let material = Material { youngs_modulus: modulus, poisson_ratio: 0.3 };
-        ElasticScrew {
-            helix: Helix { radius, lead_angle: lead.to_radians() },
-            contact_angle: beta.to_radians(),
-            ball,
+        ElasticPoint {
+            point: OperatingPoint {
+                helix: Helix { radius, lead_angle: lead.to_radians() },
+                contact_angle: beta.to_radians(),
+                ball,
+                friction: Coulomb(0.1),
+                drive: Drive { screw_speed: (1.0 + nut) * speed, nut_speed: nut * speed },
+                load: Load { axial, balls: 1.0 },
+            },
             conformity: (f_n, f_s),
             material: (material, material),
-            friction: 0.1,
-            drive: Drive { screw_speed: (1.0 + nut) * speed, nut_speed: nut * speed },
-            load: Load { axial, balls: 1.0 },
         }
     })
 }
