@@ -30,7 +30,7 @@ pub use self::error::DatasetError;
 pub use self::folder::MakeTemporary;
 pub use self::part::{Damage, Part};
 pub use self::plan::{MOST_SHARDS, Plan, RESULTS};
-pub use self::points::Points;
+pub use self::points::{Points, sha256};
 
 use self::folder::{Folder, complete};
 use self::part::{Proving, kind, list, prove, seal};

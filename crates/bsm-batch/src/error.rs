@@ -71,11 +71,13 @@ pub enum TableError {
         most: usize,
     },
     /// Cells that are separated by something else.
-    #[error("the names of the columns are separated by `{}`; cells are separated by commas, and the \
-        decimal sign is a point", separator.escape_debug())]
+    #[error("the names of the columns are separated by `{}`; cells are separated by `{}` unless --delimiter \
+        says otherwise, and the decimal sign is that of --decimal", found.escape_debug(), expected.escape_debug())]
     Separator {
         /// By what.
-        separator: char,
+        found: char,
+        /// By what they should be.
+        expected: char,
     },
     /// A line is no JSON object, or not one like the first.
     #[error("line {line}: {reason}")]
@@ -152,6 +154,12 @@ pub enum TableError {
     /// A column to keep that the table does not have.
     #[error("--keep {name}: the table has no such column")]
     NothingToKeep {
+        /// The name.
+        name: String,
+    },
+    /// A column to rename that the table does not have.
+    #[error("--columns-from: the table has no column `{}`", brief(name))]
+    NothingToRename {
         /// The name.
         name: String,
     },

@@ -45,6 +45,7 @@
 
 mod column_chunk;
 pub mod dataset;
+mod dialect;
 mod error;
 mod kernel;
 mod lines;
@@ -59,14 +60,15 @@ mod source;
 mod table;
 mod text;
 
+pub use dialect::Dialect;
 pub use error::TableError;
 pub use kernel::exists as has_kernel;
 pub use numbers::{NumberColumn, NumberRows, NumberSink};
 pub use parquet_table::{ParquetSink, ParquetSource, hush_parquet_panics};
 pub use pipeline::{Count, RunError, Task, Workers};
-pub use rows::{Answers, Cell, Chunk, Column, Columns, Verdict};
+pub use rows::{Answers, Cell, Chunk, Column, Columns, Heading, Verdict};
 pub use source::{GridSource, Source};
-pub use table::{Format, TableSink};
+pub use table::{ABOUT, Format, TableSink};
 pub use text::{CsvSink, CsvSource, JsonSink, JsonSource};
 
 /// Where answered rows go.

@@ -8,9 +8,10 @@ use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};
 use bsm_case::write_exact;
 use parquet::arrow::ArrowWriter;
+use parquet::file::metadata::KeyValue;
 use serde_json::{Map, json};
 
-use crate::TableError;
+use crate::{ABOUT, TableError};
 
 /// A column of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,6 +112,14 @@ impl<W: Write + Send> NumberSink<W> {
             }
         }
         Ok(())
+    }
+
+    /// Says what the table is made from, in the metadata of Parquet under [`ABOUT`]; other forms have no place
+    /// for it.
+    pub fn describe(&mut self, about: String) {
+        if let Self::Parquet(table, _) = self {
+            table.append_key_value_metadata(KeyValue::new(ABOUT.to_owned(), about));
+        }
     }
 
     /// Writes the end of the table and returns the writer.

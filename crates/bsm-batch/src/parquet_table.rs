@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use crate::column_chunk::{Keys, Numbers, PACKED};
 use crate::pages::Pages;
 use crate::rows::{self, ANSWERS, Answers, Chunk, Column, Columns, TEXT};
-use crate::{Sink, Source, TableError};
+use crate::{Dialect, Sink, Source, TableError};
 
 thread_local! {
     static DECODES: Cell<bool> = const { Cell::new(false) };
@@ -76,15 +76,33 @@ impl ParquetSource {
     ///
     /// [`TableError`] if it is not Parquet, or its columns are not inputs of numbers or in `keep`.
     pub fn new(file: impl ChunkReader + 'static, keep: &[String]) -> Result<Self, TableError> {
-        decoded(|| Self::open(file, keep))
+        Self::with(file, keep, &Dialect::default())
     }
 
-    fn open(file: impl ChunkReader + 'static, keep: &[String]) -> Result<Self, TableError> {
+    /// [`new`](Self::new) for a table with other names.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn with(
+        file: impl ChunkReader + 'static,
+        keep: &[String],
+        dialect: &Dialect,
+    ) -> Result<Self, TableError> {
+        decoded(|| Self::open(file, keep, dialect))
+    }
+
+    fn open(
+        file: impl ChunkReader + 'static,
+        keep: &[String],
+        dialect: &Dialect,
+    ) -> Result<Self, TableError> {
         // What Arrow adds to the types of Parquet is not needed, and panics where it is damaged.
         let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let found = ArrowReaderMetadata::load(&file, plain)?;
         let fields = found.schema().fields().clone();
-        let mut columns = Columns::sort(fields.iter().map(|f| f.name().as_str()), keep)?;
+        let mut columns =
+            Columns::sort_as(fields.iter().map(|f| f.name().as_str()), keep, dialect)?;
         for (key, place) in columns.inputs.iter().zip(&columns.input_places) {
             let found = fields[*place].data_type();
             if !(found.is_numeric() || *found == DataType::Null) {

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use bsm_case::{CaseError, InputKey, InputSet, ModelChoice, OUTPUTS, Output, Scene, nearest_input};
 use bsm_dyn::Status;
 
-use crate::TableError;
+use crate::{Dialect, TableError};
 
 /// A value of an input.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +38,21 @@ pub struct Columns {
     /// Columns that are carried through as text.
     pub kept: Vec<String>,
     pub(crate) kept_places: Vec<usize>,
+    /// Names of columns that are not read.
+    pub(crate) unread: Vec<String>,
+}
+
+/// The head of a column of a table of answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Heading<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// JSON type.
+    pub json_type: &'static str,
+    /// Unit in words; empty if it has none.
+    pub unit: &'static str,
+    /// Meaning.
+    pub about: &'static str,
 }
 
 impl Columns {
@@ -52,19 +67,35 @@ impl Columns {
         names: impl IntoIterator<Item = &'a str>,
         keep: &[String],
     ) -> Result<Self, TableError> {
+        Self::sort_as(names, keep, &Dialect::default())
+    }
+
+    /// [`sort`](Self::sort) for a table that has other names; `keep` has those of the table.
+    pub(crate) fn sort_as<'a>(
+        names: impl IntoIterator<Item = &'a str>,
+        keep: &[String],
+        dialect: &Dialect,
+    ) -> Result<Self, TableError> {
+        let mut renamed: Vec<_> = dialect.names.keys().collect();
         if let Some(name) = keep.iter().find(|name| is_answer(name)) {
             return Err(TableError::NameOfAnAnswer { name: name.clone() });
         }
         let mut columns = Self::default();
         let mut answered = false;
-        for (place, name) in names.into_iter().enumerate() {
-            let name = name.trim();
+        for (place, own) in names.into_iter().enumerate() {
+            let own = own.trim();
+            renamed.retain(|name| *name != own);
+            let is_kept = keep.iter().any(|kept| kept == own);
+            let Some(name) = (if is_kept { Some(own) } else { dialect.name(own) }) else {
+                columns.unread.push(own.to_owned());
+                continue;
+            };
             let repeated = || Err(TableError::RepeatedColumn { name: name.to_owned() });
             answered |= ANSWERS.contains(&name);
             if columns.kept.iter().any(|k| k == name) {
                 return repeated();
             }
-            if keep.iter().any(|kept| kept == name) {
+            if is_kept {
                 columns.kept.push(name.to_owned());
                 columns.kept_places.push(place);
             } else if answered && is_answer(name) {
@@ -75,16 +106,41 @@ impl Columns {
                 }
                 columns.inputs.push(key);
                 columns.input_places.push(place);
-                columns.units.push((name.to_owned(), factor));
+                columns.units.push((own.to_owned(), factor));
             } else if !is_answer(name) {
                 let nearest = nearest_input(name).map(str::to_owned);
                 return Err(TableError::UnknownColumn { name: name.to_owned(), nearest });
             }
         }
-        match keep.iter().find(|name| !columns.kept.contains(name)) {
-            Some(name) => Err(TableError::NothingToKeep { name: name.clone() }),
-            None => Ok(columns),
+        match (keep.iter().find(|name| !columns.kept.contains(name)), renamed.first()) {
+            (Some(name), _) => Err(TableError::NothingToKeep { name: name.clone() }),
+            (None, Some(name)) => Err(TableError::NothingToRename { name: (*name).clone() }),
+            (None, None) => Ok(columns),
         }
+    }
+
+    /// The columns of a table of answers, in order.
+    pub fn headings<'a>(
+        &'a self,
+        outputs: &'a [&'static Output],
+    ) -> impl Iterator<Item = Heading<'a>> {
+        let text = |name, about| Heading { name, json_type: "string", unit: "", about };
+        let kept = self.kept.iter().map(move |name| text(name, "copied from the table of points"));
+        let inputs = self.inputs.iter().map(|key| {
+            let input = key.input();
+            Heading { name: input.name, json_type: "number", unit: input.unit, about: input.about }
+        });
+        let [model, status, message] = ANSWERS;
+        let answers = [
+            text(model, "the model that was solved"),
+            text(status, "how the solve ended"),
+            text(message, "why there is no result, or why auto chose its model"),
+        ];
+        let outputs = outputs.iter().map(|output| {
+            let Output { name, json_type, unit, about, .. } = **output;
+            Heading { name, json_type, unit, about }
+        });
+        kept.chain(inputs).chain(answers).chain(outputs)
     }
 
     /// The inputs as a set.

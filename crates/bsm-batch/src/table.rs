@@ -8,8 +8,12 @@ use bsm_case::Output;
 
 use crate::rows::{Answers, Chunk, Columns};
 use crate::{
-    CsvSink, CsvSource, JsonSink, JsonSource, ParquetSink, ParquetSource, Sink, Source, TableError,
+    CsvSink, CsvSource, Dialect, JsonSink, JsonSource, ParquetSink, ParquetSource, Sink, Source,
+    TableError,
 };
+
+/// Key of the metadata of a Parquet table that says what the table is made from, in JSON.
+pub const ABOUT: &str = "bsm";
 
 /// Forms of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,14 +44,28 @@ impl Format {
     ///
     /// [`TableError`] if it cannot be opened, or its columns are neither inputs nor in `keep`.
     pub fn open(self, path: &Path, keep: &[String]) -> Result<Box<dyn Source>, TableError> {
+        self.open_as(path, keep, &Dialect::default())
+    }
+
+    /// [`open`](Self::open) for a table with other signs, which only text has, or names.
+    ///
+    /// # Errors
+    ///
+    /// As [`open`](Self::open).
+    pub fn open_as(
+        self,
+        path: &Path,
+        keep: &[String],
+        dialect: &Dialect,
+    ) -> Result<Box<dyn Source>, TableError> {
         let file = File::open(path)?;
         Ok(match self {
             Self::Csv => {
                 let reader: Box<dyn Read + Send> = Box::new(file);
-                Box::new(CsvSource::new(reader, keep)?)
+                Box::new(CsvSource::with(reader, keep, dialect)?)
             }
-            Self::JsonLines => Box::new(JsonSource::new(BufReader::new(file), keep)?),
-            Self::Parquet => Box::new(ParquetSource::new(file, keep)?),
+            Self::JsonLines => Box::new(JsonSource::with(BufReader::new(file), keep, dialect)?),
+            Self::Parquet => Box::new(ParquetSource::with(file, keep, dialect)?),
         })
     }
 }
@@ -83,14 +101,17 @@ impl<W: Write + Send> TableSink<W> {
 
     /// Writes the end of the table, and returns the writer.
     ///
+    /// * `about`: what the table is made from, for the metadata of Parquet under [`ABOUT`].
+    ///
     /// # Errors
     ///
     /// [`TableError`].
-    pub fn finish(self) -> Result<W, TableError> {
+    pub fn finish(self, about: Option<&str>) -> Result<W, TableError> {
         match self {
             Self::Csv(sink) => sink.finish(),
             Self::Json(sink) => Ok(sink.finish()),
-            Self::Parquet(sink) => sink.finish(),
+            Self::Parquet(sink) => sink
+                .finish_with(|_| about.map(|text| (ABOUT, text.to_owned())).into_iter().collect()),
         }
     }
 }

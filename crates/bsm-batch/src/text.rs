@@ -4,21 +4,22 @@ use std::borrow::Cow;
 use std::io::{self, Read, Write};
 use std::ops::Range;
 
-use bsm_case::{Output, brief, entries, write_exact};
+use bsm_case::{Output, brief, decimal_number, entries, write_exact};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use crate::lines::Lines;
 use crate::rows::{ANSWERS, Answers, Cell, Chunk, Columns, TEXT, is_answer};
-use crate::{Sink, Source, TableError};
+use crate::{Dialect, Sink, Source, TableError};
 
 /// A value as it stands in a text cell.
-fn parse(text: &str) -> Cell {
+fn parse(text: &str, decimal: char) -> Cell {
     let text = text.trim();
     if text.is_empty() {
         return Cell::Missing;
     }
-    text.parse().map_or_else(|_| Cell::Text(text.to_owned()), Cell::Number)
+    let number = if decimal == '.' { text.parse().ok() } else { decimal_number(text, decimal) };
+    number.map_or_else(|| Cell::Text(text.to_owned()), Cell::Number)
 }
 
 /// Rows of a CSV table; the first line names the columns, and every other line is a row.
@@ -27,6 +28,8 @@ pub struct CsvSource<R> {
     columns: Columns,
     /// What becomes of each cell of a line.
     takes: Vec<Take>,
+    delimiter: char,
+    decimal: char,
     row: u64,
 }
 
@@ -45,15 +48,26 @@ impl<R: Read> CsvSource<R> {
     ///
     /// [`TableError`] if they are not those of inputs or of `keep`.
     pub fn new(reader: R, keep: &[String]) -> Result<Self, TableError> {
+        Self::with(reader, keep, &Dialect::default())
+    }
+
+    /// [`new`](Self::new) for a table with other signs or names.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn with(reader: R, keep: &[String], dialect: &Dialect) -> Result<Self, TableError> {
+        let Dialect { delimiter, decimal, .. } = *dialect;
         let mut lines = Lines::new(reader);
         let header = lines.next()?.ok_or(TableError::NoHeader)?;
         let mut names = Vec::new();
-        let sorted = split(header, 1, |_, name| names.push(name))
-            .and_then(|width| Ok((Columns::sort(names.iter().map(AsRef::as_ref), keep)?, width)));
+        let sorted = split(header, delimiter, 1, |_, name| names.push(name)).and_then(|width| {
+            Ok((Columns::sort_as(names.iter().map(AsRef::as_ref), keep, dialect)?, width))
+        });
         let (columns, width) = sorted.map_err(|error| {
-            let separator = header.chars().find(|c| [';', '\t', '|'].contains(c));
-            match separator.filter(|_| !header.contains(',')) {
-                Some(separator) => TableError::Separator { separator },
+            let other = header.chars().find(|c| [',', ';', '\t', '|'].contains(c));
+            match other.filter(|_| !header.contains(delimiter)) {
+                Some(found) => TableError::Separator { found, expected: delimiter },
                 None => error,
             }
         })?;
@@ -64,22 +78,24 @@ impl<R: Read> CsvSource<R> {
         for (kept, place) in columns.kept_places.iter().enumerate() {
             takes[*place] = Take::Kept(kept);
         }
-        Ok(Self { lines, columns, takes, row: 0 })
+        Ok(Self { lines, columns, takes, delimiter, decimal, row: 0 })
     }
 }
 
-/// Gives the cells of a line of CSV with their places, and returns their number. A cell that begins with a quote ends with one, may hold commas, and
+/// Gives the cells of a line of CSV with their places, and returns their number. A cell that begins with a quote ends with one, may hold delimiters, and
 /// quotes twice; no other cell holds a quote. So no quote that is forgotten or one too many can join
 /// cells or lines.
 fn split<'a>(
     text: &'a str,
+    delimiter: char,
     line: u64,
     mut each: impl FnMut(usize, Cow<'a, str>),
 ) -> Result<usize, TableError> {
     let (mut rest, mut cells) = (Some(text), 0);
     if memchr::memchr(b'"', text.as_bytes()).is_none() {
         let mut begin = 0;
-        for end in memchr::memchr_iter(b',', text.as_bytes()) {
+        // A delimiter is ASCII.
+        for end in memchr::memchr_iter(delimiter as u8, text.as_bytes()) {
             each(cells, Cow::Borrowed(&text[begin..end]));
             (begin, cells) = (end + 1, cells + 1);
         }
@@ -97,12 +113,12 @@ fn split<'a>(
                 end += 2;
             }
             let (cell, after) = (&quoted[..end], &quoted[end + 1..]);
-            if !(after.is_empty() || after.starts_with(',')) {
+            if !(after.is_empty() || after.starts_with(delimiter)) {
                 return Err(TableError::StrayQuote { line });
             }
-            (Cow::Owned(cell.replace("\"\"", "\"")), after.strip_prefix(','))
+            (Cow::Owned(cell.replace("\"\"", "\"")), after.strip_prefix(delimiter))
         } else {
-            let (cell, after) = match text.split_once(',') {
+            let (cell, after) = match text.split_once(delimiter) {
                 Some((cell, after)) => (cell, Some(after)),
                 None => (text, None),
             };
@@ -130,8 +146,9 @@ impl<R: Read + Send> Source for CsvSource<R> {
             let line = self.lines.number() + 1;
             let Some(row) = self.lines.next()? else { break };
             text += row.len();
-            let found = split(row, line, |place, cell| match self.takes.get(place) {
-                Some(Take::Input(input)) => chunk.inputs[*input].push(parse(&cell)),
+            let Self { takes, delimiter, decimal, .. } = self;
+            let found = split(row, *delimiter, line, |place, cell| match takes.get(place) {
+                Some(Take::Input(input)) => chunk.inputs[*input].push(parse(&cell, *decimal)),
                 Some(Take::Kept(kept)) => chunk.kept[*kept].push(cell.into_owned()),
                 Some(Take::Nothing) | None => {}
             })?;
@@ -165,9 +182,18 @@ impl<R: Read> JsonSource<R> {
     ///
     /// [`TableError`] if it is no object, or has keys that are neither inputs nor in `keep`.
     pub fn new(reader: R, keep: &[String]) -> Result<Self, TableError> {
+        Self::with(reader, keep, &Dialect::default())
+    }
+
+    /// [`new`](Self::new) for a table with other names.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn with(reader: R, keep: &[String], dialect: &Dialect) -> Result<Self, TableError> {
         let mut lines = Lines::new(reader);
         let (first, _) = object(&mut lines)?.ok_or(TableError::NoHeader)?;
-        let columns = Columns::sort(first.iter().map(|(key, _)| key.as_str()), keep)?;
+        let columns = Columns::sort_as(first.iter().map(|(key, _)| key.as_str()), keep, dialect)?;
         Ok(Self { lines, first: Some(first), columns, row: 0 })
     }
 }
@@ -211,7 +237,8 @@ impl<R: Read + Send> Source for JsonSource<R> {
                     Some(other) => other.to_string(),
                 });
             }
-            if let Some(name) = object.keys().find(|name| !is_answer(name)) {
+            let unread = |name: &&String| !(is_answer(name) || self.columns.unread.contains(*name));
+            if let Some(name) = object.keys().find(unread) {
                 let reason = format!("`{}` is not in the first line", brief(name));
                 return Err(TableError::Json { line: self.lines.number(), reason });
             }

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use bsm_batch::dataset::{self, Dataset, DatasetError, Event, Filling, Plan, Points};
 use bsm_batch::{
-    Answers, Count, Format, GridSource, ParquetSource, Source, TableSink, Task, Workers,
+    Answers, Count, Dialect, Format, GridSource, ParquetSource, Source, TableSink, Task, Workers,
 };
 use bsm_case::{Axis, Grid, Scene, Settings};
 use bsm_dyn::Model;
@@ -141,7 +141,7 @@ fn parts_are_the_rows_of_one_file() {
     let out = fs::File::create(&one).expect("file");
     let sink = TableSink::new(Format::Csv, out, &columns, &task.outputs).expect("a table");
     let run = task.run(&mut source, sink, u64::MAX, &workers(2), &mut |_, _| {});
-    run.expect("solved").0.finish().expect("written");
+    run.expect("solved").0.finish(None).expect("written");
     let keep = ["model", "status"].map(str::to_owned);
     assert!(Format::Csv.open(&one, &keep).is_err(), "columns of answers are passed over");
     let whole = rows(Format::Csv.open(&one, &[]).expect("a table").as_mut(), 1000);
@@ -265,7 +265,7 @@ fn rows_of_parquet_are_passed_over() {
     let columns = source.columns().clone();
     let sink = TableSink::new(Format::Parquet, out, &columns, &task.outputs).expect("a table");
     let run = task.run(&mut source, sink, u64::MAX, &workers(2), &mut |_, _| {});
-    run.expect("solved").0.finish().expect("written");
+    run.expect("solved").0.finish(None).expect("written");
     let open = || ParquetSource::new(fs::File::open(&path).expect("file"), &[]).expect("Parquet");
     let all = rows(&mut open(), 10_000);
     assert_eq!(all.len(), 300_001);
@@ -311,7 +311,7 @@ fn a_table_without_rows_is_one_part() {
     let folder = temporary();
     let path = folder.path().join("points.csv");
     fs::write(&path, "axial_load_N\n").expect("writable");
-    let points = Points::Table { path, keep: Vec::new() };
+    let points = Points::Table { path, keep: Vec::new(), dialect: Dialect::default() };
     let map = folder.path().join("map");
     for _ in 0..2 {
         let count = fill(&map, &task(Model::Rigid), &points, 1);

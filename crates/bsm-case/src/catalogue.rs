@@ -285,25 +285,32 @@ impl CatalogueColumn {
     }
 }
 
-/// A condition on a column.
-#[derive(Debug, Clone, Copy)]
-pub struct Condition {
-    column: &'static CatalogueColumn,
+/// What is asked of a number: its name, and a range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Asked {
+    /// Its name.
+    pub name: String,
     least: f64,
     most: f64,
 }
 
-impl Condition {
+/// A condition on a column.
+#[derive(Debug, Clone)]
+pub struct Condition {
+    column: &'static CatalogueColumn,
+    asked: Asked,
+}
+
+impl Asked {
     /// Parses `name>=value`, `name<=value` or `name=value`.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form, an unknown column or no number.
+    /// [`CaseError`] for another form or no number.
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "name>=value, name<=value or name=value";
         let bad = || CaseError::BadSetting { text: text.to_owned(), form };
         let at = text.find(['<', '>', '=']).ok_or_else(bad)?;
-        let column = CatalogueColumn::named(text[..at].trim())?;
         let sign =
             if text[at..].starts_with('=') { "=" } else { text.get(at..at + 2).ok_or_else(bad)? };
         let value: f64 = text[at + sign.len()..].trim().parse().map_err(|_| bad())?;
@@ -318,12 +325,37 @@ impl Condition {
         if value.is_nan() {
             return Err(bad());
         }
-        Ok(Self { column, least, most })
+        Ok(Self { name: text[..at].trim().to_owned(), least, most })
+    }
+
+    /// True if a value is within the range.
+    pub fn is_met(&self, value: f64) -> bool {
+        (self.least..=self.most).contains(&value)
+    }
+}
+
+impl Condition {
+    /// What is asked of a column.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::UnknownColumn`].
+    pub fn on(asked: Asked) -> Result<Self, CaseError> {
+        Ok(Self { column: CatalogueColumn::named(&asked.name)?, asked })
+    }
+
+    /// Parses a condition, see [`Asked::parse`].
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for another form, an unknown column or no number.
+    pub fn parse(text: &str) -> Result<Self, CaseError> {
+        Self::on(Asked::parse(text)?)
     }
 
     /// True if a nut meets it.
     pub fn is_met(&self, candidate: &Candidate) -> bool {
-        (self.least..=self.most).contains(&(self.column.read)(candidate))
+        self.asked.is_met((self.column.read)(candidate))
     }
 
     /// What it asks of.
@@ -333,7 +365,7 @@ impl Condition {
 
     /// The value that comes nearest to it, if there are any.
     pub fn nearest_of(&self, values: &[f64]) -> Option<f64> {
-        let miss = |value: f64| (self.least - value).max(value - self.most);
+        let miss = |value: f64| (self.asked.least - value).max(value - self.asked.most);
         values.iter().copied().min_by(|a, b| miss(*a).total_cmp(&miss(*b)))
     }
 }

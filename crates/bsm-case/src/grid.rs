@@ -17,12 +17,13 @@ pub struct Axis {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Values {
-    Range { start: f64, stop: f64, count: usize },
+    Range { start: f64, stop: f64, count: usize, log: bool },
     List(Vec<f64>),
 }
 
 impl Axis {
-    /// Parses `name=start:stop:count` (both ends included) or `name=v1,v2,...`.
+    /// Parses `name=start:stop:count` (both ends included), `name=start:stop:count:log` with equal ratios in place
+    /// of equal steps, or `name=v1,v2,...`.
     ///
     /// # Errors
     ///
@@ -30,7 +31,8 @@ impl Axis {
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let bad = || CaseError::BadSetting {
             text: text.to_owned(),
-            form: "name=start:stop:count or name=v1,v2,... with finite numbers and a count of at least 2",
+            form: "name=start:stop:count, name=start:stop:count:log or name=v1,v2,... with finite numbers and a \
+                   count of at least 2; both ends of a log range are > 0",
         };
         let (name, values) = text.split_once('=').ok_or_else(bad)?;
         let (key, factor) = InputKey::in_unit(name.trim())?;
@@ -39,11 +41,16 @@ impl Axis {
             value.is_finite().then_some(value)
         };
         let values = match values.split(':').collect::<Vec<_>>()[..] {
-            [start, stop, count] => Values::Range {
-                start: number(start).ok_or_else(bad)?,
-                stop: number(stop).ok_or_else(bad)?,
-                count: count.trim().parse().ok().filter(|n| *n >= 2).ok_or_else(bad)?,
-            },
+            [start, stop, count, ref spacing @ ..] => {
+                let log = match spacing {
+                    [] => false,
+                    [word] if word.trim() == "log" => true,
+                    _ => return Err(bad()),
+                };
+                let end = |text| number(text).filter(|end| !log || *end > 0.0).ok_or_else(bad);
+                let count = count.trim().parse().ok().filter(|n| *n >= 2).ok_or_else(bad)?;
+                Values::Range { start: end(start)?, stop: end(stop)?, count, log }
+            }
             [list] => {
                 let values: Option<_> = list.split(',').map(number).collect();
                 Values::List(values.ok_or_else(bad)?)
@@ -70,12 +77,16 @@ impl Axis {
     /// Value `i`; the ends of a range are exact.
     pub fn value(&self, i: usize) -> f64 {
         match &self.values {
-            Values::Range { start, stop, count } => {
+            Values::Range { start, stop, count, log } => {
                 if i + 1 == *count {
                     return *stop;
                 }
                 #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^52")]
                 let fraction = i as f64 / (*count - 1) as f64;
+                if *log {
+                    let (from, to) = (start.ln(), stop.ln());
+                    return if i == 0 { *start } else { (from + (to - from) * fraction).exp() };
+                }
                 let span = stop - start;
                 if span.is_finite() {
                     start + span * fraction
@@ -85,6 +96,11 @@ impl Axis {
             }
             Values::List(values) => values[i],
         }
+    }
+
+    /// True for a range of equal ratios.
+    pub fn is_log(&self) -> bool {
+        matches!(self.values, Values::Range { log: true, .. })
     }
 
     fn ends(&self) -> Vec<f64> {
@@ -101,8 +117,9 @@ impl Display for Axis {
         let number = |value: &f64| format!("{value:?}").trim_end_matches(".0").to_owned();
         write!(f, "{}=", self.key.name())?;
         match &self.values {
-            Values::Range { start, stop, count } => {
-                write!(f, "{}:{}:{count}", number(start), number(stop))
+            Values::Range { start, stop, count, log } => {
+                let log = if *log { ":log" } else { "" };
+                write!(f, "{}:{}:{count}{log}", number(start), number(stop))
             }
             Values::List(values) => {
                 f.write_str(&values.iter().map(number).collect::<Vec<_>>().join(","))

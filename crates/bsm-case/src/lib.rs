@@ -53,6 +53,7 @@ mod quantity;
 mod reader;
 mod record;
 mod requirement;
+mod result_schema;
 mod rules;
 mod scene;
 mod schema;
@@ -65,7 +66,8 @@ pub mod units;
 pub use analysis::{Analysis, AnalysisKind, Moving};
 pub use capacity::CapacityReport;
 pub use catalogue::{
-    CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
+    Asked, CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE,
+    candidate_json,
 };
 pub use design::{DesignReport, DesignRow};
 pub use error::{CaseError, brief, printable};
@@ -73,7 +75,7 @@ pub use fit::{Fit, FitReport, Fitted};
 pub use grid::{Axis, Grid};
 pub use input::{INPUTS, Input, InputKey, Rule, Scene};
 pub use input_set::{InputSet, following};
-pub use makers::MakerNut;
+pub use makers::{MakerNut, column_names};
 pub use number::{exact, write_exact};
 pub use nut::{BALL_COLUMNS, CURVE_COLUMNS, NutProblem, NutReport, NutWords, Samples};
 pub use optimum::OptimumReport;
@@ -82,10 +84,14 @@ pub use problem::{ModelChoice, Settings};
 pub use quantity::{Numbers, Of, Quantity};
 pub use record::Record;
 pub use requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile};
+pub use result_schema::result_schema;
 pub use rules::{Inputs, Relation, covered};
 pub(crate) use scene::nearest;
 pub use scene::{entries, nearest_input};
 pub use schema::{input_schema, output_schema};
 pub use sensitivity::{Jets, Sensitivities, Sensitivity};
-pub use size::{NOT_MODELLED, PhaseWords, SizePhase, SizeReport, SizeRule};
+pub use size::{
+    GrooveSection, NOT_MODELLED, PhaseWords, SizePhase, SizeReport, SizeRule, decimal_number,
+    sheet_columns,
+};
 pub use spectrum::Spectrum;

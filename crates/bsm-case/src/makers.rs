@@ -1,10 +1,12 @@
 //! Nuts of a maker's table: a row each, in the words of the vocabulary or of the maker.
 
+use std::collections::BTreeMap;
+
 use bsm_design::Nut;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use crate::scene::{entries, wrong_type};
-use crate::size::number;
+use crate::size::decimal_number;
 use crate::units::{MM, convert};
 use crate::{CaseError, INPUTS, InputKey, RequirementFile, Scene, nearest};
 
@@ -35,26 +37,24 @@ pub struct MakerNut {
 impl MakerNut {
     /// Reads a table.
     ///
-    /// * `names`: JSON object from the maker's names of columns to ours, null for one that is not read; `{}` if
-    ///   they are ours. * `separator`: between cells. * `decimal`: the decimal sign.
+    /// * `names`: the maker's names of columns, see [`column_names`]. * `separator`: between cells. * `decimal`: the decimal sign.
     ///
     /// # Errors
     ///
     /// [`CaseError`] with the row or the column.
     pub fn from_csv(
         table: &[u8],
-        names: &[u8],
+        names: &BTreeMap<String, Option<String>>,
         separator: u8,
         decimal: char,
     ) -> Result<Vec<Self>, CaseError> {
-        let names = renamed(names)?;
         let wrong = |what: String| CaseError::Spectrum { what };
         let mut reader =
             csv::ReaderBuilder::new().trim(csv::Trim::All).delimiter(separator).from_reader(table);
         let header = reader.headers().map_err(|e| wrong(e.to_string()))?.clone();
         let columns: Vec<_> = header
             .iter()
-            .map(|name| column(name, &names).map_err(wrong))
+            .map(|name| column(name, names).map_err(wrong))
             .collect::<Result<_, _>>()?;
         let mut nuts = Vec::new();
         for (row, record) in (1_usize..).zip(reader.records()) {
@@ -68,7 +68,7 @@ impl MakerNut {
                     text.clone_into(&mut given.name);
                     continue;
                 }
-                let value = number(text, decimal);
+                let value = decimal_number(text, decimal);
                 let value =
                     value.ok_or_else(|| in_row(format!("{word}: `{text}` is no number")))?;
                 given.set(word, factor * value)?;
@@ -89,10 +89,13 @@ impl MakerNut {
 }
 
 /// A column: our name of it, and the factor to our unit; `None` if it is not read.
-fn column(name: &str, names: &Map<String, Value>) -> Result<Option<(&'static str, f64)>, String> {
+fn column(
+    name: &str,
+    names: &BTreeMap<String, Option<String>>,
+) -> Result<Option<(&'static str, f64)>, String> {
     let own = match names.get(name) {
-        Some(Value::Null) => return Ok(None),
-        Some(own) => own.as_str().unwrap_or_default(),
+        Some(None) => return Ok(None),
+        Some(Some(own)) => own,
         None => name,
     };
     let known = || WORDS.into_iter().chain(INPUTS.iter().map(|input| input.name));
@@ -108,13 +111,19 @@ fn column(name: &str, names: &Map<String, Value>) -> Result<Option<(&'static str
     })
 }
 
-/// The names of a maker.
-fn renamed(json: &[u8]) -> Result<Map<String, Value>, CaseError> {
-    let map: Map<_, _> = entries(json)?.into_iter().collect();
-    match map.iter().find(|(_, value)| !value.is_null() && !value.is_string()) {
-        Some((key, value)) => Err(wrong_type(key.clone(), value, "a name, or null")),
-        None => Ok(map),
-    }
+/// Reads the names of the columns of a foreign table: a JSON object from them to ours, or to null for a column
+/// that is not read.
+///
+/// # Errors
+///
+/// [`CaseError`] for syntax, repeated names, and what is neither a name nor null.
+pub fn column_names(json: &[u8]) -> Result<BTreeMap<String, Option<String>>, CaseError> {
+    let name = |(key, value): (String, Value)| match value {
+        Value::Null => Ok((key, None)),
+        Value::String(name) => Ok((key, Some(name))),
+        other => Err(wrong_type(key, &other, "a name, or null")),
+    };
+    entries(json)?.into_iter().map(name).collect()
 }
 
 /// What a row says.

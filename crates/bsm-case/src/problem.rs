@@ -1,6 +1,7 @@
 //! Which model is asked, and whether a scene has what it needs.
 
 use bsm_dyn::{Control, Model, Problem, Traction};
+use serde_json::{Value, json};
 
 use crate::input_set::{Form, LEAD, Quantity, TEMPERATURE, VISCOSITY};
 use crate::nut::balls_and_turns;
@@ -111,6 +112,18 @@ impl Settings {
         };
         let control = control.map(race).transpose()?;
         Ok(Self { model: ModelChoice::from_name(model)?, control, ..Self::default() })
+    }
+
+    /// JSON object of the dials.
+    pub fn to_json(&self) -> Value {
+        let Self { model, tolerance, accuracy, creep, control } = *self;
+        json!({
+            "name": model.name(),
+            "tolerance": tolerance,
+            "accuracy": accuracy,
+            "creep": creep,
+            "control": control.map(Control::name),
+        })
     }
 
     /// Checks the dials.

@@ -135,7 +135,7 @@ pub const REQUIREMENT_WORDS: [(&str, &[&str], &str); 3] = [
 ];
 
 /// Inputs of a scene that a requirement may have.
-const FROM_SCENES: [InputKey; 40] = [
+const FROM_SCENES: [InputKey; 42] = [
     InputKey::axial_load_N,
     InputKey::lead_mm,
     InputKey::lead_angle_deg,
@@ -170,6 +170,8 @@ const FROM_SCENES: [InputKey; 40] = [
     InputKey::seal_torque_Nm,
     InputKey::support_bearing_rigidity_N_um,
     InputKey::housing_rigidity_N_um,
+    InputKey::axis_heat_transfer_W_K,
+    InputKey::accuracy_grade,
     InputKey::reliability_percent,
     InputKey::required_life_h,
     InputKey::required_static_safety,

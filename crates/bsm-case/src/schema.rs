@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::nut::NutWords;
 use crate::{AnalysisKind, INPUTS, OUTPUTS, Output, Rule};
 
-const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
+pub(crate) const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
 
 /// Schema of a scene.
 pub fn input_schema() -> Value {
@@ -95,7 +95,7 @@ pub fn output_schema() -> Value {
 }
 
 /// Name and schema of an output.
-fn property(output: &Output) -> (String, Value) {
+pub(crate) fn property(output: &Output) -> (String, Value) {
     let mut property = json!({
         "type": [output.json_type, "null"],
         "description": with_unit(output.about, output.unit),

@@ -6,21 +6,20 @@ mod cycle;
 mod rules;
 
 use bsm_design::{
-    PERMITTED_STRESS, drag_torque, in_series, life, lost_motion, reliability_factor,
-    root_mean_square,
+    PERMITTED_STRESS, Profile, drag_torque, in_series, life, lost_motion, reliability_factor,
+    root_mean_square, steady_rise, travel_variation,
 };
 use bsm_dyn::ModelWorkspace;
 use serde_json::{Map, Value, json};
 
 use self::axis::{Axis, Phase};
 use self::contacts::{Contacts, contacts, is_preloaded, nut_at};
-pub use self::cycle::PhaseWords;
-pub(crate) use self::cycle::number;
+pub use self::cycle::{PhaseWords, decimal_number};
 pub use self::rules::SizeRule;
 use crate::quantity::{Whole, quantities};
 use crate::units::{DEG, MM, RPM, UM};
 use crate::{
-    AnalysisKind, CapacityReport, CaseError, InputKey, Numbers, NutReport, Scene, Settings,
+    AnalysisKind, CapacityReport, CaseError, InputKey, Numbers, NutReport, Output, Scene, Settings,
     capacity,
 };
 
@@ -45,7 +44,9 @@ quantities! { Size;
         yield_load_N ["N"] Whole, "load that strains the core to 147 N/mm2";
         cycle_speed_number_mm_min ["mm/min"] Whole, "largest speed number";
         screw_mass_kg ["kg"] Whole, "mass of the screw between its bearings";
-        screw_growth_um ["um"] Whole, "growth of the screw between its bearings, warmer by screw_temperature_rise_K";
+        steady_temperature_rise_K ["K"] Whole needs [axis_heat_transfer_W_K], "rise of temperature at which the axis gives away its mean heat";
+        screw_growth_um ["um"] Whole, "growth of the screw between its bearings, warmer by screw_temperature_rise_K or the steady rise";
+        travel_variation_300_um ["um"] Whole needs [accuracy_grade], "permitted variation of travel within any 300 mm, ISO 3408-3";
     }
     "nut and life" {
         static_safety_factor [""] Whole, "static safety by the rating and by the most loaded ball, the smaller one";
@@ -103,11 +104,42 @@ pub struct SizeReport {
     pub warnings: Vec<String>,
 }
 
+/// A section across the grooves of nut and screw, around the centre of a ball: along the axis, and away from it \[mm\].
+#[derive(Debug, Clone, PartialEq)]
+pub struct GrooveSection {
+    /// Radius of the ball.
+    pub ball_radius: f64,
+    /// Contact angle without load \[rad\].
+    pub contact_angle: f64,
+    /// Groove and lands of the screw.
+    pub screw: Vec<(f64, f64)>,
+    /// Groove and lands of the nut.
+    pub nut: Vec<(f64, f64)>,
+}
+
+/// The numbers of a sheet that tell nuts apart, in tables of them.
+pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
+    const NAMES: [&str; 9] = [
+        "cycle_life_h",
+        "critical_speed_ratio",
+        "buckling_safety",
+        "static_safety_factor",
+        "axis_rigidity_N_um",
+        "peak_motor_torque_Nm",
+        "mean_heat_W",
+        "screw_mass_kg",
+        "inertia_of_screw_kg_m2",
+    ];
+    NAMES.into_iter().filter_map(|name| {
+        QUANTITIES.iter().flat_map(|quantity| quantity.columns).find(|column| column.name == name)
+    })
+}
+
 /// What the torque of an axis leaves out.
 pub const NOT_MODELLED: [&str; 6] = [
     "lubricant, unless its inputs are given: contacts are dry then, with one friction coefficient; the drag of the preload is that of makers' rule, which holds to some 50 %",
     "returns of the balls and balls that touch each other: only in makers' rule for the drag",
-    "temperature: nothing warms up by its own heat; screw_temperature_rise_K is an input",
+    "temperature: the fit of the nut does not follow it; screw_temperature_rise_K and axis_heat_transfer_W_K are inputs",
     "vibration of the axis, its control, and shocks: multiply the loads by the factor of your machine",
     "bending of the screw by its weight, and of the frame; misalignment unless it is given",
     "brackets of motor and bearings beyond housing_rigidity_N_um",
@@ -207,6 +239,28 @@ impl SizeReport {
             "not_modelled": NOT_MODELLED,
             "notes": self.notes,
             "warnings": self.warnings,
+        })
+    }
+
+    /// A section across the grooves.
+    pub fn groove_section(&self) -> Option<GrooveSection> {
+        /// Chords of a flank.
+        const STEPS: u32 = 40;
+        let axis = Axis::of(&self.scene).ok()?;
+        let half = 0.5 * axis.nut.lead / self.scene.value_or_default(InputKey::starts)?;
+        let line = |profile: &Profile, up: f64| {
+            let mut flank = profile.flank(STEPS);
+            // On to the middle of the land.
+            let land = flank.last().map_or(0.0, |(_, depth)| *depth);
+            flank.push((half, land));
+            let at = |side: f64| move |(x, depth): &(f64, f64)| (side * x / MM, up * depth / MM);
+            flank.iter().rev().map(at(-1.0)).chain(flank.iter().map(at(1.0))).collect()
+        };
+        Some(GrooveSection {
+            ball_radius: 0.5 * axis.nut.ball_diameter / MM,
+            contact_angle: axis.nut.contact_angle,
+            screw: line(&axis.thread.screw, -1.0),
+            nut: line(&axis.thread.nut, 1.0),
         })
     }
 
@@ -354,10 +408,15 @@ impl<'a> Worked<'a> {
         put(buckling_safety, Some(buckling / axis.largest_load()));
         put(yield_load_N, Some(shaft.yield_load(PERMITTED_STRESS)));
         put(screw_mass_kg, Some(axis.nut.mass_of_screw(&axis.thread, shaft.length)));
-        let rise = scene.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
+        let transfer = scene.axis_heat_transfer_W_K;
+        let steady = self.mean_heat().zip(transfer).map(|(heat, by)| steady_rise(heat, by));
+        put(steady_temperature_rise_K, steady);
+        let rise = scene.screw_temperature_rise_K.filter(|rise| *rise != 0.0).or(steady);
         let expansion = scene.value_or_default(InputKey::thermal_expansion_um_m_K);
         let growth = rise.zip(expansion).map(|(rise, by)| shaft.growth(by * UM, rise) / UM);
         put(screw_growth_um, growth);
+        let variation = scene.accuracy_grade.and_then(travel_variation);
+        put(travel_variation_300_um, variation.map(|variation| variation / UM));
         put(screw_rigidity_N_um, Some(shaft.least_stiffness() * UM));
         let Some(nut_stiffness) = nut_stiffness else { return };
         let others = [scene.support_bearing_rigidity_N_um, scene.housing_rigidity_N_um];
@@ -382,11 +441,7 @@ impl<'a> Worked<'a> {
         let mean_square = |values: Vec<f64>| root_mean_square(values.into_iter().zip(times()));
         put(rms_motor_torque_Nm, torque.and_then(mean_square));
         put(peak_motor_power_W, all(&|torques| self.motor_power(torques)).map(peak));
-        let mean = |values: Vec<f64>| {
-            let heat: f64 = values.iter().zip(times()).map(|(heat, time)| heat * time).sum();
-            heat / times().sum::<f64>()
-        };
-        put(mean_heat_W, all(&Torques::heat).map(mean));
+        put(mean_heat_W, self.mean_heat());
         put(preload_drag_Nm, self.drag_by_rule);
         put(contact_drag_Nm, self.drag_of_contacts);
         put(holding_torque_Nm, self.holding);
@@ -396,6 +451,13 @@ impl<'a> Worked<'a> {
         put(inertia_at_motor_kg_m2, at_motor);
         let motor = Some(axis.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
         put(inertia_ratio, at_motor.zip(motor).map(|(load, motor)| load / motor));
+    }
+
+    /// Heat over the cycle \[W\].
+    fn mean_heat(&self) -> Option<f64> {
+        let time: f64 = self.torques.iter().map(|torques| torques.phase.time).sum();
+        let heats = self.torques.iter().map(|torques| Some(torques.heat()? * torques.phase.time));
+        heats.sum::<Option<f64>>().map(|heat| heat / time)
     }
 
     fn motor_torque(&self, torques: &Torques) -> Option<f64> {

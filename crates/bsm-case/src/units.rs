@@ -19,6 +19,14 @@ pub const GPA: f64 = 1e9;
 /// Pascals per megapascal.
 pub const MPA: f64 = 1e6;
 
+/// A name of the vocabulary as words, its unit behind a comma: `axial_load_N` is "axial load, N".
+pub fn words(name: &str, unit: &str) -> String {
+    let written = unit.replace("(m K)", "m_K").replace([' ', '^', '.'], "").replace('/', "_");
+    let stem = if written.is_empty() { None } else { stem(name, &written) };
+    let words = stem.unwrap_or(name).replace('_', " ");
+    if unit.is_empty() { words } else { format!("{words}, {unit}") }
+}
+
 /// Next to -180 deg a direction is 180: rounding decides on which side of it a solve ends \[deg\].
 const TURN_ROUNDING: f64 = 1e-9;
 
@@ -224,6 +232,28 @@ mod tests {
                 input.name.strip_suffix(unit).is_some_and(|stem| stem.ends_with('_'))
             };
             assert!(UNITS.iter().any(has), "{}", input.name);
+        }
+    }
+
+    /// Labels of axes have words and units, not names of columns.
+    #[test]
+    fn names_as_words() {
+        for (name, unit, label) in [
+            ("axial_load_N", "N", "axial load, N"),
+            ("efficiency", "", "efficiency"),
+            ("nut_slip_velocity_m_s", "m/s", "nut slip velocity, m/s"),
+            ("screw_torque_Nm", "N m", "screw torque, N m"),
+            ("thermal_expansion_um_m_K", "um/(m K)", "thermal expansion, um/(m K)"),
+            ("return_stiffness_N_um15", "N/um^1.5", "return stiffness, N/um^1.5"),
+        ] {
+            assert_eq!(words(name, unit), label);
+        }
+        for input in INPUTS {
+            let label = words(input.name, input.unit);
+            let unit = input.unit.chars().next().filter(|first| first.is_alphanumeric());
+            let twice =
+                unit.is_some() && label.replace(' ', "_").starts_with(&format!("{},", input.name));
+            assert!(!twice || input.unit == "%", "{label}");
         }
     }
 

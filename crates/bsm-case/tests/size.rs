@@ -1,8 +1,11 @@
 //! The axis: its numbers against a second implementation, and its words.
 
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-use bsm_case::{Catalogue, DesignReport, MakerNut, RequirementFile, Scene, Settings, SizeReport};
+use bsm_case::{
+    Catalogue, DesignReport, MakerNut, RequirementFile, Scene, Settings, SizeReport, column_names,
+};
 
 const AXIS: &[u8] = include_bytes!("../../../examples/axis.json");
 
@@ -206,7 +209,8 @@ fn a_long_screw_is_blocked_by_its_critical_speed() {
 #[test]
 fn a_makers_table_is_read() {
     let table = include_str!("../../../examples/maker_table.csv");
-    let ours = MakerNut::from_csv(table.as_bytes(), b"{}", b',', '.').expect("an example");
+    let ours =
+        MakerNut::from_csv(table.as_bytes(), &BTreeMap::new(), b',', '.').expect("an example");
     assert_eq!(ours.len(), 10);
     let theirs = table
         .replace(',', ";")
@@ -226,14 +230,14 @@ fn a_makers_table_is_read() {
             cells.join(";")
         })
         .collect();
-    let names = br#"{"Cdyn": "dynamic_load_rating_N", "bore": null}"#;
-    let same = MakerNut::from_csv(theirs.join("\n").as_bytes(), names, b';', ',');
+    let names = column_names(br#"{"Cdyn": "dynamic_load_rating_N", "bore": null}"#).expect("names");
+    let same = MakerNut::from_csv(theirs.join("\n").as_bytes(), &names, b';', ',');
     assert_eq!(same.expect("the same"), ours);
-    let unknown = MakerNut::from_csv(theirs.join("\n").as_bytes(), b"{}", b';', ',');
+    let unknown = MakerNut::from_csv(theirs.join("\n").as_bytes(), &BTreeMap::new(), b';', ',');
     let told = unknown.expect_err("Cdyn").to_string();
     assert!(told.contains("unknown column") && told.contains("--columns-from"), "{told}");
     // A decimal point where a comma is meant is refused, not read as another number.
-    let mixed = MakerNut::from_csv(b"nut;lead_mm\na;1.500", b"{}", b';', ',');
+    let mixed = MakerNut::from_csv(b"nut;lead_mm\na;1.500", &BTreeMap::new(), b';', ',');
     assert!(mixed.expect_err("mixed").to_string().contains("`1.500` is no number"));
     for nut in &ours {
         let stated = nut.scene.rated_dynamic_load_N.expect("a rating");

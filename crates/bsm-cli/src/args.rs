@@ -110,7 +110,8 @@ pub(crate) enum Command {
     /// Measure time and accuracy of every model and setting on this machine.
     #[command(after_help = EXIT_CODES)]
     Tradeoff(TradeoffArgs),
-    /// Print the JSON Schema of scenes (input) or results (output).
+    /// Print the JSON Schema of scenes (input), results of a point (output), or of what a command prints with
+    /// --format json.
     Schema {
         /// Which one.
         #[arg(value_enum)]
@@ -222,14 +223,18 @@ pub(crate) struct CompareArgs {
 /// The table to write, and how.
 #[derive(Debug, Args)]
 pub(crate) struct TableArgs {
-    /// Table to write: .csv, .jsonl or .parquet; `-` is CSV on standard output; FOLDER/ gets Parquet
-    /// files in FOLDER/data, and can be continued with --resume.
+    /// Table to write: .csv, .jsonl, .parquet or .xlsx; `-` is CSV on standard output; FOLDER/ gets Parquet
+    /// files in FOLDER/data, and can be continued with --resume. Parquet and .xlsx say what they are made from.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
     /// Continue a stopped run of the same task in its folder: finished parts are verified and kept, the
     /// others are solved.
     #[arg(long)]
     pub(crate) resume: bool,
+    /// Also write what the table is made from, with its SHA-256, to OUT-metadata.json: program, points, scene,
+    /// settings, units.
+    #[arg(long)]
+    pub(crate) metadata: bool,
     /// Rows in each part of a folder; unless given, chosen from the number of rows, outputs and model.
     #[arg(long, value_name = "N")]
     pub(crate) rows_per_shard: Option<NonZeroU64>,
@@ -254,25 +259,29 @@ pub(crate) struct SweepArgs {
     pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
-    /// Input to vary: NAME=START:STOP:COUNT (ends included) or NAME=V1,V2,...; may be repeated
-    /// for a full grid, in which the last input changes fastest.
+    /// Input to vary: NAME=START:STOP:COUNT (ends included), NAME=START:STOP:COUNT:log (equal ratios) or
+    /// NAME=V1,V2,...; may be repeated for a full grid, in which the last input changes fastest.
     #[arg(long, value_name = "NAME=VALUES", required = true, allow_hyphen_values = true)]
     pub(crate) vary: Vec<String>,
     #[command(flatten)]
     pub(crate) table: TableArgs,
-    /// Plot to write (SVG) of one output against the first varied input, a line per value of
+    /// Plot to write (.svg or .png) of one output against the first varied input, a line per value of
     /// the second.
     #[arg(long, value_name = "OUT.svg")]
     pub(crate) plot: Option<PathBuf>,
-    /// Output to plot, also a number of `bsm slip`, `bsm jam`, `bsm optimum` or `bsm capacity`.
-    #[arg(long, value_name = "NAME", default_value = "efficiency", requires = "plot")]
+    /// Map to write (.svg or .png) of one output over two varied inputs, of any number of points, with the
+    /// boundaries between models.
+    #[arg(long, value_name = "OUT.svg")]
+    pub(crate) map: Option<PathBuf>,
+    /// Output of --plot and --map, also a number of `bsm slip`, `bsm jam`, `bsm optimum` or `bsm capacity`.
+    #[arg(long, value_name = "NAME", default_value = "efficiency")]
     pub(crate) plot_output: String,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct BatchArgs {
-    /// Table of points: .csv, .jsonl or .parquet, columns named as inputs; `-` is CSV on standard
-    /// input. Each row is solved as by `bsm solve --set` with its values: an empty cell takes the value
+    /// Table of points: .csv, .jsonl or .parquet, columns named as inputs, in any unit (axial_load_kN); `-` is CSV
+    /// on standard input. Each row is solved as by `bsm solve --set` with its values: an empty cell takes the value
     /// of the base scene; a lead replaces its lead angle, and a lead angle its lead. Columns of earlier
     /// results are ignored. In CSV and JSON Lines a row is one line: a quoted cell must end on it, and
     /// blank lines may only be at the end.
@@ -291,6 +300,8 @@ pub(crate) struct BatchArgs {
     /// Columns to copy to the output although they are not inputs, such as an id.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) keep: Vec<String>,
+    #[command(flatten)]
+    pub(crate) signs: TableSigns,
 }
 
 #[derive(Debug, Args)]
@@ -322,6 +333,9 @@ pub(crate) struct CapacityArgs {
     /// time_share.
     #[arg(long, value_name = "SPECTRUM.csv")]
     pub(crate) spectrum: Option<PathBuf>,
+    /// Table of the ratings to write: .csv or .xlsx, a row each.
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: Option<PathBuf>,
     /// Show the intermediate values of the load ratings, for a check by hand (docs/theory/11-ratings.md).
     #[arg(long)]
     pub(crate) steps: bool,
@@ -449,6 +463,9 @@ pub(crate) struct DesignArgs {
     /// diameters; unless given, standard sizes of ISO 3408-2 at 45 degrees are tried.
     #[arg(long)]
     pub(crate) free: bool,
+    /// Table of the steps to write: .csv or .xlsx, a row each.
+    #[arg(long, value_name = "OUT")]
+    pub(crate) table: Option<PathBuf>,
     /// Write the screw and its operating point to this scene, for every other command.
     #[arg(short, long, value_name = "SCREW.json")]
     pub(crate) output: Option<PathBuf>,
@@ -473,16 +490,8 @@ pub(crate) struct CatalogArgs {
     /// each nut is sized as by bsm size, and the lightest that passes is picked.
     #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["catalogue", "require", "pareto", "sort", "plot", "output"])]
     pub(crate) makers: Option<PathBuf>,
-    /// Names of the columns of --makers: a JSON object from the maker's name to ours, or to null for a column that
-    /// is not read.
-    #[arg(long, value_name = "MAP.json", requires = "makers")]
-    pub(crate) columns_from: Option<PathBuf>,
-    /// What separates the cells of --makers.
-    #[arg(long, value_enum, default_value_t = Delimiter::Comma, requires = "makers")]
-    pub(crate) delimiter: Delimiter,
-    /// Decimal sign of --makers.
-    #[arg(long, value_enum, default_value_t = Decimal::Point, requires = "makers")]
-    pub(crate) decimal: Decimal,
+    #[command(flatten)]
+    pub(crate) signs: TableSigns,
     /// Keep only nuts that meet a condition: NAME>=VALUE, NAME<=VALUE or NAME=VALUE; may be repeated.
     #[arg(long, value_name = "CONDITION")]
     pub(crate) require: Vec<String>,
@@ -556,6 +565,29 @@ pub(crate) enum Format {
     Json,
 }
 
+/// How a table of one's own is written: the one of --makers, or that of the points.
+#[derive(Debug, Args)]
+pub(crate) struct TableSigns {
+    /// Names of the columns of the table: a JSON object from its names to ours, in any unit, or to null for a column
+    /// that is not read.
+    #[arg(long, value_name = "MAP.json")]
+    pub(crate) columns_from: Option<PathBuf>,
+    /// What separates the cells of a table of text.
+    #[arg(long, value_enum, default_value_t = Delimiter::Comma)]
+    pub(crate) delimiter: Delimiter,
+    /// Decimal sign of a table of text.
+    #[arg(long, value_enum, default_value_t = Decimal::Point)]
+    pub(crate) decimal: Decimal,
+}
+
+impl TableSigns {
+    /// True if nothing is said.
+    pub(crate) fn are_ours(&self) -> bool {
+        let signs = (self.delimiter, self.decimal);
+        self.columns_from.is_none() && signs == (Delimiter::Comma, Decimal::Point)
+    }
+}
+
 /// What separates cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Delimiter {
@@ -600,10 +632,36 @@ impl Decimal {
     }
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SchemaKind {
-    /// Schema of a scene.
+    /// A scene.
     Input,
-    /// Schema of a result.
+    /// The result of a point, as in tables; the numbers of analyses are in its $defs.
     Output,
+    /// bsm solve.
+    Solve,
+    /// bsm compare.
+    Compare,
+    /// bsm optimum.
+    Optimum,
+    /// bsm capacity.
+    Capacity,
+    /// bsm nut.
+    Nut,
+    /// bsm size.
+    Size,
+    /// bsm fit.
+    Fit,
+    /// bsm design.
+    Design,
+    /// bsm catalog.
+    Catalog,
+    /// bsm slip.
+    Slip,
+    /// bsm jam.
+    Jam,
+    /// bsm validate.
+    Validate,
+    /// bsm tradeoff.
+    Tradeoff,
 }

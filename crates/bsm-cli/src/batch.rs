@@ -4,7 +4,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use bsm_batch::dataset::Points;
-use bsm_batch::{CsvSource, Source, TableError, Task, Workers};
+use bsm_batch::{CsvSource, Dialect, Source, TableError, Task, Workers};
 use bsm_case::Scene;
 
 use crate::args::BatchArgs;
@@ -22,14 +22,18 @@ pub(crate) fn run(args: &BatchArgs, workers: &Workers<'_>) -> Result<(), Failure
     let settings = args.model.settings().map_err(|e| Failure::Input(e.to_string()))?;
     let outputs = outputs(&args.table)?;
     needs_a_file(&args.table, &args.points)?;
-    let mut source = open(&args.points, &args.keep)?;
+    let signs = &args.signs;
+    let names = files::names_of_columns(signs.columns_from.as_deref())?;
+    let (delimiter, decimal) = (char::from(signs.delimiter.byte()), signs.decimal.sign());
+    let dialect = Dialect { delimiter, decimal, names };
+    let mut source = open(&args.points, &args.keep, &dialect)?;
     let task = Task::over_table(base, settings, outputs, source.columns()).map_err(|error| {
         let points = args.points.display();
         Failure::Input(format!("{points}: {error}; add columns, a --base scene or --set"))
     })?;
     note_unused(task.base.given() | source.columns().set());
-    let points = Points::Table { path: args.points.clone(), keep: args.keep.clone() };
-    Job::new(task, &args.table).run(source.as_mut(), &points, workers, |_, _| {}).map_err(|e| {
+    let points = Points::Table { path: args.points.clone(), keep: args.keep.clone(), dialect };
+    Job::new(task, &args.table).run(source.as_mut(), &points, workers, |_, _, _| {}).map_err(|e| {
         match e {
             Failure::Table(error) => Failure::table(&args.points, &error),
             other => other,
@@ -38,13 +42,17 @@ pub(crate) fn run(args: &BatchArgs, workers: &Workers<'_>) -> Result<(), Failure
 }
 
 /// Opens a table by the ending of its name; `-` is CSV on standard input.
-pub(crate) fn open(path: &Path, keep: &[String]) -> Result<Box<dyn Source>, Failure> {
+pub(crate) fn open(
+    path: &Path,
+    keep: &[String],
+    dialect: &Dialect,
+) -> Result<Box<dyn Source>, Failure> {
     let format = format_of(path, "POINTS")?;
     let source: Result<Box<dyn Source>, TableError> = if path.as_os_str() == "-" {
         let reader: Box<dyn Read + Send> = Box::new(io::stdin());
-        CsvSource::new(reader, keep).map(|source| Box::new(source) as Box<dyn Source>)
+        CsvSource::with(reader, keep, dialect).map(|source| Box::new(source) as Box<dyn Source>)
     } else {
-        format.open(path, keep)
+        format.open_as(path, keep, dialect)
     };
     source.map_err(|e| Failure::table(path, &e))
 }

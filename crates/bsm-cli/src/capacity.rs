@@ -7,7 +7,8 @@ use bsm_report::number;
 
 use crate::args::{CapacityArgs, Format};
 use crate::failure::{Failure, warn};
-use crate::files::{MOST_OF_A_SPECTRUM, pretty_json, print, read, read_scene};
+use crate::files::{MOST_OF_A_SPECTRUM, keep, pretty_json, print, read, read_scene};
+use crate::stream::write_rows;
 use crate::table;
 
 pub(crate) fn run(args: &CapacityArgs) -> Result<(), Failure> {
@@ -19,6 +20,14 @@ pub(crate) fn run(args: &CapacityArgs) -> Result<(), Failure> {
     };
     let report =
         CapacityReport::of(&scene, spectrum.as_ref()).map_err(|e| Failure::scene(path, &e))?;
+    if let Some(output) = &args.output {
+        let mut rows = report.rows();
+        if args.steps {
+            rows.extend(report.steps());
+        }
+        keep(path, Some(output))?;
+        write_rows(output, &rows, &scene.to_json())?;
+    }
     match args.format {
         Format::Json => print(&pretty_json(&report.to_json())),
         Format::Table => {

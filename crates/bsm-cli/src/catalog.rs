@@ -1,13 +1,14 @@
 //! `bsm catalog`: all nuts of standard sizes.
 
+use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use bsm_batch::{Format as TableFormat, NumberColumn};
+use bsm_batch::NumberColumn;
 use bsm_case::units::GPA;
 use bsm_case::{
-    CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, RequirementFile, STANDARD_CATALOGUE,
-    candidate_json,
+    Asked, CATALOGUE_COLUMNS, CaseError, Catalogue, CatalogueColumn, Condition, Output,
+    RequirementFile, STANDARD_CATALOGUE, Settings, SizeReport, candidate_json, sheet_columns,
 };
 use bsm_design::Candidate;
 use bsm_report::{Figure, number};
@@ -18,7 +19,7 @@ use crate::args::{CatalogArgs, Format};
 use crate::failure::{Failure, warn};
 use crate::files::{self, pretty_json, print, write_figures};
 use crate::makers;
-use crate::stream::{format_of, write_numbers};
+use crate::stream::{Form, form_of, write_numbers};
 use crate::table;
 
 /// Rows that a screen shows.
@@ -32,22 +33,39 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         return print(STANDARD_CATALOGUE);
     }
     if args.columns {
-        let row = |c: &CatalogueColumn| vec![c.name.to_owned(), c.unit.to_owned()];
-        let rows: Vec<_> = CATALOGUE_COLUMNS.iter().map(row).collect();
+        let row = |c: &CatalogueColumn| vec![c.name.to_owned(), c.unit.to_owned(), String::new()];
+        let of_sheet = |c: &Output| {
+            vec![c.name.to_owned(), c.unit.to_owned(), "with --requirement".to_owned()]
+        };
+        let rows = CATALOGUE_COLUMNS.iter().map(row).chain(sheet_columns().map(of_sheet));
+        let rows: Vec<_> = rows.collect();
         return print(&table::plain(None, &rows, usize::MAX));
+    }
+    let signs = &args.signs;
+    if args.makers.is_none() && !signs.are_ours() {
+        let text = "--columns-from, --delimiter and --decimal are for the table of --makers";
+        return Err(Failure::Input(text.to_owned()));
     }
     if let Some(table) = &args.makers {
         return makers::run(args, table);
     }
-    let requirements: Vec<_> = args
-        .require
-        .iter()
-        .map(|text| Condition::parse(text).map(|requirement| (text, requirement)))
-        .collect::<Result<_, _>>()
-        .map_err(|e| Failure::Input(format!("--require: {e}")))?;
-    let order = args.sort.as_deref().map(CatalogueColumn::named).transpose();
-    let order = order.map_err(|e| Failure::Input(format!("--sort: {e}")))?;
-    let kind = args.output.as_deref().map(|path| format_of(path, "--output")).transpose()?;
+    let usage = |e: CaseError| Failure::Input(format!("--require: {e}"));
+    let (mut requirements, mut of_sheet) = (Vec::new(), Vec::new());
+    for text in &args.require {
+        let asked = Asked::parse(text).map_err(usage)?;
+        match place_on_sheet(&asked.name).filter(|_| args.requirement.is_some()) {
+            Some(place) => of_sheet.push((place, asked)),
+            None => requirements.push((text, Condition::on(asked).map_err(usage)?)),
+        }
+    }
+    let order = args.sort.as_deref().map(|name| {
+        match place_on_sheet(name).filter(|_| args.requirement.is_some()) {
+            Some(place) => Ok(Order::Sheet(place)),
+            None => CatalogueColumn::named(name).map(Order::Nut),
+        }
+    });
+    let order = order.transpose().map_err(|e| Failure::Input(format!("--sort: {e}")))?;
+    let kind = args.output.as_deref().map(|path| form_of(path, "--output")).transpose()?;
     let catalogue = read(args.catalogue.as_deref())?;
     if let Some(lists) = &args.catalogue {
         files::keep(lists, args.output.as_deref())?;
@@ -75,6 +93,19 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         warn("note", &none(&catalogue, &all, &requirements));
         return Err(Failure::Unsolved);
     }
+    let mut sheets = BTreeMap::new();
+    if let Some(wish) = &wish {
+        sheets.extend(catalogue.map(&chosen, |place, nut| Some((place, sheet(wish, nut)))));
+        let kept = |place: &u32| of_sheet.iter().all(|(i, asked)| asked.is_met(sheets[place][*i]));
+        chosen.retain(kept);
+        if chosen.is_empty() {
+            warn(
+                "note",
+                "no nut that keeps the requirement meets what --require asks of its sheet",
+            );
+            return Err(Failure::Unsolved);
+        }
+    }
     if let Some(folder) = &args.plot {
         plot(folder, &catalogue_figures(&catalogue, &chosen))?;
     }
@@ -82,8 +113,14 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     if args.pareto {
         chosen = catalogue.pareto(&chosen);
     }
-    if let Some(column) = order {
-        let mut keys = catalogue.map(&chosen, |place, nut| Some(((column.read)(nut), place)));
+    if let Some(order) = order {
+        let mut keys = catalogue.map(&chosen, |place, nut| {
+            let key = match order {
+                Order::Nut(column) => (column.read)(nut),
+                Order::Sheet(column) => sheets[&place][column],
+            };
+            Some((key, place))
+        });
         keys.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         if args.descending {
             keys.reverse();
@@ -99,9 +136,50 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         files::write(path, &(pretty_json(&picked[0]) + "\n"))?;
     }
     match (&args.output, kind) {
-        (Some(path), Some(kind)) => write(path, kind, &catalogue, &chosen),
-        _ => show(&catalogue, &chosen, args),
+        (Some(path), Some(kind)) => {
+            write(path, kind, &catalogue, (&chosen, &sheets), &asked(args)?)
+        }
+        _ => show(&catalogue, (&chosen, &sheets), args),
     }
+}
+
+/// Numbers of the sheets of nuts, by their places.
+type Sheets = BTreeMap<u32, Vec<f64>>;
+
+/// What nuts are sorted by.
+#[derive(Clone, Copy)]
+enum Order {
+    /// A column of the catalogue.
+    Nut(&'static CatalogueColumn),
+    /// A number of the sheet.
+    Sheet(usize),
+}
+
+fn place_on_sheet(name: &str) -> Option<usize> {
+    sheet_columns().position(|column| column.name == name)
+}
+
+/// A nut in the axis of a requirement, by the rules of `bsm size`; NaN where there is no number.
+fn sheet(wish: &RequirementFile, nut: &Candidate) -> Vec<f64> {
+    let report = SizeReport::of(&wish.scene_of(&nut.nut), &Settings::default()).ok();
+    let number = |column: &Output| report.as_ref()?.number(column.name);
+    sheet_columns().map(|column| number(column).unwrap_or(f64::NAN)).collect()
+}
+
+/// What was asked for.
+fn asked(args: &CatalogArgs) -> Result<Value, Failure> {
+    let json = |path: &Option<PathBuf>| -> Result<Value, Failure> {
+        let Some(path) = path else { return Ok(Value::Null) };
+        serde_json::from_slice(&files::read_json(path)?)
+            .map_err(|e| Failure::in_scene(path, &e.to_string()))
+    };
+    Ok(json!({
+        "lists": json(&args.catalogue)?,
+        "requirement": json(&args.requirement)?,
+        "conditions": args.require,
+        "pareto": args.pareto,
+        "sort": args.sort,
+    }))
 }
 
 /// The requirement that nuts are held against.
@@ -186,36 +264,60 @@ fn scene(candidate: &Candidate) -> Value {
 
 fn write(
     path: &Path,
-    format: TableFormat,
+    form: Form,
     catalogue: &Catalogue,
-    chosen: &[u32],
+    (chosen, sheets): (&[u32], &Sheets),
+    about: &Value,
 ) -> Result<(), Failure> {
     let column = |c: &CatalogueColumn| NumberColumn { name: c.name, unit: c.unit };
-    let columns: Vec<_> = CATALOGUE_COLUMNS.iter().map(column).collect();
+    let of_sheet = |c: &Output| NumberColumn { name: c.name, unit: c.unit };
+    let sized = if sheets.is_empty() { 0 } else { usize::MAX };
+    let of_sheets = sheet_columns().map(of_sheet).take(sized);
+    let columns: Vec<_> = CATALOGUE_COLUMNS.iter().map(column).chain(of_sheets).collect();
     let parts = chosen.chunks(PART).map(|part| {
         let nuts = catalogue.map(part, |_, nut| Some(*nut));
-        CATALOGUE_COLUMNS.iter().map(|c| nuts.iter().map(c.read).collect()).collect()
+        let of_nuts = CATALOGUE_COLUMNS.iter().map(|c| nuts.iter().map(c.read).collect());
+        let of_sheets = (0..columns.len() - CATALOGUE_COLUMNS.len())
+            .map(|i| part.iter().map(|place| sheets[place][i]).collect());
+        of_nuts.chain(of_sheets).collect()
     });
-    write_numbers(path, format, &columns, parts)
+    write_numbers(path, form, &columns, parts, about)
 }
 
-fn show(catalogue: &Catalogue, chosen: &[u32], args: &CatalogArgs) -> Result<(), Failure> {
+fn show(
+    catalogue: &Catalogue,
+    (chosen, sheets): (&[u32], &Sheets),
+    args: &CatalogArgs,
+) -> Result<(), Failure> {
     let shown = &chosen[..chosen.len().min(args.first.map_or(SHOWN, NonZeroUsize::get))];
     let more = chosen.len() - shown.len();
-    let shown = catalogue.map(shown, |_, nut| Some(*nut));
+    let shown = catalogue.map(shown, |place, nut| Some((*nut, sheets.get(&place))));
     if args.format == Format::Json {
-        let rows: Vec<_> = shown.iter().map(|c| Value::Object(candidate_json(c))).collect();
-        return print(&pretty_json(&json!(rows)));
+        let row = |(nut, sheet): &(Candidate, Option<&Vec<f64>>)| {
+            let mut row = candidate_json(nut);
+            let columns = sheet_columns().zip(sheet.iter().copied().flatten());
+            row.extend(columns.map(|(column, value)| (column.name.to_owned(), json!(value))));
+            Value::Object(row)
+        };
+        return print(&pretty_json(&shown.iter().map(row).collect()));
     }
     let columns: Vec<_> = CATALOGUE_COLUMNS.iter().filter(|c| c.brief).collect();
-    let header: Vec<_> = columns.iter().map(|c| c.name).collect();
+    let sized = if sheets.is_empty() { 0 } else { usize::MAX };
+    let of_sheets = sheet_columns().map(|column| column.name).take(sized);
+    let header: Vec<_> = columns.iter().map(|c| c.name).chain(of_sheets).collect();
     let cell = |value: f64| {
         let text = number(value);
         // Sizes are decimals of a few digits.
         let short = text.contains('.') && !text.contains('e');
         if short { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
     };
-    let row = |nut: &Candidate| columns.iter().map(|c| cell((c.read)(nut))).collect();
+    let row = |(nut, sheet): &(Candidate, Option<&Vec<f64>>)| {
+        let of_sheet = sheet.iter().copied().flatten().map(|value| match value {
+            value if value.is_nan() => "-".to_owned(),
+            value => cell(*value),
+        });
+        columns.iter().map(|c| cell((c.read)(nut))).chain(of_sheet).collect()
+    };
     let rows: Vec<Vec<_>> = shown.iter().map(row).collect();
     let rest = if more > 0 {
         format!("\n\nand {more} more; --first N shows others, -o OUT writes all with all columns")

@@ -10,6 +10,7 @@ use bsm_report::number;
 use crate::args::{DesignArgs, Format};
 use crate::failure::{Failure, warn};
 use crate::files::{self, pretty_json, print, read_json};
+use crate::stream::write_rows;
 use crate::table;
 
 pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
@@ -35,6 +36,12 @@ pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
     };
     if let Some(output) = args.output.as_deref().filter(|_| report.found) {
         files::write(output, &(pretty_json(&report.scene.to_json()) + "\n"))?;
+    }
+    if let Some(output) = &args.table {
+        let row = |row: &DesignRow| Some((row.name, row.unit, row.value?));
+        let rows: Vec<_> = report.rows.iter().filter_map(row).collect();
+        files::keep(path, Some(output))?;
+        write_rows(output, &rows, &report.scene.to_json())?;
     }
     match args.format {
         Format::Json => print(&pretty_json(&report.to_json()))?,

@@ -1,11 +1,12 @@
 //! Standard output, scenes, and files that appear only when they are complete.
 
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use bsm_case::{CaseError, Scene, exact};
+use bsm_case::{CaseError, Scene, column_names, exact};
 use bsm_report::Figure;
 use serde_json::Value;
 use tempfile::NamedTempFile;
@@ -63,6 +64,14 @@ pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
         return Err(Failure::in_scene(path, &text));
     }
     Ok(bytes)
+}
+
+/// The names of the columns of a foreign table; none if they are ours.
+pub(crate) fn names_of_columns(
+    map: Option<&Path>,
+) -> Result<BTreeMap<String, Option<String>>, Failure> {
+    let Some(path) = map else { return Ok(BTreeMap::new()) };
+    column_names(&read_json(path)?).map_err(|e| Failure::scene(path, &e))
 }
 
 /// Reads a scene, `-` from standard input, and applies settings.
@@ -256,8 +265,12 @@ pub(crate) fn keep(input: &Path, output: Option<&Path>) -> Result<(), Failure> {
 
 /// Writes a whole file.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    let mut out = Output::create(path)?;
-    out.write_all(text.as_bytes()).map_err(|e| Output::failure(path, &e))?;
+    write_bytes(Output::create(path)?, path, text.as_bytes())
+}
+
+/// Writes the bytes of a file that was begun.
+pub(crate) fn write_bytes(mut out: Output, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    out.write_all(bytes).map_err(|e| Output::failure(path, &e))?;
     out.complete()
 }
 

@@ -13,6 +13,7 @@ mod makers;
 mod motion;
 mod nut;
 mod optimum;
+mod schema;
 mod size;
 mod solve;
 mod stream;
@@ -22,17 +23,18 @@ mod threads;
 mod tradeoff;
 mod unfinished;
 mod validate;
+#[cfg(feature = "xlsx")]
+mod workbook;
 
 use std::env;
 use std::process::ExitCode;
 
 use bsm_batch::hush_parquet_panics;
-use bsm_case::{input_schema, output_schema};
 use clap::{CommandFactory, Parser};
 
-use crate::args::{Cli, Command, SchemaKind};
+use crate::args::{Cli, Command};
 use crate::failure::Failure;
-use crate::files::{pretty_json, print};
+use crate::files::print;
 use crate::threads::on_threads;
 
 fn main() -> ExitCode {
@@ -71,10 +73,7 @@ fn main() -> ExitCode {
         Command::Jam(args) => motion::jam(&args),
         Command::Validate(args) => on_threads(asked, |_| validate::run(&args)),
         Command::Tradeoff(args) => on_threads(asked, |_| tradeoff::run(&args)),
-        Command::Schema { kind } => print(&pretty_json(&match kind {
-            SchemaKind::Input => input_schema(),
-            SchemaKind::Output => output_schema(),
-        })),
+        Command::Schema { kind } => schema::run(kind),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "bsm", &mut script);

@@ -2,31 +2,21 @@
 
 use std::path::Path;
 
-use bsm_case::{CapacityReport, Catalogue, MakerNut, RequirementFile, Scene, Settings, SizeReport};
+use bsm_case::{
+    CapacityReport, Catalogue, MakerNut, Output, RequirementFile, Scene, Settings, SizeReport,
+    sheet_columns,
+};
 use bsm_report::{number, short};
 use serde_json::{Map, Value, json};
 
-use crate::args::{CatalogArgs, Format};
+use crate::args::{CatalogArgs, Format, TableSigns};
 use crate::catalog::requirement;
 use crate::failure::{Failure, warn};
-use crate::files::{self, MOST_OF_A_SPECTRUM, pretty_json, print, read, read_json};
+use crate::files::{self, MOST_OF_A_SPECTRUM, names_of_columns, pretty_json, print, read};
 use crate::table;
 
 /// Load over the dynamic rating at which makers state the rigidity of one nut.
 const RIGIDITY_AT: f64 = 0.3;
-
-/// Results of a sheet that the table has.
-const SHOWN: [&str; 9] = [
-    "cycle_life_h",
-    "critical_speed_ratio",
-    "buckling_safety",
-    "static_safety_factor",
-    "axis_rigidity_N_um",
-    "peak_motor_torque_Nm",
-    "mean_heat_W",
-    "screw_mass_kg",
-    "inertia_of_screw_kg_m2",
-];
 
 /// A nut with its numbers by name.
 struct Row {
@@ -38,11 +28,9 @@ struct Row {
 
 pub(crate) fn run(args: &CatalogArgs, path: &Path) -> Result<(), Failure> {
     let bytes = read(path, MOST_OF_A_SPECTRUM)?;
-    let names = match &args.columns_from {
-        Some(map) => read_json(map)?,
-        None => b"{}".to_vec(),
-    };
-    let nuts = MakerNut::from_csv(&bytes, &names, args.delimiter.byte(), args.decimal.sign())
+    let TableSigns { columns_from, delimiter, decimal } = &args.signs;
+    let names = names_of_columns(columns_from.as_deref())?;
+    let nuts = MakerNut::from_csv(&bytes, &names, delimiter.byte(), decimal.sign())
         .map_err(|e| Failure::scene(path, &e))?;
     let catalogue = Catalogue::standard().map_err(|e| Failure::scene(path, &e))?;
     let wish = requirement(args, &catalogue)?;
@@ -96,7 +84,8 @@ fn row(nut: MakerNut, wish: Option<&RequirementFile>) -> Result<Row, bsm_case::C
         scene = nut.within(wish);
         let sheet = SizeReport::of(&scene, &Settings::default())?;
         passes = Some(sheet.passes());
-        numbers.extend(SHOWN.map(|name| (name.to_owned(), sheet.number(name))));
+        let of_sheet = |column: &Output| (column.name.to_owned(), sheet.number(column.name));
+        numbers.extend(sheet_columns().map(of_sheet));
     }
     Ok(Row { nut, scene, numbers, passes })
 }

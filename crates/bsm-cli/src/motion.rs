@@ -40,7 +40,7 @@ fn run(args: &AnalysisArgs, analyse: Analyse, sweep: Sweep) -> Result<(), Failur
         warn("note", &words);
     }
     if solution.reason().is_some() {
-        return solve::print(path, &scene, solution, args.format);
+        return solve::print(path, &scene, &settings, solution, args.format);
     }
     let report = analyse(&scene, &settings, &solution).map_err(in_file)?;
     let study = match &args.plot {

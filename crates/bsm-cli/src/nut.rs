@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bsm_batch::{Format as TableFormat, NumberColumn};
+use bsm_batch::NumberColumn;
 use bsm_case::{BALL_COLUMNS, CURVE_COLUMNS, NutProblem, NutReport, Samples, Scene};
 use bsm_validate::nut_figures;
 use serde_json::{Value, json};
@@ -10,14 +10,14 @@ use serde_json::{Value, json};
 use crate::args::{Format, NutArgs};
 use crate::failure::{Failure, warn};
 use crate::files::{keep, pretty_json, print, read_scene, write_figures};
-use crate::stream::{format_of, write_numbers};
+use crate::stream::{Form, form_of, write_numbers};
 use crate::table;
 
 pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     let path = &args.scene.scene;
     let in_file = |e| Failure::scene(path, &e);
     let scene = read_scene(path, &args.scene.settings)?;
-    let format = |path: &Option<_>, what| path.as_deref().map(|p| format_of(p, what)).transpose();
+    let format = |path: &Option<_>, what| path.as_deref().map(|p| form_of(p, what)).transpose();
     let (balls, curve) = (format(&args.table, "--table")?, format(&args.output, "--output")?);
     for output in [&args.table, &args.output] {
         keep(path, output.as_deref())?;
@@ -36,11 +36,11 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
         Err(none) => return unsolved(none.status().name(), &none.to_string(), args.format),
     };
     if let (Some(path), Some(format)) = (&args.table, balls) {
-        write(path, format, &BALL_COLUMNS, &report.balls())?;
+        write(path, format, &BALL_COLUMNS, &report.balls(), &scene)?;
     }
     let on_stdout = |path: &Path| path.as_os_str() == "-";
     if let (Some(path), Some(format)) = (&args.output, curve) {
-        write(path, format, &CURVE_COLUMNS, &report.curve())?;
+        write(path, format, &CURVE_COLUMNS, &report.curve(), &scene)?;
     }
     if let Some(folder) = &args.plot {
         write_figures(folder, &nut_figures(&report))?;
@@ -77,13 +77,15 @@ fn unsolved(status: &str, message: &str, format: Format) -> Result<(), Failure> 
 
 fn write<const N: usize>(
     path: &Path,
-    format: TableFormat,
+    form: Form,
     columns: &[(&'static str, &'static str); N],
     rows: &[[f64; N]],
+    scene: &Scene,
 ) -> Result<(), Failure> {
     let named = columns.map(|(name, unit)| NumberColumn { name, unit });
     let values = |column: usize| rows.iter().map(|row| row[column]).collect();
-    write_numbers(path, format, &named, std::iter::once((0..N).map(values).collect()))
+    let values = std::iter::once((0..N).map(values).collect());
+    write_numbers(path, form, &named, values, &scene.to_json())
 }
 
 fn print_samples(scene: &Scene, samples: &Samples, format: Format) -> Result<(), Failure> {

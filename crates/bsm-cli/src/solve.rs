@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use bsm_case::{CaseError, Record, Scene, Sensitivities, Sensitivity};
+use bsm_case::{CaseError, Record, Scene, Sensitivities, Sensitivity, Settings};
 use bsm_dyn::{Band, ModelWorkspace, Problem, Solution, Status};
+use bsm_report::PROGRAM;
 use serde_json::{Map, Value, json};
 
 use crate::args::{Format, SolveArgs};
@@ -25,20 +26,20 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         _ => None,
     };
     let band = band.as_ref();
+    let asked = (path.as_path(), &scene, &settings);
     if !args.sensitivities || solution.status() != Status::Converged {
-        return print_with(path, &scene, solution, (None, band), args.format);
+        return print_with(asked, solution, (None, band), args.format);
     }
     let inputs = Sensitivities::of(&scene, &settings).map_err(in_file)?;
     match inputs.problem.sensitivities(&mut work) {
         Ok(answer) => {
             let rows = inputs.rows(&answer);
-            print_with(path, &scene, solution, (Some(&rows[..]), band), args.format)
+            print_with(asked, solution, (Some(&rows[..]), band), args.format)
         }
         Err(none) => {
             let failed = Record::new(Solution::new(solution.model, Err(none)));
             warn("no sensitivities", failed.message().unwrap_or_default());
-            print_with(path, &scene, solution, (None, band), args.format)
-                .and(Err(Failure::Unsolved))
+            print_with(asked, solution, (None, band), args.format).and(Err(Failure::Unsolved))
         }
     }
 }
@@ -47,15 +48,15 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
 pub(crate) fn print(
     path: &Path,
     scene: &Scene,
+    settings: &Settings,
     solution: Solution,
     format: Format,
 ) -> Result<(), Failure> {
-    print_with(path, scene, solution, (None, None), format)
+    print_with((path, scene, settings), solution, (None, None), format)
 }
 
 fn print_with(
-    path: &Path,
-    scene: &Scene,
+    (path, scene, settings): (&Path, &Scene, &Settings),
     solution: Solution,
     (sensitivities, band): (Option<&[Sensitivity]>, Option<&Band>),
     format: Format,
@@ -65,12 +66,22 @@ fn print_with(
         let text = record.message().unwrap_or("the model refuses the input");
         return Err(Failure::in_scene(path, text));
     }
-    for warning in scene.warnings().into_iter().chain(record.warnings(scene)) {
-        warn("warning", &warning);
+    let warnings: Vec<_> = scene.warnings().into_iter().chain(record.warnings(scene)).collect();
+    for warning in &warnings {
+        warn("warning", warning);
     }
     match format {
         Format::Json => {
             let mut map = record.to_json();
+            let unused = scene.given().unused_by_models();
+            let about = json!({
+                "program": PROGRAM,
+                "inputs": scene.to_json(),
+                "settings": settings.to_json(),
+                "regime": record.regime(),
+                "warnings": warnings.into_iter().chain(unused).collect::<Vec<_>>(),
+            });
+            map.extend(about.as_object().cloned().into_iter().flatten());
             if let Some(rows) = sensitivities {
                 let entry = |row: &Sensitivity| (row.input.name.to_owned(), row.to_json());
                 let rows: Map<_, _> = rows.iter().map(entry).collect();

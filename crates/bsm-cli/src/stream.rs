@@ -4,18 +4,22 @@ use std::fs;
 use std::io::{self, IsTerminal};
 use std::path::Path;
 
-use bsm_batch::dataset::{self, DatasetError, Event, Filling, Points};
+use bsm_batch::dataset::{self, DatasetError, Event, Filling, Points, sha256};
 use bsm_batch::{
     Answers, Chunk, Count, Format, NumberColumn, NumberSink, RunError, Source, TableError, Task,
     Workers,
 };
-use bsm_case::Output as Column;
+use bsm_case::{Output as Column, exact};
+use bsm_report::PROGRAM;
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
+use serde_json::{Value, json};
 
 use crate::args::TableArgs;
 use crate::failure::{Failure, warn};
-use crate::files::{self, Output};
+use crate::files::{self, Output, pretty_json};
 use crate::unfinished;
+#[cfg(feature = "xlsx")]
+use crate::workbook::{self, Entry, Workbook};
 
 /// What all rows have in common, and where they go.
 pub(crate) struct Job<'a> {
@@ -38,25 +42,28 @@ impl<'a> Job<'a> {
         source: &mut dyn Source,
         points: &Points,
         workers: &Workers<'_>,
-        mut each: impl FnMut(&Chunk, &[f64]),
+        mut each: impl FnMut(&Chunk, &Answers, &[f64]),
     ) -> Result<(), Failure> {
         let TableArgs { output, quiet, .. } = self.table;
         let folder = is_folder(self.table)?;
         let mut watch = |chunk: &Chunk, answers: &Answers| {
             if let (Some(_), Some(watched)) = (self.task.watched, answers.columns.last()) {
-                each(chunk, watched);
+                each(chunk, answers, watched);
             }
         };
         let Count { rows, failed, several } = if folder {
             self.fill_folder(points, workers, &mut watch)?
         } else {
+            let about = self.about(source, points, workers)?;
             let bar = progress(source.len_hint(), "rows", *quiet);
-            let count = self.write_file(source, workers, &mut |chunk, answers| {
+            let count = self.write_file(source, &about, workers, &mut |chunk, answers| {
                 bar.inc(chunk.len as u64);
                 watch(chunk, answers);
             });
             bar.finish_and_clear();
-            count?
+            let count = count?;
+            self.write_metadata(about)?;
+            count
         };
         if several > 0 {
             let have = if several == 1 { "has" } else { "have" };
@@ -78,23 +85,75 @@ impl<'a> Job<'a> {
         if self.table.keep_going { Ok(()) } else { Err(Failure::Unsolved) }
     }
 
+    /// What the table is made from.
+    fn about(
+        &self,
+        source: &dyn Source,
+        points: &Points,
+        workers: &Workers<'_>,
+    ) -> Result<Value, Failure> {
+        let path = self.table.output.as_path();
+        // Text has no place for it, and a table of points would be read for nothing.
+        let is_text =
+            matches!(form_of(path, "--output")?, Form::Table(Format::Csv | Format::JsonLines));
+        if is_text && !self.table.metadata {
+            return Ok(Value::Null);
+        }
+        let points = points.about(workers).map_err(|error| failed(path, error))?;
+        Ok(self.task.about(&points, source.columns()))
+    }
+
+    /// Writes what the table is made from beside it.
+    fn write_metadata(&self, mut about: Value) -> Result<(), Failure> {
+        let path = self.table.output.as_path();
+        if !self.table.metadata {
+            return Ok(());
+        }
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let (hash, bytes) = sha256(path).map_err(|e| Failure::files("read", path, &e))?;
+        about["table"] = json!({ "name": name, "bytes": bytes, "sha256": hash });
+        let beside = path.with_file_name(format!("{name}-metadata.json"));
+        files::write(&beside, &(pretty_json(&about) + "\n"))
+    }
+
     fn write_file(
         &self,
         source: &mut dyn Source,
+        about: &Value,
         workers: &Workers<'_>,
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
         let path = self.table.output.as_path();
-        let format = format_of(path, "--output")?;
-        let run = self.task.write(source, format, Output::create(path)?, workers, seen);
-        let (out, count) = run.map_err(|error| match error {
+        let failed = |error| match error {
             RunError::Read(error) => Failure::Table(error),
             RunError::Write(error) => unwritable(path, &error),
             RunError::Thread(error) => Failure::no_thread(&error),
-            RunError::Stopped => Failure::Files(error.to_string()),
-        })?;
-        out.complete()?;
-        Ok(count)
+            RunError::Stopped => Failure::Files(RunError::Stopped.to_string()),
+        };
+        match form_of(path, "--output")? {
+            Form::Table(format) => {
+                let mut task = self.task.clone();
+                task.origin = Some(about.to_string());
+                let run = task.write(source, format, Output::create(path)?, workers, seen);
+                let (out, count) = run.map_err(failed)?;
+                out.complete()?;
+                Ok(count)
+            }
+            #[cfg(feature = "xlsx")]
+            Form::Workbook => {
+                if let Some(rows) = source.len_hint().filter(|rows| *rows > workbook::MOST_ROWS) {
+                    return Err(files::refused(path, &workbook::too_many(&rows.to_string())));
+                }
+                let out = Output::create(path)?;
+                let book = Workbook::of_answers(source.columns(), &self.task.outputs);
+                let book = book.map_err(|error| unwritable(path, &error))?;
+                let (book, count) =
+                    self.task.run(source, book, u64::MAX, workers, seen).map_err(failed)?;
+                let bytes = book.finish(about).map_err(|error| unwritable(path, &error))?;
+                files::write_bytes(out, path, &bytes)?;
+                Ok(count)
+            }
+        }
     }
 
     fn fill_folder(
@@ -168,6 +227,10 @@ fn is_folder(table: &TableArgs) -> Result<bool, Failure> {
             folder.with_extension("").display()
         )));
     }
+    if table.metadata && (path.as_os_str() == "-" || path.exists() && !path.is_file()) {
+        let text = "--metadata is for tables in files";
+        return Err(Failure::Input(text.to_owned()));
+    }
     if table.rows_per_shard.is_some() {
         let text = "--rows-per-shard is for folders, such as --output map/";
         return Err(Failure::Input(text.to_owned()));
@@ -203,34 +266,117 @@ pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
 }
 
 /// Writes a table of numbers, part by part.
+///
+/// * `about`: what it is made from.
 pub(crate) fn write_numbers(
     path: &Path,
-    format: Format,
+    form: Form,
     columns: &[NumberColumn],
     parts: impl Iterator<Item = Vec<Vec<f64>>>,
+    about: &Value,
 ) -> Result<(), Failure> {
     let out = Output::create(path)?;
-    let written = || {
-        let mut table = match format {
-            Format::Csv => NumberSink::csv(out, columns)?,
-            Format::JsonLines => NumberSink::json_lines(out, columns),
-            Format::Parquet => NumberSink::parquet(out, columns)?,
-        };
-        for part in parts {
-            table.write(&part)?;
+    let about = json!({ "program": PROGRAM, "made_from": about });
+    let failed = |error| unwritable(path, &error);
+    match form {
+        Form::Table(format) => {
+            let written = || {
+                let mut table = match format {
+                    Format::Csv => NumberSink::csv(out, columns)?,
+                    Format::JsonLines => NumberSink::json_lines(out, columns),
+                    Format::Parquet => NumberSink::parquet(out, columns)?,
+                };
+                table.describe(about.to_string());
+                for part in parts {
+                    table.write(&part)?;
+                }
+                table.finish()
+            };
+            written().map_err(failed)?.complete()
         }
-        table.finish()
-    };
-    written().map_err(|error| unwritable(path, &error))?.complete()
+        #[cfg(feature = "xlsx")]
+        Form::Workbook => {
+            let written = || {
+                let mut book = Workbook::new(columns.iter().map(|c| (c.name, c.unit)))?;
+                for part in parts {
+                    for row in 0..part.first().map_or(0, Vec::len) {
+                        book.row(part.iter().map(|values| Entry::Number(values[row])))?;
+                    }
+                }
+                book.finish(&about)
+            };
+            files::write_bytes(out, path, &written().map_err(failed)?)
+        }
+    }
+}
+
+/// A table of names, units and values, a row each.
+pub(crate) fn write_rows(
+    path: &Path,
+    rows: &[(&str, &str, f64)],
+    about: &Value,
+) -> Result<(), Failure> {
+    match form_of(path, "--output")? {
+        #[cfg(feature = "xlsx")]
+        Form::Workbook => {
+            let out = Output::create(path)?;
+            let written = || {
+                let names = ["name", "unit", "value"].map(|name| (name, ""));
+                let mut book = Workbook::new(names.into_iter())?;
+                for (name, unit, value) in rows {
+                    let cells = [Entry::Text(name), Entry::Text(unit), Entry::Number(*value)];
+                    book.row(cells.into_iter())?;
+                }
+                book.finish(&json!({ "program": PROGRAM, "made_from": about }))
+            };
+            let bytes = written().map_err(|error| unwritable(path, &error))?;
+            files::write_bytes(out, path, &bytes)
+        }
+        Form::Table(Format::Csv) => {
+            let line = |(name, unit, value): &(&str, &str, f64)| {
+                format!("{name},{unit},{}\n", exact(*value))
+            };
+            let lines: String = rows.iter().map(line).collect();
+            files::write(path, &format!("name,unit,value\n{lines}"))
+        }
+        Form::Table(_) => Err(Failure::Input(format!(
+            "--output {}: names and values are written as .csv or .xlsx; --format json prints JSON",
+            path.display()
+        ))),
+    }
+}
+
+/// What a table is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// Text or Parquet.
+    Table(Format),
+    /// A workbook.
+    #[cfg(feature = "xlsx")]
+    Workbook,
+}
+
+/// The form of a table that is written, by the ending of its name; `-` is CSV.
+pub(crate) fn form_of(path: &Path, what: &str) -> Result<Form, Failure> {
+    #[cfg(feature = "xlsx")]
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xlsx")) {
+        return Ok(Form::Workbook);
+    }
+    format_of(path, what).map(Form::Table)
 }
 
 /// The form of a table by the ending of its name; `-` is CSV.
 pub(crate) fn format_of(path: &Path, what: &str) -> Result<Format, Failure> {
     let stream = (path.as_os_str() == "-").then_some(Format::Csv);
+    // Points are not read from workbooks.
+    let or_workbook = if what == "POINTS" || !cfg!(feature = "xlsx") {
+        ".csv, .jsonl or .parquet"
+    } else {
+        ".csv, .jsonl, .parquet or .xlsx"
+    };
     Format::of(path).or(stream).ok_or_else(|| {
         Failure::Input(format!(
-            "{what} {}: the file must end in .csv, .jsonl or .parquet, or be - for CSV on the standard \
-             streams",
+            "{what} {}: the file must end in {or_workbook}, or be - for CSV on the standard streams",
             path.display()
         ))
     })

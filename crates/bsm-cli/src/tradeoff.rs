@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use bsm_batch::Dialect;
 use bsm_report::{PROGRAM, short};
 use bsm_validate::tradeoff::{self, Advice, Count, Group, Measured, Points, Tradeoff};
 use bsm_validate::tradeoff_page;
@@ -48,7 +49,7 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
 }
 
 fn read(path: &Path) -> Result<Points, Failure> {
-    let mut source = batch::open(path, &[])?;
+    let mut source = batch::open(path, &[], &Dialect::default())?;
     Points::read(source.as_mut()).map_err(|e| Failure::in_scene(path, &e.to_string()))
 }
 

@@ -51,6 +51,7 @@ pub use requirement::{
 pub use rigidity::{Elasticity, in_series};
 pub use shaft::{
     BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, PERMITTED_STRESS, Shaft, Support, lost_motion,
+    steady_rise, travel_variation,
 };
 pub use thread::{Profile, Thread};
 

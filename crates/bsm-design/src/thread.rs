@@ -31,6 +31,21 @@ pub struct Profile {
     pub edge: f64,
 }
 
+impl Profile {
+    /// Points of a flank from where the arcs meet to the land: axial distance from the middle of the groove, and radial
+    /// distance from the pitch circle towards the groove \[m\].
+    ///
+    /// * `steps`: number of chords, at least 1.
+    pub fn flank(&self, steps: u32) -> Vec<(f64, f64)> {
+        let meet = (self.offset / self.radius).clamp(-1.0, 1.0).asin();
+        let point = |i: u32| {
+            let angle = meet + (self.edge - meet) * f64::from(i) / f64::from(steps);
+            (self.radius * angle.sin() - self.offset, self.radius * angle.cos() - self.height)
+        };
+        (0..=steps).map(point).collect()
+    }
+}
+
 /// The grooves of a nut and its screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Thread {

@@ -7,6 +7,9 @@ pub enum ReportError {
     /// The table of a figure cannot be written.
     #[error("table of a figure: {0}")]
     Table(#[from] csv::Error),
+    /// A picture cannot be made.
+    #[error("picture: {0}")]
+    Picture(String),
     /// A page cannot be made.
     #[error("page: {0}")]
     Page(#[from] minijinja::Error),

@@ -1,8 +1,14 @@
-//! Figures as SVG and as tables; the only file that names the plotting library.
+//! Figures as pictures and as tables.
 
+use std::sync::Arc;
+
+use kuva::backend::svg::SvgBackend;
 use kuva::prelude::*;
+use kuva::render::layout::TickFormat;
+use kuva::render::render::{Scene, render_multiple};
 
 use crate::ReportError;
+use crate::map::png_of;
 
 /// Colours that the palette has, chosen to be told apart by the colour-blind too.
 pub const MOST_CURVES: usize = 7;
@@ -56,17 +62,24 @@ pub struct Axis {
     pub label: String,
     /// Logarithmic.
     pub log: bool,
+    /// A unit is as long as one of the other axis, as in a drawing.
+    pub equal: bool,
 }
 
 impl Axis {
     /// A linear axis.
     pub fn linear(label: &str) -> Self {
-        Self { label: label.to_owned(), log: false }
+        Self { label: label.to_owned(), log: false, equal: false }
+    }
+
+    /// An axis of a drawing: a unit is as long as one of the other axis.
+    pub fn equal(label: &str) -> Self {
+        Self { equal: true, ..Self::linear(label) }
     }
 
     /// A logarithmic axis.
     pub fn log(label: &str) -> Self {
-        Self { label: label.to_owned(), log: true }
+        Self { label: label.to_owned(), log: true, equal: false }
     }
 }
 
@@ -100,17 +113,30 @@ const BEYOND: f64 = 1.4;
 impl Figure {
     /// SVG of the figure as a file of its own.
     pub fn svg(&self) -> String {
-        self.render(|layout| layout.with_title(&self.title).with_title_wrap(44))
+        svg_of(&self.titled())
+    }
+
+    /// PNG of the figure.
+    ///
+    /// # Errors
+    ///
+    /// [`ReportError::Picture`] if it cannot be made.
+    pub fn png(&self) -> Result<Vec<u8>, ReportError> {
+        png_of(&self.titled())
+    }
+
+    fn titled(&self) -> Scene {
+        self.scene(|layout| layout.with_title(&self.title).with_title_wrap(44))
     }
 
     /// SVG for a page that shows the title itself and may hold several figures.
     pub fn inline_svg(&self) -> String {
-        let svg = self.render(|layout| layout);
+        let svg = svg_of(&self.scene(|layout| layout));
         // Names within an SVG are names of the whole page.
         svg.replace("kuva-clip-", &format!("{}-clip-", self.key))
     }
 
-    fn render(&self, title: impl Fn(Layout) -> Layout) -> String {
+    fn scene(&self, title: impl Fn(Layout) -> Layout) -> Scene {
         let palette = Palette::tol_bright();
         let colors = palette.colors();
         let (mut plots, mut legend) = (Vec::new(), Vec::new());
@@ -133,6 +159,8 @@ impl Figure {
             .with_legend_box(false)
             .with_legend_col_limit(columns)
             .with_legend_entries(legend)
+            .with_x_tick_format(tick(self.x.log))
+            .with_y_tick_format(tick(self.y.log))
             .with_label_size(15)
             .with_tick_size(14)
             .with_body_size(14)
@@ -148,9 +176,10 @@ impl Figure {
         if self.y.log {
             layout = layout.with_log_y();
         }
-        let mut svg = kuva::render_to_svg(plots, title(layout));
-        svg.retain(is_xml);
-        scalable(&svg)
+        if self.y.equal {
+            layout = layout.with_equal_aspect();
+        }
+        render_multiple(plots, title(layout))
     }
 
     /// The points as CSV, one row each; one without a result has no y.
@@ -174,6 +203,32 @@ impl Figure {
         let bytes = table.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
         Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
+}
+
+/// SVG of a scene.
+pub(crate) fn svg_of(scene: &Scene) -> String {
+    let mut svg = SvgBackend.render_scene(scene);
+    svg.retain(is_xml);
+    scalable(&svg)
+}
+
+/// Numbers along an axis, all in one form.
+///
+/// * `log`: powers of ten come to it with rounding.
+pub(crate) fn tick(log: bool) -> TickFormat {
+    TickFormat::Custom(Arc::new(move |value| {
+        let digits = if log { 3 } else { 6 };
+        // Its shortest digits, after rounding.
+        let value: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
+        let plain = (1e-4..1e6).contains(&value.abs());
+        if value.abs() < 1e-15 {
+            "0".to_owned()
+        } else if plain {
+            value.to_string()
+        } else {
+            format!("{value:e}")
+        }
+    }))
 }
 
 fn line_style(stroke: Stroke) -> LineStyle {

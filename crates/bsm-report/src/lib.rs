@@ -2,10 +2,12 @@
 
 mod error;
 mod figure;
+mod map;
 mod number;
 mod page;
 
 pub use error::ReportError;
 pub use figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
+pub use map::{MOST_CELLS, Map};
 pub use number::{number, short};
 pub use page::{PROGRAM, Page};

@@ -11,6 +11,7 @@ mod elastic;
 mod figures;
 mod lin1994;
 mod lubrication;
+mod makers;
 mod nut;
 mod nut_figures;
 mod pages;
@@ -125,5 +126,6 @@ pub fn run(published: &Published) -> Result<Report, ValidateError> {
     checks.extend(xu2015::checks(published)?);
     checks.extend(dong2020::checks(published)?);
     checks.extend(lubrication::checks(published)?);
+    checks.extend(makers::checks());
     Ok(Report { checks })
 }

@@ -1,5 +1,7 @@
 //! The sheet of an axis: figures and page.
 
+use std::f64::consts::TAU;
+
 use bsm_case::{NOT_MODELLED, SizePhase, SizeReport, SizeRule};
 use bsm_report::{Axis, Curve, Figure, Page, Stroke};
 use serde::Serialize;
@@ -236,7 +238,37 @@ fn groups(report: &SizeReport) -> Vec<Group> {
 
 /// Load and speed of the screw over the cycle, and the cycle among its limits.
 pub fn size_figures(report: &SizeReport) -> Vec<Figure> {
-    vec![among_limits(report), over_time(report)]
+    [Some(among_limits(report)), Some(over_time(report)), section(report)]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+/// Grooves of nut and screw around a ball, with the line through its contacts.
+fn section(report: &SizeReport) -> Option<Figure> {
+    /// Chords of the ball.
+    const CHORDS: u32 = 72;
+    let grooves = report.groove_section()?;
+    let (radius, angle) = (grooves.ball_radius, grooves.contact_angle);
+    let around = |i: u32| {
+        let turned = TAU * f64::from(i) / f64::from(CHORDS);
+        (radius * turned.cos(), radius * turned.sin())
+    };
+    let (x, y) = (radius * angle.sin(), radius * angle.cos());
+    let curves = vec![
+        Curve::new("nut", 0, Stroke::Solid, grooves.nut),
+        Curve::new("screw", 1, Stroke::Solid, grooves.screw),
+        Curve::new("ball", 6, Stroke::Solid, (0..=CHORDS).map(around).collect()),
+        Curve::new("contacts", 3, Stroke::Dashed, vec![(-x, y), (x, -y)]),
+    ];
+    Some(Figure {
+        key: "size-groove".to_owned(),
+        title: "Section across the groove".to_owned(),
+        caption: format!("Unloaded; contact angle {:.1} degrees.", angle.to_degrees()),
+        x: Axis::linear("along the axis, mm"),
+        y: Axis::equal("from the pitch circle, mm"),
+        curves,
+    })
 }
 
 /// Axial load over speed: limits as lines, phases as points.

@@ -7,12 +7,12 @@ use std::path::Path;
 use bsm_case::{Axis, CaseError, Grid, ModelChoice, Output, Scene, Settings};
 use bsm_dyn::Model;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Map, Value, json};
 
 use super::part::Place;
 use super::points::{Points, WrittenPoints};
 use super::{DatasetError, digest};
-use crate::{Answers, Task, Workers};
+use crate::{Answers, Columns, Heading, Task, Workers};
 
 /// Goes up by one with each entry under "Changed numbers" in the changelog: parts of two revisions are
 /// not mixed.
@@ -224,6 +224,26 @@ impl Plan {
         });
         let words: Vec<_> = words.collect();
         (all_there && !words.is_empty()).then(|| words.join(", "))
+    }
+}
+
+impl Task {
+    /// What a table of answers is made from: program, points, scene, settings, and its columns with their
+    /// units.
+    ///
+    /// * `points`: see [`Points::about`]. * `columns`: those of the points.
+    pub fn about(&self, points: &Value, columns: &Columns) -> Value {
+        let column = |Heading { name, unit, about, .. }: Heading<'_>| {
+            (name.to_owned(), json!({ "unit": unit, "about": about }))
+        };
+        let columns: Map<_, _> = columns.headings(&self.outputs).map(column).collect();
+        json!({
+            "program": Program::this(),
+            "points": points,
+            "scene": self.base.to_json(),
+            "settings": self.settings.to_json(),
+            "columns": columns,
+        })
     }
 }
 

@@ -2,15 +2,16 @@
 
 use std::fs::File;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use bsm_case::Grid;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::part::kind;
 use super::{DatasetError, digest};
 use crate::pipeline::ROWS;
-use crate::{Format, GridSource, Source, TableError, Workers};
+use crate::{Dialect, Format, GridSource, Source, TableError, Workers};
 
 /// Rows that points come from, and can come from again.
 #[derive(Debug, Clone)]
@@ -23,6 +24,8 @@ pub enum Points {
         path: PathBuf,
         /// Columns to carry through.
         keep: Vec<String>,
+        /// How it is written.
+        dialect: Dialect,
     },
 }
 
@@ -35,12 +38,12 @@ impl Points {
     pub fn open(&self) -> Result<Box<dyn Source>, TableError> {
         match self {
             Self::Grid(grid) => Ok(Box::new(GridSource::new(grid.clone()))),
-            Self::Table { path, keep } => {
+            Self::Table { path, keep, dialect } => {
                 let format = Format::of(path).ok_or_else(|| {
                     let words = "a table ends in .csv, .jsonl or .parquet";
                     io::Error::new(io::ErrorKind::InvalidInput, words)
                 })?;
-                format.open(path, keep)
+                format.open_as(path, keep, dialect)
             }
         }
     }
@@ -51,22 +54,11 @@ impl Points {
         &self,
         workers: &Workers<'_>,
     ) -> Result<(WrittenPoints, u64), DatasetError> {
-        let (path, keep) = match self {
-            Self::Grid(grid) => {
-                let axes = grid.axes().iter().map(ToString::to_string).collect();
-                return Ok((WrittenPoints::Grid(axes), grid.len() as u64));
-            }
-            Self::Table { path, keep } => (path, keep),
+        let (path, keep, dialect) = match self {
+            Self::Grid(grid) => return Ok((written_grid(grid), grid.len() as u64)),
+            Self::Table { path, keep, dialect } => (path, keep, dialect),
         };
-        let unreadable = |error: io::Error| DatasetError::io("read", path, error);
-        let found = path.metadata().map_err(unreadable)?;
-        if !found.is_file() {
-            let found = kind(&found);
-            return Err(DatasetError::NotReadTwice { path: path.clone(), found });
-        }
-        let mut file = File::open(path).map_err(unreadable)?;
-        let hash = digest::of_reader(&mut file, || workers.stopped()).map_err(unreadable)?;
-        let (sha256, bytes) = hash.ok_or(DatasetError::Stopped)?;
+        let (name, sha256, bytes) = hashed(path, workers)?;
         let mut source = self.open().map_err(DatasetError::Read)?;
         let known = source.len_hint();
         let mut rows = known.unwrap_or(0);
@@ -78,10 +70,58 @@ impl Points {
                 return Err(DatasetError::Stopped);
             }
         }
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let table = WrittenTable { name, bytes, sha256, rows, keep: keep.clone() };
+        let (keep, dialect) = (keep.clone(), dialect.clone());
+        let table = WrittenTable { name, bytes, sha256, rows, keep, dialect };
         Ok((WrittenPoints::Table(table), rows))
     }
+
+    /// What the metadata of a table say of them; a pipe has no name and is not hashed.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if a table cannot be read.
+    pub fn about(&self, workers: &Workers<'_>) -> Result<Value, DatasetError> {
+        Ok(match self {
+            Self::Grid(grid) => json!(written_grid(grid)),
+            Self::Table { path, keep, .. } if !path.is_file() => {
+                json!({ "table": { "name": null, "keep": keep } })
+            }
+            Self::Table { path, keep, dialect } => {
+                let (name, sha256, bytes) = hashed(path, workers)?;
+                let table = json!({ "name": name, "bytes": bytes, "sha256": sha256, "keep": keep, "dialect": dialect });
+                json!({ "table": table })
+            }
+        })
+    }
+}
+
+fn written_grid(grid: &Grid) -> WrittenPoints {
+    WrittenPoints::Grid(grid.axes().iter().map(ToString::to_string).collect())
+}
+
+/// SHA-256 of a file, and its length.
+///
+/// # Errors
+///
+/// [`io::Error`] if it cannot be read.
+pub fn sha256(path: &Path) -> io::Result<(String, u64)> {
+    let hash = digest::of_reader(&mut File::open(path)?, || false)?;
+    hash.ok_or_else(|| io::Error::other("never stopped"))
+}
+
+/// Name, SHA-256 and length of a table.
+fn hashed(path: &Path, workers: &Workers<'_>) -> Result<(String, String, u64), DatasetError> {
+    let unreadable = |error: io::Error| DatasetError::io("read", path, error);
+    let found = path.metadata().map_err(unreadable)?;
+    if !found.is_file() {
+        let found = kind(&found);
+        return Err(DatasetError::NotReadTwice { path: path.to_owned(), found });
+    }
+    let mut file = File::open(path).map_err(unreadable)?;
+    let hash = digest::of_reader(&mut file, || workers.stopped()).map_err(unreadable)?;
+    let (sha256, bytes) = hash.ok_or(DatasetError::Stopped)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Ok((name, sha256, bytes))
 }
 
 /// Points as they stand in a plan.
@@ -100,4 +140,6 @@ pub(super) struct WrittenTable {
     sha256: String,
     rows: u64,
     keep: Vec<String>,
+    #[serde(default, skip_serializing_if = "Dialect::is_ours")]
+    dialect: Dialect,
 }

@@ -361,6 +361,9 @@ pub const CURVE_COLUMNS: [(&str, &str); 7] = [
 const LOADS: usize = 4;
 const ANGLES: usize = 8;
 
+/// Columns that are lists of the JSON of a nut: loads and contact angles.
+pub(crate) const LISTED: std::ops::Range<usize> = LOADS..ANGLES + 4;
+
 impl NutReport {
     fn found(&self) -> &Equilibrium {
         &self.state.made.found
@@ -560,7 +563,7 @@ impl NutReport {
         map.insert("stiffness_SI".to_owned(), json!(found.stiffness.concat()));
         map.insert("body_axial_N".to_owned(), json!(found.bodies));
         let balls = self.balls();
-        for column in LOADS..ANGLES + 4 {
+        for column in LISTED {
             let cell = |row: &[f64; 15]| json!(Some(row[column]).filter(|x| x.is_finite()));
             let list: Vec<_> = balls.iter().map(cell).collect();
             map.insert(BALL_COLUMNS[column].0.to_owned(), Value::Array(list));

@@ -109,7 +109,7 @@ impl PhaseWords {
             let in_row = |what: String| wrong(format!("row {row}: {what}"));
             let record = record.map_err(|e| in_row(e.to_string()))?;
             let cell = |(name, text): (&str, &str)| {
-                let number = number(text, decimal);
+                let number = decimal_number(text, decimal);
                 number
                     .ok_or_else(|| in_row(format!("`{text}` is no number")))
                     .map(|n| (name.to_owned(), n))
@@ -131,7 +131,7 @@ impl PhaseWords {
 }
 
 /// A number with a decimal sign of one's choice; one that has another sign too is none.
-pub(crate) fn number(text: &str, decimal: char) -> Option<f64> {
+pub fn decimal_number(text: &str, decimal: char) -> Option<f64> {
     let other = if decimal == ',' { '.' } else { ',' };
     if text.contains(other) {
         return None;
