@@ -1,0 +1,90 @@
+"""Figures with matplotlib: axes in, axes out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ballscrew._api import INPUTS, OUTPUTS, Grid, Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["curves", "map"]
+
+
+def curves(table: Table, x: str, y: str, *, by: str | None = None, ax: Axes | None = None) -> Axes:
+    """Draw one output against an input, a line for each value of another; failed rows are gaps.
+
+    Parameters
+    ----------
+    table : Table
+        What `solve_many` or `sweep` returned.
+    x, y : str
+        Names of columns.
+    by : str, optional
+        The column that has one value on each line.
+    ax : matplotlib axes, optional
+        Where to draw.
+    """
+    import numpy as np
+
+    ax = _axes(ax)
+    if by is None:
+        ax.plot(table[x], table[y])
+    else:
+        for value in np.unique(table[by]):
+            of_line = table[by] == value
+            ax.plot(table[x][of_line], table[y][of_line], label=f"{value:g} {_unit(by)}".rstrip())
+        ax.legend(title=_words(by))
+    ax.set_xlabel(_label(x))
+    ax.set_ylabel(_label(y))
+    return ax
+
+
+def map(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
+    """Draw an output over the two axes of a grid, the first to the right; failed points are gaps.
+
+    Parameters
+    ----------
+    grid : Grid
+        What `sweep` over two inputs returned.
+    output : str
+        Name of the output.
+    ax : matplotlib axes, optional
+        Where to draw.
+    """
+    if len(grid.axes) != 2:
+        raise ValueError(f"a map has two axes, this grid {len(grid.axes)}")
+    ax = _axes(ax)
+    (x, xs), (y, ys) = grid.axes.items()
+    drawn = ax.pcolormesh(xs, ys, grid.grid(output).T, shading="nearest")
+    ax.figure.colorbar(drawn, ax=ax, label=_label(output))
+    ax.set_xlabel(_label(x))
+    ax.set_ylabel(_label(y))
+    return ax
+
+
+def _axes(ax: Axes | None) -> Any:
+    if ax is not None:
+        return ax
+    import matplotlib.pyplot as plt
+
+    return plt.subplots()[1]
+
+
+def _unit(name: str) -> str:
+    quantity = INPUTS.get(name) or OUTPUTS.get(name)
+    return quantity.unit if quantity else ""
+
+
+def _words(name: str) -> str:
+    """A name in words, without its unit."""
+    unit = _unit(name)
+    ending = unit.replace("/", "_").replace("^", "").replace(" ", "")
+    bare = name.removesuffix(f"_{ending}") if ending else name
+    return bare.replace("_", " ")
+
+
+def _label(name: str) -> str:
+    unit = _unit(name)
+    return f"{_words(name)} [{unit}]" if unit else _words(name)
