@@ -14,7 +14,9 @@ from ballscrew._api import (
     INPUTS,
     MODELS,
     OUTPUTS,
+    REQUIREMENTS,
     Grid,
+    NutReport,
     Quantity,
     Report,
     Scene,
@@ -36,6 +38,7 @@ from ballscrew._api import (
     solve,
     solve_many,
     sweep,
+    validate,
 )
 from ballscrew._core import __version__
 from ballscrew._errors import (
@@ -50,11 +53,13 @@ __all__ = [
     "INPUTS",
     "MODELS",
     "OUTPUTS",
+    "REQUIREMENTS",
     "BallscrewError",
     "Grid",
     "InputError",
     "NoSolutionError",
     "NotConvergedError",
+    "NutReport",
     "Quantity",
     "Report",
     "Scene",
@@ -78,4 +83,5 @@ __all__ = [
     "solve",
     "solve_many",
     "sweep",
+    "validate",
 ]

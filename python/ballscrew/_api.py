@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -77,10 +78,16 @@ OUTPUTS: Mapping[str, Quantity] = {
 MODELS: tuple[str, ...] = tuple(_core.models())
 """The models, `auto` first."""
 
+REQUIREMENTS: Mapping[str, Quantity] = {
+    name: Quantity(name, unit, about, default=default, rule=rule)
+    for name, unit, about, default, rule in _core.requirements()
+}
+"""What a requirement of `design` may say besides inputs of a scene."""
+
 _OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis is None]
 
 
-class Scene(SceneFields, _core.Scene):
+class Scene(SceneFields):
     """One operating point of one screw: inputs by name, immutable.
 
     Parameters
@@ -127,12 +134,17 @@ class Scene(SceneFields, _core.Scene):
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Scene:
         """Read a scene file of the program."""
-        return cls.from_json(Path(path).read_text(encoding="utf-8-sig"))
+        try:
+            return cls.from_json(Path(path).read_text(encoding="utf-8-sig"))
+        except InputError as error:
+            error.add_note(f"in {os.fspath(path)}")
+            raise
 
     @classmethod
     def from_json(cls, text: str) -> Scene:
         """Read a scene from JSON text."""
-        return cls(json.loads(_core.Scene.of_json(text).to_json()))
+        given: dict[str, Any] = json.loads(_core.Scene.of_json(text).to_json())
+        return cls(given)
 
     def replace(self, **inputs: Unpack[Inputs]) -> Scene:
         """The scene with other inputs; a lead replaces a lead angle."""
@@ -148,6 +160,10 @@ class Scene(SceneFields, _core.Scene):
     def keys(self) -> Iterable[str]:
         """The names of the inputs that are given; with `[]` this makes `{**scene}` work."""
         return self.to_dict().keys()
+
+    def items(self) -> Iterable[tuple[str, Any]]:
+        """The inputs that are given: names and values."""
+        return self.to_dict().items()
 
     def __getitem__(self, name: str) -> Any:
         return self.to_dict()[name]
@@ -167,7 +183,7 @@ class Scene(SceneFields, _core.Scene):
         return _html(rows)
 
 
-class Solution(SolutionFields, _core.Solution):
+class Solution(SolutionFields):
     """The answer for one point: status, words, and a property for each output.
 
     A number that the model does not have is NaN.
@@ -271,7 +287,7 @@ class Table:
         self._units = dict(units)
         self._length = length
         self._rows = rows
-        self._messages = dict(rows.messages()) if rows is not None else {}
+        self._messages: dict[int, str] | None = None
 
     def __len__(self) -> int:
         return self._length
@@ -327,7 +343,11 @@ class Table:
 
     def message(self, row: int) -> str | None:
         """Why a row has no result, or why `auto` chose its model."""
-        return self._messages.get(row % self._length if self._length else row)
+        if not -self._length <= row < self._length:
+            raise IndexError(f"row {row} of {self._length}")
+        if self._messages is None:
+            self._messages = dict(self._rows.messages()) if self._rows is not None else {}
+        return self._messages.get(row % self._length)
 
     def to_dict(self) -> dict[str, list[Any]]:
         """Lists by name; None where there is no value."""
@@ -385,9 +405,12 @@ class Table:
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the table as the program does: .csv, .jsonl or .parquet."""
-        if self._rows is None:
-            raise TypeError("only tables of solve_many and sweep can be written; use to_pandas and the like")
-        self._rows.write(Path(path))
+        if self._rows is not None:
+            self._rows.write(Path(path))
+        elif any(column.dtype == object for column in self._columns.values()):
+            raise TypeError("this table has words in it; write it with to_pandas() or to_polars()")
+        else:
+            _core.write_numbers(list(self._columns.items()), Path(path))
 
     def __repr__(self) -> str:
         names = ", ".join(self._columns)
@@ -420,10 +443,12 @@ class Grid(Table):
         rows: _core.Rows,
         axes: Mapping[str, Floats],
         scene: Scene,
+        settings: Mapping[str, Any],
     ) -> None:
         super().__init__(columns, units, length, rows)
         self._axes = dict(axes)
         self.scene = scene
+        self.settings = dict(settings)
 
     @property
     def axes(self) -> dict[str, Floats]:
@@ -481,7 +506,8 @@ class Grid(Table):
         dims = list(self._axes)
         data = {name: (dims, self.grid(name), about(name)) for name in self._columns}
         coords = {name: (name, values, about(name)) for name, values in self._axes.items()}
-        return xr.Dataset(data, coords, {"scene": self.scene.to_json()})
+        settings = {name: value for name, value in self.settings.items() if value is not None}
+        return xr.Dataset(data, coords, {"scene": self.scene.to_json(), **settings})
 
 
 class Report(Mapping[str, Any]):
@@ -491,13 +517,16 @@ class Report(Mapping[str, Any]):
     ----------
     found : bool
         False where the program exits with 3: there is none.
+    warnings : list of str
+        What an engineer should know before using the numbers.
     """
 
-    __slots__ = ("_entries", "found")
+    __slots__ = ("_entries", "found", "warnings")
 
-    def __init__(self, entries: Mapping[str, Any], found: bool) -> None:
+    def __init__(self, entries: Mapping[str, Any], found: bool, warnings: Sequence[str]) -> None:
         self._entries = dict(entries)
         self.found = found
+        self.warnings = list(warnings)
 
     def __getitem__(self, name: str) -> Any:
         return self._entries[name]
@@ -507,11 +536,6 @@ class Report(Mapping[str, Any]):
 
     def __len__(self) -> int:
         return len(self._entries)
-
-    @property
-    def warnings(self) -> list[str]:
-        """What an engineer should know before using the numbers."""
-        return list(self._entries.get("warnings") or [])
 
     def to_dict(self) -> dict[str, Any]:
         """The entries as a plain dict."""
@@ -538,8 +562,10 @@ class NutReport(Report):
 
     __slots__ = ("balls", "curve")
 
-    def __init__(self, entries: Mapping[str, Any], found: bool, balls: Table, curve: Table) -> None:
-        super().__init__(entries, found)
+    def __init__(
+        self, entries: Mapping[str, Any], found: bool, warnings: Sequence[str], balls: Table, curve: Table
+    ) -> None:
+        super().__init__(entries, found, warnings)
         self.balls = balls
         self.curve = curve
 
@@ -711,7 +737,8 @@ def solve_many(
     ----------
     points : mapping or frame
         Columns of inputs: a mapping of names to one-dimensional arrays or numbers, a number being the same
-        for all rows; or anything that gives an Arrow stream (polars, pyarrow, pandas 3, duckdb, a `Table`).
+        for all rows (arrays of doubles are not copied: leave them as they are while the table is in use); or
+        anything that gives an Arrow stream (polars, pyarrow, pandas 3, duckdb, a `Table`).
     base : Scene or mapping, optional
         The inputs that are no columns.
     model, tolerance, accuracy, creep, control
@@ -723,7 +750,8 @@ def solve_many(
     missing : {"invalid", "base"}
         What a null means: a wrong value, or the value of `base`. NaN is always a wrong value.
     progress : bool or callable, optional
-        True for a line on standard error, or a function of the rows that are done and their number.
+        True for a line on standard error if that is a terminal, or a function of the rows that are done and
+        their number.
     threads : int, optional
         Threads; RAYON_NUM_THREADS or all cores unless given.
 
@@ -789,7 +817,8 @@ def solve_many(
         scene, numbers, texts, length, how, list(outputs) if outputs is not None else None, threads,
         _shown(progress),
     )
-    inputs: dict[str, Any] = {name: values for name, values, _ in numbers if name in INPUTS}
+    taken = set(rows.inputs())
+    inputs: dict[str, Any] = {name: values for name, values, _ in numbers if name in taken}
     kept: dict[str, Any] = {name: np.array(values, dtype=object) for name, values in texts}
     return _answered(rows, {**inputs, **kept})
 
@@ -847,7 +876,8 @@ def sweep(
     table = _answered(rows, {})
     values = {name: np.array(values) for name, values in found}
     units = {**table.units, **{name: INPUTS[name].unit for name in values}}
-    return Grid(table._columns, units, len(table), rows, values, scene)
+    settings = {"model": model, "tolerance": tolerance, "accuracy": accuracy, "creep": creep, "control": control}
+    return Grid(table._columns, units, len(table), rows, values, scene, settings)
 
 
 def gradient(
@@ -864,6 +894,7 @@ def gradient(
     control: Control | None = None,
     method: Literal["exact", "difference"] = "exact",
     step: float = 1e-4,
+    threads: int | None = None,
 ) -> tuple[Any, Any]:
     """An output and its derivatives, ready for `scipy.optimize.minimize(..., jac=True)`.
 
@@ -881,6 +912,8 @@ def gradient(
         Exact derivatives of the model, or central differences.
     step : float
         Relative step of the differences.
+    threads : int, optional
+        As in `solve_many`.
 
     Returns
     -------
@@ -896,26 +929,21 @@ def gradient(
     scene = _scene(base, {})
     how: dict[str, Any] = {"model": model, "tolerance": tolerance, "accuracy": accuracy, "creep": creep,
                            "control": control}
-    values = np.full(length, np.nan)
-    slopes = np.full((length, len(wrt)), np.nan)
     if method == "exact":
         if output not in ("efficiency", "screw_torque_Nm"):
             raise InputError("exact derivatives are of efficiency and screw_torque_Nm; take method='difference'",
                              key=output)
-        for row in range(length):
-            point = scene.replace(**{name: float(v[row]) for name, v in columns.items()})  # type: ignore[arg-type]
-            answer = solve(point, check=False, **how)
-            values[row] = getattr(answer, output)
-            found = _core.sensitivities(point, _how(**how))
-            if found is not None:
-                by_name = {r[0]: r[2] if output == "efficiency" else r[3] for r in found}
-                slopes[row] = [by_name.get(name, 0.0) for name in wrt]
+        whole = [(name, np.ascontiguousarray(column)) for name, column in columns.items()]
+        found = _core.gradient(scene, whole, length, list(wrt), output != "efficiency", _how(**how), threads)
+        values = np.frombuffer(found[0], np.float64)
+        slopes = np.frombuffer(found[1], np.float64).reshape(length, len(wrt))
     elif method == "difference":
         def at(changed: Mapping[str, Floats]) -> Floats:
-            answers = solve_many({**columns, **changed}, scene, outputs=[output], **how)
+            answers = solve_many({**columns, **changed}, scene, outputs=[output], threads=threads, **how)
             return answers[output]
 
         values = at({})
+        slopes = np.full((length, len(wrt)), np.nan)
         for place, name in enumerate(wrt):
             middle = columns.get(name)
             if middle is None:
@@ -1014,12 +1042,12 @@ def nut(
     how = _how(model, tolerance, accuracy, creep, control)
     if samples is not None:
         return _report(_core.nut_samples(asked, how, samples, seed))
-    (entries, found), balls, curve = _core.nut(asked, how)
+    (entries, found, warnings), balls, curve = _core.nut(asked, how)
     tables = []
     for columns, rows in zip(_core.nut_columns(), (balls, curve), strict=True):
         names = [name for name, _ in columns]
         tables.append(_listed(names, rows, dict(columns)))
-    return NutReport(json.loads(entries), found, *tables)
+    return NutReport(json.loads(entries), found, warnings, *tables)
 
 
 def optimum(
@@ -1059,6 +1087,7 @@ def catalog(
     /,
     *,
     require: Sequence[str] = (),
+    requirement: Mapping[str, Any] | str | os.PathLike[str] | None = None,
     pareto: bool = False,
     sort: str | None = None,
     descending: bool = False,
@@ -1072,6 +1101,8 @@ def catalog(
         The sizes; those of the program unless given.
     require : sequence of str
         Conditions such as `"dynamic_load_rating_N>=40000"`.
+    requirement : mapping or path, optional
+        Only nuts that keep all limits of this requirement of `design`.
     pareto : bool
         Only nuts that no other beats in dynamic load rating, rigidity and mass together.
     sort : str, optional
@@ -1089,7 +1120,8 @@ def catalog(
     import numpy as np
 
     text = None if lists is None else json.dumps(dict(lists))
-    found = _core.catalog(text, list(require), pareto, sort, descending, first)
+    wish = None if requirement is None else json.dumps(_wish(requirement))
+    found = _core.catalog(text, wish, list(require), pareto, sort, descending, first)
     columns = {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
     units = {name: unit for name, unit, _ in found}
     return Table(columns, units, len(next(iter(columns.values()))))
@@ -1126,26 +1158,60 @@ def fit(
     return _report(_core.fit(_scene(scene, {}), how, input, f"{name}={float(value)!r}", range))
 
 
-def design(requirement: Mapping[str, Any] | str | os.PathLike[str], /, **changes: Any) -> Report:
-    """A screw for a requirement, as `bsm design`; `report["scene"]` is one for the other functions.
+def design(
+    requirement: Mapping[str, Any] | str | os.PathLike[str], /, *, free: bool = False, **changes: Any
+) -> Report:
+    """The best screw for a requirement, as `bsm design`.
 
     Parameters
     ----------
     requirement : mapping or path
-        Keys of `bsm design`, or its file.
+        Inputs of a scene and keys of `REQUIREMENTS`, or a file of them.
+    free : bool
+        Take any size, not only the standard ones.
     **changes
         Keys in place of those of the requirement.
+
+    Returns
+    -------
+    Report
+        `Scene(report["scene"])` is the screw for the other functions.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> report = bs.design({"axial_load_N": 8000, "screw_speed_rpm": 1500, "stroke_mm": 600, "lead_mm": 10,
+    ...                     "friction_coefficient": 0.05, "life_h": 20000})
+    >>> report.found, report["scene"]["lead_mm"]
+    (True, 10.0)
     """
+    return _report(_core.design(json.dumps({**_wish(requirement), **changes}), free))
+
+
+def _wish(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, Any]:
     if isinstance(requirement, Mapping):
-        wish = dict(requirement)
-    else:
-        wish = json.loads(Path(requirement).read_text(encoding="utf-8-sig"))
-    return _report(_core.design(json.dumps({**wish, **changes})))
+        return dict(requirement)
+    wish: dict[str, Any] = json.loads(Path(requirement).read_text(encoding="utf-8-sig"))
+    return wish
 
 
-def _report(answer: tuple[str, bool]) -> Report:
-    entries, found = answer
-    return Report(json.loads(entries), found)
+def validate() -> Table:
+    """The published checks, as `bsm validate`, one row a check.
+
+    Returns
+    -------
+    Table
+        `key`, `source`, `claim`, `claimed`, `measured`, `unit`, `criterion`, `note` and `verdict`: pass, fail or
+        finding.
+    """
+    checks: list[dict[str, Any]] = json.loads(_core.validate())
+    names = ["key", "source", "claim", "claimed", "measured", "unit", "criterion", "note", "verdict"]
+    return _listed(names, [[check[name] for name in names] for check in checks])
+
+
+def _report(answer: _core.Told) -> Report:
+    entries, found, warnings = answer
+    return Report(json.loads(entries), found, warnings)
 
 
 def _listed(names: Sequence[str], rows: Sequence[Sequence[Any]], units: Mapping[str, str] | None = None) -> Table:
@@ -1197,15 +1263,23 @@ def _number(name: str, value: Any) -> float:
 
 def _converted(name: str, value: Any) -> Any:
     """The magnitude of a quantity with a unit (pint)."""
-    unit = INPUTS[name].unit if name in INPUTS else ""
+    if name not in INPUTS:
+        raise InputError(f"`{name}` takes a plain number; a quantity goes under the name of an input", key=name)
     try:
-        return value.to(unit.replace(" ", "*") or "dimensionless").magnitude
+        return value.to(_pint_unit(INPUTS[name].unit)).magnitude
     except Exception as error:
         raise InputError(f"`{name}`: {error}", key=name) from error
 
 
+def _pint_unit(unit: str) -> str:
+    """A unit of the vocabulary as pint has it: mm2/s is mm^2/s, N m is N*m, C is no coulomb."""
+    if unit == "C":
+        return "degC"
+    return re.sub(r"([a-z])(\d)", r"\1^\2", unit).replace(" ", "*") or "dimensionless"
+
+
 def _column(name: str, values: Any) -> Floats:
-    """A column of doubles of our own, contiguous and read-only."""
+    """A column of doubles, contiguous and read-only; doubles that lie so already are not copied."""
     import numpy as np
 
     if hasattr(values, "magnitude") and hasattr(values, "to"):
@@ -1213,7 +1287,7 @@ def _column(name: str, values: Any) -> Floats:
     if isinstance(values, np.ma.MaskedArray):
         values = values.filled(np.nan) if values.dtype.kind == "f" else values.astype(np.float64).filled(np.nan)
     try:
-        array = np.array(values, dtype=np.float64, order="C")
+        array = np.ascontiguousarray(values, dtype=np.float64).view()
     except (TypeError, ValueError):
         raise InputError(f"column `{name}` holds something that is no number", key=name) from None
     if array.ndim > 1:
@@ -1227,6 +1301,9 @@ def _shown(progress: bool | Progress | None) -> Progress | None:
     """What is called with the rows that are done."""
     if progress is True:
         import sys
+
+        if not sys.stderr.isatty():
+            return None
 
         def show(done: int, total: int) -> None:
             end = "\n" if done == total else ""

@@ -9,7 +9,7 @@ from ballscrew._api import INPUTS, OUTPUTS, Grid, Table
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["curves", "map"]
+__all__ = ["curves", "map", "pareto"]
 
 
 def curves(table: Table, x: str, y: str, *, by: str | None = None, ax: Axes | None = None) -> Axes:
@@ -59,6 +59,33 @@ def map(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
     (x, xs), (y, ys) = grid.axes.items()
     drawn = ax.pcolormesh(xs, ys, grid.grid(output).T, shading="nearest")
     ax.figure.colorbar(drawn, ax=ax, label=_label(output))
+    ax.set_xlabel(_label(x))
+    ax.set_ylabel(_label(y))
+    return ax
+
+
+def pareto(
+    nuts: Table, x: str = "mass_kg", y: str = "dynamic_load_rating_N", *, ax: Axes | None = None
+) -> Axes:
+    """Draw the nuts of a catalogue, and the line of those that no other beats in both quantities.
+
+    Parameters
+    ----------
+    nuts : Table
+        What `catalog` returned.
+    x, y : str
+        Names of columns: less of `x` and more of `y` is better.
+    ax : matplotlib axes, optional
+        Where to draw.
+    """
+    import numpy as np
+
+    ax = _axes(ax)
+    order = np.lexsort((-nuts[y], nuts[x]))
+    xs, ys = nuts[x][order], nuts[y][order]
+    best = np.flatnonzero(np.diff(np.maximum.accumulate(ys), prepend=-np.inf) > 0)
+    ax.plot(xs, ys, ".", markersize=2, alpha=0.5)
+    ax.step(xs[best], ys[best], where="post")
     ax.set_xlabel(_label(x))
     ax.set_ylabel(_label(y))
     return ax

@@ -14,7 +14,9 @@ mod scene;
 mod solution;
 mod table;
 
-use bsm_case::{INPUTS, ModelChoice, NutWords, Output};
+use bsm_case::{
+    INPUTS, Input, ModelChoice, NutWords, Output, REQUIREMENT_INPUTS, REQUIREMENT_WORDS,
+};
 use bsm_dyn::Control;
 use pyo3::prelude::*;
 
@@ -53,6 +55,16 @@ fn races() -> [&'static str; 2] {
     Control::ALL.map(Control::name)
 }
 
+/// Name, unit, meaning, default and rule of what a requirement may say besides inputs of a scene.
+#[pyfunction]
+fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, String)> {
+    let words = REQUIREMENT_WORDS.iter().map(|(name, words, about)| {
+        (*name, "", (*about).to_owned(), None, format!("one of {}", words.join(", ")))
+    });
+    let number = |i: &Input| (i.name, i.unit, i.about.to_owned(), i.default, i.rule.describe());
+    words.chain(REQUIREMENT_INPUTS.iter().map(number)).collect()
+}
+
 /// The keys of a scene that are no numbers.
 #[pyfunction]
 fn scene_words() -> &'static [&'static str] {
@@ -71,7 +83,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(models, module)?,
         wrap_pyfunction!(races, module)?,
         wrap_pyfunction!(scene_words, module)?,
+        wrap_pyfunction!(requirements, module)?,
         wrap_pyfunction!(solution::sensitivities, module)?,
+        wrap_pyfunction!(solution::gradient, module)?,
         wrap_pyfunction!(points::solve_many, module)?,
         wrap_pyfunction!(points::sweep, module)?,
         wrap_pyfunction!(table::read_arrow, module)?,
@@ -86,6 +100,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(reports::optimum, module)?,
         wrap_pyfunction!(reports::size, module)?,
         wrap_pyfunction!(reports::catalog, module)?,
+        wrap_pyfunction!(reports::validate, module)?,
     ] {
         module.add_function(function)?;
     }

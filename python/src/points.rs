@@ -1,17 +1,19 @@
 //! Many points in memory.
 
+use std::io;
 use std::num::NonZeroUsize;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
 use arrow_buffer::{Buffer, ScalarBuffer};
 use bsm_batch::{
-    Answers, Cell, Chunk, Column, Columns, Format, GridSource, ROWS, RunError, Sink, Source,
-    TableError, TableSink, Task, Verdict, Workers,
+    Answers, Chunk, Columns, Format, GridSource, ROWS, Room, Sink, Source, TableError, TableSink,
+    Task, Verdict, Workers,
 };
 use bsm_case::{Axis, Grid, ModelChoice, Output};
 use bsm_dyn::Status;
@@ -25,16 +27,14 @@ use crate::table::Numbers;
 /// How often the thread that called looks at signals and shows progress.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Rows that are solved without further threads.
-const AT_ONCE: usize = 256;
+/// Values of an input, and its rows without one.
+type Given = (ScalarBuffer<f64>, Vec<usize>);
 
 /// The rows of a table in memory.
 #[derive(Clone)]
 struct Memory {
     columns: Columns,
-    inputs: Vec<Numbers>,
-    /// Rows without a value, for each input.
-    gaps: Vec<Vec<usize>>,
+    inputs: Vec<Given>,
     kept: Vec<Vec<String>>,
     len: usize,
     at: usize,
@@ -50,59 +50,23 @@ impl Source for Memory {
     }
 
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
-        let end = self.len.min(self.at.saturating_add(rows));
-        if end == self.at {
+        let len = rows.min(self.len - self.at);
+        if len == 0 {
             return Ok(None);
         }
-        let range = self.at..end;
-        let column = |(numbers, gaps): (&Numbers, &Vec<usize>)| {
-            let mut column = Column::with_capacity(range.len());
-            let mut gaps = gaps.iter().skip_while(|row| **row < range.start).peekable();
-            for row in range.clone() {
-                let missing = gaps.next_if(|gap| **gap == row).is_some();
-                column.push(if missing { Cell::Missing } else { Cell::Number(numbers.0[row]) });
-            }
-            column
+        let first = self.at;
+        self.at += len;
+        let column = |(place, (values, missing)): (usize, &Given)| {
+            let from = missing.partition_point(|row| *row < first);
+            let rows = missing[from..].iter().map(|row| row - first).take_while(|row| *row < len);
+            self.columns.column(place, values.slice(first, len), rows)
         };
-        let chunk = Chunk {
-            first: self.at as u64 + 1,
-            len: range.len(),
-            inputs: self.inputs.iter().zip(&self.gaps).map(column).collect(),
-            kept: self.kept.iter().map(|texts| texts[range.clone()].to_vec()).collect(),
-        };
-        self.at = end;
-        Ok(Some(chunk))
-    }
-}
-
-/// Answers of all chunks, one after another.
-#[derive(Default)]
-struct Gathered {
-    verdicts: Vec<Verdict>,
-    messages: Vec<(usize, String)>,
-    columns: Vec<Vec<f64>>,
-}
-
-impl Gathered {
-    /// Room for the answers of some rows.
-    fn with_room(rows: usize, outputs: usize) -> Self {
-        Self {
-            verdicts: Vec::with_capacity(rows),
-            messages: Vec::new(),
-            columns: (0..outputs).map(|_| Vec::with_capacity(rows)).collect(),
-        }
-    }
-}
-
-impl Sink for Gathered {
-    fn write(&mut self, _: Chunk, answers: Answers) -> Result<(), TableError> {
-        let first = self.verdicts.len();
-        self.messages.extend(answers.messages.into_iter().map(|(row, text)| (first + row, text)));
-        self.verdicts.extend(answers.verdicts);
-        for (all, column) in self.columns.iter_mut().zip(answers.columns) {
-            all.extend_from_slice(&column);
-        }
-        Ok(())
+        Ok(Some(Chunk {
+            first: first as u64 + 1,
+            len,
+            inputs: self.inputs.iter().enumerate().map(column).collect(),
+            kept: self.kept.iter().map(|texts| texts[first..self.at].to_vec()).collect(),
+        }))
     }
 }
 
@@ -234,15 +198,13 @@ pub(crate) fn solve_many(
     let keep: Vec<_> = kept.iter().map(|(name, _)| name.clone()).collect();
     let names = columns.iter().map(|(name, ..)| name).chain(&keep).map(String::as_str);
     let named = Columns::sort(names, &keep).map_err(|e| errors::table(&e))?;
-    // Columns of an earlier answer are passed over.
-    let inputs =
-        columns.into_iter().filter(|(name, ..)| named.inputs.iter().any(|k| k.name() == name));
-    let (inputs, gaps) = inputs.map(|(_, numbers, gaps)| (numbers, gaps)).unzip();
+    let given = |place: &usize| (columns[*place].1.0.clone(), columns[*place].2.clone());
+    let inputs = named.input_places().iter().map(given).collect();
     let kept = kept.into_iter().map(|(_, texts)| texts).collect();
     let base = base.get().0.clone();
     let task = Task::over_table(base, how.settings()?, selected(outputs)?, &named);
     let task = task.map_err(|e| errors::input(&e))?;
-    let memory = Memory { columns: named, inputs, gaps, kept, len, at: 0 };
+    let memory = Memory { columns: named, inputs, kept, len, at: 0 };
     drive(py, &task, Origin::Memory(memory), len, threads, progress)
 }
 
@@ -272,28 +234,31 @@ pub(crate) fn sweep(
     Ok((drive(py, &task, Origin::Grid(grid), len, threads, progress)?, axes))
 }
 
-/// Threads of this process: a fork has none of those that its parent started.
-static HELD: Mutex<Vec<(u32, Option<NonZeroUsize>, Workers<'static>)>> = Mutex::new(Vec::new());
+/// Threads, one set for each number of them, of a process.
+type Held = (u32, Option<NonZeroUsize>, Arc<Workers<'static>>);
 
-/// What the held threads look at, which no one sets.
+/// The threads of this process: a fork has none of those that its parent started.
+static HELD: Mutex<Vec<Held>> = Mutex::new(Vec::new());
+
+/// What the held threads look at, which no one sets: a run has its own.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 /// The threads of this process, started once for each number of them.
-fn workers(threads: Option<NonZeroUsize>, stop: &AtomicBool) -> Result<Workers<'_>, RunError> {
+fn workers(threads: Option<NonZeroUsize>) -> PyResult<Arc<Workers<'static>>> {
+    let threads = threads.or_else(|| std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok());
     let process = std::process::id();
     let mut held = HELD.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((.., workers)) = held.iter().find(|(p, t, _)| (*p, *t) == (process, threads)) {
-        return Ok(workers.with(stop));
+        return Ok(workers.clone());
     }
     // Threads of a parent are not there to be joined.
-    held.drain(..).filter(|(p, ..)| *p != process).for_each(std::mem::forget);
-    let started = Workers::start(threads, &NEVER).map_err(RunError::Thread)?;
-    let workers = started.with(stop);
-    held.push((process, threads, started));
+    held.extract_if(.., |(p, ..)| *p != process).for_each(std::mem::forget);
+    let workers = Arc::new(Workers::start(threads, &NEVER)?);
+    held.push((process, threads, workers.clone()));
     Ok(workers)
 }
 
-/// Solves a task while the calling thread looks at signals and shows progress.
+/// Solves a task.
 fn drive(
     py: Python<'_>,
     task: &Task,
@@ -302,36 +267,86 @@ fn drive(
     threads: Option<NonZeroUsize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Rows> {
+    let mut answers = Answers::room(len, task.outputs.len());
+    watched(py, task.is_quick(len), len, threads, progress, |stop, done| {
+        fill(task, origin.source().as_mut(), &mut answers, stop, done)
+    })?
+    .map_err(|e| errors::table(&e))?;
+    let Answers { verdicts, messages, columns } = answers;
+    let columns = columns.into_iter().map(ScalarBuffer::from).collect();
+    Ok(Rows { origin, outputs: task.outputs.clone(), verdicts, messages, columns })
+}
+
+/// Fills the room of `answers`, which has a place for each row of the source.
+fn fill(
+    task: &Task,
+    source: &mut dyn Source,
+    answers: &mut Answers,
+    stop: &AtomicBool,
+    done: &AtomicU64,
+) -> Result<(), TableError> {
+    let named = source.columns().clone();
+    let mut verdicts = &mut answers.verdicts[..];
+    let mut left: Vec<_> = answers.columns.iter_mut().map(|column| &mut column[..]).collect();
+    while !stop.load(Ordering::Relaxed) {
+        let Some(chunk) = source.next(ROWS)? else { break };
+        let first = usize::try_from(chunk.first - 1).unwrap_or(0);
+        let room = Room {
+            verdicts: first_of(&mut verdicts, chunk.len),
+            columns: left.iter_mut().map(|column| first_of(column, chunk.len)).collect(),
+        };
+        let words = task.solve_into((&chunk, &named), room, stop, done);
+        answers.messages.extend(words.into_iter().map(|(row, text)| (first + row, text)));
+    }
+    Ok(())
+}
+
+/// The first values, which the rest loses.
+fn first_of<'a, T>(rest: &mut &'a mut [T], len: usize) -> &'a mut [T] {
+    rest.split_off_mut(..len).unwrap_or_default()
+}
+
+/// Does `work` on the threads, while the thread that calls looks at signals and shows progress; quick work it
+/// does itself.
+///
+/// * `work`: ends if its first argument becomes true, and counts what it has done in the second one.
+pub(crate) fn watched<R: Send>(
+    py: Python<'_>,
+    quick: bool,
+    len: usize,
+    threads: Option<NonZeroUsize>,
+    progress: Option<Py<PyAny>>,
+    work: impl FnOnce(&AtomicBool, &AtomicU64) -> R + Send,
+) -> PyResult<R> {
     let (stop, done) = (AtomicBool::new(false), AtomicU64::new(0));
-    let outputs = task.outputs.clone();
-    let mut source = origin.source();
-    let sink = Gathered::with_room(len, outputs.len());
-    let threads = threads.or_else(allowed);
+    if quick {
+        let result = py.detach(|| work(&stop, &done));
+        look(progress.as_ref(), len as u64, len)?;
+        return Ok(result);
+    }
+    let workers = workers(threads)?;
     let mut interrupted = None;
-    let solved = py.detach(|| {
-        let workers = workers(threads, &stop)?;
-        if len <= AT_ONCE {
-            return at_once(task, source.as_mut(), sink, &workers);
-        }
+    let result = py.detach(|| {
         thread::scope(|scope| {
             let (tell, told) = sync_channel(1);
-            let (workers, done) = (&workers, &done);
+            let (stop, done) = (&stop, &done);
             let run = move || {
-                let mut count = |chunk: &Chunk, _: &Answers| {
-                    done.fetch_add(chunk.len as u64, Ordering::Relaxed);
-                };
-                let run = task.run(source.as_mut(), sink, u64::MAX, workers, &mut count);
-                tell.send(run).unwrap_or_default();
+                let result = workers.install(|| work(stop, done));
+                tell.send(result).unwrap_or_default();
             };
-            thread::Builder::new().spawn_scoped(scope, run).map_err(RunError::Thread)?;
+            let running = thread::Builder::new().spawn_scoped(scope, run)?;
             loop {
                 match told.recv_timeout(LOOK) {
-                    Ok(run) => break run.map(|(sink, _)| sink),
-                    Err(RecvTimeoutError::Disconnected) => break Err(RunError::Stopped),
+                    Ok(result) => break Ok(result),
+                    // It panicked.
+                    Err(RecvTimeoutError::Disconnected) => match running.join() {
+                        Err(panic) => resume_unwind(panic),
+                        Ok(()) => break Err(io::Error::other("the threads gave no answer")),
+                    },
                     Err(RecvTimeoutError::Timeout) if interrupted.is_none() => {
-                        let looked = look(progress.as_ref(), done.load(Ordering::Relaxed), len);
-                        stop.store(looked.is_err(), Ordering::Relaxed);
-                        interrupted = looked.err();
+                        let count = done.load(Ordering::Relaxed);
+                        interrupted = look(progress.as_ref(), count, len).err();
+                        stop.store(interrupted.is_some(), Ordering::Relaxed);
                     }
                     Err(RecvTimeoutError::Timeout) => {}
                 }
@@ -341,25 +356,8 @@ fn drive(
     if let Some(error) = interrupted {
         return Err(error);
     }
-    let Gathered { verdicts, messages, columns } = solved.map_err(|e| errors::run(&e))?;
     look(progress.as_ref(), len as u64, len)?;
-    let columns = columns.into_iter().map(ScalarBuffer::from).collect();
-    Ok(Rows { origin, outputs, verdicts, messages, columns })
-}
-
-/// Few rows, without further threads.
-fn at_once(
-    task: &Task,
-    source: &mut dyn Source,
-    mut sink: Gathered,
-    workers: &Workers<'_>,
-) -> Result<Gathered, RunError> {
-    let columns = source.columns().clone();
-    while let Some(chunk) = source.next(AT_ONCE).map_err(RunError::Read)? {
-        let answers = workers.install(|| task.solve(&chunk, &columns));
-        sink.write(chunk, answers).map_err(RunError::Write)?;
-    }
-    Ok(sink)
+    Ok(result?)
 }
 
 /// Looks at signals, and shows progress.
@@ -368,9 +366,4 @@ fn look(progress: Option<&Py<PyAny>>, done: u64, len: usize) -> PyResult<()> {
         py.check_signals()?;
         progress.map_or(Ok(()), |progress| progress.call1(py, (done, len)).map(|_| ()))
     })
-}
-
-/// Threads that the environment asks for.
-fn allowed() -> Option<NonZeroUsize> {
-    std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok()
 }

@@ -5,20 +5,31 @@ use bsm_case::{
     DesignReport, Fit, Moving, NutProblem, OptimumReport, Record, RequirementFile, Samples,
     SizeReport, Spectrum,
 };
+use bsm_design::Candidate;
 use bsm_dyn::{Model, ModelWorkspace};
+use bsm_validate::Published;
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use serde_json::{Value, json};
 
 use crate::errors;
+use crate::points::watched;
 use crate::scene::{How, Scene};
 use crate::table::shared;
 
-/// A report, and whether it found what it looked for.
-type Report = (String, bool);
+/// A report as JSON, whether it found what it looked for, and warnings.
+type Report = (String, bool, Vec<String>);
 
 fn refused(error: CaseError) -> PyErr {
     errors::input(&error)
+}
+
+/// Works on the threads of this process, never on those of rayon, which a fork would wait for.
+fn on_threads<R: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> Result<R, CaseError> + Send,
+) -> PyResult<R> {
+    watched(py, false, 0, None, None, |_, _| work())?.map_err(refused)
 }
 
 /// Slip or jamming of a solved motion.
@@ -32,32 +43,43 @@ pub(crate) fn analysis(
     let scene = &scene.get().0;
     let settings = how.settings()?;
     let jams = kind == "jam";
-    let report = py.detach(|| -> Result<Report, CaseError> {
+    on_threads(py, || {
         let work = &mut ModelWorkspace::default();
         let found = scene.problem(&settings)?.solve(work);
-        let Moving { settings, solution, .. } = Moving::of(scene, &settings, found, work)?;
+        let Moving { settings, solution, note } = Moving::of(scene, &settings, found, work)?;
+        let notes = note.into_iter().collect();
         if solution.reason().is_some() {
-            return Ok((Value::Object(Record::new(solution).to_json()).to_string(), false));
+            let record = Record::new(solution).to_json();
+            return Ok((Value::Object(record).to_string(), false, notes));
         }
         let report = if jams {
             Analysis::jam(scene, &solution)?
         } else {
             Analysis::slip(scene, &settings, &solution)?
         };
-        Ok((Value::Object(report.to_json()).to_string(), true))
-    });
-    report.map_err(refused)
+        Ok((Value::Object(report.to_json()).to_string(), true, notes))
+    })
 }
 
 /// Ratings of a nut.
 ///
 /// * `spectrum`: a load spectrum as CSV.
 #[pyfunction]
-pub(crate) fn capacity(scene: &Bound<'_, Scene>, spectrum: Option<&[u8]>) -> PyResult<Report> {
-    let spectrum = spectrum.map(Spectrum::from_csv).transpose().map_err(refused)?;
-    let report = CapacityReport::of(&scene.get().0, spectrum.as_ref()).map_err(refused)?;
-    Ok((report.to_json().to_string(), true))
+pub(crate) fn capacity(
+    py: Python<'_>,
+    scene: &Bound<'_, Scene>,
+    spectrum: Option<&[u8]>,
+) -> PyResult<Report> {
+    let scene = &scene.get().0;
+    on_threads(py, || {
+        let spectrum = spectrum.map(Spectrum::from_csv).transpose()?;
+        let report = CapacityReport::of(scene, spectrum.as_ref())?;
+        Ok((report.to_json().to_string(), true, report.warnings().to_vec()))
+    })
 }
+
+/// Rows of a table.
+type Numbers = Vec<Vec<f64>>;
 
 /// All balls of a nut: the report, rows of its balls, rows of its curve.
 #[pyfunction]
@@ -65,28 +87,29 @@ pub(crate) fn nut(
     py: Python<'_>,
     scene: &Bound<'_, Scene>,
     how: How,
-) -> PyResult<(Report, Vec<Vec<f64>>, Vec<Vec<f64>>)> {
-    let problem = NutProblem::of(&scene.get().0, &how.settings()?).map_err(refused)?;
-    Ok(py.detach(|| match problem.solve() {
+) -> PyResult<(Report, Numbers, Numbers)> {
+    let (scene, settings) = (&scene.get().0, how.settings()?);
+    on_threads(py, || match NutProblem::of(scene, &settings)?.solve() {
         Ok(report) => {
-            let rows = |rows: Vec<Vec<f64>>| rows;
             let balls = report.balls().into_iter().map(Into::into).collect();
             let curve = report.curve().into_iter().map(Into::into).collect();
-            let mut map = report.to_json();
-            map.insert("warnings".to_owned(), json!(report.warnings()));
-            ((Value::Object(map).to_string(), true), rows(balls), rows(curve))
+            let json = Value::Object(report.to_json()).to_string();
+            let warnings = scene.warnings().into_iter().chain(report.warnings()).collect();
+            Ok(((json, true, warnings), balls, curve))
         }
         Err(none) => {
             let map = json!({ "status": none.status().name(), "message": none.to_string() });
-            ((map.to_string(), false), Vec::new(), Vec::new())
+            Ok(((map.to_string(), false, scene.warnings()), Vec::new(), Vec::new()))
         }
-    }))
+    })
 }
 
-/// Columns of the balls and of the curve of a nut: name and unit.
+/// Name and unit of columns.
+type Named = Vec<(&'static str, &'static str)>;
+
+/// Columns of the balls and of the curve of a nut.
 #[pyfunction]
-pub(crate) fn nut_columns() -> (Vec<(&'static str, &'static str)>, Vec<(&'static str, &'static str)>)
-{
+pub(crate) fn nut_columns() -> (Named, Named) {
     (bsm_case::BALL_COLUMNS.to_vec(), bsm_case::CURVE_COLUMNS.to_vec())
 }
 
@@ -99,9 +122,11 @@ pub(crate) fn nut_samples(
     number: u64,
     seed: Option<u64>,
 ) -> PyResult<Report> {
-    let problem = NutProblem::of(&scene.get().0, &how.settings()?).map_err(refused)?;
-    let samples = py.detach(|| Samples::of(&problem, number, seed)).map_err(refused)?;
-    Ok((samples.to_json().to_string(), true))
+    let (scene, settings) = (&scene.get().0, how.settings()?);
+    on_threads(py, || {
+        let samples = Samples::of(&NutProblem::of(scene, &settings)?, number, seed)?;
+        Ok((samples.to_json().to_string(), samples.failed == 0, scene.warnings()))
+    })
 }
 
 /// An input from a measured output.
@@ -115,53 +140,76 @@ pub(crate) fn fit(
     range: Option<(f64, f64)>,
 ) -> PyResult<Report> {
     let (scene, settings) = (&scene.get().0, how.settings()?);
-    let fit = Fit::new(scene, input, range, measured).map_err(refused)?;
-    let report = py.detach(|| fit.run(scene, &settings)).map_err(refused)?;
-    Ok((fit.to_json(&report).to_string(), !report.found.is_empty()))
+    on_threads(py, || {
+        let fit = Fit::new(scene, input, range, measured)?;
+        let report = fit.run(scene, &settings)?;
+        Ok((fit.to_json(&report).to_string(), !report.found.is_empty(), scene.warnings()))
+    })
 }
 
 /// A screw for a requirement.
+///
+/// * `free`: of any size, not of the standard ones.
 #[pyfunction]
-pub(crate) fn design(py: Python<'_>, requirement: &str) -> PyResult<Report> {
-    let report = py.detach(|| {
-        let standard = Catalogue::standard()?.lists;
-        let wish = RequirementFile::from_json(requirement.as_bytes(), &[], standard)?;
-        Ok(DesignReport::of(&wish))
-    });
-    let report = report.map_err(refused)?;
-    Ok((report.to_json().to_string(), report.found))
+pub(crate) fn design(py: Python<'_>, requirement: &str, free: bool) -> PyResult<Report> {
+    on_threads(py, || {
+        let catalogue = Catalogue::standard()?;
+        let lists = catalogue.lists.clone();
+        let wish = RequirementFile::from_json(requirement.as_bytes(), &[], lists)?;
+        let standard = if free { None } else { DesignReport::standard(&wish, &catalogue) };
+        let report = standard.unwrap_or_else(|| DesignReport::of(&wish));
+        Ok((report.to_json().to_string(), report.found, report.warnings))
+    })
 }
 
 /// Best contact angle and self-locking limits.
 #[pyfunction]
-pub(crate) fn optimum(scene: &Bound<'_, Scene>, model: Option<&str>) -> PyResult<Report> {
-    let model = model.and_then(Model::from_name);
-    let report = OptimumReport::of(&scene.get().0, model).map_err(refused)?;
-    Ok((report.to_json().to_string(), true))
+pub(crate) fn optimum(
+    py: Python<'_>,
+    scene: &Bound<'_, Scene>,
+    model: Option<&str>,
+) -> PyResult<Report> {
+    let scene = &scene.get().0;
+    on_threads(py, || {
+        let report = OptimumReport::of(scene, model.and_then(Model::from_name))?;
+        Ok((report.to_json().to_string(), true, report.warnings()))
+    })
 }
 
 /// The axis around a screw.
 #[pyfunction]
 pub(crate) fn size(py: Python<'_>, scene: &Bound<'_, Scene>, how: How) -> PyResult<Report> {
     let (scene, settings) = (&scene.get().0, how.settings()?);
-    let report = py.detach(|| SizeReport::of(scene, &settings)).map_err(refused)?;
-    Ok((report.to_json().to_string(), report.passes()))
+    on_threads(py, || {
+        let report = SizeReport::of(scene, &settings)?;
+        Ok((report.to_json().to_string(), report.passes(), report.warnings))
+    })
+}
+
+/// The published checks as JSON.
+#[pyfunction]
+pub(crate) fn validate(py: Python<'_>) -> PyResult<String> {
+    let report = watched(py, false, 0, None, None, |_, _| bsm_validate::run(&Published::default()))?;
+    let report = report.map_err(|e| errors::words(&e.to_string()))?;
+    Ok(json!(report.checks).to_string())
 }
 
 /// Nuts of standard sizes: name, unit and values of each column.
 ///
-/// * `lists`: JSON of the sizes, the standard ones unless given.
+/// * `lists`: JSON of the sizes, the standard ones unless given. * `requirement`: JSON of what all must keep.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn catalog(
     py: Python<'_>,
     lists: Option<&str>,
+    requirement: Option<&str>,
     require: Vec<String>,
     pareto: bool,
     sort: Option<&str>,
     descending: bool,
     first: Option<usize>,
 ) -> PyResult<Vec<(&'static str, &'static str, PyArrowBuffer)>> {
-    let chosen = py.detach(|| -> Result<Vec<_>, CaseError> {
+    let nuts = on_threads(py, || {
         let catalogue = match lists {
             Some(lists) => Catalogue::from_json(lists.as_bytes())?,
             None => Catalogue::standard()?,
@@ -170,7 +218,17 @@ pub(crate) fn catalog(
             require.iter().map(|text| Condition::parse(text)).collect::<Result<_, _>>()?;
         let order = sort.map(CatalogueColumn::named).transpose()?;
         let all = catalogue.places();
-        let meets = |nut: &_| require.iter().all(|condition| condition.is_met(nut));
+        let wish = match requirement {
+            Some(json) => {
+                let lists = catalogue.lists.clone();
+                Some(RequirementFile::from_json(json.as_bytes(), &[], lists)?)
+            }
+            None => None,
+        };
+        let meets = |nut: &Candidate| {
+            require.iter().all(|condition| condition.is_met(nut))
+                && wish.as_ref().is_none_or(|wish| wish.is_kept_by(&nut.nut))
+        };
         let mut chosen = catalogue.map(&all, |place, nut| meets(nut).then_some(place));
         if pareto {
             chosen = catalogue.pareto(&chosen);
@@ -184,8 +242,7 @@ pub(crate) fn catalog(
         }
         nuts.truncate(first.unwrap_or(usize::MAX));
         Ok(nuts)
-    });
-    let nuts = chosen.map_err(refused)?;
+    })?;
     let column = |c: &CatalogueColumn| {
         let values: Vec<f64> = nuts.iter().map(c.read).collect();
         (c.name, c.unit, shared(values))

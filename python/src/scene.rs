@@ -33,8 +33,7 @@ impl Scene {
         };
         for (name, value) in numbers {
             let key = InputKey::named(name.cast()?.to_str()?).map_err(|e| errors::input(&e))?;
-            let value: f64 = value.extract()?;
-            given[key] = Some(value);
+            given[key] = Some(value.extract()?);
         }
         scene.override_with(&given);
         scene.description = given.description.or(scene.description);

@@ -29,9 +29,8 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         return print_with(path, &scene, solution, (None, band), args.format);
     }
     let inputs = Sensitivities::of(&scene, &settings).map_err(in_file)?;
-    match inputs.problem.sensitivities(&mut work) {
-        Ok(answer) => {
-            let rows = inputs.rows(&answer);
+    match inputs.solve(&mut work) {
+        Ok((_, rows)) => {
             print_with(path, &scene, solution, (Some(&rows[..]), band), args.format)
         }
         Err(none) => {
