@@ -47,7 +47,7 @@ def text() -> str:
         "",
         f"Model = Literal[{_list(found.models())}]",
         f"Control = Literal[{_list(found.races())}]",
-        f"Output = Literal[{_list([output[0] for output in outputs])}]",
+        f"Output = Literal[{_list(list(dict.fromkeys(output[0] for output in outputs)))}]",
         "",
         "",
         "class Inputs(TypedDict, total=False):",

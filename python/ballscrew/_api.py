@@ -9,7 +9,8 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypeVar, Unpack
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, Self, Unpack, cast, overload
 
 from ballscrew import _core
 from ballscrew._errors import InputError, NoSolutionError, NotConvergedError, SolveError
@@ -21,12 +22,10 @@ if TYPE_CHECKING:
     import polars as pl
     import pyarrow as pa
     import xarray as xr
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
     Progress = Callable[[int, int], object]
-
-S = TypeVar("S", bound="Scene")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,25 +62,33 @@ class Quantity:
     analysis: str | None = None
 
 
-INPUTS: Mapping[str, Quantity] = {
-    name: Quantity(name, unit, about, default=default, rule=rule)
+def _first_of_each(quantities: Iterable[Quantity]) -> Mapping[str, Quantity]:
+    found: dict[str, Quantity] = {}
+    for quantity in quantities:
+        found.setdefault(quantity.name, quantity)
+    return MappingProxyType(found)
+
+
+INPUTS: Mapping[str, Quantity] = _first_of_each(
+    Quantity(name, unit, about, default=default, rule=rule)
     for name, unit, about, default, rule in _core.inputs()
-}
+)
 """All inputs by name."""
 
-OUTPUTS: Mapping[str, Quantity] = {
-    name: Quantity(name, unit, about, kind=kind, words=tuple(words), analysis=analysis)
+# An analysis may repeat a number of the solution: that of the solution is meant.
+OUTPUTS: Mapping[str, Quantity] = _first_of_each(
+    Quantity(name, unit, about, kind=kind, words=tuple(words), analysis=analysis)
     for name, unit, about, kind, words, analysis in _core.outputs()
-}
+)
 """All outputs by name: of a solution, then of the analyses."""
 
-MODELS: tuple[str, ...] = tuple(_core.models())
+MODELS: tuple[Model, ...] = cast("tuple[Model, ...]", tuple(_core.models()))
 """The models, `auto` first."""
 
-REQUIREMENTS: Mapping[str, Quantity] = {
-    name: Quantity(name, unit, about, default=default, rule=rule)
+REQUIREMENTS: Mapping[str, Quantity] = _first_of_each(
+    Quantity(name, unit, about, default=default, rule=rule)
     for name, unit, about, default, rule in _core.requirements()
-}
+)
 """What a requirement of `design` may say besides inputs of a scene."""
 
 _OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis is None]
@@ -115,7 +122,7 @@ class Scene(SceneFields):
 
     __slots__ = ()
 
-    def __new__(cls, base: Scene | Mapping[str, Any] | None = None, /, **inputs: Unpack[Inputs]) -> Scene:
+    def __new__(cls, base: Scene | Mapping[str, Any] | None = None, /, **inputs: Unpack[Inputs]) -> Self:
         given: dict[str, Any] = dict(inputs)
         if base is not None and not isinstance(base, _core.Scene):
             given = {**base, **given}
@@ -132,7 +139,7 @@ class Scene(SceneFields):
         return super().__new__(cls, base, numbers, json.dumps(words) if words else None)
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str]) -> Scene:
+    def read(cls, path: str | os.PathLike[str]) -> Self:
         """Read a scene file of the program."""
         try:
             return cls.from_json(Path(path).read_text(encoding="utf-8-sig"))
@@ -141,12 +148,12 @@ class Scene(SceneFields):
             raise
 
     @classmethod
-    def from_json(cls, text: str) -> Scene:
+    def from_json(cls, text: str) -> Self:
         """Read a scene from JSON text."""
         given: dict[str, Any] = json.loads(_core.Scene.of_json(text).to_json())
         return cls(given)
 
-    def replace(self, **inputs: Unpack[Inputs]) -> Scene:
+    def replace(self, **inputs: Unpack[Inputs]) -> Self:
         """The scene with other inputs; a lead replaces a lead angle."""
         return type(self)(self, **inputs)
 
@@ -239,25 +246,42 @@ _MAIN = ("efficiency", "screw_torque_Nm", "nut_normal_load_N", "nut_contact_angl
 class Words:
     """Texts of few kinds: a place in `categories` for each row."""
 
-    __slots__ = ("categories", "codes")
+    __slots__ = ("_found", "_load")
 
-    def __init__(self, codes: NDArray[np.int8], categories: Sequence[str]) -> None:
-        self.codes = codes
-        self.categories = tuple(categories)
+    def __init__(self, load: Callable[[], tuple[Any, list[str]]]) -> None:
+        self._load = load
+        self._found: tuple[NDArray[np.int8], tuple[str, ...]] | None = None
+
+    def _get(self) -> tuple[NDArray[np.int8], tuple[str, ...]]:
+        """What most do not ask for is made when it is."""
+        if self._found is None:
+            import numpy as np
+
+            buffer, categories = self._load()
+            self._found = np.frombuffer(buffer, np.int8), tuple(categories)
+        return self._found
+
+    @property
+    def codes(self) -> NDArray[np.int8]:
+        """The place in `categories` for each row."""
+        return self._get()[0]
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """The texts."""
+        return self._get()[1]
 
     def __len__(self) -> int:
         return len(self.codes)
 
     def __getitem__(self, row: int) -> str:
-        return self.categories[self.codes[row]]
+        return self.categories[int(self.codes[row])]
 
     def __eq__(self, word: object) -> Any:
         if isinstance(word, str):
             place = self.categories.index(word) if word in self.categories else -2
             return self.codes == place
         return NotImplemented
-
-    __hash__ = None  # type: ignore[assignment]
 
     def to_numpy(self) -> NDArray[np.object_]:
         """The texts."""
@@ -706,7 +730,7 @@ def compare(scene: Scene | Mapping[str, Any] | None = None, /, **inputs: Unpack[
     refused: InputError | None = None
     for model in MODELS[1:]:
         try:
-            rows.append(solve(asked, model=model, check=False).to_dict())  # type: ignore[arg-type]
+            rows.append(solve(asked, model=model, check=False).to_dict())
         except InputError as error:
             refused = refused or error
     if not rows and refused is not None:
@@ -807,11 +831,13 @@ def solve_many(
         )
     if fixed:
         scene = scene.replace(**fixed)
-    lengths = {name: len(values) for name, values, *_ in [*numbers, *texts]}
+    lengths: dict[str, int] = {column[0]: len(column[1]) for column in numbers}
+    lengths |= {column[0]: len(column[1]) for column in texts}
     length = max(lengths.values(), default=1 if fixed else 0)
-    for name, found in lengths.items():
-        if found != length:
-            raise InputError(f"column `{name}` has {found} rows, another one {length}", key=name)
+    for column_name, rows_of_it in lengths.items():
+        if rows_of_it != length:
+            message = f"column `{column_name}` has {rows_of_it} rows, another one {length}"
+            raise InputError(message, key=column_name)
     how = _how(model, tolerance, accuracy, creep, control)
     rows = _core.solve_many(
         scene, numbers, texts, length, how, list(outputs) if outputs is not None else None, threads,
@@ -874,10 +900,10 @@ def sweep(
     import numpy as np
 
     table = _answered(rows, {})
-    values = {name: np.array(values) for name, values in found}
-    units = {**table.units, **{name: INPUTS[name].unit for name in values}}
+    varied = {name: np.array(axis) for name, axis in found}
+    units = {**table.units, **{name: INPUTS[name].unit for name in varied}}
     settings = {"model": model, "tolerance": tolerance, "accuracy": accuracy, "creep": creep, "control": control}
-    return Grid(table._columns, units, len(table), rows, values, scene, settings)
+    return Grid(table._columns, units, len(table), rows, varied, scene, settings)
 
 
 def gradient(
@@ -1011,6 +1037,36 @@ def capacity(
     return _report(_core.capacity(_scene(nut, inputs), table))
 
 
+@overload
+def nut(
+    scene: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    samples: None = None,
+    **inputs: Unpack[Inputs],
+) -> NutReport: ...
+
+
+@overload
+def nut(
+    scene: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    samples: int,
+    **inputs: Unpack[Inputs],
+) -> Report: ...
+
+
 def nut(
     scene: Scene | Mapping[str, Any] | None = None,
     /,
@@ -1021,27 +1077,25 @@ def nut(
     creep: float = 1e-4,
     control: Control | None = None,
     samples: int | None = None,
-    seed: int | None = None,
-    **inputs: Any,
+    **inputs: Unpack[Inputs],
 ) -> NutReport | Report:
     """All balls of a nut, as `bsm nut`.
 
     Parameters
     ----------
     samples : int, optional
-        Quantiles over so many random sets of balls in place of one nut.
-    seed : int, optional
-        Where the random numbers begin.
+        Quantiles over so many random sets of balls in place of one nut; the input `seed` says where the random
+        numbers begin.
 
     Returns
     -------
     NutReport
         Numbers by name, `balls` and `curve` as tables; with `samples` a plain report.
     """
-    asked = Scene(scene, **inputs) if inputs else _scene(scene, {})
+    asked = _scene(scene, inputs)
     how = _how(model, tolerance, accuracy, creep, control)
     if samples is not None:
-        return _report(_core.nut_samples(asked, how, samples, seed))
+        return _report(_core.nut_samples(asked, how, samples, None))
     (entries, found, warnings), balls, curve = _core.nut(asked, how)
     tables = []
     for columns, rows in zip(_core.nut_columns(), (balls, curve), strict=True):
@@ -1236,12 +1290,9 @@ def _answered(rows: _core.Rows, inputs: Mapping[str, Any]) -> Table:
     """The table of solved rows."""
     import numpy as np
 
-    def words(found: tuple[Any, list[str]]) -> Words:
-        return Words(np.frombuffer(found[0], np.int8), found[1])
-
     columns: dict[str, Any] = dict(inputs)
-    columns["model"] = words(rows.models())
-    columns["status"] = words(rows.statuses())
+    columns["model"] = Words(rows.models)
+    columns["status"] = Words(rows.statuses)
     for name, buffer in rows.outputs():
         columns[name] = np.frombuffer(buffer, np.float64)
     units = {name: (INPUTS.get(name) or OUTPUTS[name]).unit
@@ -1253,7 +1304,7 @@ def _number(name: str, value: Any) -> float:
     """A number in the unit of its name."""
     if hasattr(value, "magnitude") and hasattr(value, "to"):
         value = _converted(name, value)
-    if isinstance(value, bool) or isinstance(value, str):
+    if isinstance(value, (bool, str)):
         raise InputError(f"`{name}` is {value!r}, but must be a number", key=name)
     try:
         return float(value)
@@ -1285,7 +1336,8 @@ def _column(name: str, values: Any) -> Floats:
     if hasattr(values, "magnitude") and hasattr(values, "to"):
         values = _converted(name, values)
     if isinstance(values, np.ma.MaskedArray):
-        values = values.filled(np.nan) if values.dtype.kind == "f" else values.astype(np.float64).filled(np.nan)
+        masked: Any = values.astype(np.float64)
+        values = masked.filled(np.nan)
     try:
         array = np.ascontiguousarray(values, dtype=np.float64).view()
     except (TypeError, ValueError):

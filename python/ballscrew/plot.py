@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ballscrew._api import INPUTS, OUTPUTS, Grid, Table
 
@@ -28,17 +28,17 @@ def curves(table: Table, x: str, y: str, *, by: str | None = None, ax: Axes | No
     """
     import numpy as np
 
-    ax = _axes(ax)
+    axes = _axes(ax)
     if by is None:
-        ax.plot(table[x], table[y])
+        axes.plot(table[x], table[y])
     else:
         for value in np.unique(table[by]):
             of_line = table[by] == value
-            ax.plot(table[x][of_line], table[y][of_line], label=f"{value:g} {_unit(by)}".rstrip())
-        ax.legend(title=_words(by))
-    ax.set_xlabel(_label(x))
-    ax.set_ylabel(_label(y))
-    return ax
+            axes.plot(table[x][of_line], table[y][of_line], label=f"{value:g} {_unit(by)}".rstrip())
+        axes.legend(title=_words(by))
+    axes.set_xlabel(_label(x))
+    axes.set_ylabel(_label(y))
+    return axes
 
 
 def map(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
@@ -55,13 +55,13 @@ def map(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
     """
     if len(grid.axes) != 2:
         raise ValueError(f"a map has two axes, this grid {len(grid.axes)}")
-    ax = _axes(ax)
+    axes = _axes(ax)
     (x, xs), (y, ys) = grid.axes.items()
-    drawn = ax.pcolormesh(xs, ys, grid.grid(output).T, shading="nearest")
-    ax.figure.colorbar(drawn, ax=ax, label=_label(output))
-    ax.set_xlabel(_label(x))
-    ax.set_ylabel(_label(y))
-    return ax
+    drawn = axes.pcolormesh(xs, ys, grid.grid(output).T, shading="nearest")
+    axes.figure.colorbar(drawn, ax=axes, label=_label(output))
+    axes.set_xlabel(_label(x))
+    axes.set_ylabel(_label(y))
+    return axes
 
 
 def pareto(
@@ -80,23 +80,24 @@ def pareto(
     """
     import numpy as np
 
-    ax = _axes(ax)
+    axes = _axes(ax)
     order = np.lexsort((-nuts[y], nuts[x]))
     xs, ys = nuts[x][order], nuts[y][order]
     best = np.flatnonzero(np.diff(np.maximum.accumulate(ys), prepend=-np.inf) > 0)
-    ax.plot(xs, ys, ".", markersize=2, alpha=0.5)
-    ax.step(xs[best], ys[best], where="post")
-    ax.set_xlabel(_label(x))
-    ax.set_ylabel(_label(y))
-    return ax
+    axes.plot(xs, ys, ".", markersize=2, alpha=0.5)
+    axes.step(xs[best], ys[best], where="post")
+    axes.set_xlabel(_label(x))
+    axes.set_ylabel(_label(y))
+    return axes
 
 
-def _axes(ax: Axes | None) -> Any:
+def _axes(ax: Axes | None) -> Axes:
     if ax is not None:
         return ax
     import matplotlib.pyplot as plt
 
-    return plt.subplots()[1]
+    axes: Axes = plt.subplots()[1]
+    return axes
 
 
 def _unit(name: str) -> str:

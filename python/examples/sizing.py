@@ -32,5 +32,5 @@ for rule in axis["rules"]:
 
 # %% All balls of the nut.
 nut = bs.nut(screw)
-print(nut["most_loaded_ball_N"] if "most_loaded_ball_N" in nut else nut)
+print(nut)
 print(nut.balls.to_pandas().head())

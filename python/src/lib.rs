@@ -7,6 +7,7 @@
     reason = "what Python hands over is ours, and its tuples are rows of tables"
 )]
 
+mod clock;
 mod errors;
 mod points;
 mod reports;
@@ -101,6 +102,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(reports::size, module)?,
         wrap_pyfunction!(reports::catalog, module)?,
         wrap_pyfunction!(reports::validate, module)?,
+        wrap_pyfunction!(reports::write_numbers, module)?,
+        wrap_pyfunction!(clock::batch_seconds, module)?,
+        wrap_pyfunction!(clock::solve_seconds, module)?,
     ] {
         module.add_function(function)?;
     }

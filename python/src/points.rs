@@ -19,6 +19,7 @@ use bsm_case::{Axis, Grid, ModelChoice, Output};
 use bsm_dyn::Status;
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
+use tempfile::NamedTempFile;
 
 use crate::errors;
 use crate::scene::{How, Scene};
@@ -32,8 +33,9 @@ type Given = (ScalarBuffer<f64>, Vec<usize>);
 
 /// The rows of a table in memory.
 #[derive(Clone)]
-struct Memory {
+pub(crate) struct Memory {
     columns: Columns,
+    names: Vec<String>,
     inputs: Vec<Given>,
     kept: Vec<Vec<String>>,
     len: usize,
@@ -105,6 +107,14 @@ impl Rows {
         self.verdicts.len()
     }
 
+    /// Names of the inputs that are columns, as the table has them.
+    fn inputs(&self) -> Vec<String> {
+        match &self.origin {
+            Origin::Grid(_) => Vec::new(),
+            Origin::Memory(memory) => memory.names.clone(),
+        }
+    }
+
     /// Models, as places in their names.
     fn models(&self) -> Words {
         let names: Vec<_> = ModelChoice::names().collect();
@@ -134,17 +144,14 @@ impl Rows {
 
     /// Writes the table as the program does, by the ending of the path.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let format = Format::of(&path).ok_or_else(|| {
-            errors::words(&format!("{}: must end in .csv, .jsonl or .parquet", path.display()))
-        })?;
+        let format = format_of(&path)?;
         py.detach(|| self.write_to(&path, format)).map_err(|e| errors::table(&e))
     }
 }
 
 impl Rows {
     fn write_to(&self, path: &Path, format: Format) -> Result<(), TableError> {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        let file = tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))?;
+        let file = beside(path)?;
         let mut source = self.origin.source();
         let mut sink = TableSink::new(format, file, source.columns(), &self.outputs)?;
         let mut messages = self.messages.iter().peekable();
@@ -168,6 +175,18 @@ impl Rows {
     }
 }
 
+/// The format of a table, by the ending of its path.
+pub(crate) fn format_of(path: &Path) -> PyResult<Format> {
+    let words = || format!("{}: must end in .csv, .jsonl or .parquet", path.display());
+    Format::of(path).ok_or_else(|| errors::words(&words()))
+}
+
+/// A temporary file in the folder of a path, which it takes when it is complete.
+pub(crate) fn beside(path: &Path) -> io::Result<NamedTempFile> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))
+}
+
 /// Small numbers for Python.
 fn codes(places: Vec<u8>) -> PyArrowBuffer {
     PyArrowBuffer::new(Buffer::from_vec(places))
@@ -176,6 +195,22 @@ fn codes(places: Vec<u8>) -> PyArrowBuffer {
 /// The outputs of these names, or all of a solution.
 fn selected(names: Option<Vec<String>>) -> PyResult<Vec<&'static Output>> {
     Answers::select(names.as_deref()).map_err(|e| errors::table(&e))
+}
+
+/// The table of columns: name, values, rows without one; and of columns of texts that are carried through.
+pub(crate) fn table_of(
+    columns: Vec<(String, Numbers, Vec<usize>)>,
+    kept: Vec<(String, Vec<String>)>,
+    len: usize,
+) -> PyResult<Memory> {
+    let keep: Vec<_> = kept.iter().map(|(name, _)| name.clone()).collect();
+    let names = columns.iter().map(|(name, ..)| name).chain(&keep).map(String::as_str);
+    let named = Columns::sort(names, &keep).map_err(|e| errors::table(&e))?;
+    let given = |place: &usize| (columns[*place].1.0.clone(), columns[*place].2.clone());
+    let inputs = named.input_places().iter().map(given).collect();
+    let names = named.input_places().iter().map(|place| columns[*place].0.clone()).collect();
+    let kept = kept.into_iter().map(|(_, texts)| texts).collect();
+    Ok(Memory { columns: named, names, inputs, kept, len, at: 0 })
 }
 
 /// Solves the rows of columns in memory.
@@ -195,16 +230,10 @@ pub(crate) fn solve_many(
     threads: Option<NonZeroUsize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Rows> {
-    let keep: Vec<_> = kept.iter().map(|(name, _)| name.clone()).collect();
-    let names = columns.iter().map(|(name, ..)| name).chain(&keep).map(String::as_str);
-    let named = Columns::sort(names, &keep).map_err(|e| errors::table(&e))?;
-    let given = |place: &usize| (columns[*place].1.0.clone(), columns[*place].2.clone());
-    let inputs = named.input_places().iter().map(given).collect();
-    let kept = kept.into_iter().map(|(_, texts)| texts).collect();
+    let memory = table_of(columns, kept, len)?;
     let base = base.get().0.clone();
-    let task = Task::over_table(base, how.settings()?, selected(outputs)?, &named);
+    let task = Task::over_table(base, how.settings()?, selected(outputs)?, &memory.columns);
     let task = task.map_err(|e| errors::input(&e))?;
-    let memory = Memory { columns: named, inputs, kept, len, at: 0 };
     drive(py, &task, Origin::Memory(memory), len, threads, progress)
 }
 

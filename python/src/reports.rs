@@ -1,5 +1,8 @@
 //! Reports as JSON, in the names of the program.
 
+use std::path::PathBuf;
+
+use bsm_batch::{Format, NumberColumn, NumberSink, TableError};
 use bsm_case::{
     Analysis, CATALOGUE_COLUMNS, CapacityReport, CaseError, Catalogue, CatalogueColumn, Condition,
     DesignReport, Fit, Moving, NutProblem, OptimumReport, Record, RequirementFile, Samples,
@@ -13,9 +16,9 @@ use pyo3_arrow::buffer::PyArrowBuffer;
 use serde_json::{Value, json};
 
 use crate::errors;
-use crate::points::watched;
+use crate::points::{beside, format_of, watched};
 use crate::scene::{How, Scene};
-use crate::table::shared;
+use crate::table::{Numbers, shared};
 
 /// A report as JSON, whether it found what it looked for, and warnings.
 type Report = (String, bool, Vec<String>);
@@ -79,7 +82,7 @@ pub(crate) fn capacity(
 }
 
 /// Rows of a table.
-type Numbers = Vec<Vec<f64>>;
+type Lines = Vec<Vec<f64>>;
 
 /// All balls of a nut: the report, rows of its balls, rows of its curve.
 #[pyfunction]
@@ -87,7 +90,7 @@ pub(crate) fn nut(
     py: Python<'_>,
     scene: &Bound<'_, Scene>,
     how: How,
-) -> PyResult<(Report, Numbers, Numbers)> {
+) -> PyResult<(Report, Lines, Lines)> {
     let (scene, settings) = (&scene.get().0, how.settings()?);
     on_threads(py, || match NutProblem::of(scene, &settings)?.solve() {
         Ok(report) => {
@@ -192,6 +195,46 @@ pub(crate) fn validate(py: Python<'_>) -> PyResult<String> {
     let report = watched(py, false, 0, None, None, |_, _| bsm_validate::run(&Published::default()))?;
     let report = report.map_err(|e| errors::words(&e.to_string()))?;
     Ok(json!(report.checks).to_string())
+}
+
+/// Rows of a table that are in memory at a time as it is written, as in the program.
+const PART: usize = 1 << 14;
+
+/// Writes columns of a catalogue, of the balls of a nut or of its curve, as the program does.
+#[pyfunction]
+pub(crate) fn write_numbers(
+    py: Python<'_>,
+    columns: Vec<(String, Numbers)>,
+    path: PathBuf,
+) -> PyResult<()> {
+    let format = format_of(&path)?;
+    let known = || {
+        let catalogue = CATALOGUE_COLUMNS.iter().map(|c| (c.name, c.unit));
+        let of_a_nut = bsm_case::BALL_COLUMNS.into_iter().chain(bsm_case::CURVE_COLUMNS);
+        catalogue.chain(of_a_nut).map(|(name, unit)| NumberColumn { name, unit })
+    };
+    let named = |(name, _): &(String, Numbers)| {
+        let found = known().find(|column| column.name == name.as_str());
+        found.ok_or_else(|| errors::words(&format!("column `{name}` is of no table of the program")))
+    };
+    let names: Vec<_> = columns.iter().map(named).collect::<PyResult<_>>()?;
+    let write = || -> Result<(), TableError> {
+        let file = beside(&path)?;
+        let mut sink = match format {
+            Format::Csv => NumberSink::csv(file, &names)?,
+            Format::JsonLines => NumberSink::json_lines(file, &names),
+            Format::Parquet => NumberSink::parquet(file, &names)?,
+        };
+        let len = columns.first().map_or(0, |(_, values)| values.0.len());
+        for first in (0..len).step_by(PART) {
+            let rows = first..len.min(first + PART);
+            let part: Vec<_> = columns.iter().map(|(_, v)| v.0[rows.clone()].to_vec()).collect();
+            sink.write(&part)?;
+        }
+        sink.finish()?.persist(&path).map_err(|e| TableError::Io(e.error))?;
+        Ok(())
+    };
+    py.detach(write).map_err(|e| errors::table(&e))
 }
 
 /// Nuts of standard sizes: name, unit and values of each column.

@@ -6,7 +6,6 @@ use std::sync::atomic::Ordering;
 
 use bsm_case::{CaseError, Cell, InputKey, OUTPUTS, Record, Sensitivities, Settings, following};
 use bsm_dyn::{Band, ModelWorkspace, Problem};
-use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use rayon::prelude::*;
@@ -76,18 +75,22 @@ impl Solution {
         scene.warnings().into_iter().chain(self.record.warnings(scene)).collect()
     }
 
-    /// An output by its place: a number, a flag, a word, or `None`.
-    fn value(&self, py: Python<'_>, place: usize) -> PyResult<Option<Py<PyAny>>> {
-        let Some(cell) = OUTPUTS.get(place).and_then(|output| self.record.cell(output)) else {
-            return Ok(None);
-        };
-        Ok(Some(match cell {
-            Cell::Number(number) => number.into_py_any(py)?,
-            Cell::Count(count) => count.into_py_any(py)?,
-            Cell::Flag(flag) => flag.into_py_any(py)?,
-            Cell::Race(race) => race.name().into_py_any(py)?,
-            Cell::Evidence(evidence) => evidence.name().into_py_any(py)?,
-        }))
+    /// A number by the place of its output; NaN if there is none.
+    fn number(&self, place: usize) -> f64 {
+        self.cell(place).map_or(f64::NAN, Cell::number)
+    }
+
+    /// A yes or no.
+    fn flag(&self, place: usize) -> Option<bool> {
+        match self.cell(place)? {
+            Cell::Flag(flag) => Some(flag),
+            _ => None,
+        }
+    }
+
+    /// An output in words.
+    fn word(&self, place: usize) -> Option<&'static str> {
+        OUTPUTS.get(place)?.word(self.number(place))
     }
 
     /// As the program prints it.
@@ -106,6 +109,10 @@ impl Solution {
 }
 
 impl Solution {
+    fn cell(&self, place: usize) -> Option<Cell> {
+        self.record.cell(OUTPUTS.get(place)?)
+    }
+
     /// What the data of a lubricant may do to the answer.
     fn band(&self) -> Option<Band> {
         let Ok(Problem::Lubricated(case)) = self.scene.get().0.problem(&self.settings) else {

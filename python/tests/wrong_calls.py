@@ -9,5 +9,5 @@ bs.solve(screw, model="rigit")  # type: ignore[arg-type]  # pyright: ignore[repo
 bs.solve(screw, axial_lod_N=3.0)  # type: ignore[call-arg]  # pyright: ignore[reportCallIssue]
 bs.solve_many({}, screw, outputs=["efficency"])  # type: ignore[list-item]  # pyright: ignore[reportArgumentType]
 bs.gradient({}, "efficency", ["lead_mm"])  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType]
-screw.lead_mn  # type: ignore[attr-defined]  # pyright: ignore[reportAttributeAccessIssue, reportUnusedExpression]
+screw.lead_mn  # type: ignore[attr-defined]  # pyright: ignore[reportAttributeAccessIssue]
 screw.lead_mm = 3.0  # type: ignore[misc]  # pyright: ignore[reportAttributeAccessIssue]

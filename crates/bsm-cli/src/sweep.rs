@@ -11,6 +11,7 @@ use bsm_report::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 use crate::args::SweepArgs;
 use crate::failure::{Failure, note_unused};
 use crate::files::{self, Output, read_scene};
+use crate::lookup::Lookup;
 use crate::stream::{Job, outputs};
 
 /// Points of a plot: beyond, a viewer of SVG chokes.
@@ -39,6 +40,13 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let task = task.map_err(in_file)?;
     let model = task.settings.model;
     note_unused(task.base.given() | grid.varied());
+    if let Some(lookup) = Lookup::of(&args.table.output) {
+        if args.plot.is_some() || args.table.resume {
+            let text = "--plot and --resume do not go with a lookup";
+            return Err(Failure::Input(text.to_owned()));
+        }
+        return lookup.write(&args.table.output, &task, &grid, workers);
+    }
     let mut plot = match curves {
         Some((curves, path)) => Some((curves, Output::create(path)?, path)),
         None => None,
