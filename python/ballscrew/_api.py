@@ -7,10 +7,9 @@ import math
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, NoReturn, Self, Unpack, cast, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Self, Unpack, cast, overload
 
 from ballscrew import _core
 from ballscrew._errors import InputError, NoSolutionError, NotConvergedError, SolveError
@@ -28,8 +27,7 @@ if TYPE_CHECKING:
     Progress = Callable[[int, int], object]
 
 
-@dataclass(frozen=True, slots=True)
-class Quantity:
+class Quantity(NamedTuple):
     """A word of the vocabulary.
 
     Attributes
@@ -91,6 +89,7 @@ REQUIREMENTS: Mapping[str, Quantity] = _first_of_each(
 )
 """What a requirement of `design` may say besides inputs of a scene."""
 
+_NUMBERS = frozenset(INPUTS)
 _OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis is None]
 
 
@@ -130,9 +129,11 @@ class Scene(SceneFields):
         numbers: dict[str, float] = {}
         words: dict[str, Any] = {}
         for name, value in given.items():
-            if value is None:
+            if type(value) is float and name in _NUMBERS:
+                numbers[name] = value
+            elif value is None:
                 continue
-            if name in INPUTS:
+            elif name in _NUMBERS:
                 numbers[name] = _number(name, value)
             else:
                 words[name] = value
@@ -283,6 +284,9 @@ class Words:
             return self.codes == place
         return NotImplemented
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _words, self._get()
+
     def to_numpy(self) -> NDArray[np.object_]:
         """The texts."""
         import numpy as np
@@ -291,6 +295,10 @@ class Words:
 
     def __repr__(self) -> str:
         return f"Words({len(self)} of {', '.join(self.categories)})"
+
+
+def _words(codes: NDArray[np.int8], categories: Sequence[str]) -> Words:
+    return Words(lambda: (codes, list(categories)))
 
 
 class Table:
@@ -381,6 +389,11 @@ class Table:
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
         return self._arrow().__arrow_c_stream__(requested_schema)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._length:
+            self.message(0)
+        return _thawed, (type(self), {**vars(self), "_rows": None})
+
     def _arrow(self) -> Any:
         import numpy as np
 
@@ -431,8 +444,8 @@ class Table:
         """Write the table as the program does: .csv, .jsonl or .parquet."""
         if self._rows is not None:
             self._rows.write(Path(path))
-        elif any(column.dtype == object for column in self._columns.values()):
-            raise TypeError("this table has words in it; write it with to_pandas() or to_polars()")
+        elif any(isinstance(column, Words) or column.dtype == object for column in self._columns.values()):
+            raise TypeError("this table has words in it, or was pickled: write it with to_pandas() or to_polars()")
         else:
             _core.write_numbers(list(self._columns.items()), Path(path))
 
@@ -454,6 +467,15 @@ class Table:
         words = f"{self._length} rows, {len(self._columns)} columns"
         words += f", {failed} without a result" if failed else ""
         return f"<table><tr>{head}</tr>{body}</table><p>{words}</p>"
+
+
+def _thawed(kind: type[Table], state: Mapping[str, Any]) -> Table:
+    table = object.__new__(kind)
+    vars(table).update(state)
+    for column in table._columns.values():
+        if not isinstance(column, Words):
+            column.flags.writeable = False
+    return table
 
 
 class Grid(Table):
@@ -566,7 +588,9 @@ class Report(Mapping[str, Any]):
         return dict(self._entries)
 
     def __repr__(self) -> str:
-        return f"<Report found={self.found}: {', '.join(self._entries)}>"
+        names = list(self._entries)
+        more = f", and {len(names) - 8} more" if len(names) > 8 else ""
+        return f"<{type(self).__name__} found={self.found}: {', '.join(names[:8])}{more}>"
 
     def _repr_html_(self) -> str:
         plain = (str, int, float, bool, type(None))
@@ -594,8 +618,7 @@ class NutReport(Report):
         self.curve = curve
 
 
-@dataclass(frozen=True, slots=True)
-class Linspace:
+class Linspace(NamedTuple):
     """Equally spaced values, both ends included."""
 
     start: float
@@ -795,7 +818,7 @@ def solve_many(
     >>> import ballscrew as bs
     >>> points = {"friction_coefficient": [0.01, 0.02], "contact_angle_deg": 45, "lead_angle_deg": 8}
     >>> bs.solve_many(points, model="closed-form", outputs=["efficiency"])["efficiency"].round(3)
-    array([0.907, 0.824])
+    array([0.98 , 0.961])
     """
     import numpy as np
 
@@ -881,10 +904,10 @@ def sweep(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> screw = bs.Scene(contact_angle_deg=45, friction_coefficient=0.01)
-    >>> map = bs.sweep(screw, vary={"lead_angle_deg": bs.linspace(2, 10, 5)}, outputs=["efficiency"])
-    >>> map.shape, map.grid("efficiency").round(2)
-    ((5,), array([0.71, 0.83, 0.88, 0.9 , 0.92]))
+    >>> screw = bs.Scene(lead_angle_deg=5, contact_angle_deg=45)
+    >>> grid = bs.sweep(screw, vary={"friction_coefficient": bs.linspace(0.02, 0.1, 5)}, outputs=["efficiency"])
+    >>> grid.shape, grid.grid("efficiency").round(2)
+    ((5,), array([0.96, 0.92, 0.89, 0.85, 0.82]))
     """
     scene = _scene(base, {})
     axes = []
@@ -1095,7 +1118,7 @@ def nut(
     asked = _scene(scene, inputs)
     how = _how(model, tolerance, accuracy, creep, control)
     if samples is not None:
-        return _report(_core.nut_samples(asked, how, samples, None))
+        return _report(_core.nut_samples(asked, how, samples))
     (entries, found, warnings), balls, curve = _core.nut(asked, how)
     tables = []
     for columns, rows in zip(_core.nut_columns(), (balls, curve), strict=True):
@@ -1234,8 +1257,8 @@ def design(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> report = bs.design({"axial_load_N": 8000, "screw_speed_rpm": 1500, "stroke_mm": 600, "lead_mm": 10,
-    ...                     "friction_coefficient": 0.05, "life_h": 20000})
+    >>> report = bs.design({"axial_load_N": 4000, "screw_speed_rpm": 1500, "stroke_mm": 600, "lead_mm": 10,
+    ...                     "friction_coefficient": 0.05, "required_life_h": 5000})
     >>> report.found, report["scene"]["lead_mm"]
     (True, 10.0)
     """
@@ -1339,7 +1362,7 @@ def _column(name: str, values: Any) -> Floats:
         masked: Any = values.astype(np.float64)
         values = masked.filled(np.nan)
     try:
-        array = np.ascontiguousarray(values, dtype=np.float64).view()
+        array = np.asarray(values, dtype=np.float64, order="C").view()
     except (TypeError, ValueError):
         raise InputError(f"column `{name}` holds something that is no number", key=name) from None
     if array.ndim > 1:

@@ -25,7 +25,7 @@ screw = bs.Scene(
 # %% A full grid on all cores; the last axis runs fastest.
 grid = bs.sweep(
     screw,
-    vary={"screw_speed_rpm": bs.linspace(100, 6000, 60), "axial_load_N": bs.linspace(500, 20000, 40)},
+    vary={"screw_speed_rpm": bs.linspace(100, 6000, 60), "axial_load_N": bs.linspace(20, 2000, 40)},
     model="raceway-control",
     outputs=["efficiency", "screw_torque_Nm", "axial_displacement_um", "onset_number"],
 )

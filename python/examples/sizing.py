@@ -7,12 +7,16 @@ Runs as a script, and opens as a notebook in editors that know `# %%` cells.
 import ballscrew as bs
 
 requirement = {
-    "axial_load_N": 8000,
-    "stroke_mm": 600,
-    "feed_m_min": 15,
-    "lead_mm": 10,
-    "friction_coefficient": 0.05,
-    "life_h": 20000,
+    "axial_load_kN": 10,
+    "feed_m_min": 30,
+    "stroke_mm": 1200,
+    "friction_coefficient": 0.06,
+    "required_life_h": 20000,
+    "speed_number_limit_mm_min": 120000,
+    "support": "fixed-supported",
+    "moved_mass_kg": 500,
+    "motor_inertia_kg_m2": 0.01,
+    "objective": "mass",
 }
 
 # %% The best screw of standard sizes, with what holds it back.

@@ -14,10 +14,7 @@ use crate::points::table_of;
 use crate::scene::{How, Scene};
 use crate::table::Numbers;
 
-/// Rows that the program has in memory at a time.
-const ROWS: usize = bsm_batch::ROWS;
-
-/// Seconds that the rows take in the batch alone, on one thread, chunk by chunk; the answers are dropped.
+/// Seconds that the rows take in the batch alone, on one thread, which holds all answers.
 #[pyfunction]
 pub(crate) fn batch_seconds(
     py: Python<'_>,
@@ -36,14 +33,9 @@ pub(crate) fn batch_seconds(
     let workers = Workers::start(Some(NonZeroUsize::MIN), &stop)?;
     py.detach(|| {
         let names = memory.columns().clone();
-        let mut chunks = Vec::new();
-        while let Some(chunk) = memory.next(ROWS).map_err(|e| errors::table(&e))? {
-            chunks.push(chunk);
-        }
+        let Some(chunk) = memory.next(len).map_err(|e| errors::table(&e))? else { return Ok(0.0) };
         let start = Instant::now();
-        for chunk in &chunks {
-            black_box(workers.install(|| task.solve(chunk, &names)));
-        }
+        drop(black_box(workers.install(|| task.solve(&chunk, &names))));
         Ok(start.elapsed().as_secs_f64())
     })
 }

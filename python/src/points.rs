@@ -1,5 +1,6 @@
 //! Many points in memory.
 
+use std::cell::OnceCell;
 use std::io;
 use std::num::NonZeroUsize;
 use std::panic::resume_unwind;
@@ -296,38 +297,81 @@ fn drive(
     threads: Option<NonZeroUsize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Rows> {
-    let mut answers = Answers::room(len, task.outputs.len());
+    let mut gathered = Gathered::of(len, task.outputs.len());
     watched(py, task.is_quick(len), len, threads, progress, |stop, done| {
-        fill(task, origin.source().as_mut(), &mut answers, stop, done)
+        gathered.fill(task, origin.source().as_mut(), stop, done)
     })?
     .map_err(|e| errors::table(&e))?;
-    let Answers { verdicts, messages, columns } = answers;
-    let columns = columns.into_iter().map(ScalarBuffer::from).collect();
+    let Gathered { verdicts, messages, columns, .. } = gathered;
+    let nothing = OnceCell::new();
+    let column = |column: Option<Vec<f64>>| match column {
+        Some(values) => ScalarBuffer::from(values),
+        None => nothing.get_or_init(|| ScalarBuffer::from(vec![f64::NAN; len])).clone(),
+    };
+    let columns = columns.into_iter().map(column).collect();
     Ok(Rows { origin, outputs: task.outputs.clone(), verdicts, messages, columns })
 }
 
-/// Fills the room of `answers`, which has a place for each row of the source.
-fn fill(
-    task: &Task,
-    source: &mut dyn Source,
-    answers: &mut Answers,
-    stop: &AtomicBool,
-    done: &AtomicU64,
-) -> Result<(), TableError> {
-    let named = source.columns().clone();
-    let mut verdicts = &mut answers.verdicts[..];
-    let mut left: Vec<_> = answers.columns.iter_mut().map(|column| &mut column[..]).collect();
-    while !stop.load(Ordering::Relaxed) {
-        let Some(chunk) = source.next(ROWS)? else { break };
-        let first = usize::try_from(chunk.first - 1).unwrap_or(0);
-        let room = Room {
-            verdicts: first_of(&mut verdicts, chunk.len),
-            columns: left.iter_mut().map(|column| first_of(column, chunk.len)).collect(),
-        };
-        let words = task.solve_into((&chunk, &named), room, stop, done);
-        answers.messages.extend(words.into_iter().map(|(row, text)| (first + row, text)));
+/// The answers of all rows.
+struct Gathered {
+    verdicts: Vec<Verdict>,
+    messages: Vec<(usize, String)>,
+    /// The outputs; none as long as no row has a value.
+    columns: Vec<Option<Vec<f64>>>,
+    len: usize,
+}
+
+impl Gathered {
+    fn of(len: usize, outputs: usize) -> Self {
+        // A table of one chunk is solved into its place.
+        let own = if len <= ROWS { outputs } else { 0 };
+        let Answers { verdicts, messages, columns } = Answers::room(len, own);
+        let mut columns: Vec<_> = columns.into_iter().map(Some).collect();
+        columns.resize(outputs, None);
+        Self { verdicts, messages, columns, len }
     }
-    Ok(())
+
+    /// Solves all rows of the source.
+    fn fill(
+        &mut self,
+        task: &Task,
+        source: &mut dyn Source,
+        stop: &AtomicBool,
+        done: &AtomicU64,
+    ) -> Result<(), TableError> {
+        let named = source.columns().clone();
+        let mut verdicts = &mut self.verdicts[..];
+        // Where columns go that have no value yet: most outputs are of other models.
+        let mut spare = vec![Vec::new(); self.columns.len()];
+        while !stop.load(Ordering::Relaxed) {
+            let Some(chunk) = source.next(ROWS)? else { break };
+            let first = usize::try_from(chunk.first - 1).unwrap_or(0);
+            let rows = first..first + chunk.len;
+            let place = |(column, spare)| match column {
+                &mut Some(ref mut column) => &mut Vec::as_mut_slice(column)[rows.clone()],
+                None => {
+                    let spare: &mut Vec<f64> = spare;
+                    spare.resize(chunk.len, f64::NAN);
+                    &mut spare[..]
+                }
+            };
+            let room = Room {
+                verdicts: first_of(&mut verdicts, chunk.len),
+                columns: self.columns.iter_mut().zip(&mut spare).map(place).collect(),
+            };
+            let words = task.solve_into((&chunk, &named), room, stop, done);
+            self.messages.extend(words.into_iter().map(|(row, text)| (first + row, text)));
+            for (column, spare) in self.columns.iter_mut().zip(&spare) {
+                if column.is_none() && spare.iter().any(|value| !value.is_nan()) {
+                    let mut values = vec![0.0; self.len];
+                    values[..first].fill(f64::NAN);
+                    values[rows.clone()].copy_from_slice(spare);
+                    *column = Some(values);
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The first values, which the rest loses.

@@ -123,11 +123,10 @@ pub(crate) fn nut_samples(
     scene: &Bound<'_, Scene>,
     how: How,
     number: u64,
-    seed: Option<u64>,
 ) -> PyResult<Report> {
     let (scene, settings) = (&scene.get().0, how.settings()?);
     on_threads(py, || {
-        let samples = Samples::of(&NutProblem::of(scene, &settings)?, number, seed)?;
+        let samples = Samples::of(&NutProblem::of(scene, &settings)?, number, None)?;
         Ok((samples.to_json().to_string(), samples.failed == 0, scene.warnings()))
     })
 }
@@ -192,7 +191,8 @@ pub(crate) fn size(py: Python<'_>, scene: &Bound<'_, Scene>, how: How) -> PyResu
 /// The published checks as JSON.
 #[pyfunction]
 pub(crate) fn validate(py: Python<'_>) -> PyResult<String> {
-    let report = watched(py, false, 0, None, None, |_, _| bsm_validate::run(&Published::default()))?;
+    let report =
+        watched(py, false, 0, None, None, |_, _| bsm_validate::run(&Published::default()))?;
     let report = report.map_err(|e| errors::words(&e.to_string()))?;
     Ok(json!(report.checks).to_string())
 }
@@ -215,7 +215,8 @@ pub(crate) fn write_numbers(
     };
     let named = |(name, _): &(String, Numbers)| {
         let found = known().find(|column| column.name == name.as_str());
-        found.ok_or_else(|| errors::words(&format!("column `{name}` is of no table of the program")))
+        found
+            .ok_or_else(|| errors::words(&format!("column `{name}` is of no table of the program")))
     };
     let names: Vec<_> = columns.iter().map(named).collect::<PyResult<_>>()?;
     let write = || -> Result<(), TableError> {

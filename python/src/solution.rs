@@ -203,8 +203,7 @@ pub(crate) fn gradient(
             let Some(own) = own else { return 0.0 };
             if torque { own.screw_torque.unwrap_or(f64::NAN) } else { own.efficiency }
         };
-        let value =
-            if torque { value.screw_torque.unwrap_or(f64::NAN) } else { value.efficiency };
+        let value = if torque { value.screw_torque.unwrap_or(f64::NAN) } else { value.efficiency };
         Ok((value, keys.iter().map(slope).collect()))
     };
     let found = if len == 1 {
@@ -212,7 +211,8 @@ pub(crate) fn gradient(
     } else {
         watched(py, false, len, threads, None, |stop, _| {
             let rows = (0..len).into_par_iter();
-            let live = |row| if stop.load(Ordering::Relaxed) { Ok((0.0, Vec::new())) } else { point(row) };
+            let live =
+                |row| if stop.load(Ordering::Relaxed) { Ok((0.0, Vec::new())) } else { point(row) };
             rows.map(live).collect()
         })?
     };

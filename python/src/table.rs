@@ -67,6 +67,13 @@ pub(crate) fn read_arrow(
             }
             return Ok((name, Read::Texts(column)));
         }
+        if let [batch] = &batches[..]
+            && let Some(whole) = batch.column(place).as_primitive_opt::<Float64Type>()
+            && whole.null_count() == 0
+        {
+            let shared = PyArrowBuffer::new(whole.values().inner().clone());
+            return Ok((name, Read::Numbers(shared, Vec::new())));
+        }
         let (mut values, mut gaps) = (Vec::new(), Vec::new());
         for part in parts {
             let numeric = part.data_type().is_numeric() || *part.data_type() == DataType::Null;

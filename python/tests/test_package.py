@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import math
 import os
@@ -20,6 +21,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ballscrew as bs
+from ballscrew._vocabulary import Output
 
 FEED_DRIVE = EXAMPLES / "feed_drive.json"
 
@@ -34,7 +36,7 @@ def random_points(rows: int, seed: int) -> dict[str, np.ndarray]:
     return {
         "screw_speed_rpm": rng.uniform(10, 5000, rows),
         "axial_load_N": rng.uniform(500, 20000, rows),
-        "friction_coefficient": rng.uniform(0.01, 0.12, rows),
+        "friction_coefficient": rng.uniform(0.01, 0.06, rows),
     }
 
 
@@ -202,6 +204,21 @@ def test_all_forms_of_arrays(screw: bs.Scene) -> None:
         bs.solve_many({"axial_lod_N": loads}, screw)
 
 
+def test_tables_can_be_pickled(screw: bs.Scene) -> None:
+    points = random_points(300, 11)
+    points["axial_load_N"][7] = -1.0
+    grid = bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1500.0]}, outputs=["efficiency"])
+    for table in (bs.solve_many(points, screw, outputs=["efficiency"]), grid, bs.compare(screw)):
+        other = pickle.loads(pickle.dumps(table))
+        assert type(other) is type(table) and other.column_names == table.column_names
+        # NaN is not equal to itself, but its text is.
+        assert repr(other.to_dict()) == repr(table.to_dict()) and other.units == table.units
+        assert other.message(0) == table.message(0)
+    table = pickle.loads(pickle.dumps(bs.solve_many(points, screw, outputs=["efficiency"])))
+    assert "axial_load_N" in table.message(7) and table.status[7] == "invalid_input"
+    assert other["efficiency"].flags.writeable is False
+
+
 @pytest.mark.parametrize("rows", [0, 1])
 def test_tables_of_no_row_and_of_one(screw: bs.Scene, rows: int) -> None:
     table = bs.solve_many({"axial_load_N": np.full(rows, 8000.0)}, screw)
@@ -335,23 +352,30 @@ def test_sensitivities_are_sorted(screw: bs.Scene) -> None:
 # Threads, processes, interrupts
 
 
-def test_ctrl_c_ends_a_run_at_once() -> None:
+@pytest.mark.parametrize("model", ["traction", "rigid"])
+def test_ctrl_c_ends_a_run_at_once(model: str) -> None:
     code = (
-        "import ballscrew as bs, numpy as np\n"
+        "import ballscrew as bs, numpy as np, time\n"
         f"s = bs.Scene.read({str(FEED_DRIVE)!r})\n"
         "n = 20_000_000\n"
+        "loads = np.linspace(1e3, 1e4, n)\n"
         "print('begun', flush=True)\n"
-        "bs.solve_many({'axial_load_N': np.linspace(1e3, 1e4, n)}, s, model='traction', outputs=['efficiency'])\n"
+        "try:\n"
+        "    while True:\n"
+        f"        bs.solve_many({{'axial_load_N': loads}}, s, model={model!r}, outputs=['efficiency'])\n"
+        "except KeyboardInterrupt:\n"
+        "    print(time.time(), flush=True)\n"
+        "    raise\n"
     )
     run = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert run.stdout is not None and run.stdout.readline() == b"begun\n"
-    time.sleep(2.0)
-    start = time.monotonic()
+    time.sleep(1.0)
+    start = time.time()
     run.send_signal(signal.SIGINT)
-    _, words = run.communicate(timeout=30)
+    told, words = run.communicate(timeout=30)
     assert b"KeyboardInterrupt" in words
-    # 0.1 s by the specification; a shared machine may take longer to end the process and free 500 MB.
-    assert time.monotonic() - start < 3.0
+    # 0.05 s until someone looks, and 0.02 s to end; ten times that on a machine that others use too.
+    assert float(told) - start < 0.7
 
 
 def test_an_error_of_progress_ends_the_run(screw: bs.Scene) -> None:
@@ -367,7 +391,7 @@ def test_an_error_of_progress_ends_the_run(screw: bs.Scene) -> None:
 
 def test_progress_ends_with_all_rows(screw: bs.Scene) -> None:
     seen: list[tuple[int, int]] = []
-    bs.solve_many(random_points(100_000, 4), screw, model="rigid", outputs=["efficiency"],
+    bs.solve_many(random_points(100_000, 4), screw, model="raceway-control", outputs=["efficiency"],
                   progress=lambda done, total: seen.append((done, total)))
     assert seen[-1] == (100_000, 100_000)
 
@@ -409,14 +433,20 @@ def test_calls_do_not_leak(screw: bs.Scene) -> None:
 
     if not Path("/proc/self/statm").exists():
         pytest.skip("no /proc here")
-    points = random_points(200, 8)
-    for _ in range(200):
-        bs.solve_many(points, screw, model="rigid")
+    points = random_points(100, 8)
+    outputs: list[Output] = ["efficiency", "screw_torque_Nm"]
+
+    def calls(count: int) -> None:
+        for _ in range(count):
+            bs.solve_many(points, screw, model="closed-form", outputs=outputs)
+            bs.solve(screw, model="closed-form", lead_mm=10.0).to_dict()
+            with contextlib.suppress(bs.InputError):
+                bs.Scene(lead_mn=3)  # type: ignore[call-arg]
+
+    calls(1000)
     before = resident()
-    for _ in range(2000):
-        bs.solve_many(points, screw, model="rigid")
-        bs.solve(screw)
-    # A leak of one column a call, 1.6 kB, would be 3 MB already; the allocator keeps some pages.
+    calls(10_000)
+    # A leak of one column a call, 800 B, would be 8 MB; the allocator keeps some pages.
     assert resident() - before < 3_000_000
 
 

@@ -30,9 +30,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     }
     let inputs = Sensitivities::of(&scene, &settings).map_err(in_file)?;
     match inputs.solve(&mut work) {
-        Ok((_, rows)) => {
-            print_with(path, &scene, solution, (Some(&rows[..]), band), args.format)
-        }
+        Ok((_, rows)) => print_with(path, &scene, solution, (Some(&rows[..]), band), args.format),
         Err(none) => {
             let failed = Record::new(Solution::new(solution.model, Err(none)));
             warn("no sensitivities", failed.message().unwrap_or_default());
