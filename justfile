@@ -19,6 +19,10 @@ doc:
 test *FLAGS:
     cargo test --workspace --locked {{FLAGS}}
 
+# The Python package, in an environment of its own.
+python:
+    python/check
+
 # Criterion groups; `just bench rigid` runs those whose name contains "rigid".
 bench *FILTER:
     cargo bench -p bsm-benches --locked -- {{FILTER}}

@@ -34,10 +34,7 @@ pub(crate) fn everything(scene: &Scene) {
             let Some(Cell::Number(number)) = record.cell(output) else { continue };
             assert!(number.is_finite(), "{name}: {} = {number} of {scene:?}", output.name);
         }
-        let _ = Sensitivities::of(scene, &settings).map(|inputs| {
-            let answer = inputs.problem.sensitivities(work);
-            answer.map(|answer| inputs.rows(&answer))
-        });
+        let _ = Sensitivities::of(scene, &settings).map(|inputs| inputs.solve(work));
         for analysis in
             [Analysis::slip(scene, &settings, &solution), Analysis::jam(scene, &solution)]
         {

@@ -18,7 +18,7 @@ const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
 
 /// Rows that are in memory at a time. The pages of a Parquet table end where chunks do, so that its bytes
 /// depend on this number.
-pub(crate) const ROWS: usize = 1 << 16;
+pub const ROWS: usize = 1 << 16;
 
 /// What all rows of a table have in common.
 #[derive(Debug, Clone)]

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use arrow_buffer::ScalarBuffer;
 use bsm_case::{CaseError, InputKey, InputSet, ModelChoice, OUTPUTS, Output, Scene, nearest_input};
 use bsm_dyn::Status;
 
@@ -143,6 +144,32 @@ impl Columns {
         kept.chain(inputs).chain(answers).chain(outputs)
     }
 
+    /// Values of the input at a place, in memory that somebody else may hold too; copied only if they are in
+    /// another unit than the input.
+    ///
+    /// * `missing`: rows without a value, in their order.
+    pub fn column(
+        &self,
+        place: usize,
+        values: ScalarBuffer<f64>,
+        missing: impl IntoIterator<Item = usize>,
+    ) -> Column {
+        let values = match self.units.get(place) {
+            #[expect(clippy::float_cmp, reason = "exactly one: no conversion")]
+            Some((_, factor)) if *factor != 1.0 => {
+                Numbers::Own(values.iter().map(|value| value * factor).collect())
+            }
+            _ => Numbers::Shared(values),
+        };
+        let odd = missing.into_iter().map(|row| (row, Cell::Missing)).collect();
+        Column { values, odd, ..Column::default() }
+    }
+
+    /// Places of the inputs among the names of the table.
+    pub fn input_places(&self) -> &[usize] {
+        &self.input_places
+    }
+
     /// The inputs as a set.
     pub fn set(&self) -> InputSet {
         self.inputs.iter().copied().collect()
@@ -153,11 +180,44 @@ impl Columns {
 /// few places of the cache that hold such addresses.
 const APART: usize = 40;
 
+/// Numbers of a column.
+#[derive(Debug, Clone)]
+enum Numbers {
+    Own(Vec<f64>),
+    /// Memory that somebody else holds too.
+    Shared(ScalarBuffer<f64>),
+}
+
+impl PartialEq for Numbers {
+    fn eq(&self, other: &Self) -> bool {
+        self.get() == other.get()
+    }
+}
+
+impl Numbers {
+    fn get(&self) -> &[f64] {
+        match self {
+            Self::Own(values) => values,
+            Self::Shared(values) => values,
+        }
+    }
+
+    fn own(&mut self) -> &mut Vec<f64> {
+        if let Self::Shared(values) = self {
+            *self = Self::Own(values.to_vec());
+        }
+        match self {
+            Self::Own(values) => values,
+            Self::Shared(_) => unreachable!("copied above"),
+        }
+    }
+}
+
 /// The values of an input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// Numbers, NaN where there is none.
-    values: Vec<f64>,
+    values: Numbers,
     /// What is no number, by row.
     odd: Vec<(usize, Cell)>,
     /// What numbers are multiplied with, from the unit of the table to that of the input.
@@ -166,47 +226,48 @@ pub struct Column {
 
 impl Default for Column {
     fn default() -> Self {
-        Self { values: Vec::new(), odd: Vec::new(), factor: 1.0 }
+        Self { values: Numbers::Own(Vec::new()), odd: Vec::new(), factor: 1.0 }
     }
 }
 
 impl Column {
     /// A column with room for some rows.
     pub fn with_capacity(rows: usize) -> Self {
-        Self { values: Vec::with_capacity(rows + APART), ..Self::default() }
+        Self { values: Numbers::Own(Vec::with_capacity(rows + APART)), ..Self::default() }
     }
 
     /// Appends a value, in the unit of the table.
     pub fn push(&mut self, cell: Cell) {
+        let values = self.values.own();
         if let Cell::Number(value) = cell {
-            self.values.push(value * self.factor);
+            values.push(value * self.factor);
         } else {
-            self.odd.push((self.values.len(), cell));
-            self.values.push(f64::NAN);
+            self.odd.push((values.len(), cell));
+            values.push(f64::NAN);
         }
     }
 
     /// Appends the numbers that `fill` appends.
     pub(crate) fn extend_with(&mut self, fill: impl FnOnce(&mut Vec<f64>)) {
-        fill(&mut self.values);
+        fill(self.values.own());
     }
 
     /// The value of a row.
     pub fn cell(&self, row: usize) -> Cell {
         match self.odd.binary_search_by_key(&row, |(odd, _)| *odd) {
             Ok(place) => self.odd[place].1.clone(),
-            Err(_) => Cell::Number(self.values[row]),
+            Err(_) => Cell::Number(self.values()[row]),
         }
     }
 
     /// The numbers, NaN where there is none.
     pub fn values(&self) -> &[f64] {
-        &self.values
+        self.values.get()
     }
 
     /// The numbers, with `value` where nothing is given.
     pub(crate) fn filled(&self, value: Option<f64>) -> Cow<'_, [f64]> {
-        let mut values = Cow::Borrowed(&self.values[..]);
+        let mut values = Cow::Borrowed(self.values());
         let missing = self.odd.iter().filter(|(_, cell)| *cell == Cell::Missing);
         if let Some(value) = value {
             for (row, _) in missing {
@@ -218,7 +279,7 @@ impl Column {
 
     /// The rows that have a number, which may be NaN itself, unless all have.
     pub(crate) fn given(&self) -> Option<Vec<bool>> {
-        let mut given = (!self.odd.is_empty()).then(|| vec![true; self.values.len()])?;
+        let mut given = (!self.odd.is_empty()).then(|| vec![true; self.values().len()])?;
         for (row, _) in &self.odd {
             given[*row] = false;
         }
@@ -308,7 +369,7 @@ pub struct Answers {
     /// One for each row.
     pub verdicts: Vec<Verdict>,
     /// Why there is no result, or why auto chose its model: rows in their order.
-    pub(crate) messages: Vec<(usize, String)>,
+    pub messages: Vec<(usize, String)>,
     /// The outputs that were asked for, in their order, as [`Cell::number`](bsm_case::Cell::number)
     /// has them; NaN where there is none.
     pub columns: Vec<Vec<f64>>,
@@ -316,18 +377,19 @@ pub struct Answers {
 
 impl Answers {
     /// Room for the answers of some rows.
-    pub(crate) fn empty(rows: usize, outputs: usize, model: ModelChoice) -> Self {
-        let verdict = Verdict { model, status: Status::Converged, has_others: false };
+    pub fn room(rows: usize, outputs: usize) -> Self {
+        let model = ModelChoice::Auto;
+        let verdict = Verdict { model, status: Status::NotConverged, has_others: false };
+        // Zeros of the system, which takes no memory before it is written to.
+        let column = || {
+            let mut column = vec![0.0; rows + APART];
+            column.truncate(rows);
+            column
+        };
         Self {
             verdicts: vec![verdict; rows],
             messages: Vec::new(),
-            columns: (0..outputs)
-                .map(|_| {
-                    let mut column = Vec::with_capacity(rows + APART);
-                    column.resize(rows, f64::NAN);
-                    column
-                })
-                .collect(),
+            columns: (0..outputs).map(|_| column()).collect(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Answers of a task for a chunk of rows.
 
 use std::cell::RefCell;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_case::{AnalysisKind, CaseError, Cell as Answer, Moving, Output, Quantity, Record, Scene};
 use bsm_dyn::{ModelWorkspace, Status};
@@ -18,9 +18,21 @@ use crate::rows::{Answers, Chunk, Columns, Verdict};
 const KERNEL_STRIDE: usize = 2048;
 const MODEL_STRIDE: usize = 16;
 
+/// Rows that the thread that asks solves itself: others take as long to wake up.
+const FEW: usize = 256;
+
 thread_local! {
     /// Memory of the models; chunks are many and threads are few.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
+}
+
+/// Where the answers of a chunk go.
+#[derive(Debug)]
+pub struct Room<'a> {
+    /// A place for each row.
+    pub verdicts: &'a mut [Verdict],
+    /// The outputs of the task, a place for each row.
+    pub columns: Vec<&'a mut [f64]>,
 }
 
 /// Some rows of a chunk.
@@ -59,18 +71,49 @@ impl Task {
 
     /// The answers, complete unless `stop` has become true.
     fn answer(&self, arch: Arch, stop: &AtomicBool, chunk: &Chunk, columns: &Columns) -> Answers {
+        let outputs = self.outputs.len() + usize::from(self.watched.is_some());
+        let mut answers = Answers::room(chunk.len, outputs);
+        let room = Room {
+            verdicts: &mut answers.verdicts,
+            columns: answers.columns.iter_mut().map(|column| &mut column[..]).collect(),
+        };
+        answers.messages = self.fill(arch, stop, &AtomicU64::new(0), (chunk, columns), room);
+        answers
+    }
+
+    /// [`solve`](Self::solve) into memory of the caller; returns the messages.
+    ///
+    /// * `stop`: what was written is of no use once it has become true. * `done`: counts the rows that are
+    ///   answered, while others are being solved.
+    pub fn solve_into(
+        &self,
+        (chunk, columns): (&Chunk, &Columns),
+        room: Room<'_>,
+        stop: &AtomicBool,
+        done: &AtomicU64,
+    ) -> Vec<(usize, String)> {
+        self.fill(Arch::new(), stop, done, (chunk, columns), room)
+    }
+
+    fn fill(
+        &self,
+        arch: Arch,
+        stop: &AtomicBool,
+        count: &AtomicU64,
+        (chunk, columns): (&Chunk, &Columns),
+        mut room: Room<'_>,
+    ) -> Vec<(usize, String)> {
         let Self { base, settings, .. } = self;
         let asked = Asked::of(self);
-        let outputs = &asked.outputs;
-        let wanted = Wanted::of(outputs);
+        let wanted = Wanted::of(&asked.outputs);
         let operands =
             if asked.solves { Operands::of(chunk, columns, base, settings) } else { None };
         let model = operands.as_ref().map_or(settings.model, |(_, model)| (*model).into());
-        let mut answers = Answers::empty(chunk.len, outputs.len(), model);
+        let verdict = Verdict { model, status: Status::Converged, has_others: false };
 
         let stride = if operands.is_some() { KERNEL_STRIDE } else { MODEL_STRIDE };
-        let mut pieces: Vec<_> = answers.columns.iter_mut().map(|c| c.chunks_mut(stride)).collect();
-        let parts: Vec<_> = answers
+        let mut pieces: Vec<_> = room.columns.iter_mut().map(|c| c.chunks_mut(stride)).collect();
+        let parts: Vec<_> = room
             .verdicts
             .chunks_mut(stride)
             .enumerate()
@@ -80,43 +123,52 @@ impl Task {
                 columns: pieces.iter_mut().filter_map(Iterator::next).collect(),
             })
             .collect();
-        let messages: Vec<Vec<_>> = parts
-            .into_par_iter()
-            .map(|mut part| {
-                let mut done = vec![false; part.verdicts.len()];
+        let solve = |mut part: Part<'_>| {
+            if stop.load(Ordering::Relaxed) {
+                return Vec::new();
+            }
+            part.verdicts.fill(verdict);
+            part.columns.iter_mut().for_each(|column| column.fill(f64::NAN));
+            let mut done = vec![false; part.verdicts.len()];
+            if let Some((operands, model)) = &operands {
+                let (wanted, columns) = (&wanted, &mut part.columns[..]);
+                let rows = Rows { operands, wanted, first: part.first, columns, done: &mut done };
+                rows.solve(arch, *model, settings);
+            }
+            let mut messages = Vec::new();
+            for (i, done) in done.into_iter().enumerate() {
+                if done && asked.analyses.is_empty() {
+                    continue;
+                }
                 if stop.load(Ordering::Relaxed) {
-                    return Vec::new();
+                    break;
                 }
-                if let Some((operands, model)) = &operands {
-                    let (wanted, columns) = (&wanted, &mut part.columns[..]);
-                    let rows =
-                        Rows { operands, wanted, first: part.first, columns, done: &mut done };
-                    rows.solve(arch, *model, settings);
+                let row = part.first + i;
+                if !done {
+                    // A kernel may have begun the row.
+                    part.columns.iter_mut().for_each(|column| column[i] = f64::NAN);
                 }
-                let mut messages = Vec::new();
-                for (i, done) in done.into_iter().enumerate() {
-                    if done && asked.analyses.is_empty() {
-                        continue;
-                    }
-                    if stop.load(Ordering::Relaxed) {
-                        break;
-                    }
-                    let row = part.first + i;
-                    if !done {
-                        // A kernel may have begun the row.
-                        part.columns.iter_mut().for_each(|column| column[i] = f64::NAN);
-                    }
-                    let put = |place: usize, value| part.columns[place][i] = value;
-                    let scene = chunk.scene(columns, base, row);
-                    let (verdict, message) = self.answer_row(&asked, scene, done, put);
-                    part.verdicts[i] = verdict.unwrap_or(part.verdicts[i]);
-                    messages.extend(message.map(|message| (row, message)));
-                }
-                messages
-            })
-            .collect();
-        answers.messages = messages.into_iter().flatten().collect();
-        answers
+                let put = |place: usize, value| part.columns[place][i] = value;
+                let scene = chunk.scene(columns, base, row);
+                let (verdict, message) = self.answer_row(&asked, scene, done, put);
+                part.verdicts[i] = verdict.unwrap_or(part.verdicts[i]);
+                messages.extend(message.map(|message| (row, message)));
+            }
+            count.fetch_add(part.verdicts.len() as u64, Ordering::Relaxed);
+            messages
+        };
+        let messages: Vec<Vec<_>> = if self.is_quick(chunk.len) {
+            parts.into_iter().map(solve).collect()
+        } else {
+            parts.into_par_iter().map(solve).collect()
+        };
+        messages.into_iter().flatten().collect()
+    }
+
+    /// True if the thread that asks solves so many rows itself: few, and none with an analysis, which may
+    /// take long.
+    pub fn is_quick(&self, rows: usize) -> bool {
+        rows <= FEW && self.outputs.iter().chain(&self.watched).all(|o| o.analysis().is_none())
     }
 
     /// Answers a row: its verdict unless a kernel has answered all but its analyses, and its words.

@@ -8,6 +8,13 @@ use thiserror::Error;
 
 use crate::exact;
 
+/// What the program offers besides a message.
+const ALL_INPUTS: &str = "`bsm schema input` lists all keys";
+const ALL_LISTS: &str = "`bsm catalog --lists` prints all keys";
+const ALL_COLUMNS: &str = "`bsm catalog --columns` lists them";
+const ALL_REQUIREMENTS: &str = "`bsm design` without a file lists all keys";
+const ALL_OUTPUTS: &str = "`bsm schema output` lists them";
+
 /// A scene, a setting or a grid that cannot be used.
 ///
 /// Messages do not name the file; the caller that knows it puts it in front.
@@ -37,7 +44,7 @@ pub enum CaseError {
         found: &'static str,
     },
     /// A key that is not in the vocabulary.
-    #[error("unknown key `{}`{}; `bsm schema input` lists all keys", brief(key), nearest_hint(nearest.as_deref()))]
+    #[error("unknown key `{}`{}; {}", brief(key), nearest_hint(nearest.as_deref()), ALL_INPUTS)]
     UnknownKey {
         /// The key.
         key: String,
@@ -71,7 +78,7 @@ pub enum CaseError {
         rule: String,
     },
     /// A key that the lists of the catalogue do not have.
-    #[error("unknown key `{}`{}; `bsm catalog --lists` prints all keys", brief(key), nearest_hint(nearest.as_deref()))]
+    #[error("unknown key `{}`{}; {}", brief(key), nearest_hint(nearest.as_deref()), ALL_LISTS)]
     UnknownListKey {
         /// The key.
         key: String,
@@ -87,7 +94,7 @@ pub enum CaseError {
         what: String,
     },
     /// A column that the catalogue does not have.
-    #[error("no column is named `{}`{}; `bsm catalog --columns` lists them", brief(name), nearest_hint(nearest.as_deref()))]
+    #[error("no column is named `{}`{}; {}", brief(name), nearest_hint(nearest.as_deref()), ALL_COLUMNS)]
     UnknownColumn {
         /// The name.
         name: String,
@@ -160,7 +167,7 @@ pub enum CaseError {
         model: &'static str,
     },
     /// A key that requirements do not have.
-    #[error("unknown key `{}`{}; `bsm design` without a file lists all keys", brief(key), nearest_hint(nearest.as_deref()))]
+    #[error("unknown key `{}`{}; {}", brief(key), nearest_hint(nearest.as_deref()), ALL_REQUIREMENTS)]
     UnknownRequirement {
         /// The key.
         key: String,
@@ -202,7 +209,7 @@ pub enum CaseError {
         screw: f64,
     },
     /// An output that does not exist, or is no number.
-    #[error("no numeric output is named `{}`{}; `bsm schema output` lists them", brief(name), nearest_hint(*nearest))]
+    #[error("no numeric output is named `{}`{}; {}", brief(name), nearest_hint(*nearest), ALL_OUTPUTS)]
     UnknownOutput {
         /// The name.
         name: String,
@@ -369,6 +376,76 @@ impl CaseError {
     pub fn not_a_number(key: &str, text: &str) -> Self {
         let found = format!("`{}`", brief(text));
         Self::WrongType { key: key.to_owned(), found, expected: "a number".to_owned() }
+    }
+
+    /// The input or column that it is about, if it is about one.
+    pub fn key(&self) -> Option<&str> {
+        Some(match self {
+            Self::UnknownKey { key, .. }
+            | Self::DuplicateKey { key }
+            | Self::WrongType { key, .. }
+            | Self::OutOfRange { key, .. }
+            | Self::UnknownListKey { key, .. }
+            | Self::BadEntry { key, .. }
+            | Self::UnknownRequirement { key, .. }
+            | Self::VariedTwice { key } => key,
+            Self::NoRange { key } | Self::BadRange { key, .. } | Self::NotCovered { key, .. } => {
+                key
+            }
+            Self::UnknownColumn { name, .. }
+            | Self::UnknownOutput { name, .. }
+            | Self::UnknownModel { name, .. }
+            | Self::UnknownRace { name, .. } => name,
+            Self::Missing { missing, .. }
+            | Self::MissingForRatings { missing }
+            | Self::MissingForNut { missing }
+            | Self::MissingForDesign { missing } => missing.first()?,
+            _ => return None,
+        })
+    }
+
+    /// The value that breaks a rule.
+    pub fn value(&self) -> Option<f64> {
+        match self {
+            Self::OutOfRange { value, .. } | Self::NotCovered { value, .. } => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// The rule that a value breaks, after "must be".
+    pub fn rule(&self) -> Option<&str> {
+        match self {
+            Self::OutOfRange { rule, .. } => Some(rule),
+            Self::NotCovered { rule, .. } => Some(rule),
+            _ => None,
+        }
+    }
+
+    /// The known name that is nearest to an unknown one.
+    pub fn nearest(&self) -> Option<&str> {
+        match self {
+            Self::UnknownKey { nearest, .. }
+            | Self::UnknownListKey { nearest, .. }
+            | Self::UnknownColumn { nearest, .. }
+            | Self::UnknownRequirement { nearest, .. } => nearest.as_deref(),
+            Self::UnknownOutput { nearest, .. } => *nearest,
+            _ => None,
+        }
+    }
+
+    /// The message without what only the program offers: a command that lists names.
+    pub fn message(&self) -> String {
+        let mut message = self.to_string();
+        let hint = match self {
+            Self::UnknownKey { .. } => ALL_INPUTS,
+            Self::UnknownListKey { .. } => ALL_LISTS,
+            Self::UnknownColumn { .. } => ALL_COLUMNS,
+            Self::UnknownRequirement { .. } => ALL_REQUIREMENTS,
+            Self::UnknownOutput { .. } => ALL_OUTPUTS,
+            _ => return message,
+        };
+        message.truncate(message.len() - "; ".len() - hint.len());
+        message
     }
 
     /// True if the file system is at fault, not the input.

@@ -89,7 +89,7 @@ pub use rules::{Inputs, Relation, covered};
 pub(crate) use scene::nearest;
 pub use scene::{entries, nearest_input};
 pub use schema::{input_schema, output_schema};
-pub use sensitivity::{Jets, Sensitivities, Sensitivity};
+pub use sensitivity::{Sensitivities, Sensitivity};
 pub use size::{
     GrooveSection, NOT_MODELLED, PhaseWords, SizePhase, SizeReport, SizeRule, decimal_number,
     sheet_columns,

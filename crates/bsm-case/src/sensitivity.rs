@@ -2,26 +2,27 @@
 
 use std::cell::Cell;
 
-use bsm_dyn::{Problem, Transmitted};
+use bsm_dyn::{ModelWorkspace, Problem, Transmitted, Unsolved};
 use bsm_kin::Jet;
 use serde_json::{Map, Value, json};
 
 use crate::reader::Reader;
-use crate::{CaseError, INPUTS, Input, InputKey, Scene, Settings};
+use crate::{CaseError, Input, InputKey, InputSet, Scene, Settings};
 
-/// A number with its derivatives by all [`INPUTS`], each in its unit.
-pub type Jets = Jet<{ INPUTS.len() }>;
+/// Inputs by which derivatives are taken at a time: most callers ask for fewer, and the time of a solve in jets
+/// grows with their number.
+const AT_A_TIME: usize = 8;
 
-/// A scene whose inputs are variables, and the ones that its model uses.
-///
-/// `problem.sensitivities(..)` solves it; [`rows`](Self::rows) reads the answer.
+/// A number with its derivatives by some inputs, each in its unit.
+type Jets = Jet<AT_A_TIME>;
+
+/// A scene some of whose inputs are variables.
 #[derive(Debug, Clone)]
-pub struct Sensitivities {
-    /// The SI problem.
-    pub problem: Problem<Jets>,
-    /// Places and values of the inputs that it was made from.
-    used: Vec<(usize, f64)>,
-}
+pub struct Sensitivities(Vec<Part>);
+
+/// The SI problem, and the inputs that are its variables with their values.
+#[derive(Debug, Clone)]
+struct Part(Problem<Jets>, Vec<(InputKey, f64)>);
 
 /// How much an answer depends on one input.
 #[derive(Debug, Clone, Copy)]
@@ -41,50 +42,77 @@ pub struct Sensitivity {
 }
 
 impl Sensitivities {
-    /// The problem of a scene with its inputs as variables; a value that another input defaults to
-    /// counts for both.
+    /// The problem of a scene with all inputs as variables that its model uses; a value that another input
+    /// defaults to counts for both.
     ///
     /// # Errors
     ///
     /// As [`Scene::problem`].
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
-        let model = scene.ask(settings)?;
-        let asked = Cell::new([None; INPUTS.len()]);
-        let reader = Reader(
-            |key: InputKey| {
-                let value = scene.value_or_default(key)?;
-                let mut values = asked.get();
-                values[key as usize] = Some(value);
-                asked.set(values);
-                Some(Jets::variable(value, key as usize))
-            },
-            scene.base_oil(),
-        );
-        let problem = reader.problem(model, settings);
-        let values = asked.get().into_iter().enumerate();
-        Ok(Self { problem, used: values.filter_map(|(place, v)| Some((place, v?))).collect() })
+        Self::by(scene, settings, InputKey::ALL.into_iter().collect())
     }
 
-    /// A row for each input that the model uses, the most important for the efficiency first.
-    pub fn rows(&self, answer: &Transmitted<Jets>) -> Vec<Sensitivity> {
-        let row = |&(place, value): &(usize, f64)| {
-            let relative = |output: &Jets| {
-                let share = output.eps[place] * value / output.re;
-                (value != 0.0 && share.is_finite()).then_some(share)
+    /// The problem of a scene with those of `wanted` as variables that its model uses.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scene::problem`].
+    pub fn by(scene: &Scene, settings: &Settings, wanted: InputSet) -> Result<Self, CaseError> {
+        let model = scene.ask(settings)?;
+        let used = Cell::new(InputSet::default());
+        let part = |variables: &[(InputKey, f64)]| {
+            let jet = |key: InputKey| {
+                let value = scene.value_or_default(key)?;
+                used.set(used.get() | InputSet::of(&[key]));
+                let place = variables.iter().position(|(variable, _)| *variable == key);
+                Some(place.map_or(value.into(), |place| Jets::variable(value, place)))
             };
-            Sensitivity {
-                input: &INPUTS[place],
-                value,
-                efficiency: answer.efficiency.eps[place],
-                screw_torque: answer.screw_torque.map(|torque| torque.eps[place]),
-                relative_efficiency: relative(&answer.efficiency),
-                relative_torque: answer.screw_torque.as_ref().and_then(relative),
-            }
+            let problem = Reader(jet, scene.base_oil()).problem(model, settings);
+            Part(problem, variables.to_vec())
         };
-        let mut rows: Vec<_> = self.used.iter().map(row).collect();
+        let alone = part(&[]);
+        let value = |key: InputKey| scene.value_or_default(key).map(|value| (key, value));
+        let used = used.get().iter().filter(|key| wanted.contains(*key));
+        let variables: Vec<_> = used.filter_map(value).collect();
+        if variables.is_empty() {
+            return Ok(Self(vec![alone]));
+        }
+        Ok(Self(variables.chunks(AT_A_TIME).map(part).collect()))
+    }
+
+    /// Efficiency and torque, and a row for each variable, the most important for the efficiency first.
+    ///
+    /// # Errors
+    ///
+    /// As [`Problem::sensitivities`].
+    pub fn solve(
+        &self,
+        work: &mut ModelWorkspace,
+    ) -> Result<(Transmitted<f64>, Vec<Sensitivity>), Unsolved> {
+        let mut rows = Vec::new();
+        let mut value = Transmitted { efficiency: f64::NAN, screw_torque: None };
+        for Part(problem, variables) in &self.0 {
+            let answer = problem.sensitivities(work)?;
+            let torque = answer.screw_torque.map(|torque| torque.re);
+            value = Transmitted { efficiency: answer.efficiency.re, screw_torque: torque };
+            rows.extend((0..).zip(variables).map(|(place, (key, value))| {
+                let relative = |output: &Jets| {
+                    let share = output.eps[place] * value / output.re;
+                    (*value != 0.0 && share.is_finite()).then_some(share)
+                };
+                Sensitivity {
+                    input: key.input(),
+                    value: *value,
+                    efficiency: answer.efficiency.eps[place],
+                    screw_torque: answer.screw_torque.map(|torque| torque.eps[place]),
+                    relative_efficiency: relative(&answer.efficiency),
+                    relative_torque: answer.screw_torque.as_ref().and_then(relative),
+                }
+            }));
+        }
         let size = |row: &Sensitivity| row.relative_efficiency.map_or(-1.0, f64::abs);
         rows.sort_by(|a, b| size(b).total_cmp(&size(a)));
-        rows
+        Ok((value, rows))
     }
 }
 

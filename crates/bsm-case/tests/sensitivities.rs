@@ -1,15 +1,14 @@
 //! Derivatives by the inputs against differences of full solves and against exact identities.
 
 use approx::assert_relative_eq;
-use bsm_case::{Jets, ModelChoice, Scene, Sensitivities, Sensitivity, Settings};
+use bsm_case::{ModelChoice, Scene, Sensitivities, Sensitivity, Settings};
 use bsm_dyn::{Basis, Control, Model, ModelWorkspace, Traction, Transmission, Transmitted};
 use proptest::prelude::*;
 
-/// The answer in jets and its rows; `None` if there is no solution.
-fn derived(scene: &Scene, settings: &Settings) -> Option<(Transmitted<Jets>, Vec<Sensitivity>)> {
+/// The answer and its rows; `None` if there is no solution.
+fn derived(scene: &Scene, settings: &Settings) -> Option<(Transmitted<f64>, Vec<Sensitivity>)> {
     let inputs = Sensitivities::of(scene, settings).expect("complete scene");
-    let answer = inputs.problem.sensitivities(&mut ModelWorkspace::default()).ok()?;
-    Some((answer, inputs.rows(&answer)))
+    inputs.solve(&mut ModelWorkspace::default()).ok()
 }
 
 /// A full solve in numbers.
@@ -103,7 +102,7 @@ fn worst_difference(scene: &Scene, settings: &Settings, h: f64) -> Option<f64> {
         let efficiency = richardson(near.0, far.0);
         let torque = richardson(near.1, far.1);
         let own = row.screw_torque.expect("a torque") * unit;
-        let scale = answer.screw_torque.expect("a torque").re;
+        let scale = answer.screw_torque.expect("a torque");
         let error = (efficiency - row.efficiency * unit).abs().max(((torque - own) / scale).abs());
         worst = worst.max(error);
     }
@@ -125,8 +124,8 @@ fn dimension(key: &str) -> [f64; 3] {
 }
 
 /// Euler's identity: largest violation over masses, lengths and times, of efficiency and torque.
-fn worst_identity((answer, rows): &(Transmitted<Jets>, Vec<Sensitivity>)) -> f64 {
-    let torque = answer.screw_torque.expect("a torque").re;
+fn worst_identity((answer, rows): &(Transmitted<f64>, Vec<Sensitivity>)) -> f64 {
+    let torque = answer.screw_torque.expect("a torque");
     let exponents = [1.0, 2.0, -2.0];
     (0..3).fold(0.0, |worst: f64, unit| {
         let sum = |of: &dyn Fn(&Sensitivity) -> f64| -> f64 {
@@ -171,8 +170,8 @@ fn check(scene: &Scene, settings: &Settings) -> Result<(), TestCaseError> {
     let torque = |o: Option<f64>| o.expect("a torque");
     let eta = numbers.efficiency;
     let (rounding, step, apart) = dials(settings.model);
-    assert_relative_eq!(found.0.efficiency.re, eta, max_relative = rounding, epsilon = 1e-12);
-    let own = torque(found.0.screw_torque.map(|t| t.re));
+    assert_relative_eq!(found.0.efficiency, eta, max_relative = rounding, epsilon = 1e-12);
+    let own = torque(found.0.screw_torque);
     assert_relative_eq!(own, torque(numbers.screw_torque), max_relative = rounding);
     let identity = worst_identity(&found);
     prop_assert!(identity <= IDENTITY, "{identity:e}");

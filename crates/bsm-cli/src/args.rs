@@ -225,6 +225,8 @@ pub(crate) struct CompareArgs {
 pub(crate) struct TableArgs {
     /// Table to write: .csv, .jsonl, .parquet or .xlsx; `-` is CSV on standard output; FOLDER/ gets Parquet
     /// files in FOLDER/data, and can be continued with --resume. Parquet and .xlsx say what they are made from.
+    /// Of `bsm sweep` over one or two inputs, .txt is a Modelica lookup table, and .grid.csv a matrix of one
+    /// output with its axes.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
     /// Continue a stopped run of the same task in its folder: finished parts are verified and kept, the

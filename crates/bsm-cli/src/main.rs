@@ -9,6 +9,7 @@ mod design;
 mod failure;
 mod files;
 mod fit;
+mod lookup;
 mod makers;
 mod motion;
 mod nut;

@@ -31,11 +31,8 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         return print_with(asked, solution, (None, band), args.format);
     }
     let inputs = Sensitivities::of(&scene, &settings).map_err(in_file)?;
-    match inputs.problem.sensitivities(&mut work) {
-        Ok(answer) => {
-            let rows = inputs.rows(&answer);
-            print_with(asked, solution, (Some(&rows[..]), band), args.format)
-        }
+    match inputs.solve(&mut work) {
+        Ok((_, rows)) => print_with(asked, solution, (Some(&rows[..]), band), args.format),
         Err(none) => {
             let failed = Record::new(Solution::new(solution.model, Err(none)));
             warn("no sensitivities", failed.message().unwrap_or_default());

@@ -11,6 +11,7 @@ use bsm_report::{Axis, Curve, Figure, MOST_CELLS, MOST_CURVES, Map, ReportError,
 use crate::args::SweepArgs;
 use crate::failure::{Failure, note_unused};
 use crate::files::{self, Output, read_scene, write_bytes};
+use crate::lookup::Lookup;
 use crate::stream::{Job, outputs};
 
 /// Points of a plot: beyond, a viewer of SVG chokes.
@@ -52,6 +53,13 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let title = title.map_or_else(String::new, |text| format!("{}: ", head(text)));
     let title = format!("{title}{}, model {model}", args.plot_output.replace('_', " "));
     note_unused(task.base.given() | grid.varied());
+    if let Some(lookup) = Lookup::of(&args.table.output) {
+        if wants || args.table.resume {
+            let text = "--plot, --map and --resume do not go with a lookup";
+            return Err(Failure::Input(text.to_owned()));
+        }
+        return lookup.write(&args.table.output, &task, &grid, workers);
+    }
     let job = Job::new(task, &args.table);
     let mut source = GridSource::new(grid.clone());
     let solved = job.run(&mut source, &Points::Grid(grid), workers, |chunk, answers, values| {

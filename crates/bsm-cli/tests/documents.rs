@@ -107,7 +107,7 @@ fn texts_differ_where_they_should() {
 }
 
 /// Lines of the shell that are not run here: they build, or run tests.
-const SET_UP: [&str; 3] = ["cargo fetch ", "cargo build ", "cargo test "];
+const SET_UP: [&str; 4] = ["cargo fetch ", "cargo build ", "cargo test ", "pip install "];
 
 /// Every line of an `sh` fence runs as it stands, in the order of its document, unless it is [`SET_UP`].
 /// Files that a document shows under a name are there. Commands of `sh long` fences take seconds and more

@@ -56,6 +56,10 @@ pub enum Status {
 }
 
 impl Status {
+    /// All of them, in the order of their numbers.
+    pub const ALL: [Self; 4] =
+        [Self::Converged, Self::NoSolution, Self::NotConverged, Self::InvalidInput];
+
     /// Name in files.
     pub fn name(self) -> &'static str {
         match self {

@@ -123,15 +123,14 @@ pub(crate) fn with_sensitivities(
         return;
     }
     let asked = Sensitivities::of(scene, &settings(model)).expect("the point was solved");
-    let found = catch_unwind(AssertUnwindSafe(|| asked.problem.sensitivities(work)));
+    let found = catch_unwind(AssertUnwindSafe(|| asked.solve(work)));
     match found {
         Err(_) => {
             *work = ModelWorkspace::default();
             answer.turns_false("panic in the sensitivities");
         }
         Ok(Err(none)) => answer.no_sensitivities(none.reason()),
-        Ok(Ok(found)) => {
-            let rows = asked.rows(&found);
+        Ok(Ok((_, rows))) => {
             let mut slopes = rows.iter().flat_map(|row| [Some(row.efficiency), row.screw_torque]);
             if !slopes.all(|slope| slope.is_none_or(f64::is_finite)) {
                 answer.turns_false("sensitivity not finite");

@@ -1,0 +1,160 @@
+//! Maps for the lookup blocks of drive models: a grid of one or two inputs as a Modelica table, or as a CSV grid.
+
+use std::path::Path;
+
+use bsm_batch::{Answers, Chunk, Count, GridSource, RunError, Sink, TableError, Task, Workers};
+use bsm_case::{Axis, Grid, Output, exact};
+
+use crate::failure::{Failure, warn};
+use crate::files;
+
+/// Points of a map: a lookup block holds them in memory, as text does before.
+const MOST_POINTS: usize = 10_000_000;
+
+/// How a map is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Lookup {
+    /// Text of Modelica's `CombiTable2D` and `CombiTable1D`, which other tools read too: `.txt`.
+    Modelica,
+    /// One output, the first axis down and the second to the right: `.grid.csv`.
+    Grid,
+}
+
+impl Lookup {
+    /// By the ending of a path.
+    pub(crate) fn of(path: &Path) -> Option<Self> {
+        let name = path.file_name()?.to_str()?.to_lowercase();
+        match () {
+            () if name.ends_with(".txt") => Some(Self::Modelica),
+            () if name.ends_with(".grid.csv") => Some(Self::Grid),
+            () => None,
+        }
+    }
+
+    /// Solves a grid and writes its map.
+    pub(crate) fn write(
+        self,
+        path: &Path,
+        task: &Task,
+        grid: &Grid,
+        workers: &Workers<'_>,
+    ) -> Result<(), Failure> {
+        let refused = |text: String| Failure::Input(format!("--output {}: {text}", path.display()));
+        let axes = grid.axes();
+        for axis in axes {
+            let rises = |place: usize| axis.value(place) < axis.value(place + 1);
+            if !(0..axis.len() - 1).all(rises) {
+                let name = axis.key.name();
+                return Err(refused(format!("{name} must rise from value to value for a lookup")));
+            }
+        }
+        match (self, axes.len(), task.outputs.len()) {
+            (Self::Modelica, 1 | 2, _) | (Self::Grid, 2, 1) => {}
+            (Self::Modelica, ..) => {
+                return Err(refused("a lookup has one or two varied inputs".to_owned()));
+            }
+            (Self::Grid, ..) => {
+                let text = "a grid has two varied inputs and one output, see --columns";
+                return Err(refused(text.to_owned()));
+            }
+        }
+        if grid.len() > MOST_POINTS {
+            return Err(refused(format!("a lookup has at most {MOST_POINTS} points")));
+        }
+        let mut source = GridSource::new(grid.clone());
+        let columns = Columns(vec![Vec::with_capacity(grid.len()); task.outputs.len()]);
+        let run = task.run(&mut source, columns, u64::MAX, workers, &mut |_, _| {});
+        let (Columns(columns), Count { rows, failed, .. }) = run.map_err(|error| match error {
+            RunError::Read(error) | RunError::Write(error) => Failure::Table(error),
+            RunError::Thread(error) => Failure::no_thread(&error),
+            RunError::Stopped => Failure::Files(error.to_string()),
+        })?;
+        if failed > 0 {
+            let text = format!(
+                "{failed} of {rows} points have no result, and a lookup has no gaps: narrow the ranges, or write a \
+                 table, which says why"
+            );
+            warn("error", &text);
+            return Err(Failure::Unsolved);
+        }
+        for (output, column) in task.outputs.iter().zip(&columns) {
+            if column.iter().any(|value| value.is_nan()) {
+                let (name, model) = (output.name, task.settings.model.name());
+                return Err(refused(format!(
+                    "model {model} has no {name} at some points, and a lookup has no gaps: choose others with --columns"
+                )));
+            }
+        }
+        let text = match self {
+            Self::Modelica => modelica(axes, &task.outputs, &columns),
+            Self::Grid => matrix(axes, &columns[0], ","),
+        };
+        files::write(path, &text)
+    }
+}
+
+/// The outputs of all chunks, one after another.
+struct Columns(Vec<Vec<f64>>);
+
+impl Sink for Columns {
+    fn write(&mut self, _: Chunk, answers: Answers) -> Result<(), TableError> {
+        for (all, column) in self.0.iter_mut().zip(answers.columns) {
+            all.extend(column);
+        }
+        Ok(())
+    }
+}
+
+/// Rows of cells as lines.
+fn lines(rows: impl Iterator<Item = Vec<f64>>, between: &str) -> String {
+    let line = |row: Vec<f64>| row.into_iter().map(exact).collect::<Vec<_>>().join(between) + "\n";
+    rows.map(line).collect()
+}
+
+/// An output over two axes: the first axis down, the second to the right, zero in the corner.
+fn matrix(axes: &[Axis], column: &[f64], between: &str) -> String {
+    let across = axes[1].len();
+    let head = std::iter::once(0.0).chain((0..across).map(|place| axes[1].value(place)));
+    let row = |(place, values): (usize, &[f64])| {
+        std::iter::once(axes[0].value(place)).chain(values.iter().copied()).collect()
+    };
+    let rows = column.chunks(across).enumerate().map(row);
+    lines(std::iter::once(head.collect()).chain(rows), between)
+}
+
+/// A table for each output over two axes, or one of all outputs over one.
+fn modelica(axes: &[Axis], outputs: &[&Output], columns: &[Vec<f64>]) -> String {
+    let named = |name: &str, unit: &str| match unit {
+        "" => name.to_owned(),
+        unit => format!("{name} [{unit}]"),
+    };
+    let axis = |axis: &Axis| named(axis.key.name(), axis.key.input().unit);
+    if let [only] = axes {
+        let titles: Vec<_> = outputs.iter().map(|o| named(o.name, o.unit)).collect();
+        let row = |place: usize| {
+            let cells = columns.iter().map(|column| column[place]);
+            std::iter::once(only.value(place)).chain(cells).collect()
+        };
+        let (rows, width) = (only.len(), 1 + outputs.len());
+        let table = lines((0..rows).map(row), " ");
+        return format!(
+            "#1\n# {}: {}\ndouble map({rows},{width})\n{table}",
+            axis(only),
+            titles.join(", ")
+        );
+    }
+    let table = |(output, column): (&&Output, &Vec<f64>)| {
+        format!(
+            "\n# {}: u1 down {}, u2 to the right {}\ndouble {}({},{})\n{}",
+            named(output.name, output.unit),
+            axis(&axes[0]),
+            axis(&axes[1]),
+            output.name,
+            axes[0].len() + 1,
+            axes[1].len() + 1,
+            matrix(axes, column, " ")
+        )
+    };
+    let tables: String = outputs.iter().zip(columns).map(table).collect();
+    format!("#1\n{}", tables.trim_start())
+}

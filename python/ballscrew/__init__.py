@@ -1,0 +1,87 @@
+"""Steady motion of the balls of a ball screw: loads, contact angles, slip, efficiency, torque.
+
+>>> import ballscrew as bs
+>>> screw = bs.Scene(
+...     ball_diameter_mm=6.35, pitch_circle_diameter_mm=41.5, lead_mm=20, contact_angle_deg=45,
+...     nut_conformity=0.53, screw_conformity=0.53, friction_coefficient=0.06, axial_load_N=8000,
+...     loaded_balls=70)
+>>> answer = bs.solve(screw, screw_speed_rpm=1500)
+>>> answer.model, round(answer.efficiency, 3)
+('raceway-control', 0.986)
+"""
+
+from ballscrew._api import (
+    INPUTS,
+    MODELS,
+    OUTPUTS,
+    REQUIREMENTS,
+    Grid,
+    NutReport,
+    Quantity,
+    Report,
+    Scene,
+    Solution,
+    Table,
+    capacity,
+    catalog,
+    compare,
+    design,
+    fit,
+    gradient,
+    jam,
+    linspace,
+    nut,
+    optimum,
+    sensitivities,
+    size,
+    slip,
+    solve,
+    solve_many,
+    sweep,
+    validate,
+)
+from ballscrew._core import __version__
+from ballscrew._errors import (
+    BallscrewError,
+    InputError,
+    NoSolutionError,
+    NotConvergedError,
+    SolveError,
+)
+
+__all__ = [
+    "INPUTS",
+    "MODELS",
+    "OUTPUTS",
+    "REQUIREMENTS",
+    "BallscrewError",
+    "Grid",
+    "InputError",
+    "NoSolutionError",
+    "NotConvergedError",
+    "NutReport",
+    "Quantity",
+    "Report",
+    "Scene",
+    "Solution",
+    "SolveError",
+    "Table",
+    "__version__",
+    "capacity",
+    "catalog",
+    "compare",
+    "design",
+    "fit",
+    "gradient",
+    "jam",
+    "linspace",
+    "nut",
+    "optimum",
+    "sensitivities",
+    "size",
+    "slip",
+    "solve",
+    "solve_many",
+    "sweep",
+    "validate",
+]

@@ -1,0 +1,1407 @@
+"""The public functions: thin Python over the private core."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Self, Unpack, cast, overload
+
+from ballscrew import _core
+from ballscrew._errors import InputError, NoSolutionError, NotConvergedError, SolveError
+from ballscrew._vocabulary import Control, Inputs, Model, Output, SceneFields, SolutionFields
+
+if TYPE_CHECKING:
+    import numpy as np
+    import pandas as pd
+    import polars as pl
+    import pyarrow as pa
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Progress = Callable[[int, int], object]
+
+
+class Quantity(NamedTuple):
+    """A word of the vocabulary.
+
+    Attributes
+    ----------
+    name : str
+        Name, with its unit as suffix.
+    unit : str
+        Unit; empty if dimensionless.
+    about : str
+        Meaning.
+    default : float or None
+        Value of an input that is not given.
+    rule : str or None
+        What the value of an input must be.
+    words : tuple of str
+        What an output in words may say.
+    kind : str
+        Type in JSON: number, integer, boolean or string.
+    analysis : str or None
+        The analysis that an output is a number of: slip, jam, optimum, capacity, nut.
+    """
+
+    name: str
+    unit: str
+    about: str
+    default: float | None = None
+    rule: str | None = None
+    words: tuple[str, ...] = ()
+    kind: str = "number"
+    analysis: str | None = None
+
+
+def _first_of_each(quantities: Iterable[Quantity]) -> Mapping[str, Quantity]:
+    found: dict[str, Quantity] = {}
+    for quantity in quantities:
+        found.setdefault(quantity.name, quantity)
+    return MappingProxyType(found)
+
+
+INPUTS: Mapping[str, Quantity] = _first_of_each(
+    Quantity(name, unit, about, default=default, rule=rule)
+    for name, unit, about, default, rule in _core.inputs()
+)
+"""All inputs by name."""
+
+# An analysis may repeat a number of the solution: that of the solution is meant.
+OUTPUTS: Mapping[str, Quantity] = _first_of_each(
+    Quantity(name, unit, about, kind=kind, words=tuple(words), analysis=analysis)
+    for name, unit, about, kind, words, analysis in _core.outputs()
+)
+"""All outputs by name: of a solution, then of the analyses."""
+
+MODELS: tuple[Model, ...] = cast("tuple[Model, ...]", tuple(_core.models()))
+"""The models, `auto` first."""
+
+REQUIREMENTS: Mapping[str, Quantity] = _first_of_each(
+    Quantity(name, unit, about, default=default, rule=rule)
+    for name, unit, about, default, rule in _core.requirements()
+)
+"""What a requirement of `design` may say besides inputs of a scene."""
+
+_NUMBERS = frozenset(INPUTS)
+_OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis is None]
+
+
+class Scene(SceneFields):
+    """One operating point of one screw: inputs by name, immutable.
+
+    Parameters
+    ----------
+    base : Scene or mapping, optional
+        What is not given is taken from it.
+    **inputs
+        Inputs of the vocabulary, each in the unit that ends its name; `lead_mm` replaces a lead angle of
+        `base` and the other way round. Objects with `.to` and `.magnitude` (pint) are converted.
+
+    Raises
+    ------
+    InputError
+        For an unknown name, or a value that breaks a rule.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> screw = bs.Scene(ball_diameter_mm=6.35, pitch_circle_diameter_mm=41.5, lead_mm=20)
+    >>> screw.lead_mm, screw.axial_load_N
+    (20.0, None)
+    >>> screw.replace(lead_mm=10).lead_mm
+    10.0
+    """
+
+    __slots__ = ()
+
+    def __new__(cls, base: Scene | Mapping[str, Any] | None = None, /, **inputs: Unpack[Inputs]) -> Self:
+        given: dict[str, Any] = dict(inputs)
+        if base is not None and not isinstance(base, _core.Scene):
+            given = {**base, **given}
+            base = None
+        numbers: dict[str, float] = {}
+        words: dict[str, Any] = {}
+        for name, value in given.items():
+            if type(value) is float and name in _NUMBERS:
+                numbers[name] = value
+            elif value is None:
+                continue
+            elif name in _NUMBERS:
+                numbers[name] = _number(name, value)
+            else:
+                words[name] = value
+        return super().__new__(cls, base, numbers, json.dumps(words) if words else None)
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a scene file of the program."""
+        try:
+            return cls.from_json(Path(path).read_text(encoding="utf-8-sig"))
+        except InputError as error:
+            error.add_note(f"in {os.fspath(path)}")
+            raise
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """Read a scene from JSON text."""
+        given: dict[str, Any] = json.loads(_core.Scene.of_json(text).to_json())
+        return cls(given)
+
+    def replace(self, **inputs: Unpack[Inputs]) -> Self:
+        """The scene with other inputs; a lead replaces a lead angle."""
+        return type(self)(self, **inputs)
+
+    __replace__ = replace
+
+    def to_dict(self) -> dict[str, Any]:
+        """The inputs that are given."""
+        given: dict[str, Any] = json.loads(self.to_json())
+        return given
+
+    def keys(self) -> Iterable[str]:
+        """The names of the inputs that are given; with `[]` this makes `{**scene}` work."""
+        return self.to_dict().keys()
+
+    def items(self) -> Iterable[tuple[str, Any]]:
+        """The inputs that are given: names and values."""
+        return self.to_dict().items()
+
+    def __getitem__(self, name: str) -> Any:
+        return self.to_dict()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.to_dict())
+
+    def __repr__(self) -> str:
+        return f"Scene({', '.join(f'{name}={value!r}' for name, value in self.to_dict().items())})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self).from_json, (self.to_json(),)
+
+    def _repr_html_(self) -> str:
+        rows = [(name, value, INPUTS[name].unit if name in INPUTS else "") for name, value in
+                self.to_dict().items()]
+        return _html(rows)
+
+
+class Solution(SolutionFields):
+    """The answer for one point: status, words, and a property for each output.
+
+    A number that the model does not have is NaN.
+
+    Attributes
+    ----------
+    status : str
+        `converged`, or why there is no result.
+    model : str
+        The model that answered.
+    message, choice, regime : str or None
+        Why there is no result; why `auto` took its model; what the motion is.
+    warnings : list of str
+        What an engineer should know before using the numbers.
+    scene : Scene
+        What was asked.
+    """
+
+    __slots__ = ()
+
+    @property
+    def converged(self) -> bool:
+        """True if there is a result."""
+        return self.status == "converged"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The names and values of `bsm solve --format json`; None where the model has none."""
+        result: dict[str, Any] = json.loads(self.to_json())
+        return result
+
+    def __repr__(self) -> str:
+        if not self.converged:
+            return f"<Solution {self.model}: {self.status}, {self.message}>"
+        main = [f"{name} {_short(self.to_dict()[name])} {OUTPUTS[name].unit}".rstrip() for name in _MAIN
+                if self.to_dict()[name] is not None]
+        return f"<Solution {self.model}: {', '.join(main)}>"
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("pickle the scene and solve it again")
+
+    def _repr_html_(self) -> str:
+        rows = [("model", self.model, ""), ("status", self.status, "")]
+        if self.message:
+            rows.append(("message", self.message, ""))
+        values = self.to_dict()
+        rows += [(q.name, values[q.name], q.unit) for q in _OF_A_SOLUTION if values[q.name] is not None]
+        return _html(rows)
+
+
+_MAIN = ("efficiency", "screw_torque_Nm", "nut_normal_load_N", "nut_contact_angle_deg")
+
+
+class Words:
+    """Texts of few kinds: a place in `categories` for each row."""
+
+    __slots__ = ("_found", "_load")
+
+    def __init__(self, load: Callable[[], tuple[Any, list[str]]]) -> None:
+        self._load = load
+        self._found: tuple[NDArray[np.int8], tuple[str, ...]] | None = None
+
+    def _get(self) -> tuple[NDArray[np.int8], tuple[str, ...]]:
+        """What most do not ask for is made when it is."""
+        if self._found is None:
+            import numpy as np
+
+            buffer, categories = self._load()
+            self._found = np.frombuffer(buffer, np.int8), tuple(categories)
+        return self._found
+
+    @property
+    def codes(self) -> NDArray[np.int8]:
+        """The place in `categories` for each row."""
+        return self._get()[0]
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """The texts."""
+        return self._get()[1]
+
+    def __len__(self) -> int:
+        return len(self.codes)
+
+    def __getitem__(self, row: int) -> str:
+        return self.categories[int(self.codes[row])]
+
+    def __eq__(self, word: object) -> Any:
+        if isinstance(word, str):
+            place = self.categories.index(word) if word in self.categories else -2
+            return self.codes == place
+        return NotImplemented
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _words, self._get()
+
+    def to_numpy(self) -> NDArray[np.object_]:
+        """The texts."""
+        import numpy as np
+
+        return np.array([*self.categories, None], dtype=object)[self.codes]
+
+    def __repr__(self) -> str:
+        return f"Words({len(self)} of {', '.join(self.categories)})"
+
+
+def _words(codes: NDArray[np.int8], categories: Sequence[str]) -> Words:
+    return Words(lambda: (codes, list(categories)))
+
+
+class Table:
+    """Columns of equal length, immutable.
+
+    `table["efficiency"]` is a read-only NumPy array. Frames: `to_pandas`, `to_polars`, `to_arrow`, and
+    anything that reads an Arrow stream.
+    """
+
+    def __init__(
+        self,
+        columns: Mapping[str, Any],
+        units: Mapping[str, str],
+        length: int,
+        rows: _core.Rows | None = None,
+    ) -> None:
+        self._columns = dict(columns)
+        self._units = dict(units)
+        self._length = length
+        self._rows = rows
+        self._messages: dict[int, str] | None = None
+
+    def __len__(self) -> int:
+        return self._length
+
+    @property
+    def column_names(self) -> list[str]:
+        """The names of the columns."""
+        return list(self._columns)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each column."""
+        return dict(self._units)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Rows and columns."""
+        return (self._length, len(self._columns))
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._columns
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        try:
+            column = self._columns[name]
+        except KeyError:
+            raise KeyError(f"no column `{name}`; the columns are {', '.join(self._columns)}") from None
+        if isinstance(column, Words):
+            return column.to_numpy()
+        array: NDArray[Any] = column
+        return array
+
+    @property
+    def status(self) -> Words:
+        """How each row ended."""
+        status: Words = self._columns["status"]
+        return status
+
+    @property
+    def model(self) -> Words:
+        """The model that answered each row."""
+        model: Words = self._columns["model"]
+        return model
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """True where a row has a result."""
+        ok: NDArray[np.bool_] = self.status == "converged"
+        return ok
+
+    def message(self, row: int) -> str | None:
+        """Why a row has no result, or why `auto` chose its model."""
+        if not -self._length <= row < self._length:
+            raise IndexError(f"row {row} of {self._length}")
+        if self._messages is None:
+            self._messages = dict(self._rows.messages()) if self._rows is not None else {}
+        return self._messages.get(row % self._length)
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """Lists by name; None where there is no value."""
+        return {name: [None if isinstance(v, float) and math.isnan(v) else v for v in self[name].tolist()]
+                for name in self._columns}
+
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
+        return self._arrow().__arrow_c_stream__(requested_schema)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._length:
+            self.message(0)
+        return _thawed, (type(self), {**vars(self), "_rows": None})
+
+    def _arrow(self) -> Any:
+        import numpy as np
+
+        columns: list[tuple[str, str, str, Any, list[str]]] = []
+        for name, column in self._columns.items():
+            unit = self._units.get(name, "")
+            quantity = OUTPUTS.get(name)
+            if isinstance(column, Words):
+                columns.append((name, unit, "words", column.codes, list(column.categories)))
+            elif column.dtype == object:
+                columns.append((name, unit, "texts", column.tolist(), []))
+            elif quantity is not None and quantity.words:
+                codes = np.where(np.isnan(column), -1, column).astype(np.int8)
+                columns.append((name, unit, "words", codes, list(quantity.words)))
+            elif quantity is not None and quantity.kind == "boolean":
+                columns.append((name, unit, "flags", column, []))
+            else:
+                columns.append((name, unit, "numbers", np.ascontiguousarray(column), []))
+        return _core.to_arrow(columns)
+
+    def to_arrow(self) -> pa.Table:
+        """As a pyarrow table, units in the metadata of its fields."""
+        import pyarrow as pa
+
+        return pa.table(self)
+
+    def to_polars(self) -> pl.DataFrame:
+        """As a polars frame."""
+        import polars as pl
+
+        frame: pl.DataFrame = pl.DataFrame(self)
+        return frame
+
+    def to_pandas(self) -> pd.DataFrame:
+        """As a pandas frame; `model` and `status` are categories."""
+        import pandas as pd
+
+        data: dict[str, Any] = {}
+        for name, column in self._columns.items():
+            data[name] = (
+                pd.Categorical.from_codes(column.codes, list(column.categories))
+                if isinstance(column, Words)
+                else column
+            )
+        return pd.DataFrame(data)
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the table as the program does: .csv, .jsonl or .parquet."""
+        if self._rows is not None:
+            self._rows.write(Path(path))
+        elif any(isinstance(column, Words) or column.dtype == object for column in self._columns.values()):
+            raise TypeError("this table has words in it, or was pickled: write it with to_pandas() or to_polars()")
+        else:
+            _core.write_numbers(list(self._columns.items()), Path(path))
+
+    def __repr__(self) -> str:
+        names = ", ".join(self._columns)
+        return f"<{type(self).__name__} {self._length} rows: {names}>"
+
+    def _repr_html_(self) -> str:
+        import numpy as np
+
+        shown = list(self._columns)[:12]
+        few = [self[name][:10] for name in shown]
+        head = "".join(f"<th>{_escape(name)}</th>" for name in shown)
+        body = "".join(
+            "<tr>" + "".join(f"<td>{_escape(_short(column[row]))}</td>" for column in few) + "</tr>"
+            for row in range(min(10, self._length))
+        )
+        failed = int(np.count_nonzero(~self.ok)) if "status" in self._columns else 0
+        words = f"{self._length} rows, {len(self._columns)} columns"
+        words += f", {failed} without a result" if failed else ""
+        return f"<table><tr>{head}</tr>{body}</table><p>{words}</p>"
+
+
+def _thawed(kind: type[Table], state: Mapping[str, Any]) -> Table:
+    table = object.__new__(kind)
+    vars(table).update(state)
+    for column in table._columns.values():
+        if not isinstance(column, Words):
+            column.flags.writeable = False
+    return table
+
+
+class Grid(Table):
+    """A table over a full grid; the last axis runs fastest."""
+
+    def __init__(
+        self,
+        columns: Mapping[str, Any],
+        units: Mapping[str, str],
+        length: int,
+        rows: _core.Rows,
+        axes: Mapping[str, Floats],
+        scene: Scene,
+        settings: Mapping[str, Any],
+    ) -> None:
+        super().__init__(columns, units, length, rows)
+        self._axes = dict(axes)
+        self.scene = scene
+        self.settings = dict(settings)
+
+    @property
+    def axes(self) -> dict[str, Floats]:
+        """The values of each varied input."""
+        return dict(self._axes)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The number of values of each axis."""
+        return tuple(len(values) for values in self._axes.values())
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name in self._axes:
+            return self._repeated(name)
+        return super().__getitem__(name)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._axes or super().__contains__(name)
+
+    def grid(self, name: str) -> NDArray[Any]:
+        """A column in the shape of the grid."""
+        return self[name].reshape(self.shape)
+
+    def _repeated(self, name: str) -> Floats:
+        """An axis, a value for each row."""
+        import numpy as np
+
+        place = list(self._axes).index(name)
+        values = self._axes[name].reshape([-1 if i == place else 1 for i in range(len(self._axes))])
+        return np.ascontiguousarray(np.broadcast_to(values, self.shape)).reshape(-1)
+
+    def _with_inputs(self) -> Table:
+        columns = {name: self._repeated(name) for name in self._axes}
+        return Table({**columns, **self._columns}, self._units, self._length, self._rows)
+
+    def _arrow(self) -> Any:
+        return self._with_inputs()._arrow()
+
+    def to_pandas(self) -> pd.DataFrame:
+        """As a pandas frame, inputs repeated for each row."""
+        return self._with_inputs().to_pandas()
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """Lists by name, inputs repeated for each row; None where there is no value."""
+        return self._with_inputs().to_dict()
+
+    def to_xarray(self) -> xr.Dataset:
+        """As an xarray dataset: dimensions are the axes in their order."""
+        import xarray as xr
+
+        def about(name: str) -> dict[str, str]:
+            quantity = INPUTS.get(name) or OUTPUTS.get(name)
+            return {"units": quantity.unit, "long_name": quantity.about} if quantity else {}
+
+        dims = list(self._axes)
+        data = {name: (dims, self.grid(name), about(name)) for name in self._columns}
+        coords = {name: (name, values, about(name)) for name, values in self._axes.items()}
+        settings = {name: value for name, value in self.settings.items() if value is not None}
+        return xr.Dataset(data, coords, {"scene": self.scene.to_json(), **settings})
+
+
+class Report(Mapping[str, Any]):
+    """What an analysis says, under the names of the program's JSON; read-only.
+
+    Attributes
+    ----------
+    found : bool
+        False where the program exits with 3: there is none.
+    warnings : list of str
+        What an engineer should know before using the numbers.
+    """
+
+    __slots__ = ("_entries", "found", "warnings")
+
+    def __init__(self, entries: Mapping[str, Any], found: bool, warnings: Sequence[str]) -> None:
+        self._entries = dict(entries)
+        self.found = found
+        self.warnings = list(warnings)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._entries[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The entries as a plain dict."""
+        return dict(self._entries)
+
+    def __repr__(self) -> str:
+        names = list(self._entries)
+        more = f", and {len(names) - 8} more" if len(names) > 8 else ""
+        return f"<{type(self).__name__} found={self.found}: {', '.join(names[:8])}{more}>"
+
+    def _repr_html_(self) -> str:
+        plain = (str, int, float, bool, type(None))
+        unit = {**OUTPUTS, **INPUTS}
+        return _html([(name, value, unit[name].unit if name in unit else "")
+                      for name, value in self._entries.items() if isinstance(value, plain)])
+
+
+class NutReport(Report):
+    """The state of a nut: numbers, and tables of its balls and of its load-deflection curve.
+
+    Attributes
+    ----------
+    balls, curve : Table
+        One row a ball; one row a point of the curve.
+    """
+
+    __slots__ = ("balls", "curve")
+
+    def __init__(
+        self, entries: Mapping[str, Any], found: bool, warnings: Sequence[str], balls: Table, curve: Table
+    ) -> None:
+        super().__init__(entries, found, warnings)
+        self.balls = balls
+        self.curve = curve
+
+
+class Linspace(NamedTuple):
+    """Equally spaced values, both ends included."""
+
+    start: float
+    stop: float
+    count: int
+
+
+def linspace(start: float, stop: float, count: int) -> Linspace:
+    """Equally spaced values for `sweep`, both ends included; nothing is made before it is asked for."""
+    return Linspace(float(start), float(stop), int(count))
+
+
+def _how(
+    model: str, tolerance: float, accuracy: float, creep: float, control: str | None
+) -> tuple[str, float, float, float, str | None]:
+    return (model, tolerance, accuracy, creep, control)
+
+
+def _scene(scene: Scene | Mapping[str, Any] | None, inputs: Inputs) -> Scene:
+    if isinstance(scene, Scene) and not inputs:
+        return scene
+    return Scene(scene, **inputs)
+
+
+def solve(
+    scene: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    check: bool = True,
+    **inputs: Unpack[Inputs],
+) -> Solution:
+    """Solve one point.
+
+    Parameters
+    ----------
+    scene : Scene or mapping, optional
+        The screw and its point.
+    model : str
+        A model of `MODELS`; `auto` takes the cheapest that is accurate enough.
+    tolerance : float
+        Error of the efficiency that `auto` may leave.
+    accuracy : float
+        Accuracy of the quadrature in model traction, its error over the friction, 1e-13 to 1e-2.
+    creep : float
+        Creep speed over the surface speed of the ball in model traction.
+    control : {"nut", "screw"}, optional
+        The controlling race in model raceway-control; unless given the spin moments decide.
+    check : bool
+        Raise if there is no result.
+    **inputs
+        Inputs of the vocabulary, in place of those of `scene`.
+
+    Returns
+    -------
+    Solution
+
+    Raises
+    ------
+    InputError
+        For inputs that are missing or break a rule.
+    NoSolutionError, NotConvergedError
+        If there is no result and `check` is true.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> bs.solve(model="closed-form", contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.01).status
+    'converged'
+    """
+    answer = Solution(_scene(scene, inputs), _how(model, tolerance, accuracy, creep, control))
+    if check and not answer.converged:
+        kind = {"no_solution": NoSolutionError, "not_converged": NotConvergedError}
+        words = f"{answer.model}: {answer.status}, {answer.message}"
+        raise kind.get(answer.status, SolveError)(words, answer)
+    return answer
+
+
+def sensitivities(
+    scene: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    **inputs: Unpack[Inputs],
+) -> Table:
+    """Exact derivatives of efficiency and torque by every input that the model uses.
+
+    Parameters
+    ----------
+    scene, model, tolerance, accuracy, creep, control, **inputs
+        As in `solve`.
+
+    Returns
+    -------
+    Table
+        A row an input, the most important first: `input`, `value`, `efficiency` and `screw_torque_Nm` per
+        unit of the input, and both in per cent for each per cent of the input.
+
+    Raises
+    ------
+    SolveError
+        If there is no result.
+    """
+    asked = _scene(scene, inputs)
+    how = _how(model, tolerance, accuracy, creep, control)
+    rows = _core.sensitivities(asked, how)
+    if rows is None:
+        solve(asked, model=model, tolerance=tolerance, accuracy=accuracy, creep=creep, control=control)
+        raise NotConvergedError("no sensitivities at this point", Solution(asked, how))
+    names = ["input", "value", "efficiency", "screw_torque_Nm", "efficiency_relative", "screw_torque_relative"]
+    return _listed(names, rows)
+
+
+def compare(scene: Scene | Mapping[str, Any] | None = None, /, **inputs: Unpack[Inputs]) -> Table:
+    """Every model that the scene has inputs for, one row a model.
+
+    Returns
+    -------
+    Table
+        `model`, `status` and all outputs of a solution.
+    """
+    asked = _scene(scene, inputs)
+    rows: list[dict[str, Any]] = []
+    refused: InputError | None = None
+    for model in MODELS[1:]:
+        try:
+            rows.append(solve(asked, model=model, check=False).to_dict())
+        except InputError as error:
+            refused = refused or error
+    if not rows and refused is not None:
+        raise refused
+    names = ["model", "status", *(quantity.name for quantity in _OF_A_SOLUTION)]
+    return _listed(names, [[row[name] for name in names] for row in rows])
+
+
+def solve_many(
+    points: Any,
+    /,
+    base: Scene | Mapping[str, Any] | None = None,
+    *,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    outputs: Sequence[Output] | None = None,
+    keep: Sequence[str] = (),
+    missing: Literal["invalid", "base"] = "invalid",
+    progress: bool | Progress | None = None,
+    threads: int | None = None,
+) -> Table:
+    """Solve many points on all cores: one row in, one row out, in the same order.
+
+    Parameters
+    ----------
+    points : mapping or frame
+        Columns of inputs: a mapping of names to one-dimensional arrays or numbers, a number being the same
+        for all rows (arrays of doubles are not copied: leave them as they are while the table is in use); or
+        anything that gives an Arrow stream (polars, pyarrow, pandas 3, duckdb, a `Table`).
+    base : Scene or mapping, optional
+        The inputs that are no columns.
+    model, tolerance, accuracy, creep, control
+        As in `solve`.
+    outputs : sequence of str, optional
+        Names of `OUTPUTS`; all of a solution unless given.
+    keep : sequence of str
+        Further columns to carry through as text.
+    missing : {"invalid", "base"}
+        What a null means: a wrong value, or the value of `base`. NaN is always a wrong value.
+    progress : bool or callable, optional
+        True for a line on standard error if that is a terminal, or a function of the rows that are done and
+        their number.
+    threads : int, optional
+        Threads; RAYON_NUM_THREADS or all cores unless given.
+
+    Returns
+    -------
+    Table
+        The inputs, `model`, `status`, and the outputs. A row without a result keeps its place; its
+        outputs are NaN and `message(row)` says why.
+
+    Raises
+    ------
+    InputError
+        For unknown columns or outputs, and inputs that no row has.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> points = {"friction_coefficient": [0.01, 0.02], "contact_angle_deg": 45, "lead_angle_deg": 8}
+    >>> bs.solve_many(points, model="closed-form", outputs=["efficiency"])["efficiency"].round(3)
+    array([0.98 , 0.961])
+    """
+    import numpy as np
+
+    if missing not in ("invalid", "base"):
+        raise InputError(f"missing = {missing!r} must be 'invalid' or 'base'", key="missing")
+    scene = _scene(base, {})
+    if isinstance(points, Table):
+        # Answers of an earlier run are passed over.
+        points = {n: points[n] for n in points if n in INPUTS or n in keep}
+    numbers: list[tuple[str, Floats, list[int]]] = []
+    texts: list[tuple[str, list[str]]] = []
+    fixed: dict[str, Any] = {}
+    if isinstance(points, Mapping):
+        for name, values in points.items():
+            if name in keep:
+                texts.append((name, ["" if v is None else str(v) for v in values]))
+                continue
+            array = _column(name, values)
+            if array.ndim == 0:
+                fixed[name] = float(array)
+            else:
+                numbers.append((name, array, []))
+    elif hasattr(points, "__arrow_c_stream__"):
+        for name, read in _core.read_arrow(points, list(keep)):
+            if isinstance(read, tuple):
+                buffer, gaps = read
+                numbers.append((name, np.frombuffer(buffer, np.float64), gaps if missing == "base" else []))
+            else:
+                texts.append((name, ["" if text is None else text for text in read]))
+    else:
+        raise InputError(
+            f"points is {type(points).__name__}; give a mapping of names to arrays, or a frame with an Arrow stream"
+        )
+    if fixed:
+        scene = scene.replace(**fixed)
+    lengths: dict[str, int] = {column[0]: len(column[1]) for column in numbers}
+    lengths |= {column[0]: len(column[1]) for column in texts}
+    length = max(lengths.values(), default=1 if fixed else 0)
+    for column_name, rows_of_it in lengths.items():
+        if rows_of_it != length:
+            message = f"column `{column_name}` has {rows_of_it} rows, another one {length}"
+            raise InputError(message, key=column_name)
+    how = _how(model, tolerance, accuracy, creep, control)
+    rows = _core.solve_many(
+        scene, numbers, texts, length, how, list(outputs) if outputs is not None else None, threads,
+        _shown(progress),
+    )
+    taken = set(rows.inputs())
+    inputs: dict[str, Any] = {name: values for name, values, _ in numbers if name in taken}
+    kept: dict[str, Any] = {name: np.array(values, dtype=object) for name, values in texts}
+    return _answered(rows, {**inputs, **kept})
+
+
+def sweep(
+    base: Scene | Mapping[str, Any],
+    /,
+    *,
+    vary: Mapping[str, Linspace | Iterable[float]],
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    outputs: Sequence[Output] | None = None,
+    progress: bool | Progress | None = None,
+    threads: int | None = None,
+) -> Grid:
+    """Solve a full grid over one or more inputs, with one model for all of its points.
+
+    Parameters
+    ----------
+    base : Scene or mapping
+        The fixed inputs.
+    vary : mapping
+        Values of each varied input: `linspace(start, stop, count)` or any numbers; the last runs fastest.
+    model, tolerance, accuracy, creep, control, outputs, progress, threads
+        As in `solve_many`.
+
+    Returns
+    -------
+    Grid
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> screw = bs.Scene(lead_angle_deg=5, contact_angle_deg=45)
+    >>> grid = bs.sweep(screw, vary={"friction_coefficient": bs.linspace(0.02, 0.1, 5)}, outputs=["efficiency"])
+    >>> grid.shape, grid.grid("efficiency").round(2)
+    ((5,), array([0.96, 0.92, 0.89, 0.85, 0.82]))
+    """
+    scene = _scene(base, {})
+    axes = []
+    for name, values in vary.items():
+        if isinstance(values, Linspace):
+            axes.append(f"{name}={values.start!r}:{values.stop!r}:{values.count}")
+        else:
+            axes.append(f"{name}={','.join(repr(_number(name, value)) for value in values)}")
+    how = _how(model, tolerance, accuracy, creep, control)
+    rows, found = _core.sweep(
+        scene, axes, how, list(outputs) if outputs is not None else None, threads, _shown(progress)
+    )
+    import numpy as np
+
+    table = _answered(rows, {})
+    varied = {name: np.array(axis) for name, axis in found}
+    units = {**table.units, **{name: INPUTS[name].unit for name in varied}}
+    settings = {"model": model, "tolerance": tolerance, "accuracy": accuracy, "creep": creep, "control": control}
+    return Grid(table._columns, units, len(table), rows, varied, scene, settings)
+
+
+def gradient(
+    points: Any,
+    /,
+    output: Output,
+    wrt: Sequence[str],
+    base: Scene | Mapping[str, Any] | None = None,
+    *,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    method: Literal["exact", "difference"] = "exact",
+    step: float = 1e-4,
+    threads: int | None = None,
+) -> tuple[Any, Any]:
+    """An output and its derivatives, ready for `scipy.optimize.minimize(..., jac=True)`.
+
+    Parameters
+    ----------
+    points : mapping
+        Inputs: numbers for one point, arrays for many.
+    output : str
+        `efficiency` or `screw_torque_Nm` with method "exact", any numeric output with "difference".
+    wrt : sequence of str
+        The inputs to differentiate by.
+    base : Scene or mapping, optional
+        The inputs that are not in `points`.
+    method : {"exact", "difference"}
+        Exact derivatives of the model, or central differences.
+    step : float
+        Relative step of the differences.
+    threads : int, optional
+        As in `solve_many`.
+
+    Returns
+    -------
+    values, derivatives : arrays
+        Shapes (n,) and (n, k); for one point () and (k,). NaN where there is no result.
+    """
+    import numpy as np
+
+    columns = {name: _column(name, values) for name, values in dict(points).items()}
+    one = all(values.ndim == 0 for values in columns.values())
+    length = max((len(v) for v in columns.values() if v.ndim), default=1)
+    columns = {name: np.broadcast_to(values, (length,)) for name, values in columns.items()}
+    scene = _scene(base, {})
+    how: dict[str, Any] = {"model": model, "tolerance": tolerance, "accuracy": accuracy, "creep": creep,
+                           "control": control}
+    if method == "exact":
+        if output not in ("efficiency", "screw_torque_Nm"):
+            raise InputError("exact derivatives are of efficiency and screw_torque_Nm; take method='difference'",
+                             key=output)
+        whole = [(name, np.ascontiguousarray(column)) for name, column in columns.items()]
+        found = _core.gradient(scene, whole, length, list(wrt), output != "efficiency", _how(**how), threads)
+        values = np.frombuffer(found[0], np.float64)
+        slopes = np.frombuffer(found[1], np.float64).reshape(length, len(wrt))
+    elif method == "difference":
+        def at(changed: Mapping[str, Floats]) -> Floats:
+            answers = solve_many({**columns, **changed}, scene, outputs=[output], threads=threads, **how)
+            return answers[output]
+
+        values = at({})
+        slopes = np.full((length, len(wrt)), np.nan)
+        for place, name in enumerate(wrt):
+            middle = columns.get(name)
+            if middle is None:
+                given = scene.to_dict().get(name, INPUTS[name].default if name in INPUTS else None)
+                if given is None:
+                    raise InputError(f"`{name}` is neither in points nor in base", key=name)
+                middle = np.full(length, float(given))
+            width = np.where(middle == 0.0, step, np.abs(middle) * step)
+            ends = at({name: middle + width}) - at({name: middle - width})
+            slopes[:, place] = ends / (2.0 * width)
+    else:
+        raise InputError(f"method = {method!r} must be 'exact' or 'difference'", key="method")
+    return (values[0], slopes[0]) if one else (values, slopes)
+
+
+def slip(
+    scene: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    **inputs: Unpack[Inputs],
+) -> Report:
+    """Slip of the balls in their motion, as `bsm slip`."""
+    how = _how(model, tolerance, accuracy, creep, control)
+    return _report(_core.analysis("slip", _scene(scene, inputs), how))
+
+
+def jam(
+    scene: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    **inputs: Unpack[Inputs],
+) -> Report:
+    """Jamming of the balls, as `bsm jam`."""
+    how = _how(model, tolerance, accuracy, creep, control)
+    return _report(_core.analysis("jam", _scene(scene, inputs), how))
+
+
+def capacity(
+    nut: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    spectrum: str | os.PathLike[str] | None = None,
+    **inputs: Unpack[Inputs],
+) -> Report:
+    """Load ratings, life and rigidity of a nut, as `bsm capacity`.
+
+    Parameters
+    ----------
+    nut : Scene or mapping, optional
+        The nut.
+    spectrum : path, optional
+        A load spectrum as CSV.
+    """
+    table = Path(spectrum).read_bytes() if spectrum is not None else None
+    return _report(_core.capacity(_scene(nut, inputs), table))
+
+
+@overload
+def nut(
+    scene: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    samples: None = None,
+    **inputs: Unpack[Inputs],
+) -> NutReport: ...
+
+
+@overload
+def nut(
+    scene: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    samples: int,
+    **inputs: Unpack[Inputs],
+) -> Report: ...
+
+
+def nut(
+    scene: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    samples: int | None = None,
+    **inputs: Unpack[Inputs],
+) -> NutReport | Report:
+    """All balls of a nut, as `bsm nut`.
+
+    Parameters
+    ----------
+    samples : int, optional
+        Quantiles over so many random sets of balls in place of one nut; the input `seed` says where the random
+        numbers begin.
+
+    Returns
+    -------
+    NutReport
+        Numbers by name, `balls` and `curve` as tables; with `samples` a plain report.
+    """
+    asked = _scene(scene, inputs)
+    how = _how(model, tolerance, accuracy, creep, control)
+    if samples is not None:
+        return _report(_core.nut_samples(asked, how, samples))
+    (entries, found, warnings), balls, curve = _core.nut(asked, how)
+    tables = []
+    for columns, rows in zip(_core.nut_columns(), (balls, curve), strict=True):
+        names = [name for name, _ in columns]
+        tables.append(_listed(names, rows, dict(columns)))
+    return NutReport(json.loads(entries), found, warnings, *tables)
+
+
+def optimum(
+    scene: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    model: str | None = None,
+    **inputs: Unpack[Inputs],
+) -> Report:
+    """Best contact angles and limits of self-locking, as `bsm optimum`."""
+    return _report(_core.optimum(_scene(scene, inputs), model))
+
+
+def size(
+    scene: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    **inputs: Unpack[Inputs],
+) -> Report:
+    """The axis around a screw, as `bsm size`: rules with limit and margin, torque, power, heat and life.
+
+    Returns
+    -------
+    Report
+        `found` is true if every rule is kept.
+    """
+    return _report(_core.size(_scene(scene, inputs), _how(model, tolerance, accuracy, creep, control)))
+
+
+def catalog(
+    lists: Mapping[str, Any] | None = None,
+    /,
+    *,
+    require: Sequence[str] = (),
+    requirement: Mapping[str, Any] | str | os.PathLike[str] | None = None,
+    pareto: bool = False,
+    sort: str | None = None,
+    descending: bool = False,
+    first: int | None = None,
+) -> Table:
+    """Every nut of standard sizes, as `bsm catalog`.
+
+    Parameters
+    ----------
+    lists : mapping, optional
+        The sizes; those of the program unless given.
+    require : sequence of str
+        Conditions such as `"dynamic_load_rating_N>=40000"`.
+    requirement : mapping or path, optional
+        Only nuts that keep all limits of this requirement of `design`.
+    pareto : bool
+        Only nuts that no other beats in dynamic load rating, rigidity and mass together.
+    sort : str, optional
+        The column that gives the order.
+    descending : bool
+        The largest first.
+    first : int, optional
+        So many rows.
+
+    Returns
+    -------
+    Table
+        One row a nut; a row is a scene for `capacity`, `nut` and `size`.
+    """
+    import numpy as np
+
+    text = None if lists is None else json.dumps(dict(lists))
+    wish = None if requirement is None else json.dumps(_wish(requirement))
+    found = _core.catalog(text, wish, list(require), pareto, sort, descending, first)
+    columns = {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
+    units = {name: unit for name, unit, _ in found}
+    return Table(columns, units, len(next(iter(columns.values()))))
+
+
+def fit(
+    scene: Scene | Mapping[str, Any],
+    measured: Mapping[str, float],
+    /,
+    *,
+    input: str = "friction_coefficient",
+    range: tuple[float, float] | None = None,
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+) -> Report:
+    """The value of an input at which the model gives what was measured, as `bsm fit`.
+
+    Parameters
+    ----------
+    measured : mapping
+        One output and its value, such as `{"screw_torque_Nm": 26.0}`.
+    input : str
+        The input that is sought.
+    range : (float, float), optional
+        Where it is sought.
+    """
+    if len(measured) != 1:
+        raise InputError("measured takes one output and its value, such as {'screw_torque_Nm': 26.0}")
+    [(name, value)] = measured.items()
+    how = _how(model, tolerance, accuracy, creep, control)
+    return _report(_core.fit(_scene(scene, {}), how, input, f"{name}={float(value)!r}", range))
+
+
+def design(
+    requirement: Mapping[str, Any] | str | os.PathLike[str], /, *, free: bool = False, **changes: Any
+) -> Report:
+    """The best screw for a requirement, as `bsm design`.
+
+    Parameters
+    ----------
+    requirement : mapping or path
+        Inputs of a scene and keys of `REQUIREMENTS`, or a file of them.
+    free : bool
+        Take any size, not only the standard ones.
+    **changes
+        Keys in place of those of the requirement.
+
+    Returns
+    -------
+    Report
+        `Scene(report["scene"])` is the screw for the other functions.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> report = bs.design({"axial_load_N": 4000, "screw_speed_rpm": 1500, "stroke_mm": 600, "lead_mm": 10,
+    ...                     "friction_coefficient": 0.05, "required_life_h": 5000})
+    >>> report.found, report["scene"]["lead_mm"]
+    (True, 10.0)
+    """
+    return _report(_core.design(json.dumps({**_wish(requirement), **changes}), free))
+
+
+def _wish(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, Any]:
+    if isinstance(requirement, Mapping):
+        return dict(requirement)
+    wish: dict[str, Any] = json.loads(Path(requirement).read_text(encoding="utf-8-sig"))
+    return wish
+
+
+def validate() -> Table:
+    """The published checks, as `bsm validate`, one row a check.
+
+    Returns
+    -------
+    Table
+        `key`, `source`, `claim`, `claimed`, `measured`, `unit`, `criterion`, `note` and `verdict`: pass, fail or
+        finding.
+    """
+    checks: list[dict[str, Any]] = json.loads(_core.validate())
+    names = ["key", "source", "claim", "claimed", "measured", "unit", "criterion", "note", "verdict"]
+    return _listed(names, [[check[name] for name in names] for check in checks])
+
+
+def _report(answer: _core.Told) -> Report:
+    entries, found, warnings = answer
+    return Report(json.loads(entries), found, warnings)
+
+
+def _listed(names: Sequence[str], rows: Sequence[Sequence[Any]], units: Mapping[str, str] | None = None) -> Table:
+    """A table of rows."""
+    import numpy as np
+
+    columns = {}
+    for place, name in enumerate(names):
+        values = [row[place] for row in rows]
+        if any(isinstance(value, str) for value in values):
+            column = np.array(values, dtype=object)
+        else:
+            column = np.array([math.nan if v is None else float(v) for v in values])
+        column.flags.writeable = False
+        columns[name] = column
+    if units is None:
+        units = {name: OUTPUTS[name].unit for name in names if name in OUTPUTS}
+    return Table(columns, units, len(rows))
+
+
+def _answered(rows: _core.Rows, inputs: Mapping[str, Any]) -> Table:
+    """The table of solved rows."""
+    import numpy as np
+
+    columns: dict[str, Any] = dict(inputs)
+    columns["model"] = Words(rows.models)
+    columns["status"] = Words(rows.statuses)
+    for name, buffer in rows.outputs():
+        columns[name] = np.frombuffer(buffer, np.float64)
+    units = {name: (INPUTS.get(name) or OUTPUTS[name]).unit
+             for name in columns if name in INPUTS or name in OUTPUTS}
+    return Table(columns, units, len(rows), rows)
+
+
+def _number(name: str, value: Any) -> float:
+    """A number in the unit of its name."""
+    if hasattr(value, "magnitude") and hasattr(value, "to"):
+        value = _converted(name, value)
+    if isinstance(value, (bool, str)):
+        raise InputError(f"`{name}` is {value!r}, but must be a number", key=name)
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"`{name}` is {value!r}, but must be a number", key=name) from None
+
+
+def _converted(name: str, value: Any) -> Any:
+    """The magnitude of a quantity with a unit (pint)."""
+    if name not in INPUTS:
+        raise InputError(f"`{name}` takes a plain number; a quantity goes under the name of an input", key=name)
+    try:
+        return value.to(_pint_unit(INPUTS[name].unit)).magnitude
+    except Exception as error:
+        raise InputError(f"`{name}`: {error}", key=name) from error
+
+
+def _pint_unit(unit: str) -> str:
+    """A unit of the vocabulary as pint has it: mm2/s is mm^2/s, N m is N*m, C is no coulomb."""
+    if unit == "C":
+        return "degC"
+    return re.sub(r"([a-z])(\d)", r"\1^\2", unit).replace(" ", "*") or "dimensionless"
+
+
+def _column(name: str, values: Any) -> Floats:
+    """A column of doubles, contiguous and read-only; doubles that lie so already are not copied."""
+    import numpy as np
+
+    if hasattr(values, "magnitude") and hasattr(values, "to"):
+        values = _converted(name, values)
+    if isinstance(values, np.ma.MaskedArray):
+        masked: Any = values.astype(np.float64)
+        values = masked.filled(np.nan)
+    try:
+        array = np.asarray(values, dtype=np.float64, order="C").view()
+    except (TypeError, ValueError):
+        raise InputError(f"column `{name}` holds something that is no number", key=name) from None
+    if array.ndim > 1:
+        raise InputError(f"column `{name}` has {array.ndim} dimensions; give one, such as values.ravel()",
+                         key=name)
+    array.flags.writeable = False
+    return array
+
+
+def _shown(progress: bool | Progress | None) -> Progress | None:
+    """What is called with the rows that are done."""
+    if progress is True:
+        import sys
+
+        if not sys.stderr.isatty():
+            return None
+
+        def show(done: int, total: int) -> None:
+            end = "\n" if done == total else ""
+            print(f"\r{done:,} of {total:,} points", end=end, file=sys.stderr, flush=True)
+
+        return show
+    return progress or None
+
+
+def _short(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _escape(text: Any) -> str:
+    import html
+
+    return html.escape(str(text))
+
+
+def _html(rows: Iterable[tuple[Any, Any, str]]) -> str:
+    """A table of name, value and unit."""
+    body = "".join(
+        f"<tr><td>{_escape(name)}</td><td>{_escape(_short(value))}</td><td>{_escape(unit)}</td></tr>"
+        for name, value, unit in rows
+    )
+    return f"<table>{body}</table>"

@@ -1,0 +1,67 @@
+"""What can go wrong."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ballscrew._api import Solution
+
+__all__ = ["BallscrewError", "InputError", "NoSolutionError", "NotConvergedError", "SolveError"]
+
+
+class BallscrewError(Exception):
+    """Base of all errors of the package."""
+
+
+class InputError(BallscrewError, ValueError):
+    """An input, a column or a setting that cannot be used.
+
+    Attributes
+    ----------
+    key : str or None
+        The input or column.
+    value : float or None
+        Its value, if that breaks a rule.
+    rule : str or None
+        The rule in words, after "must be".
+    nearest : str or None
+        The known name that is nearest to an unknown one.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        key: str | None = None,
+        value: float | None = None,
+        rule: str | None = None,
+        nearest: str | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.key = key
+        self.value = value
+        self.rule = rule
+        self.nearest = nearest
+
+
+class SolveError(BallscrewError, ArithmeticError):
+    """A point without a result.
+
+    Attributes
+    ----------
+    solution : Solution
+        The answer, with its status and words.
+    """
+
+    def __init__(self, message: str, solution: Solution) -> None:
+        super().__init__(message)
+        self.solution = solution
+
+
+class NoSolutionError(SolveError):
+    """The equations have no solution at this point."""
+
+
+class NotConvergedError(SolveError):
+    """No solution was found, though there may be one."""

@@ -1,0 +1,118 @@
+"""Figures with matplotlib: axes in, axes out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ballscrew._api import INPUTS, OUTPUTS, Grid, Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["curves", "map", "pareto"]
+
+
+def curves(table: Table, x: str, y: str, *, by: str | None = None, ax: Axes | None = None) -> Axes:
+    """Draw one output against an input, a line for each value of another; failed rows are gaps.
+
+    Parameters
+    ----------
+    table : Table
+        What `solve_many` or `sweep` returned.
+    x, y : str
+        Names of columns.
+    by : str, optional
+        The column that has one value on each line.
+    ax : matplotlib axes, optional
+        Where to draw.
+    """
+    import numpy as np
+
+    axes = _axes(ax)
+    if by is None:
+        axes.plot(table[x], table[y])
+    else:
+        for value in np.unique(table[by]):
+            of_line = table[by] == value
+            axes.plot(table[x][of_line], table[y][of_line], label=f"{value:g} {_unit(by)}".rstrip())
+        axes.legend(title=_words(by))
+    axes.set_xlabel(_label(x))
+    axes.set_ylabel(_label(y))
+    return axes
+
+
+def map(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
+    """Draw an output over the two axes of a grid, the first to the right; failed points are gaps.
+
+    Parameters
+    ----------
+    grid : Grid
+        What `sweep` over two inputs returned.
+    output : str
+        Name of the output.
+    ax : matplotlib axes, optional
+        Where to draw.
+    """
+    if len(grid.axes) != 2:
+        raise ValueError(f"a map has two axes, this grid {len(grid.axes)}")
+    axes = _axes(ax)
+    (x, xs), (y, ys) = grid.axes.items()
+    drawn = axes.pcolormesh(xs, ys, grid.grid(output).T, shading="nearest")
+    axes.figure.colorbar(drawn, ax=axes, label=_label(output))
+    axes.set_xlabel(_label(x))
+    axes.set_ylabel(_label(y))
+    return axes
+
+
+def pareto(
+    nuts: Table, x: str = "mass_kg", y: str = "dynamic_load_rating_N", *, ax: Axes | None = None
+) -> Axes:
+    """Draw the nuts of a catalogue, and the line of those that no other beats in both quantities.
+
+    Parameters
+    ----------
+    nuts : Table
+        What `catalog` returned.
+    x, y : str
+        Names of columns: less of `x` and more of `y` is better.
+    ax : matplotlib axes, optional
+        Where to draw.
+    """
+    import numpy as np
+
+    axes = _axes(ax)
+    order = np.lexsort((-nuts[y], nuts[x]))
+    xs, ys = nuts[x][order], nuts[y][order]
+    best = np.flatnonzero(np.diff(np.maximum.accumulate(ys), prepend=-np.inf) > 0)
+    axes.plot(xs, ys, ".", markersize=2, alpha=0.5)
+    axes.step(xs[best], ys[best], where="post")
+    axes.set_xlabel(_label(x))
+    axes.set_ylabel(_label(y))
+    return axes
+
+
+def _axes(ax: Axes | None) -> Axes:
+    if ax is not None:
+        return ax
+    import matplotlib.pyplot as plt
+
+    axes: Axes = plt.subplots()[1]
+    return axes
+
+
+def _unit(name: str) -> str:
+    quantity = INPUTS.get(name) or OUTPUTS.get(name)
+    return quantity.unit if quantity else ""
+
+
+def _words(name: str) -> str:
+    """A name in words, without its unit."""
+    unit = _unit(name)
+    ending = unit.replace("/", "_").replace("^", "").replace(" ", "")
+    bare = name.removesuffix(f"_{ending}") if ending else name
+    return bare.replace("_", " ")
+
+
+def _label(name: str) -> str:
+    unit = _unit(name)
+    return f"{_words(name)} [{unit}]" if unit else _words(name)

@@ -1,0 +1,232 @@
+"""What the package costs over the Rust crates: `python python/benches/overhead.py [--check] [--write]`.
+
+All numbers are ratios of one run, on one thread. `--check` fails where one is more than three times what is to
+be reached, `--write` writes the table of the guide, `docs/guide/from-python.md`.
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+import ballscrew as bs
+from ballscrew import _core
+from ballscrew._vocabulary import Model, Output
+
+GUIDE = Path(__file__).resolve().parents[2] / "docs" / "guide" / "from-python.md"
+BEGINS, ENDS = "<!-- overhead.py writes this -->", "<!-- overhead.py ends -->"
+ROWS = 1_000_000
+ROUNDS = 7
+
+SCREW = bs.Scene(
+    ball_diameter_mm=6.35,
+    pitch_circle_diameter_mm=41.5,
+    lead_mm=25,
+    contact_angle_deg=45,
+    nut_conformity=0.53,
+    screw_conformity=0.53,
+    friction_coefficient=0.06,
+    screw_speed_rpm=1500,
+    axial_load_N=8000,
+    loaded_balls=70,
+)
+FOUR: list[Output] = ["efficiency", "screw_torque_Nm", "input_power_W", "dissipated_power_W"]
+ONE: list[Output] = ["efficiency"]
+
+
+class Row:
+    """A line of the table: what, its value as text, and how many times the promise it is."""
+
+    def __init__(self, what: str, value: str, promised: str, times: float) -> None:
+        self.what = what
+        self.value = value
+        self.promised = promised
+        self.times = times
+
+
+def points(rows: int) -> dict[str, np.ndarray]:
+    """Loads and speeds at which every model has a solution, the same every time."""
+    draws = np.random.default_rng(2026)
+    return {"axial_load_N": draws.uniform(2e3, 8e3, rows), "screw_speed_rpm": draws.uniform(100, 1500, rows)}
+
+
+def alternating(*works: Callable[[], float]) -> list[float]:
+    """Medians of works that take turns, so that a busy moment of the machine meets all of them."""
+    times: list[list[float]] = [[] for _ in works]
+    for _ in range(ROUNDS):
+        for work, found in zip(works, times, strict=True):
+            found.append(work())
+    return [statistics.median(found) for found in times]
+
+
+def timed(work: Callable[[], object]) -> Callable[[], float]:
+    """Seconds of a call; its answer is freed within."""
+
+    def run() -> float:
+        start = time.perf_counter()
+        work()
+        return time.perf_counter() - start
+
+    return run
+
+
+def batch(given: dict[str, np.ndarray], model: Model, outputs: Sequence[Output] | None) -> Callable[[], float]:
+    """The same rows through the Rust crate, which holds all answers."""
+    how = (model, 1e-2, 1e-8, 1e-4, None)
+    names = [*outputs] if outputs is not None else None
+    return lambda: _core.batch_seconds(SCREW, list(given.items()), len(next(iter(given.values()))), how, names)
+
+
+def many(frame: object, model: Model, outputs: Sequence[Output] | None) -> Callable[[], float]:
+    """The same rows through the package."""
+    return timed(lambda: bs.solve_many(frame, SCREW, model=model, outputs=outputs, threads=1))
+
+
+def of_batch() -> list[Row]:
+    """Rows 1 to 3 of the table."""
+    rows = []
+    models: list[tuple[Model, int]] = [("closed-form", ROWS), ("rigid", ROWS), ("raceway-control", ROWS), ("traction", 10_000)]
+    for model, count in models:
+        given = points(count)
+        for outputs, words in ((FOUR, "4 outputs"), (ONE, "1 output"), (None, "all outputs")):
+            if model == "traction" and outputs is not FOUR:
+                continue
+            bare, ours = alternating(batch(given, model, outputs), many(given, model, outputs))
+            over = ours / bare - 1.0
+            what = f"{count:.0e} rows in memory, {words}, `{model}`".replace("e+0", "e")
+            if model == "closed-form" and outputs is ONE:
+                extra = 1e3 * (ours - bare)
+                rows.append(Row(what, f"{extra:+.1f} ms ({over:+.0%})", "<= 2 ms", extra / 2.0))
+            elif outputs is None:
+                rows.append(Row(what, f"{ours / bare:.0%}", "<= 100 %", ours / bare))
+            else:
+                rows.append(Row(what, f"{over:+.1%}", "<= 10 %", over / 0.10))
+    return rows
+
+
+def fixed() -> list[Row]:
+    """Row 4: what remains when nothing is solved by the package but status, words and a column."""
+    given = points(ROWS)
+    bare, ours = alternating(batch(given, "closed-form", ONE), many(given, "closed-form", ONE))
+    table = bs.solve_many(given, SCREW, model="closed-form", outputs=ONE, threads=1)
+    answers = timed(lambda: (table._rows.statuses(), table._rows.models()))  # type: ignore[union-attr]
+    words = alternating(answers)[0]
+    two, one = alternating(
+        many(given, "closed-form", FOUR[:2]), many(given, "closed-form", FOUR[:1])
+    )
+    bare_two, bare_one = alternating(batch(given, "closed-form", FOUR[:2]), batch(given, "closed-form", FOUR[:1]))
+    column = 1e3 * ((two - one) - (bare_two - bare_one))
+    cost = 1e3 * (ours - bare)
+    return [
+        Row("fixed cost of 1e6 rows", f"{cost:.1f} ms, status and model {1e3 * words:.1f} ms more when asked", "<= 1 ms", cost),
+        Row("a further column of 1e6 rows", f"{column:+.2f} ms", "<= 0.1 ms", column / 0.1),
+    ]
+
+
+def one_point() -> list[Row]:
+    """Row 5: a single solve."""
+    n = 20_000
+
+    def loop(work: Callable[[], object]) -> Callable[[], float]:
+        def run() -> float:
+            start = time.perf_counter()
+            for _ in range(n):
+                work()
+            return (time.perf_counter() - start) / n
+
+        return run
+
+    how = ("rigid", 1e-2, 1e-8, 1e-4, None)
+    bare, ours, keyword = alternating(
+        lambda: _core.solve_seconds(SCREW, how, n) / n,
+        loop(lambda: bs.solve(SCREW, model="rigid")),
+        loop(lambda: bs.solve(SCREW, model="rigid", lead_mm=20.0)),
+    )
+    answer = bs.solve(SCREW, model="rigid")
+    attribute, nothing = alternating(loop(lambda: answer.efficiency), loop(lambda: answer))
+    over, replaced, read = 1e6 * (ours - bare), 1e6 * (keyword - ours), 1e6 * (attribute - nothing)
+    return [
+        Row(f"`solve` over the model itself, {1e6 * bare:.1f} us in `rigid`", f"{over:+.1f} us", "<= 2 us", over / 2.0),
+        Row("an input by keyword", f"{replaced:+.1f} us", "<= 2 us", replaced / 2.0),
+        Row("reading an output", f"{read:.2f} us", "<= 0.1 us", read / 0.1),
+    ]
+
+
+def frames() -> list[Row]:
+    """Row 6: frames of others."""
+    given = points(ROWS)
+    forms: dict[str, object] = {"NumPy": given}
+    try:
+        import polars
+
+        forms["polars"] = polars.DataFrame(given)
+    except ImportError:
+        pass
+    try:
+        import pyarrow
+
+        forms["pyarrow"] = pyarrow.table(given)
+    except ImportError:
+        pass
+    times = alternating(*(many(form, "rigid", FOUR) for form in forms.values()))
+    base = times[0]
+    return [
+        Row(f"{name} in against NumPy in, `rigid`", f"{found / base - 1.0:+.1%}", "<= 10 %", (found / base - 1.0) / 0.10)
+        for name, found in list(zip(forms, times, strict=True))[1:]
+    ]
+
+
+def elsewhere() -> list[Row]:
+    """Import, memory and Ctrl-C, each in a process of its own."""
+
+    def told(code: str) -> float:
+        run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        return float(run.stdout.split()[-1])
+
+    load = "import time; a = time.perf_counter(); import ballscrew; print(1e3 * (time.perf_counter() - a))"
+    imported = min(told(load) for _ in range(5))
+    peak = (
+        "import resource, runpy, sys; sys.argv = ['overhead.py']\n"
+        f"b = runpy.run_path({os.path.abspath(__file__)!r})\n"
+        "g = b['points'](1_000_000)\n"
+        "at = lambda: int(open('/proc/self/statm').read().split()[1]) * resource.getpagesize() / 2**20\n"
+        "b['bs'].solve_many({n: v[:10] for n, v in g.items()}, b['SCREW'], model='rigid')\n"
+        "a = at(); t = b['bs'].solve_many(g, b['SCREW'], model='rigid', outputs=%s, threads=1); print(at() - a)"
+    )
+    one, every = told(peak % "['efficiency']"), told(peak % "None")
+    columns = len(bs.solve_many(points(2), SCREW, model="rigid").column_names) - 5
+    return [
+        Row("import without numpy", f"{imported:.0f} ms", "<= 20 ms", imported / 20.0),
+        Row("memory for 1e6 rows, 1 output", f"{one:.0f} MB", "no copy of a column: 11 MB", one / 11.0 / 1.5),
+        Row(
+            f"memory for 1e6 rows, all {columns} outputs", f"{every:.0f} MB",
+            f"no copy of a column: {3 + 8 * columns} MB", every / (3 + 8 * columns) / 1.2,
+        ),
+    ]
+
+
+def main() -> None:
+    """Prints the table; with `--check` fails where a promise is missed by a factor of three."""
+    rows = [*of_batch(), *fixed(), *one_point(), *frames(), *elsewhere()]
+    lines = ["| what | measured | to reach |", "|---|---|---|"]
+    lines += [f"| {row.what} | {row.value} | {row.promised} |" for row in rows]
+    print("\n".join(lines))
+    if "--write" in sys.argv:
+        text = GUIDE.read_text(encoding="utf-8")
+        before, _, rest = text.partition(BEGINS)
+        _, _, after = rest.partition(ENDS)
+        GUIDE.write_text(before + BEGINS + "\n" + "\n".join(lines) + "\n" + ENDS + after, encoding="utf-8")
+    missed = [row for row in rows if row.times > 3.0]
+    if "--check" in sys.argv and missed:
+        sys.exit("more than three times what is promised: " + "; ".join(row.what for row in missed))
+
+
+if __name__ == "__main__":
+    main()

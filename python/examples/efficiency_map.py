@@ -1,0 +1,57 @@
+"""An efficiency map over speed and load, with the regime of the balls and a lookup table for a drive model.
+
+Runs as a script, and opens as a notebook in editors that know `# %%` cells. It writes its files to the folder
+in which it runs.
+"""
+
+# %% The screw: names carry their units.
+import matplotlib.pyplot as plt
+import numpy as np
+
+import ballscrew as bs
+import ballscrew.plot
+
+screw = bs.Scene(
+    ball_diameter_mm=6.35,
+    pitch_circle_diameter_mm=41.5,
+    lead_mm=20,
+    contact_angle_deg=45,
+    nut_conformity=0.53,
+    screw_conformity=0.53,
+    friction_coefficient=0.06,
+    loaded_balls=70,
+)
+
+# %% A full grid on all cores; the last axis runs fastest.
+grid = bs.sweep(
+    screw,
+    vary={"screw_speed_rpm": bs.linspace(100, 6000, 60), "axial_load_N": bs.linspace(20, 2000, 40)},
+    model="raceway-control",
+    outputs=["efficiency", "screw_torque_Nm", "axial_displacement_um", "onset_number"],
+)
+print(grid, grid.grid("efficiency").shape)
+
+# %% Where the balls grip, the skid onset number is below one.
+grips = grid.grid("onset_number") < 1.0
+print(f"the balls grip at {grips.mean():.0%} of the points")
+
+# %% The map; failed points are gaps.
+figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
+ballscrew.plot.map(grid, "efficiency", ax=left)
+ballscrew.plot.curves(
+    bs.sweep(
+        screw,
+        vary={"screw_speed_rpm": bs.linspace(100, 6000, 60), "axial_load_N": [2e3, 8e3, 2e4]},
+        outputs=["screw_torque_Nm"],
+    ),
+    "screw_speed_rpm",
+    "screw_torque_Nm",
+    by="axial_load_N",
+    ax=right,
+)
+figure.savefig("efficiency_map.svg")
+
+# %% For a drive model: torque over speed and load, as any frame or file.
+table = grid.to_pandas().pivot(index="axial_load_N", columns="screw_speed_rpm", values="screw_torque_Nm")
+table.to_csv("torque.csv")
+assert np.isfinite(table.to_numpy()).all()

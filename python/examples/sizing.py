@@ -1,0 +1,40 @@
+"""From a requirement to a screw, and the axis around it.
+
+Runs as a script, and opens as a notebook in editors that know `# %%` cells.
+"""
+
+# %% What the axis must do.
+import ballscrew as bs
+
+requirement = {
+    "axial_load_kN": 10,
+    "feed_m_min": 30,
+    "stroke_mm": 1200,
+    "friction_coefficient": 0.06,
+    "required_life_h": 20000,
+    "speed_number_limit_mm_min": 120000,
+    "support": "fixed-supported",
+    "moved_mass_kg": 500,
+    "motor_inertia_kg_m2": 0.01,
+    "objective": "mass",
+}
+
+# %% The best screw of standard sizes, with what holds it back.
+design = bs.design(requirement)
+assert design.found, design["reasons"]
+screw = bs.Scene(design["scene"])
+print(screw)
+
+# %% Every nut of the catalogue that keeps all limits, the lightest first.
+nuts = bs.catalog(requirement=requirement, sort="mass_kg", first=5)
+print(nuts.to_pandas()[["screw_root_diameter_mm", "ball_diameter_mm", "dynamic_load_rating_N", "mass_kg"]])
+
+# %% The axis around the screw: each rule with its limit and margin.
+axis = bs.size(screw)
+for rule in axis["rules"]:
+    print(rule["name"], rule["value"], rule["limit"], rule["passes"])
+
+# %% All balls of the nut.
+nut = bs.nut(screw)
+print(nut)
+print(nut.balls.to_pandas().head())

@@ -1,0 +1,54 @@
+//! Times of what the functions of Python add to, for `benches/overhead.py`.
+
+use std::hint::black_box;
+use std::num::NonZeroUsize;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use bsm_batch::{Answers, Source, Task, Workers};
+use bsm_dyn::ModelWorkspace;
+use pyo3::prelude::*;
+
+use crate::errors;
+use crate::points::table_of;
+use crate::scene::{How, Scene};
+use crate::table::Numbers;
+
+/// Seconds that the rows take in the batch alone, on one thread, which holds all answers.
+#[pyfunction]
+pub(crate) fn batch_seconds(
+    py: Python<'_>,
+    base: &Bound<'_, Scene>,
+    columns: Vec<(String, Numbers)>,
+    len: usize,
+    how: How,
+    outputs: Option<Vec<String>>,
+) -> PyResult<f64> {
+    let columns = columns.into_iter().map(|(name, values)| (name, values, Vec::new())).collect();
+    let outputs = Answers::select(outputs.as_deref()).map_err(|e| errors::table(&e))?;
+    let mut memory = table_of(columns, Vec::new(), len)?;
+    let task = Task::over_table(base.get().0.clone(), how.settings()?, outputs, memory.columns());
+    let task = task.map_err(|e| errors::input(&e))?;
+    let stop = AtomicBool::new(false);
+    let workers = Workers::start(Some(NonZeroUsize::MIN), &stop)?;
+    py.detach(|| {
+        let names = memory.columns().clone();
+        let Some(chunk) = memory.next(len).map_err(|e| errors::table(&e))? else { return Ok(0.0) };
+        let start = Instant::now();
+        drop(black_box(workers.install(|| task.solve(&chunk, &names))));
+        Ok(start.elapsed().as_secs_f64())
+    })
+}
+
+/// Seconds that a model takes to solve a scene so many times.
+#[pyfunction]
+pub(crate) fn solve_seconds(scene: &Bound<'_, Scene>, how: How, times: u64) -> PyResult<f64> {
+    let (scene, settings) = (&scene.get().0, how.settings()?);
+    let mut work = ModelWorkspace::default();
+    let start = Instant::now();
+    for _ in 0..times {
+        let problem = black_box(scene).problem(&settings).map_err(|e| errors::input(&e))?;
+        let _ = black_box(problem.solve(&mut work));
+    }
+    Ok(start.elapsed().as_secs_f64())
+}

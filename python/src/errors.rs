@@ -1,0 +1,100 @@
+//! Errors as exceptions of the package.
+
+use bsm_batch::TableError;
+use bsm_case::{CaseError, brief};
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// The exception for an input that cannot be used.
+pub(crate) fn input(error: &CaseError) -> PyErr {
+    if error.is_io() {
+        return PyOSError::new_err(error.to_string());
+    }
+    let (message, hint) = match error {
+        CaseError::UnknownKey { .. } => (error.message(), "ballscrew.INPUTS has all names"),
+        CaseError::UnknownOutput { .. } => (error.message(), OUTPUTS),
+        CaseError::UnknownRequirement { .. } => {
+            (error.message(), "ballscrew.REQUIREMENTS and ballscrew.INPUTS have all names")
+        }
+        CaseError::NoRange { key } => {
+            (format!("`{key}` is not in the scene"), "give where to search: range=(low, high)")
+        }
+        CaseError::BadRange { key, low, high } => {
+            (format!("range: {low} to {high} is not a range of allowed values of `{key}`"), "")
+        }
+        _ => (error.message(), ""),
+    };
+    let about = About {
+        key: error.key(),
+        value: error.value(),
+        rule: error.rule(),
+        nearest: error.nearest(),
+    };
+    invalid(&message, about, hint)
+}
+
+/// The exception for a table that cannot be used.
+pub(crate) fn table(error: &TableError) -> PyErr {
+    let meant =
+        |name: Option<&str>| name.map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
+    let of = |key, nearest| About { key: Some(key), nearest, ..About::default() };
+    match error {
+        TableError::Io(error) => PyOSError::new_err(error.to_string()),
+        TableError::UnknownColumn { name, nearest } => {
+            let nearest = nearest.as_deref();
+            let message = format!("column `{}` is not an input{}", brief(name), meant(nearest));
+            let hint = format!("leave it out, or carry it through with keep=[{name:?}]");
+            invalid(&message, of(name, nearest), &hint)
+        }
+        TableError::UnknownOutput { name, nearest } => {
+            let message = format!("no output is named `{}`{}", brief(name), meant(*nearest));
+            invalid(&message, of(name, *nearest), OUTPUTS)
+        }
+        TableError::NameOfAnAnswer { name } => {
+            let message = format!("keep: the results have a column `{name}` too; rename yours");
+            invalid(&message, of(name, None), "")
+        }
+        TableError::NothingToKeep { name } => {
+            invalid(&format!("keep: there is no column `{name}`"), of(name, None), "")
+        }
+        TableError::RepeatedColumn { name } | TableError::NotNumbers { name, .. } => {
+            invalid(&error.to_string(), of(name, None), "")
+        }
+        other => words(&other.to_string()),
+    }
+}
+
+const OUTPUTS: &str = "ballscrew.OUTPUTS has all names";
+
+/// What an error is about.
+#[derive(Default)]
+struct About<'a> {
+    key: Option<&'a str>,
+    value: Option<f64>,
+    rule: Option<&'a str>,
+    nearest: Option<&'a str>,
+}
+
+/// An `InputError` with its attributes.
+fn invalid(message: &str, about: About<'_>, hint: &str) -> PyErr {
+    let made = Python::attach(|py| -> PyResult<PyErr> {
+        let kind = py.import("ballscrew._errors")?.getattr("InputError")?;
+        let named = PyDict::new(py);
+        named.set_item("key", about.key)?;
+        named.set_item("value", about.value)?;
+        named.set_item("rule", about.rule)?;
+        named.set_item("nearest", about.nearest)?;
+        let error = kind.call((message,), Some(&named))?;
+        if !hint.is_empty() {
+            error.call_method1("add_note", (hint,))?;
+        }
+        Ok(PyErr::from_value(error))
+    });
+    made.unwrap_or_else(|error| error)
+}
+
+/// An `InputError` with words alone.
+pub(crate) fn words(message: &str) -> PyErr {
+    invalid(message, About::default(), "")
+}

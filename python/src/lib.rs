@@ -1,0 +1,112 @@
+//! The core of the Python package `ballscrew`: conversions only, no formula. Private; the public functions are
+//! those of `ballscrew/_api.py`.
+
+#![expect(
+    clippy::needless_pass_by_value,
+    clippy::type_complexity,
+    reason = "what Python hands over is ours, and its tuples are rows of tables"
+)]
+
+mod clock;
+mod errors;
+mod points;
+mod reports;
+mod scene;
+mod solution;
+mod table;
+
+use bsm_case::{
+    INPUTS, Input, ModelChoice, NutWords, Output, REQUIREMENT_INPUTS, REQUIREMENT_WORDS,
+};
+use bsm_dyn::Control;
+use pyo3::prelude::*;
+
+/// Name, unit, meaning, default and rule of every input.
+#[pyfunction]
+fn inputs() -> Vec<(&'static str, &'static str, &'static str, Option<f64>, String)> {
+    INPUTS.iter().map(|i| (i.name, i.unit, i.about, i.default, i.rule.describe())).collect()
+}
+
+/// Name, unit, meaning, type in JSON, words and analysis of every output.
+#[pyfunction]
+fn outputs() -> Vec<(
+    &'static str,
+    &'static str,
+    &'static str,
+    &'static str,
+    Vec<&'static str>,
+    Option<&'static str>,
+)> {
+    let row = |o: &Output| {
+        let analysis = o.analysis().map(bsm_case::AnalysisKind::name);
+        (o.name, o.unit, o.about, o.json_type, o.words.to_vec(), analysis)
+    };
+    Output::all().map(row).collect()
+}
+
+/// The names of the models, `auto` first.
+#[pyfunction]
+fn models() -> Vec<&'static str> {
+    ModelChoice::names().collect()
+}
+
+/// The names of the races that may control.
+#[pyfunction]
+fn races() -> [&'static str; 2] {
+    Control::ALL.map(Control::name)
+}
+
+/// Name, unit, meaning, default and rule of what a requirement may say besides inputs of a scene.
+#[pyfunction]
+fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, String)> {
+    let words = REQUIREMENT_WORDS.iter().map(|(name, words, about)| {
+        (*name, "", (*about).to_owned(), None, format!("one of {}", words.join(", ")))
+    });
+    let number = |i: &Input| (i.name, i.unit, i.about.to_owned(), i.default, i.rule.describe());
+    words.chain(REQUIREMENT_INPUTS.iter().map(number)).collect()
+}
+
+/// The keys of a scene that are no numbers.
+#[pyfunction]
+fn scene_words() -> &'static [&'static str] {
+    NutWords::KEYS
+}
+
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<scene::Scene>()?;
+    module.add_class::<solution::Solution>()?;
+    module.add_class::<points::Rows>()?;
+    for function in [
+        wrap_pyfunction!(inputs, module)?,
+        wrap_pyfunction!(outputs, module)?,
+        wrap_pyfunction!(models, module)?,
+        wrap_pyfunction!(races, module)?,
+        wrap_pyfunction!(scene_words, module)?,
+        wrap_pyfunction!(requirements, module)?,
+        wrap_pyfunction!(solution::sensitivities, module)?,
+        wrap_pyfunction!(solution::gradient, module)?,
+        wrap_pyfunction!(points::solve_many, module)?,
+        wrap_pyfunction!(points::sweep, module)?,
+        wrap_pyfunction!(table::read_arrow, module)?,
+        wrap_pyfunction!(table::to_arrow, module)?,
+        wrap_pyfunction!(reports::analysis, module)?,
+        wrap_pyfunction!(reports::capacity, module)?,
+        wrap_pyfunction!(reports::nut, module)?,
+        wrap_pyfunction!(reports::nut_columns, module)?,
+        wrap_pyfunction!(reports::nut_samples, module)?,
+        wrap_pyfunction!(reports::fit, module)?,
+        wrap_pyfunction!(reports::design, module)?,
+        wrap_pyfunction!(reports::optimum, module)?,
+        wrap_pyfunction!(reports::size, module)?,
+        wrap_pyfunction!(reports::catalog, module)?,
+        wrap_pyfunction!(reports::validate, module)?,
+        wrap_pyfunction!(reports::write_numbers, module)?,
+        wrap_pyfunction!(clock::batch_seconds, module)?,
+        wrap_pyfunction!(clock::solve_seconds, module)?,
+    ] {
+        module.add_function(function)?;
+    }
+    Ok(())
+}

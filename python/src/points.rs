@@ -1,0 +1,442 @@
+//! Many points in memory.
+
+use std::cell::OnceCell;
+use std::io;
+use std::num::NonZeroUsize;
+use std::panic::resume_unwind;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use arrow_buffer::{Buffer, ScalarBuffer};
+use bsm_batch::{
+    Answers, Chunk, Columns, Format, GridSource, ROWS, Room, Sink, Source, TableError, TableSink,
+    Task, Verdict, Workers,
+};
+use bsm_case::{Axis, Grid, ModelChoice, Output};
+use bsm_dyn::Status;
+use pyo3::prelude::*;
+use pyo3_arrow::buffer::PyArrowBuffer;
+use tempfile::NamedTempFile;
+
+use crate::errors;
+use crate::scene::{How, Scene};
+use crate::table::Numbers;
+
+/// How often the thread that called looks at signals and shows progress.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Values of an input, and its rows without one.
+type Given = (ScalarBuffer<f64>, Vec<usize>);
+
+/// The rows of a table in memory.
+#[derive(Clone)]
+pub(crate) struct Memory {
+    columns: Columns,
+    names: Vec<String>,
+    inputs: Vec<Given>,
+    kept: Vec<Vec<String>>,
+    len: usize,
+    at: usize,
+}
+
+impl Source for Memory {
+    fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    fn len_hint(&self) -> Option<u64> {
+        Some(self.len as u64)
+    }
+
+    fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
+        let len = rows.min(self.len - self.at);
+        if len == 0 {
+            return Ok(None);
+        }
+        let first = self.at;
+        self.at += len;
+        let column = |(place, (values, missing)): (usize, &Given)| {
+            let from = missing.partition_point(|row| *row < first);
+            let rows = missing[from..].iter().map(|row| row - first).take_while(|row| *row < len);
+            self.columns.column(place, values.slice(first, len), rows)
+        };
+        Ok(Some(Chunk {
+            first: first as u64 + 1,
+            len,
+            inputs: self.inputs.iter().enumerate().map(column).collect(),
+            kept: self.kept.iter().map(|texts| texts[first..self.at].to_vec()).collect(),
+        }))
+    }
+}
+
+/// Where the rows came from, to read them again.
+#[derive(Clone)]
+enum Origin {
+    Grid(Grid),
+    Memory(Memory),
+}
+
+impl Origin {
+    fn source(&self) -> Box<dyn Source> {
+        match self {
+            Self::Grid(grid) => Box::new(GridSource::new(grid.clone())),
+            Self::Memory(memory) => Box::new(memory.clone()),
+        }
+    }
+}
+
+/// Rows and their answers.
+#[pyclass(frozen, module = "ballscrew._core")]
+pub(crate) struct Rows {
+    origin: Origin,
+    outputs: Vec<&'static Output>,
+    verdicts: Vec<Verdict>,
+    messages: Vec<(usize, String)>,
+    columns: Vec<ScalarBuffer<f64>>,
+}
+
+/// Places of words in a list: the words, and one place a row.
+type Words = (PyArrowBuffer, Vec<&'static str>);
+
+#[pymethods]
+impl Rows {
+    fn __len__(&self) -> usize {
+        self.verdicts.len()
+    }
+
+    /// Names of the inputs that are columns, as the table has them.
+    fn inputs(&self) -> Vec<String> {
+        match &self.origin {
+            Origin::Grid(_) => Vec::new(),
+            Origin::Memory(memory) => memory.names.clone(),
+        }
+    }
+
+    /// Models, as places in their names.
+    fn models(&self) -> Words {
+        let names: Vec<_> = ModelChoice::names().collect();
+        let place = |verdict: &Verdict| match verdict.model {
+            ModelChoice::Auto => 0,
+            ModelChoice::Fixed(model) => 1 + model as u8,
+        };
+        (codes(self.verdicts.iter().map(place).collect()), names)
+    }
+
+    /// Statuses, as places in their names.
+    fn statuses(&self) -> Words {
+        let names = Status::ALL.map(Status::name).to_vec();
+        (codes(self.verdicts.iter().map(|verdict| verdict.status as u8).collect()), names)
+    }
+
+    /// Why rows have no result, or why auto chose their model.
+    fn messages(&self) -> Vec<(usize, &str)> {
+        self.messages.iter().map(|(row, text)| (*row, text.as_str())).collect()
+    }
+
+    /// The outputs: name and values.
+    fn outputs(&self) -> Vec<(&'static str, PyArrowBuffer)> {
+        let buffer = |values: &ScalarBuffer<f64>| PyArrowBuffer::new(values.inner().clone());
+        self.outputs.iter().zip(&self.columns).map(|(o, values)| (o.name, buffer(values))).collect()
+    }
+
+    /// Writes the table as the program does, by the ending of the path.
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let format = format_of(&path)?;
+        py.detach(|| self.write_to(&path, format)).map_err(|e| errors::table(&e))
+    }
+}
+
+impl Rows {
+    fn write_to(&self, path: &Path, format: Format) -> Result<(), TableError> {
+        let file = beside(path)?;
+        let mut source = self.origin.source();
+        let mut sink = TableSink::new(format, file, source.columns(), &self.outputs)?;
+        let mut messages = self.messages.iter().peekable();
+        while let Some(chunk) = source.next(ROWS)? {
+            let first = usize::try_from(chunk.first - 1).unwrap_or(0);
+            let rows = first..first + chunk.len;
+            let mut of_chunk = Vec::new();
+            while let Some((row, text)) = messages.next_if(|(row, _)| rows.contains(row)) {
+                of_chunk.push((row - first, text.clone()));
+            }
+            let answers = Answers {
+                verdicts: self.verdicts[rows.clone()].to_vec(),
+                messages: of_chunk,
+                columns: self.columns.iter().map(|column| column[rows.clone()].to_vec()).collect(),
+            };
+            sink.write(chunk, answers)?;
+        }
+        let file = sink.finish(None)?;
+        file.persist(path).map_err(|e| TableError::Io(e.error))?;
+        Ok(())
+    }
+}
+
+/// The format of a table, by the ending of its path.
+pub(crate) fn format_of(path: &Path) -> PyResult<Format> {
+    let words = || format!("{}: must end in .csv, .jsonl or .parquet", path.display());
+    Format::of(path).ok_or_else(|| errors::words(&words()))
+}
+
+/// A temporary file in the folder of a path, which it takes when it is complete.
+pub(crate) fn beside(path: &Path) -> io::Result<NamedTempFile> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))
+}
+
+/// Small numbers for Python.
+fn codes(places: Vec<u8>) -> PyArrowBuffer {
+    PyArrowBuffer::new(Buffer::from_vec(places))
+}
+
+/// The outputs of these names, or all of a solution.
+fn selected(names: Option<Vec<String>>) -> PyResult<Vec<&'static Output>> {
+    Answers::select(names.as_deref()).map_err(|e| errors::table(&e))
+}
+
+/// The table of columns: name, values, rows without one; and of columns of texts that are carried through.
+pub(crate) fn table_of(
+    columns: Vec<(String, Numbers, Vec<usize>)>,
+    kept: Vec<(String, Vec<String>)>,
+    len: usize,
+) -> PyResult<Memory> {
+    let keep: Vec<_> = kept.iter().map(|(name, _)| name.clone()).collect();
+    let names = columns.iter().map(|(name, ..)| name).chain(&keep).map(String::as_str);
+    let named = Columns::sort(names, &keep).map_err(|e| errors::table(&e))?;
+    let given = |place: &usize| (columns[*place].1.0.clone(), columns[*place].2.clone());
+    let inputs = named.input_places().iter().map(given).collect();
+    let names = named.input_places().iter().map(|place| columns[*place].0.clone()).collect();
+    let kept = kept.into_iter().map(|(_, texts)| texts).collect();
+    Ok(Memory { columns: named, names, inputs, kept, len, at: 0 })
+}
+
+/// Solves the rows of columns in memory.
+///
+/// * `columns`: name, values, rows without one. * `kept`: columns of texts that are carried through.
+/// * `progress`: is called with the rows that are done and their number.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+pub(crate) fn solve_many(
+    py: Python<'_>,
+    base: &Bound<'_, Scene>,
+    columns: Vec<(String, Numbers, Vec<usize>)>,
+    kept: Vec<(String, Vec<String>)>,
+    len: usize,
+    how: How,
+    outputs: Option<Vec<String>>,
+    threads: Option<NonZeroUsize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Rows> {
+    let memory = table_of(columns, kept, len)?;
+    let base = base.get().0.clone();
+    let task = Task::over_table(base, how.settings()?, selected(outputs)?, &memory.columns);
+    let task = task.map_err(|e| errors::input(&e))?;
+    drive(py, &task, Origin::Memory(memory), len, threads, progress)
+}
+
+/// Solves a grid; the last axis runs fastest.
+///
+/// * `axes`: as `--vary` has them.
+#[pyfunction]
+pub(crate) fn sweep(
+    py: Python<'_>,
+    base: &Bound<'_, Scene>,
+    axes: Vec<String>,
+    how: How,
+    outputs: Option<Vec<String>>,
+    threads: Option<NonZeroUsize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Rows, Vec<(String, Vec<f64>)>)> {
+    let axes: Result<Vec<_>, _> = axes.iter().map(|text| Axis::parse(text)).collect();
+    let grid = axes.and_then(Grid::new).map_err(|e| errors::input(&e))?;
+    let settings = how.settings()?;
+    let task = Task::over_grid(base.get().0.clone(), settings, selected(outputs)?, None, &grid);
+    let task = task.map_err(|e| errors::input(&e))?;
+    let axis = |axis: &Axis| {
+        (axis.key.name().to_owned(), (0..axis.len()).map(|place| axis.value(place)).collect())
+    };
+    let axes = grid.axes().iter().map(axis).collect();
+    let len = grid.len();
+    Ok((drive(py, &task, Origin::Grid(grid), len, threads, progress)?, axes))
+}
+
+/// Threads, one set for each number of them, of a process.
+type Held = (u32, Option<NonZeroUsize>, Arc<Workers<'static>>);
+
+/// The threads of this process: a fork has none of those that its parent started.
+static HELD: Mutex<Vec<Held>> = Mutex::new(Vec::new());
+
+/// What the held threads look at, which no one sets: a run has its own.
+static NEVER: AtomicBool = AtomicBool::new(false);
+
+/// The threads of this process, started once for each number of them.
+fn workers(threads: Option<NonZeroUsize>) -> PyResult<Arc<Workers<'static>>> {
+    let threads = threads.or_else(|| std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok());
+    let process = std::process::id();
+    let mut held = HELD.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((.., workers)) = held.iter().find(|(p, t, _)| (*p, *t) == (process, threads)) {
+        return Ok(workers.clone());
+    }
+    // Threads of a parent are not there to be joined.
+    held.extract_if(.., |(p, ..)| *p != process).for_each(std::mem::forget);
+    let workers = Arc::new(Workers::start(threads, &NEVER)?);
+    held.push((process, threads, workers.clone()));
+    Ok(workers)
+}
+
+/// Solves a task.
+fn drive(
+    py: Python<'_>,
+    task: &Task,
+    origin: Origin,
+    len: usize,
+    threads: Option<NonZeroUsize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Rows> {
+    let mut gathered = Gathered::of(len, task.outputs.len());
+    watched(py, task.is_quick(len), len, threads, progress, |stop, done| {
+        gathered.fill(task, origin.source().as_mut(), stop, done)
+    })?
+    .map_err(|e| errors::table(&e))?;
+    let Gathered { verdicts, messages, columns, .. } = gathered;
+    let nothing = OnceCell::new();
+    let column = |column: Option<Vec<f64>>| match column {
+        Some(values) => ScalarBuffer::from(values),
+        None => nothing.get_or_init(|| ScalarBuffer::from(vec![f64::NAN; len])).clone(),
+    };
+    let columns = columns.into_iter().map(column).collect();
+    Ok(Rows { origin, outputs: task.outputs.clone(), verdicts, messages, columns })
+}
+
+/// The answers of all rows.
+struct Gathered {
+    verdicts: Vec<Verdict>,
+    messages: Vec<(usize, String)>,
+    /// The outputs; none as long as no row has a value.
+    columns: Vec<Option<Vec<f64>>>,
+    len: usize,
+}
+
+impl Gathered {
+    fn of(len: usize, outputs: usize) -> Self {
+        // A table of one chunk is solved into its place.
+        let own = if len <= ROWS { outputs } else { 0 };
+        let Answers { verdicts, messages, columns } = Answers::room(len, own);
+        let mut columns: Vec<_> = columns.into_iter().map(Some).collect();
+        columns.resize(outputs, None);
+        Self { verdicts, messages, columns, len }
+    }
+
+    /// Solves all rows of the source.
+    fn fill(
+        &mut self,
+        task: &Task,
+        source: &mut dyn Source,
+        stop: &AtomicBool,
+        done: &AtomicU64,
+    ) -> Result<(), TableError> {
+        let named = source.columns().clone();
+        let mut verdicts = &mut self.verdicts[..];
+        // Where columns go that have no value yet: most outputs are of other models.
+        let mut spare = vec![Vec::new(); self.columns.len()];
+        while !stop.load(Ordering::Relaxed) {
+            let Some(chunk) = source.next(ROWS)? else { break };
+            let first = usize::try_from(chunk.first - 1).unwrap_or(0);
+            let rows = first..first + chunk.len;
+            let place = |(column, spare)| match column {
+                &mut Some(ref mut column) => &mut Vec::as_mut_slice(column)[rows.clone()],
+                None => {
+                    let spare: &mut Vec<f64> = spare;
+                    spare.resize(chunk.len, f64::NAN);
+                    &mut spare[..]
+                }
+            };
+            let room = Room {
+                verdicts: first_of(&mut verdicts, chunk.len),
+                columns: self.columns.iter_mut().zip(&mut spare).map(place).collect(),
+            };
+            let words = task.solve_into((&chunk, &named), room, stop, done);
+            self.messages.extend(words.into_iter().map(|(row, text)| (first + row, text)));
+            for (column, spare) in self.columns.iter_mut().zip(&spare) {
+                if column.is_none() && spare.iter().any(|value| !value.is_nan()) {
+                    let mut values = vec![0.0; self.len];
+                    values[..first].fill(f64::NAN);
+                    values[rows.clone()].copy_from_slice(spare);
+                    *column = Some(values);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The first values, which the rest loses.
+fn first_of<'a, T>(rest: &mut &'a mut [T], len: usize) -> &'a mut [T] {
+    rest.split_off_mut(..len).unwrap_or_default()
+}
+
+/// Does `work` on the threads, while the thread that calls looks at signals and shows progress; quick work it
+/// does itself.
+///
+/// * `work`: ends if its first argument becomes true, and counts what it has done in the second one.
+pub(crate) fn watched<R: Send>(
+    py: Python<'_>,
+    quick: bool,
+    len: usize,
+    threads: Option<NonZeroUsize>,
+    progress: Option<Py<PyAny>>,
+    work: impl FnOnce(&AtomicBool, &AtomicU64) -> R + Send,
+) -> PyResult<R> {
+    let (stop, done) = (AtomicBool::new(false), AtomicU64::new(0));
+    if quick {
+        let result = py.detach(|| work(&stop, &done));
+        look(progress.as_ref(), len as u64, len)?;
+        return Ok(result);
+    }
+    let workers = workers(threads)?;
+    let mut interrupted = None;
+    let result = py.detach(|| {
+        thread::scope(|scope| {
+            let (tell, told) = sync_channel(1);
+            let (stop, done) = (&stop, &done);
+            let run = move || {
+                let result = workers.install(|| work(stop, done));
+                tell.send(result).unwrap_or_default();
+            };
+            let running = thread::Builder::new().spawn_scoped(scope, run)?;
+            loop {
+                match told.recv_timeout(LOOK) {
+                    Ok(result) => break Ok(result),
+                    // It panicked.
+                    Err(RecvTimeoutError::Disconnected) => match running.join() {
+                        Err(panic) => resume_unwind(panic),
+                        Ok(()) => break Err(io::Error::other("the threads gave no answer")),
+                    },
+                    Err(RecvTimeoutError::Timeout) if interrupted.is_none() => {
+                        let count = done.load(Ordering::Relaxed);
+                        interrupted = look(progress.as_ref(), count, len).err();
+                        stop.store(interrupted.is_some(), Ordering::Relaxed);
+                    }
+                    Err(RecvTimeoutError::Timeout) => {}
+                }
+            }
+        })
+    });
+    if let Some(error) = interrupted {
+        return Err(error);
+    }
+    look(progress.as_ref(), len as u64, len)?;
+    Ok(result?)
+}
+
+/// Looks at signals, and shows progress.
+fn look(progress: Option<&Py<PyAny>>, done: u64, len: usize) -> PyResult<()> {
+    Python::attach(|py| {
+        py.check_signals()?;
+        progress.map_or(Ok(()), |progress| progress.call1(py, (done, len)).map(|_| ()))
+    })
+}

@@ -1,0 +1,295 @@
+//! Reports as JSON, in the names of the program.
+
+use std::path::PathBuf;
+
+use bsm_batch::{Format, NumberColumn, NumberSink, TableError};
+use bsm_case::{
+    Analysis, CATALOGUE_COLUMNS, CapacityReport, CaseError, Catalogue, CatalogueColumn, Condition,
+    DesignReport, Fit, Moving, NutProblem, OptimumReport, Record, RequirementFile, Samples,
+    SizeReport, Spectrum,
+};
+use bsm_design::Candidate;
+use bsm_dyn::{Model, ModelWorkspace};
+use bsm_validate::Published;
+use pyo3::prelude::*;
+use pyo3_arrow::buffer::PyArrowBuffer;
+use serde_json::{Value, json};
+
+use crate::errors;
+use crate::points::{beside, format_of, watched};
+use crate::scene::{How, Scene};
+use crate::table::{Numbers, shared};
+
+/// A report as JSON, whether it found what it looked for, and warnings.
+type Report = (String, bool, Vec<String>);
+
+fn refused(error: CaseError) -> PyErr {
+    errors::input(&error)
+}
+
+/// Works on the threads of this process, never on those of rayon, which a fork would wait for.
+fn on_threads<R: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> Result<R, CaseError> + Send,
+) -> PyResult<R> {
+    watched(py, false, 0, None, None, |_, _| work())?.map_err(refused)
+}
+
+/// Slip or jamming of a solved motion.
+#[pyfunction]
+pub(crate) fn analysis(
+    py: Python<'_>,
+    kind: &str,
+    scene: &Bound<'_, Scene>,
+    how: How,
+) -> PyResult<Report> {
+    let scene = &scene.get().0;
+    let settings = how.settings()?;
+    let jams = kind == "jam";
+    on_threads(py, || {
+        let work = &mut ModelWorkspace::default();
+        let found = scene.problem(&settings)?.solve(work);
+        let Moving { settings, solution, note } = Moving::of(scene, &settings, found, work)?;
+        let notes = note.into_iter().collect();
+        if solution.reason().is_some() {
+            let record = Record::new(solution).to_json();
+            return Ok((Value::Object(record).to_string(), false, notes));
+        }
+        let report = if jams {
+            Analysis::jam(scene, &solution)?
+        } else {
+            Analysis::slip(scene, &settings, &solution)?
+        };
+        Ok((Value::Object(report.to_json()).to_string(), true, notes))
+    })
+}
+
+/// Ratings of a nut.
+///
+/// * `spectrum`: a load spectrum as CSV.
+#[pyfunction]
+pub(crate) fn capacity(
+    py: Python<'_>,
+    scene: &Bound<'_, Scene>,
+    spectrum: Option<&[u8]>,
+) -> PyResult<Report> {
+    let scene = &scene.get().0;
+    on_threads(py, || {
+        let spectrum = spectrum.map(Spectrum::from_csv).transpose()?;
+        let report = CapacityReport::of(scene, spectrum.as_ref())?;
+        Ok((report.to_json().to_string(), true, report.warnings().to_vec()))
+    })
+}
+
+/// Rows of a table.
+type Lines = Vec<Vec<f64>>;
+
+/// All balls of a nut: the report, rows of its balls, rows of its curve.
+#[pyfunction]
+pub(crate) fn nut(
+    py: Python<'_>,
+    scene: &Bound<'_, Scene>,
+    how: How,
+) -> PyResult<(Report, Lines, Lines)> {
+    let (scene, settings) = (&scene.get().0, how.settings()?);
+    on_threads(py, || match NutProblem::of(scene, &settings)?.solve() {
+        Ok(report) => {
+            let balls = report.balls().into_iter().map(Into::into).collect();
+            let curve = report.curve().into_iter().map(Into::into).collect();
+            let json = Value::Object(report.to_json()).to_string();
+            let warnings = scene.warnings().into_iter().chain(report.warnings()).collect();
+            Ok(((json, true, warnings), balls, curve))
+        }
+        Err(none) => {
+            let map = json!({ "status": none.status().name(), "message": none.to_string() });
+            Ok(((map.to_string(), false, scene.warnings()), Vec::new(), Vec::new()))
+        }
+    })
+}
+
+/// Name and unit of columns.
+type Named = Vec<(&'static str, &'static str)>;
+
+/// Columns of the balls and of the curve of a nut.
+#[pyfunction]
+pub(crate) fn nut_columns() -> (Named, Named) {
+    (bsm_case::BALL_COLUMNS.to_vec(), bsm_case::CURVE_COLUMNS.to_vec())
+}
+
+/// Quantiles over random balls.
+#[pyfunction]
+pub(crate) fn nut_samples(
+    py: Python<'_>,
+    scene: &Bound<'_, Scene>,
+    how: How,
+    number: u64,
+) -> PyResult<Report> {
+    let (scene, settings) = (&scene.get().0, how.settings()?);
+    on_threads(py, || {
+        let samples = Samples::of(&NutProblem::of(scene, &settings)?, number, None)?;
+        Ok((samples.to_json().to_string(), samples.failed == 0, scene.warnings()))
+    })
+}
+
+/// An input from a measured output.
+#[pyfunction]
+pub(crate) fn fit(
+    py: Python<'_>,
+    scene: &Bound<'_, Scene>,
+    how: How,
+    input: &str,
+    measured: &str,
+    range: Option<(f64, f64)>,
+) -> PyResult<Report> {
+    let (scene, settings) = (&scene.get().0, how.settings()?);
+    on_threads(py, || {
+        let fit = Fit::new(scene, input, range, measured)?;
+        let report = fit.run(scene, &settings)?;
+        Ok((fit.to_json(&report).to_string(), !report.found.is_empty(), scene.warnings()))
+    })
+}
+
+/// A screw for a requirement.
+///
+/// * `free`: of any size, not of the standard ones.
+#[pyfunction]
+pub(crate) fn design(py: Python<'_>, requirement: &str, free: bool) -> PyResult<Report> {
+    on_threads(py, || {
+        let catalogue = Catalogue::standard()?;
+        let lists = catalogue.lists.clone();
+        let wish = RequirementFile::from_json(requirement.as_bytes(), &[], lists)?;
+        let standard = if free { None } else { DesignReport::standard(&wish, &catalogue) };
+        let report = standard.unwrap_or_else(|| DesignReport::of(&wish));
+        Ok((report.to_json().to_string(), report.found, report.warnings))
+    })
+}
+
+/// Best contact angle and self-locking limits.
+#[pyfunction]
+pub(crate) fn optimum(
+    py: Python<'_>,
+    scene: &Bound<'_, Scene>,
+    model: Option<&str>,
+) -> PyResult<Report> {
+    let scene = &scene.get().0;
+    on_threads(py, || {
+        let report = OptimumReport::of(scene, model.and_then(Model::from_name))?;
+        Ok((report.to_json().to_string(), true, report.warnings()))
+    })
+}
+
+/// The axis around a screw.
+#[pyfunction]
+pub(crate) fn size(py: Python<'_>, scene: &Bound<'_, Scene>, how: How) -> PyResult<Report> {
+    let (scene, settings) = (&scene.get().0, how.settings()?);
+    on_threads(py, || {
+        let report = SizeReport::of(scene, &settings)?;
+        Ok((report.to_json().to_string(), report.passes(), report.warnings))
+    })
+}
+
+/// The published checks as JSON.
+#[pyfunction]
+pub(crate) fn validate(py: Python<'_>) -> PyResult<String> {
+    let report =
+        watched(py, false, 0, None, None, |_, _| bsm_validate::run(&Published::default()))?;
+    let report = report.map_err(|e| errors::words(&e.to_string()))?;
+    Ok(json!(report.checks).to_string())
+}
+
+/// Rows of a table that are in memory at a time as it is written, as in the program.
+const PART: usize = 1 << 14;
+
+/// Writes columns of a catalogue, of the balls of a nut or of its curve, as the program does.
+#[pyfunction]
+pub(crate) fn write_numbers(
+    py: Python<'_>,
+    columns: Vec<(String, Numbers)>,
+    path: PathBuf,
+) -> PyResult<()> {
+    let format = format_of(&path)?;
+    let known = || {
+        let catalogue = CATALOGUE_COLUMNS.iter().map(|c| (c.name, c.unit));
+        let of_a_nut = bsm_case::BALL_COLUMNS.into_iter().chain(bsm_case::CURVE_COLUMNS);
+        catalogue.chain(of_a_nut).map(|(name, unit)| NumberColumn { name, unit })
+    };
+    let named = |(name, _): &(String, Numbers)| {
+        let found = known().find(|column| column.name == name.as_str());
+        found
+            .ok_or_else(|| errors::words(&format!("column `{name}` is of no table of the program")))
+    };
+    let names: Vec<_> = columns.iter().map(named).collect::<PyResult<_>>()?;
+    let write = || -> Result<(), TableError> {
+        let file = beside(&path)?;
+        let mut sink = match format {
+            Format::Csv => NumberSink::csv(file, &names)?,
+            Format::JsonLines => NumberSink::json_lines(file, &names),
+            Format::Parquet => NumberSink::parquet(file, &names)?,
+        };
+        let len = columns.first().map_or(0, |(_, values)| values.0.len());
+        for first in (0..len).step_by(PART) {
+            let rows = first..len.min(first + PART);
+            let part: Vec<_> = columns.iter().map(|(_, v)| v.0[rows.clone()].to_vec()).collect();
+            sink.write(&part)?;
+        }
+        sink.finish()?.persist(&path).map_err(|e| TableError::Io(e.error))?;
+        Ok(())
+    };
+    py.detach(write).map_err(|e| errors::table(&e))
+}
+
+/// Nuts of standard sizes: name, unit and values of each column.
+///
+/// * `lists`: JSON of the sizes, the standard ones unless given. * `requirement`: JSON of what all must keep.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+pub(crate) fn catalog(
+    py: Python<'_>,
+    lists: Option<&str>,
+    requirement: Option<&str>,
+    require: Vec<String>,
+    pareto: bool,
+    sort: Option<&str>,
+    descending: bool,
+    first: Option<usize>,
+) -> PyResult<Vec<(&'static str, &'static str, PyArrowBuffer)>> {
+    let nuts = on_threads(py, || {
+        let catalogue = match lists {
+            Some(lists) => Catalogue::from_json(lists.as_bytes())?,
+            None => Catalogue::standard()?,
+        };
+        let require: Vec<_> =
+            require.iter().map(|text| Condition::parse(text)).collect::<Result<_, _>>()?;
+        let order = sort.map(CatalogueColumn::named).transpose()?;
+        let all = catalogue.places();
+        let wish = match requirement {
+            Some(json) => {
+                let lists = catalogue.lists.clone();
+                Some(RequirementFile::from_json(json.as_bytes(), &[], lists)?)
+            }
+            None => None,
+        };
+        let meets = |nut: &Candidate| {
+            require.iter().all(|condition| condition.is_met(nut))
+                && wish.as_ref().is_none_or(|wish| wish.is_kept_by(&nut.nut))
+        };
+        let mut chosen = catalogue.map(&all, |place, nut| meets(nut).then_some(place));
+        if pareto {
+            chosen = catalogue.pareto(&chosen);
+        }
+        let mut nuts = catalogue.map(&chosen, |_, nut| Some(*nut));
+        if let Some(column) = order {
+            nuts.sort_by(|a, b| (column.read)(a).total_cmp(&(column.read)(b)));
+            if descending {
+                nuts.reverse();
+            }
+        }
+        nuts.truncate(first.unwrap_or(usize::MAX));
+        Ok(nuts)
+    })?;
+    let column = |c: &CatalogueColumn| {
+        let values: Vec<f64> = nuts.iter().map(c.read).collect();
+        (c.name, c.unit, shared(values))
+    };
+    Ok(CATALOGUE_COLUMNS.iter().map(column).collect())
+}

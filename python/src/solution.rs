@@ -1,0 +1,223 @@
+//! Solutions of one point.
+
+use std::cell::RefCell;
+use std::num::NonZeroUsize;
+use std::sync::atomic::Ordering;
+
+use bsm_case::{CaseError, Cell, InputKey, OUTPUTS, Record, Sensitivities, Settings, following};
+use bsm_dyn::{Band, ModelWorkspace, Problem};
+use pyo3::prelude::*;
+use pyo3_arrow::buffer::PyArrowBuffer;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use crate::errors;
+use crate::points::watched;
+use crate::scene::{How, Scene};
+use crate::table::{Numbers, shared};
+
+thread_local! {
+    /// Memory of the models.
+    static WORK: RefCell<ModelWorkspace> = RefCell::default();
+}
+
+/// The answer for one point.
+#[pyclass(frozen, subclass, module = "ballscrew._core")]
+pub(crate) struct Solution {
+    scene: Py<Scene>,
+    settings: Settings,
+    record: Record,
+}
+
+#[pymethods]
+impl Solution {
+    #[new]
+    fn new(scene: Bound<'_, Scene>, how: How) -> PyResult<Self> {
+        let settings = how.settings()?;
+        let problem = scene.get().0.problem(&settings).map_err(|e| errors::input(&e))?;
+        let record = WORK.with_borrow_mut(|work| Record::new(problem.solve(work)));
+        Ok(Self { scene: scene.unbind(), settings, record })
+    }
+
+    #[getter]
+    fn scene(&self, py: Python<'_>) -> Py<Scene> {
+        self.scene.clone_ref(py)
+    }
+
+    #[getter]
+    fn status(&self) -> &'static str {
+        self.record.status_name()
+    }
+
+    #[getter]
+    fn model(&self) -> &'static str {
+        self.record.model().name()
+    }
+
+    #[getter]
+    fn message(&self) -> Option<&str> {
+        self.record.message()
+    }
+
+    #[getter]
+    fn choice(&self) -> Option<String> {
+        self.record.choice()
+    }
+
+    #[getter]
+    fn regime(&self) -> Option<&'static str> {
+        self.record.regime()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        let scene = &self.scene.get().0;
+        scene.warnings().into_iter().chain(self.record.warnings(scene)).collect()
+    }
+
+    /// A number by the place of its output; NaN if there is none.
+    fn number(&self, place: usize) -> f64 {
+        self.cell(place).map_or(f64::NAN, Cell::number)
+    }
+
+    /// A yes or no.
+    fn flag(&self, place: usize) -> Option<bool> {
+        match self.cell(place)? {
+            Cell::Flag(flag) => Some(flag),
+            _ => None,
+        }
+    }
+
+    /// An output in words.
+    fn word(&self, place: usize) -> Option<&'static str> {
+        OUTPUTS.get(place)?.word(self.number(place))
+    }
+
+    /// As the program prints it.
+    fn to_json(&self, py: Python<'_>) -> String {
+        let mut map = self.record.to_json();
+        if let Some(Band { loss, screw_torque, efficiency }) = py.detach(|| self.band()) {
+            let band = json!({
+                "contact_loss_ratio": loss,
+                "screw_torque_Nm": screw_torque,
+                "efficiency": efficiency,
+            });
+            map.insert("band".to_owned(), band);
+        }
+        format!("{:#}", Value::Object(map))
+    }
+}
+
+impl Solution {
+    fn cell(&self, place: usize) -> Option<Cell> {
+        self.record.cell(OUTPUTS.get(place)?)
+    }
+
+    /// What the data of a lubricant may do to the answer.
+    fn band(&self) -> Option<Band> {
+        let Ok(Problem::Lubricated(case)) = self.scene.get().0.problem(&self.settings) else {
+            return None;
+        };
+        WORK.with_borrow_mut(|work| {
+            let solution = Problem::Lubricated(case.clone()).solve(work);
+            case.band(solution.solved()?, work)
+        })
+    }
+}
+
+/// An input: name, value, and derivatives of efficiency and torque, then both in per cent a per cent.
+type Slopes = (&'static str, f64, f64, Option<f64>, Option<f64>, Option<f64>);
+
+/// Derivatives of efficiency and torque by every input that the model uses; `None` without a solution.
+#[pyfunction]
+pub(crate) fn sensitivities(scene: &Bound<'_, Scene>, how: How) -> PyResult<Option<Vec<Slopes>>> {
+    let inputs =
+        Sensitivities::of(&scene.get().0, &how.settings()?).map_err(|e| errors::input(&e))?;
+    let answer = WORK.with_borrow_mut(|work| inputs.solve(work));
+    let row = |r: bsm_case::Sensitivity| {
+        let relative = (r.relative_efficiency, r.relative_torque);
+        (r.input.name, r.value, r.efficiency, r.screw_torque, relative.0, relative.1)
+    };
+    Ok(answer.ok().map(|(_, rows)| rows.into_iter().map(row).collect()))
+}
+
+/// Inputs that others set where they are not given.
+const SET_BY_OTHERS: [InputKey; 2] = [InputKey::screw_speed_rpm, InputKey::loaded_balls];
+
+/// Values and derivatives of an output at many points: values, then the derivatives of the first point by each
+/// input of `wrt`, of the second, and so on; NaN where there is no result.
+///
+/// * `columns`: name and values, one a point. * `torque`: of the torque on the screw, not of the efficiency.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+pub(crate) fn gradient(
+    py: Python<'_>,
+    base: &Bound<'_, Scene>,
+    columns: Vec<(String, Numbers)>,
+    len: usize,
+    wrt: Vec<String>,
+    torque: bool,
+    how: How,
+    threads: Option<NonZeroUsize>,
+) -> PyResult<(PyArrowBuffer, PyArrowBuffer)> {
+    let base = base.get().0.clone();
+    let settings = how.settings()?;
+    let keys: Result<Vec<_>, _> = wrt.iter().map(|name| InputKey::named(name)).collect();
+    let keys = keys.map_err(|e| errors::input(&e))?;
+    let columns: Result<Vec<_>, _> =
+        columns.iter().map(|(name, n)| Ok((InputKey::named(name)?, &n.0))).collect();
+    let columns = columns.map_err(|e: CaseError| errors::input(&e))?;
+    let scene = |row: usize| {
+        let (mut scene, mut point) = (base.clone(), bsm_case::Scene::default());
+        for (key, values) in &columns {
+            point[*key] = Some(values[row]);
+        }
+        scene.override_with(&point);
+        scene
+    };
+    let sets = |target: InputKey, key: InputKey, scene: &bsm_case::Scene| {
+        let without = |other: InputKey| scene[other].filter(|_| other != key);
+        scene[target].is_none()
+            && following(target, |other| scene[other]).is_some()
+            && following(target, without).is_none()
+    };
+    let first = if len > 0 { scene(0) } else { base.clone() };
+    for key in &keys {
+        if let Some(target) = SET_BY_OTHERS.into_iter().find(|target| sets(*target, *key, &first)) {
+            let [key, target] = [*key, target].map(InputKey::name);
+            return Err(errors::words(&format!(
+                "`{key}` also sets {target} here, which exact derivatives hold constant: give {target} in its \
+                 place, or method=\"difference\""
+            )));
+        }
+    }
+    let point = |row: usize| -> Result<(f64, Vec<f64>), CaseError> {
+        let inputs = Sensitivities::by(&scene(row), &settings, keys.iter().copied().collect())?;
+        let nothing = || (f64::NAN, vec![f64::NAN; keys.len()]);
+        let Ok((value, rows)) = WORK.with_borrow_mut(|work| inputs.solve(work)) else {
+            return Ok(nothing());
+        };
+        let slope = |key: &InputKey| {
+            let own = rows.iter().find(|own| own.input.name == key.name());
+            // What the model does not use changes nothing.
+            let Some(own) = own else { return 0.0 };
+            if torque { own.screw_torque.unwrap_or(f64::NAN) } else { own.efficiency }
+        };
+        let value = if torque { value.screw_torque.unwrap_or(f64::NAN) } else { value.efficiency };
+        Ok((value, keys.iter().map(slope).collect()))
+    };
+    let found = if len == 1 {
+        py.detach(|| Ok(vec![point(0)?]))
+    } else {
+        watched(py, false, len, threads, None, |stop, _| {
+            let rows = (0..len).into_par_iter();
+            let live =
+                |row| if stop.load(Ordering::Relaxed) { Ok((0.0, Vec::new())) } else { point(row) };
+            rows.map(live).collect()
+        })?
+    };
+    let found: Vec<_> = found.map_err(|e: CaseError| errors::input(&e))?;
+    let values = found.iter().map(|(value, _)| *value).collect();
+    let slopes = found.into_iter().flat_map(|(_, slopes)| slopes).collect();
+    Ok((shared(values), shared(slopes)))
+}

@@ -1,0 +1,32 @@
+"""What documents and examples show, runs as it stands."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+SHOWN = [ROOT / "README.md", ROOT / "python" / "README.md"]
+SCRIPTS = sorted((ROOT / "python" / "examples").glob("*.py"))
+
+
+@pytest.mark.parametrize("path", SHOWN, ids=lambda path: str(path.relative_to(ROOT)))
+def test_the_code_of_a_readme_runs(path: Path) -> None:
+    blocks = re.findall(r"```python\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
+    assert blocks
+    names: dict[str, object] = {}
+    for block in blocks:
+        exec(compile(block, str(path), "exec"), names)
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
+def test_an_example_runs_in_an_empty_folder(path: Path, tmp_path: Path) -> None:
+    environment = {**os.environ, "MPLBACKEND": "Agg"}
+    # The limit of the specification; each takes a few seconds.
+    run = subprocess.run([sys.executable, path], cwd=tmp_path, env=environment, timeout=60, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr

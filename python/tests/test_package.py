@@ -1,0 +1,459 @@
+"""The package against itself."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import math
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import EXAMPLES, ROOT
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import ballscrew as bs
+from ballscrew._vocabulary import Output
+
+FEED_DRIVE = EXAMPLES / "feed_drive.json"
+
+
+@pytest.fixture(scope="module")
+def screw() -> bs.Scene:
+    return bs.Scene.read(FEED_DRIVE)
+
+
+def random_points(rows: int, seed: int) -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    return {
+        "screw_speed_rpm": rng.uniform(10, 5000, rows),
+        "axial_load_N": rng.uniform(500, 20000, rows),
+        "friction_coefficient": rng.uniform(0.01, 0.06, rows),
+    }
+
+
+# Scenes
+
+
+def test_a_scene_survives_its_round_trips(screw: bs.Scene) -> None:
+    for other in (
+        bs.Scene.from_json(screw.to_json()),
+        bs.Scene(screw.to_dict()),
+        bs.Scene(**screw),
+        pickle.loads(pickle.dumps(screw)),
+        copy.copy(screw),
+        eval(repr(screw), {"Scene": bs.Scene}),
+    ):
+        assert other == screw
+        assert hash(other) == hash(screw)
+    assert screw.replace(lead_mm=10) != screw
+
+
+def test_a_lead_replaces_a_lead_angle(screw: bs.Scene) -> None:
+    other = screw.replace(lead_angle_deg=5.0)
+    assert other.lead_mm is None and other.lead_angle_deg == 5.0
+
+
+def test_properties_have_every_input(screw: bs.Scene) -> None:
+    given = screw.to_dict()
+    for name in bs.INPUTS:
+        assert getattr(screw, name) == given.get(name), name
+
+
+def test_scenes_are_immutable(screw: bs.Scene) -> None:
+    with pytest.raises(AttributeError):
+        screw.lead_mm = 3.0  # type: ignore[misc]
+
+
+# Errors
+
+
+def test_an_unknown_input_names_the_nearest() -> None:
+    with pytest.raises(bs.InputError, match="lead_mm") as caught:
+        bs.Scene(lead_mn=3)  # type: ignore[call-arg]
+    assert (caught.value.key, caught.value.nearest) == ("lead_mn", "lead_mm")
+
+
+def test_a_broken_rule_names_key_value_and_rule() -> None:
+    with pytest.raises(bs.InputError) as caught:
+        bs.Scene(ball_diameter_mm=-1)
+    error = caught.value
+    assert (error.key, error.value, error.rule) == ("ball_diameter_mm", -1.0, "finite and > 0")
+    assert isinstance(error, ValueError)
+
+
+def test_missing_inputs_are_named() -> None:
+    with pytest.raises(bs.InputError, match="friction_coefficient"):
+        bs.solve(model="closed-form", contact_angle_deg=45, lead_angle_deg=8)
+
+
+@pytest.mark.parametrize("value", ["6.35", True, [1.0, 2.0], object()])
+def test_what_is_no_number_is_refused(value: object) -> None:
+    with pytest.raises(bs.InputError) as caught:
+        bs.Scene(ball_diameter_mm=value)  # type: ignore[arg-type]
+    assert caught.value.key == "ball_diameter_mm"
+
+
+def test_a_point_without_solution_raises_with_its_answer(screw: bs.Scene) -> None:
+    # As the first scene of the guide on limits: the lead is too small for this friction.
+    locked = screw.replace(lead_angle_deg=0.5, friction_coefficient=0.3)
+    answer = bs.solve(locked, model="rigid", check=False)
+    assert answer.status == "no_solution" and math.isnan(answer.efficiency)
+    with pytest.raises(bs.NoSolutionError) as caught:
+        bs.solve(locked, model="rigid")
+    assert caught.value.solution.to_dict() == answer.to_dict()
+    assert str(answer.message) in str(caught.value)
+
+
+# One point
+
+
+def test_properties_have_every_output(screw: bs.Scene) -> None:
+    answer = bs.solve(screw, model="traction")
+    values = answer.to_dict()
+    for name, quantity in bs.OUTPUTS.items():
+        if quantity.analysis is None:
+            value = getattr(answer, name)
+            missing = isinstance(value, float) and math.isnan(value)
+            assert (None if missing else value) == values[name], name
+
+
+def test_representations_are_short_and_escaped(screw: bs.Scene) -> None:
+    named = bs.Scene(screw, description="<b>a & b</b>")
+    assert "<b>" not in named._repr_html_() and "&lt;b&gt;" in named._repr_html_()
+    table = bs.solve_many(random_points(1000, 1), screw)
+    for shown in (named._repr_html_(), bs.solve(screw)._repr_html_(), table._repr_html_()):
+        assert len(shown) < 20_000
+    assert "efficiency" in repr(bs.solve(screw))
+
+
+# Many points
+
+
+@pytest.mark.parametrize("model", bs.MODELS)
+def test_many_points_are_as_single_ones(screw: bs.Scene, model: str) -> None:
+    points = random_points(40, 7)
+    table = bs.solve_many(points, screw, model=model)  # type: ignore[arg-type]
+    for row in range(len(table)):
+        point = bs.Scene(screw.to_dict() | {name: float(values[row]) for name, values in points.items()})
+        answer = bs.solve(point, model=model, check=False)  # type: ignore[arg-type]
+        assert table.status[row] == answer.status
+        if answer.converged:
+            # What the program promises of a row and a scene with the same numbers.
+            assert table["efficiency"][row] == pytest.approx(answer.efficiency, rel=1e-10)
+
+
+def test_every_kind_of_frame_gives_the_same(screw: bs.Scene) -> None:
+    pl, pa, pd = (pytest.importorskip(name) for name in ("polars", "pyarrow", "pandas"))
+    points = random_points(1000, 5)
+    expected = bs.solve_many(points, screw, outputs=["efficiency"])
+    batches = pa.Table.from_batches(pa.table(points).to_batches(max_chunksize=77))
+    backwards = dict(reversed(points.items()))
+    for frame in (pl.DataFrame(points), pa.table(points), pd.DataFrame(points), batches, backwards):
+        for threads in (1, 2):
+            table = bs.solve_many(frame, screw, outputs=["efficiency"], threads=threads)
+            assert table["efficiency"].tobytes() == expected["efficiency"].tobytes()
+
+
+def test_frames_come_out_alike(screw: bs.Scene) -> None:
+    pytest.importorskip("polars"), pytest.importorskip("pyarrow"), pytest.importorskip("pandas")
+    outputs = ["efficiency", "controlling_race", "self_locking"]
+    table = bs.solve_many(random_points(300, 9), screw, model="raceway-control", outputs=outputs)  # type: ignore[arg-type]
+    polars, arrow, pandas = table.to_polars(), table.to_arrow(), table.to_pandas()
+    assert polars.columns == arrow.column_names == list(pandas.columns) == table.column_names
+    for found in (polars["efficiency"].to_numpy(), arrow["efficiency"].to_numpy(), pandas["efficiency"].to_numpy()):
+        assert np.array_equal(found, table["efficiency"], equal_nan=True)
+    assert set(polars["controlling_race"].drop_nulls()) <= {"nut", "screw"}
+    assert polars["self_locking"].sum() == 0
+    assert arrow.schema.field("axial_load_N").metadata == {b"unit": b"N"}
+    assert list(pandas["model"].cat.categories) == list(bs.MODELS)
+
+
+def test_nan_is_never_the_value_of_the_base(screw: bs.Scene) -> None:
+    pl = pytest.importorskip("polars")
+    frame = pl.DataFrame({"axial_load_N": [8000.0, None, math.nan]})
+    table = bs.solve_many(frame, screw)
+    assert table["status"].tolist() == ["converged", "invalid_input", "invalid_input"]
+    assert "axial_load_N" in (table.message(1) or "")
+    table = bs.solve_many(frame, screw, missing="base")
+    assert table["status"].tolist() == ["converged", "converged", "invalid_input"]
+
+
+def test_all_forms_of_arrays(screw: bs.Scene) -> None:
+    loads = np.arange(2000, 12000, 500)
+    expected = bs.solve_many({"axial_load_N": loads.astype(float)}, screw)["efficiency"].tobytes()
+    wide = np.zeros((len(loads), 2))
+    wide[:, 0] = loads
+    frozen = loads.astype(float)
+    frozen.flags.writeable = False
+    for form in (loads, wide[:, 0], loads.astype(">f8"), frozen, loads.tolist(), np.ma.masked_array(loads)):
+        assert bs.solve_many({"axial_load_N": form}, screw)["efficiency"].tobytes() == expected
+    with pytest.raises(bs.InputError, match="dimensions"):
+        bs.solve_many({"axial_load_N": wide}, screw)
+    with pytest.raises(bs.InputError, match="rows"):
+        bs.solve_many({"axial_load_N": loads, "screw_speed_rpm": loads[:3]}, screw)
+    with pytest.raises(bs.InputError, match="axial_load_N"):
+        bs.solve_many({"axial_lod_N": loads}, screw)
+
+
+def test_tables_can_be_pickled(screw: bs.Scene) -> None:
+    points = random_points(300, 11)
+    points["axial_load_N"][7] = -1.0
+    grid = bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1500.0]}, outputs=["efficiency"])
+    for table in (bs.solve_many(points, screw, outputs=["efficiency"]), grid, bs.compare(screw)):
+        other = pickle.loads(pickle.dumps(table))
+        assert type(other) is type(table) and other.column_names == table.column_names
+        # NaN is not equal to itself, but its text is.
+        assert repr(other.to_dict()) == repr(table.to_dict()) and other.units == table.units
+        assert other.message(0) == table.message(0)
+    table = pickle.loads(pickle.dumps(bs.solve_many(points, screw, outputs=["efficiency"])))
+    assert "axial_load_N" in table.message(7) and table.status[7] == "invalid_input"
+    assert other["efficiency"].flags.writeable is False
+
+
+@pytest.mark.parametrize("rows", [0, 1])
+def test_tables_of_no_row_and_of_one(screw: bs.Scene, rows: int) -> None:
+    table = bs.solve_many({"axial_load_N": np.full(rows, 8000.0)}, screw)
+    assert len(table) == rows == len(table["efficiency"]) == len(table.status)
+
+
+def test_views_outlive_their_table_and_cannot_be_written(screw: bs.Scene) -> None:
+    table = bs.solve_many(random_points(5000, 2), screw, model="rigid", outputs=["efficiency"])
+    view = table["efficiency"]
+    kept = view.copy()
+    del table
+    assert np.array_equal(view, kept, equal_nan=True)
+    with pytest.raises(ValueError, match="read-only"):
+        view[0] = 1.0
+
+
+def test_doubles_are_read_in_place(screw: bs.Scene) -> None:
+    loads = np.full(500, 8000.0)
+    table = bs.solve_many({"axial_load_N": loads}, screw)
+    assert np.shares_memory(table["axial_load_N"], loads)
+    assert loads.flags.writeable and not table["axial_load_N"].flags.writeable
+
+
+def test_unknown_outputs_name_the_nearest(screw: bs.Scene) -> None:
+    with pytest.raises(bs.InputError) as caught:
+        bs.solve_many({"axial_load_N": [1.0]}, screw, outputs=["efficency"])  # type: ignore[list-item]
+    assert caught.value.nearest == "efficiency"
+
+
+@settings(max_examples=200, derandomize=True, deadline=None)
+@given(
+    load=st.floats(1.0, 1e5),
+    speed=st.floats(1.0, 1e4),
+    friction=st.floats(1e-3, 0.2),
+)
+def test_efficiency_is_output_over_input_power(load: float, speed: float, friction: float) -> None:
+    answer = bs.solve(
+        bs.Scene.read(FEED_DRIVE), model="raceway-control", check=False, axial_load_N=load, screw_speed_rpm=speed,
+        friction_coefficient=friction,
+    )
+    if answer.converged:
+        # Both are printed by the same solve: rounding only.
+        assert answer.efficiency == pytest.approx(answer.output_power_W / answer.input_power_W, rel=1e-12)
+
+
+# Grids
+
+
+def test_a_grid_is_labelled(screw: bs.Scene) -> None:
+    xr = pytest.importorskip("xarray")
+    vary = {"screw_speed_rpm": bs.linspace(100, 3000, 5), "axial_load_N": [2e3, 8e3, 1.6e4]}
+    grid = bs.sweep(screw, vary=vary, outputs=["efficiency"])  # type: ignore[arg-type]
+    assert grid.shape == (5, 3) == grid.grid("efficiency").shape
+    data = grid.to_xarray()
+    assert isinstance(data, xr.Dataset) and data["efficiency"].dims == ("screw_speed_rpm", "axial_load_N")
+    point = screw.replace(screw_speed_rpm=100 + 2900 / 4 * 2, axial_load_N=8e3)
+    found = float(data["efficiency"].sel(axial_load_N=8e3)[2])
+    assert found == pytest.approx(bs.solve(point).efficiency, rel=1e-10)
+    frame = grid.to_pandas()
+    assert list(frame.columns[:2]) == list(vary) and len(frame) == 15
+    assert frame["axial_load_N"].tolist()[:3] == [2e3, 8e3, 1.6e4]
+
+
+# Units
+
+
+def test_a_name_may_have_another_unit(screw: bs.Scene) -> None:
+    assert bs.Scene(screw, axial_load_kN=7.5).axial_load_N == 7500.0  # type: ignore[call-arg]
+    ours = bs.solve_many({"axial_load_kN": [2.0, 8.0]}, screw, outputs=["efficiency"])
+    same = bs.solve_many({"axial_load_N": [2000.0, 8000.0]}, screw, outputs=["efficiency"])
+    assert ours["efficiency"].tobytes() == same["efficiency"].tobytes()
+    assert ours.column_names[0] == "axial_load_kN" and ours["axial_load_kN"].tolist() == [2.0, 8.0]
+
+
+def test_quantities_of_pint_are_converted(screw: bs.Scene) -> None:
+    pint = pytest.importorskip("pint")
+    unit = pint.UnitRegistry()
+    found = screw.replace(axial_load_N=8 * unit.kN, screw_speed_rpm=25 * unit.Hz * 2 * math.pi * unit.rad)
+    assert found.axial_load_N == 8000.0 and found.screw_speed_rpm == pytest.approx(1500.0, rel=1e-12)
+    loads = np.array([2.0, 8.0]) * unit.kN
+    table = bs.solve_many({"axial_load_N": loads}, screw, outputs=["efficiency"])
+    assert table["axial_load_N"].tolist() == [2000.0, 8000.0]
+    with pytest.raises(bs.InputError, match="axial_load_N"):
+        screw.replace(axial_load_N=8 * unit.kg)
+    # Every unit of the vocabulary is one of pint.
+    for name, quantity in bs.INPUTS.items():
+        unit.parse_units(bs._api._pint_unit(quantity.unit)), name
+    assert unit.parse_units(bs._api._pint_unit("kg/m3")) == unit.kg / unit.m**3
+
+
+# Derivatives
+
+
+def test_exact_derivatives_are_those_of_differences(screw: bs.Scene) -> None:
+    wrt = ["friction_coefficient", "lead_mm", "axial_load_N"]
+    points = {name: getattr(screw, name) for name in wrt}
+    value, exact = bs.gradient(points, "efficiency", wrt, screw, model="raceway-control")
+    assert value == bs.solve(screw, model="raceway-control").efficiency
+    _, differences = bs.gradient(points, "efficiency", wrt, screw, model="raceway-control", method="difference")
+    # Central differences of step 1e-4 leave 1e-8 of curvature, and 1e-10 over 1e-4 of the kernel.
+    assert np.allclose(exact, differences, rtol=1e-5, atol=1e-12)
+    many, slopes = bs.gradient({"lead_mm": [10.0, 20.0]}, "efficiency", ["lead_mm"], screw)
+    assert many.shape == (2,) and slopes.shape == (2, 1)
+
+
+def test_many_gradients_are_those_of_single_points(screw: bs.Scene) -> None:
+    wrt = ["lead_mm", "axial_load_N", "nut_conformity"]
+    loads = np.linspace(1e3, 2e4, 50)
+    values, slopes = bs.gradient({"axial_load_N": loads, "lead_mm": 15.0}, "screw_torque_Nm", wrt, screw)
+    for row, load in enumerate(loads):
+        value, slope = bs.gradient({"axial_load_N": load, "lead_mm": 15.0}, "screw_torque_Nm", wrt, screw)
+        assert value == values[row] and (slope == slopes[row]).all()
+
+
+def test_a_gradient_says_what_it_cannot_see(screw: bs.Scene) -> None:
+    fed = bs.Scene({name: value for name, value in screw.items() if name != "screw_speed_rpm"}, feed_m_min=30)
+    with pytest.raises(bs.InputError, match="screw_speed_rpm"):
+        bs.gradient({"lead_mm": 20.0}, "efficiency", ["lead_mm"], fed)
+    _, slope = bs.gradient({"lead_mm": 20.0}, "efficiency", ["lead_mm"], fed, method="difference")
+    assert np.isfinite(slope).all()
+    with pytest.raises(bs.InputError, match="difference"):
+        bs.gradient({"lead_mm": 20.0}, "nut_normal_load_N", ["lead_mm"], screw)
+
+
+def test_sensitivities_are_sorted(screw: bs.Scene) -> None:
+    table = bs.sensitivities(screw)
+    sizes = np.abs(table["efficiency_relative"])
+    assert (np.diff(sizes[~np.isnan(sizes)]) <= 0).all()
+
+
+# Threads, processes, interrupts
+
+
+@pytest.mark.parametrize("model", ["traction", "rigid"])
+def test_ctrl_c_ends_a_run_at_once(model: str) -> None:
+    code = (
+        "import ballscrew as bs, numpy as np, time\n"
+        f"s = bs.Scene.read({str(FEED_DRIVE)!r})\n"
+        "n = 20_000_000\n"
+        "loads = np.linspace(1e3, 1e4, n)\n"
+        "print('begun', flush=True)\n"
+        "try:\n"
+        "    while True:\n"
+        f"        bs.solve_many({{'axial_load_N': loads}}, s, model={model!r}, outputs=['efficiency'])\n"
+        "except KeyboardInterrupt:\n"
+        "    print(time.time(), flush=True)\n"
+        "    raise\n"
+    )
+    run = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert run.stdout is not None and run.stdout.readline() == b"begun\n"
+    time.sleep(1.0)
+    start = time.time()
+    run.send_signal(signal.SIGINT)
+    told, words = run.communicate(timeout=30)
+    assert b"KeyboardInterrupt" in words
+    # 0.05 s until someone looks, and 0.02 s to end; ten times that on a machine that others use too.
+    assert float(told) - start < 0.7
+
+
+def test_an_error_of_progress_ends_the_run(screw: bs.Scene) -> None:
+    class Enough(Exception):
+        pass
+
+    def stop(done: int, total: int) -> None:
+        raise Enough
+
+    with pytest.raises(Enough):
+        bs.solve_many(random_points(300_000, 4), screw, model="traction", outputs=["efficiency"], progress=stop)
+
+
+def test_progress_ends_with_all_rows(screw: bs.Scene) -> None:
+    seen: list[tuple[int, int]] = []
+    bs.solve_many(random_points(100_000, 4), screw, model="raceway-control", outputs=["efficiency"],
+                  progress=lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (100_000, 100_000)
+
+
+def test_threads_of_python_may_solve_together(screw: bs.Scene) -> None:
+    points = random_points(3000, 6)
+    expected = bs.solve_many(points, screw, outputs=["efficiency"])["efficiency"].tobytes()
+    found: list[bytes] = []
+
+    def work() -> None:
+        found.append(bs.solve_many(points, screw, outputs=["efficiency"])["efficiency"].tobytes())
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found == [expected] * 4
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+def test_a_forked_process_solves() -> None:
+    code = (
+        "import os, ballscrew as bs, numpy as np\n"
+        f"s = bs.Scene.read({str(FEED_DRIVE)!r})\n"
+        "run = lambda: bs.solve_many({'axial_load_N': np.linspace(1e3, 1e4, 5000)}, s, outputs=['efficiency'])\n"
+        "run()\n"
+        "child = os.fork()\n"
+        "if child == 0:\n"
+        "    run(); os._exit(0)\n"
+        "raise SystemExit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))\n"
+    )
+    assert subprocess.run([sys.executable, "-W", "ignore", "-c", code], timeout=60).returncode == 0
+
+
+def test_calls_do_not_leak(screw: bs.Scene) -> None:
+    def resident() -> int:
+        return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+    if not Path("/proc/self/statm").exists():
+        pytest.skip("no /proc here")
+    points = random_points(100, 8)
+    outputs: list[Output] = ["efficiency", "screw_torque_Nm"]
+
+    def calls(count: int) -> None:
+        for _ in range(count):
+            bs.solve_many(points, screw, model="closed-form", outputs=outputs)
+            bs.solve(screw, model="closed-form", lead_mm=10.0).to_dict()
+            with contextlib.suppress(bs.InputError):
+                bs.Scene(lead_mn=3)  # type: ignore[call-arg]
+
+    calls(1000)
+    before = resident()
+    calls(10_000)
+    # A leak of one column a call, 800 B, would be 8 MB; the allocator keeps some pages.
+    assert resident() - before < 3_000_000
+
+
+def test_import_is_quick_and_leaves_numpy_out() -> None:
+    code = "import sys, ballscrew; assert 'numpy' not in sys.modules"
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_the_vocabulary_is_that_of_the_core() -> None:
+    subprocess.run([sys.executable, ROOT / "python" / "write_vocabulary.py", "--check"], check=True)

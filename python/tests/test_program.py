@@ -1,0 +1,163 @@
+"""Every function against the command of its name: the same numbers, to the last bit."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import EXAMPLES, program
+
+import ballscrew as bs
+
+
+def told(*words: str | Path) -> Any:
+    """What the program says as JSON; 3 is an answer too."""
+    run = subprocess.run([program(), *words, "--format", "json"], capture_output=True, cwd=EXAMPLES.parent)
+    assert run.returncode in (0, 3), run.stderr
+    return json.loads(run.stdout)
+
+
+def refused(*words_of_it: str | Path, words: str) -> None:
+    """The program refuses it too, in the same words."""
+    run = subprocess.run([program(), *words_of_it], capture_output=True, text=True)
+    assert run.returncode == 2 and words in run.stderr, run.stderr
+
+
+def plain(report: bs.Report) -> dict[str, Any]:
+    """A report after the round through text that the program's has made."""
+    found: dict[str, Any] = json.loads(json.dumps(report.to_dict()))
+    return found
+
+
+@pytest.mark.parametrize("name", ["feed_drive", "feed_drive_oil", "lin1994", "back_driving", "dong2020", "xu2015"])
+@pytest.mark.parametrize("model", ["auto", "raceway-control", "traction"])
+def test_solve(name: str, model: str) -> None:
+    path = EXAMPLES / f"{name}.json"
+    try:
+        answer = bs.solve(bs.Scene.read(path), model=model, check=False)  # type: ignore[arg-type]
+    except bs.InputError as error:
+        refused("solve", path, "--model", model, words=str(error))
+        return
+    assert answer.to_dict() == told("solve", path, "--model", model)
+
+
+def test_compare() -> None:
+    path = EXAMPLES / "feed_drive.json"
+    table = bs.compare(bs.Scene.read(path)).to_dict()
+    for row, model in enumerate(told("compare", path)["models"]):
+        for name in ("model", "status", "efficiency", "screw_torque_Nm", "nut_normal_load_N"):
+            assert table[name][row] == model[name]
+
+
+def test_sensitivities() -> None:
+    path = EXAMPLES / "feed_drive.json"
+    table = bs.sensitivities(bs.Scene.read(path)).to_dict()
+    rows = told("solve", path, "--sensitivities")["sensitivities"]
+    assert table["input"] == list(rows)
+    assert table["efficiency"] == [row["efficiency"] for row in rows.values()]
+    assert table["screw_torque_relative"] == [row["screw_torque_relative"] for row in rows.values()]
+
+
+@pytest.mark.parametrize("command", ["slip", "jam", "capacity", "nut", "size", "optimum"])
+@pytest.mark.parametrize("name", ["nut", "axis", "nut_double", "jamming"])
+def test_reports(command: str, name: str) -> None:
+    path = EXAMPLES / f"{name}.json"
+    scene = bs.Scene.read(path)
+    try:
+        report = getattr(bs, command)(scene)
+    except bs.InputError as error:
+        refused(command, path, words=str(error))
+        return
+    expected = told(command, path)
+    expected.pop("program", None)
+    assert plain(report) == expected
+
+
+def test_fit() -> None:
+    path = EXAMPLES / "feed_drive.json"
+    screw = bs.Scene.read(path)
+    report = bs.fit(screw, {"screw_torque_Nm": 26.0}, model="raceway-control")
+    assert plain(report) == told("fit", path, "--measured", "screw_torque_Nm=26", "--model", "raceway-control")
+    found = report["found"][0]["friction_coefficient"]
+    torque = bs.solve(screw, model="raceway-control", friction_coefficient=found).screw_torque_Nm
+    # The fit ends when the torque agrees to 1e-6.
+    assert torque == pytest.approx(26.0, rel=1e-5)
+
+
+@pytest.mark.parametrize("path", sorted((EXAMPLES / "requirements").glob("*.json")), ids=lambda path: path.stem)
+def test_design(path: Path) -> None:
+    report = bs.design(path)
+    assert plain(report) == told("design", path)
+    if report.found:
+        assert bs.Scene(report["scene"]).ball_diameter_mm == report["scene"]["ball_diameter_mm"]
+
+
+def test_catalog(tmp_path: Path) -> None:
+    wanted = ["dynamic_load_rating_N>=40000", "lead_mm=10"]
+    table = bs.catalog(require=wanted, pareto=True, sort="mass_kg")
+    options = [word for condition in wanted for word in ("--require", condition)]
+    for ending in ("csv", "jsonl", "parquet"):
+        ours, theirs = tmp_path / f"ours.{ending}", tmp_path / f"theirs.{ending}"
+        table.write(ours)
+        subprocess.run(
+            [program(), "catalog", *options, "--pareto", "--sort", "mass_kg", "-o", theirs], check=True,
+            capture_output=True,
+        )
+        assert ours.read_bytes() == theirs.read_bytes(), ending
+    kept = bs.catalog(requirement=EXAMPLES / "requirements" / "axis.json")
+    assert 0 < len(kept) < len(bs.catalog())
+
+
+def test_validate() -> None:
+    table = bs.validate()
+    verdicts = table["verdict"].tolist()
+    assert len(verdicts) > 300 and "fail" not in verdicts
+    assert verdicts == [check["verdict"] for check in told("validate")["checks"]]
+
+
+def test_a_sweep_has_the_bytes_of_the_program(tmp_path: Path) -> None:
+    path = EXAMPLES / "feed_drive.json"
+    grid = bs.sweep(
+        bs.Scene.read(path),
+        vary={"screw_speed_rpm": bs.linspace(100, 6000, 300), "axial_load_kN": [2, 4, 8]},
+        outputs=["efficiency", "controlling_race"],
+    )
+    options = ["--vary", "screw_speed_rpm=100:6000:300", "--vary", "axial_load_kN=2,4,8"]
+    options += ["--columns", "efficiency,controlling_race", "--quiet"]
+    for ending in ("csv", "jsonl", "parquet"):
+        ours, theirs = tmp_path / f"ours.{ending}", tmp_path / f"theirs.{ending}"
+        grid.write(ours)
+        subprocess.run([program(), "sweep", path, *options, "-o", theirs], check=True, capture_output=True)
+        assert ours.read_bytes() == theirs.read_bytes(), ending
+
+
+@pytest.mark.parametrize("model", ["rigid", "auto"])
+def test_a_batch_has_the_bytes_of_the_program(tmp_path: Path, model: str) -> None:
+    path = EXAMPLES / "feed_drive.json"
+    # More than a chunk of the kernels; fewer where points are solved one by one.
+    rows = 70_000 if model == "rigid" else 3_000
+    draws = np.random.default_rng(3)
+    points = {
+        "screw_speed_rpm": draws.uniform(100, 1500, rows),
+        "axial_load_kN": draws.uniform(2, 8, rows),
+    }
+    # Rows that no scene may have stay in their place and say why.
+    points["axial_load_kN"][[1, 100, rows - 1]] = -1.0
+    names = [f"point {row}" for row in range(rows)]
+    outputs = ["efficiency", "screw_torque_Nm", "controlling_race"]
+    table = bs.solve_many({**points, "name": names}, bs.Scene.read(path), model=model, outputs=outputs, keep=["name"])  # type: ignore[arg-type]
+    assert table.ok.sum() == rows - 3
+    given = zip(*points.values(), names, strict=True)
+    lines = [",".join([*points, "name"]), *(f"{float(a)!r},{float(b)!r},{name}" for a, b, name in given)]
+    (tmp_path / "points.csv").write_text("\n".join(lines) + "\n")
+    options = ["--base", path, "--model", model, "--columns", ",".join(outputs), "--keep", "name", "--keep-going", "--quiet"]
+    for ending in ("csv", "jsonl", "parquet"):
+        ours, theirs = tmp_path / f"ours.{ending}", tmp_path / f"theirs.{ending}"
+        table.write(ours)
+        command = [program(), "batch", tmp_path / "points.csv", *options, "-o", theirs]
+        subprocess.run(command, check=True, capture_output=True)
+        assert ours.read_bytes() == theirs.read_bytes(), ending

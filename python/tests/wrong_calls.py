@@ -1,0 +1,13 @@
+"""Calls that a type checker must refuse: it complains of a comment below that hides nothing. Never run."""
+
+import ballscrew as bs
+
+screw = bs.Scene(lead_mm=20)
+bs.Scene(lead_mn=3)  # type: ignore[call-arg]  # pyright: ignore[reportCallIssue]
+bs.Scene(lead_mm="20")  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType]
+bs.solve(screw, model="rigit")  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType]
+bs.solve(screw, axial_lod_N=3.0)  # type: ignore[call-arg]  # pyright: ignore[reportCallIssue]
+bs.solve_many({}, screw, outputs=["efficency"])  # type: ignore[list-item]  # pyright: ignore[reportArgumentType]
+bs.gradient({}, "efficency", ["lead_mm"])  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType]
+screw.lead_mn  # type: ignore[attr-defined]  # pyright: ignore[reportAttributeAccessIssue]
+screw.lead_mm = 3.0  # type: ignore[misc]  # pyright: ignore[reportAttributeAccessIssue]
