@@ -222,6 +222,7 @@ pub(crate) struct CompareArgs {
 
 /// The table to write, and how.
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "switches of the command line")]
 pub(crate) struct TableArgs {
     /// Table to write: .csv, .jsonl, .parquet or .xlsx; `-` is CSV on standard output; FOLDER/ gets Parquet
     /// files in FOLDER/data, and can be continued with --resume. Parquet and .xlsx say what they are made from.

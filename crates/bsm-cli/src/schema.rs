@@ -1,9 +1,7 @@
 //! `bsm schema`: what files and results look like, from the tables that results are made from.
 
-use std::ops::Range;
-
 use bsm_case::{
-    AnalysisKind, BALL_COLUMNS, CATALOGUE_COLUMNS, INPUTS, OUTPUTS, Of, input_schema,
+    AnalysisKind, BALL_COLUMNS, CATALOGUE_COLUMNS, INPUTS, LISTED, OUTPUTS, Of, input_schema,
     output_schema, sheet_columns,
 };
 use clap::ValueEnum;
@@ -12,9 +10,6 @@ use serde_json::{Map, Value, json};
 use crate::args::SchemaKind;
 use crate::failure::Failure;
 use crate::files::{pretty_json, print};
-
-/// Columns of a ball that are lists of the JSON of a nut: loads and contact angles.
-const LISTED: Range<usize> = 4..12;
 
 pub(crate) fn run(kind: SchemaKind) -> Result<(), Failure> {
     let schema = match kind {

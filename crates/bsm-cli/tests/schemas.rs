@@ -38,8 +38,11 @@ fn assert_valid(schema: &Validator, result: &Value, what: &[&str]) {
 #[test]
 fn results_are_what_their_schemas_say() {
     let dir = folder();
-    fs::write(dir.path().join("lists.json"), "{\"nominal_diameter_mm\": [50, 63], \"lead_mm\": [20]}")
-        .expect("lists");
+    fs::write(
+        dir.path().join("lists.json"),
+        "{\"nominal_diameter_mm\": [50, 63], \"lead_mm\": [20]}",
+    )
+    .expect("lists");
     let [drive, oil, lin, nut, axis, jamming, makers, wish, double] = [
         "feed_drive.json",
         "feed_drive_oil.json",

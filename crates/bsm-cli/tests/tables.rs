@@ -171,7 +171,7 @@ fn cells(xml: &str) -> Vec<(String, String)> {
     let cells = document.descendants().filter(|node| node.has_tag_name("c"));
     let text = |node: roxmltree::Node<'_, '_>| {
         node.descendants()
-            .filter(|n| n.is_text())
+            .filter(roxmltree::Node::is_text)
             .filter_map(|n| n.text())
             .collect::<Vec<_>>()
             .concat()

@@ -107,6 +107,9 @@ const SIZE: (f64, f64) = (460.0, 330.0);
 const ROW: f64 = 21.0;
 const COLUMN: usize = 18;
 
+/// What strokes and colours mean.
+type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
+
 /// Colour of what a stroke means in every colour.
 const GREY: &str = "#777777";
 
@@ -199,7 +202,7 @@ impl Figure {
 
     /// What each stroke and each colour means, if the labels of many curves are of two parts, `a, b`, of which one
     /// follows from the stroke and the other from the colour.
-    fn strokes_and_colors(&self) -> Option<(Vec<(Stroke, &str)>, Vec<(usize, &str)>)> {
+    fn strokes_and_colors(&self) -> Option<Parts<'_>> {
         /// Curves of which a list is easier to read than two.
         const FEW: usize = 4;
         let (mut strokes, mut colors) = (Vec::new(), Vec::new());
