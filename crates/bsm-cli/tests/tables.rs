@@ -8,6 +8,7 @@ use std::path::Path;
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
+use zip::ZipArchive;
 
 use program::{bsm, folder, stderr, stdout};
 
@@ -155,14 +156,10 @@ fn tables_say_what_they_are_made_from() {
 
 /// A part of a workbook, which is a ZIP archive of XML.
 fn sheet(path: &Path, name: &str) -> String {
-    let unzip = std::process::Command::new("python3")
-        .args(["-c", "import sys,zipfile; sys.stdout.write(zipfile.ZipFile(sys.argv[1]).read(sys.argv[2]).decode())"])
-        .arg(path)
-        .arg(name)
-        .output()
-        .expect("python3");
-    assert!(unzip.status.success(), "{}", String::from_utf8_lossy(&unzip.stderr));
-    String::from_utf8(unzip.stdout).expect("XML")
+    let mut book = ZipArchive::new(File::open(path).expect("file")).expect("a workbook");
+    let mut text = String::new();
+    book.by_name(name).expect("a sheet").read_to_string(&mut text).expect("XML");
+    text
 }
 
 /// Cells of a sheet by their places.
