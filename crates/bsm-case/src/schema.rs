@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::nut::NutWords;
 use crate::{AnalysisKind, INPUTS, OUTPUTS, Output, Rule};
 
-pub(crate) const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
+const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
 
 /// Schema of a scene.
 pub fn input_schema() -> Value {
@@ -95,7 +95,7 @@ pub fn output_schema() -> Value {
 }
 
 /// Name and schema of an output.
-pub(crate) fn property(output: &Output) -> (String, Value) {
+fn property(output: &Output) -> (String, Value) {
     let mut property = json!({
         "type": [output.json_type, "null"],
         "description": with_unit(output.about, output.unit),

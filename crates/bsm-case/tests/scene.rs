@@ -251,6 +251,13 @@ fn grids_are_full_products_with_exact_ends() {
     // 0.1 is not a sum of tenths in binary; the end is still exact.
     let tenth = Axis::parse("friction_coefficient=0:0.1:8").expect("range");
     assert_eq!(tenth.value(7).to_bits(), 0.1_f64.to_bits());
+    // Equal ratios; the ends are exact.
+    let log = Axis::parse("axial_load_N=1:1000:4:log").expect("range");
+    let values: Vec<_> = (0..4).map(|i| log.value(i)).collect();
+    assert_eq!([values[0], values[3]].map(f64::to_bits), [1.0_f64, 1000.0].map(f64::to_bits));
+    // Rounding of logarithms.
+    assert!((values[1] / 10.0 - 1.0).abs() < 1e-14 && (values[2] / 100.0 - 1.0).abs() < 1e-14);
+    assert_eq!(Axis::parse(&log.to_string()).expect("its own form"), log);
 
     for (text, part) in [
         ("lead_angle_deg", "name=start:stop:count"),
@@ -258,6 +265,8 @@ fn grids_are_full_products_with_exact_ends() {
         ("lead_angle_deg=1:2:1", "at least 2"),
         ("lead_angle_deg=1:inf:3", "finite"),
         ("lead_angle_deg=", "finite"),
+        ("axial_load_N=0:9:3:log", "both ends of a log range are > 0"),
+        ("lead_angle_deg=1:2:3:exp", "name=start:stop:count:log"),
         ("lead_angel_deg=1:2:3", "did you mean `lead_angle_deg`?"),
         ("lead_angle_deg=0:20:3", "`lead_angle_deg` = 0 must be between 0 and 90"),
     ] {

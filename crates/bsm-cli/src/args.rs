@@ -222,6 +222,7 @@ pub(crate) struct CompareArgs {
 
 /// The table to write, and how.
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "switches of the command line")]
 pub(crate) struct TableArgs {
     /// Table to write: .csv, .jsonl, .parquet or .xlsx; `-` is CSV on standard output; FOLDER/ gets Parquet
     /// files in FOLDER/data, and can be continued with --resume. Parquet and .xlsx say what they are made from.
@@ -377,14 +378,14 @@ pub(crate) struct NutArgs {
     pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
-    /// Table to write with a row for each ball: .csv, .jsonl or .parquet.
+    /// Table to write with a row for each ball: .csv, .jsonl, .parquet or .xlsx.
     #[arg(long, value_name = "BALLS")]
     pub(crate) table: Option<PathBuf>,
     /// Write displacement, stiffness and preload that is left over the axial load to --output, beyond the load and
     /// the limit load.
     #[arg(long, requires = "output")]
     pub(crate) curve: bool,
-    /// Table of --curve: .csv, .jsonl or .parquet; `-` is CSV on standard output, in place of the summary.
+    /// Table of --curve: .csv, .jsonl, .parquet or .xlsx; `-` is CSV on standard output, in place of the summary.
     #[arg(short, long, value_name = "OUT", requires = "curve")]
     pub(crate) output: Option<PathBuf>,
     /// Folder for figures (SVG and CSV): loads and contact angles along the helix, the developed nut,
@@ -483,7 +484,7 @@ pub(crate) struct CatalogArgs {
     #[arg(value_name = "LISTS.json")]
     pub(crate) catalogue: Option<PathBuf>,
     /// Keep only nuts that keep all limits of a requirement, as for bsm design: life, speed number, pressure, and with
-    /// support critical speed, buckling and static safety.
+    /// support critical speed, buckling and static safety. Numbers of bsm size are columns then, to filter, sort and save.
     #[arg(long, value_name = "REQ.json")]
     pub(crate) requirement: Option<PathBuf>,
     /// Nuts of a maker in place of the lists: CSV with the columns nut, lead_mm, ball_diameter_mm, circuits or
@@ -509,7 +510,7 @@ pub(crate) struct CatalogArgs {
     /// Keep only this many rows; unless given, the screen shows 20.
     #[arg(long, value_name = "N")]
     pub(crate) first: Option<NonZeroUsize>,
-    /// Table to write with all columns: .csv, .jsonl or .parquet; `-` is CSV on standard output.
+    /// Table to write with all columns: .csv, .jsonl, .parquet or .xlsx; `-` is CSV on standard output.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: Option<PathBuf>,
     /// Write the first nut to this scene, for every other command; with --requirement it has the operating point.

@@ -33,13 +33,7 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         return print(STANDARD_CATALOGUE);
     }
     if args.columns {
-        let row = |c: &CatalogueColumn| vec![c.name.to_owned(), c.unit.to_owned(), String::new()];
-        let of_sheet = |c: &Output| {
-            vec![c.name.to_owned(), c.unit.to_owned(), "with --requirement".to_owned()]
-        };
-        let rows = CATALOGUE_COLUMNS.iter().map(row).chain(sheet_columns().map(of_sheet));
-        let rows: Vec<_> = rows.collect();
-        return print(&table::plain(None, &rows, usize::MAX));
+        return print(&columns());
     }
     let signs = &args.signs;
     if args.makers.is_none() && !signs.are_ours() {
@@ -114,18 +108,7 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         chosen = catalogue.pareto(&chosen);
     }
     if let Some(order) = order {
-        let mut keys = catalogue.map(&chosen, |place, nut| {
-            let key = match order {
-                Order::Nut(column) => (column.read)(nut),
-                Order::Sheet(column) => sheets[&place][column],
-            };
-            Some((key, place))
-        });
-        keys.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-        if args.descending {
-            keys.reverse();
-        }
-        chosen = keys.into_iter().map(|(_, place)| place).collect();
+        chosen = order.sorted(&catalogue, (&chosen, &sheets), args.descending);
     }
     warn("note", &count(all.len(), met, chosen.len(), args));
     chosen.truncate(args.first.map_or(usize::MAX, NonZeroUsize::get));
@@ -153,6 +136,37 @@ enum Order {
     Nut(&'static CatalogueColumn),
     /// A number of the sheet.
     Sheet(usize),
+}
+
+impl Order {
+    /// Places of nuts, the smallest first unless `descending`.
+    fn sorted(
+        self,
+        catalogue: &Catalogue,
+        (chosen, sheets): (&[u32], &Sheets),
+        descending: bool,
+    ) -> Vec<u32> {
+        let mut keys = catalogue.map(chosen, |place, nut| {
+            let key = match self {
+                Self::Nut(column) => (column.read)(nut),
+                Self::Sheet(column) => sheets[&place][column],
+            };
+            Some((key, place))
+        });
+        keys.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        if descending {
+            keys.reverse();
+        }
+        keys.into_iter().map(|(_, place)| place).collect()
+    }
+}
+
+/// Names and units of all columns.
+fn columns() -> String {
+    let row = |name: &str, unit: &str, when: &str| [name, unit, when].map(str::to_owned).to_vec();
+    let of_nuts = CATALOGUE_COLUMNS.iter().map(|c| row(c.name, c.unit, ""));
+    let of_sheets = sheet_columns().map(|c| row(c.name, c.unit, "with --requirement"));
+    table::plain(None, &of_nuts.chain(of_sheets).collect::<Vec<_>>(), usize::MAX)
 }
 
 fn place_on_sheet(name: &str) -> Option<usize> {

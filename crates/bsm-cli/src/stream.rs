@@ -214,7 +214,13 @@ pub(crate) fn needs_a_file(table: &TableArgs, points: &Path) -> Result<(), Failu
 /// A folder if the path ends like one or is one, else a file.
 fn is_folder(table: &TableArgs) -> Result<bool, Failure> {
     let path = table.output.as_path();
-    if path.as_os_str().to_string_lossy().ends_with(['/', '\\']) || path.is_dir() {
+    let is_folder = path.as_os_str().to_string_lossy().ends_with(['/', '\\']) || path.is_dir();
+    if table.metadata && (is_folder || path.as_os_str() == "-" || path.exists() && !path.is_file())
+    {
+        let text = "--metadata is for tables in files; a folder has its plan.json";
+        return Err(Failure::Input(text.to_owned()));
+    }
+    if is_folder {
         return Ok(true);
     }
     if table.resume {
@@ -226,10 +232,6 @@ fn is_folder(table: &TableArgs) -> Result<bool, Failure> {
             if path.as_os_str() == "-" { "standard output".into() } else { path.to_string_lossy() },
             folder.with_extension("").display()
         )));
-    }
-    if table.metadata && (path.as_os_str() == "-" || path.exists() && !path.is_file()) {
-        let text = "--metadata is for tables in files";
-        return Err(Failure::Input(text.to_owned()));
     }
     if table.rows_per_shard.is_some() {
         let text = "--rows-per-shard is for folders, such as --output map/";

@@ -229,7 +229,8 @@ struct Cells {
     values: [Vec<f64>; 2],
     /// Values of the second axis.
     rows: usize,
-    cells: Vec<f64>,
+    /// Values of the output.
+    found: Vec<f64>,
     regions: Vec<usize>,
     models: Vec<&'static str>,
 }
@@ -254,7 +255,7 @@ impl Cells {
             axes: [label(x), label(y)],
             values,
             rows: y.len(),
-            cells: vec![f64::NAN; count],
+            found: vec![f64::NAN; count],
             regions: vec![0; count],
             models: Vec::new(),
             places,
@@ -275,18 +276,18 @@ impl Cells {
                 self.models.push(model);
                 self.models.len() - 1
             });
-            self.cells[cell] = *value;
+            self.found[cell] = *value;
         }
     }
 
     fn map(self, title: String) -> Map {
-        let Self { output, axes: [x, y], values: [xs, ys], cells, regions, models, .. } = self;
+        let Self { output, axes: [x, y], values: [xs, ys], found, regions, models, .. } = self;
         Map {
             title,
             x: (x, xs),
             y: (y, ys),
             label: words(output.name, output.unit),
-            values: cells,
+            values: found,
             regions,
             names: models.into_iter().map(str::to_owned).collect(),
         }

@@ -235,7 +235,7 @@ fn analyses_are_columns_of_a_sweep() {
     let last = table.lines().last().expect("rows");
     assert!(last.contains(&margin) && last.ends_with(",false"), "{margin}: {table}");
     let plot = fs::read_to_string(dir.path().join("p.svg")).expect("a plot");
-    assert!(plot.contains("returner_margin"));
+    assert!(plot.contains("returner margin"));
 
     for (columns, more, part) in [
         ("returner_margn", &[][..], "did you mean `returner_margin`?"),

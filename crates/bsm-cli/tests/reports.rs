@@ -24,7 +24,8 @@ fn validate_passes_and_writes_its_report() {
     let read = |file: &str| fs::read_to_string(dir.path().join("report").join(file)).expect(file);
     // Three models at three loads and 61 speeds.
     assert_eq!(read("figures/transition.csv").lines().count(), 1 + 9 * 61);
-    assert!(read("figures/transition.svg").contains("traction, 20 N"));
+    let transition = read("figures/transition.svg");
+    assert!(transition.contains(">traction<") && transition.contains(">20 N<"), "a legend");
     assert!(read("report.html").contains("0 fail"));
     let results: Value = serde_json::from_str(&read("results.json")).expect("JSON");
     assert_eq!(results["passed"], true);

@@ -38,8 +38,11 @@ fn assert_valid(schema: &Validator, result: &Value, what: &[&str]) {
 #[test]
 fn results_are_what_their_schemas_say() {
     let dir = folder();
-    fs::write(dir.path().join("lists.json"), "{\"nominal_diameter_mm\": [40], \"lead_mm\": [10]}")
-        .expect("lists");
+    fs::write(
+        dir.path().join("lists.json"),
+        "{\"nominal_diameter_mm\": [50, 63], \"lead_mm\": [20]}",
+    )
+    .expect("lists");
     let [drive, oil, lin, nut, axis, jamming, makers, wish, double] = [
         "feed_drive.json",
         "feed_drive_oil.json",
@@ -61,7 +64,8 @@ fn results_are_what_their_schemas_say() {
         &["optimum", &lin],
         &["optimum", &drive, "--model", "quasi-static"],
         &["capacity", &nut],
-        &["nut", &nut],
+        &["nut", &double],
+        &["nut", &double, "--set", "axial_load_MN=5"],
         &[
             "nut",
             &double,

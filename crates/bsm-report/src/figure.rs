@@ -5,7 +5,7 @@ use std::sync::Arc;
 use kuva::backend::svg::SvgBackend;
 use kuva::prelude::*;
 use kuva::render::layout::TickFormat;
-use kuva::render::render::{Scene, render_multiple};
+use kuva::render::render::{Primitive, Scene, render_multiple};
 
 use crate::ReportError;
 use crate::map::png_of;
@@ -107,6 +107,12 @@ const SIZE: (f64, f64) = (460.0, 330.0);
 const ROW: f64 = 21.0;
 const COLUMN: usize = 18;
 
+/// What strokes and colours mean.
+type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
+
+/// Colour of what a stroke means in every colour.
+const GREY: &str = "#777777";
+
 /// How far a logarithmic axis goes beyond the points.
 const BEYOND: f64 = 1.4;
 
@@ -139,14 +145,24 @@ impl Figure {
     fn scene(&self, title: impl Fn(Layout) -> Layout) -> Scene {
         let palette = Palette::tol_bright();
         let colors = palette.colors();
-        let (mut plots, mut legend) = (Vec::new(), Vec::new());
+        let color = |number: usize| colors[number % colors.len()].as_str();
+        let mut plots = Vec::new();
         for curve in &self.curves {
-            let color = colors[curve.color % colors.len()].as_str();
             let runs = curve.points.split(|(_, y)| !y.is_finite()).filter(|run| !run.is_empty());
-            plots.extend(runs.map(|run| plot(curve, run, color)));
-            let entry = |label: &String| legend_entry(curve.stroke, color, label);
-            legend.extend(curve.label.as_ref().map(entry));
+            plots.extend(runs.map(|run| plot(curve, run, color(curve.color))));
         }
+        let entry = |curve: &Curve| {
+            let label = curve.label.as_ref()?;
+            Some(legend_entry(curve.stroke, color(curve.color), label))
+        };
+        let by_parts = self.strokes_and_colors().map(|(strokes, of_colors)| {
+            let strokes = strokes.iter().map(|(stroke, label)| legend_entry(*stroke, GREY, label));
+            let of_colors =
+                of_colors.iter().map(|(i, label)| legend_entry(Stroke::Solid, color(*i), label));
+            strokes.chain(of_colors).collect()
+        });
+        let legend: Vec<_> =
+            by_parts.unwrap_or_else(|| self.curves.iter().filter_map(entry).collect());
         // The library makes room for the legend within the height.
         let longest = legend.iter().map(|entry| entry.label.chars().count()).max().unwrap_or(0);
         let columns = if longest > COLUMN { 1 } else { 2 };
@@ -179,7 +195,34 @@ impl Figure {
         if self.y.equal {
             layout = layout.with_equal_aspect();
         }
-        render_multiple(plots, title(layout))
+        let mut scene = render_multiple(plots, title(layout));
+        lengthen_samples(&mut scene);
+        scene
+    }
+
+    /// What each stroke and each colour means, if the labels of many curves are of two parts, `a, b`, of which one
+    /// follows from the stroke and the other from the colour.
+    fn strokes_and_colors(&self) -> Option<Parts<'_>> {
+        /// Curves of which a list is easier to read than two.
+        const FEW: usize = 4;
+        let (mut strokes, mut colors) = (Vec::new(), Vec::new());
+        for curve in &self.curves {
+            let (of_stroke, of_color) = curve.label.as_ref()?.split_once(", ")?;
+            let (stroke, color) = ((curve.stroke, of_stroke), (curve.color, of_color));
+            if !strokes.contains(&stroke) {
+                strokes.push(stroke);
+            }
+            if !colors.contains(&color) {
+                colors.push(color);
+            }
+        }
+        let once = |all: &mut dyn Iterator<Item = bool>| all.filter(|same| *same).count() == 1;
+        let by_strokes =
+            strokes.iter().all(|(a, _)| once(&mut strokes.iter().map(|(b, _)| a == b)));
+        let by_colors = colors.iter().all(|(a, _)| once(&mut colors.iter().map(|(b, _)| a == b)));
+        let fewer = strokes.len() + colors.len() < self.curves.len();
+        let holds = self.curves.len() > FEW && fewer && by_strokes && by_colors;
+        holds.then_some((strokes, colors))
     }
 
     /// The points as CSV, one row each; one without a result has no y.
@@ -266,11 +309,27 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
         Stroke::Triangles => LegendShape::Marker(MarkerShape::Triangle),
         Stroke::Solid | Stroke::Dashed | Stroke::Dotted => LegendShape::Line,
     };
-    LegendEntry {
-        label: label.to_owned(),
-        color: color.to_owned(),
-        shape,
-        dasharray: line_style(stroke).dasharray(),
+    // Of the strokes themselves a sample would show one dash.
+    let dasharray = match stroke {
+        Stroke::Dashed => Some("5 3".to_owned()),
+        Stroke::Dotted => Some("2 3".to_owned()),
+        _ => None,
+    };
+    LegendEntry { label: label.to_owned(), color: color.to_owned(), shape, dasharray }
+}
+
+/// Lengthens the samples of lines in the legend, which the library makes too short to tell strokes apart.
+fn lengthen_samples(scene: &mut Scene) {
+    const BY: f64 = 12.0;
+    const LONGEST: f64 = 30.0;
+    let plot = scene.elements.iter().rposition(|element| matches!(element, Primitive::ClipEnd));
+    for element in scene.elements.iter_mut().skip(plot.unwrap_or(usize::MAX)) {
+        if let Primitive::Line { x1, x2, y1, y2, .. } = element
+            && (*y1 - *y2).abs() < 1e-9
+            && (0.0..LONGEST).contains(&(*x2 - *x1))
+        {
+            *x1 -= BY;
+        }
     }
 }
 
@@ -296,6 +355,30 @@ fn scalable(svg: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Found by a user: a legend of nine rows for three loads and three models.
+    #[test]
+    fn a_legend_of_strokes_and_colours() {
+        let strokes = [(Stroke::Solid, "a"), (Stroke::Dashed, "b"), (Stroke::Dotted, "c")];
+        let curve = |i: usize| {
+            let (stroke, name) = strokes[i / 3];
+            Curve::new(format!("{name}, {} N", i % 3), i % 3, stroke, vec![(0.0, 0.0), (1.0, 1.0)])
+        };
+        let mut figure = Figure {
+            key: "k".into(),
+            title: "t".into(),
+            caption: String::new(),
+            x: Axis::linear("x"),
+            y: Axis::linear("y"),
+            curves: (0..9).map(curve).collect(),
+        };
+        let (by_stroke, by_color) = figure.strokes_and_colors().expect("two parts");
+        assert_eq!(by_stroke, strokes);
+        assert_eq!(by_color, [(0, "0 N"), (1, "1 N"), (2, "2 N")]);
+        // One that does not fit makes it a list again.
+        figure.curves[4].stroke = Stroke::Solid;
+        assert_eq!(figure.strokes_and_colors(), None);
+    }
 
     /// A gap in a curve is one in the figure and in the table; the figure knows its size.
     #[test]

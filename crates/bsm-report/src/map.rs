@@ -130,17 +130,17 @@ impl Map {
             let to_x = |value: f64| x + width * part(value, (left, right), self.x.0.log);
             let to_y = |value: f64| y + height * (1.0 - part(value, (low, high), self.y.0.log));
             let mut drawn = self.cells(&edges, &bands, &to_x, &to_y);
-            let path: String = boundary
+            let path: Vec<_> = boundary
                 .iter()
                 .map(|[(x1, y1), (x2, y2)]| {
                     let [x1, x2] = [*x1, *x2].map(to_x);
                     let [y1, y2] = [*y1, *y2].map(to_y);
-                    format!("M {x1:.1} {y1:.1} L {x2:.1} {y2:.1} ")
+                    format!("M {x1:.1} {y1:.1} L {x2:.1} {y2:.1}")
                 })
                 .collect();
             if !path.is_empty() {
                 drawn.push(Primitive::Path(Box::new(PathData {
-                    d: path,
+                    d: path.join(" "),
                     fill: None,
                     stroke: "#000000".into(),
                     stroke_width: 1.5,
@@ -148,7 +148,8 @@ impl Map {
                     stroke_dasharray: Some("5 3".to_owned()),
                 })));
             }
-            scene.elements.splice(place + 1..place + 1, drawn);
+            let above = scene.elements.split_off(place + 1);
+            scene.elements.extend(drawn.into_iter().chain(above));
         }
         scene
     }
@@ -289,8 +290,8 @@ impl Bands {
             3..=4 => &[1.0, 3.0],
             _ => &[1.0],
         };
-        #[expect(clippy::cast_possible_truncation, reason = "some ten bands")]
-        let every = (f64::from(to - from) / BANDS).ceil().max(1.0) as usize;
+        // Ten at most.
+        let every = usize::try_from((to - from - 1) / 9).unwrap_or(0) + 1;
         let edges = (from..=to + 1).step_by(every).flat_map(|power| {
             digits.iter().map(move |digit| format!("{digit}e{power}").parse().unwrap_or(0.0))
         });

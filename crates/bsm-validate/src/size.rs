@@ -256,9 +256,9 @@ fn section(report: &SizeReport) -> Option<Figure> {
     };
     let (x, y) = (radius * angle.sin(), radius * angle.cos());
     let curves = vec![
+        Curve::new("ball", 6, Stroke::Solid, (0..=CHORDS).map(around).collect()),
         Curve::new("nut", 0, Stroke::Solid, grooves.nut),
         Curve::new("screw", 1, Stroke::Solid, grooves.screw),
-        Curve::new("ball", 6, Stroke::Solid, (0..=CHORDS).map(around).collect()),
         Curve::new("contacts", 3, Stroke::Dashed, vec![(-x, y), (x, -y)]),
     ];
     Some(Figure {

@@ -361,8 +361,8 @@ pub const CURVE_COLUMNS: [(&str, &str); 7] = [
 const LOADS: usize = 4;
 const ANGLES: usize = 8;
 
-/// Columns that are lists of the JSON of a nut: loads and contact angles.
-pub(crate) const LISTED: std::ops::Range<usize> = LOADS..ANGLES + 4;
+/// Places in [`BALL_COLUMNS`] of those that are lists in the JSON of a nut: loads and contact angles.
+pub const LISTED: std::ops::Range<usize> = LOADS..ANGLES + 4;
 
 impl NutReport {
     fn found(&self) -> &Equilibrium {
