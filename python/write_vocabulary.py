@@ -39,8 +39,7 @@ def text() -> str:
     parts = [
         '"""The words of the program with their types. Written by `python python/write_vocabulary.py`."""',
         "",
-        "from __future__ import annotations",
-        "",
+        # Without annotations as strings, each of which a TypedDict would compile at every import.
         "from typing import Any, Literal, TypedDict",
         "",
         "from ballscrew import _core",

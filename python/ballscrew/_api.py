@@ -623,7 +623,7 @@ class Linspace(NamedTuple):
 
     start: float
     stop: float
-    count: int
+    number: int
 
 
 def linspace(start: float, stop: float, count: int) -> Linspace:
@@ -913,7 +913,7 @@ def sweep(
     axes = []
     for name, values in vary.items():
         if isinstance(values, Linspace):
-            axes.append(f"{name}={values.start!r}:{values.stop!r}:{values.count}")
+            axes.append(f"{name}={values.start!r}:{values.stop!r}:{values.number}")
         else:
             axes.append(f"{name}={','.join(repr(_number(name, value)) for value in values)}")
     how = _how(model, tolerance, accuracy, creep, control)

@@ -270,7 +270,7 @@ def test_efficiency_is_output_over_input_power(load: float, speed: float, fricti
 def test_a_grid_is_labelled(screw: bs.Scene) -> None:
     xr = pytest.importorskip("xarray")
     vary = {"screw_speed_rpm": bs.linspace(100, 3000, 5), "axial_load_N": [2e3, 8e3, 1.6e4]}
-    grid = bs.sweep(screw, vary=vary, outputs=["efficiency"])  # type: ignore[arg-type]
+    grid = bs.sweep(screw, vary=vary, outputs=["efficiency"])
     assert grid.shape == (5, 3) == grid.grid("efficiency").shape
     data = grid.to_xarray()
     assert isinstance(data, xr.Dataset) and data["efficiency"].dims == ("screw_speed_rpm", "axial_load_N")
