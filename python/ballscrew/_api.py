@@ -842,7 +842,7 @@ def solve_many(
             else:
                 numbers.append((name, array, []))
     elif hasattr(points, "__arrow_c_stream__"):
-        for name, read in _core.read_arrow(points, list(keep)):
+        for name, read in _read_frame(points, list(keep)):
             if isinstance(read, tuple):
                 buffer, gaps = read
                 numbers.append((name, np.frombuffer(buffer, np.float64), gaps if missing == "base" else []))
@@ -870,6 +870,24 @@ def solve_many(
     inputs: dict[str, Any] = {name: values for name, values, _ in numbers if name in taken}
     kept: dict[str, Any] = {name: np.array(values, dtype=object) for name, values in texts}
     return _answered(rows, {**inputs, **kept})
+
+
+def _read_frame(frame: Any, keep: list[str]) -> list[tuple[str, Any]]:
+    """Columns of a frame: texts, or numbers with the rows that have none."""
+    try:
+        return _core.read_arrow(frame, keep)
+    except ImportError:
+        import numpy as np
+
+        # pandas without pyarrow, which hands its NaN over as null.
+        read: list[tuple[str, Any]] = []
+        for name in frame.columns:
+            if name in keep:
+                read.append((name, [str(value) for value in frame[name]]))
+            else:
+                column = _column(name, frame[name])
+                read.append((name, (column, np.flatnonzero(np.isnan(column)).tolist())))
+        return read
 
 
 def sweep(

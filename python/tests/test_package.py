@@ -13,6 +13,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -175,6 +176,29 @@ def test_frames_come_out_alike(screw: bs.Scene) -> None:
     assert polars["self_locking"].sum() == 0
     assert arrow.schema.field("axial_load_N").metadata == {b"unit": b"N"}
     assert list(pandas["model"].cat.categories) == list(bs.MODELS)
+
+
+def test_pandas_needs_no_pyarrow(screw: bs.Scene) -> None:
+    pd = pytest.importorskip("pandas")
+
+    class Alone:
+        """A frame whose Arrow stream needs what is not installed."""
+
+        def __init__(self, frame: Any) -> None:
+            self.frame, self.columns = frame, frame.columns
+
+        def __getitem__(self, name: str) -> Any:
+            return self.frame[name]
+
+        def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+            raise ImportError("pyarrow is required")
+
+    full = pd.DataFrame({"name": ["a", "b", "c"], "axial_load_N": [2000, 8000, math.nan], "screw_speed_rpm": [1, 2, 3]})
+    frame = Alone(full)
+    for missing in ("invalid", "base"):
+        ours = bs.solve_many(frame, screw, keep=["name"], missing=missing)
+        same = bs.solve_many(full, screw, keep=["name"], missing=missing)
+        assert repr(ours.to_dict()) == repr(same.to_dict())
 
 
 def test_nan_is_never_the_value_of_the_base(screw: bs.Scene) -> None:
