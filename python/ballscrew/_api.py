@@ -450,8 +450,7 @@ class Table:
             _core.write_numbers(list(self._columns.items()), Path(path))
 
     def __repr__(self) -> str:
-        names = ", ".join(self._columns)
-        return f"<{type(self).__name__} {self._length} rows: {names}>"
+        return f"<{type(self).__name__} {self._length} rows: {_few(self._columns)}>"
 
     def _repr_html_(self) -> str:
         import numpy as np
@@ -541,6 +540,10 @@ class Grid(Table):
         """Lists by name, inputs repeated for each row; None where there is no value."""
         return self._with_inputs().to_dict()
 
+    def __repr__(self) -> str:
+        axes = " x ".join(f"{len(values)} {name}" for name, values in self._axes.items())
+        return f"<{type(self).__name__} {axes}: {_few(self._columns)}>"
+
     def to_xarray(self) -> xr.Dataset:
         """As an xarray dataset: dimensions are the axes in their order."""
         import xarray as xr
@@ -588,9 +591,7 @@ class Report(Mapping[str, Any]):
         return dict(self._entries)
 
     def __repr__(self) -> str:
-        names = list(self._entries)
-        more = f", and {len(names) - 8} more" if len(names) > 8 else ""
-        return f"<{type(self).__name__} found={self.found}: {', '.join(names[:8])}{more}>"
+        return f"<{type(self).__name__} found={self.found}: {_few(self._entries)}>"
 
     def _repr_html_(self) -> str:
         plain = (str, int, float, bool, type(None))
@@ -1404,6 +1405,13 @@ def _shown(progress: bool | Progress | None) -> Progress | None:
 
         return show
     return progress or None
+
+
+def _few(names: Iterable[str]) -> str:
+    """The first of many names."""
+    shown = list(names)
+    more = f", and {len(shown) - 8} more" if len(shown) > 8 else ""
+    return ", ".join(shown[:8]) + more
 
 
 def _short(value: Any) -> str:
