@@ -16,12 +16,10 @@ TARGET = Path(__file__).with_name("ballscrew") / "_vocabulary.py"
 
 
 def core() -> ModuleType:
-    """The compiled part of the installed package."""
-    package = importlib.util.find_spec("ballscrew")
-    folders = (package.submodule_search_locations or []) if package else []
-    for folder in folders:
+    """The compiled part of the package, installed or made beside the sources."""
+    for folder in sys.path:
         for ending in importlib.machinery.EXTENSION_SUFFIXES:
-            path = Path(folder) / f"_core{ending}"
+            path = Path(folder) / "ballscrew" / f"_core{ending}"
             if path.exists():
                 spec = importlib.util.spec_from_file_location("ballscrew._core", path)
                 assert spec is not None and spec.loader is not None
@@ -39,8 +37,7 @@ def text() -> str:
     parts = [
         '"""The words of the program with their types. Written by `python python/write_vocabulary.py`."""',
         "",
-        "from __future__ import annotations",
-        "",
+        # Without annotations as strings, each of which a TypedDict would compile at every import.
         "from typing import Any, Literal, TypedDict",
         "",
         "from ballscrew import _core",

@@ -450,8 +450,7 @@ class Table:
             _core.write_numbers(list(self._columns.items()), Path(path))
 
     def __repr__(self) -> str:
-        names = ", ".join(self._columns)
-        return f"<{type(self).__name__} {self._length} rows: {names}>"
+        return f"<{type(self).__name__} {self._length} rows: {_few(self._columns)}>"
 
     def _repr_html_(self) -> str:
         import numpy as np
@@ -541,6 +540,10 @@ class Grid(Table):
         """Lists by name, inputs repeated for each row; None where there is no value."""
         return self._with_inputs().to_dict()
 
+    def __repr__(self) -> str:
+        axes = " x ".join(f"{len(values)} {name}" for name, values in self._axes.items())
+        return f"<{type(self).__name__} {axes}: {_few(self._columns)}>"
+
     def to_xarray(self) -> xr.Dataset:
         """As an xarray dataset: dimensions are the axes in their order."""
         import xarray as xr
@@ -588,9 +591,7 @@ class Report(Mapping[str, Any]):
         return dict(self._entries)
 
     def __repr__(self) -> str:
-        names = list(self._entries)
-        more = f", and {len(names) - 8} more" if len(names) > 8 else ""
-        return f"<{type(self).__name__} found={self.found}: {', '.join(names[:8])}{more}>"
+        return f"<{type(self).__name__} found={self.found}: {_few(self._entries)}>"
 
     def _repr_html_(self) -> str:
         plain = (str, int, float, bool, type(None))
@@ -623,7 +624,7 @@ class Linspace(NamedTuple):
 
     start: float
     stop: float
-    count: int
+    number: int
 
 
 def linspace(start: float, stop: float, count: int) -> Linspace:
@@ -842,7 +843,7 @@ def solve_many(
             else:
                 numbers.append((name, array, []))
     elif hasattr(points, "__arrow_c_stream__"):
-        for name, read in _core.read_arrow(points, list(keep)):
+        for name, read in _read_frame(points, list(keep)):
             if isinstance(read, tuple):
                 buffer, gaps = read
                 numbers.append((name, np.frombuffer(buffer, np.float64), gaps if missing == "base" else []))
@@ -870,6 +871,24 @@ def solve_many(
     inputs: dict[str, Any] = {name: values for name, values, _ in numbers if name in taken}
     kept: dict[str, Any] = {name: np.array(values, dtype=object) for name, values in texts}
     return _answered(rows, {**inputs, **kept})
+
+
+def _read_frame(frame: Any, keep: list[str]) -> list[tuple[str, Any]]:
+    """Columns of a frame: texts, or numbers with the rows that have none."""
+    try:
+        return _core.read_arrow(frame, keep)
+    except ImportError:
+        import numpy as np
+
+        # pandas without pyarrow, which hands its NaN over as null.
+        read: list[tuple[str, Any]] = []
+        for name in frame.columns:
+            if name in keep:
+                read.append((name, [str(value) for value in frame[name]]))
+            else:
+                column = _column(name, frame[name])
+                read.append((name, (column, np.flatnonzero(np.isnan(column)).tolist())))
+        return read
 
 
 def sweep(
@@ -913,7 +932,7 @@ def sweep(
     axes = []
     for name, values in vary.items():
         if isinstance(values, Linspace):
-            axes.append(f"{name}={values.start!r}:{values.stop!r}:{values.count}")
+            axes.append(f"{name}={values.start!r}:{values.stop!r}:{values.number}")
         else:
             axes.append(f"{name}={','.join(repr(_number(name, value)) for value in values)}")
     how = _how(model, tolerance, accuracy, creep, control)
@@ -1386,6 +1405,13 @@ def _shown(progress: bool | Progress | None) -> Progress | None:
 
         return show
     return progress or None
+
+
+def _few(names: Iterable[str]) -> str:
+    """The first of many names."""
+    shown = list(names)
+    more = f", and {len(shown) - 8} more" if len(shown) > 8 else ""
+    return ", ".join(shown[:8]) + more
 
 
 def _short(value: Any) -> str:

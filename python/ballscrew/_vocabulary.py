@@ -1,7 +1,5 @@
 """The words of the program with their types. Written by `python python/write_vocabulary.py`."""
 
-from __future__ import annotations
-
 from typing import Any, Literal, TypedDict
 
 from ballscrew import _core

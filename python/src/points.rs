@@ -362,7 +362,7 @@ impl Gathered {
             let words = task.solve_into((&chunk, &named), room, stop, done);
             self.messages.extend(words.into_iter().map(|(row, text)| (first + row, text)));
             for (column, spare) in self.columns.iter_mut().zip(&spare) {
-                if column.is_none() && spare.iter().any(|value| !value.is_nan()) {
+                if column.is_none() && has_value(spare) {
                     let mut values = vec![0.0; self.len];
                     values[..first].fill(f64::NAN);
                     values[rows.clone()].copy_from_slice(spare);
@@ -372,6 +372,13 @@ impl Gathered {
         }
         Ok(())
     }
+}
+
+/// True if not all are NaN.
+fn has_value(values: &[f64]) -> bool {
+    // Without a branch for each value.
+    let some = |part: &[f64]| part.iter().fold(false, |some, value| some | !value.is_nan());
+    values.chunks(512).any(some)
 }
 
 /// The first values, which the rest loses.

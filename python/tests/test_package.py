@@ -13,6 +13,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -177,6 +178,29 @@ def test_frames_come_out_alike(screw: bs.Scene) -> None:
     assert list(pandas["model"].cat.categories) == list(bs.MODELS)
 
 
+def test_pandas_needs_no_pyarrow(screw: bs.Scene) -> None:
+    pd = pytest.importorskip("pandas")
+
+    class Alone:
+        """A frame whose Arrow stream needs what is not installed."""
+
+        def __init__(self, frame: Any) -> None:
+            self.frame, self.columns = frame, frame.columns
+
+        def __getitem__(self, name: str) -> Any:
+            return self.frame[name]
+
+        def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+            raise ImportError("pyarrow is required")
+
+    full = pd.DataFrame({"name": ["a", "b", "c"], "axial_load_N": [2000, 8000, math.nan], "screw_speed_rpm": [1, 2, 3]})
+    frame = Alone(full)
+    for missing in ("invalid", "base"):
+        ours = bs.solve_many(frame, screw, keep=["name"], missing=missing)
+        same = bs.solve_many(full, screw, keep=["name"], missing=missing)
+        assert repr(ours.to_dict()) == repr(same.to_dict())
+
+
 def test_nan_is_never_the_value_of_the_base(screw: bs.Scene) -> None:
     pl = pytest.importorskip("polars")
     frame = pl.DataFrame({"axial_load_N": [8000.0, None, math.nan]})
@@ -270,7 +294,7 @@ def test_efficiency_is_output_over_input_power(load: float, speed: float, fricti
 def test_a_grid_is_labelled(screw: bs.Scene) -> None:
     xr = pytest.importorskip("xarray")
     vary = {"screw_speed_rpm": bs.linspace(100, 3000, 5), "axial_load_N": [2e3, 8e3, 1.6e4]}
-    grid = bs.sweep(screw, vary=vary, outputs=["efficiency"])  # type: ignore[arg-type]
+    grid = bs.sweep(screw, vary=vary, outputs=["efficiency"])
     assert grid.shape == (5, 3) == grid.grid("efficiency").shape
     data = grid.to_xarray()
     assert isinstance(data, xr.Dataset) and data["efficiency"].dims == ("screw_speed_rpm", "axial_load_N")

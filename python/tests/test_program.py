@@ -154,7 +154,7 @@ def test_a_batch_has_the_bytes_of_the_program(tmp_path: Path, model: str) -> Non
     given = zip(*points.values(), names, strict=True)
     lines = [",".join([*points, "name"]), *(f"{float(a)!r},{float(b)!r},{name}" for a, b, name in given)]
     (tmp_path / "points.csv").write_text("\n".join(lines) + "\n")
-    options = ["--base", path, "--model", model, "--columns", ",".join(outputs), "--keep", "name", "--keep-going", "--quiet"]
+    options: list[str | Path] = ["--base", path, "--model", model, "--columns", ",".join(outputs), "--keep", "name", "--keep-going", "--quiet"]
     for ending in ("csv", "jsonl", "parquet"):
         ours, theirs = tmp_path / f"ours.{ending}", tmp_path / f"theirs.{ending}"
         table.write(ours)

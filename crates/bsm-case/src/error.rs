@@ -398,6 +398,7 @@ impl CaseError {
             | Self::UnknownRace { name, .. } => name,
             Self::Missing { missing, .. }
             | Self::MissingForRatings { missing }
+            | Self::MissingForAxis { missing }
             | Self::MissingForNut { missing }
             | Self::MissingForDesign { missing } => missing.first()?,
             _ => return None,
