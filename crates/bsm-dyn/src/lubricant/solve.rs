@@ -9,7 +9,7 @@ use super::{ContactFilm, FilmState, Lubricant, OutsidePower, Rub, Temperature, W
 use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
 use crate::ellipse::{Lanes, Local, Nodes, Quadrature};
 use crate::{
-    Direction, Model, ModelWorkspace, RaceControl, RacewayControl, Reason, SkidNumbers, Solution,
+    Direction, ErrorBound, Model, ModelWorkspace, RaceControl, RacewayControl, Reason, SkidNumbers, Solution,
     SolveInfo, Solved, Traction, Transmission, Unsolved,
 };
 
@@ -44,26 +44,37 @@ pub struct Lubricated<D = f64> {
 /// Memory of the solves.
 #[derive(Default)]
 pub struct LubricatedWorkspace {
-    /// Rules by their accuracies.
-    rules: Vec<(f64, Quadrature)>,
+    rules: Vec<OilRules>,
+}
+
+/// The quadrature of an accuracy, and the one that its error is told from.
+struct OilRules {
+    accuracy: f64,
+    rule: Quadrature,
+    check: Quadrature,
 }
 
 impl LubricatedWorkspace {
-    /// The rules of accuracies, made when they are first asked for.
-    pub(crate) fn rules<const N: usize>(&mut self, accuracies: [f64; N]) -> [&Quadrature; N] {
+    /// The rules of accuracies, made when they are first asked for, and what the error of the last is told from.
+    pub(crate) fn rules<const N: usize>(
+        &mut self,
+        accuracies: [f64; N],
+    ) -> ([&Quadrature; N], &Quadrature) {
         let places = accuracies.map(|accuracy| {
-            let known = |(known, _): &(f64, _)| known.total_cmp(&accuracy).is_eq();
+            let known = |rules: &OilRules| rules.accuracy.total_cmp(&accuracy).is_eq();
             self.rules.iter().position(known).unwrap_or_else(|| {
-                self.rules.push((accuracy, Quadrature::of_oil(accuracy)));
+                let (rule, check) =
+                    (Quadrature::of_oil(accuracy), Quadrature::check_of_oil(accuracy));
+                self.rules.push(OilRules { accuracy, rule, check });
                 self.rules.len() - 1
             })
         });
-        places.map(|place| &self.rules[place].1)
+        (places.map(|place| &self.rules[place].rule), &self.rules[places[N - 1]].check)
     }
 
     /// The rule of an accuracy.
     pub(crate) fn rule(&mut self, accuracy: f64) -> &Quadrature {
-        let [rule] = self.rules([accuracy]);
+        let ([rule], _) = self.rules([accuracy]);
         rule
     }
 }
@@ -97,6 +108,8 @@ pub(crate) struct Found {
     pub(crate) skid: SkidNumbers,
     pub(crate) info: SolveInfo,
     pub(crate) control: Option<RaceControl>,
+    /// What the quadrature may leave in the efficiency, if it is told (T25).
+    pub(crate) error: Option<f64>,
 }
 
 impl Wetted {
@@ -263,7 +276,7 @@ impl Lubricated {
                 let (_, torque) = screw.rolling_torques(&pair, lost(&rubs));
                 let steady = Steady { loaded, to_nut, rubs, torque };
                 let (skid, info, control) = grip.told(&pair);
-                Found { pair, steady, unit, skid, info, control: Some(control) }
+                Found { pair, steady, unit, skid, info, control: Some(control), error: None }
             }
             LubricatedModel::Traction(case) => {
                 case.lubricated(&wetted, &mut work.traction, &mut work.lubricated)?
@@ -334,6 +347,9 @@ impl Lubricated {
             info: Some(found.info),
             control: found.control,
             film: Some(film),
+            error: found
+                .error
+                .map(|error| ErrorBound::of(pair.direction, transmission.efficiency, error)),
             ..Solved::new(&ball, transmission)
         })
     }
