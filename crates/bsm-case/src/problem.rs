@@ -1,6 +1,6 @@
 //! Which model is asked, and whether a scene has what it needs.
 
-use bsm_dyn::{Control, Model, Problem, Traction};
+use bsm_dyn::{Control, Model, Problem, RacewayFriction, Traction};
 
 use crate::input_set::{Form, LEAD, Quantity, TEMPERATURE, VISCOSITY};
 use crate::nut::balls_and_turns;
@@ -68,6 +68,8 @@ pub struct Settings {
     pub creep: f64,
     /// The controlling race in model raceway-control; `None` decides by the spin moments.
     pub control: Option<Control>,
+    /// Where friction of a lubricant is computed in model raceway-control.
+    pub friction: RacewayFriction,
 }
 
 impl Default for Settings {
@@ -78,6 +80,7 @@ impl Default for Settings {
             accuracy: Traction::ACCURACY,
             creep: Traction::CREEP,
             control: None,
+            friction: RacewayFriction::Local,
         }
     }
 }

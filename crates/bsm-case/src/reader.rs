@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use bsm_dyn::{
     Angles, Auto, Ball, BaseOil, ClosedForm, Direction, Driven, Elastic, ElasticScrew, Load,
     Losses, Lubricant, Lubricated, LubricatedModel, Material, Model, Oil, Problem, QuasiStatic,
-    RacewayControl, RacewayFriction, Rigid, Roughness, Size, Temperature, Traction, ZERO_CELSIUS,
+    RacewayControl, Rigid, Roughness, Size, Temperature, Traction, ZERO_CELSIUS,
 };
 use bsm_kin::{Drive, Helix, Scalar};
 
@@ -261,7 +261,7 @@ pub(crate) fn lubricated<D: Scalar>(
     let model = match model {
         ModelChoice::Fixed(Model::RacewayControl) => LubricatedModel::RacewayControl(
             RacewayControl { screw, control: settings.control },
-            RacewayFriction::Local,
+            settings.friction,
         ),
         _ => LubricatedModel::Traction(Traction {
             screw,

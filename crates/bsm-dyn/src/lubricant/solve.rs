@@ -80,6 +80,22 @@ impl LubricatedWorkspace {
 }
 
 impl RacewayFriction {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Local, Self::PerContact];
+
+    /// Name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Local => "local",
+            Self::PerContact => "contact",
+        }
+    }
+
+    /// The one of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|friction| friction.name() == name)
+    }
+
     /// Accuracy of the rule: sums of a coefficient of one need fewer nodes.
     pub(super) fn accuracy(self) -> f64 {
         match self {

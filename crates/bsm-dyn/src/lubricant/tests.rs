@@ -251,25 +251,30 @@ fn extremes_have_numbers_or_none() {
 /// One coefficient for each contact against the law of each point.
 #[test]
 fn one_coefficient_errs_by_a_few_per_cent() {
-    let mut off = Vec::new();
-    for (rpm, axial) in
-        [(10.0, 8000.0), (150.0, 3000.0), (1500.0, 8000.0), (1500.0, 1500.0), (4000.0, 8000.0)]
-    {
-        let screw = feed_drive(rpm, axial);
+    let mut rng: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(411);
+    let mut off = [const { Vec::new() }; 2];
+    for _ in 0..400 {
+        let (screw, lubricant) = everyday(&mut rng);
         let fast = LubricatedModel::RacewayControl(
             RacewayControl { screw, control: None },
             RacewayFriction::PerContact,
         );
         let [local, fast] = [rolling(screw), fast].map(|model| {
-            let film = solved(vg_68(), model).film.unwrap();
-            (film.sliding_power, film.sliding_power + film.rolling_power)
+            let film = solved(lubricant, model).film.unwrap();
+            [film.sliding_power, film.sliding_power + film.rolling_power]
         });
-        off.push(fast.0 / local.0 - 1.0);
-        // An independent measurement over 120 screws: all loss 3.2 % at most.
-        assert!((fast.1 / local.1 - 1.0).abs() < 0.032, "{rpm} {axial}: {fast:?} {local:?}");
+        for i in 0..2 {
+            off[i].push((fast[i] / local[i] - 1.0).abs());
+        }
     }
-    // Sliding alone: 95 of 100 screws keep 6.6 %; a light load, whose pressures are low all over, is beyond.
-    assert!(off.iter().all(|off| off.abs() < 0.1), "{off:?}");
+    let [sliding, all] = off.map(|mut off| {
+        off.sort_by(f64::total_cmp);
+        [200, 380, 399].map(|place| off[place])
+    });
+    println!("sliding {sliding:?}, all {all:?}");
+    // Independent, over 120 screws: sliding 0.7 % in the middle and 6.6 % of 95 in 100, all loss 3.2 % at most.
+    assert!(sliding[0] < 0.02 && sliding[1] < 0.1 && sliding[2] < 0.2, "{sliding:?}");
+    assert!(all[0] < 0.01 && all[2] < 0.06, "{all:?}");
 }
 
 /// A random screw and its lubricant over everyday ranges.
