@@ -34,6 +34,7 @@
 )]
 
 mod analysis;
+mod calibration;
 mod capacity;
 mod catalogue;
 mod design;
@@ -69,6 +70,7 @@ pub use catalogue::{
 };
 pub use design::{DesignReport, DesignRow};
 pub use error::{CaseError, brief, printable};
+pub use calibration::{Calibration, CalibrationReport, Measured};
 pub use fit::{Fit, FitReport, Fitted};
 pub use grid::{Axis, Grid};
 pub use input::{INPUTS, Input, InputKey, Rule, Scene};

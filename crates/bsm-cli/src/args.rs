@@ -431,12 +431,19 @@ pub(crate) struct FitArgs {
     pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
-    /// Output that was measured at this operating point, and its value.
-    #[arg(long, value_name = "OUTPUT=VALUE", allow_hyphen_values = true)]
+    /// Output that was measured at this operating point, and its value; with --data its name alone.
+    #[arg(long, value_name = "OUTPUT[=VALUE]", allow_hyphen_values = true)]
     pub(crate) measured: String,
-    /// Input to find.
-    #[arg(long, value_name = "NAME", default_value = "friction_coefficient")]
-    pub(crate) input: String,
+    /// Input to find; with --data one or several, also with a range of their own: NAME=LOW:HIGH.
+    #[arg(long, value_name = "NAME", default_value = "friction_coefficient", allow_hyphen_values = true)]
+    pub(crate) input: Vec<String>,
+    /// CSV table of measured points: a column of the output, and columns of inputs, such as screw_speed_rpm,
+    /// axial_load_kN and lubricant_temperature_C; the scene has the rest.
+    #[arg(long, value_name = "CSV", conflicts_with = "range")]
+    pub(crate) data: Option<PathBuf>,
+    /// Plot measured against fitted values to this SVG file.
+    #[arg(long, value_name = "SVG", requires = "data")]
+    pub(crate) plot: Option<PathBuf>,
     /// Range to search; unless given, 1e-4 to 0.5 for friction, and a quarter to four times the
     /// scene's value for other inputs.
     #[arg(long, value_name = "LOW:HIGH", allow_hyphen_values = true, value_parser = range)]

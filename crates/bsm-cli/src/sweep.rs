@@ -16,6 +16,9 @@ use crate::stream::{Job, outputs};
 /// Points of a plot: beyond, a viewer of SVG chokes.
 const MOST_POINTS: usize = 100_000;
 
+/// A varied input that grows by as much as this has a logarithmic axis.
+const DECADES: f64 = 100.0;
+
 pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let base = read_scene(&args.scene.scene, &args.scene.settings)?;
     for output in [Some(&args.table.output), args.plot.as_ref()] {
@@ -69,6 +72,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
 struct Curves {
     output: &'static OutputColumn,
     x_name: &'static str,
+    log_x: bool,
     lines: Vec<Curve>,
 }
 
@@ -121,7 +125,9 @@ impl Curves {
                 points: Vec::new(),
             })
             .collect();
-        Ok(Self { output, x_name: x.key.name(), lines })
+        let (low, high) = (x.value(0), x.value(x.len() - 1));
+        let log_x = low > 0.0 && high >= DECADES * low;
+        Ok(Self { output, x_name: x.key.name(), log_x, lines })
     }
 
     /// Adds the points of a chunk, of which the second axis runs fastest; one without a result
@@ -144,7 +150,7 @@ impl Curves {
             key: String::new(),
             title,
             caption: String::new(),
-            x: Axis::linear(self.x_name),
+            x: Axis { log: self.log_x, ..Axis::linear(self.x_name) },
             y: Axis::linear(self.output.name),
             curves: self.lines.clone(),
         };

@@ -123,7 +123,7 @@ impl Quadrature {
     /// many on lines whose spin pole is near.
     pub(crate) fn of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
-        Self::oiled(nodes.saturating_mul(TWO), 11 * nodes.get() / 16, accuracy)
+        Self::oiled(nodes.saturating_mul(TWO), 3 * nodes.get() / 4, accuracy)
     }
 
     pub(super) fn oiled(nodes: NonZeroUsize, half: usize, accuracy: f64) -> Self {
@@ -131,11 +131,11 @@ impl Quadrature {
         let of = |nodes: usize| Gauss::of(NonZeroUsize::new(nodes).unwrap_or(NonZeroUsize::MIN));
         Self {
             panel: rule.panel.crowded(),
+            part: of(2 * rule.part.len()),
             near: of(4 * rule.part.len()),
             half: of(half.min(MOST_RINGS)),
             angles: (1..=MOST_BLOCKS).map(|blocks| half_ring(blocks * BLOCK)).collect(),
-            // A digit less than along a line: what poles leave falls off towards the rim.
-            depth: -(10.0 * accuracy).ln() / 2.0,
+            depth: -accuracy.ln() / 2.0,
             inner: rule.inner[..=MOST_OILED].to_vec(),
             reach: rule.reach[..=MOST_OILED].to_vec(),
             ..rule
@@ -145,7 +145,7 @@ impl Quadrature {
     /// The rule that the error of [`Self::of_oil`] is told from: fewer nodes both ways.
     pub(crate) fn check_of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
-        Self::oiled(nodes, (11 * nodes.get() / 16).saturating_sub(2).max(1), 10.0 * accuracy)
+        Self::oiled(nodes, (3 * nodes.get() / 4).saturating_sub(2).max(1), 10.0 * accuracy)
     }
 
     /// How many blocks of angles on half a ring resolve a slip; none where its poles are so near that lines about

@@ -47,11 +47,13 @@ pub struct LubricatedWorkspace {
     rules: Vec<OilRules>,
 }
 
-/// The quadrature of an accuracy, and the one that its error is told from.
+/// The quadratures of an accuracy: of an oil, and the one that its error is told from.
 struct OilRules {
     accuracy: f64,
     rule: Quadrature,
     check: Quadrature,
+    /// For a constant coefficient.
+    dry: Quadrature,
 }
 
 impl LubricatedWorkspace {
@@ -60,22 +62,24 @@ impl LubricatedWorkspace {
         &mut self,
         accuracies: [f64; N],
     ) -> ([&Quadrature; N], &Quadrature) {
-        let places = accuracies.map(|accuracy| {
-            let known = |rules: &OilRules| rules.accuracy.total_cmp(&accuracy).is_eq();
-            self.rules.iter().position(known).unwrap_or_else(|| {
-                let (rule, check) =
-                    (Quadrature::of_oil(accuracy), Quadrature::check_of_oil(accuracy));
-                self.rules.push(OilRules { accuracy, rule, check });
-                self.rules.len() - 1
-            })
-        });
+        let places = accuracies.map(|accuracy| self.place(accuracy));
         (places.map(|place| &self.rules[place].rule), &self.rules[places[N - 1]].check)
     }
 
-    /// The rule of an accuracy.
-    pub(crate) fn rule(&mut self, accuracy: f64) -> &Quadrature {
-        let ([rule], _) = self.rules([accuracy]);
-        rule
+    fn place(&mut self, accuracy: f64) -> usize {
+        let known = |rules: &OilRules| rules.accuracy.total_cmp(&accuracy).is_eq();
+        self.rules.iter().position(known).unwrap_or_else(|| {
+            let (rule, check) = (Quadrature::of_oil(accuracy), Quadrature::check_of_oil(accuracy));
+            let dry = Quadrature::of(accuracy);
+            self.rules.push(OilRules { accuracy, rule, check, dry });
+            self.rules.len() - 1
+        })
+    }
+
+    /// The rules of an accuracy, of an oil and of a constant coefficient.
+    pub(crate) fn both(&mut self, accuracy: f64) -> [&Quadrature; 2] {
+        let place = self.place(accuracy);
+        [&self.rules[place].rule, &self.rules[place].dry]
     }
 }
 
@@ -174,14 +178,15 @@ impl RacewayFriction {
         wetted: &Wetted<P>,
         pair: &ElasticBall<P>,
         (loaded, to_nut): (&Loaded<D>, &Motion<D>),
-        nodes: Nodes<'_>,
+        rules: [&Quadrature; 2],
     ) -> ([D; 2], [Rub<D>; 2]) {
+        let [oil, dry] = rules.map(Nodes::from);
         let (motions, creep) = (pair.relative(to_nut, &loaded.frame), RacewayControl::CREEP);
-        let unit = unit_powers(pair, loaded, to_nut, creep, [nodes; 2]);
+        let unit = unit_powers(pair, loaded, to_nut, creep, [dry; 2]);
         let rubs = std::array::from_fn(|i| {
             let motion = &motions[i];
             match self {
-                Self::Local => wetted.rub(i, (pair, loaded), motion, creep, nodes),
+                Self::Local => wetted.rub(i, (pair, loaded), motion, creep, oil),
                 Self::PerContact => wetted.rub_at_once(i, (pair, loaded), motion, creep, unit[i]),
             }
         });
@@ -287,8 +292,8 @@ impl Lubricated {
                 let creep = RacewayControl::CREEP;
                 let pair =
                     pair.with_friction(wetted.friction_scale(&pair, &loaded, &to_nut, creep));
-                let nodes = Nodes::from(lubricated.rule(friction.accuracy()));
-                let (unit, rubs) = friction.rubs(&wetted, &pair, (&loaded, &to_nut), nodes);
+                let rules = lubricated.both(friction.accuracy());
+                let (unit, rubs) = friction.rubs(&wetted, &pair, (&loaded, &to_nut), rules);
                 let (_, torque) = screw.rolling_torques(&pair, lost(&rubs));
                 let steady = Steady { loaded, to_nut, rubs, torque };
                 let (skid, info, control) = grip.told(&pair);

@@ -283,11 +283,11 @@ impl Traction {
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
     ) -> Result<Found, Unsolved> {
-        let Place { pair, grip, root, plans, steps, last, error } =
+        let Place { pair, grip, root, steps, last, error, .. } =
             self.wet_root(wetted, work, oil)?;
         let creep = self.creep * pair.slip_scale();
-        let ball = Rolling::of_pair(&pair, oil.rule(self.accuracy), creep).of(&root);
-        let ball = Rolling { plans: Some(&plans), ..ball };
+        let [_, dry] = oil.both(self.accuracy);
+        let ball = Rolling::of_pair(&pair, dry, creep).of(&root);
         let loaded = ball.loaded(&root.unknowns).map_err(refused)?;
         let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
         let motions = pair.relative(&to_nut, &loaded.frame);
@@ -323,7 +323,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let Place { pair, root, plans, .. } =
             self.values().wet_root(values, traction, lubricated)?;
         let creep = self.creep * pair.slip_scale();
-        let (newton, quadrature) = (&mut traction.newton, lubricated.rule(self.accuracy));
+        let (newton, quadrature) = (&mut traction.newton, lubricated.both(self.accuracy)[0]);
         let ball = Rolling::of_pair(&pair, quadrature, creep).of(&root);
         let ball = Rolling { plans: Some(&plans), ..ball };
         let Rolling { plans, enough, at_nut, .. } = ball;
