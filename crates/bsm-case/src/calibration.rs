@@ -82,10 +82,14 @@ impl Calibration {
         base: &Scene,
         settings: &Settings,
     ) -> Result<Option<CalibrationReport>, CaseError> {
-        let start: Vec<_> = self.inputs.iter().map(|(key, (low, high))| {
-            let known = base.value_or_default(*key).filter(|x| low < x && x < high);
-            known.unwrap_or(0.5 * (low + high))
-        }).collect();
+        let start: Vec<_> = self
+            .inputs
+            .iter()
+            .map(|(key, (low, high))| {
+                let known = base.value_or_default(*key).filter(|x| low < x && x < high);
+                known.unwrap_or(0.5 * (low + high))
+            })
+            .collect();
         let (bounds, mut work): (Vec<_>, _) =
             (self.inputs.iter().map(|(_, range)| *range).collect(), ModelWorkspace::default());
         let mut residuals = |values: &[f64]| {

@@ -64,13 +64,13 @@ mod spectrum;
 pub mod units;
 
 pub use analysis::{Analysis, AnalysisKind, Moving};
+pub use calibration::{Calibration, CalibrationReport, Measured};
 pub use capacity::CapacityReport;
 pub use catalogue::{
     CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE, candidate_json,
 };
 pub use design::{DesignReport, DesignRow};
 pub use error::{CaseError, brief, printable};
-pub use calibration::{Calibration, CalibrationReport, Measured};
 pub use fit::{Fit, FitReport, Fitted};
 pub use grid::{Axis, Grid};
 pub use input::{INPUTS, Input, InputKey, Rule, Scene};

@@ -1,7 +1,9 @@
 //! Friction from the lubricant: an independent solution, and what a scene may say of it.
 
 use approx::assert_relative_eq;
-use bsm_case::{Calibration, CaseError, NutProblem, NutReport, Record, Scene, Sensitivities, Settings};
+use bsm_case::{
+    Calibration, CaseError, NutProblem, NutReport, Record, Scene, Sensitivities, Settings,
+};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::Value;
 
@@ -193,7 +195,7 @@ fn each_ball_of_a_nut_has_its_own_film() {
 fn inputs_come_back_from_a_table_of_torques() {
     let base = oiled(&[]);
     let truth = ["boundary_friction_coefficient=0.1", "rolling_factor=0.7"];
-    let mut table = "speed_rpm,axial_load_kN,screw_torque_Ncm\n".to_owned();
+    let mut rows = vec!["speed_rpm,axial_load_kN,screw_torque_Ncm".to_owned()];
     for speed in [20.0, 200.0, 1500.0, 4000.0] {
         for load in [2000.0, 8000.0] {
             let mut scene = oiled(&truth);
@@ -201,12 +203,14 @@ fn inputs_come_back_from_a_table_of_torques() {
             scene.set("axial_load_N", load).expect("an input");
             let torque = solved(&scene, Model::RacewayControl).number("screw_torque_Nm");
             let torque = torque.expect("a torque");
-            table += &format!("{speed},{},{}\n", load / 1e3, torque * 100.0);
+            rows.push(format!("{speed},{},{}", load / 1e3, torque * 100.0));
         }
     }
+    let table = rows.join("\n");
     let inputs = ["boundary_friction_coefficient".to_owned(), "rolling_factor=0.3:1.5".to_owned()];
     let settings = Settings::from(Model::RacewayControl);
-    let fit = Calibration::new(&base, &inputs, "screw_torque_Nm", table.as_bytes()).expect("a table");
+    let fit =
+        Calibration::new(&base, &inputs, "screw_torque_Nm", table.as_bytes()).expect("a table");
     let report = fit.run(&base, &settings).expect("complete").expect("a fit");
     let [boundary, rolling] = fit.rows(&report)[..] else { panic!("two inputs") };
     // The search settles at 1e-9 of the ranges; slopes by differences leave 1e-6 of a step.

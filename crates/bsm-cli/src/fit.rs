@@ -84,11 +84,7 @@ fn words(fit: &Calibration, report: &CalibrationReport) -> String {
         number(report.scatter),
         fit.output(),
         number(report.found.condition),
-        if report.found.condition > 1e3 {
-            ": the points hardly tell the inputs apart"
-        } else {
-            ""
-        }
+        if report.found.condition > 1e3 { ": the points hardly tell the inputs apart" } else { "" }
     );
     let header = ["point", "measured", "fitted", "difference"];
     [
@@ -100,10 +96,7 @@ fn words(fit: &Calibration, report: &CalibrationReport) -> String {
 }
 
 /// Measured and fitted values.
-fn points(
-    fit: &Calibration,
-    report: &CalibrationReport,
-) -> impl Iterator<Item = (f64, f64)> {
+fn points(fit: &Calibration, report: &CalibrationReport) -> impl Iterator<Item = (f64, f64)> {
     let residuals = report.found.residuals.clone();
     let measured: Vec<_> = fit.points().iter().map(|point| point.value).collect();
     measured.into_iter().zip(residuals).map(|(measured, left)| (measured, measured + left))
@@ -113,8 +106,8 @@ fn points(
 fn figure(fit: &Calibration, report: &CalibrationReport) -> Figure {
     let all: Vec<_> = points(fit, report).collect();
     let values = all.iter().flat_map(|(a, b)| [*a, *b]);
-    let (low, high) = values
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    let (low, high) =
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     let found: Vec<_> = fit
         .rows(report)
         .into_iter()

@@ -195,8 +195,11 @@ pub(crate) fn band(band: &Band) -> String {
         row("screw torque, all balls", "N m", band.screw_torque),
         row("efficiency", "", band.efficiency),
     ];
-    let table =
-        plain(Some(&["nine of ten draws lie between", "", "less friction", "more friction"]), &rows, 2);
+    let table = plain(
+        Some(&["nine of ten draws lie between", "", "less friction", "more friction"]),
+        &rows,
+        2,
+    );
     format!("{table}\n\n{NOT_IN_IT}")
 }
 

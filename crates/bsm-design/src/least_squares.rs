@@ -63,7 +63,8 @@ pub fn least_squares<E>(
             for k in 0..count {
                 damped[(k, k)] += damping * normal[(k, k)].max(f64::MIN_POSITIVE);
                 // A number on its bound that is pushed outwards stays.
-                let stays = (u[k] <= 0.0 && gradient[k] > 0.0) || (u[k] >= 1.0 && gradient[k] < 0.0);
+                let stays =
+                    (u[k] <= 0.0 && gradient[k] > 0.0) || (u[k] >= 1.0 && gradient[k] < 0.0);
                 if stays {
                     damped.row_mut(k).fill(0.0);
                     (damped[(k, k)], push[k]) = (1.0, 0.0);
@@ -107,7 +108,9 @@ fn told(
     let scatter = residuals.iter().map(|x| x * x).sum::<f64>() / free as f64;
     let spread = slopes.tr_mul(slopes).try_inverse().filter(|_| free > 0);
     let deviations = spread.map(|spread| {
-        let of = |(k, (low, high)): (usize, &(f64, f64))| (spread[(k, k)] * scatter).sqrt() * (high - low);
+        let of = |(k, (low, high)): (usize, &(f64, f64))| {
+            (spread[(k, k)] * scatter).sqrt() * (high - low)
+        };
         bounds.iter().enumerate().map(of).collect()
     });
     LeastSquares { at: at.to_vec(), residuals, deviations, condition }
@@ -125,9 +128,8 @@ mod tests {
         of: impl Fn(&[f64], f64) -> f64,
         data: &[(f64, f64)],
     ) -> LeastSquares {
-        let residuals = |x: &[f64]| {
-            Ok::<_, ()>(Some(data.iter().map(|(t, y)| of(x, *t) - y).collect()))
-        };
+        let residuals =
+            |x: &[f64]| Ok::<_, ()>(Some(data.iter().map(|(t, y)| of(x, *t) - y).collect()));
         least_squares(residuals, start, bounds).unwrap().unwrap()
     }
 
@@ -135,7 +137,8 @@ mod tests {
     #[test]
     fn exact_points_give_their_numbers() {
         let of = |x: &[f64], t: f64| x[0] * (-x[1] * t).exp();
-        let data: Vec<_> = (0..8).map(|i| f64::from(i) * 0.3).map(|t| (t, of(&[2.5, 1.3], t))).collect();
+        let data: Vec<_> =
+            (0..8).map(|i| f64::from(i) * 0.3).map(|t| (t, of(&[2.5, 1.3], t))).collect();
         let found = fit(&[1.0, 0.5], &[(0.1, 10.0), (0.1, 5.0)], of, &data);
         // Steps settle at 1e-9 of the bounds.
         assert_relative_eq!(found.at[0], 2.5, epsilon = 1e-7);
@@ -146,7 +149,8 @@ mod tests {
     #[test]
     fn a_line_has_the_deviations_of_regression() {
         let data = [(0.0, 1.1), (1.0, 1.9), (2.0, 3.2), (3.0, 3.8)];
-        let found = fit(&[0.5, 0.5], &[(-10.0, 10.0), (-10.0, 10.0)], |x, t| x[0] + x[1] * t, &data);
+        let found =
+            fit(&[0.5, 0.5], &[(-10.0, 10.0), (-10.0, 10.0)], |x, t| x[0] + x[1] * t, &data);
         // By hand: mean t 1.5, y 2.5; S_tt 5, S_ty 4.7; residual sum 0.082, variance 0.041.
         assert_relative_eq!(found.at[1], 0.94, epsilon = 1e-7);
         assert_relative_eq!(found.at[0], 1.09, epsilon = 1e-7);

@@ -227,8 +227,7 @@ impl Lanes<f64> for f64 {
         creep: f64,
         nodes: Nodes<'_>,
     ) -> (Integral<f64>, f64) {
-        let OiledSums { sums, .. } =
-            oil::sums::<false>(&ellipse.point(local, creep), law, nodes);
+        let OiledSums { sums, .. } = oil::sums::<false>(&ellipse.point(local, creep), law, nodes);
         (Integral::from_sums(sums.values), sums.power)
     }
 }
@@ -599,7 +598,8 @@ mod tests {
             let (roll, spin, shift) = (log(0.01, 0.2), log(0.1, 1.0), log(1e-3, 0.5));
             let pressed = log(0.4e9, 3e9);
             let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
-            let (ellipse, local) = sloped([side * shift * spin * a, roll, spin, 0.0], (a, a / ratio));
+            let (ellipse, local) =
+                sloped([side * shift * spin * a, roll, spin, 0.0], (a, a / ratio));
             let point = ellipse.point(&local, 1e-4);
             let law = MixedFriction {
                 share: rng.random_range(0.0..0.9),
@@ -635,7 +635,10 @@ mod tests {
             [3e-7, 5e-6, 2e-5],
             [6e-8, 1.2e-6, 1e-5],
         ]) {
-            assert!(found.iter().zip(limits).all(|(found, limit)| *found <= limit), "{quantiles:?}");
+            assert!(
+                found.iter().zip(limits).all(|(found, limit)| *found <= limit),
+                "{quantiles:?}"
+            );
         }
     }
 }

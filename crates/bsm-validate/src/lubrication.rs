@@ -173,7 +173,7 @@ fn palmgren(diameter: f64, viscosity: f64, speed: f64, load: f64) -> f64 {
     const STATIC: f64 = 26_000.0;
     let viscous = 2.0 * 1e-7 * (viscosity * speed).powf(2.0 / 3.0) * diameter.powi(3);
     let turning = 0.9 / 40.0_f64.to_radians().tan() * load;
-    let by_load = 0.001 * (0.26 * load / STATIC).powf(0.33) * turning * diameter;
+    let by_load = 0.0013 * (0.26 * load / STATIC).powf(0.33) * turning * diameter;
     (viscous + by_load) * 1e-3
 }
 
@@ -233,7 +233,8 @@ fn against_rules(feed: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, 
             let slope = lead / (PI * diameter);
             let rule = 0.05 / slope.sqrt() * load * lead * 1e-3 / (2.0 * PI);
             preloads.push(2.0 * torque(&record, 100.0) / rule);
-            let fast = at(&[of[0], of[1], ("axial_load_N", 2.0 * load), ("screw_speed_rpm", 1000.0)])?;
+            let fast =
+                at(&[of[0], of[1], ("axial_load_N", 2.0 * load), ("screw_speed_rpm", 1000.0)])?;
             // η = 1/(1 + 0.006 π d₀/l)
             let rule = 1.0 / (1.0 + 0.006 / slope);
             efficiencies.push((1.0 - number(&fast, "efficiency")) / (1.0 - rule));
@@ -256,7 +257,11 @@ fn against_rules(feed: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, 
     )
     .measured(middle, "")
     .note(format!("middle of 12 screws at 1000 rpm, {least:.2} to {most:.2}; the contacts alone"))
-    .equals(0.6, 0.4, "the contacts are a part of the loss of a nut, and not more than all of it");
+    .equals(
+        0.6,
+        0.4,
+        "the contacts are a part of the loss of a nut, and not more than all of it",
+    );
     let mut slopes = Vec::new();
     for load in [500.0, 1000.0, 2000.0, 3000.0] {
         let record = at(&[("axial_load_N", load), ("screw_speed_rpm", 100.0)])?;

@@ -89,7 +89,12 @@ impl Near {
 
     /// Places and weights from node `first` on, without weight beyond the last.
     #[inline(always)]
-    pub(super) fn nodes<S: Simd>(&self, simd: S, rule: &Quadrature, first: usize) -> (Block, Block) {
+    pub(super) fn nodes<S: Simd>(
+        &self,
+        simd: S,
+        rule: &Quadrature,
+        first: usize,
+    ) -> (Block, Block) {
         let (mut places, mut weights) = ([0.0; BLOCK], [0.0; BLOCK]);
         for i in 0..BLOCK {
             let node = first + i;
@@ -382,7 +387,8 @@ pub(super) fn add_to<S: Simd>(simd: S, totals: &mut [Block], at: usize, values: 
 }
 
 impl Sums {
-    pub(crate) const NONE: Self = Self { values: [0.0; SUMS], power: 0.0, slopes: [[0.0; SLOPES]; SUMS] };
+    pub(crate) const NONE: Self =
+        Self { values: [0.0; SUMS], power: 0.0, slopes: [[0.0; SLOPES]; SUMS] };
 
     #[inline(always)]
     pub(super) fn of(all: [f64; ALL]) -> Self {

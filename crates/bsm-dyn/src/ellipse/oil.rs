@@ -12,8 +12,8 @@ use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
 use bsm_simd::{Arch, BLOCK, Block, Lane, Simd, WithSimd};
 
-use super::kernel::{ALL, Line, Near, Point, SUMS, Sums, VALUES, add_to, fold};
 use super::Quadrature;
+use super::kernel::{ALL, Line, Near, Point, SUMS, Sums, VALUES, add_to, fold};
 use super::panels::{EllipseSlip, Lines, MOST_RINGS, Nodes, Visit, walk};
 use crate::MixedFriction;
 use crate::lubricant::PRESSURE_SLOPE;
@@ -47,7 +47,7 @@ impl Bend {
     #[inline(always)]
     fn place<S: Simd>(&self, square: Lane<S>, part: Lane<S>) -> (Lane<S>, Lane<S>) {
         let one = square.constant(1.0);
-        // p* = a_p l/(1 − b_p l),  l = −ln(2 η s/(h τ_E)): there the argument of arsinh is 1/2  (Y34)
+        // p* = a_p l/(1 − b_p l),  l = −ln[2 η s/(h τ_E)]                 (Y34)
         let log = (square * (self.shear * self.shear)).max(one.constant(TINY)).ln() * -0.5;
         let log = log.max(one.constant(0.0)).min(one.constant(40.0));
         let room = (-(log * PRESSURE_SLOPE) + 1.0).recip();
@@ -96,7 +96,7 @@ impl Rings {
         }
         for i in (0..MOST_RINGS).step_by(S::F64_LANES) {
             let place = Lane::load(simd, &rings.pressure[i..]);
-            // ζ = ζ* + δ sinh τ                                           (Y35)
+            // ζ = ζ* + 2 δ sinh τ                                         (Y35)
             let grow = (length * place + from).exp();
             let fall = grow.recip();
             let half = width * 0.5;
@@ -174,7 +174,7 @@ impl<S: Simd> Half<S> {
     /// The node of a place and a weight on [0, 1].
     #[inline(always)]
     pub(super) fn node(&self, (place, part): (f64, f64)) -> Node<S> {
-        // t = t* + δ sinh τ                                               (Y35)
+        // As on rings, about t*.
         let grow = (self.length * place + self.from).exp();
         let fall = grow.recip();
         let half = self.width * 0.5;
@@ -222,7 +222,7 @@ impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
 /// What is the same at all points of a contact.
 #[derive(Clone, Copy)]
 struct Law {
-    law: MixedFriction,
+    mixed: MixedFriction,
     /// `$\xi\mu_b$`, `$(1 - \xi)\Lambda$`, and `$-d\xi/d\ln h$`.
     boundary: f64,
     film: f64,
@@ -234,7 +234,7 @@ impl Law {
         let MixedFriction { share, boundary, limit, .. } = law;
         // ξ = e^{−1.4λ}: dξ/d ln h = ξ ln ξ
         let falling = if share > 0.0 { -share * share.ln() } else { 0.0 };
-        Self { law, boundary: share * boundary, film: (1.0 - share) * limit, falling }
+        Self { mixed: law, boundary: share * boundary, film: (1.0 - share) * limit, falling }
     }
 }
 
@@ -311,8 +311,8 @@ impl<S: Simd> Inner<S> {
             add_powers(&mut self.k, cube * (mu - by_slip), s);
             add_powers(&mut self.across, cube * (mu * square + by_slip * cross), s);
             // ∂μ/∂ln h = (μ_b − μ_f/(1 − ξ)) dξ/d ln h − ∂μ/∂ln s
-            let thinner = fluid * (of.falling / (1.0 - of.law.share).max(TINY));
-            let film = thinner - of.falling * of.law.boundary - by_slip;
+            let thinner = fluid * (of.falling / (1.0 - of.mixed.share).max(TINY));
+            let film = thinner - of.falling * of.mixed.boundary - by_slip;
             add_powers(&mut self.film, part * film, s);
         }
     }
@@ -377,7 +377,7 @@ impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
                 let s = Lane::<S>::load(simd, &places[at..]);
                 let weight = Lane::load(simd, &weights[at..]);
                 let inside = (-(s * s) + 1.0).max(s.constant(0.0)).sqrt();
-                let pressed = Pressed::of(&law.law, inside * chord);
+                let pressed = Pressed::of(&law.mixed, inside * chord);
                 inner.add::<SLOPED>(law, pressed, square, s * b_1 + b_0, (s, weight));
                 inner.put(&mut sums, at);
             }
@@ -398,7 +398,7 @@ impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
         let mut shear = [0.0; MOST_RINGS];
         let mut fourth = [0.0; MOST_RINGS];
         for i in (0..MOST_RINGS).step_by(S::F64_LANES) {
-            let pressed = Pressed::of(&law.law, Lane::<S>::load(simd, &rings.pressure[i..]));
+            let pressed = Pressed::of(&law.mixed, Lane::<S>::load(simd, &rings.pressure[i..]));
             pressed.shear.store(&mut shear[i..]);
             pressed.fourth.store(&mut fourth[i..]);
         }
@@ -460,7 +460,7 @@ impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLO
             let half = Half::of(&self.bends[ellipse], &slip, xi);
             for k in 0..rule.half.len() {
                 let Node { s, pressure, weight } = half.node(rule.half.at(k));
-                let pressed = Pressed::of(&law.law, pressure * chord);
+                let pressed = Pressed::of(&law.mixed, pressure * chord);
                 let turned = b_1 * s;
                 inner.add::<SLOPED>(&law, pressed, square, b_0 + turned, (s, weight));
                 inner.add::<SLOPED>(&law, pressed, square, b_0 - turned, (-s, weight));
@@ -527,13 +527,13 @@ impl OiledSums {
             }
         }
         let mut all = [const { Self { sums: Sums::NONE, by_film: [0.0; SUMS] } }; N];
-        for i in 0..N {
+        for (i, found) in all.iter_mut().enumerate() {
             let mut sums = [0.0; ALL];
             let some = if SLOPED { ALL } else { VALUES };
             fold(simd, &gathered.totals[i][..some], &mut sums[..some]);
-            all[i].sums = Sums::of(sums);
+            found.sums = Sums::of(sums);
             if SLOPED {
-                fold(simd, &gathered.by_film[i][..SUMS], &mut all[i].by_film);
+                fold(simd, &gathered.by_film[i][..SUMS], &mut found.by_film);
             }
         }
         all

@@ -138,7 +138,6 @@ impl Quadrature {
             depth: -accuracy.ln() / 2.0,
             inner: rule.inner[..=MOST_OILED].to_vec(),
             reach: rule.reach[..=MOST_OILED].to_vec(),
-            ..rule
         }
     }
 
@@ -158,9 +157,8 @@ impl Quadrature {
         });
         let eta = reach.fold(f64::INFINITY, f64::min);
         // e^{−2 N η}, N angles on half a ring
-        let blocks = (1..=self.angles.len()).find(|blocks| {
-            eta * (blocks * BLOCK) as f64 >= self.depth
-        });
+        let blocks =
+            (1..=self.angles.len()).find(|blocks| eta * (blocks * BLOCK) as f64 >= self.depth);
         blocks.unwrap_or(0)
     }
 

@@ -113,7 +113,9 @@ impl<P: Scalar> Wetted<P> {
                 unit_speed,
                 unit_load: modulus * radius.square(),
                 // L = η β u²/k                                            (Y8)
-                heat: unit_speed.square() * oil.viscosity * oil.thinning
+                heat: unit_speed.square()
+                    * oil.viscosity
+                    * oil.thinning
                     * lubricant.oil.base.conductivity().recip(),
                 film,
                 // M = B^{1/4} k W U₂^{−3/4}                               (Y17)
@@ -170,8 +172,7 @@ impl<P: Scalar> Wetted<P> {
         let heat = (log_rate * (2.0 * 0.62)).exp() * D::from(gap.heat.powf(0.62));
         let heating = (heat * 0.254 + 1.0).recip();
         // h ~ U^0.67 W^−0.067 φ_T                                         (Y7)
-        let thickness =
-            (log_rate * 0.67 - weight.ln() * 0.067).exp() * D::from(gap.film) * heating;
+        let thickness = (log_rate * 0.67 - weight.ln() * 0.067).exp() * D::from(gap.film) * heating;
         // λ = h/√(R_q,ball² + R_q,race²),  ξ = e^{−1.4λ}                  (Y9)
         let ratio = thickness / D::from(gap.roughness);
         let share = (ratio * -1.4).exp();

@@ -9,8 +9,8 @@ use super::{ContactFilm, FilmState, Lubricant, OutsidePower, Rub, Temperature, W
 use crate::elastic_ball::{ElasticBall, ElasticScrew, Loaded};
 use crate::ellipse::{Lanes, Local, Nodes, Quadrature};
 use crate::{
-    Direction, ErrorBound, Model, ModelWorkspace, RaceControl, RacewayControl, Reason, SkidNumbers, Solution,
-    SolveInfo, Solved, Traction, Transmission, Unsolved,
+    Direction, ErrorBound, Model, ModelWorkspace, RaceControl, RacewayControl, Reason, SkidNumbers,
+    Solution, SolveInfo, Solved, Traction, Transmission, Unsolved,
 };
 
 /// What friction is in the raceway-control model.

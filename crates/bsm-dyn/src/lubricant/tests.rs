@@ -400,6 +400,10 @@ fn cost_of_a_lubricant() {
         "raceway control {rolls:.2} us, lubricated {rolls_oiled:.2} us, ratio {:.2}, one coefficient {at_once:.2} us",
         median(raceway_ratios)
     );
-    println!("bound of the efficiency {:.1e}, at most {:.1e}", median(bounds.clone()), bounds.iter().fold(0.0, |a: f64, b| a.max(*b)));
+    println!(
+        "bound of the efficiency {:.1e}, at most {:.1e}",
+        median(bounds.clone()),
+        bounds.iter().fold(0.0, |a: f64, b| a.max(*b))
+    );
     assert!(dry < oiled && rolls < rolls_oiled, "a lubricant costs something");
 }
