@@ -45,6 +45,38 @@ pub struct FitReport {
     pub solved: f64,
 }
 
+/// Where an input is looked for: as told; 1e-4 to 0.5 for a friction coefficient, a quarter of the scene's value to
+/// four times it for another.
+pub(crate) fn range_of(
+    scene: &Scene,
+    input: InputKey,
+    range: Option<(f64, f64)>,
+) -> Result<(f64, f64), CaseError> {
+    let range = match (range, input, scene.value_or_default(input)) {
+        (Some(range), ..) => range,
+        (None, InputKey::friction_coefficient, _) => FRICTION,
+        (None, _, Some(value)) if value != 0.0 => {
+            let (a, b) = (AROUND.0 * value, AROUND.1 * value);
+            (a.min(b), a.max(b))
+        }
+        _ => return Err(CaseError::NoRange { key: input.name() }),
+    };
+    let rule = input.input().rule;
+    let range = match rule {
+        // Values in a scene may be near the end of what is allowed.
+        Rule::Between(low, high) => {
+            let inset = 1e-6 * (high - low);
+            (range.0.max(low + inset), range.1.min(high - inset))
+        }
+        _ => range,
+    };
+    let ends = [range.0, range.1];
+    if !(range.0 < range.1 && ends.iter().all(|value| rule.holds(*value))) {
+        return Err(CaseError::BadRange { key: input.name(), low: range.0, high: range.1 });
+    }
+    Ok(range)
+}
+
 impl Fit {
     /// Seeks `input` in `range` such that the output of a measurement `name=value` comes out.
     ///
@@ -72,28 +104,7 @@ impl Fit {
         })?;
         let measured: f64 =
             value.trim().parse().ok().filter(|v| f64::is_finite(*v)).ok_or_else(bad)?;
-        let range = match (range, input, scene.value_or_default(input)) {
-            (Some(range), ..) => range,
-            (None, InputKey::friction_coefficient, _) => FRICTION,
-            (None, _, Some(value)) if value != 0.0 => {
-                let (a, b) = (AROUND.0 * value, AROUND.1 * value);
-                (a.min(b), a.max(b))
-            }
-            _ => return Err(CaseError::NoRange { key: input.name() }),
-        };
-        let rule = input.input().rule;
-        let range = match rule {
-            // Values in a scene may be near the end of what is allowed.
-            Rule::Between(low, high) => {
-                let inset = 1e-6 * (high - low);
-                (range.0.max(low + inset), range.1.min(high - inset))
-            }
-            _ => range,
-        };
-        let ends = [range.0, range.1];
-        if !(range.0 < range.1 && ends.iter().all(|value| rule.holds(*value))) {
-            return Err(CaseError::BadRange { key: input.name(), low: range.0, high: range.1 });
-        }
+        let range = range_of(scene, input, range)?;
         Ok(Self { input, range, output, measured })
     }
 

@@ -34,6 +34,7 @@
 )]
 
 mod analysis;
+mod calibration;
 mod capacity;
 mod catalogue;
 mod design;
@@ -63,6 +64,7 @@ mod spectrum;
 pub mod units;
 
 pub use analysis::{Analysis, AnalysisKind, Moving};
+pub use calibration::{Calibration, CalibrationReport, Measured};
 pub use capacity::CapacityReport;
 pub use catalogue::{
     Asked, CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE,

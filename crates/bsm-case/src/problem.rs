@@ -1,6 +1,6 @@
 //! Which model is asked, and whether a scene has what it needs.
 
-use bsm_dyn::{Control, Model, Problem, Traction};
+use bsm_dyn::{Control, Model, Problem, RacewayFriction, Traction};
 use serde_json::{Value, json};
 
 use crate::input_set::{Form, LEAD, Quantity, TEMPERATURE, VISCOSITY};
@@ -69,6 +69,8 @@ pub struct Settings {
     pub creep: f64,
     /// The controlling race in model raceway-control; `None` decides by the spin moments.
     pub control: Option<Control>,
+    /// Where friction of a lubricant is computed in model raceway-control.
+    pub friction: RacewayFriction,
 }
 
 impl Default for Settings {
@@ -79,6 +81,7 @@ impl Default for Settings {
             accuracy: Traction::ACCURACY,
             creep: Traction::CREEP,
             control: None,
+            friction: RacewayFriction::Local,
         }
     }
 }
@@ -116,13 +119,14 @@ impl Settings {
 
     /// JSON object of the dials.
     pub fn to_json(&self) -> Value {
-        let Self { model, tolerance, accuracy, creep, control } = *self;
+        let Self { model, tolerance, accuracy, creep, control, friction } = *self;
         json!({
             "name": model.name(),
             "tolerance": tolerance,
             "accuracy": accuracy,
             "creep": creep,
             "control": control.map(Control::name),
+            "friction": friction.name(),
         })
     }
 

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use bsm_dyn::{
     Angles, Auto, Ball, BaseOil, ClosedForm, Coulomb, Direction, Driven, Elastic, ElasticPoint,
     Load, Losses, Lubricant, Lubricated, LubricatedModel, Material, Model, Oil, OperatingPoint,
-    Problem, QuasiStatic, RacewayControl, RacewayFriction, Rigid, Roughness, Size, Temperature,
-    Traction, ZERO_CELSIUS,
+    Problem, QuasiStatic, RacewayControl, Rigid, Roughness, Size, Temperature, Traction,
+    ZERO_CELSIUS,
 };
 use bsm_kin::{Drive, Helix, Scalar};
 
@@ -255,7 +255,7 @@ pub(crate) fn lubricated<D: Scalar>(
     let model = match model {
         ModelChoice::Fixed(Model::RacewayControl) => LubricatedModel::RacewayControl(
             RacewayControl { at, control: settings.control },
-            RacewayFriction::Local,
+            settings.friction,
         ),
         _ => LubricatedModel::Traction(Traction {
             at,

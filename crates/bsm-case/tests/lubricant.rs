@@ -1,7 +1,9 @@
 //! Friction from the lubricant: an independent solution, and what a scene may say of it.
 
 use approx::assert_relative_eq;
-use bsm_case::{CaseError, NutProblem, NutReport, Record, Scene, Sensitivities, Settings};
+use bsm_case::{
+    Calibration, CaseError, NutProblem, NutReport, Record, Scene, Sensitivities, Settings,
+};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::Value;
 
@@ -185,4 +187,52 @@ fn each_ball_of_a_nut_has_its_own_film() {
     let tight = report(&[&OIL[..], &pressed].concat());
     assert!(tight.number("friction_torque_Nm").is_none());
     assert!(tight.notes().iter().any(|note| note.contains("both flanks")), "{:?}", tight.notes());
+}
+
+/// Points of known friction, in units of one's own: the inputs that made them come back, with nothing left over.
+#[test]
+fn inputs_come_back_from_a_table_of_torques() {
+    let base = oiled(&[]);
+    let truth = ["boundary_friction_coefficient=0.1", "rolling_factor=0.7"];
+    let mut rows = vec!["speed_rpm,axial_load_kN,screw_torque_Ncm".to_owned()];
+    for speed in [20.0, 200.0, 1500.0, 4000.0] {
+        for load in [2000.0, 8000.0] {
+            let mut scene = oiled(&truth);
+            scene.set("screw_speed_rpm", speed).expect("an input");
+            scene.set("axial_load_N", load).expect("an input");
+            let torque = solved(&scene, Model::RacewayControl).number("screw_torque_Nm");
+            let torque = torque.expect("a torque");
+            rows.push(format!("{speed},{},{}", load / 1e3, torque * 100.0));
+        }
+    }
+    let table = rows.join("\n");
+    let inputs = ["boundary_friction_coefficient".to_owned(), "rolling_factor=0.3:1.5".to_owned()];
+    let settings = Settings::from(Model::RacewayControl);
+    let fit =
+        Calibration::new(&base, &inputs, "screw_torque_Nm", table.as_bytes()).expect("a table");
+    let report = fit.run(&base, &settings).expect("complete").expect("a fit");
+    let [boundary, rolling] = fit.rows(&report)[..] else { panic!("two inputs") };
+    // The search settles at 1e-9 of the ranges; slopes by differences leave 1e-6 of a step.
+    assert_relative_eq!(boundary.1, 0.1, max_relative = 1e-6);
+    assert_relative_eq!(rolling.1, 0.7, max_relative = 1e-6);
+    assert!(report.scatter < 1e-6 && report.found.condition < 100.0, "{report:?}");
+}
+
+/// A table that cannot be used says where.
+#[test]
+fn tables_of_measurements_are_checked() {
+    let why = |inputs: &[&str], table: &str| {
+        let inputs: Vec<_> = inputs.iter().map(|input| (*input).to_owned()).collect();
+        Calibration::new(&oiled(&[]), &inputs, "screw_torque_Nm", table.as_bytes())
+            .expect_err("a fault")
+            .to_string()
+    };
+    let one = ["rolling_factor"];
+    let said = why(&one, "screw_speed_rpm,screw_torque_Nm\n100,a\n");
+    assert!(said.contains("row 1") && said.contains("`a`"), "{said}");
+    assert!(why(&one, "screw_speed_rpm\n100\n").contains("screw_torque_Nm"));
+    assert!(why(&one, "screw_torque_Nm\n").contains("no rows"));
+    assert!(why(&one, "screw_sped_rpm,screw_torque_Nm\n1,2\n").contains("screw_speed_rpm"));
+    assert!(why(&["seal_torque_Nm"], "screw_torque_Nm\n1\n").contains("seal_torque_Nm"));
+    assert!(why(&["rolling_factor=1"], "screw_torque_Nm\n1\n").contains("low:high"));
 }

@@ -148,6 +148,7 @@ fn settings() -> Value {
         ("accuracy", number()),
         ("creep", number()),
         ("control", text_or_null()),
+        ("friction", text()),
     ];
     object(properties(dials), Properties::new())
 }

@@ -7,7 +7,7 @@ use bsm_dyn::{Band, ModelWorkspace, Problem, Solution, Status};
 use bsm_report::PROGRAM;
 use serde_json::{Map, Value, json};
 
-use crate::args::{Format, SolveArgs};
+use crate::args::{Format, SolveArgs, When};
 use crate::failure::{Failure, note_unused, warn};
 use crate::files::{self, pretty_json, read_scene};
 use crate::table;
@@ -21,8 +21,13 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let problem = scene.problem(&settings).map_err(in_file)?;
     let mut work = ModelWorkspace::default();
     let solution = problem.solve(&mut work);
+    let wanted = match args.band {
+        When::Table => args.format == Format::Table,
+        When::Always => true,
+        When::Never => false,
+    };
     let band = match (&problem, solution.solved()) {
-        (Problem::Lubricated(case), Some(solved)) => case.band(solved, &mut work),
+        (Problem::Lubricated(case), Some(solved)) if wanted => case.band(solved, &mut work),
         _ => None,
     };
     let band = band.as_ref();

@@ -17,6 +17,9 @@ use crate::stream::{Job, outputs};
 /// Points of a plot: beyond, a viewer of SVG chokes.
 const MOST_POINTS: usize = 100_000;
 
+/// A varied input that grows by as much as this has a logarithmic axis.
+const DECADES: f64 = 100.0;
+
 pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let base = read_scene(&args.scene.scene, &args.scene.settings)?;
     for output in [Some(&args.table.output), args.plot.as_ref(), args.map.as_ref()] {
@@ -182,7 +185,9 @@ impl Curves {
                 points: Vec::new(),
             })
             .collect();
-        let (x, models) = (label(x), vec![None; count]);
+        let (low, high) = (x.value(0), x.value(x.len() - 1));
+        let (mut x, models) = (label(x), vec![None; count]);
+        x.log |= low > 0.0 && high >= DECADES * low;
         Ok(Self { output, x, lines, models, changes: Vec::new() })
     }
 

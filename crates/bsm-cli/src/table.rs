@@ -195,8 +195,18 @@ pub(crate) fn band(band: &Band) -> String {
         row("screw torque, all balls", "N m", band.screw_torque),
         row("efficiency", "", band.efficiency),
     ];
-    plain(Some(&["nine of ten draws lie between", "", "less friction", "more friction"]), &rows, 2)
+    let table = plain(
+        Some(&["nine of ten draws lie between", "", "less friction", "more friction"]),
+        &rows,
+        2,
+    );
+    format!("{table}\n\n{NOT_IN_IT}")
 }
+
+/// What a torque from a lubricant leaves out.
+const NOT_IN_IT: &str = "Not in it: balls that rub on each other, returns, seals and drag beyond their inputs; errors of \
+lead and ball size; contact at four points. Catalogue rules for the torque of a preloaded nut are three times that of \
+the contacts.";
 
 /// An analysis: a table for each block, then what follows from them.
 pub(crate) fn analysis(report: &Analysis) -> String {

@@ -211,6 +211,52 @@ fn friction_is_fitted_to_a_torque() {
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(2));
 }
 
+/// Two inputs from a table, printed, as JSON, and drawn.
+#[test]
+fn inputs_are_fitted_to_a_table() {
+    let dir = folder();
+    let oil = example("feed_drive_oil.json");
+    let points = "screw_speed_rpm,axial_load_N,screw_torque_Nm\n10,8000,26.30\n200,8000,26.14\n1500,8000,26.05\n3000,4000,13.15\n";
+    fs::write(dir.path().join("measured.csv"), points).expect("a file");
+    let fixed = ["fit", &oil, "--model", "raceway-control", "--measured", "screw_torque_Nm"];
+    let sought = ["--data", "measured.csv", "--input", "boundary_friction_coefficient"];
+    let more = ["--input", "seal_torque_Nm=0:1", "--plot", "fit.svg"];
+    let args = [&fixed[..], &sought, &more].concat();
+    let output = bsm(dir.path(), &args, "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for part in ["seal_torque_Nm", "standard deviation", "condition", "difference"] {
+        assert!(text.contains(part), "{text}");
+    }
+    let svg = fs::read_to_string(dir.path().join("fit.svg")).expect("a plot");
+    assert!(svg.contains("measured screw_torque_Nm"));
+    let answer = bsm(dir.path(), &[&args[..], &["--format", "json"]].concat(), "");
+    let answer = json(&stdout(&answer));
+    let seal = answer["found"]["seal_torque_Nm"]["value"].as_f64().expect("a number");
+    assert!((0.0..=1.0).contains(&seal), "{answer}");
+    assert_eq!(answer["points"].as_array().map(Vec::len), Some(4));
+    // One point has one input.
+    let two = ["fit", &oil, "--measured", "screw_torque_Nm=26", "--input", "a", "--input", "b"];
+    assert_eq!(bsm(dir.path(), &two, "").status.code(), Some(2));
+}
+
+/// The band of a torque from a lubricant: in the table unless told, in JSON if asked for.
+#[test]
+fn the_band_is_printed_where_it_is_wanted() {
+    let dir = folder();
+    let oil = example("feed_drive_oil.json");
+    let said = |more: &[&str]| {
+        let args = [&["solve", &oil, "--model", "raceway-control"][..], more].concat();
+        stdout(&bsm(dir.path(), &args, ""))
+    };
+    let table = said(&[]);
+    assert!(table.contains("nine of ten draws") && table.contains("Not in it"), "{table}");
+    assert!(!said(&["--band=never"]).contains("nine of ten draws"));
+    assert!(json(&said(&["--format", "json"]))["band"].is_null());
+    let band = json(&said(&["--format", "json", "--band"]));
+    assert!(band["band"]["screw_torque_Nm"][1].as_f64().expect("a number") > 26.0, "{band}");
+}
+
 /// The closed form as a model finds the optimum of the closed form.
 #[test]
 fn the_optimum_of_a_model_is_searched_for() {

@@ -28,6 +28,7 @@
 mod body;
 mod catalogue;
 mod drive;
+mod least_squares;
 mod life;
 mod nut;
 mod procedure;
@@ -41,6 +42,7 @@ mod thread;
 pub use body::Body;
 pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, Size, front, loaded_balls};
 pub use drive::{Carriage, Drive, drag_torque, rod_inertia, root_mean_square};
+pub use least_squares::{LeastSquares, least_squares};
 pub use life::{Duty, Life, OPENS_AT, life, pair_loads, reliability_factor};
 pub use nut::{DynamicRating, Nut, StaticRating};
 pub use procedure::{Blocked, Outcome, Why};

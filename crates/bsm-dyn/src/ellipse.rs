@@ -10,7 +10,9 @@ mod panels;
 use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 
 use self::kernel::MOTION;
-pub(crate) use self::kernel::{Point, Sums};
+pub(crate) use self::kernel::{Point, SUMS, Sums};
+pub use self::oil::Bend;
+pub(crate) use self::oil::OiledSums;
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
 pub(crate) use self::panels::{Nodes, Plan};
 use crate::{Coulomb, FrictionLaw, MixedFriction, Wrench};
@@ -128,7 +130,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         let [w_t, w_n, w_c] = local.omega;
         let curvature = self.pressed_radius.recip() * -0.5;
         let point = self.point(local, creep);
-        for (x, y, weight) in kernel::nodes(&point, nodes, L::IS_CONSTANT) {
+        for (x, y, weight) in kernel::nodes(&point, nodes, law.bend().as_ref()) {
             let pressure = (1.0 - x * x - y * y).max(0.0).sqrt();
             let (x, y) = (self.semi_axes.0 * x, self.semi_axes.1 * y);
             // r = −N (r_b − x²/(2 R_c)) + x e + y t,  e = t × N           (E3)
@@ -167,8 +169,7 @@ pub(crate) trait Lanes<P>: Over<P> {
     fn power(ellipse: &Ellipse<Self, P>, local: &Local<Self>, creep: f64, nodes: Nodes<'_>)
     -> Self;
 
-    /// Friction of a lubricated ellipse over `$Q$`, as [`Ellipse::integrate`], and the power that it takes: with
-    /// derivatives where constants have some.
+    /// Friction of a lubricated ellipse over `$Q$`, as [`Ellipse::integrate`], and the power that it takes.
     fn oiled(
         ellipse: &Ellipse<Self, P>,
         local: &Local<Self>,
@@ -226,8 +227,8 @@ impl Lanes<f64> for f64 {
         creep: f64,
         nodes: Nodes<'_>,
     ) -> (Integral<f64>, f64) {
-        let (sums, power) = oil::sums(&ellipse.point(local, creep), law, nodes);
-        (Integral::from_sums(sums), power)
+        let OiledSums { sums, .. } = oil::sums::<false>(&ellipse.point(local, creep), law, nodes);
+        (Integral::from_sums(sums.values), sums.power)
     }
 }
 
@@ -256,11 +257,7 @@ impl<const N: usize> Lanes<f64> for Jet<N> {
         creep: f64,
         nodes: Nodes<'_>,
     ) -> (Integral<Self>, Self) {
-        let (sums, power, slopes) = oil::slopes(&ellipse.point(local, creep), &law.values(), nodes);
-        let [a, t, n, c] = local.numbers();
-        let MixedFriction { share, shear, eyring_stress, max_pressure, .. } = *law;
-        let arguments = [a, t, n, c, ellipse.growth(), share, shear, eyring_stress, max_pressure];
-        (Integral::sloped(sums, &slopes, &arguments), Self::from(power))
+        ellipse.integrate(local, law, creep, nodes)
     }
 }
 
@@ -432,17 +429,17 @@ mod tests {
 
     proptest! {
         /// The fast sums of an oil against its law at the same nodes, value and derivatives by motion, growth and
-        /// the numbers of the law.
+        /// film.
         #[test]
         fn the_sums_of_an_oil_follow_its_law(
             along in -0.5..0.5_f64, roll in -4.0..0.0_f64,
             omega in proptest::array::uniform2(-3.0..3.0_f64),
-            a in 0.01..0.1_f64, log_creep in -4.0..0.0_f64, share in 0.0..1.0_f64,
+            a in 0.01..0.1_f64, log_creep in -4.0..0.0_f64, share in 0.01..1.0_f64,
             log_shear in -6.0..1.0_f64, gigapascals in 0.05..4.0_f64,
         ) {
             let quadrature = Quadrature::of_oil(1e-4);
             let creep = 10.0_f64.powf(log_creep);
-            let jet = |x, i| Jet::<9>::variable(x, i);
+            let jet = |x, i| Jet::<6>::variable(x, i);
             let growth = jet(1.0, 4);
             let [w_n, w_c] = [jet(omega[0], 2), jet(omega[1] * a, 3)];
             let local = Local {
@@ -457,41 +454,32 @@ mod tests {
                 pressed_radius: 1.03,
                 ball_radius: 1.0,
             };
+            let film = jet(1.0, 5);
             let law = MixedFriction {
-                share: jet(share, 5),
+                share: (film * share.ln()).exp(),
                 boundary: Jet::from(0.12),
                 limit: Jet::from(0.047),
-                shear: jet(10.0_f64.powf(log_shear), 6),
-                eyring_stress: jet(7.7e6, 7),
-                max_pressure: jet(gigapascals * 1e9, 8),
+                shear: Jet::from(10.0_f64.powf(log_shear)) / film,
+                eyring_stress: Jet::from(7.7e6),
+                max_pressure: Jet::from(gigapascals * 1e9),
                 pressure_scale: Jet::from(52e6),
             };
             let nodes = Nodes::from(&quadrature);
             let (slow, power) = ellipse.integrate(&local, &law, creep, nodes);
-            let (fast, fast_power) = Jet::oiled(&ellipse, &local, &law, creep, nodes);
-            let numbers = Ellipse {
-                contact: Contact::new(Site::Screw, 0.8, &BallFrame::turned(0.17, 0.0)),
-                load: 1.0,
-                semi_axes: (a, 0.2 * a),
-                pressed_radius: 1.03,
-                ball_radius: 1.0,
-            };
-            let plain = Local { along: local.along.re, omega: local.omega.map(|w| w.re) };
-            let (bare, bare_power) = f64::oiled(&numbers, &plain, &law.values(), creep, nodes);
-            prop_assert!((fast_power.re - power.re).abs() <= 1e-12 * power.re);
-            prop_assert!((bare_power - power.re).abs() <= 1e-12 * power.re);
-            for ((slow, fast), bare) in all(&slow).iter().zip(all(&fast)).zip(all(&bare)) {
-                // Rounding of thousands of nodes, of sums of the size of the coefficient.
-                prop_assert!((fast.re - slow.re).abs() <= 1e-13 && (bare - slow.re).abs() <= 1e-13);
-                for (k, (ours, jets)) in fast.eps.iter().zip(slow.eps).enumerate() {
-                    // By the slip as it falls to the creep speed, by others as they are.
-                    let unit = match k {
-                        0..=3 => 1.0 / creep,
-                        4 | 5 => 1.0 / creep.min(1.0),
-                        6 => 1.0 / law.shear.re,
-                        7 => 1.0 / law.eyring_stress.re,
-                        _ => 1.0 / law.max_pressure.re,
-                    };
+            let point = ellipse.point(&local, creep);
+            let fast = oil::sums::<true>(&point, &law.values(), nodes);
+            let bare = oil::sums::<false>(&point, &law.values(), nodes);
+            for sums in [&fast.sums, &bare.sums] {
+                prop_assert!((sums.power - power.re).abs() <= 1e-12 * power.re);
+            }
+            for (i, slow) in all(&slow).iter().enumerate() {
+                // Rounding of hundreds of nodes, of sums of the size of the coefficient.
+                let (fast_value, bare) = (fast.sums.values[i], bare.sums.values[i]);
+                prop_assert!((fast_value - slow.re).abs() <= 1e-13 && (bare - slow.re).abs() <= 1e-13);
+                let ours = fast.sums.slopes[i].iter().chain([&fast.by_film[i]]);
+                for (k, (ours, jets)) in ours.zip(slow.eps).enumerate() {
+                    // By the slip as it falls to the creep speed, by the film as it is.
+                    let unit = if k < 5 { 1.0 / creep } else { 1.0 };
                     prop_assert!((ours - jets).abs() <= 1e-11 * unit, "{k}: {ours} {jets}");
                 }
             }
@@ -594,6 +582,63 @@ mod tests {
             quantiles.iter().zip([[6e-3, 1e-2], [1.2e-5, 5e-5], [1.5e-6, 2.5e-6], [1e-9, 1e-8]])
         {
             assert!(*most <= limits[0] && *worst <= limits[1], "{quantiles:?}");
+        }
+    }
+
+    /// Contacts of rolling balls in oil, thin and thick, at low and high pressure: what the rules leave, over the
+    /// friction, against two finer ones that agree.
+    #[test]
+    fn rules_of_an_oil_err_as_little_as_stated() {
+        let mut rng = ChaCha8Rng::seed_from_u64(22);
+        let rules = [1e-4, 1e-6, 1e-8, 1e-10, 1e-12].map(Quadrature::of_oil);
+        let mut errors = [const { Vec::new() }; 4];
+        for _ in 0..200 {
+            let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
+            let (a, ratio) = (log(0.02, 0.12), log(4.0, 12.0));
+            let (roll, spin, shift) = (log(0.01, 0.2), log(0.1, 1.0), log(1e-3, 0.5));
+            let pressed = log(0.4e9, 3e9);
+            let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+            let (ellipse, local) =
+                sloped([side * shift * spin * a, roll, spin, 0.0], (a, a / ratio));
+            let point = ellipse.point(&local, 1e-4);
+            let law = MixedFriction {
+                share: rng.random_range(0.0..0.9),
+                boundary: 0.12,
+                limit: 0.047,
+                shear: rng.log_uniform(1e-6, 3.0),
+                eyring_stress: 2.0 * 0.047 * (52e6 + 0.02 * pressed),
+                max_pressure: pressed,
+                pressure_scale: 52e6,
+            };
+            let sums = rules.each_ref().map(|rule| {
+                let sums = oil::sums::<false>(&point, &law, rule.into()).sums;
+                let [f_t, f_c, m_t, m_n, m_c] = sums.values;
+                [f_t, f_c, m_t, m_n / a, m_c, sums.power / (roll + spin * a)]
+            });
+            let [others @ .., exact] = sums;
+            // What the friction is at most.
+            let most = law.most();
+            for (errors, sums) in errors.iter_mut().zip(&others) {
+                let off = sums.iter().zip(&exact);
+                errors.push(off.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max) / most);
+            }
+        }
+        let quantiles = errors.map(|mut errors| {
+            errors.sort_unstable_by(f64::total_cmp);
+            [50, 90, 100].map(|share| errors[(errors.len() * share / 100).min(errors.len() - 1)])
+        });
+        println!("{quantiles:?}");
+        // Two to three times what is seen, by chance in the draw.
+        for (found, limits) in quantiles.iter().zip([
+            [4e-4, 1e-2, 7e-2],
+            [6e-6, 5e-5, 2e-3],
+            [3e-7, 5e-6, 2e-5],
+            [6e-8, 1.2e-6, 1e-5],
+        ]) {
+            assert!(
+                found.iter().zip(limits).all(|(found, limit)| *found <= limit),
+                "{quantiles:?}"
+            );
         }
     }
 }

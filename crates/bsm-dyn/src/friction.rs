@@ -6,6 +6,8 @@ use bsm_kin::Scalar;
 use bsm_newton::EvalError;
 use nalgebra::Vector3;
 
+use crate::Bend;
+
 /// What the coefficient of friction depends on where a ball slides.
 ///
 /// Friction is against the slip, and its size is the normal load times the coefficient: at a point
@@ -14,14 +16,17 @@ use nalgebra::Vector3;
 /// The closed forms, the reductions of the rigid and the elastic model, and the fast sums over an
 /// ellipse hold for one [`Coulomb`] coefficient only and take that in place of a law.
 pub trait FrictionLaw<D> {
-    /// True if neither pressure nor speed change the coefficient: an ellipse then takes fewer nodes.
-    const IS_CONSTANT: bool = false;
-
     /// The coefficient at a point.
     ///
     /// * `pressure`: over the largest pressure of the contact, 0 to 1.
     /// * `speed`: slip speed \[m/s\], positive.
     fn coefficient(&self, pressure: D, speed: D) -> D;
+
+    /// Where the coefficient bends along a line across an ellipse; `None` if neither pressure nor speed change
+    /// it: an ellipse then takes fewer nodes.
+    fn bend(&self) -> Option<Bend> {
+        Some(Bend::SMOOTH)
+    }
 }
 
 /// One coefficient `$f \ge 0$` for every pressure and speed.
@@ -29,10 +34,12 @@ pub trait FrictionLaw<D> {
 pub struct Coulomb<D>(pub D);
 
 impl<D: Copy> FrictionLaw<D> for Coulomb<D> {
-    const IS_CONSTANT: bool = true;
-
     fn coefficient(&self, _pressure: D, _speed: D) -> D {
         self.0
+    }
+
+    fn bend(&self) -> Option<Bend> {
+        None
     }
 }
 

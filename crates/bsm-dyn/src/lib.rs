@@ -72,7 +72,7 @@ pub use balance::{Ball, Load, POWER_BALANCE_TOL, Wrench};
 pub use closed_form::{Angles, ClosedForm, Optimum, Sines, Size};
 pub use elastic::{Elastic, ElasticWorkspace, SlidingBall, SlidingMotion, SlidingState};
 pub use elastic_ball::ElasticPoint;
-pub use ellipse::{Ellipse, EllipseSlip, Quadrature, power_of_many, pressed_radius};
+pub use ellipse::{Bend, Ellipse, EllipseSlip, Quadrature, power_of_many, pressed_radius};
 pub use friction::{Coulomb, FrictionLaw, friction_force};
 pub use held_ball::{HeldBall, HeldContact, HeldMotion};
 pub use hertz::{Axes, Curvatures, Groove, Hertz, Material, Member, contact_modulus};

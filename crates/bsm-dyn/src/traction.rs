@@ -13,7 +13,7 @@ use bsm_kin::{Helix, Motion, Scalar};
 use bsm_newton::{EvalError, Options, Report, Scales, solve};
 use bsm_simd::Block;
 
-use self::columns::{Transmitted, Watched};
+use self::columns::{Evaluated, Transmitted, Watched};
 use self::path::PATH;
 use self::root::Refined;
 pub(crate) use self::root::Root;
@@ -202,9 +202,16 @@ impl Rolling<'_> {
     /// What the efficiency of a root of another quadrature differs from that of this one, as it is stated:
     /// ten times as much, and no less than rounding is worth (T25).
     ///
-    /// * `slope`: of the torque by the unknowns. * `newton`: as the solve for the root has left it.
-    fn error(&self, root: &Root, slope: &Block, efficiency: f64, newton: &mut Workspace) -> f64 {
-        let other = self.evaluated::<false>(&root.unknowns).map_or(f64::NAN, |found| {
+    /// * `found`: there, of this quadrature. * `slope`: of the torque by the unknowns. * `newton`: as the solve
+    ///   for the root has left it.
+    fn error(
+        &self,
+        found: Option<&Evaluated>,
+        slope: &Block,
+        efficiency: f64,
+        newton: &mut Workspace,
+    ) -> f64 {
+        let other = found.map_or(f64::NAN, |found| {
             // y' = y − J⁻¹ F'(y)                                          (T24)
             let step = newton.correction(&found.left);
             let further = step.iter().zip(slope).map(|(x, slope)| x * slope).sum::<f64>();
@@ -382,7 +389,8 @@ impl Traction {
         let steady = self.at.ball_state(pair, &loaded, &to_nut)?;
         let transmission = self.at.transmission_at(pair, torque, power)?;
         let checked = Rolling { quadrature: &rules[places[3]].check, ..ball };
-        let error = checked.error(&root, &torque_slope, transmission.efficiency, newton);
+        let other = checked.evaluated::<false>(&root.unknowns).ok();
+        let error = checked.error(other.as_ref(), &torque_slope, transmission.efficiency, newton);
         let info = SolveInfo { steps, residual: root.residual };
         Ok(Found { ball: steady, transmission, skid: grip.skid(pair), info, root, error })
     }

@@ -13,6 +13,8 @@ use crate::{Check, Published, ValidateError};
 const SOLUTION: &str = "independent solution of the lubricated models";
 const BEARING: &str = "SKF model of bearing friction, size 7208, 40 deg";
 const CATALOGUES: &str = "catalogue rules of ball screws (NSK, THK, SKF, TBI)";
+const PALMGREN: &str = "Palmgren's formulas of bearing friction, size 7208, 40 deg";
+const RULES: &str = "catalogue rules for whole nuts (JIS B 1192, NSK, THK, SKF)";
 const TRENDS: &str = "published trends of lubricated ball screws";
 
 /// All checks of this kind.
@@ -30,6 +32,8 @@ pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError>
     let (feed, bearing) =
         (feed?.scene(&published.lubrication)?, bearing?.scene(&published.lubrication)?);
     checks.extend(against_skf(&bearing, work)?);
+    checks.push(against_palmgren(&bearing, work)?);
+    checks.extend(against_rules(&feed, work)?);
     checks.extend(catalogue(&feed, work)?);
     checks.extend(trends(&feed, work)?);
     Ok(checks)
@@ -157,6 +161,126 @@ fn against_skf(bearing: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>,
         .equals(1.0, 0.36, "two models of friction agree to a third")
     };
     Ok(vec![check("skf-torque", "torque", whole), check("skf-rolling", "rolling part", rolling)])
+}
+
+/// Moment of Palmgren's formulas \[N m\], the bearing of [`skf`] in an oil bath, under axial load.
+///
+/// * `diameter`: mean diameter \[mm\]. * `viscosity`: mm²/s. * `speed`: rpm. * `load`: axial \[N\].
+///
+/// Source: Harris and Kotzalas, *Essential Concepts of Bearing Technology*.
+fn palmgren(diameter: f64, viscosity: f64, speed: f64, load: f64) -> f64 {
+    // Static rating of size 7208 [N].
+    const STATIC: f64 = 26_000.0;
+    let viscous = 2.0 * 1e-7 * (viscosity * speed).powf(2.0 / 3.0) * diameter.powi(3);
+    let turning = 0.9 / 40.0_f64.to_radians().tan() * load;
+    let by_load = 0.0013 * (0.26 * load / STATIC).powf(0.33) * turning * diameter;
+    (viscous + by_load) * 1e-3
+}
+
+/// The bearing over load, speed and viscosity, against Palmgren's formulas.
+fn against_palmgren(bearing: &Scene, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
+    let mut ratios = Vec::new();
+    for load in [1000.0, 2000.0, 4000.0, 8000.0] {
+        for speed in [300.0, 1000.0, 3000.0, 5000.0] {
+            for celsius in [40.0, 55.0, 70.0] {
+                let mut scene = bearing.clone();
+                scene.set("axial_load_N", load)?;
+                scene.set("screw_speed_rpm", speed)?;
+                scene.set("lubricant_temperature_C", celsius)?;
+                let record = solve(&scene, Model::RacewayControl, work)?;
+                let density = 880.0 * (1.0 - 6.5e-4 * (celsius - 15.0));
+                let viscosity = number(&record, "viscosity_mPas") * 1e3 / density;
+                let lost = number(&record, "rolling_power_W") + number(&record, "sliding_power_W");
+                let ours = lost * 30.0 / (PI * speed);
+                ratios.push(ours / palmgren(60.0, viscosity, speed, load));
+            }
+        }
+    }
+    let points = ratios.len();
+    let [least, middle, most] = spread(ratios);
+    Ok(Check::new("lubrication/palmgren", PALMGREN, "torque over that of Palmgren's formulas")
+        .measured(middle, "")
+        .note(format!("middle of {points} points, {least:.2} to {most:.2}; factors from memory"))
+        .equals(1.0, 0.36, "two models of friction agree to a third"))
+}
+
+/// Rules of catalogues for a whole nut, of which the contacts are a part.
+fn against_rules(feed: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
+    let mut at = |settings: &[(&str, f64)]| -> Result<Record, ValidateError> {
+        let mut scene = feed.clone();
+        for (name, value) in settings {
+            scene.set(name, *value)?;
+        }
+        solve(&scene, Model::RacewayControl, work)
+    };
+    let torque = |record: &Record, speed: f64| {
+        let lost = number(record, "rolling_power_W") + number(record, "sliding_power_W");
+        lost * 30.0 / (PI * speed)
+    };
+    let (mut preloads, mut efficiencies) = (Vec::new(), Vec::new());
+    for lead in [5.0, 8.0, 10.0, 20.0] {
+        for load in [1000.0, 2000.0, 4000.0] {
+            let ball = if lead < 10.0 { 3.175 } else { 6.35 };
+            let diameter: f64 = 41.5;
+            let of = [
+                ("lead_mm", lead),
+                ("ball_diameter_mm", ball),
+                ("axial_load_N", load),
+                ("screw_speed_rpm", 100.0),
+            ];
+            let record = at(&of)?;
+            // T_p = 0.05 (tanα)^{−1/2} F l/(2π): of both halves of the nut
+            let slope = lead / (PI * diameter);
+            let rule = 0.05 / slope.sqrt() * load * lead * 1e-3 / (2.0 * PI);
+            preloads.push(2.0 * torque(&record, 100.0) / rule);
+            let fast =
+                at(&[of[0], of[1], ("axial_load_N", 2.0 * load), ("screw_speed_rpm", 1000.0)])?;
+            // η = 1/(1 + 0.006 π d₀/l)
+            let rule = 1.0 / (1.0 + 0.006 / slope);
+            efficiencies.push((1.0 - number(&fast, "efficiency")) / (1.0 - rule));
+        }
+    }
+    let [least, middle, most] = spread(preloads);
+    let preload = Check::new(
+        "lubrication/preload-torque-rule",
+        RULES,
+        "drag torque of both halves of a nut over T_p = 0.05 (tan a)^-1/2 F l/(2 pi) (JIS B 1192, NSK, THK)",
+    )
+    .measured(middle, "")
+    .note(format!("middle of 12 screws at 100 rpm, {least:.2} to {most:.2}; the contacts alone"))
+    .equals(0.32, 0.12, "a third: returns, balls that rub, seals and errors of lead are the rest");
+    let [least, middle, most] = spread(efficiencies);
+    let efficiency = Check::new(
+        "lubrication/efficiency-rule",
+        RULES,
+        "loss over that of efficiency 1/(1 + 0.006 pi d/l) (SKF), for a whole nut",
+    )
+    .measured(middle, "")
+    .note(format!("middle of 12 screws at 1000 rpm, {least:.2} to {most:.2}; the contacts alone"))
+    .equals(
+        0.6,
+        0.4,
+        "the contacts are a part of the loss of a nut, and not more than all of it",
+    );
+    let mut slopes = Vec::new();
+    for load in [500.0, 1000.0, 2000.0, 3000.0] {
+        let record = at(&[("axial_load_N", load), ("screw_speed_rpm", 100.0)])?;
+        slopes.push((load, torque(&record, 100.0)));
+    }
+    let (low, high) = (slopes[0], slopes[slopes.len() - 1]);
+    let bent = slopes.iter().map(|(load, torque)| {
+        let straight = low.1 + (high.1 - low.1) * (load - low.0) / (high.0 - low.0);
+        (torque / straight - 1.0).abs()
+    });
+    let linear = Check::new(
+        "lubrication/drag-over-preload",
+        TRENDS,
+        "drag torque is linear in the preload (Zhou 2016)",
+    )
+    .measured(bent.fold(0.0, f64::max), "")
+    .note("largest part off a straight line, 0.5 to 3 kN at 100 rpm")
+    .at_most(0.05, "linear within the scatter of a measurement");
+    Ok(vec![preload, efficiency, linear])
 }
 
 /// Friction coefficients of catalogues, over leads and speeds.

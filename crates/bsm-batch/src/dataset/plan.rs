@@ -5,7 +5,7 @@ use std::num::{NonZeroU32, NonZeroU64};
 use std::path::Path;
 
 use bsm_case::{Axis, CaseError, Grid, ModelChoice, Output, Scene, Settings};
-use bsm_dyn::Model;
+use bsm_dyn::{Model, RacewayFriction};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
@@ -69,19 +69,23 @@ struct WrittenModel {
     accuracy: f64,
     creep: f64,
     control: Option<String>,
+    friction: String,
 }
 
 impl WrittenModel {
     fn of(settings: &Settings) -> Self {
-        let Settings { model, tolerance, accuracy, creep, control } = *settings;
+        let Settings { model, tolerance, accuracy, creep, control, friction } = *settings;
         let control = control.map(|race| race.name().to_owned());
-        Self { name: model.name().to_owned(), tolerance, accuracy, creep, control }
+        let (name, friction) = (model.name().to_owned(), friction.name().to_owned());
+        Self { name, tolerance, accuracy, creep, control, friction }
     }
 
     fn settings(&self) -> Result<Settings, CaseError> {
         let Self { tolerance, accuracy, creep, .. } = *self;
         let named = Settings::named(&self.name, self.control.as_deref())?;
-        Ok(Settings { tolerance, accuracy, creep, ..named })
+        // A name that this program does not know is another task.
+        let friction = RacewayFriction::from_name(&self.friction).unwrap_or_default();
+        Ok(Settings { tolerance, accuracy, creep, friction, ..named })
     }
 }
 
@@ -322,7 +326,7 @@ mod tests {
                  \"results\":{RESULTS}}},\"points\":{{\"grid\":[\"lead_mm=5:10:11\",\
                  \"screw_speed_rpm=1e300,-0.1,1500\"]}},\"base\":{{\"axial_load_N\":0.1}},\
                  \"model\":{{\"name\":\"rigid\",\"tolerance\":0.01,\"accuracy\":1e-8,\
-                 \"creep\":0.0001,\"control\":null}},\"columns\":[\"efficiency\"],\"rows\":33,\
+                 \"creep\":0.0001,\"control\":null,\"friction\":\"local\"}},\"columns\":[\"efficiency\"],\"rows\":33,\
                  \"rows_per_shard\":16}}\n"
             )
         );
@@ -374,6 +378,7 @@ mod tests {
             (with(|t| t.settings.creep = 0.02), "model"),
             (with(|t| t.settings.control = Some(Control::Nut)), "model"),
             (with(|t| t.settings.accuracy = 1e-6), "model"),
+            (with(|t| t.settings.friction = RacewayFriction::PerContact), "model"),
             (with(all), "columns"),
             (plan(&task(), &points, 17), "rows_per_shard (17, now 16)"),
             (plan(&task(), &grid(&["lead_mm=5:11:11"]), 16), "points"),

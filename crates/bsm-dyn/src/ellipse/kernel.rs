@@ -13,6 +13,7 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 use bsm_simd::{Arch, BLOCK, Block, Lane, NullaryFnOnce, Simd, WithSimd};
 
 use super::Quadrature;
+use super::oil::{Bend, Half, Node, Rings};
 use super::panels::{EllipseSlip, FAR, Lines, Nodes, Plan, Visit, chord, walk, walk_along};
 
 /// What the sums depend on: a contact with numbers in its own axes.
@@ -47,13 +48,13 @@ pub(crate) const SUMS: usize = 5;
 pub(crate) const SLOPES: usize = MOTION + 1;
 
 /// Sums and power; the same with what the derivatives are made of.
-const VALUES: usize = SUMS + 1;
-const ALL: usize = VALUES + 19;
+pub(super) const VALUES: usize = SUMS + 1;
+pub(super) const ALL: usize = VALUES + 19;
 
 impl Point {
     /// Slip along the long axis.
     #[inline(always)]
-    fn slip(&self) -> EllipseSlip<f64> {
+    pub(super) fn slip(&self) -> EllipseSlip<f64> {
         let ([speed, w_t, w_n, w_c], radii) =
             (self.motion, (self.pressed_radius, self.ball_radius));
         EllipseSlip::new(self.semi_axes, radii, speed, [w_t, w_n, w_c], self.creep)
@@ -61,7 +62,7 @@ impl Point {
 }
 
 /// The nodes of a line whose spin pole is inside the ellipse.
-struct Near {
+pub(super) struct Near {
     /// The angle of the pole, and its width.
     at: f64,
     width: f64,
@@ -70,7 +71,7 @@ struct Near {
 }
 
 impl Near {
-    fn of(slip: &EllipseSlip<f64>, xi: f64) -> Self {
+    pub(super) fn of(slip: &EllipseSlip<f64>, xi: f64) -> Self {
         let sinh = slip.analyticity(xi).sqrt();
         let (b_0, b_1) = slip.across(xi);
         // s = cos φ, about φ₀ with cos φ₀ = −Re z/cosh η and the width η: η ≈ sinh η  (T20)
@@ -82,20 +83,25 @@ impl Near {
     }
 
     /// How many nodes.
-    fn len(rule: &Quadrature) -> usize {
-        2 * rule.part.len()
+    pub(super) fn len(rule: &Quadrature) -> usize {
+        2 * rule.near.len()
     }
 
     /// Places and weights from node `first` on, without weight beyond the last.
     #[inline(always)]
-    fn nodes<S: Simd>(&self, simd: S, rule: &Quadrature, first: usize) -> (Block, Block) {
+    pub(super) fn nodes<S: Simd>(
+        &self,
+        simd: S,
+        rule: &Quadrature,
+        first: usize,
+    ) -> (Block, Block) {
         let (mut places, mut weights) = ([0.0; BLOCK], [0.0; BLOCK]);
         for i in 0..BLOCK {
             let node = first + i;
             let (side, node) =
-                if node < rule.part.len() { (0, node) } else { (1, node - rule.part.len()) };
-            if node < rule.part.len() {
-                let ((from, length), (place, part)) = (self.sides[side], rule.part.at(node));
+                if node < rule.near.len() { (0, node) } else { (1, node - rule.near.len()) };
+            if node < rule.near.len() {
+                let ((from, length), (place, part)) = (self.sides[side], rule.near.at(node));
                 (places[i], weights[i]) = (from + length * place, length * part);
             }
         }
@@ -272,74 +278,120 @@ impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLO
                 inner = Inner::load(simd, &sums, at);
             }
             let Inner { j, k } = inner;
-            let (j, k) = (
-                [j[0] * weight, j[1] * weight, j[2] * weight],
-                [k[0] * weight, k[1] * weight, k[2] * weight],
-            );
-            // T = v_t J₀,  C = b₀ J₀ + b₁ J₁,  S = b₀ J₁ + b₁ J₂
-            let (t, c, s) = (v_t * j[0], b_0 * j[0] + b_1 * j[1], b_0 * j[1] + b_1 * j[2]);
-            let (a, b) = point.semi_axes;
-            let (x, y, h) = (xi * a, chord * b, slip.height(xi));
+            // (C_b, C_s, S_s) = (v_t² + v_e²) (K₀, K₁, K₂)                (T23)
+            let across = [square * k[0], square * k[1], square * k[2]];
+            let line = Line { xi, weight, chord, v_t, across: (b_0, b_1) };
             let totals = &mut self.totals[ellipse];
-            // F_t = −T,  F_c = C,  M_t = −h C,  M_n = −(x T + Y S),  M_c = −h T,
-            // P = v_t T + b₀ C + b₁ S                                     (T22)
-            let m_n = -(x * t + y * s);
-            let power = v_t * t + b_0 * c + b_1 * s;
-            let values = [-t, c, -(h * c), m_n, -(h * t), power];
-            for (total, value) in totals.iter_mut().zip(values) {
-                (Lane::load(simd, &total[at..]) + value).store(&mut total[at..]);
-            }
-            if SLOPED {
-                let [_, w_t, w_n, w_c] = point.motion;
-                // T_v = J₀ − v_t² K₀,  T_b = −v_t (b₀ K₀ + b₁ K₁),  T_s = −v_t (b₀ K₁ + b₁ K₂)
-                let t_v = j[0] - v_t * v_t * k[0];
-                let t_b = -(v_t * (b_0 * k[0] + b_1 * k[1]));
-                let t_s = -(v_t * (b_0 * k[1] + b_1 * k[2]));
-                // (C_b, C_s, S_s) = (v_t² + v_e²) (K₀, K₁, K₂)            (T23)
-                let (c_b, c_s, s_s) = (square * k[0], square * k[1], square * k[2]);
-                // By the growth of the ellipse: of h, of the slip, and of the sums.
-                let dh = xi * xi * slip.sag * -2.0;
-                let (g_v, g_b) = (x * w_n + dh * w_c, dh * w_t);
-                let t_g = t_v * g_v + t_b * g_b + t_s * b_1;
-                let c_g = t_b * g_v + c_b * g_b + c_s * b_1;
-                let s_g = t_s * g_v + c_s * g_b + s_s * b_1;
-                // By the spin; by the rest of the motion they are (1, h).
-                let (t_n, c_n, s_n) = (t_v * x + t_s * y, t_b * x + c_s * y, t_s * x + s_s * y);
-                let (t_vh, t_bh, c_bh) = (t_v * h, t_b * h, c_b * h);
-                let slopes = [
-                    -t_v,
-                    -t_bh,
-                    -t_n,
-                    -t_vh,
-                    -(c_bh * h),
-                    -(c_n * h),
-                    -(t_bh * h),
-                    -(x * t_n + y * s_n),
-                    -(t_n * h),
-                    -(t_vh * h),
-                    t_b,
-                    c_bh,
-                    c_n,
-                    t_bh,
-                    -t_g,
-                    c_g,
-                    -(h * c_g + dh * c),
-                    m_n - (x * t_g + y * s_g),
-                    -(h * t_g + dh * t),
-                ];
-                for (total, slope) in totals[VALUES..].iter_mut().zip(slopes) {
-                    (Lane::load(simd, &total[at..]) + slope).store(&mut total[at..]);
-                }
-            }
+            line.add::<SLOPED>(simd, totals, at, (point, &slip), [j, k, across]);
         }
     }
 }
 
+/// A few lines across an ellipse.
+pub(super) struct Line<S: Simd> {
+    /// Place on the long axis, part of the load, and half the length.
+    pub(super) xi: Lane<S>,
+    pub(super) weight: Lane<S>,
+    pub(super) chord: Lane<S>,
+    /// Slip along the groove, and across it (T13).
+    pub(super) v_t: Lane<S>,
+    pub(super) across: (Lane<S>, Lane<S>),
+}
+
+impl<S: Simd> Line<S> {
+    /// Force, moment and power of sums J (T21).
+    #[inline(always)]
+    pub(super) fn values(
+        &self,
+        (point, slip): (&Point, &EllipseSlip<Lane<S>>),
+        j: [Lane<S>; 3],
+    ) -> [Lane<S>; VALUES] {
+        let &Self { xi, chord, v_t, across: (b_0, b_1), .. } = self;
+        // T = v_t J₀,  C = b₀ J₀ + b₁ J₁,  S = b₀ J₁ + b₁ J₂
+        let (t, c, s) = (v_t * j[0], b_0 * j[0] + b_1 * j[1], b_0 * j[1] + b_1 * j[2]);
+        let (a, b) = point.semi_axes;
+        let (x, y, h) = (xi * a, chord * b, slip.height(xi));
+        // F_t = −T,  F_c = C,  M_t = −h C,  M_n = −(x T + Y S),  M_c = −h T,
+        // P = v_t T + b₀ C + b₁ S                                         (T22)
+        [-t, c, -(h * c), -(x * t + y * s), -(h * t), v_t * t + b_0 * c + b_1 * s]
+    }
+
+    /// Adds values and, if `SLOPED`, derivatives of the sums J along the lines, of K, and of those by the slip
+    /// across (T23).
+    #[inline(always)]
+    pub(super) fn add<const SLOPED: bool>(
+        &self,
+        simd: S,
+        totals: &mut [Block; ALL],
+        at: usize,
+        of: (&Point, &EllipseSlip<Lane<S>>),
+        [j, k, across]: [[Lane<S>; 3]; 3],
+    ) {
+        let &Self { xi, weight, chord, v_t, across: (b_0, b_1) } = self;
+        let j = [j[0] * weight, j[1] * weight, j[2] * weight];
+        let values = self.values(of, j);
+        add_to(simd, totals, at, &values);
+        if SLOPED {
+            let (point, slip) = of;
+            let (a, b) = point.semi_axes;
+            let (x, y, h) = (xi * a, chord * b, slip.height(xi));
+            let k = [k[0] * weight, k[1] * weight, k[2] * weight];
+            let [minus_t, c, _, m_n, _, _] = values;
+            let [_, w_t, w_n, w_c] = point.motion;
+            // T_v = J₀ − v_t² K₀,  T_b = −v_t (b₀ K₀ + b₁ K₁),  T_s = −v_t (b₀ K₁ + b₁ K₂)  (T23)
+            let t_v = j[0] - v_t * v_t * k[0];
+            let t_b = -(v_t * (b_0 * k[0] + b_1 * k[1]));
+            let t_s = -(v_t * (b_0 * k[1] + b_1 * k[2]));
+            let (c_b, c_s, s_s) = (across[0] * weight, across[1] * weight, across[2] * weight);
+            // By the growth of the ellipse: of h, of the slip, and of the sums.
+            let dh = xi * xi * slip.sag * -2.0;
+            let (g_v, g_b) = (x * w_n + dh * w_c, dh * w_t);
+            let t_g = t_v * g_v + t_b * g_b + t_s * b_1;
+            let c_g = t_b * g_v + c_b * g_b + c_s * b_1;
+            let s_g = t_s * g_v + c_s * g_b + s_s * b_1;
+            // By the spin; by the rest of the motion they are (1, h).
+            let (t_n, c_n, s_n) = (t_v * x + t_s * y, t_b * x + c_s * y, t_s * x + s_s * y);
+            let (t_vh, t_bh, c_bh) = (t_v * h, t_b * h, c_b * h);
+            let slopes = [
+                -t_v,
+                -t_bh,
+                -t_n,
+                -t_vh,
+                -(c_bh * h),
+                -(c_n * h),
+                -(t_bh * h),
+                -(x * t_n + y * s_n),
+                -(t_n * h),
+                -(t_vh * h),
+                t_b,
+                c_bh,
+                c_n,
+                t_bh,
+                -t_g,
+                c_g,
+                -(h * c_g + dh * c),
+                m_n - (x * t_g + y * s_g),
+                dh * minus_t - h * t_g,
+            ];
+            add_to(simd, &mut totals[VALUES..], at, &slopes);
+        }
+    }
+}
+
+/// Adds to totals.
+#[inline(always)]
+pub(super) fn add_to<S: Simd>(simd: S, totals: &mut [Block], at: usize, values: &[Lane<S>]) {
+    for (total, value) in totals.iter_mut().zip(values) {
+        (Lane::load(simd, &total[at..]) + *value).store(&mut total[at..]);
+    }
+}
+
 impl Sums {
-    const NONE: Self = Self { values: [0.0; SUMS], power: 0.0, slopes: [[0.0; SLOPES]; SUMS] };
+    pub(crate) const NONE: Self =
+        Self { values: [0.0; SUMS], power: 0.0, slopes: [[0.0; SLOPES]; SUMS] };
 
     #[inline(always)]
-    fn of(all: [f64; ALL]) -> Self {
+    pub(super) fn of(all: [f64; ALL]) -> Self {
         let [
             // Force, moment and their power.
             f_t,
@@ -440,20 +492,19 @@ impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
     }
 }
 
-/// Coordinates over the semi-axes and part of the load of all nodes; those of the sums where friction is
-/// as `constant` as there, and as many along each line as a spin pole inside takes elsewhere, so that
-/// they resolve the pressure too.
-pub(super) fn nodes(point: &Point, nodes: Nodes<'_>, constant: bool) -> Vec<(f64, f64, f64)> {
-    Arch::new().dispatch(List(point, nodes, constant))
+/// Coordinates over the semi-axes and part of the load of all nodes: those of the sums of a constant
+/// coefficient, or of one that bends.
+pub(super) fn nodes(point: &Point, nodes: Nodes<'_>, bend: Option<&Bend>) -> Vec<(f64, f64, f64)> {
+    Arch::new().dispatch(List(point, nodes, bend))
 }
 
-struct List<'a>(&'a Point, Nodes<'a>, bool);
+struct List<'a>(&'a Point, Nodes<'a>, Option<&'a Bend>);
 
 /// The nodes of all lines, one by one.
 struct Collect<'a> {
     rule: &'a Quadrature,
     slip: EllipseSlip<f64>,
-    constant: bool,
+    bend: Option<&'a Bend>,
     nodes: Vec<(f64, f64, f64)>,
 }
 
@@ -461,17 +512,24 @@ impl<S: Simd> Visit<S> for Collect<'_> {
     fn visit(&mut self, simd: S, _ellipse: usize, lines: &Lines) {
         for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
             let chord = chord(xi);
-            if lines.inside[i] || !self.constant {
+            let mut add = |s: f64, part: f64| self.nodes.push((xi, chord * s, weight * part));
+            if lines.inside[i] {
                 let near = Near::of(&self.slip, xi);
                 for first in (0..Near::len(self.rule)).step_by(BLOCK) {
                     let (places, parts) = near.nodes(simd, self.rule, first);
-                    let all =
-                        places.iter().zip(parts).map(|(s, part)| (xi, chord * s, weight * part));
-                    self.nodes.extend(all);
+                    places.into_iter().zip(parts).for_each(|(s, part)| add(s, part));
+                }
+            } else if let Some(bend) = self.bend {
+                let slip = self.slip.splat(simd);
+                let half = Half::of(bend, &slip, Lane::<S>::splat(simd, xi));
+                for k in 0..self.rule.half.len() {
+                    let Node { s, weight, .. } = half.node(self.rule.half.at(k));
+                    let (s, part) = (s.as_slice()[0], weight.as_slice()[0]);
+                    add(s, part);
+                    add(-s, part);
                 }
             } else if let Some(count) = lines.inner {
-                let all = &self.rule.inner[count];
-                self.nodes.extend(all.iter().map(|(s, part)| (xi, chord * s, weight * part)));
+                self.rule.inner[count].iter().for_each(|(s, part)| add(*s, *part));
             }
         }
         self.nodes.retain(|(_, _, weight)| *weight != 0.0);
@@ -483,9 +541,11 @@ impl WithSimd for List<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self(point, nodes, constant) = self;
-        let mut list =
-            Collect { rule: nodes.rule, slip: point.slip(), constant, nodes: Vec::new() };
+        let Self(point, nodes, bend) = self;
+        if let (Some(bend), blocks @ 1..) = (bend, nodes.blocks(&point.slip())) {
+            return Rings::of(simd, bend, &point.slip(), nodes.rule).nodes(nodes.rule, blocks);
+        }
+        let mut list = Collect { rule: nodes.rule, slip: point.slip(), bend, nodes: Vec::new() };
         walk(simd, nodes, &point.slip(), &mut list);
         list.nodes
     }
@@ -499,8 +559,12 @@ impl Plan {
         points: &[Point; N],
         rule: &Quadrature,
     ) -> [Self; N] {
-        let mut plans = from_fn(|_| Self { split: [false; 2], lines: Vec::with_capacity(8) });
-        let slips = from_fn(|i| points[i].slip());
+        let slips: [_; N] = from_fn(|i| points[i].slip());
+        let mut plans = from_fn(|i| Self {
+            blocks: rule.blocks(&slips[i]),
+            split: [false; 2],
+            lines: Vec::with_capacity(8),
+        });
         walk_along(simd, &[rule.into(); N], &slips, &mut plans);
         plans
     }

@@ -19,7 +19,21 @@ const MOST_INNER: usize = 24;
 /// Poles farther from the centre than this, in semi-axes, and wider ones, grade nothing.
 pub(super) const FAR: f64 = 8.0;
 
-const FOUR: NonZeroUsize = NonZeroUsize::new(4).expect("not zero");
+/// The same with an oil, whose nodes are not those of the slip.
+const MOST_OILED: usize = 6;
+
+/// Rings of an oil, and blocks of angles on half a ring, beyond which lines are better.
+pub(super) const MOST_RINGS: usize = 2 * BLOCK;
+const MOST_BLOCKS: usize = 4;
+
+/// Cosines and sines in the middles of equal parts of half a circle.
+#[expect(clippy::cast_precision_loss, reason = "a few angles")]
+fn half_ring(parts: usize) -> [Vec<f64>; 2] {
+    let angle = |k: usize| PI * (k as f64 + 0.5) / parts as f64;
+    [(0..parts).map(|k| angle(k).cos()).collect(), (0..parts).map(|k| angle(k).sin()).collect()]
+}
+
+const TWO: NonZeroUsize = NonZeroUsize::new(2).expect("not zero");
 
 /// Numbers below this are no divisors.
 const TINY: f64 = 1e-150;
@@ -29,7 +43,14 @@ const TINY: f64 = 1e-150;
 pub struct Quadrature {
     /// Gauss-Legendre of a panel, and of a part of a split one.
     panel: Gauss,
-    pub(super) part: Gauss,
+    part: Gauss,
+    /// Of each side of a spin pole inside, along a line; of half a line of an oil.
+    pub(super) near: Gauss,
+    pub(super) half: Gauss,
+    /// For an oil: cosines and sines of angles on half a ring, [`BLOCK`] of them, twice as many, and so on.
+    pub(super) angles: Vec<[Vec<f64>; 2]>,
+    /// What as many blocks of angles leave is below this logarithm over the depth of a pole.
+    depth: f64,
     /// Nodes and weights along a line, by their number (T19).
     pub(super) inner: Vec<Vec<(f64, f64)>>,
     /// Least `$\sinh^2\eta$` (T18) for which that number is enough; falls with the number.
@@ -50,6 +71,14 @@ impl Gauss {
         Self { places, weights }
     }
 
+    /// The same nodes, closer to both ends.
+    fn crowded(&self) -> Self {
+        // x² (3 − 2x), and its slope
+        let places = self.places.iter().map(|x| x * x * (3.0 - 2.0 * x)).collect();
+        let weights = self.places.iter().zip(&self.weights);
+        Self { places, weights: weights.map(|(x, w)| w * 6.0 * x * (1.0 - x)).collect() }
+    }
+
     /// How many nodes.
     pub(super) fn len(&self) -> usize {
         self.places.len()
@@ -59,6 +88,11 @@ impl Gauss {
     fn block(&self, first: usize) -> Option<(&Block, &Block)> {
         let places = self.places[first..].first_chunk()?;
         Some((places, self.weights[first..].first_chunk()?))
+    }
+
+    /// All nodes and weights.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.places.iter().copied().zip(self.weights.iter().copied())
     }
 
     /// A node and its weight.
@@ -85,10 +119,52 @@ impl Quadrature {
         Self::with(Self::nodes(accuracy), accuracy, 0)
     }
 
-    /// The same for an oil, which turns from thin to stiff within a part of the pressure: four times the
-    /// nodes. Where 1e-8 is asked for, some 1e-6 is left.
+    /// The same for an oil, whose coefficient bends along a line: nodes of their own on each half of it, and
+    /// many on lines whose spin pole is near.
     pub(crate) fn of_oil(accuracy: f64) -> Self {
-        Self::with(Self::nodes(accuracy).saturating_mul(FOUR), accuracy, 0)
+        let nodes = Self::nodes(accuracy);
+        Self::oiled(nodes.saturating_mul(TWO), 3 * nodes.get() / 4, accuracy)
+    }
+
+    pub(super) fn oiled(nodes: NonZeroUsize, half: usize, accuracy: f64) -> Self {
+        let rule = Self::with(nodes, accuracy, 0);
+        let of = |nodes: usize| Gauss::of(NonZeroUsize::new(nodes).unwrap_or(NonZeroUsize::MIN));
+        Self {
+            panel: rule.panel.crowded(),
+            part: of(2 * rule.part.len()),
+            near: of(4 * rule.part.len()),
+            half: of(half.min(MOST_RINGS)),
+            angles: (1..=MOST_BLOCKS).map(|blocks| half_ring(blocks * BLOCK)).collect(),
+            depth: -accuracy.ln() / 2.0,
+            inner: rule.inner[..=MOST_OILED].to_vec(),
+            reach: rule.reach[..=MOST_OILED].to_vec(),
+        }
+    }
+
+    /// The rule that the error of [`Self::of_oil`] is told from: fewer nodes both ways.
+    pub(crate) fn check_of_oil(accuracy: f64) -> Self {
+        let nodes = Self::nodes(accuracy);
+        Self::oiled(nodes, (3 * nodes.get() / 4).saturating_sub(2).max(1), 10.0 * accuracy)
+    }
+
+    /// How many blocks of angles on half a ring resolve a slip; none where its poles are so near that lines about
+    /// them are better.
+    #[expect(clippy::cast_precision_loss, reason = "a few angles")]
+    pub(super) fn blocks(&self, slip: &EllipseSlip<f64>) -> usize {
+        let reach = slip.poles().into_iter().map(|Pole { at, width }| {
+            // |z − 1| + |z + 1| = 2 cosh η of a pole z
+            (0.5 * ((at - 1.0).hypot(width) + (at + 1.0).hypot(width))).max(1.0).acosh()
+        });
+        let eta = reach.fold(f64::INFINITY, f64::min);
+        // e^{−2 N η}, N angles on half a ring
+        let blocks =
+            (1..=self.angles.len()).find(|blocks| eta * (blocks * BLOCK) as f64 >= self.depth);
+        blocks.unwrap_or(0)
+    }
+
+    /// Least `$\sinh^2\eta$` of a spin pole that does not count as inside.
+    fn least(&self) -> f64 {
+        self.reach.last().copied().unwrap_or(f64::INFINITY)
     }
 
     fn nodes(accuracy: f64) -> NonZeroUsize {
@@ -120,7 +196,11 @@ impl Quadrature {
         };
         Self {
             panel: Gauss::of(nodes),
+            near: Gauss::of(part),
+            half: Gauss::of(part),
             part: Gauss::of(part),
+            angles: Vec::new(),
+            depth: 0.0,
             inner: (0..=most).map(|m| chebyshev(m + more)).collect(),
             reach: (0..=most).map(reach).collect(),
         }
@@ -145,14 +225,14 @@ impl Quadrature {
             }
             half /= 2;
         }
-        if self.reach[MOST_INNER] <= least[0] {
+        if self.least() <= least[0] {
             return (self.count(least[0]), [false; BLOCK]);
         }
         let mut inside = [false; BLOCK];
         let mut least = f64::INFINITY;
         for (inside, square) in inside.iter_mut().zip(squares) {
             // One that is no number makes sums that are none.
-            *inside = *square < self.reach[MOST_INNER];
+            *inside = *square < self.least();
             least = least.min(if *inside { f64::INFINITY } else { *square });
         }
         ((least < f64::INFINITY).then(|| self.count(least)).flatten(), inside)
@@ -163,13 +243,13 @@ impl Quadrature {
 #[derive(Debug, Clone, Copy)]
 pub struct EllipseSlip<F> {
     /// Coefficients of the slip along the groove.
-    along: [F; 3],
+    pub(super) along: [F; 3],
     /// Ball radius, and how far the surface falls off at the end of the ellipse.
     pub(super) radius: F,
     pub(super) sag: F,
     /// Angular velocity about the groove, and that of spin by the short semi-axis.
     roll: F,
-    turn: F,
+    pub(super) turn: F,
     pub(super) creep: F,
 }
 
@@ -318,6 +398,8 @@ impl<F: Compare> EllipseSlip<F> {
 /// taken.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Plan {
+    /// Of an oil: blocks of angles on half a ring; none where lines are taken.
+    pub(super) blocks: usize,
     pub(super) split: [bool; 2],
     pub(super) lines: Vec<PlannedLines>,
 }
@@ -331,6 +413,13 @@ type PlannedLines = (Option<usize>, [bool; BLOCK]);
 pub(crate) struct Nodes<'a> {
     pub(crate) rule: &'a Quadrature,
     pub(crate) plan: Option<&'a Plan>,
+}
+
+impl Nodes<'_> {
+    /// Blocks of angles on half a ring; none where lines are taken.
+    pub(super) fn blocks(&self, slip: &EllipseSlip<f64>) -> usize {
+        self.plan.map_or_else(|| self.rule.blocks(slip), |plan| plan.blocks)
+    }
 }
 
 impl<'a> From<&'a Quadrature> for Nodes<'a> {
@@ -454,7 +543,7 @@ impl<'a> Panels<'a> {
         let middle = clamp(0.5 * (poles[0].at + poles[1].at), -1.0, 1.0);
         for (i, (low, high)) in [(-1.0, middle), (middle, 1.0)].into_iter().enumerate() {
             let pole = poles[i];
-            let inside = plan.map_or(square[i] < rule.reach[MOST_INNER], |plan| plan.split[i]);
+            let inside = plan.map_or(square[i] < rule.least(), |plan| plan.split[i]);
             all.split[i] = inside && low < pole.at && pole.at < high;
             let (cut, nodes) =
                 if all.split[i] { (pole.at, &rule.part) } else { (high, &rule.panel) };
@@ -710,7 +799,7 @@ pub fn power_of_many<S: Simd, const N: usize>(
     {
         // Panels of no length have no weight, and poles on their ends do not split them.
         let within = low.lt(pole.at) & pole.at.lt(high);
-        let least = zero.constant(rule.reach[MOST_INNER]);
+        let least = zero.constant(rule.least());
         resolved = resolved & (!within | least.le(slip.analyticity(pole.at)));
         let from = ((low - pole.at) / pole.width).arsinh();
         let length = ((high - pole.at) / pole.width).arsinh() - from;

@@ -5,7 +5,7 @@
 use bsm_kin::{Over, Scalar};
 
 use super::oil::{PRESSURE_SLOPE, WarmOil};
-use crate::FrictionLaw;
+use crate::{Bend, FrictionLaw};
 
 /// Friction of asperities that touch and of an oil that is sheared between them.
 ///
@@ -84,5 +84,9 @@ impl<D: Scalar> FrictionLaw<D> for MixedFriction<D> {
         let fluid = self.limit / (fourth + 1.0).sqrt().sqrt();
         // μ = ξ μ_b + (1 − ξ) μ_f                                         (Y13)
         self.share * self.boundary + (-self.share + 1.0) * fluid
+    }
+
+    fn bend(&self) -> Option<Bend> {
+        Some(Bend::of(&self.values()))
     }
 }

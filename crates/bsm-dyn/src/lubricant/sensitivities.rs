@@ -9,7 +9,6 @@ use super::{
     Losses, Lubricant, Lubricated, LubricatedModel, Oil, Roughness, Steady, Temperature, Wetted,
 };
 use crate::balance::efficiency;
-use crate::ellipse::Nodes;
 use crate::{ModelWorkspace, RacewayControl, Transmitted, Unsolved};
 
 /// Difference of two temperatures from which a slope is told \[K\]: the losses bend over tens of kelvins.
@@ -99,8 +98,8 @@ impl<const M: usize> Lubricated<Jet<M>> {
         let (pair, steady) = match &self.model {
             LubricatedModel::RacewayControl(case, friction) => {
                 let (pair, loaded, to_nut) = case.rolling_ball(&mut work.raceway)?;
-                let nodes = Nodes::from(work.lubricated.rule(friction.accuracy()));
-                let (_, rubs) = friction.rubs(&wetted, &pair, (&loaded, &to_nut), nodes);
+                let rules = work.lubricated.both(friction.accuracy());
+                let (_, rubs) = friction.rubs(&wetted, &pair, (&loaded, &to_nut), rules);
                 let torque = screw.rolling_torques(lost(&rubs)).1;
                 (pair, Steady { loaded, to_nut, rubs, torque })
             }

@@ -9,8 +9,8 @@ use super::{ContactFilm, FilmState, Lubricant, OutsidePower, Rub, Temperature, W
 use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded, to_both};
 use crate::ellipse::{Lanes, Local, Nodes, Quadrature};
 use crate::{
-    Direction, Model, ModelWorkspace, RaceControl, RacewayControl, Reason, SkidNumbers, Solution,
-    SolveInfo, Solved, Traction, Transmission, Unsolved,
+    Direction, ErrorBound, Model, ModelWorkspace, RaceControl, RacewayControl, Reason, SkidNumbers,
+    Solution, SolveInfo, Solved, Traction, Transmission, Unsolved,
 };
 
 /// What friction is in the raceway-control model.
@@ -44,31 +44,62 @@ pub struct Lubricated<D = f64> {
 /// Memory of the solves.
 #[derive(Default)]
 pub struct LubricatedWorkspace {
-    /// Rules by their accuracies.
-    rules: Vec<(f64, Quadrature)>,
+    rules: Vec<OilRules>,
+}
+
+/// The quadratures of an accuracy: of an oil, and the one that its error is told from.
+struct OilRules {
+    accuracy: f64,
+    rule: Quadrature,
+    check: Quadrature,
+    /// For a constant coefficient.
+    dry: Quadrature,
 }
 
 impl LubricatedWorkspace {
-    /// The rules of accuracies, made when they are first asked for.
-    pub(crate) fn rules<const N: usize>(&mut self, accuracies: [f64; N]) -> [&Quadrature; N] {
-        let places = accuracies.map(|accuracy| {
-            let known = |(known, _): &(f64, _)| known.total_cmp(&accuracy).is_eq();
-            self.rules.iter().position(known).unwrap_or_else(|| {
-                self.rules.push((accuracy, Quadrature::of_oil(accuracy)));
-                self.rules.len() - 1
-            })
-        });
-        places.map(|place| &self.rules[place].1)
+    /// The rules of accuracies, made when they are first asked for, and what the error of the last is told from.
+    pub(crate) fn rules<const N: usize>(
+        &mut self,
+        accuracies: [f64; N],
+    ) -> ([&Quadrature; N], &Quadrature) {
+        let places = accuracies.map(|accuracy| self.place(accuracy));
+        (places.map(|place| &self.rules[place].rule), &self.rules[places[N - 1]].check)
     }
 
-    /// The rule of an accuracy.
-    pub(crate) fn rule(&mut self, accuracy: f64) -> &Quadrature {
-        let [rule] = self.rules([accuracy]);
-        rule
+    fn place(&mut self, accuracy: f64) -> usize {
+        let known = |rules: &OilRules| rules.accuracy.total_cmp(&accuracy).is_eq();
+        self.rules.iter().position(known).unwrap_or_else(|| {
+            let (rule, check) = (Quadrature::of_oil(accuracy), Quadrature::check_of_oil(accuracy));
+            let dry = Quadrature::of(accuracy);
+            self.rules.push(OilRules { accuracy, rule, check, dry });
+            self.rules.len() - 1
+        })
+    }
+
+    /// The rules of an accuracy, of an oil and of a constant coefficient.
+    pub(crate) fn both(&mut self, accuracy: f64) -> [&Quadrature; 2] {
+        let place = self.place(accuracy);
+        [&self.rules[place].rule, &self.rules[place].dry]
     }
 }
 
 impl RacewayFriction {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Local, Self::PerContact];
+
+    /// Name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Local => "local",
+            Self::PerContact => "contact",
+        }
+    }
+
+    /// The one of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|friction| friction.name() == name)
+    }
+
     /// Accuracy of the rule: sums of a coefficient of one need fewer nodes.
     pub(super) fn accuracy(self) -> f64 {
         match self {
@@ -97,6 +128,8 @@ pub(crate) struct Found {
     pub(crate) skid: SkidNumbers,
     pub(crate) info: SolveInfo,
     pub(crate) control: Option<RaceControl>,
+    /// What the quadrature may leave in the efficiency, if it is told (T25).
+    pub(crate) error: Option<f64>,
 }
 
 impl Wetted {
@@ -146,14 +179,15 @@ impl RacewayFriction {
         wetted: &Wetted<P>,
         pair: &ElasticBall<P>,
         (loaded, to_nut): (&Loaded<D>, &Motion<D>),
-        nodes: Nodes<'_>,
+        rules: [&Quadrature; 2],
     ) -> ([D; 2], [Rub<D>; 2]) {
+        let [oil, dry] = rules.map(Nodes::from);
         let (motions, creep) = (to_both(to_nut, &loaded.frame), RacewayControl::CREEP);
-        let unit = unit_powers(pair, loaded, to_nut, creep, [nodes; 2]);
+        let unit = unit_powers(pair, loaded, to_nut, creep, [dry; 2]);
         let rubs = std::array::from_fn(|i| {
             let motion = &motions[i];
             match self {
-                Self::Local => wetted.rub(i, (pair, loaded), motion, creep, nodes),
+                Self::Local => wetted.rub(i, (pair, loaded), motion, creep, oil),
                 Self::PerContact => wetted.rub_at_once(i, (pair, loaded), motion, creep, unit[i]),
             }
         });
@@ -258,12 +292,12 @@ impl Lubricated {
                 let creep = RacewayControl::CREEP;
                 let pair =
                     pair.with_friction(wetted.friction_scale(&pair, &loaded, &to_nut, creep));
-                let nodes = Nodes::from(lubricated.rule(friction.accuracy()));
-                let (unit, rubs) = friction.rubs(&wetted, &pair, (&loaded, &to_nut), nodes);
+                let rules = lubricated.both(friction.accuracy());
+                let (unit, rubs) = friction.rubs(&wetted, &pair, (&loaded, &to_nut), rules);
                 let (_, torque) = screw.rolling_torques(lost(&rubs));
                 let steady = Steady { loaded, to_nut, rubs, torque };
                 let (skid, info, control) = grip.told(&pair);
-                Found { pair, steady, unit, skid, info, control: Some(control) }
+                Found { pair, steady, unit, skid, info, control: Some(control), error: None }
             }
             LubricatedModel::Traction(case) => {
                 case.lubricated(&wetted, &mut work.traction, &mut work.lubricated)?
@@ -334,6 +368,9 @@ impl Lubricated {
             info: Some(found.info),
             control: found.control,
             film: Some(film),
+            error: found
+                .error
+                .map(|error| ErrorBound::of(pair.direction, transmission.efficiency, error)),
             ..Solved::new(&ball, transmission)
         })
     }

@@ -272,59 +272,70 @@ fn extremes_have_numbers_or_none() {
 /// One coefficient for each contact against the law of each point.
 #[test]
 fn one_coefficient_errs_by_a_few_per_cent() {
-    let mut off = Vec::new();
-    for (rpm, axial) in
-        [(10.0, 8000.0), (150.0, 3000.0), (1500.0, 8000.0), (1500.0, 1500.0), (4000.0, 8000.0)]
-    {
-        let screw = feed_drive(rpm, axial);
+    let mut rng: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(411);
+    let mut off = [const { Vec::new() }; 2];
+    for _ in 0..400 {
+        let (screw, lubricant) = everyday(&mut rng);
         let fast = LubricatedModel::RacewayControl(
             RacewayControl { at: screw, control: None },
             RacewayFriction::PerContact,
         );
         let [local, fast] = [rolling(screw), fast].map(|model| {
-            let film = solved(vg_68(), model).film.unwrap();
-            (film.sliding_power, film.sliding_power + film.rolling_power)
+            let film = solved(lubricant, model).film.unwrap();
+            [film.sliding_power, film.sliding_power + film.rolling_power]
         });
-        off.push(fast.0 / local.0 - 1.0);
-        // An independent measurement over 120 screws: all loss 3.2 % at most.
-        assert!((fast.1 / local.1 - 1.0).abs() < 0.032, "{rpm} {axial}: {fast:?} {local:?}");
+        for i in 0..2 {
+            off[i].push((fast[i] / local[i] - 1.0).abs());
+        }
     }
-    // Sliding alone: 95 of 100 screws keep 6.6 %; a light load, whose pressures are low all over, is beyond.
-    assert!(off.iter().all(|off| off.abs() < 0.1), "{off:?}");
+    let [sliding, all] = off.map(|mut off| {
+        off.sort_by(f64::total_cmp);
+        [200, 380, 399].map(|place| off[place])
+    });
+    println!("sliding {sliding:?}, all {all:?}");
+    // Independent, over 120 screws: sliding 0.7 % in the middle and 6.6 % of 95 in 100, all loss 3.2 % at most.
+    assert!(sliding[0] < 0.02 && sliding[1] < 0.1 && sliding[2] < 0.2, "{sliding:?}");
+    assert!(all[0] < 0.01 && all[2] < 0.06, "{all:?}");
+}
+
+/// A random screw and its lubricant over everyday ranges.
+fn everyday(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lubricant) {
+    use rand::RngExt;
+    let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
+    let radius = part(1.0e-3, 5e-3);
+    let speed = part(1.0_f64.ln(), 5000.0_f64.ln()).exp() * part(-1.0, 1.0).signum();
+    let per_ball = part(10.0_f64.ln(), 400.0_f64.ln()).exp() * (radius / 3e-3).powi(2);
+    let helix =
+        Helix { radius: radius * part(4.0, 10.0), lead_angle: part(2.0, 22.0).to_radians() };
+    let conformity = part(0.515, 0.56);
+    let screw = ElasticPoint {
+        point: OperatingPoint {
+            helix,
+            contact_angle: part(30.0, 60.0).to_radians(),
+            ball: Ball::of_density(radius, 7800.0),
+            drive: Drive { screw_speed: speed * PI / 30.0, nut_speed: 0.0 },
+            load: Load { axial: per_ball * 50.0, balls: 50.0 },
+            ..feed_drive(1.0, 1.0).point
+        },
+        conformity: (conformity, conformity),
+        ..feed_drive(1.0, 1.0)
+    };
+    let rough = part(0.05e-6, 0.5e-6);
+    let lubricant = Lubricant {
+        temperature: Temperature::Known(273.15 + part(0.0, 70.0)),
+        roughness: Roughness { ball: 0.02e-6, nut: rough, screw: rough },
+        ..vg_68()
+    };
+    (screw, lubricant)
 }
 
 /// Of random screws over everyday ranges, the number that traction does not solve.
 fn unsolved(seed: u64, points: u64) -> u64 {
-    use rand::{RngExt, SeedableRng};
     let mut work = ModelWorkspace::default();
-    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = rand::SeedableRng::seed_from_u64(seed);
     let mut failed = 0;
     for _ in 0..points {
-        let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
-        let radius = part(1.0e-3, 5e-3);
-        let speed = part(1.0_f64.ln(), 5000.0_f64.ln()).exp() * part(-1.0, 1.0).signum();
-        let per_ball = part(10.0_f64.ln(), 400.0_f64.ln()).exp() * (radius / 3e-3).powi(2);
-        let helix =
-            Helix { radius: radius * part(4.0, 10.0), lead_angle: part(2.0, 22.0).to_radians() };
-        let conformity = part(0.515, 0.56);
-        let screw = ElasticPoint {
-            point: OperatingPoint {
-                helix,
-                contact_angle: part(30.0, 60.0).to_radians(),
-                ball: Ball::of_density(radius, 7800.0),
-                drive: Drive { screw_speed: speed * PI / 30.0, nut_speed: 0.0 },
-                load: Load { axial: per_ball * 50.0, balls: 50.0 },
-                ..feed_drive(1.0, 1.0).point
-            },
-            conformity: (conformity, conformity),
-            ..feed_drive(1.0, 1.0)
-        };
-        let rough = part(0.05e-6, 0.5e-6);
-        let lubricant = Lubricant {
-            temperature: Temperature::Known(273.15 + part(0.0, 70.0)),
-            roughness: Roughness { ball: 0.02e-6, nut: rough, screw: rough },
-            ..vg_68()
-        };
+        let (screw, lubricant) = everyday(&mut rng);
         let solution = Lubricated { lubricant, model: traction(screw) }.solve(&mut work);
         if solution.solved().is_none() {
             failed += 1;
@@ -345,4 +356,81 @@ fn everyday_screws_have_a_solution() {
 fn everyday_screws_have_a_solution_at_length() {
     // 99.9 %.
     assert!(unsolved(1904, 10_000) <= 10);
+}
+
+/// Middle of some numbers.
+fn median(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    numbers[numbers.len() / 2]
+}
+
+/// What a lubricant costs over a constant coefficient: medians over drawn everyday points, each solved dry and
+/// lubricated in turn, the fastest of a few times. Dry takes the coefficient that the lubricated solve reports.
+///
+/// `cargo test --release -p bsm-dyn --lib cost_of_a_lubricant -- --ignored --nocapture`
+#[test]
+#[ignore = "timing"]
+fn cost_of_a_lubricant() {
+    use std::time::Instant;
+
+    let mut work = ModelWorkspace::default();
+    let mut time = |solve: &mut dyn FnMut(&mut ModelWorkspace)| {
+        let times = (0..5).map(|_| {
+            let start = Instant::now();
+            solve(&mut work);
+            start.elapsed().as_secs_f64() * 1e6
+        });
+        times.fold(f64::INFINITY, f64::min)
+    };
+    let mut rng: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(207);
+    let mut micros: [Vec<f64>; 5] = Default::default();
+    let mut bounds = Vec::new();
+    let (mut traction_ratios, mut raceway_ratios) = (Vec::new(), Vec::new());
+    while micros[0].len() < 400 {
+        let (screw, lubricant) = everyday(&mut rng);
+        let case = Lubricated { lubricant, model: traction(screw) };
+        let solution = case.solve(&mut ModelWorkspace::default());
+        let Some(film) = solution.solved().and_then(|solved| solved.film) else { continue };
+        let bound = solution.solved().and_then(|solved| solved.error);
+        bounds.push(bound.map_or(f64::NAN, |bound| bound.efficiency));
+        let friction = film.equivalent_friction;
+        let dry = ElasticPoint {
+            point: OperatingPoint { friction: Coulomb(friction), ..screw.point },
+            ..screw
+        };
+        let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
+        let dry_traction = Traction { at: dry, accuracy, creep };
+        let dry_raceway = RacewayControl { at: dry, control: None };
+        let raceway = Lubricated { lubricant, model: rolling(screw) };
+        let at_once = LubricatedModel::RacewayControl(
+            RacewayControl { at: screw, control: None },
+            RacewayFriction::PerContact,
+        );
+        let at_once = Lubricated { lubricant, model: at_once };
+        let times = [
+            time(&mut |work| drop(dry_traction.solve(&mut work.traction))),
+            time(&mut |work| drop(case.solve(work))),
+            time(&mut |work| drop(dry_raceway.solve(&mut work.raceway))),
+            time(&mut |work| drop(raceway.solve(work))),
+            time(&mut |work| drop(at_once.solve(work))),
+        ];
+        traction_ratios.push(times[1] / times[0]);
+        raceway_ratios.push(times[3] / times[2]);
+        micros.iter_mut().zip(times).for_each(|(all, time)| all.push(time));
+    }
+    let [dry, oiled, rolls, rolls_oiled, at_once] = micros.map(median);
+    println!(
+        "traction {dry:.1} us, lubricated {oiled:.1} us, ratio {:.2}",
+        median(traction_ratios)
+    );
+    println!(
+        "raceway control {rolls:.2} us, lubricated {rolls_oiled:.2} us, ratio {:.2}, one coefficient {at_once:.2} us",
+        median(raceway_ratios)
+    );
+    println!(
+        "bound of the efficiency {:.1e}, at most {:.1e}",
+        median(bounds.clone()),
+        bounds.iter().fold(0.0, |a: f64, b| a.max(*b))
+    );
+    assert!(dry < oiled && rolls < rolls_oiled, "a lubricant costs something");
 }

@@ -22,8 +22,9 @@ use crate::balance::torque;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::ball_unknowns::{BALL, ROWS};
 use crate::cost;
-use crate::ellipse::{Plan, Point, Sums};
+use crate::ellipse::{OiledSums, Plan, Point, SUMS, Sums};
 use crate::equations::linear;
+use crate::lubricant::Wetted;
 
 /// What belongs to a state, all scaled.
 #[derive(Debug, Clone, Copy)]
@@ -31,6 +32,8 @@ pub(super) struct Evaluated {
     /// What the seven equations leave over.
     pub(super) left: [f64; BALL],
     pub(super) transmitted: Transmitted,
+    /// Power that sliding takes at nut and screw.
+    pub(super) sliding: [f64; 2],
     /// Derivatives of the equations and of the torque by the unknowns, if asked for, and a place that is zero.
     rows: [Block; BALL],
     pub(super) slope: Block,
@@ -48,11 +51,23 @@ impl Rolling<'_> {
     ) -> Result<Evaluated, EvalError> {
         cost::evaluated();
         let mut found = Evaluated::NONE;
-        if Arch::new().dispatch(Evaluate::<SLOPED>(self, y, &mut found)) {
+        if Arch::new().dispatch(Evaluate::<_, SLOPED>(self, y, &Dry, &mut found)) {
             Ok(found)
         } else {
             self.in_jets(y)
         }
+    }
+
+    /// The same with a lubricant; none where a contact is lost. The changes of rolling resistance, and of the
+    /// coefficient with the load, are not in the derivatives.
+    pub(super) fn oiled<const SLOPED: bool>(
+        &self,
+        wetted: &Wetted,
+        y: &[f64; BALL],
+    ) -> Option<Evaluated> {
+        cost::evaluated();
+        let mut found = Evaluated::NONE;
+        Arch::new().dispatch(Evaluate::<_, SLOPED>(self, y, wetted, &mut found)).then_some(found)
     }
 
     /// The numbers of nodes of a state; none where it has no contacts.
@@ -75,6 +90,7 @@ impl Rolling<'_> {
         Ok(Evaluated {
             left: from_fn(|i| values[i]),
             transmitted: Transmitted { torque: values[BALL], power },
+            sliding: [f64::NAN; 2],
             rows: from_fn(|i| block(&slopes[i])),
             slope: block(&slopes[BALL]),
         })
@@ -85,6 +101,7 @@ impl Evaluated {
     const NONE: Self = Self {
         left: [0.0; BALL],
         transmitted: Transmitted { torque: 0.0, power: 0.0 },
+        sliding: [0.0; 2],
         rows: [[0.0; BLOCK]; BALL],
         slope: [0.0; BLOCK],
     };
@@ -164,17 +181,133 @@ impl WithSimd for Planned<'_> {
 }
 
 /// Evaluates a state, in place, if it has contacts.
-struct Evaluate<'a, const SLOPED: bool>(&'a Rolling<'a>, &'a [f64; BALL], &'a mut Evaluated);
+struct Evaluate<'a, R, const SLOPED: bool>(
+    &'a Rolling<'a>,
+    &'a [f64; BALL],
+    &'a R,
+    &'a mut Evaluated,
+);
 
-impl<const SLOPED: bool> WithSimd for Evaluate<'_, SLOPED> {
+impl<R: Rubbing, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
     type Output = bool;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self(ball, y, found) = self;
+        let Self(ball, y, rubbing, found) = self;
         let Some(contacts) = contacts(ball, y) else { return false };
-        evaluate::<S, SLOPED>(simd, ball, y, &contacts, found);
+        let mut rubbed = [const { Rubbed::NONE }; 2];
+        rubbing.rub::<S, SLOPED>(simd, ball, y, &contacts, &mut rubbed);
+        evaluate::<SLOPED>(ball, y, &contacts, &rubbed, found);
         true
+    }
+}
+
+/// What friction does at a contact.
+struct Rubbed {
+    /// The sums of its coefficient, and what they are multiplied with, against a slip over `$W$`.
+    sums: Sums,
+    coefficient: f64,
+    /// Their derivatives by the logarithm of the film, and those of that by the unknowns.
+    by_film: [f64; SUMS],
+    film: Block,
+    /// Force along t and moment about t × N of rolling resistance, and the power that it takes.
+    resistance: [f64; 2],
+    rolling: f64,
+}
+
+impl Rubbed {
+    const NONE: Self = Self {
+        sums: Sums::NONE,
+        coefficient: 1.0,
+        by_film: [0.0; SUMS],
+        film: [0.0; BLOCK],
+        resistance: [0.0; 2],
+        rolling: 0.0,
+    };
+}
+
+/// What friction is made of.
+trait Rubbing {
+    /// What it does at a state, in place.
+    fn rub<S: Simd, const SLOPED: bool>(
+        &self,
+        simd: S,
+        ball: &Rolling<'_>,
+        y: &[f64; BALL],
+        contacts: &Contacts,
+        rubbed: &mut [Rubbed; 2],
+    );
+}
+
+/// One constant coefficient.
+struct Dry;
+
+impl Rubbing for Dry {
+    #[inline(always)]
+    fn rub<S: Simd, const SLOPED: bool>(
+        &self,
+        simd: S,
+        ball: &Rolling<'_>,
+        _y: &[f64; BALL],
+        contacts: &Contacts,
+        rubbed: &mut [Rubbed; 2],
+    ) {
+        let nodes = [ball.nodes(0), ball.nodes(1)];
+        let sums = Sums::along::<S, 2, SLOPED>(simd, &contacts.points, &nodes);
+        for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
+            rubbed.sums = sums;
+            rubbed.coefficient = ball.pair.signed_friction();
+        }
+    }
+}
+
+impl Rubbing for Wetted {
+    #[inline(always)]
+    fn rub<S: Simd, const SLOPED: bool>(
+        &self,
+        simd: S,
+        ball: &Rolling<'_>,
+        y: &[f64; BALL],
+        contacts: &Contacts,
+        rubbed: &mut [Rubbed; 2],
+    ) {
+        let (arc, cos_lead) = (ball.pair.arc, ball.pair.lead.1);
+        let mut laws = [None; 2];
+        for i in 0..2 {
+            let (side, place) = [(1.0, NUT_LOAD), (-1.0, SCREW_LOAD)][i];
+            let angle = &contacts.angles[i];
+            let [along_t, _, w_n, w_c] = contacts.points[i].motion;
+            // k·(t × N), and its slope by the angle
+            let (k_c, turned) = (side * angle.cos * cos_lead, -side * angle.sin * cos_lead);
+            // u_t = ½ [ω_c − P (d + 2 k_c)]                               (Y14)
+            let rate = along_t / arc;
+            let speed = 0.5 * (w_c - along_t) - rate * k_c;
+            let size = (speed * speed + ball.creep * ball.creep).sqrt();
+            let film = self.of_speed(i, y[place], speed, size);
+            let Rubbed { film: by, resistance, rolling, .. } = &mut rubbed[i];
+            if SLOPED {
+                let growth = film.growth * speed / (size * size);
+                by[PRECESSION] = -(0.5 * arc + k_c) * growth;
+                by[OMEGA[1]] -= 0.5 * side * angle.sin * growth;
+                add(by, 0.5 * side * angle.cos * growth, &contacts.by_b);
+                add(by, -(0.5 * w_n + rate * turned) * growth, &angle.by);
+                by[place] -= 0.067 / y[place];
+            }
+            let [push, couple] = film.resist(w_c, ball.creep);
+            // M = r × F_h + C_h                                           (Y32)
+            *resistance = [push, push + couple].map(|x| ball.pair.signed(x));
+            // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                            (Y21)
+            *rolling = ball.pair.signed(-push * (along_t + w_c) - couple * w_c);
+            laws[i] = Some(film.law);
+        }
+        let [Some(nut), Some(screw)] = laws else { return };
+        let nodes = [ball.nodes(0), ball.nodes(1)];
+        let laws = [nut, screw];
+        let sums = OiledSums::along::<S, 2, SLOPED>(simd, &contacts.points, &laws, &nodes);
+        for (rubbed, OiledSums { sums, by_film }) in rubbed.iter_mut().zip(sums) {
+            (rubbed.sums, rubbed.by_film) = (sums, by_film);
+            rubbed.coefficient = ball.pair.signed(1.0);
+        }
     }
 }
 
@@ -338,27 +471,26 @@ fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
 }
 
 #[inline(always)]
-fn evaluate<S: Simd, const SLOPED: bool>(
-    simd: S,
+fn evaluate<const SLOPED: bool>(
     ball: &Rolling<'_>,
     y: &[f64; BALL],
     Contacts { points, turn, tilts, angles, by_t, by_b }: &Contacts,
-    Evaluated { left, transmitted, rows, slope }: &mut Evaluated,
+    rubbed: &[Rubbed; 2],
+    Evaluated { left, transmitted, sliding, rows, slope }: &mut Evaluated,
 ) {
     let (sin_lead, cos_lead) = ball.pair.lead;
     let (pair, loads) = (ball.pair, [y[NUT_LOAD], y[SCREW_LOAD]]);
-    let friction = pair.signed_friction();
-    let nodes = [ball.nodes(0), ball.nodes(1)];
-    let sums = Sums::along::<S, 2, SLOPED>(simd, points, &nodes);
     for i in 0..2 {
         let side = [1.0, -1.0][i];
         let place = [NUT_LOAD, SCREW_LOAD][i];
         let (load, by_load) = (loads[i], along(place, 1.0));
         let (tilt, angle) = (&tilts[i], &angles[i]);
-        let Sums { values, power: unit_power, slopes } = &sums[i];
-        let pull = load * friction;
+        let Rubbed { sums, coefficient, by_film, film, resistance, rolling } = &rubbed[i];
+        let Sums { values, power: unit_power, slopes } = sums;
+        let pull = load * coefficient;
         // P_f = Σ f Q ∫ dP                                                (P7)
-        transmitted.power += pull * unit_power;
+        sliding[i] = pull * unit_power;
+        transmitted.power += sliding[i] + rolling;
         let mut parts = [Sloped { re: 0.0, by: [0.0; BLOCK] }; 5];
         let [_, _, w_n, w_c] = points[i].motion;
         let (mut by_n, mut by_c) =
@@ -375,12 +507,19 @@ fn evaluate<S: Simd, const SLOPED: bool>(
                 let [a, t, n, c, g] = *slopes;
                 part.by[PRECESSION] = pull * a * pair.arc;
                 // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
-                part.by[place] = friction * (value + g * (1.0 / 3.0));
+                part.by[place] = coefficient * (value + g * (1.0 / 3.0));
                 add(&mut part.by, pull * t, by_t);
                 add(&mut part.by, pull * n, &by_n);
                 add(&mut part.by, pull * c, &by_c);
             }
         }
+        if SLOPED {
+            for (part, by_film) in parts.iter_mut().zip(by_film) {
+                add(&mut part.by, pull * by_film, film);
+            }
+        }
+        parts[0].re += resistance[0];
+        parts[4].re += resistance[1];
         // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                               (T2)
         let [f_t, f_c, m_t, m_n, m_c] = &parts;
         let normal = Sloped { re: load, by: by_load };

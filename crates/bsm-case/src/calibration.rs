@@ -1,0 +1,257 @@
+//! Several inputs from a table of measured points.
+
+use std::io::Read;
+
+use bsm_design::{LeastSquares, least_squares};
+use bsm_dyn::{Model, ModelWorkspace, Status};
+use serde_json::{Map, Value, json};
+
+use crate::fit::range_of;
+use crate::units::convert;
+use crate::{CaseError, InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Settings};
+
+/// A measured point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// Inputs of the point.
+    pub scene: Scene,
+    /// What was measured, in the unit of the vocabulary.
+    pub value: f64,
+}
+
+/// What is known and what is sought.
+#[derive(Debug, Clone)]
+pub struct Calibration {
+    inputs: Vec<(InputKey, (f64, f64))>,
+    output: &'static Output,
+    points: Vec<Measured>,
+}
+
+/// The inputs that come closest to all points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CalibrationReport {
+    /// Their values, deviations and conditioning; residuals in the unit of the output.
+    pub found: LeastSquares,
+    /// Root mean square of the residuals.
+    pub scatter: f64,
+}
+
+impl Calibration {
+    /// Seeks `inputs`, each `name` or `name=low:high`, from a CSV table: a column of the output that was measured,
+    /// and columns of inputs, in any known units.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for unknown names, ranges that are none, and cells that are no numbers.
+    pub fn new(
+        base: &Scene,
+        inputs: &[String],
+        output: &str,
+        table: impl Read,
+    ) -> Result<Self, CaseError> {
+        let named = |name: &str| Output::named(name).filter(|o| o.json_type == "number");
+        let output = named(output.trim()).filter(|o| o.key().is_some()).ok_or_else(|| {
+            let name = output.trim().to_owned();
+            CaseError::UnknownOutput { nearest: Output::nearest(&name), name }
+        })?;
+        let inputs = inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
+        let points = points(base, output, table)?;
+        Ok(Self { inputs, output, points })
+    }
+
+    /// The points.
+    pub fn points(&self) -> &[Measured] {
+        &self.points
+    }
+
+    /// The output that was measured.
+    pub fn output(&self) -> &'static str {
+        self.output.name
+    }
+
+    /// Searches from the values of the scene.
+    ///
+    /// In place of model auto the most complete one is taken. `None` if a point has no solution on the way, or the
+    /// search does not settle.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if the points have no inputs for the model, or it does not give the output.
+    pub fn run(
+        &self,
+        base: &Scene,
+        settings: &Settings,
+    ) -> Result<Option<CalibrationReport>, CaseError> {
+        let start: Vec<_> = self
+            .inputs
+            .iter()
+            .map(|(key, (low, high))| {
+                let known = base.value_or_default(*key).filter(|x| low < x && x < high);
+                known.unwrap_or(0.5 * (low + high))
+            })
+            .collect();
+        let (bounds, mut work): (Vec<_>, _) =
+            (self.inputs.iter().map(|(_, range)| *range).collect(), ModelWorkspace::default());
+        let mut residuals = |values: &[f64]| {
+            let mut left = Vec::with_capacity(self.points.len());
+            for point in &self.points {
+                match self.answer(&point.scene, settings, values, &mut work)? {
+                    Some(ours) => left.push(ours - point.value),
+                    None => return Ok(None),
+                }
+            }
+            Ok::<_, CaseError>(Some(left))
+        };
+        let found = least_squares(&mut residuals, &start, &bounds)?;
+        Ok(found.map(|found| {
+            #[expect(clippy::cast_precision_loss, reason = "a number of measurements")]
+            let count = found.residuals.len() as f64;
+            let square: f64 = found.residuals.iter().map(|x| x * x).sum();
+            CalibrationReport { found, scatter: (square / count).sqrt() }
+        }))
+    }
+
+    /// The output of a point with these values of the inputs, if it has a solution.
+    fn answer(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        values: &[f64],
+        work: &mut ModelWorkspace,
+    ) -> Result<Option<f64>, CaseError> {
+        let mut scene = scene.clone();
+        for ((key, _), value) in self.inputs.iter().zip(values) {
+            scene.set(key.name(), *value)?;
+        }
+        let settings = match scene.choose(settings.model)? {
+            ModelChoice::Auto => Settings { model: Model::Traction.into(), ..*settings },
+            ModelChoice::Fixed(model) => Settings { model: model.into(), ..*settings },
+        };
+        let record = Record::new(scene.problem(&settings)?.solve(work));
+        if record.status() != Status::Converged {
+            return Ok(None);
+        }
+        let value = record.number(self.output.name);
+        value.map(Some).ok_or_else(|| CaseError::NoOutput {
+            output: self.output.name,
+            model: record.model().name(),
+            missing: scene.missing(Model::Traction),
+        })
+    }
+
+    /// Rows of input, value and standard deviation.
+    pub fn rows(&self, report: &CalibrationReport) -> Vec<(&'static str, f64, Option<f64>)> {
+        let deviation = |i: usize| report.found.deviations.as_ref().map(|all| all[i]);
+        let rows = self.inputs.iter().zip(&report.found.at).enumerate();
+        rows.map(|(i, ((key, _), value))| (key.name(), *value, deviation(i))).collect()
+    }
+
+    /// JSON object of the values, and of what is left at each point.
+    pub fn to_json(&self, report: &CalibrationReport) -> Value {
+        let found: Map<_, _> = self
+            .rows(report)
+            .into_iter()
+            .map(|(name, value, deviation)| {
+                (name.to_owned(), json!({ "value": value, "standard_deviation": deviation }))
+            })
+            .collect();
+        let points: Vec<_> = self
+            .points
+            .iter()
+            .zip(&report.found.residuals)
+            .map(|(point, left)| json!({ "measured": point.value, "fitted": point.value + left }))
+            .collect();
+        json!({
+            "output": self.output.name,
+            "found": found,
+            "root_mean_square": report.scatter,
+            "condition": report.found.condition,
+            "points": points,
+        })
+    }
+}
+
+/// An input and where it is looked for.
+fn sought(base: &Scene, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
+    let bad = || CaseError::BadSetting {
+        text: text.to_owned(),
+        form: "input, or input=low:high, such as seal_torque_Nm=0:1",
+    };
+    let (name, range) = match text.split_once('=') {
+        None => (text, None),
+        Some((name, range)) => {
+            let (low, high) = range.split_once(':').ok_or_else(bad)?;
+            let number = |text: &str| text.trim().parse::<f64>().map_err(|_| bad());
+            (name, Some((number(low)?, number(high)?)))
+        }
+    };
+    let key = InputKey::named(name.trim())?;
+    Ok((key, range_of(base, key, range)?))
+}
+
+/// What a column of a table holds: an input or what was measured, times a factor.
+enum Column {
+    Input(InputKey, f64),
+    Measured(f64),
+}
+
+fn points(
+    base: &Scene,
+    output: &'static Output,
+    table: impl Read,
+) -> Result<Vec<Measured>, CaseError> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(table);
+    let broken = |error: &csv::Error| CaseError::BadEntry {
+        key: "table of measurements".to_owned(),
+        what: error.to_string(),
+    };
+    let columns = reader.headers().map_err(|e| broken(&e))?.clone();
+    let outputs = OUTPUTS.iter().map(|output| output.name);
+    let column = |name: &str| {
+        if name == output.name {
+            return Ok(Column::Measured(1.0));
+        }
+        match InputKey::in_unit(name) {
+            Ok((key, factor)) => Ok(Column::Input(key, factor)),
+            Err(unknown) => match convert(name, &outputs) {
+                Some((known, factor)) if known == output.name => Ok(Column::Measured(factor)),
+                _ => Err(unknown),
+            },
+        }
+    };
+    let columns = columns.iter().map(column).collect::<Result<Vec<_>, _>>()?;
+    if columns.iter().filter(|column| matches!(column, Column::Measured(_))).count() != 1 {
+        return Err(CaseError::BadEntry {
+            key: output.name.to_owned(),
+            what: "must be one column of the table of measurements".to_owned(),
+        });
+    }
+    let mut points = Vec::new();
+    for (row, record) in reader.records().enumerate() {
+        let record = record.map_err(|e| broken(&e))?;
+        let (mut scene, mut value) = (base.clone(), f64::NAN);
+        for (column, cell) in columns.iter().zip(&record) {
+            let number = cell.parse::<f64>().ok().filter(|x| x.is_finite());
+            let number = number.ok_or_else(|| CaseError::BadEntry {
+                key: format!("row {} of the measurements", row + 1),
+                what: format!("`{cell}` is no number"),
+            })?;
+            match column {
+                Column::Input(key, factor) => {
+                    let mut setting = Scene::default();
+                    setting.set(key.name(), number * factor)?;
+                    scene.override_with(&setting);
+                }
+                Column::Measured(factor) => value = number * factor,
+            }
+        }
+        points.push(Measured { scene, value });
+    }
+    if points.is_empty() {
+        return Err(CaseError::BadEntry {
+            key: "table of measurements".to_owned(),
+            what: "has no rows".to_owned(),
+        });
+    }
+    Ok(points)
+}

@@ -1,0 +1,169 @@
+//! Numbers within bounds that bring residuals closest to zero: Levenberg and Marquardt.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Steps, and what a step in parts of the bounds is too short to matter.
+const MOST_STEPS: usize = 60;
+const SETTLED: f64 = 1e-9;
+
+/// Step of the differences that slopes are told from, in parts of the bounds.
+const APART: f64 = 1e-3;
+
+/// Where the sum of squares is least, nearby at least.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeastSquares {
+    /// The numbers.
+    pub at: Vec<f64>,
+    /// What is left over.
+    pub residuals: Vec<f64>,
+    /// Standard deviations of the numbers, if what is left is chance; `None` with no more residuals than
+    /// numbers.
+    pub deviations: Option<Vec<f64>>,
+    /// Largest over smallest response to changes of the numbers, in parts of the bounds: from some thousands on
+    /// the residuals do not tell the numbers apart.
+    pub condition: f64,
+}
+
+/// Searches from `start`; `None` if there are no residuals there, or steps do not settle.
+///
+/// * `residuals`: of some numbers; `None` where the model has no answer.
+///
+/// # Errors
+///
+/// Those of `residuals`.
+pub fn least_squares<E>(
+    mut residuals: impl FnMut(&[f64]) -> Result<Option<Vec<f64>>, E>,
+    start: &[f64],
+    bounds: &[(f64, f64)],
+) -> Result<Option<LeastSquares>, E> {
+    let count = start.len();
+    let number = |u: &[f64]| -> Vec<f64> {
+        u.iter().zip(bounds).map(|(u, (low, high))| low + u * (high - low)).collect()
+    };
+    let mut u: Vec<_> =
+        start.iter().zip(bounds).map(|(x, (low, high))| (x - low) / (high - low)).collect();
+    let Some(mut left) = residuals(&number(&u))? else { return Ok(None) };
+    let mut damping = 1e-3;
+    for _ in 0..MOST_STEPS {
+        let mut slopes = DMatrix::zeros(left.len(), count);
+        for k in 0..count {
+            let (mut below, mut above) = (u.clone(), u.clone());
+            (below[k], above[k]) = ((u[k] - APART).max(0.0), (u[k] + APART).min(1.0));
+            let ends = (residuals(&number(&below))?, residuals(&number(&above))?);
+            let (Some(low), Some(high)) = ends else { return Ok(None) };
+            for (i, (low, high)) in low.iter().zip(&high).enumerate() {
+                slopes[(i, k)] = (high - low) / (above[k] - below[k]);
+            }
+        }
+        let gradient = slopes.tr_mul(&DVector::from_column_slice(&left));
+        let normal = slopes.tr_mul(&slopes);
+        let mut settled = true;
+        for _ in 0..MOST_STEPS {
+            let (mut damped, mut push) = (normal.clone(), -&gradient);
+            for k in 0..count {
+                damped[(k, k)] += damping * normal[(k, k)].max(f64::MIN_POSITIVE);
+                // A number on its bound that is pushed outwards stays.
+                let stays =
+                    (u[k] <= 0.0 && gradient[k] > 0.0) || (u[k] >= 1.0 && gradient[k] < 0.0);
+                if stays {
+                    damped.row_mut(k).fill(0.0);
+                    (damped[(k, k)], push[k]) = (1.0, 0.0);
+                }
+            }
+            let Some(step) = damped.lu().solve(&push) else { break };
+            let next: Vec<_> =
+                u.iter().zip(step.iter()).map(|(u, step)| (u + step).clamp(0.0, 1.0)).collect();
+            let moved = next.iter().zip(&u).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            if moved.is_nan() || moved <= SETTLED {
+                break;
+            }
+            let size = |left: &[f64]| left.iter().map(|x| x * x).sum::<f64>();
+            match residuals(&number(&next))? {
+                Some(better) if size(&better) < size(&left) => {
+                    (u, left, settled) = (next, better, false);
+                    damping = (damping * 0.1).max(1e-12);
+                    break;
+                }
+                _ => damping *= 10.0,
+            }
+        }
+        if settled {
+            return Ok(Some(told(&slopes, &number(&u), left, bounds)));
+        }
+    }
+    Ok(None)
+}
+
+/// The numbers, with how far the residuals determine them.
+fn told(
+    slopes: &DMatrix<f64>,
+    at: &[f64],
+    residuals: Vec<f64>,
+    bounds: &[(f64, f64)],
+) -> LeastSquares {
+    let responses = slopes.singular_values();
+    let condition = responses.max() / responses.min();
+    let free = residuals.len().saturating_sub(at.len());
+    #[expect(clippy::cast_precision_loss, reason = "a number of measurements")]
+    let scatter = residuals.iter().map(|x| x * x).sum::<f64>() / free as f64;
+    let spread = slopes.tr_mul(slopes).try_inverse().filter(|_| free > 0);
+    let deviations = spread.map(|spread| {
+        let of = |(k, (low, high)): (usize, &(f64, f64))| {
+            (spread[(k, k)] * scatter).sqrt() * (high - low)
+        };
+        bounds.iter().enumerate().map(of).collect()
+    });
+    LeastSquares { at: at.to_vec(), residuals, deviations, condition }
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    fn fit(
+        start: &[f64],
+        bounds: &[(f64, f64)],
+        of: impl Fn(&[f64], f64) -> f64,
+        data: &[(f64, f64)],
+    ) -> LeastSquares {
+        let residuals =
+            |x: &[f64]| Ok::<_, ()>(Some(data.iter().map(|(t, y)| of(x, *t) - y).collect()));
+        least_squares(residuals, start, bounds).unwrap().unwrap()
+    }
+
+    /// A curve through exact points: its numbers come back.
+    #[test]
+    fn exact_points_give_their_numbers() {
+        let of = |x: &[f64], t: f64| x[0] * (-x[1] * t).exp();
+        let data: Vec<_> =
+            (0..8).map(|i| f64::from(i) * 0.3).map(|t| (t, of(&[2.5, 1.3], t))).collect();
+        let found = fit(&[1.0, 0.5], &[(0.1, 10.0), (0.1, 5.0)], of, &data);
+        // Steps settle at 1e-9 of the bounds.
+        assert_relative_eq!(found.at[0], 2.5, epsilon = 1e-7);
+        assert_relative_eq!(found.at[1], 1.3, epsilon = 1e-7);
+    }
+
+    /// A straight line with scatter: slope, offset and deviations are those of linear regression.
+    #[test]
+    fn a_line_has_the_deviations_of_regression() {
+        let data = [(0.0, 1.1), (1.0, 1.9), (2.0, 3.2), (3.0, 3.8)];
+        let found =
+            fit(&[0.5, 0.5], &[(-10.0, 10.0), (-10.0, 10.0)], |x, t| x[0] + x[1] * t, &data);
+        // By hand: mean t 1.5, y 2.5; S_tt 5, S_ty 4.7; residual sum 0.082, variance 0.041.
+        assert_relative_eq!(found.at[1], 0.94, epsilon = 1e-7);
+        assert_relative_eq!(found.at[0], 1.09, epsilon = 1e-7);
+        let deviations = found.deviations.unwrap();
+        assert_relative_eq!(deviations[1], (0.041_f64 / 5.0).sqrt(), max_relative = 1e-6);
+    }
+
+    /// The least is beyond a bound: that number stays there, the other one is the best with it.
+    #[test]
+    fn a_bound_holds() {
+        let data = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)];
+        let found = fit(&[0.5, 0.5], &[(-10.0, 10.0), (0.0, 1.0)], |x, t| x[0] + x[1] * t, &data);
+        assert_relative_eq!(found.at[1], 1.0);
+        assert_relative_eq!(found.at[0], 2.0, epsilon = 1e-7);
+    }
+}
