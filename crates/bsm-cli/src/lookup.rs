@@ -145,7 +145,7 @@ fn modelica(axes: &[Axis], outputs: &[&Output], columns: &[Vec<f64>]) -> String 
     }
     let table = |(output, column): (&&Output, &Vec<f64>)| {
         format!(
-            "\n# {}: u1 down {}, u2 to the right {}\ndouble {}({},{})\n{}",
+            "# {}: u1 down {}, u2 to the right {}\ndouble {}({},{})\n{}",
             named(output.name, output.unit),
             axis(&axes[0]),
             axis(&axes[1]),
@@ -156,5 +156,5 @@ fn modelica(axes: &[Axis], outputs: &[&Output], columns: &[Vec<f64>]) -> String 
         )
     };
     let tables: String = outputs.iter().zip(columns).map(table).collect();
-    format!("#1\n{}", tables.trim_start())
+    format!("#1\n{tables}")
 }
