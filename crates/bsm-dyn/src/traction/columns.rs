@@ -197,7 +197,7 @@ impl<R: Rubbing, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
         let Some(contacts) = contacts(ball, y) else { return false };
         let mut rubbed = [const { Rubbed::NONE }; 2];
         rubbing.rub::<S, SLOPED>(simd, ball, y, &contacts, &mut rubbed);
-        evaluate::<SLOPED>(ball, y, &contacts, &rubbed, found);
+        evaluate::<R, SLOPED>(ball, y, &contacts, &rubbed, found);
         true
     }
 }
@@ -228,6 +228,9 @@ impl Rubbed {
 
 /// What friction is made of.
 trait Rubbing {
+    /// True with a film and rolling resistance.
+    const OILED: bool;
+
     /// What it does at a state, in place.
     fn rub<S: Simd, const SLOPED: bool>(
         &self,
@@ -243,6 +246,8 @@ trait Rubbing {
 struct Dry;
 
 impl Rubbing for Dry {
+    const OILED: bool = false;
+
     #[inline(always)]
     fn rub<S: Simd, const SLOPED: bool>(
         &self,
@@ -262,6 +267,8 @@ impl Rubbing for Dry {
 }
 
 impl Rubbing for Wetted {
+    const OILED: bool = true;
+
     #[inline(always)]
     fn rub<S: Simd, const SLOPED: bool>(
         &self,
@@ -471,7 +478,7 @@ fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
 }
 
 #[inline(always)]
-fn evaluate<const SLOPED: bool>(
+fn evaluate<R: Rubbing, const SLOPED: bool>(
     ball: &Rolling<'_>,
     y: &[f64; BALL],
     Contacts { points, turn, tilts, angles, by_t, by_b }: &Contacts,
@@ -513,13 +520,15 @@ fn evaluate<const SLOPED: bool>(
                 add(&mut part.by, pull * c, &by_c);
             }
         }
-        if SLOPED {
+        if R::OILED {
+            parts[0].re += resistance[0];
+            parts[4].re += resistance[1];
+        }
+        if R::OILED && SLOPED {
             for (part, by_film) in parts.iter_mut().zip(by_film) {
                 add(&mut part.by, pull * by_film, film);
             }
         }
-        parts[0].re += resistance[0];
-        parts[4].re += resistance[1];
         // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                               (T2)
         let [f_t, f_c, m_t, m_n, m_c] = &parts;
         let normal = Sloped { re: load, by: by_load };
