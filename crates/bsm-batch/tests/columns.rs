@@ -13,6 +13,8 @@ fn dong(without: &str) -> Scene {
     let mut json = scene.to_json();
     // For the analysis of its nut.
     json["loaded_turns"] = 2.into();
+    // For that of its axis.
+    json["axis_heat_transfer_W_K"] = 50.into();
     json.as_object_mut().expect("an object").remove(without);
     Scene::from_json(json.to_string().as_bytes()).expect("a scene")
 }

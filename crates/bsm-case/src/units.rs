@@ -22,7 +22,8 @@ pub const MPA: f64 = 1e6;
 /// A name of the vocabulary as words, its unit behind a comma: `axial_load_N` is "axial load, N".
 pub fn words(name: &str, unit: &str) -> String {
     let written = unit.replace("(m K)", "m_K").replace([' ', '^', '.'], "").replace('/', "_");
-    let stem = if written.is_empty() { None } else { stem(name, &written) };
+    let ends = |unit: &str| if unit.is_empty() { None } else { stem(name, unit) };
+    let stem = ends(&written).or_else(|| ends(&unit.replace(' ', "_")));
     let words = stem.unwrap_or(name).replace('_', " ");
     if unit.is_empty() { words } else { format!("{words}, {unit}") }
 }

@@ -39,12 +39,13 @@ impl Rolling<'_> {
         let load = |angle: f64, part: f64| (2.0 * part - 1.0).exp() / (angle.sin().max(1e-6) * cos);
         // Rates between those of both members, or so slow that inertia is of the size of load or
         // friction.
-        let mu = pair.inertia_ratio();
+        // Drawn over |W|: each direction has its own.
+        let (mu, way) = (pair.inertia_ratio(), pair.direction.sign());
         let rate = match number / 3 % 4 {
             0 => pair.nut_speed + 2.0 * rate - 0.5,
             kind => {
                 let size = if kind == 1 { pair.friction / mu } else { mu.recip().sqrt() };
-                (size * (2.0 - 8.0 * slow).exp()).min(1.0).copysign(rate - 0.5)
+                (size * (2.0 - 8.0 * slow).exp()).min(1.0).copysign((rate - 0.5) * way)
             }
         };
         let mut y = [0.0; BALL];
@@ -53,8 +54,8 @@ impl Rolling<'_> {
         y[PRECESSION] = rate - self.offset();
         // Rolling, more or less.
         y[OMEGA[0]] = (pair.nut_speed - rate) * pair.arc * 1.5 * along;
-        y[OMEGA[1]] = pair.arc * 6.0 * (radial - 0.5);
-        y[OMEGA[2]] = around - 0.5;
+        y[OMEGA[1]] = pair.arc * 6.0 * (radial - 0.5) * way;
+        y[OMEGA[2]] = (around - 0.5) * way;
         y
     }
 
