@@ -347,18 +347,17 @@ impl Gathered {
             let Some(chunk) = source.next(ROWS)? else { break };
             let first = usize::try_from(chunk.first - 1).unwrap_or(0);
             let rows = first..first + chunk.len;
-            let place = |(column, spare)| match column {
-                &mut Some(ref mut column) => &mut Vec::as_mut_slice(column)[rows.clone()],
-                None => {
-                    let spare: &mut Vec<f64> = spare;
+            let mut columns = Vec::with_capacity(spare.len());
+            for (column, spare) in self.columns.iter_mut().zip(&mut spare) {
+                columns.push(if let Some(column) = column {
+                    &mut column[rows.clone()]
+                } else {
                     spare.resize(chunk.len, f64::NAN);
                     &mut spare[..]
-                }
-            };
-            let room = Room {
-                verdicts: first_of(&mut verdicts, chunk.len),
-                columns: self.columns.iter_mut().zip(&mut spare).map(place).collect(),
-            };
+                });
+            }
+            let here = verdicts.split_off_mut(..chunk.len).unwrap_or_default();
+            let room = Room { verdicts: here, columns };
             let words = task.solve_into((&chunk, &named), room, stop, done);
             self.messages.extend(words.into_iter().map(|(row, text)| (first + row, text)));
             for (column, spare) in self.columns.iter_mut().zip(&spare) {
@@ -379,11 +378,6 @@ fn has_value(values: &[f64]) -> bool {
     // Without a branch for each value.
     let some = |part: &[f64]| part.iter().fold(false, |some, value| some | !value.is_nan());
     values.chunks(512).any(some)
-}
-
-/// The first values, which the rest loses.
-fn first_of<'a, T>(rest: &mut &'a mut [T], len: usize) -> &'a mut [T] {
-    rest.split_off_mut(..len).unwrap_or_default()
 }
 
 /// Does `work` on the threads, while the thread that calls looks at signals and shows progress; quick work it

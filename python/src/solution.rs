@@ -119,7 +119,7 @@ impl Solution {
             return None;
         };
         WORK.with_borrow_mut(|work| {
-            let solution = Problem::Lubricated(case.clone()).solve(work);
+            let solution = Problem::Lubricated(case).solve(work);
             case.band(solution.solved()?, work)
         })
     }

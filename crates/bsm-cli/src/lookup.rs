@@ -23,12 +23,14 @@ pub(crate) enum Lookup {
 impl Lookup {
     /// By the ending of a path.
     pub(crate) fn of(path: &Path) -> Option<Self> {
-        let name = path.file_name()?.to_str()?.to_lowercase();
-        match () {
-            () if name.ends_with(".txt") => Some(Self::Modelica),
-            () if name.ends_with(".grid.csv") => Some(Self::Grid),
-            () => None,
+        let ends = |path: &Path, with: &str| {
+            path.extension().is_some_and(|e| e.eq_ignore_ascii_case(with))
+        };
+        if ends(path, "txt") {
+            return Some(Self::Modelica);
         }
+        let is_grid = ends(path, "csv") && ends(Path::new(path.file_stem()?), "grid");
+        is_grid.then_some(Self::Grid)
     }
 
     /// Solves a grid and writes its map.
