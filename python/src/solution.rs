@@ -6,10 +6,11 @@ use std::sync::atomic::Ordering;
 
 use bsm_case::{CaseError, Cell, InputKey, OUTPUTS, Record, Sensitivities, Settings, following};
 use bsm_dyn::{Band, ModelWorkspace, Problem};
+use bsm_report::PROGRAM;
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use rayon::prelude::*;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::errors;
 use crate::points::watched;
@@ -93,17 +94,10 @@ impl Solution {
         OUTPUTS.get(place)?.word(self.number(place))
     }
 
-    /// As the program prints it.
+    /// As the program prints it with `--band always`.
     fn to_json(&self, py: Python<'_>) -> String {
-        let mut map = self.record.to_json();
-        if let Some(Band { loss, screw_torque, efficiency }) = py.detach(|| self.band()) {
-            let band = json!({
-                "contact_loss_ratio": loss,
-                "screw_torque_Nm": screw_torque,
-                "efficiency": efficiency,
-            });
-            map.insert("band".to_owned(), band);
-        }
+        let band = py.detach(|| self.band());
+        let map = self.record.report(PROGRAM, &self.scene.get().0, &self.settings, band.as_ref());
         format!("{:#}", Value::Object(map))
     }
 }

@@ -1,14 +1,14 @@
 //! The answer in the vocabulary.
 
 use bsm_dyn::{
-    Basis, Choice, ContactState, ErrorBound, FilmState, GRIPS_BELOW, Model, Others, RaceControl,
-    Reason, Regime, Slip, SlipRegime, Solution, Solved, Status, ZERO_CELSIUS,
+    Band, Basis, Choice, ContactState, ErrorBound, FilmState, GRIPS_BELOW, Model, Others,
+    RaceControl, Reason, Regime, Slip, SlipRegime, Solution, Solved, Status, ZERO_CELSIUS,
 };
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
 use crate::units::{DEG, MM, MPA};
-use crate::{CaseError, Cell, ModelChoice, OUTPUTS, Output, Scene};
+use crate::{CaseError, Cell, ModelChoice, OUTPUTS, Output, Scene, Settings};
 
 /// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
 /// load rating of ISO 76 is made from it.
@@ -287,6 +287,35 @@ impl Record {
                 Some(Cell::Evidence(evidence)) => json!(evidence.name()),
             };
             map.insert(output.name.to_owned(), value);
+        }
+        map
+    }
+
+    /// The same with what was asked, of which program: its scene and settings, the regime, and warnings.
+    ///
+    /// * `band`: of a torque that comes from a lubricant, if it is wanted.
+    pub fn report(
+        &self,
+        program: &str,
+        scene: &Scene,
+        settings: &Settings,
+        band: Option<&Band>,
+    ) -> Map<String, Value> {
+        let warnings = scene.warnings().into_iter().chain(self.warnings(scene));
+        let warnings: Vec<_> = warnings.chain(scene.given().unused_by_models()).collect();
+        let mut map = self.to_json();
+        map.insert("program".to_owned(), json!(program));
+        map.insert("inputs".to_owned(), scene.to_json());
+        map.insert("settings".to_owned(), settings.to_json());
+        map.insert("regime".to_owned(), json!(self.regime()));
+        map.insert("warnings".to_owned(), json!(warnings));
+        if let Some(Band { loss, screw_torque, efficiency }) = band {
+            let band = json!({
+                "contact_loss_ratio": loss,
+                "screw_torque_Nm": screw_torque,
+                "efficiency": efficiency,
+            });
+            map.insert("band".to_owned(), band);
         }
         map
     }

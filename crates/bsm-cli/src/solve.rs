@@ -5,7 +5,7 @@ use std::path::Path;
 use bsm_case::{CaseError, Record, Scene, Sensitivities, Sensitivity, Settings};
 use bsm_dyn::{Band, ModelWorkspace, Problem, Solution, Status};
 use bsm_report::PROGRAM;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use crate::args::{Format, SolveArgs, When};
 use crate::failure::{Failure, note_unused, warn};
@@ -68,34 +68,16 @@ fn print_with(
         let text = record.message().unwrap_or("the model refuses the input");
         return Err(Failure::in_scene(path, text));
     }
-    let warnings: Vec<_> = scene.warnings().into_iter().chain(record.warnings(scene)).collect();
-    for warning in &warnings {
-        warn("warning", warning);
+    for warning in scene.warnings().into_iter().chain(record.warnings(scene)) {
+        warn("warning", &warning);
     }
     match format {
         Format::Json => {
-            let mut map = record.to_json();
-            let unused = scene.given().unused_by_models();
-            let about = json!({
-                "program": PROGRAM,
-                "inputs": scene.to_json(),
-                "settings": settings.to_json(),
-                "regime": record.regime(),
-                "warnings": warnings.into_iter().chain(unused).collect::<Vec<_>>(),
-            });
-            map.extend(about.as_object().cloned().into_iter().flatten());
+            let mut map = record.report(PROGRAM, scene, settings, band);
             if let Some(rows) = sensitivities {
                 let entry = |row: &Sensitivity| (row.input.name.to_owned(), row.to_json());
                 let rows: Map<_, _> = rows.iter().map(entry).collect();
                 map.insert("sensitivities".to_owned(), Value::Object(rows));
-            }
-            if let Some(Band { loss, screw_torque, efficiency }) = band {
-                let band = json!({
-                    "contact_loss_ratio": loss,
-                    "screw_torque_Nm": screw_torque,
-                    "efficiency": efficiency,
-                });
-                map.insert("band".to_owned(), band);
             }
             files::print(&pretty_json(&Value::Object(map)))?;
         }
