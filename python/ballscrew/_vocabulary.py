@@ -298,7 +298,9 @@ Output = Literal[
     "yield_load_N",
     "cycle_speed_number_mm_min",
     "screw_mass_kg",
+    "steady_temperature_rise_K",
     "screw_growth_um",
+    "travel_variation_300_um",
     "static_safety_factor",
     "cycle_life_revolutions",
     "cycle_life_h",
@@ -433,6 +435,8 @@ class Inputs(TypedDict, total=False):
     support_bearing_rigidity_N_um: float | None
     housing_rigidity_N_um: float | None
     reliability_percent: float | None
+    axis_heat_transfer_W_K: float | None
+    accuracy_grade: float | None
     required_life_h: float | None
     required_static_safety: float | None
     required_critical_speed_ratio: float | None
@@ -1026,24 +1030,35 @@ class SceneFields(_core.Scene):
         return self.number(106)
 
     @property
+    def axis_heat_transfer_W_K(self) -> float | None:
+        """Heat that screw and nut give to their surroundings for a kelvin, for the steady temperature of
+        the axis [W/K]."""
+        return self.number(107)
+
+    @property
+    def accuracy_grade(self) -> float | None:
+        """Standard tolerance grade of the travel of the screw, ISO 3408-3."""
+        return self.number(108)
+
+    @property
     def required_life_h(self) -> float | None:
         """Life that is required [h]."""
-        return self.number(107)
+        return self.number(109)
 
     @property
     def required_static_safety(self) -> float | None:
         """Static safety that is required; 1.5 unless given."""
-        return self.number(108)
+        return self.number(110)
 
     @property
     def required_critical_speed_ratio(self) -> float | None:
         """Largest speed over the critical one that is permitted; 0.8 unless given."""
-        return self.number(109)
+        return self.number(111)
 
     @property
     def required_buckling_safety(self) -> float | None:
         """Buckling load over the largest axial load that is required; 2 unless given."""
-        return self.number(110)
+        return self.number(112)
 
 
 class SolutionFields(_core.Solution):
