@@ -42,7 +42,7 @@ def test_solve(name: str, model: str) -> None:
     except bs.InputError as error:
         refused("solve", path, "--model", model, words=str(error))
         return
-    assert answer.to_dict() == told("solve", path, "--model", model, "--band", "always")
+    assert answer.to_dict() == told("solve", path, "--model", model, "--band=always")
 
 
 def test_compare() -> None:
