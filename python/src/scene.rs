@@ -90,7 +90,8 @@ impl How {
     /// As settings, checked.
     pub(crate) fn settings(self) -> PyResult<Settings> {
         let Self(model, tolerance, accuracy, creep, control) = self;
-        let named = Settings::named(&model, control.as_deref()).map_err(|e| errors::input(&e))?;
+        let named = Settings::named(&model, control.as_deref(), None);
+        let named = named.map_err(|e| errors::input(&e))?;
         let settings = Settings { tolerance, accuracy, creep, ..named };
         settings.check().map_err(|e| errors::input(&e))?;
         Ok(settings)

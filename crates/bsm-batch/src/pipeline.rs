@@ -31,8 +31,6 @@ pub struct Task {
     pub outputs: Vec<&'static Output>,
     /// An output that is only looked at: the last column of the answers that are shown.
     pub watched: Option<&'static Output>,
-    /// What the table is made from, see [`Task::about`], for its metadata if it has any.
-    pub origin: Option<String>,
 }
 
 /// How many rows there were, and how many of them have no result or several.
@@ -149,7 +147,7 @@ fn besides(mut outputs: Vec<&'static Output>, inputs: InputSet) -> Vec<&'static 
 impl Task {
     /// A task that writes these outputs and watches none.
     pub fn new(base: Scene, settings: Settings, outputs: Vec<&'static Output>) -> Self {
-        Self { base, settings, outputs, watched: None, origin: None }
+        Self { base, settings, outputs, watched: None }
     }
 
     /// True if the points must be solved, and not only the inputs be read.
@@ -229,7 +227,7 @@ impl Task {
         let sink = TableSink::new(format, to, source.columns(), &self.outputs);
         let sink = sink.map_err(RunError::Write)?;
         let (sink, count) = self.run(source, sink, u64::MAX, workers, seen)?;
-        Ok((sink.finish(self.origin.as_deref()).map_err(RunError::Write)?, count))
+        Ok((sink.finish(None).map_err(RunError::Write)?, count))
     }
 
     /// Solves the next rows of `source`, at most `most`, into `sink`, which it returns.

@@ -130,7 +130,7 @@ fn columns_that_no_row_can_fill_are_told() {
         ("", "closed-form", "ball_slip_m_s", "model closed-form has no motion"),
         ("friction_coefficient", "auto", "linear_to_rotary_efficiency", "friction_coefficient is"),
     ] {
-        let settings = Settings::named(model, None).expect("a model");
+        let settings = Settings::named(model, None, None).expect("a model");
         let (base, columns) = (dong(without), outputs(&[column]));
         let over = Task::over_grid(base.clone(), settings, columns.clone(), None, &grid);
         let error = over.expect_err("an empty column").to_string();

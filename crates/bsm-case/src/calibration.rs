@@ -11,12 +11,12 @@ use crate::units::convert;
 use crate::{CaseError, InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Settings};
 
 /// A measured point.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Measured {
-    /// Inputs of the point.
-    pub scene: Scene,
+#[derive(Debug, Clone)]
+struct Measured {
+    /// Its inputs.
+    scene: Scene,
     /// What was measured, in the unit of the vocabulary.
-    pub value: f64,
+    value: f64,
 }
 
 /// What is known and what is sought.
@@ -57,11 +57,6 @@ impl Calibration {
         let inputs = inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
         let points = points(base, output, table)?;
         Ok(Self { inputs, output, points })
-    }
-
-    /// The points.
-    pub fn points(&self) -> &[Measured] {
-        &self.points
     }
 
     /// The output that was measured.
@@ -146,6 +141,12 @@ impl Calibration {
         rows.map(|(i, ((key, _), value))| (key.name(), *value, deviation(i))).collect()
     }
 
+    /// Measured and fitted value of each point.
+    pub fn fitted(&self, report: &CalibrationReport) -> impl Iterator<Item = (f64, f64)> {
+        let points = self.points.iter().zip(&report.found.residuals);
+        points.map(|(point, left)| (point.value, point.value + left))
+    }
+
     /// JSON object of the values, and of what is left at each point.
     pub fn to_json(&self, report: &CalibrationReport) -> Value {
         let found: Map<_, _> = self
@@ -156,10 +157,8 @@ impl Calibration {
             })
             .collect();
         let points: Vec<_> = self
-            .points
-            .iter()
-            .zip(&report.found.residuals)
-            .map(|(point, left)| json!({ "measured": point.value, "fitted": point.value + left }))
+            .fitted(report)
+            .map(|(measured, fitted)| json!({ "measured": measured, "fitted": fitted }))
             .collect();
         json!({
             "output": self.output.name,

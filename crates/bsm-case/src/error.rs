@@ -328,6 +328,14 @@ pub enum CaseError {
         /// All names.
         known: String,
     },
+    /// The name of a place of friction that does not exist.
+    #[error("unknown friction `{name}`; there are {known}")]
+    UnknownFriction {
+        /// The name.
+        name: String,
+        /// All names.
+        known: String,
+    },
     /// A setting or axis on the command line that cannot be read.
     #[error("`{}` is not of the form {form}", brief(text))]
     BadSetting {
@@ -395,7 +403,8 @@ impl CaseError {
             Self::UnknownColumn { name, .. }
             | Self::UnknownOutput { name, .. }
             | Self::UnknownModel { name, .. }
-            | Self::UnknownRace { name, .. } => name,
+            | Self::UnknownRace { name, .. }
+            | Self::UnknownFriction { name, .. } => name,
             Self::Missing { missing, .. }
             | Self::MissingForRatings { missing }
             | Self::MissingForAxis { missing }

@@ -64,7 +64,7 @@ mod spectrum;
 pub mod units;
 
 pub use analysis::{Analysis, AnalysisKind, Moving};
-pub use calibration::{Calibration, CalibrationReport, Measured};
+pub use calibration::{Calibration, CalibrationReport};
 pub use capacity::CapacityReport;
 pub use catalogue::{
     Asked, CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE,

@@ -101,12 +101,17 @@ impl Settings {
     /// What [`creep`](Self::creep) must be.
     pub const CREEP: Rule = Rule::Above(0.0);
 
-    /// The model and the controlling race of these names, with the other dials at their defaults.
+    /// The model, the controlling race and the place of friction of these names, with the other dials at their
+    /// defaults.
     ///
     /// # Errors
     ///
-    /// [`CaseError::UnknownModel`] or [`CaseError::UnknownRace`].
-    pub fn named(model: &str, control: Option<&str>) -> Result<Self, CaseError> {
+    /// [`CaseError::UnknownModel`], [`CaseError::UnknownRace`] or [`CaseError::UnknownFriction`].
+    pub fn named(
+        model: &str,
+        control: Option<&str>,
+        friction: Option<&str>,
+    ) -> Result<Self, CaseError> {
         let race = |name: &str| {
             Control::from_name(name).ok_or_else(|| CaseError::UnknownRace {
                 name: name.to_owned(),
@@ -114,7 +119,14 @@ impl Settings {
             })
         };
         let control = control.map(race).transpose()?;
-        Ok(Self { model: ModelChoice::from_name(model)?, control, ..Self::default() })
+        let place = |name: &str| {
+            RacewayFriction::from_name(name).ok_or_else(|| CaseError::UnknownFriction {
+                name: name.to_owned(),
+                known: RacewayFriction::ALL.map(RacewayFriction::name).join(", "),
+            })
+        };
+        let friction = friction.map_or(Ok(RacewayFriction::default()), place)?;
+        Ok(Self { model: ModelChoice::from_name(model)?, control, friction, ..Self::default() })
     }
 
     /// JSON object of the dials.

@@ -80,10 +80,14 @@ fn auto_takes_the_most_complete_model() {
         ModelChoice::from_name("rigdi").expect_err("no such model"),
         CaseError::UnknownModel { .. }
     ));
-    let named = Settings::named("rigid", Some("screw")).expect("names");
+    let named = Settings::named("rigid", Some("screw"), None).expect("names");
     assert_eq!(named, Settings { control: Some(Control::Screw), ..Model::Rigid.into() });
-    let unknown = Settings::named("rigid", Some("ball")).expect_err("no such race").to_string();
+    let unknown = Settings::named("rigid", Some("ball"), None);
+    let unknown = unknown.expect_err("no such race").to_string();
     assert_eq!(unknown, "unknown race `ball`; the races are nut, screw");
+    let unknown =
+        Settings::named("rigid", None, Some("dry")).expect_err("no such place").to_string();
+    assert_eq!(unknown, "unknown friction `dry`; there are local, contact");
 }
 
 #[test]

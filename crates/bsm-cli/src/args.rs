@@ -168,9 +168,9 @@ pub(crate) struct ModelArgs {
 impl ModelArgs {
     pub(crate) fn settings(&self) -> Result<Settings, CaseError> {
         let Self { tolerance, accuracy, creep, .. } = *self;
-        let named = Settings::named(&self.model, self.control.as_deref())?;
-        let friction = RacewayFriction::from_name(&self.friction).unwrap_or_default();
-        Ok(Settings { tolerance, accuracy, creep, friction, ..named })
+        let control = self.control.as_deref();
+        let named = Settings::named(&self.model, control, Some(&self.friction))?;
+        Ok(Settings { tolerance, accuracy, creep, ..named })
     }
 }
 

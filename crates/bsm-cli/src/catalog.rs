@@ -169,6 +169,11 @@ fn columns() -> String {
     table::plain(None, &of_nuts.chain(of_sheets).collect::<Vec<_>>(), usize::MAX)
 }
 
+/// Columns of sheets, if there are any.
+fn known(sheets: &Sheets) -> impl Iterator<Item = &'static Output> {
+    sheet_columns().filter(|_| !sheets.is_empty())
+}
+
 fn place_on_sheet(name: &str) -> Option<usize> {
     sheet_columns().position(|column| column.name == name)
 }
@@ -285,8 +290,7 @@ fn write(
 ) -> Result<(), Failure> {
     let column = |c: &CatalogueColumn| NumberColumn { name: c.name, unit: c.unit };
     let of_sheet = |c: &Output| NumberColumn { name: c.name, unit: c.unit };
-    let sized = if sheets.is_empty() { 0 } else { usize::MAX };
-    let of_sheets = sheet_columns().map(of_sheet).take(sized);
+    let of_sheets = known(sheets).map(of_sheet);
     let columns: Vec<_> = CATALOGUE_COLUMNS.iter().map(column).chain(of_sheets).collect();
     let parts = chosen.chunks(PART).map(|part| {
         let nuts = catalogue.map(part, |_, nut| Some(*nut));
@@ -316,8 +320,7 @@ fn show(
         return print(&pretty_json(&shown.iter().map(row).collect()));
     }
     let columns: Vec<_> = CATALOGUE_COLUMNS.iter().filter(|c| c.brief).collect();
-    let sized = if sheets.is_empty() { 0 } else { usize::MAX };
-    let of_sheets = sheet_columns().map(|column| column.name).take(sized);
+    let of_sheets = known(sheets).map(|column| column.name);
     let header: Vec<_> = columns.iter().map(|c| c.name).chain(of_sheets).collect();
     let cell = |value: f64| {
         let text = number(value);

@@ -72,7 +72,8 @@ fn words(fit: &Calibration, report: &CalibrationReport) -> String {
         .into_iter()
         .map(|(name, value, deviation)| vec![name.to_owned(), number(value), cell(deviation)])
         .collect();
-    let points: Vec<_> = points(fit, report)
+    let points: Vec<_> = fit
+        .fitted(report)
         .enumerate()
         .map(|(i, (measured, fitted))| {
             let numbers = [measured, fitted, fitted - measured].map(number);
@@ -95,16 +96,9 @@ fn words(fit: &Calibration, report: &CalibrationReport) -> String {
     .join("\n\n")
 }
 
-/// Measured and fitted values.
-fn points(fit: &Calibration, report: &CalibrationReport) -> impl Iterator<Item = (f64, f64)> {
-    let residuals = report.found.residuals.clone();
-    let measured: Vec<_> = fit.points().iter().map(|point| point.value).collect();
-    measured.into_iter().zip(residuals).map(|(measured, left)| (measured, measured + left))
-}
-
 /// Fitted over measured values, and the line on which they agree.
 fn figure(fit: &Calibration, report: &CalibrationReport) -> Figure {
-    let all: Vec<_> = points(fit, report).collect();
+    let all: Vec<_> = fit.fitted(report).collect();
     let values = all.iter().flat_map(|(a, b)| [*a, *b]);
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use bsm_batch::{Answers, Chunk, Count, GridSource, RunError, Sink, TableError, Task, Workers};
+use bsm_batch::{Answers, Chunk, Count, GridSource, Sink, TableError, Task, Workers};
 use bsm_case::{Axis, Grid, Output, exact};
 
 use crate::failure::{Failure, warn};
 use crate::files;
+use crate::stream::stopped;
 
 /// Points of a map: a lookup block holds them in memory, as text does before.
 const MOST_POINTS: usize = 10_000_000;
@@ -66,11 +67,8 @@ impl Lookup {
         let mut source = GridSource::new(grid.clone());
         let columns = Columns(vec![Vec::with_capacity(grid.len()); task.outputs.len()]);
         let run = task.run(&mut source, columns, u64::MAX, workers, &mut |_, _| {});
-        let (Columns(columns), Count { rows, failed, .. }) = run.map_err(|error| match error {
-            RunError::Read(error) | RunError::Write(error) => Failure::Table(error),
-            RunError::Thread(error) => Failure::no_thread(&error),
-            RunError::Stopped => Failure::Files(error.to_string()),
-        })?;
+        let (Columns(columns), Count { rows, failed, .. }) =
+            run.map_err(|error| stopped(path, error))?;
         if failed > 0 {
             let text = format!(
                 "{failed} of {rows} points have no result, and a lookup has no gaps: narrow the ranges, or write a \

@@ -5,6 +5,7 @@ use bsm_case::{
     output_schema, sheet_columns,
 };
 use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use serde_json::{Map, Value, json};
 
 use crate::args::SchemaKind;
@@ -12,40 +13,30 @@ use crate::failure::Failure;
 use crate::files::{pretty_json, print};
 
 pub(crate) fn run(kind: SchemaKind) -> Result<(), Failure> {
-    let schema = match kind {
-        SchemaKind::Input => input_schema(),
-        SchemaKind::Output => output_schema(),
-        command => {
-            let name = command.to_possible_value();
-            name.and_then(|name| result_schema(name.get_name())).unwrap_or(Value::Bool(true))
-        }
+    let of_command = match kind {
+        SchemaKind::Input => return print(&pretty_json(&input_schema())),
+        SchemaKind::Output => return print(&pretty_json(&output_schema())),
+        SchemaKind::Solve => solve(),
+        SchemaKind::Compare => compare(),
+        SchemaKind::Slip => analysis(AnalysisKind::Slip),
+        SchemaKind::Jam => analysis(AnalysisKind::Jam),
+        SchemaKind::Optimum => optimum(),
+        SchemaKind::Capacity => capacity(),
+        SchemaKind::Nut => nut(),
+        SchemaKind::Size => size(),
+        SchemaKind::Fit => any_of([fit(), calibration()]),
+        SchemaKind::Design => design(),
+        SchemaKind::Catalog => any_of([catalogue(), makers()]),
+        SchemaKind::Validate => validate(),
+        SchemaKind::Tradeoff => tradeoff(),
     };
-    print(&pretty_json(&schema))
+    let name = kind.to_possible_value();
+    let command = name.as_ref().map_or("", PossibleValue::get_name);
+    print(&pretty_json(&titled(command, of_command)))
 }
 
 /// Properties of an object.
 type Properties = Vec<(String, Value)>;
-
-/// Schema of the JSON that a command prints; `None` if it prints none, or what is not known here.
-fn result_schema(command: &str) -> Option<Value> {
-    let schema = match command {
-        "solve" => solve(),
-        "compare" => compare(),
-        "slip" => analysis(AnalysisKind::Slip),
-        "jam" => analysis(AnalysisKind::Jam),
-        "optimum" => optimum(),
-        "capacity" => capacity(),
-        "nut" => nut(),
-        "size" => size(),
-        "fit" => fit(),
-        "design" => design(),
-        "catalog" => json!({ "anyOf": [catalogue(), makers()] }),
-        "validate" => validate(),
-        "tradeoff" => tradeoff(),
-        _ => return None,
-    };
-    Some(titled(command, schema))
-}
 
 /// A schema with its head.
 fn titled(command: &str, schema: Value) -> Value {
@@ -77,6 +68,14 @@ fn properties<const N: usize>(list: [(&str, Value); N]) -> Properties {
 /// An object of these properties.
 fn closed<const N: usize>(list: [(&str, Value); N]) -> Value {
     object(properties(list), Properties::new())
+}
+
+fn any_of<const N: usize>(schemas: [Value; N]) -> Value {
+    json!({ "anyOf": Vec::from(schemas) })
+}
+
+fn or_null(schema: Value) -> Value {
+    any_of([schema, json!({ "type": "null" })])
 }
 
 fn integer() -> Value {
@@ -142,15 +141,14 @@ fn columns(kind: AnalysisKind) -> Properties {
 }
 
 fn settings() -> Value {
-    let dials = [
+    closed([
         ("name", text()),
         ("tolerance", number()),
         ("accuracy", number()),
         ("creep", number()),
         ("control", text_or_null()),
         ("friction", text()),
-    ];
-    object(properties(dials), Properties::new())
+    ])
 }
 
 fn solve() -> Value {
@@ -162,26 +160,22 @@ fn solve() -> Value {
         ("regime", text_or_null()),
         ("warnings", texts()),
     ]));
-    let derivatives = properties([
+    let derivatives = closed([
         ("efficiency", number()),
         ("screw_torque_Nm", number_or_null()),
         ("efficiency_relative", number_or_null()),
         ("screw_torque_relative", number_or_null()),
     ]);
-    let sensitivities: Properties = INPUTS
-        .iter()
-        .map(|input| (input.name.to_owned(), object(derivatives.clone(), Properties::new())))
-        .collect();
+    let sensitivities: Properties =
+        INPUTS.iter().map(|input| (input.name.to_owned(), derivatives.clone())).collect();
     let range = json!({ "type": "array", "items": number(), "minItems": 2, "maxItems": 2 });
-    let band = properties([
+    let band = closed([
         ("contact_loss_ratio", range.clone()),
         ("screw_torque_Nm", range.clone()),
         ("efficiency", range),
     ]);
-    let optional = properties([
-        ("sensitivities", object(Properties::new(), sensitivities)),
-        ("band", object(band, Properties::new())),
-    ]);
+    let optional =
+        properties([("sensitivities", object(Properties::new(), sensitivities)), ("band", band)]);
     object(required, optional)
 }
 
@@ -189,13 +183,12 @@ fn compare() -> Value {
     let mut model = record();
     model.push(("time_us".to_owned(), number()));
     let model = object(model, Properties::new());
-    let required = properties([("regime", text_or_null()), ("models", list(&model))]);
-    object(required, Properties::new())
+    closed([("regime", text_or_null()), ("models", list(&model))])
 }
 
 fn analysis(kind: AnalysisKind) -> Value {
     let statements = kind.quantities().iter().filter(|quantity| quantity.of == Of::Statement);
-    let verdict = object(properties([("answer", flag()), ("words", text())]), Properties::new());
+    let verdict = closed([("answer", flag()), ("words", text())]);
     let verdicts = statements.map(|quantity| (quantity.key.to_owned(), verdict.clone())).collect();
     let required = properties([
         ("model", text()),
@@ -207,14 +200,14 @@ fn analysis(kind: AnalysisKind) -> Value {
     let mut optional = columns(kind);
     optional.push(("trends".to_owned(), list(&json!({ "type": "object" }))));
     // Without a solution there is nothing to analyse: it says why.
-    json!({ "anyOf": [object(required, optional), solve()] })
+    any_of([object(required, optional), solve()])
 }
 
 fn optimum() -> Value {
     let kind = AnalysisKind::Optimum;
     let direction = kind.quantities().iter().map(|q| (q.key.to_owned(), number_or_null()));
     let direction = object(direction.collect(), Properties::new());
-    let by_model = properties([
+    let by_model = closed([
         ("model", text()),
         ("optimum_contact_angle_deg", number_or_null()),
         ("optimum_efficiency", number_or_null()),
@@ -224,7 +217,7 @@ fn optimum() -> Value {
         ("linear_to_rotary", direction),
         ("warnings", texts()),
     ]);
-    object(required, properties([("by_model", object(by_model, Properties::new()))]))
+    object(required, properties([("by_model", by_model)]))
 }
 
 fn capacity() -> Value {
@@ -258,15 +251,14 @@ fn nut() -> Value {
     ]));
     let series = ["K_series_SI", "K_nut_SI", "K_screw_SI"].map(|name| (name, number()));
     let solved = object(required, properties(series));
-    let none = object(properties([("status", text()), ("message", text())]), Properties::new());
+    let none = closed([("status", text()), ("message", text())]);
     let quantiles = map_of(&map_of(&number()));
-    let samples =
-        properties([("carried", integer()), ("failed", integer()), ("quantiles", quantiles)]);
-    json!({ "anyOf": [solved, none, object(samples, Properties::new())] })
+    let samples = closed([("carried", integer()), ("failed", integer()), ("quantiles", quantiles)]);
+    any_of([solved, none, samples])
 }
 
 fn size() -> Value {
-    let rule = properties([
+    let rule = closed([
         ("rule", text()),
         ("name", text()),
         ("value", number()),
@@ -283,19 +275,18 @@ fn size() -> Value {
         "required": ["contacts"],
         "additionalProperties": number_or_null(),
     });
-    let required = properties([
+    closed([
         ("passes", flag()),
         ("inputs", scene()),
         ("screw", map_of(&number())),
         ("results", object(Properties::new(), columns(AnalysisKind::Size))),
-        ("rules", list(&object(rule, Properties::new()))),
+        ("rules", list(&rule)),
         ("phases", list(&phase)),
         ("not_modelled", texts()),
         ("notes", texts()),
         ("warnings", texts()),
         ("program", text()),
-    ]);
-    object(required, Properties::new())
+    ])
 }
 
 fn fit() -> Value {
@@ -313,31 +304,43 @@ fn fit() -> Value {
     ]);
     let inputs = INPUTS.iter().map(|input| (input.name.to_owned(), number())).collect();
     let range = json!({ "type": ["array", "null"], "items": number_or_null() });
-    let required = properties([
+    closed([
         ("measured", one_number(outputs)),
         ("found", list(&object(found, inputs))),
         ("reachable", range),
         ("message", text()),
-    ]);
-    object(required, Properties::new())
+    ])
+}
+
+/// A fit to a table.
+fn calibration() -> Value {
+    let value = closed([("value", number()), ("standard_deviation", number_or_null())]);
+    let values = INPUTS.iter().map(|input| (input.name.to_owned(), value.clone())).collect();
+    let point = closed([("measured", number()), ("fitted", number())]);
+    closed([
+        ("output", text()),
+        ("found", object(Properties::new(), values)),
+        ("root_mean_square", number()),
+        ("condition", number_or_null()),
+        ("points", list(&point)),
+    ])
 }
 
 fn design() -> Value {
-    let step = properties([
+    let step = closed([
         ("step", json!({ "type": ["integer", "string"] })),
         ("name", text()),
         ("value", number_or_null()),
         ("required", text_or_null()),
         ("passes", flag()),
     ]);
-    let required = properties([
+    closed([
         ("found", flag()),
         ("reasons", texts()),
         ("warnings", texts()),
-        ("steps", list(&object(step, Properties::new()))),
+        ("steps", list(&step)),
         ("scene", scene()),
-    ]);
-    object(required, Properties::new())
+    ])
 }
 
 /// Nuts of the catalogue.
@@ -380,7 +383,7 @@ fn validate() -> Value {
 
 fn tradeoff() -> Value {
     let quantiles = closed([("median", number()), ("q99", number()), ("max", number())]);
-    let quantiles = json!({ "anyOf": [quantiles, json!({ "type": "null" })] });
+    let quantiles = or_null(quantiles);
     let errors = closed([
         ("group", text()),
         ("solved", number()),
@@ -404,7 +407,7 @@ fn tradeoff() -> Value {
         ("times", times),
     ]);
     let pick = closed([("dial", text()), ("ns", number()), ("fails_where", list(&text()))]);
-    let pick = json!({ "anyOf": [pick, json!({ "type": "null" })] });
+    let pick = or_null(pick);
     let advice = closed([
         ("tolerance", number()),
         ("group", text()),

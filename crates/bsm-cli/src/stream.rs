@@ -6,8 +6,8 @@ use std::path::Path;
 
 use bsm_batch::dataset::{self, DatasetError, Event, Filling, Points, sha256};
 use bsm_batch::{
-    Answers, Chunk, Count, Format, NumberColumn, NumberSink, RunError, Source, TableError, Task,
-    Workers,
+    Answers, Chunk, Count, Format, NumberColumn, NumberSink, RunError, Source, TableError,
+    TableSink, Task, Workers,
 };
 use bsm_case::{Output as Column, exact};
 use bsm_report::PROGRAM;
@@ -124,19 +124,16 @@ impl<'a> Job<'a> {
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
         let path = self.table.output.as_path();
-        let failed = |error| match error {
-            RunError::Read(error) => Failure::Table(error),
-            RunError::Write(error) => unwritable(path, &error),
-            RunError::Thread(error) => Failure::no_thread(&error),
-            RunError::Stopped => Failure::Files(RunError::Stopped.to_string()),
-        };
+        let failed = |error| stopped(path, error);
         match form_of(path, "--output")? {
             Form::Table(format) => {
-                let mut task = self.task.clone();
-                task.origin = Some(about.to_string());
-                let run = task.write(source, format, Output::create(path)?, workers, seen);
-                let (out, count) = run.map_err(failed)?;
-                out.complete()?;
+                let (columns, outputs) = (source.columns(), &self.task.outputs);
+                let sink = TableSink::new(format, Output::create(path)?, columns, outputs);
+                let sink = sink.map_err(|error| unwritable(path, &error))?;
+                let run = self.task.run(source, sink, u64::MAX, workers, seen);
+                let (sink, count) = run.map_err(failed)?;
+                let out = sink.finish(Some(&about.to_string()));
+                out.map_err(|error| unwritable(path, &error))?.complete()?;
                 Ok(count)
             }
             #[cfg(feature = "xlsx")]
@@ -258,6 +255,16 @@ fn failed(folder: &Path, error: DatasetError) -> Failure {
     }
 }
 
+/// Why a run into a table has ended early.
+pub(crate) fn stopped(path: &Path, error: RunError) -> Failure {
+    match error {
+        RunError::Read(error) => Failure::Table(error),
+        RunError::Write(error) => unwritable(path, &error),
+        RunError::Thread(error) => Failure::no_thread(&error),
+        RunError::Stopped => Failure::Files(error.to_string()),
+    }
+}
+
 /// A table that cannot be written.
 pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
     match error {
@@ -278,7 +285,7 @@ pub(crate) fn write_numbers(
     about: &Value,
 ) -> Result<(), Failure> {
     let out = Output::create(path)?;
-    let about = json!({ "program": PROGRAM, "made_from": about });
+    let about = made_from(about);
     let failed = |error| unwritable(path, &error);
     match form {
         Form::Table(format) => {
@@ -312,6 +319,11 @@ pub(crate) fn write_numbers(
     }
 }
 
+/// What the metadata of a table of numbers say.
+fn made_from(about: &Value) -> Value {
+    json!({ "program": PROGRAM, "made_from": about })
+}
+
 /// A table of names, units and values, a row each.
 pub(crate) fn write_rows(
     path: &Path,
@@ -329,7 +341,7 @@ pub(crate) fn write_rows(
                     let cells = [Entry::Text(name), Entry::Text(unit), Entry::Number(*value)];
                     book.row(cells.into_iter())?;
                 }
-                book.finish(&json!({ "program": PROGRAM, "made_from": about }))
+                book.finish(&made_from(about))
             };
             let bytes = written().map_err(|error| unwritable(path, &error))?;
             files::write_bytes(out, path, &bytes)

@@ -43,6 +43,8 @@ fn results_are_what_their_schemas_say() {
         "{\"nominal_diameter_mm\": [50, 63], \"lead_mm\": [20]}",
     )
     .expect("lists");
+    let measured = "axial_load_kN,screw_torque_Nm\n4,12.9\n8,25.9\n12,38.7\n";
+    fs::write(dir.path().join("measured.csv"), measured).expect("measurements");
     let [drive, oil, lin, nut, axis, jamming, makers, wish, double] = [
         "feed_drive.json",
         "feed_drive_oil.json",
@@ -80,6 +82,7 @@ fn results_are_what_their_schemas_say() {
         &["size", &axis, "--set", "axis_heat_transfer_W_K=5", "--set", "accuracy_grade=3"],
         &["fit", &drive, "--measured", "screw_torque_Nm=26"],
         &["fit", &drive, "--measured", "screw_torque_Nm=1"],
+        &["fit", &drive, "--measured", "screw_torque_Nm", "--data", "measured.csv"],
         &["design", &wish],
         &["design", &wish, "--set", "life_h=1e9"],
         &["catalog", "lists.json", "--first", "3"],

@@ -121,12 +121,24 @@ fn skf(diameter: f64, viscosity: f64, speed: f64, load: f64) -> [f64; 2] {
     [rolling * 1e-3, sliding * 1e-3]
 }
 
-/// The bearing as a screw without lead, over load, speed and viscosity.
-fn against_skf(bearing: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
-    let (mut whole, mut rolling) = (Vec::new(), Vec::new());
-    for load in [2000.0, 4000.0, 8000.0] {
-        for speed in [200.0, 500.0, 1000.0, 2000.0, 3000.0] {
-            for celsius in [40.0, 60.0, 80.0] {
+/// A turning bearing: rpm, viscosity \[mm²/s\], axial load \[N\], and rolling and sliding moment \[N m\].
+struct Turning {
+    load: f64,
+    speed: f64,
+    viscosity: f64,
+    moments: [f64; 2],
+}
+
+/// The bearing as a screw without lead, over load, speed and temperature.
+fn turning(
+    bearing: &Scene,
+    (loads, speeds, temperatures): (&[f64], &[f64], &[f64]),
+    work: &mut ModelWorkspace,
+) -> Result<Vec<Turning>, ValidateError> {
+    let mut all = Vec::new();
+    for &load in loads {
+        for &speed in speeds {
+            for &celsius in temperatures {
                 let mut scene = bearing.clone();
                 scene.set("axial_load_N", load)?;
                 scene.set("screw_speed_rpm", speed)?;
@@ -134,17 +146,31 @@ fn against_skf(bearing: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>,
                 let record = solve(&scene, Model::RacewayControl, work)?;
                 let density = 880.0 * (1.0 - 6.5e-4 * (celsius - 15.0));
                 let viscosity = number(&record, "viscosity_mPas") * 1e3 / density;
-                if viscosity * speed > 1.1e5 {
-                    continue;
-                }
                 let per_watt = 30.0 / (PI * speed);
-                let [rolls, slides] = skf(60.0, viscosity, speed, load);
-                let ours = ["rolling_power_W", "sliding_power_W"]
+                let moments = ["rolling_power_W", "sliding_power_W"]
                     .map(|name| number(&record, name) * per_watt);
-                whole.push((ours[0] + ours[1]) / (rolls + slides));
-                rolling.push(ours[0] / rolls);
+                all.push(Turning { load, speed, viscosity, moments });
             }
         }
+    }
+    Ok(all)
+}
+
+/// The bearing against SKF's model.
+fn against_skf(bearing: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
+    let over = (
+        &[2000.0, 4000.0, 8000.0][..],
+        &[200.0, 500.0, 1000.0, 2000.0, 3000.0][..],
+        &[40.0, 60.0, 80.0][..],
+    );
+    let (mut whole, mut rolling) = (Vec::new(), Vec::new());
+    for Turning { load, speed, viscosity, moments } in turning(bearing, over, work)? {
+        if viscosity * speed > 1.1e5 {
+            continue;
+        }
+        let [rolls, slides] = skf(60.0, viscosity, speed, load);
+        whole.push((moments[0] + moments[1]) / (rolls + slides));
+        rolling.push(moments[0] / rolls);
     }
     let points = whole.len();
     let check = |key: &str, what: &str, numbers: Vec<f64>| {
@@ -177,25 +203,17 @@ fn palmgren(diameter: f64, viscosity: f64, speed: f64, load: f64) -> f64 {
     (viscous + by_load) * 1e-3
 }
 
-/// The bearing over load, speed and viscosity, against Palmgren's formulas.
+/// The bearing against Palmgren's formulas.
 fn against_palmgren(bearing: &Scene, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
-    let mut ratios = Vec::new();
-    for load in [1000.0, 2000.0, 4000.0, 8000.0] {
-        for speed in [300.0, 1000.0, 3000.0, 5000.0] {
-            for celsius in [40.0, 55.0, 70.0] {
-                let mut scene = bearing.clone();
-                scene.set("axial_load_N", load)?;
-                scene.set("screw_speed_rpm", speed)?;
-                scene.set("lubricant_temperature_C", celsius)?;
-                let record = solve(&scene, Model::RacewayControl, work)?;
-                let density = 880.0 * (1.0 - 6.5e-4 * (celsius - 15.0));
-                let viscosity = number(&record, "viscosity_mPas") * 1e3 / density;
-                let lost = number(&record, "rolling_power_W") + number(&record, "sliding_power_W");
-                let ours = lost * 30.0 / (PI * speed);
-                ratios.push(ours / palmgren(60.0, viscosity, speed, load));
-            }
-        }
-    }
+    let over = (
+        &[1000.0, 2000.0, 4000.0, 8000.0][..],
+        &[300.0, 1000.0, 3000.0, 5000.0][..],
+        &[40.0, 55.0, 70.0][..],
+    );
+    let ratio = |Turning { load, speed, viscosity, moments }| {
+        (moments[0] + moments[1]) / palmgren(60.0, viscosity, speed, load)
+    };
+    let ratios: Vec<_> = turning(bearing, over, work)?.into_iter().map(ratio).collect();
     let points = ratios.len();
     let [least, middle, most] = spread(ratios);
     Ok(Check::new("lubrication/palmgren", PALMGREN, "torque over that of Palmgren's formulas")

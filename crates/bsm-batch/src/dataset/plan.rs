@@ -5,7 +5,7 @@ use std::num::{NonZeroU32, NonZeroU64};
 use std::path::Path;
 
 use bsm_case::{Axis, CaseError, Grid, ModelChoice, Output, Scene, Settings};
-use bsm_dyn::{Model, RacewayFriction};
+use bsm_dyn::Model;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
@@ -82,10 +82,9 @@ impl WrittenModel {
 
     fn settings(&self) -> Result<Settings, CaseError> {
         let Self { tolerance, accuracy, creep, .. } = *self;
-        let named = Settings::named(&self.name, self.control.as_deref())?;
-        // A name that this program does not know is another task.
-        let friction = RacewayFriction::from_name(&self.friction).unwrap_or_default();
-        Ok(Settings { tolerance, accuracy, creep, friction, ..named })
+        let control = self.control.as_deref();
+        let named = Settings::named(&self.name, control, Some(&self.friction))?;
+        Ok(Settings { tolerance, accuracy, creep, ..named })
     }
 }
 
@@ -289,7 +288,7 @@ mod tests {
     use std::num::NonZeroUsize;
     use std::sync::atomic::AtomicBool;
 
-    use bsm_dyn::Control;
+    use bsm_dyn::{Control, RacewayFriction};
 
     use super::*;
 
