@@ -46,8 +46,11 @@ from ballscrew._errors import (
     InputError,
     NoSolutionError,
     NotConvergedError,
+    RunnerLostError,
+    ShardError,
     SolveError,
 )
+from ballscrew._shards import Plan, normal, plan, run_shard, uniform
 
 __all__ = [
     "INPUTS",
@@ -60,9 +63,12 @@ __all__ = [
     "NoSolutionError",
     "NotConvergedError",
     "NutReport",
+    "Plan",
     "Quantity",
     "Report",
+    "RunnerLostError",
     "Scene",
+    "ShardError",
     "Solution",
     "SolveError",
     "Table",
@@ -75,13 +81,17 @@ __all__ = [
     "gradient",
     "jam",
     "linspace",
+    "normal",
     "nut",
     "optimum",
+    "plan",
+    "run_shard",
     "sensitivities",
     "size",
     "slip",
     "solve",
     "solve_many",
     "sweep",
+    "uniform",
     "validate",
 ]

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
-    Progress = Callable[[int, int], object]
+
+Progress = Callable[[int, int], object]
 
 
 class Quantity(NamedTuple):
@@ -632,6 +633,17 @@ def linspace(start: float, stop: float, count: int) -> Linspace:
     return Linspace(float(start), float(stop), int(count))
 
 
+def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[str]:
+    """The axes of a grid as `--vary` has them."""
+    axes = []
+    for name, values in vary.items():
+        if isinstance(values, Linspace):
+            axes.append(f"{name}={values.start!r}:{values.stop!r}:{values.number}")
+        else:
+            axes.append(f"{name}={','.join(repr(_number(name, value)) for value in values)}")
+    return axes
+
+
 def _how(
     model: str, tolerance: float, accuracy: float, creep: float, control: str | None
 ) -> tuple[str, float, float, float, str | None]:
@@ -929,15 +941,9 @@ def sweep(
     ((5,), array([0.96, 0.92, 0.89, 0.85, 0.82]))
     """
     scene = _scene(base, {})
-    axes = []
-    for name, values in vary.items():
-        if isinstance(values, Linspace):
-            axes.append(f"{name}={values.start!r}:{values.stop!r}:{values.number}")
-        else:
-            axes.append(f"{name}={','.join(repr(_number(name, value)) for value in values)}")
     how = _how(model, tolerance, accuracy, creep, control)
     rows, found = _core.sweep(
-        scene, axes, how, list(outputs) if outputs is not None else None, threads, _shown(progress)
+        scene, _axes(vary), how, list(outputs) if outputs is not None else None, threads, _shown(progress)
     )
     import numpy as np
 

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ballscrew._api import Solution
 
-__all__ = ["BallscrewError", "InputError", "NoSolutionError", "NotConvergedError", "SolveError"]
+__all__ = [
+    "BallscrewError",
+    "InputError",
+    "NoSolutionError",
+    "NotConvergedError",
+    "RunnerLostError",
+    "ShardError",
+    "SolveError",
+]
 
 
 class BallscrewError(Exception):
@@ -65,3 +73,11 @@ class NoSolutionError(SolveError):
 
 class NotConvergedError(SolveError):
     """No solution was found, though there may be one."""
+
+
+class ShardError(BallscrewError):
+    """A part that is missing, damaged or could not be solved."""
+
+
+class RunnerLostError(BallscrewError):
+    """The scheduler of a cluster is gone; what is finished stays."""

@@ -94,6 +94,15 @@ fn invalid(message: &str, about: About<'_>, hint: &str) -> PyErr {
     made.unwrap_or_else(|error| error)
 }
 
+/// An error of the package, by its name, with words alone.
+pub(crate) fn named(kind: &str, message: &str) -> PyErr {
+    let made = Python::attach(|py| -> PyResult<PyErr> {
+        let kind = py.import("ballscrew._errors")?.getattr(kind)?;
+        Ok(PyErr::from_value(kind.call1((message,))?))
+    });
+    made.unwrap_or_else(|error| error)
+}
+
 /// An `InputError` with words alone.
 pub(crate) fn words(message: &str) -> PyErr {
     invalid(message, About::default(), "")

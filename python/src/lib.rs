@@ -12,6 +12,7 @@ mod errors;
 mod points;
 mod reports;
 mod scene;
+mod shards;
 mod solution;
 mod table;
 
@@ -78,6 +79,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scene::Scene>()?;
     module.add_class::<solution::Solution>()?;
     module.add_class::<points::Rows>()?;
+    module.add_class::<shards::PyPlan>()?;
     for function in [
         wrap_pyfunction!(inputs, module)?,
         wrap_pyfunction!(outputs, module)?,

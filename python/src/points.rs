@@ -194,7 +194,7 @@ fn codes(places: Vec<u8>) -> PyArrowBuffer {
 }
 
 /// The outputs of these names, or all of a solution.
-fn selected(names: Option<Vec<String>>) -> PyResult<Vec<&'static Output>> {
+pub(crate) fn selected(names: Option<Vec<String>>) -> PyResult<Vec<&'static Output>> {
     Answers::select(names.as_deref()).map_err(|e| errors::table(&e))
 }
 

@@ -5,6 +5,7 @@
 //!   plan.json                  written first, never changed
 //!   data/part-000000.parquet   finished parts and nothing else
 //!   tmp/                       unfinished files
+//!   reduced.parquet            statistics of all parts, in place of rows, where the plan asks for them
 //!   shards.parquet             written last: what the footers of the parts say
 //! ```
 //!
@@ -17,24 +18,27 @@ mod folder;
 mod part;
 mod plan;
 mod points;
+mod reduce;
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, BufWriter, ErrorKind, Write};
-use std::num::NonZeroU64;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
 pub use self::error::DatasetError;
 pub use self::folder::MakeTemporary;
-pub use self::part::{Damage, Part};
-pub use self::plan::{MOST_SHARDS, Plan, RESULTS};
+pub use self::part::{Damage, Part, list_parts};
+pub use self::plan::{Estimate, Layout, MOST_SHARDS, Plan, RESULTS};
 pub use self::points::{Points, sha256};
+pub use self::reduce::{Reduction, Statistic};
 
 use self::folder::{Folder, complete};
-use self::part::{Proving, kind, list, prove, seal};
-use crate::{Answers, Chunk, Count, ParquetSink, RunError, Source, Task, Workers};
+use self::part::{Proving, kind, prove, seal};
+use self::reduce::Reduced;
+use crate::{Answers, Chunk, Count, ParquetSink, RunError, Source, TableError, Task, Workers};
 
 /// What happens in a run.
 #[derive(Debug, Clone, Copy)]
@@ -43,8 +47,8 @@ pub enum Event<'a> {
     Foreign(&'a [PathBuf]),
     /// Rows that the folder is to hold; comes before any that are found or solved.
     Planned(u64),
-    /// Rows of a part that was there.
-    Found(u64),
+    /// A part that was there.
+    Found(&'a Part),
     /// Rows that were solved.
     Solved(&'a Chunk, &'a Answers),
 }
@@ -60,14 +64,42 @@ pub struct Survey {
     pub foreign: Vec<PathBuf>,
 }
 
+impl Survey {
+    /// The parts that a plan has and the folder has not, as ranges of their numbers.
+    pub fn missing(&self, plan: &Plan) -> Vec<Range<u64>> {
+        let mut missing = Vec::new();
+        let mut next = 0;
+        for shard in self.parts.keys().copied().chain([plan.shards()]) {
+            if next < shard {
+                missing.push(next..shard);
+            }
+            next = shard + 1;
+        }
+        missing
+    }
+
+    /// Rows, and how many of them have no result or several.
+    pub fn count(&self) -> Count {
+        count(&self.parts)
+    }
+}
+
+fn count(parts: &BTreeMap<u64, Part>) -> Count {
+    parts.values().fold(Count::default(), |count, part| Count {
+        rows: count.rows + part.rows,
+        failed: count.failed + part.failed,
+        several: count.several + part.several,
+    })
+}
+
 /// How a folder is filled.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Filling {
     /// Goes on with a folder of the same plan, whose parts are trusted when their bytes are as they were
     /// written; else the folder must be new or empty.
     pub resume: bool,
-    /// Rows of a part; follow from the task unless given.
-    pub rows_per_shard: Option<NonZeroU64>,
+    /// Parts and what is in them.
+    pub layout: Layout,
     /// Makes unfinished files.
     pub make: MakeTemporary,
 }
@@ -85,8 +117,8 @@ pub fn fill(
     workers: &Workers<'_>,
     tell: &mut dyn FnMut(Event<'_>),
 ) -> Result<Count, DatasetError> {
-    let Filling { resume, rows_per_shard, make } = how;
-    let plan = Plan::new(task, points, rows_per_shard, workers)?;
+    let Filling { resume, layout, make } = how;
+    let plan = Plan::new(task, points, &layout, workers)?;
     let begin = if resume { Dataset::resume } else { Dataset::create };
     let parts = begin(folder, plan, make)?;
     let found = parts.survey(true, workers)?;
@@ -241,9 +273,48 @@ impl Dataset {
         Ok(survey)
     }
 
-    /// Solves one part, unless it is there.
+    /// The points of the plan; a table is read to see that it is the one that the plan was made for.
     ///
-    /// * `source`: rows from the first of the part on.
+    /// * `table`: where it is; unless given, beside the folder under its name.
+    ///
+    /// # Errors
+    ///
+    /// As [`Plan::points`].
+    pub fn points(
+        &self,
+        table: Option<&Path>,
+        workers: &Workers<'_>,
+    ) -> Result<Points, DatasetError> {
+        let beside = |name: &str| self.folder.path.join("..").join(name);
+        let found = |name: &str| table.map_or_else(|| beside(name), Path::to_owned);
+        self.plan.points(found, workers)
+    }
+
+    /// The part of a number, if it is there and whole.
+    ///
+    /// * `deep`: whether all bytes are looked at, or those of the footer only.
+    ///
+    /// # Errors
+    ///
+    /// [`Damage`] of what stands there and is not the part; [`DatasetError::Stopped`].
+    fn find(
+        &self,
+        shard: u64,
+        deep: bool,
+        workers: &Workers<'_>,
+    ) -> Result<Result<Option<Part>, Damage>, DatasetError> {
+        match prove(&self.part_file(shard), self.plan.place(shard), deep, workers) {
+            Ok(None) => Err(DatasetError::Stopped),
+            Ok(part) => Ok(Ok(part)),
+            Err(Damage::Io(error)) if error.kind() == ErrorKind::NotFound => Ok(Ok(None)),
+            Err(damage) => Ok(Err(damage)),
+        }
+    }
+
+    /// Solves one part.
+    ///
+    /// * `source`: rows from the first of the part on. * `replace`: whether what stands under its name is
+    ///   replaced; else it must be the part itself.
     ///
     /// # Errors
     ///
@@ -253,37 +324,106 @@ impl Dataset {
         shard: u64,
         task: &Task,
         source: &mut dyn Source,
+        replace: bool,
         workers: &Workers<'_>,
         tell: &mut dyn FnMut(Event<'_>),
     ) -> Result<Part, DatasetError> {
         let place = self.plan.place(shard);
         let path = self.part_file(shard);
         let unwritable = |error| DatasetError::Write { path: path.clone(), error };
-        let file = self.folder.unfinished(&path, self.plan.id())?;
-        let out = Proving::new(BufWriter::new(file));
-        let sink = ParquetSink::new(out, source.columns(), &task.outputs).map_err(unwritable)?;
-        let mut seen = |chunk: &Chunk, answers: &Answers| tell(Event::Solved(chunk, answers));
-        let run = task.run(source, sink, place.rows, workers, &mut seen);
-        let (sink, count) = run.map_err(|error| match error {
+        let failed = |error| match error {
             RunError::Read(error) => DatasetError::Read(error),
             RunError::Write(error) => unwritable(error),
             RunError::Thread(error) => DatasetError::Thread(error),
             RunError::Stopped => DatasetError::Stopped,
-        })?;
+        };
+        let file = self.folder.unfinished(&path, self.plan.id())?;
+        let out = Proving::new(BufWriter::new(file));
+        let mut seen = |chunk: &Chunk, answers: &Answers| tell(Event::Solved(chunk, answers));
+        let (file, count) = match self.reduction()? {
+            None => {
+                let sink = ParquetSink::new(out, source.columns(), &task.outputs);
+                let sink = sink.map_err(unwritable)?;
+                let run = task.run(source, sink, place.rows, workers, &mut seen);
+                let (sink, count) = run.map_err(failed)?;
+                (sink.into_file(), count)
+            }
+            Some(reduction) => {
+                let sink = Reduced::new(&reduction, source.columns(), &task.outputs);
+                let sink = sink.map_err(DatasetError::Read)?;
+                let run = task.run(source, sink, place.rows, workers, &mut seen);
+                let (sink, count) = run.map_err(failed)?;
+                (sink.into_file(out), count)
+            }
+        };
         if count.rows != place.rows {
             let (rows, found) = (place.rows, count.rows);
             return Err(DatasetError::PointsChanged { shard, rows, found });
         }
-        let (out, part) = seal(sink, place, count).map_err(unwritable)?;
+        let (out, part) = seal(file.map_err(unwritable)?, place, count).map_err(unwritable)?;
         let file = out.into_inner().map_err(io::IntoInnerError::into_error);
-        match file.and_then(|file| complete(file, &path, false)) {
+        match file.and_then(|file| complete(file, &path, replace)) {
             Ok(()) => Ok(part),
             // Somebody else may have finished it in the meantime, and may have tidied up.
-            Err(error) => match prove(&path, place, false, workers) {
+            Err(error) => match self.find(shard, false, workers)? {
                 Ok(Some(there)) if there == part => Ok(there),
                 _ => Err(DatasetError::io("write", &path, error)),
             },
         }
+    }
+
+    fn reduction(&self) -> Result<Option<Reduction>, DatasetError> {
+        let why = |why| DatasetError::NotAPlan { path: self.folder.plan(), why };
+        self.plan.reduction().map_err(why)
+    }
+
+    /// Solves those of some parts that are not there, in their order. What is damaged is told at the end, and
+    /// the others are solved.
+    ///
+    /// * `shards`: their numbers, growing. * `repair`: whether all bytes of those that are there are looked at, and
+    ///   what is no part is replaced.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`]; the parts that are finished stay.
+    pub fn run_shards(
+        &self,
+        task: &Task,
+        points: &Points,
+        shards: impl IntoIterator<Item = u64>,
+        repair: bool,
+        workers: &Workers<'_>,
+        tell: &mut dyn FnMut(Event<'_>),
+    ) -> Result<BTreeMap<u64, Part>, DatasetError> {
+        self.folder.make_folders()?;
+        let mut source = points.open().map_err(DatasetError::Read)?;
+        let mut at = 0;
+        let (mut parts, mut damaged) = (BTreeMap::new(), Vec::new());
+        for shard in shards {
+            if shard >= self.plan.shards() {
+                return Err(DatasetError::NoSuchPart { shard, shards: self.plan.shards() });
+            }
+            let found = self.find(shard, repair, workers)?;
+            let replace = found.is_err();
+            match found {
+                Ok(Some(part)) => {
+                    tell(Event::Found(&part));
+                    parts.insert(shard, part);
+                    continue;
+                }
+                Err(damage) if !repair => {
+                    damaged.push((self.part_file(shard), damage));
+                    continue;
+                }
+                Ok(None) | Err(_) => {}
+            }
+            let first = self.plan.place(shard).first_row;
+            source.skip(first - at).map_err(DatasetError::Read)?;
+            let part = self.run_shard(shard, task, source.as_mut(), replace, workers, tell)?;
+            at = first + part.rows;
+            parts.insert(shard, part);
+        }
+        if damaged.is_empty() { Ok(parts) } else { Err(DatasetError::Damaged(damaged)) }
     }
 
     /// Solves all parts that are not there, in their order, and finishes the folder.
@@ -302,49 +442,63 @@ impl Dataset {
         if !found.damaged.is_empty() {
             return Err(DatasetError::Damaged(found.damaged));
         }
+        for part in found.parts.values() {
+            tell(Event::Found(part));
+        }
+        let missing = found.missing(&self.plan).into_iter().flatten();
         let mut parts = found.parts;
-        for part in parts.values() {
-            tell(Event::Found(part.rows));
-        }
-        let mut source = points.open().map_err(DatasetError::Read)?;
-        let mut at = 0;
-        for shard in 0..self.plan.shards() {
-            if parts.contains_key(&shard) {
-                continue;
-            }
-            let first = self.plan.place(shard).first_row;
-            source.skip(first - at).map_err(DatasetError::Read)?;
-            let part = self.run_shard(shard, task, source.as_mut(), workers, tell)?;
-            at = first + part.rows;
-            parts.insert(shard, part);
-        }
+        parts.append(&mut self.run_shards(task, points, missing, false, workers, tell)?);
         self.finish(&parts)?;
-        Ok(parts.values().fold(Count::default(), |count, part| Count {
-            rows: count.rows + part.rows,
-            failed: count.failed + part.failed,
-            several: count.several + part.several,
-        }))
+        Ok(count(&parts))
     }
 
-    /// Writes the list of all parts, and removes what killed runs of this plan have left.
+    /// Writes the statistics of all parts, if the plan asks for them, and the list of the parts, and removes what
+    /// killed runs of this plan have left.
+    ///
+    /// * `parts`: all of the plan.
     ///
     /// # Errors
     ///
     /// [`DatasetError`].
     pub fn finish(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
+        if let Some(reduction) = self.reduction()? {
+            let path = self.folder.reduced();
+            let unwritable = |error| DatasetError::Write { path: path.clone(), error };
+            let files = parts.keys().map(|shard| self.part_file(*shard));
+            self.write_once(&path, &self.reduced(&reduction, files).map_err(unwritable)?)?;
+        }
         let path = self.folder.shards();
         let list =
-            list(parts).map_err(|error| DatasetError::Write { path: path.clone(), error })?;
-        let unwritable = |error| DatasetError::io("write", &path, error);
-        if let Ok(found) = fs::symlink_metadata(&path)
+            list_parts(parts).map_err(|error| DatasetError::Write { path: path.clone(), error })?;
+        self.write_once(&path, &list)?;
+        self.folder.tidy(self.plan.id())
+    }
+
+    /// What the parts of a plan with statistics hold together, as a Parquet table.
+    fn reduced(
+        &self,
+        reduction: &Reduction,
+        parts: impl Iterator<Item = PathBuf>,
+    ) -> Result<Vec<u8>, TableError> {
+        let parts: Vec<_> = parts.collect();
+        let first = parts.first().ok_or_else(|| io::Error::other("there are no parts"))?;
+        let task = self.plan.task().map_err(io::Error::other)?;
+        let columns = Reduced::inputs(first)?;
+        Reduced::new(reduction, &columns, &task.outputs)?.of_parts(parts.iter())
+    }
+
+    /// Writes a file that follows from the parts, unless it is there.
+    fn write_once(&self, path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
+        let unwritable = |error| DatasetError::io("write", path, error);
+        if let Ok(found) = fs::symlink_metadata(path)
             && !found.is_file()
         {
             return Err(unwritable(io::Error::other(format!("it is {}", kind(&found)))));
         }
-        let is_written = || fs::read(&path).is_ok_and(|bytes| bytes == list);
+        let is_written = || fs::read(path).is_ok_and(|found| found == bytes);
         let write = || {
-            let mut file = self.folder.unfinished(&path, self.plan.id())?;
-            file.write_all(&list).and_then(|()| complete(file, &path, true)).map_err(unwritable)
+            let mut file = self.folder.unfinished(path, self.plan.id())?;
+            file.write_all(bytes).and_then(|()| complete(file, path, true)).map_err(unwritable)
         };
         // Somebody else may finish at the same moment, and tidy up.
         if !is_written()
@@ -353,6 +507,6 @@ impl Dataset {
         {
             return Err(error);
         }
-        self.folder.tidy(self.plan.id())
+        Ok(())
     }
 }

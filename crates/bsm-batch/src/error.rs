@@ -163,6 +163,18 @@ pub enum TableError {
         /// The name.
         name: String,
     },
+    /// An input that rows are to be grouped by, and that is no column.
+    #[error("--by {name}: it is no column of the points")]
+    NothingToGroupBy {
+        /// The input.
+        name: String,
+    },
+    /// More groups than are held in memory.
+    #[error("--by makes more than {most} groups; group by inputs with fewer values")]
+    TooManyGroups {
+        /// Most groups.
+        most: usize,
+    },
     /// The table has no row of column names.
     #[error("the table is empty: the first row must name the columns")]
     NoHeader,

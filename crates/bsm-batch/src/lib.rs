@@ -46,6 +46,7 @@
 mod column_chunk;
 pub mod dataset;
 mod dialect;
+mod draws;
 mod error;
 mod kernel;
 mod lines;
@@ -61,6 +62,7 @@ mod table;
 mod text;
 
 pub use dialect::Dialect;
+pub use draws::{Draw, DrawSource, Draws};
 pub use error::TableError;
 pub use kernel::exists as has_kernel;
 pub use numbers::{NumberColumn, NumberRows, NumberSink};

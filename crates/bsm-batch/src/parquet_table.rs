@@ -251,7 +251,7 @@ const ROW_GROUP: usize = 1 << 18;
 
 /// Words of a dictionary: inputs are often values of a grid; outputs that vary shall not fill one first. Names of
 /// models, of statuses and of words of an output are far fewer.
-const INPUT_WORDS: u16 = 1 << 14;
+pub(crate) const INPUT_WORDS: u16 = 1 << 14;
 const OUTPUT_WORDS: u16 = 1 << 8;
 
 /// Where the values of a column come from, and its chunk of the row group that goes on.
@@ -391,13 +391,7 @@ impl<W: Write + Send> ParquetSink<W> {
         });
         let fields: Vec<_> = kept.chain(inputs).chain(words).chain(answers).collect();
         let schema = Arc::new(Schema::new(fields));
-        let properties = WriterProperties::builder()
-            .set_compression(PACKED)
-            // The footer follows the rows at once, so that one hash covers all before it.
-            .set_offset_index_disabled(true)
-            .set_statistics_enabled(EnabledStatistics::Chunk)
-            .build();
-        let writer = ArrowWriter::try_new(writer, schema.clone(), Some(properties))?;
+        let writer = ArrowWriter::try_new(writer, schema.clone(), Some(properties()))?;
         let (file, arrow) = writer.into_serialized_writer()?;
         let (columns, outputs) = (columns.clone(), outputs.to_vec());
         Ok(Self { file, columns, outputs, schema, arrow, group: Vec::new(), rows: 0 })
@@ -451,24 +445,38 @@ impl<W: Write + Send> ParquetSink<W> {
     /// # Errors
     ///
     /// [`TableError`].
-    pub fn finish(mut self) -> Result<W, TableError> {
-        self.end_group()?;
-        Ok(self.file.into_inner()?)
+    pub fn finish(self) -> Result<W, TableError> {
+        Ok(self.into_file()?.into_inner()?)
     }
 
-    /// [`finish`](Self::finish) with keys in the footer, which are asked for when all before the
-    /// footer is written.
-    pub(crate) fn finish_with(
-        mut self,
-        keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,
-    ) -> Result<W, TableError> {
+    /// The file with all its rows and no footer.
+    pub(crate) fn into_file(mut self) -> Result<SerializedFileWriter<W>, TableError> {
         self.end_group()?;
-        self.file.flush()?;
-        for (key, value) in keys(self.file.inner_mut()) {
-            self.file.append_key_value_metadata(KeyValue::new(key.to_owned(), value));
-        }
-        self.finish()
+        Ok(self.file)
     }
+}
+
+/// Writes the footer with keys, which are asked for when all before the footer is written, and returns
+/// the writer.
+pub(crate) fn finish_with<W: Write + Send>(
+    mut file: SerializedFileWriter<W>,
+    keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,
+) -> Result<W, TableError> {
+    file.flush()?;
+    for (key, value) in keys(file.inner_mut()) {
+        file.append_key_value_metadata(KeyValue::new(key.to_owned(), value));
+    }
+    Ok(file.into_inner()?)
+}
+
+/// How all our tables are packed.
+pub(crate) fn properties() -> WriterProperties {
+    WriterProperties::builder()
+        .set_compression(PACKED)
+        // The footer follows the rows at once, so that one hash covers all before it.
+        .set_offset_index_disabled(true)
+        .set_statistics_enabled(EnabledStatistics::Chunk)
+        .build()
 }
 
 impl<W: Write + Send> Sink for ParquetSink<W> {

@@ -71,6 +71,11 @@ impl Columns {
         Self::sort_as(names, keep, &Dialect::default())
     }
 
+    /// Inputs and nothing else, in their units.
+    pub(crate) fn of_inputs(inputs: Vec<InputKey>) -> Self {
+        Self { input_places: (0..inputs.len()).collect(), inputs, ..Self::default() }
+    }
+
     /// [`sort`](Self::sort) for a table that has other names; `keep` has those of the table.
     pub(crate) fn sort_as<'a>(
         names: impl IntoIterator<Item = &'a str>,

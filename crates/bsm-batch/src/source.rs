@@ -52,9 +52,7 @@ pub struct GridSource {
 impl GridSource {
     /// All points of `grid`, its last axis fastest.
     pub fn new(grid: Grid) -> Self {
-        let inputs: Vec<_> = grid.axes().iter().map(|axis| axis.key).collect();
-        let columns =
-            Columns { input_places: (0..inputs.len()).collect(), inputs, ..Columns::default() };
+        let columns = Columns::of_inputs(grid.axes().iter().map(|axis| axis.key).collect());
         Self { grid, columns, at: 0 }
     }
 }

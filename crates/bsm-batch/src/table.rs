@@ -6,6 +6,7 @@ use std::path::Path;
 
 use bsm_case::Output;
 
+use crate::parquet_table::finish_with;
 use crate::rows::{Answers, Chunk, Columns};
 use crate::{
     CsvSink, CsvSource, Dialect, JsonSink, JsonSource, ParquetSink, ParquetSource, Sink, Source,
@@ -110,8 +111,10 @@ impl<W: Write + Send> TableSink<W> {
         match self {
             Self::Csv(sink) => sink.finish(),
             Self::Json(sink) => Ok(sink.finish()),
-            Self::Parquet(sink) => sink
-                .finish_with(|_| about.map(|text| (ABOUT, text.to_owned())).into_iter().collect()),
+            Self::Parquet(sink) => {
+                let about = about.map(|text| (ABOUT, text.to_owned()));
+                finish_with(sink.into_file()?, |_| about.into_iter().collect())
+            }
         }
     }
 }

@@ -41,6 +41,18 @@ pub(crate) enum Command {
     /// Solve a table of operating points: one row in, one row out, in the same order.
     #[command(after_help = EXIT_CODES)]
     Batch(BatchArgs),
+    /// Solve parts of a folder that `sweep --plan` or `batch --plan` has planned, on this machine or any other.
+    ///
+    /// Any number of processes may do so at once, in any order, more than once: parts that are there are kept, and the bytes are
+    /// those of one machine. Without a choice all that is missing is solved. Example, of 100 tasks of a scheduler:
+    /// bsm shard map/ --index $TASK --of 100. Then: bsm verify map/
+    #[command(after_help = EXIT_CODES)]
+    Shard(ShardArgs),
+    /// Check the parts of a folder: every part there, and as it was written. Exit code 3 if one is missing or damaged.
+    ///
+    /// When all are there it writes shards.parquet, and reduced.parquet for statistics, and removes what killed runs have left.
+    #[command(after_help = EXIT_CODES)]
+    Verify(VerifyArgs),
     /// Contact angle of best efficiency, and self-locking limits.
     #[command(after_help = EXIT_CODES)]
     Optimum(OptimumArgs),
@@ -263,6 +275,18 @@ pub(crate) struct TableArgs {
     /// Rows in each part of a folder; unless given, chosen from the number of rows, outputs and model.
     #[arg(long, value_name = "N")]
     pub(crate) rows_per_shard: Option<NonZeroU64>,
+    /// Only write the plan of a folder, and print rows, parts, core-hours and size to expect: `bsm shard` solves the parts,
+    /// in as many processes and on as many machines as there are.
+    #[arg(long)]
+    pub(crate) plan: bool,
+    /// Keep statistics in place of rows in a folder: min, max, mean, histogram:BINS (so many bins for each doubling of the
+    /// value, a power of two), worst:K (the K rows with the least and the K with the greatest value). They end in
+    /// FOLDER/reduced.parquet.
+    #[arg(long, value_name = "STATISTIC,...", value_delimiter = ',')]
+    pub(crate) reduce: Option<Vec<String>>,
+    /// Inputs whose values make groups of --reduce; one group of all rows unless given.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', requires = "reduce")]
+    pub(crate) by: Vec<String>,
     /// Outputs to write, in this order, also numbers of `bsm slip`, `bsm jam`, `bsm optimum` and `bsm capacity`; all of
     /// `bsm solve` unless given. `bsm schema output` lists them.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -286,8 +310,29 @@ pub(crate) struct SweepArgs {
     pub(crate) model: ModelArgs,
     /// Input to vary: NAME=START:STOP:COUNT (ends included), NAME=START:STOP:COUNT:log (equal ratios) or
     /// NAME=V1,V2,...; may be repeated for a full grid, in which the last input changes fastest.
-    #[arg(long, value_name = "NAME=VALUES", required = true, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "NAME=VALUES",
+        required_unless_present = "draw",
+        allow_hyphen_values = true
+    )]
     pub(crate) vary: Vec<String>,
+    /// Input to draw at random in place of a grid: NAME=uniform:LOW:HIGH or NAME=normal:MEAN:DEVIATION; may be repeated.
+    /// A row depends on the seed and its number only; a draw that breaks the rule of its input has no result.
+    #[arg(
+        long,
+        value_name = "NAME=LAW",
+        conflicts_with = "vary",
+        requires = "draws",
+        allow_hyphen_values = true
+    )]
+    pub(crate) draw: Vec<String>,
+    /// Number of random points.
+    #[arg(long, value_name = "N", requires = "draw")]
+    pub(crate) draws: Option<u64>,
+    /// Seed of the random points.
+    #[arg(long, value_name = "S", requires = "draw", default_value_t = 0)]
+    pub(crate) seed: u64,
     #[command(flatten)]
     pub(crate) table: TableArgs,
     /// Plot to write (.svg or .png) of one output against the first varied input, a line per value of
@@ -301,6 +346,56 @@ pub(crate) struct SweepArgs {
     /// Output of --plot and --map, also a number of `bsm slip`, `bsm jam`, `bsm optimum` or `bsm capacity`.
     #[arg(long, value_name = "NAME", default_value = "efficiency")]
     pub(crate) plot_output: String,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ShardArgs {
+    /// Folder with a plan.
+    #[arg(value_name = "FOLDER")]
+    pub(crate) folder: PathBuf,
+    /// Solve the parts whose number leaves this remainder when divided by --of.
+    #[arg(long, value_name = "I", requires = "of")]
+    pub(crate) index: Option<u64>,
+    /// Number of processes that share the parts.
+    #[arg(long, value_name = "N", requires = "index")]
+    pub(crate) of: Option<NonZeroU64>,
+    /// Solve the parts A, A + 1, ... up to B - 1.
+    #[arg(long, value_name = "A:B", conflicts_with = "index", value_parser = shards)]
+    pub(crate) shards: Option<(u64, u64)>,
+    /// Number of threads, at most 1024; all cores unless given. Bytes do not depend on it.
+    #[arg(long, value_name = "T", value_parser = threads)]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Read all bytes of the parts that are there, and solve those again that are not as they were written.
+    #[arg(long)]
+    pub(crate) repair: bool,
+    /// Table of points of the plan, if it is elsewhere than beside the folder under its name.
+    #[arg(long, value_name = "POINTS")]
+    pub(crate) points: Option<PathBuf>,
+    /// No progress bar.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+/// Numbers of parts, from the first to before the last.
+fn shards(text: &str) -> Result<(u64, u64), String> {
+    let ends = text.split_once(':').map(|(from, to)| (from.parse(), to.parse()));
+    match ends {
+        Some((Ok(from), Ok(to))) if from < to => Ok((from, to)),
+        _ => Err("must be two whole numbers, such as 0:100 for the parts 0 to 99".to_owned()),
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VerifyArgs {
+    /// Folder with a plan.
+    #[arg(value_name = "FOLDER")]
+    pub(crate) folder: PathBuf,
+    /// Read all bytes, not only the footers.
+    #[arg(long)]
+    pub(crate) deep: bool,
+    /// How to print what was found.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
 }
 
 #[derive(Debug, Args)]
@@ -701,4 +796,6 @@ pub(crate) enum SchemaKind {
     Validate,
     /// bsm tradeoff.
     Tradeoff,
+    /// bsm verify.
+    Verify,
 }

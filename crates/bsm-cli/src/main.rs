@@ -15,6 +15,7 @@ mod motion;
 mod nut;
 mod optimum;
 mod schema;
+mod shard;
 mod size;
 mod solve;
 mod stream;
@@ -24,6 +25,7 @@ mod threads;
 mod tradeoff;
 mod unfinished;
 mod validate;
+mod verify;
 #[cfg(feature = "xlsx")]
 mod workbook;
 
@@ -63,6 +65,10 @@ fn main() -> ExitCode {
         Command::Batch(args) => {
             on_threads(args.table.threads.or(asked), |workers| batch::run(&args, workers))
         }
+        Command::Shard(args) => {
+            on_threads(args.threads.or(asked), |workers| shard::run(&args, workers))
+        }
+        Command::Verify(args) => on_threads(asked, |workers| verify::run(&args, workers)),
         Command::Optimum(args) => optimum::run(&args),
         Command::Capacity(args) => capacity::run(&args),
         Command::Catalog(args) => on_threads(asked, |_| catalog::run(&args)),

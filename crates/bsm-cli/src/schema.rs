@@ -29,6 +29,7 @@ pub(crate) fn run(kind: SchemaKind) -> Result<(), Failure> {
         SchemaKind::Catalog => any_of([catalogue(), makers()]),
         SchemaKind::Validate => validate(),
         SchemaKind::Tradeoff => tradeoff(),
+        SchemaKind::Verify => verify(),
     };
     let name = kind.to_possible_value();
     let command = name.as_ref().map_or("", PossibleValue::get_name);
@@ -379,6 +380,22 @@ fn validate() -> Value {
         ("verdict", json!({ "enum": ["pass", "fail", "finding"] })),
     ]);
     closed([("program", text()), ("passed", flag()), ("checks", list(&check))])
+}
+
+fn verify() -> Value {
+    closed([
+        ("plan", text()),
+        ("shards", integer()),
+        ("finished", integer()),
+        ("complete", flag()),
+        ("deep", flag()),
+        ("missing", texts()),
+        ("damaged", list(&closed([("file", text()), ("reason", text())]))),
+        ("foreign", texts()),
+        ("rows", integer()),
+        ("failed", integer()),
+        ("several", integer()),
+    ])
 }
 
 fn tradeoff() -> Value {

@@ -4,7 +4,9 @@ use std::fs;
 use std::io::{self, IsTerminal};
 use std::path::Path;
 
-use bsm_batch::dataset::{self, DatasetError, Event, Filling, Points, sha256};
+use bsm_batch::dataset::{
+    self, Dataset, DatasetError, Event, Filling, Layout, Plan, Points, Reduction, sha256,
+};
 use bsm_batch::{
     Answers, Chunk, Count, Format, NumberColumn, NumberSink, RunError, Source, TableError,
     TableSink, Task, Workers,
@@ -17,6 +19,7 @@ use serde_json::{Value, json};
 use crate::args::TableArgs;
 use crate::failure::{Failure, warn};
 use crate::files::{self, Output, pretty_json};
+use crate::shard::print_plan;
 use crate::unfinished;
 #[cfg(feature = "xlsx")]
 use crate::workbook::{self, Entry, Workbook};
@@ -46,6 +49,9 @@ impl<'a> Job<'a> {
     ) -> Result<(), Failure> {
         let TableArgs { output, quiet, .. } = self.table;
         let folder = is_folder(self.table)?;
+        if self.table.plan {
+            return self.plan(points, workers);
+        }
         let mut watch = |chunk: &Chunk, answers: &Answers| {
             if let (Some(_), Some(watched)) = (self.task.watched, answers.columns.last()) {
                 each(chunk, answers, watched);
@@ -153,16 +159,34 @@ impl<'a> Job<'a> {
         }
     }
 
+    /// How the folder is laid out.
+    fn layout(&self) -> Result<Layout, Failure> {
+        let TableArgs { rows_per_shard, reduce, by, .. } = self.table;
+        let reduction = reduce.as_ref().map(|reduce| Reduction::parse(reduce, by)).transpose();
+        let reduction = reduction.map_err(|why| Failure::Input(format!("--reduce: {why}")))?;
+        Ok(Layout { rows_per_shard: *rows_per_shard, reduction })
+    }
+
+    /// Begins the folder, or finds that it has the same plan, and tells what it comes to.
+    fn plan(&self, points: &Points, workers: &Workers<'_>) -> Result<(), Failure> {
+        let folder = self.table.output.as_path();
+        let plan = Plan::new(&self.task, points, &self.layout()?, workers);
+        let begun = plan.and_then(|plan| {
+            Dataset::resume(folder, plan, |file| unfinished::create_temporary(file))
+        });
+        print_plan(folder, begun.map_err(|error| failed(folder, error))?.plan())
+    }
+
     fn fill_folder(
         &self,
         points: &Points,
         workers: &Workers<'_>,
         watch: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
-        let TableArgs { output: folder, resume, rows_per_shard, quiet, .. } = self.table;
+        let TableArgs { output: folder, resume, quiet, .. } = self.table;
         let how = Filling {
             resume: *resume,
-            rows_per_shard: *rows_per_shard,
+            layout: self.layout()?,
             make: |file| unfinished::create_temporary(file),
         };
         let mut bar = ProgressBar::hidden();
@@ -175,7 +199,7 @@ impl<'a> Job<'a> {
                 warn("warning", &text);
             }
             Event::Planned(rows) => bar = progress(Some(rows), "rows", *quiet),
-            Event::Found(rows) => bar.inc(rows),
+            Event::Found(part) => bar.inc(part.rows),
             Event::Solved(chunk, answers) => {
                 bar.inc(chunk.len as u64);
                 watch(chunk, answers);
@@ -230,15 +254,21 @@ fn is_folder(table: &TableArgs) -> Result<bool, Failure> {
             folder.with_extension("").display()
         )));
     }
-    if table.rows_per_shard.is_some() {
-        let text = "--rows-per-shard is for folders, such as --output map/";
-        return Err(Failure::Input(text.to_owned()));
+    for (given, name) in [
+        (table.rows_per_shard.is_some(), "--rows-per-shard"),
+        (table.plan, "--plan"),
+        (table.reduce.is_some(), "--reduce"),
+    ] {
+        if given {
+            let text = format!("{name} is for folders, such as --output map/");
+            return Err(Failure::Input(text));
+        }
     }
     Ok(false)
 }
 
 /// What is wrong with a folder, with the exit code of its kind.
-fn failed(folder: &Path, error: DatasetError) -> Failure {
+pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
     match error {
         DatasetError::Read(error) => Failure::Table(error),
         DatasetError::Write { path, error } => unwritable(&path, &error),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bsm_batch::dataset::Points;
-use bsm_batch::{Answers, Chunk, GridSource, Task, Workers};
+use bsm_batch::{Answers, Chunk, Draw, Draws, Task, Workers};
 use bsm_case::units::words;
 use bsm_case::{Axis as GridAxis, CaseError, Grid, Output as OutputColumn, exact};
 use bsm_report::{Axis, Curve, Figure, MOST_CELLS, MOST_CURVES, Map, ReportError, Stroke};
@@ -26,18 +26,16 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         files::keep(&args.scene.scene, output.map(PathBuf::as_path))?;
     }
     let in_file = |e: CaseError| Failure::scene(&args.scene.scene, &e);
-    let usage = |e: CaseError| Failure::Input(format!("--vary: {e}"));
-    let axes: Vec<_> =
-        args.vary.iter().map(|v| GridAxis::parse(v)).collect::<Result<_, _>>().map_err(usage)?;
-    let grid = Grid::new(axes).map_err(usage)?;
+    let (points, grid) = points(args)?;
 
     // Everything that can be told before the work: the fixed inputs, the model, the outputs.
     let settings = args.model.settings().map_err(in_file)?;
     let title = base.description.clone();
     let wants = args.plot.is_some() || args.map.is_some();
     let watched = if wants { Some(drawn(&args.plot_output)?) } else { None };
-    if wants && args.table.resume {
-        let text = "--plot and --map need all points; they do not go with --resume";
+    let is_grid = matches!(points, Points::Grid(_));
+    if wants && (args.table.resume || args.table.plan || !is_grid) {
+        let text = "--plot and --map need all points of a grid; they do not go with --resume, --plan or --draw";
         return Err(Failure::Input(text.to_owned()));
     }
     let mut curves = match (&args.plot, watched) {
@@ -57,15 +55,15 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let title = format!("{title}{}, model {model}", args.plot_output.replace('_', " "));
     note_unused(task.base.given() | grid.varied());
     if let Some(lookup) = Lookup::of(&args.table.output) {
-        if wants || args.table.resume {
-            let text = "--plot, --map and --resume do not go with a lookup";
+        if wants || args.table.resume || args.table.plan || !is_grid {
+            let text = "--plot, --map, --resume, --plan and --draw do not go with a lookup";
             return Err(Failure::Input(text.to_owned()));
         }
         return lookup.write(&args.table.output, &task, &grid, workers);
     }
     let job = Job::new(task, &args.table);
-    let mut source = GridSource::new(grid.clone());
-    let solved = job.run(&mut source, &Points::Grid(grid), workers, |chunk, answers, values| {
+    let mut source = points.open()?;
+    let solved = job.run(source.as_mut(), &points, workers, |chunk, answers, values| {
         if let Some((curves, _)) = &mut curves {
             curves.add(chunk, answers, values);
         }
@@ -85,6 +83,21 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         picture.write(|| map.svg(), || map.png())?;
     }
     solved
+}
+
+/// The points, and the grid that a task for them is made for: its own, or that of the ends of random points.
+fn points(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
+    let usage = |what| move |e: CaseError| Failure::Input(format!("{what}: {e}"));
+    if let Some(count) = args.draws {
+        let of = args.draw.iter().map(|draw| Draw::parse(draw)).collect::<Result<_, _>>();
+        let draws = of.and_then(|of| Draws::new(args.seed, count, of));
+        let draws = draws.map_err(usage("--draw"))?;
+        let corners = draws.corners().map_err(usage("--draw"))?;
+        return Ok((Points::Draws(draws), corners));
+    }
+    let axes = args.vary.iter().map(|v| GridAxis::parse(v)).collect::<Result<_, _>>();
+    let grid = axes.and_then(Grid::new).map_err(usage("--vary"))?;
+    Ok((Points::Grid(grid.clone()), grid))
 }
 
 /// The output of a plot.

@@ -57,6 +57,9 @@ fn results_are_what_their_schemas_say() {
         "nut_double.json",
     ]
     .map(example);
+    // Planned, and no part solved.
+    let plan = ["--vary=axial_load_N=1:9:3", "-o", "map/", "--plan"];
+    assert!(bsm(dir.path(), &[&["sweep", &drive][..], &plan].concat(), "").status.success());
     let runs: &[&[&str]] = &[
         &["solve", &drive],
         &["solve", &drive, "--sensitivities", "--model", "traction"],
@@ -92,6 +95,7 @@ fn results_are_what_their_schemas_say() {
         &["slip", &lin, "--set", "lead_angle_deg=5"],
         &["jam", &jamming],
         &["validate"],
+        &["verify", "map"],
     ];
     for args in runs {
         let result = json(dir.path(), &[args, &["--format", "json"][..]].concat());

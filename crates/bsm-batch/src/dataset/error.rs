@@ -60,6 +60,26 @@ pub enum DatasetError {
         /// Those that there were.
         found: u64,
     },
+    /// Points of a plan that name nothing.
+    #[error("the points of the plan: {0}")]
+    NotPoints(String),
+    /// A table that is not the one of the plan.
+    #[error("{} is not the table of points that the plan was made for ({name}): its bytes are others",
+        path.display())]
+    OtherTable {
+        /// The file.
+        path: PathBuf,
+        /// Name of the table of the plan.
+        name: String,
+    },
+    /// Parts that the plan does not have.
+    #[error("the plan has parts 0 to {}, and none of the number {shard}", shards - 1)]
+    NoSuchPart {
+        /// What was asked for.
+        shard: u64,
+        /// Number of parts.
+        shards: u64,
+    },
     /// More parts than a folder takes.
     #[error(
         "{rows} rows in parts of {rows_per_shard} are more than {MOST_SHARDS} parts; take at least \
@@ -106,8 +126,8 @@ pub enum DatasetError {
         why: String,
     },
     /// What stands in place of parts is none of the plan's.
-    #[error("{}; move {} away, and it is solved again with --resume",
-        words(.0), if .0.len() == 1 { "it" } else { "each" })]
+    #[error("{}; move {} away, and it is solved again with --resume, or \
+        let `bsm shard --repair` replace it", words(.0), if .0.len() == 1 { "it" } else { "each" })]
     Damaged(Vec<(PathBuf, Damage)>),
 }
 

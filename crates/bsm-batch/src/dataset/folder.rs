@@ -14,6 +14,7 @@ const PLAN: &str = "plan.json";
 const DATA: &str = "data";
 const UNFINISHED: &str = "tmp";
 const SHARDS: &str = "shards.parquet";
+const REDUCED: &str = "reduced.parquet";
 /// What older versions wrote in place of a plan.
 pub(super) const OLD_PLAN: &str = "parts.json";
 
@@ -52,9 +53,19 @@ impl Folder {
         self.path.join(SHARDS)
     }
 
-    /// What is among the parts.
+    /// Where the statistics of all parts are.
+    pub(super) fn reduced(&self) -> PathBuf {
+        self.path.join(REDUCED)
+    }
+
+    /// What is among the parts; nothing if their folder is not there.
     pub(super) fn data(&self) -> Result<Vec<fs::DirEntry>, DatasetError> {
-        entries(&self.path.join(DATA))
+        match entries(&self.path.join(DATA)) {
+            Err(DatasetError::Io { error, .. }) if error.kind() == ErrorKind::NotFound => {
+                Ok(vec![])
+            }
+            found => found,
+        }
     }
 
     /// The text of the plan: what cannot be one is not read.
@@ -169,7 +180,7 @@ fn unfinished_id(entry: &fs::DirEntry) -> Option<String> {
     let name = entry.file_name().into_string().ok()?;
     let [what, id, random] = name.split('.').collect::<Vec<_>>()[..] else { return None };
     let part = what.strip_prefix("part-").is_some_and(|n| n.parse::<u64>().is_ok());
-    let ours = (part || ["plan", "shards"].contains(&what))
+    let ours = (part || ["plan", "reduced", "shards"].contains(&what))
         && id.len() == SHORT_ID
         && id.bytes().all(|b| b.is_ascii_hexdigit())
         && random.len() == RANDOM

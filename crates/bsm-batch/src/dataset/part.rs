@@ -14,10 +14,11 @@ use std::sync::Arc;
 use arrow_array::{ArrayRef, RecordBatch, StringArray, UInt64Array};
 use parquet::arrow::ArrowWriter;
 use parquet::file::metadata::ParquetMetaDataReader;
+use parquet::file::writer::SerializedFileWriter;
 use sha2::{Digest, Sha256};
 
 use super::digest;
-use crate::parquet_table::{ParquetSink, decoded};
+use crate::parquet_table::{decoded, finish_with};
 use crate::{Count, TableError, Workers};
 
 const PLAN: &str = "bsm.plan";
@@ -46,6 +47,8 @@ pub(super) struct Place<'a> {
     pub(super) shard: u64,
     pub(super) first_row: u64,
     pub(super) rows: u64,
+    /// Whether it holds statistics in place of its rows.
+    pub(super) is_reduced: bool,
 }
 
 /// A finished part.
@@ -86,6 +89,9 @@ pub enum Damage {
     /// It has no footer, or none of a part.
     #[error("is cut off, changed, or no part of bsm: its footer proves nothing")]
     Footer,
+    /// The bytes that are known are not all of the footer.
+    #[error("needs the last {0} bytes to be known")]
+    Short(u64),
     /// A part of something else.
     #[error("is a part of another plan")]
     OtherPlan,
@@ -131,14 +137,14 @@ impl<W: Write> Write for Proving<W> {
 
 /// Writes the end of a part, and returns the writer.
 pub(super) fn seal<W: Write + Send>(
-    sink: ParquetSink<Proving<W>>,
+    file: SerializedFileWriter<Proving<W>>,
     place: Place<'_>,
     Count { failed, several, .. }: Count,
 ) -> Result<(W, Part), TableError> {
-    let Place { plan, shard, first_row, rows } = place;
+    let Place { plan, shard, first_row, rows, .. } = place;
     let (data_bytes, data_sha256) = (0, String::new());
     let mut part = Part { shard, first_row, rows, failed, several, data_bytes, data_sha256 };
-    let written = sink.finish_with(|file| {
+    let written = finish_with(file, |file| {
         part.data_bytes = file.data_bytes;
         part.data_sha256 = digest::hex(file.hash.clone());
         file.footer = Some(Vec::new());
@@ -191,8 +197,23 @@ pub(super) fn prove(
         return Err(Damage::Empty);
     }
     let mut file = File::open(path)?;
-    let (mut footer, data_bytes) = read_footer(&mut file, found.len())?.ok_or(Damage::Footer)?;
+    let footer = read_footer(&mut file, found.len())?.ok_or(Damage::Footer)?;
+    let part = proven(footer, found.len(), place)?;
+    if deep {
+        file.seek(SeekFrom::Start(0))?;
+        match digest::of_reader(&mut file.take(part.data_bytes), || workers.stopped())? {
+            None => return Ok(None),
+            Some((hash, _)) if hash == part.data_sha256 => {}
+            Some(_) => return Err(Damage::Changed),
+        }
+    }
+    Ok(Some(part))
+}
 
+/// The part of a place that a footer with its tail proves.
+///
+/// * `len`: of the file.
+pub(super) fn proven(mut footer: Vec<u8>, len: u64, place: Place<'_>) -> Result<Part, Damage> {
     // The footer proves itself before anything in it is believed.
     let hash_place = place_of_hash(&footer).ok_or(Damage::Footer)?;
     let said = footer.get(hash_place.clone()).ok_or(Damage::Footer)?.to_owned();
@@ -211,51 +232,57 @@ pub(super) fn prove(
     if value(PLAN) != Some(place.plan) {
         return Err(Damage::OtherPlan);
     }
-    let shard = value(SHARD).unwrap_or("?");
-    let rows = format!("{}:{}", place.first_row, place.rows);
-    if shard != place.shard.to_string() || value(ROWS) != Some(rows.as_str()) {
-        return Err(Damage::OtherPart(shard.to_owned()));
+    let Place { shard, first_row, rows, is_reduced, .. } = place;
+    let found = value(SHARD).unwrap_or("?");
+    if found != shard.to_string() || value(ROWS) != Some(&format!("{first_row}:{rows}")) {
+        return Err(Damage::OtherPart(found.to_owned()));
     }
     let counted = |key| value(key).and_then(|n| n.parse().ok()).ok_or(Damage::Footer);
-    let (failed, several) = (counted(FAILED)?, counted(SEVERAL)?);
+    let (failed, several, data_bytes) = (counted(FAILED)?, counted(SEVERAL)?, counted(DATA_BYTES)?);
     let data_sha256 = value(DATA_SHA256).ok_or(Damage::Footer)?.to_owned();
-    if value(DATA_BYTES) != Some(data_bytes.to_string().as_str())
-        || u64::try_from(metadata.num_rows()) != Ok(place.rows)
-    {
+    let all_rows = is_reduced || u64::try_from(metadata.num_rows()) == Ok(rows);
+    if data_bytes + footer.len() as u64 != len || !all_rows {
         return Err(Damage::Footer);
     }
-    if deep {
-        file.seek(SeekFrom::Start(0))?;
-        match digest::of_reader(&mut file.take(data_bytes), || workers.stopped())? {
-            None => return Ok(None),
-            Some((hash, _)) if hash == data_sha256 => {}
-            Some(_) => return Err(Damage::Changed),
-        }
-    }
-    let Place { shard, first_row, rows, .. } = place;
-    Ok(Some(Part { shard, first_row, rows, failed, several, data_bytes, data_sha256 }))
+    Ok(Part { shard, first_row, rows, failed, several, data_bytes, data_sha256 })
 }
 
-/// The footer of a file with its tail, and how many bytes are before it; `None` if it has none.
-fn read_footer(file: &mut File, len: u64) -> io::Result<Option<(Vec<u8>, u64)>> {
+/// How long the footer of a Parquet file is with its tail, by the last bytes of the file; `None` if they are
+/// no tail.
+fn footer_len(tail: [u8; TAIL]) -> Option<u64> {
+    let [a, b, c, d, letters @ ..] = tail;
+    let footer = u64::from(u32::from_le_bytes([a, b, c, d]));
+    (letters == *b"PAR1" && footer <= LONGEST_FOOTER).then_some(footer + TAIL as u64)
+}
+
+/// The footer among the last bytes of a file; else how many of them are needed, if it can be one.
+pub(super) fn footer_of(end: &[u8]) -> Result<Vec<u8>, Option<u64>> {
+    let needed = end.last_chunk().and_then(|tail| footer_len(*tail)).ok_or(None)?;
+    let from = usize::try_from(needed).ok().and_then(|needed| end.len().checked_sub(needed));
+    from.map(|from| end[from..].to_vec()).ok_or(Some(needed))
+}
+
+/// The footer of a file with its tail; `None` if it has none.
+fn read_footer(file: &mut File, len: u64) -> io::Result<Option<Vec<u8>>> {
     let Some(at_tail) = len.checked_sub(TAIL as u64) else { return Ok(None) };
     let mut tail = [0; TAIL];
     file.seek(SeekFrom::Start(at_tail))?;
     file.read_exact(&mut tail)?;
-    let [a, b, c, d, letters @ ..] = tail;
-    let footer = u64::from(u32::from_le_bytes([a, b, c, d]));
-    let Some(data_bytes) = at_tail.checked_sub(footer) else { return Ok(None) };
-    if letters != *b"PAR1" || footer > LONGEST_FOOTER {
+    let Some(start) = footer_len(tail).and_then(|footer| len.checked_sub(footer)) else {
         return Ok(None);
-    }
-    file.seek(SeekFrom::Start(data_bytes))?;
-    let (mut bytes, rest) = (Vec::new(), len - data_bytes);
+    };
+    file.seek(SeekFrom::Start(start))?;
+    let (mut bytes, rest) = (Vec::new(), len - start);
     file.take(rest).read_to_end(&mut bytes)?;
-    Ok((bytes.len() as u64 == rest).then_some((bytes, data_bytes)))
+    Ok((bytes.len() as u64 == rest).then_some(bytes))
 }
 
-/// The parts as a table.
-pub(super) fn list(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableError> {
+/// The parts as a Parquet table, the file `shards.parquet` of a folder.
+///
+/// # Errors
+///
+/// [`TableError`] if it cannot be made.
+pub fn list_parts(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableError> {
     let numbers = |read: fn(&Part) -> u64| -> ArrayRef {
         Arc::new(parts.values().map(read).collect::<UInt64Array>())
     };

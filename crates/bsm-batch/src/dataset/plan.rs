@@ -2,16 +2,17 @@
 
 use std::io;
 use std::num::{NonZeroU32, NonZeroU64};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use bsm_case::{Axis, CaseError, Grid, ModelChoice, Output, Scene, Settings};
+use bsm_case::{CaseError, ModelChoice, Output, Scene, Settings};
 use bsm_dyn::Model;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::part::Place;
 use super::points::{Points, WrittenPoints};
-use super::{DatasetError, digest};
+use super::reduce::{Reduced, Reduction};
+use super::{Damage, DatasetError, Part, digest, part};
 use crate::{Answers, Columns, Heading, Task, Workers};
 
 /// Goes up by one with each entry under "Changed numbers" in the changelog: parts of two revisions are
@@ -44,6 +45,33 @@ struct Written {
     columns: Vec<String>,
     rows: u64,
     rows_per_shard: NonZeroU64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    reduce: Option<WrittenReduction>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenReduction {
+    statistics: Vec<String>,
+    by: Vec<String>,
+}
+
+/// What a plan says besides its task and its points.
+#[derive(Debug, Clone, Default)]
+pub struct Layout {
+    /// Rows of a part; follow from the task unless given.
+    pub rows_per_shard: Option<NonZeroU64>,
+    /// Statistics in place of rows.
+    pub reduction: Option<Reduction>,
+}
+
+/// What a plan comes to, nominally.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// Time on one core \[s\].
+    pub core_seconds: f64,
+    /// Size of all parts \[B\], at most: values that repeat take less.
+    pub bytes: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -89,7 +117,7 @@ impl WrittenModel {
 }
 
 impl Plan {
-    /// The plan of a task over points; the rows of a part follow from the others unless given.
+    /// The plan of a task over points.
     ///
     /// # Errors
     ///
@@ -97,9 +125,14 @@ impl Plan {
     pub fn new(
         task: &Task,
         points: &Points,
-        rows_per_shard: Option<NonZeroU64>,
+        layout: &Layout,
         workers: &Workers<'_>,
     ) -> Result<Self, DatasetError> {
+        let Layout { rows_per_shard, reduction } = layout;
+        if let Some(reduction) = reduction {
+            let source = points.open().map_err(DatasetError::Read)?;
+            Reduced::new(reduction, source.columns(), &task.outputs).map_err(DatasetError::Read)?;
+        }
         let (points, rows) = points.written(workers)?;
         let rule = || rows_of_a_shard(rows, task.settings.model);
         let rows_per_shard = rows_per_shard.unwrap_or_else(rule);
@@ -117,6 +150,10 @@ impl Plan {
             columns: task.outputs.iter().map(|output| output.name.to_owned()).collect(),
             rows,
             rows_per_shard,
+            reduce: reduction.as_ref().map(|reduction| WrittenReduction {
+                statistics: reduction.statistics.iter().map(ToString::to_string).collect(),
+                by: reduction.by.iter().map(|key| key.name().to_owned()).collect(),
+            }),
         };
         let text = serde_json::to_string(&written).map_err(io::Error::from);
         let text = text.map_err(|e| DatasetError::io("write", Path::new("plan.json"), e))? + "\n";
@@ -166,15 +203,81 @@ impl Plan {
         Ok(Task::new(base, settings, outputs))
     }
 
-    /// The grid, if the points are one.
+    /// The points; a table is read to see that it is the one of the plan.
+    ///
+    /// * `table`: where a table is, by its name.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for an axis that is none.
-    pub fn grid(&self) -> Result<Option<Grid>, CaseError> {
-        let WrittenPoints::Grid(axes) = &self.written.points else { return Ok(None) };
-        let axes: Result<_, _> = axes.iter().map(|axis| Axis::parse(axis)).collect();
-        Grid::new(axes?).map(Some)
+    /// [`DatasetError`] if they name nothing, or the table is not there or another one.
+    pub fn points(
+        &self,
+        table: impl FnOnce(&str) -> PathBuf,
+        workers: &Workers<'_>,
+    ) -> Result<Points, DatasetError> {
+        self.written.points.read(table, workers)
+    }
+
+    /// The statistics that stand in place of rows.
+    ///
+    /// # Errors
+    ///
+    /// What in the plan names nothing, in words.
+    pub fn reduction(&self) -> Result<Option<Reduction>, String> {
+        let written = self.written.reduce.as_ref();
+        written.map(|w| Reduction::parse(&w.statistics, &w.by)).transpose()
+    }
+
+    /// What it comes to.
+    ///
+    /// # Errors
+    ///
+    /// As [`task`](Self::task).
+    pub fn estimate(&self) -> Result<Estimate, String> {
+        /// Footer of a part, and of each of its columns \[B\].
+        const FOOTER: f64 = 1500.0;
+        const COLUMN: f64 = 150.0;
+        /// Row of a table of statistics \[B\].
+        const STATISTIC: f64 = 20.0;
+        let task = self.task()?;
+        let [rows, shards] = [self.rows(), self.shards()].map(approximate);
+        let inputs = self.written.points.inputs();
+        #[expect(clippy::cast_precision_loss, reason = "there are some fifty")]
+        let columns = (inputs.len() + task.outputs.len()) as f64;
+        let data = if let Some(reduction) = self.reduction()? {
+            let per_group = STATISTIC * reduction.rows_of_a_group(task.outputs.len());
+            let by = reduction.by.iter().map(|key| self.written.points.values(*key));
+            // Groups of later parts go by the values of earlier ones.
+            per_group * by.product::<f64>().min(approximate(self.rows_per_shard())) * shards
+        } else {
+            let bytes = |output: &&Output| match output.json_type {
+                "boolean" => 0.125,
+                "string" => 0.5,
+                _ => 8.0,
+            };
+            let outputs = task.outputs.iter().map(bytes).sum::<f64>();
+            // Auto says why it chose its model.
+            let words = if task.settings.model == ModelChoice::Auto { 4.0 } else { 0.5 };
+            rows * (words + outputs + inputs.iter().sum::<f64>())
+        };
+        let core_seconds = rows * seconds(task.settings.model);
+        Ok(Estimate { core_seconds, bytes: data + shards * (FOOTER + COLUMN * columns) })
+    }
+
+    /// The part of a number that the last bytes of a file prove, for files that are not in a folder.
+    ///
+    /// * `len`: bytes of the file.
+    ///
+    /// # Errors
+    ///
+    /// [`Damage`]; [`Damage::Short`] if more of the last bytes are needed.
+    pub fn prove(&self, shard: u64, end: &[u8], len: u64) -> Result<Part, Damage> {
+        match part::footer_of(end) {
+            Ok(footer) => part::proven(footer, len, self.place(shard)),
+            Err(Some(needed)) if needed <= len => Err(Damage::Short(needed)),
+            Err(_) if len == 0 => Err(Damage::Empty),
+            Err(_) => Err(Damage::Footer),
+        }
     }
 
     /// The text of its file.
@@ -205,7 +308,8 @@ impl Plan {
     pub(super) fn place(&self, shard: u64) -> Place<'_> {
         let first_row = shard * self.rows_per_shard();
         let rows = self.rows_per_shard().min(self.rows() - first_row);
-        Place { plan: &self.id, shard, first_row, rows }
+        let is_reduced = self.written.reduce.is_some();
+        Place { plan: &self.id, shard, first_row, rows, is_reduced }
     }
 
     /// Which keys of another plan's text are not as here, with both values where they are short; `None`
@@ -216,11 +320,14 @@ impl Plan {
             _ => None,
         };
         let (this, other) = (parse(&self.text)?, parse(other)?);
-        let all_there = this.keys().all(|key| other.contains_key(key));
-        let differ = this.iter().filter(|(key, value)| other.get(*key) != Some(value));
-        let words = differ.map(|(key, value)| {
-            let both = (value.to_string(), other.get(key).map_or(String::new(), Value::to_string));
-            match both {
+        // Of two plans, one may have statistics and the other none.
+        const OPTIONAL: &str = "reduce";
+        let all_there = this.keys().all(|key| key == OPTIONAL || other.contains_key(key));
+        let added = other.keys().filter(|key| *key == OPTIONAL && !this.contains_key(*key));
+        let differ = this.keys().chain(added).filter(|key| this.get(*key) != other.get(*key));
+        let words = differ.map(|key| {
+            let [now, then] = [&this, &other].map(|plan| plan.get(key).unwrap_or(&Value::Null));
+            match (now.to_string(), then.to_string()) {
                 (now, then) if now.len() + then.len() < 60 => format!("{key} ({then}, now {now})"),
                 _ => key.clone(),
             }
@@ -250,15 +357,21 @@ impl Task {
     }
 }
 
-/// Nominal time of a row \[s\].
+/// A number that is looked at by people.
+#[expect(clippy::cast_precision_loss, reason = "for an estimate")]
+fn approximate(count: u64) -> f64 {
+    count as f64
+}
+
+/// Nominal time of a row on one core with one output, solved and written \[s\], where the balls grip.
 fn seconds(model: ModelChoice) -> f64 {
     let microseconds = match model {
-        ModelChoice::Fixed(Model::ClosedForm | Model::QuasiStatic) => 0.15,
+        ModelChoice::Fixed(Model::ClosedForm | Model::QuasiStatic) => 0.1,
         ModelChoice::Fixed(Model::Rigid) => 0.2,
-        ModelChoice::Fixed(Model::RacewayControl) => 0.4,
+        ModelChoice::Fixed(Model::Elastic) => 0.3,
+        ModelChoice::Fixed(Model::RacewayControl) => 0.5,
         ModelChoice::Auto => 10.0,
-        ModelChoice::Fixed(Model::Elastic) => 16.0,
-        ModelChoice::Fixed(Model::Traction) => 60.0,
+        ModelChoice::Fixed(Model::Traction) => 20.0,
     };
     1e-6 * microseconds
 }
@@ -288,9 +401,11 @@ mod tests {
     use std::num::NonZeroUsize;
     use std::sync::atomic::AtomicBool;
 
+    use bsm_case::{Axis, Grid};
     use bsm_dyn::{Control, RacewayFriction};
 
     use super::*;
+    use crate::{Draw, Draws};
 
     static NEVER: AtomicBool = AtomicBool::new(false);
 
@@ -310,7 +425,8 @@ mod tests {
     }
 
     fn plan(task: &Task, points: &Points, rows: u64) -> Plan {
-        Plan::new(task, points, NonZeroU64::new(rows), &workers()).expect("a plan")
+        let layout = Layout { rows_per_shard: NonZeroU64::new(rows), reduction: None };
+        Plan::new(task, points, &layout, &workers()).expect("a plan")
     }
 
     #[test]
@@ -333,8 +449,11 @@ mod tests {
         let again = Plan::from_text(plan.text()).expect("its own text");
         assert_eq!((again.id(), again.shards(), again.rows()), (plan.id(), 3, 33));
         assert_eq!(again.place(2).rows, 1);
-        let Points::Grid(grid) = points else { unreachable!("made above") };
-        assert_eq!(again.grid().expect("axes"), Some(grid));
+        let read = again.points(|name| name.into(), &workers()).expect("points");
+        let (Points::Grid(read), Points::Grid(grid)) = (read, points) else {
+            unreachable!("grids")
+        };
+        assert_eq!(read, grid);
         let (a, b) = (task(), again.task().expect("a task"));
         assert_eq!(
             (&a.base, a.settings, a.outputs[0].name),
@@ -381,12 +500,51 @@ mod tests {
             (with(all), "columns"),
             (plan(&task(), &points, 17), "rows_per_shard (17, now 16)"),
             (plan(&task(), &grid(&["lead_mm=5:11:11"]), 16), "points"),
+            (plan(&task(), &draws("lead_mm=uniform:5:10", 11), 16), "points"),
+            (reduced(&["min"], &[]), "reduce "),
         ] {
             assert_ne!(other.id(), first.id(), "{key}");
             let said = first.differences(other.text()).expect("another plan");
+            let back = other.differences(first.text()).expect("another plan");
+            assert_eq!(back.split(' ').next(), said.split(' ').next());
             assert!(said.starts_with(key) && !said.contains(", ") | said.contains("now"), "{said}");
         }
         assert_eq!(first.differences("{}"), None);
+        assert_ne!(reduced(&["min"], &["lead_mm"]).id(), reduced(&["min"], &[]).id());
+        let draws = |count| plan(&task(), &draws("lead_mm=uniform:5:10", count), 16);
+        assert_ne!(draws(11).id(), draws(12).id());
+    }
+
+    fn draws(of: &str, count: u64) -> Points {
+        let of = vec![Draw::parse(of).expect("a draw")];
+        Points::Draws(Draws::new(7, count, of).expect("draws"))
+    }
+
+    fn reduced(statistics: &[&str], by: &[&str]) -> Plan {
+        let [statistics, by] = [statistics, by].map(|words| words.iter().map(|w| (*w).to_owned()));
+        let reduction = Reduction::parse(&Vec::from_iter(statistics), &Vec::from_iter(by));
+        let rows_per_shard = NonZeroU64::new(16);
+        let layout = Layout { rows_per_shard, reduction: Some(reduction.expect("words")) };
+        Plan::new(&task(), &grid(&["lead_mm=5:10:11"]), &layout, &workers()).expect("a plan")
+    }
+
+    /// Random points and statistics are read back as they were written.
+    #[test]
+    fn every_kind_of_plan_is_read_back() {
+        for plan in [
+            plan(&task(), &draws("lead_mm=normal:20:0.1", 100), 16),
+            reduced(&["min", "histogram:8", "worst:3"], &["lead_mm"]),
+        ] {
+            let again = Plan::from_text(plan.text()).expect("its own text");
+            assert_eq!((again.id(), again.reduction()), (plan.id(), plan.reduction()));
+            let points = again.points(|name| name.into(), &workers()).expect("points");
+            let layout = Layout {
+                rows_per_shard: NonZeroU64::new(16),
+                reduction: again.reduction().expect("a reduction"),
+            };
+            let made = Plan::new(&again.task().expect("a task"), &points, &layout, &workers());
+            assert_eq!(made.expect("a plan").text(), plan.text());
+        }
     }
 
     /// A part is seconds of one core, whatever the job; beyond 100 000 parts, less than 1/50 000 of it.
@@ -395,10 +553,10 @@ mod tests {
         for (rows, model, shards, power) in [
             (0, ModelChoice::Auto, 0, 18),
             (1_000_000, Model::Rigid.into(), 1, 20),
-            (1_000_000, Model::Elastic.into(), 4, 18),
-            (1_000_000, Model::Traction.into(), 16, 16),
+            (1_000_000, Model::Elastic.into(), 1, 20),
+            (1_000_000, Model::Traction.into(), 8, 17),
             (100_000_000, Model::RacewayControl.into(), 96, 20),
-            (1_000_000_000, Model::Traction.into(), 15_259, 16),
+            (1_000_000_000, Model::Traction.into(), 7_630, 17),
             (1_000_000_000_000, Model::ClosedForm.into(), 59_605, 24),
             (1_000_000_000_000, Model::Traction.into(), 59_605, 24),
             (u64::MAX, Model::Traction.into(), 65_536, 48),
@@ -411,7 +569,8 @@ mod tests {
     #[test]
     fn more_parts_than_a_folder_takes_are_refused() {
         let points = grid(&["lead_mm=5:10:1000001"]);
-        let refused = Plan::new(&task(), &points, NonZeroU64::new(10), &workers());
+        let layout = Layout { rows_per_shard: NonZeroU64::new(10), reduction: None };
+        let refused = Plan::new(&task(), &points, &layout, &workers());
         let said = refused.expect_err("too many").to_string();
         assert!(said.contains("at least 11"), "{said}");
     }

@@ -4,20 +4,23 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use bsm_case::Grid;
+use bsm_case::{Axis, CaseError, Grid, InputKey};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::part::kind;
 use super::{DatasetError, digest};
+use crate::parquet_table::INPUT_WORDS;
 use crate::pipeline::ROWS;
-use crate::{Dialect, Format, GridSource, Source, TableError, Workers};
+use crate::{Dialect, Draw, DrawSource, Draws, Format, GridSource, Source, TableError, Workers};
 
 /// Rows that points come from, and can come from again.
 #[derive(Debug, Clone)]
 pub enum Points {
     /// A grid.
     Grid(Grid),
+    /// Random points.
+    Draws(Draws),
     /// A table.
     Table {
         /// The file.
@@ -38,6 +41,7 @@ impl Points {
     pub fn open(&self) -> Result<Box<dyn Source>, TableError> {
         match self {
             Self::Grid(grid) => Ok(Box::new(GridSource::new(grid.clone()))),
+            Self::Draws(draws) => Ok(Box::new(DrawSource::new(draws.clone()))),
             Self::Table { path, keep, dialect } => {
                 let format = Format::of(path).ok_or_else(|| {
                     let words = "a table ends in .csv, .jsonl or .parquet";
@@ -56,6 +60,7 @@ impl Points {
     ) -> Result<(WrittenPoints, u64), DatasetError> {
         let (path, keep, dialect) = match self {
             Self::Grid(grid) => return Ok((written_grid(grid), grid.len() as u64)),
+            Self::Draws(draws) => return Ok((written_draws(draws), draws.count())),
             Self::Table { path, keep, dialect } => (path, keep, dialect),
         };
         let (name, sha256, bytes) = hashed(path, workers)?;
@@ -83,6 +88,7 @@ impl Points {
     pub fn about(&self, workers: &Workers<'_>) -> Result<Value, DatasetError> {
         Ok(match self {
             Self::Grid(grid) => json!(written_grid(grid)),
+            Self::Draws(draws) => json!(written_draws(draws)),
             Self::Table { path, keep, .. } if !path.is_file() => {
                 json!({ "table": { "name": null, "keep": keep } })
             }
@@ -97,6 +103,11 @@ impl Points {
 
 fn written_grid(grid: &Grid) -> WrittenPoints {
     WrittenPoints::Grid(grid.axes().iter().map(ToString::to_string).collect())
+}
+
+fn written_draws(draws: &Draws) -> WrittenPoints {
+    let of = draws.of().iter().map(ToString::to_string).collect();
+    WrittenPoints::Random(WrittenDraws { seed: draws.seed(), count: draws.count(), of })
 }
 
 /// SHA-256 of a file, and its length.
@@ -129,7 +140,81 @@ fn hashed(path: &Path, workers: &Workers<'_>) -> Result<(String, String, u64), D
 #[serde(rename_all = "lowercase")]
 pub(super) enum WrittenPoints {
     Grid(Vec<String>),
+    Random(WrittenDraws),
     Table(WrittenTable),
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WrittenDraws {
+    seed: u64,
+    count: u64,
+    of: Vec<String>,
+}
+
+impl WrittenPoints {
+    /// What each input takes in a row of a part \[B\], nominally.
+    pub(super) fn inputs(&self) -> Vec<f64> {
+        /// A number; a table has some columns.
+        const NUMBER: f64 = 8.0;
+        const COLUMNS: usize = 4;
+        match self {
+            // A value of an outer axis stands in many rows; those of the innermost repeat, as words of a list.
+            Self::Grid(axes) => {
+                let bytes = |(place, text): (usize, &String)| match Axis::parse(text) {
+                    _ if place > 0 => 0.1,
+                    Ok(axis) if axis.len() > usize::from(INPUT_WORDS) => NUMBER,
+                    _ => 2.0,
+                };
+                axes.iter().rev().enumerate().map(bytes).collect()
+            }
+            Self::Random(draws) => vec![NUMBER; draws.of.len()],
+            Self::Table(table) => vec![NUMBER; COLUMNS + table.keep.len()],
+        }
+    }
+
+    /// How many values an input has, nominally.
+    pub(super) fn values(&self, key: InputKey) -> f64 {
+        /// Of a table that is grouped.
+        const FEW: f64 = 100.0;
+        let Self::Grid(axes) = self else { return FEW };
+        let axes = axes.iter().filter_map(|axis| Axis::parse(axis).ok());
+        #[expect(clippy::cast_precision_loss, reason = "for an estimate")]
+        let len = axes.filter(|axis| axis.key == key).map(|axis| axis.len() as f64).next();
+        len.unwrap_or(FEW)
+    }
+
+    /// The points; a table is looked for at a path, and must be the one that the plan was made for.
+    ///
+    /// * `table`: the path, or what the name of the table makes one.
+    pub(super) fn read(
+        &self,
+        table: impl FnOnce(&str) -> PathBuf,
+        workers: &Workers<'_>,
+    ) -> Result<Points, DatasetError> {
+        let named = |error: CaseError| DatasetError::NotPoints(error.to_string());
+        match self {
+            Self::Grid(axes) => {
+                let axes: Result<_, _> = axes.iter().map(|axis| Axis::parse(axis)).collect();
+                Ok(Points::Grid(axes.and_then(Grid::new).map_err(named)?))
+            }
+            Self::Random(WrittenDraws { seed, count, of }) => {
+                let of: Result<_, _> = of.iter().map(|draw| Draw::parse(draw)).collect();
+                let draws = of.and_then(|of| Draws::new(*seed, *count, of)).map_err(named)?;
+                Ok(Points::Draws(draws))
+            }
+            Self::Table(written) => {
+                let path = table(&written.name);
+                let (keep, dialect) = (written.keep.clone(), written.dialect.clone());
+                let len = path.metadata().map_err(|e| DatasetError::io("read", &path, e))?.len();
+                // A table of another length is not read to its end to be refused.
+                if len != written.bytes || hashed(&path, workers)?.1 != written.sha256 {
+                    return Err(DatasetError::OtherTable { path, name: written.name.clone() });
+                }
+                Ok(Points::Table { path, keep, dialect })
+            }
+        }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

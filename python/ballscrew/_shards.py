@@ -1,0 +1,347 @@
+"""Folders of parts: a plan, its parts in any order and anywhere, and what is there of them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, TypedDict
+
+from ballscrew import _core
+from ballscrew._api import Linspace, Progress, Scene, _axes, _how, _scene, _shown
+from ballscrew._errors import InputError, ShardError
+from ballscrew._vocabulary import Control, Model, Output
+
+__all__ = ["Estimate", "Plan", "Shard", "Summary", "Verification", "normal", "plan", "run_shard", "uniform"]
+
+
+class Uniform(NamedTuple):
+    """Random numbers from `low` to `high`."""
+
+    low: float
+    high: float
+
+
+class Normal(NamedTuple):
+    """Random numbers of the normal law."""
+
+    mean: float
+    deviation: float
+
+
+def uniform(low: float, high: float) -> Uniform:
+    """Random values of an input from `low` to `high`, for `plan(draw=...)`."""
+    return Uniform(low, high)
+
+
+def normal(mean: float, deviation: float) -> Normal:
+    """Random values of an input by mean and standard deviation, for `plan(draw=...)`."""
+    return Normal(mean, deviation)
+
+
+class Shard(TypedDict):
+    """A finished part: plain numbers and a text, for any runner."""
+
+    shard: int
+    rows: int
+    failed: int
+    bytes: int
+    data_sha256: str
+    skipped: bool
+
+
+class Summary(NamedTuple):
+    """What a run came to.
+
+    Attributes
+    ----------
+    shards : int
+        Parts that are there now, of those that were asked for.
+    skipped : int
+        Those that were there before.
+    rows, failed : int
+        Their rows, and how many of them have no result.
+    """
+
+    shards: int
+    skipped: int
+    rows: int
+    failed: int
+
+
+class Estimate(NamedTuple):
+    """What a plan comes to, nominally: hours of one core, bytes at most."""
+
+    core_hours: float
+    bytes: float
+
+
+class Verification(NamedTuple):
+    """What is there of a plan.
+
+    Attributes
+    ----------
+    missing : list of (int, int)
+        Ranges of parts that are not there, from the first to before the last.
+    damaged : list of (str, str)
+        Files in place of parts that are none, and why.
+    foreign : list of str
+        Other files among the parts.
+    complete : bool
+        Whether every part is there and nothing is damaged.
+    rows, failed : int
+        Rows that are there, and how many of them have no result.
+    """
+
+    missing: list[tuple[int, int]]
+    damaged: list[tuple[str, str]]
+    foreign: list[str]
+    complete: bool
+    rows: int
+    failed: int
+
+
+class Plan:
+    """What a folder is to hold: all that the bytes of its parts depend on.
+
+    Made by `plan` or `Plan.open`.
+    """
+
+    def __init__(self, core: _core.Plan, folder: Path, points: Path | None = None) -> None:
+        self._core = core
+        self.folder = folder
+        """The folder."""
+        self.points = points
+        """Where the table of points is; unless given, beside the folder under its name."""
+
+    @classmethod
+    def open(cls, folder: str | os.PathLike[str], *, points: str | os.PathLike[str] | None = None) -> Plan:
+        """Open the plan that is in a folder."""
+        return cls(_core.Plan.open(Path(folder)), Path(folder), Path(points) if points is not None else None)
+
+    @property
+    def id(self) -> str:
+        """SHA-256 of the text."""
+        return self._core.id
+
+    @property
+    def text(self) -> str:
+        """The text of `plan.json`."""
+        return self._core.text
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return self._core.rows
+
+    @property
+    def shards(self) -> int:
+        """Number of parts."""
+        return self._core.shards
+
+    @property
+    def rows_per_shard(self) -> int:
+        """Rows of a part; the last may have fewer."""
+        return self._core.rows_per_shard
+
+    @property
+    def files(self) -> list[str]:
+        """Names of the files of all parts, in `data/` of the folder."""
+        return [part_name(shard) for shard in range(self.shards)]
+
+    def estimate(self) -> Estimate:
+        """Core-hours and bytes to expect: nominal times where the balls grip, sizes at most."""
+        seconds, size = self._core.estimate()
+        return Estimate(seconds / 3600, size)
+
+    def run(
+        self,
+        shards: Iterable[int] | None = None,
+        *,
+        repair: bool = False,
+        threads: int | None = None,
+        progress: bool | Progress | None = None,
+    ) -> Summary:
+        """Solve parts on this machine; those that are there are kept.
+
+        Parameters
+        ----------
+        shards : iterable of int, optional
+            Numbers of parts; all of them unless given, and then the folder is finished too.
+        repair : bool
+            Read all bytes of the parts that are there, and solve those again that are not as they were written.
+        threads : int, optional
+            Threads; all cores unless given.
+        progress : bool or callable, optional
+            As in `solve_many`.
+        """
+        which = sorted(set(shards)) if shards is not None else None
+        parts, there = self._core.run(self.folder, which, self.points, repair, threads, _shown(progress))
+        if which is None:
+            self._core.finish(self.folder, parts)
+        return Summary(len(parts), len(there), sum(part[2] for part in parts), sum(part[3] for part in parts))
+
+    def verify(self, deep: bool = False) -> Verification:
+        """Say which parts are there, missing, damaged; read all of their bytes if `deep`, else their footers."""
+        return self._survey(deep)[1]
+
+    def _survey(self, deep: bool) -> tuple[list[_core.Part], Verification]:
+        parts, missing, damaged, foreign = self._core.survey(self.folder, deep)
+        return parts, verified(parts, missing, [(str(path), why) for path, why in damaged], [str(path) for path in foreign])
+
+    def finish(self) -> None:
+        """Write `shards.parquet`, and `reduced.parquet` for statistics, and remove what killed runs have left.
+
+        Raises
+        ------
+        ShardError
+            If a part is missing or damaged.
+        """
+        parts, found = self._survey(False)
+        if not found.complete:
+            raise ShardError(incomplete(self.shards, found))
+        self._core.finish(self.folder, parts)
+
+    def __repr__(self) -> str:
+        return f"Plan({str(self.folder)!r}: {self.rows:,} rows in {self.shards:,} shards, {self.id[:12]})"
+
+
+def part_name(shard: int) -> str:
+    """Name of the file of a part."""
+    return f"part-{shard:06}.parquet"
+
+
+def verified(
+    parts: Sequence[_core.Part],
+    missing: list[tuple[int, int]],
+    damaged: list[tuple[str, str]],
+    foreign: list[str],
+) -> Verification:
+    """What was found."""
+    rows, failed = sum(part[2] for part in parts), sum(part[3] for part in parts)
+    return Verification(missing, damaged, foreign, not missing and not damaged, rows, failed)
+
+
+def incomplete(shards: int, found: Verification) -> str:
+    """Why a plan cannot be finished."""
+    count = sum(stop - start for start, stop in found.missing)
+    words = [f"{count} of {shards} shards are missing"] if count else []
+    words += [f"{path} {why}" for path, why in found.damaged[:3]]
+    return "; ".join(words)
+
+
+def plan(
+    folder: str | os.PathLike[str],
+    base: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    vary: Mapping[str, Linspace | Iterable[float]] | None = None,
+    draw: Mapping[str, Uniform | Normal] | None = None,
+    draws: int | None = None,
+    seed: int = 0,
+    points: str | os.PathLike[str] | None = None,
+    keep: Sequence[str] = (),
+    model: Model = "auto",
+    tolerance: float = 1e-2,
+    accuracy: float = 1e-8,
+    creep: float = 1e-4,
+    control: Control | None = None,
+    outputs: Sequence[Output] | None = None,
+    reduce: Sequence[str] | None = None,
+    by: Sequence[str] = (),
+    rows_per_shard: int | None = None,
+) -> Plan:
+    """Plan a folder, or go on with one of the same plan.
+
+    Parameters
+    ----------
+    folder : path
+        Where parts go; new, empty, or with the same plan.
+    base : Scene or mapping, optional
+        The inputs that are not varied.
+    vary, draw, points
+        Where rows come from, one of: a grid as in `sweep`; random values, `uniform(low, high)` or
+        `normal(mean, deviation)` by name, with their number `draws` and a `seed`; a table in a file, best Parquet.
+    keep : sequence of str
+        Further columns of the table to carry through as text.
+    model, tolerance, accuracy, creep, control, outputs
+        As in `sweep`.
+    reduce, by : sequence of str, optional
+        Statistics in place of rows, such as `["min", "mean", "histogram:64", "worst:10"]`, for groups by inputs.
+    rows_per_shard : int, optional
+        Rows of a part; chosen from rows and model unless given.
+
+    Raises
+    ------
+    InputError
+        For wrong inputs, and a folder with another plan.
+
+    Examples
+    --------
+    >>> import ballscrew as bs, tempfile
+    >>> screw = bs.Scene(lead_angle_deg=5, contact_angle_deg=45)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     plan = bs.plan(folder, screw, vary={"friction_coefficient": bs.linspace(0.02, 0.1, 1000)},
+    ...                    model="closed-form", outputs=["efficiency"])
+    ...     plan.run(), plan.verify().complete
+    (Summary(shards=1, skipped=0, rows=1000, failed=0), True)
+    """
+    if sum(given is not None for given in (vary, draw, points)) != 1:
+        raise InputError("points of a plan come from one of vary, draw and points")
+    if (draw is None) != (draws is None):
+        raise InputError("draw says what is drawn, draws how many rows: give both")
+    random = None
+    if draw is not None and draws is not None:
+        of = []
+        for name, law in draw.items():
+            word = "normal" if isinstance(law, Normal) else "uniform"
+            of.append(f"{name}={word}:{float(law[0])!r}:{float(law[1])!r}")
+        random = (seed, draws, of)
+    table = Path(points) if points is not None else None
+    core = _core.Plan.new(
+        _scene(base, {}),
+        _axes(vary or {}),
+        random,
+        (table, list(keep)) if table is not None else None,
+        _how(model, tolerance, accuracy, creep, control),
+        list(outputs) if outputs is not None else None,
+        (list(reduce), list(by)) if reduce is not None else None,
+        rows_per_shard,
+    )
+    core.begin(Path(folder))
+    return Plan(core, Path(folder), table)
+
+
+def run_shard(
+    text: str,
+    shard: int,
+    folder: str | os.PathLike[str],
+    *,
+    points: str | os.PathLike[str] | None = None,
+    threads: int = 1,
+) -> Shard:
+    """Solve one part of a plan: the one function for every runner, such as Ray, joblib or Airflow.
+
+    Parameters
+    ----------
+    text : str
+        `Plan.text`.
+    shard : int
+        Number of the part.
+    folder : path
+        Where parts go; it is begun if it is not there.
+    points : path, optional
+        Where the table of points is, if the plan has one that is not beside the folder.
+    threads : int
+        Threads.
+    """
+    core = _core.Plan.from_text(text)
+    table = Path(points) if points is not None else None
+    parts, there = core.run(Path(folder), [shard], table, False, threads, None)
+    return told(parts[0], skipped=bool(there))
+
+
+def told(part: _core.Part, *, skipped: bool) -> Shard:
+    """A part as a dictionary."""
+    shard, _, rows, failed, _, size, sha256 = part
+    return Shard(shard=shard, rows=rows, failed=failed, bytes=size, data_sha256=sha256, skipped=skipped)

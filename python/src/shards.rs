@@ -1,0 +1,247 @@
+//! Folders of parts: plans, their parts, and what is there of them.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::num::{NonZeroU64, NonZeroUsize};
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use bsm_batch::dataset::{
+    Damage, Dataset, DatasetError, Event, Layout, Part, Plan, Points, Reduction, Survey, list_parts,
+};
+use bsm_batch::{Dialect, Draw, Draws, Task, Workers};
+use bsm_case::{Axis, Grid};
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use tempfile::NamedTempFile;
+
+use crate::errors;
+use crate::points::{format_of, selected, watched};
+use crate::scene::{How, Scene};
+
+/// Unfinished files are removed as their owners are dropped: Python stops a run, and does not end it.
+fn make(file: &mut dyn FnMut() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
+    file()
+}
+
+/// The exception for a folder.
+fn failed(error: DatasetError) -> PyErr {
+    match &error {
+        DatasetError::Io { .. } | DatasetError::Thread(_) => PyOSError::new_err(error.to_string()),
+        DatasetError::Read(error) | DatasetError::Write { error, .. } => errors::table(error),
+        DatasetError::Damaged(_) | DatasetError::PointsChanged { .. } => {
+            errors::named("ShardError", &error.to_string())
+        }
+        other => errors::words(&other.to_string()),
+    }
+}
+
+fn planned(why: String) -> PyErr {
+    errors::words(&format!("the plan: {why}"))
+}
+
+/// Shard, first row, rows, failed, several, bytes before the footer, their hash.
+type Told = (u64, u64, u64, u64, u64, u64, String);
+
+fn told(part: &Part) -> Told {
+    let Part { shard, first_row, rows, failed, several, data_bytes, data_sha256 } = part.clone();
+    (shard, first_row, rows, failed, several, data_bytes, data_sha256)
+}
+
+fn part_of((shard, first_row, rows, failed, several, data_bytes, data_sha256): Told) -> Part {
+    Part { shard, first_row, rows, failed, several, data_bytes, data_sha256 }
+}
+
+/// Parts, missing ranges, what is damaged and why, foreign files.
+type Surveyed = (Vec<Told>, Vec<(u64, u64)>, Vec<(PathBuf, String)>, Vec<PathBuf>);
+
+/// Where random points come from: seed, number, and what is drawn.
+type Random = (u64, u64, Vec<String>);
+
+/// A plan.
+#[pyclass(frozen, name = "Plan", module = "ballscrew._core")]
+pub(crate) struct PyPlan(Plan);
+
+#[pymethods]
+impl PyPlan {
+    /// * `axes`: of a grid, or `random` points, or `table` with columns to keep: one of them.
+    #[staticmethod]
+    #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+    fn new(
+        py: Python<'_>,
+        base: &Bound<'_, Scene>,
+        axes: Vec<String>,
+        random: Option<Random>,
+        table: Option<(PathBuf, Vec<String>)>,
+        how: How,
+        outputs: Option<Vec<String>>,
+        reduce: Option<(Vec<String>, Vec<String>)>,
+        rows_per_shard: Option<NonZeroU64>,
+    ) -> PyResult<Self> {
+        let (base, settings) = (base.get().0.clone(), how.settings()?);
+        let outputs = selected(outputs)?;
+        let of_grid = |grid: &Grid| {
+            let task = Task::over_grid(base.clone(), settings, outputs.clone(), None, grid);
+            task.map_err(|e| errors::input(&e))
+        };
+        let (task, points) = if let Some((path, keep)) = table {
+            format_of(&path)?;
+            let points = Points::Table { path, keep, dialect: Dialect::default() };
+            let source = points.open().map_err(|e| errors::table(&e))?;
+            let task = Task::over_table(base, settings, outputs, source.columns());
+            (task.map_err(|e| errors::input(&e))?, points)
+        } else if let Some((seed, count, of)) = random {
+            let of: Result<_, _> = of.iter().map(|draw| Draw::parse(draw)).collect();
+            let draws = of.and_then(|of| Draws::new(seed, count, of));
+            let draws = draws.map_err(|e| errors::input(&e))?;
+            let corners = draws.corners().map_err(|e| errors::input(&e))?;
+            (of_grid(&corners)?, Points::Draws(draws))
+        } else {
+            let axes: Result<_, _> = axes.iter().map(|axis| Axis::parse(axis)).collect();
+            let grid = axes.and_then(Grid::new).map_err(|e| errors::input(&e))?;
+            (of_grid(&grid)?, Points::Grid(grid))
+        };
+        let parsed = reduce.map(|(statistics, by)| Reduction::parse(&statistics, &by)).transpose();
+        let reduction = parsed.map_err(|why| errors::words(&format!("reduce: {why}")))?;
+        let layout = Layout { rows_per_shard, reduction };
+        // A table is read to its end for its hash.
+        let plan = watched(py, false, 0, Some(NonZeroUsize::MIN), None, |stop, _| {
+            let workers = Workers::start(Some(NonZeroUsize::MIN), stop);
+            let workers = workers.map_err(DatasetError::Thread)?;
+            Plan::new(&task, &points, &layout, &workers)
+        })?;
+        Ok(Self(plan.map_err(failed)?))
+    }
+
+    #[staticmethod]
+    fn from_text(text: &str) -> PyResult<Self> {
+        Plan::from_text(text).map(Self).map_err(planned)
+    }
+
+    /// The plan that is in a folder.
+    #[staticmethod]
+    fn open(folder: PathBuf) -> PyResult<Self> {
+        Ok(Self(Dataset::open(&folder, make).map_err(failed)?.plan().clone()))
+    }
+
+    /// Begins a folder, or finds that it has this plan.
+    fn begin(&self, folder: PathBuf) -> PyResult<()> {
+        Dataset::resume(&folder, self.0.clone(), make).map(drop).map_err(failed)
+    }
+
+    #[getter]
+    fn text(&self) -> &str {
+        self.0.text()
+    }
+
+    #[getter]
+    fn id(&self) -> &str {
+        self.0.id()
+    }
+
+    #[getter]
+    fn rows(&self) -> u64 {
+        self.0.rows()
+    }
+
+    #[getter]
+    fn shards(&self) -> u64 {
+        self.0.shards()
+    }
+
+    #[getter]
+    fn rows_per_shard(&self) -> u64 {
+        self.0.rows_per_shard()
+    }
+
+    /// Seconds on one core and bytes at most.
+    fn estimate(&self) -> PyResult<(f64, f64)> {
+        let estimate = self.0.estimate().map_err(planned)?;
+        Ok((estimate.core_seconds, estimate.bytes))
+    }
+
+    /// The part that the last bytes of a file prove; else how many of them are needed, or what is wrong.
+    fn prove(
+        &self,
+        shard: u64,
+        end: &[u8],
+        len: u64,
+    ) -> (Option<Told>, Option<u64>, Option<String>) {
+        match self.0.prove(shard, end, len) {
+            Ok(part) => (Some(told(&part)), None, None),
+            Err(Damage::Short(needed)) => (None, Some(needed), None),
+            Err(damage) => (None, None, Some(damage.to_string())),
+        }
+    }
+
+    /// Solves parts into a folder, which is begun if it is not, and returns them, and which of them were there.
+    ///
+    /// * `shards`: growing numbers; all unless given. * `table`: where the table of the plan is.
+    fn run(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        shards: Option<Vec<u64>>,
+        table: Option<PathBuf>,
+        repair: bool,
+        threads: Option<NonZeroUsize>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<(Vec<Told>, Vec<u64>)> {
+        let plan = &self.0;
+        let task = plan.task().map_err(planned)?;
+        let len = shards.as_ref().map_or(plan.rows(), |s| s.len() as u64 * plan.rows_per_shard());
+        let len = usize::try_from(len.min(plan.rows())).unwrap_or(usize::MAX);
+        let solve = |stop: &AtomicBool, done: &AtomicU64| {
+            let parts = Dataset::resume(&folder, plan.clone(), make)?;
+            let workers = Workers::start(threads, stop).map_err(DatasetError::Thread)?;
+            let points = parts.points(table.as_deref(), &workers)?;
+            let mut there = Vec::new();
+            let mut tell = |event: Event<'_>| match event {
+                Event::Found(part) => {
+                    there.push(part.shard);
+                    done.fetch_add(part.rows, Ordering::Relaxed);
+                }
+                Event::Solved(chunk, _) => {
+                    done.fetch_add(chunk.len as u64, Ordering::Relaxed);
+                }
+                Event::Foreign(_) | Event::Planned(_) => {}
+            };
+            let shards = shards.unwrap_or_else(|| (0..plan.shards()).collect());
+            let found = parts.run_shards(&task, &points, shards, repair, &workers, &mut tell)?;
+            Ok((found.values().map(told).collect(), there))
+        };
+        // Python looks at signals while other threads solve.
+        watched(py, false, len, Some(NonZeroUsize::MIN), progress, solve)?.map_err(failed)
+    }
+
+    /// What is in a folder: parts, missing ranges, what is damaged and why, foreign files.
+    fn survey(&self, py: Python<'_>, folder: PathBuf, deep: bool) -> PyResult<Surveyed> {
+        let survey = watched(py, false, 0, Some(NonZeroUsize::MIN), None, |stop, _| {
+            let workers = Workers::start(None, stop).map_err(DatasetError::Thread)?;
+            Dataset::resume(&folder, self.0.clone(), make)?.survey(deep, &workers)
+        })?;
+        let survey = survey.map_err(failed)?;
+        let range = |Range { start, end }| (start, end);
+        let missing = survey.missing(&self.0).into_iter().map(range).collect();
+        let Survey { parts, damaged, foreign } = survey;
+        let damaged = damaged.into_iter().map(|(path, why)| (path, why.to_string())).collect();
+        Ok((parts.values().map(told).collect(), missing, damaged, foreign))
+    }
+
+    /// Writes the list of all parts, and the statistics of all.
+    fn finish(&self, folder: PathBuf, parts: Vec<Told>) -> PyResult<()> {
+        let parts: BTreeMap<_, _> = parts.into_iter().map(|told| (told.0, part_of(told))).collect();
+        let folder = Dataset::resume(&folder, self.0.clone(), make).map_err(failed)?;
+        folder.finish(&parts).map_err(failed)
+    }
+
+    /// The list of all parts, as the bytes of its file.
+    #[staticmethod]
+    fn table<'py>(py: Python<'py>, parts: Vec<Told>) -> PyResult<Bound<'py, PyBytes>> {
+        let parts = parts.into_iter().map(|told| (told.0, part_of(told))).collect();
+        let bytes = list_parts(&parts).map_err(|e| errors::table(&e))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+}
