@@ -47,6 +47,11 @@ extremes *FLAGS:
 kills:
     cargo test --workspace --locked --test resume -- --include-ignored --nocapture
 
+# Processes, workers and a scheduler killed, raced and damaged, and every byte compared; the second line after `just python`.
+faults:
+    cargo test --workspace --locked --test shards -- --include-ignored --nocapture
+    BSM_FAULTS=20 target/python/bin/pytest -c python/pyproject.toml -s python/tests/test_distributed.py
+
 # Coverage-guided fuzzing on the stable toolchain; `just fuzz 600 parquet` takes ten minutes for one target.
 fuzz *FLAGS:
     fuzz/run.sh {{FLAGS}}

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import ballscrew
 from ballscrew import _core
@@ -185,7 +185,7 @@ def _per_task(plan: Plan) -> int:
 
 
 def _drive(
-    client: Client,
+    client: Any,
     function: Any,
     tasks: Iterator[tuple[int, int]],
     place: _Place,
@@ -206,7 +206,7 @@ def _drive(
     run = uuid.uuid4().hex[:8]
     running: dict[str, tuple[int, int]] = {}
     failed = []
-    results = as_completed([])
+    results: Any = cast("Any", as_completed)([])
 
     def top_up() -> None:
         batch = list(islice(tasks, window - len(running)))

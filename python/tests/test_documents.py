@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-SHOWN = [ROOT / "README.md", ROOT / "python" / "README.md"]
+SHOWN = [ROOT / "README.md", ROOT / "python" / "README.md", ROOT / "docs" / "guide" / "scale-out.md"]
 SCRIPTS = sorted((ROOT / "python" / "examples").glob("*.py"))
 
 

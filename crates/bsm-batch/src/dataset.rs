@@ -332,7 +332,10 @@ impl Dataset {
         let path = self.part_file(shard);
         let unwritable = |error| DatasetError::Write { path: path.clone(), error };
         let failed = |error| match error {
-            RunError::Read(error) => DatasetError::Read(error),
+            // What was asked for, not the disk.
+            RunError::Read(error) | RunError::Write(error @ TableError::TooManyGroups { .. }) => {
+                DatasetError::Read(error)
+            }
             RunError::Write(error) => unwritable(error),
             RunError::Thread(error) => DatasetError::Thread(error),
             RunError::Stopped => DatasetError::Stopped,

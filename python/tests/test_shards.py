@@ -1,0 +1,138 @@
+"""Folders of parts: the bytes of the program, by any order and any thread, and open to every reader."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import EXAMPLES, program
+
+import ballscrew as bs
+
+VARY = {"axial_load_N": bs.linspace(500, 9000, 40), "friction_coefficient": [0.05, 0.1, 12.0]}
+ROWS = 120
+
+
+def made(folder: Path, **how: object) -> bs.Plan:
+    given = {"vary": VARY, "model": "elastic", "outputs": ["efficiency", "screw_torque_Nm"], "rows_per_shard": 13, **how}
+    return bs.plan(folder, bs.Scene.read(EXAMPLES / "feed_drive.json"), **given)  # type: ignore[arg-type]
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the program makes of the same plan."""
+    folder = tmp_path_factory.mktemp("alone")
+    axes = ["--vary=axial_load_N=500:9000:40", "--vary=friction_coefficient=0.05,0.1,12"]
+    how = ["--model=elastic", "--columns=efficiency,screw_torque_Nm", "--rows-per-shard=13", "--keep-going"]
+    words: list[str | Path] = [program(), "sweep", EXAMPLES / "feed_drive.json", *axes, *how, "-o", f"{folder}/map/"]
+    assert subprocess.run(words, capture_output=True).returncode == 0
+    return folder / "map"
+
+
+@pytest.mark.parametrize("threads", [1, 2, 5])
+def test_the_bytes_are_those_of_the_program(tmp_path: Path, alone: Path, threads: int) -> None:
+    plan = made(tmp_path / "map")
+    summary = plan.run(threads=threads)
+    assert summary == (10, 0, ROWS, 40)
+    assert files(tmp_path / "map") == files(alone)
+    assert plan.run(threads=threads) == (10, 10, ROWS, 40)
+
+
+def test_a_part_is_text_and_numbers(tmp_path: Path, alone: Path) -> None:
+    text = (alone / "plan.json").read_text()
+    for shard in reversed(range(10)):
+        told = json.loads(json.dumps(bs.run_shard(text, shard, tmp_path)))
+        assert (told["shard"], told["skipped"]) == (shard, False)
+        assert told["rows"] == (13 if shard < 9 else 3)
+    assert bs.run_shard(text, 3, tmp_path)["skipped"]
+    plan = bs.Plan.open(tmp_path)
+    assert plan.verify(deep=True) == ([], [], [], True, ROWS, 40)
+    plan.finish()
+    assert files(tmp_path) == files(alone)
+    assert (plan.text, plan.rows, plan.shards, plan.rows_per_shard) == (text, ROWS, 10, 13)
+    assert plan.files[9] == "part-000009.parquet"
+
+
+def test_what_is_wrong_is_told(tmp_path: Path) -> None:
+    plan = made(tmp_path / "map")
+    plan.run([0, 4, 5])
+    data = tmp_path / "map" / "data"
+    (data / plan.files[4]).write_bytes(b"mine")
+    (data / "notes.txt").write_bytes(b"")
+    found = plan.verify()
+    assert found.missing == [(1, 5), (6, 10)] and not found.complete
+    assert "its footer proves nothing" in found.damaged[0][1] and found.foreign[0].endswith("notes.txt")
+    with pytest.raises(bs.ShardError, match="8 of 10 shards are missing"):
+        plan.finish()
+    with pytest.raises(bs.ShardError, match="part-000004.parquet"):
+        plan.run()
+    assert plan.run(repair=True).rows == ROWS
+    with pytest.raises(bs.InputError, match="differs in: rows_per_shard"):
+        made(tmp_path / "map", rows_per_shard=14)
+    with pytest.raises(bs.InputError, match="none of the number 10"):
+        plan.run([10])
+    with pytest.raises(bs.InputError, match="results"):
+        bs.run_shard(plan.text.replace('"results":', '"results":1'), 0, tmp_path / "other")
+    with pytest.raises(bs.InputError, match="one of vary, draw and points"):
+        made(tmp_path / "x", vary=None)
+    with pytest.raises(bs.InputError, match="median"):
+        made(tmp_path / "x", reduce=["median"])
+    with pytest.raises(OSError, match="plan.json"):
+        bs.Plan.open(tmp_path / "nowhere")
+    # What stops a run is what was raised, and what is finished stays.
+    stopped = made(tmp_path / "stopped", vary={"axial_load_N": bs.linspace(500, 9000, 3_000_000)}, rows_per_shard=1_000_000)
+    with pytest.raises(RuntimeError, match="enough"):
+        stopped.run(progress=lambda done, total: (_ for _ in ()).throw(RuntimeError("enough")))
+    assert not list((tmp_path / "stopped" / "tmp").iterdir())
+
+
+def test_random_points_statistics_and_tables(tmp_path: Path) -> None:
+    import pyarrow.parquet as pq
+
+    draw = {"axial_load_N": bs.uniform(500, 9000), "friction_coefficient": bs.normal(0.06, 0.005)}
+    given = {"vary": None, "draw": draw, "draws": 100, "seed": 3, "model": "rigid"}
+    plan = made(tmp_path / "drawn", **given)
+    plan.run()
+    rows = pq.read_table(tmp_path / "drawn" / "data").to_pylist()
+    assert len(rows) == 100 and all(500 <= row["axial_load_N"] <= 9000 for row in rows)
+
+    few = made(tmp_path / "few", **given, reduce=["min", "worst:2"])
+    few.run()
+    table = pq.read_table(tmp_path / "few" / "reduced.parquet").to_pylist()
+    least = min(rows, key=lambda row: row["efficiency"])
+    found = [row for row in table if row["output"] == "efficiency" and row["statistic"] in ("min", "lowest")]
+    assert found[0]["value"] == least["efficiency"] == found[1]["value"]
+    assert rows[found[1]["row"]] == least and found[1]["axial_load_N"] == least["axial_load_N"]
+    assert few.estimate().bytes < plan.estimate().bytes + 1e5
+
+    points = tmp_path / "points.parquet"
+    pq.write_table(pq.read_table(tmp_path / "drawn" / "data"), points)
+    made(tmp_path / "of_table", vary=None, points=points, model="rigid").run()
+    again = pq.read_table(tmp_path / "of_table" / "data").to_pylist()
+    assert again == rows
+    shutil.move(points, tmp_path / "moved.parquet")
+    moved = bs.Plan.open(tmp_path / "of_table", points=tmp_path / "moved.parquet")
+    assert moved.run().skipped == 8
+
+
+def test_every_reader_opens_the_parts(alone: Path) -> None:
+    import duckdb
+    import pandas as pd
+    import polars as pl
+    import pyarrow.dataset as ds
+
+    data = alone / "data"
+    counts = [
+        ds.dataset(data).count_rows(),
+        pl.scan_parquet(data).collect().height,
+        len(pd.read_parquet(data)),
+        len(duckdb.read_parquet(f"{data}/*.parquet").fetchall()),
+    ]
+    assert counts == [ROWS] * 4
