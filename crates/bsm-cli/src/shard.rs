@@ -62,9 +62,9 @@ pub(crate) fn run(args: &ShardArgs, workers: &Workers<'_>) -> Result<(), Failure
     let solved = parts.run_shards(&task, &points, mine(), args.repair, workers, &mut tell);
     bar.finish_and_clear();
     let solved = solved.map_err(|error| failed(folder, error))?.len() - found;
+    let folder = folder.display();
     let text = format!(
-        "{solved} parts solved, {found} were there; `bsm verify {}` says what is missing of {all}",
-        folder.display()
+        "{solved} solved, {found} there before, of {all} parts; `bsm verify {folder}` tells what is missing"
     );
     warn("note", &text);
     Ok(())

@@ -276,7 +276,6 @@ pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
         DatasetError::Thread(error) => Failure::no_thread(&error),
         DatasetError::Stopped => Failure::Files(error.to_string()),
         DatasetError::Damaged(_) => Failure::Check(error.to_string()),
-        DatasetError::AnotherPlan { .. } => Failure::Input(format!("--resume: {error}")),
         DatasetError::NotAPlan { .. } => Failure::Input(format!(
             "{error}; take another folder than {}, or put the plan back",
             folder.display()

@@ -86,13 +86,15 @@ fn a_plan_is_solved_by_anybody_and_verified() {
         assert!(!said.contains("--reduce"), "only for many rows: {said}");
     }
     let other = [&sweep(&drive, loads, "map/", "50")[..], &["--plan"]].concat();
-    assert!(run(2, &other).contains("differs in: rows_per_shard (40, now 50)"));
+    let said = run(2, &other);
+    assert!(said.contains("differs in: rows_per_shard (40, now 50)"), "{said}");
+    assert!(!said.contains("--resume"), "nobody asked for it: {said}");
     assert!(run(2, &sweep(&drive, loads, "map/", "40")).contains("continue with --resume"));
     assert!(run(3, &["verify", "map/"]).contains("missing  0:10\n"));
 
     let said = run(0, &["shard", "map/", "--index", "1", "--of", "3"]);
-    assert!(said.contains("3 parts solved, 0 were there"), "{said}");
-    assert!(run(0, &["shard", "map/", "--shards", "3:5"]).contains("1 parts solved, 1 were there"));
+    assert!(said.contains("3 solved, 0 there before, of 10 parts"), "{said}");
+    assert!(run(0, &["shard", "map/", "--shards", "3:5"]).contains("1 solved, 1 there before"));
     let said = run(3, &["verify", "map/"]);
     assert!(said.starts_with("4 of 10 shards"), "{said}");
     assert!(said.contains("missing  0:1\nmissing  2:3\nmissing  5:7\nmissing  8:10\n"), "{said}");
@@ -146,7 +148,10 @@ fn damage_is_found_and_repaired() {
             run(0, &["verify", "map/"]);
         }
         let said = run(3, &["verify", "map/", "--deep"]);
-        assert!(said.contains("damaged  map/data/part-000003.parquet") && said.contains(words), "{said}");
+        assert!(
+            said.contains("damaged  map/data/part-000003.parquet") && said.contains(words),
+            "{said}"
+        );
         assert!(said.contains("`bsm shard map/ --repair`"), "{said}");
         let found: Value =
             serde_json::from_str(&run(3, &["verify", "map/", "--deep", "--format", "json"]))
@@ -353,7 +358,7 @@ fn a_million_million_points_are_planned_in_a_moment() {
     );
     assert!(said.contains("consider --reduce"), "{said}");
     let said = told(dir.path(), 0, &["shard", "map/", "--shards=59604:59605"]);
-    assert!(said.contains("1 parts solved"), "{said}");
+    assert!(said.contains("1 solved, 0 there before"), "{said}");
     let said = told(dir.path(), 3, &["verify", "map/", "--deep"]);
     assert!(said.starts_with("1 of 59605 shards") && said.contains("missing  0:59604\n"), "{said}");
     assert!(said.contains("4096 of 999989186560 rows"), "{said}");

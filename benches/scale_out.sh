@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# One `bsm sweep` on two threads against two processes of `bsm shard` on one thread each: the same bytes, and the time of
+# both in one run.   benches/scale_out.sh [LOADS]   10 000 loads are 1e8 rows. BSM is the program.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+loads=${1:-10000}
+bsm=${BSM:-target/release/bsm}
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+task=(sweep examples/feed_drive.json --set lead_mm=25 --model rigid --columns efficiency
+    --vary "axial_load_N=2000:8000:$loads" --vary screw_speed_rpm=100:1500:10000)
+seconds() { # what follows
+    local begin=$EPOCHREALTIME
+    "$@" >&2
+    echo "$begin $EPOCHREALTIME" | awk '{ printf "%.2f", $2 - $1 }'
+}
+both() {
+    "$bsm" shard "$folder/two" --index 0 --of 2 --threads 1 --quiet & first=$!
+    "$bsm" shard "$folder/two" --index 1 --of 2 --threads 1 --quiet & second=$!
+    wait "$first" && wait "$second"
+    "$bsm" verify "$folder/two"
+}
+# In turns, so that both see the same machine.
+for round in 1 2; do
+    rm -rf "${folder:?}"/*
+    one=$(seconds "$bsm" "${task[@]}" -o "$folder/one/" --threads 2 --quiet)
+    "$bsm" "${task[@]}" -o "$folder/two/" --plan >&2
+    two=$(seconds both)
+    diff -r "$folder/one" "$folder/two"
+    echo "round $round: $((loads * 10000)) rows, same bytes; one sweep $one s, two processes $two s, with verify"
+done
