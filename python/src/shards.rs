@@ -179,6 +179,7 @@ impl PyPlan {
     /// Solves parts into a folder, which is begun if it is not, and returns them, and which of them were there.
     ///
     /// * `shards`: growing numbers; all unless given. * `table`: where the table of the plan is.
+    #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
     fn run(
         &self,
         py: Python<'_>,
@@ -239,7 +240,7 @@ impl PyPlan {
 
     /// The list of all parts, as the bytes of its file.
     #[staticmethod]
-    fn table<'py>(py: Python<'py>, parts: Vec<Told>) -> PyResult<Bound<'py, PyBytes>> {
+    fn table(py: Python<'_>, parts: Vec<Told>) -> PyResult<Bound<'_, PyBytes>> {
         let parts = parts.into_iter().map(|told| (told.0, part_of(told))).collect();
         let bytes = list_parts(&parts).map_err(|e| errors::table(&e))?;
         Ok(PyBytes::new(py, &bytes))

@@ -69,9 +69,12 @@ def test_workers_that_are_killed(tmp_path: Path, client: Any) -> None:
         nonlocal killed
         while not ended.wait(draws.uniform(0.1, 0.5) * undisturbed) and killed < KILLS:
             workers = [*client.run(os.getpid).values()]
-            if workers and not ended.is_set():
+            # A nanny gives up a worker that dies while it starts: one is left to work meanwhile.
+            if len(workers) == 2 and not ended.is_set():
                 os.kill(draws.choice(workers), signal.SIGKILL)
                 killed += 1
+                client.wait_for_workers(1)
+                time.sleep(1)
 
     while killed < KILLS:
         rounds += 1
@@ -208,7 +211,7 @@ def test_a_store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         other = planned(tmp_path / "other", model="rigid")
         with pytest.raises(bs.InputError, match="another plan"):
             on_dask.run(client, other, url=url, progress=False)
-    store.rm("/bucket", recursive=True)
+    store.store.clear()
 
 
 def test_a_listing_of_ten_thousand_parts(tmp_path: Path) -> None:
@@ -224,7 +227,7 @@ def test_a_listing_of_ten_thousand_parts(tmp_path: Path) -> None:
     # It takes a second; the rest is for a machine that does other things.
     assert time.monotonic() - start < 20
     assert not parts and len(found.damaged) == 10_000 and found.missing == [(0, 10_000)]
-    store.rm("/many", recursive=True)
+    store.store.clear()
 
 
 def test_tasks_are_of_consecutive_parts(tmp_path: Path) -> None:

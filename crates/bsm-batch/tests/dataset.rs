@@ -417,10 +417,8 @@ fn statistics_are_those_of_the_rows() {
                 let inside = values.iter().filter(|(x, _)| low <= *x && *x < high).count();
                 assert_eq!(counts[*line], Some(number(inside)), "{name} {low} {high}");
             }
-            assert_eq!(
-                bins.iter().filter_map(|line| counts[*line]).sum::<f64>(),
-                number(values.len())
-            );
+            let of_bins = bins.iter().filter_map(|line| counts[*line]).sum();
+            assert_eq!(Some::<f64>(of_bins), Some(number(values.len())));
             let sum: f64 = values.iter().map(|(x, _)| x).sum();
             match one(output, "mean", &value) {
                 // A plain sum of 40 numbers is right to 40 rounding errors.
@@ -521,7 +519,8 @@ fn damaged_parts_are_replaced_on_demand() {
     assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
     assert!(parts.part_file(2).exists());
     let found = parts.survey(true, &workers).expect("readable");
-    assert_eq!((found.missing(parts.plan()), found.damaged.len()), (vec![0..2], 2));
+    let missing: Vec<_> = found.missing(parts.plan()).into_iter().flatten().collect();
+    assert_eq!((missing, found.damaged.len()), (vec![0, 1], 2));
     assert_eq!(run(true).expect("solved").len(), 3);
     assert!(files(folder.path()) == expected);
     assert!(matches!(

@@ -1,6 +1,7 @@
 //! `bsm shard`: parts of a planned folder, here or anywhere; and the plan in words.
 
 use std::io;
+use std::num::NonZeroU64;
 use std::path::Path;
 
 use bsm_batch::dataset::{Dataset, Event, Plan};
@@ -36,7 +37,7 @@ pub(crate) fn run(args: &ShardArgs, workers: &Workers<'_>) -> Result<(), Failure
     let all = parts.plan().shards();
     let (from, to) = args.shards.unwrap_or((0, all));
     // One number in `of`, so that expensive corners of a grid are spread over all processes.
-    let (index, of) = (args.index.unwrap_or(0), args.of.map_or(1, |of| of.get()));
+    let (index, of) = (args.index.unwrap_or(0), args.of.map_or(1, NonZeroU64::get));
     if to > all {
         let text = format!("--shards {from}:{to}: the plan has the parts 0:{all}");
         return Err(Failure::Input(text));

@@ -315,13 +315,13 @@ impl Plan {
     /// Which keys of another plan's text are not as here, with both values where they are short; `None`
     /// if that is no plan.
     pub(super) fn differences(&self, other: &str) -> Option<String> {
+        // Of two plans, one may have statistics and the other none.
+        const OPTIONAL: &str = "reduce";
         let parse = |text: &str| match serde_json::from_str(text) {
             Ok(Value::Object(keys)) => Some(keys),
             _ => None,
         };
         let (this, other) = (parse(&self.text)?, parse(other)?);
-        // Of two plans, one may have statistics and the other none.
-        const OPTIONAL: &str = "reduce";
         let all_there = this.keys().all(|key| key == OPTIONAL || other.contains_key(key));
         let added = other.keys().filter(|key| *key == OPTIONAL && !this.contains_key(*key));
         let differ = this.keys().chain(added).filter(|key| this.get(*key) != other.get(*key));
@@ -521,8 +521,9 @@ mod tests {
     }
 
     fn reduced(statistics: &[&str], by: &[&str]) -> Plan {
-        let [statistics, by] = [statistics, by].map(|words| words.iter().map(|w| (*w).to_owned()));
-        let reduction = Reduction::parse(&Vec::from_iter(statistics), &Vec::from_iter(by));
+        let [statistics, by] = [statistics, by]
+            .map(|words| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>());
+        let reduction = Reduction::parse(&statistics, &by);
         let rows_per_shard = NonZeroU64::new(16);
         let layout = Layout { rows_per_shard, reduction: Some(reduction.expect("words")) };
         Plan::new(&task(), &grid(&["lead_mm=5:10:11"]), &layout, &workers()).expect("a plan")
