@@ -10,7 +10,7 @@ import json
 import tempfile
 import uuid
 from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
@@ -195,6 +195,7 @@ def _drive(
 ) -> list[tuple[tuple[int, int], str]]:
     """Give tasks to the cluster, never more than a window of them, and say which of them failed and why."""
     from distributed import as_completed
+    from distributed.comm.core import CommClosedError
 
     versions = client.run(_version)
     others = {where: found for where, found in versions.items() if found != ballscrew.__version__}
@@ -218,17 +219,19 @@ def _drive(
     try:
         top_up()
         for future in results:
-            if future.status in ("cancelled", "lost") or client.status not in ("running", "connecting"):
-                raise RunnerLostError
             task = running.pop(future.key)
-            if future.status == "error":
-                failed.append((task, f"{type(future.exception()).__name__}: {future.exception()}"))
+            # Both wait where the worker that held the result has died since, and the scheduler asks another one.
+            error = future.exception()
+            if isinstance(error, CancelledError):
+                raise error
+            if error is not None:
+                failed.append((task, f"{type(error).__name__}: {error}"))
             else:
                 done(future.result())
             future.release()
             if len(running) <= window // 2:
                 top_up()
-    except (RunnerLostError, OSError) as error:
+    except (CancelledError, CommClosedError) as error:
         raise RunnerLostError("the scheduler is gone") from error
     return failed
 

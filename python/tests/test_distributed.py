@@ -39,25 +39,19 @@ def planned(folder: Path, rows: int = 3000, parts: int = 30, **how: Any) -> bs.P
     return bs.plan(folder, screw, vary=vary, **how)
 
 
-@pytest.fixture(scope="module")
-def cluster() -> Iterator[Any]:
-    # Nannies start workers again; a kill of ours is no fault of the task.
-    settings = {"distributed.scheduler.allowed-failures": 50, "distributed.comm.timeouts.connect": "5s"}
-    import dask
-
-    with dask.config.set(settings), distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
-    ) as cluster:
-        yield cluster
+def two_workers() -> Any:
+    return distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None)
 
 
 @pytest.fixture
-def client(cluster: Any) -> Iterator[Any]:
-    with distributed.Client(cluster) as client:
+def client() -> Iterator[Any]:
+    with two_workers() as cluster, distributed.Client(cluster) as client:
         yield client
 
 
-def test_workers_that_are_killed(tmp_path: Path, client: Any) -> None:
+def test_workers_that_are_killed(tmp_path: Path) -> None:
+    import dask
+
     alone = planned(tmp_path / "alone", 20_000, 100)
     start = time.monotonic()
     alone.run(threads=2)
@@ -65,7 +59,7 @@ def test_workers_that_are_killed(tmp_path: Path, client: Any) -> None:
     draws = random.Random(25)
     killed = rounds = 0
 
-    def kill(ended: threading.Event) -> None:
+    def kill(client: Any, ended: threading.Event) -> None:
         nonlocal killed
         while not ended.wait(draws.uniform(0.1, 0.5) * undisturbed) and killed < KILLS:
             workers = [*client.run(os.getpid).values()]
@@ -81,13 +75,19 @@ def test_workers_that_are_killed(tmp_path: Path, client: Any) -> None:
         folder = tmp_path / f"map{rounds}"
         plan = planned(folder, 20_000, 100)
         ended = threading.Event()
-        killer = threading.Thread(target=kill, args=[ended])
-        killer.start()
-        try:
-            summary = on_dask.run(client, plan, per_task=2, progress=False)
-        finally:
-            ended.set()
-            killer.join()
+        # A kill of ours is no fault of the task. Nannies start workers again, and sometimes give up: each round has its own.
+        with (
+            dask.config.set({"distributed.scheduler.allowed-failures": 50}),
+            two_workers() as cluster,
+            distributed.Client(cluster) as client,
+        ):
+            killer = threading.Thread(target=kill, args=[client, ended])
+            killer.start()
+            try:
+                summary = on_dask.run(client, plan, per_task=2, progress=False)
+            finally:
+                ended.set()
+                killer.join()
         assert (summary.shards, summary.rows) == (100, 20_000)
         assert files(folder) == files(tmp_path / "alone"), "not the bytes of one machine"
     print(f"0 wrong bytes, 0 lost: {killed} workers killed in {rounds} runs")

@@ -49,7 +49,7 @@ pub(crate) fn run(args: &ShardArgs, workers: &Workers<'_>) -> Result<(), Failure
         )));
     }
     let mine = || (from..to).filter(|shard| shard % of == index);
-    let rows = mine().count() as u64 * parts.plan().rows_per_shard();
+    let rows = (mine().count() as u64).saturating_mul(parts.plan().rows_per_shard());
     let bar = progress(Some(rows.min(parts.plan().rows())), "rows", args.quiet);
     let mut found = 0;
     let mut tell = |event: Event<'_>| match event {
