@@ -17,6 +17,10 @@ Control = Literal[
     "nut",
     "screw",
 ]
+Friction = Literal[
+    "local",
+    "contact",
+]
 Output = Literal[
     "efficiency",
     "screw_torque_Nm",

@@ -4,13 +4,15 @@ use std::path::PathBuf;
 
 use bsm_batch::{Format, NumberColumn, NumberSink, TableError};
 use bsm_case::{
-    Analysis, CATALOGUE_COLUMNS, CapacityReport, CaseError, Catalogue, CatalogueColumn, Condition,
+    Analysis, CATALOGUE_COLUMNS, Calibration, CapacityReport, CaseError, Catalogue, CatalogueColumn, Condition,
     DesignReport, Fit, Moving, NutProblem, OptimumReport, Record, RequirementFile, Samples,
     SizeReport, Spectrum,
 };
 use bsm_design::Candidate;
 use bsm_dyn::{Model, ModelWorkspace};
-use bsm_validate::Published;
+use bsm_validate::{
+    Published, ValidateError, report_files, size_figures, size_page, size_results, validation_page,
+};
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use serde_json::{Value, json};
@@ -149,6 +151,29 @@ pub(crate) fn fit(
     })
 }
 
+/// Inputs from a table of measured points.
+///
+/// * `inputs`: name, or name=low:high. * `measured`: the output. * `table`: CSV.
+#[pyfunction]
+pub(crate) fn fit_table(
+    py: Python<'_>,
+    scene: &Bound<'_, Scene>,
+    how: How,
+    inputs: Vec<String>,
+    measured: &str,
+    table: &[u8],
+) -> PyResult<Report> {
+    let (scene, settings) = (&scene.get().0, how.settings()?);
+    on_threads(py, || {
+        let fit = Calibration::new(scene, &inputs, measured, table)?;
+        let report = match fit.run(scene, &settings)? {
+            Some(report) => (fit.to_json(&report), true),
+            None => (json!({ "message": Calibration::LOST }), false),
+        };
+        Ok((report.0.to_string(), report.1, scene.warnings()))
+    })
+}
+
 /// A screw for a requirement.
 ///
 /// * `free`: of any size, not of the standard ones.
@@ -178,23 +203,46 @@ pub(crate) fn optimum(
     })
 }
 
+/// The files of a report, by their paths in its folder.
+type Files = Vec<(String, String)>;
+
 /// The axis around a screw.
+///
+/// * `sheet`: also make the files of its sheet.
 #[pyfunction]
-pub(crate) fn size(py: Python<'_>, scene: &Bound<'_, Scene>, how: How) -> PyResult<Report> {
+pub(crate) fn size(
+    py: Python<'_>,
+    scene: &Bound<'_, Scene>,
+    how: How,
+    sheet: bool,
+) -> PyResult<(Report, Files)> {
     let (scene, settings) = (&scene.get().0, how.settings()?);
-    on_threads(py, || {
-        let report = SizeReport::of(scene, &settings)?;
-        Ok((report.to_json().to_string(), report.passes(), report.warnings))
-    })
+    let report = on_threads(py, || SizeReport::of(scene, &settings))?;
+    let made = || -> Result<Files, ValidateError> {
+        let (page, results) = (size_page(&report)?, size_results(&report));
+        Ok(report_files(page, &results, &size_figures(&report))?)
+    };
+    let files = if sheet { made().map_err(|e| errors::words(&e.to_string()))? } else { Vec::new() };
+    Ok(((report.to_json().to_string(), report.passes(), report.warnings), files))
 }
 
-/// The published checks as JSON.
+/// The published checks as JSON, and the files of their report if it is wanted.
 #[pyfunction]
-pub(crate) fn validate(py: Python<'_>) -> PyResult<String> {
-    let report =
-        watched(py, false, 0, None, None, |_, _| bsm_validate::run(&Published::default()))?;
-    let report = report.map_err(|e| errors::words(&e.to_string()))?;
-    Ok(json!(report.checks).to_string())
+pub(crate) fn validate(py: Python<'_>, page: bool) -> PyResult<(String, Files)> {
+    let run = || -> Result<(String, Files), ValidateError> {
+        let published = Published::default();
+        let report = bsm_validate::run(&published)?;
+        let files = if page {
+            let figures = bsm_validate::figures(&published)?;
+            let page = validation_page(&report, &figures)?;
+            report_files(page, &report.to_json(), &figures)?
+        } else {
+            Vec::new()
+        };
+        Ok((json!(report.checks).to_string(), files))
+    };
+    let done = watched(py, false, 0, None, None, |_, _| run())?;
+    done.map_err(|e| errors::words(&e.to_string()))
 }
 
 /// Rows of a table that are in memory at a time as it is written, as in the program.

@@ -137,6 +137,7 @@ def test_a_sweep_has_the_bytes_of_the_program(tmp_path: Path) -> None:
         bs.Scene.read(path),
         vary={"screw_speed_rpm": bs.linspace(100, 6000, 300), "axial_load_kN": [2, 4, 8]},
         outputs=["efficiency", "controlling_race"],
+        text=True,
     )
     options = ["--vary", "screw_speed_rpm=100:6000:300", "--vary", "axial_load_kN=2,4,8"]
     options += ["--columns", "efficiency,controlling_race", "--quiet"]
@@ -161,7 +162,7 @@ def test_a_batch_has_the_bytes_of_the_program(tmp_path: Path, model: str) -> Non
     points["axial_load_kN"][[1, 100, rows - 1]] = -1.0
     names = [f"point {row}" for row in range(rows)]
     outputs = ["efficiency", "screw_torque_Nm", "controlling_race"]
-    table = bs.solve_many({**points, "name": names}, bs.Scene.read(path), model=model, outputs=outputs, keep=["name"])  # type: ignore[arg-type]
+    table = bs.solve_many({**points, "name": names}, bs.Scene.read(path), model=model, outputs=outputs, keep=["name"], text=True)  # type: ignore[arg-type]
     assert table.ok.sum() == rows - 3
     given = zip(*points.values(), names, strict=True)
     lines = [",".join([*points, "name"]), *(f"{float(a)!r},{float(b)!r},{name}" for a, b, name in given)]

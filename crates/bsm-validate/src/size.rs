@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use bsm_case::{NOT_MODELLED, SizePhase, SizeReport, SizeRule};
-use bsm_report::{Axis, Curve, Figure, Page, Stroke};
+use bsm_report::{Axis, Curve, Figure, PROGRAM, Page, Stroke};
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::ValidateError;
 
@@ -100,6 +100,13 @@ struct PhaseRow {
 struct Drag {
     contacts: f64,
     rule: f64,
+}
+
+/// JSON object of a sheet, with the program that made it.
+pub fn size_results(report: &SizeReport) -> Value {
+    let mut results = report.to_json();
+    results["program"] = json!(PROGRAM);
+    results
 }
 
 /// The sheet of an axis as a page that prints on two sides of A4.
