@@ -1230,7 +1230,8 @@ def catalog(
     require : sequence of str
         Conditions such as `"dynamic_load_rating_N>=40000"`.
     requirement : mapping or path, optional
-        Only nuts that keep all limits of this requirement of `design`.
+        Only nuts that keep all limits of this requirement of `design`. Numbers of `size` are columns then, to filter
+        and sort by: life, critical speed, buckling, static safety, rigidity, torque, efficiency, heat, mass, inertia.
     pareto : bool
         Only nuts that no other beats in dynamic load rating, rigidity and mass together.
     sort : str, optional

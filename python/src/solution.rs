@@ -4,7 +4,9 @@ use std::cell::RefCell;
 use std::num::NonZeroUsize;
 use std::sync::atomic::Ordering;
 
-use bsm_case::{CaseError, Cell, InputKey, OUTPUTS, Record, Sensitivities, Settings, following, torque_parts};
+use bsm_case::{
+    CaseError, Cell, InputKey, OUTPUTS, Record, Sensitivities, Settings, following, torque_parts,
+};
 use bsm_dyn::{Band, ModelWorkspace, Problem};
 use bsm_report::PROGRAM;
 use pyo3::prelude::*;
@@ -100,8 +102,7 @@ impl Solution {
         let (band, parts) = py.detach(|| (self.band(), torque_parts(scene, &self.settings)));
         // Why there are none, the report of the whole nut says.
         let parts = parts.ok().flatten();
-        let map =
-            self.record.report(PROGRAM, scene, &self.settings, band.as_ref(), parts.as_ref());
+        let map = self.record.report(PROGRAM, scene, &self.settings, band.as_ref(), parts.as_ref());
         format!("{:#}", Value::Object(map))
     }
 }

@@ -424,8 +424,7 @@ impl<'a> Worked<'a> {
             None => None,
         };
         let drag = preload.as_ref().map_or(0.0, Preload::beyond);
-        let torque =
-            |phase: &Phase| Torques::of(scene, settings, &axis, drag, phase, &mut work);
+        let torque = |phase: &Phase| Torques::of(scene, settings, &axis, drag, phase, &mut work);
         let torques = axis.phases.iter().map(torque).collect::<Result<_, _>>()?;
         // The load drives: its sign against the speed.
         let back =
@@ -435,16 +434,7 @@ impl<'a> Worked<'a> {
             Some((axis.advance() * axis.largest_load() - found.friction?).max(0.0))
         });
         let life_by_balls = life_by_balls(scene, settings, &axis);
-        Ok(Self {
-            scene,
-            axis,
-            nut,
-            no_nut,
-            preload,
-            torques,
-            holding,
-            life_by_balls,
-        })
+        Ok(Self { scene, axis, nut, no_nut, preload, torques, holding, life_by_balls })
     }
 
     fn numbers(&self) -> Numbers {

@@ -190,7 +190,10 @@ pub(crate) fn record(scene: &Scene, record: &Record) -> String {
 const TORQUE_PARTS: [(&str, &str); 7] = [
     ("of the load, without friction", "ideal_torque_Nm"),
     ("contacts of the balls", "contact_friction_torque_Nm"),
-    ("returns and lubricant of the preload, by the rule of makers", "preload_drag_beyond_contacts_Nm"),
+    (
+        "returns and lubricant of the preload, by the rule of makers",
+        "preload_drag_beyond_contacts_Nm",
+    ),
     ("seals", "seal_torque_Nm"),
     ("support bearings", "support_bearing_torque_Nm"),
     ("torque on the screw", "screw_torque_Nm"),

@@ -103,6 +103,10 @@ pub struct Figure {
 /// Size of a figure without its legend; letters are as large as a screen of a phone needs.
 const SIZE: (f64, f64) = (460.0, 330.0);
 
+/// Letters of a title that fit in a line, and the height of a line.
+const TITLE: usize = 40;
+const TITLE_LINE: f64 = 20.0;
+
 /// Height of a row of the legend, and letters that fit in a column of two.
 const ROW: f64 = 21.0;
 const COLUMN: usize = 18;
@@ -132,17 +136,23 @@ impl Figure {
     }
 
     fn titled(&self) -> Scene {
-        self.scene(|layout| layout.with_title(&self.title).with_title_wrap(44))
+        let lines = self.title.chars().count().div_ceil(TITLE);
+        // The library takes a title from the height of the plot.
+        #[expect(clippy::cast_precision_loss, reason = "a few lines")]
+        let more = TITLE_LINE * lines.saturating_sub(1) as f64;
+        self.scene(|layout, height| {
+            layout.with_title(&self.title).with_title_wrap(TITLE).with_height(height + more)
+        })
     }
 
     /// SVG for a page that shows the title itself and may hold several figures.
     pub fn inline_svg(&self) -> String {
-        let svg = svg_of(&self.scene(|layout| layout));
+        let svg = svg_of(&self.scene(|layout, height| layout.with_height(height)));
         // Names within an SVG are names of the whole page.
         svg.replace("kuva-clip-", &format!("{}-clip-", self.key))
     }
 
-    fn scene(&self, title: impl Fn(Layout) -> Layout) -> Scene {
+    fn scene(&self, title: impl Fn(Layout, f64) -> Layout) -> Scene {
         let palette = Palette::tol_bright();
         let colors = palette.colors();
         let color = |number: usize| colors[number % colors.len()].as_str();
@@ -180,8 +190,7 @@ impl Figure {
             .with_label_size(15)
             .with_tick_size(14)
             .with_body_size(14)
-            .with_width(SIZE.0)
-            .with_height(height);
+            .with_width(SIZE.0);
         if self.x.log {
             // Else it ends at a power of ten, far from the points.
             let xs = || self.curves.iter().flat_map(|curve| &curve.points).map(|(x, _)| *x);
@@ -195,7 +204,7 @@ impl Figure {
         if self.y.equal {
             layout = layout.with_equal_aspect();
         }
-        let mut scene = render_multiple(plots, title(layout));
+        let mut scene = render_multiple(plots, title(layout, height));
         lengthen_samples(&mut scene);
         scene
     }

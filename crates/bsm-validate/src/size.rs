@@ -93,6 +93,9 @@ struct Column {
 #[derive(Serialize)]
 struct PhaseRow {
     values: Vec<Option<f64>>,
+    /// Parts of the torque.
+    parts: Vec<Option<f64>>,
+    /// Shares of the heat of all parts but the first, which is the load \[%\].
     shares: Vec<f64>,
 }
 
@@ -183,12 +186,14 @@ fn rule_row(rule: &SizeRule) -> RuleRow {
 }
 
 fn phase_row(phase: &SizePhase) -> PhaseRow {
-    let parts = PARTS.map(|(name, _)| value(phase, name).unwrap_or(0.0).abs());
-    let all: f64 = parts.iter().sum();
+    let parts = PARTS.map(|(name, _)| value(phase, name));
+    let heat = || parts.iter().skip(1).map(|part| part.unwrap_or(0.0).abs());
+    let all: f64 = heat().sum();
     let share = |part: f64| if all > 0.0 { (1e3 * part / all).round() / 10.0 } else { 0.0 };
     PhaseRow {
         values: COLUMNS.map(|(name, _)| value(phase, name)).to_vec(),
-        shares: parts.map(share).to_vec(),
+        parts: parts.to_vec(),
+        shares: heat().map(share).collect(),
     }
 }
 
@@ -245,10 +250,9 @@ fn groups(report: &SizeReport) -> Vec<Group> {
 
 /// Load and speed of the screw over the cycle, and the cycle among its limits.
 pub fn size_figures(report: &SizeReport) -> Vec<Figure> {
-    [Some(among_limits(report)), Some(over_time(report)), section(report)]
-        .into_iter()
-        .flatten()
-        .collect()
+    // Of one phase there is no course.
+    let cycle = (report.phases.len() > 1).then(|| over_time(report));
+    [Some(among_limits(report)), cycle, section(report)].into_iter().flatten().collect()
 }
 
 /// Grooves of nut and screw around a ball, with the line through its contacts.
