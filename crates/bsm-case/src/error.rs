@@ -464,6 +464,7 @@ impl CaseError {
     }
 
     /// The same error, of a row of a table, from 1.
+    #[must_use]
     pub fn in_row(self, row: usize) -> Self {
         Self::InRow { row, error: Box::new(self) }
     }

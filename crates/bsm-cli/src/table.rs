@@ -207,7 +207,7 @@ pub(crate) fn torque_parts(parts: &SizePhase) -> String {
         Some(vec![(*label).to_owned(), (*unit).to_owned(), number((*value)?)])
     };
     let rows: Vec<_> = TORQUE_PARTS.iter().filter_map(row).collect();
-    let how = format!("whole screw, contacts by {}", parts.contacts);
+    let how = format!("whole screw, contacts by model {}", parts.contacts);
     plain(Some(&[&how, "", ""]), &rows, 2)
 }
 

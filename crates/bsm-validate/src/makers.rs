@@ -190,7 +190,7 @@ mod tests {
             );
         };
         // A bar of 1 mm² bears 147 N.
-        near("makers/yield-factor", 147.0 * 0.785_398, "area of a circle of 1 mm");
+        near("makers/yield-factor", 147.0 * PI / 4.0, "area of a circle of 1 mm");
         // P = κ π² E I/l² over a half, in kgf and mm, E = 21 000 kgf/mm².
         for (support, kappa) in [
             ("fixed-free", 0.25),

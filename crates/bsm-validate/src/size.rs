@@ -130,8 +130,12 @@ pub fn size_page(report: &SizeReport) -> Result<String, ValidateError> {
 
 fn sheet(report: &SizeReport) -> Sheet {
     let limited: Vec<_> = report.rules.iter().filter(|rule| rule.limit.is_some()).collect();
-    let mut contacts: Vec<_> = report.phases.iter().map(|phase| phase.contacts.clone()).collect();
-    contacts.dedup();
+    let mut contacts: Vec<String> = Vec::new();
+    for phase in &report.phases {
+        if !contacts.contains(&phase.contacts) {
+            contacts.push(phase.contacts.clone());
+        }
+    }
     let column = |(name, title): (&str, &'static str)| {
         let found = report.phases.first().and_then(|phase| entry(phase, name));
         Column { title, unit: found.map_or("", |(unit, _)| unit) }
