@@ -12,6 +12,7 @@ import subprocess
 import sys
 import threading
 import time
+from array import array
 from pathlib import Path
 from typing import Any
 
@@ -237,7 +238,9 @@ def test_all_forms_of_arrays(screw: bs.Scene) -> None:
     wide[:, 0] = loads
     frozen = loads.astype(float)
     frozen.flags.writeable = False
-    for form in (loads, wide[:, 0], loads.astype(">f8"), frozen, loads.tolist(), np.ma.masked_array(loads)):
+    # The last one is what MATLAB hands over.
+    forms = (loads, wide[:, 0], loads.astype(">f8"), frozen, loads.tolist(), np.ma.masked_array(loads), array("d", loads))
+    for form in forms:
         assert bs.solve_many({"axial_load_N": form}, screw)["efficiency"].tobytes() == expected
     with pytest.raises(bs.InputError, match="dimensions"):
         bs.solve_many({"axial_load_N": wide}, screw)

@@ -140,7 +140,7 @@ def test_reports_in_folders(tmp_path: Path) -> None:
     path = EXAMPLES / "axis.json"
     bs.size(bs.Scene.read(path), out=tmp_path / "ours" / "size")
     bs.validate(tmp_path / "ours" / "validate")
-    for words in (["size", path], ["validate"]):
+    for words in (["size", str(path)], ["validate"]):
         run = subprocess.run([program(), *words, "--out", tmp_path / "theirs" / words[0]], capture_output=True)
         assert run.returncode == 0, run.stderr
     files = sorted(p.relative_to(tmp_path / "ours") for p in (tmp_path / "ours").rglob("*") if p.is_file())
@@ -189,7 +189,7 @@ def test_catalog_of_a_requirement(tmp_path: Path) -> None:
     ours, theirs = tmp_path / "ours.csv", tmp_path / "theirs.csv"
     table.write(ours)
     options = ["--require", "critical_speed_ratio<=0.5", "--require", "lead_mm>=20", "--sort", "mean_heat_W"]
-    command = [program(), "catalog", "--requirement", wish, *options, "-o", theirs]
+    command: list[str | Path] = [program(), "catalog", "--requirement", wish, *options, "-o", theirs]
     subprocess.run(command, check=True, capture_output=True)
     same_table(ours, theirs)
 
