@@ -319,6 +319,7 @@ Output = Literal[
     "peak_motor_power_W",
     "mean_heat_W",
     "preload_drag_Nm",
+    "screw_efficiency",
     "contact_drag_Nm",
     "holding_torque_Nm",
     "inertia_of_screw_kg_m2",

@@ -67,7 +67,7 @@ quantities! { Size;
         peak_motor_power_W ["W"] Whole needs [friction_coefficient | lubricant_temperature_C], "largest power of the motor";
         mean_heat_W ["W"] Whole needs [friction_coefficient | lubricant_temperature_C], "mean heat of nut, seals and support bearings";
         preload_drag_Nm ["N m"] Whole, "drag of the preload by the rule of makers";
-        screw_efficiency [""] Whole needs [friction_coefficient | lubricant_temperature_C], "efficiency of the screw at the largest load, with preload, seals and support bearings";
+        screw_efficiency [""] Whole needs [friction_coefficient | lubricant_temperature_C], "efficiency of the screw at the largest load that moves, with preload, seals and support bearings";
         contact_drag_Nm ["N m"] Whole needs [friction_coefficient | lubricant_temperature_C], "drag of the preload by its contacts alone";
         holding_torque_Nm ["N m"] Whole needs [friction_coefficient | lubricant_temperature_C], "torque on the screw that keeps the load from driving it, contacts alone";
         inertia_of_screw_kg_m2 ["kg m2"] Whole, "moment of inertia of the screw";
@@ -543,10 +543,11 @@ impl<'a> Worked<'a> {
         put(inertia_ratio, at_motor.zip(motor).map(|(load, motor)| load / motor));
     }
 
-    /// The phase of the largest load.
+    /// The phase of the largest load that moves.
     fn heaviest(&self) -> Option<&Torques> {
         let load = |torques: &&Torques| torques.phase.load.abs();
-        self.torques.iter().max_by(|a, b| load(a).total_cmp(&load(b)))
+        let moving = self.torques.iter().filter(|torques| torques.phase.speed != 0.0);
+        moving.max_by(|a, b| load(a).total_cmp(&load(b)))
     }
 
     /// Heat over the cycle \[W\].
@@ -584,10 +585,9 @@ impl<'a> Worked<'a> {
         notes
     }
 
-    /// How sure the torque is where friction comes from a lubricant, at the largest load that moves.
+    /// How sure the torque is where friction comes from a lubricant.
     fn how_sure(&self, settings: &Settings) -> Option<String> {
-        let moving = self.torques.iter().filter(|torques| torques.phase.speed != 0.0);
-        let heaviest = moving.max_by(|a, b| a.phase.load.abs().total_cmp(&b.phase.load.abs()))?;
+        let heaviest = self.heaviest()?;
         let phase = &heaviest.phase;
         let work = &mut ModelWorkspace::default();
         let [low, high] = contacts::band(self.scene, settings, phase, work)?;
