@@ -44,6 +44,7 @@ def text() -> str:
         "",
         f"Model = Literal[{_list(found.models())}]",
         f"Control = Literal[{_list(found.races())}]",
+        f"Friction = Literal[{_list(found.frictions())}]",
         f"Output = Literal[{_list(list(dict.fromkeys(output[0] for output in outputs)))}]",
         "",
         "",

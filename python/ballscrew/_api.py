@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Self, Unpa
 
 from ballscrew import _core
 from ballscrew._errors import InputError, NoSolutionError, NotConvergedError, SolveError
-from ballscrew._vocabulary import Control, Inputs, Model, Output, SceneFields, SolutionFields
+from ballscrew._vocabulary import Control, Friction, Inputs, Model, Output, SceneFields, SolutionFields
 
 if TYPE_CHECKING:
     import numpy as np
@@ -226,8 +226,9 @@ class Solution(SolutionFields):
     def __repr__(self) -> str:
         if not self.converged:
             return f"<Solution {self.model}: {self.status}, {self.message}>"
-        main = [f"{name} {_short(self.to_dict()[name])} {OUTPUTS[name].unit}".rstrip() for name in _MAIN
-                if self.to_dict()[name] is not None]
+        values = {name: getattr(self, name) for name in _MAIN}
+        main = [f"{name} {_short(value)} {OUTPUTS[name].unit}".rstrip() for name, value in values.items()
+                if not math.isnan(value)]
         return f"<Solution {self.model}: {', '.join(main)}>"
 
     def __reduce__(self) -> NoReturn:
@@ -375,7 +376,7 @@ class Table:
         return ok
 
     def message(self, row: int) -> str | None:
-        """Why a row has no result, or why `auto` chose its model."""
+        """Why a row has no result, or, with `text=True`, why `auto` chose its model."""
         if not -self._length <= row < self._length:
             raise IndexError(f"row {row} of {self._length}")
         if self._messages is None:
@@ -645,9 +646,9 @@ def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[str]:
 
 
 def _how(
-    model: str, tolerance: float, accuracy: float, creep: float, control: str | None
-) -> tuple[str, float, float, float, str | None]:
-    return (model, tolerance, accuracy, creep, control)
+    model: str, tolerance: float, accuracy: float, creep: float, control: str | None, friction: str
+) -> tuple[str, float, float, float, str | None, str]:
+    return (model, tolerance, accuracy, creep, control, friction)
 
 
 def _scene(scene: Scene | Mapping[str, Any] | None, inputs: Inputs) -> Scene:
@@ -665,6 +666,7 @@ def solve(
     accuracy: float = 1e-8,
     creep: float = 1e-4,
     control: Control | None = None,
+    friction: Friction = "local",
     check: bool = True,
     **inputs: Unpack[Inputs],
 ) -> Solution:
@@ -684,6 +686,9 @@ def solve(
         Creep speed over the surface speed of the ball in model traction.
     control : {"nut", "screw"}, optional
         The controlling race in model raceway-control; unless given the spin moments decide.
+    friction : {"local", "contact"}
+        Where friction of a lubricant is computed in model raceway-control: at every point of the contacts, or
+        once for each contact, in half the time.
     check : bool
         Raise if there is no result.
     **inputs
@@ -706,7 +711,7 @@ def solve(
     >>> bs.solve(model="closed-form", contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.01).status
     'converged'
     """
-    answer = Solution(_scene(scene, inputs), _how(model, tolerance, accuracy, creep, control))
+    answer = Solution(_scene(scene, inputs), _how(model, tolerance, accuracy, creep, control, friction))
     if check and not answer.converged:
         kind = {"no_solution": NoSolutionError, "not_converged": NotConvergedError}
         words = f"{answer.model}: {answer.status}, {answer.message}"
@@ -723,13 +728,14 @@ def sensitivities(
     accuracy: float = 1e-8,
     creep: float = 1e-4,
     control: Control | None = None,
+    friction: Friction = "local",
     **inputs: Unpack[Inputs],
 ) -> Table:
     """Exact derivatives of efficiency and torque by every input that the model uses.
 
     Parameters
     ----------
-    scene, model, tolerance, accuracy, creep, control, **inputs
+    scene, model, tolerance, accuracy, creep, control, friction, **inputs
         As in `solve`.
 
     Returns
@@ -744,10 +750,11 @@ def sensitivities(
         If there is no result.
     """
     asked = _scene(scene, inputs)
-    how = _how(model, tolerance, accuracy, creep, control)
+    how = _how(model, tolerance, accuracy, creep, control, friction)
     rows = _core.sensitivities(asked, how)
     if rows is None:
-        solve(asked, model=model, tolerance=tolerance, accuracy=accuracy, creep=creep, control=control)
+        solve(asked, model=model, tolerance=tolerance, accuracy=accuracy, creep=creep, control=control,
+              friction=friction)
         raise NotConvergedError("no sensitivities at this point", Solution(asked, how))
     names = ["input", "value", "efficiency", "screw_torque_Nm", "efficiency_relative", "screw_torque_relative"]
     return _listed(names, rows)
@@ -785,11 +792,13 @@ def solve_many(
     accuracy: float = 1e-8,
     creep: float = 1e-4,
     control: Control | None = None,
+    friction: Friction = "local",
     outputs: Sequence[Output] | None = None,
     keep: Sequence[str] = (),
     missing: Literal["invalid", "base"] = "invalid",
     progress: bool | Progress | None = None,
     threads: int | None = None,
+    text: bool = False,
 ) -> Table:
     """Solve many points on all cores: one row in, one row out, in the same order.
 
@@ -801,7 +810,7 @@ def solve_many(
         anything that gives an Arrow stream (polars, pyarrow, pandas 3, duckdb, a `Table`).
     base : Scene or mapping, optional
         The inputs that are no columns.
-    model, tolerance, accuracy, creep, control
+    model, tolerance, accuracy, creep, control, friction
         As in `solve`.
     outputs : sequence of str, optional
         Names of `OUTPUTS`; all of a solution unless given.
@@ -814,6 +823,9 @@ def solve_many(
         their number.
     threads : int, optional
         Threads; RAYON_NUM_THREADS or all cores unless given.
+    text : bool
+        Keep why `auto` chose its model too, which takes some 100 bytes a row: `message(row)`, and the column
+        `message` of `write`. Why a row has no result is always kept.
 
     Returns
     -------
@@ -874,10 +886,10 @@ def solve_many(
         if rows_of_it != length:
             message = f"column `{column_name}` has {rows_of_it} rows, another one {length}"
             raise InputError(message, key=column_name)
-    how = _how(model, tolerance, accuracy, creep, control)
+    how = _how(model, tolerance, accuracy, creep, control, friction)
     rows = _core.solve_many(
         scene, numbers, texts, length, how, list(outputs) if outputs is not None else None, threads,
-        _shown(progress),
+        _shown(progress), text,
     )
     taken = set(rows.inputs())
     inputs: dict[str, Any] = {name: values for name, values, _ in numbers if name in taken}
@@ -913,9 +925,11 @@ def sweep(
     accuracy: float = 1e-8,
     creep: float = 1e-4,
     control: Control | None = None,
+    friction: Friction = "local",
     outputs: Sequence[Output] | None = None,
     progress: bool | Progress | None = None,
     threads: int | None = None,
+    text: bool = False,
 ) -> Grid:
     """Solve a full grid over one or more inputs, with one model for all of its points.
 
@@ -925,7 +939,7 @@ def sweep(
         The fixed inputs.
     vary : mapping
         Values of each varied input: `linspace(start, stop, count)` or any numbers; the last runs fastest.
-    model, tolerance, accuracy, creep, control, outputs, progress, threads
+    model, tolerance, accuracy, creep, control, friction, outputs, progress, threads, text
         As in `solve_many`.
 
     Returns
@@ -941,16 +955,18 @@ def sweep(
     ((5,), array([0.96, 0.92, 0.89, 0.85, 0.82]))
     """
     scene = _scene(base, {})
-    how = _how(model, tolerance, accuracy, creep, control)
+    how = _how(model, tolerance, accuracy, creep, control, friction)
     rows, found = _core.sweep(
-        scene, _axes(vary), how, list(outputs) if outputs is not None else None, threads, _shown(progress)
+        scene, _axes(vary), how, list(outputs) if outputs is not None else None, threads, _shown(progress),
+        text,
     )
     import numpy as np
 
     table = _answered(rows, {})
     varied = {name: np.array(axis) for name, axis in found}
     units = {**table.units, **{name: INPUTS[name].unit for name in varied}}
-    settings = {"model": model, "tolerance": tolerance, "accuracy": accuracy, "creep": creep, "control": control}
+    settings = {"model": model, "tolerance": tolerance, "accuracy": accuracy, "creep": creep, "control": control,
+                "friction": friction}
     return Grid(table._columns, units, len(table), rows, varied, scene, settings)
 
 
@@ -966,6 +982,7 @@ def gradient(
     accuracy: float = 1e-8,
     creep: float = 1e-4,
     control: Control | None = None,
+    friction: Friction = "local",
     method: Literal["exact", "difference"] = "exact",
     step: float = 1e-4,
     threads: int | None = None,
@@ -1002,7 +1019,7 @@ def gradient(
     columns = {name: np.broadcast_to(values, (length,)) for name, values in columns.items()}
     scene = _scene(base, {})
     how: dict[str, Any] = {"model": model, "tolerance": tolerance, "accuracy": accuracy, "creep": creep,
-                           "control": control}
+                           "control": control, "friction": friction}
     if method == "exact":
         if output not in ("efficiency", "screw_torque_Nm"):
             raise InputError("exact derivatives are of efficiency and screw_torque_Nm; take method='difference'",
@@ -1042,10 +1059,11 @@ def slip(
     accuracy: float = 1e-8,
     creep: float = 1e-4,
     control: Control | None = None,
+    friction: Friction = "local",
     **inputs: Unpack[Inputs],
 ) -> Report:
     """Slip of the balls in their motion, as `bsm slip`."""
-    how = _how(model, tolerance, accuracy, creep, control)
+    how = _how(model, tolerance, accuracy, creep, control, friction)
     return _report(_core.analysis("slip", _scene(scene, inputs), how))
 
 
@@ -1058,10 +1076,11 @@ def jam(
     accuracy: float = 1e-8,
     creep: float = 1e-4,
     control: Control | None = None,
+    friction: Friction = "local",
     **inputs: Unpack[Inputs],
 ) -> Report:
     """Jamming of the balls, as `bsm jam`."""
-    how = _how(model, tolerance, accuracy, creep, control)
+    how = _how(model, tolerance, accuracy, creep, control, friction)
     return _report(_core.analysis("jam", _scene(scene, inputs), how))
 
 
@@ -1095,6 +1114,7 @@ def nut(
     accuracy: float = 1e-8,
     creep: float = 1e-4,
     control: Control | None = None,
+    friction: Friction = "local",
     samples: None = None,
     **inputs: Unpack[Inputs],
 ) -> NutReport: ...
@@ -1110,6 +1130,7 @@ def nut(
     accuracy: float = 1e-8,
     creep: float = 1e-4,
     control: Control | None = None,
+    friction: Friction = "local",
     samples: int,
     **inputs: Unpack[Inputs],
 ) -> Report: ...
@@ -1124,6 +1145,7 @@ def nut(
     accuracy: float = 1e-8,
     creep: float = 1e-4,
     control: Control | None = None,
+    friction: Friction = "local",
     samples: int | None = None,
     **inputs: Unpack[Inputs],
 ) -> NutReport | Report:
@@ -1141,7 +1163,7 @@ def nut(
         Numbers by name, `balls` and `curve` as tables; with `samples` a plain report.
     """
     asked = _scene(scene, inputs)
-    how = _how(model, tolerance, accuracy, creep, control)
+    how = _how(model, tolerance, accuracy, creep, control, friction)
     if samples is not None:
         return _report(_core.nut_samples(asked, how, samples))
     (entries, found, warnings), balls, curve = _core.nut(asked, how)
@@ -1172,16 +1194,26 @@ def size(
     accuracy: float = 1e-8,
     creep: float = 1e-4,
     control: Control | None = None,
+    friction: Friction = "local",
+    out: str | os.PathLike[str] | None = None,
     **inputs: Unpack[Inputs],
 ) -> Report:
     """The axis around a screw, as `bsm size`: rules with limit and margin, torque, power, heat and life.
+
+    Parameters
+    ----------
+    out : path, optional
+        Folder for report.html, a sheet of two pages, results.json and figures; made if it does not exist.
 
     Returns
     -------
     Report
         `found` is true if every rule is kept.
     """
-    return _report(_core.size(_scene(scene, inputs), _how(model, tolerance, accuracy, creep, control)))
+    how = _how(model, tolerance, accuracy, creep, control, friction)
+    answer, files = _core.size(_scene(scene, inputs), how, out is not None)
+    _write_report(out, files)
+    return _report(answer)
 
 
 def catalog(
@@ -1204,7 +1236,8 @@ def catalog(
     require : sequence of str
         Conditions such as `"dynamic_load_rating_N>=40000"`.
     requirement : mapping or path, optional
-        Only nuts that keep all limits of this requirement of `design`.
+        Only nuts that keep all limits of this requirement of `design`. Numbers of `size` are columns then, to filter
+        and sort by: life, critical speed, buckling, static safety, rigidity, torque, efficiency, heat, mass, inertia.
     pareto : bool
         Only nuts that no other beats in dynamic load rating, rigidity and mass together.
     sort : str, optional
@@ -1231,33 +1264,87 @@ def catalog(
 
 def fit(
     scene: Scene | Mapping[str, Any],
-    measured: Mapping[str, float],
+    measured: Mapping[str, float] | str,
     /,
     *,
-    input: str = "friction_coefficient",
+    data: Any = None,
+    input: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
     range: tuple[float, float] | None = None,
     model: Model = "auto",
     tolerance: float = 1e-2,
     accuracy: float = 1e-8,
     creep: float = 1e-4,
     control: Control | None = None,
+    friction: Friction = "local",
 ) -> Report:
-    """The value of an input at which the model gives what was measured, as `bsm fit`.
+    """Inputs at which the model gives what was measured, as `bsm fit`.
 
     Parameters
     ----------
-    measured : mapping
-        One output and its value, such as `{"screw_torque_Nm": 26.0}`.
-    input : str
-        The input that is sought.
+    measured : mapping or str
+        One output and its value, such as `{"screw_torque_Nm": 26.0}`; with `data` the name of the output alone.
+    data : mapping, frame or path, optional
+        Measured points: a column of the output, and columns of inputs, in any units; `scene` has the rest. The sum
+        of squares of the differences is made least. A path is that of a CSV table.
+    input : str, or with `data` also a sequence of them, or a mapping of them to ranges
+        What is sought.
     range : (float, float), optional
-        Where it is sought.
+        Where one input is sought.
+
+    Returns
+    -------
+    Report
+        `found` of one measured value is a list of all values of the input. With `data` it is a mapping of the inputs
+        to value and standard deviation; `points` has what was measured and fitted, `condition` says how well the points
+        tell the inputs apart.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> screw = bs.Scene(lead_angle_deg=5, contact_angle_deg=45)
+    >>> points = {"contact_angle_deg": [40, 45, 50], "efficiency": [0.86, 0.87, 0.88]}
+    >>> report = bs.fit(screw, "efficiency", data=points, model="closed-form")
+    >>> round(report["found"]["friction_coefficient"]["value"], 4)
+    0.0748
     """
-    if len(measured) != 1:
+    how = _how(model, tolerance, accuracy, creep, control, friction)
+    if data is not None:
+        if not isinstance(measured, str):
+            raise InputError("with data, measured is the name of the output that is a column of it")
+        ranges = input if isinstance(input, Mapping) else dict.fromkeys([input] if isinstance(input, str) else input)
+        if range is not None:
+            if len(ranges) != 1:
+                raise InputError("range is of one input; give a mapping of inputs to ranges")
+            ranges = dict.fromkeys(ranges, range)
+        sought = [name if limits is None else f"{name}={float(limits[0])!r}:{float(limits[1])!r}"
+                  for name, limits in ranges.items()]
+        return _report(_core.fit_table(_scene(scene, {}), how, sought, measured, _csv(data)))
+    if isinstance(measured, str) or len(measured) != 1:
         raise InputError("measured takes one output and its value, such as {'screw_torque_Nm': 26.0}")
+    if not isinstance(input, str):
+        raise InputError("one measured value gives one input; several need data")
     [(name, value)] = measured.items()
-    how = _how(model, tolerance, accuracy, creep, control)
     return _report(_core.fit(_scene(scene, {}), how, input, f"{name}={float(value)!r}", range))
+
+
+def _csv(data: Any) -> bytes:
+    """Measured points as a CSV table."""
+    if isinstance(data, (str, os.PathLike)):
+        return Path(data).read_bytes()
+    import numpy as np
+
+    if isinstance(data, (Mapping, Table)):
+        columns = {name: _column(name, data[name]) for name in data}
+    elif hasattr(data, "__arrow_c_stream__"):
+        columns = {name: np.frombuffer(read[0], np.float64) for name, read in _read_frame(data, [])}
+    else:
+        raise InputError(f"data is {type(data).__name__}; give a mapping of names to arrays, a frame, or a path")
+    length = max((column.size for column in columns.values()), default=0)
+    for name, column in columns.items():
+        if column.ndim and len(column) != length:
+            raise InputError(f"column `{name}` has {len(column)} rows, another one {length}", key=name)
+    rows = zip(*(np.broadcast_to(column, (length,)).tolist() for column in columns.values()), strict=True)
+    return "\n".join([",".join(columns), *(",".join(map(repr, row)) for row in rows)]).encode()
 
 
 def design(
@@ -1297,8 +1384,13 @@ def _wish(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, 
     return wish
 
 
-def validate() -> Table:
+def validate(out: str | os.PathLike[str] | None = None) -> Table:
     """The published checks, as `bsm validate`, one row a check.
+
+    Parameters
+    ----------
+    out : path, optional
+        Folder for report.html, results.json and figures; made if it does not exist.
 
     Returns
     -------
@@ -1306,9 +1398,19 @@ def validate() -> Table:
         `key`, `source`, `claim`, `claimed`, `measured`, `unit`, `criterion`, `note` and `verdict`: pass, fail or
         finding.
     """
-    checks: list[dict[str, Any]] = json.loads(_core.validate())
+    text, files = _core.validate(out is not None)
+    _write_report(out, files)
+    checks: list[dict[str, Any]] = json.loads(text)
     names = ["key", "source", "claim", "claimed", "measured", "unit", "criterion", "note", "verdict"]
     return _listed(names, [[check[name] for name in names] for check in checks])
+
+
+def _write_report(folder: str | os.PathLike[str] | None, files: Iterable[tuple[str, str]]) -> None:
+    """The files of a report, in its folder."""
+    for name, text in files:
+        path = Path(cast("str | os.PathLike[str]", folder)) / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8", newline="")
 
 
 def _report(answer: _core.Told) -> Report:
@@ -1389,12 +1491,25 @@ def _column(name: str, values: Any) -> Floats:
     try:
         array = np.asarray(values, dtype=np.float64, order="C").view()
     except (TypeError, ValueError):
-        raise InputError(f"column `{name}` holds something that is no number", key=name) from None
+        cells = np.asarray(values, dtype=object)
+        row = next((row for row, value in enumerate(cells.flat) if not _is_number(value)), None)
+        if row is None or cells.ndim != 1:
+            raise InputError(f"column `{name}` holds something that is no number", key=name) from None
+        raise InputError(f"column `{name}` holds {cells[row]!r} in row {row}, which is no number", key=name,
+                         row=row) from None
     if array.ndim > 1:
         raise InputError(f"column `{name}` has {array.ndim} dimensions; give one, such as values.ravel()",
                          key=name)
     array.flags.writeable = False
     return array
+
+
+def _is_number(value: Any) -> bool:
+    try:
+        float(value)
+    except (TypeError, ValueError):
+        return False
+    return True
 
 
 def _shown(progress: bool | Progress | None) -> Progress | None:

@@ -35,6 +35,8 @@ class InputError(BallscrewError, ValueError):
         The rule in words, after "must be".
     nearest : str or None
         The known name that is nearest to an unknown one.
+    row : int or None
+        The row of a table that is wrong, from 0.
     """
 
     def __init__(
@@ -45,12 +47,14 @@ class InputError(BallscrewError, ValueError):
         value: float | None = None,
         rule: str | None = None,
         nearest: str | None = None,
+        row: int | None = None,
     ) -> None:
         super().__init__(message)
         self.key = key
         self.value = value
         self.rule = rule
         self.nearest = nearest
+        self.row = row
 
 
 class SolveError(BallscrewError, ArithmeticError):

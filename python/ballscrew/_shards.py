@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypedDict
 from ballscrew import _core
 from ballscrew._api import Linspace, Progress, Scene, _axes, _how, _scene, _shown
 from ballscrew._errors import InputError, ShardError
-from ballscrew._vocabulary import Control, Model, Output
+from ballscrew._vocabulary import Control, Friction, Model, Output
 
 __all__ = ["Estimate", "Plan", "Shard", "Summary", "Verification", "normal", "plan", "run_shard", "uniform"]
 
@@ -246,6 +246,7 @@ def plan(
     accuracy: float = 1e-8,
     creep: float = 1e-4,
     control: Control | None = None,
+    friction: Friction = "local",
     outputs: Sequence[Output] | None = None,
     reduce: Sequence[str] | None = None,
     by: Sequence[str] = (),
@@ -264,7 +265,7 @@ def plan(
         `normal(mean, deviation)` by name, with their number `draws` and a `seed`; a table in a file, best Parquet.
     keep : sequence of str
         Further columns of the table to carry through as text.
-    model, tolerance, accuracy, creep, control, outputs
+    model, tolerance, accuracy, creep, control, friction, outputs
         As in `sweep`.
     reduce, by : sequence of str, optional
         Statistics in place of rows, such as `["min", "mean", "histogram:64", "worst:10"]`, for groups by inputs.
@@ -303,7 +304,7 @@ def plan(
         _axes(vary or {}),
         random,
         (table, list(keep)) if table is not None else None,
-        _how(model, tolerance, accuracy, creep, control),
+        _how(model, tolerance, accuracy, creep, control, friction),
         list(outputs) if outputs is not None else None,
         (list(reduce), list(by)) if reduce is not None else None,
         rows_per_shard,

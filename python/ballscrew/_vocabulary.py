@@ -17,6 +17,10 @@ Control = Literal[
     "nut",
     "screw",
 ]
+Friction = Literal[
+    "local",
+    "contact",
+]
 Output = Literal[
     "efficiency",
     "screw_torque_Nm",
@@ -315,6 +319,7 @@ Output = Literal[
     "peak_motor_power_W",
     "mean_heat_W",
     "preload_drag_Nm",
+    "screw_efficiency",
     "contact_drag_Nm",
     "holding_torque_Nm",
     "inertia_of_screw_kg_m2",

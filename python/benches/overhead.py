@@ -79,7 +79,7 @@ def timed(work: Callable[[], object]) -> Callable[[], float]:
 
 def batch(given: dict[str, np.ndarray], model: Model, outputs: Sequence[Output] | None) -> Callable[[], float]:
     """The same rows through the Rust crate, which holds all answers."""
-    how = (model, 1e-2, 1e-8, 1e-4, None)
+    how = (model, 1e-2, 1e-8, 1e-4, None, "local")
     names = [*outputs] if outputs is not None else None
     return lambda: _core.batch_seconds(SCREW, list(given.items()), len(next(iter(given.values()))), how, names)
 
@@ -143,7 +143,7 @@ def one_point() -> list[Row]:
 
         return run
 
-    how = ("rigid", 1e-2, 1e-8, 1e-4, None)
+    how = ("rigid", 1e-2, 1e-8, 1e-4, None, "local")
     bare, ours, keyword = alternating(
         lambda: _core.solve_seconds(SCREW, how, n) / n,
         loop(lambda: bs.solve(SCREW, model="rigid")),

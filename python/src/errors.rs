@@ -30,6 +30,7 @@ pub(crate) fn input(error: &CaseError) -> PyErr {
         value: error.value(),
         rule: error.rule(),
         nearest: error.nearest(),
+        row: error.row().map(|row| row - 1),
     };
     invalid(&message, about, hint)
 }
@@ -74,6 +75,8 @@ struct About<'a> {
     value: Option<f64>,
     rule: Option<&'a str>,
     nearest: Option<&'a str>,
+    /// From 0.
+    row: Option<usize>,
 }
 
 /// An `InputError` with its attributes.
@@ -85,6 +88,7 @@ fn invalid(message: &str, about: About<'_>, hint: &str) -> PyErr {
         named.set_item("value", about.value)?;
         named.set_item("rule", about.rule)?;
         named.set_item("nearest", about.nearest)?;
+        named.set_item("row", about.row)?;
         let error = kind.call((message,), Some(&named))?;
         if !hint.is_empty() {
             error.call_method1("add_note", (hint,))?;

@@ -19,7 +19,7 @@ mod table;
 use bsm_case::{
     INPUTS, Input, ModelChoice, NutWords, Output, REQUIREMENT_INPUTS, REQUIREMENT_WORDS,
 };
-use bsm_dyn::Control;
+use bsm_dyn::{Control, RacewayFriction};
 use pyo3::prelude::*;
 
 /// Name, unit, meaning, default and rule of every input.
@@ -57,6 +57,12 @@ fn races() -> [&'static str; 2] {
     Control::ALL.map(Control::name)
 }
 
+/// Where friction of a lubricant may be computed.
+#[pyfunction]
+fn frictions() -> [&'static str; 2] {
+    RacewayFriction::ALL.map(RacewayFriction::name)
+}
+
 /// Name, unit, meaning, default and rule of what a requirement may say besides inputs of a scene.
 #[pyfunction]
 fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, String)> {
@@ -85,6 +91,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(outputs, module)?,
         wrap_pyfunction!(models, module)?,
         wrap_pyfunction!(races, module)?,
+        wrap_pyfunction!(frictions, module)?,
         wrap_pyfunction!(scene_words, module)?,
         wrap_pyfunction!(requirements, module)?,
         wrap_pyfunction!(solution::sensitivities, module)?,
@@ -99,6 +106,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(reports::nut_columns, module)?,
         wrap_pyfunction!(reports::nut_samples, module)?,
         wrap_pyfunction!(reports::fit, module)?,
+        wrap_pyfunction!(reports::fit_table, module)?,
         wrap_pyfunction!(reports::design, module)?,
         wrap_pyfunction!(reports::optimum, module)?,
         wrap_pyfunction!(reports::size, module)?,

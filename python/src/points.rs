@@ -217,7 +217,8 @@ pub(crate) fn table_of(
 /// Solves the rows of columns in memory.
 ///
 /// * `columns`: name, values, rows without one. * `kept`: columns of texts that are carried through.
-/// * `progress`: is called with the rows that are done and their number.
+/// * `progress`: is called with the rows that are done and their number. * `text`: keep why auto chose its model, not
+///   only why a row has no result.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn solve_many(
@@ -230,18 +231,20 @@ pub(crate) fn solve_many(
     outputs: Option<Vec<String>>,
     threads: Option<NonZeroUsize>,
     progress: Option<Py<PyAny>>,
+    text: bool,
 ) -> PyResult<Rows> {
     let memory = table_of(columns, kept, len)?;
     let base = base.get().0.clone();
     let task = Task::over_table(base, how.settings()?, selected(outputs)?, &memory.columns);
     let task = task.map_err(|e| errors::input(&e))?;
-    drive(py, &task, Origin::Memory(memory), len, threads, progress)
+    drive(py, &task, Origin::Memory(memory), len, (threads, progress, text))
 }
 
 /// Solves a grid; the last axis runs fastest.
 ///
-/// * `axes`: as `--vary` has them.
+/// * `axes`: as `--vary` has them. * `text`: as in [`solve_many`].
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn sweep(
     py: Python<'_>,
     base: &Bound<'_, Scene>,
@@ -250,6 +253,7 @@ pub(crate) fn sweep(
     outputs: Option<Vec<String>>,
     threads: Option<NonZeroUsize>,
     progress: Option<Py<PyAny>>,
+    text: bool,
 ) -> PyResult<(Rows, Vec<(String, Vec<f64>)>)> {
     let axes: Result<Vec<_>, _> = axes.iter().map(|text| Axis::parse(text)).collect();
     let grid = axes.and_then(Grid::new).map_err(|e| errors::input(&e))?;
@@ -261,7 +265,7 @@ pub(crate) fn sweep(
     };
     let axes = grid.axes().iter().map(axis).collect();
     let len = grid.len();
-    Ok((drive(py, &task, Origin::Grid(grid), len, threads, progress)?, axes))
+    Ok((drive(py, &task, Origin::Grid(grid), len, (threads, progress, text))?, axes))
 }
 
 /// Threads, one set for each number of them, of a process.
@@ -289,15 +293,17 @@ fn workers(threads: Option<NonZeroUsize>) -> PyResult<Arc<Workers<'static>>> {
 }
 
 /// Solves a task.
+///
+/// * `how`: the number of threads, what is called with the rows that are done, and whether rows with a result keep
+///   their words.
 fn drive(
     py: Python<'_>,
     task: &Task,
     origin: Origin,
     len: usize,
-    threads: Option<NonZeroUsize>,
-    progress: Option<Py<PyAny>>,
+    (threads, progress, text): (Option<NonZeroUsize>, Option<Py<PyAny>>, bool),
 ) -> PyResult<Rows> {
-    let mut gathered = Gathered::of(len, task.outputs.len());
+    let mut gathered = Gathered::of(len, task.outputs.len(), text);
     watched(py, task.is_quick(len), len, threads, progress, |stop, done| {
         gathered.fill(task, origin.source().as_mut(), stop, done)
     })?
@@ -319,16 +325,18 @@ struct Gathered {
     /// The outputs; none as long as no row has a value.
     columns: Vec<Option<Vec<f64>>>,
     len: usize,
+    /// Keep words of rows that have a result too.
+    text: bool,
 }
 
 impl Gathered {
-    fn of(len: usize, outputs: usize) -> Self {
+    fn of(len: usize, outputs: usize, text: bool) -> Self {
         // A table of one chunk is solved into its place.
         let own = if len <= ROWS { outputs } else { 0 };
         let Answers { verdicts, messages, columns } = Answers::room(len, own);
         let mut columns: Vec<_> = columns.into_iter().map(Some).collect();
         columns.resize(outputs, None);
-        Self { verdicts, messages, columns, len }
+        Self { verdicts, messages, columns, len, text }
     }
 
     /// Solves all rows of the source.
@@ -357,9 +365,11 @@ impl Gathered {
                 });
             }
             let here = verdicts.split_off_mut(..chunk.len).unwrap_or_default();
-            let room = Room { verdicts: here, columns };
+            let room = Room { verdicts: &mut *here, columns };
             let words = task.solve_into((&chunk, &named), room, stop, done);
-            self.messages.extend(words.into_iter().map(|(row, text)| (first + row, text)));
+            let wanted = |row: usize| self.text || here[row].status != Status::Converged;
+            let words = words.into_iter().filter(|(row, _)| wanted(*row));
+            self.messages.extend(words.map(|(row, text)| (first + row, text)));
             for (column, spare) in self.columns.iter_mut().zip(&spare) {
                 if column.is_none() && has_value(spare) {
                     let mut values = vec![0.0; self.len];

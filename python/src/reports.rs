@@ -1,16 +1,19 @@
 //! Reports as JSON, in the names of the program.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use bsm_batch::{Format, NumberColumn, NumberSink, TableError};
 use bsm_case::{
-    Analysis, CATALOGUE_COLUMNS, CapacityReport, CaseError, Catalogue, CatalogueColumn, Condition,
-    DesignReport, Fit, Moving, NutProblem, OptimumReport, Record, RequirementFile, Samples,
-    SizeReport, Spectrum,
+    Analysis, Asked, CATALOGUE_COLUMNS, Calibration, CapacityReport, CaseError, Catalogue,
+    CatalogueColumn, Condition, DesignReport, Fit, Moving, NutProblem, OptimumReport, Record,
+    RequirementFile, Samples, SizeReport, Spectrum, sheet_columns,
 };
 use bsm_design::Candidate;
 use bsm_dyn::{Model, ModelWorkspace};
-use bsm_validate::Published;
+use bsm_validate::{
+    Published, ValidateError, report_files, size_figures, size_page, size_results, validation_page,
+};
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use serde_json::{Value, json};
@@ -149,6 +152,29 @@ pub(crate) fn fit(
     })
 }
 
+/// Inputs from a table of measured points.
+///
+/// * `inputs`: name, or name=low:high. * `measured`: the output. * `table`: CSV.
+#[pyfunction]
+pub(crate) fn fit_table(
+    py: Python<'_>,
+    scene: &Bound<'_, Scene>,
+    how: How,
+    inputs: Vec<String>,
+    measured: &str,
+    table: &[u8],
+) -> PyResult<Report> {
+    let (scene, settings) = (&scene.get().0, how.settings()?);
+    on_threads(py, || {
+        let fit = Calibration::new(scene, &inputs, measured, table)?;
+        let report = match fit.run(scene, &settings)? {
+            Some(report) => (fit.to_json(&report), true),
+            None => (json!({ "message": Calibration::LOST }), false),
+        };
+        Ok((report.0.to_string(), report.1, scene.warnings()))
+    })
+}
+
 /// A screw for a requirement.
 ///
 /// * `free`: of any size, not of the standard ones.
@@ -178,23 +204,46 @@ pub(crate) fn optimum(
     })
 }
 
+/// The files of a report, by their paths in its folder.
+type Files = Vec<(String, String)>;
+
 /// The axis around a screw.
+///
+/// * `sheet`: also make the files of its sheet.
 #[pyfunction]
-pub(crate) fn size(py: Python<'_>, scene: &Bound<'_, Scene>, how: How) -> PyResult<Report> {
+pub(crate) fn size(
+    py: Python<'_>,
+    scene: &Bound<'_, Scene>,
+    how: How,
+    sheet: bool,
+) -> PyResult<(Report, Files)> {
     let (scene, settings) = (&scene.get().0, how.settings()?);
-    on_threads(py, || {
-        let report = SizeReport::of(scene, &settings)?;
-        Ok((report.to_json().to_string(), report.passes(), report.warnings))
-    })
+    let report = on_threads(py, || SizeReport::of(scene, &settings))?;
+    let made = || -> Result<Files, ValidateError> {
+        let (page, results) = (size_page(&report)?, size_results(&report));
+        Ok(report_files(page, &results, &size_figures(&report))?)
+    };
+    let files = if sheet { made().map_err(|e| errors::words(&e.to_string()))? } else { Vec::new() };
+    Ok(((report.to_json().to_string(), report.passes(), report.warnings), files))
 }
 
-/// The published checks as JSON.
+/// The published checks as JSON, and the files of their report if it is wanted.
 #[pyfunction]
-pub(crate) fn validate(py: Python<'_>) -> PyResult<String> {
-    let report =
-        watched(py, false, 0, None, None, |_, _| bsm_validate::run(&Published::default()))?;
-    let report = report.map_err(|e| errors::words(&e.to_string()))?;
-    Ok(json!(report.checks).to_string())
+pub(crate) fn validate(py: Python<'_>, page: bool) -> PyResult<(String, Files)> {
+    let run = || -> Result<(String, Files), ValidateError> {
+        let published = Published::default();
+        let report = bsm_validate::run(&published)?;
+        let files = if page {
+            let figures = bsm_validate::figures(&published)?;
+            let page = validation_page(&report, &figures)?;
+            report_files(page, &report.to_json(), &figures)?
+        } else {
+            Vec::new()
+        };
+        Ok((json!(report.checks).to_string(), files))
+    };
+    let done = watched(py, false, 0, None, None, |_, _| run())?;
+    done.map_err(|e| errors::words(&e.to_string()))
 }
 
 /// Rows of a table that are in memory at a time as it is written, as in the program.
@@ -211,7 +260,8 @@ pub(crate) fn write_numbers(
     let known = || {
         let catalogue = CATALOGUE_COLUMNS.iter().map(|c| (c.name, c.unit));
         let of_a_nut = bsm_case::BALL_COLUMNS.into_iter().chain(bsm_case::CURVE_COLUMNS);
-        catalogue.chain(of_a_nut).map(|(name, unit)| NumberColumn { name, unit })
+        let of_sheets = sheet_columns().map(|c| (c.name, c.unit));
+        catalogue.chain(of_a_nut).chain(of_sheets).map(|(name, unit)| NumberColumn { name, unit })
     };
     let named = |(name, _): &(String, Numbers)| {
         let found = known().find(|column| column.name == name.as_str());
@@ -253,15 +303,11 @@ pub(crate) fn catalog(
     descending: bool,
     first: Option<usize>,
 ) -> PyResult<Vec<(&'static str, &'static str, PyArrowBuffer)>> {
-    let nuts = on_threads(py, || {
+    let columns = on_threads(py, || {
         let catalogue = match lists {
             Some(lists) => Catalogue::from_json(lists.as_bytes())?,
             None => Catalogue::standard()?,
         };
-        let require: Vec<_> =
-            require.iter().map(|text| Condition::parse(text)).collect::<Result<_, _>>()?;
-        let order = sort.map(CatalogueColumn::named).transpose()?;
-        let all = catalogue.places();
         let wish = match requirement {
             Some(json) => {
                 let lists = catalogue.lists.clone();
@@ -269,27 +315,62 @@ pub(crate) fn catalog(
             }
             None => None,
         };
+        let on_sheet = |name: &str| {
+            sheet_columns().position(|column| column.name == name).filter(|_| wish.is_some())
+        };
+        let (mut conditions, mut of_sheet) = (Vec::new(), Vec::new());
+        for text in &require {
+            let asked = Asked::parse(text)?;
+            match on_sheet(&asked.name) {
+                Some(place) => of_sheet.push((place, asked)),
+                None => conditions.push(Condition::on(asked)?),
+            }
+        }
+        let by_sheet = sort.and_then(on_sheet);
+        let order = sort.filter(|_| by_sheet.is_none()).map(CatalogueColumn::named).transpose()?;
         let meets = |nut: &Candidate| {
-            require.iter().all(|condition| condition.is_met(nut))
+            conditions.iter().all(|condition| condition.is_met(nut))
                 && wish.as_ref().is_none_or(|wish| wish.is_kept_by(&nut.nut))
         };
-        let mut chosen = catalogue.map(&all, |place, nut| meets(nut).then_some(place));
+        let mut chosen =
+            catalogue.map(&catalogue.places(), |place, nut| meets(nut).then_some(place));
+        let keeps = |sheet: &[f64]| of_sheet.iter().all(|(i, asked)| asked.is_met(sheet[*i]));
+        let mut sheets = BTreeMap::new();
+        if let Some(wish) = &wish {
+            sheets.extend(catalogue.map(&chosen, |place, nut| {
+                let sheet = wish.sheet_of(&nut.nut);
+                keeps(&sheet).then_some((place, sheet))
+            }));
+            chosen.retain(|place| sheets.contains_key(place));
+        }
         if pareto {
             chosen = catalogue.pareto(&chosen);
         }
-        let mut nuts = catalogue.map(&chosen, |_, nut| Some(*nut));
-        if let Some(column) = order {
-            nuts.sort_by(|a, b| (column.read)(a).total_cmp(&(column.read)(b)));
+        let mut nuts = catalogue.map(&chosen, |place, nut| Some((*nut, sheets.get(&place))));
+        let key = |(nut, sheet): &(Candidate, Option<&Vec<f64>>)| match (order, by_sheet, sheet) {
+            (Some(column), ..) => (column.read)(nut),
+            (None, Some(place), Some(sheet)) => sheet[place],
+            _ => 0.0,
+        };
+        if sort.is_some() {
+            nuts.sort_by(|a, b| key(a).total_cmp(&key(b)));
             if descending {
                 nuts.reverse();
             }
         }
         nuts.truncate(first.unwrap_or(usize::MAX));
-        Ok(nuts)
+        let column = |c: &CatalogueColumn| {
+            (c.name, c.unit, nuts.iter().map(|(nut, _)| (c.read)(nut)).collect::<Vec<_>>())
+        };
+        let mut columns: Vec<_> = CATALOGUE_COLUMNS.iter().map(column).collect();
+        if wish.is_some() {
+            let value =
+                |i: usize| nuts.iter().map(move |(_, sheet)| sheet.map_or(f64::NAN, |s| s[i]));
+            let of_sheets = sheet_columns().enumerate();
+            columns.extend(of_sheets.map(|(i, c)| (c.name, c.unit, value(i).collect())));
+        }
+        Ok(columns)
     })?;
-    let column = |c: &CatalogueColumn| {
-        let values: Vec<f64> = nuts.iter().map(c.read).collect();
-        (c.name, c.unit, shared(values))
-    };
-    Ok(CATALOGUE_COLUMNS.iter().map(column).collect())
+    let column = |(name, unit, values): (_, _, Vec<f64>)| (name, unit, shared(values));
+    Ok(columns.into_iter().map(column).collect())
 }

@@ -82,15 +82,15 @@ impl Scene {
     }
 }
 
-/// Model, tolerance, accuracy, creep and controlling race.
+/// Model, tolerance, accuracy, creep, controlling race, and where friction of a lubricant is computed.
 #[derive(FromPyObject)]
-pub(crate) struct How(String, f64, f64, f64, Option<String>);
+pub(crate) struct How(String, f64, f64, f64, Option<String>, String);
 
 impl How {
     /// As settings, checked.
     pub(crate) fn settings(self) -> PyResult<Settings> {
-        let Self(model, tolerance, accuracy, creep, control) = self;
-        let named = Settings::named(&model, control.as_deref(), None);
+        let Self(model, tolerance, accuracy, creep, control, friction) = self;
+        let named = Settings::named(&model, control.as_deref(), Some(&friction));
         let named = named.map_err(|e| errors::input(&e))?;
         let settings = Settings { tolerance, accuracy, creep, ..named };
         settings.check().map_err(|e| errors::input(&e))?;

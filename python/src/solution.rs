@@ -4,7 +4,9 @@ use std::cell::RefCell;
 use std::num::NonZeroUsize;
 use std::sync::atomic::Ordering;
 
-use bsm_case::{CaseError, Cell, InputKey, OUTPUTS, Record, Sensitivities, Settings, following};
+use bsm_case::{
+    CaseError, Cell, InputKey, OUTPUTS, Record, Sensitivities, Settings, following, torque_parts,
+};
 use bsm_dyn::{Band, ModelWorkspace, Problem};
 use bsm_report::PROGRAM;
 use pyo3::prelude::*;
@@ -96,8 +98,11 @@ impl Solution {
 
     /// As the program prints it with `--band always`.
     fn to_json(&self, py: Python<'_>) -> String {
-        let band = py.detach(|| self.band());
-        let map = self.record.report(PROGRAM, &self.scene.get().0, &self.settings, band.as_ref());
+        let scene = &self.scene.get().0;
+        let (band, parts) = py.detach(|| (self.band(), torque_parts(scene, &self.settings)));
+        // Why there are none, the report of the whole nut says.
+        let parts = parts.ok().flatten();
+        let map = self.record.report(PROGRAM, scene, &self.settings, band.as_ref(), parts.as_ref());
         format!("{:#}", Value::Object(map))
     }
 }
@@ -186,7 +191,8 @@ pub(crate) fn gradient(
         }
     }
     let point = |row: usize| -> Result<(f64, Vec<f64>), CaseError> {
-        let inputs = Sensitivities::by(&scene(row), &settings, keys.iter().copied().collect())?;
+        let inputs = Sensitivities::by(&scene(row), &settings, keys.iter().copied().collect());
+        let inputs = inputs.map_err(|error| if len > 1 { error.in_row(row + 1) } else { error })?;
         let nothing = || (f64::NAN, vec![f64::NAN; keys.len()]);
         let Ok((value, rows)) = WORK.with_borrow_mut(|work| inputs.solve(work)) else {
             return Ok(nothing());

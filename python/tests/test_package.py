@@ -12,6 +12,7 @@ import subprocess
 import sys
 import threading
 import time
+from array import array
 from pathlib import Path
 from typing import Any
 
@@ -112,6 +113,25 @@ def test_a_point_without_solution_raises_with_its_answer(screw: bs.Scene) -> Non
         bs.solve(locked, model="rigid")
     assert caught.value.solution.to_dict() == answer.to_dict()
     assert str(answer.message) in str(caught.value)
+
+
+def test_a_wrong_row_is_named(screw: bs.Scene) -> None:
+    with pytest.raises(bs.InputError) as caught:
+        bs.solve_many({"axial_load_N": [2e3, "much", 8e3]}, screw)
+    assert (caught.value.key, caught.value.row) == ("axial_load_N", 1)
+    with pytest.raises(bs.InputError) as caught:
+        bs.gradient({"axial_load_N": [2e3, 8e3, -1.0]}, "efficiency", ["lead_mm"], screw)
+    assert (caught.value.key, caught.value.value, caught.value.row) == ("axial_load_N", -1.0, 2)
+    with pytest.raises(bs.InputError) as caught:
+        bs.Scene(screw, axial_load_N=-1)
+    assert caught.value.row is None
+
+
+def test_words_of_auto_are_kept_if_asked_for(screw: bs.Scene) -> None:
+    points = {"axial_load_N": [8e3, -1.0]}
+    quiet, told = (bs.solve_many(points, screw, text=text) for text in (False, True))
+    assert quiet.message(0) is None and "the balls grip" in (told.message(0) or "")
+    assert quiet.message(1) == told.message(1) and quiet.message(1)
 
 
 # One point
@@ -218,7 +238,9 @@ def test_all_forms_of_arrays(screw: bs.Scene) -> None:
     wide[:, 0] = loads
     frozen = loads.astype(float)
     frozen.flags.writeable = False
-    for form in (loads, wide[:, 0], loads.astype(">f8"), frozen, loads.tolist(), np.ma.masked_array(loads)):
+    # The last one is what MATLAB hands over.
+    forms = (loads, wide[:, 0], loads.astype(">f8"), frozen, loads.tolist(), np.ma.masked_array(loads), array("d", loads))
+    for form in forms:
         assert bs.solve_many({"axial_load_N": form}, screw)["efficiency"].tobytes() == expected
     with pytest.raises(bs.InputError, match="dimensions"):
         bs.solve_many({"axial_load_N": wide}, screw)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from conftest import EXAMPLES, program
@@ -89,6 +90,65 @@ def test_fit() -> None:
     assert torque == pytest.approx(26.0, rel=1e-5)
 
 
+def test_one_coefficient_for_each_contact() -> None:
+    path = EXAMPLES / "feed_drive_oil.json"
+    oiled = bs.Scene.read(path)
+    answer = bs.solve(oiled, model="raceway-control", friction="contact")
+    words = ("--model", "raceway-control", "--friction", "contact")
+    assert answer.to_dict() == told("solve", path, *words, "--band=always")
+    local = bs.solve(oiled, model="raceway-control")
+    assert answer.dissipated_power_W != local.dissipated_power_W
+    for table in (
+        bs.solve_many({"screw_speed_rpm": [1500.0]}, oiled, model="raceway-control", friction="contact"),
+        bs.sweep(oiled, vary={"screw_speed_rpm": [1500.0]}, model="raceway-control", friction="contact"),
+    ):
+        # What the program promises of a row and a scene with the same numbers.
+        assert table["dissipated_power_W"][0] == pytest.approx(answer.dissipated_power_W, rel=1e-10)
+    with pytest.raises(bs.InputError, match="local, contact"):
+        bs.solve(oiled, friction="everywhere")  # type: ignore[arg-type]
+
+
+def test_torque_by_its_parts() -> None:
+    path = EXAMPLES / "axis.json"
+    answer = bs.solve(bs.Scene.read(path)).to_dict()
+    assert answer == told("solve", path)
+    phase = bs.size(bs.Scene.read(path), moved_mass_kg=0)["phases"][0]
+    assert answer["torque_parts"].items() <= phase.items()
+
+
+def test_fit_to_measured_points() -> None:
+    path, table = EXAMPLES / "feed_drive_oil.json", EXAMPLES / "measured_torque.csv"
+    oiled = bs.Scene.read(path)
+    words = ("--data", table, "--measured", "screw_torque_Nm", "--input", "boundary_friction_coefficient",
+             "--input", "seal_torque_Nm=0:1")
+    expected = told("fit", path, *words)
+    sought = {"boundary_friction_coefficient": None, "seal_torque_Nm": (0.0, 1.0)}
+    with table.open() as file:
+        names = file.readline().strip().split(",")
+        rows = np.array([[float(cell) for cell in line.split(",")] for line in file])
+    columns = dict(zip(names, rows.T, strict=True))
+    for data in (table, columns, pa.table(columns)):
+        assert plain(bs.fit(oiled, "screw_torque_Nm", data=data, input=sought)) == expected
+    one = bs.fit(oiled, "screw_torque_Nm", data=columns, input="seal_torque_Nm", range=(0.0, 1.0))
+    assert list(one["found"]) == ["seal_torque_Nm"]
+    with pytest.raises(bs.InputError) as caught:
+        bs.fit(oiled, "screw_torque_Nm", data={**columns, "axial_load_N": -columns["axial_load_N"]}, input=sought)
+    assert (caught.value.key, caught.value.row) == ("axial_load_N", 0)
+
+
+def test_reports_in_folders(tmp_path: Path) -> None:
+    path = EXAMPLES / "axis.json"
+    bs.size(bs.Scene.read(path), out=tmp_path / "ours" / "size")
+    bs.validate(tmp_path / "ours" / "validate")
+    for words in (["size", str(path)], ["validate"]):
+        run = subprocess.run([program(), *words, "--out", tmp_path / "theirs" / words[0]], capture_output=True)
+        assert run.returncode == 0, run.stderr
+    files = sorted(p.relative_to(tmp_path / "ours") for p in (tmp_path / "ours").rglob("*") if p.is_file())
+    assert len(files) > 50
+    for name in files:
+        assert (tmp_path / "ours" / name).read_bytes() == (tmp_path / "theirs" / name).read_bytes(), name
+
+
 @pytest.mark.parametrize("path", sorted((EXAMPLES / "requirements").glob("*.json")), ids=lambda path: path.stem)
 def test_design(path: Path) -> None:
     report = bs.design(path)
@@ -120,8 +180,18 @@ def test_catalog(tmp_path: Path) -> None:
             capture_output=True,
         )
         same_table(ours, theirs)
-    kept = bs.catalog(requirement=EXAMPLES / "requirements" / "axis.json")
-    assert 0 < len(kept) < len(bs.catalog())
+
+
+def test_catalog_of_a_requirement(tmp_path: Path) -> None:
+    wish = EXAMPLES / "requirements" / "axis.json"
+    table = bs.catalog(requirement=wish, require=["critical_speed_ratio<=0.5", "lead_mm>=20"], sort="mean_heat_W")
+    assert 0 < len(table) and (table["critical_speed_ratio"] <= 0.5).all()
+    ours, theirs = tmp_path / "ours.csv", tmp_path / "theirs.csv"
+    table.write(ours)
+    options = ["--require", "critical_speed_ratio<=0.5", "--require", "lead_mm>=20", "--sort", "mean_heat_W"]
+    command: list[str | Path] = [program(), "catalog", "--requirement", wish, *options, "-o", theirs]
+    subprocess.run(command, check=True, capture_output=True)
+    same_table(ours, theirs)
 
 
 def test_validate() -> None:
@@ -137,6 +207,7 @@ def test_a_sweep_has_the_bytes_of_the_program(tmp_path: Path) -> None:
         bs.Scene.read(path),
         vary={"screw_speed_rpm": bs.linspace(100, 6000, 300), "axial_load_kN": [2, 4, 8]},
         outputs=["efficiency", "controlling_race"],
+        text=True,
     )
     options = ["--vary", "screw_speed_rpm=100:6000:300", "--vary", "axial_load_kN=2,4,8"]
     options += ["--columns", "efficiency,controlling_race", "--quiet"]
@@ -161,7 +232,7 @@ def test_a_batch_has_the_bytes_of_the_program(tmp_path: Path, model: str) -> Non
     points["axial_load_kN"][[1, 100, rows - 1]] = -1.0
     names = [f"point {row}" for row in range(rows)]
     outputs = ["efficiency", "screw_torque_Nm", "controlling_race"]
-    table = bs.solve_many({**points, "name": names}, bs.Scene.read(path), model=model, outputs=outputs, keep=["name"])  # type: ignore[arg-type]
+    table = bs.solve_many({**points, "name": names}, bs.Scene.read(path), model=model, outputs=outputs, keep=["name"], text=True)  # type: ignore[arg-type]
     assert table.ok.sum() == rows - 3
     given = zip(*points.values(), names, strict=True)
     lines = [",".join([*points, "name"]), *(f"{float(a)!r},{float(b)!r},{name}" for a, b, name in given)]

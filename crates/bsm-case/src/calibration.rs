@@ -37,6 +37,10 @@ pub struct CalibrationReport {
 }
 
 impl Calibration {
+    /// Why there is no report.
+    pub const LOST: &str = "a point has no solution with values on the way, or the search does not settle; give \
+                            narrower ranges to the inputs";
+
     /// Seeks `inputs`, each `name` or `name=low:high`, from a CSV table: a column of the output that was measured,
     /// and columns of inputs, in any known units.
     ///
@@ -231,14 +235,15 @@ fn points(
         let (mut scene, mut value) = (base.clone(), f64::NAN);
         for (column, cell) in columns.iter().zip(&record) {
             let number = cell.parse::<f64>().ok().filter(|x| x.is_finite());
-            let number = number.ok_or_else(|| CaseError::BadEntry {
-                key: format!("row {} of the measurements", row + 1),
-                what: format!("`{cell}` is no number"),
+            let number = number.ok_or_else(|| {
+                let what = format!("`{cell}` is no number");
+                CaseError::BadEntry { key: "a measurement".to_owned(), what }.in_row(row + 1)
             })?;
             match column {
                 Column::Input(key, factor) => {
                     let mut setting = Scene::default();
-                    setting.set(key.name(), number * factor)?;
+                    let set = setting.set(key.name(), number * factor);
+                    set.map_err(|error| error.in_row(row + 1))?;
                     scene.override_with(&setting);
                 }
                 Column::Measured(factor) => value = number * factor,

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 use crate::optimum::hard_to_make;
 use crate::units::{DEG, MM, MPA, RPM};
-use crate::{Catalogue, RequirementFile, Scene};
+use crate::{Catalogue, Output, RequirementFile, Scene, Settings, SizeReport, sheet_columns};
 
 /// A number of the procedure: step, what it is, value and requirement in words, and whether it
 /// holds.
@@ -151,6 +151,13 @@ impl RequirementFile {
     pub fn scene_of(&self, nut: &Nut) -> Scene {
         let design = Design::of(&self.requirement, *nut, None);
         scene(self, nut, design.load)
+    }
+
+    /// The numbers of [`sheet_columns`] for a nut in the axis of the requirement; NaN where there is none.
+    pub fn sheet_of(&self, nut: &Nut) -> Vec<f64> {
+        let report = SizeReport::of(&self.scene_of(nut), &Settings::default()).ok();
+        let number = |column: &Output| report.as_ref()?.number(column.name);
+        sheet_columns().map(|column| number(column).unwrap_or(f64::NAN)).collect()
     }
 }
 

@@ -266,6 +266,14 @@ pub enum CaseError {
         /// What the simplest model with a motion lacks.
         missing: Vec<String>,
     },
+    /// A row of a table that cannot be used.
+    #[error("row {row}: {error}")]
+    InRow {
+        /// Its number, from 1.
+        row: usize,
+        /// Why.
+        error: Box<Self>,
+    },
     /// A column that no row could fill.
     #[error("column {column} would be empty: {} required for it", list(missing))]
     EmptyColumn {
@@ -410,6 +418,7 @@ impl CaseError {
             | Self::MissingForAxis { missing }
             | Self::MissingForNut { missing }
             | Self::MissingForDesign { missing } => missing.first()?,
+            Self::InRow { error, .. } => return error.key(),
             _ => return None,
         })
     }
@@ -418,6 +427,7 @@ impl CaseError {
     pub fn value(&self) -> Option<f64> {
         match self {
             Self::OutOfRange { value, .. } | Self::NotCovered { value, .. } => Some(*value),
+            Self::InRow { error, .. } => error.value(),
             _ => None,
         }
     }
@@ -427,6 +437,7 @@ impl CaseError {
         match self {
             Self::OutOfRange { rule, .. } => Some(rule),
             Self::NotCovered { rule, .. } => Some(rule),
+            Self::InRow { error, .. } => error.rule(),
             _ => None,
         }
     }
@@ -439,8 +450,23 @@ impl CaseError {
             | Self::UnknownColumn { nearest, .. }
             | Self::UnknownRequirement { nearest, .. } => nearest.as_deref(),
             Self::UnknownOutput { nearest, .. } => *nearest,
+            Self::InRow { error, .. } => error.nearest(),
             _ => None,
         }
+    }
+
+    /// The row of a table that is wrong, from 1.
+    pub fn row(&self) -> Option<usize> {
+        match self {
+            Self::InRow { row, .. } => Some(*row),
+            _ => None,
+        }
+    }
+
+    /// The same error, of a row of a table, from 1.
+    #[must_use]
+    pub fn in_row(self, row: usize) -> Self {
+        Self::InRow { row, error: Box::new(self) }
     }
 
     /// The message without what only the program offers: a command that lists names.

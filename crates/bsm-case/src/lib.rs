@@ -92,6 +92,6 @@ pub use schema::{input_schema, output_schema};
 pub use sensitivity::{Sensitivities, Sensitivity};
 pub use size::{
     GrooveSection, NOT_MODELLED, PhaseWords, SizePhase, SizeReport, SizeRule, decimal_number,
-    sheet_columns,
+    sheet_columns, torque_parts,
 };
 pub use spectrum::Spectrum;

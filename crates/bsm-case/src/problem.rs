@@ -219,7 +219,7 @@ impl Needs {
     };
 
     /// True if the inputs are among those that are given.
-    fn are_met(&self, given: InputSet) -> bool {
+    pub(crate) fn are_met(&self, given: InputSet) -> bool {
         let given = given.completed();
         let complete = |form: &Form| given.contains(form.key) && given.contains_all(form.with);
         given.contains_all(self.all) && self.quantities.iter().all(|q| q.forms.iter().any(complete))

@@ -8,7 +8,7 @@ use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
 use crate::units::{DEG, MM, MPA};
-use crate::{CaseError, Cell, ModelChoice, OUTPUTS, Output, Scene, Settings};
+use crate::{CaseError, Cell, ModelChoice, OUTPUTS, Output, Scene, Settings, SizePhase};
 
 /// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
 /// load rating of ISO 76 is made from it.
@@ -293,13 +293,15 @@ impl Record {
 
     /// The same with what was asked, of which program: its scene and settings, the regime, and warnings.
     ///
-    /// * `band`: of a torque that comes from a lubricant, if it is wanted.
+    /// * `band`: of a torque that comes from a lubricant, if it is wanted. * `parts`: of the torque of the whole
+    ///   screw, where some are not in the balance of one ball ([`torque_parts`](crate::torque_parts)).
     pub fn report(
         &self,
         program: &str,
         scene: &Scene,
         settings: &Settings,
         band: Option<&Band>,
+        parts: Option<&SizePhase>,
     ) -> Map<String, Value> {
         let warnings = scene.warnings().into_iter().chain(self.warnings(scene));
         let warnings: Vec<_> = warnings.chain(scene.given().unused_by_models()).collect();
@@ -316,6 +318,9 @@ impl Record {
                 "efficiency": efficiency,
             });
             map.insert("band".to_owned(), band);
+        }
+        if let Some(parts) = parts {
+            map.insert("torque_parts".to_owned(), parts.to_json());
         }
         map
     }

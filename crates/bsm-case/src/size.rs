@@ -67,6 +67,7 @@ quantities! { Size;
         peak_motor_power_W ["W"] Whole needs [friction_coefficient | lubricant_temperature_C], "largest power of the motor";
         mean_heat_W ["W"] Whole needs [friction_coefficient | lubricant_temperature_C], "mean heat of nut, seals and support bearings";
         preload_drag_Nm ["N m"] Whole, "drag of the preload by the rule of makers";
+        screw_efficiency [""] Whole needs [friction_coefficient | lubricant_temperature_C], "efficiency of the screw at the largest load that moves, with preload, seals and support bearings";
         contact_drag_Nm ["N m"] Whole needs [friction_coefficient | lubricant_temperature_C], "drag of the preload by its contacts alone";
         holding_torque_Nm ["N m"] Whole needs [friction_coefficient | lubricant_temperature_C], "torque on the screw that keeps the load from driving it, contacts alone";
         inertia_of_screw_kg_m2 ["kg m2"] Whole, "moment of inertia of the screw";
@@ -83,6 +84,18 @@ pub struct SizePhase {
     pub numbers: Vec<(&'static str, &'static str, Option<f64>)>,
     /// The model of the contacts.
     pub contacts: String,
+}
+
+impl SizePhase {
+    /// JSON object.
+    pub fn to_json(&self) -> Value {
+        let entry = |(name, _, value): &(&'static str, &'static str, Option<f64>)| {
+            ((*name).to_owned(), json!(value))
+        };
+        let mut map: Map<_, _> = self.numbers.iter().map(entry).collect();
+        map.insert("contacts".to_owned(), json!(self.contacts));
+        Value::Object(map)
+    }
 }
 
 /// An axis: its numbers, its rules, its cycle.
@@ -119,13 +132,14 @@ pub struct GrooveSection {
 
 /// The numbers of a sheet that tell nuts apart, in tables of them.
 pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
-    const NAMES: [&str; 9] = [
+    const NAMES: [&str; 10] = [
         "cycle_life_h",
         "critical_speed_ratio",
         "buckling_safety",
         "static_safety_factor",
         "axis_rigidity_N_um",
         "peak_motor_torque_Nm",
+        "screw_efficiency",
         "mean_heat_W",
         "screw_mass_kg",
         "inertia_of_screw_kg_m2",
@@ -157,6 +171,27 @@ struct Torques {
 }
 
 impl Torques {
+    /// * `drag`: of the preload beyond its contacts \[N·m\].
+    fn of(
+        scene: &Scene,
+        settings: &Settings,
+        axis: &Axis,
+        drag: f64,
+        phase: &Phase,
+        work: &mut ModelWorkspace,
+    ) -> Result<Self, CaseError> {
+        let moves = f64::from(u8::from(phase.speed != 0.0));
+        let value = |key| moves * scene.value_or_default(key).unwrap_or(0.0);
+        Ok(Self {
+            phase: *phase,
+            ideal: axis.advance() * phase.load,
+            contacts: contacts(scene, settings, axis, phase, work)?,
+            drag: moves * drag,
+            seal: value(InputKey::seal_torque_Nm),
+            bearing: value(InputKey::support_bearing_torque_Nm),
+        })
+    }
+
     /// What acts against the motion, without its sign \[N·m\].
     fn friction(&self) -> Option<f64> {
         Some(self.contacts.friction? + self.drag + self.seal + self.bearing)
@@ -171,6 +206,95 @@ impl Torques {
     fn heat(&self) -> Option<f64> {
         Some(self.friction()? * self.phase.speed.abs())
     }
+
+    /// Power out over power in, of the screw with all its parts; `None` if nothing is done.
+    fn efficiency(&self) -> Option<f64> {
+        let output = self.ideal * self.phase.speed;
+        let input = self.at_screw()? * self.phase.speed;
+        let efficiency = if output > 0.0 { output / input } else { input / output };
+        (output != 0.0).then_some(efficiency)
+    }
+
+    /// The torque on the screw by its parts, and what follows.
+    fn parts(&self) -> Vec<(&'static str, &'static str, Option<f64>)> {
+        vec![
+            ("ideal_torque_Nm", "N m", Some(self.ideal)),
+            ("contact_friction_torque_Nm", "N m", self.contacts.friction),
+            ("preload_drag_beyond_contacts_Nm", "N m", Some(self.drag)),
+            ("seal_torque_Nm", "N m", Some(self.seal)),
+            ("support_bearing_torque_Nm", "N m", Some(self.bearing)),
+            ("screw_torque_Nm", "N m", self.at_screw()),
+            ("efficiency", "", self.efficiency()),
+        ]
+    }
+}
+
+/// The preload of a nut, and its drag on the screw \[N·m\].
+struct Preload {
+    force: f64,
+    /// By the rule of makers.
+    by_rule: f64,
+    /// Of its contacts alone; `None` without friction.
+    of_contacts: Option<f64>,
+}
+
+impl Preload {
+    /// That of a nut, if it is preloaded, at a speed \[rad/s\].
+    fn of(
+        scene: &Scene,
+        settings: &Settings,
+        axis: &Axis,
+        nut: &NutReport,
+        speed: f64,
+    ) -> Result<Option<Self>, CaseError> {
+        let force = nut.number("preload_set_N").filter(|_| is_preloaded(scene));
+        let Some(force) = force else { return Ok(None) };
+        let of_contacts = if speed > 0.0 && scene.given().has_friction() {
+            let unloaded = nut_at(scene, settings, 0.0, speed)?;
+            unloaded.number("friction_heat_W").map(|heat| heat / speed)
+        } else {
+            None
+        };
+        let by_rule = drag_torque(force, axis.nut.lead, axis.nut.lead_angle());
+        Ok(Some(Self { force, by_rule, of_contacts }))
+    }
+
+    /// Drag of returns and lubricant, beyond the contacts.
+    fn beyond(&self) -> f64 {
+        (self.by_rule - self.of_contacts.unwrap_or(0.0)).max(0.0)
+    }
+}
+
+/// The torque of a screw at the operating point of its scene by its parts, where some are not in the balance of one
+/// ball: preload, seals and support bearings. `None` where there are none, or the scene has no nut.
+///
+/// # Errors
+///
+/// [`CaseError`] if the nut or its point has no solution.
+pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<SizePhase>, CaseError> {
+    let given = |key: InputKey| scene[key].is_some_and(|value| value != 0.0);
+    let has_parts = is_preloaded(scene)
+        || given(InputKey::seal_torque_Nm)
+        || given(InputKey::support_bearing_torque_Nm);
+    let point = scene.speeds_rpm().zip(scene.axial_load_N);
+    let (true, Some(((screw, turned), load)), true, true) =
+        (has_parts, point, NEEDS.are_met(scene.given()), scene.given().has_friction())
+    else {
+        return Ok(None);
+    };
+    let axis = Axis::of(scene)?;
+    let speed = (screw - turned) * RPM;
+    let phase = Phase { time: 1.0, load, speed, acceleration: 0.0 };
+    let preload = if is_preloaded(scene) {
+        let nut = nut_at(scene, settings, load, speed)?;
+        Preload::of(scene, settings, &axis, &nut, speed.abs())?
+    } else {
+        None
+    };
+    let drag = preload.map_or(0.0, |preload| preload.beyond());
+    let work = &mut ModelWorkspace::default();
+    let torques = Torques::of(scene, settings, &axis, drag, &phase, work)?;
+    Ok(Some(SizePhase { numbers: torques.parts(), contacts: torques.contacts.words }))
 }
 
 impl SizeReport {
@@ -188,14 +312,14 @@ impl SizeReport {
         warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
         warnings.sort();
         warnings.dedup();
-        let (axis, preload) = (&worked.axis, worked.preload);
+        let (axis, preload) = (&worked.axis, worked.preload_force());
         let numbers = worked.numbers();
         Ok(Self {
             scene: scene.clone(),
             rules: rules::rules(scene, axis, &numbers, &of_nut, preload),
             phases: worked.torques.iter().map(|torques| worked.phase_numbers(torques)).collect(),
             sizes: sizes(scene, axis, &of_nut, preload),
-            notes: worked.notes(),
+            notes: worked.notes().into_iter().chain(worked.how_sure(settings)).collect(),
             warnings,
             numbers,
         })
@@ -220,22 +344,13 @@ impl SizeReport {
             .collect();
         let sizes: Map<_, _> =
             self.sizes.iter().map(|(name, _, value)| ((*name).to_owned(), json!(value))).collect();
-        let phase = |phase: &SizePhase| {
-            let mut map: Map<_, _> = phase
-                .numbers
-                .iter()
-                .map(|(name, _, value)| ((*name).to_owned(), json!(value)))
-                .collect();
-            map.insert("contacts".to_owned(), json!(phase.contacts));
-            Value::Object(map)
-        };
         json!({
             "passes": self.passes(),
             "inputs": self.scene.to_json(),
             "screw": sizes,
             "results": numbers,
             "rules": self.rules.iter().map(SizeRule::to_json).collect::<Vec<_>>(),
-            "phases": self.phases.iter().map(phase).collect::<Vec<_>>(),
+            "phases": self.phases.iter().map(SizePhase::to_json).collect::<Vec<_>>(),
             "not_modelled": NOT_MODELLED,
             "notes": self.notes,
             "warnings": self.warnings,
@@ -279,10 +394,7 @@ struct Worked<'a> {
     /// The nut under the largest load, with all its balls; or why there is none.
     nut: Option<NutReport>,
     no_nut: Option<String>,
-    /// Preload \[N\], its drag by the rule of makers and by its contacts alone \[N·m\].
-    preload: Option<f64>,
-    drag_by_rule: Option<f64>,
-    drag_of_contacts: Option<f64>,
+    preload: Option<Preload>,
     torques: Vec<Torques>,
     holding: Option<f64>,
     /// Life by the loads of all balls \[s\].
@@ -307,30 +419,12 @@ impl<'a> Worked<'a> {
             Some(Err(why)) => (None, Some(format!("no numbers of all balls: {why}"))),
             None => (None, None),
         };
-        let preload = nut.as_ref().filter(|_| is_preloaded(scene));
-        let preload = preload.and_then(|nut| nut.number("preload_set_N"));
-        let drag_by_rule =
-            preload.map(|force| drag_torque(force, axis.nut.lead, axis.nut.lead_angle()));
-        let drag_of_contacts = match preload {
-            Some(_) if fastest > 0.0 && scene.given().has_friction() => {
-                let found = nut_at(scene, settings, 0.0, fastest)?;
-                found.number("friction_heat_W").map(|heat| heat / fastest)
-            }
-            _ => None,
+        let preload = match &nut {
+            Some(nut) => Preload::of(scene, settings, &axis, nut, fastest)?,
+            None => None,
         };
-        let beyond = drag_by_rule.map_or(0.0, |rule| rule - drag_of_contacts.unwrap_or(0.0));
-        let value = |key| scene.value_or_default(key).unwrap_or(0.0);
-        let torque = |phase: &Phase| -> Result<Torques, CaseError> {
-            let moves = f64::from(u8::from(phase.speed != 0.0));
-            Ok(Torques {
-                phase: *phase,
-                ideal: axis.advance() * phase.load,
-                contacts: contacts(scene, settings, &axis, phase, &mut work)?,
-                drag: moves * beyond.max(0.0),
-                seal: moves * value(InputKey::seal_torque_Nm),
-                bearing: moves * value(InputKey::support_bearing_torque_Nm),
-            })
-        };
+        let drag = preload.as_ref().map_or(0.0, Preload::beyond);
+        let torque = |phase: &Phase| Torques::of(scene, settings, &axis, drag, phase, &mut work);
         let torques = axis.phases.iter().map(torque).collect::<Result<_, _>>()?;
         // The load drives: its sign against the speed.
         let back =
@@ -340,18 +434,7 @@ impl<'a> Worked<'a> {
             Some((axis.advance() * axis.largest_load() - found.friction?).max(0.0))
         });
         let life_by_balls = life_by_balls(scene, settings, &axis);
-        Ok(Self {
-            scene,
-            axis,
-            nut,
-            no_nut,
-            preload,
-            drag_by_rule,
-            drag_of_contacts,
-            torques,
-            holding,
-            life_by_balls,
-        })
+        Ok(Self { scene, axis, nut, no_nut, preload, torques, holding, life_by_balls })
     }
 
     fn numbers(&self) -> Numbers {
@@ -365,6 +448,11 @@ impl<'a> Worked<'a> {
         numbers
     }
 
+    /// The preload \[N\].
+    fn preload_force(&self) -> Option<f64> {
+        self.preload.as_ref().map(|preload| preload.force)
+    }
+
     /// A number of the nut under the largest load.
     fn of_nut(&self, name: &str) -> Option<f64> {
         self.nut.as_ref()?.number(name)
@@ -376,7 +464,7 @@ impl<'a> Worked<'a> {
         let (largest, fastest) = (axis.largest_load(), axis.fastest());
         let reliability = self.scene.value_or_default(InputKey::reliability_percent);
         let reliability = reliability.map_or(1.0, reliability_factor);
-        let lived = life(axis.dynamic_rating, self.preload, &axis.duty());
+        let lived = life(axis.dynamic_rating, self.preload_force(), &axis.duty());
         put(largest_load_N, Some(largest));
         put(largest_speed_rpm, Some(fastest / RPM));
         put(largest_feed_m_min, Some(fastest * axis.advance() * 60.0));
@@ -442,8 +530,10 @@ impl<'a> Worked<'a> {
         put(rms_motor_torque_Nm, torque.and_then(mean_square));
         put(peak_motor_power_W, all(&|torques| self.motor_power(torques)).map(peak));
         put(mean_heat_W, self.mean_heat());
-        put(preload_drag_Nm, self.drag_by_rule);
-        put(contact_drag_Nm, self.drag_of_contacts);
+        put(screw_efficiency, self.heaviest().and_then(Torques::efficiency));
+        let preload = self.preload.as_ref();
+        put(preload_drag_Nm, preload.map(|preload| preload.by_rule));
+        put(contact_drag_Nm, preload.and_then(|preload| preload.of_contacts));
         put(holding_torque_Nm, self.holding);
         put(inertia_of_screw_kg_m2, axis.screw_inertia);
         put(inertia_of_mass_kg_m2, Some(axis.drive.mass_inertia()));
@@ -451,6 +541,13 @@ impl<'a> Worked<'a> {
         put(inertia_at_motor_kg_m2, at_motor);
         let motor = Some(axis.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
         put(inertia_ratio, at_motor.zip(motor).map(|(load, motor)| load / motor));
+    }
+
+    /// The phase of the largest load that moves.
+    fn heaviest(&self) -> Option<&Torques> {
+        let load = |torques: &&Torques| torques.phase.load.abs();
+        let moving = self.torques.iter().filter(|torques| torques.phase.speed != 0.0);
+        moving.max_by(|a, b| load(a).total_cmp(&load(b)))
     }
 
     /// Heat over the cycle \[W\].
@@ -488,31 +585,39 @@ impl<'a> Worked<'a> {
         notes
     }
 
+    /// How sure the torque is where friction comes from a lubricant.
+    fn how_sure(&self, settings: &Settings) -> Option<String> {
+        let heaviest = self.heaviest()?;
+        let phase = &heaviest.phase;
+        let work = &mut ModelWorkspace::default();
+        let [low, high] = contacts::band(self.scene, settings, phase, work)?;
+        let friction = heaviest.contacts.friction?;
+        Some(format!(
+            "friction from the lubricant: at {:.0} N and {:.0} rpm nine of ten draws of what nobody knows exactly lie \
+             between {:.3} and {:.3} N m, of {friction:.3} N m of the contacts",
+            phase.load,
+            phase.speed / RPM,
+            low * friction,
+            high * friction
+        ))
+    }
+
     fn phase_numbers(&self, torques: &Torques) -> SizePhase {
         let phase = &torques.phase;
         let share = phase.time / self.axis.phases.iter().map(|phase| phase.time).sum::<f64>();
-        let output = torques.ideal * phase.speed;
-        let efficiency = torques.at_screw().map(|torque| torque * phase.speed).and_then(|input| {
-            let efficiency = if output > 0.0 { output / input } else { input / output };
-            (output != 0.0).then_some(efficiency)
-        });
-        let numbers = vec![
+        let mut numbers = vec![
             ("time_share", "", Some(share)),
             ("axial_load_N", "N", Some(phase.load)),
             ("screw_speed_rpm", "rpm", Some(phase.speed / RPM)),
             ("feed_m_min", "m/min", Some(phase.speed * self.axis.advance() * 60.0)),
             ("acceleration_m_s2", "m/s2", Some(phase.acceleration)),
-            ("ideal_torque_Nm", "N m", Some(torques.ideal)),
-            ("contact_friction_torque_Nm", "N m", torques.contacts.friction),
-            ("preload_drag_beyond_contacts_Nm", "N m", Some(torques.drag)),
-            ("seal_torque_Nm", "N m", Some(torques.seal)),
-            ("support_bearing_torque_Nm", "N m", Some(torques.bearing)),
-            ("screw_torque_Nm", "N m", torques.at_screw()),
-            ("efficiency", "", efficiency),
+        ];
+        numbers.extend(torques.parts());
+        numbers.extend([
             ("motor_torque_Nm", "N m", self.motor_torque(torques)),
             ("motor_power_W", "W", self.motor_power(torques)),
             ("heat_W", "W", torques.heat()),
-        ];
+        ]);
         SizePhase { numbers, contacts: torques.contacts.words.clone() }
     }
 }

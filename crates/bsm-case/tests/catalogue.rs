@@ -33,6 +33,23 @@ fn published_nuts_are_in_the_catalogue() {
     assert!(Catalogue::standard().expect("compiled in").places().len() > 50_000);
 }
 
+/// The standard lists ended at 8 and 100 mm: ISO 3408-2 goes from 6 to 200 mm, and every diameter has nuts.
+#[test]
+fn every_diameter_of_the_standard_has_nuts() {
+    const ISO_3408_2: [f64; 16] = [
+        6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0, 63.0, 80.0, 100.0, 125.0, 160.0,
+        200.0,
+    ];
+    let catalogue = Catalogue::standard().expect("compiled in");
+    let diameters: Vec<_> = catalogue.lists.diameters.iter().map(|d| (1e3 * d).round()).collect();
+    assert_eq!(diameters, ISO_3408_2);
+    let found =
+        catalogue.map(&catalogue.places(), |_, nut| Some((1e3 * nut.size.diameter).round()));
+    for diameter in ISO_3408_2 {
+        assert!(found.iter().any(|d| (d - diameter).abs() < 1e-9), "{diameter} mm");
+    }
+}
+
 /// Found by the audit: the lists of the paper held six of its thirteen printed rows. Each is there once,
 /// with its calculated diameter.
 #[test]

@@ -120,6 +120,45 @@ fn an_upright_axis_lifts_and_lowers() {
     assert!(of_phase(&report, 1, "motor_power_W") < 0.0);
 }
 
+/// The band belongs to every torque that comes from a lubricant: the sheet has it, and a dry one has none.
+#[test]
+fn the_sheet_of_a_lubricated_axis_says_how_sure_it_is() {
+    let oiled = |scene: &[u8]| {
+        let mut scene = Scene::from_json(scene).expect("an example");
+        scene.friction_coefficient = None;
+        scene
+            .apply(&[
+                "iso_vg=68",
+                "lubricant_temperature_C=40",
+                "ball_roughness_um=0.03",
+                "nut_roughness_um=0.2",
+                "screw_roughness_um=0.2",
+            ])
+            .expect("settings");
+        SizeReport::of(&scene, &Settings::default()).expect("an axis")
+    };
+    let told = |report: &SizeReport| {
+        let found = report.notes.iter().find(|note| note.contains("nine of ten draws"));
+        found.map(|note| {
+            let numbers = note.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
+            numbers.collect::<Vec<_>>()
+        })
+    };
+    assert_eq!(told(&axis(&[])), None);
+    let report = oiled(AXIS);
+    let numbers = told(&report).expect("a band");
+    let [load, rpm, low, high, stated] = numbers[..] else { panic!("{numbers:?}") };
+    near(load, 10_049.033_25, 1e-4, "load");
+    near(rpm, 1500.0, 1e-9, "speed");
+    // Three digits of the note.
+    near(stated, of_phase(&report, 0, "contact_friction_torque_Nm"), 1e-3, "stated");
+    // The ranges of the specification: 0.6 to 1.3 of the loss where rolling resistance leads.
+    assert!(
+        (0.55..0.95).contains(&(low / stated)) && (1.05..1.4).contains(&(high / stated)),
+        "{numbers:?}"
+    );
+}
+
 /// A maker's ratings stand in the place of ours, in life and static safety.
 #[test]
 fn the_ratings_of_a_maker_count() {

@@ -16,8 +16,10 @@ const EXIT_CODES: &str = "Exit codes: 0 all solved and all checks passed; 1 a pr
 
 /// Steady motion of the balls of a ball screw: loads, slip, spin, torque, efficiency.
 ///
-/// A scene is a JSON file of inputs whose names carry their units (`bsm schema input` lists
-/// them). Try: bsm solve examples/feed_drive.json
+/// A scene is a JSON file of inputs whose names carry their units. A feed drive: bsm solve
+/// examples/feed_drive.json. Your own screw: copy that file, or change it, such as with --set lead_mm=10 --set
+/// axial_load_kN=5; `bsm schema input` lists all inputs. From a requirement to a screw: bsm design
+/// examples/requirements/axis.json -o screw.json, then bsm size screw.json.
 #[derive(Debug, Parser)]
 #[command(name = "bsm", version, propagate_version = true, arg_required_else_help = true)]
 #[command(after_help = EXIT_CODES)]

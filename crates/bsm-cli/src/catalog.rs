@@ -8,7 +8,7 @@ use bsm_batch::NumberColumn;
 use bsm_case::units::GPA;
 use bsm_case::{
     Asked, CATALOGUE_COLUMNS, CaseError, Catalogue, CatalogueColumn, Condition, Output,
-    RequirementFile, STANDARD_CATALOGUE, Settings, SizeReport, candidate_json, sheet_columns,
+    RequirementFile, STANDARD_CATALOGUE, candidate_json, sheet_columns,
 };
 use bsm_design::Candidate;
 use bsm_report::{Figure, number};
@@ -89,7 +89,7 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     }
     let mut sheets = BTreeMap::new();
     if let Some(wish) = &wish {
-        sheets.extend(catalogue.map(&chosen, |place, nut| Some((place, sheet(wish, nut)))));
+        sheets.extend(catalogue.map(&chosen, |place, nut| Some((place, wish.sheet_of(&nut.nut)))));
         let kept = |place: &u32| of_sheet.iter().all(|(i, asked)| asked.is_met(sheets[place][*i]));
         chosen.retain(kept);
         if chosen.is_empty() {
@@ -176,13 +176,6 @@ fn known(sheets: &Sheets) -> impl Iterator<Item = &'static Output> {
 
 fn place_on_sheet(name: &str) -> Option<usize> {
     sheet_columns().position(|column| column.name == name)
-}
-
-/// A nut in the axis of a requirement, by the rules of `bsm size`; NaN where there is no number.
-fn sheet(wish: &RequirementFile, nut: &Candidate) -> Vec<f64> {
-    let report = SizeReport::of(&wish.scene_of(&nut.nut), &Settings::default()).ok();
-    let number = |column: &Output| report.as_ref()?.number(column.name);
-    sheet_columns().map(|column| number(column).unwrap_or(f64::NAN)).collect()
 }
 
 /// What was asked for.

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use bsm_case::{CaseError, Scene, column_names, exact};
 use bsm_report::Figure;
+use bsm_validate::report_files;
 use serde_json::Value;
 use tempfile::NamedTempFile;
 
@@ -274,11 +275,9 @@ pub(crate) fn write_bytes(mut out: Output, path: &Path, bytes: &[u8]) -> Result<
     out.complete()
 }
 
-/// Makes the folder of a report and that of its figures, which it returns.
-pub(crate) fn make_report_folder(folder: &Path) -> Result<PathBuf, Failure> {
-    let figures = folder.join("figures");
-    make_folder(&figures)?;
-    Ok(figures)
+/// Makes the folder of a report and that of its figures.
+pub(crate) fn make_report_folder(folder: &Path) -> Result<(), Failure> {
+    make_folder(&folder.join("figures"))
 }
 
 /// Makes a folder and those above it.
@@ -299,13 +298,14 @@ pub(crate) fn write_figures(folder: &Path, figures: &[Figure]) -> Result<(), Fai
 /// Writes a report into a folder: page, numbers, and each figure as SVG and as a table.
 pub(crate) fn write_report(
     folder: &Path,
-    page: &str,
+    page: String,
     results: &Value,
     figures: &[Figure],
 ) -> Result<(), Failure> {
-    write_figures(&make_report_folder(folder)?, figures)?;
-    write(&folder.join("results.json"), &(pretty_json(results) + "\n"))?;
-    write(&folder.join("report.html"), page)?;
+    make_report_folder(folder)?;
+    for (name, text) in report_files(page, results, figures)? {
+        write(&folder.join(name), &text)?;
+    }
     let folder = folder.display();
     warn("note", &format!("wrote report.html, results.json and figures/ in {folder}"));
     Ok(())

@@ -51,9 +51,7 @@ fn to_table(
     let usage = |e: CaseError| Failure::Input(format!("{}: {e}", data.display()));
     let fit = Calibration::new(scene, &args.input, &args.measured, &bytes[..]).map_err(usage)?;
     let Some(report) = fit.run(scene, settings).map_err(usage)? else {
-        let text = "a point has no solution with values on the way, or the search does not settle; give \
-                    narrower ranges, --input NAME=LOW:HIGH";
-        return Err(Failure::Check(text.to_owned()));
+        return Err(Failure::Check(format!("{}, --input NAME=LOW:HIGH", Calibration::LOST)));
     };
     if let Some(path) = &args.plot {
         files::write(path, &figure(&fit, &report).svg())?;

@@ -175,8 +175,11 @@ fn solve() -> Value {
         ("screw_torque_Nm", range.clone()),
         ("efficiency", range),
     ]);
-    let optional =
-        properties([("sensitivities", object(Properties::new(), sensitivities)), ("band", band)]);
+    let optional = properties([
+        ("sensitivities", object(Properties::new(), sensitivities)),
+        ("band", band),
+        ("torque_parts", phase()),
+    ]);
     object(required, optional)
 }
 
@@ -258,6 +261,16 @@ fn nut() -> Value {
     any_of([solved, none, samples])
 }
 
+/// Torque by its parts.
+fn phase() -> Value {
+    json!({
+        "type": "object",
+        "properties": { "contacts": text() },
+        "required": ["contacts"],
+        "additionalProperties": number_or_null(),
+    })
+}
+
 fn size() -> Value {
     let rule = closed([
         ("rule", text()),
@@ -270,19 +283,13 @@ fn size() -> Value {
         ("source", text()),
         ("remedy", text_or_null()),
     ]);
-    let phase = json!({
-        "type": "object",
-        "properties": { "contacts": text() },
-        "required": ["contacts"],
-        "additionalProperties": number_or_null(),
-    });
     closed([
         ("passes", flag()),
         ("inputs", scene()),
         ("screw", map_of(&number())),
         ("results", object(Properties::new(), columns(AnalysisKind::Size))),
         ("rules", list(&rule)),
-        ("phases", list(&phase)),
+        ("phases", list(&phase())),
         ("not_modelled", texts()),
         ("notes", texts()),
         ("warnings", texts()),

@@ -1,9 +1,8 @@
 //! `bsm size`: the axis around a screw.
 
 use bsm_case::{NOT_MODELLED, PhaseWords, SizePhase, SizeReport, SizeRule};
-use bsm_report::{PROGRAM, number, short};
-use bsm_validate::{size_figures, size_page};
-use serde_json::{Value, json};
+use bsm_report::{number, short};
+use bsm_validate::{size_figures, size_page, size_results};
 
 use crate::args::{Format, SizeArgs};
 use crate::failure::{Failure, warn};
@@ -36,10 +35,10 @@ pub(crate) fn run(args: &SizeArgs) -> Result<(), Failure> {
     }
     let settings = args.model.settings().map_err(in_file)?;
     let report = SizeReport::of(&scene, &settings).map_err(in_file)?;
-    let results = with_program(report.to_json());
+    let results = size_results(&report);
     if let Some(folder) = &args.out {
         make_report_folder(folder)?;
-        write_report(folder, &size_page(&report)?, &results, &size_figures(&report))?;
+        write_report(folder, size_page(&report)?, &results, &size_figures(&report))?;
     }
     match args.format {
         Format::Json => print(&pretty_json(&results))?,
@@ -51,11 +50,6 @@ pub(crate) fn run(args: &SizeArgs) -> Result<(), Failure> {
         }
     }
     if report.passes() { Ok(()) } else { Err(Failure::Unsolved) }
-}
-
-fn with_program(mut results: Value) -> Value {
-    results["program"] = json!(PROGRAM);
-    results
 }
 
 fn describe(report: &SizeReport) -> String {

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use bsm_case::{CaseError, Record, Scene, Sensitivities, Sensitivity, Settings};
+use bsm_case::{
+    CaseError, Record, Scene, Sensitivities, Sensitivity, Settings, SizePhase, torque_parts,
+};
 use bsm_dyn::{Band, ModelWorkspace, Problem, Solution, Status};
 use bsm_report::PROGRAM;
 use serde_json::{Map, Value};
@@ -30,20 +32,37 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         (Problem::Lubricated(case), Some(solved)) if wanted => case.band(solved, &mut work),
         _ => None,
     };
-    let band = band.as_ref();
+    let parts = torque_parts(&scene, &settings).unwrap_or_else(|why| {
+        warn("note", &format!("no torque of the whole screw: {why}"));
+        None
+    });
+    let also = Also { band, parts, sensitivities: None };
     let asked = (path.as_path(), &scene, &settings);
     if !args.sensitivities || solution.status() != Status::Converged {
-        return print_with(asked, solution, (None, band), args.format);
+        return print_with(asked, solution, &also, args.format);
     }
     let inputs = Sensitivities::of(&scene, &settings).map_err(in_file)?;
     match inputs.solve(&mut work) {
-        Ok((_, rows)) => print_with(asked, solution, (Some(&rows[..]), band), args.format),
+        Ok((_, rows)) => {
+            let also = Also { sensitivities: Some(rows), ..also };
+            print_with(asked, solution, &also, args.format)
+        }
         Err(none) => {
             let failed = Record::new(Solution::new(solution.model, Err(none)));
             warn("no sensitivities", failed.message().unwrap_or_default());
-            print_with(asked, solution, (None, band), args.format).and(Err(Failure::Unsolved))
+            print_with(asked, solution, &also, args.format).and(Err(Failure::Unsolved))
         }
     }
+}
+
+/// What is printed with a solution.
+#[derive(Default)]
+struct Also {
+    /// How sure a friction from the lubricant is.
+    band: Option<Band>,
+    /// The torque of the whole screw by its parts.
+    parts: Option<SizePhase>,
+    sensitivities: Option<Vec<Sensitivity>>,
 }
 
 /// Prints a solution, or why there is none.
@@ -54,13 +73,13 @@ pub(crate) fn print(
     solution: Solution,
     format: Format,
 ) -> Result<(), Failure> {
-    print_with((path, scene, settings), solution, (None, None), format)
+    print_with((path, scene, settings), solution, &Also::default(), format)
 }
 
 fn print_with(
     (path, scene, settings): (&Path, &Scene, &Settings),
     solution: Solution,
-    (sensitivities, band): (Option<&[Sensitivity]>, Option<&Band>),
+    Also { band, parts, sensitivities }: &Also,
     format: Format,
 ) -> Result<(), Failure> {
     let record = Record::new(solution);
@@ -73,7 +92,7 @@ fn print_with(
     }
     match format {
         Format::Json => {
-            let mut map = record.report(PROGRAM, scene, settings, band);
+            let mut map = record.report(PROGRAM, scene, settings, band.as_ref(), parts.as_ref());
             if let Some(rows) = sensitivities {
                 let entry = |row: &Sensitivity| (row.input.name.to_owned(), row.to_json());
                 let rows: Map<_, _> = rows.iter().map(entry).collect();
@@ -85,8 +104,9 @@ fn print_with(
             let blocks = [
                 table::title(scene),
                 Some(table::record(scene, &record)),
-                band.map(table::band),
-                sensitivities.map(table::sensitivities),
+                parts.as_ref().map(table::torque_parts),
+                band.as_ref().map(table::band),
+                sensitivities.as_deref().map(table::sensitivities),
             ];
             files::print(&blocks.into_iter().flatten().collect::<Vec<_>>().join("\n\n"))?;
         }

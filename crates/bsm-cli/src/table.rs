@@ -2,7 +2,8 @@
 
 use bsm_case::units::MM;
 use bsm_case::{
-    Analysis, Cell, Numbers, OUTPUTS, Of, Output, Quantity, Record, Scene, Sensitivity, printable,
+    Analysis, Cell, Numbers, OUTPUTS, Of, Output, Quantity, Record, Scene, Sensitivity, SizePhase,
+    printable,
 };
 use bsm_dyn::Band;
 use bsm_report::number;
@@ -183,6 +184,31 @@ pub(crate) fn record(scene: &Scene, record: &Record) -> String {
         blocks.push(plain(Some(&["contact", "", "nut", "screw", "minor"]), &contacts, 2));
     }
     blocks.join("\n\n")
+}
+
+/// What the parts of a torque are, by their names.
+const TORQUE_PARTS: [(&str, &str); 7] = [
+    ("of the load, without friction", "ideal_torque_Nm"),
+    ("contacts of the balls", "contact_friction_torque_Nm"),
+    (
+        "returns and lubricant of the preload, by the rule of makers",
+        "preload_drag_beyond_contacts_Nm",
+    ),
+    ("seals", "seal_torque_Nm"),
+    ("support bearings", "support_bearing_torque_Nm"),
+    ("torque on the screw", "screw_torque_Nm"),
+    ("efficiency of the screw", "efficiency"),
+];
+
+/// The torque of a screw by its parts.
+pub(crate) fn torque_parts(parts: &SizePhase) -> String {
+    let row = |(label, name): &(&str, &str)| {
+        let (_, unit, value) = parts.numbers.iter().find(|(own, ..)| own == name)?;
+        Some(vec![(*label).to_owned(), (*unit).to_owned(), number((*value)?)])
+    };
+    let rows: Vec<_> = TORQUE_PARTS.iter().filter_map(row).collect();
+    let how = format!("whole screw, contacts by model {}", parts.contacts);
+    plain(Some(&[&how, "", ""]), &rows, 2)
 }
 
 /// How sure the friction of a lubricant is.

@@ -34,7 +34,7 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
         "tradeoff": measured,
     });
     if let Some(folder) = &args.out {
-        write_report(folder, &tradeoff_page(&measured)?, &results, &measured.figures())?;
+        write_report(folder, tradeoff_page(&measured)?, &results, &measured.figures())?;
     }
     match args.format {
         Format::Json => print(&pretty_json(&results))?,

@@ -1,8 +1,7 @@
 //! `bsm validate`: published results against ours.
 
-use bsm_report::{PROGRAM, number};
+use bsm_report::number;
 use bsm_validate::{Published, Report, Verdict};
-use serde_json::json;
 
 use crate::args::{Format, ValidateArgs};
 use crate::failure::Failure;
@@ -15,15 +14,11 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
         None => Published::default(),
     };
     let report = bsm_validate::run(&published)?;
-    let results = json!({
-        "program": PROGRAM,
-        "passed": report.passed(),
-        "checks": report.checks,
-    });
+    let results = report.to_json();
     if let Some(folder) = &args.out {
         let figures = bsm_validate::figures(&published)?;
         let page = bsm_validate::validation_page(&report, &figures)?;
-        write_report(folder, &page, &results, &figures)?;
+        write_report(folder, page, &results, &figures)?;
     }
     match args.format {
         Format::Json => print(&pretty_json(&results))?,

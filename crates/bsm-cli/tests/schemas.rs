@@ -64,6 +64,7 @@ fn results_are_what_their_schemas_say() {
         &["solve", &drive],
         &["solve", &drive, "--sensitivities", "--model", "traction"],
         &["solve", &oil],
+        &["solve", &axis],
         &["solve", &lin, "--set", "lead_angle_deg=5"],
         &["compare", &drive],
         &["optimum", &lin],

@@ -103,6 +103,10 @@ pub struct Figure {
 /// Size of a figure without its legend; letters are as large as a screen of a phone needs.
 const SIZE: (f64, f64) = (460.0, 330.0);
 
+/// Letters of a title that fit in a line, capitals too, and the height of a line.
+const TITLE: usize = 34;
+const TITLE_LINE: f64 = 20.0;
+
 /// Height of a row of the legend, and letters that fit in a column of two.
 const ROW: f64 = 21.0;
 const COLUMN: usize = 18;
@@ -132,17 +136,23 @@ impl Figure {
     }
 
     fn titled(&self) -> Scene {
-        self.scene(|layout| layout.with_title(&self.title).with_title_wrap(44))
+        let lines = self.title.chars().count().div_ceil(TITLE);
+        // The library takes a title from the height of the plot.
+        #[expect(clippy::cast_precision_loss, reason = "a few lines")]
+        let more = TITLE_LINE * lines.saturating_sub(1) as f64;
+        self.scene(|layout, height| {
+            layout.with_title(&self.title).with_title_wrap(TITLE).with_height(height + more)
+        })
     }
 
     /// SVG for a page that shows the title itself and may hold several figures.
     pub fn inline_svg(&self) -> String {
-        let svg = svg_of(&self.scene(|layout| layout));
+        let svg = svg_of(&self.scene(Layout::with_height));
         // Names within an SVG are names of the whole page.
         svg.replace("kuva-clip-", &format!("{}-clip-", self.key))
     }
 
-    fn scene(&self, title: impl Fn(Layout) -> Layout) -> Scene {
+    fn scene(&self, title: impl Fn(Layout, f64) -> Layout) -> Scene {
         let palette = Palette::tol_bright();
         let colors = palette.colors();
         let color = |number: usize| colors[number % colors.len()].as_str();
@@ -180,8 +190,7 @@ impl Figure {
             .with_label_size(15)
             .with_tick_size(14)
             .with_body_size(14)
-            .with_width(SIZE.0)
-            .with_height(height);
+            .with_width(SIZE.0);
         if self.x.log {
             // Else it ends at a power of ten, far from the points.
             let xs = || self.curves.iter().flat_map(|curve| &curve.points).map(|(x, _)| *x);
@@ -195,7 +204,7 @@ impl Figure {
         if self.y.equal {
             layout = layout.with_equal_aspect();
         }
-        let mut scene = render_multiple(plots, title(layout));
+        let mut scene = render_multiple(plots, title(layout, height));
         lengthen_samples(&mut scene);
         scene
     }
@@ -203,11 +212,17 @@ impl Figure {
     /// What each stroke and each colour means, if the labels of many curves are of two parts, `a, b`, of which one
     /// follows from the stroke and the other from the colour.
     fn strokes_and_colors(&self) -> Option<Parts<'_>> {
+        self.parts(false).or_else(|| self.parts(true))
+    }
+
+    /// * `color_first`: the first part of a label follows from the colour.
+    fn parts(&self, color_first: bool) -> Option<Parts<'_>> {
         /// Curves of which a list is easier to read than two.
         const FEW: usize = 4;
         let (mut strokes, mut colors) = (Vec::new(), Vec::new());
         for curve in &self.curves {
-            let (of_stroke, of_color) = curve.label.as_ref()?.split_once(", ")?;
+            let (first, second) = curve.label.as_ref()?.split_once(", ")?;
+            let (of_stroke, of_color) = if color_first { (second, first) } else { (first, second) };
             let (stroke, color) = ((curve.stroke, of_stroke), (curve.color, of_color));
             if !strokes.contains(&stroke) {
                 strokes.push(stroke);
@@ -373,6 +388,16 @@ mod tests {
             curves: (0..9).map(curve).collect(),
         };
         let (by_stroke, by_color) = figure.strokes_and_colors().expect("two parts");
+        assert_eq!(by_stroke, strokes);
+        assert_eq!(by_color, [(0, "0 N"), (1, "1 N"), (2, "2 N")]);
+        // The other way round too: `0 N, a`.
+        let mut turned = figure.clone();
+        for curve in &mut turned.curves {
+            let (name, load) =
+                curve.label.as_deref().expect("a label").split_once(", ").expect("two parts");
+            curve.label = Some(format!("{load}, {name}"));
+        }
+        let (by_stroke, by_color) = turned.strokes_and_colors().expect("two parts");
         assert_eq!(by_stroke, strokes);
         assert_eq!(by_color, [(0, "0 N"), (1, "1 N"), (2, "2 N")]);
         // One that does not fit makes it a list again.

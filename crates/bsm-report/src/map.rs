@@ -89,7 +89,7 @@ impl Map {
         let corners = vec![Plot::Line(corners.with_stroke_width(0.0).with_color("none"))];
         let mut layout = Layout::auto_from_plots(&corners)
             .with_title(&self.title)
-            .with_title_wrap(60)
+            .with_title_wrap(46)
             .with_x_label(&self.x.0.label)
             .with_y_label(&self.y.0.label)
             .with_legend_position(LegendPosition::OutsideRightTop)

@@ -29,10 +29,10 @@ mod xu2015;
 pub use catalogue::catalogue_figures;
 pub use figures::{figures, lin_figures};
 pub use nut_figures::nut_figures;
-pub use pages::{tradeoff_page, validation_page};
+pub use pages::{report_files, tradeoff_page, validation_page};
 pub use published::Published;
 pub use report::{Check, Report, Verdict};
-pub use size::{size_figures, size_page};
+pub use size::{size_figures, size_page, size_results};
 pub use study::{Claim, Shape, Study, Trend};
 
 /// Data, a table of points or the machine does not allow what is to be done.

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use bsm_case::{Record, Scene};
-use bsm_dyn::{Model, ModelWorkspace, Status};
+use bsm_dyn::{BaseOil, Model, ModelWorkspace, Oil, Status, WarmOil, ZERO_CELSIUS};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
@@ -14,6 +14,9 @@ const SOLUTION: &str = "independent solution of the lubricated models";
 const BEARING: &str = "SKF model of bearing friction, size 7208, 40 deg";
 const CATALOGUES: &str = "catalogue rules of ball screws (NSK, THK, SKF, TBI)";
 const PALMGREN: &str = "Palmgren's formulas of bearing friction, size 7208, 40 deg";
+const FILM: &str = "Nijenbanning, Venner and Moes 1994, film of wide elliptical contacts";
+const ROLLING: &str =
+    "Houpert; Balan, Houpert, Tufescu and Olaru 2015, power laws of the rolling force";
 const RULES: &str = "catalogue rules for whole nuts (JIS B 1192, NSK, THK, SKF)";
 const TRENDS: &str = "published trends of lubricated ball screws";
 
@@ -33,6 +36,7 @@ pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError>
         (feed?.scene(&published.lubrication)?, bearing?.scene(&published.lubrication)?);
     checks.extend(against_skf(&bearing, work)?);
     checks.push(against_palmgren(&bearing, work)?);
+    checks.extend(pieces(&bearing, work)?);
     checks.extend(against_rules(&feed, work)?);
     checks.extend(catalogue(&feed, work)?);
     checks.extend(trends(&feed, work)?);
@@ -220,6 +224,141 @@ fn against_palmgren(bearing: &Scene, work: &mut ModelWorkspace) -> Result<Check,
         .measured(middle, "")
         .note(format!("middle of {points} points, {least:.2} to {most:.2}; factors from memory"))
         .equals(1.0, 0.36, "two models of friction agree to a third"))
+}
+
+/// The contact of a ball with the outer race of a bearing, in SI, by what a result says of it.
+struct Outer {
+    /// Radius across the track over that along it.
+    across: f64,
+    /// Long over short semi-axis of the ellipse.
+    flatness: f64,
+    /// Of load and of speed, the sum of both surfaces.
+    weight: f64,
+    rate: f64,
+    /// `$\alpha E'$`.
+    stiffening: f64,
+    /// Film over its radius, and rolling force over `$E'R_x^2$`, without inlet heating.
+    film: f64,
+    rolling: f64,
+}
+
+impl Outer {
+    /// * `oil`: that of the scene, at its temperature. * `(ball, pitch)`: radii \[m\], of a conformity of 0.52.
+    fn of(record: &Record, oil: &WarmOil, conductivity: f64, (ball, pitch): (f64, f64)) -> Self {
+        let value = |name: &str| number(record, name);
+        let angle = value("nut_contact_angle_deg").to_radians();
+        // 1/R_x = 1/r_b − cosβ/(r_m + r_b cosβ);  1/R_y = (1 − 1/(2f))/r_b
+        let radius = ball * (1.0 + ball * angle.cos() / pitch);
+        let across = ball / (1.0 - 1.0 / 1.04) / radius;
+        // E' = E/(1 − ν²)
+        let modulus = 207e9 / (1.0 - 0.09);
+        let speed = value("nut_entrainment_m_s");
+        // φ_T of Murch and Wilson
+        let heat = oil.viscosity * oil.thinning * speed * speed / conductivity;
+        let heating = 1.0 / (1.0 + 0.254 * heat.powf(0.62));
+        let unit = modulus * radius * radius;
+        let rolling = value("nut_rolling_moment_Nmm") * 1e-3 / (2.0 * radius);
+        Self {
+            across,
+            flatness: value("nut_ellipse_a_mm") / value("nut_ellipse_b_mm"),
+            weight: value("nut_normal_load_N") / unit,
+            rate: 2.0 * oil.viscosity * speed / (modulus * radius),
+            stiffening: oil.pressure_viscosity * modulus,
+            film: value("nut_film_um") * 1e-6 / (radius * heating),
+            rolling: rolling / (unit * heating),
+        }
+    }
+
+    /// Central film over the radius, from rigid to elastic and from thin to stiff oil.
+    fn nijenbanning(&self) -> f64 {
+        let (theta, root) = (1.0 / self.across, self.rate.powf(0.25));
+        let (m, l) = (self.weight / root.powi(3), self.stiffening * root);
+        let shape = 1.0 + 0.006 * theta.ln() + 0.63 * theta.powf(4.0 / 7.0);
+        let rigid =
+            145.0 * (1.0 + 0.796 * theta.powf(14.0 / 15.0)).powf(-15.0 / 7.0) / (theta * m * m);
+        let elastic =
+            3.18 * shape.powf(-14.0 / 25.0) * theta.powf(-1.0 / 15.0) * m.powf(-2.0 / 15.0);
+        let rigid_stiff = 1.29 * (1.0 + 0.691 * theta).powf(-2.0 / 3.0) * l.powf(2.0 / 3.0);
+        let elastic_stiff = 1.48
+            * shape.powf(-7.0 / 20.0)
+            * theta.powf(-1.0 / 24.0)
+            * m.powf(-1.0 / 12.0)
+            * l.powf(0.75);
+        let flooded = 1.8 / theta;
+        let s = 1.5 * (1.0 + (-1.2 * elastic / elastic_stiff).exp());
+        let thin = rigid.powf(1.5) + (elastic.powi(-4) + flooded.powi(-4)).powf(-3.0 / 8.0);
+        let stiff = rigid_stiff.powi(-8) + elastic_stiff.powi(-8);
+        (thin.powf(2.0 * s / 3.0) + stiff.powf(-s / 8.0)).powf(1.0 / s) * self.rate.sqrt()
+    }
+
+    /// Rolling force over `$E'R_x^2$`, from rigid to elastic.
+    fn houpert(&self) -> f64 {
+        let (k, rate) = (self.across, 0.5 * self.rate);
+        let load = self.weight.cbrt();
+        let rigid = 2.9766 * k.powf(0.3316) * load * rate.powf(0.6643);
+        let elastic = 7.5826 * k.powf(0.4055) * load * rate.powf(0.75);
+        let between = self.weight / (self.flatness * self.rate.powf(0.75));
+        elastic + (rigid - elastic) / (1.0 + between / 6.6)
+    }
+}
+
+/// Film and rolling force against other formulas, for the balls of a bearing.
+fn pieces(bearing: &Scene, work: &mut ModelWorkspace) -> Result<[Check; 2], ValidateError> {
+    let base = BaseOil::Mineral;
+    let viscosities = Oil::of_grade(68.0).unwrap_or([f64::NAN; 2]);
+    let oil = Oil {
+        base,
+        viscosities,
+        density: base.density(),
+        pressure_viscosity: None,
+        limiting_shear: base.limiting_shear(),
+    };
+    let (mut films, mut forces) = (Vec::new(), Vec::new());
+    // 15 to 640 N a ball, 0.05 to 4.7 m/s.
+    for load in [140.0, 700.0, 2000.0, 6000.0] {
+        for speed in [30.0, 100.0, 300.0, 1000.0, 3000.0] {
+            for celsius in [30.0, 70.0] {
+                let mut scene = bearing.clone();
+                for (name, value) in [
+                    ("axial_load_N", load),
+                    ("screw_speed_rpm", speed),
+                    ("lubricant_temperature_C", celsius),
+                    ("rolling_factor", 1.0),
+                    ("hysteresis_loss", 0.0),
+                ] {
+                    scene.set(name, value)?;
+                }
+                let record = solve(&scene, Model::RacewayControl, work)?;
+                let warm = oil.at(celsius + ZERO_CELSIUS);
+                let outer = Outer::of(&record, &warm, base.conductivity(), (5.95e-3, 30e-3));
+                forces.push(outer.rolling / outer.houpert());
+                // Below, the film is that of rigid surfaces, which Hamrock and Dowson leave out.
+                if outer.weight / outer.rate.powf(0.75) >= 40.0 {
+                    films.push(outer.film / outer.nijenbanning());
+                }
+            }
+        }
+    }
+    let check = |key: &str, source: &str, what: &str, ratios: Vec<f64>| {
+        let points = ratios.len();
+        let [least, middle, most] = spread(ratios);
+        let outermost = (1.0 - least).max(most - 1.0);
+        let worst = if middle.is_nan() { f64::NAN } else { outermost };
+        Check::new(&format!("lubrication/{key}"), source, what).measured(worst, "").note(format!(
+            "{points} points, {least:.2} to {most:.2}, in the middle {middle:.3}; factors from memory"
+        ))
+    };
+    let film =
+        check("film", FILM, "central film over that of another formula, farthest from 1", films)
+            .at_most(0.25, "two fits of solutions of the same equation, to 20 % each");
+    let rolling = check(
+        "rolling-force",
+        ROLLING,
+        "rolling force over that of power laws, farthest from 1",
+        forces,
+    )
+    .at_most(0.08, "power laws, within a tenth where the surfaces are nearly rigid");
+    Ok([film, rolling])
 }
 
 /// Rules of catalogues for a whole nut, of which the contacts are a part.

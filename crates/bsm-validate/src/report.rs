@@ -1,6 +1,8 @@
 //! Checks and their outcome.
 
+use bsm_report::PROGRAM;
 use serde::Serialize;
+use serde_json::{Value, json};
 
 /// Outcome of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -123,6 +125,11 @@ impl Report {
     /// Number of checks with that outcome.
     pub fn count(&self, verdict: Verdict) -> usize {
         self.checks.iter().filter(|c| c.verdict == verdict).count()
+    }
+
+    /// JSON object of the checks, with the program that made them.
+    pub fn to_json(&self) -> Value {
+        json!({ "program": PROGRAM, "passed": self.passed(), "checks": self.checks })
     }
 
     /// True if no check failed.

@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use bsm_case::{NOT_MODELLED, SizePhase, SizeReport, SizeRule};
-use bsm_report::{Axis, Curve, Figure, Page, Stroke};
+use bsm_report::{Axis, Curve, Figure, PROGRAM, Page, Stroke};
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::ValidateError;
 
@@ -93,6 +93,9 @@ struct Column {
 #[derive(Serialize)]
 struct PhaseRow {
     values: Vec<Option<f64>>,
+    /// Parts of the torque.
+    parts: Vec<Option<f64>>,
+    /// Shares of the heat of all parts but the first, which is the load \[%\].
     shares: Vec<f64>,
 }
 
@@ -100,6 +103,13 @@ struct PhaseRow {
 struct Drag {
     contacts: f64,
     rule: f64,
+}
+
+/// JSON object of a sheet, with the program that made it.
+pub fn size_results(report: &SizeReport) -> Value {
+    let mut results = report.to_json();
+    results["program"] = json!(PROGRAM);
+    results
 }
 
 /// The sheet of an axis as a page that prints on two sides of A4.
@@ -120,8 +130,12 @@ pub fn size_page(report: &SizeReport) -> Result<String, ValidateError> {
 
 fn sheet(report: &SizeReport) -> Sheet {
     let limited: Vec<_> = report.rules.iter().filter(|rule| rule.limit.is_some()).collect();
-    let mut contacts: Vec<_> = report.phases.iter().map(|phase| phase.contacts.clone()).collect();
-    contacts.dedup();
+    let mut contacts: Vec<String> = Vec::new();
+    for phase in &report.phases {
+        if !contacts.contains(&phase.contacts) {
+            contacts.push(phase.contacts.clone());
+        }
+    }
     let column = |(name, title): (&str, &'static str)| {
         let found = report.phases.first().and_then(|phase| entry(phase, name));
         Column { title, unit: found.map_or("", |(unit, _)| unit) }
@@ -176,12 +190,14 @@ fn rule_row(rule: &SizeRule) -> RuleRow {
 }
 
 fn phase_row(phase: &SizePhase) -> PhaseRow {
-    let parts = PARTS.map(|(name, _)| value(phase, name).unwrap_or(0.0).abs());
-    let all: f64 = parts.iter().sum();
+    let parts = PARTS.map(|(name, _)| value(phase, name));
+    let heat = || parts.iter().skip(1).map(|part| part.unwrap_or(0.0).abs());
+    let all: f64 = heat().sum();
     let share = |part: f64| if all > 0.0 { (1e3 * part / all).round() / 10.0 } else { 0.0 };
     PhaseRow {
         values: COLUMNS.map(|(name, _)| value(phase, name)).to_vec(),
-        shares: parts.map(share).to_vec(),
+        parts: parts.to_vec(),
+        shares: heat().map(share).collect(),
     }
 }
 
@@ -238,10 +254,9 @@ fn groups(report: &SizeReport) -> Vec<Group> {
 
 /// Load and speed of the screw over the cycle, and the cycle among its limits.
 pub fn size_figures(report: &SizeReport) -> Vec<Figure> {
-    [Some(among_limits(report)), Some(over_time(report)), section(report)]
-        .into_iter()
-        .flatten()
-        .collect()
+    // Of one phase there is no course.
+    let cycle = (report.phases.len() > 1).then(|| over_time(report));
+    [Some(among_limits(report)), cycle, section(report)].into_iter().flatten().collect()
 }
 
 /// Grooves of nut and screw around a ball, with the line through its contacts.

@@ -424,7 +424,14 @@ impl NutReport {
                     ));
                 }
                 let not_in_it = match self.problem.friction {
-                    Some((Rubbing::Lubricant(_), _)) => "returns and wipers",
+                    Some((Rubbing::Lubricant(_), _)) => {
+                        notes.push(
+                            "friction from the lubricant is known to a quarter while the balls grip, less where \
+                             rolling resistance leads; bsm solve has the band of one ball, bsm size that of the axis"
+                                .to_owned(),
+                        );
+                        "returns and wipers"
+                    }
                     _ => "returns, ball-to-ball contact, lubricant and wipers",
                 };
                 notes.push(format!(

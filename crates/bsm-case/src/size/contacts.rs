@@ -1,6 +1,6 @@
 //! What the balls of an axis take: friction of each phase, and the nut under its largest load.
 
-use bsm_dyn::{ModelWorkspace, Status};
+use bsm_dyn::{ModelWorkspace, Problem, Status};
 
 use super::axis::{Axis, Phase};
 use crate::units::RPM;
@@ -40,6 +40,22 @@ pub(super) fn nut_at(
     speed: f64,
 ) -> Result<NutReport, CaseError> {
     NutProblem::of(&at(scene, load, speed), settings)?.solve().map_err(CaseError::Nut)
+}
+
+/// How sure friction from a lubricant is: nine of ten draws of what nobody knows exactly lie between these, over the
+/// stated friction of the contacts.
+pub(super) fn band(
+    scene: &Scene,
+    settings: &Settings,
+    Phase { load, speed, .. }: &Phase,
+    work: &mut ModelWorkspace,
+) -> Option<[f64; 2]> {
+    let problem = at(scene, load.abs(), load.signum() * speed).problem(settings).ok()?;
+    let solution = problem.solve(work);
+    match (&problem, solution.solved()) {
+        (Problem::Lubricated(case), Some(solved)) => Some(case.band(solved, work)?.loss),
+        _ => None,
+    }
 }
 
 /// Friction of the contacts under a load at a speed: by all balls of a preloaded nut, else by one ball under
