@@ -81,13 +81,14 @@ impl EllipseFields {
             let force = [wrench.force.dot(&across), wrench.force.x];
             let slip = ball.ellipse_slip(touch, semi_axes, pressed_radius, creep);
             let pressed = solution.contact(touch.site).and_then(|contact| contact.pressed);
-            let grid = Grid::of(&slip, &law, points);
+            let max_pressure = pressed.map_or(f64::NAN, |pressed| pressed.max_pressure / MPA);
+            let grid = Grid::of(&slip, (&law, max_pressure), points);
             fields.push(json!({
                 "contact": if touch.site == Site::Screw { "screw" } else { "nut" },
                 "contact_angle_deg": touch.angle / DEG,
                 "normal_load_N": load,
                 "semi_axes_mm": [semi_axes.0 / MM, semi_axes.1 / MM],
-                "max_pressure_MPa": pressed.map(|pressed| pressed.max_pressure / MPA),
+                "max_pressure_MPa": max_pressure,
                 "friction_force_N": force,
                 "friction_over_load": force[0].hypot(force[1]) / load,
                 "spin_rad_s": ball.spin(touch),
@@ -96,6 +97,7 @@ impl EllipseFields {
                 "rolling_lines": slip.rolling_lines(),
                 "spin_poles": slip.spin_poles(),
                 "places": grid.places,
+                "pressure_MPa": grid.pressure,
                 "slip_across_m_s": grid.slip[0],
                 "slip_along_m_s": grid.slip[1],
                 "friction_across": grid.friction[0],
@@ -116,6 +118,7 @@ impl EllipseFields {
 /// Values at the points of a grid over an ellipse.
 struct Grid {
     places: Vec<f64>,
+    pressure: Vec<Option<f64>>,
     slip: [Vec<Option<f64>>; 2],
     friction: [Vec<Option<f64>>; 2],
     /// Part of the points that creep: slower than the creep speed.
@@ -123,11 +126,12 @@ struct Grid {
 }
 
 impl Grid {
-    fn of(slip: &EllipseSlip<f64>, law: &Law, points: u32) -> Self {
+    fn of(slip: &EllipseSlip<f64>, (law, max_pressure): (&Law, f64), points: u32) -> Self {
         let places: Vec<_> =
             (0..=2 * points).map(|i| f64::from(i) / f64::from(points) - 1.0).collect();
         let mut grid = Self {
             places: places.clone(),
+            pressure: Vec::new(),
             slip: <_>::default(),
             friction: <_>::default(),
             sticking: 0.0,
@@ -136,6 +140,9 @@ impl Grid {
         for (upsilon, xi) in places.iter().flat_map(|y| places.iter().map(move |x| (*y, *x))) {
             let within = xi.hypot(upsilon) <= 1.0;
             let [along, across] = slip.at(xi, upsilon);
+            // p = p_max √(1 − ξ² − υ²), Hertz
+            let pressure = max_pressure * (1.0 - xi * xi - upsilon * upsilon).max(0.0).sqrt();
+            grid.pressure.push(within.then_some(pressure));
             let [pull_along, pull_across] = slip.friction(xi, upsilon, law);
             let lists = grid.slip.iter_mut().chain(&mut grid.friction);
             for (list, value) in lists.zip([across, along, pull_across, pull_along]) {

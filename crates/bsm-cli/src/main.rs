@@ -24,6 +24,7 @@ mod threads;
 mod tradeoff;
 mod unfinished;
 mod validate;
+mod view;
 #[cfg(feature = "xlsx")]
 mod workbook;
 
@@ -74,6 +75,7 @@ fn main() -> ExitCode {
         Command::Jam(args) => motion::jam(&args),
         Command::Validate(args) => on_threads(asked, |_| validate::run(&args)),
         Command::Tradeoff(args) => on_threads(asked, |_| tradeoff::run(&args)),
+        Command::View(args) => on_threads(asked, |workers| view::run(&args, workers)),
         Command::Schema { kind } => schema::run(kind),
         Command::Completions { shell } => {
             let mut script = Vec::new();
