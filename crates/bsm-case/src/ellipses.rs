@@ -115,6 +115,23 @@ impl EllipseFields {
     }
 }
 
+/// Six digits, for fields, which are drawn and not read: a third of the text.
+fn few_digits(value: f64) -> f64 {
+    let scale = 10.0_f64.powi(5 - exponent(value));
+    let rounded = (value * scale).round() / scale;
+    if rounded.is_finite() { rounded } else { value }
+}
+
+/// Decimal exponent of a number.
+fn exponent(value: f64) -> i32 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a few hundred at most; of zero it does not matter"
+    )]
+    let exponent = value.abs().max(1e-200).log10().floor() as i32;
+    exponent
+}
+
 /// Values at the points of a grid over an ellipse.
 struct Grid {
     places: Vec<f64>,
@@ -142,11 +159,11 @@ impl Grid {
             let [along, across] = slip.at(xi, upsilon);
             // p = p_max √(1 − ξ² − υ²), Hertz
             let pressure = max_pressure * (1.0 - xi * xi - upsilon * upsilon).max(0.0).sqrt();
-            grid.pressure.push(within.then_some(pressure));
+            grid.pressure.push(within.then(|| few_digits(pressure)));
             let [pull_along, pull_across] = slip.friction(xi, upsilon, law);
             let lists = grid.slip.iter_mut().chain(&mut grid.friction);
             for (list, value) in lists.zip([across, along, pull_across, pull_along]) {
-                list.push(within.then_some(value));
+                list.push(within.then(|| few_digits(value)));
             }
             if within {
                 inside += 1.0;

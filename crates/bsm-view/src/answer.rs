@@ -18,7 +18,7 @@ use thiserror::Error;
 const MOST_POINTS: usize = 40_000;
 
 /// Points of the fields on a semi-axis of an ellipse.
-pub(crate) const FIELD_POINTS: u32 = 24;
+pub(crate) const FIELD_POINTS: u32 = 20;
 
 /// Why a request has no answer.
 #[derive(Debug, Error)]

@@ -144,7 +144,9 @@ fn refused(status: u16, text: &str) -> Reply {
 impl Shared {
     fn respond(self: &Arc<Self>, mut request: Request) {
         let (status, kind, body) = self.reply(&mut request);
-        let mut response = Response::from_string(body).with_status_code(StatusCode(status));
+        let mut response = Response::from_string(body)
+            .with_status_code(StatusCode(status))
+            .with_chunked_threshold(usize::MAX);
         for (name, value) in [
             ("Content-Type", kind),
             ("Cache-Control", "no-store"),
