@@ -38,10 +38,13 @@ impl Comparison {
     /// [`CaseError`] if a value breaks a rule, or not even the cheapest model has its inputs.
     pub fn of(scene: &Scene) -> Result<Self, CaseError> {
         scene.check()?;
-        // The cheapest model needs the fewest inputs: without them there is nothing to compare.
-        scene.choose(ModelChoice::Fixed(Model::ClosedForm))?;
         let mut work = ModelWorkspace::default();
         let (mut answers, mut left_out) = (Vec::new(), Vec::new());
+        let suits = |model: &Model| scene.suits(*model);
+        if !Model::ALL.iter().any(suits) {
+            // The cheapest model needs the fewest inputs: what it lacks, all lack.
+            scene.choose(ModelChoice::Fixed(Model::ClosedForm))?;
+        }
         for model in Model::ALL {
             match scene.choose(ModelChoice::Fixed(model)) {
                 Ok(_) => answers.push(Compared::of(scene, model, &mut work)?),

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::analysis::{MovingBall, MovingContact};
 use crate::slip::integration;
 use crate::units::{DEG, MM, MPA};
-use crate::{CaseError, Scene, Settings};
+use crate::{CaseError, Scales, Scene, Settings};
 
 /// The two ellipses of a ball as JSON: grids of slip and friction, what stands still, and what follows from them.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,6 +64,8 @@ impl EllipseFields {
         let creep = creep * case.ball.radius * case.drive.relative_speed().abs();
         let quadrature = Quadrature::of(accuracy);
         let laws = [law(film.map(|film| film.nut)), law(film.map(|film| film.screw))];
+        // Next to the rotation of the ball a spin may be rounding.
+        let scales = Scales::of([("rad/s", moving.ball.motion.omega.norm())].into_iter());
         let mut fields = Vec::new();
         for (contact, law) in moving.contacts.iter().flatten().zip(laws) {
             let Some(semi_axes) = contact.semi_axes else { continue };
@@ -91,7 +93,7 @@ impl EllipseFields {
                 "max_pressure_MPa": max_pressure,
                 "friction_force_N": force,
                 "friction_over_load": force[0].hypot(force[1]) / load,
-                "spin_rad_s": ball.spin(touch),
+                "spin_rad_s": scales.clean("rad/s", ball.spin(touch)),
                 "creep_speed_m_s": creep,
                 "saturated": matches!(sliding, Sliding::Point),
                 "rolling_lines": slip.rolling_lines(),

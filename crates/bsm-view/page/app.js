@@ -41,7 +41,7 @@ async function round() {
     again = false;
     const began = performance.now(), body = structuredClone(request());
     const [solved, slip, fields] = await Promise.all([attempt("solve", body), attempt("slip", body), attempt("ellipses", body)]);
-    if (!again) show(body, solved, slip, fields);
+    if (!again) try { show(body, solved, slip, fields); } catch (error) { complain(error); console.error(error); }
     document.documentElement.dataset.round = (performance.now() - began).toFixed(1);
   } while (again);
   running = false;

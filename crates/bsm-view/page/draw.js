@@ -141,7 +141,7 @@ export function path(points) {
 export function table(caption, head, rows, attributes = {}) {
   const cell = (words, i) => i === 0 ? html("th", { scope: "row" }, words) : html("td", { class: typeof words === "string" && /^[-–\d]/.test(words) ? "number" : null }, words);
   return html("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": caption }, html("table", attributes, html("caption", {}, caption),
-    head ? html("thead", {}, html("tr", {}, head.map((words, i) => html("th", { scope: "col", class: i ? "number" : null }, words)))) : null,
+    head ? html("thead", {}, html("tr", {}, head.map((words, i) => (words ? html("th", { scope: "col", class: i ? "number" : null }, words) : html("td"))))) : null,
     html("tbody", {}, rows.map((row) => row instanceof Node ? row : html("tr", {}, row.map(cell))))));
 }
 

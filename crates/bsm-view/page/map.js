@@ -4,9 +4,9 @@ import { html, svg, text, number, brief, ramp, rampBar, scale, axes, sharp, none
 import { ask, start } from "bsm/source";
 
 const PAD = { left: 66, top: 10, right: 14, bottom: 44 };
-const FEW = 60, MANY = 100;
-// A map that took so long is not made finer.
-const QUICK = 120;
+// Points of a side: what is shown soon, then finer, unless the next would take longer than this [ms].
+const SIDES = [24, 60, 100];
+const PATIENCE = 700;
 
 export class ModelMap {
   constructor(host, moved, request) {
@@ -16,7 +16,8 @@ export class ModelMap {
     this.output = html("select", { "aria-label": "Output of the map", onchange: () => (start.live ? this.ask() : this.draw()) });
     this.fields = html("div", { class: "bar small" });
     this.stage = html("div", { class: "map" }); this.under = html("div"); this.readout = html("p", { class: "readout small", "aria-live": "off" }, "Point at the map for numbers; drag the cross, or move it with the arrow keys.");
-    host.append(html("div", { class: "bar" }, this.output, html("label", {}, "over ", this.x), html("label", {}, "and ", this.y)), this.fields, this.stage, this.under, this.readout);
+    host.append(html("div", { class: "bar" }, this.output, html("label", {}, "over ", this.x), html("label", {}, "and ", this.y)),
+      html("div", { class: "split" }, this.stage, html("div", {}, this.readout, this.under, this.fields)));
   }
 
   /** What can be varied in a scene. */
@@ -69,7 +70,7 @@ export class ModelMap {
     const round = (this.round = (this.round ?? 0) + 1);
     if (names[0] === names[1] || names.some((name) => scene[name] == null)) { this.stage.replaceChildren(none("A map needs two different inputs of the scene.")); return; }
     const vary = (count) => names.map((name) => { const { low, high, log } = this.range(name, scene[name]); return `${name}=${low}:${high}:${count}${log && low > 0 ? ":log" : ""}`; });
-    for (const count of start.live ? [FEW, MANY] : [FEW]) {
+    for (const [step, count] of (start.live ? SIDES : SIDES.slice(0, 1)).entries()) {
       const began = performance.now();
       let answer;
       try { answer = await ask("sweep", { ...body, vary: vary(count), columns: [this.output.value] }); } catch (error) { if (round === this.round) { this.answer = null; this.stage.replaceChildren(none(error.message)); this.under.replaceChildren(); } return; }
@@ -77,7 +78,7 @@ export class ModelMap {
       this.answer = answer; this.scene = scene;
       this.host.dataset.points = answer.model.length; this.host.dataset.ms = (performance.now() - began).toFixed(1);
       this.draw();
-      if (performance.now() - began > QUICK) break;
+      if ((performance.now() - began) * ((SIDES[step + 1] ?? 0) / count) ** 2 > PATIENCE) break;
     }
   }
 
@@ -90,7 +91,7 @@ export class ModelMap {
   draw() {
     const { answer } = this;
     if (!answer) return;
-    const width = this.stage.clientWidth, height = Math.max(250, Math.min(380, 0.72 * width));
+    const width = this.stage.clientWidth, height = Math.max(250, Math.min(400, 0.72 * width));
     const box = [PAD.left, PAD.top, width - PAD.right, height - PAD.bottom];
     const [ax, ay] = answer.axes, output = start.schema.outputs.find(({ name }) => name === this.output.value);
     const values = answer.columns[output.name] ?? [], nx = ax.values.length, ny = ay.values.length;

@@ -1,6 +1,6 @@
 // The numbers: a few at the top, all of them at the end.
 
-import { html, number, table, none } from "bsm/draw";
+import { html, number, brief, table, none } from "bsm/draw";
 
 const KEYS = [
   ["efficiency", "Efficiency", ""],
@@ -22,7 +22,7 @@ export function showKey(host, result) {
   host.replaceChildren(
     html("dl", { class: "keys" }, keys),
     html("p", { class: "small" }, html("strong", {}, `Model ${result.model}. `), result.choice ? `Chosen: ${result.choice}. ` : "",
-      result.loss_error_bound != null ? `The heat is known to ${number(100 * result.loss_error_bound)} %. ` : "", result.lubrication ? `Lubrication: ${result.lubrication}. ` : "",
+      result.loss_error_bound != null ? `The heat is known to ${brief(Number((100 * result.loss_error_bound).toPrecision(2)))} %. ` : "", result.lubrication ? `Lubrication: ${result.lubrication}. ` : "",
       result.controlling_race ? `The ${result.controlling_race} controls.` : ""),
     ...(band ? [html("p", { class: "small" }, `Nine of ten draws of what nobody knows of the oil lie between ${number(band.screw_torque_Nm[0])} and ${number(band.screw_torque_Nm[1])} N m.`)] : []),
     ...warnings(result));
@@ -33,8 +33,9 @@ const warnings = ({ warnings, section_doubts }) => [...warnings, ...section_doub
 export function showNumbers(host, result) {
   const { overall, contacts } = result.shown;
   if (!overall.length && !contacts.length) { host.replaceChildren(none(result.message ?? "no numbers")); return; }
+  const minor = contacts.some(([, , values]) => values[2] != null);
   host.replaceChildren(html("div", { class: "tables" },
     table("Ball and screw", null, overall.map(([label, unit, value]) => html("tr", {}, html("th", { scope: "row" }, label), html("td", { class: "faint" }, unit), html("td", { class: "number" }, value)))),
-    contacts.length ? table("Contacts", ["", "", "nut", "screw", "minor"], contacts.map(([label, unit, values]) =>
-      html("tr", {}, html("th", { scope: "row" }, label), html("td", { class: "faint" }, unit), values.map((value) => html("td", { class: "number" }, value ?? ""))))) : null));
+    contacts.length ? table("Contacts", ["", "", "nut", "screw", ...(minor ? ["minor"] : [])], contacts.map(([label, unit, values]) =>
+      html("tr", {}, html("th", { scope: "row" }, label), html("td", { class: "faint" }, unit), values.slice(0, minor ? 3 : 2).map((value) => html("td", { class: "number" }, value ?? ""))))) : null));
 }

@@ -116,8 +116,11 @@ export class Space {
     if (!this.renderer) { this.stage.replaceChildren(drawing(found, this.part, words[0])); this.words.replaceChildren(...words.slice(1)); return; }
     this.canvas.setAttribute("aria-label", words[0]);
     this.words.replaceChildren(...words.slice(1));
-    const key = JSON.stringify([found, this.one && [solved.nut_contact_angle_deg, solved.screw_contact_angle_deg, this.rate.omega, solved.nut_normal_load_N], matchMedia("(prefers-color-scheme: dark)").matches]);
+    const shape = this.one ? 0 : { ...found, balls: found.balls.map(({ theta, z }) => [theta, z]) };
+    const key = JSON.stringify([shape, this.one && [solved.nut_contact_angle_deg, solved.screw_contact_angle_deg, this.rate.omega, solved.nut_normal_load_N], matchMedia("(prefers-color-scheme: dark)").matches]);
     if (key !== this.key) { this.key = key; this.build(); }
+    if (!this.one) this.paintLoads();
+    if (this.running) return;
     this.loop();
   }
 
@@ -126,7 +129,7 @@ export class Space {
     const [, , spins] = solved.shown.contacts.find(([words]) => words === "spin about the normal") ?? [];
     const spin = spins ? ` Spin ${spins[0]} rad/s at the nut, ${spins[1]} at the screw; the ball circles at ${number(solved.ball_precession_rad_s)} rad/s.` : "";
     const label = `Screw of ${number(found.pitch)} millimetres pitch circle with ${found.balls.length} balls of ${number(found.ball)} millimetres, lead ${number(found.lead)} millimetres; loads from ${number(low)} to ${number(high)} newtons`;
-    const balls = shared ? rampBar(low, high, "load of a ball, N") : html("p", { class: "small" }, `${found.balls.length} balls, each under ${number(high)} N: the nut level, with loaded_balls_per_turn and loaded_turns, tells them apart.`);
+    const balls = shared ? rampBar(low, high, "load of a ball, N") : html("p", { class: "small" }, `${found.balls.length === 1 ? "One ball" : `${found.balls.length} balls, each`} under ${number(high)} N: the nut level, with loaded_balls_per_turn and loaded_turns, tells them apart.`);
     const axes = this.one ? html("p", { class: "small faint" }, "Red: axis of rotation of the ball. Grey: helix t, towards the axis n, binormal b. Blue: contact at the nut. Orange: contact at the screw.") : null;
     return [label, ...(this.one ? [] : [balls]), html("p", { class: "small faint" }, `Motion ${speed}.${spin} Drag or use the arrow keys to look around.`), ...(axes ? [axes] : [])];
   }
@@ -155,13 +158,17 @@ export class Space {
     for (const z of [-reach, reach]) this.shell.add(new three.Mesh(ring(f, inner, outer, open, z), metal));
     const balls = f.balls;
     this.balls = add(new three.InstancedMesh(new three.SphereGeometry(f.ball / 2, 24, 16), new three.MeshStandardMaterial({ metalness: 0.1, roughness: 0.35 }), balls.length));
-    balls.forEach((ball, i) => this.balls.setColorAt(i, new three.Color(`rgb(${ramp(this.part(ball.load)).join(",")})`)));
     const gap = balls.length > 1 ? Math.abs(balls[1].theta - balls[0].theta) : TURN / 12;
     this.gap = gap > 0 ? gap : TURN / 12;
-    const size = Math.max(end, 1.4 * outer);
-    if (!this.placed || this.placed !== "whole") { this.camera.position.set(size * 2.1, size * 1.45, size * 2.3); this.controls.target.set(0, 0, 0); this.placed = "whole"; }
+    const size = Math.hypot(end, outer), away = size * 3.1;
+    if (this.placed !== size) { this.camera.position.set(0.62, 0.42, 0.66).setLength(away); this.controls.target.set(0, 0, 0); this.placed = size; }
     this.controls.minDistance = outer; this.controls.maxDistance = 12 * size; this.camera.far = 40 * size; this.camera.near = size / 200;
-    this.world.rotation.set(0, 0, 0);
+  }
+
+  paintLoads() {
+    const paint = new three.Color();
+    this.found.balls.forEach((ball, i) => this.balls.setColorAt(i, paint.set(`rgb(${ramp(this.part(ball.load)).join(",")})`)));
+    this.balls.instanceColor.needsUpdate = true;
   }
 
   buildOne(add) {

@@ -100,24 +100,17 @@ pub(crate) fn answer(
     workers: &Workers<'_>,
     stop: &AtomicBool,
 ) -> Result<Value, Refusal> {
-    if route == "schema" {
-        return Ok(schema());
+    let asked = || Asked::read(body);
+    match route {
+        "schema" => Ok(schema()),
+        "solve" => solve(&asked()?),
+        "compare" => compare(&asked()?),
+        "slip" => slip(&asked()?),
+        "nut" => nut(&asked()?),
+        "ellipses" => ellipses(&asked()?, FIELD_POINTS),
+        "sweep" => sweep(&asked()?, workers, stop),
+        _ => Err(Refusal::Route(route.to_owned())),
     }
-    let routes: [(&str, fn(&Asked) -> Result<Value, Refusal>); 5] = [
-        ("solve", solve),
-        ("compare", compare),
-        ("slip", slip),
-        ("nut", nut),
-        ("ellipses", |asked| ellipses(asked, FIELD_POINTS)),
-    ];
-    if route == "sweep" {
-        return sweep(&Asked::read(body)?, workers, stop);
-    }
-    let (_, route) = routes
-        .into_iter()
-        .find(|(name, _)| *name == route)
-        .ok_or_else(|| Refusal::Route(route.to_owned()))?;
-    route(&Asked::read(body)?)
 }
 
 /// `bsm solve --format json`, with the rows of its table and the section of the grooves.

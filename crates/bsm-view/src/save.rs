@@ -11,13 +11,13 @@ use crate::answer::{Asked, answer, compare, ellipses, nut, schema, slip, solve};
 use crate::page;
 
 /// Points of each slider.
-const STOPS: u32 = 11;
+const STOPS: u32 = 9;
 
 /// Cells of each side of the map.
 const CELLS: u32 = 60;
 
 /// Points of the fields on a semi-axis, away from the scene itself.
-const COARSE: u32 = 8;
+const COARSE: u32 = 6;
 
 /// What the map can show.
 const COLUMNS: [&str; 8] = [
@@ -33,7 +33,7 @@ const COLUMNS: [&str; 8] = [
 
 /// The page of a scene as one file, which needs no server.
 ///
-/// * `axes`: the two inputs of map and sliders, each from a lowest to a highest value.
+/// Its sliders and its map are over speed and load, a decade to each side.
 ///
 /// # Errors
 ///
@@ -63,9 +63,7 @@ pub fn saved(scene: &Scene, settings: &Settings, workers: &Workers<'_>) -> Resul
             let found = whole(&there, COARSE).unwrap_or_else(|refusal| {
                 Map::from_iter([("solve".to_owned(), json!({ "error": refusal.to_string() }))])
             });
-            stops.push(Value::Object(
-                found.into_iter().map(|(name, value)| (name, brief(value))).collect(),
-            ));
+            stops.push(Value::Object(found.into_iter().map(stop).collect()));
         }
         let axis = |name: &str, [low, high]: [f64; 2]| format!("{name}={low}:{high}:{CELLS}:log");
         let mut request = asked(scene.clone());
@@ -97,6 +95,15 @@ fn whole(asked: &Asked, points: u32) -> Result<Map<String, Value>, Refusal> {
         ("slip".to_owned(), told(slip(asked))),
         ("ellipses".to_owned(), told(ellipses(asked, points))),
     ]))
+}
+
+/// An answer at a stop, without what is the same at all of them.
+fn stop((name, mut answer): (String, Value)) -> (String, Value) {
+    if let Some(solved) = answer.as_object_mut() {
+        solved.remove("section");
+        solved.remove("inputs");
+    }
+    (name, brief(answer))
 }
 
 /// An answer, or why there is none.

@@ -1,6 +1,6 @@
 //! The server: this machine only, one page, one token.
 
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -96,7 +96,7 @@ impl Server {
         let mut random = [0_u8; 16];
         getrandom::fill(&mut random).map_err(|error| ViewError::Random(error.to_string()))?;
         let shared = Shared {
-            token: random.iter().map(|byte| format!("{byte:02x}")).collect(),
+            token: format!("{:032x}", u128::from_ne_bytes(random)),
             hosts: ["127.0.0.1", "localhost"].map(|name| format!("{name}:{port}")),
             scene: scene.to_json(),
             settings: settings.to_json(),
@@ -159,8 +159,15 @@ impl Shared {
                 response.add_header(header);
             }
         }
-        // A page that has gone needs no answer.
-        let _ = request.respond(response);
+        // In one piece: a body after its head would wait for the page to confirm the head, 40 ms.
+        let mut bytes = Vec::new();
+        let version = request.http_version().clone();
+        let whole = response.raw_print(&mut bytes, version, request.headers(), false, None);
+        if whole.is_ok() {
+            let mut writer = request.into_writer();
+            // A page that has gone needs no answer.
+            let _ = writer.write_all(&bytes).and_then(|()| writer.flush());
+        }
     }
 
     fn reply(self: &Arc<Self>, request: &mut Request) -> Reply {
