@@ -88,7 +88,7 @@ async function rest() {
     if (!running) space.show(body.scene, shown.solved, shown.nut);
   });
   const band = start.live && shown.solved?.equivalent_friction_coefficient != null
-    ? attempt("solve", { ...body, band: true }).then((answer) => { if (!running && !(answer instanceof Error)) showKey(at("key"), answer); }) : null;
+    ? attempt("solve", { ...body, band: true }).then((answer) => { if (!running && !(answer instanceof Error)) { showKey(at("key"), answer); showLosses(at("losses"), answer, new Error("")); } }) : null;
   await Promise.all([models, nut, band, map.show(body)]);
   stale(["map"], false);
   document.documentElement.dataset.settled = String(Number(document.documentElement.dataset.settled ?? 0) + 1);

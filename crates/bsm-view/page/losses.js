@@ -13,18 +13,22 @@ export function showLosses(host, result, slip) {
   if (result.sliding_power_W != null) rows = OILED.map(([name, words, paint]) => [words, result[name] ?? 0, paint]).filter(([, value]) => value !== 0);
   else if (slip instanceof Error) { host.replaceChildren(html("p", {}, `${number(total)} W in all.`), none(slip.message)); return; }
   else rows = DRY.flatMap(([name, words]) => CONTACTS.map(([contact, paint]) => [`${words}, ${contact}`, slip[`${contact}_${name}_power_W`], paint])).filter(([, value]) => value != null && Math.abs(value) > 1e-9 * total);
-  const left = 180, width = 560, row = 27, high = Math.max(total, ...rows.map(([, value]) => value)), low = Math.min(0, ...rows.map(([, value]) => value));
+  const left = 204, width = 560, row = 27, high = Math.max(total, ...rows.map(([, value]) => value)), low = Math.min(0, ...rows.map(([, value]) => value));
   const x = (v) => left + ((v - low) / (high - low || 1)) * (width - left - 78 - 0.12 * (width - left));
   const bar = (y, value, paint) => svg("g", {}, svg("rect", { x: Math.min(x(0), x(value)), y, width: Math.max(Math.abs(x(value) - x(0)), 0.8), height: row - 9, fill: paint, rx: 2 }));
-  const band = result.loss_error_bound ?? null, y = rows.length * row + 4, far = band == null ? 0 : Math.min(total * (1 + band), high * 1.12);
+  // Of a lubricant nine of ten draws, of a coefficient the bound of the error.
+  const oil = result.sliding_power_W != null, contacts = oil ? result.sliding_power_W + result.rolling_power_W : 0;
+  const drawn = result.band?.contact_loss_ratio.map((ratio) => total + (ratio - 1) * contacts), bound = oil ? null : result.loss_error_bound;
+  const ends = drawn ?? (bound == null ? null : [Math.max(total * (1 - bound), 0), total * (1 + bound)]);
+  const y = rows.length * row + 4, far = ends ? Math.min(ends[1], high * 1.12) : 0;
   const lines = [...rows, ["all", total, null]].map(([words, value, paint], i) => [text(left - 8, i * row + 17, words, { "text-anchor": "end", style: paint ? null : "font-weight:600" }),
     bar(i * row + 4, value, paint ? `var(${paint})` : "var(--faint)"), text(Math.max(x(paint ? value : Math.max(value, far)), x(0)) + 6, i * row + 17, `${number(value)} W`)]);
-  const whisker = band != null ? svg("path", { d: `M${x(Math.max(total * (1 - band), 0))} ${y + 9}H${x(far)}`, stroke: "var(--ink)", "stroke-width": 2 }) : null;
+  const whisker = ends ? svg("path", { d: `M${x(ends[0])} ${y + 9}H${x(far)}`, stroke: "var(--ink)", "stroke-width": 2 }) : null;
   const chart = picture(width, (rows.length + 1) * row + 6, `Loss in watts: ${rows.map(([words, value]) => `${words} ${number(value)}`).join("; ")}; all ${number(total)}`, ...lines.flat(), ...(whisker ? [whisker] : []));
   const parts = [
     result.sliding_power_W == null ? legend(CONTACTS.filter(([name]) => rows.some(([words]) => words.endsWith(name))).map(([name, paint]) => [name, `var(${paint})`])) : null,
     html("p", { class: "small" }, html("strong", {}, `${number(total)} W of heat`), `, ${number((100 * total) / result.input_power_W)} % of the ${number(result.input_power_W)} W put in.`,
-      band != null ? ` The line shows its error bound, ${brief(Number((100 * band).toPrecision(2)))} %.` : ""),
+      drawn ? ` The line: nine of ten draws of what nobody knows of the oil, ${number(drawn[0])} to ${number(drawn[1])} W.` : bound != null ? ` The line shows its error bound, ${brief(Number((100 * bound).toPrecision(2)))} %.` : ""),
     slip.note && result.sliding_power_W == null ? html("p", { class: "small faint" }, `${slip.note}.`) : null];
   host.replaceChildren(html("div", { class: "split" }, chart, html("div", {}, parts.filter(Boolean))));
 }

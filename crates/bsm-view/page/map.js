@@ -123,7 +123,7 @@ export class ModelMap {
     overlay.addEventListener("pointerup", () => { this.dragging = false; });
     this.place();
     const models = [...new Set(answer.model.filter((_, i) => values[i] !== null))].map((place) => answer.models[place]), empty = values.length - found.length;
-    this.under.replaceChildren(rampBar(low, high, output.label), html("p", { class: "small faint" }, `${values.length} points, ${models.length > 1 ? `dashed lines between models ${models.join(", ")}` : `model ${models[0]}`}${empty ? `; grey: ${empty} points without a solution` : ""}.`));
+    this.under.replaceChildren(rampBar(low, high, output.label), html("p", { class: "small faint" }, `${values.length} points, ${models.length > 1 ? `red lines between models ${models.join(", ")}` : `model ${models[0]}`}${empty ? `; grey: ${empty} points without a solution` : ""}.`));
   }
 
   /** Lines of equal value, by marching squares. */

@@ -9,8 +9,8 @@ const span = (values) => { const v = values.filter(Number.isFinite); return [Mat
 export function showNut(host, answer) {
   if (answer instanceof Error || answer.status !== "converged") { host.replaceChildren(none(answer.message ?? "")); return; }
   const { balls, curve } = answer;
-  host.replaceChildren(html("div", { class: "pair" }, sharing(balls, answer), developed(balls), deflection(curve, answer)),
-    ...answer.notes.map((note) => html("p", { class: "small faint" }, note)), ...answer.warnings.map((warning) => html("p", { class: "warn" }, warning)),
+  host.replaceChildren(html("div", { class: "pair" }, sharing(balls, answer), developed(balls), deflection(curve, answer),
+    html("div", {}, answer.notes.map((note) => html("p", { class: "small faint" }, note)), answer.warnings.map((warning) => html("p", { class: "warn" }, warning)))),
     html("details", {}, html("summary", {}, "Numbers of the nut"), html("div", { class: "tables" }, groups(answer.shown))));
 }
 
