@@ -23,11 +23,12 @@ const MOST_BYTES: u64 = 1 << 20;
 /// Time that an answer may take.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Answers that were given up and still run; beyond, nothing new is begun.
-const MOST_GIVEN_UP: usize = 4;
-
 /// Requests that are served at a time.
 const SERVING: usize = 4;
+
+/// Answers that are being worked out: those that are waited for, and as many that were given up. Beyond, nothing
+/// new is begun.
+const MOST_RUNNING: usize = 2 * SERVING;
 
 /// Stack of a solve \[B\]: code that is not optimised keeps every intermediate result.
 const STACK: usize = 16 << 20;
@@ -69,7 +70,7 @@ struct Shared {
     settings: Value,
     save: Option<Save>,
     workers: Workers<'static>,
-    given_up: AtomicUsize,
+    running: Arc<AtomicUsize>,
 }
 
 /// The threads end with the program.
@@ -102,7 +103,7 @@ impl Server {
             settings: settings.to_json(),
             save,
             workers: Workers::start(None, &NEVER)?,
-            given_up: AtomicUsize::new(0),
+            running: Arc::default(),
         };
         Ok(Self { http, port, shared: Arc::new(shared) })
     }
@@ -234,7 +235,8 @@ impl Shared {
 
     /// An answer, unless it takes too long.
     fn answer(self: &Arc<Self>, route: &str, body: Vec<u8>) -> Result<Value, Refusal> {
-        if self.given_up.load(Ordering::Relaxed) >= MOST_GIVEN_UP {
+        let running = Running::of(&self.running);
+        if self.running.load(Ordering::Relaxed) > MOST_RUNNING {
             return Err(Refusal::Busy);
         }
         let (give, answers) = channel();
@@ -242,10 +244,9 @@ impl Shared {
         let stop = Arc::new(AtomicBool::new(false));
         let seen = Arc::clone(&stop);
         let work = move || {
-            let found = answer(&route, &body, &shared.workers, &seen);
-            if give.send(found).is_err() {
-                shared.given_up.fetch_sub(1, Ordering::Relaxed);
-            }
+            let _running = running;
+            // Who gave up does not listen.
+            let _ = give.send(answer(&route, &body, &shared.workers, &seen));
         };
         let started = thread::Builder::new().stack_size(STACK).spawn(work);
         started.map_err(|error| Refusal::Input(format!("cannot start a thread: {error}")))?;
@@ -253,7 +254,6 @@ impl Shared {
             Ok(found) => found,
             Err(RecvTimeoutError::Timeout) => {
                 // A map ends soon; a single solve has no end before its own, and is left alone.
-                self.given_up.fetch_add(1, Ordering::Relaxed);
                 stop.store(true, Ordering::Relaxed);
                 Err(Refusal::Slow(PATIENCE.as_secs()))
             }
@@ -274,6 +274,22 @@ impl Shared {
         let text = serde_json::to_string_pretty(&scene.to_json()).unwrap_or_default() + "\n";
         save(&text).map_err(Refusal::Input)?;
         Ok(json!({ "saved": true }))
+    }
+}
+
+/// Counts an answer that is being worked out, until it is dropped.
+struct Running(Arc<AtomicUsize>);
+
+impl Running {
+    fn of(count: &Arc<AtomicUsize>) -> Self {
+        count.fetch_add(1, Ordering::Relaxed);
+        Self(Arc::clone(count))
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
     }
 }
 

@@ -220,6 +220,24 @@ fn the_field_of_an_oiled_contact_is_that_of_its_model() {
     assert!((lost * balls / sliding - 1.0).abs() < 0.05, "{} {sliding}", lost * balls);
 }
 
+/// Forty thousand points of a lubricated ball to the last digits take minutes of one core.
+#[test]
+fn a_map_that_takes_too_long_ends_with_a_message() {
+    let served = Served::start(None);
+    let request = json!({
+        "scene": scene_of("feed_drive_oil.json").to_json(),
+        "settings": { "name": "traction", "accuracy": 1e-13 },
+        "vary": ["screw_speed_rpm=100:3000:200", "axial_load_N=1000:20000:200"],
+        "columns": ["efficiency"],
+    });
+    let (status, answer) = served.post("sweep", &request);
+    let text = answer["error"].as_str().expect("words");
+    assert!(status == 503 && text.contains("stopped after 2 s"), "{status} {text}");
+    // The threads are free again.
+    let (status, answer) = served.post("solve", &asked());
+    assert_eq!(status, 200, "{answer}");
+}
+
 #[test]
 fn only_a_server_that_was_told_to_saves() {
     let kept = Arc::new(Mutex::new(String::new()));
