@@ -23,6 +23,10 @@ test *FLAGS:
 python:
     python/check
 
+# The page in a real browser; `just page --pictures` makes those of docs/guide/look.md.
+page *FLAGS:
+    crates/bsm-view/check {{FLAGS}}
+
 # Criterion groups; `just bench rigid` runs those whose name contains "rigid".
 bench *FILTER:
     cargo bench -p bsm-benches --locked -- {{FILTER}}

@@ -256,6 +256,15 @@ impl MovingBall {
     ///
     /// [`CaseError::NoMotion`] if the model has none, [`CaseError::NotRated`] if there is no solution.
     pub(crate) fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
+        let ball = Self::read(scene, solution)?;
+        if scene.given().is_lubricated() {
+            return Err(CaseError::NoLubricant { model: "of slip and jam" });
+        }
+        Ok(ball)
+    }
+
+    /// The same, of a ball whose friction may come from a lubricant.
+    pub(crate) fn read(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
         let state = match &solution.answer {
             Ok(solved) => &solved.ball,
             Err(none) => return Err(CaseError::NotRated(message(none.reason()))),
@@ -264,9 +273,6 @@ impl MovingBall {
             model: solution.model.name(),
             missing: scene.missing(Model::Rigid),
         })?;
-        if scene.given().is_lubricated() {
-            return Err(CaseError::NoLubricant { model: "of slip and jam" });
-        }
         let case = scene.reader().operating_point();
         let ball =
             SteadyBall { helix: case.helix, radius: case.ball.radius, drive: case.drive, motion };

@@ -37,7 +37,9 @@ mod analysis;
 mod calibration;
 mod capacity;
 mod catalogue;
+mod comparison;
 mod design;
+mod ellipses;
 mod error;
 mod fit;
 mod grid;
@@ -54,9 +56,11 @@ mod quantity;
 mod reader;
 mod record;
 mod requirement;
+mod rows;
 mod rules;
 mod scene;
 mod schema;
+mod section;
 mod sensitivity;
 mod size;
 mod slip;
@@ -70,7 +74,9 @@ pub use catalogue::{
     Asked, CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE,
     candidate_json,
 };
+pub use comparison::{Compared, Comparison};
 pub use design::{DesignReport, DesignRow};
+pub use ellipses::EllipseFields;
 pub use error::{CaseError, brief, printable};
 pub use fit::{Fit, FitReport, Fitted};
 pub use grid::{Axis, Grid};
@@ -85,13 +91,15 @@ pub use problem::{ModelChoice, Settings};
 pub use quantity::{Numbers, Of, Quantity};
 pub use record::Record;
 pub use requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile};
+pub use rows::{RecordRows, Scales};
 pub use rules::{Inputs, Relation, covered};
 pub(crate) use scene::nearest;
 pub use scene::{entries, nearest_input};
 pub use schema::{input_schema, output_schema};
+pub use section::GrooveSection;
 pub use sensitivity::{Sensitivities, Sensitivity};
 pub use size::{
-    GrooveSection, NOT_MODELLED, PhaseWords, SizePhase, SizeReport, SizeRule, decimal_number,
-    sheet_columns, torque_parts,
+    NOT_MODELLED, PhaseWords, SizePhase, SizeReport, SizeRule, decimal_number, sheet_columns,
+    torque_parts,
 };
 pub use spectrum::Spectrum;

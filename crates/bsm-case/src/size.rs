@@ -6,7 +6,7 @@ mod cycle;
 mod rules;
 
 use bsm_design::{
-    PERMITTED_STRESS, Profile, drag_torque, in_series, life, lost_motion, reliability_factor,
+    PERMITTED_STRESS, drag_torque, in_series, life, lost_motion, reliability_factor,
     root_mean_square, steady_rise, travel_variation,
 };
 use bsm_dyn::ModelWorkspace;
@@ -115,19 +115,6 @@ pub struct SizeReport {
     pub notes: Vec<String>,
     /// What an engineer should know before using the numbers.
     pub warnings: Vec<String>,
-}
-
-/// A section across the grooves of nut and screw, around the centre of a ball: along the axis, and away from it \[mm\].
-#[derive(Debug, Clone, PartialEq)]
-pub struct GrooveSection {
-    /// Radius of the ball.
-    pub ball_radius: f64,
-    /// Contact angle without load \[rad\].
-    pub contact_angle: f64,
-    /// Groove and lands of the screw.
-    pub screw: Vec<(f64, f64)>,
-    /// Groove and lands of the nut.
-    pub nut: Vec<(f64, f64)>,
 }
 
 /// The numbers of a sheet that tell nuts apart, in tables of them.
@@ -354,28 +341,6 @@ impl SizeReport {
             "not_modelled": NOT_MODELLED,
             "notes": self.notes,
             "warnings": self.warnings,
-        })
-    }
-
-    /// A section across the grooves.
-    pub fn groove_section(&self) -> Option<GrooveSection> {
-        /// Chords of a flank.
-        const STEPS: u32 = 40;
-        let axis = Axis::of(&self.scene).ok()?;
-        let half = 0.5 * axis.nut.lead / self.scene.value_or_default(InputKey::starts)?;
-        let line = |profile: &Profile, up: f64| {
-            let mut flank = profile.flank(STEPS);
-            // On to the middle of the land.
-            let land = flank.last().map_or(0.0, |(_, depth)| *depth);
-            flank.push((half, land));
-            let at = |side: f64| move |(x, depth): &(f64, f64)| (side * x / MM, up * depth / MM);
-            flank.iter().rev().map(at(-1.0)).chain(flank.iter().map(at(1.0))).collect()
-        };
-        Some(GrooveSection {
-            ball_radius: 0.5 * axis.nut.ball_diameter / MM,
-            contact_angle: axis.nut.contact_angle,
-            screw: line(&axis.thread.screw, -1.0),
-            nut: line(&axis.thread.nut, 1.0),
         })
     }
 

@@ -8,7 +8,7 @@ use bsm_kin::Site;
 
 use crate::analysis::{MovingBall, MovingContact};
 use crate::quantity::{Contacts, quantities};
-use crate::units::DEG;
+use crate::units::{DEG, MM};
 use crate::{Analysis, AnalysisKind, CaseError, Numbers, Scene, Settings};
 
 quantities! { Slip;
@@ -133,6 +133,27 @@ fn at_contacts(numbers: &mut Numbers, solved: &MovingBall) {
     numbers.contacts(orbit_slip_m_s, rim(&|c| ball.orbit_spin(&c.touch)));
 }
 
+impl Scene {
+    /// Radius of the surface that ball and groove press each other to \[m\].
+    pub(crate) fn pressed_radius(&self, site: Site) -> f64 {
+        let conformity = match site {
+            Site::Screw => self.screw_conformity,
+            Site::Nut | Site::NutMinor => self.nut_conformity,
+        };
+        let radius = 0.5 * MM * self.ball_diameter_mm.unwrap_or(f64::NAN);
+        pressed_radius(conformity.unwrap_or(f64::NAN), radius)
+    }
+}
+
+/// Accuracy of the integration over the ellipses that a solution was found with, and its creep speed over `$r_b |W|$`.
+pub(crate) fn integration(settings: &Settings, solution: &Solution) -> (f64, f64) {
+    match (solution.model, solution.choice.map(|c| c.basis)) {
+        (Model::Traction, Some(Basis::Integrated { accuracy })) => (accuracy, Traction::CREEP),
+        (Model::Traction, _) => (settings.accuracy, settings.creep),
+        _ => (RacewayControl::ACCURACY, RacewayControl::CREEP),
+    }
+}
+
 /// Powers of the parts of the slip at each contact, all balls \[W\], and friction over normal load.
 struct Powers([Option<(SlipPower<f64>, f64)>; 3]);
 
@@ -145,22 +166,13 @@ impl Powers {
     ) -> Result<Self, CaseError> {
         let case = scene.reader().operating_point();
         let unit = case.ball.radius * case.drive.relative_speed().abs();
-        let (accuracy, creep) = match (solution.model, solution.choice.map(|c| c.basis)) {
-            (Model::Traction, Some(Basis::Integrated { accuracy })) => (accuracy, Traction::CREEP),
-            (Model::Traction, _) => (settings.accuracy, settings.creep),
-            _ => (RacewayControl::ACCURACY, RacewayControl::CREEP),
-        };
+        let (accuracy, creep) = integration(settings, solution);
         let quadrature = &Quadrature::of(accuracy);
         let saturated = matches!(solution.model, Model::Rigid | Model::Elastic);
         let power = |contact: &MovingContact| {
             let sliding = match contact.semi_axes {
                 Some(semi_axes) if !saturated => {
-                    let conformity = match contact.touch.site {
-                        Site::Screw => scene.screw_conformity,
-                        Site::Nut | Site::NutMinor => scene.nut_conformity,
-                    };
-                    let pressed_radius =
-                        pressed_radius(conformity.unwrap_or(f64::NAN), case.ball.radius);
+                    let pressed_radius = scene.pressed_radius(contact.touch.site);
                     let creep = creep * unit;
                     Sliding::Ellipse { semi_axes, pressed_radius, creep, quadrature }
                 }

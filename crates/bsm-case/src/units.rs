@@ -177,6 +177,16 @@ pub(crate) fn convert<'a>(
     UNITS.iter().find_map(found)
 }
 
+/// Other units of a name of the vocabulary, as they end it, with the factor to its own; none of a unit without others.
+pub fn other_units(name: &str) -> Vec<(&'static str, f64)> {
+    let own = UNITS.iter().filter(|(unit, ..)| stem(name, unit).is_some());
+    let Some((own, dimension, size)) = own.max_by_key(|(unit, ..)| unit.len()) else {
+        return Vec::new();
+    };
+    let others = UNITS.iter().filter(|(unit, d, _)| d == dimension && unit != own);
+    others.map(|(unit, _, other)| (*unit, digits(other / size))).collect()
+}
+
 /// A name without its unit, if it ends with that.
 fn stem<'a>(name: &'a str, unit: &str) -> Option<&'a str> {
     name.strip_suffix(unit)?.strip_suffix('_')
@@ -221,6 +231,28 @@ mod tests {
         for name in ["axial_load_mm", "axial_load", "lead", "lead_mm_mm", "speed", "kN", "_kN"] {
             assert_eq!(convert(name, &known()), None, "{name}");
         }
+    }
+
+    /// What is offered is what is read, with the same factor.
+    #[test]
+    fn other_units_are_read_back() {
+        let mut offered = 0;
+        for input in INPUTS {
+            for (unit, factor) in other_units(input.name) {
+                let own = UNITS.iter().filter(|(own, ..)| stem(input.name, own).is_some());
+                let own = own.map(|(own, ..)| *own).max_by_key(|own| own.len()).expect("a unit");
+                let name = format!("{}_{unit}", stem(input.name, own).expect("its unit"));
+                if let Some((found, by)) = convert(&name, &known()) {
+                    assert!(
+                        found == input.name && by.to_bits() == factor.to_bits(),
+                        "{name}: {found} {by} {factor}"
+                    );
+                    offered += 1;
+                }
+            }
+        }
+        // That few would mean that names are made wrongly.
+        assert!(offered > 300, "{offered}");
     }
 
     /// Every unit that ends a name of the vocabulary is in the table, but those of one quantity alone.

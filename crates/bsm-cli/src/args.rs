@@ -124,6 +124,12 @@ pub(crate) enum Command {
     /// Measure time and accuracy of every model and setting on this machine.
     #[command(after_help = EXIT_CODES)]
     Tradeoff(TradeoffArgs),
+    /// One screw in the browser: pictures and numbers that follow every change.
+    ///
+    /// Starts a server for this machine only and prints its address. --out writes the page as one file instead,
+    /// which needs no server and no network. Try: bsm view examples/feed_drive.json --open
+    #[command(after_help = EXIT_CODES)]
+    View(ViewArgs),
     /// Print the JSON Schema of scenes (input), results of a point (output), or of what a command prints with
     /// --format json.
     Schema {
@@ -254,6 +260,26 @@ pub(crate) struct CompareArgs {
     /// How to print the results.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ViewArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
+    /// Port of the server on 127.0.0.1; a free one unless given.
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    pub(crate) port: u16,
+    /// Start the browser.
+    #[arg(long)]
+    pub(crate) open: bool,
+    /// Where the button "save" writes the scene; without it the page writes nothing.
+    #[arg(long, value_name = "SCENE.json", conflicts_with = "out")]
+    pub(crate) save: Option<PathBuf>,
+    /// Write the page as one file instead: the pictures of the scene, and of a grid of speeds and loads around it.
+    #[arg(long, value_name = "PAGE.html", conflicts_with_all = ["port", "open"])]
+    pub(crate) out: Option<PathBuf>,
 }
 
 /// The table to write, and how.

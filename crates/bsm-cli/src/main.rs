@@ -26,6 +26,7 @@ mod tradeoff;
 mod unfinished;
 mod validate;
 mod verify;
+mod view;
 #[cfg(feature = "xlsx")]
 mod workbook;
 
@@ -80,6 +81,7 @@ fn main() -> ExitCode {
         Command::Jam(args) => motion::jam(&args),
         Command::Validate(args) => on_threads(asked, |_| validate::run(&args)),
         Command::Tradeoff(args) => on_threads(asked, |_| tradeoff::run(&args)),
+        Command::View(args) => on_threads(asked, |workers| view::run(&args, workers)),
         Command::Schema { kind } => schema::run(kind),
         Command::Completions { shell } => {
             let mut script = Vec::new();

@@ -1,8 +1,8 @@
 //! Tables for reading.
 
-use bsm_case::units::MM;
 use bsm_case::{
-    Analysis, Cell, Numbers, OUTPUTS, Of, Output, Quantity, Record, Scene, Sensitivity, SizePhase,
+    Analysis, Cell, Numbers, Of, Output, Quantity, Record, RecordRows, Scales, Scene, Sensitivity,
+    SizePhase,
     printable,
 };
 use bsm_dyn::Band;
@@ -29,33 +29,9 @@ pub(crate) fn title(scene: &Scene) -> Option<String> {
     scene.description.as_deref().map(printable)
 }
 
-/// Below this part of what is usual for its unit a number is rounding, and is printed as 0.
-const ROUNDING: f64 = 1e-12;
-
-/// What is usual for a unit in one table: the largest number that has it; 180 for angles.
-struct Scales(Vec<(&'static str, f64)>);
-
-impl Scales {
-    fn of(numbers: impl Iterator<Item = (&'static str, f64)>) -> Self {
-        let mut scales = vec![("deg", 180.0)];
-        for (unit, value) in numbers {
-            match scales.iter_mut().find(|(known, _)| *known == unit) {
-                Some((_, largest)) => *largest = value.abs().max(*largest),
-                None => scales.push((unit, value.abs())),
-            }
-        }
-        Self(scales)
-    }
-
-    /// A number with its rounding left out. What has no unit has no scale, and may be a count.
-    fn print(&self, unit: &str, value: f64) -> String {
-        if unit.is_empty() {
-            return count_or_number(value);
-        }
-        let scale = self.0.iter().find(|(known, _)| *known == unit);
-        let noise = scale.is_some_and(|(_, largest)| value.abs() < ROUNDING * largest);
-        number(if noise { 0.0 } else { value })
-    }
+/// A number of a unit; what has none may be a count.
+fn shown(unit: &str, value: f64) -> String {
+    if unit.is_empty() { count_or_number(value) } else { number(value) }
 }
 
 /// Five digits, or a whole number as it is; one keeps its digits, as most ones are ratios.
@@ -63,58 +39,6 @@ pub(crate) fn count_or_number(value: f64) -> String {
     let is_count = (2.0..1e6).contains(&value.abs()) && value.fract().abs() <= 0.0;
     if is_count { format!("{value:.0}") } else { number(value) }
 }
-
-/// Overall results: label, output.
-const OVERALL: &[(&str, &str)] = &[
-    ("efficiency", "efficiency"),
-    ("screw torque, all balls", "screw_torque_Nm"),
-    ("input power", "input_power_W"),
-    ("output power", "output_power_W"),
-    ("dissipated power", "dissipated_power_W"),
-    ("  sliding at the contacts", "sliding_power_W"),
-    ("  rolling resistance", "rolling_power_W"),
-    ("  seals", "seal_power_W"),
-    ("  balls on each other", "ball_contact_power_W"),
-    ("  ball returns", "return_power_W"),
-    ("  drag", "drag_power_W"),
-    ("equivalent friction coefficient", "equivalent_friction_coefficient"),
-    ("friction coefficient of catalogues", "catalogue_friction_coefficient"),
-    ("temperature of the lubricant", "lubricant_temperature_C"),
-    ("viscosity", "viscosity_mPas"),
-    ("pressure-viscosity coefficient", "pressure_viscosity_1_GPa"),
-    ("heating of the film", "film_heating_K"),
-    ("error of the efficiency, at most", "efficiency_error_bound"),
-    ("relative error of the dissipated power, at most", "loss_error_bound"),
-    ("axial displacement of the nut", "axial_displacement_um"),
-    ("ball precession about the axis", "ball_precession_rad_s"),
-    ("ball rotation along the helix t", "ball_omega_t_rad_s"),
-    ("ball rotation towards the axis n", "ball_omega_n_rad_s"),
-    ("ball rotation along the binormal b", "ball_omega_b_rad_s"),
-    ("skid number", "skid_number"),
-    ("skid onset number", "onset_number"),
-];
-
-/// Results per contact: label, outputs at nut, screw and minor contact.
-const CONTACTS: &[(&str, [&str; 3])] = &[
-    ("normal load per ball", ["nut_normal_load_N", "screw_normal_load_N", "minor_normal_load_N"]),
-    ("contact angle", ["nut_contact_angle_deg", "screw_contact_angle_deg", ""]),
-    ("slip speed", ["nut_slip_velocity_m_s", "screw_slip_velocity_m_s", "minor_slip_velocity_m_s"]),
-    (
-        "direction of friction",
-        ["nut_slip_angle_deg", "screw_slip_angle_deg", "minor_slip_angle_deg"],
-    ),
-    ("spin about the normal", ["nut_spin_rad_s", "screw_spin_rad_s", ""]),
-    ("largest pressure", ["nut_max_pressure_MPa", "screw_max_pressure_MPa", ""]),
-    ("ellipse across the groove", ["nut_ellipse_a_mm", "screw_ellipse_a_mm", ""]),
-    ("ellipse along the groove", ["nut_ellipse_b_mm", "screw_ellipse_b_mm", ""]),
-    ("elastic approach", ["nut_approach_um", "screw_approach_um", ""]),
-    ("film", ["nut_film_um", "screw_film_um", ""]),
-    ("film over roughness", ["nut_film_ratio", "screw_film_ratio", ""]),
-    ("share of asperities", ["nut_asperity_share", "screw_asperity_share", ""]),
-    ("friction coefficient", ["nut_friction_coefficient", "screw_friction_coefficient", ""]),
-    ("rolling moment", ["nut_rolling_moment_Nmm", "screw_rolling_moment_Nmm", ""]),
-    ("entrainment", ["nut_entrainment_m_s", "screw_entrainment_m_s", ""]),
-];
 
 /// One solved point.
 pub(crate) fn record(scene: &Scene, record: &Record) -> String {
@@ -152,29 +76,17 @@ pub(crate) fn record(scene: &Scene, record: &Record) -> String {
         head.into_iter().filter_map(|(label, text)| Some(format!("{label}  {}", text?))).collect();
     let mut blocks = vec![head.join("\n")];
 
-    // A ball that rolls has slips that are all rounding: the speed of its surface tells.
-    let surface = record.number("ball_omega_t_rad_s").map_or(0.0, |omega_t| {
-        let rates = ["ball_omega_n_rad_s", "ball_omega_b_rad_s"].map(|name| record.number(name));
-        let fastest = rates.into_iter().flatten().fold(omega_t.abs(), |a, b| a.max(b.abs()));
-        0.5 * MM * scene.ball_diameter_mm.unwrap_or(0.0) * fastest
-    });
-    let numbers = OUTPUTS.iter().filter_map(|o| Some((o.unit, record.number(o.name)?)));
-    let scales = Scales::of(numbers.chain([("m/s", surface)]));
-    let cell = |name: &str| {
-        let output = Output::named(name)?;
-        record.number(name).map(|value| scales.print(output.unit, value))
-    };
-    let unit = |name: &str| Output::named(name).map_or("", |o| o.unit).to_owned();
-    let overall: Vec<_> = OVERALL
-        .iter()
-        .filter_map(|(label, name)| Some(vec![(*label).to_owned(), unit(name), cell(name)?]))
+    let RecordRows { overall, contacts } = record.rows(scene);
+    let print = |unit: &str, value: f64| shown(unit, value);
+    let overall: Vec<_> = overall
+        .into_iter()
+        .map(|(label, unit, value)| vec![label.to_owned(), unit.to_owned(), print(unit, value)])
         .collect();
-    let contacts: Vec<_> = CONTACTS
-        .iter()
-        .filter_map(|(label, names)| {
-            let cells = names.map(|name| cell(name).unwrap_or_default());
-            let any = cells.iter().any(|c| !c.is_empty());
-            any.then(|| [vec![(*label).to_owned(), unit(names[0])], cells.to_vec()].concat())
+    let contacts: Vec<_> = contacts
+        .into_iter()
+        .map(|(label, unit, values)| {
+            let cells = values.map(|value| value.map_or_else(String::new, |v| print(unit, v)));
+            [vec![label.to_owned(), unit.to_owned()], cells.to_vec()].concat()
         })
         .collect();
     if !overall.is_empty() {
@@ -277,8 +189,9 @@ fn block(rows: &[(&Quantity, [Option<f64>; 3])], whole: &str, scales: &Scales) -
     let table = |of, members: &[&str]| {
         let rows = rows.iter().filter(|(quantity, _)| quantity.of == of);
         let cells = |(quantity, values): &(&Quantity, [Option<f64>; 3])| {
-            let print =
-                |v: Option<f64>| v.map_or_else(String::new, |v| scales.print(quantity.unit, v));
+            let print = |v: Option<f64>| {
+                v.map_or_else(String::new, |v| shown(quantity.unit, scales.clean(quantity.unit, v)))
+            };
             let numbers = values.iter().take(members.len()).map(|value| print(*value));
             [quantity.about, quantity.unit].map(str::to_owned).into_iter().chain(numbers).collect()
         };

@@ -182,6 +182,13 @@ fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
             fs::write(folder.join("few.csv"), few.join("\n")).expect("a table");
             words.push("few.csv".to_owned());
         }
+        // A server would run on: the same page as a file.
+        "view" => {
+            words.retain(|word| word != "--open");
+            if !words.iter().any(|word| word == "--out") {
+                words.extend(["--out", "view.html"].map(str::to_owned));
+            }
+        }
         other => panic!("how is {other} made short?"),
     }
     words

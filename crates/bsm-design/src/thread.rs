@@ -37,12 +37,17 @@ impl Profile {
     ///
     /// * `steps`: number of chords, at least 1.
     pub fn flank(&self, steps: u32) -> Vec<(f64, f64)> {
-        let meet = (self.offset / self.radius).clamp(-1.0, 1.0).asin();
+        let [meet, edge] = self.ends();
         let point = |i: u32| {
-            let angle = meet + (self.edge - meet) * f64::from(i) / f64::from(steps);
+            let angle = meet + (edge - meet) * f64::from(i) / f64::from(steps);
             (self.radius * angle.sin() - self.offset, self.radius * angle.cos() - self.height)
         };
         (0..=steps).map(point).collect()
+    }
+
+    /// Angles from the radial direction at which a flank begins, where the arcs meet, and ends, at the land \[rad\].
+    pub fn ends(&self) -> [f64; 2] {
+        [(self.offset / self.radius).clamp(-1.0, 1.0).asin(), self.edge]
     }
 }
 
@@ -153,7 +158,8 @@ impl Thread {
 impl Profile {
     /// Angle from the contact to the nearer end of its flank \[rad\] (G8).
     fn room(&self, contact_angle: f64) -> f64 {
-        (self.edge - contact_angle).min(contact_angle - (self.offset / self.radius).asin())
+        let [meet, edge] = self.ends();
+        (edge - contact_angle).min(contact_angle - meet)
     }
 
     /// Section of the groove below the land \[m²\] (G9).

@@ -3,6 +3,7 @@
 //! Theory: `docs/theory/07-raceway-control.md`, equations (E2) to (E6), and
 //! `docs/theory/09-traction.md`, equations (T12) to (T20).
 
+mod field;
 mod kernel;
 mod oil;
 mod panels;

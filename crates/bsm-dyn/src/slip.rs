@@ -9,8 +9,9 @@ use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Scalar, Site};
 use bsm_newton::EvalError;
 use nalgebra::Vector3;
 
+use crate::ellipse::Local;
 use crate::raceway_control::rolling;
-use crate::{Control, Ellipse, FrictionLaw, Quadrature, Wrench, friction_force};
+use crate::{Control, Ellipse, EllipseSlip, FrictionLaw, Quadrature, Wrench, friction_force};
 
 /// A ball in steady motion between the members of a screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -281,6 +282,23 @@ impl<D: Scalar> SteadyBall<D> {
                 Ok(Wrench::at_contact(&contact.normal, &point, D::from(0.0), &force))
             }
         }
+    }
+}
+
+impl SteadyBall<f64> {
+    /// Slip of the points of a contact ellipse \[m/s\].
+    ///
+    /// * `semi_axes`: across and along the groove \[m\]. * `pressed_radius`: (E2) \[m\]. * `creep`: `$v_e$` \[m/s\].
+    pub fn ellipse_slip(
+        &self,
+        touch: &Touch<f64>,
+        semi_axes: (f64, f64),
+        pressed_radius: f64,
+        creep: f64,
+    ) -> EllipseSlip<f64> {
+        let (motion, arc) = (self.relative_to(touch.site), self.helix.arc_length_per_radian());
+        let Local { along, omega } = Local::of(&motion, &self.contact(touch), arc);
+        EllipseSlip::new(semi_axes, (pressed_radius, self.radius), along, omega, creep)
     }
 }
 

@@ -10,4 +10,4 @@ pub use error::ReportError;
 pub use figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 pub use map::{MOST_CELLS, Map};
 pub use number::{number, short};
-pub use page::{PROGRAM, Page};
+pub use page::{PROGRAM, Page, STYLE};

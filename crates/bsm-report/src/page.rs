@@ -10,11 +10,12 @@ use crate::{Figure, ReportError, number, short};
 /// Name and version of the program, in what it writes.
 pub const PROGRAM: &str = concat!("bsm ", env!("CARGO_PKG_VERSION"));
 
+/// Colours and styles of every page, light and dark.
+pub const STYLE: &str = include_str!("../templates/page.css");
+
 /// Parts of every page.
-const PARTS: [(&str, &str); 2] = [
-    ("base.html", include_str!("../templates/base.html")),
-    ("page.css", include_str!("../templates/page.css")),
-];
+const PARTS: [(&str, &str); 2] =
+    [("base.html", include_str!("../templates/base.html")), ("page.css", STYLE)];
 
 /// A page.
 #[derive(Debug, Clone, Copy)]

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use bsm_case::{NOT_MODELLED, SizePhase, SizeReport, SizeRule};
+use bsm_case::{GrooveSection, NOT_MODELLED, SizePhase, SizeReport, SizeRule};
 use bsm_report::{Axis, Curve, Figure, PROGRAM, Page, Stroke};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -263,7 +263,7 @@ pub fn size_figures(report: &SizeReport) -> Vec<Figure> {
 fn section(report: &SizeReport) -> Option<Figure> {
     /// Chords of the ball.
     const CHORDS: u32 = 72;
-    let grooves = report.groove_section()?;
+    let grooves = GrooveSection::of(&report.scene).ok()?;
     let (radius, angle) = (grooves.ball_radius, grooves.contact_angle);
     let around = |i: u32| {
         let turned = TAU * f64::from(i) / f64::from(CHORDS);

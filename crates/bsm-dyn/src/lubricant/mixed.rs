@@ -54,6 +54,11 @@ impl<D: Scalar> MixedFriction<D> {
         Self { share, boundary, limit, eyring_stress, max_pressure, pressure_scale, shear }
     }
 
+    /// The same law of speeds in another unit, of which the present one is so many.
+    pub(super) fn in_unit(self, speed_unit: D) -> Self {
+        Self { shear: self.shear / speed_unit, ..self }
+    }
+
     /// The same without derivatives.
     pub(crate) fn values(&self) -> MixedFriction {
         MixedFriction {

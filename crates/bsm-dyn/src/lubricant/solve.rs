@@ -337,6 +337,7 @@ impl Lubricated {
                 friction: sliding / found.unit[i],
                 rolling_moment: film.couple * wetted.load * wetted.length,
                 entrainment: film.entrainment * wetted.speed,
+                law: film.law.in_unit(wetted.speed),
             }
         });
         let of_one: f64 = found.unit.iter().sum::<f64>() * unit;

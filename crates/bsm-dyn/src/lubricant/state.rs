@@ -1,6 +1,6 @@
 //! What a lubricated ball has to tell.
 
-use super::OutsidePower;
+use super::{MixedFriction, OutsidePower};
 
 /// How the surfaces of a contact are separated, in words that no equation uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +48,8 @@ pub struct ContactFilm {
     pub rolling_moment: f64,
     /// Mean speed of both surfaces along the track, with the creep speed \[m/s\].
     pub entrainment: f64,
+    /// Friction at its points, of slip speeds in m/s.
+    pub law: MixedFriction,
 }
 
 /// Oil, films and losses of a steady ball; powers of all balls together \[W\].

@@ -1,0 +1,113 @@
+"""A browser, and servers of the program for the tests of the page."""
+
+import json
+import os
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+ROOT = Path(__file__).resolve().parents[3]
+BSM = str(ROOT / os.environ.get("BSM", "target/release/bsm"))
+
+# Without a graphics card; the sandbox of Chromium does not run as root.
+FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+
+# A page on a busy machine with a debug build [ms].
+PATIENCE = 30_000
+
+
+def example(name: str) -> Path:
+    return ROOT / "examples" / f"{name}.json"
+
+
+def bsm(*arguments: str | Path) -> str:
+    """What the program prints; it may end with a point that has no solution."""
+    found = subprocess.run([BSM, *map(str, arguments)], capture_output=True, text=True, check=False)
+    assert found.returncode in (0, 3), found.stderr
+    return found.stdout
+
+
+def solved(*arguments: str | Path) -> dict[str, object]:
+    return json.loads(bsm("solve", *arguments, "--format", "json"))
+
+
+class Served:
+    """The program as a server."""
+
+    def __init__(self, scene: Path, *arguments: str | Path) -> None:
+        command = [BSM, "view", str(scene), *map(str, arguments)]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.address = self.process.stdout.readline().strip()
+        assert self.address.startswith("http://127.0.0.1:"), self.address
+
+    def end(self) -> None:
+        self.process.kill()
+        self.process.wait()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        path = shutil.which("chromium")
+        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def serve() -> Iterator[Callable[..., Served]]:
+    running: list[Served] = []
+
+    def start(scene: Path, *arguments: str | Path) -> Served:
+        running.append(Served(scene, *arguments))
+        return running[-1]
+
+    yield start
+    for served in running:
+        served.end()
+
+
+def settled(page: Page) -> None:
+    """Waits until all panels are up to date."""
+    page.wait_for_selector("html[data-settled]", state="attached", timeout=PATIENCE)
+
+
+class Sheet:
+    """A page with what went wrong on it."""
+
+    def __init__(self, page: Page) -> None:
+        self.page, self.errors, self.requests = page, [], []
+        page.on("pageerror", lambda error: self.errors.append(str(error)))
+        page.on("console", lambda message: self.errors.append(message.text) if message.type == "error" else None)
+        page.on("request", lambda request: self.requests.append(request.url))
+
+    def open(self, address: str) -> Page:
+        self.page.goto(address)
+        settled(self.page)
+        return self.page
+
+    def again(self, act: Callable[[], object]) -> None:
+        """Acts, and waits until the page has followed."""
+        self.page.evaluate("delete document.documentElement.dataset.settled")
+        act()
+        settled(self.page)
+
+
+@pytest.fixture
+def sheet(browser: Browser) -> Iterator[Callable[..., Sheet]]:
+    contexts = []
+
+    def new(width: int = 1300, scheme: str = "light", **options: object) -> Sheet:
+        context = browser.new_context(
+            viewport={"width": width, "height": 900}, color_scheme=scheme, reduced_motion="reduce", **options
+        )
+        contexts.append(context)
+        return Sheet(context.new_page())
+
+    yield new
+    for context in contexts:
+        context.close()

@@ -1,0 +1,150 @@
+// The page: one scene, asked again with every change, shown in every panel.
+
+import { html } from "bsm/draw";
+import { ask, Gone, start } from "bsm/source";
+import { Inputs } from "bsm/inputs";
+import { showKey, showNumbers } from "bsm/results";
+import { Space } from "bsm/space";
+import { showSection } from "bsm/section";
+import { Ellipses } from "bsm/ellipses";
+import { showLosses } from "bsm/losses";
+import { ModelMap } from "bsm/map";
+import { showModels } from "bsm/models";
+import { showNut } from "bsm/nut";
+
+const at = (id) => document.getElementById(id);
+const panels = ["key", "space", "section", "ellipses", "losses", "map", "models", "nut", "numbers"];
+const space = new Space(at("space")), ellipses = new Ellipses(at("ellipses"));
+const inputs = new Inputs(at("inputs"), () => changed());
+const map = new ModelMap(at("map"), (values) => inputs.put(values), () => request());
+let settings = { ...start.settings };
+
+/** What is asked: scene and settings. */
+const request = () => ({ scene: inputs.scene, settings });
+
+// --- asking: one round at a time; a change during a round starts the next one at its end.
+let running = false, again = false, slow;
+
+function changed() {
+  at("json").value = JSON.stringify(inputs.scene, null, 2);
+  title();
+  if (running) { again = true; return; }
+  void round();
+}
+
+/** An answer, or the error in its place. */
+const attempt = (route, body) => ask(route, body).catch((error) => error);
+
+async function round() {
+  running = true;
+  do {
+    again = false;
+    const began = performance.now(), body = structuredClone(request());
+    const [solved, slip, fields] = await Promise.all([attempt("solve", body), attempt("slip", body), attempt("ellipses", body)]);
+    if (!again) try { show(body, solved, slip, fields); } catch (error) { complain(error); console.error(error); }
+    document.documentElement.dataset.round = (performance.now() - began).toFixed(1);
+  } while (again);
+  running = false;
+  clearTimeout(slow);
+  slow = setTimeout(() => void rest(), start.live ? 120 : 0);
+}
+
+function complain(error) {
+  const alert = at("alert");
+  alert.hidden = !error;
+  if (!error) { inputs.blame(null); return; }
+  const named = !(error instanceof Gone) && inputs.blame(error.message);
+  alert.textContent = error.message;
+  alert.dataset.named = named;
+}
+
+const stale = (ids, on) => ids.forEach((id) => at(id).classList.toggle("stale", on));
+
+let shown = { solved: null, nut: null };
+
+function show({ scene }, solved, slip, fields) {
+  if (solved instanceof Error) { complain(solved); stale(panels, true); return; }
+  complain(null);
+  stale(["key", "space", "section", "ellipses", "losses", "numbers"], false);
+  shown.solved = solved; shown.scene = scene;
+  at("regime").textContent = solved.regime ? `${solved.regime}` : "";
+  showKey(at("key"), solved);
+  showNumbers(at("numbers"), solved);
+  showSection(at("section"), scene, solved);
+  showLosses(at("losses"), solved, slip);
+  ellipses.show(fields);
+  space.show(scene, solved, shown.nut);
+  map.point(scene);
+}
+
+/** What may come a moment later. */
+async function rest() {
+  if (running || !at("alert").hidden) return;
+  const body = structuredClone(request());
+  const models = attempt("compare", body).then((answer) => { showModels(at("models"), answer, shown.solved); stale(["models"], false); });
+  const nut = attempt("nut", body).then((answer) => {
+    shown.nut = answer instanceof Error ? null : answer;
+    showNut(at("nut"), answer); stale(["nut"], false);
+    if (!running) space.show(body.scene, shown.solved, shown.nut);
+  });
+  const band = start.live && shown.solved?.equivalent_friction_coefficient != null
+    ? attempt("solve", { ...body, band: true }).then((answer) => { if (!running && !(answer instanceof Error)) { showKey(at("key"), answer); showLosses(at("losses"), answer, new Error("")); } }) : null;
+  await Promise.all([models, nut, band, map.show(body)]);
+  stale(["map"], false);
+  document.documentElement.dataset.settled = String(Number(document.documentElement.dataset.settled ?? 0) + 1);
+}
+
+// --- the head
+function title() {
+  const words = inputs.scene.description ?? "A ball screw";
+  at("title").textContent = words; document.title = `${words} – bsm`;
+}
+
+at("model").append(...start.schema.models.map((name) => html("option", { value: name, selected: name === settings.name }, name)));
+at("tolerance").value = settings.tolerance;
+const setModel = () => { settings.name = at("model").value; at("tolerance-label").hidden = settings.name !== "auto"; changed(); };
+at("model").addEventListener("change", setModel);
+at("tolerance").addEventListener("change", () => { const value = at("tolerance").valueAsNumber; settings.tolerance = Number.isNaN(value) ? start.settings.tolerance : value; changed(); });
+at("tolerance-label").hidden = settings.name !== "auto";
+
+const say = (button, words) => { const former = button.textContent; button.textContent = words; setTimeout(() => { button.textContent = former; }, 1200); };
+at("copy").addEventListener("click", async () => {
+  try { await navigator.clipboard.writeText(at("json").value); say(at("copy"), "Copied"); } catch { at("json").closest("details").open = true; at("json").select(); say(at("copy"), "Select and copy"); }
+});
+at("reset").addEventListener("click", () => load(start.scene));
+at("save").hidden = !start.save;
+at("save").addEventListener("click", async () => {
+  const answer = await attempt("save", request());
+  if (answer instanceof Error) complain(answer); else say(at("save"), "Saved");
+});
+
+function load(scene) {
+  inputs.show(scene);
+  map.choices(scene);
+  changed();
+}
+
+function read(words, from) {
+  try {
+    const scene = JSON.parse(words);
+    if (typeof scene !== "object" || scene === null || Array.isArray(scene)) throw new Error("a scene is a JSON object of inputs");
+    load(scene);
+  } catch (error) { complain(new Error(`${from}: ${error.message}`)); }
+}
+at("apply").addEventListener("click", () => read(at("json").value, "scene"));
+at("file").addEventListener("change", async (event) => { const [file] = event.target.files; if (file) read(await file.text(), file.name); event.target.value = ""; });
+for (const [kind, on] of [["dragover", true], ["dragleave", false], ["drop", false]])
+  document.addEventListener(kind, async (event) => {
+    event.preventDefault();
+    document.body.classList.toggle("drop", on && start.live);
+    if (kind === "drop" && start.live && event.dataTransfer.files[0]) read(await event.dataTransfer.files[0].text(), event.dataTransfer.files[0].name);
+  });
+if (!start.live) for (const id of ["model", "tolerance", "file", "apply"]) at(id).disabled = true;
+if (!start.live) { document.querySelector("label[for=file]").hidden = true; at("json").readOnly = true; }
+if (innerWidth < 960) at("inputs-fold").open = false;
+at("about").textContent = `${start.program}. ${start.live ? "Live from the solver on this machine; nothing leaves it." : "One file: numbers of the solver at the stops of the sliders, nothing between them."}`;
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (shown.solved) changed(); });
+let width = innerWidth;
+addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; ellipses.draw(); map.draw(); } });
+
+load(start.scene);

@@ -1,0 +1,169 @@
+// Fields of the inputs, made from the vocabulary.
+
+import { html, brief } from "bsm/draw";
+import { start } from "bsm/source";
+
+const { schema } = start;
+const INPUT = new Map(schema.inputs.map((input) => [input.name, input]));
+const STEPS = 1000;
+
+/** Words of the vocabulary that are one of a list. */
+const WORDS = Object.entries(schema.input.properties).filter(([name, property]) => !INPUT.has(name) && Array.isArray(property.enum));
+
+/** Range of a slider around a value, within the rule of the input. */
+function rangeOf(name, value) {
+  const p = schema.input.properties[name];
+  let low = p.minimum ?? p.exclusiveMinimum ?? -Infinity, high = p.maximum ?? p.exclusiveMaximum ?? Infinity;
+  const whole = p.type?.includes("integer");
+  const positive = low >= 0 && value > 0;
+  if (low > -1e300 && high < 1e300) {
+    const room = (high - low) / 200;
+    if ("exclusiveMinimum" in p) low += room;
+    if ("exclusiveMaximum" in p) high -= room;
+    return { low: Math.min(low, value), high: Math.max(high, value), log: false, whole };
+  }
+  if (positive && low > 0) return { low: Math.min(low * 1.002, value), high: Math.max(low * 1.4, value * 1.2), log: false, whole };
+  if (positive) return { low: Math.max(value / 10, whole ? Math.max(low, 1) : 0), high: value * 10, log: true, whole };
+  const size = Math.abs(value) || 1;
+  return { low: Math.max(-2 * size, low), high: 2 * size, log: false, whole };
+}
+
+/** The form; `changed(scene)` is called with every change. */
+export class Inputs {
+  constructor(form, changed) {
+    Object.assign(this, { form, changed, fields: new Map(), units: new Map() });
+    form.addEventListener("submit", (event) => event.preventDefault());
+  }
+
+  /** Shows a scene, with ranges around its values. */
+  show(scene) {
+    this.scene = { ...scene };
+    this.ranges = new Map();
+    this.build();
+  }
+
+  build() {
+    this.fields.clear();
+    const words = (group) => (group === "lubricant" ? ["base_oil"] : group === "axis" ? ["support"] : group === "nut" ? WORDS.map(([name]) => name).filter((name) => !["base_oil", "support"].includes(name)) : []);
+    const sets = schema.groups.map((group) => {
+      const given = schema.inputs.filter((input) => input.group === group && input.name in this.scene);
+      const texts = words(group).filter((name) => name in this.scene);
+      const open = start.live ? schema.inputs.filter((input) => input.group === group && !(input.name in this.scene)) : [];
+      const more = start.live ? words(group).filter((name) => !(name in this.scene) && schema.input.properties[name]) : [];
+      if (!given.length && !texts.length && !open.length) return null;
+      const add = html("select", { class: "add", "aria-label": `Add an input of the group ${group}`, onchange: (event) => this.add(event.target.value) },
+        html("option", { value: "" }, "add an input …"), open.map((input) => html("option", { value: input.name }, `${input.label}${input.unit ? `, ${input.unit}` : ""}`)),
+        more.map((name) => html("option", { value: name }, name.replaceAll("_", " "))));
+      return html("fieldset", {}, html("legend", {}, group), given.map((input) => this.field(input)), texts.map((name) => this.choice(name)), open.length + more.length ? add : null);
+    });
+    this.form.replaceChildren(...sets.filter(Boolean));
+  }
+
+  field(input) {
+    const { name } = input, id = `in-${name}`;
+    const range = this.ranges.get(name) ?? this.rangeFor(name);
+    this.ranges.set(name, range);
+    const stop = start.answers?.axes?.find(([axis]) => axis === name);
+    const locked = !start.live && !stop;
+    const factor = () => (this.units.get(name) ?? [input.unit, 1])[1];
+    const box = html("input", { id, type: "number", step: "any", "aria-describedby": `${id}-about ${id}-wrong`, readonly: !start.live, oninput: () => {
+      const value = box.valueAsNumber;
+      this.set(name, Number.isNaN(value) ? null : tidy12(value * factor()), box);
+    } });
+    const slider = locked ? null : html("input", { type: "range", min: 0, max: stop ? stop[1].length - 1 : STEPS, step: 1, "aria-label": `${input.label}, slider`, oninput: () => {
+      const value = stop ? stop[1][slider.valueAsNumber] : this.at(range, slider.valueAsNumber / STEPS);
+      this.set(name, value, slider);
+    } });
+    const others = input.units.length && start.live;
+    const unit = others
+      ? html("select", { "aria-label": `Unit of ${input.label}`, onchange: () => {
+          const pick = unit.selectedIndex === 0 ? [input.unit, 1] : input.units[unit.selectedIndex - 1];
+          this.units.set(name, pick); this.refresh(name);
+        } }, html("option", {}, input.unit), input.units.map(([other]) => html("option", { selected: this.units.get(name)?.[0] === other }, other.replaceAll("_", "/"))))
+      : html("span", { class: "unit" }, input.unit);
+    const drop = start.live ? html("button", { type: "button", "aria-label": `Leave out ${input.label}`, title: "leave out", onclick: () => this.drop(name) }, "×") : html("span");
+    const ends = html("div", { class: "range" });
+    const wrong = html("p", { class: "wrong", id: `${id}-wrong`, hidden: true });
+    const about = `${input.about}; ${input.rule}${input.default == null ? "" : `; ${brief(input.default)} unless given`}`;
+    const element = html("div", { class: "field", "data-name": name }, html("div", { class: "row" }, html("label", { for: id, title: about }, input.label), box, unit, drop),
+      slider, slider ? ends : null, wrong, html("span", { id: `${id}-about`, hidden: true }, about));
+    this.fields.set(name, { element, box, slider, ends, wrong, range, factor, stop });
+    this.refresh(name);
+    return element;
+  }
+
+  choice(name) {
+    const { enum: words, description } = schema.input.properties[name];
+    const pick = html("select", { id: `in-${name}`, title: description, disabled: !start.live, onchange: () => { this.scene[name] = pick.value; this.changed(this.scene); } },
+      words.filter((word) => word !== null).map((word) => html("option", { value: word, selected: this.scene[name] === word }, String(word))));
+    return html("div", { class: "field", "data-name": name }, html("label", { for: `in-${name}` }, `${name.replaceAll("_", " ")} `), pick);
+  }
+
+  rangeFor(name) { return rangeOf(name, this.scene[name] ?? 1); }
+
+  at({ low, high, log, whole }, part) {
+    const value = part === 0 ? low : part === 1 ? high : log ? low * (high / low) ** part : low + (high - low) * part;
+    return whole ? Math.round(value) : Number(value.toPrecision(4));
+  }
+
+  /** Shows the value of a field, but not in the control that is being moved. */
+  refresh(name, from) {
+    const field = this.fields.get(name);
+    if (!field) return;
+    const { box, slider, ends, range, factor, stop } = field, value = this.scene[name];
+    if (box !== from) box.value = value == null ? "" : tidy12(value / factor());
+    if (!slider) return;
+    const part = range.log ? Math.log(value / range.low) / Math.log(range.high / range.low) : (value - range.low) / (range.high - range.low);
+    const place = stop ? stop[1].reduce((best, v, i) => (Math.abs(v - value) < Math.abs(stop[1][best] - value) ? i : best), 0) : Math.round(STEPS * Math.min(Math.max(part, 0), 1));
+    if (slider !== from) slider.value = place;
+    const shown = stop ? { low: stop[1][0], high: stop[1].at(-1), log: true } : range;
+    ends.replaceChildren(html("span", {}, brief(shown.low / factor())), html("span", {}, stop ? `${stop[1].length} stops` : shown.log ? "logarithmic" : ""), html("span", {}, brief(shown.high / factor())));
+    slider.setAttribute("aria-valuetext", `${brief(value / factor())} ${(this.units.get(name) ?? [INPUT.get(name).unit])[0]}`);
+  }
+
+  set(name, value, from) {
+    if (value == null) delete this.scene[name]; else this.scene[name] = value;
+    // A control that was emptied keeps its place.
+    this.refresh(name, from);
+    this.changed(this.scene);
+  }
+
+  /** Sets values from outside, as the cross of the map does. */
+  put(values) {
+    Object.assign(this.scene, values);
+    for (const name of Object.keys(values)) this.refresh(name);
+    this.changed(this.scene);
+  }
+
+  add(name) {
+    if (!name) return;
+    const input = INPUT.get(name), property = schema.input.properties[name];
+    this.scene[name] = input ? (input.default ?? property.minimum ?? (property.exclusiveMinimum != null ? (property.exclusiveMinimum || 0.1) * 1.04 : 1)) : property.enum.find((word) => word !== null);
+    this.build();
+    this.form.querySelector(`[id="in-${name}"]`)?.focus();
+    this.changed(this.scene);
+  }
+
+  drop(name) {
+    delete this.scene[name];
+    this.build();
+    this.changed(this.scene);
+  }
+
+  /** Marks the fields that a message names; none clears them. */
+  blame(message) {
+    const names = new Set(message?.match(/[A-Za-z][A-Za-z0-9_]*/g));
+    let any = false;
+    for (const [name, { element, box, wrong }] of this.fields) {
+      const bad = names.has(name);
+      element.classList.toggle("bad", bad);
+      box.setAttribute("aria-invalid", bad);
+      wrong.hidden = !bad; wrong.textContent = bad ? message : "";
+      any ||= bad;
+    }
+    return any;
+  }
+}
+
+/** Without the rounding of a change of units. */
+function tidy12(value) { return Number(value.toPrecision(12)); }

@@ -1,0 +1,236 @@
+// Any output over any two inputs, with the operating point in it.
+
+import { html, svg, text, number, brief, ramp, rampBar, scale, axes, sharp, none, path } from "bsm/draw";
+import { ask, start } from "bsm/source";
+
+const PAD = { left: 66, top: 10, right: 14, bottom: 44 };
+// Points of a side: what is shown soon, then finer, unless the next would take longer than this [ms].
+const SIDES = [24, 60, 100];
+const PATIENCE = 700;
+
+export class ModelMap {
+  constructor(host, moved, request) {
+    Object.assign(this, { host, moved, request, ranges: {} });
+    const pick = (words) => html("select", { "aria-label": words, onchange: () => this.ask() });
+    this.x = pick("Input along the map"); this.y = pick("Input up the map");
+    this.output = html("select", { "aria-label": "Output of the map", onchange: () => (start.live ? this.ask() : this.draw()) });
+    this.fields = html("div", { class: "bar small" });
+    this.stage = html("div", { class: "map" }); this.under = html("div"); this.readout = html("p", { class: "readout small", "aria-live": "off" }, "Point at the map for numbers; drag the cross, or move it with the arrow keys.");
+    host.append(html("div", { class: "bar" }, this.output, html("label", {}, "over ", this.x), html("label", {}, "and ", this.y)),
+      html("div", { class: "split" }, this.stage, html("div", {}, this.readout, this.under, this.fields)));
+  }
+
+  /** What can be varied in a scene. */
+  choices(scene) {
+    const { inputs, outputs } = start.schema, axes = start.answers?.axes?.map(([name]) => name);
+    const can = inputs.filter(({ name }) => (axes ? axes.includes(name) : typeof scene[name] === "number" && scene[name] !== 0));
+    const fill = (select, list, wanted) => { const former = list.some(({ name }) => name === select.value) ? select.value : wanted; select.replaceChildren(...list.map(({ name, label }) => html("option", { value: name, selected: name === former }, label))); };
+    const has = (name) => can.some((input) => input.name === name);
+    fill(this.x, can, ["screw_speed_rpm", "lead_angle_deg", "lead_mm"].find(has) ?? can[0]?.name);
+    fill(this.y, can, ["axial_load_N", "contact_angle_deg"].find(has) ?? can[1]?.name);
+    if (this.x.value === this.y.value) this.y.selectedIndex = (this.x.selectedIndex + 1) % can.length;
+    fill(this.output, start.map ? outputs.filter(({ name }) => name in start.map.columns) : outputs, "efficiency");
+    this.x.disabled = this.y.disabled = !start.live;
+    this.ranges = {};
+    this.drawFields(scene);
+  }
+
+  range(name, value) {
+    if (this.ranges[name]) return this.ranges[name];
+    const p = start.schema.input.properties[name], top = p.maximum ?? p.exclusiveMaximum ?? Infinity, bottom = p.minimum ?? p.exclusiveMinimum ?? -Infinity;
+    let low, high, log = value > 0 && bottom <= 0 && top === Infinity;
+    if (bottom > 0 && top === Infinity) { low = bottom + (value - bottom) * 0.1; high = bottom + (value - bottom) * 3; log = false; }
+    else if (top < Infinity && bottom > -Infinity) { const room = (top - bottom) / 60; low = bottom + room; high = top - room; }
+    else if (log) { low = value / 10; high = value * 10; }
+    else { low = value < 0 ? value * 10 : value / 10; high = value < 0 ? value / 10 : value * 10; }
+    const tidy = (v) => Number(v.toPrecision(4));
+    return (this.ranges[name] = { low: tidy(low), high: tidy(high), log });
+  }
+
+  drawFields(scene) {
+    const row = (select) => {
+      const name = select.value, value = scene[name];
+      if (value == null) return null;
+      const range = this.range(name, value), label = start.schema.inputs.find((input) => input.name === name).label;
+      const box = (end) => html("input", { type: "number", step: "any", value: range[end], style: "width:6.2rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`, disabled: !start.live, onchange: (event) => { if (!Number.isNaN(event.target.valueAsNumber)) { range[end] = event.target.valueAsNumber; this.ask(); } } });
+      return html("span", {}, `${label} `, box("low"), " to ", box("high"), html("label", {}, html("input", { type: "checkbox", checked: range.log, disabled: !start.live, "aria-label": `${label} logarithmic`, onchange: (event) => { range.log = event.target.checked; this.ask(); } }), "log"));
+    };
+    this.fields.replaceChildren(...[this.x, this.y].map(row).filter(Boolean));
+  }
+
+  ask() {
+    const body = this.request();
+    this.drawFields(body.scene);
+    void this.show(structuredClone(body));
+  }
+
+  /** Solves the map of a scene, first with few points, then with many if that is quick. */
+  async show(body) {
+    const { scene } = body, names = [this.x.value, this.y.value];
+    const round = (this.round = (this.round ?? 0) + 1);
+    if (names[0] === names[1] || names.some((name) => scene[name] == null)) { this.stage.replaceChildren(none("A map needs two different inputs of the scene.")); return; }
+    const vary = (count) => names.map((name) => { const { low, high, log } = this.range(name, scene[name]); return `${name}=${low}:${high}:${count}${log && low > 0 ? ":log" : ""}`; });
+    for (const [step, count] of (start.live ? SIDES : SIDES.slice(0, 1)).entries()) {
+      const began = performance.now();
+      let answer;
+      try { answer = await ask("sweep", { ...body, vary: vary(count), columns: [this.output.value] }); } catch (error) { if (round === this.round) { this.answer = null; this.stage.replaceChildren(none(error.message)); this.under.replaceChildren(); } return; }
+      if (round !== this.round) return;
+      this.answer = answer; this.scene = scene;
+      this.host.dataset.points = answer.model.length; this.host.dataset.ms = (performance.now() - began).toFixed(1);
+      this.draw();
+      if ((performance.now() - began) * ((SIDES[step + 1] ?? 0) / count) ** 2 > PATIENCE) break;
+    }
+  }
+
+  /** Moves the cross to a scene. */
+  point(scene) {
+    this.scene = scene;
+    if (this.cross) this.place();
+  }
+
+  draw() {
+    const { answer } = this;
+    if (!answer) return;
+    const width = this.stage.clientWidth, height = Math.max(250, Math.min(400, 0.72 * width));
+    const box = [PAD.left, PAD.top, width - PAD.right, height - PAD.bottom];
+    const [ax, ay] = answer.axes, output = start.schema.outputs.find(({ name }) => name === this.output.value);
+    const values = answer.columns[output.name] ?? [], nx = ax.values.length, ny = ay.values.length;
+    const found = values.filter((v) => v !== null);
+    const ends = ({ values }) => [values[0], values.at(-1)];
+    const x = scale(ends(ax), [box[0], box[2]], ax.log), y = scale(ends(ay), [box[3], box[1]], ay.log);
+    Object.assign(this, { scales: [x, y], box, values, outputWords: output.label });
+    const canvas = html("canvas"), label = (axis) => start.schema.inputs.find(({ name }) => name === axis.name);
+    const words = (axis) => { const { label: l, unit } = label(axis); return unit ? `${l}, ${unit}` : l; };
+    if (!found.length) { this.cross = null; this.stage.replaceChildren(none(`No point of this map has ${output.label}.`)); this.under.replaceChildren(); return; }
+    let low = Math.min(...found), high = Math.max(...found);
+    const overlay = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "group", "aria-label": `Map of ${output.label} over ${words(ax)} and ${words(ay)}, from ${number(low)} to ${number(high)}` });
+    this.stage.replaceChildren(canvas, overlay);
+    const g = sharp(canvas, width, height);
+    // A value for each point, drawn from half way to its neighbours.
+    const image = new ImageData(nx, ny);
+    for (let i = 0; i < nx; i += 1) for (let j = 0; j < ny; j += 1) {
+      const v = values[i * ny + j], at = 4 * ((ny - 1 - j) * nx + i);
+      if (v === null) image.data.set([128, 128, 128, 70], at); else image.data.set([...ramp((v - low) / (high - low || 1)), 255], at);
+    }
+    const small = new OffscreenCanvas(nx, ny); small.getContext("2d").putImageData(image, 0, 0);
+    const cx = (box[2] - box[0]) / (nx - 1), cy = (box[3] - box[1]) / (ny - 1);
+    g.save(); g.beginPath(); g.rect(box[0], box[1], box[2] - box[0], box[3] - box[1]); g.clip(); g.imageSmoothingEnabled = false;
+    g.drawImage(small, box[0] - cx / 2, box[1] - cy / 2, box[2] - box[0] + cx, box[3] - box[1] + cy); g.restore();
+    overlay.append(this.contours(values, [nx, ny], low, high, box), this.borders([nx, ny], box), frame(x, y, box, words(ax), words(ay)));
+    this.cross = this.crossAt(); overlay.append(this.cross);
+    overlay.addEventListener("pointermove", (event) => this.hover(event));
+    overlay.addEventListener("pointerdown", (event) => { this.drag(event); overlay.setPointerCapture(event.pointerId); this.dragging = true; });
+    overlay.addEventListener("pointerup", () => { this.dragging = false; });
+    this.place();
+    const models = [...new Set(answer.model.filter((_, i) => values[i] !== null))].map((place) => answer.models[place]), empty = values.length - found.length;
+    this.under.replaceChildren(rampBar(low, high, output.label), html("p", { class: "small faint" }, `${values.length} points, ${models.length > 1 ? `red lines between models ${models.join(", ")}` : `model ${models[0]}`}${empty ? `; grey: ${empty} points without a solution` : ""}.`));
+  }
+
+  /** Lines of equal value, by marching squares. */
+  contours(values, [nx, ny], low, high, box) {
+    const group = svg("g", {}), at = (i, j) => [box[0] + (i / (nx - 1)) * (box[2] - box[0]), box[3] - (j / (ny - 1)) * (box[3] - box[1])];
+    for (const level of levels(values, low, high)) {
+      let d = "", label = null;
+      for (let i = 0; i + 1 < nx; i += 1) for (let j = 0; j + 1 < ny; j += 1) {
+        const corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]], v = corners.map(([a, b]) => values[a * ny + b]);
+        if (v.includes(null)) continue;
+        const cuts = [];
+        for (let e = 0; e < 4; e += 1) {
+          const a = v[e] - level, b = v[(e + 1) % 4] - level;
+          if (a < 0 !== b < 0) { const t = a / (a - b), [p, q] = [at(...corners[e]), at(...corners[(e + 1) % 4])]; cuts.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]); }
+        }
+        for (let c = 0; c + 1 < cuts.length; c += 2) d += path([cuts[c], cuts[c + 1]]);
+        const middle = cuts[0] && cuts[0][0] > box[0] + 0.62 * (box[2] - box[0]) && cuts[0][0] < box[2] - 20 && cuts[0][1] > box[1] + 12 && cuts[0][1] < box[3] - 6;
+        if (middle && !label) label = cuts[0];
+      }
+      if (d) group.append(svg("path", { d, fill: "none", stroke: "#fff", "stroke-width": 2.4, opacity: 0.5 }), svg("path", { d, fill: "none", stroke: "#111", "stroke-width": 0.9 }));
+      if (label) group.append(text(label[0], label[1] + 3, brief(level), { "text-anchor": "middle", class: "small", style: "fill:#111;paint-order:stroke;stroke:#fff;stroke-width:3px" }));
+    }
+    return group;
+  }
+
+  /** Where the model changes. */
+  borders([nx, ny], box) {
+    const { model } = this.answer, dx = (box[2] - box[0]) / (nx - 1), dy = (box[3] - box[1]) / (ny - 1);
+    let d = "";
+    for (let i = 0; i < nx; i += 1) for (let j = 0; j < ny; j += 1) {
+      const here = model[i * ny + j], x = box[0] + i * dx, y = box[3] - j * dy;
+      if (i + 1 < nx && model[(i + 1) * ny + j] !== here) d += path([[x + dx / 2, Math.max(y - dy / 2, box[1])], [x + dx / 2, Math.min(y + dy / 2, box[3])]]);
+      if (j + 1 < ny && model[i * ny + j + 1] !== here) d += path([[Math.max(x - dx / 2, box[0]), y - dy / 2], [Math.min(x + dx / 2, box[2]), y - dy / 2]]);
+    }
+    return svg("g", {}, svg("path", { d, stroke: "#fff", "stroke-width": 3.4, fill: "none" }), svg("path", { d, stroke: "#c2185b", "stroke-width": 1.8, fill: "none" }));
+  }
+
+  crossAt() {
+    const cross = svg("g", { class: "cross", tabindex: "0", role: "slider", "aria-label": "Operating point: left and right along the map, up and down across it", "aria-valuemin": "0", "aria-valuemax": "100", onkeydown: (event) => {
+      const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+      if (!step) return;
+      event.preventDefault();
+      const size = event.shiftKey ? 30 : 6, p = this.spot();
+      this.move(p[0] + step[0] * size, p[1] + step[1] * size);
+    } });
+    for (const [stroke, wide] of [["#fff", 5], ["#111", 2]]) cross.append(svg("path", { d: "M-13 0H-5M5 0H13M0 -13V-5M0 5V13", stroke, "stroke-width": wide }), svg("circle", { r: 6.5, fill: "none", stroke, "stroke-width": wide }));
+    cross.append(svg("circle", { r: 16, fill: "transparent" }));
+    return cross;
+  }
+
+  spot() { return this.scales.map((s, i) => { const v = this.scene[this.answer.axes[i].name]; return s.log && v <= 0 ? NaN : s(v); }); }
+
+  place() {
+    const [x, y] = this.spot(), { box, answer } = this, inside = x >= box[0] - 1 && x <= box[2] + 1 && y >= box[1] - 1 && y <= box[3] + 1;
+    this.cross.style.display = inside ? "" : "none";
+    if (!inside) return;
+    this.cross.setAttribute("transform", `translate(${x} ${y})`);
+    this.cross.setAttribute("aria-valuenow", Math.round((100 * (x - box[0])) / (box[2] - box[0])));
+    this.cross.setAttribute("aria-valuetext", answer.axes.map(({ name }) => `${name.replaceAll("_", " ")} ${number(this.scene[name])}`).join(", "));
+  }
+
+  move(px, py) {
+    const { box, scales, answer } = this, at = [Math.min(Math.max(px, box[0]), box[2]), Math.min(Math.max(py, box[1]), box[3])];
+    const values = answer.axes.map(({ name, values }, i) => {
+      const v = scales[i].value(at[i]);
+      const p = start.schema.input.properties[name];
+      const stops = start.answers?.axes?.[i][1];
+      const value = stops ? stops.reduce((best, stop) => (Math.abs(Math.log(stop / v)) < Math.abs(Math.log(best / v)) ? stop : best)) : p.type?.includes("integer") ? Math.round(v) : Number(v.toPrecision(4));
+      return [name, value];
+    });
+    this.moved(Object.fromEntries(values));
+  }
+
+  local(event) {
+    const bounds = this.stage.getBoundingClientRect();
+    return [event.clientX - bounds.left, event.clientY - bounds.top];
+  }
+
+  drag(event) { this.move(...this.local(event)); }
+
+  hover(event) {
+    if (this.dragging) { this.drag(event); return; }
+    const [px, py] = this.local(event), { answer, scales, values } = this;
+    const [i, j] = [px, py].map((p, k) => { const v = scales[k].value(p), far = (w) => Math.abs(scales[k](w) - scales[k](v)), list = answer.axes[k].values; return list.reduce((best, w, place) => (far(w) < far(list[best]) ? place : best), 0); });
+    const [ax, ay] = answer.axes, at = i * ay.values.length + j;
+    this.readout.dataset.x = ax.values[i]; this.readout.dataset.y = ay.values[j];
+    this.readout.dataset.value = values[at] === null ? "" : number(values[at]);
+    const words = (axis, v) => { const { label, unit } = start.schema.inputs.find(({ name }) => name === axis.name); return `${label} ${number(v)} ${unit}`.trim(); };
+    this.readout.replaceChildren(html("strong", {}, `${this.outputWords}: ${values[at] === null ? answer.statuses[answer.status[at]].replace("_", " ") : number(values[at])}`), html("br"), `${words(ax, ax.values[i])}, ${words(ay, ay.values[j])}; model ${answer.models[answer.model[at]]}`);
+  }
+}
+
+/** Levels between the values: round ones, evenly over them, or over their sizes where they span decades. */
+function levels(values, low, high) {
+  if (!(high > low)) return [];
+  const sorted = values.filter((v) => v !== null).sort((a, b) => a - b);
+  const list = [];
+  for (let k = 1; k < 8; k += 1) {
+    const v = Number(sorted[Math.floor((k / 8) * (sorted.length - 1))].toPrecision(3));
+    if (v > low && v < high && !list.includes(v) && (!list.length || v - list.at(-1) > 0.015 * (high - low))) list.push(v);
+  }
+  return list;
+}
+
+/** Axes without grid lines, over the colours. */
+function frame(x, y, box, xWords, yWords) {
+  const group = axes(x, y, box, xWords, yWords, PAD.left);
+  group.querySelectorAll("line").forEach((line) => line.remove());
+  return group;
+}

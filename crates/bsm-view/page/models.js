@@ -1,0 +1,22 @@
+// One point in every model.
+
+import { html, number, table, none } from "bsm/draw";
+
+const COLUMNS = [["efficiency", "efficiency"], ["screw_torque_Nm", "torque, N m"], ["dissipated_power_W", "heat, W"], ["nut_normal_load_N", "load nut, N"], ["nut_contact_angle_deg", "angle nut, °"], ["screw_contact_angle_deg", "angle screw, °"], ["time_us", "time, µs"]];
+
+export function showModels(host, answer, solved) {
+  if (answer instanceof Error) { host.replaceChildren(none(answer.message)); return; }
+  const rows = answer.models.map((model) => html("tr", { class: model.model === solved?.model ? "here" : null }, html("th", { scope: "row" }, model.model),
+    model.status === "converged" ? COLUMNS.map(([name]) => html("td", { class: "number" }, name === "time_us" ? model[name].toFixed(2) : model[name] == null ? "–" : number(model[name])))
+      : html("td", { colspan: COLUMNS.length, class: "small" }, html("strong", {}, model.status.replace("_", " ")), `: ${model.message}`)));
+  // Models that are left out for the same reason share its words.
+  const why = new Map();
+  for (const words of answer.left_out) {
+    const name = words.match(/model ([a-z-]+)/)?.[1] ?? "", rest = words.replace(/^model [a-z-]+ /, "").replace(/ by model [a-z-]+/, "");
+    why.set(rest, [...(why.get(rest) ?? []), name]);
+  }
+  const left = [...why].map(([rest, names]) => `${names.join(", ")}: ${rest}`);
+  host.replaceChildren(html("p", {}, html("strong", {}, "Regime: "), answer.regime ?? "none: no model has a solution here"),
+    table("Every model that has its inputs", ["model", ...COLUMNS.map(([, words]) => words)], rows),
+    left.length ? html("p", { class: "small faint" }, `Not compared: ${left.join("; ")}.`) : "");
+}

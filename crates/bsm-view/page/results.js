@@ -1,0 +1,41 @@
+// The numbers: a few at the top, all of them at the end.
+
+import { html, number, brief, table, none } from "bsm/draw";
+
+const KEYS = [
+  ["efficiency", "Efficiency", ""],
+  ["screw_torque_Nm", "Screw torque", "N m"],
+  ["dissipated_power_W", "Heat", "W"],
+  ["nut_max_pressure_MPa", "Pressure, nut", "MPa"],
+  ["axial_displacement_um", "Displacement", "µm"],
+  ["ball_precession_rad_s", "Balls circle at", "rad/s"],
+];
+
+export function showKey(host, result) {
+  if (result.status !== "converged") {
+    host.replaceChildren(none(`${result.status.replace("_", " ")} by model ${result.model}: ${result.message}`), ...warnings(result));
+    return;
+  }
+  const keys = KEYS.filter(([name]) => result[name] != null).map(([name, words, unit]) =>
+    html("div", {}, html("dt", {}, words), html("dd", { "data-output": name }, number(result[name]), html("small", {}, unit ? ` ${unit}` : ""))));
+  const band = result.band;
+  host.replaceChildren(
+    html("dl", { class: "keys" }, keys),
+    html("p", { class: "small" }, html("strong", {}, `Model ${result.model}. `), result.choice ? `Chosen: ${result.choice}. ` : "",
+      result.loss_error_bound != null && !result.lubrication ? `The heat is known to ${brief(Number((100 * result.loss_error_bound).toPrecision(2)))} %. ` : "", result.lubrication ? `Lubrication: ${result.lubrication}. ` : "",
+      result.controlling_race ? `The ${result.controlling_race} controls.` : ""),
+    ...(band ? [html("p", { class: "small" }, `Nine of ten draws of what nobody knows of the oil lie between ${number(band.screw_torque_Nm[0])} and ${number(band.screw_torque_Nm[1])} N m.`)] : []),
+    ...warnings(result));
+}
+
+const warnings = ({ warnings, section_doubts }) => [...warnings, ...section_doubts].map((words) => html("p", { class: "warn" }, words));
+
+export function showNumbers(host, result) {
+  const { overall, contacts } = result.shown;
+  if (!overall.length && !contacts.length) { host.replaceChildren(none(result.message ?? "no numbers")); return; }
+  const minor = contacts.some(([, , values]) => values[2] != null);
+  host.replaceChildren(html("div", { class: "tables" },
+    table("Ball and screw", null, overall.map(([label, unit, value]) => html("tr", {}, html("th", { scope: "row" }, label), html("td", { class: "faint" }, unit), html("td", { class: "number" }, value)))),
+    contacts.length ? table("Contacts", ["", "", "nut", "screw", ...(minor ? ["minor"] : [])], contacts.map(([label, unit, values]) =>
+      html("tr", {}, html("th", { scope: "row" }, label), html("td", { class: "faint" }, unit), values.slice(0, minor ? 3 : 2).map((value) => html("td", { class: "number" }, value ?? ""))))) : null));
+}

@@ -1,0 +1,47 @@
+// Where answers come from: the server that made this page, or what the file has inside.
+
+export const start = JSON.parse(document.getElementById("start").textContent);
+
+/** What was asked breaks a rule: the words are those of the command line. */
+export class Refused extends Error {}
+
+/** The server does not answer any more. */
+export class Gone extends Error {
+  constructor() { super("The server has ended: start `bsm view` again and open its new address. The page keeps its last numbers."); }
+}
+
+/** Asks the server. */
+async function served(route, body) {
+  let response;
+  try {
+    response = await fetch(`/${route}`, { method: "POST", headers: { "Content-Type": "application/json", "X-Bsm-Token": start.token }, body: JSON.stringify(body) });
+  } catch {
+    throw new Gone();
+  }
+  const answer = await response.json();
+  if (!response.ok) throw new Refused(answer.error);
+  return answer;
+}
+
+/** The stop of the sliders that is nearest to a scene: places on both axes. */
+export function stopOf(scene) {
+  return start.answers.axes?.map(([name, values]) => {
+    const far = (v) => Math.abs(Math.log(v / scene[name]));
+    return values.reduce((best, v, i) => (far(v) < far(values[best]) ? i : best), 0);
+  });
+}
+
+/** Looks into the file. */
+function kept(route, body) {
+  const axes = start.answers.axes;
+  const stop = axes && stopOf(body.scene);
+  const middle = !axes || stop.every((place, i) => place === (axes[i][1].length - 1) / 2);
+  const here = middle ? start.answers : start.stops[stop[0] * axes[1][1].length + stop[1]];
+  const answer = route === "sweep" ? start.map : here[route];
+  if (!answer) throw new Refused("This file has no such numbers away from its own scene: bsm view shows them live.");
+  if (answer.error) throw new Refused(answer.error);
+  // The grooves are the same at every stop.
+  return route === "solve" ? { ...answer, section: start.answers.solve.section } : answer;
+}
+
+export const ask = start.live ? served : async (route, body) => kept(route, body);

@@ -1,0 +1,421 @@
+//! What the page asks, and the answers: those of the commands with `--format json`, with what a picture needs besides.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use bsm_batch::{Answers, GridSource, Room, Source, Task, Workers};
+use bsm_case::units::{other_units, words};
+use bsm_case::{
+    Analysis, Axis, BALL_COLUMNS, CURVE_COLUMNS, CaseError, Comparison, EllipseFields, Grid,
+    GrooveSection, INPUTS, ModelChoice, Moving, NutProblem, OUTPUTS, Record, RecordRows, Scene,
+    Settings, input_schema, output_schema,
+};
+use bsm_dyn::{Control, ModelWorkspace, Problem, RacewayFriction, Status};
+use bsm_report::{PROGRAM, number};
+use serde_json::{Map, Value, json};
+use thiserror::Error;
+
+/// Most points of a map.
+const MOST_POINTS: usize = 40_000;
+
+/// Points of the fields on a semi-axis of an ellipse.
+pub(crate) const FIELD_POINTS: u32 = 20;
+
+/// Why a request has no answer.
+#[derive(Debug, Error)]
+pub enum Refusal {
+    /// What was asked breaks a rule, in the words of the command line.
+    #[error("{0}")]
+    Input(String),
+    /// There is no such route.
+    #[error("unknown route `{0}`")]
+    Route(String),
+    /// It was stopped.
+    #[error(
+        "stopped after {0} s: this point takes too long for the page; the command line has no such limit"
+    )]
+    Slow(u64),
+    /// Too many that were stopped still run.
+    #[error(
+        "too many points that took too long are still being solved; wait, or start bsm view again"
+    )]
+    Busy,
+}
+
+impl From<CaseError> for Refusal {
+    fn from(error: CaseError) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
+/// A scene and how to solve it, with the rest of the request.
+pub(crate) struct Asked {
+    pub(crate) scene: Scene,
+    pub(crate) settings: Settings,
+    rest: Map<String, Value>,
+}
+
+impl Asked {
+    /// Reads the body of a request.
+    pub(crate) fn read(body: &[u8]) -> Result<Self, Refusal> {
+        let mut rest: Map<_, _> = bsm_case::entries(body)?.into_iter().collect();
+        let scene =
+            rest.remove("scene").ok_or_else(|| Refusal::Input("scene is missing".to_owned()))?;
+        let scene = Scene::from_json(scene.to_string().as_bytes())?;
+        let settings = settings(rest.remove("settings"))?;
+        Ok(Self { scene, settings, rest })
+    }
+}
+
+/// Settings as `solve --format json` prints them; defaults where they say nothing.
+fn settings(given: Option<Value>) -> Result<Settings, Refusal> {
+    let given = match given {
+        None | Some(Value::Null) => Map::new(),
+        Some(Value::Object(given)) => given,
+        Some(_) => return Err(Refusal::Input("settings must be an object".to_owned())),
+    };
+    let text = |name: &str| given.get(name).and_then(Value::as_str);
+    let named = Settings::named(text("name").unwrap_or("auto"), text("control"), text("friction"))?;
+    let dial = |name: &str, usual: f64| match given.get(name) {
+        None | Some(Value::Null) => Ok(usual),
+        Some(value) => {
+            value.as_f64().ok_or_else(|| Refusal::Input(format!("{name} must be a number")))
+        }
+    };
+    let settings = Settings {
+        tolerance: dial("tolerance", named.tolerance)?,
+        accuracy: dial("accuracy", named.accuracy)?,
+        creep: dial("creep", named.creep)?,
+        ..named
+    };
+    settings.check()?;
+    Ok(settings)
+}
+
+/// The answer to a request.
+///
+/// * `stop`: ends a map early once it is true.
+pub(crate) fn answer(
+    route: &str,
+    body: &[u8],
+    workers: &Workers<'_>,
+    stop: &AtomicBool,
+) -> Result<Value, Refusal> {
+    let asked = || Asked::read(body);
+    match route {
+        "schema" => Ok(schema()),
+        "solve" => solve(&asked()?),
+        "compare" => compare(&asked()?),
+        "slip" => slip(&asked()?),
+        "nut" => nut(&asked()?),
+        "ellipses" => ellipses(&asked()?, FIELD_POINTS),
+        "sweep" => sweep(&asked()?, workers, stop),
+        _ => Err(Refusal::Route(route.to_owned())),
+    }
+}
+
+/// `bsm solve --format json`, with the rows of its table and the section of the grooves.
+pub(crate) fn solve(Asked { scene, settings, rest }: &Asked) -> Result<Value, Refusal> {
+    let problem = scene.problem(settings)?;
+    let mut work = ModelWorkspace::default();
+    let solution = problem.solve(&mut work);
+    let band = match (&problem, solution.solved(), rest.get("band")) {
+        (Problem::Lubricated(case), Some(solved), Some(Value::Bool(true))) => {
+            case.band(solved, &mut work)
+        }
+        _ => None,
+    };
+    let record = Record::new(solution);
+    if record.status() == Status::InvalidInput {
+        let text = record.message().unwrap_or("the model refuses the input");
+        return Err(Refusal::Input(text.to_owned()));
+    }
+    let mut report = record.report(PROGRAM, scene, settings, band.as_ref());
+    let RecordRows { overall, contacts } = record.rows(scene);
+    let overall: Vec<_> = overall
+        .into_iter()
+        .map(|(label, unit, value)| json!([label, unit, number(value)]))
+        .collect();
+    let contacts: Vec<_> = contacts
+        .into_iter()
+        .map(|(label, unit, values)| json!([label, unit, values.map(|value| value.map(number))]))
+        .collect();
+    report.insert("shown".to_owned(), json!({ "overall": overall, "contacts": contacts }));
+    report.insert("lubrication".to_owned(), json!(record.lubrication()));
+    let section = GrooveSection::of(scene).ok();
+    let doubts = section.as_ref().map(|section| section.doubts(&record));
+    report.insert("section".to_owned(), section.map_or(Value::Null, |section| section.to_json()));
+    report.insert("section_doubts".to_owned(), json!(doubts.unwrap_or_default()));
+    let lead_angle = scene.lead_angle().map(f64::to_degrees);
+    report.insert("lead_angle_deg".to_owned(), json!(lead_angle));
+    Ok(Value::Object(report))
+}
+
+/// `bsm compare --format json`, with the models that were left out and why.
+pub(crate) fn compare(Asked { scene, .. }: &Asked) -> Result<Value, Refusal> {
+    let compared = Comparison::of(scene)?;
+    let mut answer = compared.to_json();
+    answer["left_out"] = json!(compared.left_out);
+    answer["warnings"] = json!(compared.warnings);
+    Ok(answer)
+}
+
+/// The motion of the ball that an analysis takes.
+fn moving(Asked { scene, settings, .. }: &Asked) -> Result<Moving, Refusal> {
+    let work = &mut ModelWorkspace::default();
+    let found = scene.problem(settings)?.solve(work);
+    Ok(Moving::of(scene, settings, found, work)?)
+}
+
+/// `bsm slip --format json`.
+pub(crate) fn slip(asked: &Asked) -> Result<Value, Refusal> {
+    let Moving { settings, solution, note } = moving(asked)?;
+    let mut map = Analysis::slip(&asked.scene, &settings, &solution)?.to_json();
+    map.insert("note".to_owned(), json!(note));
+    Ok(Value::Object(map))
+}
+
+/// Fields over the ellipses.
+pub(crate) fn ellipses(asked: &Asked, points: u32) -> Result<Value, Refusal> {
+    let Moving { settings, solution, note } = moving(asked)?;
+    let model = solution.model.name();
+    let fields = EllipseFields::of(&asked.scene, &settings, &solution, points)?;
+    Ok(json!({ "model": model, "note": note, "contacts": fields.into_json() }))
+}
+
+/// `bsm nut --format json`, with its table of balls and its curve.
+pub(crate) fn nut(Asked { scene, settings, .. }: &Asked) -> Result<Value, Refusal> {
+    let report = match NutProblem::of(scene, settings)?.solve() {
+        Ok(report) => report,
+        Err(none) => {
+            return Ok(json!({ "status": none.status().name(), "message": none.to_string() }));
+        }
+    };
+    let mut map = report.to_json();
+    map.insert("balls".to_owned(), columns(&BALL_COLUMNS, &report.balls()));
+    map.insert("curve".to_owned(), columns(&CURVE_COLUMNS, &report.curve()));
+    let rows = report.numbers(|_| true);
+    let rows = rows.rows().filter_map(|(quantity, values)| {
+        Some(json!([quantity.title, quantity.about, quantity.unit, number(values[0]?)]))
+    });
+    map.insert("shown".to_owned(), rows.collect());
+    Ok(Value::Object(map))
+}
+
+/// A table by columns; null where there is no number.
+fn columns<const N: usize>(columns: &[(&str, &str); N], rows: &[[f64; N]]) -> Value {
+    let finite = |x: &f64| json!(Some(*x).filter(|x| x.is_finite()));
+    let column = |(place, (name, _)): (usize, &(&str, &str))| {
+        ((*name).to_owned(), rows.iter().map(|row| finite(&row[place])).collect())
+    };
+    Value::Object(columns.iter().enumerate().map(column).collect())
+}
+
+/// `bsm sweep` over `vary` with `columns`, by columns: models and statuses as places in their lists of names.
+fn sweep(
+    Asked { scene, settings, rest }: &Asked,
+    workers: &Workers<'_>,
+    stop: &AtomicBool,
+) -> Result<Value, Refusal> {
+    let texts = |key: &str| -> Result<Vec<String>, Refusal> {
+        let list = rest.get(key).and_then(Value::as_array);
+        let texts: Option<Vec<_>> =
+            list.and_then(|list| list.iter().map(|x| x.as_str().map(str::to_owned)).collect());
+        texts.ok_or_else(|| Refusal::Input(format!("{key} must be a list of texts")))
+    };
+    let axes =
+        texts("vary")?.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>, _>>()?;
+    let grid = Grid::new(axes)?;
+    if grid.len() > MOST_POINTS {
+        let text = format!("a map of {} points: at most {MOST_POINTS}", grid.len());
+        return Err(Refusal::Input(text));
+    }
+    let outputs = Answers::select(Some(&texts("columns")?));
+    let outputs = outputs.map_err(|error| Refusal::Input(error.to_string()))?;
+    let task = Task::over_grid(scene.clone(), *settings, outputs, None, &grid)?;
+    let mut source = GridSource::new(grid.clone());
+    let named = source.columns().clone();
+    let chunk = source.next(grid.len()).map_err(|error| Refusal::Input(error.to_string()))?;
+    let chunk = chunk.ok_or_else(|| Refusal::Input("a map without points".to_owned()))?;
+    let mut answers = Answers::room(grid.len(), task.outputs.len());
+    let room = Room {
+        verdicts: &mut answers.verdicts,
+        columns: answers.columns.iter_mut().map(|column| &mut column[..]).collect(),
+    };
+    workers.install(|| task.solve_into((&chunk, &named), room, stop, &AtomicU64::new(0)));
+    if stop.load(Ordering::Relaxed) {
+        return Err(Refusal::Slow(0));
+    }
+    let axis = |axis: &Axis| {
+        let values: Vec<_> = (0..axis.len()).map(|place| axis.value(place)).collect();
+        json!({ "name": axis.key.name(), "values": values, "log": axis.is_log() })
+    };
+    let models: Vec<_> = ModelChoice::names().collect();
+    let place = |name: &str| models.iter().position(|known| *known == name);
+    let of_rows: Vec<_> = answers.verdicts.iter().map(|v| json!(place(v.model.name()))).collect();
+    let statuses: Vec<_> = answers
+        .verdicts
+        .iter()
+        .map(|v| json!(Status::ALL.iter().position(|status| *status == v.status)))
+        .collect();
+    let column = |(output, values): (&&bsm_case::Output, &Vec<f64>)| {
+        let finite = |x: &f64| json!(Some(*x).filter(|x| x.is_finite()));
+        (output.name.to_owned(), values.iter().map(finite).collect::<Value>())
+    };
+    let columns: Map<_, _> = task.outputs.iter().zip(&answers.columns).map(column).collect();
+    Ok(json!({
+        "axes": grid.axes().iter().map(axis).collect::<Vec<_>>(),
+        "models": models,
+        "statuses": Status::ALL.map(Status::name),
+        "model": of_rows,
+        "status": statuses,
+        "columns": columns,
+    }))
+}
+
+/// Inputs by group; those of the nut are all others.
+const GROUPS: [(&str, &[&str]); 5] = [
+    (
+        "screw",
+        &[
+            "ball_diameter_mm",
+            "pitch_circle_diameter_mm",
+            "lead_mm",
+            "lead_angle_deg",
+            "contact_angle_deg",
+            "nut_conformity",
+            "screw_conformity",
+            "starts",
+            "density_kg_m3",
+            "youngs_modulus_GPa",
+            "poisson_ratio",
+            "ball_youngs_modulus_GPa",
+            "ball_poisson_ratio",
+            "groove_bottom_distance_mm",
+            "axial_play_um",
+            "nut_bore_mm",
+            "screw_outer_diameter_mm",
+        ],
+    ),
+    ("nut", &[]),
+    (
+        "operating point",
+        &[
+            "screw_speed_rpm",
+            "feed_m_min",
+            "nut_speed_rpm",
+            "axial_load_N",
+            "loaded_balls",
+            "friction_coefficient",
+            "rolling_friction_mm",
+        ],
+    ),
+    (
+        "lubricant",
+        &[
+            "iso_vg",
+            "viscosity_40C_mm2_s",
+            "viscosity_100C_mm2_s",
+            "lubricant_temperature_C",
+            "ambient_temperature_C",
+            "heat_transfer_W_K",
+            "lubricant_density_kg_m3",
+            "pressure_viscosity_1_GPa",
+            "limiting_shear_ratio",
+            "boundary_friction_coefficient",
+            "ball_roughness_um",
+            "nut_roughness_um",
+            "screw_roughness_um",
+            "film_factor",
+            "rolling_factor",
+            "hysteresis_loss",
+            "seal_torque_Nm",
+            "ball_contact_force_N",
+            "ball_contact_friction",
+            "return_circuits",
+            "return_loss_coefficient",
+            "drag_coefficient",
+        ],
+    ),
+    (
+        "axis",
+        &[
+            "stroke_mm",
+            "unsupported_length_mm",
+            "shaft_diameter_mm",
+            "moved_mass_kg",
+            "acceleration_m_s2",
+            "inclination_deg",
+            "guide_friction",
+            "motor_inertia_kg_m2",
+            "coupling_inertia_kg_m2",
+            "gear_ratio",
+            "support_bearing_torque_Nm",
+            "support_bearing_rigidity_N_um",
+            "housing_rigidity_N_um",
+            "reliability_percent",
+            "axis_heat_transfer_W_K",
+            "accuracy_grade",
+            "rated_dynamic_load_N",
+            "rated_static_load_N",
+            "speed_number_limit_mm_min",
+            "required_life_h",
+            "required_static_safety",
+            "required_critical_speed_ratio",
+            "required_buckling_safety",
+        ],
+    ),
+];
+
+/// Schemas of scene and result, and what a form needs besides.
+pub(crate) fn schema() -> Value {
+    let group = |name: &str| {
+        let found = GROUPS.iter().find(|(_, names)| names.contains(&name));
+        found.map_or("nut", |(group, _)| *group)
+    };
+    let inputs = INPUTS.iter().map(|input| {
+        let label = words(input.name, "");
+        let label = words(input.name, input.unit).split(',').next().map_or(label, str::to_owned);
+        let units: Vec<_> = other_units(input.name)
+            .into_iter()
+            .map(|(unit, factor)| json!([unit, factor]))
+            .collect();
+        json!({
+            "name": input.name,
+            "label": label,
+            "unit": input.unit,
+            "about": input.about,
+            "rule": input.rule.describe(),
+            "default": input.default,
+            "group": group(input.name),
+            "units": units,
+        })
+    });
+    let outputs = OUTPUTS.iter().filter(|output| output.json_type == "number").map(
+        |output| json!({ "name": output.name, "label": words(output.name, output.unit), "about": output.about }),
+    );
+    json!({
+        "input": input_schema(),
+        "output": output_schema(),
+        "groups": GROUPS.map(|(name, _)| name),
+        "inputs": inputs.collect::<Vec<_>>(),
+        "outputs": outputs.collect::<Vec<_>>(),
+        "models": ModelChoice::names().collect::<Vec<_>>(),
+        "controls": Control::ALL.map(Control::name),
+        "frictions": RacewayFriction::ALL.map(RacewayFriction::name),
+        "settings": Settings::default().to_json(),
+        "points": MOST_POINTS,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A name that is misspelt would show up among those of the nut.
+    #[test]
+    fn the_groups_name_inputs() {
+        for name in GROUPS.iter().flat_map(|(_, names)| *names) {
+            assert!(INPUTS.iter().any(|input| input.name == *name), "{name}");
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! The page as one HTML file: modules, libraries and data inside, no request to anywhere but its own server.
+
+use bsm_report::STYLE;
+use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
+use serde_json::{Map, Value, json};
+
+const HTML: &str = include_str!("../page/index.html");
+const CSS: &str = include_str!("../page/page.css");
+
+/// The modules by the names under which they import each other.
+const MODULES: [(&str, &str); 13] = [
+    ("three", include_str!("../page/vendor/three.js")),
+    ("bsm/app", include_str!("../page/app.js")),
+    ("bsm/source", include_str!("../page/source.js")),
+    ("bsm/draw", include_str!("../page/draw.js")),
+    ("bsm/inputs", include_str!("../page/inputs.js")),
+    ("bsm/results", include_str!("../page/results.js")),
+    ("bsm/space", include_str!("../page/space.js")),
+    ("bsm/section", include_str!("../page/section.js")),
+    ("bsm/ellipses", include_str!("../page/ellipses.js")),
+    ("bsm/losses", include_str!("../page/losses.js")),
+    ("bsm/map", include_str!("../page/map.js")),
+    ("bsm/models", include_str!("../page/models.js")),
+    ("bsm/nut", include_str!("../page/nut.js")),
+];
+
+/// What does not stand for itself in a `data:` address within a JSON text within HTML.
+const ESCAPED: &AsciiSet = &CONTROLS.add(b'%').add(b'#').add(b'"').add(b'\\').add(b'<').add(b'&');
+
+/// The page with its data.
+pub(crate) fn html(start: &Value) -> String {
+    let address = |text: &str| {
+        json!(format!("data:text/javascript;charset=utf-8,{}", utf8_percent_encode(text, ESCAPED)))
+    };
+    let imports: Map<_, _> =
+        MODULES.iter().map(|(name, text)| ((*name).to_owned(), address(text))).collect();
+    // No end tag within a script.
+    let data = start.to_string().replace('<', "\\u003c");
+    // Each mark once, the texts that may hold anything last.
+    HTML.replacen("@STYLE@", &format!("{STYLE}{CSS}"), 1)
+        .replacen("@CONNECT@", if start["live"] == true { "'self'" } else { "'none'" }, 1)
+        .replacen("@IMPORTS@", &json!({ "imports": imports }).to_string(), 1)
+        .replacen("@START@", &data, 1)
+}

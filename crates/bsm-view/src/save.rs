@@ -1,0 +1,140 @@
+//! The page as one file: what it shows at the points of a small grid, worked out beforehand.
+
+use std::sync::atomic::AtomicBool;
+
+use bsm_batch::Workers;
+use bsm_case::{Scene, Settings};
+use serde_json::{Map, Value, json};
+
+use crate::Refusal;
+use crate::answer::{Asked, answer, compare, ellipses, nut, schema, slip, solve};
+use crate::page;
+
+/// Points of each slider.
+const STOPS: u32 = 9;
+
+/// Cells of each side of the map.
+const CELLS: u32 = 60;
+
+/// Points of the fields on a semi-axis, away from the scene itself.
+const COARSE: u32 = 6;
+
+/// What the map can show.
+const COLUMNS: [&str; 8] = [
+    "efficiency",
+    "screw_torque_Nm",
+    "dissipated_power_W",
+    "nut_max_pressure_MPa",
+    "screw_contact_angle_deg",
+    "nut_contact_angle_deg",
+    "axial_displacement_um",
+    "onset_number",
+];
+
+/// The page of a scene as one file, which needs no server.
+///
+/// Its sliders and its map are over speed and load, a decade to each side.
+///
+/// # Errors
+///
+/// [`Refusal::Input`] if the scene cannot be solved at all.
+pub fn saved(scene: &Scene, settings: &Settings, workers: &Workers<'_>) -> Result<String, Refusal> {
+    let asked = |scene: Scene| json!({ "scene": scene.to_json(), "settings": settings.to_json() });
+    let read = |value: &Value| Asked::read(value.to_string().as_bytes());
+    let here =
+        read(&json!({ "scene": scene.to_json(), "settings": settings.to_json(), "band": true }))?;
+    let mut answers = whole(&here, crate::answer::FIELD_POINTS)?;
+    for (name, value) in [("compare", compare(&here)), ("nut", nut(&here))] {
+        answers.insert(name.to_owned(), told(value));
+    }
+    let axes: Vec<_> = ["screw_speed_rpm", "axial_load_N"]
+        .into_iter()
+        .filter_map(|name| Some((name, around(scene, name)?)))
+        .collect();
+    let mut stops = Vec::new();
+    let mut map = Value::Null;
+    if let [(x, range_x), (y, range_y)] = axes[..] {
+        let values = [range_x, range_y].map(|range| spread(range, STOPS));
+        for (a, b) in values[0].iter().flat_map(|a| values[1].iter().map(move |b| (*a, *b))) {
+            let mut other = scene.clone();
+            other.set(x, a)?;
+            other.set(y, b)?;
+            let there = read(&asked(other))?;
+            let found = whole(&there, COARSE).unwrap_or_else(|refusal| {
+                Map::from_iter([("solve".to_owned(), json!({ "error": refusal.to_string() }))])
+            });
+            stops.push(Value::Object(found.into_iter().map(stop).collect()));
+        }
+        let axis = |name: &str, [low, high]: [f64; 2]| format!("{name}={low}:{high}:{CELLS}:log");
+        let mut request = asked(scene.clone());
+        request["vary"] = json!([axis(x, range_x), axis(y, range_y)]);
+        request["columns"] = json!(COLUMNS);
+        let found =
+            answer("sweep", request.to_string().as_bytes(), workers, &AtomicBool::new(false));
+        map = found.map_or(Value::Null, brief);
+        answers.insert("axes".to_owned(), json!([[x, values[0]], [y, values[1]]]));
+    }
+    Ok(page::html(&json!({
+        "live": false,
+        "scene": scene.to_json(),
+        "settings": settings.to_json(),
+        "save": false,
+        "program": bsm_report::PROGRAM,
+        "schema": schema(),
+        "answers": answers,
+        "stops": stops,
+        "map": map,
+    })))
+}
+
+/// What is shown of one point.
+fn whole(asked: &Asked, points: u32) -> Result<Map<String, Value>, Refusal> {
+    let solved = solve(asked)?;
+    Ok(Map::from_iter([
+        ("solve".to_owned(), solved),
+        ("slip".to_owned(), told(slip(asked))),
+        ("ellipses".to_owned(), told(ellipses(asked, points))),
+    ]))
+}
+
+/// An answer at a stop, without what is the same at all of them.
+fn stop((name, mut answer): (String, Value)) -> (String, Value) {
+    if let Some(solved) = answer.as_object_mut() {
+        solved.remove("section");
+        solved.remove("inputs");
+    }
+    (name, brief(answer))
+}
+
+/// An answer, or why there is none.
+fn told(answer: Result<Value, Refusal>) -> Value {
+    answer.unwrap_or_else(|refusal| json!({ "error": refusal.to_string() }))
+}
+
+/// A range around an input of a scene that is positive, over two decades.
+fn around(scene: &Scene, name: &str) -> Option<[f64; 2]> {
+    let value = scene.to_json().get(name)?.as_f64().filter(|value| *value > 0.0)?;
+    Some([value / 10.0, value * 10.0])
+}
+
+/// Values of equal ratios.
+fn spread([low, high]: [f64; 2], count: u32) -> Vec<f64> {
+    let part = |i: u32| f64::from(i) / f64::from(count - 1);
+    (0..count).map(|i| low * (high / low).powf(part(i))).collect()
+}
+
+/// The same with numbers of lists to four digits: they are drawn, not read.
+fn brief(value: Value) -> Value {
+    let short = |value: &Value| match value.as_f64() {
+        Some(x) if !value.is_u64() => {
+            format!("{x:.4e}").parse().map_or(Value::Null, |x: f64| json!(x))
+        }
+        _ => value.clone(),
+    };
+    match value {
+        Value::Array(list) if list.len() > 20 => list.iter().map(short).collect(),
+        Value::Array(list) => list.into_iter().map(brief).collect(),
+        Value::Object(map) => map.into_iter().map(|(name, value)| (name, brief(value))).collect(),
+        other => other,
+    }
+}

@@ -1,0 +1,274 @@
+//! Who may ask the server, and what it answers.
+
+use std::fs;
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::Mutex;
+use std::thread;
+
+use bsm_case::{Scene, Settings};
+use bsm_view::{Save, Server};
+use serde_json::{Value, json};
+
+/// A server, ended with the test.
+struct Served {
+    server: Arc<Server>,
+    thread: Option<thread::JoinHandle<()>>,
+    port: u16,
+    token: String,
+}
+
+impl Served {
+    fn start(save: Option<Save>) -> Self {
+        let server = Server::start(0, &scene(), &Settings::default(), save).expect("a server");
+        let server = Arc::new(server);
+        let address = server.address();
+        let (host, token) = address.split_once("/?token=").expect("a token");
+        let port = host.rsplit(':').next().and_then(|port| port.parse().ok()).expect("a port");
+        let serving = Arc::clone(&server);
+        let thread = Some(thread::spawn(move || serving.serve()));
+        Self { server, thread, port, token: token.to_owned() }
+    }
+
+    /// Sends a request as it stands; returns status and body.
+    fn send(&self, head: &str, body: &str) -> (u16, String) {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("a connection");
+        let length = body.len();
+        let request =
+            format!("{head}\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n{body}");
+        // A server that refuses early need not read all of it.
+        let _ = stream.write_all(request.as_bytes());
+        let mut answer = Vec::new();
+        let _ = stream.read_to_end(&mut answer);
+        let answer = String::from_utf8(answer).expect("text");
+        let status = answer.split(' ').nth(1).and_then(|status| status.parse().ok());
+        let body = answer.split_once("\r\n\r\n").map_or("", |(_, body)| body);
+        (status.unwrap_or_else(|| panic!("no status in {answer:?}")), body.to_owned())
+    }
+
+    fn head(&self, line: &str) -> String {
+        format!("{line} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nX-Bsm-Token: {}", self.port, self.token)
+    }
+
+    fn post(&self, route: &str, body: &Value) -> (u16, Value) {
+        let (status, body) = self.send(&self.head(&format!("POST /{route}")), &body.to_string());
+        (status, serde_json::from_str(&body).unwrap_or_else(|error| panic!("{error}: {body}")))
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        self.server.stop();
+        self.thread.take().map(thread::JoinHandle::join);
+    }
+}
+
+fn scene_of(name: &str) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name);
+    Scene::from_json(&fs::read(path).expect("an example")).expect("a scene")
+}
+
+fn scene() -> Scene {
+    scene_of("feed_drive.json")
+}
+
+fn asked() -> Value {
+    json!({ "scene": scene().to_json() })
+}
+
+#[test]
+fn wrong_tokens_hosts_and_origins_are_refused() {
+    let served = Served::start(None);
+    let Served { port, token, .. } = &served;
+    let host = format!("Host: 127.0.0.1:{port}");
+    let body = asked().to_string();
+    for (head, expected) in [
+        (format!("POST /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {token}"), 200),
+        (format!("POST /solve HTTP/1.1\r\nHost: localhost:{port}\r\nX-Bsm-Token: {token}"), 200),
+        (
+            format!(
+                "POST /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {token}\r\nOrigin: http://127.0.0.1:{port}"
+            ),
+            200,
+        ),
+        (format!("POST /solve HTTP/1.1\r\n{host}"), 403),
+        (format!("POST /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {}", "0".repeat(32)), 403),
+        (format!("POST /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {}", &token[..31]), 403),
+        (format!("GET / HTTP/1.1\r\n{host}"), 403),
+        (format!("GET /?token=wrong HTTP/1.1\r\n{host}"), 403),
+        // A name of another site that leads here (DNS rebinding).
+        (format!("POST /solve HTTP/1.1\r\nHost: evil.example:{port}\r\nX-Bsm-Token: {token}"), 403),
+        (format!("POST /solve HTTP/1.1\r\nX-Bsm-Token: {token}\r\nHost: 127.0.0.1:1"), 403),
+        (
+            format!(
+                "POST /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {token}\r\nOrigin: https://evil.example"
+            ),
+            403,
+        ),
+        (format!("POST /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {token}\r\nOrigin: null"), 403),
+        (format!("OPTIONS /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {token}"), 405),
+        (format!("GET /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {token}"), 404),
+        (format!("PUT /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {token}"), 405),
+    ] {
+        let (status, answer) = served.send(&head, &body);
+        assert_eq!(status, expected, "{head}\n{answer}");
+        assert!(status == 200 || answer.contains("\"error\""), "{answer}");
+    }
+}
+
+#[test]
+fn bodies_are_refused_in_the_words_of_the_command_line() {
+    let served = Served::start(None);
+    let mut bad = asked();
+    bad["scene"]["ball_diameter_mm"] = json!(-3.5);
+    let mut unknown = asked();
+    unknown["scene"]["ball_diametre_mm"] = json!(6.0);
+    let mut model = asked();
+    model["settings"] = json!({ "name": "elastisch" });
+    let large = json!({ "scene": { "description": "x".repeat(1 << 20) } });
+    let many = {
+        let mut many = asked();
+        many["vary"] = json!(["screw_speed_rpm=1:1000:1000", "axial_load_N=1:1000:1000"]);
+        many["columns"] = json!(["efficiency"]);
+        many
+    };
+    for (route, body, status, words) in [
+        ("solve", &bad, 400, "`ball_diameter_mm` = -3.5 must be finite and > 0"),
+        ("solve", &unknown, 400, "did you mean `ball_diameter_mm`"),
+        ("solve", &model, 400, "elastisch"),
+        ("solve", &json!({}), 400, "scene is missing"),
+        ("solve", &json!([1]), 400, "list"),
+        ("elsewhere", &asked(), 404, "unknown route `elsewhere`"),
+        ("solve", &large, 413, "1048576 bytes"),
+        ("sweep", &many, 400, "1000000 points"),
+        ("save", &asked(), 400, "--save"),
+    ] {
+        let (found, answer) = served.post(route, body);
+        let text = answer["error"].as_str().expect("words");
+        assert!(found == status && text.contains(words), "{route}: {found} {text}");
+    }
+    let (status, answer) = served.send(&served.head("POST /solve"), "{\"scene\": {");
+    assert!(status == 400 && answer.contains("is not valid JSON"), "{status} {answer}");
+}
+
+#[test]
+fn answers_are_those_of_the_commands() {
+    let served = Served::start(None);
+    let (status, solved) = served.post("solve", &asked());
+    assert_eq!(status, 200, "{solved}");
+    let work = &mut bsm_dyn::ModelWorkspace::default();
+    let problem = scene().problem(&Settings::default()).expect("a problem");
+    let record = bsm_case::Record::new(problem.solve(work));
+    for (name, value) in &record.to_json() {
+        assert_eq!(&solved[name], value, "{name}");
+    }
+    let mut request = asked();
+    request["vary"] = json!(["screw_speed_rpm=500:1500:2", "axial_load_N=8000,9000"]);
+    request["columns"] = json!(["efficiency"]);
+    let (status, map) = served.post("sweep", &request);
+    assert_eq!(status, 200, "{map}");
+    assert_eq!(map["axes"][1]["values"], json!([8000.0, 9000.0]));
+    // The third point is the scene itself; a row and a scene agree to 1e-10.
+    let [point, solved] = [&map["columns"]["efficiency"][2], &solved["efficiency"]];
+    let [point, solved] = [point, solved].map(|value| value.as_f64().expect("a number"));
+    assert!((point - solved).abs() < 1e-10, "{point} {solved}");
+    for route in ["compare", "slip", "ellipses", "schema"] {
+        let (status, answer) = served.post(route, &asked());
+        assert!(status == 200 && answer.get("error").is_none(), "{route}: {answer}");
+    }
+    let oil = json!({ "scene": scene_of("feed_drive_oil.json").to_json(), "band": true });
+    let (_, answer) = served.post("solve", &oil);
+    assert!(answer["band"]["screw_torque_Nm"][0].is_number(), "{answer}");
+    let (_, fields) = served.post("ellipses", &oil);
+    assert_eq!(fields["contacts"].as_array().map(Vec::len), Some(2), "{fields}");
+    let (_, nut) = served.post("nut", &json!({ "scene": scene_of("nut_double.json").to_json() }));
+    assert!(nut["balls"]["nut_plus_N"].as_array().is_some_and(|balls| balls.len() > 10), "{nut}");
+}
+
+/// The friction that the picture of an oiled contact shows is the friction that the model lost its power by: force
+/// and sliding power of one point agree.
+#[test]
+fn the_field_of_an_oiled_contact_is_that_of_its_model() {
+    let served = Served::start(None);
+    let oil = json!({ "scene": scene_of("feed_drive_oil.json").to_json() });
+    let ((_, solved), (_, fields)) = (served.post("solve", &oil), served.post("ellipses", &oil));
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let (mut lost, mut balls) = (0.0, 0.0);
+    for contact in fields["contacts"].as_array().expect("contacts") {
+        let list = |name: &str| contact[name].as_array().expect("a field").clone();
+        let [pressure, v_a, v_t, f_a, f_t] = [
+            "pressure_MPa",
+            "slip_across_m_s",
+            "slip_along_m_s",
+            "friction_across",
+            "friction_along",
+        ]
+        .map(list);
+        let (mut power, mut load) = (0.0, 0.0);
+        for i in (0..pressure.len()).filter(|i| !pressure[*i].is_null()) {
+            let p = number(&pressure[i]);
+            load += p;
+            power -= p * (number(&v_a[i]) * number(&f_a[i]) + number(&v_t[i]) * number(&f_t[i]));
+        }
+        lost += power / load * number(&contact["normal_load_N"]);
+        balls = number(&solved["inputs"]["loaded_balls"]);
+    }
+    let sliding = number(&solved["sliding_power_W"]);
+    // A grid of 49 points a side over an ellipse and a kink: a few per cent.
+    assert!((lost * balls / sliding - 1.0).abs() < 0.05, "{} {sliding}", lost * balls);
+}
+
+/// Forty thousand points of a lubricated ball to the last digits take minutes of one core.
+#[test]
+fn a_map_that_takes_too_long_ends_with_a_message() {
+    let served = Served::start(None);
+    let request = json!({
+        "scene": scene_of("feed_drive_oil.json").to_json(),
+        "settings": { "name": "traction", "accuracy": 1e-13 },
+        "vary": ["screw_speed_rpm=100:3000:200", "axial_load_N=1000:20000:200"],
+        "columns": ["efficiency"],
+    });
+    let (status, answer) = served.post("sweep", &request);
+    let text = answer["error"].as_str().expect("words");
+    assert!(status == 503 && text.contains("stopped after 2 s"), "{status} {text}");
+    // The threads are free again.
+    let (status, answer) = served.post("solve", &asked());
+    assert_eq!(status, 200, "{answer}");
+}
+
+#[test]
+fn only_a_server_that_was_told_to_saves() {
+    let kept = Arc::new(Mutex::new(String::new()));
+    let seen = Arc::clone(&kept);
+    let save: Save = Box::new(move |text| {
+        let mut kept = seen.lock().map_err(|error| error.to_string())?;
+        text.clone_into(&mut kept);
+        Ok(())
+    });
+    let served = Served::start(Some(save));
+    let (status, answer) = served.post("save", &asked());
+    assert_eq!((status, &answer["saved"]), (200, &json!(true)));
+    let text = kept.lock().expect("a text").clone();
+    assert_eq!(Scene::from_json(text.as_bytes()).expect("a scene"), scene());
+}
+
+/// No request leaves the page but to its own server, and no text of a scene ends its script.
+#[test]
+fn the_page_holds_all_that_it_needs() {
+    let mut scene = scene();
+    scene.description = Some("</script><script>alert(1)</script>".to_owned());
+    let served = Served::start(None);
+    let (status, page) = served.send(&served.head("GET /"), "");
+    assert_eq!(status, 200);
+    assert!(page.contains("connect-src 'self'"));
+    for mark in ["src=\"http", "href=\"http", "@import", "url(http"] {
+        assert!(!page.contains(mark), "{mark}");
+    }
+    let workers = bsm_batch::Workers::start(None, Box::leak(Box::default())).expect("threads");
+    let page = bsm_view::saved(&scene, &Settings::default(), &workers).expect("a page");
+    assert!(page.contains("connect-src 'none'"));
+    assert!(!page.contains("<script>alert"), "a text of the scene is part of the page");
+    assert!(page.contains("\\u003c/script>"));
+}
