@@ -7,7 +7,7 @@ use bsm_case::{
     INPUTS, Input, InputKey, InputSet, Inputs, ModelChoice, Relation, Rule, Scene, Settings,
     covered, following,
 };
-use bsm_dyn::{Model, Sines};
+use bsm_dyn::{Lubricant, Model, RacewayFriction, Sines};
 use bsm_simd::Simd;
 
 use crate::kernel;
@@ -29,7 +29,11 @@ enum Operand<'a> {
 
 /// The inputs of a chunk of points that one model takes.
 #[derive(Debug)]
-pub(crate) struct Operands<'a>([Operand<'a>; INPUTS.len()]);
+pub(crate) struct Operands<'a> {
+    inputs: [Operand<'a>; INPUTS.len()],
+    /// What friction comes from, but for its temperature; `None` with a coefficient.
+    pub(crate) lubricant: Option<Lubricant>,
+}
 
 impl<'a> Operands<'a> {
     /// The inputs, and the model that answers ordinary rows, which have a value in every column;
@@ -45,15 +49,20 @@ impl<'a> Operands<'a> {
         let in_row = |cells: InputSet| base.stated().overridden_by(cells);
         let cells = columns.set();
         let ordinary = in_row(cells);
-        if ordinary.is_lubricated() {
-            return None;
-        }
         // Rows that a model does not cover are not ordinary either.
         let choice = settings.model.resolve(ordinary, |_| Ok(())).ok()?;
         let ModelChoice::Fixed(model) = choice else { return None };
         if !kernel::exists(model) {
             return None;
         }
+        let lubricant = if ordinary.is_lubricated() {
+            if model != Model::RacewayControl || settings.friction != RacewayFriction::PerContact {
+                return None;
+            }
+            Some(base.lubricant_but_for_temperature(cells)?)
+        } else {
+            None
+        };
         let mut operands = [const { Operand::Absent }; INPUTS.len()];
         for (key, operand) in InputKey::ALL.into_iter().zip(&mut operands) {
             let Input { rule, default, .. } = *key.input();
@@ -78,7 +87,7 @@ impl<'a> Operands<'a> {
                 *operand = Operand::Constant(value);
             }
         }
-        Some((Self(operands), model))
+        Some((Self { inputs: operands, lubricant }, model))
     }
 }
 
@@ -129,7 +138,7 @@ impl<S: Simd> Given<'_, S> {
     /// The values of an input, if there is a column or a constant for it.
     #[inline(always)]
     pub(crate) fn try_get(&self, key: InputKey) -> Option<Lane<S>> {
-        match &self.operands.0[key as usize] {
+        match &self.operands.inputs[key as usize] {
             Operand::Absent => None,
             Operand::Constant(value) => Some(Lane::splat(self.simd, *value)),
             Operand::Column(_, values) => Some(self.load(values)),
@@ -182,7 +191,7 @@ impl<S: Simd> Given<'_, S> {
         let zero = Lane::splat(self.simd, 0.0);
         let [least, most] = PLAIN.map(|x| zero.constant(x));
         let mut lawful = zero.le(zero);
-        for operand in &self.operands.0 {
+        for operand in &self.operands.inputs {
             // Constants were checked.
             let Operand::Column(rule, values) = operand else { continue };
             let x = self.load(values);

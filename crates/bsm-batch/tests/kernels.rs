@@ -4,7 +4,7 @@ mod alike;
 
 use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Task};
 use bsm_case::{Output, Record, Scene, Settings};
-use bsm_dyn::{Control, Model, ModelWorkspace};
+use bsm_dyn::{Control, Model, ModelWorkspace, RacewayFriction};
 use bsm_sample::Sample;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -73,9 +73,9 @@ fn points(count: usize) -> (Chunk, Columns) {
     (Chunk { first: 1, len: count, inputs, kept: Vec::new() }, columns)
 }
 
-fn scene(chunk: &Chunk, base: &Scene, row: usize) -> Scene {
+fn scene(names: &[&str], chunk: &Chunk, base: &Scene, row: usize) -> Scene {
     let mut scene = base.clone();
-    for (name, column) in INPUTS.iter().zip(&chunk.inputs) {
+    for (name, column) in names.iter().zip(&chunk.inputs) {
         scene.set(name, column.values()[row]).expect("known name");
     }
     scene
@@ -94,12 +94,16 @@ fn all() -> Vec<&'static Output> {
 
 /// Compares every output of every point: 1e-10 of it, and the scatter.
 fn compare(settings: &Settings, count: usize) {
-    let (base, (chunk, columns), outputs) = (Scene::default(), points(count), all());
+    compare_on(settings, &Scene::default(), &INPUTS, &points(count));
+}
+
+fn compare_on(settings: &Settings, base: &Scene, names: &[&str], table: &(Chunk, Columns)) {
+    let ((chunk, columns), outputs, count) = (table, all(), table.0.len);
     let task = Task::new(base.clone(), *settings, outputs.clone());
-    let answers = task.solve(&chunk, &columns);
+    let answers = task.solve(chunk, columns);
     let mut solved = 0;
     for row in 0..count {
-        let scene = scene(&chunk, &base, row);
+        let scene = scene(names, chunk, base, row);
         let expected = record(&scene, settings);
         let what = || format!("row {row}");
         let converged = assert_alike(&what, (&answers, row), &outputs, (&expected, &scene));
@@ -130,6 +134,30 @@ fn raceway_control() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {
         compare(&Settings { control, ..Model::RacewayControl.into() }, 3000);
     }
+}
+
+/// One coefficient for each contact, of a lubricant at the temperature of the row. The losses outside the contacts
+/// are all there.
+#[test]
+fn lubricated_raceway_control() {
+    const COUNT: usize = 3000;
+    let base = br#"{"iso_vg": 68, "ball_roughness_um": 0.02, "nut_roughness_um": 0.1,
+        "screw_roughness_um": 0.08, "hysteresis_loss": 0.007, "seal_torque_Nm": 0.05,
+        "ball_contact_force_N": 2, "return_circuits": 3, "return_loss_coefficient": 0.5,
+        "drag_coefficient": 0.5}"#;
+    let base = Scene::from_json(base).expect("scene");
+    let (mut chunk, _) = points(COUNT);
+    let (mut names, mut rng) = (INPUTS, ChaCha8Rng::seed_from_u64(10));
+    let place = names.iter().position(|name| *name == "friction_coefficient").expect("known");
+    names[place] = "lubricant_temperature_C";
+    chunk.inputs[place] = Column::default();
+    for _ in 0..COUNT {
+        chunk.inputs[place].push(Cell::Number(rng.random_range(0.0..90.0)));
+    }
+    let columns = Columns::sort(names, &[]).expect("known names");
+    let settings =
+        Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
+    compare_on(&settings, &base, &names, &(chunk, columns));
 }
 
 #[test]

@@ -11,7 +11,7 @@ use bsm_dyn::{
 use bsm_kin::{Drive, Helix, Scalar};
 
 use crate::units::{DEG, GPA, MM, MM2, RPM, UM};
-use crate::{InputKey, ModelChoice, Scene, Settings};
+use crate::{InputKey, InputSet, ModelChoice, Scene, Settings};
 
 /// The inputs by their keys, given or default, in any scalar: numbers to solve with, jets to take
 /// derivatives with; and the base oil of the lubricant.
@@ -21,6 +21,19 @@ impl Scene {
     /// Base oil of its lubricant.
     pub(crate) fn base_oil(&self) -> BaseOil {
         self.nut.base_oil.unwrap_or_default().into()
+    }
+
+    /// The lubricant of all points of a table with these columns, if at most its temperature is among them and
+    /// none follows from the losses; what is not given has its default.
+    pub fn lubricant_but_for_temperature(&self, columns: InputSet) -> Option<Lubricant> {
+        if columns.iter().any(|key| InputSet::OF_ONE_LUBRICANT.contains(key)) {
+            return None;
+        }
+        // Any will do: the rows have their own.
+        let warm = |key| (key == InputKey::lubricant_temperature_C).then_some(40.0);
+        let reader = Reader(|key| self.value_or_default(key).or(warm(key)), self.base_oil());
+        let lubricant = reader.lubricant()?;
+        matches!(lubricant.temperature, Temperature::Known(_)).then_some(lubricant)
     }
 
     /// Its numbers.

@@ -322,7 +322,7 @@ mod tests {
     use std::num::NonZeroUsize;
 
     use approx::assert_relative_eq;
-    use bsm_kin::Site;
+    use bsm_kin::{Field, Site};
     use bsm_sample::Sample;
     use nalgebra::Vector3;
     use proptest::prelude::*;

@@ -82,9 +82,10 @@ pub use jam::{
 };
 pub use jones::{Deformed, Displacement, Jones, Side};
 pub use lubricant::{
-    Band, BaseOil, ContactFilm, FilmState, Losses, Lubricant, Lubricated, LubricatedModel,
-    LubricatedWorkspace, MixedFriction, Oil, OutsidePower, RacewayFriction, Regime, Roughness,
-    Temperature, VISCOSITY_GRADES, WarmOil, ZERO_CELSIUS,
+    Band, BaseOil, Circling, ContactFilm, FilmState, Losses, Lubricant, Lubricated,
+    LubricatedModel, LubricatedWorkspace, MixedFriction, Oil, OutsidePower, RacewayFriction,
+    Regime, Roughness, ScaledFilm, Temperature, VISCOSITY_GRADES, WarmOil, Wetted, WettedUnits,
+    ZERO_CELSIUS, catalogue_friction, film_heating,
 };
 pub use model::{Model, ModelWorkspace, Problem};
 pub use operating_point::OperatingPoint;

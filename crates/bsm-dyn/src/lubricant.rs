@@ -13,15 +13,17 @@ mod solve;
 mod state;
 
 pub use self::band::Band;
-pub use self::film::Roughness;
-pub(crate) use self::film::{Rub, Wetted};
-pub use self::losses::{Losses, OutsidePower};
+pub(crate) use self::film::Rub;
+pub use self::film::{Film as ScaledFilm, Roughness, Wetted, WettedUnits};
+pub use self::losses::{Circling, Losses, OutsidePower};
 pub use self::mixed::MixedFriction;
 pub(crate) use self::oil::PRESSURE_SLOPE;
 pub use self::oil::{BaseOil, Oil, VISCOSITY_GRADES, WarmOil};
 pub use self::solve::LubricatedWorkspace;
 pub(crate) use self::solve::{Found, Steady, unit_powers};
-pub use self::solve::{Lubricated, LubricatedModel, RacewayFriction};
+pub use self::solve::{
+    Lubricated, LubricatedModel, RacewayFriction, catalogue_friction, film_heating,
+};
 pub use self::state::{ContactFilm, Film as FilmState, Regime};
 
 /// A lubricant, the surfaces that it separates, and what it loses outside the contacts.

@@ -43,6 +43,18 @@ pub trait Field:
     /// One over the value.
     #[must_use]
     fn recip(self) -> Self;
+    /// The exponential.
+    #[must_use]
+    fn exp(self) -> Self;
+    /// The natural logarithm; of lanes only of normal positive numbers.
+    #[must_use]
+    fn ln(self) -> Self;
+    /// The number whose hyperbolic sine this is.
+    #[must_use]
+    fn asinh(self) -> Self;
+    /// The value to a constant power; of lanes only of normal positive numbers.
+    #[must_use]
+    fn powf(self, exponent: f64) -> Self;
 
     /// The value times itself.
     #[inline(always)]
@@ -89,5 +101,25 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Field for T {
     #[inline(always)]
     fn recip(self) -> Self {
         DualNum::recip(&self)
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        DualNum::exp(&self)
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        DualNum::ln(&self)
+    }
+
+    #[inline(always)]
+    fn asinh(self) -> Self {
+        DualNum::asinh(&self)
+    }
+
+    #[inline(always)]
+    fn powf(self, exponent: f64) -> Self {
+        DualNum::powf(&self, exponent)
     }
 }

@@ -63,6 +63,24 @@ impl<const N: usize> Field for Jet<N> {
         let inverse = self.re.recip();
         self.chain(inverse, -inverse * inverse)
     }
+
+    fn powf(self, exponent: f64) -> Self {
+        let power = self.re.powf(exponent);
+        self.chain(power, exponent * power / self.re)
+    }
+
+    fn exp(self) -> Self {
+        let exp = self.re.exp();
+        self.chain(exp, exp)
+    }
+
+    fn ln(self) -> Self {
+        self.chain(self.re.ln(), self.re.recip())
+    }
+
+    fn asinh(self) -> Self {
+        self.chain(self.re.asinh(), self.re.hypot(1.0).recip())
+    }
 }
 
 impl<const N: usize> Scalar for Jet<N> {
@@ -73,24 +91,6 @@ impl<const N: usize> Scalar for Jet<N> {
     fn sin_cos(&self) -> (Self, Self) {
         let (sin, cos) = self.re.sin_cos();
         (self.chain(sin, cos), self.chain(cos, -sin))
-    }
-
-    fn powf(&self, exponent: f64) -> Self {
-        let power = self.re.powf(exponent);
-        self.chain(power, exponent * power / self.re)
-    }
-
-    fn exp(&self) -> Self {
-        let exp = self.re.exp();
-        self.chain(exp, exp)
-    }
-
-    fn ln(&self) -> Self {
-        self.chain(self.re.ln(), self.re.recip())
-    }
-
-    fn asinh(&self) -> Self {
-        self.chain(self.re.asinh(), self.re.hypot(1.0).recip())
     }
 
     fn atan(&self) -> Self {

@@ -25,18 +25,6 @@ pub trait Scalar:
     fn re(&self) -> f64;
     /// Sine and cosine.
     fn sin_cos(&self) -> (Self, Self);
-    /// The value to a constant power.
-    #[must_use]
-    fn powf(&self, exponent: f64) -> Self;
-    /// The exponential.
-    #[must_use]
-    fn exp(&self) -> Self;
-    /// The natural logarithm.
-    #[must_use]
-    fn ln(&self) -> Self;
-    /// The number whose hyperbolic sine this is.
-    #[must_use]
-    fn asinh(&self) -> Self;
     /// Angle of this tangent.
     #[must_use]
     fn atan(&self) -> Self;
@@ -81,22 +69,6 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Scalar for T {
 
     fn sin_cos(&self) -> (Self, Self) {
         DualNum::sin_cos(self)
-    }
-
-    fn powf(&self, exponent: f64) -> Self {
-        DualNum::powf(self, exponent)
-    }
-
-    fn exp(&self) -> Self {
-        DualNum::exp(self)
-    }
-
-    fn ln(&self) -> Self {
-        DualNum::ln(self)
-    }
-
-    fn asinh(&self) -> Self {
-        DualNum::asinh(self)
     }
 
     fn atan(&self) -> Self {

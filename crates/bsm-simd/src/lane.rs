@@ -275,6 +275,26 @@ impl<S: Simd, const N: usize> Field for Lane<S, N> {
     fn recip(self) -> Self {
         self.recip()
     }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        self.exp()
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.ln()
+    }
+
+    #[inline(always)]
+    fn asinh(self) -> Self {
+        self.arsinh()
+    }
+
+    #[inline(always)]
+    fn powf(self, exponent: f64) -> Self {
+        (self.ln() * exponent).exp()
+    }
 }
 
 macro_rules! lanewise {

@@ -93,6 +93,28 @@ impl<S: Simd, const N: usize, const K: usize> Field for Slopes<S, N, K> {
         let inverse = self.re.recip();
         self.chain(inverse, -(inverse * inverse))
     }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        let exp = self.re.exp();
+        self.chain(exp, exp)
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.chain(self.re.ln(), self.re.recip())
+    }
+
+    #[inline(always)]
+    fn asinh(self) -> Self {
+        let slope = (self.re * self.re + 1.0).recip_sqrt();
+        self.chain(self.re.arsinh(), slope)
+    }
+
+    #[inline(always)]
+    fn powf(self, exponent: f64) -> Self {
+        (self.ln() * exponent).exp()
+    }
 }
 
 impl<S: Simd, const N: usize, const K: usize> Neg for Slopes<S, N, K> {
@@ -197,7 +219,8 @@ mod tests {
         P: Copy,
     {
         let z = (x * y + p) / (y * p + 2.0) - (x - p).square() * 0.5;
-        (z.square() + 1.0).sqrt().recip() + y.cbrt() - (-x) * x.constant(0.3) - 1.5
+        let both = (y.ln() * x.asinh()).exp() - y.powf(0.7);
+        both + (z.square() + 1.0).sqrt().recip() + y.cbrt() - (-x) * x.constant(0.3) - 1.5
     }
 
     struct Both(Block, Block);

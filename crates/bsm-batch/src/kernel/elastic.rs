@@ -42,6 +42,9 @@ const LEAST_FRICTION: f64 = 1e-12;
 /// Loads over the axial load beyond which friction all but holds it, and rounding decides.
 const MOST_LOAD: f64 = 1e3;
 
+/// Speed of the nut over the relative speed, beyond which the residual of the model is the rounding of both speeds.
+const MOST_NUT_SPEED: f64 = 1e4;
+
 impl Kernel for Elastic {
     const MODEL: Model = Model::Elastic;
 
@@ -136,6 +139,7 @@ impl<S: Simd> Skid<S> {
             & friction.abs().gt(one * LEAST_FRICTION)
             // F tanα < 1                                                  (S12)
             & friction.lt(ball.cot)
+            & pair.nut_speed.abs().lt(one * MOST_NUT_SPEED)
             & pair.inertia_ratio.gt(one * least)
             & pair.inertia_ratio.lt(one * most);
         let curve = Curve { simd, ball };

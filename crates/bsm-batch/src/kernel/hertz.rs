@@ -2,7 +2,7 @@
 
 use bsm_case::InputKey;
 use bsm_case::units::GPA;
-use bsm_dyn::{Axes, Groove, Hertz, Material, Member, contact_modulus, pressed_radius};
+use bsm_dyn::{Axes, Curvatures, Groove, Hertz, Material, Member, contact_modulus, pressed_radius};
 use bsm_simd::Simd;
 
 use super::units::Units;
@@ -14,6 +14,7 @@ pub(super) struct ElasticContact<S: Simd> {
     pub(super) offset: Lane<S>,
     /// Radius of the pressed surface.
     pub(super) pressed_radius: Lane<S>,
+    pub(super) curvatures: Curvatures<Lane<S>>,
     /// Of the axial load.
     pub(super) hertz: Hertz<Lane<S>>,
     /// Where all this holds.
@@ -58,6 +59,7 @@ impl<S: Simd> ElasticContact<S> {
             pressed_radius: pressed_radius(conformity, one),
             hertz: Hertz::on(&Axes::in_practice(target), &curvatures, modulus),
             regular: practice & curvatures.across.gt(one.constant(0.0)),
+            curvatures,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod balance;
 mod friction;
+mod oil;
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{Control, Model};
@@ -9,6 +10,7 @@ use bsm_simd::Simd;
 
 pub(super) use self::balance::Grip;
 use self::friction::Ellipse;
+use self::oil::Oiled;
 use super::closed_form::transmit_torque;
 use super::pair::{Pair, contacts};
 use super::units::Units;
@@ -34,16 +36,19 @@ impl Kernel for Raceway {
         let motion = Motion::of(&pair, &grip);
         contacts(out, &units, &pair, &grip.sides);
         motion.outputs(out, &units, &pair);
-        let resolved = transmit(out, given, (&units, &pair), (&grip, &motion));
-        regime(out, given, (&units, &pair), (&grip, &motion));
+        let (resolved, friction) = transmit(out, given, (&units, &pair), (&grip, &motion));
+        regime(out, friction, (&units, &pair), (&grip, &motion));
         out.set(OutputKey::iterations, grip.steps);
         out.set(OutputKey::residual_norm, grip.residual);
         let (zero, by_nut) = (grip.residual.constant(0.0), grip.by_nut);
         out.set(OutputKey::controlling_race, by_nut.select(zero, zero + 1.0));
-        if self.control.is_none() {
-            out.set(OutputKey::control_consistent, zero + 1.0);
+        // With a lubricant the model looks for no other solutions.
+        if given.operands.lubricant.is_none() {
+            if self.control.is_none() {
+                out.set(OutputKey::control_consistent, zero + 1.0);
+            }
+            out.set_unique(zero);
         }
-        out.set_unique(zero);
         grip.found & resolved
     }
 }
@@ -122,39 +127,55 @@ fn ellipse<S: Simd>(i: usize, pair: &Pair<S>, grip: &Grip<S>, motion: &Motion<S>
 }
 
 /// Torque, efficiency and powers by the friction of both ellipses; where it is resolved, which must not
-/// depend on the outputs that are wanted.
+/// depend on the outputs that are wanted; and the friction coefficient.
 #[inline(always)]
 fn transmit<S: Simd>(
     out: &mut Out<'_, '_>,
     given: &Given<'_, S>,
     (units, pair): (&Units<S>, &Pair<S>),
     (grip, motion): (&Grip<S>, &Motion<S>),
-) -> Mask<S> {
+) -> (Mask<S>, Lane<S>) {
     let (nut, screw) = (ellipse(0, pair, grip, motion), ellipse(1, pair, grip, motion));
     let ((nut_power, at_nut), (screw_power, at_screw)) = (nut.power(), screw.power());
-    // P_f = Σ f Q ∫ dP                                                    (P7)
-    let loss = given.get(InputKey::friction_coefficient)
-        * (nut.load * nut_power + screw.load * screw_power);
+    let zero = nut_power.constant(0.0);
+    let back = units.speed.lt(zero);
+    let oiled =
+        Oiled::of(given, (units, pair), (grip, motion), [(nut, nut_power), (screw, screw_power)]);
+    let (loss, friction) = match &oiled {
+        Some(oiled) => (oiled.loss(), oiled.friction_scale()),
+        None => {
+            let friction = given.get(InputKey::friction_coefficient);
+            // P_f = Σ f Q ∫ dP                                            (P7)
+            (friction * (nut.load * nut_power + screw.load * screw_power), friction)
+        }
+    };
     // T₀ = F_a r_m tanα,  T = T₀ + P_f/W                                  (B9), (W8)
     let ideal = units.axial * units.pitch * (pair.sin_a / pair.cos_a);
-    let zero = loss.constant(0.0);
-    let back = units.speed.lt(zero);
-    let torque = ideal + back.select(-loss, loss) * units.ball * units.axial;
+    let mut torque = ideal + back.select(-loss, loss) * units.ball * units.axial;
+    if let Some(oiled) = &oiled {
+        // T = Z T_ball + Σ P/W                                            (Y27)
+        torque = torque + oiled.outside.total() / units.speed;
+        oiled.outputs(
+            out,
+            (units, pair),
+            (back, back.select(torque, ideal) / back.select(ideal, torque)),
+        );
+    }
     transmit_torque(out, back, (torque, ideal), torque.constant(1.0), units.speed);
-    at_nut & at_screw
+    let finite = torque.abs().lt(zero.constant(f64::INFINITY));
+    (at_nut & at_screw & finite, friction)
 }
 
 /// Stores skid number and onset number where they have a meaning, and returns the skid number.
 #[inline(always)]
 pub(super) fn regime<S: Simd>(
     out: &mut Out<'_, '_>,
-    given: &Given<'_, S>,
+    friction: Lane<S>,
     (units, pair): (&Units<S>, &Pair<S>),
     (grip, motion): (&Grip<S>, &Motion<S>),
 ) -> Lane<S> {
     let [a, b] = &grip.sides;
     let rate = motion.p + pair.nut_speed;
-    let friction = given.get(InputKey::friction_coefficient);
     // G = I |P ω_n| / (f Q r_b), I = (2/5) m r_b²                         (W9), (B2)
     let skid = units.mass * 0.4 * (rate * motion.omega[0]).abs() / (friction * a.load.min(b.load));
     let [slip_a, slip_b] = &motion.spin;

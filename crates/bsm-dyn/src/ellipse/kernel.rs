@@ -145,15 +145,15 @@ impl<S: Simd> Inner<S> {
     ) {
         let v_c = b_1.mul_add(s, b_0);
         // q = (v_t² + v_e² + (b₀ + b₁ s)²)^{−1/2}
-        let inverse = v_c.mul_add(v_c, square).recip();
+        let per_speed = v_c.mul_add(v_c, square).recip_sqrt();
         // J_k = Σ w sᵏ q,  K_k = Σ w sᵏ q³,  k = 0, 1, 2                 (T21)
-        let q = weight * inverse.sqrt();
+        let q = weight * per_speed;
         let q_s = q * s;
         self.j[0] = self.j[0] + q;
         self.j[1] = self.j[1] + q_s;
         self.j[2] = q_s.mul_add(s, self.j[2]);
         if SLOPED {
-            let cube = q * inverse;
+            let cube = q * (per_speed * per_speed);
             let cube_s = cube * s;
             self.k[0] = self.k[0] + cube;
             self.k[1] = self.k[1] + cube_s;

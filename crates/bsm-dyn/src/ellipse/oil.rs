@@ -286,26 +286,29 @@ impl<S: Simd> Inner<S> {
     ) {
         let cross = v_c * v_c;
         let all = square + cross;
-        let inverse = all.recip();
-        let per_speed = inverse.sqrt();
+        let per_speed = all.recip_sqrt();
         let z = pressed.shear * (all * per_speed);
         let z_square = z * z;
-        let root = (z_square + 1.0).sqrt();
+        let above = z_square + 1.0;
+        let per_root = above.recip_sqrt();
         // arsinh z = z − z³/6 + 3 z⁵/40
         let series = z * (z_square * (z_square * 0.075 - 1.0 / 6.0) + 1.0);
-        let arsinh = z.lt(z.constant(SMALL)).select(series, (z + root).ln());
+        let arsinh = z.lt(z.constant(SMALL)).select(series, above.mul_add(per_root, z).ln());
         // τ_y = τ_E arsinh[η(p) s/(h τ_E)]                                (Y11)
         let a_2 = arsinh * arsinh;
-        let both = a_2.mul_add(a_2, pressed.fourth) + TINY;
+        let per_both = (a_2.mul_add(a_2, pressed.fourth) + TINY).recip_fourth_root();
         // μ_f = Λ [1 + (Λ p/τ_y)⁴]^{−1/4}                                 (Y12)
-        let fluid = arsinh / both.sqrt().sqrt() * of.film;
+        let reduced = per_both * of.film;
+        let fluid = arsinh * reduced;
         // μ = ξ μ_b + (1 − ξ) μ_f                                         (Y13)
         let mu = fluid + of.boundary;
         let part = weight * per_speed;
         add_powers(&mut self.j, part * mu, s);
         if SLOPED {
+            let inverse = per_speed * per_speed;
             // ∂μ/∂ln s = (1 − ξ) μ_f X⁴/(1 + X⁴) z/(√(1 + z²) arsinh z)   (Y33)
-            let by_slip = fluid * pressed.fourth * z / (both * root * arsinh);
+            let squared = per_both * per_both;
+            let by_slip = reduced * (pressed.fourth * (squared * squared)) * (z * per_root);
             let cube = part * inverse;
             // d(μ v/s) = (μ/s) dv + (s μ' − μ)/s³ v (v·dv)                (Y33)
             add_powers(&mut self.k, cube * (mu - by_slip), s);

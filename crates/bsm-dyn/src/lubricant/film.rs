@@ -2,16 +2,21 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y6) to (Y9), (Y14) to (Y20).
 
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
 use std::f64::consts::PI;
 
-use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar};
+use bsm_kin::{BallFrame, Contact, Field, FieldOver, Motion, Over, Scalar};
 use nalgebra::Vector3;
 
 use super::{Lubricant, MixedFriction, WarmOil};
 use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded};
 use crate::ellipse::{Lanes, Local, Nodes};
-use crate::hertz::contact_modulus;
-use crate::{FrictionLaw, Unsolved, Wrench};
+use crate::hertz::{Curvatures, Hertz, contact_modulus};
+use crate::{Unsolved, Wrench};
 
 /// Root mean square roughness of the surfaces \[m\], positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,10 +40,10 @@ struct Gap<P> {
     semi_axis: P,
     /// Roughness of both surfaces together.
     roughness: P,
-    /// Speed and load for which `$U$` and `$W$` of (Y6) are one.
-    unit_speed: P,
-    unit_load: P,
-    /// `$L$` of (Y8) over `$U^2$`.
+    /// `$U$` and `$W$` of (Y6) over speed and load.
+    rate: P,
+    weight: P,
+    /// `$L^{0.62}$` of (Y8) over `$U^{1.24}$`.
     heat: P,
     /// Film of (Y7) over `$U^{0.67}W^{-0.067}\varphi_T$`.
     film: P,
@@ -52,33 +57,117 @@ struct Gap<P> {
 
 /// An operating point with its oil: what turns loads and speeds of a scaled point into films.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Wetted<P = f64> {
+pub struct Wetted<P = f64> {
     lubricant: Lubricant<P>,
-    pub(crate) oil: WarmOil<P>,
+    /// The oil at its temperature.
+    pub oil: WarmOil<P>,
     gaps: [Gap<P>; 2],
-    /// `$F_a$`, `$r_b |W|$` and `$r_b$`.
-    pub(crate) load: P,
-    pub(crate) speed: P,
-    pub(crate) length: P,
+    pub(crate) units: WettedUnits<P>,
+}
+
+/// What the numbers of a scaled point are multiplied with \[SI\].
+#[derive(Debug, Clone, Copy)]
+pub struct WettedUnits<P = f64> {
+    /// Axial load of a ball `$F_a$`.
+    pub load: P,
+    /// `$r_b |W|$`.
+    pub speed: P,
+    /// Ball radius `$r_b$`.
+    pub length: P,
 }
 
 /// A film, scaled as the point is.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Film<D> {
-    /// Entrainment: signed along the track, and its size, with the creep speed.
-    pub(crate) along: D,
-    pub(crate) entrainment: D,
-    /// Thickness \[m\], its power of the entrainment here, and over the roughness.
-    pub(crate) thickness: D,
+pub struct Film<D> {
+    /// Entrainment, signed along the track.
+    pub along: D,
+    /// Its size, with the creep speed.
+    pub entrainment: D,
+    /// Thickness \[m\].
+    pub thickness: D,
+    /// Its power of the entrainment here.
     pub(crate) growth: D,
-    pub(crate) ratio: D,
+    /// Thickness over the roughness.
+    pub ratio: D,
     /// Friction at its points.
-    pub(crate) law: MixedFriction<D>,
-    /// Force of the oil `$F_R$`, and couple of all that rolling loses `$C$`.
+    pub law: MixedFriction<D>,
+    /// Force of the oil `$F_R$`.
     pub(crate) force: D,
-    pub(crate) couple: D,
+    /// Couple of all that rolling loses `$C$`.
+    pub couple: D,
     /// `$2 R_x/r_b - 1$`.
     lever: D,
+}
+
+impl<P: Field> Wetted<P> {
+    /// Contacts at nut and screw with their oil.
+    ///
+    /// * `kelvin`: temperature of the oil. * `curvatures` \[1/m\], `hertz`: by the load \[N\].
+    /// * `modulus`: `$E^*$` of the contacts \[Pa\].
+    #[inline(always)]
+    pub fn of(
+        lubricant: &Lubricant<P>,
+        kelvin: P,
+        (curvatures, hertz): (&[Curvatures<P>; 2], &[Hertz<P>; 2]),
+        modulus: P,
+        units: WettedUnits<P>,
+    ) -> Self {
+        let oil = lubricant.oil.at(kelvin);
+        let Roughness { nut, screw, .. } = lubricant.roughness;
+        let of = (lubricant, &oil, modulus * 2.0);
+        let gaps = [
+            Gap::of(of, &curvatures[0], &hertz[0], nut),
+            Gap::of(of, &curvatures[1], &hertz[1], screw),
+        ];
+        Self { lubricant: *lubricant, oil, gaps, units }
+    }
+
+    /// The film of a load and an entrainment, signed and its size.
+    #[inline(always)]
+    pub fn of_speed<D: FieldOver<P>>(
+        &self,
+        i: usize,
+        load: D,
+        along: D,
+        entrainment: D,
+    ) -> Film<D> {
+        let (Self { lubricant, oil, units, .. }, gap) = (self, &self.gaps[i]);
+        let (speed, force) = (entrainment * units.speed, load * units.load);
+        let zero = load.constant(0.0);
+        // U = η u/(E' R_x),  W = Q/(E' R_x²)                              (Y6)
+        let (log_rate, weight) = ((speed * gap.rate).ln(), force * gap.weight);
+        // φ_T = 1/(1 + 0.254 L^0.62)                                      (Y8)
+        let heat = (log_rate * (2.0 * 0.62)).exp() * gap.heat;
+        let heating = (heat * 0.254 + 1.0).recip();
+        // h ~ U^0.67 W^−0.067 φ_T                                         (Y7)
+        let thickness = (log_rate * 0.67 - weight.ln() * 0.067).exp() * gap.film * heating;
+        // λ = h/√(R_q,ball² + R_q,race²),  ξ = e^{−1.4λ}                  (Y9)
+        let ratio = thickness * gap.roughness.recip();
+        let share = (ratio * -1.4).exp();
+        let semi_axis = force.cbrt() * gap.semi_axis;
+        let short = semi_axis * gap.flatness;
+        let max_pressure = force * 1.5 / (semi_axis * short * PI);
+        let law = MixedFriction::of(
+            (oil, lubricant.oil.limiting_shear, lubricant.boundary_friction),
+            (thickness, share, max_pressure),
+            units.speed,
+        );
+        let rolling = gap.rolling_force(log_rate, weight, semi_axis) * heating;
+        // C = 2 F_R R_x + (3/16) c_h Q b                                  (Y18)
+        let couple =
+            rolling * gap.radius * 2.0 + force * short * lubricant.hysteresis_loss * (3.0 / 16.0);
+        Film {
+            along,
+            entrainment,
+            thickness,
+            growth: -(-heating + 1.0) * 1.24 + 0.67,
+            ratio,
+            law,
+            force: rolling * units.load.recip(),
+            couple: couple * (units.load * units.length).recip(),
+            lever: zero + (gap.radius * 2.0 / units.length - 1.0),
+        }
+    }
 }
 
 impl<P: Scalar> Wetted<P> {
@@ -89,52 +178,15 @@ impl<P: Scalar> Wetted<P> {
         temperature: P,
     ) -> Result<Self, Unsolved> {
         let hertz = screw.hertz().map_err(Unsolved::invalid)?;
-        let (curvatures, Roughness { ball, nut, screw: groove }) =
-            (screw.curvatures(), lubricant.roughness);
-        let modulus = contact_modulus(&screw.material.0, &screw.material.1) * 2.0;
-        let oil = lubricant.oil.at(temperature);
-        let gaps = [(0, nut), (1, groove)].map(|(i, race)| {
-            let radius = curvatures[i].along.recip();
-            let flatness = hertz[i].flatness;
-            // U = η u/(E' R_x),  G = α E',  W = Q/(E' R_x²)               (Y6)
-            let unit_speed = modulus * radius / oil.viscosity;
-            let stiffening = (oil.pressure_viscosity * modulus).powf(0.53);
-            // h = 2.69 R_x U^0.67 G^0.53 W^−0.067 (1 − 0.61 e^{−0.73κ}) φ_T φ_s  (Y7)
-            let shape = -(flatness.recip() * -0.73).exp() * 0.61 + 1.0;
-            let film = radius * stiffening * shape * lubricant.film_factor * 2.69;
-            // B = (4/π) E(m)/(1 + ρ_x/ρ_t)                                (Y15)
-            let inlet = hertz[i].second_integral * (4.0 / PI)
-                / (curvatures[i].across / curvatures[i].along + 1.0);
-            Gap {
-                radius,
-                flatness,
-                semi_axis: hertz[i].semi_axis,
-                roughness: (ball.square() + race.square()).sqrt(),
-                unit_speed,
-                unit_load: modulus * radius.square(),
-                // L = η β u²/k                                            (Y8)
-                heat: unit_speed.square()
-                    * oil.viscosity
-                    * oil.thinning
-                    * lubricant.oil.base.conductivity().recip(),
-                film,
-                // M = B^{1/4} k W U₂^{−3/4}                               (Y17)
-                elastic: inlet.powf(0.25) * flatness,
-                // 0.77 B^{−1/3} k^0.12 U₂^{−1/12},  c = 1.8 B^{−1/4}      (Y16)
-                rigid: inlet.powf(-1.0 / 3.0) * flatness.powf(0.12) * 0.77,
-                flat: inlet.powf(-0.25) * 1.8,
-                rolling: radius * modulus * lubricant.rolling_factor * lubricant.film_factor * 2.0,
-            }
-        });
         let relative = screw.point.drive.relative_speed();
-        Ok(Self {
-            lubricant: *lubricant,
-            oil,
-            gaps,
+        let length = screw.point.ball.radius;
+        let units = WettedUnits {
             load: screw.point.load.per_ball(),
-            speed: screw.point.ball.radius * relative * relative.re().signum(),
-            length: screw.point.ball.radius,
-        })
+            speed: length * relative * relative.re().signum(),
+            length,
+        };
+        let modulus = contact_modulus(&screw.material.0, &screw.material.1);
+        Ok(Self::of(lubricant, temperature, (&screw.curvatures(), &hertz), modulus, units))
     }
 
     /// The film at nut (0) or screw (1).
@@ -153,60 +205,53 @@ impl<P: Scalar> Wetted<P> {
         let u = (along.square() + creep * creep).sqrt();
         self.of_speed(i, load, along, u)
     }
-
-    /// The film of a load and an entrainment, signed and its size.
-    pub(crate) fn of_speed<D: Over<P>>(
-        &self,
-        i: usize,
-        load: D,
-        along: D,
-        entrainment: D,
-    ) -> Film<D> {
-        let (Self { lubricant, oil, .. }, gap) = (self, &self.gaps[i]);
-        let (speed, force) = (entrainment * self.speed, load * self.load);
-        let radius = D::from(gap.radius);
-        // U = η u/(E' R_x),  W = Q/(E' R_x²)                              (Y6)
-        let rate = speed / D::from(gap.unit_speed);
-        let (log_rate, weight) = (rate.ln(), force / D::from(gap.unit_load));
-        // φ_T = 1/(1 + 0.254 L^0.62)                                      (Y8)
-        let heat = (log_rate * (2.0 * 0.62)).exp() * D::from(gap.heat.powf(0.62));
-        let heating = (heat * 0.254 + 1.0).recip();
-        // h ~ U^0.67 W^−0.067 φ_T                                         (Y7)
-        let thickness = (log_rate * 0.67 - weight.ln() * 0.067).exp() * D::from(gap.film) * heating;
-        // λ = h/√(R_q,ball² + R_q,race²),  ξ = e^{−1.4λ}                  (Y9)
-        let ratio = thickness / D::from(gap.roughness);
-        let share = (ratio * -1.4).exp();
-        let semi_axis = force.cbrt() * gap.semi_axis;
-        let short = semi_axis * gap.flatness;
-        let max_pressure = force * 1.5 / (semi_axis * short * PI);
-        let law = MixedFriction::of(
-            (oil, lubricant.oil.limiting_shear, lubricant.boundary_friction),
-            (thickness, share, max_pressure),
-            self.speed,
-        );
-        let rolling = gap.rolling_force(log_rate, weight, semi_axis) * heating;
-        // C = 2 F_R R_x + (3/16) c_h Q b                                  (Y18)
-        let couple =
-            rolling * radius * 2.0 + force * short * lubricant.hysteresis_loss * (3.0 / 16.0);
-        Film {
-            along,
-            entrainment,
-            thickness,
-            growth: -(-heating + 1.0) * 1.24 + 0.67,
-            ratio,
-            law,
-            force: rolling / D::from(self.load),
-            couple: couple / D::from(self.load * self.length),
-            lever: D::from(gap.radius * 2.0 / self.length - 1.0),
-        }
-    }
 }
 
-impl<P: Scalar> Gap<P> {
+impl<P: Field> Gap<P> {
+    /// * `modulus`: `$E' = 2 E^*$`. * `race`: roughness of the groove.
+    #[inline(always)]
+    fn of(
+        (lubricant, oil, modulus): (&Lubricant<P>, &WarmOil<P>, P),
+        curvatures: &Curvatures<P>,
+        hertz: &Hertz<P>,
+        race: P,
+    ) -> Self {
+        let Hertz { flatness, semi_axis, second_integral, .. } = *hertz;
+        let radius = curvatures.along.recip();
+        // U = η u/(E' R_x),  G = α E',  W = Q/(E' R_x²)                   (Y6)
+        let rate = oil.viscosity / (modulus * radius);
+        let stiffening = (oil.pressure_viscosity * modulus).powf(0.53);
+        // h = 2.69 R_x U^0.67 G^0.53 W^−0.067 (1 − 0.61 e^{−0.73κ}) φ_T φ_s  (Y7)
+        let shape = -(flatness.recip() * -0.73).exp() * 0.61 + 1.0;
+        // B = (4/π) E(m)/(1 + ρ_x/ρ_t)                                    (Y15)
+        let inlet = second_integral * (4.0 / PI) / (curvatures.across / curvatures.along + 1.0);
+        let log_inlet = inlet.ln();
+        // L = η β u²/k                                                    (Y8)
+        let conductivity = lubricant.oil.base.conductivity();
+        let heat = oil.viscosity * oil.thinning * conductivity.recip() / rate.square();
+        Self {
+            radius,
+            flatness,
+            semi_axis,
+            roughness: (lubricant.roughness.ball.square() + race.square()).sqrt(),
+            rate,
+            weight: (modulus * radius.square()).recip(),
+            heat: heat.powf(0.62),
+            film: radius * stiffening * shape * lubricant.film_factor * 2.69,
+            // M = B^{1/4} k W U₂^{−3/4}                                   (Y17)
+            elastic: (log_inlet * 0.25).exp() * flatness,
+            // 0.77 B^{−1/3} k^0.12 U₂^{−1/12},  c = 1.8 B^{−1/4}          (Y16)
+            rigid: (flatness.ln() * 0.12 - log_inlet * (1.0 / 3.0)).exp() * 0.77,
+            flat: (log_inlet * -0.25).exp() * 1.8,
+            rolling: radius * modulus * lubricant.rolling_factor * lubricant.film_factor * 2.0,
+        }
+    }
+
     /// Force that presses the oil through the inlet, without heating \[N\] (Y16).
     ///
     /// Source: Biboulet and Houpert (2010), part 2, point contacts from rigid to elastic.
-    fn rolling_force<D: Over<P>>(&self, log_rate: D, weight: D, semi_axis: D) -> D {
+    #[inline(always)]
+    fn rolling_force<D: FieldOver<P>>(&self, log_rate: D, weight: D, semi_axis: D) -> D {
         // U₂ = 2 η u/(E' R_x)                                             (Y17)
         let log = log_rate + std::f64::consts::LN_2;
         let root = (log * 0.75).exp();
@@ -267,9 +312,7 @@ impl<P: Scalar> Wetted<P> {
         unit: D,
     ) -> Rub<D> {
         let rub = self.rub_of(i, of, motion, creep, unit);
-        // μ = μ(¾ p_max, ∫|v| dQ/Q)                                       (Y23)
-        let slip = of.0.signed(unit / of.1.loads[i]);
-        let mean = rub.film.law.coefficient(D::from(0.75), slip);
+        let mean = rub.film.mean_friction(of.0.signed(unit / of.1.loads[i]));
         Rub { sliding: mean * unit, ..rub }
     }
 
@@ -322,6 +365,29 @@ pub(crate) struct Resistance<D> {
     couple: Vector3<D>,
 }
 
+impl<D: Field> Film<D> {
+    /// The coefficient of the whole contact, at the mean of pressure and slip that the load sees (Y23).
+    ///
+    /// * `slip`: `$\int|v|\,dQ/Q$` over `$W$`.
+    #[inline(always)]
+    pub fn mean_friction(&self, slip: D) -> D {
+        // μ = μ(¾ p_max, ∫|v| dQ/Q)                                       (Y23)
+        self.law.at(slip.constant(0.75), slip)
+    }
+
+    /// Force of rolling resistance along `$t$` at the centre of the contact, and its couple about `$t \times N$`.
+    ///
+    /// * `across`: angular velocity about `$t \times N$`, relative to the race.
+    #[inline(always)]
+    pub fn resist(&self, across: D, creep: f64) -> [D; 2] {
+        // F_h = (2 R_x/r_b − 1) F_R (u_t/u) t                             (Y19)
+        let push = self.lever * self.force * self.along / self.entrainment;
+        // C_h = −C ω_x/√(ω_x² + (v_e/r_b)²) e_x                           (Y20)
+        let twist = self.couple * across / (across.square() + creep * creep).sqrt();
+        [push, -twist]
+    }
+}
+
 impl<D: Scalar> Film<D> {
     /// Rolling resistance on the ball.
     ///
@@ -334,22 +400,6 @@ impl<D: Scalar> Film<D> {
     ) -> Resistance<D> {
         let [push, couple] = self.resist(motion.omega.dot(&contact.across), creep);
         Resistance { force: BallFrame::tangent() * push, couple: contact.across * couple }
-    }
-
-    /// Its force along `$t$` at the centre of the contact, and its couple about `$t \times N$`.
-    ///
-    /// * `across`: angular velocity about `$t \times N$`, relative to the race.
-    #[expect(
-        clippy::inline_always,
-        reason = "code takes the instruction set of its caller only inline"
-    )]
-    #[inline(always)]
-    pub(crate) fn resist(&self, across: D, creep: f64) -> [D; 2] {
-        // F_h = (2 R_x/r_b − 1) F_R (u_t/u) t                             (Y19)
-        let push = self.lever * self.force * self.along / self.entrainment;
-        // C_h = −C ω_x/√(ω_x² + (v_e/r_b)²) e_x                           (Y20)
-        let twist = self.couple * across / (across.square() + creep * creep).sqrt();
-        [push, -twist]
     }
 }
 

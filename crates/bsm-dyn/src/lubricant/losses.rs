@@ -2,10 +2,14 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y24) to (Y27).
 
-use bsm_kin::{BallFrame, Helix, Motion, Scalar};
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
+use bsm_kin::Field;
 
 use crate::jam::viscous_drag;
-use crate::slip::magnitude;
 
 /// What causes losses outside the contacts; nothing does unless it is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,56 +41,59 @@ pub struct OutsidePower<D = f64> {
     pub drag: D,
 }
 
-impl<D: Scalar> OutsidePower<D> {
+impl<D: Field> OutsidePower<D> {
     /// All of them.
+    #[inline(always)]
     pub fn total(&self) -> D {
         self.seal + self.ball_contact + self.ball_return + self.drag
     }
 }
 
 /// A ball that circles.
-pub(crate) struct Circling<D> {
-    /// Absolute motion in the triad of `frame` \[rad/s\].
-    pub(crate) motion: Motion<D>,
-    pub(crate) frame: BallFrame<D>,
-    /// Speed of nut, and of the screw against it \[rad/s\].
-    pub(crate) nut_speed: D,
-    pub(crate) relative_speed: D,
-    /// Radius \[m\] and mass \[kg\] of a ball.
-    pub(crate) radius: D,
-    pub(crate) mass: D,
-    /// Helix of the ball centres.
-    pub(crate) helix: Helix<D>,
-    pub(crate) balls: D,
+#[derive(Debug, Clone, Copy)]
+pub struct Circling<D> {
+    /// `$|(\omega - P k) \times t|$` \[rad/s\].
+    pub rubbing: D,
+    /// `$|P - \Omega_n|$` \[rad/s\].
+    pub rate: D,
+    /// `$|W|$` \[rad/s\].
+    pub relative_speed: D,
+    /// Radius \[m\].
+    pub radius: D,
+    /// Mass \[kg\].
+    pub mass: D,
+    /// Radius of the helix of the ball centres \[m\].
+    pub pitch_radius: D,
+    /// Its length per radian `$d$` \[m\].
+    pub arc: D,
+    /// Number of balls.
+    pub balls: D,
 }
 
-impl<D: Scalar> Losses<D> {
+impl<D: Field> Losses<D> {
     /// Powers of a motion.
     ///
     /// * `density`: of the lubricant \[kg/m³\].
-    pub(crate) fn power(&self, ball: &Circling<D>, density: D) -> OutsidePower<D> {
-        let Circling { motion, frame, radius, .. } = ball;
-        let in_carrier = motion.omega - frame.k * motion.precession;
-        let rubbing = in_carrier.cross(&BallFrame::tangent());
-        let rate = magnitude(motion.precession - ball.nut_speed);
-        let travel = ball.helix.arc_length_per_radian() * rate;
+    #[inline(always)]
+    pub fn power(&self, ball: &Circling<D>, density: D) -> OutsidePower<D> {
+        let Circling { rubbing, rate, relative_speed, radius, mass, .. } = *ball;
+        let travel = ball.arc * rate;
         // P = Z μ_bb F_bb 2 r_b |(ω − P k) × t|                           (Y25)
         let ball_contact = ball.balls
             * self.ball_contact_friction
             * self.ball_contact_force
-            * *radius
-            * rubbing.dot(&rubbing).sqrt()
+            * radius
+            * rubbing
             * 2.0;
         // P = n_c ζ (m v²/2) v/(2 r_b),  v = d |P − Ω_n|                  (Y26)
-        let ball_return =
-            self.return_circuits * self.return_loss * ball.mass * travel.square() * travel
-                / (*radius * 4.0);
+        let ball_return = self.return_circuits * self.return_loss * mass * travel.square() * travel
+            / (radius * 4.0);
         // P = Z F_v v                                                     (Y27)
-        let around = ball.helix.radius * rate * 2.0;
-        let drag = viscous_drag(self.drag_coefficient, density, *radius * 2.0, around);
+        let around = ball.pitch_radius * rate * 2.0;
+        let drag = viscous_drag(self.drag_coefficient, density, radius * 2.0, around);
         OutsidePower {
             // P = T_seal |W|                                              (Y24)
-            seal: self.seal_torque * magnitude(ball.relative_speed),
+            seal: self.seal_torque * relative_speed,
             ball_contact,
             ball_return,
             drag: ball.balls * drag * travel,

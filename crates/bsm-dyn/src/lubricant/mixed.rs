@@ -2,7 +2,12 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y10) to (Y13).
 
-use bsm_kin::{Over, Scalar};
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
+use bsm_kin::{Field, FieldOver, Scalar};
 
 use super::oil::{PRESSURE_SLOPE, WarmOil};
 use crate::{Bend, FrictionLaw};
@@ -34,23 +39,25 @@ pub struct MixedFriction<D = f64> {
     pub shear: D,
 }
 
-impl<D: Scalar> MixedFriction<D> {
+impl<D: Field> MixedFriction<D> {
     /// Of an oil in a film of a thickness \[m\].
     ///
     /// * `speed_unit`: of the slip \[m/s\].
-    pub(super) fn of<P: Scalar>(
+    #[inline(always)]
+    pub(super) fn of<P: Field>(
         (oil, limit, boundary): (&WarmOil<P>, P, P),
         (film, share, max_pressure): (D, D, D),
         speed_unit: P,
     ) -> Self
     where
-        D: Over<P>,
+        D: FieldOver<P>,
     {
-        let (limit, boundary) = (D::from(limit), D::from(boundary));
+        let zero = film.constant(0.0);
+        let (limit, boundary) = (zero + limit, zero + boundary);
         // τ_E = 2 Λ (a_p + b_p p_max)                                     (Y10)
-        let pressure_scale = D::from(oil.pressure_scale);
+        let pressure_scale = zero + oil.pressure_scale;
         let eyring_stress = (max_pressure * PRESSURE_SLOPE + pressure_scale) * limit * 2.0;
-        let shear = D::from(oil.viscosity * speed_unit) / (film * eyring_stress);
+        let shear = (film * eyring_stress).recip() * (oil.viscosity * speed_unit);
         Self { share, boundary, limit, eyring_stress, max_pressure, pressure_scale, shear }
     }
 
@@ -59,6 +66,28 @@ impl<D: Scalar> MixedFriction<D> {
         Self { shear: self.shear / speed_unit, ..self }
     }
 
+    /// The coefficient at a point of pressure over the largest, and slip.
+    #[inline(always)]
+    pub(super) fn at(&self, pressure: D, speed: D) -> D {
+        let p = self.max_pressure * pressure;
+        let thickened = (p / (p * PRESSURE_SLOPE + self.pressure_scale)).exp();
+        // τ_y = τ_E arsinh[η(p) s/(h τ_E)]                                (Y11)
+        let stress = self.eyring_stress * (thickened * self.shear * speed).asinh();
+        // μ_f = Λ [1 + (Λ p/τ_y)⁴]^{−1/4}                                 (Y12)
+        let fourth = (self.limit * p / stress).square().square();
+        let fluid = self.limit / (fourth + 1.0).sqrt().sqrt();
+        // μ = ξ μ_b + (1 − ξ) μ_f                                         (Y13)
+        self.share * self.boundary + (-self.share + 1.0) * fluid
+    }
+
+    /// The coefficient if the oil bore all that it can.
+    #[inline(always)]
+    pub fn most(&self) -> D {
+        self.share * self.boundary + (-self.share + 1.0) * self.limit
+    }
+}
+
+impl<D: Scalar> MixedFriction<D> {
     /// The same without derivatives.
     pub(crate) fn values(&self) -> MixedFriction {
         MixedFriction {
@@ -71,24 +100,11 @@ impl<D: Scalar> MixedFriction<D> {
             shear: self.shear.re(),
         }
     }
-
-    /// The coefficient if the oil bore all that it can.
-    pub(crate) fn most(&self) -> D {
-        self.share * self.boundary + (-self.share + 1.0) * self.limit
-    }
 }
 
 impl<D: Scalar> FrictionLaw<D> for MixedFriction<D> {
     fn coefficient(&self, pressure: D, speed: D) -> D {
-        let p = self.max_pressure * pressure;
-        let thickened = (p / (p * PRESSURE_SLOPE + self.pressure_scale)).exp();
-        // τ_y = τ_E arsinh[η(p) s/(h τ_E)]                                (Y11)
-        let stress = self.eyring_stress * (thickened * self.shear * speed).asinh();
-        // μ_f = Λ [1 + (Λ p/τ_y)⁴]^{−1/4}                                 (Y12)
-        let fourth = (self.limit * p / stress).square().square();
-        let fluid = self.limit / (fourth + 1.0).sqrt().sqrt();
-        // μ = ξ μ_b + (1 − ξ) μ_f                                         (Y13)
-        self.share * self.boundary + (-self.share + 1.0) * fluid
+        self.at(pressure, speed)
     }
 
     fn bend(&self) -> Option<Bend> {

@@ -2,9 +2,14 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y1) to (Y5).
 
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
 use std::f64::consts::LN_10;
 
-use bsm_kin::Scalar;
+use bsm_kin::Field;
 
 use super::ZERO_CELSIUS;
 
@@ -119,7 +124,7 @@ impl Oil {
     }
 }
 
-impl<D: Scalar> Oil<D> {
+impl<D: Field> Oil<D> {
     /// The oil at a temperature \[K\] (Y1) to (Y5).
     ///
     /// ```math
@@ -127,10 +132,12 @@ impl<D: Scalar> Oil<D> {
     /// ```
     ///
     /// Source: ASTM D341 (Walther) for the temperature, Gold et al. for the pressure.
+    #[inline(always)]
     pub fn at(&self, temperature: D) -> WarmOil<D> {
-        let [warm, hot] = [40.0, 100.0].map(|celsius| celsius + ZERO_CELSIUS);
-        let logarithm = |viscosity: D| (viscosity * 1e6 + 0.7).ln() / LN_10.into();
-        let [at_40, at_100] = self.viscosities.map(logarithm);
+        let (warm, hot) = (40.0 + ZERO_CELSIUS, 100.0 + ZERO_CELSIUS);
+        let [at_40, at_100] = self.viscosities;
+        let at_40 = (at_40 * 1e6 + 0.7).ln() * LN_10.recip();
+        let at_100 = (at_100 * 1e6 + 0.7).ln() * LN_10.recip();
         let exponent = (at_40 / at_100).ln() * (hot / warm).ln().recip();
         // log₁₀ log₁₀(ν + 0.7) = A − B log₁₀ θ                             (Y1)
         let z = at_40 * (exponent * (temperature.recip() * warm).ln()).exp();
@@ -144,7 +151,10 @@ impl<D: Scalar> Oil<D> {
             shifted / nu * z * exponent * LN_10 / temperature + self.density / density * EXPANSION;
         // α = s νᵗ 10⁻⁹                                                   (Y4)
         let (s, t) = self.base.typical().pressure_viscosity;
-        let pressure_viscosity = self.pressure_viscosity.unwrap_or(nu.powf(t) * (s * 1e-9));
+        let pressure_viscosity = match self.pressure_viscosity {
+            Some(known) => known,
+            None => nu.powf(t) * (s * 1e-9),
+        };
         // η(p) = η exp[p/(a_p + b_p p)],  a_p = 1/α − 2·10⁸ b_p           (Y5)
         let pressure_scale = pressure_viscosity.recip() - 2e8 * PRESSURE_SLOPE;
         WarmOil {

@@ -2,15 +2,15 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y22), (Y23), (Y28) to (Y31).
 
-use bsm_kin::{Motion, Scalar};
+use bsm_kin::{BallFrame, Field, Motion, Scalar};
 
-use super::losses::Circling;
-use super::{ContactFilm, FilmState, Lubricant, OutsidePower, Rub, Temperature, Wetted};
+use super::{Circling, ContactFilm, FilmState, Lubricant, OutsidePower, Rub, Temperature, Wetted};
 use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded, to_both};
 use crate::ellipse::{Lanes, Local, Nodes, Quadrature};
+use crate::slip::magnitude;
 use crate::{
-    Direction, ErrorBound, Model, ModelWorkspace, RaceControl, RacewayControl, Reason, SkidNumbers,
-    Solution, SolveInfo, Solved, Traction, Transmission, Unsolved,
+    ErrorBound, Model, ModelWorkspace, RaceControl, RacewayControl, Reason, SkidNumbers, Solution,
+    SolveInfo, Solved, Traction, Transmission, Unsolved,
 };
 
 /// What friction is in the raceway-control model.
@@ -209,14 +209,16 @@ impl<D: Scalar> Lubricated<D> {
         let screw = self.screw();
         let speed = screw.point.drive.relative_speed();
         let motion = pair.absolute(&steady.to_nut, &steady.loaded.frame);
+        let in_carrier = motion.omega - steady.loaded.frame.k * motion.precession;
+        let rubbing = in_carrier.cross(&BallFrame::tangent()) * speed;
         let ball = Circling {
-            motion: Motion { precession: motion.precession * speed, omega: motion.omega * speed },
-            frame: steady.loaded.frame,
-            nut_speed: screw.point.drive.nut_speed,
-            relative_speed: speed,
+            rubbing: rubbing.dot(&rubbing).sqrt(),
+            rate: magnitude(motion.precession * speed - screw.point.drive.nut_speed),
+            relative_speed: magnitude(speed),
             radius: screw.point.ball.radius,
             mass: screw.point.ball.mass,
-            helix: screw.point.helix,
+            pitch_radius: screw.point.helix.radius,
+            arc: screw.point.helix.arc_length_per_radian(),
             balls: screw.point.load.balls,
         };
         self.lubricant.losses.power(&ball, self.lubricant.oil.density)
@@ -335,16 +337,18 @@ impl Lubricated {
                 share: film.law.share,
                 // μ_c = P_s/P_s(1)                                        (Y22)
                 friction: sliding / found.unit[i],
-                rolling_moment: film.couple * wetted.load * wetted.length,
-                entrainment: film.entrainment * wetted.speed,
-                law: film.law.in_unit(wetted.speed),
+                rolling_moment: film.couple * wetted.units.load * wetted.units.length,
+                entrainment: film.entrainment * wetted.units.speed,
+                law: film.law.in_unit(wetted.units.speed),
             }
         });
         let of_one: f64 = found.unit.iter().sum::<f64>() * unit;
         let heating = [0, 1].map(|i| {
-            let (a, b) = pair.hertz[i].semi_axes(loaded.loads[i] * wetted.load);
+            let (a, b) = pair.hertz[i].semi_axes(loaded.loads[i] * wetted.units.load);
             let power = rubs[i].sliding * unit / screw.point.load.balls;
-            contacts[i].heating(power / (std::f64::consts::PI * a * b), b, self.conductivity())
+            let ContactFilm { thickness, entrainment, .. } = contacts[i];
+            let heat = power / (std::f64::consts::PI * a * b);
+            film_heating(heat, thickness, (b, entrainment), self.conductivity())
         });
         let film = FilmState {
             temperature: wetted.oil.temperature,
@@ -359,8 +363,8 @@ impl Lubricated {
             // f_eq = (P_s + P_r)/Σ P_s(1)                                 (Y30)
             equivalent_friction: (sliding_power + rolling_power) / of_one,
             catalogue_friction: catalogue_friction(
-                pair.direction,
-                screw.point.helix.lead_angle,
+                pair.direction.is_back(),
+                screw.point.helix.lead_angle.tan(),
                 transmission.efficiency,
             ),
         };
@@ -411,24 +415,39 @@ fn between(
     }
 }
 
-impl ContactFilm {
-    /// By how much sliding heats the film \[K\] (Y29).
-    ///
-    /// * `heat`: sliding power over the area of the contact \[W/m²\]. * `short`: `$b$` \[m\].
-    /// * `conductivity`: of the oil \[W/(m·K)\].
-    fn heating(&self, heat: f64, short: f64, conductivity: f64) -> f64 {
-        /// Conductivity, density and heat capacity of steel \[SI\].
-        const STEEL: f64 = 46.0 * 7800.0 * 460.0;
-        // ΔT = q h/(8 k) + 0.53 q √(b/(u k_s ρ_s c_s)),  q = P_s/(π a b)   (Y29)
-        heat * self.thickness / (8.0 * conductivity)
-            + 0.53 * heat * (short / (self.entrainment * STEEL)).sqrt()
-    }
+/// By how much sliding heats the film \[K\] (Y29).
+///
+/// * `heat`: sliding power over the area of the contact \[W/m²\]. * `short`: `$b$` \[m\]; `entrainment` \[m/s\].
+/// * `conductivity`: of the oil \[W/(m·K)\].
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn film_heating<F: Field>(
+    heat: F,
+    thickness: F,
+    (short, entrainment): (F, F),
+    conductivity: f64,
+) -> F {
+    /// Conductivity, density and heat capacity of steel \[SI\].
+    const STEEL: f64 = 46.0 * 7800.0 * 460.0;
+    // ΔT = q h/(8 k) + 0.53 q √(b/(u k_s ρ_s c_s)),  q = P_s/(π a b)       (Y29)
+    heat * thickness * (8.0 * conductivity).recip()
+        + heat * (short / (entrainment * STEEL)).sqrt() * 0.53
 }
 
 /// The coefficient of a plain thread of an efficiency (Y31).
-fn catalogue_friction(direction: Direction, lead_angle: f64, efficiency: f64) -> f64 {
-    let tan = lead_angle.tan();
+///
+/// * `back`: where linear motion drives. * `tan`: of the lead angle.
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn catalogue_friction<F: Field>(back: F::Mask, tan: F, efficiency: F) -> F {
     // η = (1 − μ tanα)/(1 + μ/tanα),  back-driving (1 − μ/tanα)/(1 + μ tanα)  (Y31)
-    let (with, against) = if direction.is_back() { (tan, tan.recip()) } else { (tan.recip(), tan) };
-    (1.0 - efficiency) / (efficiency * with + against)
+    let cot = tan.recip();
+    let (with, against) = (F::select(back, tan, cot), F::select(back, cot, tan));
+    (-efficiency + 1.0) / (efficiency * with + against)
 }

@@ -10,6 +10,7 @@ use crate::operand::{Lane, Mask};
 static RULE: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::of(RacewayControl::ACCURACY));
 
 /// A rolling ellipse in units of ball radius and relative speed.
+#[derive(Clone, Copy)]
 pub(super) struct Ellipse<S: Simd> {
     /// `$Q/F_a$`.
     pub(super) load: Lane<S>,

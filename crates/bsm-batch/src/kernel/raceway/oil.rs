@@ -1,0 +1,262 @@
+//! One friction coefficient from the lubricant for each contact by lanes, Eqs (Y1) to (Y31).
+
+use std::f64::consts::PI;
+
+use bsm_case::units::{GPA, MILLI, MM, UM};
+use bsm_case::{InputKey, OutputKey};
+use bsm_dyn::{
+    Circling, Curvatures, Hertz, Losses, Lubricant, Oil, OutsidePower, RacewayControl, Roughness,
+    ScaledFilm, Temperature, Wetted, WettedUnits, ZERO_CELSIUS, catalogue_friction, film_heating,
+};
+use bsm_simd::Simd;
+
+use super::friction::Ellipse;
+use super::{Grip, Motion};
+use crate::kernel::Out;
+use crate::kernel::hertz::modulus;
+use crate::kernel::pair::Pair;
+use crate::kernel::units::Units;
+use crate::operand::{Given, Lane, Mask};
+
+/// What a contact loses, over axial load per ball, ball radius and relative speed.
+struct Rub<S: Simd> {
+    film: ScaledFilm<Lane<S>>,
+    /// `$a$` and `$b$`.
+    semi_axes: (Lane<S>, Lane<S>),
+    /// Power of a friction coefficient of one, and the coefficient (Y23).
+    unit: Lane<S>,
+    friction: Lane<S>,
+    /// Power of rolling resistance (Y21).
+    rolling: Lane<S>,
+}
+
+/// Lubricated rolling balls.
+pub(super) struct Oiled<S: Simd> {
+    lubricant: Lubricant<Lane<S>>,
+    wetted: Wetted<Lane<S>>,
+    /// At nut and screw.
+    rubs: [Rub<S>; 2],
+    /// Outside the contacts, of all balls \[W\].
+    pub(super) outside: OutsidePower<Lane<S>>,
+}
+
+/// The lubricant of all rows, at the temperatures of a lane of them.
+#[inline(always)]
+fn lubricant<S: Simd>(simd: S, one: &Lubricant, kelvin: Lane<S>) -> Lubricant<Lane<S>> {
+    let Lubricant { oil, roughness, losses, .. } = one;
+    // No closure: it would not take the instruction set.
+    macro_rules! every {
+        ($x:expr) => {
+            Lane::splat(simd, $x)
+        };
+    }
+    Lubricant {
+        oil: Oil {
+            base: oil.base,
+            viscosities: [every!(oil.viscosities[0]), every!(oil.viscosities[1])],
+            density: every!(oil.density),
+            pressure_viscosity: match oil.pressure_viscosity {
+                Some(known) => Some(every!(known)),
+                None => None,
+            },
+            limiting_shear: every!(oil.limiting_shear),
+        },
+        temperature: Temperature::Known(kelvin),
+        boundary_friction: every!(one.boundary_friction),
+        roughness: Roughness {
+            ball: every!(roughness.ball),
+            nut: every!(roughness.nut),
+            screw: every!(roughness.screw),
+        },
+        film_factor: every!(one.film_factor),
+        rolling_factor: every!(one.rolling_factor),
+        hysteresis_loss: every!(one.hysteresis_loss),
+        losses: Losses {
+            seal_torque: every!(losses.seal_torque),
+            ball_contact_force: every!(losses.ball_contact_force),
+            ball_contact_friction: every!(losses.ball_contact_friction),
+            return_circuits: every!(losses.return_circuits),
+            return_loss: every!(losses.return_loss),
+            drag_coefficient: every!(losses.drag_coefficient),
+        },
+    }
+}
+
+impl<S: Simd> Oiled<S> {
+    /// `None` with a friction coefficient.
+    ///
+    /// * `ellipses`: with the power over `$Q$` of a friction coefficient of one.
+    #[inline(always)]
+    pub(super) fn of(
+        given: &Given<'_, S>,
+        (units, pair): (&Units<S>, &Pair<S>),
+        (grip, motion): (&Grip<S>, &Motion<S>),
+        ellipses: [(Ellipse<S>, Lane<S>); 2],
+    ) -> Option<Self> {
+        let one = given.operands.lubricant.as_ref()?;
+        let kelvin = given.get(InputKey::lubricant_temperature_C) + ZERO_CELSIUS;
+        let lubricant = lubricant(given.simd, one, kelvin);
+        let (ball, speed) = (units.ball, units.speed.abs());
+        let (per_ball, growth) = (ball.recip(), units.load.cbrt_positive().recip() * ball);
+        let pressed = &pair.pressed;
+        let curvatures = [pressed[0].curvatures, pressed[1].curvatures];
+        let curvatures = [
+            Curvatures {
+                along: curvatures[0].along * per_ball,
+                across: curvatures[0].across * per_ball,
+            },
+            Curvatures {
+                along: curvatures[1].along * per_ball,
+                across: curvatures[1].across * per_ball,
+            },
+        ];
+        let hertz = [
+            Hertz { semi_axis: pressed[0].hertz.semi_axis * growth, ..pressed[0].hertz },
+            Hertz { semi_axis: pressed[1].hertz.semi_axis * growth, ..pressed[1].hertz },
+        ];
+        let modulus = modulus(given, units) * units.load / (ball * ball);
+        let scale = WettedUnits { load: units.load, speed: ball * speed, length: ball };
+        let wetted = Wetted::of(&lubricant, kelvin, (&curvatures, &hertz), modulus, scale);
+        let [nut, screw] = &grip.sides;
+        // k·(t × N)
+        let [k_nut, k_screw] = [nut.cos * pair.cos_a, -(screw.cos * pair.cos_a)];
+        let rubs = [
+            Rub::of(&wetted, 0, (k_nut, pair), &ellipses[0]),
+            Rub::of(&wetted, 1, (k_screw, pair), &ellipses[1]),
+        ];
+        let across = motion.omega[1] - motion.p * pair.cos_a;
+        let rubbing = (motion.omega[0] * motion.omega[0] + across * across).sqrt();
+        let circling = Circling {
+            rubbing: rubbing * speed,
+            rate: motion.p.abs() * speed,
+            relative_speed: speed,
+            radius: ball,
+            mass: units.mass * units.load / (ball * speed * speed),
+            pitch_radius: units.pitch,
+            arc: pair.arc * ball,
+            balls: given.get(InputKey::loaded_balls),
+        };
+        let outside = lubricant.losses.power(&circling, lubricant.oil.density);
+        Some(Self { lubricant, wetted, rubs, outside })
+    }
+
+    /// The larger coefficient of nut and screw if the oil bore all that it can.
+    #[inline(always)]
+    pub(super) fn friction_scale(&self) -> Lane<S> {
+        self.rubs[0].film.law.most().max(self.rubs[1].film.law.most())
+    }
+
+    /// Power of sliding at nut and screw.
+    #[inline(always)]
+    fn sliding(&self) -> [Lane<S>; 2] {
+        let [nut, screw] = &self.rubs;
+        [nut.friction * nut.unit, screw.friction * screw.unit]
+    }
+
+    /// What both contacts lose.
+    #[inline(always)]
+    pub(super) fn loss(&self) -> Lane<S> {
+        let [nut, screw] = self.sliding();
+        nut + self.rubs[0].rolling + screw + self.rubs[1].rolling
+    }
+
+    #[inline(always)]
+    pub(super) fn outputs(
+        &self,
+        out: &mut Out<'_, '_>,
+        (units, pair): (&Units<S>, &Pair<S>),
+        (back, efficiency): (Mask<S>, Lane<S>),
+    ) {
+        const KEYS: [[OutputKey; 6]; 2] = [
+            [
+                OutputKey::nut_film_um,
+                OutputKey::nut_film_ratio,
+                OutputKey::nut_asperity_share,
+                OutputKey::nut_friction_coefficient,
+                OutputKey::nut_rolling_moment_Nmm,
+                OutputKey::nut_entrainment_m_s,
+            ],
+            [
+                OutputKey::screw_film_um,
+                OutputKey::screw_film_ratio,
+                OutputKey::screw_asperity_share,
+                OutputKey::screw_friction_coefficient,
+                OutputKey::screw_rolling_moment_Nmm,
+                OutputKey::screw_entrainment_m_s,
+            ],
+        ];
+        let oil = &self.wetted.oil;
+        out.set(OutputKey::lubricant_temperature_C, oil.temperature - ZERO_CELSIUS);
+        out.set(OutputKey::viscosity_mPas, oil.viscosity / MILLI);
+        out.set(OutputKey::pressure_viscosity_1_GPa, oil.pressure_viscosity * GPA);
+        let speed = units.ball * units.speed.abs();
+        for (rub, [film, ratio, share, friction, moment, entrainment]) in self.rubs.iter().zip(KEYS)
+        {
+            out.set(film, rub.film.thickness / UM);
+            out.set(ratio, rub.film.ratio);
+            out.set(share, rub.film.law.share);
+            out.set(friction, rub.friction);
+            out.set(moment, rub.film.couple * units.load * units.ball / MM);
+            out.set(entrainment, rub.film.entrainment * speed);
+        }
+        let [nut, screw] = &self.rubs;
+        let (sliding, rolling) = (self.sliding(), nut.rolling + screw.rolling);
+        // Scaled powers in watts, of all balls.
+        let unit = speed * units.axial;
+        out.set(OutputKey::sliding_power_W, (sliding[0] + sliding[1]) * unit);
+        out.set(OutputKey::rolling_power_W, rolling * unit);
+        let OutsidePower { seal, ball_contact, ball_return, drag } = self.outside;
+        out.set(OutputKey::seal_power_W, seal);
+        out.set(OutputKey::ball_contact_power_W, ball_contact);
+        out.set(OutputKey::return_power_W, ball_return);
+        out.set(OutputKey::drag_power_W, drag);
+        if out.wants(&[OutputKey::film_heating_K]) {
+            let of_a_ball = speed * units.load;
+            let conductivity = self.lubricant.oil.base.conductivity();
+            let mut heating = speed.constant(0.0);
+            for (rub, sliding) in self.rubs.iter().zip(sliding) {
+                let (a, b) = (rub.semi_axes.0 * units.ball, rub.semi_axes.1 * units.ball);
+                // q = P_s/(π a b)                                         (Y29)
+                let heat = sliding * of_a_ball / (a * b * PI);
+                let at = (b, rub.film.entrainment * speed);
+                heating = heating.max(film_heating(heat, rub.film.thickness, at, conductivity));
+            }
+            out.set(OutputKey::film_heating_K, heating);
+        }
+        // f_eq = (P_s + P_r)/Σ P_s(1)                                     (Y30)
+        out.set(OutputKey::equivalent_friction_coefficient, self.loss() / (nut.unit + screw.unit));
+        let tan = pair.sin_a / pair.cos_a;
+        let catalogue = catalogue_friction(back, tan, efficiency);
+        out.set(OutputKey::catalogue_friction_coefficient, catalogue);
+    }
+}
+
+impl<S: Simd> Rub<S> {
+    /// Of nut (0) or screw (1).
+    ///
+    /// * `k_c`: `$k \cdot (t \times N)$`. * `slip`: `$\int|v|\,dQ/Q$` over `$W$`, the power over `$Q$` of a friction
+    ///   coefficient of one.
+    #[inline(always)]
+    fn of(
+        wetted: &Wetted<Lane<S>>,
+        i: usize,
+        (k_c, pair): (Lane<S>, &Pair<S>),
+        (ellipse, slip): &(Ellipse<S>, Lane<S>),
+    ) -> Self {
+        let creep = RacewayControl::CREEP;
+        let [_, _, around] = ellipse.omega;
+        // u_t = ½ [ω_c − P (d + 2 k_c)],  u = √(u_t² + v_e²)              (Y14)
+        let along = (around - ellipse.speed) * 0.5 - ellipse.speed / pair.arc * k_c;
+        let entrainment = (along * along + creep * creep).sqrt();
+        let film = wetted.of_speed(i, ellipse.load, along, entrainment);
+        let [push, couple] = film.resist(around, creep);
+        Self {
+            semi_axes: ellipse.semi_axes,
+            unit: ellipse.load * *slip,
+            friction: film.mean_friction(*slip),
+            // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                            (Y21)
+            rolling: -(push * (ellipse.speed + around)) - couple * around,
+            film,
+        }
+    }
+}
