@@ -2,8 +2,7 @@
 
 use bsm_case::{
     Analysis, Cell, Numbers, Of, Output, Quantity, Record, RecordRows, Scales, Scene, Sensitivity,
-    SizePhase,
-    printable,
+    SizePhase, printable,
 };
 use bsm_dyn::Band;
 use bsm_report::number;

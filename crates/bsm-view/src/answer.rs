@@ -7,7 +7,7 @@ use bsm_case::units::{other_units, words};
 use bsm_case::{
     Analysis, Axis, BALL_COLUMNS, CURVE_COLUMNS, CaseError, Comparison, EllipseFields, Grid,
     GrooveSection, INPUTS, ModelChoice, Moving, NutProblem, OUTPUTS, Record, RecordRows, Scene,
-    Settings, input_schema, output_schema,
+    Settings, input_schema, output_schema, torque_parts,
 };
 use bsm_dyn::{Control, ModelWorkspace, Problem, RacewayFriction, Status};
 use bsm_report::{PROGRAM, number};
@@ -129,7 +129,9 @@ pub(crate) fn solve(Asked { scene, settings, rest }: &Asked) -> Result<Value, Re
         let text = record.message().unwrap_or("the model refuses the input");
         return Err(Refusal::Input(text.to_owned()));
     }
-    let mut report = record.report(PROGRAM, scene, settings, band.as_ref());
+    // Why there are none, the nut's panel says.
+    let parts = torque_parts(scene, settings).ok().flatten();
+    let mut report = record.report(PROGRAM, scene, settings, band.as_ref(), parts.as_ref());
     let RecordRows { overall, contacts } = record.rows(scene);
     let overall: Vec<_> = overall
         .into_iter()

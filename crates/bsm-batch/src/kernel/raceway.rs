@@ -141,13 +141,12 @@ fn transmit<S: Simd>(
     let back = units.speed.lt(zero);
     let oiled =
         Oiled::of(given, (units, pair), (grip, motion), [(nut, nut_power), (screw, screw_power)]);
-    let (loss, friction) = match &oiled {
-        Some(oiled) => (oiled.loss(), oiled.friction_scale()),
-        None => {
-            let friction = given.get(InputKey::friction_coefficient);
-            // P_f = Σ f Q ∫ dP                                            (P7)
-            (friction * (nut.load * nut_power + screw.load * screw_power), friction)
-        }
+    let (loss, friction) = if let Some(oiled) = &oiled {
+        (oiled.loss(), oiled.friction_scale())
+    } else {
+        let friction = given.get(InputKey::friction_coefficient);
+        // P_f = Σ f Q ∫ dP                                                (P7)
+        (friction * (nut.load * nut_power + screw.load * screw_power), friction)
     };
     // T₀ = F_a r_m tanα,  T = T₀ + P_f/W                                  (B9), (W8)
     let ideal = units.axial * units.pitch * (pair.sin_a / pair.cos_a);

@@ -419,10 +419,6 @@ fn between(
 ///
 /// * `heat`: sliding power over the area of the contact \[W/m²\]. * `short`: `$b$` \[m\]; `entrainment` \[m/s\].
 /// * `conductivity`: of the oil \[W/(m·K)\].
-#[expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #[inline(always)]
 pub fn film_heating<F: Field>(
     heat: F,

@@ -41,10 +41,10 @@ pub(super) struct Oiled<S: Simd> {
 }
 
 /// The lubricant of all rows, at the temperatures of a lane of them.
+#[expect(clippy::manual_map, reason = "a closure would not take the instruction set")]
 #[inline(always)]
 fn lubricant<S: Simd>(simd: S, one: &Lubricant, kelvin: Lane<S>) -> Lubricant<Lane<S>> {
     let Lubricant { oil, roughness, losses, .. } = one;
-    // No closure: it would not take the instruction set.
     macro_rules! every {
         ($x:expr) => {
             Lane::splat(simd, $x)
