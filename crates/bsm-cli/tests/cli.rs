@@ -41,7 +41,7 @@ fn solve_prints_json_with_the_names_of_the_schema() {
     let schema = bsm(dir.path(), &["schema", "solve"], "");
     let schema: Value = serde_json::from_str(&stdout(&schema)).expect("JSON");
     let keys = |v: &Value| v.as_object().expect("object").keys().cloned().collect::<Vec<_>>();
-    let optional = ["sensitivities", "band"].map(str::to_owned);
+    let optional = ["sensitivities", "band", "torque_parts"].map(str::to_owned);
     assert_eq!([&keys(&result)[..], &optional].concat(), keys(&schema["properties"]));
     assert!(result["nut_max_pressure_MPa"].is_null());
 }

@@ -345,7 +345,6 @@ const GROUPS: [(&str, &[&str]); 5] = [
             "unsupported_length_mm",
             "shaft_diameter_mm",
             "moved_mass_kg",
-            "acceleration_m_s2",
             "inclination_deg",
             "guide_friction",
             "motor_inertia_kg_m2",
