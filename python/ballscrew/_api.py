@@ -1305,7 +1305,7 @@ def fit(
     >>> points = {"contact_angle_deg": [40, 45, 50], "efficiency": [0.86, 0.87, 0.88]}
     >>> report = bs.fit(screw, "efficiency", data=points, model="closed-form")
     >>> round(report["found"]["friction_coefficient"]["value"], 4)
-    0.0748
+    0.0688
     """
     how = _how(model, tolerance, accuracy, creep, control, friction)
     if data is not None:

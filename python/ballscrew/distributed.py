@@ -306,7 +306,7 @@ def run(
         message = f"{error}; run again: at least {count} of {plan.shards} shards are finished and stay"
         raise RunnerLostError(message) from error
     if lost:
-        (first, last), why = lost[0]
+        (first, last), why = min(lost)
         more = f", and {len(lost) - 1} tasks more" if len(lost) > 1 else ""
         raise ShardError(f"shards {first} to {last - 1}{more} could not be solved: {why}")
     if store is None:

@@ -242,13 +242,13 @@ fn points(
             match column {
                 Column::Input(key, factor) => {
                     let mut setting = Scene::default();
-                    let set = setting.set(key.name(), number * factor);
-                    set.map_err(|error| error.in_row(row + 1))?;
+                    setting.set(key.name(), number * factor)?;
                     scene.override_with(&setting);
                 }
                 Column::Measured(factor) => value = number * factor,
             }
         }
+        scene.check().map_err(|error| error.in_row(row + 1))?;
         points.push(Measured { scene, value });
     }
     if points.is_empty() {

@@ -267,7 +267,28 @@ impl Figure {
 pub(crate) fn svg_of(scene: &Scene) -> String {
     let mut svg = SvgBackend.render_scene(scene);
     svg.retain(is_xml);
-    scalable(&svg)
+    scalable(&renumbered(&svg))
+}
+
+/// The library counts clips over all figures of a process: here those of one figure, so that it has the same text
+/// whatever was drawn before.
+fn renumbered(svg: &str) -> String {
+    const CLIP: &str = "kuva-clip-";
+    let mut parts = svg.split(CLIP);
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    let mut known: Vec<&str> = Vec::new();
+    for part in parts {
+        let end = part.find(|c: char| !c.is_ascii_digit()).unwrap_or(part.len());
+        let (number, rest) = part.split_at(end);
+        let place = known.iter().position(|own| *own == number).unwrap_or_else(|| {
+            known.push(number);
+            known.len() - 1
+        });
+        for piece in [CLIP, &place.to_string(), rest] {
+            text.push_str(piece);
+        }
+    }
+    text
 }
 
 /// Numbers along an axis, all in one form.
@@ -421,6 +442,8 @@ mod tests {
         let svg = figure.svg();
         assert!(svg.contains("viewBox=\"0 0 460 "), "{}", &svg[..300]);
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");
+        // Found by the package: a figure was another text after others were drawn.
+        assert_eq!(figure.svg(), svg);
         assert!(figure.csv(|x| x.to_string()).expect("a table").contains("\na,,3,\na,,4,2\n"));
     }
 }

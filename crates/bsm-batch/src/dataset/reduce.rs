@@ -462,8 +462,10 @@ impl Reduced {
         let file = File::open(path)?;
         let reader =
             decoded(|| Ok(ParquetRecordBatchReaderBuilder::try_new(file.try_clone()?)?.build()?))?;
+        // A group may go on in the next batch.
+        let mut group = None;
         for batch in reader {
-            found.take(&batch?).ok_or_else(|| {
+            found.take(&batch?, &mut group).ok_or_else(|| {
                 TableError::Parquet(format!("{} holds no statistics", path.display()))
             })??;
         }
@@ -471,7 +473,13 @@ impl Reduced {
     }
 
     /// Takes in the rows of a table; `None` if it is none of statistics.
-    fn take(&mut self, batch: &RecordBatch) -> Option<Result<(), TableError>> {
+    ///
+    /// * `place`: of the group of the last row.
+    fn take(
+        &mut self,
+        batch: &RecordBatch,
+        place: &mut Option<usize>,
+    ) -> Option<Result<(), TableError>> {
         let numbers = |name: &str| batch.column_by_name(name)?.as_primitive_opt::<Float64Type>();
         let counts = |name: &str| batch.column_by_name(name)?.as_primitive_opt::<UInt64Type>();
         let texts = |name: &str| batch.column_by_name(name)?.as_string_opt::<i32>();
@@ -484,17 +492,16 @@ impl Reduced {
             if column.is_valid(row) { column.value(row) } else { f64::NAN }
         };
         let bits = self.reduction.bits().unwrap_or(0);
-        let mut place = None;
         for row in 0..batch.num_rows() {
             let (statistic, count) = (statistics.value(row), counts.value(row));
             if statistic == "rows" {
                 let key: Vec<_> = self.by.iter().map(|by| number(inputs[*by], row)).collect();
-                place = match self.group(&key) {
+                *place = match self.group(&key) {
                     Ok(place) => Some(place),
                     Err(error) => return Some(Err(error)),
                 };
             }
-            let group = self.groups.get_mut(place?)?;
+            let group = self.groups.get_mut((*place)?)?;
             if !outputs.is_valid(row) {
                 let to = if statistic == "rows" { &mut group.rows } else { &mut group.failed };
                 *to = count;
