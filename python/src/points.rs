@@ -255,8 +255,7 @@ pub(crate) fn sweep(
     progress: Option<Py<PyAny>>,
     text: bool,
 ) -> PyResult<(Rows, Vec<(String, Vec<f64>)>)> {
-    let axes: Result<Vec<_>, _> = axes.iter().map(|text| Axis::parse(text)).collect();
-    let grid = axes.and_then(Grid::new).map_err(|e| errors::input(&e))?;
+    let grid = Grid::parse(&axes).map_err(|e| errors::input(&e))?;
     let settings = how.settings()?;
     let task = Task::over_grid(base.get().0.clone(), settings, selected(outputs)?, None, &grid);
     let task = task.map_err(|e| errors::input(&e))?;

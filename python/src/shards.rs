@@ -10,8 +10,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use bsm_batch::dataset::{
     Damage, Dataset, DatasetError, Event, Layout, Part, Plan, Points, Reduction, Survey, list_parts,
 };
-use bsm_batch::{Dialect, Draw, Draws, Task, Workers};
-use bsm_case::{Axis, Grid};
+use bsm_batch::{Dialect, Draws, Task, Workers};
+use bsm_case::Grid;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -93,14 +93,11 @@ impl PyPlan {
             let task = Task::over_table(base, settings, outputs, source.columns());
             (task.map_err(|e| errors::input(&e))?, points)
         } else if let Some((seed, count, of)) = random {
-            let of: Result<_, _> = of.iter().map(|draw| Draw::parse(draw)).collect();
-            let draws = of.and_then(|of| Draws::new(seed, count, of));
-            let draws = draws.map_err(|e| errors::input(&e))?;
+            let draws = Draws::parse(seed, count, &of).map_err(|e| errors::input(&e))?;
             let corners = draws.corners().map_err(|e| errors::input(&e))?;
             (of_grid(&corners)?, Points::Draws(draws))
         } else {
-            let axes: Result<_, _> = axes.iter().map(|axis| Axis::parse(axis)).collect();
-            let grid = axes.and_then(Grid::new).map_err(|e| errors::input(&e))?;
+            let grid = Grid::parse(&axes).map_err(|e| errors::input(&e))?;
             (of_grid(&grid)?, Points::Grid(grid))
         };
         let parsed = reduce.map(|(statistics, by)| Reduction::parse(&statistics, &by)).transpose();

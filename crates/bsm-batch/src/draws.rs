@@ -82,6 +82,16 @@ pub struct Draws {
 }
 
 impl Draws {
+    /// As [`new`](Self::new), of inputs in the form of [`Draw::parse`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Draw::parse`] and [`new`](Self::new).
+    pub fn parse<T: AsRef<str>>(seed: u64, count: u64, of: &[T]) -> Result<Self, CaseError> {
+        let of = of.iter().map(|draw| Draw::parse(draw.as_ref()));
+        Self::new(seed, count, of.collect::<Result<_, _>>()?)
+    }
+
     /// Points whose inputs are drawn independently of one another.
     ///
     /// # Errors

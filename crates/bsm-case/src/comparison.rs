@@ -40,16 +40,15 @@ impl Comparison {
         scene.check()?;
         let mut work = ModelWorkspace::default();
         let (mut answers, mut left_out) = (Vec::new(), Vec::new());
-        let suits = |model: &Model| scene.suits(*model);
-        if !Model::ALL.iter().any(suits) {
-            // The cheapest model needs the fewest inputs: what it lacks, all lack.
-            scene.choose(ModelChoice::Fixed(Model::ClosedForm))?;
-        }
         for model in Model::ALL {
             match scene.choose(ModelChoice::Fixed(model)) {
                 Ok(_) => answers.push(Compared::of(scene, model, &mut work)?),
                 Err(error) => left_out.push(error.to_string()),
             }
+        }
+        if answers.is_empty() {
+            // The cheapest model needs the fewest inputs: what it lacks, all lack.
+            scene.choose(ModelChoice::Fixed(Model::ClosedForm))?;
         }
         // What saturated friction leaves out shows in the table already.
         let rolls = |a: &&Compared| {

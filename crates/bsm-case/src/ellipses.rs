@@ -148,23 +148,17 @@ impl Grid {
     fn of(slip: &EllipseSlip<f64>, (law, max_pressure): (&Law, f64), points: u32) -> Self {
         let places: Vec<_> =
             (0..=2 * points).map(|i| f64::from(i) / f64::from(points) - 1.0).collect();
-        let mut grid = Self {
-            places: places.clone(),
-            pressure: Vec::new(),
-            slip: <_>::default(),
-            friction: <_>::default(),
-            sticking: 0.0,
-        };
+        let mut pressures = Vec::new();
+        let mut lists: [Vec<_>; 4] = <_>::default();
         let (mut inside, mut sticking) = (0.0, 0.0);
         for (upsilon, xi) in places.iter().flat_map(|y| places.iter().map(move |x| (*y, *x))) {
             let within = xi.hypot(upsilon) <= 1.0;
             let [along, across] = slip.at(xi, upsilon);
             // p = p_max √(1 − ξ² − υ²), Hertz
             let pressure = max_pressure * (1.0 - xi * xi - upsilon * upsilon).max(0.0).sqrt();
-            grid.pressure.push(within.then(|| few_digits(pressure)));
+            pressures.push(within.then(|| few_digits(pressure)));
             let [pull_along, pull_across] = slip.friction(xi, upsilon, law);
-            let lists = grid.slip.iter_mut().chain(&mut grid.friction);
-            for (list, value) in lists.zip([across, along, pull_across, pull_along]) {
+            for (list, value) in lists.iter_mut().zip([across, along, pull_across, pull_along]) {
                 list.push(within.then(|| few_digits(value)));
             }
             if within {
@@ -172,7 +166,13 @@ impl Grid {
                 sticking += f64::from(u8::from(slip.creeps(xi, upsilon)));
             }
         }
-        grid.sticking = sticking / inside;
-        grid
+        let [across, along, pull_across, pull_along] = lists;
+        Self {
+            places,
+            pressure: pressures,
+            slip: [across, along],
+            friction: [pull_across, pull_along],
+            sticking: sticking / inside,
+        }
     }
 }

@@ -136,6 +136,16 @@ pub struct Grid {
 }
 
 impl Grid {
+    /// The product of axes in the form of [`Axis::parse`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Axis::parse`] and [`new`](Self::new).
+    pub fn parse<T: AsRef<str>>(axes: &[T]) -> Result<Self, CaseError> {
+        let axes = axes.iter().map(|axis| Axis::parse(axis.as_ref()));
+        Self::new(axes.collect::<Result<_, _>>()?)
+    }
+
     /// The product of `axes`.
     ///
     /// # Errors

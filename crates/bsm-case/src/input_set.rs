@@ -265,17 +265,14 @@ const OF_A_LUBRICANT: InputSet = {
     ])
 };
 
-/// What else the lubricant of a scene is read from.
-const WITH_A_LUBRICANT: InputSet = {
-    use InputKey as K;
-    InputSet::of(&[K::lubricant_density_kg_m3, K::seal_torque_Nm, K::drag_coefficient])
-};
-
 impl InputSet {
     /// Inputs of a lubricant that say the same at every point of a table whose lubricant only warms.
-    pub(crate) const OF_ONE_LUBRICANT: Self = OF_A_LUBRICANT
-        .and(WITH_A_LUBRICANT)
-        .without(Self::of(&[InputKey::lubricant_temperature_C]));
+    pub(crate) const OF_ONE_LUBRICANT: Self = {
+        use InputKey as K;
+        // A ball without a lubricant may have these too.
+        let more = Self::of(&[K::lubricant_density_kg_m3, K::seal_torque_Nm, K::drag_coefficient]);
+        OF_A_LUBRICANT.and(more).without(Self::of(&[K::lubricant_temperature_C]))
+    };
 
     /// True if friction comes from a lubricant.
     pub fn is_lubricated(self) -> bool {

@@ -152,7 +152,7 @@ impl Output {
         if !path.exists() {
             builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         }
-        let file = unfinished::create_temporary(|| builder.tempfile_in(folder))
+        let file = unfinished::create_temporary(&mut || builder.tempfile_in(folder))
             .map_err(|e| Failure::files("write in folder", folder, &e))?;
         Ok(Self::File { file: BufWriter::new(file), path })
     }

@@ -1,6 +1,5 @@
 //! `bsm shard`: parts of a planned folder, here or anywhere; and the plan in words.
 
-use std::io;
 use std::num::NonZeroU64;
 use std::path::Path;
 
@@ -19,8 +18,7 @@ const MANY_ROWS: u64 = 10_000_000_000;
 
 /// Opens a folder that was planned.
 pub(crate) fn open(folder: &Path) -> Result<Dataset, Failure> {
-    let make = |file: &mut dyn FnMut() -> io::Result<_>| unfinished::create_temporary(file);
-    Dataset::open(folder, make).map_err(|error| failed(folder, error))
+    Dataset::open(folder, unfinished::create_temporary).map_err(|error| failed(folder, error))
 }
 
 /// The task of a folder.

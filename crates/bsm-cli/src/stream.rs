@@ -171,9 +171,8 @@ impl<'a> Job<'a> {
     fn plan(&self, points: &Points, workers: &Workers<'_>) -> Result<(), Failure> {
         let folder = self.table.output.as_path();
         let plan = Plan::new(&self.task, points, &self.layout()?, workers);
-        let begun = plan.and_then(|plan| {
-            Dataset::resume(folder, plan, |file| unfinished::create_temporary(file))
-        });
+        let begun =
+            plan.and_then(|plan| Dataset::resume(folder, plan, unfinished::create_temporary));
         print_plan(folder, begun.map_err(|error| failed(folder, error))?.plan())
     }
 
@@ -184,11 +183,8 @@ impl<'a> Job<'a> {
         watch: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
         let TableArgs { output: folder, resume, quiet, .. } = self.table;
-        let how = Filling {
-            resume: *resume,
-            layout: self.layout()?,
-            make: |file| unfinished::create_temporary(file),
-        };
+        let how =
+            Filling { resume: *resume, layout: self.layout()?, make: unfinished::create_temporary };
         let mut bar = ProgressBar::hidden();
         let mut tell = |event: Event<'_>| match event {
             Event::Foreign(files) => {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bsm_batch::dataset::Points;
-use bsm_batch::{Answers, Chunk, Draw, Draws, Task, Workers};
+use bsm_batch::{Answers, Chunk, Draws, Task, Workers};
 use bsm_case::units::words;
 use bsm_case::{Axis as GridAxis, CaseError, Grid, Output as OutputColumn, exact};
 use bsm_report::{Axis, Curve, Figure, MOST_CELLS, MOST_CURVES, Map, ReportError, Stroke};
@@ -89,14 +89,11 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
 fn points(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
     let usage = |what| move |e: CaseError| Failure::Input(format!("{what}: {e}"));
     if let Some(count) = args.draws {
-        let of = args.draw.iter().map(|draw| Draw::parse(draw)).collect::<Result<_, _>>();
-        let draws = of.and_then(|of| Draws::new(args.seed, count, of));
-        let draws = draws.map_err(usage("--draw"))?;
+        let draws = Draws::parse(args.seed, count, &args.draw).map_err(usage("--draw"))?;
         let corners = draws.corners().map_err(usage("--draw"))?;
         return Ok((Points::Draws(draws), corners));
     }
-    let axes = args.vary.iter().map(|v| GridAxis::parse(v)).collect::<Result<_, _>>();
-    let grid = axes.and_then(Grid::new).map_err(usage("--vary"))?;
+    let grid = Grid::parse(&args.vary).map_err(usage("--vary"))?;
     Ok((Points::Grid(grid.clone()), grid))
 }
 

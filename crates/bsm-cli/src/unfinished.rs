@@ -31,7 +31,7 @@ impl Unfinished {
 
 /// Makes a temporary file that is removed if the program is interrupted, from its first moment on.
 pub(crate) fn create_temporary(
-    file: impl FnOnce() -> io::Result<NamedTempFile>,
+    file: &mut dyn FnMut() -> io::Result<NamedTempFile>,
 ) -> io::Result<NamedTempFile> {
     let mut held = block_interrupts();
     if !held.listening {

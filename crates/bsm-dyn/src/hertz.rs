@@ -64,6 +64,15 @@ pub struct Curvatures<D = f64> {
     pub across: D,
 }
 
+impl<D: Field> Curvatures<D> {
+    /// Both times a factor.
+    #[inline(always)]
+    #[must_use]
+    pub fn times(self, factor: D) -> Self {
+        Self { along: self.along * factor, across: self.across * factor }
+    }
+}
+
 impl Curvatures {
     /// Permanent approach that a load leaves \[m\] (H12), to be added to the elastic one.
     ///

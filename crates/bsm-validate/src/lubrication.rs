@@ -125,12 +125,28 @@ fn skf(diameter: f64, viscosity: f64, speed: f64, load: f64) -> [f64; 2] {
     [rolling * 1e-3, sliding * 1e-3]
 }
 
-/// A turning bearing: rpm, viscosity \[mm²/s\], axial load \[N\], and rolling and sliding moment \[N m\].
+/// A turning bearing, and its solution.
 struct Turning {
+    /// Axial load \[N\].
     load: f64,
+    /// \[1/min\]
     speed: f64,
-    viscosity: f64,
-    moments: [f64; 2],
+    celsius: f64,
+    record: Record,
+}
+
+impl Turning {
+    /// Kinematic viscosity \[mm²/s\].
+    fn viscosity(&self) -> f64 {
+        let density = 880.0 * (1.0 - 6.5e-4 * (self.celsius - 15.0));
+        number(&self.record, "viscosity_mPas") * 1e3 / density
+    }
+
+    /// Moments of rolling and of sliding \[N·m\].
+    fn moments(&self) -> [f64; 2] {
+        let per_watt = 30.0 / (PI * self.speed);
+        ["rolling_power_W", "sliding_power_W"].map(|name| number(&self.record, name) * per_watt)
+    }
 }
 
 /// The bearing as a screw without lead, over load, speed and temperature.
@@ -148,12 +164,7 @@ fn turning(
                 scene.set("screw_speed_rpm", speed)?;
                 scene.set("lubricant_temperature_C", celsius)?;
                 let record = solve(&scene, Model::RacewayControl, work)?;
-                let density = 880.0 * (1.0 - 6.5e-4 * (celsius - 15.0));
-                let viscosity = number(&record, "viscosity_mPas") * 1e3 / density;
-                let per_watt = 30.0 / (PI * speed);
-                let moments = ["rolling_power_W", "sliding_power_W"]
-                    .map(|name| number(&record, name) * per_watt);
-                all.push(Turning { load, speed, viscosity, moments });
+                all.push(Turning { load, speed, celsius, record });
             }
         }
     }
@@ -168,11 +179,12 @@ fn against_skf(bearing: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>,
         &[40.0, 60.0, 80.0][..],
     );
     let (mut whole, mut rolling) = (Vec::new(), Vec::new());
-    for Turning { load, speed, viscosity, moments } in turning(bearing, over, work)? {
-        if viscosity * speed > 1.1e5 {
+    for at in turning(bearing, over, work)? {
+        let (viscosity, moments) = (at.viscosity(), at.moments());
+        if viscosity * at.speed > 1.1e5 {
             continue;
         }
-        let [rolls, slides] = skf(60.0, viscosity, speed, load);
+        let [rolls, slides] = skf(60.0, viscosity, at.speed, at.load);
         whole.push((moments[0] + moments[1]) / (rolls + slides));
         rolling.push(moments[0] / rolls);
     }
@@ -214,10 +226,11 @@ fn against_palmgren(bearing: &Scene, work: &mut ModelWorkspace) -> Result<Check,
         &[300.0, 1000.0, 3000.0, 5000.0][..],
         &[40.0, 55.0, 70.0][..],
     );
-    let ratio = |Turning { load, speed, viscosity, moments }| {
-        (moments[0] + moments[1]) / palmgren(60.0, viscosity, speed, load)
+    let ratio = |at: &Turning| {
+        let [rolls, slides] = at.moments();
+        (rolls + slides) / palmgren(60.0, at.viscosity(), at.speed, at.load)
     };
-    let ratios: Vec<_> = turning(bearing, over, work)?.into_iter().map(ratio).collect();
+    let ratios: Vec<_> = turning(bearing, over, work)?.iter().map(ratio).collect();
     let points = ratios.len();
     let [least, middle, most] = spread(ratios);
     Ok(Check::new("lubrication/palmgren", PALMGREN, "torque over that of Palmgren's formulas")
@@ -314,29 +327,22 @@ fn pieces(bearing: &Scene, work: &mut ModelWorkspace) -> Result<[Check; 2], Vali
         limiting_shear: base.limiting_shear(),
     };
     let (mut films, mut forces) = (Vec::new(), Vec::new());
+    let mut flooded = bearing.clone();
+    flooded.set("rolling_factor", 1.0)?;
+    flooded.set("hysteresis_loss", 0.0)?;
     // 15 to 640 N a ball, 0.05 to 4.7 m/s.
-    for load in [140.0, 700.0, 2000.0, 6000.0] {
-        for speed in [30.0, 100.0, 300.0, 1000.0, 3000.0] {
-            for celsius in [30.0, 70.0] {
-                let mut scene = bearing.clone();
-                for (name, value) in [
-                    ("axial_load_N", load),
-                    ("screw_speed_rpm", speed),
-                    ("lubricant_temperature_C", celsius),
-                    ("rolling_factor", 1.0),
-                    ("hysteresis_loss", 0.0),
-                ] {
-                    scene.set(name, value)?;
-                }
-                let record = solve(&scene, Model::RacewayControl, work)?;
-                let warm = oil.at(celsius + ZERO_CELSIUS);
-                let outer = Outer::of(&record, &warm, base.conductivity(), (5.95e-3, 30e-3));
-                forces.push(outer.rolling / outer.houpert());
-                // Below, the film is that of rigid surfaces, which Hamrock and Dowson leave out.
-                if outer.weight / outer.rate.powf(0.75) >= 40.0 {
-                    films.push(outer.film / outer.nijenbanning());
-                }
-            }
+    let over = (
+        &[140.0, 700.0, 2000.0, 6000.0][..],
+        &[30.0, 100.0, 300.0, 1000.0, 3000.0][..],
+        &[30.0, 70.0][..],
+    );
+    for Turning { celsius, record, .. } in turning(&flooded, over, work)? {
+        let warm = oil.at(celsius + ZERO_CELSIUS);
+        let outer = Outer::of(&record, &warm, base.conductivity(), (5.95e-3, 30e-3));
+        forces.push(outer.rolling / outer.houpert());
+        // Below, the film is that of rigid surfaces, which Hamrock and Dowson leave out.
+        if outer.weight / outer.rate.powf(0.75) >= 40.0 {
+            films.push(outer.film / outer.nijenbanning());
         }
     }
     let check = |key: &str, source: &str, what: &str, ratios: Vec<f64>| {

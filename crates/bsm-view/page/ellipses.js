@@ -8,6 +8,9 @@ const FIELDS = {
   friction: ["friction over pressure", "", (c, i) => c.friction_along[i] === null ? null : Math.hypot(c.friction_along[i], c.friction_across[i])],
 };
 
+/** Slip speeds at all points; 0 outside the ellipse. */
+const speeds = (c) => c.slip_along_m_s.map((_, i) => FIELDS.slip[2](c, i) ?? 0);
+
 export class Ellipses {
   constructor(host) {
     this.field = "pressure"; this.on = { arrows: true, lines: true };
@@ -28,21 +31,21 @@ export class Ellipses {
     const [words, unit, read] = FIELDS[this.field];
     const all = answer.contacts.map((contact) => contact.pressure_MPa.map((_, i) => read(contact, i)));
     const values = all.flat().filter((v) => v !== null), high = Math.max(...values), low = this.field === "pressure" ? 0 : Math.min(...values);
-    const fastest = Math.max(...answer.contacts.flatMap((c) => c.slip_along_m_s.map((v, i) => (v === null ? 0 : Math.hypot(v, c.slip_across_m_s[i])))));
+    const fastest = Math.max(...answer.contacts.flatMap(speeds));
     const widest = Math.max(...answer.contacts.map((c) => c.semi_axes_mm[0]));
     const figures = answer.contacts.map((contact, i) => {
       const canvas = html("canvas", { role: "img", "aria-label": this.alternative(contact) });
       const figure = html("figure", {}, html("figcaption", {}, html("strong", {}, contact.contact), html("span", { class: "faint" }, `  ${number(2 * contact.semi_axes_mm[0])} × ${number(2 * contact.semi_axes_mm[1])} mm, ${number(contact.max_pressure_MPa)} MPa, ${number(contact.normal_load_N)} N`)), canvas);
       return { figure, paint: () => this.paint(canvas, contact, all[i], [low, high], fastest, widest) };
     });
-    const dark = ["The ball rolls", answer.contacts.some((c) => c.sticking_share > 0)];
+    const sticks = answer.contacts.some((c) => c.sticking_share > 0);
     this.stage.replaceChildren(html("div", { class: "pair" }, figures.map(({ figure }) => figure)), rampBar(low, high, `${words}${unit ? `, ${unit}` : ""}`),
-      legend([["slip of the ball against the groove", "var(--ink)", "solid"], ["pure rolling: no slip along the groove", "var(--ink)", "dash"], ["spin pole: no slip at all", "var(--hot)"], ...(dark[1] ? [["sticks: slower than the creep speed", "#ffffff"]] : [])]),
+      legend([["slip of the ball against the groove", "var(--ink)", "solid"], ["pure rolling: no slip along the groove", "var(--ink)", "dash"], ["spin pole: no slip at all", "var(--hot)"], ...(sticks ? [["sticks: slower than the creep speed", "#ffffff"]] : [])]),
       table("Friction of the two contacts", ["", ...answer.contacts.map((c) => c.contact)], [
         ["friction force, N", ...answer.contacts.map((c) => number(Math.hypot(...c.friction_force_N)))],
         ["friction over load", ...answer.contacts.map((c) => number(c.friction_over_load))],
         ["spin, rad/s", ...answer.contacts.map((c) => number(c.spin_rad_s))],
-        ["largest slip, m/s", ...answer.contacts.map((c) => number(Math.max(...c.slip_along_m_s.map((v, i) => (v === null ? 0 : Math.hypot(v, c.slip_across_m_s[i]))))))],
+        ["largest slip, m/s", ...answer.contacts.map((c) => number(Math.max(...speeds(c))))],
         ["part that sticks", ...answer.contacts.map((c) => `${number(100 * c.sticking_share)} %`)],
       ]),
       html("p", { class: "small faint" }, `Model ${answer.model}. ${answer.note ? `${answer.note}. ` : ""}${answer.contacts[0].saturated ? "Friction is saturated along one direction in this model; its slip over the ellipse is shown. " : ""}The long axis lies across the groove; along it the ball rolls, upwards here, drawn stretched. The longest arrow is ${number(fastest)} m/s; the heavy arrow is the friction force on the ball.`));

@@ -1,6 +1,6 @@
 // All balls of a nut: how they share the load, and how the nut gives way.
 
-import { html, svg, text, picture, number, none, axes, scale, path, legend, rampCss, rampBar, table } from "bsm/draw";
+import { html, svg, text, picture, number, none, axes, scale, path, legend, rampCss, rampBar, table, row } from "bsm/draw";
 
 const SIDES = [["nut_plus_N", "nut, flank +", "--c1", "circle"], ["nut_minus_N", "nut, flank −", "--c2", "square"]];
 const W = 460, H = 270, BOX = [64, 12, W - 12, H - 42];
@@ -16,7 +16,7 @@ export function showNut(host, answer) {
 
 function groups(rows) {
   const titles = [...new Set(rows.map(([title]) => title))];
-  return titles.map((title) => table(title, null, rows.filter(([t]) => t === title).map(([, about, unit, value]) => html("tr", {}, html("th", { scope: "row" }, about), html("td", { class: "faint" }, unit), html("td", { class: "number" }, value)))));
+  return titles.map((title) => table(title, null, rows.filter(([t]) => t === title).map(([, ...entry]) => row(...entry))));
 }
 
 const figure = (words, ...children) => html("figure", {}, html("figcaption", {}, html("strong", {}, words)), ...children);

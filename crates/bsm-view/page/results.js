@@ -1,6 +1,6 @@
 // The numbers: a few at the top, all of them at the end.
 
-import { html, number, brief, table, none } from "bsm/draw";
+import { html, number, brief, table, row, none } from "bsm/draw";
 
 const KEYS = [
   ["efficiency", "Efficiency", ""],
@@ -35,7 +35,7 @@ export function showNumbers(host, result) {
   if (!overall.length && !contacts.length) { host.replaceChildren(none(result.message ?? "no numbers")); return; }
   const minor = contacts.some(([, , values]) => values[2] != null);
   host.replaceChildren(html("div", { class: "tables" },
-    table("Ball and screw", null, overall.map(([label, unit, value]) => html("tr", {}, html("th", { scope: "row" }, label), html("td", { class: "faint" }, unit), html("td", { class: "number" }, value)))),
+    table("Ball and screw", null, overall.map((entry) => row(...entry))),
     contacts.length ? table("Contacts", ["", "", "nut", "screw", ...(minor ? ["minor"] : [])], contacts.map(([label, unit, values]) =>
-      html("tr", {}, html("th", { scope: "row" }, label), html("td", { class: "faint" }, unit), values.slice(0, minor ? 3 : 2).map((value) => html("td", { class: "number" }, value ?? ""))))) : null));
+      row(label, unit, ...values.slice(0, minor ? 3 : 2)))) : null));
 }

@@ -5,6 +5,7 @@
 //! the libraries in `page/vendor`.
 
 mod answer;
+mod form;
 mod page;
 mod save;
 mod server;

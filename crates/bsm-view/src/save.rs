@@ -7,7 +7,8 @@ use bsm_case::{Scene, Settings};
 use serde_json::{Map, Value, json};
 
 use crate::Refusal;
-use crate::answer::{Asked, answer, compare, ellipses, nut, schema, slip, solve};
+use crate::answer::{Asked, FIELD_POINTS, answer, compare, ellipses, nut, slip, solve};
+use crate::form::schema;
 use crate::page;
 
 /// Points of each slider.
@@ -41,9 +42,10 @@ const COLUMNS: [&str; 8] = [
 pub fn saved(scene: &Scene, settings: &Settings, workers: &Workers<'_>) -> Result<String, Refusal> {
     let asked = |scene: Scene| json!({ "scene": scene.to_json(), "settings": settings.to_json() });
     let read = |value: &Value| Asked::read(value.to_string().as_bytes());
-    let here =
-        read(&json!({ "scene": scene.to_json(), "settings": settings.to_json(), "band": true }))?;
-    let mut answers = whole(&here, crate::answer::FIELD_POINTS)?;
+    let mut request = asked(scene.clone());
+    request["band"] = json!(true);
+    let here = read(&request)?;
+    let mut answers = whole(&here, FIELD_POINTS)?;
     for (name, value) in [("compare", compare(&here)), ("nut", nut(&here))] {
         answers.insert(name.to_owned(), told(value));
     }

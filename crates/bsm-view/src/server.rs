@@ -15,6 +15,7 @@ use tiny_http::{Header, Method, Request, Response, StatusCode};
 
 use crate::Refusal;
 use crate::answer::{Asked, answer};
+use crate::form::schema;
 use crate::page;
 
 /// Largest body of a request \[B\].
@@ -214,7 +215,7 @@ impl Shared {
             "settings": self.settings,
             "save": self.save.is_some(),
             "program": bsm_report::PROGRAM,
-            "schema": crate::answer::schema(),
+            "schema": schema(),
         }))
     }
 

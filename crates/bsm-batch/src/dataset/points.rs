@@ -12,7 +12,7 @@ use super::part::kind;
 use super::{DatasetError, digest};
 use crate::parquet_table::INPUT_WORDS;
 use crate::pipeline::ROWS;
-use crate::{Dialect, Draw, DrawSource, Draws, Format, GridSource, Source, TableError, Workers};
+use crate::{Dialect, DrawSource, Draws, Format, GridSource, Source, TableError, Workers};
 
 /// Rows that points come from, and can come from again.
 #[derive(Debug, Clone)]
@@ -194,14 +194,9 @@ impl WrittenPoints {
     ) -> Result<Points, DatasetError> {
         let named = |error: CaseError| DatasetError::NotPoints(error.to_string());
         match self {
-            Self::Grid(axes) => {
-                let axes: Result<_, _> = axes.iter().map(|axis| Axis::parse(axis)).collect();
-                Ok(Points::Grid(axes.and_then(Grid::new).map_err(named)?))
-            }
+            Self::Grid(axes) => Ok(Points::Grid(Grid::parse(axes).map_err(named)?)),
             Self::Random(WrittenDraws { seed, count, of }) => {
-                let of: Result<_, _> = of.iter().map(|draw| Draw::parse(draw)).collect();
-                let draws = of.and_then(|of| Draws::new(*seed, *count, of)).map_err(named)?;
-                Ok(Points::Draws(draws))
+                Ok(Points::Draws(Draws::parse(*seed, *count, of).map_err(named)?))
             }
             Self::Table(written) => {
                 let path = table(&written.name);

@@ -99,7 +99,7 @@ pub(super) fn transmit<S: Simd>(
 }
 
 /// Efficiency, self-locking, torque and powers of a torque on the screw and of that of the
-/// frictionless screw, both over `unit`.
+/// frictionless screw, both over `unit`; returns the efficiency.
 #[inline(always)]
 pub(super) fn transmit_torque<S: Simd>(
     out: &mut Out<'_, '_>,
@@ -107,13 +107,14 @@ pub(super) fn transmit_torque<S: Simd>(
     (torque, ideal): (Lane<S>, Lane<S>),
     unit: Lane<S>,
     speed: Lane<S>,
-) {
+) -> Lane<S> {
     // η = T₀/T or T/T₀                                                    (B8)
     let eta = back.select(torque, ideal) / back.select(ideal, torque);
     out.set(OutputKey::efficiency, eta);
     out.set_flag(OutputKey::self_locking, eta.le(eta.constant(0.0)));
     out.set(OutputKey::screw_torque_Nm, torque * unit);
     powers(out, back, (torque * unit, ideal * unit), speed);
+    eta
 }
 
 /// Stores the violation of the power balance by a friction power, all over the same unit, and returns it.

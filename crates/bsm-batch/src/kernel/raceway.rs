@@ -154,13 +154,11 @@ fn transmit<S: Simd>(
     if let Some(oiled) = &oiled {
         // T = Z T_ball + Σ P/W                                            (Y27)
         torque = torque + oiled.outside.total() / units.speed;
-        oiled.outputs(
-            out,
-            (units, pair),
-            (back, back.select(torque, ideal) / back.select(ideal, torque)),
-        );
     }
-    transmit_torque(out, back, (torque, ideal), torque.constant(1.0), units.speed);
+    let eta = transmit_torque(out, back, (torque, ideal), torque.constant(1.0), units.speed);
+    if let Some(oiled) = &oiled {
+        oiled.outputs(out, (units, pair), (back, eta));
+    }
     let finite = torque.abs().lt(zero.constant(f64::INFINITY));
     (at_nut & at_screw & finite, friction)
 }

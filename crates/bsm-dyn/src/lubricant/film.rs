@@ -122,16 +122,30 @@ impl<P: Field> Wetted<P> {
         Self { lubricant: *lubricant, oil, gaps, units }
     }
 
-    /// The film of a load and an entrainment, signed and its size.
+    /// The film of a load and a motion in the axes of the contact.
+    ///
+    /// * `[rate, speed, around]`: precession, speed of the centre along `$t$` and angular velocity about
+    ///   `$t \times N$`, relative to the race. * `k_c`: `$k \cdot (t \times N)$`.
     #[inline(always)]
-    pub fn of_speed<D: FieldOver<P>>(
+    pub fn of_motion<D: FieldOver<P>>(
         &self,
         i: usize,
         load: D,
-        along: D,
-        entrainment: D,
+        [rate, speed, around]: [D; 3],
+        k_c: D,
+        creep: f64,
     ) -> Film<D> {
+        // u_t = ½ [ω_c − P (d + 2 k_c)]                                   (Y14)
+        let along = (around - speed) * 0.5 - rate * k_c;
+        self.of_speed(i, load, along, creep)
+    }
+
+    /// The film of a load and an entrainment along the track.
+    #[inline(always)]
+    fn of_speed<D: FieldOver<P>>(&self, i: usize, load: D, along: D, creep: f64) -> Film<D> {
         let (Self { lubricant, oil, units, .. }, gap) = (self, &self.gaps[i]);
+        // u = √(u_t² + v_e²)                                              (Y14)
+        let entrainment = (along.square() + creep * creep).sqrt();
         let (speed, force) = (entrainment * units.speed, load * units.load);
         let zero = load.constant(0.0);
         // U = η u/(E' R_x),  W = Q/(E' R_x²)                              (Y6)
@@ -200,10 +214,7 @@ impl<P: Scalar> Wetted<P> {
         frame: &BallFrame<D>,
         (arc, creep): (P, f64),
     ) -> Film<D> {
-        let along = entrainment(contact, motion, frame, D::from(arc));
-        // u = √(u_t² + v_e²)                                              (Y14)
-        let u = (along.square() + creep * creep).sqrt();
-        self.of_speed(i, load, along, u)
+        self.of_speed(i, load, entrainment(contact, motion, frame, D::from(arc)), creep)
     }
 }
 
@@ -385,6 +396,15 @@ impl<D: Field> Film<D> {
         // C_h = −C ω_x/√(ω_x² + (v_e/r_b)²) e_x                           (Y20)
         let twist = self.couple * across / (across.square() + creep * creep).sqrt();
         [push, -twist]
+    }
+
+    /// Power that rolling resistance takes.
+    ///
+    /// * `speed`, `around`: as in [`Wetted::of_motion`].
+    #[inline(always)]
+    pub fn resisted([push, couple]: [D; 2], speed: D, around: D) -> D {
+        // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                                (Y21)
+        -(push * (speed + around)) - couple * around
     }
 }
 

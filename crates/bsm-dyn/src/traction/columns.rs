@@ -24,7 +24,7 @@ use crate::ball_unknowns::{BALL, ROWS};
 use crate::cost;
 use crate::ellipse::{OiledSums, Plan, Point, SUMS, Sums};
 use crate::equations::linear;
-use crate::lubricant::Wetted;
+use crate::lubricant::{ScaledFilm, Wetted};
 
 /// What belongs to a state, all scaled.
 #[derive(Debug, Clone, Copy)]
@@ -286,14 +286,11 @@ impl Rubbing for Wetted {
             let [along_t, _, w_n, w_c] = contacts.points[i].motion;
             // k·(t × N), and its slope by the angle
             let (k_c, turned) = (side * angle.cos * cos_lead, -side * angle.sin * cos_lead);
-            // u_t = ½ [ω_c − P (d + 2 k_c)]                               (Y14)
             let rate = along_t / arc;
-            let speed = 0.5 * (w_c - along_t) - rate * k_c;
-            let size = (speed * speed + ball.creep * ball.creep).sqrt();
-            let film = self.of_speed(i, y[place], speed, size);
+            let film = self.of_motion(i, y[place], [rate, along_t, w_c], k_c, ball.creep);
             let Rubbed { film: by, resistance, rolling, .. } = &mut rubbed[i];
             if SLOPED {
-                let growth = film.growth * speed / (size * size);
+                let growth = film.growth * film.along / film.entrainment.powi(2);
                 by[PRECESSION] = -(0.5 * arc + k_c) * growth;
                 by[OMEGA[1]] -= 0.5 * side * angle.sin * growth;
                 add(by, 0.5 * side * angle.cos * growth, &contacts.by_b);
@@ -303,8 +300,7 @@ impl Rubbing for Wetted {
             let [push, couple] = film.resist(w_c, ball.creep);
             // M = r × F_h + C_h                                           (Y32)
             *resistance = [push, push + couple].map(|x| ball.pair.signed(x));
-            // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                            (Y21)
-            *rolling = ball.pair.signed(-push * (along_t + w_c) - couple * w_c);
+            *rolling = ball.pair.signed(ScaledFilm::resisted([push, couple], along_t, w_c));
             laws[i] = Some(film.law);
         }
         let [Some(nut), Some(screw)] = laws else { return };

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use bsm_case::units::{GPA, MILLI, MM, UM};
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{
-    Circling, Curvatures, Hertz, Losses, Lubricant, Oil, OutsidePower, RacewayControl, Roughness,
-    ScaledFilm, Temperature, Wetted, WettedUnits, ZERO_CELSIUS, catalogue_friction, film_heating,
+    Circling, Hertz, Losses, Lubricant, Oil, OutsidePower, RacewayControl, Roughness, ScaledFilm,
+    Temperature, Wetted, WettedUnits, ZERO_CELSIUS, catalogue_friction, film_heating,
 };
 use bsm_simd::Simd;
 
@@ -43,41 +43,36 @@ pub(super) struct Oiled<S: Simd> {
 /// The lubricant of all rows, at the temperatures of a lane of them.
 #[expect(clippy::manual_map, reason = "a closure would not take the instruction set")]
 #[inline(always)]
-fn lubricant<S: Simd>(simd: S, one: &Lubricant, kelvin: Lane<S>) -> Lubricant<Lane<S>> {
+fn lubricant<S: Simd>(one: &Lubricant, kelvin: Lane<S>) -> Lubricant<Lane<S>> {
     let Lubricant { oil, roughness, losses, .. } = one;
-    macro_rules! every {
-        ($x:expr) => {
-            Lane::splat(simd, $x)
-        };
-    }
     Lubricant {
         oil: Oil {
             base: oil.base,
-            viscosities: [every!(oil.viscosities[0]), every!(oil.viscosities[1])],
-            density: every!(oil.density),
+            viscosities: [kelvin.constant(oil.viscosities[0]), kelvin.constant(oil.viscosities[1])],
+            density: kelvin.constant(oil.density),
             pressure_viscosity: match oil.pressure_viscosity {
-                Some(known) => Some(every!(known)),
+                Some(known) => Some(kelvin.constant(known)),
                 None => None,
             },
-            limiting_shear: every!(oil.limiting_shear),
+            limiting_shear: kelvin.constant(oil.limiting_shear),
         },
         temperature: Temperature::Known(kelvin),
-        boundary_friction: every!(one.boundary_friction),
+        boundary_friction: kelvin.constant(one.boundary_friction),
         roughness: Roughness {
-            ball: every!(roughness.ball),
-            nut: every!(roughness.nut),
-            screw: every!(roughness.screw),
+            ball: kelvin.constant(roughness.ball),
+            nut: kelvin.constant(roughness.nut),
+            screw: kelvin.constant(roughness.screw),
         },
-        film_factor: every!(one.film_factor),
-        rolling_factor: every!(one.rolling_factor),
-        hysteresis_loss: every!(one.hysteresis_loss),
+        film_factor: kelvin.constant(one.film_factor),
+        rolling_factor: kelvin.constant(one.rolling_factor),
+        hysteresis_loss: kelvin.constant(one.hysteresis_loss),
         losses: Losses {
-            seal_torque: every!(losses.seal_torque),
-            ball_contact_force: every!(losses.ball_contact_force),
-            ball_contact_friction: every!(losses.ball_contact_friction),
-            return_circuits: every!(losses.return_circuits),
-            return_loss: every!(losses.return_loss),
-            drag_coefficient: every!(losses.drag_coefficient),
+            seal_torque: kelvin.constant(losses.seal_torque),
+            ball_contact_force: kelvin.constant(losses.ball_contact_force),
+            ball_contact_friction: kelvin.constant(losses.ball_contact_friction),
+            return_circuits: kelvin.constant(losses.return_circuits),
+            return_loss: kelvin.constant(losses.return_loss),
+            drag_coefficient: kelvin.constant(losses.drag_coefficient),
         },
     }
 }
@@ -95,21 +90,12 @@ impl<S: Simd> Oiled<S> {
     ) -> Option<Self> {
         let one = given.operands.lubricant.as_ref()?;
         let kelvin = given.get(InputKey::lubricant_temperature_C) + ZERO_CELSIUS;
-        let lubricant = lubricant(given.simd, one, kelvin);
+        let lubricant = lubricant(one, kelvin);
         let (ball, speed) = (units.ball, units.speed.abs());
         let (per_ball, growth) = (ball.recip(), units.load.cbrt_positive().recip() * ball);
         let pressed = &pair.pressed;
-        let curvatures = [pressed[0].curvatures, pressed[1].curvatures];
-        let curvatures = [
-            Curvatures {
-                along: curvatures[0].along * per_ball,
-                across: curvatures[0].across * per_ball,
-            },
-            Curvatures {
-                along: curvatures[1].along * per_ball,
-                across: curvatures[1].across * per_ball,
-            },
-        ];
+        let curvatures =
+            [pressed[0].curvatures.times(per_ball), pressed[1].curvatures.times(per_ball)];
         let hertz = [
             Hertz { semi_axis: pressed[0].hertz.semi_axis * growth, ..pressed[0].hertz },
             Hertz { semi_axis: pressed[1].hertz.semi_axis * growth, ..pressed[1].hertz },
@@ -245,17 +231,13 @@ impl<S: Simd> Rub<S> {
     ) -> Self {
         let creep = RacewayControl::CREEP;
         let [_, _, around] = ellipse.omega;
-        // u_t = ½ [ω_c − P (d + 2 k_c)],  u = √(u_t² + v_e²)              (Y14)
-        let along = (around - ellipse.speed) * 0.5 - ellipse.speed / pair.arc * k_c;
-        let entrainment = (along * along + creep * creep).sqrt();
-        let film = wetted.of_speed(i, ellipse.load, along, entrainment);
-        let [push, couple] = film.resist(around, creep);
+        let rate = ellipse.speed / pair.arc;
+        let film = wetted.of_motion(i, ellipse.load, [rate, ellipse.speed, around], k_c, creep);
         Self {
             semi_axes: ellipse.semi_axes,
             unit: ellipse.load * *slip,
             friction: film.mean_friction(*slip),
-            // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                            (Y21)
-            rolling: -(push * (ellipse.speed + around)) - couple * around,
+            rolling: ScaledFilm::resisted(film.resist(around, creep), ellipse.speed, around),
             film,
         }
     }
