@@ -163,8 +163,7 @@ impl<T: Word> Keys<T> {
     /// Appends rows of the same value; false if it would be one word too many.
     pub(crate) fn push(&mut self, word: Option<T>, rows: usize) -> bool {
         if let Some(word) = word {
-            // A grid goes on as it did before: the next word, and after the last one the first.
-            let next = if self.last + 1 < self.words.len() { self.last + 1 } else { 0 };
+            let next = self.next();
             self.last = if self.words.get(next) == Some(&word) {
                 next
             } else if let Some(place) = self.places.get(&word) {
@@ -182,6 +181,33 @@ impl<T: Word> Keys<T> {
         }
         self.levels.push(word.is_some(), rows);
         true
+    }
+
+    /// Appends rows, none like the one after it, for as long as they go on as a grid does; returns how many.
+    fn push_next(&mut self, rows: impl Iterator<Item = (T, bool)>) -> usize {
+        let before = self.single.len();
+        for (word, is_single) in rows {
+            let next = self.next();
+            if !is_single || self.words[next] != word {
+                break;
+            }
+            self.last = next;
+            let [low, high, ..] = next.to_le_bytes();
+            self.single.push(low);
+            if self.width > 1 {
+                self.single.push(high);
+            }
+        }
+        let count = (self.single.len() - before) / self.width;
+        if count > 0 {
+            self.levels.push(true, count);
+        }
+        count
+    }
+
+    /// A grid goes on as it did before: the next word, and after the last one the first.
+    fn next(&self) -> usize {
+        if self.last + 1 < self.words.len() { self.last + 1 } else { 0 }
     }
 
     /// Appends the key of the last word.
@@ -246,6 +272,12 @@ impl Keys<&'static str> {
     }
 }
 
+/// A number as it stands in the file.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
+fn bits(value: f64, whole: bool) -> u64 {
+    if whole { value as u64 } else { value.to_bits() }
+}
+
 /// A column chunk of numbers, NaN or not.
 #[derive(Debug)]
 pub(crate) struct Numbers {
@@ -306,23 +338,27 @@ impl Numbers {
         };
         let mut row = 0;
         while row < values.len() {
+            if there.is_none() && self.keys.words.len() > 1 {
+                let (whole, ends) = (self.whole, values.len() - 1);
+                row += self.keys.push_next((row..=ends).map(|row| {
+                    let is_single = row == ends || !same(row, row + 1);
+                    (bits(values[row], whole), is_single)
+                }));
+                if row > ends {
+                    break;
+                }
+            }
             let mut end = row + 1;
             while end < values.len() && same(row, end) {
                 end += 1;
             }
-            let word = is_there(row).then(|| self.bits(values[row]));
+            let word = is_there(row).then(|| bits(values[row], self.whole));
             if !self.keys.push(word, end - row) {
                 break;
             }
             row = end;
         }
         row
-    }
-
-    /// A number as it stands in the file.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
-    fn bits(&self, value: f64) -> u64 {
-        if self.whole { value as u64 } else { value.to_bits() }
     }
 
     /// Appends rows as a page of their own.
@@ -343,7 +379,10 @@ impl Numbers {
         }
         self.nulls += levels.nulls;
         let (encoding, bytes) = if self.whole || given.is_empty() {
-            (Encoding::PLAIN, given.iter().flat_map(|x| self.bits(*x).to_le_bytes()).collect())
+            (
+                Encoding::PLAIN,
+                given.iter().flat_map(|x| bits(*x, self.whole).to_le_bytes()).collect(),
+            )
         } else {
             (Encoding::BYTE_STREAM_SPLIT, by_places(&given))
         };

@@ -11,7 +11,7 @@ use bsm_kin::{Field, Scalar};
 
 use crate::closed_form::{Angles, Sines, Size, answer};
 use crate::{
-    BallState, Coulomb, Direction, Evidence, Model, Reason, Solution, Solved, Transmitted, Unsolved,
+    BallState, Coulomb, Direction, Evidence, Model, Reason, Solution, Transmitted, Unsolved,
 };
 
 /// Inputs of the quasi-static model.
@@ -129,16 +129,22 @@ impl<D: Scalar> QuasiStatic<D> {
         self.contacts().load_ratio()
     }
 
-    /// Refuses a point that has no balance.
-    pub(crate) fn require_balance(&self) -> Result<(), Unsolved> {
+    /// The load ratio of these contacts; refuses a point that has no balance.
+    fn balance(&self, contacts: &TwoContacts<D>) -> Result<D, Unsolved> {
         if self.driven == Driven::Both {
             return Err(Unsolved::invalid(Reason::DualDrive));
         }
-        let load_ratio = self.load_ratio().re();
+        let ratio = contacts.load_ratio();
+        let load_ratio = ratio.re();
         if load_ratio <= 0.0 {
             return Err(Unsolved::none(Evidence::Proof, Reason::FrictionHoldsLoad { load_ratio }));
         }
-        Ok(())
+        Ok(ratio)
+    }
+
+    /// Refuses a point that has no balance.
+    pub(crate) fn require_balance(&self) -> Result<(), Unsolved> {
+        self.balance(&self.contacts()).map(drop)
     }
 
     /// Efficiency, and torque if there is one.
@@ -153,14 +159,14 @@ impl<D: Scalar> QuasiStatic<D> {
 impl QuasiStatic {
     /// Evaluates the equations.
     pub fn solve(&self) -> Solution {
-        Solution::new(Model::QuasiStatic, self.require_balance().map(|()| self.balanced()))
-    }
-
-    fn balanced(&self) -> Solved {
-        let (eta, ratio) = (self.efficiency(), self.load_ratio());
-        let ball = BallState::at_angle(self.angles.contact);
-        let along = (self.direction, self.angles.lead);
-        answer(ball, (eta, eta <= 0.0), ratio, self.size.as_ref(), along)
+        let contacts = self.contacts();
+        let solved = self.balance(&contacts).map(|ratio| {
+            let eta = contacts.efficiency(self.direction.is_back());
+            let ball = BallState::at_angle(self.angles.contact);
+            let along = (self.direction, self.angles.lead);
+            answer(ball, (eta, eta <= 0.0), ratio, self.size.as_ref(), along)
+        });
+        Solution::new(Model::QuasiStatic, solved)
     }
 }
 

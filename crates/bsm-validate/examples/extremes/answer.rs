@@ -139,6 +139,10 @@ pub(crate) fn with_sensitivities(
     }
 }
 
+/// The one answer that the batch may have in place of the model: its formulas have no terms that cancel, and it
+/// returns no answer whose powers do not balance either.
+const ROUNDED: &str = "not_converged PowerDoesNotBalance";
+
 /// Holds the answers against those of the batch, which solves some models by lanes.
 pub(crate) fn in_batch(scenes: &[Scene], model: ModelChoice, answers: &mut [Answer]) {
     let given = |key: &InputKey| scenes.iter().any(|scene| scene[*key].is_some());
@@ -162,7 +166,9 @@ pub(crate) fn in_batch(scenes: &[Scene], model: ModelChoice, answers: &mut [Answ
     for ((answer, verdict), eta) in answers.iter_mut().zip(&batch.verdicts).zip(&batch.columns[0]) {
         let known = answer.efficiency.unwrap_or(f64::NAN);
         let alike = (eta - known).abs() <= BATCH * known.abs() + ROUNDING;
-        if answer.order < Order::False && Order::from(verdict.status) != answer.order {
+        if answer.kind == ROUNDED && verdict.status == Status::Converged {
+            answer.kind.push_str(", but not in the batch");
+        } else if answer.order < Order::False && Order::from(verdict.status) != answer.order {
             answer.turns_false("status in the batch");
         } else if answer.order == Order::Converged && !alike {
             answer.turns_false("efficiency in the batch");
