@@ -239,7 +239,7 @@ fn sweep(
     let mut answers = Answers::room(grid.len(), task.outputs.len());
     let room = Room {
         verdicts: &mut answers.verdicts,
-        columns: answers.columns.iter_mut().map(|column| &mut column[..]).collect(),
+        columns: answers.columns.iter_mut().map(|column| Some(&mut column[..])).collect(),
     };
     workers.install(|| task.solve_into((&chunk, &named), room, stop, &AtomicU64::new(0)));
     if stop.load(Ordering::Relaxed) {
