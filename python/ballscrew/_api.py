@@ -903,27 +903,31 @@ def solve_many(
     numbers: list[tuple[str, Floats, list[int]]] = []
     texts: list[tuple[str, list[str]]] = []
     fixed: dict[str, Any] = {}
-    if isinstance(points, Mapping):
-        for name, values in points.items():
-            if name in keep:
-                texts.append((name, ["" if v is None else str(v) for v in values]))
-                continue
-            array = _column(name, values)
-            if array.ndim == 0:
-                fixed[name] = float(array)
-            else:
-                numbers.append((name, array, []))
-    elif hasattr(points, "__arrow_c_stream__"):
-        for name, read in _read_frame(points, keep):
-            if isinstance(read, tuple):
-                buffer, gaps = read
-                numbers.append((name, np.frombuffer(buffer, np.float64), gaps if missing == "base" else []))
-            else:
-                texts.append((name, ["" if text is None else text for text in read]))
-    else:
-        raise InputError(
-            f"points is {type(points).__name__}; give a mapping of names to arrays, or a frame with an Arrow stream"
-        )
+    try:
+        if isinstance(points, Mapping):
+            for name, values in points.items():
+                if name in keep:
+                    texts.append((name, ["" if v is None else str(v) for v in values]))
+                    continue
+                array = _column(name, values)
+                if array.ndim == 0:
+                    fixed[name] = float(array)
+                else:
+                    numbers.append((name, array, []))
+        elif hasattr(points, "__arrow_c_stream__"):
+            for name, read in _read_frame(points, keep):
+                if isinstance(read, tuple):
+                    buffer, gaps = read
+                    numbers.append((name, np.frombuffer(buffer, np.float64), gaps if missing == "base" else []))
+                else:
+                    texts.append((name, ["" if text is None else text for text in read]))
+        else:
+            raise InputError(
+                f"points is {type(points).__name__}; give a mapping of names to arrays, or a frame with an Arrow stream"
+            )
+    except InputError as error:
+        error.add_note("a column that is not an input, such as a name, is carried through with keep=")
+        raise
     if fixed:
         scene = scene.replace(**fixed)
     lengths: dict[str, int] = {column[0]: len(column[1]) for column in numbers}
@@ -1328,7 +1332,12 @@ def catalog(
             raise InputError("of a maker's nuts all are listed: makers goes with requirement and columns_from alone",
                              key="makers")
         names = dict(columns_from or {})
-        found, nuts, keeps, kept = _core.makers(_csv(makers, names, gaps=True), json.dumps(names), wish)
+        try:
+            table = _csv(makers, names, gaps=True)
+        except InputError as error:
+            error.add_note("columns_from gives our names of its columns, None for one that is not read")
+            raise
+        found, nuts, keeps, kept = _core.makers(table, json.dumps(names), wish)
         columns: dict[str, Any] = {"nut": np.array(nuts, dtype=object)}
         columns |= {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
         if wish is not None:

@@ -60,7 +60,6 @@ LEFT_OUT = {
     "shard of": "run(range(index, plan.shards, of))",
     "nut curve": "NutReport.curve",
     "catalog pick": "Nuts.scene()",
-    "catalog lists": "the mapping itself is what --lists prints",
 }
 
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import polars as pl
 import pytest
 from conftest import EXAMPLES, ROOT
 from hypothesis import given, settings
@@ -174,6 +175,10 @@ def test_what_new_users_write_is_answered_in_words(screw: bs.Scene) -> None:
         bs.sweep(screw, vary={"lead_mm": 10})  # type: ignore[dict-item]
     with pytest.raises(bs.InputError, match=r"Scene.read\(path\) reads a file"):
         bs.solve("examples/feed_drive.json")  # type: ignore[arg-type]
+    for frame in ({**points, "name": ["a", "b"]}, pl.DataFrame({**points, "name": ["a", "b"]})):
+        with pytest.raises(bs.InputError, match="column `name` holds") as refused:
+            bs.solve_many(frame, screw)
+        assert "keep=" in refused.value.__notes__[0]
     with pytest.raises(KeyError) as caught:
         bs.solve_many(points, screw)["regime"]
     assert len(str(caught.value)) < 300

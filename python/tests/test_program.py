@@ -237,8 +237,11 @@ def test_nuts_of_a_maker(tmp_path: Path) -> None:
         assert np.flatnonzero(np.isnan(again["rigidity_N_um"])).tolist() == [gap]
     assert again.to_arrow().to_pandas()["passes"].tolist() == again["passes"].tolist()
     assert pickle.loads(pickle.dumps(again)).to_dict() == again.to_dict()
-    with pytest.raises(bs.InputError, match="columns_from|columns-from"):
+    with pytest.raises(bs.InputError, match="column `Type` holds") as refused:
         bs.catalog(makers=own)
+    assert "columns_from" in refused.value.__notes__[0]
+    with pytest.raises(bs.InputError, match="unknown column `K`.*columns-from"):
+        bs.catalog(makers=own.drop(columns=["Type", "note"]))
     with pytest.raises(bs.InputError, match="makers goes with"):
         bs.catalog(makers=path, pareto=True)
 
