@@ -11,7 +11,7 @@ export function showLosses(host, result, slip) {
   if (total == null) { host.replaceChildren(none(result.status === "converged" ? `Model ${result.model} at this point gives an efficiency of ${number(result.efficiency)}, no powers: they need speed, load and balls.` : "No result, no loss.")); return; }
   let rows;
   if (result.sliding_power_W != null) rows = OILED.map(([name, words, paint]) => [words, result[name] ?? 0, paint]).filter(([, value]) => value !== 0);
-  else if (slip instanceof Error) { host.replaceChildren(html("p", {}, `${number(total)} W in all.`), none(slip.message)); return; }
+  else if (slip.error) { host.replaceChildren(html("p", {}, `${number(total)} W in all.`), none(slip.error)); return; }
   else rows = DRY.flatMap(([name, words]) => CONTACTS.map(([contact, paint]) => [`${words}, ${contact}`, slip[`${contact}_${name}_power_W`], paint])).filter(([, value]) => value != null && Math.abs(value) > 1e-9 * total);
   const left = 204, width = 560, row = 27, high = Math.max(total, ...rows.map(([, value]) => value)), low = Math.min(0, ...rows.map(([, value]) => value));
   const x = (v) => left + ((v - low) / (high - low || 1)) * (width - left - 78 - 0.12 * (width - left));
@@ -29,6 +29,6 @@ export function showLosses(host, result, slip) {
     result.sliding_power_W == null ? legend(CONTACTS.filter(([name]) => rows.some(([words]) => words.endsWith(name))).map(([name, paint]) => [name, `var(${paint})`])) : null,
     html("p", { class: "small" }, html("strong", {}, `${number(total)} W of heat`), `, ${number((100 * total) / result.input_power_W)} % of the ${number(result.input_power_W)} W put in.`,
       drawn ? ` The line: nine of ten draws of what nobody knows of the oil, ${number(drawn[0])} to ${number(drawn[1])} W.` : bound != null ? ` The line shows its error bound, ${brief(Number((100 * bound).toPrecision(2)))} %.` : ""),
-    slip.note && result.sliding_power_W == null ? html("p", { class: "small faint" }, `${slip.note}.`) : null];
+    result.sliding_power_W == null && slip.note ? html("p", { class: "small faint" }, `${slip.note}.`) : null];
   host.replaceChildren(html("div", { class: "split" }, chart, html("div", {}, parts.filter(Boolean))));
 }
