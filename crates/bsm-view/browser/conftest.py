@@ -21,6 +21,15 @@ FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader"]
 PATIENCE = 30_000
 
 
+# Times that a test measures, told at the end.
+MEASURED: list[str] = []
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    for words in MEASURED:
+        terminalreporter.write_line(words)
+
+
 def example(name: str) -> Path:
     return ROOT / "examples" / f"{name}.json"
 

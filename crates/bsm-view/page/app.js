@@ -1,6 +1,6 @@
 // The page: one scene, asked again with every change, shown in every panel.
 
-import { html } from "bsm/draw";
+import { html, narrow } from "bsm/draw";
 import { ask, Gone, start } from "bsm/source";
 import { Inputs } from "bsm/inputs";
 import { showKey, showNumbers } from "bsm/results";
@@ -76,7 +76,7 @@ function tell({ scene }, point) {
   const { solve: solved, slip } = point;
   complain(null);
   stale(["key", "space", "section", "ellipses", "losses", "numbers"], false);
-  shown.solved = solved; shown.scene = scene;
+  shown.solved = solved;
   at("regime").textContent = solved.regime ?? "";
   showKey(at("key"), solved);
   showNumbers(at("numbers"), solved);
@@ -165,7 +165,11 @@ if (!start.live) { document.querySelector("label[for=file]").hidden = true; at("
 if (innerWidth < 960) at("inputs-fold").open = false;
 at("about").textContent = `${start.program}. ${start.live ? "Live from the solver on this machine; nothing leaves it." : "One file: numbers of the solver at the stops of the sliders, nothing between them."}`;
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (shown.solved) changed(); });
-let width = innerWidth;
-addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; ellipses.draw(); map.draw(); } });
+let width = innerWidth, phone = narrow();
+addEventListener("resize", () => {
+  if (innerWidth === width) return;
+  width = innerWidth; ellipses.draw(); map.draw();
+  if (narrow() !== phone) { phone = narrow(); if (shown.solved) changed(); }
+});
 
 load(start.scene);

@@ -4,8 +4,8 @@ import { html, svg, text, number, brief, ramp, rampBar, scale, axes, sharp, none
 import { start } from "bsm/source";
 
 const PAD = { left: 66, top: 10, right: 14, bottom: 44 };
-// Points of a side: what is shown soon, then finer, unless the server would take longer for the next than this [ms].
-const SIDES = [24, 60, 100];
+// Points of a side: what is shown soon, then the finest that the server has within its patience [ms].
+const COARSE = 24, FINER = [100, 60, 40];
 const PATIENCE = 1600;
 
 export class ModelMap {
@@ -53,7 +53,7 @@ export class ModelMap {
       const name = select.value, value = scene[name];
       if (value == null) return null;
       const range = this.range(name, value), label = start.schema.inputs.find((input) => input.name === name).label;
-      const box = (end) => html("input", { type: "number", step: "any", value: range[end], style: "width:6.2rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`, disabled: !start.live, onchange: (event) => { if (!Number.isNaN(event.target.valueAsNumber)) { range[end] = event.target.valueAsNumber; this.again(); } } });
+      const box = (end) => html("input", { type: "number", step: "any", value: range[end], style: "width:5rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`, disabled: !start.live, onchange: (event) => { if (!Number.isNaN(event.target.valueAsNumber)) { range[end] = event.target.valueAsNumber; this.again(); } } });
       return html("span", {}, `${label} `, box("low"), " to ", box("high"), html("label", {}, html("input", { type: "checkbox", checked: range.log, disabled: !start.live, "aria-label": `${label} logarithmic`, onchange: (event) => { range.log = event.target.checked; this.again(); } }), "log"));
     };
     this.fields.replaceChildren(...[this.x, this.y].map(row).filter(Boolean));
@@ -73,19 +73,20 @@ export class ModelMap {
     // A point within the map has the same map.
     const key = JSON.stringify([{ ...scene, [names[0]]: null, [names[1]]: null }, body.settings, vary(0), this.output.value]);
     if (key === this.key) return;
-    for (const [step, count] of (start.live ? SIDES : SIDES.slice(0, 1)).entries()) {
-      let answer;
-      try { answer = await this.ask("sweep", { ...body, vary: vary(count), columns: [this.output.value] }, signal); } catch (error) {
-        if (!signal.aborted && !step) this.refuse(error.message);
-        break;
-      }
-      if (signal.aborted) return;
+    const draw = async (count) => {
+      const answer = await this.ask("sweep", { ...body, vary: vary(count), columns: [this.output.value] }, signal);
+      if (signal.aborted) return null;
       this.answer = answer; this.scene = scene;
       this.host.dataset.points = answer.model.length; this.host.dataset.ms = answer.took;
       this.draw();
-      if (answer.took * ((SIDES[step + 1] ?? 0) / count) ** 2 > PATIENCE) break;
-    }
-    if (!signal.aborted) this.key = key;
+      return answer.took;
+    };
+    try {
+      const took = await draw(COARSE), finer = start.live && took !== null && FINER.find((count) => took * (count / COARSE) ** 2 < PATIENCE);
+      // It may take longer than was thought: then the coarse one stays.
+      if (finer) await draw(finer).catch(() => null);
+      if (!signal.aborted) this.key = key;
+    } catch (error) { if (!signal.aborted) this.refuse(error.message); }
   }
 
   refuse(words) {

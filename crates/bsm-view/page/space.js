@@ -200,7 +200,7 @@ export class Space {
     const [, , spins] = solved.shown.contacts.find(([words]) => words === "spin about the normal") ?? [];
     const spin = spins ? ` Spin ${spins[0]} rad/s at the nut, ${spins[1]} at the screw; the ball circles at ${number(solved.ball_precession_rad_s)} rad/s.` : "";
     const label = `Screw of ${number(found.pitch)} millimetres pitch circle with ${found.balls.length} balls of ${number(found.ball)} millimetres, lead ${number(found.lead)} millimetres; loads from ${number(low)} to ${number(high)} newtons`;
-    const balls = shared ? rampBar(low, high, "load of a ball, N") : html("p", { class: "small" }, `${found.balls.length === 1 ? "One ball" : `${found.balls.length} balls, each`} under ${number(high)} N: the nut level, with loaded_balls_per_turn and loaded_turns, tells them apart.`);
+    const balls = shared ? rampBar(low, high, "load of a ball, N") : html("p", { class: "small" }, found.balls.length === 1 ? `One ball under ${number(high)} N.` : `${found.balls.length} balls, each under ${number(high)} N: the nut level, with loaded_balls_per_turn and loaded_turns, tells them apart.`);
     const axes = this.one ? html("p", { class: "small faint" }, "Red: axis of rotation of the ball. Grey: helix t, towards the axis n, binormal b. Blue: contact at the nut. Orange: contact at the screw.") : null;
     return [label, ...(this.one ? [] : [balls]), html("p", { class: "small faint" }, `Motion ${speed}.${spin} Drag or use the arrow keys to look around.`), ...(axes ? [axes] : [])];
   }
@@ -231,7 +231,7 @@ export class Space {
     this.balls = add(new three.InstancedMesh(new three.SphereGeometry(f.ball / 2, ...(balls.length > 100 ? [10, 7] : [16, 11])), new three.MeshStandardMaterial({ metalness: 0.1, roughness: 0.35 }), balls.length));
     const gap = balls.length > 1 ? Math.abs(balls[1].theta - balls[0].theta) : TURN / 12;
     this.gap = gap > 0 ? gap : TURN / 12;
-    const size = Math.hypot(end, outer), away = size * 3.1;
+    const size = Math.hypot(end, outer), away = size * 2.6;
     if (this.placed !== size) { this.camera.position.set(0.62, 0.42, 0.66).setLength(away); this.controls.target.set(0, 0, 0); this.placed = size; }
     this.controls.minDistance = outer; this.controls.maxDistance = 12 * size; this.camera.far = 40 * size; this.camera.near = size / 200;
   }
