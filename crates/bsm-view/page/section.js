@@ -42,7 +42,7 @@ export function showSection(host, scene, result) {
       marks.push(svg("path", { d: path(arc), stroke: colour, "stroke-width": 6, fill: "none", "stroke-linecap": "butt" }));
       marks.push(svg("path", { d: path([end(angle - half, [x, y], r), at([0, 0]), end(angle + half, [x, y], r)]), stroke: colour, "stroke-width": 1, fill: "none", opacity: 0.55 }));
     }
-    const tip = end(angle, [x, y], r), length = 18 + 62 * (load / most), far = [tip[0] + (tip[0] - width / 2) / (k * r) * length, tip[1] + (tip[1] - height / 2) / (k * r) * length];
+    const tip = end(angle, [x, y], r), length = (narrow() ? 0.6 : 1) * (18 + 62 * (load / most)), far = [tip[0] + (tip[0] - width / 2) / (k * r) * length, tip[1] + (tip[1] - height / 2) / (k * r) * length];
     marks.push(arrow(far, tip, colour), svg("circle", { cx: tip[0], cy: tip[1], r: 3, fill: colour }));
     said.push([name, angle, load, a, colour, far]);
   }

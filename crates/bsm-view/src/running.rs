@@ -122,10 +122,10 @@ mod tests {
 
     use super::*;
 
-    fn turn(page: &str, number: u64) -> Option<Turn> {
+    fn turn(page: &str, number: u64) -> Turn {
         let turn = Turn::parse(&format!("{page}/{number}")).expect("a turn");
         assert_eq!(turn, Turn { page: page.to_owned(), number });
-        Some(turn)
+        turn
     }
 
     /// A page that has moved on stops its own earlier requests, and nobody else's; who waits is told before the work
@@ -133,21 +133,21 @@ mod tests {
     #[test]
     fn a_newer_turn_stops_those_of_its_page() {
         let running = Running::most(4);
-        let (old, old_answer) = running.begin(turn("a", 1)).expect("room");
-        let (other, other_answer) = running.begin(turn("b", 1)).expect("room");
+        let (old, old_answer) = running.begin(Some(turn("a", 1))).expect("room");
+        let (other, other_answer) = running.begin(Some(turn("b", 1))).expect("room");
         let (nobody, _) = running.begin(None).expect("room");
-        let (new, new_answer) = running.begin(turn("a", 2)).expect("room");
+        let (new, new_answer) = running.begin(Some(turn("a", 2))).expect("room");
         let stopped =
             [&old, &other, &nobody, &new].map(|begun| begun.stop().load(Ordering::Relaxed));
         assert_eq!(stopped, [true, false, false, false]);
         assert!(matches!(old_answer.try_recv(), Ok(Err(Refusal::Overtaken))));
         assert!(matches!(other_answer.try_recv(), Err(TryRecvError::Empty)));
         // What comes late is refused without work.
-        assert!(matches!(running.begin(turn("a", 1)), Err(Refusal::Overtaken)));
+        assert!(matches!(running.begin(Some(turn("a", 1))), Err(Refusal::Overtaken)));
         // What was stopped still has its place until it ends.
         assert!(matches!(running.begin(None), Err(Refusal::Busy)));
         drop(old);
-        assert!(running.begin(turn("a", 2)).is_ok());
+        assert!(running.begin(Some(turn("a", 2))).is_ok());
         new.end(Ok(Value::Null));
         assert!(matches!(new_answer.try_recv(), Ok(Ok(Value::Null))));
         // One that ends without an answer is noticed.
