@@ -120,7 +120,8 @@ export class Space {
 
   begin() {
     this.canvas = html("canvas", { role: "img", tabindex: "0", "aria-label": "Screw, nut and balls in space" });
-    this.renderer = new three.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: "low-power" });
+    // The buffer is kept: it is printed.
+    this.renderer = new three.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: "low-power", preserveDrawingBuffer: true });
     this.stage.append(this.canvas);
     this.world = new three.Scene();
     this.world.add(new three.HemisphereLight(0xffffff, 0x778899, 1.9), new three.AmbientLight(0xffffff, 0.35));
