@@ -10,6 +10,7 @@
 ('raceway-control', 0.986)
 """
 
+from ballscrew import plot
 from ballscrew._api import (
     INPUTS,
     MODELS,
@@ -17,6 +18,7 @@ from ballscrew._api import (
     REQUIREMENTS,
     Grid,
     NutReport,
+    Nuts,
     Quantity,
     Report,
     Scene,
@@ -63,6 +65,7 @@ __all__ = [
     "NoSolutionError",
     "NotConvergedError",
     "NutReport",
+    "Nuts",
     "Plan",
     "Quantity",
     "Report",
@@ -85,6 +88,7 @@ __all__ = [
     "nut",
     "optimum",
     "plan",
+    "plot",
     "run_shard",
     "sensitivities",
     "size",

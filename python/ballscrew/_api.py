@@ -124,6 +124,8 @@ class Scene(SceneFields):
 
     def __new__(cls, base: Scene | Mapping[str, Any] | None = None, /, **inputs: Unpack[Inputs]) -> Self:
         given: dict[str, Any] = dict(inputs)
+        if isinstance(base, (str, os.PathLike)):
+            raise InputError(f"{os.fspath(base)!r} is no scene; Scene.read(path) reads a file")
         if base is not None and not isinstance(base, _core.Scene):
             given = {**base, **given}
             base = None
@@ -351,7 +353,7 @@ class Table:
         try:
             column = self._columns[name]
         except KeyError:
-            raise KeyError(f"no column `{name}`; the columns are {', '.join(self._columns)}") from None
+            raise KeyError(f"no column `{name}`; the columns are {_few(self._columns)}") from None
         if isinstance(column, Words):
             return column.to_numpy()
         array: NDArray[Any] = column
@@ -389,7 +391,8 @@ class Table:
                 for name in self._columns}
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
-        return self._arrow().__arrow_c_stream__(requested_schema)
+        # Another schema is a wish that may be passed over.
+        return self._arrow()
 
     def __reduce__(self) -> tuple[Any, ...]:
         if self._length:
@@ -407,6 +410,8 @@ class Table:
                 columns.append((name, unit, "words", column.codes, list(column.categories)))
             elif column.dtype == object:
                 columns.append((name, unit, "texts", column.tolist(), []))
+            elif column.dtype == bool:
+                columns.append((name, unit, "flags", column.astype(np.float64), []))
             elif quantity is not None and quantity.words:
                 codes = np.where(np.isnan(column), -1, column).astype(np.int8)
                 columns.append((name, unit, "words", codes, list(quantity.words)))
@@ -446,7 +451,7 @@ class Table:
         """Write the table as the program does: .csv, .jsonl or .parquet."""
         if self._rows is not None:
             self._rows.write(Path(path))
-        elif any(isinstance(column, Words) or column.dtype == object for column in self._columns.values()):
+        elif any(isinstance(column, Words) or column.dtype in (object, bool) for column in self._columns.values()):
             raise TypeError("this table has words in it, or was pickled: write it with to_pandas() or to_polars()")
         else:
             _core.write_numbers(list(self._columns.items()), Path(path))
@@ -561,6 +566,27 @@ class Grid(Table):
         return xr.Dataset(data, coords, {"scene": self.scene.to_json(), **settings})
 
 
+class Nuts(Table):
+    """Nuts of the catalogue, or of a maker: one row a nut."""
+
+    def __init__(
+        self, columns: Mapping[str, Any], units: Mapping[str, str], length: int, nuts: _core.Nuts | None
+    ) -> None:
+        super().__init__(columns, units, length)
+        self._nuts = nuts
+
+    def scene(self, row: int = 0) -> Scene:
+        """The nut of a row for `capacity`, `nut` and `size`, with a requirement at its operating point."""
+        if not -self._length <= row < self._length:
+            raise IndexError(f"row {row} of {self._length}")
+        if self._nuts is None:
+            raise TypeError("a table that was pickled has no scenes: ask for the catalogue again")
+        return Scene.from_json(self._nuts.scene(row % self._length))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _thawed, (type(self), {**vars(self), "_nuts": None})
+
+
 class Report(Mapping[str, Any]):
     """What an analysis says, under the names of the program's JSON; read-only.
 
@@ -596,10 +622,18 @@ class Report(Mapping[str, Any]):
         return f"<{type(self).__name__} found={self.found}: {_few(self._entries)}>"
 
     def _repr_html_(self) -> str:
-        plain = (str, int, float, bool, type(None))
-        unit = {**OUTPUTS, **INPUTS}
-        return _html([(name, value, unit[name].unit if name in unit else "")
-                      for name, value in self._entries.items() if isinstance(value, plain)])
+        named = {**OUTPUTS, **INPUTS}
+        rows: list[tuple[str, Any, str]] = []
+        tables = ""
+        for name, value in self._entries.items():
+            if isinstance(value, Mapping):
+                rows += [(key, inner, named[key].unit if key in named else "")
+                         for key, inner in value.items() if _is_plain(inner)]
+            elif _is_plain(value):
+                rows.append((name, value, named[name].unit if name in named else ""))
+            elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+                tables += _html_lines(name, value[:20])
+        return _html(rows[:100]) + tables
 
 
 class NutReport(Report):
@@ -638,6 +672,8 @@ def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[str]:
     """The axes of a grid as `--vary` has them."""
     axes = []
     for name, values in vary.items():
+        if not isinstance(values, Iterable) or isinstance(values, str):
+            raise InputError(f"`{name}` is {values!r}; give the values that it takes, such as [{values!r}]", key=name)
         if isinstance(values, Linspace):
             axes.append(f"{name}={values.start!r}:{values.stop!r}:{values.number}")
         else:
@@ -649,6 +685,17 @@ def _how(
     model: str, tolerance: float, accuracy: float, creep: float, control: str | None, friction: str
 ) -> tuple[str, float, float, float, str | None, str]:
     return (model, tolerance, accuracy, creep, control, friction)
+
+
+def _list(word: str, names: Sequence[str]) -> list[str]:
+    """Several names; a text alone would be taken for a list of its letters."""
+    if isinstance(names, str):
+        raise InputError(f"{word} takes a list of names, such as [{names!r}]", key=word)
+    return list(names)
+
+
+def _outputs(names: Sequence[str] | None) -> list[str] | None:
+    return None if names is None else _list("outputs", names)
 
 
 def _scene(scene: Scene | Mapping[str, Any] | None, inputs: Inputs) -> Scene:
@@ -849,34 +896,38 @@ def solve_many(
 
     if missing not in ("invalid", "base"):
         raise InputError(f"missing = {missing!r} must be 'invalid' or 'base'", key="missing")
-    scene = _scene(base, {})
+    scene, keep = _scene(base, {}), _list("keep", keep)
     if isinstance(points, Table):
         # Answers of an earlier run are passed over.
         points = {n: points[n] for n in points if n in INPUTS or n in keep}
     numbers: list[tuple[str, Floats, list[int]]] = []
     texts: list[tuple[str, list[str]]] = []
     fixed: dict[str, Any] = {}
-    if isinstance(points, Mapping):
-        for name, values in points.items():
-            if name in keep:
-                texts.append((name, ["" if v is None else str(v) for v in values]))
-                continue
-            array = _column(name, values)
-            if array.ndim == 0:
-                fixed[name] = float(array)
-            else:
-                numbers.append((name, array, []))
-    elif hasattr(points, "__arrow_c_stream__"):
-        for name, read in _read_frame(points, list(keep)):
-            if isinstance(read, tuple):
-                buffer, gaps = read
-                numbers.append((name, np.frombuffer(buffer, np.float64), gaps if missing == "base" else []))
-            else:
-                texts.append((name, ["" if text is None else text for text in read]))
-    else:
-        raise InputError(
-            f"points is {type(points).__name__}; give a mapping of names to arrays, or a frame with an Arrow stream"
-        )
+    try:
+        if isinstance(points, Mapping):
+            for name, values in points.items():
+                if name in keep:
+                    texts.append((name, ["" if v is None else str(v) for v in values]))
+                    continue
+                array = _column(name, values)
+                if array.ndim == 0:
+                    fixed[name] = float(array)
+                else:
+                    numbers.append((name, array, []))
+        elif hasattr(points, "__arrow_c_stream__"):
+            for name, read in _read_frame(points, keep):
+                if isinstance(read, tuple):
+                    buffer, gaps = read
+                    numbers.append((name, np.frombuffer(buffer, np.float64), gaps if missing == "base" else []))
+                else:
+                    texts.append((name, ["" if text is None else text for text in read]))
+        else:
+            raise InputError(
+                f"points is {type(points).__name__}; give a mapping of names to arrays, or a frame with an Arrow stream"
+            )
+    except InputError as error:
+        error.add_note("a column that is not an input, such as a name, is carried through with keep=")
+        raise
     if fixed:
         scene = scene.replace(**fixed)
     lengths: dict[str, int] = {column[0]: len(column[1]) for column in numbers}
@@ -888,7 +939,7 @@ def solve_many(
             raise InputError(message, key=column_name)
     how = _how(model, tolerance, accuracy, creep, control, friction)
     rows = _core.solve_many(
-        scene, numbers, texts, length, how, list(outputs) if outputs is not None else None, threads,
+        scene, numbers, texts, length, how, _outputs(outputs), threads,
         _shown(progress), text,
     )
     taken = set(rows.inputs())
@@ -957,7 +1008,7 @@ def sweep(
     scene = _scene(base, {})
     how = _how(model, tolerance, accuracy, creep, control, friction)
     rows, found = _core.sweep(
-        scene, _axes(vary), how, list(outputs) if outputs is not None else None, threads, _shown(progress),
+        scene, _axes(vary), how, _outputs(outputs), threads, _shown(progress),
         text,
     )
     import numpy as np
@@ -1013,6 +1064,7 @@ def gradient(
     """
     import numpy as np
 
+    wrt = _list("wrt", wrt)
     columns = {name: _column(name, values) for name, values in dict(points).items()}
     one = all(values.ndim == 0 for values in columns.values())
     length = max((len(v) for v in columns.values() if v.ndim), default=1)
@@ -1025,7 +1077,7 @@ def gradient(
             raise InputError("exact derivatives are of efficiency and screw_torque_Nm; take method='difference'",
                              key=output)
         whole = [(name, np.ascontiguousarray(column)) for name, column in columns.items()]
-        found = _core.gradient(scene, whole, length, list(wrt), output != "efficiency", _how(**how), threads)
+        found = _core.gradient(scene, whole, length, wrt, output != "efficiency", _how(**how), threads)
         values = np.frombuffer(found[0], np.float64)
         slopes = np.frombuffer(found[1], np.float64).reshape(length, len(wrt))
     elif method == "difference":
@@ -1088,7 +1140,8 @@ def capacity(
     nut: Scene | Mapping[str, Any] | None = None,
     /,
     *,
-    spectrum: str | os.PathLike[str] | None = None,
+    spectrum: Any = None,
+    steps: bool = False,
     **inputs: Unpack[Inputs],
 ) -> Report:
     """Load ratings, life and rigidity of a nut, as `bsm capacity`.
@@ -1097,11 +1150,13 @@ def capacity(
     ----------
     nut : Scene or mapping, optional
         The nut.
-    spectrum : path, optional
-        A load spectrum as CSV.
+    spectrum : mapping, frame or path, optional
+        A load spectrum: the columns `axial_load_N`, `screw_speed_rpm` and `time_share`. A path is that of a CSV table.
+    steps : bool
+        Also say what lies between, for a check by hand: `steps`.
     """
-    table = Path(spectrum).read_bytes() if spectrum is not None else None
-    return _report(_core.capacity(_scene(nut, inputs), table))
+    table = _csv(spectrum) if spectrum is not None else None
+    return _report(_core.capacity(_scene(nut, inputs), table, steps))
 
 
 @overload
@@ -1222,12 +1277,14 @@ def catalog(
     *,
     require: Sequence[str] = (),
     requirement: Mapping[str, Any] | str | os.PathLike[str] | None = None,
+    makers: Any = None,
+    columns_from: Mapping[str, str | None] | None = None,
     pareto: bool = False,
     sort: str | None = None,
     descending: bool = False,
     first: int | None = None,
-) -> Table:
-    """Every nut of standard sizes, as `bsm catalog`.
+) -> Nuts:
+    """Every nut of standard sizes, or those of a maker, as `bsm catalog`.
 
     Parameters
     ----------
@@ -1238,6 +1295,14 @@ def catalog(
     requirement : mapping or path, optional
         Only nuts that keep all limits of this requirement of `design`. Numbers of `size` are columns then, to filter
         and sort by: life, critical speed, buckling, static safety, rigidity, torque, efficiency, heat, mass, inertia.
+    makers : mapping, frame or path, optional
+        Nuts of a maker in place of the lists: the columns `nut`, `lead_mm`, `ball_diameter_mm`, `circuits` or
+        `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`, `dynamic_load_rating_N`,
+        `static_load_rating_N` and `rigidity_N_um`, in any unit. A path is that of a CSV table. The maker's ratings stand,
+        ours are beside them as `our_...`; with `requirement` each nut is sized as by `size`, and `passes` says whether it
+        keeps all rules: those that do come first, the lightest screw before the others.
+    columns_from : mapping, optional
+        Names of the columns of `makers`: from its names to ours, or to None for a column that is not read.
     pareto : bool
         Only nuts that no other beats in dynamic load rating, rigidity and mass together.
     sort : str, optional
@@ -1249,17 +1314,44 @@ def catalog(
 
     Returns
     -------
-    Table
-        One row a nut; a row is a scene for `capacity`, `nut` and `size`.
+    Nuts
+        One row a nut; `scene(row)` is a nut for `capacity`, `nut` and `size`.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> nuts = bs.catalog(require=["dynamic_load_rating_N>=40000", "lead_mm=10"], sort="mass_kg", first=3)
+    >>> nuts.scene(0).lead_mm
+    10.0
     """
     import numpy as np
 
-    text = None if lists is None else json.dumps(dict(lists))
     wish = None if requirement is None else json.dumps(_wish(requirement))
-    found = _core.catalog(text, wish, list(require), pareto, sort, descending, first)
-    columns = {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
+    if makers is not None:
+        if lists is not None or require or pareto or sort is not None or descending or first is not None:
+            raise InputError("of a maker's nuts all are listed: makers goes with requirement and columns_from alone",
+                             key="makers")
+        names = dict(columns_from or {})
+        try:
+            table = _csv(makers, names, gaps=True)
+        except InputError as error:
+            error.add_note("columns_from gives our names of its columns, None for one that is not read")
+            raise
+        found, nuts, keeps, kept = _core.makers(table, json.dumps(names), wish)
+        columns: dict[str, Any] = {"nut": np.array(nuts, dtype=object)}
+        columns |= {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
+        if wish is not None:
+            columns["passes"] = np.array(keeps, dtype=bool)
+        for column in (columns["nut"], columns.get("passes", columns["nut"])):
+            column.flags.writeable = False
+    else:
+        if columns_from is not None:
+            raise InputError("columns_from is for the table of makers", key="columns_from")
+        text = None if lists is None else json.dumps(dict(lists))
+        found, kept = _core.catalog(text, wish, _list("require", require), pareto, sort, descending, first)
+        columns = {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
     units = {name: unit for name, unit, _ in found}
-    return Table(columns, units, len(next(iter(columns.values()))))
+    return Nuts(columns, units, len(next(iter(columns.values()))), kept)
 
 
 def fit(
@@ -1327,39 +1419,57 @@ def fit(
     return _report(_core.fit(_scene(scene, {}), how, input, f"{name}={float(value)!r}", range))
 
 
-def _csv(data: Any) -> bytes:
-    """Measured points as a CSV table."""
+def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps: bool = False) -> bytes:
+    """A table as CSV.
+
+    * `names`: what its columns are called here; `nut` is text, and what is not read may be.
+    * `gaps`: NaN is an empty cell.
+    """
     if isinstance(data, (str, os.PathLike)):
         return Path(data).read_bytes()
+    import csv
+    import io
+
     import numpy as np
 
-    if isinstance(data, (Mapping, Table)):
-        columns = {name: _column(name, data[name]) for name in data}
+    own = {name: names.get(name, name) for name in data} if isinstance(data, (Mapping, Table)) else {}
+    texts = ["nut", *(name for name, ours in names.items() if ours in ("nut", None))]
+    columns: dict[str, Any] = {}
+    if own:
+        for name, ours in own.items():
+            if ours is not None:
+                columns[name] = np.asarray(data[name], dtype=object) if name in texts else _column(name, data[name])
     elif hasattr(data, "__arrow_c_stream__"):
-        columns = {name: np.frombuffer(read[0], np.float64) for name, read in _read_frame(data, [])}
+        for name, read in _read_frame(data, texts):
+            if names.get(name, name) is not None:
+                columns[name] = np.frombuffer(read[0], np.float64) if isinstance(read, tuple) else np.array(read, object)
     else:
         raise InputError(f"data is {type(data).__name__}; give a mapping of names to arrays, a frame, or a path")
     length = max((column.size for column in columns.values()), default=0)
     for name, column in columns.items():
         if column.ndim and len(column) != length:
             raise InputError(f"column `{name}` has {len(column)} rows, another one {length}", key=name)
-    rows = zip(*(np.broadcast_to(column, (length,)).tolist() for column in columns.values()), strict=True)
-    return "\n".join([",".join(columns), *(",".join(map(repr, row)) for row in rows)]).encode()
+    text = io.StringIO()
+    lines = csv.writer(text, lineterminator="\n")
+    lines.writerow(columns)
+    for row in zip(*(np.broadcast_to(column, (length,)).tolist() for column in columns.values()), strict=True):
+        lines.writerow("" if gaps and isinstance(cell, float) and math.isnan(cell) else cell for cell in row)
+    return text.getvalue().encode()
 
 
 def design(
-    requirement: Mapping[str, Any] | str | os.PathLike[str], /, *, free: bool = False, **changes: Any
+    requirement: Mapping[str, Any] | str | os.PathLike[str] | None = None, /, *, free: bool = False, **changes: Any
 ) -> Report:
     """The best screw for a requirement, as `bsm design`.
 
     Parameters
     ----------
-    requirement : mapping or path
+    requirement : mapping or path, optional
         Inputs of a scene and keys of `REQUIREMENTS`, or a file of them.
     free : bool
         Take any size, not only the standard ones.
     **changes
-        Keys in place of those of the requirement.
+        Keys of the requirement, in place of those of `requirement`.
 
     Returns
     -------
@@ -1369,12 +1479,12 @@ def design(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> report = bs.design({"axial_load_N": 4000, "screw_speed_rpm": 1500, "stroke_mm": 600, "lead_mm": 10,
-    ...                     "friction_coefficient": 0.05, "required_life_h": 5000})
+    >>> report = bs.design(axial_load_N=4000, screw_speed_rpm=1500, stroke_mm=600, lead_mm=10,
+    ...                    friction_coefficient=0.05, required_life_h=5000)
     >>> report.found, report["scene"]["lead_mm"]
     (True, 10.0)
     """
-    return _report(_core.design(json.dumps({**_wish(requirement), **changes}), free))
+    return _report(_core.design(json.dumps({**_wish(requirement or {}), **changes}), free))
 
 
 def _wish(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, Any]:
@@ -1384,13 +1494,17 @@ def _wish(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, 
     return wish
 
 
-def validate(out: str | os.PathLike[str] | None = None) -> Table:
+def validate(
+    out: str | os.PathLike[str] | None = None, *, data: str | os.PathLike[str] | None = None
+) -> Table:
     """The published checks, as `bsm validate`, one row a check.
 
     Parameters
     ----------
     out : path, optional
         Folder for report.html, results.json and figures; made if it does not exist.
+    data : path, optional
+        Folder with published data, laid out as `validation/published`, in place of the built-in data.
 
     Returns
     -------
@@ -1398,7 +1512,7 @@ def validate(out: str | os.PathLike[str] | None = None) -> Table:
         `key`, `source`, `claim`, `claimed`, `measured`, `unit`, `criterion`, `note` and `verdict`: pass, fail or
         finding.
     """
-    text, files = _core.validate(out is not None)
+    text, files = _core.validate(out is not None, Path(data) if data is not None else None)
     _write_report(out, files)
     checks: list[dict[str, Any]] = json.loads(text)
     names = ["key", "source", "claim", "claimed", "measured", "unit", "criterion", "note", "verdict"]
@@ -1533,6 +1647,23 @@ def _few(names: Iterable[str]) -> str:
     shown = list(names)
     more = f", and {len(shown) - 8} more" if len(shown) > 8 else ""
     return ", ".join(shown[:8]) + more
+
+
+def _is_plain(value: Any) -> bool:
+    return isinstance(value, (str, int, float))
+
+
+def _html_lines(title: str, lines: Sequence[Mapping[str, Any]]) -> str:
+    """A table of entries of the same names, the first of them."""
+    names = [name for name in lines[0] if any(_is_plain(line.get(name)) for line in lines)][:8]
+    head = "".join(f"<th>{_escape(name)}</th>" for name in names)
+
+    def cell(line: Mapping[str, Any], name: str) -> str:
+        value = line.get(name)
+        return f"<td>{_escape(_short(value)[:120]) if _is_plain(value) else ''}</td>"
+
+    body = "".join(f"<tr>{''.join(cell(line, name) for name in names)}</tr>" for line in lines)
+    return f"<p>{_escape(title)}</p><table><tr>{head}</tr>{body}</table>"
 
 
 def _short(value: Any) -> str:

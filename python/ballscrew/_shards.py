@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypedDict
 
 from ballscrew import _core
-from ballscrew._api import Linspace, Progress, Scene, _axes, _how, _scene, _shown
+from ballscrew._api import Linspace, Progress, Scene, _axes, _how, _list, _outputs, _scene, _shown
 from ballscrew._errors import InputError, ShardError
 from ballscrew._vocabulary import Control, Friction, Model, Output
 
@@ -303,10 +303,10 @@ def plan(
         _scene(base, {}),
         _axes(vary or {}),
         random,
-        (table, list(keep)) if table is not None else None,
+        (table, _list("keep", keep)) if table is not None else None,
         _how(model, tolerance, accuracy, creep, control, friction),
-        list(outputs) if outputs is not None else None,
-        (list(reduce), list(by)) if reduce is not None else None,
+        _outputs(outputs),
+        (_list("reduce", reduce), _list("by", by)) if reduce is not None else None,
         rows_per_shard,
     )
     core.begin(Path(folder))

@@ -9,7 +9,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import ballscrew as bs
-import ballscrew.plot
 
 screw = bs.Scene(
     ball_diameter_mm=6.35,
@@ -37,8 +36,8 @@ print(f"the balls grip at {grips.mean():.0%} of the points")
 
 # %% The map; failed points are gaps.
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
-ballscrew.plot.map(grid, "efficiency", ax=left)
-ballscrew.plot.curves(
+bs.plot.map(grid, "efficiency", ax=left)
+bs.plot.curves(
     bs.sweep(
         screw,
         vary={"screw_speed_rpm": bs.linspace(100, 6000, 60), "axial_load_N": [2e3, 8e3, 2e4]},

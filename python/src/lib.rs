@@ -86,6 +86,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<solution::Solution>()?;
     module.add_class::<points::Rows>()?;
     module.add_class::<shards::PyPlan>()?;
+    module.add_class::<reports::Nuts>()?;
     for function in [
         wrap_pyfunction!(inputs, module)?,
         wrap_pyfunction!(outputs, module)?,
@@ -111,6 +112,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(reports::optimum, module)?,
         wrap_pyfunction!(reports::size, module)?,
         wrap_pyfunction!(reports::catalog, module)?,
+        wrap_pyfunction!(reports::makers, module)?,
         wrap_pyfunction!(reports::validate, module)?,
         wrap_pyfunction!(reports::write_numbers, module)?,
         wrap_pyfunction!(clock::batch_seconds, module)?,

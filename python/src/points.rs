@@ -14,7 +14,7 @@ use std::time::Duration;
 use arrow_buffer::{Buffer, ScalarBuffer};
 use bsm_batch::{
     Answers, Chunk, Columns, Format, GridSource, ROWS, Room, Sink, Source, TableError, TableSink,
-    Task, Verdict, Workers,
+    Task, Told, Verdict, Workers,
 };
 use bsm_case::{Axis, Grid, ModelChoice, Output};
 use bsm_dyn::Status;
@@ -348,45 +348,30 @@ impl Gathered {
     ) -> Result<(), TableError> {
         let named = source.columns().clone();
         let mut verdicts = &mut self.verdicts[..];
-        // Where columns go that have no value yet: most outputs are of other models.
-        let mut spare = vec![Vec::new(); self.columns.len()];
         while !stop.load(Ordering::Relaxed) {
             let Some(chunk) = source.next(ROWS)? else { break };
             let first = usize::try_from(chunk.first - 1).unwrap_or(0);
             let rows = first..first + chunk.len;
-            let mut columns = Vec::with_capacity(spare.len());
-            for (column, spare) in self.columns.iter_mut().zip(&mut spare) {
-                columns.push(if let Some(column) = column {
-                    &mut column[rows.clone()]
-                } else {
-                    spare.resize(chunk.len, f64::NAN);
-                    &mut spare[..]
-                });
-            }
             let here = verdicts.split_off_mut(..chunk.len).unwrap_or_default();
+            let columns = self.columns.iter_mut();
+            let columns = columns.map(|column| Some(&mut column.as_mut()?[rows.clone()])).collect();
             let room = Room { verdicts: &mut *here, columns };
-            let words = task.solve_into((&chunk, &named), room, stop, done);
+            let Told { messages, values } = task.solve_into((&chunk, &named), room, stop, done);
             let wanted = |row: usize| self.text || here[row].status != Status::Converged;
-            let words = words.into_iter().filter(|(row, _)| wanted(*row));
+            let words = messages.into_iter().filter(|(row, _)| wanted(*row));
             self.messages.extend(words.map(|(row, text)| (first + row, text)));
-            for (column, spare) in self.columns.iter_mut().zip(&spare) {
-                if column.is_none() && has_value(spare) {
-                    let mut values = vec![0.0; self.len];
-                    values[..first].fill(f64::NAN);
-                    values[rows.clone()].copy_from_slice(spare);
-                    *column = Some(values);
-                }
+            for (place, row, values) in values {
+                let column = self.columns[place].get_or_insert_with(|| {
+                    // Zeros of the system, which take no memory before they are written to.
+                    let mut column = vec![0.0; self.len];
+                    column[..rows.end].fill(f64::NAN);
+                    column
+                });
+                column[first + row..][..values.len()].copy_from_slice(&values);
             }
         }
         Ok(())
     }
-}
-
-/// True if not all are NaN.
-fn has_value(values: &[f64]) -> bool {
-    // Without a branch for each value.
-    let some = |part: &[f64]| part.iter().fold(false, |some, value| some | !value.is_nan());
-    values.chunks(512).any(some)
 }
 
 /// Does `work` on the threads, while the thread that calls looks at signals and shows progress; quick work it

@@ -6,8 +6,9 @@ use std::path::PathBuf;
 use bsm_batch::{Format, NumberColumn, NumberSink, TableError};
 use bsm_case::{
     Analysis, Asked, CATALOGUE_COLUMNS, Calibration, CapacityReport, CaseError, Catalogue,
-    CatalogueColumn, Condition, DesignReport, Fit, Moving, NutProblem, OptimumReport, Record,
-    RequirementFile, Samples, SizeReport, Spectrum, sheet_columns,
+    CatalogueColumn, Condition, DesignReport, Fit, MakerNut, MakerRow, Moving, NutProblem,
+    OptimumReport, Record, RequirementFile, Samples, SizeReport, Spectrum, candidate_scene,
+    column_names, sheet_columns,
 };
 use bsm_design::Candidate;
 use bsm_dyn::{Model, ModelWorkspace};
@@ -16,7 +17,7 @@ use bsm_validate::{
 };
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::errors;
 use crate::points::{beside, format_of, watched};
@@ -69,18 +70,24 @@ pub(crate) fn analysis(
 
 /// Ratings of a nut.
 ///
-/// * `spectrum`: a load spectrum as CSV.
+/// * `spectrum`: a load spectrum as CSV. * `steps`: also what lies between.
 #[pyfunction]
 pub(crate) fn capacity(
     py: Python<'_>,
     scene: &Bound<'_, Scene>,
     spectrum: Option<&[u8]>,
+    steps: bool,
 ) -> PyResult<Report> {
     let scene = &scene.get().0;
     on_threads(py, || {
         let spectrum = spectrum.map(Spectrum::from_csv).transpose()?;
         let report = CapacityReport::of(scene, spectrum.as_ref())?;
-        Ok((report.to_json().to_string(), true, report.warnings().to_vec()))
+        let mut json = report.to_json();
+        if steps {
+            let step = |(name, _, value): (&str, _, f64)| (name.to_owned(), json!(value));
+            json["steps"] = report.steps().into_iter().map(step).collect::<Map<_, _>>().into();
+        }
+        Ok((json.to_string(), true, report.warnings().to_vec()))
     })
 }
 
@@ -228,10 +235,16 @@ pub(crate) fn size(
 }
 
 /// The published checks as JSON, and the files of their report if it is wanted.
+///
+/// * `data`: a folder with published data, those that are built in unless given.
 #[pyfunction]
-pub(crate) fn validate(py: Python<'_>, page: bool) -> PyResult<(String, Files)> {
+pub(crate) fn validate(
+    py: Python<'_>,
+    page: bool,
+    data: Option<PathBuf>,
+) -> PyResult<(String, Files)> {
     let run = || -> Result<(String, Files), ValidateError> {
-        let published = Published::default();
+        let published = data.as_deref().map(Published::read).transpose()?.unwrap_or_default();
         let report = bsm_validate::run(&published)?;
         let files = if page {
             let figures = bsm_validate::figures(&published)?;
@@ -288,6 +301,65 @@ pub(crate) fn write_numbers(
     py.detach(write).map_err(|e| errors::table(&e))
 }
 
+/// Name, unit and values of the columns of a table.
+type Table = Vec<(String, &'static str, PyArrowBuffer)>;
+
+/// Nuts as scenes.
+#[pyclass(frozen, module = "ballscrew._core")]
+pub(crate) struct Nuts(Box<dyn Fn(usize) -> Option<Value> + Send + Sync>);
+
+#[pymethods]
+impl Nuts {
+    /// The nut of a row, as JSON.
+    fn scene(&self, row: usize) -> PyResult<String> {
+        let scene = (self.0)(row);
+        scene.map(|scene| scene.to_string()).ok_or_else(|| errors::words(&format!("no row {row}")))
+    }
+}
+
+/// A requirement from JSON.
+fn wished(json: Option<&str>, catalogue: &Catalogue) -> Result<Option<RequirementFile>, CaseError> {
+    let read = |json: &str| {
+        RequirementFile::from_json(json.as_bytes(), &[], catalogue.lists.clone())
+    };
+    json.map(read).transpose()
+}
+
+/// Nuts of a maker beside ours: columns of numbers, names of the nuts, which keep all rules of a requirement.
+///
+/// * `table`: CSV. * `names`: JSON of the names of its columns. * `requirement`: JSON of what all must keep.
+#[pyfunction]
+pub(crate) fn makers(
+    py: Python<'_>,
+    table: &[u8],
+    names: &str,
+    requirement: Option<&str>,
+) -> PyResult<(Table, Vec<String>, Vec<bool>, Nuts)> {
+    let rows = on_threads(py, || {
+        let nuts = MakerNut::from_csv(table, &column_names(names.as_bytes())?, b',', '.')?;
+        let wish = wished(requirement, &Catalogue::standard()?)?;
+        let row = |nut: &MakerNut| {
+            MakerRow::of(nut, wish.as_ref()).map_err(|error| (nut.name.clone(), error))
+        };
+        let mut rows: Result<Vec<_>, _> = nuts.iter().map(row).collect();
+        if let (Ok(rows), Some(_)) = (&mut rows, &wish) {
+            MakerRow::sort(rows);
+        }
+        Ok(rows)
+    })?;
+    let rows = rows.map_err(|(name, error)| errors::words(&format!("{name}: {error}")))?;
+    let columns = rows.first().into_iter().flat_map(|first| first.numbers.iter().enumerate());
+    let column = |(place, (name, unit, _)): (usize, &(String, &'static str, _))| {
+        let value = |row: &MakerRow| row.numbers[place].2.unwrap_or(f64::NAN);
+        (name.clone(), *unit, shared(rows.iter().map(value).collect()))
+    };
+    let columns = columns.map(column).collect();
+    let names = rows.iter().map(|row| row.name.clone()).collect();
+    let passes = rows.iter().filter_map(|row| row.passes).collect();
+    let nuts = Nuts(Box::new(move |row| rows.get(row).map(|row| row.scene.to_json())));
+    Ok((columns, names, passes, nuts))
+}
+
 /// Nuts of standard sizes: name, unit and values of each column.
 ///
 /// * `lists`: JSON of the sizes, the standard ones unless given. * `requirement`: JSON of what all must keep.
@@ -302,19 +374,13 @@ pub(crate) fn catalog(
     sort: Option<&str>,
     descending: bool,
     first: Option<usize>,
-) -> PyResult<Vec<(&'static str, &'static str, PyArrowBuffer)>> {
-    let columns = on_threads(py, || {
+) -> PyResult<(Table, Nuts)> {
+    let (columns, nuts) = on_threads(py, || {
         let catalogue = match lists {
             Some(lists) => Catalogue::from_json(lists.as_bytes())?,
             None => Catalogue::standard()?,
         };
-        let wish = match requirement {
-            Some(json) => {
-                let lists = catalogue.lists.clone();
-                Some(RequirementFile::from_json(json.as_bytes(), &[], lists)?)
-            }
-            None => None,
-        };
+        let wish = wished(requirement, &catalogue)?;
         let on_sheet = |name: &str| {
             sheet_columns().position(|column| column.name == name).filter(|_| wish.is_some())
         };
@@ -369,8 +435,10 @@ pub(crate) fn catalog(
             let of_sheets = sheet_columns().enumerate();
             columns.extend(of_sheets.map(|(i, c)| (c.name, c.unit, value(i).collect())));
         }
-        Ok(columns)
+        let nuts: Vec<_> = nuts.into_iter().map(|(nut, _)| nut).collect();
+        let scene = move |row: usize| Some(candidate_scene(nuts.get(row)?, wish.as_ref()));
+        Ok((columns, Nuts(Box::new(scene))))
     })?;
-    let column = |(name, unit, values): (_, _, Vec<f64>)| (name, unit, shared(values));
-    Ok(columns.into_iter().map(column).collect())
+    let column = |(name, unit, values): (&str, _, Vec<f64>)| (name.to_owned(), unit, shared(values));
+    Ok((columns.into_iter().map(column).collect(), nuts))
 }

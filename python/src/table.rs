@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
+use arrow_array::ffi_stream::FFI_ArrowArrayStream;
 use arrow_array::types::Float64Type;
 use arrow_array::{
     Array, ArrayRef, BooleanArray, DictionaryArray, Float64Array, Int8Array, RecordBatch,
@@ -13,7 +14,7 @@ use arrow_buffer::{BooleanBuffer, Buffer, NullBuffer, ScalarBuffer};
 use arrow_cast::cast;
 use arrow_schema::{ArrowError, DataType, Field, Schema};
 use pyo3::prelude::*;
-use pyo3_arrow::PyRecordBatchReader;
+use pyo3::types::PyCapsule;
 use pyo3_arrow::buffer::{AnyBufferProtocol, PyArrowBuffer};
 use pyo3_arrow::input::AnyRecordBatch;
 
@@ -97,14 +98,15 @@ pub(crate) fn read_arrow(
     schema.fields().iter().enumerate().map(column).collect()
 }
 
-/// A table as an Arrow stream: name, unit, kind, values and words of each column; NaN is null.
+/// A table as an Arrow stream, in the capsule of `__arrow_c_stream__`: name, unit, kind, values and words of each column; NaN is null.
 ///
 /// The kinds: `numbers`; `flags`, numbers that are 0 or 1; `words`, places in the words, negative for none;
 /// `texts`.
 #[pyfunction]
-pub(crate) fn to_arrow(
+pub(crate) fn to_arrow<'py>(
+    py: Python<'py>,
     columns: Vec<(String, String, String, Bound<'_, PyAny>, Vec<String>)>,
-) -> PyResult<PyRecordBatchReader> {
+) -> PyResult<Bound<'py, PyCapsule>> {
     let column = |(name, unit, kind, values, words): (String, _, String, Bound<'_, PyAny>, _)| {
         let array: ArrayRef = match kind.as_str() {
             "words" => {
@@ -137,7 +139,9 @@ pub(crate) fn to_arrow(
     let schema = Arc::new(Schema::new(fields));
     let batch = RecordBatch::try_new(schema.clone(), arrays).map_err(refused)?;
     let batches = RecordBatchIterator::new([Ok(batch)], schema);
-    Ok(PyRecordBatchReader::new(Box::new(batches)))
+    // Not by pyo3-arrow's classes: their methods are a quarter of the module, and nobody calls them.
+    let stream = FFI_ArrowArrayStream::new(Box::new(batches));
+    PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
 }
 
 /// The memory of an array, not copied.

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import polars as pl
 import pytest
 from conftest import EXAMPLES, ROOT
 from hypothesis import given, settings
@@ -154,6 +155,34 @@ def test_representations_are_short_and_escaped(screw: bs.Scene) -> None:
     for shown in (named._repr_html_(), bs.solve(screw)._repr_html_(), table._repr_html_()):
         assert len(shown) < 20_000
     assert "efficiency" in repr(bs.solve(screw))
+
+
+def test_a_report_is_shown_with_what_it_holds() -> None:
+    """A notebook showed of `size` that it passes, and nothing else."""
+    shown = bs.size(bs.Scene.read(EXAMPLES / "axis.json"))._repr_html_()
+    assert "buckling_safety" in shown and "screw_mass_kg" in shown and len(shown) < 20_000
+    shown = bs.design(EXAMPLES / "requirements" / "axis.json")._repr_html_()
+    assert "<th>step</th>" in shown and "ball_diameter_mm" in shown and len(shown) < 20_000
+
+
+def test_what_new_users_write_is_answered_in_words(screw: bs.Scene) -> None:
+    points: Any = {"screw_speed_rpm": [100.0, 200.0]}
+    with pytest.raises(bs.InputError, match=r"outputs takes a list of names, such as \['efficiency'\]"):
+        bs.solve_many(points, screw, outputs="efficiency")  # type: ignore[arg-type]
+    with pytest.raises(bs.InputError, match="wrt takes a list"):
+        bs.gradient(points, "efficiency", "lead_mm", screw)
+    with pytest.raises(bs.InputError, match=r"`lead_mm` is 10; give the values that it takes, such as \[10\]"):
+        bs.sweep(screw, vary={"lead_mm": 10})  # type: ignore[dict-item]
+    with pytest.raises(bs.InputError, match=r"Scene.read\(path\) reads a file"):
+        bs.solve("examples/feed_drive.json")  # type: ignore[arg-type]
+    for frame in ({**points, "name": ["a", "b"]}, pl.DataFrame({**points, "name": ["a", "b"]})):
+        with pytest.raises(bs.InputError, match="column `name` holds") as refused:
+            bs.solve_many(frame, screw)
+        assert "keep=" in refused.value.__notes__[0]
+    with pytest.raises(KeyError) as caught:
+        bs.solve_many(points, screw)["regime"]
+    assert len(str(caught.value)) < 300
+    assert bs.design(axial_load_N=4000, screw_speed_rpm=1500, stroke_mm=600, friction_coefficient=0.05).found
 
 
 # Many points

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import pickle
 import subprocess
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
+import polars as pl
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -194,8 +197,75 @@ def test_catalog_of_a_requirement(tmp_path: Path) -> None:
     same_table(ours, theirs)
 
 
+def picked(tmp_path: Path, *words: str | Path) -> dict[str, Any]:
+    """The scene that the program writes of the first nut."""
+    path = tmp_path / "picked.json"
+    subprocess.run([program(), "catalog", *words, "--pick", path], capture_output=True, check=True)
+    found: dict[str, Any] = json.loads(path.read_text())
+    return found
+
+
+def test_a_nut_of_the_catalogue_is_a_scene(tmp_path: Path) -> None:
+    wish = EXAMPLES / "requirements" / "axis.json"
+    lead = ["--require", "lead_mm=20", "--sort", "mass_kg"]
+    for requirement, words in ((None, lead), (wish, [*lead, "--requirement", wish])):
+        nuts = bs.catalog(require=["lead_mm=20"], requirement=requirement, sort="mass_kg", first=2)
+        assert nuts.scene().to_dict() == bs.Scene(picked(tmp_path, *words)).to_dict()
+        with pytest.raises(IndexError):
+            nuts.scene(2)
+    assert bs.size(nuts.scene(-1))["results"]["critical_speed_ratio"] == nuts["critical_speed_ratio"][-1]
+
+
+def test_nuts_of_a_maker(tmp_path: Path) -> None:
+    path, wish = EXAMPLES / "maker_table.csv", EXAMPLES / "requirements" / "axis.json"
+    words: list[str | Path] = []
+    for requirement in (None, wish):
+        words = ["--requirement", requirement] if requirement else []
+        nuts = bs.catalog(makers=path, requirement=requirement)
+        rows = told("catalog", "--makers", path, *words)
+        assert nuts.to_dict() == {name: [row[name] for row in rows] for name in rows[0]}
+    assert nuts.scene(0).to_dict() == bs.Scene(picked(tmp_path, "--makers", path, *words)).to_dict()
+    # In a maker's own words, with a column that nobody reads, and a gap.
+    own = pd.read_csv(path).rename(columns={"nut": "Type", "rigidity_N_um": "K"}).assign(note="of a page")
+    own["K"] = own["K"].where(own["Type"] != "R63-20K5-FSC")
+    names = {"Type": "nut", "K": "rigidity_N_um", "note": None}
+    plain_columns = {name: own[name].to_numpy() for name in own}
+    for table in (own, pl.DataFrame(plain_columns), plain_columns):
+        again = bs.catalog(makers=table, columns_from=names, requirement=wish)
+        assert again["nut"].tolist() == nuts["nut"].tolist()
+        gap = again["nut"].tolist().index("R63-20K5-FSC")
+        assert np.flatnonzero(np.isnan(again["rigidity_N_um"])).tolist() == [gap]
+    assert again.to_arrow().to_pandas()["passes"].tolist() == again["passes"].tolist()
+    assert pickle.loads(pickle.dumps(again)).to_dict() == again.to_dict()
+    with pytest.raises(bs.InputError, match="column `Type` holds") as refused:
+        bs.catalog(makers=own)
+    assert "columns_from" in refused.value.__notes__[0]
+    with pytest.raises(bs.InputError, match="unknown column `K`.*columns-from"):
+        bs.catalog(makers=own.drop(columns=["Type", "note"]))
+    with pytest.raises(bs.InputError, match="makers goes with"):
+        bs.catalog(makers=path, pareto=True)
+
+
+def test_a_load_spectrum_and_the_steps_of_a_rating(tmp_path: Path) -> None:
+    path = EXAMPLES / "nut.json"
+    spectrum = {"axial_load_N": [2000.0, 8000.0], "screw_speed_rpm": [1500.0, 300.0], "time_share": [0.7, 0.3]}
+    table = tmp_path / "spectrum.csv"
+    pd.DataFrame(spectrum).to_csv(table, index=False)
+    expected = told("capacity", path, "--spectrum", table)
+    for given in (table, spectrum, pd.DataFrame(spectrum)):
+        assert plain(bs.capacity(bs.Scene.read(path), spectrum=given)) == expected
+    run = subprocess.run([program(), "capacity", path, "--steps", "-o", tmp_path / "rows.csv"], capture_output=True)
+    assert run.returncode == 0, run.stderr
+    rows = pd.read_csv(tmp_path / "rows.csv")
+    steps = bs.capacity(bs.Scene.read(path), steps=True)["steps"]
+    assert len(steps) > 3
+    assert list(steps.values()) == rows.iloc[-len(steps):, -1].tolist()
+
+
 def test_validate() -> None:
     table = bs.validate()
+    ours = bs.validate(data=EXAMPLES.parent / "validation" / "published")
+    assert ours.to_dict() == table.to_dict()
     verdicts = table["verdict"].tolist()
     assert len(verdicts) > 300 and "fail" not in verdicts
     assert verdicts == [check["verdict"] for check in told("validate")["checks"]]

@@ -69,7 +69,7 @@ pub use numbers::{NumberColumn, NumberRows, NumberSink};
 pub use parquet_table::{ParquetSink, ParquetSource, hush_parquet_panics};
 pub use pipeline::{Count, ROWS, RunError, Task, Workers};
 pub use rows::{Answers, Cell, Chunk, Column, Columns, Heading, Verdict};
-pub use solve::Room;
+pub use solve::{Room, Told};
 pub use source::{GridSource, Source};
 pub use table::{ABOUT, Format, TableSink};
 pub use text::{CsvSink, CsvSource, JsonSink, JsonSource};

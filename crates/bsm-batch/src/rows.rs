@@ -183,7 +183,7 @@ impl Columns {
 
 /// Places that a column has more than rows: columns that lie a power of two apart would share the
 /// few places of the cache that hold such addresses.
-const APART: usize = 40;
+pub(crate) const APART: usize = 40;
 
 /// Numbers of a column.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! Answers of a task for a chunk of rows.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_case::{AnalysisKind, CaseError, Cell as Answer, Moving, Output, Quantity, Record, Scene};
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::Task;
 use crate::kernel::{Rows, Wanted};
 use crate::operand::Operands;
-use crate::rows::{Answers, Chunk, Columns, Verdict};
+use crate::rows::{APART, Answers, Chunk, Columns, Verdict};
 
 /// Rows that one thread takes at a time: a kernel answers many in the time that it takes to hand
 /// them over, a model few.
@@ -24,6 +24,9 @@ const FEW: usize = 256;
 thread_local! {
     /// Memory of the models; chunks are many and threads are few.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
+
+    /// NaN, for a stride of the outputs that have no place: it stays in the cache.
+    static SPARE: Cell<Vec<f64>> = const { Cell::new(Vec::new()) };
 }
 
 /// Where the answers of a chunk go.
@@ -31,8 +34,18 @@ thread_local! {
 pub struct Room<'a> {
     /// A place for each row.
     pub verdicts: &'a mut [Verdict],
-    /// The outputs of the task, a place for each row.
-    pub columns: Vec<&'a mut [f64]>,
+    /// The outputs of the task, a place for each row. Of an output without a place only the values come back: most
+    /// outputs are of other models.
+    pub columns: Vec<Option<&'a mut [f64]>>,
+}
+
+/// What there is to say of a chunk besides.
+#[derive(Debug, Default)]
+pub struct Told {
+    /// Why there is no result, or why auto chose its model: rows in their order.
+    pub messages: Vec<(usize, String)>,
+    /// Values of outputs without a place: the output, the first row, and some rows, in which the others have none.
+    pub values: Vec<(usize, usize, Vec<f64>)>,
 }
 
 /// Some rows of a chunk.
@@ -40,7 +53,14 @@ struct Part<'a> {
     /// The first of them in the chunk.
     first: usize,
     verdicts: &'a mut [Verdict],
-    columns: Vec<&'a mut [f64]>,
+    columns: Vec<Option<&'a mut [f64]>>,
+}
+
+/// True if not all are NaN.
+fn has_value(values: &[f64]) -> bool {
+    // Without a branch for each value.
+    let some = |part: &[f64]| part.iter().fold(false, |some, value| some | !value.is_nan());
+    values.chunks(512).any(some)
 }
 
 impl Task {
@@ -75,13 +95,13 @@ impl Task {
         let mut answers = Answers::room(chunk.len, outputs);
         let room = Room {
             verdicts: &mut answers.verdicts,
-            columns: answers.columns.iter_mut().map(|column| &mut column[..]).collect(),
+            columns: answers.columns.iter_mut().map(|column| Some(&mut column[..])).collect(),
         };
-        answers.messages = self.fill(arch, stop, &AtomicU64::new(0), (chunk, columns), room);
+        answers.messages = self.fill(arch, stop, &AtomicU64::new(0), (chunk, columns), room).messages;
         answers
     }
 
-    /// [`solve`](Self::solve) into memory of the caller; returns the messages.
+    /// [`solve`](Self::solve) into memory of the caller.
     ///
     /// * `stop`: what was written is of no use once it has become true. * `done`: counts the rows that are
     ///   answered, while others are being solved.
@@ -91,7 +111,7 @@ impl Task {
         room: Room<'_>,
         stop: &AtomicBool,
         done: &AtomicU64,
-    ) -> Vec<(usize, String)> {
+    ) -> Told {
         self.fill(Arch::new(), stop, done, (chunk, columns), room)
     }
 
@@ -102,7 +122,7 @@ impl Task {
         count: &AtomicU64,
         (chunk, columns): (&Chunk, &Columns),
         mut room: Room<'_>,
-    ) -> Vec<(usize, String)> {
+    ) -> Told {
         let Self { base, settings, .. } = self;
         let asked = Asked::of(self);
         let wanted = Wanted::of(&asked.outputs);
@@ -112,7 +132,8 @@ impl Task {
         let verdict = Verdict { model, status: Status::Converged, has_others: false };
 
         let stride = if operands.is_some() { KERNEL_STRIDE } else { MODEL_STRIDE };
-        let mut pieces: Vec<_> = room.columns.iter_mut().map(|c| c.chunks_mut(stride)).collect();
+        let columns_of = room.columns.iter_mut();
+        let mut pieces: Vec<_> = columns_of.map(|c| Some(c.as_mut()?.chunks_mut(stride))).collect();
         let parts: Vec<_> = room
             .verdicts
             .chunks_mut(stride)
@@ -120,19 +141,32 @@ impl Task {
             .map(|(i, verdicts)| Part {
                 first: i * stride,
                 verdicts,
-                columns: pieces.iter_mut().filter_map(Iterator::next).collect(),
+                columns: pieces.iter_mut().map(|piece| piece.as_mut()?.next()).collect(),
             })
             .collect();
-        let solve = |mut part: Part<'_>| {
+        let solve = |Part { first, verdicts, columns: given }: Part<'_>| {
             if stop.load(Ordering::Relaxed) {
-                return Vec::new();
+                return Told::default();
             }
-            part.verdicts.fill(verdict);
-            part.columns.iter_mut().for_each(|column| column.fill(f64::NAN));
-            let mut done = vec![false; part.verdicts.len()];
+            let len = verdicts.len();
+            verdicts.fill(verdict);
+            let without: Vec<_> = given.iter().map(Option::is_none).collect();
+            // Given back when it is NaN again: after a panic it is not.
+            let mut spare = SPARE.take();
+            let needed = without.iter().filter(|none| **none).count() * (stride + APART);
+            spare.resize(needed.max(spare.len()), f64::NAN);
+            let mut places = spare.chunks_exact_mut(stride + APART);
+            let place = |column: Option<_>| column.or_else(|| Some(&mut places.next()?[..len]));
+            let mut outputs: Vec<&mut [f64]> = given.into_iter().filter_map(place).collect();
+            for (column, without) in outputs.iter_mut().zip(&without) {
+                if !without {
+                    column.fill(f64::NAN);
+                }
+            }
+            let mut done = vec![false; len];
             if let Some((operands, model)) = &operands {
-                let (wanted, columns) = (&wanted, &mut part.columns[..]);
-                let rows = Rows { operands, wanted, first: part.first, columns, done: &mut done };
+                let (wanted, columns) = (&wanted, &mut outputs[..]);
+                let rows = Rows { operands, wanted, first, columns, done: &mut done };
                 rows.solve(arch, *model, settings);
             }
             let mut messages = Vec::new();
@@ -143,26 +177,39 @@ impl Task {
                 if stop.load(Ordering::Relaxed) {
                     break;
                 }
-                let row = part.first + i;
+                let row = first + i;
                 if !done {
                     // A kernel may have begun the row.
-                    part.columns.iter_mut().for_each(|column| column[i] = f64::NAN);
+                    outputs.iter_mut().for_each(|column| column[i] = f64::NAN);
                 }
-                let put = |place: usize, value| part.columns[place][i] = value;
+                let put = |place: usize, value| outputs[place][i] = value;
                 let scene = chunk.scene(columns, base, row);
                 let (verdict, message) = self.answer_row(&asked, scene, done, put);
-                part.verdicts[i] = verdict.unwrap_or(part.verdicts[i]);
+                verdicts[i] = verdict.unwrap_or(verdicts[i]);
                 messages.extend(message.map(|message| (row, message)));
             }
-            count.fetch_add(part.verdicts.len() as u64, Ordering::Relaxed);
-            messages
+            let mut values = Vec::new();
+            for (place, column) in outputs.into_iter().enumerate() {
+                if without[place] && has_value(column) {
+                    values.push((place, first, column.to_vec()));
+                    column.fill(f64::NAN);
+                }
+            }
+            SPARE.set(spare);
+            count.fetch_add(len as u64, Ordering::Relaxed);
+            Told { messages, values }
         };
-        let messages: Vec<Vec<_>> = if self.is_quick(chunk.len) {
+        let told: Vec<_> = if self.is_quick(chunk.len) {
             parts.into_iter().map(solve).collect()
         } else {
             parts.into_par_iter().map(solve).collect()
         };
-        messages.into_iter().flatten().collect()
+        let mut all = Told::default();
+        for part in told {
+            all.messages.extend(part.messages);
+            all.values.extend(part.values);
+        }
+        all
     }
 
     /// True if the thread that asks solves so many rows itself: few, and none with an analysis, which may

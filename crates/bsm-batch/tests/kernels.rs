@@ -2,14 +2,16 @@
 
 mod alike;
 
-use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Task};
+use std::sync::atomic::{AtomicBool, AtomicU64};
+
+use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Room, Task};
 use bsm_case::{Output, Record, Scene, Settings};
-use bsm_dyn::{Control, Model, ModelWorkspace, RacewayFriction};
+use bsm_dyn::{Control, Model, ModelWorkspace, RacewayFriction, Status};
 use bsm_sample::Sample;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use alike::assert_alike;
+use alike::{OF_THE_WAY, assert_alike};
 
 const INPUTS: [&str; 16] = [
     "lead_angle_deg",
@@ -214,6 +216,74 @@ fn results_depend_on_the_point_only() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let found = pool.expect("threads").install(|| task.solve(&chunk, &columns));
             assert!(bits(&found) == expected, "{threads} threads, {model:?}");
+        }
+    }
+}
+
+/// Speed depends on it: of points that have a root nearly none is left to Newton. A row that is left to it has the
+/// model's own way to the root, to the last bit.
+#[test]
+fn sweeps_finish_nearly_all_points() {
+    const COUNT: usize = 10_000;
+    let mut rng = ChaCha8Rng::seed_from_u64(24);
+    let base = br#"{"pitch_circle_diameter_mm": 48.6, "ball_diameter_mm": 8.74, "nut_speed_rpm": 0,
+        "loaded_balls": 1}"#;
+    let base = Scene::from_json(base).expect("scene");
+    let ranges = [
+        ("lead_angle_deg", 10.0..45.0),
+        ("contact_angle_deg", 30.0..70.0),
+        ("friction_coefficient", 0.01..0.1),
+        ("screw_speed_rpm", -6000.0..6000.0),
+        ("axial_load_N", 20.0..3000.0),
+    ];
+    let names = ranges.each_ref().map(|(name, _)| *name);
+    let columns = Columns::sort(names, &[]).expect("known names");
+    let mut inputs = vec![Column::default(); names.len()];
+    for _ in 0..COUNT {
+        for (column, (_, range)) in inputs.iter_mut().zip(&ranges) {
+            column.push(Cell::Number(rng.random_range(range.clone())));
+        }
+    }
+    let chunk = Chunk { first: 1, len: COUNT, inputs, kept: Vec::new() };
+    let way = OF_THE_WAY.map(|name| Output::named(name).expect("known name"));
+    let settings = Settings::from(Model::Rigid);
+    let answers = Task::new(base.clone(), settings, way.to_vec()).solve(&chunk, &columns);
+    let (mut left, mut solved) = (0, 0);
+    for row in 0..COUNT {
+        let root = record(&scene(&names, &chunk, &base, row), &settings);
+        if root.status() != Status::Converged {
+            continue;
+        }
+        solved += 1;
+        let bits = |output| root.cell(output).map(|cell| cell.number().to_bits());
+        let mut found = way.iter().zip(&answers.columns);
+        left += usize::from(found.all(|(output, column)| bits(output) == Some(column[row].to_bits())));
+    }
+    assert!(solved > COUNT / 2, "{solved}");
+    assert!(left * 200 < solved, "{left} of {solved} points are left to Newton");
+}
+
+/// Outputs that are given no place come back as values, and only where there are some.
+#[test]
+fn outputs_without_a_place_come_back() {
+    // More than a stride.
+    let (chunk, columns) = points(3000);
+    for model in with_kernel() {
+        let task = Task::new(Scene::default(), model.into(), all());
+        let expected = task.solve(&chunk, &columns);
+        let mut verdicts = expected.verdicts.clone();
+        let room = Room { verdicts: &mut verdicts, columns: all().iter().map(|_| None).collect() };
+        let (stop, done) = (AtomicBool::new(false), AtomicU64::new(0));
+        let told = task.solve_into((&chunk, &columns), room, &stop, &done);
+        let mut found = vec![vec![f64::NAN; chunk.len]; all().len()];
+        for (place, first, values) in told.values {
+            assert!(!values.iter().all(|value| value.is_nan()), "{model:?}");
+            found[place][first..][..values.len()].copy_from_slice(&values);
+        }
+        assert_eq!((verdicts, told.messages), (expected.verdicts, expected.messages), "{model:?}");
+        for (output, (found, expected)) in all().iter().zip(found.iter().zip(&expected.columns)) {
+            let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
+            assert!(found.iter().zip(expected).all(same), "{}, {model:?}", output.name);
         }
     }
 }

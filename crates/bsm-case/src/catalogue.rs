@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use crate::units::{DEG, GPA, MM, UM};
-use crate::{CaseError, InputKey, entries, nearest};
+use crate::{CaseError, INPUTS, InputKey, RequirementFile, entries, nearest};
 
 /// The standard lists and limits, to copy and edit.
 pub const STANDARD_CATALOGUE: &str = include_str!("catalogue.json");
@@ -374,4 +374,17 @@ impl Condition {
 pub fn candidate_json(candidate: &Candidate) -> Map<String, Value> {
     let entry = |c: &CatalogueColumn| (c.name.to_owned(), json!((c.read)(candidate)));
     CATALOGUE_COLUMNS.iter().map(entry).collect()
+}
+
+/// A nut as the scene of every other command: with a requirement at its operating point.
+pub fn candidate_scene(candidate: &Candidate, wish: Option<&RequirementFile>) -> Value {
+    if let Some(wish) = wish {
+        return wish.scene_of(&candidate.nut).to_json();
+    }
+    let mut nut = candidate_json(candidate);
+    nut.retain(|name, _| INPUTS.iter().any(|input| input.name == name));
+    let races = candidate.nut.material.0;
+    nut.insert("youngs_modulus_GPa".to_owned(), json!(races.youngs_modulus / GPA));
+    nut.insert("poisson_ratio".to_owned(), json!(races.poisson_ratio));
+    Value::Object(nut)
 }

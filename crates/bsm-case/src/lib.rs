@@ -72,7 +72,7 @@ pub use calibration::{Calibration, CalibrationReport};
 pub use capacity::CapacityReport;
 pub use catalogue::{
     Asked, CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE,
-    candidate_json,
+    candidate_json, candidate_scene,
 };
 pub use comparison::{Compared, Comparison};
 pub use design::{DesignReport, DesignRow};
@@ -82,7 +82,7 @@ pub use fit::{Fit, FitReport, Fitted};
 pub use grid::{Axis, Grid};
 pub use input::{INPUTS, Input, InputKey, Rule, Scene};
 pub use input_set::{InputSet, following};
-pub use makers::{MakerNut, column_names};
+pub use makers::{MakerNut, MakerRow, column_names};
 pub use number::{exact, write_exact};
 pub use nut::{BALL_COLUMNS, CURVE_COLUMNS, LISTED, NutProblem, NutReport, NutWords, Samples};
 pub use optimum::OptimumReport;

@@ -8,7 +8,10 @@ use serde_json::Value;
 use crate::scene::{entries, wrong_type};
 use crate::size::decimal_number;
 use crate::units::{MM, convert};
-use crate::{CaseError, INPUTS, InputKey, RequirementFile, Scene, nearest};
+use crate::{
+    CapacityReport, CaseError, INPUTS, InputKey, Output, RequirementFile, Scene, Settings,
+    SizeReport, nearest, sheet_columns,
+};
 
 /// Contact angle of makers, unless the table has it \[deg\].
 const CONTACT_ANGLE_DEG: f64 = 45.0;
@@ -88,6 +91,67 @@ impl MakerNut {
     }
 }
 
+/// Load over the dynamic rating at which makers state the rigidity of one nut.
+const RIGIDITY_AT: f64 = 0.3;
+
+/// A nut of a maker beside ours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MakerRow {
+    /// Its name.
+    pub name: String,
+    /// The nut, with a requirement in its axis.
+    pub scene: Scene,
+    /// Name, unit and value: the maker's numbers with ours of the same nut, and with a requirement those of its sheet.
+    pub numbers: Vec<(String, &'static str, Option<f64>)>,
+    /// True if every rule of its sheet holds; none without a requirement.
+    pub passes: Option<bool>,
+}
+
+impl MakerRow {
+    /// A nut beside ours, and in the axis of a requirement.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if an input is missing or breaks its rule.
+    pub fn of(nut: &MakerNut, wish: Option<&RequirementFile>) -> Result<Self, CaseError> {
+        let mut at = nut.scene.clone();
+        at.axial_load_N = at.rated_dynamic_load_N.map(|rating| RIGIDITY_AT * rating);
+        let ours = CapacityReport::of(&at, None)?.rows();
+        let of_ours = |name: &str| ours.iter().find(|row| row.0 == name).map(|row| row.2);
+        let mut numbers = Vec::new();
+        let [dynamic, rated] = [nut.scene.rated_dynamic_load_N, nut.scene.rated_static_load_N];
+        for (name, unit, makers, same) in [
+            ("dynamic_load_rating_N", "N", dynamic, "dynamic_load_rating_N"),
+            ("static_load_rating_N", "N", rated, "static_load_rating_N"),
+            ("rigidity_N_um", "N/um", nut.rigidity, "secant_rigidity_N_um"),
+        ] {
+            numbers.push((name.to_owned(), unit, makers));
+            numbers.push((format!("our_{name}"), unit, of_ours(same)));
+        }
+        numbers.push(("mass_kg".to_owned(), "kg", of_ours("mass_kg")));
+        let (mut scene, mut passes) = (nut.scene.clone(), None);
+        if let Some(wish) = wish {
+            scene = nut.within(wish);
+            let sheet = SizeReport::of(&scene, &Settings::default())?;
+            passes = Some(sheet.passes());
+            let of_sheet = |c: &Output| (c.name.to_owned(), c.unit, sheet.number(c.name));
+            numbers.extend(sheet_columns().map(of_sheet));
+        }
+        Ok(Self { name: nut.name.clone(), scene, numbers, passes })
+    }
+
+    /// Those that keep all rules first, of them the lightest screw.
+    pub fn sort(rows: &mut [Self]) {
+        let mass = |row: &Self| row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
+        rows.sort_by(|a, b| b.passes.cmp(&a.passes).then(mass(a).total_cmp(&mass(b))));
+    }
+
+    /// A number by name.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.numbers.iter().find(|(own, ..)| own == name).and_then(|(.., value)| *value)
+    }
+}
+
 /// A column: our name of it, and the factor to our unit; `None` if it is not read.
 fn column(
     name: &str,
@@ -105,8 +169,8 @@ fn column(
     convert(own, &known()).map(Some).ok_or_else(|| {
         let near = nearest(own, known()).map_or(String::new(), |near| format!(", did you mean `{near}`?"));
         format!(
-            "unknown column `{own}`{near}; --columns-from MAP.json gives the names of a maker, null for a \
-             column that is not read"
+            "unknown column `{own}`{near}; columns-from gives the names of a maker, null for a column that is \
+             not read"
         )
     })
 }

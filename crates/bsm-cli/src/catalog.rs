@@ -5,10 +5,9 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use bsm_batch::NumberColumn;
-use bsm_case::units::GPA;
 use bsm_case::{
     Asked, CATALOGUE_COLUMNS, CaseError, Catalogue, CatalogueColumn, Condition, Output,
-    RequirementFile, STANDARD_CATALOGUE, candidate_json, sheet_columns,
+    RequirementFile, STANDARD_CATALOGUE, candidate_json, candidate_scene, sheet_columns,
 };
 use bsm_design::Candidate;
 use bsm_report::{Figure, number};
@@ -113,9 +112,8 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     warn("note", &count(all.len(), met, chosen.len(), args));
     chosen.truncate(args.first.map_or(usize::MAX, NonZeroUsize::get));
     if let Some(path) = &args.pick {
-        let picked = catalogue.map(&chosen[..1], |_, nut| {
-            Some(wish.as_ref().map_or_else(|| scene(nut), |wish| wish.scene_of(&nut.nut).to_json()))
-        });
+        let picked =
+            catalogue.map(&chosen[..1], |_, nut| Some(candidate_scene(nut, wish.as_ref())));
         files::write(path, &(pretty_json(&picked[0]) + "\n"))?;
     }
     match (&args.output, kind) {
@@ -261,17 +259,6 @@ fn none(catalogue: &Catalogue, all: &[u32], requirements: &[(&String, Condition)
     };
     let reasons: String = requirements.iter().enumerate().map(without).collect();
     format!("none of {} nuts within the limits meets all requirements{reasons}", all.len())
-}
-
-/// A nut that `bsm capacity` and, with an operating point, `bsm solve` take.
-fn scene(candidate: &Candidate) -> Value {
-    let mut nut = candidate_json(candidate);
-    let inputs: Vec<_> = bsm_case::INPUTS.iter().map(|input| input.name).collect();
-    nut.retain(|name, _| inputs.contains(&name.as_str()));
-    let races = candidate.nut.material.0;
-    nut.insert("youngs_modulus_GPa".to_owned(), json!(races.youngs_modulus / GPA));
-    nut.insert("poisson_ratio".to_owned(), json!(races.poisson_ratio));
-    Value::Object(nut)
 }
 
 fn write(

@@ -7,8 +7,8 @@ use kuva::prelude::*;
 use kuva::render::layout::TickFormat;
 use kuva::render::render::{Primitive, Scene, render_multiple};
 
-use crate::ReportError;
 use crate::map::png_of;
+use crate::{ReportError, number};
 
 /// Colours that the palette has, chosen to be told apart by the colour-blind too.
 pub const MOST_CURVES: usize = 7;
@@ -111,6 +111,9 @@ const TITLE_LINE: f64 = 20.0;
 const ROW: f64 = 21.0;
 const COLUMN: usize = 18;
 
+/// Points of a curve that tell their numbers, about: closer ones than a pointer can hit are of no use.
+const MOST_TOLD: usize = 16;
+
 /// What strokes and colours mean.
 type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
 
@@ -140,35 +143,54 @@ impl Figure {
         // The library takes a title from the height of the plot.
         #[expect(clippy::cast_precision_loss, reason = "a few lines")]
         let more = TITLE_LINE * lines.saturating_sub(1) as f64;
-        self.scene(|layout, height| {
+        self.scene(Vec::new(), |layout, height| {
             layout.with_title(&self.title).with_title_wrap(TITLE).with_height(height + more)
         })
     }
 
-    /// SVG for a page that shows the title itself and may hold several figures.
+    /// SVG for a page that shows the title itself and may hold several figures. It tells the numbers of the point
+    /// under the pointer, without a script.
     pub fn inline_svg(&self) -> String {
-        let svg = svg_of(&self.scene(Layout::with_height));
+        let told = self.curves.iter().map(|curve| self.told(curve)).collect();
+        let svg = svg_of(&self.scene(told, Layout::with_height));
         // Names within an SVG are names of the whole page.
         svg.replace("kuva-clip-", &format!("{}-clip-", self.key))
     }
 
-    fn scene(&self, title: impl Fn(Layout, f64) -> Layout) -> Scene {
-        let palette = Palette::tol_bright();
-        let colors = palette.colors();
-        let color = |number: usize| colors[number % colors.len()].as_str();
+    /// Points of a curve that tell their numbers: not seen until they are pointed at.
+    fn told(&self, curve: &Curve) -> Plot {
+        let real: Vec<_> =
+            curve.points.iter().enumerate().filter(|(_, (_, y))| y.is_finite()).collect();
+        // The last is one of them.
+        let every = real.len().saturating_sub(1) / MOST_TOLD + 1;
+        let picked = || real.iter().rev().step_by(every);
+        let text = |(i, (x, y)): &(usize, &(f64, f64))| {
+            let names = curve.label.iter().chain(curve.marks.get(*i));
+            let values = [(&self.x, *x), (&self.y, *y)]
+                .map(|(axis, value)| format!("{}: {}", axis.label, number(value)));
+            names.chain(&values).map(String::as_str).collect::<Vec<_>>().join("\n")
+        };
+        let points = ScatterPlot::new().with_data(picked().map(|(_, point)| **point));
+        let points = points.with_color(color(curve.color)).with_size(7.0).with_marker_opacity(0.0);
+        Plot::Scatter(points.with_tooltip_labels(picked().map(text)))
+    }
+
+    /// * `above`: what else is drawn, over the curves.
+    fn scene(&self, above: Vec<Plot>, title: impl Fn(Layout, f64) -> Layout) -> Scene {
         let mut plots = Vec::new();
         for curve in &self.curves {
             let runs = curve.points.split(|(_, y)| !y.is_finite()).filter(|run| !run.is_empty());
-            plots.extend(runs.map(|run| plot(curve, run, color(curve.color))));
+            plots.extend(runs.map(|run| plot(curve, run, &color(curve.color))));
         }
+        plots.extend(above);
         let entry = |curve: &Curve| {
             let label = curve.label.as_ref()?;
-            Some(legend_entry(curve.stroke, color(curve.color), label))
+            Some(legend_entry(curve.stroke, &color(curve.color), label))
         };
         let by_parts = self.strokes_and_colors().map(|(strokes, of_colors)| {
             let strokes = strokes.iter().map(|(stroke, label)| legend_entry(*stroke, GREY, label));
             let of_colors =
-                of_colors.iter().map(|(i, label)| legend_entry(Stroke::Solid, color(*i), label));
+                of_colors.iter().map(|(i, label)| legend_entry(Stroke::Solid, &color(*i), label));
             strokes.chain(of_colors).collect()
         });
         let legend: Vec<_> =
@@ -310,6 +332,13 @@ pub(crate) fn tick(log: bool) -> TickFormat {
     }))
 }
 
+/// Colour of a number in the palette.
+fn color(number: usize) -> String {
+    let palette = Palette::tol_bright();
+    let colors = palette.colors();
+    colors[number % colors.len()].clone()
+}
+
 fn line_style(stroke: Stroke) -> LineStyle {
     match stroke {
         Stroke::Dashed => LineStyle::Dashed,
@@ -444,6 +473,10 @@ mod tests {
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");
         // Found by the package: a figure was another text after others were drawn.
         assert_eq!(figure.svg(), svg);
+        // On a page each point but the gap tells its numbers, in a file none.
+        let titles = |svg: &str| svg.matches("<title>").count();
+        assert_eq!((titles(&svg), titles(&figure.inline_svg())), (0, 4));
+        assert!(figure.inline_svg().contains("<title>a\nx, mm: 4.0000\ny, N: 2.0000</title>"));
         assert!(figure.csv(|x| x.to_string()).expect("a table").contains("\na,,3,\na,,4,2\n"));
     }
 }

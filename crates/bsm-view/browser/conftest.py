@@ -13,11 +13,21 @@ from playwright.sync_api import Browser, Page, sync_playwright
 ROOT = Path(__file__).resolve().parents[3]
 BSM = str(ROOT / os.environ.get("BSM", "target/release/bsm"))
 
-# Without a graphics card; the sandbox of Chromium does not run as root.
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+# Without a graphics card, as on a machine that has none: WebGL by the processor, but not all of the page. The sandbox of
+# Chromium does not run as root.
+FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader"]
 
 # A page on a busy machine with a debug build [ms].
 PATIENCE = 30_000
+
+
+# Times that a test measures, told at the end.
+MEASURED: list[str] = []
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    for words in MEASURED:
+        terminalreporter.write_line(words)
 
 
 def example(name: str) -> Path:

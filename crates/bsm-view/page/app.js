@@ -1,6 +1,6 @@
 // The page: one scene, asked again with every change, shown in every panel.
 
-import { html } from "bsm/draw";
+import { html, narrow } from "bsm/draw";
 import { ask, Gone, start } from "bsm/source";
 import { Inputs } from "bsm/inputs";
 import { showKey, showNumbers } from "bsm/results";
@@ -16,37 +16,45 @@ const at = (id) => document.getElementById(id);
 const panels = ["key", "space", "section", "ellipses", "losses", "map", "models", "nut", "numbers"];
 const space = new Space(at("space")), ellipses = new Ellipses(at("ellipses"));
 const inputs = new Inputs(at("inputs"), () => changed());
-const map = new ModelMap(at("map"), (values) => inputs.put(values), () => request());
+const map = new ModelMap(at("map"), { moved: (values) => inputs.put(values), ask: (route, body, signal) => ask(route, body, turn, signal), again: () => { turn += 1; late.abort(); void rest(); } });
 let settings = { ...start.settings };
 
 /** What is asked: scene and settings. */
 const request = () => ({ scene: inputs.scene, settings });
 
-// --- asking: one round at a time; a change during a round starts the next one at its end.
-let running = false, again = false, slow;
+// --- asking: one round at a time; a change during a round starts the next one at its end. Numbers come first, pictures
+// in the next frame, and what takes longer once nothing changes. A change ends what is asked later than that.
+let turn = 0, running = false, slow, late = new AbortController();
 
 function changed() {
+  turn += 1; late.abort(); clearTimeout(slow);
   at("json").value = JSON.stringify(inputs.scene, null, 2);
   title();
-  if (running) { again = true; return; }
-  void round();
+  space.hold(true);
+  if (!running) void follow();
 }
 
 /** An answer, or the error in its place. */
-const attempt = (route, body) => ask(route, body).catch((error) => error);
+const attempt = (route, body, signal) => ask(route, body, turn, signal).catch((error) => error);
 
-async function round() {
+/** After the next frame is drawn; a page that is hidden draws none. */
+const frame = () => new Promise((then) => { const go = () => setTimeout(then); if (document.hidden) go(); else requestAnimationFrame(go); });
+
+/** Asks until what is shown is what is set. */
+async function follow() {
   running = true;
-  do {
-    again = false;
-    const began = performance.now(), body = structuredClone(request());
-    const [solved, slip, fields] = await Promise.all([attempt("solve", body), attempt("slip", body), attempt("ellipses", body)]);
-    if (!again) try { show(body, solved, slip, fields); } catch (error) { complain(error); console.error(error); }
-    document.documentElement.dataset.round = (performance.now() - began).toFixed(1);
-  } while (again);
+  let drawn = Promise.resolve(), asked;
+  while (asked !== turn) {
+    asked = turn;
+    const body = structuredClone(request()), point = await attempt("point", body);
+    await drawn;
+    try { tell(body, point); } catch (error) { complain(error); console.error(error); }
+    drawn = frame().then(() => { if (!(point instanceof Error)) picture(body, point); }).catch((error) => { complain(error); console.error(error); });
+  }
+  await drawn;
   running = false;
-  clearTimeout(slow);
-  slow = setTimeout(() => void rest(), start.live ? 120 : 0);
+  // A change while the last picture was drawn.
+  if (asked !== turn) void follow(); else slow = setTimeout(() => void rest(), start.live ? 120 : 0);
 }
 
 function complain(error) {
@@ -62,34 +70,47 @@ const stale = (ids, on) => ids.forEach((id) => at(id).classList.toggle("stale", 
 
 let shown = { solved: null, nut: null };
 
-function show({ scene }, solved, slip, fields) {
-  if (solved instanceof Error) { complain(solved); stale(panels, true); return; }
+/** The numbers, and pictures of a few lines. */
+function tell({ scene }, point) {
+  if (point instanceof Error) { complain(point); stale(panels, true); return; }
+  const { solve: solved, slip } = point;
   complain(null);
   stale(["key", "space", "section", "ellipses", "losses", "numbers"], false);
-  shown.solved = solved; shown.scene = scene;
-  at("regime").textContent = solved.regime ? `${solved.regime}` : "";
+  shown.solved = solved;
+  at("regime").textContent = solved.regime ?? "";
   showKey(at("key"), solved);
   showNumbers(at("numbers"), solved);
   showSection(at("section"), scene, solved);
   showLosses(at("losses"), solved, slip);
+  map.point(scene);
+}
+
+function picture({ scene }, { solve: solved, ellipses: fields }) {
   ellipses.show(fields);
   space.show(scene, solved, shown.nut);
-  map.point(scene);
 }
 
 /** What may come a moment later. */
 async function rest() {
-  if (running || !at("alert").hidden) return;
-  const body = structuredClone(request());
-  const models = attempt("compare", body).then((answer) => { showModels(at("models"), answer, shown.solved); stale(["models"], false); });
-  const nut = attempt("nut", body).then((answer) => {
-    shown.nut = answer instanceof Error ? null : answer;
-    showNut(at("nut"), answer); stale(["nut"], false);
-    if (!running) space.show(body.scene, shown.solved, shown.nut);
-  });
-  const band = start.live && shown.solved?.equivalent_friction_coefficient != null
-    ? attempt("solve", { ...body, band: true }).then((answer) => { if (!running && !(answer instanceof Error)) { showKey(at("key"), answer); showLosses(at("losses"), answer, new Error("")); } }) : null;
-  await Promise.all([models, nut, band, map.show(body)]);
+  if (running) return;
+  space.hold(false);
+  if (!at("alert").hidden) return;
+  late = new AbortController();
+  const { signal } = late, body = structuredClone(request());
+  const then = (route, more, act) => attempt(route, { ...body, ...more }, signal).then((answer) => { if (!signal.aborted) act(answer); });
+  const banded = start.live && shown.solved?.equivalent_friction_coefficient != null;
+  await Promise.all([
+    then("compare", {}, (answer) => { showModels(at("models"), answer, shown.solved); stale(["models"], false); }),
+    then("nut", {}, (answer) => {
+      shown.nut = answer instanceof Error ? null : answer;
+      showNut(at("nut"), answer); stale(["nut"], false);
+      space.show(body.scene, shown.solved, shown.nut);
+    }),
+    banded ? then("solve", { parts: false, band: true }, (answer) => { if (!(answer instanceof Error)) { showKey(at("key"), answer); showLosses(at("losses"), answer, null); } }) : null,
+  ]);
+  // The map takes all cores.
+  if (!signal.aborted) await map.show(body, signal);
+  if (signal.aborted) return;
   stale(["map"], false);
   document.documentElement.dataset.settled = String(Number(document.documentElement.dataset.settled ?? 0) + 1);
 }
@@ -144,7 +165,11 @@ if (!start.live) { document.querySelector("label[for=file]").hidden = true; at("
 if (innerWidth < 960) at("inputs-fold").open = false;
 at("about").textContent = `${start.program}. ${start.live ? "Live from the solver on this machine; nothing leaves it." : "One file: numbers of the solver at the stops of the sliders, nothing between them."}`;
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (shown.solved) changed(); });
-let width = innerWidth;
-addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; ellipses.draw(); map.draw(); } });
+let width = innerWidth, phone = narrow();
+addEventListener("resize", () => {
+  if (innerWidth === width) return;
+  width = innerWidth; ellipses.draw(); map.draw();
+  if (narrow() !== phone) { phone = narrow(); if (shown.solved) changed(); }
+});
 
 load(start.scene);

@@ -38,12 +38,16 @@ export function svg(tag, attributes = {}, ...children) {
 function filled(element, attributes, children) {
   for (const [name, value] of Object.entries(attributes)) {
     if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else if (name.startsWith("aria-")) element.setAttribute(name, value);
     else if (value === true) element.setAttribute(name, "");
     else if (value !== false && value != null) element.setAttribute(name, value);
   }
   element.append(...children.flat().filter((child) => child != null));
   return element;
 }
+
+/** Whether the page is as narrow as a phone: pictures have fewer points of the screen for the same letters. */
+export const narrow = () => innerWidth < 520;
 
 /** A picture with a text alternative. */
 export function picture(width, height, label, ...children) {
@@ -150,7 +154,7 @@ export const row = (label, unit, ...values) => html("tr", {}, html("th", { scope
 
 export function legend(entries) {
   return html("ul", { class: "legend" }, entries.map(([words, paint, kind]) =>
-    html("li", {}, html("i", kind ? { class: `line ${kind}`, style: `border-color:${paint}` } : { style: `background:${paint}` }), words)));
+    html("li", {}, html("i", kind === "circle" ? { class: "circle", style: `background:${paint}` } : kind ? { class: `line ${kind}`, style: `border-color:${paint}` } : { style: `background:${paint}` }), words)));
 }
 
 /** Why a picture has nothing to show. */

@@ -26,7 +26,7 @@ export class Ellipses {
   draw() {
     const { answer } = this;
     if (!answer) return;
-    if (answer instanceof Error) { this.stage.replaceChildren(none(answer.message)); return; }
+    if (answer.error) { this.stage.replaceChildren(none(answer.error)); return; }
     if (!answer.contacts.length) { this.stage.replaceChildren(none(`Model ${answer.model} has points for contacts, no ellipses: conformities and an elastic model give them.`)); return; }
     const [words, unit, read] = FIELDS[this.field];
     const all = answer.contacts.map((contact) => contact.pressure_MPa.map((_, i) => read(contact, i)));

@@ -1,19 +1,20 @@
 // Any output over any two inputs, with the operating point in it.
 
 import { html, svg, text, number, brief, ramp, rampBar, scale, axes, sharp, none, path } from "bsm/draw";
-import { ask, start } from "bsm/source";
+import { start } from "bsm/source";
 
 const PAD = { left: 66, top: 10, right: 14, bottom: 44 };
-// Points of a side: what is shown soon, then finer, unless the next would take longer than this [ms].
-const SIDES = [24, 60, 100];
-const PATIENCE = 700;
+// Points of a side: what is shown soon, then the finest that the server has within its patience [ms].
+const COARSE = 24, FINER = [100, 60, 40];
+const PATIENCE = 1600;
 
 export class ModelMap {
-  constructor(host, moved, request) {
-    Object.assign(this, { host, moved, request, ranges: {} });
-    const pick = (words) => html("select", { "aria-label": words, onchange: () => this.ask() });
+  /** `moved` takes the values of a point that is picked, `ask` a request; `again` is called when another map is wanted. */
+  constructor(host, { moved, ask, again }) {
+    Object.assign(this, { host, moved, ask, again, ranges: {} });
+    const pick = (words) => html("select", { "aria-label": words, onchange: () => this.other() });
     this.x = pick("Input along the map"); this.y = pick("Input up the map");
-    this.output = html("select", { "aria-label": "Output of the map", onchange: () => (start.live ? this.ask() : this.draw()) });
+    this.output = html("select", { "aria-label": "Output of the map", onchange: () => (start.live ? this.again() : this.draw()) });
     this.fields = html("div", { class: "bar small" });
     this.stage = html("div", { class: "map" }); this.under = html("div"); this.readout = html("p", { class: "readout small", "aria-live": "off" }, "Point at the map for numbers; drag the cross, or move it with the arrow keys.");
     host.append(html("div", { class: "bar" }, this.output, html("label", {}, "over ", this.x), html("label", {}, "and ", this.y)),
@@ -52,34 +53,45 @@ export class ModelMap {
       const name = select.value, value = scene[name];
       if (value == null) return null;
       const range = this.range(name, value), label = start.schema.inputs.find((input) => input.name === name).label;
-      const box = (end) => html("input", { type: "number", step: "any", value: range[end], style: "width:6.2rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`, disabled: !start.live, onchange: (event) => { if (!Number.isNaN(event.target.valueAsNumber)) { range[end] = event.target.valueAsNumber; this.ask(); } } });
-      return html("span", {}, `${label} `, box("low"), " to ", box("high"), html("label", {}, html("input", { type: "checkbox", checked: range.log, disabled: !start.live, "aria-label": `${label} logarithmic`, onchange: (event) => { range.log = event.target.checked; this.ask(); } }), "log"));
+      const box = (end) => html("input", { type: "number", step: "any", value: range[end], style: "width:5rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`, disabled: !start.live, onchange: (event) => { if (!Number.isNaN(event.target.valueAsNumber)) { range[end] = event.target.valueAsNumber; this.again(); } } });
+      return html("span", {}, `${label} `, box("low"), " to ", box("high"), html("label", {}, html("input", { type: "checkbox", checked: range.log, disabled: !start.live, "aria-label": `${label} logarithmic`, onchange: (event) => { range.log = event.target.checked; this.again(); } }), "log"));
     };
     this.fields.replaceChildren(...[this.x, this.y].map(row).filter(Boolean));
   }
 
-  ask() {
-    const body = this.request();
-    this.drawFields(body.scene);
-    void this.show(structuredClone(body));
+  /** Other inputs. */
+  other() {
+    this.drawFields(this.scene);
+    this.again();
   }
 
   /** Solves the map of a scene, first with few points, then with many if that is quick. */
-  async show(body) {
+  async show(body, signal) {
     const { scene } = body, names = [this.x.value, this.y.value];
-    const round = (this.round = (this.round ?? 0) + 1);
-    if (names[0] === names[1] || names.some((name) => scene[name] == null)) { this.stage.replaceChildren(none("A map needs two different inputs of the scene.")); return; }
+    if (names[0] === names[1] || names.some((name) => scene[name] == null)) { this.refuse("A map needs two different inputs of the scene."); return; }
     const vary = (count) => names.map((name) => { const { low, high, log } = this.range(name, scene[name]); return `${name}=${low}:${high}:${count}${log && low > 0 ? ":log" : ""}`; });
-    for (const [step, count] of (start.live ? SIDES : SIDES.slice(0, 1)).entries()) {
-      const began = performance.now();
-      let answer;
-      try { answer = await ask("sweep", { ...body, vary: vary(count), columns: [this.output.value] }); } catch (error) { if (round === this.round) { this.answer = null; this.stage.replaceChildren(none(error.message)); this.under.replaceChildren(); } return; }
-      if (round !== this.round) return;
+    // A point within the map has the same map.
+    const key = JSON.stringify([{ ...scene, [names[0]]: null, [names[1]]: null }, body.settings, vary(0), this.output.value]);
+    if (key === this.key) return;
+    const draw = async (count) => {
+      const answer = await this.ask("sweep", { ...body, vary: vary(count), columns: [this.output.value] }, signal);
+      if (signal.aborted) return null;
       this.answer = answer; this.scene = scene;
-      this.host.dataset.points = answer.model.length; this.host.dataset.ms = (performance.now() - began).toFixed(1);
+      this.host.dataset.points = answer.model.length; this.host.dataset.ms = answer.took;
       this.draw();
-      if ((performance.now() - began) * ((SIDES[step + 1] ?? 0) / count) ** 2 > PATIENCE) break;
-    }
+      return answer.took;
+    };
+    try {
+      const took = await draw(COARSE), finer = start.live && took !== null && FINER.find((count) => took * (count / COARSE) ** 2 < PATIENCE);
+      // It may take longer than was thought: then the coarse one stays.
+      if (finer) await draw(finer).catch(() => null);
+      if (!signal.aborted) this.key = key;
+    } catch (error) { if (!signal.aborted) this.refuse(error.message); }
+  }
+
+  refuse(words) {
+    this.answer = this.key = this.cross = null;
+    this.stage.replaceChildren(none(words)); this.under.replaceChildren();
   }
 
   /** Moves the cross to a scene. */

@@ -1,9 +1,10 @@
 // All balls of a nut: how they share the load, and how the nut gives way.
 
-import { html, svg, text, picture, number, none, axes, scale, path, legend, rampCss, rampBar, table, row } from "bsm/draw";
+import { html, svg, text, picture, number, none, axes, scale, path, legend, rampCss, rampBar, table, row, narrow } from "bsm/draw";
 
 const SIDES = [["nut_plus_N", "nut, flank +", "--c1", "circle"], ["nut_minus_N", "nut, flank −", "--c2", "square"]];
-const W = 460, H = 270, BOX = [64, 12, W - 12, H - 42];
+/** Width and height of a chart, and the box of its curves. */
+const sizes = () => { const width = narrow() ? 340 : 460, height = 270; return [width, height, [64, 12, width - 12, height - 42]]; };
 const span = (values) => { const v = values.filter(Number.isFinite); return [Math.min(...v), Math.max(...v)]; };
 
 export function showNut(host, answer) {
@@ -23,39 +24,42 @@ const figure = (words, ...children) => html("figure", {}, html("figcaption", {},
 const mark = (kind, x, y, paint) => (kind === "circle" ? svg("circle", { cx: x, cy: y, r: 3.2, fill: paint }) : svg("path", { d: `M${x - 3} ${y - 3}h6v6h-6Z`, fill: paint }));
 
 function sharing(balls, answer) {
+  const [width, height, box] = sizes();
   const sides = SIDES.filter(([name]) => balls[name].some((v) => v > 0)), high = Math.max(...sides.flatMap(([name]) => balls[name]), 1e-9);
   const [first, last] = span(balls.z_mm);
-  const x = scale(first === last ? [first - 1, last + 1] : [first, last], [BOX[0], BOX[2]]), y = scale([0, high * 1.06], [BOX[3], BOX[1]]);
+  const x = scale(first === last ? [first - 1, last + 1] : [first, last], [box[0], box[2]]), y = scale([0, high * 1.06], [box[3], box[1]]);
   const dots = sides.flatMap(([name, , paint, kind]) => balls[name].map((v, i) => (v > 0 ? svg("g", {}, svg("title", {}, `ball ${i + 1}: ${number(v)} N at ${number(balls.z_mm[i])} mm`), mark(kind, x(balls.z_mm[i]), y(v), `var(${paint})`)) : null)));
   const words = `Load of each ball along the axis: largest ${number(answer.max_contact_load_N)} newtons, ${number(answer.max_over_mean)} times the mean, ${answer.unloaded_balls} balls carry nothing`;
-  return figure("Load of each ball along the axis", picture(W, H, words, axes(x, y, BOX, "place on the axis, mm", "load, N", 64), ...dots.filter(Boolean)),
-    legend(sides.map(([, words, paint]) => [words, `var(${paint})`])),
+  return figure("Load of each ball along the axis", picture(width, height, words, axes(x, y, box, "place on the axis, mm", "load, N", 64), ...dots.filter(Boolean)),
+    legend(sides.map(([, words, paint, kind]) => [words, `var(${paint})`, kind === "circle" ? kind : undefined])),
     html("p", { class: "small" }, `Largest ${number(answer.max_contact_load_N)} N, ${number(answer.max_over_mean)} of the mean; ${answer.unloaded_balls} of ${balls.z_mm.length} balls carry nothing.`));
 }
 
 function developed(balls) {
+  const [width, height, box] = sizes();
   const load = balls.nut_plus_N.map((v, i) => Math.max(v, balls.nut_minus_N[i], 0)), high = Math.max(...load, 1e-9), low = Math.min(...load);
   const turn = balls.theta_deg.map((v) => ((v % 360) + 360) % 360), [first, last] = span(balls.z_mm), room = 0.06 * (last - first) + 0.5;
-  const x = scale([0, 360], [BOX[0], BOX[2]]), y = scale([first - room, last + room], [BOX[3], BOX[1]]);
+  const x = scale([0, 360], [box[0], box[2]]), y = scale([first - room, last + room], [box[3], box[1]]);
   const paint = (v) => (v > 0 ? rampCss(high > low * 1.0001 ? (v - low) / (high - low) : 0.6) : "none");
-  const dots = turn.map((v, i) => svg("circle", { cx: x(v), cy: y(balls.z_mm[i]), r: 5, fill: paint(load[i]), stroke: "var(--metal-edge)" }, svg("title", {}, `ball ${i + 1}: ${number(load[i])} N`)));
-  return figure("Developed: each ball by its load", picture(W, H, `Balls of the nut unrolled, coloured by load from ${number(low)} to ${number(high)} newtons`, axes(x, y, BOX, "around the axis, degrees", "place on the axis, mm", 64), ...dots), rampBar(low, high, "load, N"));
+  const dots = turn.map((v, i) => svg("circle", { cx: x(v), cy: y(balls.z_mm[i]), r: 5, fill: paint(load[i]), stroke: "var(--ink)", "stroke-width": 0.8 }, svg("title", {}, `ball ${i + 1}: ${number(load[i])} N`)));
+  return figure("Developed: each ball by its load", picture(width, height, `Balls of the nut unrolled, coloured by load from ${number(low)} to ${number(high)} newtons`, axes(x, y, box, "around the axis, degrees", "place on the axis, mm", 64), ...dots), rampBar(low, high, "load, N"));
 }
 
 function deflection(curve, answer) {
+  const [width, height, box] = sizes();
   const loads = curve.axial_load_N, shift = curve.nut_displacement_um;
-  const x = scale([Math.min(0, ...loads), Math.max(0, ...loads)], [BOX[0], BOX[2] - 52]), [low, high] = span(shift.map((v) => v ?? NaN));
-  const y = scale([Math.min(0, low), high > low ? high : low + 1], [BOX[3], BOX[1]]);
+  const x = scale([Math.min(0, ...loads), Math.max(0, ...loads)], [box[0], box[2] - 52]), [low, high] = span(shift.map((v) => v ?? NaN));
+  const y = scale([Math.min(0, low), high > low ? high : low + 1], [box[3], box[1]]);
   const line = (values, to, paint, dash) => svg("path", { d: path(loads.map((v, i) => [x(v), values[i] == null ? NaN : to(values[i])])), fill: "none", stroke: `var(${paint})`, "stroke-width": 2.2, "stroke-dasharray": dash });
-  const k = span(curve.nut_stiffness_N_um.map((v) => v ?? NaN)), y2 = scale([0, k[1] * 1.05], [BOX[3], BOX[1]]), right = BOX[2] - 52;
-  const preload = curve.preload_left_N.some((v) => v > 0) ? scale([0, Math.max(...curve.preload_left_N.map((v) => v ?? 0)) * 1.05], [BOX[3], BOX[1]]) : null;
+  const k = span(curve.nut_stiffness_N_um.map((v) => v ?? NaN)), y2 = scale([0, k[1] * 1.05], [box[3], box[1]]), right = box[2] - 52;
+  const preload = curve.preload_left_N.some((v) => v > 0) ? scale([0, Math.max(...curve.preload_left_N.map((v) => v ?? 0)) * 1.05], [box[3], box[1]]) : null;
   const here = answer.reaction_SI?.[0], mark = Number.isFinite(here) && here >= x.domain[0] && here <= x.domain[1] && answer.nut_displacement_um != null ? svg("circle", { cx: x(here), cy: y(answer.nut_displacement_um), r: 5, fill: "none", stroke: "var(--ink)", "stroke-width": 2 }, svg("title", {}, "this load")) : null;
   const limit = answer.limit_load_N;
   const ends = [0, 0.5, 1].map((part) => text(right + 6, y2(part * y2.domain[1]) + 4, number(part * y2.domain[1]).replace(/\.?0+$/, "") || "0", { class: "small", style: "fill:var(--c3)" }));
-  return figure("Displacement and stiffness over the load", picture(W, H, `Displacement up to ${number(high)} micrometres and tangent stiffness up to ${number(k[1])} newtons per micrometre over the axial load`,
-    axes(x, y, [BOX[0], BOX[1], right, BOX[3]], "axial load, N", "displacement, µm", 64), line(shift, y, "--c1"), line(curve.nut_stiffness_N_um, y2, "--c3", "7 4"),
+  return figure("Displacement and stiffness over the load", picture(width, height, `Displacement up to ${number(high)} micrometres and tangent stiffness up to ${number(k[1])} newtons per micrometre over the axial load`,
+    axes(x, y, [box[0], box[1], right, box[3]], "axial load, N", "displacement, µm", 64), line(shift, y, "--c1"), line(curve.nut_stiffness_N_um, y2, "--c3", "7 4"),
     preload ? line(curve.preload_left_N, preload, "--c2", "2 3") : null, mark, ...ends,
-    limit && limit <= x.domain[1] ? svg("g", {}, svg("path", { d: `M${x(limit)} ${BOX[1]}V${BOX[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" }), text(x(limit) - 4, BOX[1] + 12, "limit load", { "text-anchor": "end", class: "small faint" })) : null),
-    legend([["displacement, left scale", "var(--c1)", "solid"], ["tangent stiffness, N/µm, right scale", "var(--c3)", "dash"], ...(preload ? [[`preload left, up to ${number(preload.domain[1] / 1.05)} N`, "var(--c2)", "dash"]] : [])]),
-    html("p", { class: "small" }, `Stiffness at this load ${number(answer.nut_stiffness_N_um)} N/µm${answer.preload_left_N == null ? "" : `; preload ${number(answer.preload_set_N)} N, of which ${number(answer.preload_left_N)} N are left`}${limit == null ? "" : `; it opens at ${number(limit)} N`}.`));
+    limit && limit <= x.domain[1] ? svg("g", {}, svg("path", { d: `M${x(limit)} ${box[1]}V${box[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" }), text(x(limit) - 4, box[1] + 12, "limit load", { "text-anchor": "end", class: "small faint" })) : null),
+    legend([["displacement, left scale", "var(--c1)", "solid"], ["tangent stiffness, N/µm, right scale", "var(--c3)", "dash"], ...(preload ? [[`preload left, up to ${number(preload.domain[1] / 1.05)} N`, "var(--c2)", "dots"]] : [])]),
+    html("p", { class: "small" }, `Stiffness at this load ${number(answer.nut_stiffness_N_um)} N/µm${answer.preload_left_N == null ? "" : `; preload ${number(answer.preload_set_N)} N, of which ${number(answer.preload_left_N)} N are left`}${limit == null ? "" : `; from ${number(limit)} N on nothing is left of the preload`}.`));
 }

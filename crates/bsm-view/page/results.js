@@ -13,7 +13,7 @@ const KEYS = [
 
 export function showKey(host, result) {
   if (result.status !== "converged") {
-    host.replaceChildren(none(`${result.status.replace("_", " ")} by model ${result.model}: ${result.message}`), ...warnings(result));
+    host.replaceChildren(html("p", { class: "none bad" }, `${result.status.replace("_", " ")} by model ${result.model}: ${result.message}`), ...warnings(result));
     return;
   }
   const keys = KEYS.filter(([name]) => result[name] != null).map(([name, words, unit]) =>

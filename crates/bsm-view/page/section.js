@@ -1,22 +1,22 @@
 // Section across the grooves through the centre of a ball, to scale.
 
-import { html, svg, text, picture, path, number, legend, none } from "bsm/draw";
+import { html, svg, text, picture, path, number, legend, none, narrow } from "bsm/draw";
 
 const DEG = Math.PI / 180;
-const WIDTH = 460, HEIGHT = 360;
 
 export function showSection(host, scene, result) {
   const ball = scene.ball_diameter_mm;
   if (!ball) { host.replaceChildren(none("The section needs ball_diameter_mm.")); return; }
+  const width = narrow() ? 340 : 460, height = narrow() ? 320 : 360;
   const r = ball / 2, section = result.section, k = 92 / r;
-  const at = ([x, y]) => [WIDTH / 2 + k * x, HEIGHT / 2 - k * y];
+  const at = ([x, y]) => [width / 2 + k * x, height / 2 - k * y];
   const body = (points, far) => {
-    const inside = points.filter(([x]) => Math.abs(x) * k < WIDTH);
-    return `${path([[-WIDTH / k, inside[0][1]], ...inside, [WIDTH / k, inside.at(-1)[1]]].map(at))}V${far}H${-WIDTH}Z`;
+    const inside = points.filter(([x]) => Math.abs(x) * k < width);
+    return `${path([[-width / k, inside[0][1]], ...inside, [width / k, inside.at(-1)[1]]].map(at))}V${far}H${-width}Z`;
   };
-  const clip = svg("clipPath", { id: "section-clip" }, svg("rect", { x: 0, y: 0, width: WIDTH, height: HEIGHT }));
+  const clip = svg("clipPath", { id: "section-clip" }, svg("rect", { x: 0, y: 0, width: width, height: height }));
   const metal = { fill: "var(--metal)", stroke: "var(--metal-edge)", "clip-path": "url(#section-clip)" };
-  const grooves = section ? [svg("path", { d: body(section.nut, -50), ...metal }), svg("path", { d: body(section.screw, HEIGHT + 50), ...metal })] : [];
+  const grooves = section ? [svg("path", { d: body(section.nut, -50), ...metal }), svg("path", { d: body(section.screw, height + 50), ...metal })] : [];
   // The nut is above; its contact lies towards it, that of the screw across the ball.
   const places = [["nut", -1, 1, "--c1"], ["screw", 1, -1, "--c2"]];
   const marks = [];
@@ -42,21 +42,21 @@ export function showSection(host, scene, result) {
       marks.push(svg("path", { d: path(arc), stroke: colour, "stroke-width": 6, fill: "none", "stroke-linecap": "butt" }));
       marks.push(svg("path", { d: path([end(angle - half, [x, y], r), at([0, 0]), end(angle + half, [x, y], r)]), stroke: colour, "stroke-width": 1, fill: "none", opacity: 0.55 }));
     }
-    const tip = end(angle, [x, y], r), length = 18 + 62 * (load / most), far = [tip[0] + (tip[0] - WIDTH / 2) / (k * r) * length, tip[1] + (tip[1] - HEIGHT / 2) / (k * r) * length];
+    const tip = end(angle, [x, y], r), length = (narrow() ? 0.6 : 1) * (18 + 62 * (load / most)), far = [tip[0] + (tip[0] - width / 2) / (k * r) * length, tip[1] + (tip[1] - height / 2) / (k * r) * length];
     marks.push(arrow(far, tip, colour), svg("circle", { cx: tip[0], cy: tip[1], r: 3, fill: colour }));
     said.push([name, angle, load, a, colour, far]);
   }
   const labels = said.flatMap(([name, angle, load, , colour, far]) => {
-    const left = far[0] < WIDTH / 2, up = far[1] < HEIGHT / 2, x = left ? 8 : WIDTH - 8, y = up ? 22 : HEIGHT - 30, anchor = left ? "start" : "end";
+    const left = far[0] < width / 2, up = far[1] < height / 2, x = left ? 8 : width - 8, y = up ? 22 : height - 30, anchor = left ? "start" : "end";
     const halo = { "text-anchor": anchor, style: `fill:${colour};font-weight:600;paint-order:stroke;stroke:var(--metal);stroke-width:4px` };
     return [text(x, y, `${name}: ${number(load)} N`, halo), text(x, y + 17, name === "minor" ? "minor contact" : `at ${number(angle)}°`, halo)];
   });
   const words = said.map(([name, angle, load, a]) => `${name} contact at ${number(angle)} degrees under ${number(load)} newtons${a == null ? "" : `, ellipse ${number(2 * a)} millimetres wide`}`).join("; ");
   host.replaceChildren(
-    picture(WIDTH, HEIGHT, `Section of ball and grooves. Without load the contact angle is ${number(start)} degrees; ${words}.`,
-      clip, ...grooves, svg("circle", { cx: WIDTH / 2, cy: HEIGHT / 2, r: k * r, fill: "var(--steel)", "fill-opacity": 0.55, stroke: "var(--ink)" }),
+    picture(width, height, `Section of ball and grooves. Without load the contact angle is ${number(start)} degrees; ${words}.`,
+      clip, ...grooves, svg("circle", { cx: width / 2, cy: height / 2, r: k * r, fill: "var(--steel)", "fill-opacity": 0.55, stroke: "var(--ink)" }),
       svg("path", { d: path([at([-0.12 * r, 0]), at([0.12 * r, 0])]) + path([at([0, -0.12 * r]), at([0, 0.12 * r])]), stroke: "var(--ink)" }), ...marks, ...labels,
-      ...(section ? [text(WIDTH / 2, 16, "nut", { "text-anchor": "middle", class: "faint" }), text(WIDTH / 2, HEIGHT - 8, "screw", { "text-anchor": "middle", class: "faint" })] : [])),
+      ...(section ? [text(width / 2, 16, "nut", { "text-anchor": "middle", class: "faint" }), text(width / 2, height - 8, "screw", { "text-anchor": "middle", class: "faint" })] : [])),
     legend([["contact angle without load", "var(--faint)", "dash"], ["nut", "var(--c1)"], ["screw", "var(--c2)"], ...(said.some(([name]) => name === "minor") ? [["minor contact", "var(--c4)"]] : [])]),
     html("p", { class: "small faint" }, section
       ? `To scale; thick arcs: widths of the ellipses, ${["nut", "screw"].map((name) => (result[`${name}_ellipse_a_mm`] == null ? "none by this model" : `${name} ${number(2 * result[`${name}_ellipse_a_mm`])} mm`)).filter((w, i, all) => all.indexOf(w) === i).join(", ")}. Conformity ${number(scene.nut_conformity)} (nut), ${number(scene.screw_conformity)} (screw).`

@@ -10,16 +10,22 @@ export class Gone extends Error {
   constructor() { super("The server has ended: start `bsm view` again and open its new address. The page keeps its last numbers."); }
 }
 
-/** Asks the server. */
-async function served(route, body) {
+/** This page among those of the server. */
+const tab = start.live ? crypto.randomUUID() : "";
+
+/** Asks the server; a later turn of this page ends what an earlier one still waits for. */
+async function served(route, body, turn, signal) {
   let response;
+  const headers = { "Content-Type": "application/json", "X-Bsm-Token": start.token, "X-Bsm-Turn": `${tab}/${turn}` };
   try {
-    response = await fetch(`/${route}`, { method: "POST", headers: { "Content-Type": "application/json", "X-Bsm-Token": start.token }, body: JSON.stringify(body) });
-  } catch {
-    throw new Gone();
+    response = await fetch(`/${route}`, { method: "POST", headers, body: JSON.stringify(body), signal });
+  } catch (error) {
+    throw signal?.aborted ? error : new Gone();
   }
   const answer = await response.json();
   if (!response.ok) throw new Refused(answer.error);
+  // What the server took [ms].
+  answer.took = Number(response.headers.get("Server-Timing")?.match(/dur=([\d.]+)/)?.[1] ?? 0);
   return answer;
 }
 
@@ -41,7 +47,7 @@ function kept(route, body) {
   if (!answer) throw new Refused("This file has no such numbers away from its own scene: bsm view shows them live.");
   if (answer.error) throw new Refused(answer.error);
   // The grooves are the same at every stop.
-  return route === "solve" ? { ...answer, section: start.answers.solve.section } : answer;
+  return route === "point" ? { ...answer, solve: { ...answer.solve, section: start.answers.point.solve.section } } : answer;
 }
 
 export const ask = start.live ? served : async (route, body) => kept(route, body);

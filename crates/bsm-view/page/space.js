@@ -7,6 +7,8 @@ import { html, svg, picture, number, brief, none, ramp, rampBar, colour, path } 
 const DEG = Math.PI / 180, TURN = 2 * Math.PI;
 /** Turns of the screw in a second, as shown. */
 const SHOWN = 0.1;
+/** A frame of a graphics card, and what lies between frames that the processor draws [ms]. */
+const QUICK = 20, PAUSE = 120;
 
 /** Sizes of a scene in millimetres. */
 function sizes(scene, solved, nut) {
@@ -26,39 +28,88 @@ function sizes(scene, solved, nut) {
   return { ball, pitch, lead, starts, angle: angle * DEG, balls, half, middle, section: solved.section };
 }
 
-/** Distance of groove or land from the axis, over the axial distance from the middle of the groove. */
+/** Distance of groove or land from the axis, over the axial distance from the middle of the groove, and where the land begins. */
 function profile({ ball, pitch, section }, member) {
   const points = section?.[member], side = member === "nut" ? 1 : -1;
-  if (!points) { const r = 0.52 * ball; return (s) => pitch / 2 + side * Math.max(Math.abs(s) < r ? Math.sqrt(r * r - s * s) : 0, 0.14 * ball); }
+  if (!points) { const r = 0.52 * ball; return { edge: 0.5 * ball, at: (s) => pitch / 2 + side * Math.max(Math.abs(s) < r ? Math.sqrt(r * r - s * s) : 0, 0.14 * ball) }; }
   const half = points.filter(([x]) => x >= 0).sort((a, b) => a[0] - b[0]);
-  return (s) => {
+  return { edge: half.at(-2)[0], at: (s) => {
     const x = Math.abs(s);
     let i = half.findIndex(([px]) => px >= x);
     if (i <= 0) i = i < 0 ? half.length - 1 : 1;
     const [[x0, y0], [x1, y1]] = [half[i - 1], half[i]];
     return pitch / 2 + y0 + (x1 > x0 ? Math.min(Math.max((x - x0) / (x1 - x0), 0), 1) : 1) * (y1 - y0);
-  };
+  } };
 }
 
-/** A surface around the axis whose radius follows the thread. */
-function threaded({ lead, starts, middle }, radius, [from, to], [low, high], [around, along]) {
-  const step = lead / starts, positions = [], index = [];
-  for (let j = 0; j <= along; j += 1) for (let i = 0; i <= around; i += 1) {
-    const theta = from + ((to - from) * i) / around, z = low + ((high - low) * j) / along;
-    const turns = (z + middle - (lead * theta) / TURN) / step, r = radius((turns - Math.round(turns)) * step);
-    positions.push(r * Math.cos(theta), r * Math.sin(theta), z);
-    if (i < around && j < along) { const a = j * (around + 1) + i, b = a + around + 1; index.push(a, a + 1, b, b, a + 1, b + 1); }
+/** A threaded surface between two ends, by lines that follow the thread: close together where the groove is steep. */
+class Thread {
+  constructor({ lead, starts, middle }, { edge, at }, [low, high]) {
+    const step = lead / starts, most = Math.abs(step) / 2, deep = Math.min(edge, most);
+    const lines = Array.from({ length: 13 }, (_, i) => deep * Math.sin(((i - 6) * Math.PI) / 12));
+    // A narrow strip beyond the edge keeps the light on the land even.
+    const land = Math.min(deep + 0.03 * most, most);
+    this.offsets = [-land, ...lines, land].map((s) => [s, at(s)]);
+    Object.assign(this, { step, lead, middle, at, low, high });
+    const turns = [low, high].flatMap((z) => [0, TURN].map((theta) => (z + middle - (lead * theta) / TURN) / step));
+    this.turns = [Math.floor(Math.min(...turns)) - 1, Math.ceil(Math.max(...turns)) + 1];
   }
-  const geometry = new three.BufferGeometry();
-  geometry.setAttribute("position", new three.BufferAttribute(new Float32Array(positions), 3));
-  geometry.setIndex(index); geometry.computeVertexNormals();
-  return geometry;
+
+  /** Radius at a place. */
+  radius(theta, z) {
+    const turns = (z + this.middle - (this.lead * theta) / TURN) / this.step;
+    return this.at((turns - Math.round(turns)) * this.step);
+  }
+
+  /** Places along the axis with their radii, as many at each angle. */
+  places(theta) {
+    const list = [], { low, high } = this;
+    for (let k = this.turns[0]; k <= this.turns[1]; k += 1) for (const [s, r] of this.offsets) {
+      const z = k * this.step + s - this.middle + (this.lead * theta) / TURN;
+      list.push(z < low ? [low, this.radius(theta, low)] : z > high ? [high, this.radius(theta, high)] : [z, r]);
+    }
+    return list;
+  }
+
+  surface([from, to], around) {
+    const positions = [], index = [];
+    let count = 0;
+    for (let i = 0; i <= around; i += 1) {
+      const theta = from + ((to - from) * i) / around, places = this.places(theta);
+      count = places.length;
+      for (const [z, r] of places) positions.push(r * Math.cos(theta), r * Math.sin(theta), z);
+    }
+    for (let i = 0; i < around; i += 1) for (let j = 0; j + 1 < count; j += 1) { const a = i * count + j, b = a + count; index.push(a, b, a + 1, a + 1, b, b + 1); }
+    return geometryOf(positions, index);
+  }
+
+  /** Face of the nut where it is cut open. */
+  wall(theta, outer) {
+    const positions = [], index = [];
+    this.places(theta).forEach(([z, r], j) => {
+      for (const radius of [r, outer]) positions.push(radius * Math.cos(theta), radius * Math.sin(theta), z);
+      if (j) index.push(2 * j - 2, 2 * j - 1, 2 * j, 2 * j, 2 * j - 1, 2 * j + 1);
+    });
+    return geometryOf(positions, index);
+  }
+
+  /** End of the nut. */
+  ring([from, to], outer, z) {
+    const positions = [], index = [], n = 60;
+    for (let i = 0; i <= n; i += 1) {
+      const theta = from + ((to - from) * i) / n, r = this.radius(theta, z);
+      for (const radius of [r, outer]) positions.push(radius * Math.cos(theta), radius * Math.sin(theta), z);
+      if (i < n) index.push(2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 2, 2 * i + 1, 2 * i + 3);
+    }
+    return geometryOf(positions, index);
+  }
 }
 
 export class Space {
   constructor(host) {
-    this.host = host; this.one = false; this.time = 0;
-    this.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.host = host; this.one = this.held = false; this.time = 0;
+    // Until a frame was measured.
+    this.slow = true; this.playing = false;
     this.whole = html("button", { type: "button", "aria-pressed": true, onclick: () => this.look(false) }, "Whole screw");
     this.single = html("button", { type: "button", "aria-pressed": false, onclick: () => this.look(true) }, "One ball");
     this.play = html("button", { type: "button", "aria-pressed": this.playing, onclick: () => { this.playing = !this.playing; this.play.setAttribute("aria-pressed", this.playing); this.loop(); } }, "Turn");
@@ -69,7 +120,8 @@ export class Space {
 
   begin() {
     this.canvas = html("canvas", { role: "img", tabindex: "0", "aria-label": "Screw, nut and balls in space" });
-    this.renderer = new three.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: "low-power" });
+    // The buffer is kept: it is printed.
+    this.renderer = new three.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: "low-power", preserveDrawingBuffer: true });
     this.stage.append(this.canvas);
     this.world = new three.Scene();
     this.world.add(new three.HemisphereLight(0xffffff, 0x778899, 1.9), new three.AmbientLight(0xffffff, 0.35));
@@ -89,6 +141,25 @@ export class Space {
     document.addEventListener("visibilitychange", () => this.loop());
   }
 
+  /** While values change, a processor that draws has no time for frames: numbers come first. */
+  hold(on) {
+    if (!this.slow || on === this.held) return;
+    this.held = on;
+    if (on || !this.last) return;
+    this.show(...this.last);
+    if (this.renderer && this.key && !this.measured) this.measure();
+  }
+
+  /** Whether a frame is quick enough to turn and to follow a slider; the first, which compiles the shaders, is not counted. */
+  measure() {
+    const gl = this.renderer.getContext(), began = performance.now();
+    this.paint();
+    // Waits for the frame.
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    this.slow = performance.now() - began > QUICK; this.measured = true;
+    if (!this.slow && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.play.click();
+  }
+
   turn(side, up) {
     const offset = this.camera.position.clone().sub(this.controls.target), axis = new three.Vector3(0, 1, 0);
     offset.applyAxisAngle(axis, side); offset.applyAxisAngle(new three.Vector3().crossVectors(axis, offset).normalize(), up);
@@ -103,6 +174,7 @@ export class Space {
 
   show(scene, solved, nut) {
     this.last = [scene, solved, nut];
+    if (this.held) return;
     const found = solved && sizes(scene, solved, nut);
     if (!found) { this.stage.hidden = true; this.words.replaceChildren(none("The picture needs ball_diameter_mm, pitch_circle_diameter_mm and the lead.")); return; }
     this.stage.hidden = false; this.found = found; this.solved = solved;
@@ -129,7 +201,7 @@ export class Space {
     const [, , spins] = solved.shown.contacts.find(([words]) => words === "spin about the normal") ?? [];
     const spin = spins ? ` Spin ${spins[0]} rad/s at the nut, ${spins[1]} at the screw; the ball circles at ${number(solved.ball_precession_rad_s)} rad/s.` : "";
     const label = `Screw of ${number(found.pitch)} millimetres pitch circle with ${found.balls.length} balls of ${number(found.ball)} millimetres, lead ${number(found.lead)} millimetres; loads from ${number(low)} to ${number(high)} newtons`;
-    const balls = shared ? rampBar(low, high, "load of a ball, N") : html("p", { class: "small" }, `${found.balls.length === 1 ? "One ball" : `${found.balls.length} balls, each`} under ${number(high)} N: the nut level, with loaded_balls_per_turn and loaded_turns, tells them apart.`);
+    const balls = shared ? rampBar(low, high, "load of a ball, N") : html("p", { class: "small" }, found.balls.length === 1 ? `One ball under ${number(high)} N.` : `${found.balls.length} balls, each under ${number(high)} N: the nut level, with loaded_balls_per_turn and loaded_turns, tells them apart.`);
     const axes = this.one ? html("p", { class: "small faint" }, "Red: axis of rotation of the ball. Grey: helix t, towards the axis n, binormal b. Blue: contact at the nut. Orange: contact at the screw.") : null;
     return [label, ...(this.one ? [] : [balls]), html("p", { class: "small faint" }, `Motion ${speed}.${spin} Drag or use the arrow keys to look around.`), ...(axes ? [axes] : [])];
   }
@@ -145,22 +217,22 @@ export class Space {
 
   buildWhole(add) {
     const f = this.found, steel = this.metal("steel"), reach = f.half + 0.8 * f.lead + 0.6 * f.ball, end = reach + Math.max(1.2 * f.lead, 0.6 * f.pitch);
-    const along = (length) => Math.min(700, Math.ceil((length / (f.lead / f.starts)) * 46));
+    const thread = new Thread(f, profile(f, "screw"), [-end, end]);
     this.screw = add(new three.Group());
-    this.screw.add(new three.Mesh(threaded(f, profile(f, "screw"), [0, TURN], [-end, end], [120, along(2 * end)]), steel));
+    this.screw.add(new three.Mesh(thread.surface([0, TURN], 64), steel));
     for (const z of [-end, end]) { const cap = new three.Mesh(new three.CylinderGeometry(f.pitch / 2 - 0.35 * f.ball, f.pitch / 2 - 0.35 * f.ball, 0.02, 64), steel); cap.rotation.x = Math.PI / 2; cap.position.z = z; this.screw.add(cap); }
     // The nut, open on the side of the viewer.
-    const open = [0.42 * Math.PI, 1.62 * Math.PI], inner = profile(f, "nut"), outer = f.pitch / 2 + 1.55 * f.ball, metal = this.metal("metal", { metalness: 0.15 });
+    const open = [0.42 * Math.PI, 1.62 * Math.PI], outer = f.pitch / 2 + 1.55 * f.ball, metal = this.metal("metal", { metalness: 0.15 });
+    const inside = new Thread(f, profile(f, "nut"), [-reach, reach]);
     this.shell = add(new three.Group());
-    const n = along(2 * reach);
-    this.shell.add(new three.Mesh(threaded(f, inner, open, [-reach, reach], [90, n]), metal), new three.Mesh(threaded(f, () => outer, open, [-reach, reach], [60, 2]), metal));
-    for (const theta of open) this.shell.add(new three.Mesh(wall(f, inner, outer, theta, reach, n), this.metal("metal-edge", { metalness: 0 })));
-    for (const z of [-reach, reach]) this.shell.add(new three.Mesh(ring(f, inner, outer, open, z), metal));
+    this.shell.add(new three.Mesh(inside.surface(open, 44), metal), new three.Mesh(tube(outer, open, reach), metal));
+    for (const theta of open) this.shell.add(new three.Mesh(inside.wall(theta, outer), this.metal("metal-edge", { metalness: 0 })));
+    for (const z of [-reach, reach]) this.shell.add(new three.Mesh(inside.ring(open, outer, z), metal));
     const balls = f.balls;
-    this.balls = add(new three.InstancedMesh(new three.SphereGeometry(f.ball / 2, 24, 16), new three.MeshStandardMaterial({ metalness: 0.1, roughness: 0.35 }), balls.length));
+    this.balls = add(new three.InstancedMesh(new three.SphereGeometry(f.ball / 2, ...(balls.length > 100 ? [10, 7] : [16, 11])), new three.MeshStandardMaterial({ metalness: 0.1, roughness: 0.35 }), balls.length));
     const gap = balls.length > 1 ? Math.abs(balls[1].theta - balls[0].theta) : TURN / 12;
     this.gap = gap > 0 ? gap : TURN / 12;
-    const size = Math.hypot(end, outer), away = size * 3.1;
+    const size = Math.hypot(end, outer), away = size * 2.6;
     if (this.placed !== size) { this.camera.position.set(0.62, 0.42, 0.66).setLength(away); this.controls.target.set(0, 0, 0); this.placed = size; }
     this.controls.minDistance = outer; this.controls.maxDistance = 12 * size; this.camera.far = 40 * size; this.camera.near = size / 200;
   }
@@ -220,16 +292,17 @@ export class Space {
     if (wanted === Boolean(this.running)) return;
     this.running = wanted;
     let last = performance.now();
-    const frame = (now) => {
-      if (!this.running) return;
-      this.time += Math.min(now - last, 100) / 1000; last = now;
-      this.paint(); requestAnimationFrame(frame);
-    };
+    const frame = (this.frame = (now) => {
+      if (!this.running || this.frame !== frame) return;
+      this.time += Math.min(now - last, 300) / 1000; last = now;
+      this.paint();
+      if (this.slow) setTimeout(() => requestAnimationFrame(frame), PAUSE); else requestAnimationFrame(frame);
+    });
     if (wanted) requestAnimationFrame(frame);
   }
 
   paint() {
-    if (!this.found || !this.renderer || !this.key) return;
+    if (!this.found || !this.renderer || !this.key || this.held) return;
     const { time, rate, found } = this;
     if (this.one) { if (rate.omega) this.globe.quaternion.setFromAxisAngle(this.axis, Math.hypot(...rate.omega) * time); }
     else {
@@ -243,24 +316,13 @@ export class Space {
   }
 }
 
-/** Face of the cut nut. */
-function wall({ lead, starts, middle }, inner, outer, theta, reach, n) {
-  const step = lead / starts, positions = [], index = [];
-  for (let j = 0; j <= n; j += 1) {
-    const z = -reach + (2 * reach * j) / n, turns = (z + middle - (lead * theta) / TURN) / step, r = inner((turns - Math.round(turns)) * step);
-    for (const radius of [r, outer]) positions.push(radius * Math.cos(theta), radius * Math.sin(theta), z);
-    if (j < n) index.push(2 * j, 2 * j + 1, 2 * j + 2, 2 * j + 2, 2 * j + 1, 2 * j + 3);
-  }
-  return geometryOf(positions, index);
-}
-
-/** End of the nut. */
-function ring({ lead, starts, middle }, inner, outer, [from, to], z) {
-  const step = lead / starts, positions = [], index = [], n = 60;
+/** A smooth surface around the axis. */
+function tube(radius, [from, to], reach) {
+  const positions = [], index = [], n = 44;
   for (let i = 0; i <= n; i += 1) {
-    const theta = from + ((to - from) * i) / n, turns = (z + middle - (lead * theta) / TURN) / step, r = inner((turns - Math.round(turns)) * step);
-    for (const radius of [r, outer]) positions.push(radius * Math.cos(theta), radius * Math.sin(theta), z);
-    if (i < n) index.push(2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 2, 2 * i + 1, 2 * i + 3);
+    const theta = from + ((to - from) * i) / n;
+    for (const z of [-reach, reach]) positions.push(radius * Math.cos(theta), radius * Math.sin(theta), z);
+    if (i) index.push(2 * i - 2, 2 * i, 2 * i - 1, 2 * i - 1, 2 * i, 2 * i + 1);
   }
   return geometryOf(positions, index);
 }

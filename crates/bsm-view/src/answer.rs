@@ -35,6 +35,9 @@ pub enum Refusal {
         "stopped after {0} s: this point takes too long for the page; the command line has no such limit"
     )]
     Slow(u64),
+    /// The same page has asked for something newer.
+    #[error("overtaken by a newer request")]
+    Overtaken,
     /// Too many that were stopped still run.
     #[error(
         "too many points that took too long are still being solved; wait, or start bsm view again"
@@ -104,6 +107,7 @@ pub(crate) fn answer(
     let asked = || Asked::read(body);
     match route {
         "schema" => Ok(schema()),
+        "point" => Ok(Value::Object(point(&asked()?, FIELD_POINTS)?)),
         "solve" => solve(&asked()?),
         "compare" => compare(&asked()?),
         "slip" => slip(&asked()?),
@@ -114,8 +118,29 @@ pub(crate) fn answer(
     }
 }
 
+/// What is shown of one point: `solve` without the parts of the torque, `slip` and `ellipses`.
+///
+/// * `points`: of the fields on a semi-axis.
+pub(crate) fn point(asked: &Asked, points: u32) -> Result<Map<String, Value>, Refusal> {
+    Ok(Map::from_iter([
+        ("solve".to_owned(), solved(asked, false)?),
+        ("slip".to_owned(), told(slip(asked))),
+        ("ellipses".to_owned(), told(ellipses(asked, points))),
+    ]))
+}
+
+/// An answer, or why there is none.
+pub(crate) fn told(answer: Result<Value, Refusal>) -> Value {
+    answer.unwrap_or_else(|refusal| json!({ "error": refusal.to_string() }))
+}
+
 /// `bsm solve --format json`, with the rows of its table and the section of the grooves.
-pub(crate) fn solve(Asked { scene, settings, rest }: &Asked) -> Result<Value, Refusal> {
+fn solve(asked: &Asked) -> Result<Value, Refusal> {
+    solved(asked, asked.rest.get("parts") != Some(&Value::Bool(false)))
+}
+
+/// * `parts`: with the parts of the torque, which take the balance of a preloaded nut.
+fn solved(Asked { scene, settings, rest }: &Asked, parts: bool) -> Result<Value, Refusal> {
     let problem = scene.problem(settings)?;
     let mut work = ModelWorkspace::default();
     let solution = problem.solve(&mut work);
@@ -131,7 +156,7 @@ pub(crate) fn solve(Asked { scene, settings, rest }: &Asked) -> Result<Value, Re
         return Err(Refusal::Input(text.to_owned()));
     }
     // Why there are none, the nut's panel says.
-    let parts = torque_parts(scene, settings).ok().flatten();
+    let parts = if parts { torque_parts(scene, settings).ok().flatten() } else { None };
     let mut report = record.report(PROGRAM, scene, settings, band.as_ref(), parts.as_ref());
     let RecordRows { overall, contacts } = record.rows(scene);
     let overall: Vec<_> = overall
@@ -170,7 +195,7 @@ fn moving(Asked { scene, settings, .. }: &Asked) -> Result<Moving, Refusal> {
 }
 
 /// `bsm slip --format json`.
-pub(crate) fn slip(asked: &Asked) -> Result<Value, Refusal> {
+fn slip(asked: &Asked) -> Result<Value, Refusal> {
     let Moving { settings, solution, note } = moving(asked)?;
     let mut map = Analysis::slip(&asked.scene, &settings, &solution)?.to_json();
     map.insert("note".to_owned(), json!(note));
@@ -178,7 +203,7 @@ pub(crate) fn slip(asked: &Asked) -> Result<Value, Refusal> {
 }
 
 /// Fields over the ellipses.
-pub(crate) fn ellipses(asked: &Asked, points: u32) -> Result<Value, Refusal> {
+fn ellipses(asked: &Asked, points: u32) -> Result<Value, Refusal> {
     let Moving { settings, solution, note } = moving(asked)?;
     let model = solution.model.name();
     let fields = EllipseFields::of(&asked.scene, &settings, &solution, points)?;
@@ -239,11 +264,11 @@ fn sweep(
     let mut answers = Answers::room(grid.len(), task.outputs.len());
     let room = Room {
         verdicts: &mut answers.verdicts,
-        columns: answers.columns.iter_mut().map(|column| &mut column[..]).collect(),
+        columns: answers.columns.iter_mut().map(|column| Some(&mut column[..])).collect(),
     };
     workers.install(|| task.solve_into((&chunk, &named), room, stop, &AtomicU64::new(0)));
     if stop.load(Ordering::Relaxed) {
-        return Err(Refusal::Slow(0));
+        return Err(Refusal::Overtaken);
     }
     let axis = |axis: &Axis| {
         let values: Vec<_> = (0..axis.len()).map(|place| axis.value(place)).collect();

@@ -7,6 +7,7 @@
 mod answer;
 mod form;
 mod page;
+mod running;
 mod save;
 mod server;
 

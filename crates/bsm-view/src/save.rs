@@ -7,7 +7,7 @@ use bsm_case::{Scene, Settings};
 use serde_json::{Map, Value, json};
 
 use crate::Refusal;
-use crate::answer::{Asked, FIELD_POINTS, answer, compare, ellipses, nut, slip, solve};
+use crate::answer::{Asked, FIELD_POINTS, answer, compare, nut, point, told};
 use crate::form::schema;
 use crate::page;
 
@@ -45,10 +45,11 @@ pub fn saved(scene: &Scene, settings: &Settings, workers: &Workers<'_>) -> Resul
     let mut request = asked(scene.clone());
     request["band"] = json!(true);
     let here = read(&request)?;
-    let mut answers = whole(&here, FIELD_POINTS)?;
-    for (name, value) in [("compare", compare(&here)), ("nut", nut(&here))] {
-        answers.insert(name.to_owned(), told(value));
-    }
+    let mut answers = Map::from_iter([
+        ("point".to_owned(), Value::Object(point(&here, FIELD_POINTS)?)),
+        ("compare".to_owned(), told(compare(&here))),
+        ("nut".to_owned(), told(nut(&here))),
+    ]);
     let axes: Vec<_> = ["screw_speed_rpm", "axial_load_N"]
         .into_iter()
         .filter_map(|name| Some((name, around(scene, name)?)))
@@ -62,10 +63,8 @@ pub fn saved(scene: &Scene, settings: &Settings, workers: &Workers<'_>) -> Resul
             other.set(x, a)?;
             other.set(y, b)?;
             let there = read(&asked(other))?;
-            let found = whole(&there, COARSE).unwrap_or_else(|refusal| {
-                Map::from_iter([("solve".to_owned(), json!({ "error": refusal.to_string() }))])
-            });
-            stops.push(Value::Object(found.into_iter().map(stop).collect()));
+            let found = told(point(&there, COARSE).map(Value::Object));
+            stops.push(json!({ "point": stop(found) }));
         }
         let axis = |name: &str, [low, high]: [f64; 2]| format!("{name}={low}:{high}:{CELLS}:log");
         let mut request = asked(scene.clone());
@@ -89,28 +88,13 @@ pub fn saved(scene: &Scene, settings: &Settings, workers: &Workers<'_>) -> Resul
     })))
 }
 
-/// What is shown of one point.
-fn whole(asked: &Asked, points: u32) -> Result<Map<String, Value>, Refusal> {
-    let solved = solve(asked)?;
-    Ok(Map::from_iter([
-        ("solve".to_owned(), solved),
-        ("slip".to_owned(), told(slip(asked))),
-        ("ellipses".to_owned(), told(ellipses(asked, points))),
-    ]))
-}
-
-/// An answer at a stop, without what is the same at all of them.
-fn stop((name, mut answer): (String, Value)) -> (String, Value) {
-    if let Some(solved) = answer.as_object_mut() {
+/// A point at a stop, without what is the same at all of them.
+fn stop(mut point: Value) -> Value {
+    if let Some(solved) = point["solve"].as_object_mut() {
         solved.remove("section");
         solved.remove("inputs");
     }
-    (name, brief(answer))
-}
-
-/// An answer, or why there is none.
-fn told(answer: Result<Value, Refusal>) -> Value {
-    answer.unwrap_or_else(|refusal| json!({ "error": refusal.to_string() }))
+    brief(point)
 }
 
 /// A range around an input of a scene that is positive, over two decades.

@@ -2,10 +2,10 @@
 
 use std::io::{self, Read, Write};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::RecvTimeoutError;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use bsm_batch::Workers;
 use bsm_case::Scene;
@@ -17,6 +17,7 @@ use crate::Refusal;
 use crate::answer::{Asked, answer};
 use crate::form::schema;
 use crate::page;
+use crate::running::{Running, Turn};
 
 /// Largest body of a request \[B\].
 const MOST_BYTES: u64 = 1 << 20;
@@ -24,8 +25,8 @@ const MOST_BYTES: u64 = 1 << 20;
 /// Time that an answer may take.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Requests that are served at a time.
-const SERVING: usize = 4;
+/// Requests that are served at a time: more than a page asks, so that the newest does not wait for others.
+const SERVING: usize = 8;
 
 /// Answers that are being worked out: those that are waited for, and as many that were given up. Beyond, nothing
 /// new is begun.
@@ -71,7 +72,7 @@ struct Shared {
     settings: Value,
     save: Option<Save>,
     workers: Workers<'static>,
-    running: Arc<AtomicUsize>,
+    running: Running,
 }
 
 /// The threads end with the program.
@@ -104,7 +105,7 @@ impl Server {
             settings: settings.to_json(),
             save,
             workers: Workers::start(None, &NEVER)?,
-            running: Arc::default(),
+            running: Running::most(MOST_RUNNING),
         };
         Ok(Self { http, port, shared: Arc::new(shared) })
     }
@@ -145,7 +146,9 @@ fn refused(status: u16, text: &str) -> Reply {
 
 impl Shared {
     fn respond(self: &Arc<Self>, mut request: Request) {
+        let began = Instant::now();
         let (status, kind, body) = self.reply(&mut request);
+        let timing = format!("total;dur={:.2}", 1e3 * began.elapsed().as_secs_f64());
         let mut response = Response::from_string(body)
             .with_status_code(StatusCode(status))
             .with_chunked_threshold(usize::MAX);
@@ -156,6 +159,7 @@ impl Shared {
             ("Referrer-Policy", "no-referrer"),
             ("Cross-Origin-Resource-Policy", "same-origin"),
             ("Content-Security-Policy", "frame-ancestors 'none'"),
+            ("Server-Timing", timing.as_str()),
         ] {
             if let Ok(header) = Header::from_bytes(name, value) {
                 response.add_header(header);
@@ -197,10 +201,13 @@ impl Shared {
         }
         match (request.method(), path.as_str()) {
             (Method::Get, "/") => (200, "text/html; charset=utf-8", self.page()),
-            (Method::Post, route) if route.len() > 1 => match body(request) {
-                Ok(body) => self.posted(&route[1..], body),
-                Err(reply) => reply,
-            },
+            (Method::Post, route) if route.len() > 1 => {
+                let turn = header("X-Bsm-Turn").and_then(|text| Turn::parse(&text));
+                match body(request) {
+                    Ok(body) => self.posted(turn, &route[1..], body),
+                    Err(reply) => reply,
+                }
+            }
             (Method::Get, "/favicon.ico") => (204, "image/x-icon", String::new()),
             (Method::Get, route) => refused(404, &format!("unknown route `{}`", &route[1..])),
             (method, route) => refused(405, &format!("{route} does not take {method}")),
@@ -219,14 +226,15 @@ impl Shared {
         }))
     }
 
-    fn posted(self: &Arc<Self>, route: &str, body: Vec<u8>) -> Reply {
-        let found = if route == "save" { self.save(&body) } else { self.answer(route, body) };
+    fn posted(self: &Arc<Self>, turn: Option<Turn>, route: &str, body: Vec<u8>) -> Reply {
+        let found = if route == "save" { self.save(&body) } else { self.answer(turn, route, body) };
         match found {
             Ok(answer) => (200, "application/json", answer.to_string()),
             Err(refusal) => {
                 let status = match refusal {
                     Refusal::Input(_) => 400,
                     Refusal::Route(_) => 404,
+                    Refusal::Overtaken => 409,
                     Refusal::Slow(_) | Refusal::Busy => 503,
                 };
                 refused(status, &refusal.to_string())
@@ -234,27 +242,25 @@ impl Shared {
         }
     }
 
-    /// An answer, unless it takes too long.
-    fn answer(self: &Arc<Self>, route: &str, body: Vec<u8>) -> Result<Value, Refusal> {
-        let running = Running::of(&self.running);
-        if self.running.load(Ordering::Relaxed) > MOST_RUNNING {
-            return Err(Refusal::Busy);
-        }
-        let (give, answers) = channel();
+    /// An answer, unless it takes too long or is overtaken.
+    fn answer(
+        self: &Arc<Self>,
+        turn: Option<Turn>,
+        route: &str,
+        body: Vec<u8>,
+    ) -> Result<Value, Refusal> {
+        let (begun, answers) = self.running.begin(turn)?;
+        let stop = begun.stop();
         let (shared, route) = (Arc::clone(self), route.to_owned());
-        let stop = Arc::new(AtomicBool::new(false));
-        let seen = Arc::clone(&stop);
         let work = move || {
-            let _running = running;
-            // Who gave up does not listen.
-            let _ = give.send(answer(&route, &body, &shared.workers, &seen));
+            let found = answer(&route, &body, &shared.workers, &begun.stop());
+            begun.end(found);
         };
         let started = thread::Builder::new().stack_size(STACK).spawn(work);
         started.map_err(|error| Refusal::Input(format!("cannot start a thread: {error}")))?;
         match answers.recv_timeout(PATIENCE) {
             Ok(found) => found,
             Err(RecvTimeoutError::Timeout) => {
-                // A map ends soon; a single solve has no end before its own, and is left alone.
                 stop.store(true, Ordering::Relaxed);
                 Err(Refusal::Slow(PATIENCE.as_secs()))
             }
@@ -275,22 +281,6 @@ impl Shared {
         let text = serde_json::to_string_pretty(&scene.to_json()).unwrap_or_default() + "\n";
         save(&text).map_err(Refusal::Input)?;
         Ok(json!({ "saved": true }))
-    }
-}
-
-/// Counts an answer that is being worked out, until it is dropped.
-struct Running(Arc<AtomicUsize>);
-
-impl Running {
-    fn of(count: &Arc<AtomicUsize>) -> Self {
-        count.fetch_add(1, Ordering::Relaxed);
-        Self(Arc::clone(count))
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::Relaxed);
     }
 }
 

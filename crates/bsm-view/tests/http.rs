@@ -7,6 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::Mutex;
 use std::thread;
+use std::time::Duration;
 
 use bsm_case::{Scene, Settings};
 use bsm_view::{Save, Server};
@@ -178,6 +179,11 @@ fn answers_are_those_of_the_commands() {
         let (status, answer) = served.post(route, &asked());
         assert!(status == 200 && answer.get("error").is_none(), "{route}: {answer}");
     }
+    // What the page asks with every change has all of a point in one answer.
+    let (_, point) = served.post("point", &asked());
+    for route in ["solve", "slip", "ellipses"] {
+        assert_eq!(point[route], served.post(route, &asked()).1, "{route}");
+    }
     let oil = json!({ "scene": scene_of("feed_drive_oil.json").to_json(), "band": true });
     let (_, answer) = served.post("solve", &oil);
     assert!(answer["band"]["screw_torque_Nm"][0].is_number(), "{answer}");
@@ -236,6 +242,35 @@ fn a_map_that_takes_too_long_ends_with_a_message() {
     // The threads are free again.
     let (status, answer) = served.post("solve", &asked());
     assert_eq!(status, 200, "{answer}");
+}
+
+/// Found on the page: a map ran on for 2 s after its slider had moved, and the new numbers waited.
+#[test]
+fn a_newer_turn_of_a_page_ends_the_older_one() {
+    let served = Served::start(None);
+    let request = json!({
+        "scene": scene_of("feed_drive_oil.json").to_json(),
+        "settings": { "name": "traction", "accuracy": 1e-13 },
+        "vary": ["screw_speed_rpm=100:3000:200", "axial_load_N=1000:20000:200"],
+        "columns": ["efficiency"],
+    });
+    let turn = |route: &str, turn: &str| {
+        format!("{}\r\nX-Bsm-Turn: {turn}", served.head(&format!("POST /{route}")))
+    };
+    thread::scope(|scope| {
+        let old = scope.spawn(|| served.send(&turn("sweep", "a/1"), &request.to_string()));
+        // Until the map has begun, the newer turn has nothing to end.
+        let overtaken = loop {
+            thread::sleep(Duration::from_millis(50));
+            let (status, answer) = served.send(&turn("point", "a/2"), &asked().to_string());
+            assert_eq!(status, 200, "{answer}");
+            if old.is_finished() {
+                break old.join().expect("an answer");
+            }
+        };
+        let (status, answer) = overtaken;
+        assert!(status == 409 && answer.contains("overtaken"), "{status} {answer}");
+    });
 }
 
 #[test]
