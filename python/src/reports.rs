@@ -319,9 +319,8 @@ impl Nuts {
 
 /// A requirement from JSON.
 fn wished(json: Option<&str>, catalogue: &Catalogue) -> Result<Option<RequirementFile>, CaseError> {
-    let read = |json: &str| {
-        RequirementFile::from_json(json.as_bytes(), &[], catalogue.lists.clone())
-    };
+    let read =
+        |json: &str| RequirementFile::from_json(json.as_bytes(), &[], catalogue.lists.clone());
     json.map(read).transpose()
 }
 
@@ -439,6 +438,7 @@ pub(crate) fn catalog(
         let scene = move |row: usize| Some(candidate_scene(nuts.get(row)?, wish.as_ref()));
         Ok((columns, Nuts(Box::new(scene))))
     })?;
-    let column = |(name, unit, values): (&str, _, Vec<f64>)| (name.to_owned(), unit, shared(values));
+    let column =
+        |(name, unit, values): (&str, _, Vec<f64>)| (name.to_owned(), unit, shared(values));
     Ok((columns.into_iter().map(column).collect(), nuts))
 }

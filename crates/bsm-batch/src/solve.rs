@@ -97,7 +97,8 @@ impl Task {
             verdicts: &mut answers.verdicts,
             columns: answers.columns.iter_mut().map(|column| Some(&mut column[..])).collect(),
         };
-        answers.messages = self.fill(arch, stop, &AtomicU64::new(0), (chunk, columns), room).messages;
+        answers.messages =
+            self.fill(arch, stop, &AtomicU64::new(0), (chunk, columns), room).messages;
         answers
     }
 
@@ -180,7 +181,9 @@ impl Task {
                 let row = first + i;
                 if !done {
                     // A kernel may have begun the row.
-                    outputs.iter_mut().for_each(|column| column[i] = f64::NAN);
+                    for column in &mut outputs {
+                        column[i] = f64::NAN;
+                    }
                 }
                 let put = |place: usize, value| outputs[place][i] = value;
                 let scene = chunk.scene(columns, base, row);

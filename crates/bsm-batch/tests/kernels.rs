@@ -257,7 +257,8 @@ fn sweeps_finish_nearly_all_points() {
         solved += 1;
         let bits = |output| root.cell(output).map(|cell| cell.number().to_bits());
         let mut found = way.iter().zip(&answers.columns);
-        left += usize::from(found.all(|(output, column)| bits(output) == Some(column[row].to_bits())));
+        left +=
+            usize::from(found.all(|(output, column)| bits(output) == Some(column[row].to_bits())));
     }
     assert!(solved > COUNT / 2, "{solved}");
     assert!(left * 200 < solved, "{left} of {solved} points are left to Newton");
@@ -282,7 +283,8 @@ fn outputs_without_a_place_come_back() {
         }
         assert_eq!((verdicts, told.messages), (expected.verdicts, expected.messages), "{model:?}");
         for (output, (found, expected)) in all().iter().zip(found.iter().zip(&expected.columns)) {
-            let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
+            let same =
+                |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
             assert!(found.iter().zip(expected).all(same), "{}, {model:?}", output.name);
         }
     }

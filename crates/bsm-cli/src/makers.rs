@@ -59,8 +59,9 @@ fn describe(rows: &[MakerRow]) -> String {
         let verdict = row.passes.map(|passes| if passes { "pass" } else { "FAIL" }.to_owned());
         std::iter::once(row.name.clone()).chain(numbers).chain(verdict).collect()
     };
-    let mut header: Vec<_> =
-        std::iter::once("nut").chain(first.numbers.iter().map(|(name, ..)| name.as_str())).collect();
+    let mut header: Vec<_> = std::iter::once("nut")
+        .chain(first.numbers.iter().map(|(name, ..)| name.as_str()))
+        .collect();
     header.extend(sized.then_some(""));
     let table = table::plain(Some(&header), &rows.iter().map(cells).collect::<Vec<_>>(), 1);
     // How far ours are from the maker's.
