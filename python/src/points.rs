@@ -16,7 +16,7 @@ use bsm_batch::{
     Answers, Chunk, Columns, Format, GridSource, ROWS, Room, Sink, Source, TableError, TableSink,
     Task, Told, Verdict, Workers,
 };
-use bsm_case::{Axis, Grid, ModelChoice, Output};
+use bsm_case::{Axis, Grid, ModelChoice, OUTPUTS, Output};
 use bsm_dyn::Status;
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
@@ -330,8 +330,9 @@ struct Gathered {
 
 impl Gathered {
     fn of(len: usize, outputs: usize, text: bool) -> Self {
-        // A table of one chunk is solved into its place.
-        let own = if len <= ROWS { outputs } else { 0 };
+        // What is asked for by name has its place, and so has a table of one chunk. Of all outputs most are of other
+        // models: only their values come back.
+        let own = if len <= ROWS || outputs < OUTPUTS.len() { outputs } else { 0 };
         let Answers { verdicts, messages, columns } = Answers::room(len, own);
         let mut columns: Vec<_> = columns.into_iter().map(Some).collect();
         columns.resize(outputs, None);
