@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use kuva::backend::svg::SvgBackend;
 use kuva::prelude::*;
+use kuva::render::color::Color;
 use kuva::render::layout::TickFormat;
-use kuva::render::render::{Primitive, Scene, render_multiple};
+use kuva::render::render::{PathData, Primitive, Scene, render_multiple};
 
 use crate::map::png_of;
 use crate::{ReportError, number};
@@ -26,6 +27,12 @@ pub enum Stroke {
     Circles,
     /// Triangles at the points, without a line.
     Triangles,
+}
+
+impl Stroke {
+    fn is_line(self) -> bool {
+        matches!(self, Self::Solid | Self::Dashed | Self::Dotted)
+    }
 }
 
 /// One curve of a figure; a y that is not finite is a gap.
@@ -114,6 +121,19 @@ const COLUMN: usize = 18;
 /// Points of a curve that tell their numbers, about: closer ones than a pointer can hit are of no use.
 const MOST_TOLD: usize = 16;
 
+/// Shapes on lines that without colours could not be told apart, in the order of their colours; the first has none.
+const SHAPES: [MarkerShape; 5] = [
+    MarkerShape::Square,
+    MarkerShape::Diamond,
+    MarkerShape::TriangleDown,
+    MarkerShape::Plus,
+    MarkerShape::Cross,
+];
+
+/// Shapes on a line, and their size \[px\].
+const SHAPES_OF_LINE: usize = 5;
+const SHAPE_SIZE: f64 = 3.5;
+
 /// What strokes and colours mean.
 type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
 
@@ -182,6 +202,8 @@ impl Figure {
             let runs = curve.points.split(|(_, y)| !y.is_finite()).filter(|run| !run.is_empty());
             plots.extend(runs.map(|run| plot(curve, run, &color(curve.color))));
         }
+        let shapes = self.shapes();
+        plots.extend(self.curves.iter().filter_map(|curve| shaped(curve, &shapes)));
         plots.extend(above);
         let entry = |curve: &Curve| {
             let label = curve.label.as_ref()?;
@@ -227,8 +249,21 @@ impl Figure {
             layout = layout.with_equal_aspect();
         }
         let mut scene = render_multiple(plots, title(layout, height));
-        lengthen_samples(&mut scene);
+        lengthen_samples(&mut scene, &shapes);
         scene
+    }
+
+    /// The shapes of colours whose lines have a stroke that another colour has too. In a drawing the place tells.
+    fn shapes(&self) -> Vec<(usize, MarkerShape)> {
+        let lines = || self.curves.iter().filter(|curve| curve.stroke.is_line());
+        let mut colors = Vec::new();
+        for (i, curve) in lines().enumerate() {
+            let alike = |other: &Curve| other.stroke == curve.stroke && other.color != curve.color;
+            if lines().take(i).any(alike) && !colors.contains(&curve.color) {
+                colors.push(curve.color);
+            }
+        }
+        if self.y.equal { Vec::new() } else { colors.into_iter().zip(SHAPES).collect() }
     }
 
     /// What each stroke and each colour means, if the labels of many curves are of two parts, `a, b`, of which one
@@ -368,6 +403,17 @@ fn plot(curve: &Curve, points: &[(f64, f64)], color: &str) -> Plot {
     }
 }
 
+/// Shapes along a line of a colour that has one.
+fn shaped(curve: &Curve, shapes: &[(usize, MarkerShape)]) -> Option<Plot> {
+    let (_, shape) = shapes.iter().find(|(place, _)| *place == curve.color)?;
+    let real: Vec<_> = curve.points.iter().filter(|(_, y)| y.is_finite()).collect();
+    let places = (0..SHAPES_OF_LINE).map(|k| (2 * k + 1) * real.len() / (2 * SHAPES_OF_LINE));
+    let points = places.filter_map(|place| real.get(place)).map(|point| **point);
+    let plot = ScatterPlot::new().with_data(points).with_color(color(curve.color));
+    let plot = plot.with_marker(*shape).with_size(SHAPE_SIZE);
+    curve.stroke.is_line().then_some(Plot::Scatter(plot))
+}
+
 fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
     let shape = match stroke {
         Stroke::Circles => LegendShape::Circle,
@@ -383,19 +429,52 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
     LegendEntry { label: label.to_owned(), color: color.to_owned(), shape, dasharray }
 }
 
-/// Lengthens the samples of lines in the legend, which the library makes too short to tell strokes apart.
-fn lengthen_samples(scene: &mut Scene) {
+/// Lengthens the samples of lines in the legend, which the library makes too short to tell strokes apart, and adds
+/// the shapes of their colours.
+fn lengthen_samples(scene: &mut Scene, shapes: &[(usize, MarkerShape)]) {
     const BY: f64 = 12.0;
     const LONGEST: f64 = 30.0;
     let plot = scene.elements.iter().rposition(|element| matches!(element, Primitive::ClipEnd));
+    let mut drawn = Vec::new();
     for element in scene.elements.iter_mut().skip(plot.unwrap_or(usize::MAX)) {
-        if let Primitive::Line { x1, x2, y1, y2, .. } = element
+        if let Primitive::Line { x1, x2, y1, y2, stroke, .. } = element
             && (*y1 - *y2).abs() < 1e-9
             && (0.0..LONGEST).contains(&(*x2 - *x1))
         {
             *x1 -= BY;
+            let of_line =
+                shapes.iter().find(|(place, _)| *stroke == Color::from(color(*place).as_str()));
+            if let Some((_, shape)) = of_line {
+                drawn.push(sample(*shape, f64::midpoint(*x1, *x2), *y1, stroke));
+            }
         }
     }
+    scene.elements.extend(drawn);
+}
+
+/// A shape of the legend.
+fn sample(shape: MarkerShape, x: f64, y: f64, stroke: &Color) -> Primitive {
+    let (s, m) = (SHAPE_SIZE, 1.3 * SHAPE_SIZE);
+    let d = match shape {
+        MarkerShape::Diamond => format!("M{x},{} l{m},{m} l-{m},{m} l-{m},-{m} Z", y - m),
+        MarkerShape::TriangleDown => {
+            format!("M{},{} h{} l-{s},{} Z", x - s, y - 0.7 * s, 2.0 * s, 1.7 * s)
+        }
+        MarkerShape::Plus => format!("M{},{y} h{} M{x},{} v{}", x - s, 2.0 * s, y - s, 2.0 * s),
+        MarkerShape::Cross => {
+            let side = 2.0 * s;
+            format!("M{},{} l{side},{side} m-{side},0 l{side},-{side}", x - s, y - s)
+        }
+        _ => format!("M{},{} h{} v{} h-{} Z", x - s, y - s, 2.0 * s, 2.0 * s, 2.0 * s),
+    };
+    Primitive::Path(Box::new(PathData {
+        d,
+        fill: Some(stroke.clone()),
+        stroke: stroke.clone(),
+        stroke_width: 1.5,
+        opacity: None,
+        stroke_dasharray: None,
+    }))
 }
 
 /// True for what XML 1.0 can hold; a title with another character would make the file unreadable.
@@ -453,6 +532,33 @@ mod tests {
         // One that does not fit makes it a list again.
         figure.curves[4].stroke = Stroke::Solid;
         assert_eq!(figure.strokes_and_colors(), None);
+    }
+
+    /// Lines of one stroke and several colours have shapes, in the legend too; other strokes tell themselves.
+    #[test]
+    fn lines_are_told_apart_without_colours() {
+        let curve = |color: usize, stroke| {
+            let points = (0..20).map(|x| (f64::from(x), 1.0)).collect();
+            Curve::new(format!("curve {color}"), color, stroke, points)
+        };
+        let mut figure = Figure {
+            key: "k".into(),
+            title: "t".into(),
+            caption: String::new(),
+            x: Axis::linear("x"),
+            y: Axis::linear("y"),
+            curves: vec![curve(0, Stroke::Solid), curve(1, Stroke::Dashed)],
+        };
+        assert_eq!(figure.shapes(), []);
+        let plain = figure.svg().matches("<rect").count();
+        figure.curves.push(curve(2, Stroke::Solid));
+        assert_eq!(figure.shapes(), [(2, MarkerShape::Square)]);
+        let svg = figure.svg();
+        assert_eq!(svg.matches("<rect").count() - plain, SHAPES_OF_LINE, "{svg}");
+        assert_eq!(svg.matches(" v7 h-7 Z").count(), 1, "{svg}");
+        // In a drawing the place tells.
+        figure.y = Axis::equal("y");
+        assert_eq!(figure.shapes(), []);
     }
 
     /// A gap in a curve is one in the figure and in the table; the figure knows its size.
