@@ -16,7 +16,7 @@ const at = (id) => document.getElementById(id);
 const panels = ["key", "space", "section", "ellipses", "losses", "map", "models", "nut", "numbers"];
 const space = new Space(at("space")), ellipses = new Ellipses(at("ellipses"));
 const inputs = new Inputs(at("inputs"), () => changed());
-const map = new ModelMap(at("map"), { moved: (values) => inputs.put(values), ask: (route, body, signal) => ask(route, body, turn, signal), again: () => { turn += 1; late.abort(); void rest(); } });
+const map = new ModelMap(at("map"), { moved: (values) => inputs.put(values), ask: (route, body, signal) => ask(route, body, turn, signal), again: () => { turn += 1; clearTimeout(slow); void rest(); } });
 let settings = { ...start.settings };
 
 /** What is asked: scene and settings. */
@@ -95,7 +95,7 @@ async function rest() {
   if (running) return;
   space.hold(false);
   if (!at("alert").hidden) return;
-  late = new AbortController();
+  late.abort(); late = new AbortController();
   const { signal } = late, body = structuredClone(request());
   const then = (route, more, act) => attempt(route, { ...body, ...more }, signal).then((answer) => { if (!signal.aborted) act(answer); });
   const banded = start.live && shown.solved?.equivalent_friction_coefficient != null;

@@ -90,7 +90,7 @@ pub fn saved(scene: &Scene, settings: &Settings, workers: &Workers<'_>) -> Resul
 
 /// A point at a stop, without what is the same at all of them.
 fn stop(mut point: Value) -> Value {
-    if let Some(solved) = point["solve"].as_object_mut() {
+    if let Some(solved) = point.get_mut("solve").and_then(Value::as_object_mut) {
         solved.remove("section");
         solved.remove("inputs");
     }
