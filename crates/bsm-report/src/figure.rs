@@ -500,6 +500,17 @@ fn scalable(svg: &str) -> String {
 mod tests {
     use super::*;
 
+    fn figure_of(curves: Vec<Curve>) -> Figure {
+        Figure {
+            key: "k".into(),
+            title: "t".into(),
+            caption: String::new(),
+            x: Axis::linear("x, mm"),
+            y: Axis::linear("y, N"),
+            curves,
+        }
+    }
+
     /// Found by a user: a legend of nine rows for three loads and three models.
     #[test]
     fn a_legend_of_strokes_and_colours() {
@@ -508,14 +519,7 @@ mod tests {
             let (stroke, name) = strokes[i / 3];
             Curve::new(format!("{name}, {} N", i % 3), i % 3, stroke, vec![(0.0, 0.0), (1.0, 1.0)])
         };
-        let mut figure = Figure {
-            key: "k".into(),
-            title: "t".into(),
-            caption: String::new(),
-            x: Axis::linear("x"),
-            y: Axis::linear("y"),
-            curves: (0..9).map(curve).collect(),
-        };
+        let mut figure = figure_of((0..9).map(curve).collect());
         let (by_stroke, by_color) = figure.strokes_and_colors().expect("two parts");
         assert_eq!(by_stroke, strokes);
         assert_eq!(by_color, [(0, "0 N"), (1, "1 N"), (2, "2 N")]);
@@ -541,14 +545,7 @@ mod tests {
             let points = (0..20).map(|x| (f64::from(x), 1.0)).collect();
             Curve::new(format!("curve {color}"), color, stroke, points)
         };
-        let mut figure = Figure {
-            key: "k".into(),
-            title: "t".into(),
-            caption: String::new(),
-            x: Axis::linear("x"),
-            y: Axis::linear("y"),
-            curves: vec![curve(0, Stroke::Solid), curve(1, Stroke::Dashed)],
-        };
+        let mut figure = figure_of(vec![curve(0, Stroke::Solid), curve(1, Stroke::Dashed)]);
         assert_eq!(figure.shapes(), []);
         let plain = figure.svg().matches("<rect").count();
         figure.curves.push(curve(2, Stroke::Solid));
@@ -566,14 +563,8 @@ mod tests {
     fn figures_have_gaps_and_a_view_box() {
         let points = vec![(1.0, 1.0), (2.0, 2.0), (3.0, f64::NAN), (4.0, 2.0), (5.0, 1.0)];
         let curve = Curve::new("a", 0, Stroke::Solid, points);
-        let figure = Figure {
-            key: "k".into(),
-            title: "t".into(),
-            caption: String::new(),
-            x: Axis::linear("x, mm"),
-            y: Axis::log("y, N"),
-            curves: vec![curve],
-        };
+        let mut figure = figure_of(vec![curve]);
+        figure.y = Axis::log("y, N");
         let svg = figure.svg();
         assert!(svg.contains("viewBox=\"0 0 460 "), "{}", &svg[..300]);
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");

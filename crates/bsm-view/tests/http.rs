@@ -227,16 +227,19 @@ fn the_field_of_an_oiled_contact_is_that_of_its_model() {
 }
 
 /// Forty thousand points of a lubricated ball to the last digits take minutes of one core.
-#[test]
-fn a_map_that_takes_too_long_ends_with_a_message() {
-    let served = Served::start(None);
-    let request = json!({
+fn long_map() -> Value {
+    json!({
         "scene": scene_of("feed_drive_oil.json").to_json(),
         "settings": { "name": "traction", "accuracy": 1e-13 },
         "vary": ["screw_speed_rpm=100:3000:200", "axial_load_N=1000:20000:200"],
         "columns": ["efficiency"],
-    });
-    let (status, answer) = served.post("sweep", &request);
+    })
+}
+
+#[test]
+fn a_map_that_takes_too_long_ends_with_a_message() {
+    let served = Served::start(None);
+    let (status, answer) = served.post("sweep", &long_map());
     let text = answer["error"].as_str().expect("words");
     assert!(status == 503 && text.contains("stopped after 2 s"), "{status} {text}");
     // The threads are free again.
@@ -248,17 +251,11 @@ fn a_map_that_takes_too_long_ends_with_a_message() {
 #[test]
 fn a_newer_turn_of_a_page_ends_the_older_one() {
     let served = Served::start(None);
-    let request = json!({
-        "scene": scene_of("feed_drive_oil.json").to_json(),
-        "settings": { "name": "traction", "accuracy": 1e-13 },
-        "vary": ["screw_speed_rpm=100:3000:200", "axial_load_N=1000:20000:200"],
-        "columns": ["efficiency"],
-    });
     let turn = |route: &str, turn: &str| {
         format!("{}\r\nX-Bsm-Turn: {turn}", served.head(&format!("POST /{route}")))
     };
     thread::scope(|scope| {
-        let old = scope.spawn(|| served.send(&turn("sweep", "a/1"), &request.to_string()));
+        let old = scope.spawn(|| served.send(&turn("sweep", "a/1"), &long_map().to_string()));
         // Until the map has begun, the newer turn has nothing to end.
         let overtaken = loop {
             thread::sleep(Duration::from_millis(50));
