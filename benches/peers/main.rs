@@ -14,6 +14,7 @@ use std::hint::black_box;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::MutexGuard;
 use std::time::{Duration, Instant};
 
 use bsm_benches::seeded;
@@ -70,7 +71,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let (batch, newton) = ("bsm batch, 1 thread", "Newton on nalgebra's LU");
     let all = format!("bsm batch, {} threads", all_threads.current_num_threads());
     let mut faer = newton::Faer::default();
-    let rows = |answers: &_, row: usize| Some(bsm::answer(&bsm::row(answers, row)?, &points[row]));
+    let rows = |answers: &MutexGuard<'_, bsm_batch::Answers>, row: usize| {
+        Some(bsm::answer(&bsm::row(answers, row)?, &points[row]))
+    };
     let mut peers: [(&str, Run); 6] = [
         (batch, Box::new(|| one_thread.install(|| timed(&points, || table.solve(), rows)))),
         (&all, Box::new(|| all_threads.install(|| timed(&points, || table.solve(), rows)))),

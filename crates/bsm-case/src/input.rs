@@ -181,8 +181,11 @@ impl InputKey {
     ///
     /// [`CaseError::UnknownKey`] with the nearest name.
     pub fn named(name: &str) -> Result<Self, CaseError> {
-        let found = Self::ALL.into_iter().find(|key| key.name() == name);
-        found.ok_or_else(|| unknown_key(name.to_owned()))
+        Self::known(name).ok_or_else(|| unknown_key(name.to_owned()))
+    }
+
+    fn known(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|key| key.name() == name)
     }
 
     /// The input that a name in any unit means, and the factor to the unit of the input: `axial_load_kN` is
@@ -192,14 +195,17 @@ impl InputKey {
     ///
     /// [`CaseError::UnknownKey`] with the nearest name.
     pub fn in_unit(name: &str) -> Result<(Self, f64), CaseError> {
-        let unknown = match Self::named(name) {
-            Ok(key) => return Ok((key, 1.0)),
-            Err(unknown) => unknown,
+        Self::known_in_unit(name).ok_or_else(|| unknown_key(name.to_owned()))
+    }
+
+    /// [`in_unit`](Self::in_unit) where any other name will do too: a nearest name takes long to find.
+    pub(crate) fn known_in_unit(name: &str) -> Option<(Self, f64)> {
+        let given = || Some((Self::known(name)?, 1.0));
+        let converted = || {
+            let (own, factor) = convert(name, &INPUTS.iter().map(|input| input.name))?;
+            Some((Self::known(own)?, factor))
         };
-        match convert(name, &INPUTS.iter().map(|input| input.name)) {
-            Some((own, factor)) => Self::named(own).map(|key| (key, factor)),
-            None => Err(unknown),
-        }
+        given().or_else(converted)
     }
 }
 

@@ -41,7 +41,7 @@ impl Scene {
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
         let mut scene = Self::default();
         for (key, value) in entries(json)? {
-            let twice = InputKey::in_unit(&key).ok().filter(|(input, _)| scene[*input].is_some());
+            let twice = InputKey::known_in_unit(&key).filter(|(input, _)| scene[*input].is_some());
             if let Some((input, _)) = twice {
                 let keys = [input.name(), "the same in another unit"];
                 return Err(CaseError::OneOfTwo { keys, found: "both are" });

@@ -160,13 +160,16 @@ impl QuasiStatic {
     /// Evaluates the equations.
     pub fn solve(&self) -> Solution {
         let contacts = self.contacts();
-        let solved = self.balance(&contacts).map(|ratio| {
-            let eta = contacts.efficiency(self.direction.is_back());
-            let ball = BallState::at_angle(self.angles.contact);
-            let along = (self.direction, self.angles.lead);
-            answer(ball, (eta, eta <= 0.0), ratio, self.size.as_ref(), along)
-        });
-        Solution::new(Model::QuasiStatic, solved)
+        let ratio = match self.balance(&contacts) {
+            Ok(ratio) => ratio,
+            Err(none) => return Solution::new(Model::QuasiStatic, Err(none)),
+        };
+        let eta = contacts.efficiency(self.direction.is_back());
+        let ball = BallState::at_angle(self.angles.contact);
+        let along = (self.direction, self.angles.lead);
+        let solved = answer(ball, (eta, eta <= 0.0), ratio, self.size.as_ref(), along);
+        // In place: an answer is large, and a copy takes as long as the formulas.
+        Solution::new(Model::QuasiStatic, Ok(solved))
     }
 }
 

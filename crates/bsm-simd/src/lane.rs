@@ -20,16 +20,39 @@ pub struct Mask<S: Simd, const N: usize = 1> {
     m: [S::m64s; N],
 }
 
-/// The same for each part; a loop, because closures are calls where the instruction set differs.
+/// The same for each of a few parts. Closures are calls where the instruction set differs, and loops, of which a
+/// kernel would have thousands, take the compiler minutes to unroll.
 macro_rules! parts {
-    ($value:expr, $i:ident, $part:expr) => {{
+    ($value:expr, $i:ident, $part:expr) => {
+        parts!($value, N, $i, $part)
+    };
+    ($value:expr, $count:ident, $i:ident, $part:expr) => {{
         let mut parts = $value;
-        for $i in 0..N {
+        if $count > 0 {
+            let $i = 0;
             parts[$i] = $part;
+        }
+        if $count > 1 {
+            let $i = 1;
+            parts[$i] = $part;
+        }
+        if $count > 2 {
+            let $i = 2;
+            parts[$i] = $part;
+        }
+        if $count > 3 {
+            let $i = 3;
+            parts[$i] = $part;
+        }
+        if $count > 4 {
+            for $i in 4..$count {
+                parts[$i] = $part;
+            }
         }
         parts
     }};
 }
+pub(crate) use parts;
 
 impl<S: Simd, const N: usize> Lane<S, N> {
     /// How many numbers.
@@ -51,10 +74,11 @@ impl<S: Simd, const N: usize> Lane<S, N> {
     #[inline(always)]
     pub fn load(simd: S, from: &[f64]) -> Self {
         let (whole, rest) = S::as_simd_f64s(from);
-        let mut x = [simd.splat_f64s(0.0); N];
         if let Some(whole) = whole.first_chunk::<N>() {
             return Self { simd, x: *whole };
         }
+        let zero = simd.splat_f64s(0.0);
+        let mut x = [zero; N];
         for i in 0..N {
             if i < whole.len() {
                 x[i] = whole[i];

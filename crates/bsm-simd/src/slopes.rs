@@ -5,6 +5,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use bsm_kin::Field;
 use pulp::Simd;
 
+use crate::lane::parts;
 use crate::{Lane, Mask};
 
 /// Numbers of a [`Lane`] and their partial derivatives with respect to `K` variables.
@@ -16,15 +17,11 @@ pub struct Slopes<S: Simd, const N: usize, const K: usize> {
     pub eps: [Lane<S, N>; K],
 }
 
-/// The same for each derivative; a loop, because closures are calls where the instruction set differs.
+/// The same for each derivative.
 macro_rules! each {
-    ($like:expr, $i:ident, $slope:expr) => {{
-        let mut eps = $like;
-        for $i in 0..K {
-            eps[$i] = $slope;
-        }
-        eps
-    }};
+    ($like:expr, $i:ident, $slope:expr) => {
+        parts!($like, K, $i, $slope)
+    };
 }
 
 impl<S: Simd, const N: usize, const K: usize> Slopes<S, N, K> {

@@ -49,8 +49,8 @@ pub struct Quadrature {
     pub(super) half: Gauss,
     /// For an oil: cosines and sines of angles on half a ring, [`BLOCK`] of them, twice as many, and so on.
     pub(super) angles: Vec<[Vec<f64>; 2]>,
-    /// What as many blocks of angles leave is below this logarithm over the depth of a pole.
-    depth: f64,
+    /// Least `$\cosh\eta$` of a pole for which as many of them are enough; falls with the number.
+    resolved: Vec<f64>,
     /// Nodes and weights along a line, by their number (T19).
     pub(super) inner: Vec<Vec<(f64, f64)>>,
     /// Least `$\sinh^2\eta$` (T18) for which that number is enough; falls with the number.
@@ -135,7 +135,10 @@ impl Quadrature {
             near: of(4 * rule.part.len()),
             half: of(half.min(MOST_RINGS)),
             angles: (1..=MOST_BLOCKS).map(|blocks| half_ring(blocks * BLOCK)).collect(),
-            depth: -accuracy.ln() / 2.0,
+            // e^{−2 N η}, N angles on half a ring
+            resolved: (1..=MOST_BLOCKS)
+                .map(|blocks| (-accuracy.ln() / (2 * blocks * BLOCK) as f64).cosh())
+                .collect(),
             inner: rule.inner[..=MOST_OILED].to_vec(),
             reach: rule.reach[..=MOST_OILED].to_vec(),
         }
@@ -149,17 +152,14 @@ impl Quadrature {
 
     /// How many blocks of angles on half a ring resolve a slip; none where its poles are so near that lines about
     /// them are better.
-    #[expect(clippy::cast_precision_loss, reason = "a few angles")]
     pub(super) fn blocks(&self, slip: &EllipseSlip<f64>) -> usize {
-        let reach = slip.poles().into_iter().map(|Pole { at, width }| {
+        let reach = slip.poles().map(|Pole { at, width }| {
             // |z − 1| + |z + 1| = 2 cosh η of a pole z
-            (0.5 * ((at - 1.0).hypot(width) + (at + 1.0).hypot(width))).max(1.0).acosh()
+            let square = width * width;
+            0.5 * (((at - 1.0).powi(2) + square).sqrt() + ((at + 1.0).powi(2) + square).sqrt())
         });
-        let eta = reach.fold(f64::INFINITY, f64::min);
-        // e^{−2 N η}, N angles on half a ring
-        let blocks =
-            (1..=self.angles.len()).find(|blocks| eta * (blocks * BLOCK) as f64 >= self.depth);
-        blocks.unwrap_or(0)
+        let reach = reach[0].min(reach[1]);
+        self.resolved.iter().position(|least| reach >= *least).map_or(0, |place| place + 1)
     }
 
     /// Least `$\sinh^2\eta$` of a spin pole that does not count as inside.
@@ -200,7 +200,7 @@ impl Quadrature {
             half: Gauss::of(part),
             part: Gauss::of(part),
             angles: Vec::new(),
-            depth: 0.0,
+            resolved: Vec::new(),
             inner: (0..=most).map(|m| chebyshev(m + more)).collect(),
             reach: (0..=most).map(reach).collect(),
         }
