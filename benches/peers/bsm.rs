@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Task};
+use bsm_batch::{Answers, Chunk, Columns, Task};
 use bsm_case::{Output, Record, Scene, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Problem, RigidWorkspace, Solution, Status};
 
@@ -46,14 +46,7 @@ pub(crate) struct Table {
 
 impl Table {
     pub(crate) fn of(points: &[Point]) -> Self {
-        let columns = Columns::sort(INPUTS, &[]).expect("known names");
-        let mut inputs = INPUTS.map(|_| Column::with_capacity(points.len())).to_vec();
-        for point in points {
-            for (column, value) in inputs.iter_mut().zip(point) {
-                column.push(Cell::Number(*value));
-            }
-        }
-        let chunk = Chunk { first: 1, len: points.len(), inputs, kept: Vec::new() };
+        let (chunk, columns) = bsm_benches::chunk(INPUTS, points);
         let outputs = OUTPUTS.map(|name| Output::named(name).expect("known name"));
         Self { chunk, columns, task: Task::new(Scene::default(), settings(), outputs.to_vec()) }
     }
