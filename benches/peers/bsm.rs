@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::sync::{Mutex, MutexGuard};
 
-use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Room, Task};
+use bsm_batch::{Answers, Chunk, Columns, Room, Task};
 use bsm_case::{Output, Record, Scene, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Problem, RigidWorkspace, Solution, Status};
 
@@ -49,14 +49,7 @@ pub(crate) struct Table {
 
 impl Table {
     pub(crate) fn of(points: &[Point]) -> Self {
-        let columns = Columns::sort(INPUTS, &[]).expect("known names");
-        let mut inputs = INPUTS.map(|_| Column::with_capacity(points.len())).to_vec();
-        for point in points {
-            for (column, value) in inputs.iter_mut().zip(point) {
-                column.push(Cell::Number(*value));
-            }
-        }
-        let chunk = Chunk { first: 1, len: points.len(), inputs, kept: Vec::new() };
+        let (chunk, columns) = bsm_benches::chunk(INPUTS, points);
         let outputs = OUTPUTS.map(|name| Output::named(name).expect("known name"));
         let task = Task::new(Scene::default(), settings(), outputs.to_vec());
         let answers = Mutex::new(Answers::room(points.len(), OUTPUTS.len()));

@@ -1,6 +1,6 @@
 //! The operating points, in the units that a user writes.
 
-use bsm_case::{InputKey, Scene};
+use bsm_case::Scene;
 
 /// Inputs of the rigid model, in the order of a [`Point`].
 pub(crate) const INPUTS: [&str; 10] = [
@@ -21,6 +21,5 @@ pub(crate) type Point = [f64; INPUTS.len()];
 
 /// The numbers of a scene.
 pub(crate) fn point(scene: &Scene) -> Point {
-    let value = |key| scene.value_or_default(key).expect("complete scene");
-    INPUTS.map(|name| value(InputKey::named(name).expect("known name")))
+    bsm_benches::values(scene, &INPUTS)
 }

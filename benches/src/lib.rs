@@ -1,6 +1,7 @@
 //! Operating points for the benches: validated cases and a seeded set.
 
-use bsm_case::Scene;
+use bsm_batch::{Cell, Chunk, Column, Columns};
+use bsm_case::{InputKey, Scene};
 use bsm_dyn::{Model, Problem};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -61,4 +62,30 @@ pub fn seeded(count: usize) -> Vec<Scene> {
         }
     }
     scenes
+}
+
+/// Values of inputs in a scene.
+///
+/// # Panics
+///
+/// If an input is unknown or has no value.
+pub fn values<const N: usize>(scene: &Scene, inputs: &[&str; N]) -> [f64; N] {
+    let key = |name| InputKey::named(name).expect("known name");
+    inputs.map(|name| scene.value_or_default(key(name)).expect("complete scene"))
+}
+
+/// Points as a table in memory.
+///
+/// # Panics
+///
+/// If an input is unknown.
+pub fn chunk<const N: usize>(inputs: [&str; N], points: &[[f64; N]]) -> (Chunk, Columns) {
+    let columns = Columns::sort(inputs, &[]).expect("known names");
+    let mut cells = inputs.map(|_| Column::with_capacity(points.len())).to_vec();
+    for point in points {
+        for (column, value) in cells.iter_mut().zip(point) {
+            column.push(Cell::Number(*value));
+        }
+    }
+    (Chunk { first: 1, len: points.len(), inputs: cells, kept: Vec::new() }, columns)
 }

@@ -69,6 +69,12 @@ fn sources() -> Vec<Source> {
         source("many", "bsm sweep, bsm batch", "2 min, 2 GB of disk", How::Slow(slow::many)),
         source("build", "cargo build --release", "5 min", How::Slow(slow::build)),
         source("peers", "benches/peers/run.sh", "5 min, Python", How::Slow(slow::peers)),
+        source(
+            "peers-traction",
+            "benches/peers/traction.sh",
+            "2 min, Python",
+            How::Slow(slow::traction_peers),
+        ),
         source("tests", "the `cargo test` commands of the documents", "an hour", How::Tests),
     ]);
     all.extend(CAMPAIGNS.iter().map(|(model, ..)| {

@@ -414,6 +414,17 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
+/// The peers of `traction`.
+pub(crate) fn traction_peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
+    let few = if site.quick { "--count 64 --runs 3" } else { "" };
+    let printed = site.run(site.root.join("benches/peers/traction.sh"), few)?.0;
+    let (rows, with) = printed.trim_end().split_once("\n\n").ok_or("no table")?;
+    Ok(vec![
+        ("peers/traction", Text::Whole(format!("\n{rows}\n"))),
+        ("peers/traction-machine", Text::Whole(format!("({}; {with})", site.machine()?))),
+    ])
+}
+
 /// A campaign over the extremes, and one next to edges.
 pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Text)>> {
     let (_, points, seed, edges) =

@@ -1,0 +1,98 @@
+//! The seeded points of the traction model with this solver's answers and times, as JSON: what
+//! `benches/peers/traction.sh` compares with other solvers.
+#![expect(clippy::print_stdout, reason = "the numbers are what the program is for")]
+
+use std::error::Error;
+use std::hint::black_box;
+use std::num::NonZeroUsize;
+use std::time::Instant;
+
+use bsm_batch::Task;
+use bsm_benches::{chunk, seeded, values};
+use bsm_case::{Output, Record, Scene, Settings};
+use bsm_dyn::{Model, ModelWorkspace, Solution};
+use clap::Parser;
+use rayon::ThreadPoolBuilder;
+
+/// Inputs of the traction model, in the order in which the peers read them.
+const INPUTS: [&str; 14] = [
+    "ball_diameter_mm",
+    "pitch_circle_diameter_mm",
+    "lead_angle_deg",
+    "contact_angle_deg",
+    "friction_coefficient",
+    "density_kg_m3",
+    "screw_speed_rpm",
+    "nut_speed_rpm",
+    "axial_load_N",
+    "loaded_balls",
+    "nut_conformity",
+    "screw_conformity",
+    "youngs_modulus_GPa",
+    "poisson_ratio",
+];
+
+/// Outputs that the peers must agree on.
+const OUTPUTS: [&str; 5] = [
+    "efficiency",
+    "nut_normal_load_N",
+    "screw_normal_load_N",
+    "nut_contact_angle_deg",
+    "screw_contact_angle_deg",
+];
+
+/// Solves the seeded points of the criterion group with traction, one by one and as a batch.
+#[derive(Debug, Parser)]
+struct Arguments {
+    /// Number of points
+    #[arg(long, default_value_t = 1000)]
+    count: usize,
+    /// Runs of each way, of which the median counts
+    #[arg(long, default_value = "31")]
+    runs: NonZeroUsize,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let Arguments { count, runs } = Arguments::parse();
+    let scenes = seeded(count);
+    let points: Vec<_> = scenes.iter().map(|scene| values(scene, &INPUTS)).collect();
+    let settings: Settings = Model::Traction.into();
+
+    let mut work = ModelWorkspace::default();
+    let mut solve = || -> Vec<Solution> {
+        let problem = |scene: &Scene| scene.problem(&settings).expect("complete scene");
+        scenes.iter().map(|scene| problem(scene).solve(&mut work)).collect()
+    };
+    let answers: Vec<_> = solve().into_iter().map(answer).collect();
+
+    let (chunk, columns) = chunk(INPUTS, &points);
+    let outputs = OUTPUTS.map(|name| Output::named(name).expect("known name"));
+    let task = Task::new(Scene::default(), settings, outputs.to_vec());
+    let one_thread = ThreadPoolBuilder::new().num_threads(1).build()?;
+    let mut times = [Vec::new(), Vec::new()];
+    for _ in 0..runs.get() {
+        times[0].push(seconds(|| one_thread.install(|| task.solve(&chunk, &columns))));
+        times[1].push(seconds(&mut solve));
+    }
+    let [batch, single] = times.map(|mut times| {
+        times.sort_by(f64::total_cmp);
+        times[times.len() / 2]
+    });
+    let json = serde_json::json!({
+        "points": points, "answers": answers, "batch": batch, "single": single,
+    });
+    println!("{json}");
+    Ok(())
+}
+
+/// The outputs, where there are any.
+fn answer(solution: Solution) -> Option<Vec<f64>> {
+    let record = Record::new(solution);
+    OUTPUTS.iter().map(|name| record.number(name)).collect()
+}
+
+fn seconds<T>(mut solve: impl FnMut() -> T) -> f64 {
+    let start = Instant::now();
+    black_box(solve());
+    start.elapsed().as_secs_f64()
+}

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# The seeded points of the traction model in this solver, SciPy and JAX: benches/peers/traction.sh [--count N] [--runs N]
+# Takes cargo and python3; the packages come from benches/peers/requirements.txt.
+set -euo pipefail
+here="$(cd "$(dirname "$0")" && pwd)"
+work="$here/../../target/peers"
+mkdir -p "$work"
+cargo run --quiet --release --locked --manifest-path "$here/../Cargo.toml" --bin traction-peers -- "$@" >"$work/traction.json"
+python="$work/venv/bin/python"
+[ -x "$python" ] || python3 -m venv "$work/venv"
+"$python" -m pip install --quiet --requirement "$here/requirements.txt"
+"$python" -B "$here/traction.py" "$work/traction.json"
