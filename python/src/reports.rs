@@ -337,14 +337,7 @@ pub(crate) fn makers(
     let rows = on_threads(py, || {
         let nuts = MakerNut::from_csv(table, &column_names(names.as_bytes())?, b',', '.')?;
         let wish = wished(requirement, &Catalogue::standard()?)?;
-        let row = |nut: &MakerNut| {
-            MakerRow::of(nut, wish.as_ref()).map_err(|error| (nut.name.clone(), error))
-        };
-        let mut rows: Result<Vec<_>, _> = nuts.iter().map(row).collect();
-        if let (Ok(rows), Some(_)) = (&mut rows, &wish) {
-            MakerRow::sort(rows);
-        }
-        Ok(rows)
+        Ok(MakerRow::all(&nuts, wish.as_ref()))
     })?;
     let rows = rows.map_err(|(name, error)| errors::words(&format!("{name}: {error}")))?;
     let columns = rows.first().into_iter().flat_map(|first| first.numbers.iter().enumerate());

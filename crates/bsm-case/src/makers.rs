@@ -108,12 +108,24 @@ pub struct MakerRow {
 }
 
 impl MakerRow {
-    /// A nut beside ours, and in the axis of a requirement.
+    /// Nuts beside ours, and in the axis of a requirement: those that keep all its rules first, of them the
+    /// lightest screw.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input is missing or breaks its rule.
-    pub fn of(nut: &MakerNut, wish: Option<&RequirementFile>) -> Result<Self, CaseError> {
+    /// The name of a nut, and [`CaseError`] if an input of it is missing or breaks its rule.
+    pub fn all(
+        nuts: &[MakerNut],
+        wish: Option<&RequirementFile>,
+    ) -> Result<Vec<Self>, (String, CaseError)> {
+        let row = |nut: &MakerNut| Self::of(nut, wish).map_err(|error| (nut.name.clone(), error));
+        let mut rows = nuts.iter().map(row).collect::<Result<Vec<_>, _>>()?;
+        let mass = |row: &Self| row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
+        rows.sort_by(|a, b| b.passes.cmp(&a.passes).then(mass(a).total_cmp(&mass(b))));
+        Ok(rows)
+    }
+
+    fn of(nut: &MakerNut, wish: Option<&RequirementFile>) -> Result<Self, CaseError> {
         let mut at = nut.scene.clone();
         at.axial_load_N = at.rated_dynamic_load_N.map(|rating| RIGIDITY_AT * rating);
         let ours = CapacityReport::of(&at, None)?.rows();
@@ -138,12 +150,6 @@ impl MakerRow {
             numbers.extend(sheet_columns().map(of_sheet));
         }
         Ok(Self { name: nut.name.clone(), scene, numbers, passes })
-    }
-
-    /// Those that keep all rules first, of them the lightest screw.
-    pub fn sort(rows: &mut [Self]) {
-        let mass = |row: &Self| row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
-        rows.sort_by(|a, b| b.passes.cmp(&a.passes).then(mass(a).total_cmp(&mass(b))));
     }
 
     /// A number by name.

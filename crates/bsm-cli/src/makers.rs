@@ -20,14 +20,8 @@ pub(crate) fn run(args: &CatalogArgs, path: &Path) -> Result<(), Failure> {
         .map_err(|e| Failure::scene(path, &e))?;
     let catalogue = Catalogue::standard().map_err(|e| Failure::scene(path, &e))?;
     let wish = requirement(args, &catalogue)?;
-    let row = |nut: &MakerNut| {
-        MakerRow::of(nut, wish.as_ref())
-            .map_err(|e| Failure::in_scene(path, &format!("{}: {e}", nut.name)))
-    };
-    let mut rows: Vec<_> = nuts.iter().map(row).collect::<Result<_, _>>()?;
-    if wish.is_some() {
-        MakerRow::sort(&mut rows);
-    }
+    let rows = MakerRow::all(&nuts, wish.as_ref())
+        .map_err(|(name, e)| Failure::in_scene(path, &format!("{name}: {e}")))?;
     let passing = rows.iter().filter(|row| row.passes == Some(true)).count();
     if wish.is_some() {
         warn("note", &format!("{passing} of {} nuts keep all rules", rows.len()));
