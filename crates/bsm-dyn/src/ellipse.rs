@@ -5,6 +5,7 @@
 
 mod field;
 mod kernel;
+mod many;
 mod oil;
 mod panels;
 
@@ -15,6 +16,7 @@ pub(crate) use self::kernel::{Point, SUMS, Sums};
 pub use self::oil::Bend;
 pub(crate) use self::oil::OiledSums;
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
+pub(crate) use self::many::{InnerNodes, ManyQuadrature};
 pub(crate) use self::panels::{Nodes, Plan};
 use crate::{Coulomb, FrictionLaw, MixedFriction, Wrench};
 

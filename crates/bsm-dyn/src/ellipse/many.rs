@@ -1,0 +1,194 @@
+//! The sums of the friction over the ellipses of several contacts side by side, with derivatives.
+//!
+//! Nodes and sums are those of one contact in `panels.rs` and `kernel.rs`, up to rounding: eight neighbouring
+//! lines share the largest of their numbers of inner nodes, at each contact by itself.
+
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
+use std::ops::Range;
+
+use bsm_simd::{BLOCK, Lane, Mask, NullaryFnOnce, Simd};
+
+use super::Quadrature;
+use super::kernel::{ALL, Inner, Line, Point, Sums, VALUES};
+use super::panels::{MOST_INNER, chord, clamp, line};
+
+/// Most nodes of a panel.
+const MOST_NODES: usize = 16;
+
+/// Most groups of lines with the same number of inner nodes.
+const GROUPS: usize = 2 * MOST_NODES / BLOCK;
+
+/// A quadrature for several contacts side by side.
+#[derive(Debug, Clone)]
+pub(crate) struct ManyQuadrature {
+    rule: Quadrature,
+    /// Nodes and weights along a line, by their number, followed by nodes without weight.
+    inner: Vec<Vec<(f64, f64)>>,
+    segments: Vec<Segment>,
+}
+
+/// Neighbouring lines of a panel that share their inner nodes.
+#[derive(Debug, Clone)]
+struct Segment {
+    panel: usize,
+    lines: Range<usize>,
+    /// Which of the numbers of inner nodes they have, where the first panel has a length and where not.
+    groups: [usize; 2],
+}
+
+/// Numbers of inner nodes of several contacts.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct InnerNodes([[usize; BLOCK]; GROUPS]);
+
+impl ManyQuadrature {
+    /// None if it takes more nodes than there is room for.
+    pub(crate) fn new(rule: Quadrature) -> Option<Self> {
+        let nodes = rule.panel.len();
+        if nodes > MOST_NODES {
+            return None;
+        }
+        let mut segments: Vec<Segment> = Vec::new();
+        for line in 0..2 * nodes {
+            let (panel, node) = (line / nodes, line % nodes);
+            let groups = [line / BLOCK, node / BLOCK];
+            match segments.last_mut() {
+                Some(last) if last.panel == panel && last.groups == groups => last.lines.end += 1,
+                _ => segments.push(Segment { panel, lines: node..node + 1, groups }),
+            }
+        }
+        let mut inner = rule.inner.clone();
+        let most = inner.iter().map(Vec::len).max().unwrap_or_default();
+        inner.iter_mut().for_each(|nodes| nodes.resize(most, (0.0, 0.0)));
+        Some(Self { rule, inner, segments })
+    }
+
+    /// Frictions, slopes only if `SLOPED`, and the contacts whose friction the rule resolves without splitting
+    /// panels.
+    ///
+    /// * `counts`: the numbers of nodes along the lines, as they are if `planned`, by the slip otherwise.
+    #[inline(always)]
+    pub(crate) fn sums<S: Simd, const SLOPED: bool>(
+        &self,
+        simd: S,
+        point: &Point<Lane<S>>,
+        counts: &mut InnerNodes,
+        planned: bool,
+    ) -> (Sums<Lane<S>>, Mask<S>) {
+        // A call of its own: the code is long.
+        simd.vectorize(Call::<S, SLOPED> { simd, rule: self, point, counts, planned })
+    }
+}
+
+/// What [`ManyQuadrature::sums`] is asked for.
+struct Call<'a, S: Simd, const SLOPED: bool> {
+    simd: S,
+    rule: &'a ManyQuadrature,
+    point: &'a Point<Lane<S>>,
+    counts: &'a mut InnerNodes,
+    planned: bool,
+}
+
+impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
+    type Output = (Sums<Lane<S>>, Mask<S>);
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { simd, rule: ManyQuadrature { rule, inner, segments }, point, counts, planned } =
+            self;
+        let slip = point.slip();
+        let (zero, one) = (slip.creep.constant(0.0), slip.creep.constant(1.0));
+        let infinity = one.constant(f64::INFINITY);
+        let poles = slip.poles();
+        let middle = clamp((poles[0].at + poles[1].at) * 0.5, -1.0, 1.0);
+        let ends = [-one, middle, one];
+        let second_only = middle.le(-one);
+        let nodes = rule.panel.len();
+        let mut lines = [[(zero, zero); MOST_NODES]; 2];
+        let mut least = [infinity; GROUPS];
+        let narrow = one * rule.reach[MOST_INNER];
+        let mut resolved = zero.le(zero);
+        for panel in 0..2 {
+            let (pole, low, high) = (poles[panel], ends[panel], ends[panel + 1]);
+            // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j)     (T17)
+            let from = ((low - pole.at) / pole.width).arsinh();
+            let length = ((high - pole.at) / pole.width).arsinh() - from;
+            for node in 0..nodes {
+                let (place, part) = rule.panel.at(node);
+                lines[panel][node] = line(&pole, length * place + from, length * part);
+            }
+            if planned {
+                continue;
+            }
+            let within = low.lt(pole.at) & pole.at.lt(high);
+            resolved = resolved & (!within | narrow.le(slip.analyticity(pole.at)));
+            let empty = high.le(low);
+            for node in 0..nodes {
+                let square = slip.analyticity(lines[panel][node].0);
+                let square = empty.select(infinity, square);
+                resolved = resolved & narrow.le(square);
+                let groups = [(panel * nodes + node) / BLOCK, node / BLOCK];
+                // Lines of the second panel begin a group where the first has no length.
+                let [first, second] = if panel == 0 { [groups[0]; 2] } else { groups };
+                if first == second {
+                    least[first] = least[first].min(square);
+                } else {
+                    least[second] = least[second].min(second_only.select(square, infinity));
+                    least[first] = least[first].min(second_only.select(infinity, square));
+                }
+            }
+        }
+        if !planned {
+            for (counts, least) in counts.0.iter_mut().zip(&least) {
+                for (count, square) in counts.iter_mut().zip(least.as_slice()) {
+                    *count = rule.count(*square).unwrap_or(0);
+                }
+            }
+        }
+        let mut second = [false; BLOCK];
+        second_only.store(&mut second);
+        let mut totals = [zero; ALL];
+        for segment in segments {
+            let (mut tables, mut most) = ([&inner[0]; BLOCK], 0);
+            for i in 0..Lane::<S>::LEN {
+                let count = counts.0[segment.groups[usize::from(second[i])]][i];
+                tables[i] = &inner[count];
+                most = most.max(rule.inner[count].len());
+            }
+            let mut across = [(zero, zero); MOST_INNER + 2];
+            for k in 0..most {
+                let (mut places, mut parts) = ([0.0; BLOCK], [0.0; BLOCK]);
+                for i in 0..Lane::<S>::LEN {
+                    (places[i], parts[i]) = tables[i][k];
+                }
+                across[k] = (zero.like(&places), zero.like(&parts));
+            }
+            let lines = &lines[segment.panel][segment.lines.clone()];
+            let mut found = [(Inner::zero(simd), zero); BLOCK];
+            for ((inner, chord_here), (xi, _)) in found.iter_mut().zip(lines) {
+                *chord_here = chord(*xi);
+                let (v_t, b) = (slip.along(*xi), slip.across_at(*xi, *chord_here));
+                let square = v_t * v_t + slip.creep * slip.creep;
+                let mut sums = Inner::zero(simd);
+                for node in &across[..most] {
+                    sums.add::<SLOPED>(square, b, *node);
+                }
+                *inner = sums;
+            }
+            for ((inner, chord), (xi, weight)) in found.into_iter().zip(lines) {
+                let (xi, weight, v_t) = (*xi, *weight, slip.along(*xi));
+                let square = v_t * v_t + slip.creep * slip.creep;
+                let line = Line { xi, weight, chord, v_t, across: slip.across_at(xi, chord) };
+                let terms =
+                    line.terms::<SLOPED>((point.semi_axes, &slip), inner.with_across(square));
+                for i in 0..if SLOPED { ALL } else { VALUES } {
+                    totals[i] = totals[i] + terms[i];
+                }
+            }
+        }
+        (Sums::of(totals, point), resolved)
+    }
+}
