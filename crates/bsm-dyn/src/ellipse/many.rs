@@ -14,7 +14,7 @@ use bsm_simd::{BLOCK, Lane, Mask, NullaryFnOnce, Simd};
 
 use super::Quadrature;
 use super::kernel::{ALL, Inner, Line, Point, Sums, VALUES};
-use super::panels::{MOST_INNER, chord, clamp, line};
+use super::panels::{MOST_INNER, chord, clamp, line_at};
 
 /// Most nodes of a panel.
 const MOST_NODES: usize = 16;
@@ -29,6 +29,8 @@ pub(crate) struct ManyQuadrature {
     /// Nodes and weights along a line, by their number, followed by nodes without weight.
     inner: Vec<Vec<(f64, f64)>>,
     segments: Vec<Segment>,
+    /// Of how many lines one is asked for the number of nodes along it.
+    stride: usize,
 }
 
 /// Neighbouring lines of a panel that share their inner nodes.
@@ -46,7 +48,9 @@ pub(crate) struct InnerNodes([[usize; BLOCK]; GROUPS]);
 
 impl ManyQuadrature {
     /// None if it takes more nodes than there is room for.
-    pub(crate) fn new(rule: Quadrature) -> Option<Self> {
+    ///
+    /// * `stride`: of how many lines one is asked for the number of nodes along it.
+    pub(crate) fn new(rule: Quadrature, stride: usize) -> Option<Self> {
         let nodes = rule.panel.len();
         if nodes > MOST_NODES {
             return None;
@@ -63,7 +67,7 @@ impl ManyQuadrature {
         let mut inner = rule.inner.clone();
         let most = inner.iter().map(Vec::len).max().unwrap_or_default();
         inner.iter_mut().for_each(|nodes| nodes.resize(most, (0.0, 0.0)));
-        Some(Self { rule, inner, segments })
+        Some(Self { rule, inner, segments, stride })
     }
 
     /// Frictions, slopes only if `SLOPED`, and the contacts whose friction the rule resolves without splitting
@@ -97,7 +101,7 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Self { simd, rule: ManyQuadrature { rule, inner, segments }, point, counts, planned } =
+        let Self { simd, rule: ManyQuadrature { rule, inner, segments, stride }, point, counts, planned } =
             self;
         let slip = point.slip();
         let (zero, one) = (slip.creep.constant(0.0), slip.creep.constant(1.0));
@@ -116,9 +120,16 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
             // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j)     (T17)
             let from = ((low - pole.at) / pole.width).arsinh();
             let length = ((high - pole.at) / pole.width).arsinh() - from;
-            for node in 0..nodes {
+            // Places p and 1 − p from one exponential, and the one in the middle.
+            let grow = [from.exp(), (from + length).exp()];
+            let fall = [grow[0].recip(), grow[1].recip()];
+            for node in 0..nodes.div_ceil(2) {
                 let (place, part) = rule.panel.at(node);
-                lines[panel][node] = line(&pole, length * place + from, length * part);
+                let (up, weight) = ((length * place).exp(), length * part);
+                let down = up.recip();
+                lines[panel][node] = line_at(&pole, (grow[0] * up, fall[0] * down), weight);
+                lines[panel][nodes - 1 - node] =
+                    line_at(&pole, (grow[1] * down, fall[1] * up), weight);
             }
             if planned {
                 continue;
@@ -126,7 +137,7 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
             let within = low.lt(pole.at) & pole.at.lt(high);
             resolved = resolved & (!within | narrow.le(slip.analyticity(pole.at)));
             let empty = high.le(low);
-            for node in 0..nodes {
+            for node in (0..nodes).step_by(*stride) {
                 let square = slip.analyticity(lines[panel][node].0);
                 let square = empty.select(infinity, square);
                 resolved = resolved & narrow.le(square);
@@ -151,6 +162,8 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
         let mut second = [false; BLOCK];
         second_only.store(&mut second);
         let mut totals = [zero; ALL];
+        let mut across = [(zero, zero); MOST_INNER + 2];
+        let mut found = [(Inner::zero(simd), zero); BLOCK];
         for segment in segments {
             let (mut tables, mut most) = ([&inner[0]; BLOCK], 0);
             for i in 0..Lane::<S>::LEN {
@@ -158,7 +171,6 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
                 tables[i] = &inner[count];
                 most = most.max(rule.inner[count].len());
             }
-            let mut across = [(zero, zero); MOST_INNER + 2];
             for k in 0..most {
                 let (mut places, mut parts) = ([0.0; BLOCK], [0.0; BLOCK]);
                 for i in 0..Lane::<S>::LEN {
@@ -167,7 +179,6 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
                 across[k] = (zero.like(&places), zero.like(&parts));
             }
             let lines = &lines[segment.panel][segment.lines.clone()];
-            let mut found = [(Inner::zero(simd), zero); BLOCK];
             for ((inner, chord_here), (xi, _)) in found.iter_mut().zip(lines) {
                 *chord_here = chord(*xi);
                 let (v_t, b) = (slip.along(*xi), slip.across_at(*xi, *chord_here));
@@ -178,10 +189,10 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
                 }
                 *inner = sums;
             }
-            for ((inner, chord), (xi, weight)) in found.into_iter().zip(lines) {
+            for ((inner, chord), (xi, weight)) in found.iter().zip(lines) {
                 let (xi, weight, v_t) = (*xi, *weight, slip.along(*xi));
                 let square = v_t * v_t + slip.creep * slip.creep;
-                let line = Line { xi, weight, chord, v_t, across: slip.across_at(xi, chord) };
+                let line = Line { xi, weight, chord: *chord, v_t, across: slip.across_at(xi, *chord) };
                 let terms =
                     line.terms::<SLOPED>((point.semi_axes, &slip), inner.with_across(square));
                 for i in 0..if SLOPED { ALL } else { VALUES } {

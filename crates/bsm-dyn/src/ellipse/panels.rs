@@ -672,13 +672,22 @@ pub(super) fn walk<S: Simd>(
 /// Place of a line on the long axis and its part of the load, from a node in the variable of (T17) and its
 /// weight.
 #[inline(always)]
-pub(super) fn line<S: Simd, const N: usize>(
+fn line<S: Simd, const N: usize>(
     pole: &Pole<Lane<S, N>>,
     tau: Lane<S, N>,
     weight: Lane<S, N>,
 ) -> (Lane<S, N>, Lane<S, N>) {
     let grow = tau.exp();
-    let fall = grow.recip();
+    line_at(pole, (grow, grow.recip()), weight)
+}
+
+/// The same from the exponentials of the variable and of its opposite.
+#[inline(always)]
+pub(super) fn line_at<S: Simd, const N: usize>(
+    pole: &Pole<Lane<S, N>>,
+    (grow, fall): (Lane<S, N>, Lane<S, N>),
+    weight: Lane<S, N>,
+) -> (Lane<S, N>, Lane<S, N>) {
     // ξ = ξ_j + δ_j sinh τ                                               (T17)
     let xi = pole.at + pole.width * (grow - fall) * 0.5;
     // dQ/Q = (3/4)(1 − ξ²) dξ × (2/π) √(1 − s²) ds                       (T14)

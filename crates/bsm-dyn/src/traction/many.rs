@@ -43,7 +43,7 @@ const FASTEST: f64 = 1e9;
 const PIVOT_ROWS: [usize; BALL] = [6, 1, 2, 0, 3, 4, 5];
 
 static NEARBY: LazyLock<Option<ManyQuadrature>> =
-    LazyLock::new(|| ManyQuadrature::new(Quadrature::of(COARSE)));
+    LazyLock::new(|| ManyQuadrature::new(Quadrature::of(COARSE), 3));
 
 /// A point and the state to start from.
 #[derive(Debug, Clone, Copy)]
@@ -173,8 +173,8 @@ pub struct TractionMany {
 impl TractionMany {
     /// None if it takes more nodes than there is room for.
     pub fn of(accuracy: f64) -> Option<Self> {
-        let rule = ManyQuadrature::new(Quadrature::of(accuracy))?;
-        Some(Self { rule, check: ManyQuadrature::new(Quadrature::check(accuracy))? })
+        let rule = ManyQuadrature::new(Quadrature::of(accuracy), 1)?;
+        Some(Self { rule, check: ManyQuadrature::new(Quadrature::check(accuracy), 1)? })
     }
 
     /// The roots that the starts lead to.
@@ -269,7 +269,6 @@ fn scatter<S: Simd>(walk: &Walk<Lane<S>>, walks: &mut [[f64; NUMBERS]], some: &[
 
 /// The equations at a state.
 struct Here<S: Simd> {
-    found: Evaluated<Lane<S>>,
     turn: Angle<Lane<S>>,
     weights: (Lane<S>, Lane<S>),
     /// Where there are contacts, and on their flanks; and where the quadrature resolves their friction.
@@ -284,6 +283,8 @@ struct Evaluate<'a, S: Simd, const SLOPED: bool> {
     at: &'a TractionStart<Lane<S>>,
     counts: &'a mut [InnerNodes; 2],
     planned: bool,
+    /// Where it goes.
+    found: &'a mut Evaluated<Lane<S>>,
 }
 
 impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Evaluate<'_, S, SLOPED> {
@@ -291,7 +292,8 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Evaluate<'_, S, SLOPED> {
 
     #[inline(always)]
     fn call(self) -> Here<S> {
-        let Self { simd, rule, at: TractionStart { point, unknowns: y }, counts, planned } = self;
+        let Self { simd, rule, at, counts, planned, found } = self;
+        let TractionStart { point, unknowns: y } = at;
         let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
         let (contacts, mut exists) = contacts(point, y);
         let mut lever = one;
@@ -313,10 +315,10 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Evaluate<'_, S, SLOPED> {
         let (screw, screw_resolved) = rule.sums::<S, SLOPED>(simd, screw, of_screw, planned);
         resolved = resolved & nut_resolved & screw_resolved;
         let rubbed = [Rubbed::dry(nut, point.friction), Rubbed::dry(screw, point.friction)];
-        let mut found = Evaluated::zero(zero);
-        evaluate::<_, Dry, SLOPED>(point, y, &contacts, &rubbed, &mut found);
+        *found = Evaluated::zero(zero);
+        evaluate::<_, Dry, SLOPED>(point, y, &contacts, &rubbed, found);
         let weights = (force.recip(), moment.recip());
-        Here { found, turn: contacts.turn, weights, exists, resolved }
+        Here { turn: contacts.turn, weights, exists, resolved }
     }
 }
 
@@ -341,11 +343,11 @@ struct Factors<S: Simd> {
 impl<S: Simd> Factors<S> {
     /// The rotation is eliminated along t, N and `$e_x$`, so that the derivatives of the moments are about symmetric.
     #[inline(always)]
-    fn of(here: &Here<S>, lead: (Lane<S>, Lane<S>)) -> Self {
+    fn of(found: &Evaluated<Lane<S>>, here: &Here<S>, lead: (Lane<S>, Lane<S>)) -> Self {
         let ((sin_a, cos_a), Angle { sin, cos, .. }) = (lead, here.turn);
         let mut rows = [[sin; BALL]; BALL];
         for k in 0..BALL {
-            let by = &here.found.rows[PIVOT_ROWS[k]];
+            let by = &found.rows[PIVOT_ROWS[k]];
             let [along, radial, around] = [by[OMEGA[0]], by[OMEGA[1]], by[OMEGA[2]]];
             let (t, b) = (sin_a * along - cos_a * around, cos_a * along + sin_a * around);
             let (v, w) = (cos * radial + sin * b, cos * b - sin * radial);
@@ -410,23 +412,27 @@ fn approach<S: Simd>(
         trial.unknowns[k] = walk.step[k].mul_add(walk.part, trial.unknowns[k]);
     }
     let (counts, planned) = (&mut Default::default(), false);
-    let here = simd.vectorize(Evaluate::<S, true> { simd, rule, at: &trial, counts, planned });
+    let mut found = Evaluated::zero(walk.part.constant(0.0));
+    let (at, found) = (&trial, &mut found);
+    let here = simd.vectorize(Evaluate::<S, true> { simd, rule, at, counts, planned, found });
     let infinity = walk.before.constant(f64::INFINITY);
     let first = infinity.le(walk.before);
     let weights = (
         first.select(here.weights.0, walk.weights.0),
         first.select(here.weights.1, walk.weights.1),
     );
-    let size = norm(&here.found.left, weights);
+    let size = norm(&found.left, weights);
     // φ(λ) ≤ (1 − 2 γ λ) φ(0)                                             (N5)
     let decrease = walk.part.mul_add(walk.part.constant(-2.0 * ARMIJO), walk.part.constant(1.0));
     let enough = (size * size).le(decrease * walk.before * walk.before);
     let accepted = here.exists & size.lt(infinity) & (first | enough);
     let arrived = accepted & size.le(size.constant(NEAR));
-    let step = Factors::of(&here, walk.at.point.lead).step(&here.found.left);
+    let step = Factors::of(found, &here, walk.at.point.lead).step(&found.left);
     for k in 0..BALL {
         let y = &mut walk.at.unknowns[k];
-        *y = accepted.select(trial.unknowns[k], *y);
+        // The last step of those that have arrived is taken.
+        let new = arrived.select(trial.unknowns[k] + step[k], trial.unknowns[k]);
+        *y = accepted.select(new, *y);
         walk.step[k] = accepted.select(step[k], walk.step[k]);
     }
     walk.part = accepted.select(size.constant(1.0), walk.part * 0.5);
@@ -459,31 +465,31 @@ fn refine<S: Simd>(
     let Walk { mut at, mut steps, .. } = gather(simd, walks, some);
     let mut counts = <[InnerNodes; 2]>::default();
     let (rule, check) = (&rules.rule, &rules.check);
-    let here = simd.vectorize(Evaluate::<S, true> {
-        simd,
-        rule,
-        at: &at,
-        counts: &mut counts,
-        planned: false,
-    });
-    let factors = Factors::of(&here, at.point.lead);
-    let (weights, slope) = (here.weights, here.found.slope);
+    let (counts, planned) = (&mut counts, false);
+    let mut found = Evaluated::zero(steps.constant(0.0));
+    let found = &mut found;
+    let here = {
+        let (at, counts, found) = (&at, &mut *counts, &mut *found);
+        simd.vectorize(Evaluate::<S, true> { simd, rule, at, counts, planned, found })
+    };
+    let factors = Factors::of(found, &here, at.point.lead);
+    let (weights, slope) = (here.weights, found.slope);
     let one = steps.constant(1.0);
     let held = here.exists & here.resolved;
-    let (mut left, mut before) = (here.found.left, norm(&here.found.left, weights));
+    let (mut left, mut before) = (found.left, norm(&found.left, weights));
     let (mut torque, mut power, mut settled) = (one, one, !held);
     for _ in 0..MOST_FINE {
         let step = factors.step(&left);
         for k in 0..BALL {
             at.unknowns[k] = settled.select(at.unknowns[k], at.unknowns[k] + step[k]);
         }
-        let counts = &mut counts;
-        let here =
-            simd.vectorize(Evaluate::<S, false> { simd, rule, at: &at, counts, planned: true });
-        let size = norm(&here.found.left, weights);
+        {
+            let (at, counts, planned, found) = (&at, &mut *counts, true, &mut *found);
+            simd.vectorize(Evaluate::<S, false> { simd, rule, at, counts, planned, found });
+        }
+        let size = norm(&found.left, weights);
         // ‖D_F F‖ ≤ 10⁻¹⁰, and ≤ 10⁻¹² or no longer halved                (N1), (N2)
         let refined = size.le(one * GOAL) | size.gt(before * 0.5);
-        let found = &here.found;
         for k in 0..BALL {
             left[k] = settled.select(left[k], found.left[k]);
         }
@@ -496,12 +502,13 @@ fn refine<S: Simd>(
             break;
         }
     }
-    let counts = &mut counts;
-    let other =
-        simd.vectorize(Evaluate::<S, false> { simd, rule: check, at: &at, counts, planned: false });
+    let other = {
+        let (rule, at, found) = (check, &at, &mut *found);
+        simd.vectorize(Evaluate::<S, false> { simd, rule, at, counts, planned, found })
+    };
     // y' = y − J⁻¹ F'(y)                                                  (T24)
-    let step = factors.step(&other.found.left);
-    let mut error = other.found.transmitted.torque - torque;
+    let step = factors.step(&found.left);
+    let mut error = found.transmitted.torque - torque;
     for k in 0..BALL {
         error = error + step[k] * slope[k];
     }
