@@ -3,7 +3,7 @@
 
 use bsm_case::{InputKey, OutputKey, Settings};
 use bsm_dyn::{Model, POWER_BALANCE_TOL, Scaled, TractionMany, TractionRoot, TractionStart};
-use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
+use bsm_simd::{Arch, BLOCK, NullaryFnOnce, Simd, WithSimd};
 
 use super::closed_form::{power_balance, transmit_torque};
 use super::elastic::Skid;
@@ -31,8 +31,7 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, settings: &Settings) {
     let Some(many) = TractionMany::of(settings.accuracy) else { return };
     let (mut points, mut starts) = (Vec::new(), Vec::new());
     let creep = settings.creep;
-    let (rows_here, into) = (&mut rows, (&mut points, &mut starts));
-    arch.dispatch(Begin { rows: rows_here, creep, points: into.0, starts: into.1 });
+    arch.dispatch(Begin { rows: &mut rows, creep, points: &mut points, starts: &mut starts });
     let mut roots = vec![None; rows.done.len()];
     for (row, root) in points.into_iter().zip(many.solve(arch, &starts)) {
         roots[row] = root;
@@ -77,7 +76,25 @@ impl WithSimd for Begin<'_, '_, '_> {
     }
 }
 
-/// The point in the numbers of the equations.
+/// The points of a lane in the numbers of the equations.
+struct Scale<'a, S> {
+    given: &'a Given<'a, S>,
+    creep: f64,
+}
+
+impl<S: Simd> NullaryFnOnce for Scale<'_, S> {
+    type Output = (Units<S>, Pair<S>, Scaled<Lane<S>>);
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { given, creep } = self;
+        let units = Units::of(given);
+        let pair = Pair::of(given, &units);
+        let point = scaled(given, (&units, &pair), creep);
+        (units, pair, point)
+    }
+}
+
 #[inline(always)]
 fn scaled<S: Simd>(
     given: &Given<'_, S>,
@@ -122,10 +139,9 @@ fn start<S: Simd>(
     creep: f64,
     out: &mut Out<'_, '_>,
 ) -> (TractionStart<Lane<S>>, Mask<S>) {
-    let units = Units::of(given);
-    let pair = Pair::of(given, &units);
-    let point = scaled(given, (&units, &pair), creep);
-    let (zero, one) = (pair.constant(0.0), pair.constant(1.0));
+    // A call of its own: the code is long.
+    let (units, pair, point) = given.simd.vectorize(Scale { given, creep });
+    let one = pair.constant(1.0);
     let friction = point.friction.abs();
     let grip = Grip::of(&pair, None);
     let mut found = grip.found & one.constant(LEAST_FRICTION).le(friction);
@@ -162,7 +178,6 @@ fn start<S: Simd>(
     let around = pair.sin_a * omega_b - pair.cos_a * omega_t;
     let rate = p + pair.nut_speed - point.offset;
     let unknowns = [loads[0], tilt, loads[1], rate, along, omega_n, around];
-    let _ = zero;
     (TractionStart { point, unknowns }, found)
 }
 
@@ -213,10 +228,9 @@ fn outputs<S: Simd>(
     root: &TractionRoot<Lane<S>>,
     out: &mut Out<'_, '_>,
 ) -> Mask<S> {
-    let units = Units::of(given);
-    let pair = Pair::of(given, &units);
+    let (units, pair, point) = given.simd.vectorize(Scale { given, creep });
     let (y, w, zero) = (root.unknowns, units.speed, units.speed.constant(0.0));
-    let at = TractionStart { point: scaled(given, (&units, &pair), creep), unknowns: y };
+    let at = TractionStart { point, unknowns: y };
     let ([nut, screw], motions) = at.contacts();
     contacts(out, &units, &pair, &[pair.loaded(0, y[0], nut), pair.loaded(1, y[2], screw)]);
     let keys = [

@@ -22,6 +22,9 @@ const MOST_NODES: usize = 16;
 /// Most groups of lines with the same number of inner nodes.
 const GROUPS: usize = 2 * MOST_NODES / BLOCK;
 
+/// Inner nodes of a line whose spin pole is inside, on the way to a root: few, as others wait for it.
+const UNRESOLVED: usize = 8;
+
 /// A quadrature for several contacts side by side.
 #[derive(Debug, Clone)]
 pub(crate) struct ManyQuadrature {
@@ -155,7 +158,7 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
         if !planned {
             for (counts, least) in counts.0.iter_mut().zip(&least) {
                 for (count, square) in counts.iter_mut().zip(least.as_slice()) {
-                    *count = rule.count(*square).unwrap_or(0);
+                    *count = rule.count(*square).unwrap_or(UNRESOLVED);
                 }
             }
         }

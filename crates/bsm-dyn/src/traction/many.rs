@@ -15,7 +15,7 @@ use std::sync::LazyLock;
 
 use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 
-use super::columns::{Angle, Contacts, Dry, Evaluated, Rubbed, Scaled, contacts, evaluate};
+use super::columns::{Angle, Contacts, Dry, Evaluated, Rubbed, Scaled, Transmitted, contacts, evaluate};
 use super::{COARSE, OMEGA};
 use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
@@ -203,15 +203,16 @@ impl WithSimd for Solve<'_> {
         }
         let mut points: Vec<usize> = (0..starts.len()).collect();
         let (mut next, mut near) = (Vec::new(), Vec::new());
+        let found = &mut Evaluated::zero(Lane::splat(simd, 0.0));
         for _ in 0..MOST_COARSE {
             for some in points.chunks(Lane::<S>::LEN) {
-                approach(simd, coarse, &mut walks, some, (&mut next, &mut near));
+                approach(simd, coarse, found, &mut walks, some, (&mut next, &mut near));
             }
             points.clear();
             points.append(&mut next);
         }
         for some in near.chunks(Lane::<S>::LEN) {
-            refine(simd, rules, &walks, some, &mut roots);
+            refine(simd, rules, found, &walks, some, &mut roots);
         }
         roots
     }
@@ -315,7 +316,10 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Evaluate<'_, S, SLOPED> {
         let (screw, screw_resolved) = rule.sums::<S, SLOPED>(simd, screw, of_screw, planned);
         resolved = resolved & nut_resolved & screw_resolved;
         let rubbed = [Rubbed::dry(nut, point.friction), Rubbed::dry(screw, point.friction)];
-        *found = Evaluated::zero(zero);
+        (found.left, found.transmitted) = ([zero; BALL], Transmitted { torque: zero, power: zero });
+        if SLOPED {
+            found.rows = [[zero; BLOCK]; BALL];
+        }
         evaluate::<_, Dry, SLOPED>(point, y, &contacts, &rubbed, found);
         let weights = (force.recip(), moment.recip());
         Here { turn: contacts.turn, weights, exists, resolved }
@@ -402,6 +406,7 @@ impl<S: Simd> Factors<S> {
 fn approach<S: Simd>(
     simd: S,
     rule: &ManyQuadrature,
+    found: &mut Evaluated<Lane<S>>,
     walks: &mut [[f64; NUMBERS]],
     some: &[usize],
     (next, near): (&mut Vec<usize>, &mut Vec<usize>),
@@ -412,9 +417,10 @@ fn approach<S: Simd>(
         trial.unknowns[k] = walk.step[k].mul_add(walk.part, trial.unknowns[k]);
     }
     let (counts, planned) = (&mut Default::default(), false);
-    let mut found = Evaluated::zero(walk.part.constant(0.0));
-    let (at, found) = (&trial, &mut found);
-    let here = simd.vectorize(Evaluate::<S, true> { simd, rule, at, counts, planned, found });
+    let here = {
+        let (at, found) = (&trial, &mut *found);
+        simd.vectorize(Evaluate::<S, true> { simd, rule, at, counts, planned, found })
+    };
     let infinity = walk.before.constant(f64::INFINITY);
     let first = infinity.le(walk.before);
     let weights = (
@@ -438,8 +444,7 @@ fn approach<S: Simd>(
     walk.part = accepted.select(size.constant(1.0), walk.part * 0.5);
     walk.before = accepted.select(size, walk.before);
     (walk.weights, walk.steps) = (weights, walk.steps + 1.0);
-    // Poles inside are left to the model.
-    let alive = (accepted & here.resolved) | (!accepted & !first);
+    let alive = accepted | !first;
     scatter(&walk, walks, some);
     let [mut ends, mut goes_on] = [[false; BLOCK]; 2];
     (alive & arrived).store(&mut ends);
@@ -458,6 +463,7 @@ fn approach<S: Simd>(
 fn refine<S: Simd>(
     simd: S,
     rules: &TractionMany,
+    found: &mut Evaluated<Lane<S>>,
     walks: &[[f64; NUMBERS]],
     some: &[usize],
     roots: &mut [Option<TractionRoot>],
@@ -466,8 +472,6 @@ fn refine<S: Simd>(
     let mut counts = <[InnerNodes; 2]>::default();
     let (rule, check) = (&rules.rule, &rules.check);
     let (counts, planned) = (&mut counts, false);
-    let mut found = Evaluated::zero(steps.constant(0.0));
-    let found = &mut found;
     let here = {
         let (at, counts, found) = (&at, &mut *counts, &mut *found);
         simd.vectorize(Evaluate::<S, true> { simd, rule, at, counts, planned, found })
