@@ -102,7 +102,8 @@ pub use state::{
     SolveInfo, Solved, Transmission,
 };
 pub use traction::{
-    Scaled, Traction, TractionMany, TractionRoot, TractionStart, TractionWorkspace,
+    FOUND as TRACTION_FOUND, START as TRACTION_START, Scaled, Traction, TractionMany, TractionRoot,
+    TractionStart, TractionWorkspace,
 };
 
 /// Equations that are timed and compared from outside, by `benches` and by its peers in other

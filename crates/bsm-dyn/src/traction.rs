@@ -16,7 +16,7 @@ use bsm_simd::Block;
 
 pub use self::columns::Scaled;
 use self::columns::{Evaluated, Transmitted, Watched};
-pub use self::many::{TractionMany, TractionRoot, TractionStart};
+pub use self::many::{FOUND, START, TractionMany, TractionRoot, TractionStart};
 use self::path::PATH;
 use self::root::Refined;
 pub(crate) use self::root::Root;

@@ -2,7 +2,10 @@
 //! (T25).
 
 use bsm_case::{InputKey, OutputKey, Settings};
-use bsm_dyn::{Model, POWER_BALANCE_TOL, Scaled, TractionMany, TractionRoot, TractionStart};
+use bsm_dyn::{
+    Model, POWER_BALANCE_TOL, Scaled, TRACTION_FOUND, TRACTION_START, TractionMany, TractionRoot,
+    TractionStart,
+};
 use bsm_simd::{Arch, BLOCK, NullaryFnOnce, Simd, WithSimd};
 
 use super::closed_form::{power_balance, transmit_torque};
@@ -56,7 +59,7 @@ impl WithSimd for Begin<'_, '_, '_> {
             let given = Given { simd, operands, row: *first + row };
             let mut out = Out { wanted, columns, row };
             let (start, found) = start(&given, creep, &mut out);
-            let mut blocks = [[0.0; MANY]; 27];
+            let mut blocks = [[0.0; MANY]; TRACTION_START];
             for (block, lane) in blocks.iter_mut().zip(start.numbers()) {
                 lane.store(block);
             }
@@ -64,8 +67,8 @@ impl WithSimd for Begin<'_, '_, '_> {
             found.store(&mut begun);
             for i in 0..Lane::<S>::LEN.min(done.len() - row) {
                 if begun[i] {
-                    let mut numbers = [0.0; 27];
-                    for k in 0..27 {
+                    let mut numbers = [0.0; TRACTION_START];
+                    for k in 0..TRACTION_START {
                         numbers[k] = blocks[k][i];
                     }
                     self.points.push(row + i);
@@ -196,7 +199,7 @@ impl WithSimd for End<'_, '_, '_> {
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
             let given = Given { simd, operands, row: first + row };
             let mut out = Out { wanted, columns: &mut *columns, row };
-            let mut blocks = [[0.0; MANY]; 12];
+            let mut blocks = [[0.0; MANY]; TRACTION_FOUND];
             let mut found = [false; MANY];
             for (i, root) in roots[row..].iter().enumerate().take(Lane::<S>::LEN) {
                 if let Some(root) = root {
@@ -206,8 +209,8 @@ impl WithSimd for End<'_, '_, '_> {
                     }
                 }
             }
-            let mut lanes = [Lane::splat(simd, 0.0); 12];
-            for k in 0..12 {
+            let mut lanes = [Lane::splat(simd, 0.0); TRACTION_FOUND];
+            for k in 0..TRACTION_FOUND {
                 lanes[k] = Lane::load(simd, &blocks[k]);
             }
             let solved = outputs(&given, creep, &TractionRoot::of(lanes), &mut out);

@@ -104,8 +104,13 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Self { simd, rule: ManyQuadrature { rule, inner, segments, stride }, point, counts, planned } =
-            self;
+        let Self {
+            simd,
+            rule: ManyQuadrature { rule, inner, segments, stride },
+            point,
+            counts,
+            planned,
+        } = self;
         let slip = point.slip();
         let (zero, one) = (slip.creep.constant(0.0), slip.creep.constant(1.0));
         let infinity = one.constant(f64::INFINITY);
@@ -195,7 +200,8 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
             for ((inner, chord), (xi, weight)) in found.iter().zip(lines) {
                 let (xi, weight, v_t) = (*xi, *weight, slip.along(*xi));
                 let square = v_t * v_t + slip.creep * slip.creep;
-                let line = Line { xi, weight, chord: *chord, v_t, across: slip.across_at(xi, *chord) };
+                let line =
+                    Line { xi, weight, chord: *chord, v_t, across: slip.across_at(xi, *chord) };
                 let terms =
                     line.terms::<SLOPED>((point.semi_axes, &slip), inner.with_across(square));
                 for i in 0..if SLOPED { ALL } else { VALUES } {
@@ -204,5 +210,96 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
             }
         }
         (Sums::of(totals, point), resolved)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bsm_sample::Sample;
+    use bsm_simd::{Arch, Block, WithSimd};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::super::kernel;
+    use super::*;
+
+    /// Semi-axes, pressed radius, motion and creep speed of contacts.
+    type Contacts = [Block; 8];
+
+    /// Wrench, derivatives, power, and whether the rule resolves the friction.
+    const FOUND: usize = 5 + 25 + 2;
+
+    struct All<'a>(&'a ManyQuadrature, &'a Contacts);
+
+    impl WithSimd for All<'_> {
+        type Output = [Block; FOUND];
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let mut found = [[0.0; BLOCK]; FOUND];
+            for at in (0..BLOCK).step_by(S::F64_LANES) {
+                let [a, b, pressed_radius, speed, w_t, w_n, w_c, creep] =
+                    self.1.map(|x| Lane::<S>::load(simd, &x[at..]));
+                let (motion, ball_radius) = ([speed, w_t, w_n, w_c], creep.constant(1.0));
+                let point = Point { semi_axes: (a, b), pressed_radius, ball_radius, motion, creep };
+                let (sums, resolved) =
+                    self.0.sums::<S, true>(simd, &point, &mut InnerNodes::default(), false);
+                let all = sums.values.into_iter().chain(sums.slopes.into_iter().flatten());
+                let all = all.chain([sums.power, resolved.to_numbers()]);
+                for (found, x) in found.iter_mut().zip(all) {
+                    x.store(&mut found[at..]);
+                }
+            }
+            found
+        }
+    }
+
+    /// Random contacts: the sums of several side by side are those of each, at accuracies whose panels fill the
+    /// groups of lines and at one whose do not, on every instruction set.
+    #[test]
+    fn contacts_side_by_side_are_those_one_by_one() {
+        let mut rng = ChaCha8Rng::seed_from_u64(12);
+        let mut compared = 0;
+        for round in 0..300 {
+            let single = Quadrature::of([1e-4, 1e-6, 1e-8][round % 3]);
+            let many = ManyQuadrature::new(single.clone(), 1).expect("few nodes");
+            let mut contacts = [[0.0; BLOCK]; 8];
+            for i in 0..BLOCK {
+                let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
+                let (a, ratio) = (log(1e-3, 0.3), log(2.0, 30.0));
+                let (slip, roll, turn) = (log(1e-4, 1.0), log(1e-3, 1.0), log(1e-2, 3.0));
+                let (bend, shift) = (log(1e-2, 3.0), log(1e-3, 1.0));
+                let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+                let along = side * slip * shift - bend;
+                let contact = [a, a / ratio, 1.03, along, roll, turn, bend, 1e-4];
+                for (column, x) in contacts.iter_mut().zip(contact) {
+                    column[i] = x;
+                }
+            }
+            let found = Arch::new().dispatch(All(&many, &contacts));
+            for arch in bsm_simd::instruction_sets() {
+                let same = arch.dispatch(All(&many, &contacts));
+                assert!(same.map(|b| b.map(f64::to_bits)) == found.map(|b| b.map(f64::to_bits)));
+            }
+            for i in 0..BLOCK {
+                let [a, b, pressed_radius, speed, w_t, w_n, w_c, creep] = contacts.map(|x| x[i]);
+                let (semi_axes, motion) = ((a, b), [speed, w_t, w_n, w_c]);
+                let point = Point { semi_axes, pressed_radius, ball_radius: 1.0, motion, creep };
+                if found[FOUND - 1][i] < 0.5 {
+                    continue;
+                }
+                let Sums { values, power, slopes } = kernel::sums::<true>(&point, (&single).into());
+                let expected = values.into_iter().chain(slopes.into_iter().flatten());
+                for (number, expected) in expected.chain([power]).enumerate() {
+                    // Rounding of sums of terms of at most one, and of slopes of at most 1/v_e.
+                    let room = if (5..30).contains(&number) { 1e-12 / creep } else { 1e-12 };
+                    let error = (found[number][i] - expected).abs();
+                    assert!(error <= room, "{number}: {} {expected}", found[number][i]);
+                }
+                compared += 1;
+            }
+        }
+        // The spin pole is inside at a fifth of them.
+        assert!(compared > 1500, "{compared}");
     }
 }

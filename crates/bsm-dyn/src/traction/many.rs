@@ -15,7 +15,9 @@ use std::sync::LazyLock;
 
 use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 
-use super::columns::{Angle, Contacts, Dry, Evaluated, Rubbed, Scaled, Transmitted, contacts, evaluate};
+use super::columns::{
+    Angle, Contacts, Dry, Evaluated, Rubbed, Scaled, Transmitted, contacts, evaluate,
+};
 use super::{COARSE, OMEGA};
 use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
@@ -27,9 +29,11 @@ const NEAR: f64 = 1e-3;
 /// Sufficient decrease of (N5).
 const ARMIJO: f64 = 1e-4;
 
-/// Residual that is small enough for a root, and the one that is aimed at.
-const ROOT: f64 = 1e-10;
+/// Residual from which a last step leads to the root, and the larger one from which it does so if the last
+/// step has lowered it to this part.
 const GOAL: f64 = 1e-12;
+const ROOT: f64 = 1e-10;
+const QUICK: f64 = 1e-2;
 
 /// Evaluations with the coarse and with the fine quadrature before a point is left to the model.
 const MOST_COARSE: usize = 12;
@@ -71,8 +75,8 @@ pub struct TractionRoot<F = f64> {
     pub residual: F,
 }
 
-/// Numbers of a root.
-const FOUND: usize = 12;
+/// Numbers of a [`TractionRoot`].
+pub const FOUND: usize = 12;
 
 impl<F: Copy> TractionRoot<F> {
     /// The numbers one after the other.
@@ -92,8 +96,8 @@ impl<F: Copy> TractionRoot<F> {
     }
 }
 
-/// Numbers of a start.
-const START: usize = 27;
+/// Numbers of a [`TractionStart`].
+pub const START: usize = 27;
 
 impl<F: Compare> TractionStart<F> {
     /// The numbers one after the other, the unknowns last.
@@ -114,8 +118,33 @@ impl<F: Compare> TractionStart<F> {
     #[inline(always)]
     pub fn of(numbers: [F; START]) -> Self {
         let [
-            sin, cos, radius, arc, reach, l_a, l_b, d_a, d_b, a, b, c, d, r_a, r_b, friction, mass,
-            nut_speed, offset, creep, y_0, y_1, y_2, y_3, y_4, y_5, y_6,
+            sin,
+            cos,
+            radius,
+            arc,
+            reach,
+            l_a,
+            l_b,
+            d_a,
+            d_b,
+            a,
+            b,
+            c,
+            d,
+            r_a,
+            r_b,
+            friction,
+            mass,
+            nut_speed,
+            offset,
+            creep,
+            y_0,
+            y_1,
+            y_2,
+            y_3,
+            y_4,
+            y_5,
+            y_6,
         ] = numbers;
         let point = Scaled {
             lead: (sin, cos),
@@ -492,8 +521,7 @@ fn refine<S: Simd>(
             simd.vectorize(Evaluate::<S, false> { simd, rule, at, counts, planned, found });
         }
         let size = norm(&found.left, weights);
-        // ‖D_F F‖ ≤ 10⁻¹⁰, and ≤ 10⁻¹² or no longer halved                (N1), (N2)
-        let refined = size.le(one * GOAL) | size.gt(before * 0.5);
+        let enough = size.le(one * GOAL) | size.le((before * QUICK).min(one * ROOT));
         for k in 0..BALL {
             left[k] = settled.select(left[k], found.left[k]);
         }
@@ -501,10 +529,16 @@ fn refine<S: Simd>(
         power = settled.select(power, found.transmitted.power);
         before = settled.select(before, size);
         steps = settled.select(steps, steps + 1.0);
-        settled = settled | (size.le(one * ROOT) & refined);
+        settled = settled | enough;
         if !(!settled).any() {
             break;
         }
+    }
+    // The step from there is far below what a torque has as digits beyond its first order.
+    let step = factors.step(&left);
+    for k in 0..BALL {
+        at.unknowns[k] = at.unknowns[k] + step[k];
+        torque = torque + step[k] * slope[k];
     }
     let other = {
         let (rule, at, found) = (check, &at, &mut *found);
@@ -516,10 +550,11 @@ fn refine<S: Simd>(
     for k in 0..BALL {
         error = error + step[k] * slope[k];
     }
-    let there = held & other.exists & other.resolved & before.le(one * ROOT);
+    let there = held & settled & other.exists & other.resolved;
     let mut solved = [false; BLOCK];
     there.store(&mut solved);
-    let root = TractionRoot { unknowns: at.unknowns, torque, power, error, steps, residual: before };
+    let root =
+        TractionRoot { unknowns: at.unknowns, torque, power, error, steps, residual: before };
     let mut blocks = [[0.0; BLOCK]; FOUND];
     for (block, lane) in blocks.iter_mut().zip(root.numbers()) {
         lane.store(block);
