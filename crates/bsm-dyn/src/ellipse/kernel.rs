@@ -285,6 +285,9 @@ impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLO
     }
 }
 
+/// Semi-axes of an ellipse, and the slip over it.
+pub(super) type Shape<'a, S> = ((Lane<S>, Lane<S>), &'a EllipseSlip<Lane<S>>);
+
 /// A few lines across an ellipse.
 pub(super) struct Line<S: Simd> {
     /// Place on the long axis, part of the load, and half the length.
@@ -303,7 +306,7 @@ impl<S: Simd> Line<S> {
     #[inline(always)]
     pub(super) fn values(
         &self,
-        ((a, b), slip): ((Lane<S>, Lane<S>), &EllipseSlip<Lane<S>>),
+        ((a, b), slip): Shape<'_, S>,
         j: [Lane<S>; 3],
     ) -> [Lane<S>; VALUES] {
         let &Self { xi, chord, v_t, across: (b_0, b_1), .. } = self;
@@ -320,7 +323,7 @@ impl<S: Simd> Line<S> {
     #[inline(always)]
     pub(super) fn terms<const SLOPED: bool>(
         &self,
-        of: ((Lane<S>, Lane<S>), &EllipseSlip<Lane<S>>),
+        of: Shape<'_, S>,
         [j, k, across]: [[Lane<S>; 3]; 3],
     ) -> [Lane<S>; ALL] {
         let &Self { xi, weight, chord, v_t, across: (b_0, b_1) } = self;

@@ -13,7 +13,7 @@ use std::ops::Range;
 use bsm_simd::{BLOCK, Lane, Mask, NullaryFnOnce, Simd};
 
 use super::Quadrature;
-use super::kernel::{ALL, Inner, Line, Point, Sums, VALUES};
+use super::kernel::{ALL, Inner, Line, Point, Sums, some};
 use super::panels::{MOST_INNER, chord, clamp, line_at};
 
 /// Most nodes of a panel.
@@ -69,7 +69,9 @@ impl ManyQuadrature {
         }
         let mut inner = rule.inner.clone();
         let most = inner.iter().map(Vec::len).max().unwrap_or_default();
-        inner.iter_mut().for_each(|nodes| nodes.resize(most, (0.0, 0.0)));
+        for nodes in &mut inner {
+            nodes.resize(most, (0.0, 0.0));
+        }
         Some(Self { rule, inner, segments, stride })
     }
 
@@ -116,13 +118,10 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
         let infinity = one.constant(f64::INFINITY);
         let poles = slip.poles();
         let middle = clamp((poles[0].at + poles[1].at) * 0.5, -1.0, 1.0);
-        let ends = [-one, middle, one];
-        let second_only = middle.le(-one);
+        let (ends, second_only) = ([-one, middle, one], middle.le(-one));
         let nodes = rule.panel.len();
-        let mut lines = [[(zero, zero); MOST_NODES]; 2];
-        let mut least = [infinity; GROUPS];
-        let narrow = one * rule.reach[MOST_INNER];
-        let mut resolved = zero.le(zero);
+        let (mut lines, mut least) = ([[(zero, zero); MOST_NODES]; 2], [infinity; GROUPS]);
+        let (narrow, mut resolved) = (one * rule.reach[MOST_INNER], zero.le(zero));
         for panel in 0..2 {
             let (pole, low, high) = (poles[panel], ends[panel], ends[panel + 1]);
             // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j)     (T17)
@@ -204,7 +203,7 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
                     Line { xi, weight, chord: *chord, v_t, across: slip.across_at(xi, *chord) };
                 let terms =
                     line.terms::<SLOPED>((point.semi_axes, &slip), inner.with_across(square));
-                for i in 0..if SLOPED { ALL } else { VALUES } {
+                for i in 0..some::<SLOPED>() {
                     totals[i] = totals[i] + terms[i];
                 }
             }

@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 use bsm_simd::{Arch, BLOCK, Block, Lane, Simd, WithSimd};
 
 use super::Quadrature;
-use super::kernel::{ALL, Line, Near, Point, SUMS, Sums, VALUES, add_to, fold, some};
+use super::kernel::{ALL, Line, Near, Point, SUMS, Shape, Sums, VALUES, add_to, fold, some};
 use super::panels::{EllipseSlip, Lines, MOST_RINGS, Nodes, Visit, walk};
 use crate::MixedFriction;
 use crate::lubricant::PRESSURE_SLOPE;
@@ -438,7 +438,7 @@ impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
         ellipse: usize,
         at: usize,
         (line, Inner { j, k, across, film }): (&Line<S>, Inner<S>),
-        of: ((Lane<S>, Lane<S>), &EllipseSlip<Lane<S>>),
+        of: Shape<'_, S>,
     ) {
         let terms = line.terms::<SLOPED>(of, [j, k, across]);
         add_to(simd, &mut self.totals[ellipse], at, &terms[..some::<SLOPED>()]);
