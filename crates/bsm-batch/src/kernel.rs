@@ -11,6 +11,7 @@ mod pair;
 mod quasi_static;
 mod raceway;
 mod rigid;
+mod traction;
 mod units;
 
 use bsm_case::{OUTPUTS, Output, OutputKey, Settings};
@@ -23,11 +24,6 @@ use self::quasi_static::QuasiStatic;
 use self::raceway::Raceway;
 use self::rigid::Rigid;
 use crate::operand::{Given, Lane, Mask, Operands};
-
-/// True if there is a kernel of the model.
-pub fn exists(model: Model) -> bool {
-    model != Model::Traction
-}
 
 /// A model by lanes.
 trait Kernel {
@@ -103,7 +99,7 @@ pub(crate) struct Rows<'a, 'b> {
 }
 
 impl Rows<'_, '_> {
-    /// Answers the ordinary rows of a model; without a kernel for it, none.
+    /// Answers the ordinary rows of a model.
     pub(crate) fn solve(self, arch: Arch, model: Model, settings: &Settings) {
         match model {
             Model::ClosedForm => arch.dispatch(Run { kernel: ClosedForm, rows: self }),
@@ -114,7 +110,7 @@ impl Rows<'_, '_> {
                 arch.dispatch(Run { kernel, rows: self });
             }
             Model::Elastic => arch.dispatch(Run { kernel: Elastic, rows: self }),
-            Model::Traction => {}
+            Model::Traction => traction::solve(arch, self, settings),
         }
     }
 }

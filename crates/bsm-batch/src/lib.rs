@@ -64,7 +64,6 @@ mod text;
 pub use dialect::Dialect;
 pub use draws::{Draw, DrawSource, Draws};
 pub use error::TableError;
-pub use kernel::exists as has_kernel;
 pub use numbers::{NumberColumn, NumberRows, NumberSink};
 pub use parquet_table::{ParquetSink, ParquetSource, hush_parquet_panics};
 pub use pipeline::{Count, ROWS, RunError, Task, Workers};

@@ -10,7 +10,6 @@ use bsm_case::{
 use bsm_dyn::{Lubricant, Model, RacewayFriction, Sines};
 use bsm_simd::Simd;
 
-use crate::kernel;
 use crate::rows::{Chunk, Columns};
 
 /// Vectors that are worked on together: measured, the fastest number for the rigid model.
@@ -37,7 +36,7 @@ pub(crate) struct Operands<'a> {
 
 impl<'a> Operands<'a> {
     /// The inputs, and the model that answers ordinary rows, which have a value in every column;
-    /// `None` if the model depends on the row or has no kernel, or if something is wrong that every
+    /// `None` if the model depends on the row, or if something is wrong that every
     /// row must tell.
     pub(crate) fn of(
         chunk: &'a Chunk,
@@ -52,9 +51,6 @@ impl<'a> Operands<'a> {
         // Rows that a model does not cover are not ordinary either.
         let choice = settings.model.resolve(ordinary, |_| Ok(())).ok()?;
         let ModelChoice::Fixed(model) = choice else { return None };
-        if !kernel::exists(model) {
-            return None;
-        }
         let lubricant = if ordinary.is_lubricated() {
             if model != Model::RacewayControl || settings.friction != RacewayFriction::PerContact {
                 return None;

@@ -167,9 +167,15 @@ fn elastic() {
     compare(&Model::Elastic.into(), 4000);
 }
 
-/// The models that have a kernel; the rows of the other are solved one by one.
-fn with_kernel() -> impl Iterator<Item = Model> {
-    Model::ALL.into_iter().filter(|model| bsm_batch::has_kernel(*model))
+#[test]
+fn traction() {
+    compare(&Model::Traction.into(), 3000);
+}
+
+/// At an accuracy whose panels do not fill the blocks of lines.
+#[test]
+fn traction_of_another_accuracy() {
+    compare(&Settings { accuracy: 1e-6, ..Model::Traction.into() }, 500);
 }
 
 /// Rows `first` to `last` of a chunk.
@@ -197,7 +203,7 @@ fn bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
 fn results_depend_on_the_point_only() {
     // More than two threads' worth.
     let (chunk, columns) = points(5000);
-    for model in with_kernel() {
+    for model in Model::ALL {
         let task = Task::new(Scene::default(), model.into(), all());
         let expected = bits(&task.solve(&chunk, &columns));
         for arch in bsm_simd::instruction_sets() {
@@ -269,7 +275,7 @@ fn sweeps_finish_nearly_all_points() {
 fn outputs_without_a_place_come_back() {
     // More than a stride.
     let (chunk, columns) = points(3000);
-    for model in with_kernel() {
+    for model in Model::ALL {
         let task = Task::new(Scene::default(), model.into(), all());
         let expected = task.solve(&chunk, &columns);
         let mut verdicts = expected.verdicts.clone();
@@ -295,7 +301,7 @@ fn outputs_without_a_place_come_back() {
 fn columns_do_not_depend_on_the_selection() {
     let (base, everything) = (Scene::default(), all());
     let (chunk, columns) = points(500);
-    for model in with_kernel() {
+    for model in Model::ALL {
         let task = |outputs| Task::new(base.clone(), model.into(), outputs);
         let expected = task(everything.clone()).solve(&chunk, &columns);
         for (output, column) in everything.iter().zip(&expected.columns) {

@@ -5,6 +5,7 @@
 
 mod field;
 mod kernel;
+mod many;
 mod oil;
 mod panels;
 
@@ -12,6 +13,7 @@ use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 
 use self::kernel::MOTION;
 pub(crate) use self::kernel::{Point, SUMS, Sums};
+pub(crate) use self::many::{InnerNodes, ManyQuadrature};
 pub use self::oil::Bend;
 pub(crate) use self::oil::OiledSums;
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};

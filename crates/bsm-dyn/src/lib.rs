@@ -101,7 +101,10 @@ pub use state::{
     BallState, ContactState, ErrorBound, Others, Pressed, RaceControl, SkidNumbers, Slip,
     SolveInfo, Solved, Transmission,
 };
-pub use traction::{Traction, TractionWorkspace};
+pub use traction::{
+    FOUND as TRACTION_FOUND, START as TRACTION_START, Scaled, Traction, TractionMany, TractionRoot,
+    TractionStart, TractionWorkspace,
+};
 
 /// Equations that are timed and compared from outside, by `benches` and by its peers in other
 /// languages. No part of the API: another way to solve would not have them.

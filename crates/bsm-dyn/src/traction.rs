@@ -4,6 +4,7 @@
 
 mod columns;
 mod lubricated;
+mod many;
 mod path;
 mod root;
 mod scatter;
@@ -13,7 +14,9 @@ use bsm_kin::{Helix, Motion, Scalar};
 use bsm_newton::{EvalError, Options, Report, Scales, solve};
 use bsm_simd::Block;
 
+pub use self::columns::Scaled;
 use self::columns::{Evaluated, Transmitted, Watched};
+pub use self::many::{FOUND, START, TractionMany, TractionRoot, TractionStart};
 use self::path::PATH;
 use self::root::Refined;
 pub(crate) use self::root::Root;

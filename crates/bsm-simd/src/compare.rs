@@ -10,6 +10,12 @@ pub trait Compare: Field {
     /// Absolute value.
     #[must_use]
     fn abs(self) -> Self;
+    /// Cube root; of lanes only of normal positive numbers.
+    #[must_use]
+    fn cube_root(self) -> Self;
+    /// Sine and cosine of an angle; of lanes only from -π/2 to π/2 \[rad\].
+    #[must_use]
+    fn sin_cos_of_tilt(self) -> (Self, Self);
     /// A function of each number and that of another one.
     #[must_use]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
@@ -32,6 +38,16 @@ impl Compare for f64 {
     }
 
     #[inline(always)]
+    fn cube_root(self) -> Self {
+        bsm_kin::cube_root(self)
+    }
+
+    #[inline(always)]
+    fn sin_cos_of_tilt(self) -> (Self, Self) {
+        self.sin_cos()
+    }
+
+    #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         f(self, other)
     }
@@ -51,6 +67,17 @@ impl<S: Simd, const N: usize> Compare for Lane<S, N> {
     #[inline(always)]
     fn abs(self) -> Self {
         self.abs()
+    }
+
+    #[inline(always)]
+    fn cube_root(self) -> Self {
+        self.cbrt_positive()
+    }
+
+    #[inline(always)]
+    fn sin_cos_of_tilt(self) -> (Self, Self) {
+        let (sin, cos) = self.abs().sin_cos_first_quadrant();
+        (self.lt(self.constant(0.0)).select(-sin, sin), cos)
     }
 
     #[inline(always)]

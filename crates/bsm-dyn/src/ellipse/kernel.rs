@@ -10,7 +10,7 @@
 use std::array::from_fn;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
-use bsm_simd::{Arch, BLOCK, Block, Lane, NullaryFnOnce, Simd, WithSimd};
+use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, NullaryFnOnce, Simd, WithSimd};
 
 use super::Quadrature;
 use super::oil::{Bend, Half, Node, Rings};
@@ -18,28 +18,28 @@ use super::panels::{EllipseSlip, FAR, Lines, Nodes, Plan, Visit, chord, walk, wa
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Point {
+pub(crate) struct Point<F = f64> {
     /// Semi-axes across and along the groove.
-    pub(crate) semi_axes: (f64, f64),
+    pub(crate) semi_axes: (F, F),
     /// Radius of the pressed surface.
-    pub(crate) pressed_radius: f64,
+    pub(crate) pressed_radius: F,
     /// Ball radius.
-    pub(crate) ball_radius: f64,
+    pub(crate) ball_radius: F,
     /// Speed of the centre along t; angular velocity about t, N, t × N.
-    pub(crate) motion: [f64; MOTION],
+    pub(crate) motion: [F; MOTION],
     /// Creep speed.
-    pub(crate) creep: f64,
+    pub(crate) creep: F,
 }
 
 /// Friction over `$f Q$` of a contact.
-pub(crate) struct Sums {
+pub(crate) struct Sums<F = f64> {
     /// Force along t and t × N; moment about t, N, t × N.
-    pub(crate) values: [f64; SUMS],
+    pub(crate) values: [F; SUMS],
     /// The power that it takes.
-    pub(crate) power: f64,
+    pub(crate) power: F,
     /// Their derivatives, but not that of the power: by the motion, and by the logarithm of the size of the
     /// ellipse.
-    pub(crate) slopes: [[f64; SLOPES]; SUMS],
+    pub(crate) slopes: [[F; SLOPES]; SUMS],
 }
 
 /// Numbers of the motion, sums, and derivatives: by the motion and by the growth of both semi-axes.
@@ -49,12 +49,12 @@ pub(crate) const SLOPES: usize = MOTION + 1;
 
 /// Sums and power; the same with what the derivatives are made of.
 pub(super) const VALUES: usize = SUMS + 1;
-pub(super) const ALL: usize = VALUES + 19;
+pub(super) const ALL: usize = VALUES + 14;
 
-impl Point {
+impl<F: Compare> Point<F> {
     /// Slip along the long axis.
     #[inline(always)]
-    pub(super) fn slip(&self) -> EllipseSlip<f64> {
+    pub(super) fn slip(&self) -> EllipseSlip<F> {
         let ([speed, w_t, w_n, w_c], radii) =
             (self.motion, (self.pressed_radius, self.ball_radius));
         EllipseSlip::new(self.semi_axes, radii, speed, [w_t, w_n, w_c], self.creep)
@@ -123,21 +123,21 @@ impl Near {
 
 /// Sums along lines across the ellipse (T21).
 #[derive(Clone, Copy)]
-struct Inner<S: Simd> {
-    j: [Lane<S>; 3],
-    k: [Lane<S>; 3],
+pub(super) struct Inner<S: Simd> {
+    pub(super) j: [Lane<S>; 3],
+    pub(super) k: [Lane<S>; 3],
 }
 
 impl<S: Simd> Inner<S> {
     #[inline(always)]
-    fn zero(simd: S) -> Self {
+    pub(super) fn zero(simd: S) -> Self {
         let zero = Lane::splat(simd, 0.0);
         Self { j: [zero; 3], k: [zero; 3] }
     }
 
     /// Adds a node; `square`: of the slip along the groove and the creep speed.
     #[inline(always)]
-    fn add<const SLOPED: bool>(
+    pub(super) fn add<const SLOPED: bool>(
         &mut self,
         square: Lane<S>,
         (b_0, b_1): (Lane<S>, Lane<S>),
@@ -249,7 +249,8 @@ pub(super) fn fold<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
 impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLOPED> {
     #[inline(always)]
     fn visit(&mut self, simd: S, ellipse: usize, lines: &Lines) {
-        let (slip, point) = (self.slips[ellipse].splat(simd), &self.points[ellipse]);
+        let slip = self.slips[ellipse].splat(simd);
+        let axes = self.points[ellipse].axes(simd);
         let rule = self.nodes[ellipse].rule;
         for at in (0..BLOCK).step_by(S::F64_LANES) {
             let xi = Lane::<S>::load(simd, &lines.xi[at..]);
@@ -277,15 +278,15 @@ impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLO
                 }
                 inner = Inner::load(simd, &sums, at);
             }
-            let Inner { j, k } = inner;
-            // (C_b, C_s, S_s) = (v_t² + v_e²) (K₀, K₁, K₂)                (T23)
-            let across = [square * k[0], square * k[1], square * k[2]];
             let line = Line { xi, weight, chord, v_t, across: (b_0, b_1) };
-            let totals = &mut self.totals[ellipse];
-            line.add::<SLOPED>(simd, totals, at, (point, &slip), [j, k, across]);
+            let terms = line.terms::<SLOPED>((axes, &slip), inner.with_across(square));
+            add_to(simd, &mut self.totals[ellipse], at, &terms[..some::<SLOPED>()]);
         }
     }
 }
+
+/// Semi-axes of an ellipse, and the slip over it.
+pub(super) type Shape<'a, S> = ((Lane<S>, Lane<S>), &'a EllipseSlip<Lane<S>>);
 
 /// A few lines across an ellipse.
 pub(super) struct Line<S: Simd> {
@@ -300,81 +301,92 @@ pub(super) struct Line<S: Simd> {
 
 impl<S: Simd> Line<S> {
     /// Force, moment and power of sums J (T21).
+    ///
+    /// * `axes`: semi-axes.
     #[inline(always)]
     pub(super) fn values(
         &self,
-        (point, slip): (&Point, &EllipseSlip<Lane<S>>),
+        ((a, b), slip): Shape<'_, S>,
         j: [Lane<S>; 3],
     ) -> [Lane<S>; VALUES] {
         let &Self { xi, chord, v_t, across: (b_0, b_1), .. } = self;
         // T = v_t J₀,  C = b₀ J₀ + b₁ J₁,  S = b₀ J₁ + b₁ J₂
         let (t, c, s) = (v_t * j[0], b_0 * j[0] + b_1 * j[1], b_0 * j[1] + b_1 * j[2]);
-        let (a, b) = point.semi_axes;
         let (x, y, h) = (xi * a, chord * b, slip.height(xi));
         // F_t = −T,  F_c = C,  M_t = −h C,  M_n = −(x T + Y S),  M_c = −h T,
         // P = v_t T + b₀ C + b₁ S                                         (T22)
         [-t, c, -(h * c), -(x * t + y * s), -(h * t), v_t * t + b_0 * c + b_1 * s]
     }
 
-    /// Adds values and, if `SLOPED`, derivatives of the sums J along the lines, of K, and of those by the slip
-    /// across (T23).
+    /// Values and, if `SLOPED`, what the derivatives are made of, by the sums J along the lines, K, and those by
+    /// the slip across (T23).
     #[inline(always)]
-    pub(super) fn add<const SLOPED: bool>(
+    pub(super) fn terms<const SLOPED: bool>(
         &self,
-        simd: S,
-        totals: &mut [Block; ALL],
-        at: usize,
-        of: (&Point, &EllipseSlip<Lane<S>>),
+        of: Shape<'_, S>,
         [j, k, across]: [[Lane<S>; 3]; 3],
-    ) {
+    ) -> [Lane<S>; ALL] {
         let &Self { xi, weight, chord, v_t, across: (b_0, b_1) } = self;
         let j = [j[0] * weight, j[1] * weight, j[2] * weight];
-        let values = self.values(of, j);
-        add_to(simd, totals, at, &values);
+        let [f_t, f_c, m_t, m_n, m_c, power] = self.values(of, j);
+        let mut terms = [weight.constant(0.0); ALL];
+        (terms[0], terms[1], terms[2]) = (f_t, f_c, m_t);
+        (terms[3], terms[4], terms[5]) = (m_n, m_c, power);
         if SLOPED {
-            let (point, slip) = of;
-            let (a, b) = point.semi_axes;
+            let ((a, b), slip) = of;
             let (x, y, h) = (xi * a, chord * b, slip.height(xi));
             let k = [k[0] * weight, k[1] * weight, k[2] * weight];
-            let [minus_t, c, _, m_n, _, _] = values;
-            let [_, w_t, w_n, w_c] = point.motion;
             // T_v = J₀ − v_t² K₀,  T_b = −v_t (b₀ K₀ + b₁ K₁),  T_s = −v_t (b₀ K₁ + b₁ K₂)  (T23)
             let t_v = j[0] - v_t * v_t * k[0];
             let t_b = -(v_t * (b_0 * k[0] + b_1 * k[1]));
             let t_s = -(v_t * (b_0 * k[1] + b_1 * k[2]));
             let (c_b, c_s, s_s) = (across[0] * weight, across[1] * weight, across[2] * weight);
-            // By the growth of the ellipse: of h, of the slip, and of the sums.
-            let dh = xi * xi * slip.sag * -2.0;
-            let (g_v, g_b) = (x * w_n + dh * w_c, dh * w_t);
-            let t_g = t_v * g_v + t_b * g_b + t_s * b_1;
-            let c_g = t_b * g_v + c_b * g_b + c_s * b_1;
-            let s_g = t_s * g_v + c_s * g_b + s_s * b_1;
-            // By the spin; by the rest of the motion they are (1, h).
-            let (t_n, c_n, s_n) = (t_v * x + t_s * y, t_b * x + c_s * y, t_s * x + s_s * y);
+            let (t_n, c_n) = (t_v * x + t_s * y, t_b * x + c_s * y);
+            let n_n = x * t_n + y * (t_s * x + s_s * y);
             let (t_vh, t_bh, c_bh) = (t_v * h, t_b * h, c_b * h);
             let slopes = [
-                -t_v,
-                -t_bh,
-                -t_n,
-                -t_vh,
-                -(c_bh * h),
-                -(c_n * h),
-                -(t_bh * h),
-                -(x * t_n + y * s_n),
-                -(t_n * h),
-                -(t_vh * h),
+                t_v,
+                t_vh,
+                t_vh * h,
                 t_b,
-                c_bh,
-                c_n,
                 t_bh,
-                -t_g,
-                c_g,
-                -(h * c_g + dh * c),
-                m_n - (x * t_g + y * s_g),
-                dh * minus_t - h * t_g,
+                t_bh * h,
+                c_b,
+                c_bh,
+                c_bh * h,
+                t_n,
+                t_n * h,
+                c_n,
+                c_n * h,
+                n_n,
             ];
-            add_to(simd, &mut totals[VALUES..], at, &slopes);
+            terms[VALUES..].copy_from_slice(&slopes);
         }
+        terms
+    }
+}
+
+/// How many of the terms are not zero.
+#[inline(always)]
+pub(super) const fn some<const SLOPED: bool>() -> usize {
+    if SLOPED { ALL } else { VALUES }
+}
+
+impl Point {
+    /// The semi-axes.
+    #[inline(always)]
+    pub(super) fn axes<S: Simd>(&self, simd: S) -> (Lane<S>, Lane<S>) {
+        (Lane::splat(simd, self.semi_axes.0), Lane::splat(simd, self.semi_axes.1))
+    }
+}
+
+impl<S: Simd> Inner<S> {
+    /// J, K, and those by the slip across.
+    #[inline(always)]
+    pub(super) fn with_across(self, square: Lane<S>) -> [[Lane<S>; 3]; 3] {
+        let Self { j, k } = self;
+        // (C_b, C_s, S_s) = (v_t² + v_e²) (K₀, K₁, K₂)                    (T23)
+        [j, k, [square * k[0], square * k[1], square * k[2]]]
     }
 }
 
@@ -389,50 +401,57 @@ pub(super) fn add_to<S: Simd>(simd: S, totals: &mut [Block], at: usize, values: 
 impl Sums {
     pub(crate) const NONE: Self =
         Self { values: [0.0; SUMS], power: 0.0, slopes: [[0.0; SLOPES]; SUMS] };
+}
 
+impl<F: Compare> Sums<F> {
+    /// Of the sums of all terms at a point.
     #[inline(always)]
-    pub(super) fn of(all: [f64; ALL]) -> Self {
+    pub(super) fn of(all: [F; ALL], point: &Point<F>) -> Self {
         let [
-            // Force, moment and their power.
             f_t,
             f_c,
             m_t,
             m_n,
             m_c,
             power,
-            // Upper triangle of the symmetric part: friction has a potential in the motion.
-            aa,
-            at,
-            an,
-            ac,
-            tt,
-            tn,
-            tc,
-            nn,
-            nc,
-            cc,
-            // Force across, by the motion.
-            ea,
-            et,
-            en,
-            ec,
-            // All of them, by the growth of the ellipse.
-            ga,
-            ge,
-            gt,
-            gn,
-            gc,
+            // T_v, T_b and C_b, and the same times h and h².
+            t_v,
+            t_vh,
+            t_vhh,
+            t_b,
+            t_bh,
+            t_bhh,
+            c_b,
+            c_bh,
+            c_bhh,
+            // T, the same times h, C and the moment by the spin.
+            t_n,
+            t_nh,
+            c_n,
+            c_nh,
+            n_n,
         ] = all;
+        let ([_, w_t, w_n, w_c], r) = (point.motion, point.ball_radius);
+        // With the growth of the ellipse x and Y grow alike, and h by dh = 2 (h − r_b).
+        let (by_t, by_c) = (w_t * 2.0, w_c * 2.0);
+        let t_g = w_n * t_n + by_c * (t_vh - r * t_v) + by_t * (t_bh - r * t_b);
+        let c_g = w_n * c_n + by_c * (t_bh - r * t_b) + by_t * (c_bh - r * c_b);
+        let t_gh = w_n * t_nh + by_c * (t_vhh - r * t_vh) + by_t * (t_bhh - r * t_bh);
+        let c_gh = w_n * c_nh + by_c * (t_bhh - r * t_bh) + by_t * (c_bhh - r * c_bh);
+        let n_g = w_n * n_n + by_c * (t_nh - r * t_n) + by_t * (c_nh - r * c_n);
+        // Friction has a potential in the motion.
         let slopes = [
-            [aa, at, an, ac, ga],
-            [ea, et, en, ec, ge],
-            [at, tt, tn, tc, gt],
-            [an, tn, nn, nc, gn],
-            [ac, tc, nc, cc, gc],
+            [-t_v, -t_bh, -t_n, -t_vh, -t_g],
+            [t_b, c_bh, c_n, t_bh, c_g],
+            [-t_bh, -c_bhh, -c_nh, -t_bhh, (m_t + r * f_c) * 2.0 - c_gh],
+            [-t_n, -c_nh, -n_n, -t_nh, m_n - n_g],
+            [-t_vh, -t_bhh, -t_nh, -t_vhh, (m_c - r * f_t) * 2.0 - t_gh],
         ];
         Self { values: [f_t, f_c, m_t, m_n, m_c], power, slopes }
     }
+}
 
+impl Sums {
     /// Those of a few contacts; slopes only if `SLOPED`, else zero.
     #[inline(always)]
     pub(crate) fn along<S: Simd, const N: usize, const SLOPED: bool>(
@@ -441,8 +460,9 @@ impl Sums {
         nodes: &[Nodes<'_>; N],
     ) -> [Self; N] {
         let mut sums = [Self::NONE; N];
-        for (sums, all) in sums.iter_mut().zip(all::<S, N, SLOPED>(simd, points, nodes)) {
-            *sums = Self::of(all);
+        let all = all::<S, N, SLOPED>(simd, points, nodes);
+        for (i, sums) in sums.iter_mut().enumerate() {
+            *sums = Self::of(all[i], &points[i]);
         }
         sums
     }
@@ -463,7 +483,7 @@ fn all<S: Simd, const N: usize, const SLOPED: bool>(
     walk_along(simd, nodes, &slips, &mut gathered);
     let mut sums = [[0.0; ALL]; N];
     for (sums, totals) in sums.iter_mut().zip(&gathered.totals) {
-        let some = if SLOPED { ALL } else { VALUES };
+        let some = some::<SLOPED>();
         fold(simd, &totals[..some], &mut sums[..some]);
     }
     sums
@@ -471,7 +491,7 @@ fn all<S: Simd, const N: usize, const SLOPED: bool>(
 
 /// Sums of one contact.
 pub(super) fn sums<const SLOPED: bool>(point: &Point, nodes: Nodes<'_>) -> Sums {
-    Sums::of(Arch::new().dispatch(Total::<SLOPED>(point, nodes)))
+    Sums::of(Arch::new().dispatch(Total::<SLOPED>(point, nodes)), point)
 }
 
 /// All sums on an instruction set.

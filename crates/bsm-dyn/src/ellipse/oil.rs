@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 use bsm_simd::{Arch, BLOCK, Block, Lane, Simd, WithSimd};
 
 use super::Quadrature;
-use super::kernel::{ALL, Line, Near, Point, SUMS, Sums, VALUES, add_to, fold};
+use super::kernel::{ALL, Line, Near, Point, SUMS, Shape, Sums, VALUES, add_to, fold, some};
 use super::panels::{EllipseSlip, Lines, MOST_RINGS, Nodes, Visit, walk};
 use crate::MixedFriction;
 use crate::lubricant::PRESSURE_SLOPE;
@@ -395,7 +395,8 @@ impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
     /// Adds the sums of an ellipse on rings.
     #[inline(always)]
     fn add_rings<S: Simd>(&mut self, simd: S, ellipse: usize, blocks: usize) {
-        let (slip, point) = (self.slips[ellipse].splat(simd), &self.points[ellipse]);
+        let slip = self.slips[ellipse].splat(simd);
+        let axes = self.points[ellipse].axes(simd);
         let (rule, law) = (self.nodes[ellipse].rule, self.laws[ellipse]);
         let rings = Rings::of(simd, &self.bends[ellipse], &self.slips[ellipse], rule);
         let mut shear = [0.0; MOST_RINGS];
@@ -424,7 +425,7 @@ impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
                 inner.add::<SLOPED>(&law, pressed, square, b_0 + b_1, (one, weight));
                 inner.add::<SLOPED>(&law, pressed, square, b_0 - b_1, (-one, weight));
                 let line = Line { xi, weight: one, chord, v_t, across: (b_0, b_1) };
-                self.add_line(simd, ellipse, first % BLOCK, (&line, inner), (point, &slip));
+                self.add_line(simd, ellipse, first % BLOCK, (&line, inner), (axes, &slip));
             }
         }
     }
@@ -437,9 +438,10 @@ impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
         ellipse: usize,
         at: usize,
         (line, Inner { j, k, across, film }): (&Line<S>, Inner<S>),
-        of: (&Point, &EllipseSlip<Lane<S>>),
+        of: Shape<'_, S>,
     ) {
-        line.add::<SLOPED>(simd, &mut self.totals[ellipse], at, of, [j, k, across]);
+        let terms = line.terms::<SLOPED>(of, [j, k, across]);
+        add_to(simd, &mut self.totals[ellipse], at, &terms[..some::<SLOPED>()]);
         if SLOPED {
             let weight = line.weight;
             let film = [film[0] * weight, film[1] * weight, film[2] * weight];
@@ -451,7 +453,8 @@ impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
 impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLOPED> {
     #[inline(always)]
     fn visit(&mut self, simd: S, ellipse: usize, lines: &Lines) {
-        let (slip, point) = (self.slips[ellipse].splat(simd), &self.points[ellipse]);
+        let slip = self.slips[ellipse].splat(simd);
+        let axes = self.points[ellipse].axes(simd);
         let (rule, law) = (self.nodes[ellipse].rule, self.laws[ellipse]);
         for at in (0..BLOCK).step_by(S::F64_LANES) {
             let xi = Lane::<S>::load(simd, &lines.xi[at..]);
@@ -482,7 +485,7 @@ impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLO
                 inner = Inner::load(simd, &sums, at);
             }
             let line = Line { xi, weight, chord, v_t, across: (b_0, b_1) };
-            self.add_line(simd, ellipse, at, (&line, inner), (point, &slip));
+            self.add_line(simd, ellipse, at, (&line, inner), (axes, &slip));
         }
     }
 }
@@ -532,9 +535,9 @@ impl OiledSums {
         let mut all = [const { Self { sums: Sums::NONE, by_film: [0.0; SUMS] } }; N];
         for (i, found) in all.iter_mut().enumerate() {
             let mut sums = [0.0; ALL];
-            let some = if SLOPED { ALL } else { VALUES };
+            let some = some::<SLOPED>();
             fold(simd, &gathered.totals[i][..some], &mut sums[..some]);
-            found.sums = Sums::of(sums);
+            found.sums = Sums::of(sums, &points[i]);
             if SLOPED {
                 fold(simd, &gathered.by_film[i][..SUMS], &mut found.by_film);
             }

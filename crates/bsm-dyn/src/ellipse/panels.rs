@@ -14,7 +14,7 @@ use bsm_simd::{BLOCK, Block, Compare, Lane, Mask, Simd};
 use gauss_quad::GaussLegendre;
 
 /// Inner nodes of a line across the ellipse beyond which the spin pole counts as inside.
-const MOST_INNER: usize = 24;
+pub(super) const MOST_INNER: usize = 24;
 
 /// Poles farther from the centre than this, in semi-axes, and wider ones, grade nothing.
 pub(super) const FAR: f64 = 8.0;
@@ -42,7 +42,7 @@ const TINY: f64 = 1e-150;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quadrature {
     /// Gauss-Legendre of a panel, and of a part of a split one.
-    panel: Gauss,
+    pub(super) panel: Gauss,
     part: Gauss,
     /// Of each side of a spin pole inside, along a line; of half a line of an oil.
     pub(super) near: Gauss,
@@ -54,7 +54,7 @@ pub struct Quadrature {
     /// Nodes and weights along a line, by their number (T19).
     pub(super) inner: Vec<Vec<(f64, f64)>>,
     /// Least `$\sinh^2\eta$` (T18) for which that number is enough; falls with the number.
-    reach: Vec<f64>,
+    pub(super) reach: Vec<f64>,
 }
 
 /// Nodes and weights of Gauss-Legendre on [0, 1].
@@ -208,7 +208,7 @@ impl Quadrature {
 
     /// Number of inner nodes, for places and weights, of a line with this `$\sinh^2\eta$`; none if the
     /// spin pole is so near that they do not suffice.
-    fn count(&self, square: f64) -> Option<usize> {
+    pub(super) fn count(&self, square: f64) -> Option<usize> {
         // It falls with the number: a count without branches.
         let number = self.reach.iter().filter(|reach| square < **reach).count();
         (number < self.reach.len()).then_some(number)
@@ -259,7 +259,7 @@ fn larger<F: Compare>(x: F, y: F) -> F {
 }
 
 #[inline(always)]
-fn clamp<F: Compare>(x: F, low: f64, high: f64) -> F {
+pub(super) fn clamp<F: Compare>(x: F, low: f64, high: f64) -> F {
     let (low, high) = (x.constant(low), x.constant(high));
     F::select(x.lt(low), low, F::select(high.lt(x), high, x))
 }
@@ -678,7 +678,16 @@ fn line<S: Simd, const N: usize>(
     weight: Lane<S, N>,
 ) -> (Lane<S, N>, Lane<S, N>) {
     let grow = tau.exp();
-    let fall = grow.recip();
+    line_at(pole, (grow, grow.recip()), weight)
+}
+
+/// The same from the exponentials of the variable and of its opposite.
+#[inline(always)]
+pub(super) fn line_at<S: Simd, const N: usize>(
+    pole: &Pole<Lane<S, N>>,
+    (grow, fall): (Lane<S, N>, Lane<S, N>),
+    weight: Lane<S, N>,
+) -> (Lane<S, N>, Lane<S, N>) {
     // ξ = ξ_j + δ_j sinh τ                                               (T17)
     let xi = pole.at + pole.width * (grow - fall) * 0.5;
     // dQ/Q = (3/4)(1 − ξ²) dξ × (2/π) √(1 − s²) ds                       (T14)

@@ -15,7 +15,7 @@ use std::cell::Cell;
 
 use bsm_kin::Jet;
 use bsm_newton::{Equations, EvalError, Linear};
-use bsm_simd::{Arch, BLOCK, Block, Simd, WithSimd};
+use bsm_simd::{Arch, BLOCK, Block, Compare, Simd, WithSimd};
 
 use super::{OMEGA, Rolling};
 use crate::balance::torque;
@@ -28,15 +28,52 @@ use crate::lubricant::{ScaledFilm, Wetted};
 
 /// What belongs to a state, all scaled.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Evaluated {
+pub(super) struct Evaluated<F = f64> {
     /// What the seven equations leave over.
-    pub(super) left: [f64; BALL],
-    pub(super) transmitted: Transmitted,
+    pub(super) left: [F; BALL],
+    pub(super) transmitted: Transmitted<F>,
     /// Power that sliding takes at nut and screw.
-    pub(super) sliding: [f64; 2],
+    pub(super) sliding: [F; 2],
     /// Derivatives of the equations and of the torque by the unknowns, if asked for, and a place that is zero.
-    rows: [Block; BALL],
-    pub(super) slope: Block,
+    pub(super) rows: [Slopes<F>; BALL],
+    pub(super) slope: Slopes<F>,
+}
+
+/// A number for each unknown, and a place that is zero.
+type Slopes<F> = [F; BLOCK];
+
+/// Numbers of a point in units of ball radius, axial load per ball and relative speed, as the equations take
+/// them.
+#[derive(Debug, Clone, Copy)]
+pub struct Scaled<F = f64> {
+    /// Sine and cosine of the lead angle.
+    pub lead: (F, F),
+    /// Pitch radius.
+    pub radius: F,
+    /// Arc length per radian.
+    pub arc: F,
+    /// `$A_2$` (J2).
+    pub reach: F,
+    /// Offsets of the groove arcs at nut and screw.
+    pub offsets: [F; 2],
+    /// Approaches under the axial load.
+    pub approach: [F; 2],
+    /// Semi-axes under the axial load.
+    pub semi_axes: [(F, F); 2],
+    /// Radii of the pressed surfaces.
+    pub pressed_radius: [F; 2],
+    /// Coefficient against a slip over `$W$`.
+    pub friction: F,
+    /// Of the ball.
+    pub mass: F,
+    /// Nut speed over `$W$`.
+    pub nut_speed: F,
+    /// What the unknown of the precession leaves out of its rate.
+    pub offset: F,
+    /// Creep speed.
+    pub creep: F,
+    /// The unknowns are those of a ball that is thrown against the nut (T10).
+    pub at_nut: bool,
 }
 
 impl Rolling<'_> {
@@ -50,7 +87,7 @@ impl Rolling<'_> {
         y: &[f64; BALL],
     ) -> Result<Evaluated, EvalError> {
         cost::evaluated();
-        let mut found = Evaluated::NONE;
+        let mut found = Evaluated::zero(0.0);
         if Arch::new().dispatch(Evaluate::<_, SLOPED>(self, y, &Dry, &mut found)) {
             Ok(found)
         } else {
@@ -66,7 +103,7 @@ impl Rolling<'_> {
         y: &[f64; BALL],
     ) -> Option<Evaluated> {
         cost::evaluated();
-        let mut found = Evaluated::NONE;
+        let mut found = Evaluated::zero(0.0);
         Arch::new().dispatch(Evaluate::<_, SLOPED>(self, y, wetted, &mut found)).then_some(found)
     }
 
@@ -97,15 +134,20 @@ impl Rolling<'_> {
     }
 }
 
-impl Evaluated {
-    const NONE: Self = Self {
-        left: [0.0; BALL],
-        transmitted: Transmitted { torque: 0.0, power: 0.0 },
-        sliding: [0.0; 2],
-        rows: [[0.0; BLOCK]; BALL],
-        slope: [0.0; BLOCK],
-    };
+impl<F: Copy> Evaluated<F> {
+    #[inline(always)]
+    pub(super) fn zero(zero: F) -> Self {
+        Self {
+            left: [zero; BALL],
+            transmitted: Transmitted { torque: zero, power: zero },
+            sliding: [zero; 2],
+            rows: [[zero; BLOCK]; BALL],
+            slope: [zero; BLOCK],
+        }
+    }
+}
 
+impl Evaluated {
     /// The Jacobian.
     pub(super) fn jacobian(&self) -> [[f64; BALL]; BALL] {
         let mut jacobian = [[0.0; BALL]; BALL];
@@ -125,9 +167,9 @@ pub(super) struct Watched<'a> {
 
 /// Torque on the screw, and the power that friction takes, scaled.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Transmitted {
-    pub(super) torque: f64,
-    pub(super) power: f64,
+pub(super) struct Transmitted<F = f64> {
+    pub(super) torque: F,
+    pub(super) power: F,
 }
 
 impl<'a> Watched<'a> {
@@ -176,7 +218,8 @@ impl WithSimd for Planned<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self(ball, y) = self;
-        Some(Plan::along(simd, &contacts(ball, y)?.points, ball.quadrature))
+        let (contacts, exist) = contacts(&ball.scaled(), y);
+        exist.then(|| Plan::along(simd, &contacts.points, ball.quadrature))
     }
 }
 
@@ -194,40 +237,49 @@ impl<R: Rubbing, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let Self(ball, y, rubbing, found) = self;
-        let Some(contacts) = contacts(ball, y) else { return false };
-        let mut rubbed = [const { Rubbed::NONE }; 2];
+        let scaled = ball.scaled();
+        let (contacts, exist) = contacts(&scaled, y);
+        if !exist {
+            return false;
+        }
+        let mut rubbed = [Rubbed::dry(Sums::NONE, 1.0), Rubbed::dry(Sums::NONE, 1.0)];
         rubbing.rub::<S, SLOPED>(simd, ball, y, &contacts, &mut rubbed);
-        evaluate::<R, SLOPED>(ball, y, &contacts, &rubbed, found);
+        evaluate::<_, R, SLOPED>(&scaled, y, &contacts, &rubbed, found);
         true
     }
 }
 
 /// What friction does at a contact.
-struct Rubbed {
+pub(super) struct Rubbed<F = f64> {
     /// The sums of its coefficient, and what they are multiplied with, against a slip over `$W$`.
-    sums: Sums,
-    coefficient: f64,
+    sums: Sums<F>,
+    coefficient: F,
     /// Their derivatives by the logarithm of the film, and those of that by the unknowns.
-    by_film: [f64; SUMS],
-    film: Block,
+    by_film: [F; SUMS],
+    film: Slopes<F>,
     /// Force along t and moment about t × N of rolling resistance, and the power that it takes.
-    resistance: [f64; 2],
-    rolling: f64,
+    resistance: [F; 2],
+    rolling: F,
 }
 
-impl Rubbed {
-    const NONE: Self = Self {
-        sums: Sums::NONE,
-        coefficient: 1.0,
-        by_film: [0.0; SUMS],
-        film: [0.0; BLOCK],
-        resistance: [0.0; 2],
-        rolling: 0.0,
-    };
+impl<F: Compare> Rubbed<F> {
+    /// Dry friction.
+    #[inline(always)]
+    pub(super) fn dry(sums: Sums<F>, coefficient: F) -> Self {
+        let zero = coefficient.constant(0.0);
+        Self {
+            sums,
+            coefficient,
+            by_film: [zero; SUMS],
+            film: [zero; BLOCK],
+            resistance: [zero; 2],
+            rolling: zero,
+        }
+    }
 }
 
 /// What friction is made of.
-trait Rubbing {
+pub(super) trait Rubbing {
     /// True with a film and rolling resistance.
     const OILED: bool;
 
@@ -237,13 +289,13 @@ trait Rubbing {
         simd: S,
         ball: &Rolling<'_>,
         y: &[f64; BALL],
-        contacts: &Contacts,
+        contacts: &Contacts<f64>,
         rubbed: &mut [Rubbed; 2],
     );
 }
 
 /// One constant coefficient.
-struct Dry;
+pub(super) struct Dry;
 
 impl Rubbing for Dry {
     const OILED: bool = false;
@@ -254,7 +306,7 @@ impl Rubbing for Dry {
         simd: S,
         ball: &Rolling<'_>,
         _y: &[f64; BALL],
-        contacts: &Contacts,
+        contacts: &Contacts<f64>,
         rubbed: &mut [Rubbed; 2],
     ) {
         let nodes = [ball.nodes(0), ball.nodes(1)];
@@ -275,7 +327,7 @@ impl Rubbing for Wetted {
         simd: S,
         ball: &Rolling<'_>,
         y: &[f64; BALL],
-        contacts: &Contacts,
+        contacts: &Contacts<f64>,
         rubbed: &mut [Rubbed; 2],
     ) {
         let (arc, cos_lead) = (ball.pair.arc, ball.pair.lead.1);
@@ -316,31 +368,31 @@ impl Rubbing for Wetted {
 
 /// A number and its derivatives by the unknowns.
 #[derive(Clone, Copy)]
-struct Sloped {
-    re: f64,
-    by: Block,
+struct Sloped<F> {
+    re: F,
+    by: Slopes<F>,
 }
 
 /// The derivatives of an unknown at its own rate.
 #[inline(always)]
-fn along(unknown: usize, rate: f64) -> Block {
-    let mut by = [0.0; BLOCK];
+fn along<F: Compare>(unknown: usize, rate: F) -> Slopes<F> {
+    let mut by = [rate.constant(0.0); BLOCK];
     by[unknown] = rate;
     by
 }
 
 /// Adds derivatives.
 #[inline(always)]
-fn add(to: &mut Block, factor: f64, by: &Block) {
+fn add<F: Compare>(to: &mut Slopes<F>, factor: F, by: &Slopes<F>) {
     for i in 0..BLOCK {
-        to[i] += factor * by[i];
+        to[i] = to[i] + factor * by[i];
     }
 }
 
 /// `$\sum_k c_k\,d_k$`.
 #[inline(always)]
-fn combined<const N: usize>(parts: [(f64, &Block); N]) -> Block {
-    let mut sum = [0.0; BLOCK];
+fn combined<F: Compare, const N: usize>(parts: [(F, &Slopes<F>); N]) -> Slopes<F> {
+    let mut sum = [parts[0].0.constant(0.0); BLOCK];
     for (factor, by) in parts {
         add(&mut sum, factor, by);
     }
@@ -349,74 +401,92 @@ fn combined<const N: usize>(parts: [(f64, &Block); N]) -> Block {
 
 /// Sine and cosine of an angle, and its derivatives.
 #[derive(Clone, Copy)]
-struct Angle {
-    sin: f64,
-    cos: f64,
-    by: Block,
+pub(super) struct Angle<F> {
+    pub(super) sin: F,
+    pub(super) cos: F,
+    by: Slopes<F>,
 }
 
 /// The contacts of a state, with what their columns are made of.
-struct Contacts {
-    points: [Point; 2],
+pub(super) struct Contacts<F> {
+    pub(super) points: [Point<F>; 2],
     /// The turn of the triad, the angles of the contacts from there, and those of the contacts.
-    turn: Angle,
-    tilts: [Angle; 2],
-    angles: [Angle; 2],
+    pub(super) turn: Angle<F>,
+    tilts: [Angle<F>; 2],
+    pub(super) angles: [Angle<F>; 2],
     /// Derivatives of the angular velocity about t and b.
-    by_t: Block,
-    by_b: Block,
+    by_t: Slopes<F>,
+    by_b: Slopes<F>,
 }
 
-#[inline(always)]
-fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
-    let pair = ball.pair;
-    let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
-    if !(loads[0] > 0.0 && loads[1] > 0.0) {
-        return None;
+impl Rolling<'_> {
+    /// The numbers of the equations.
+    #[inline(always)]
+    fn scaled(&self) -> Scaled {
+        let pair = self.pair;
+        Scaled {
+            lead: pair.lead,
+            radius: pair.helix.radius,
+            arc: pair.arc,
+            reach: pair.reach,
+            offsets: [pair.jones.nut_offset, pair.jones.screw_offset],
+            approach: pair.approach,
+            semi_axes: pair.semi_axes,
+            pressed_radius: pair.pressed_radius,
+            friction: pair.signed_friction(),
+            mass: pair.ball.mass,
+            nut_speed: pair.nut_speed,
+            offset: self.offset(),
+            creep: self.creep,
+            at_nut: self.at_nut,
+        }
     }
+}
+
+/// The contacts of a state, and where they exist.
+#[inline(always)]
+pub(super) fn contacts<F: Compare>(pair: &Scaled<F>, y: &[F; BALL]) -> (Contacts<F>, F::Mask) {
+    let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
+    let (zero, one) = (pair.radius.constant(0.0), pair.radius.constant(1.0));
+    let pressed = loads[0].gt(zero) & loads[1].gt(zero);
     // a ~ Q^{1/3},  δ = (Q/K_H)^{2/3}                                     (P6), (P2)
-    let growth = [bsm_kin::cube_root(loads[0]), bsm_kin::cube_root(loads[1])];
-    let jones = &pair.jones;
-    let mut lengths = [jones.nut_offset, jones.screw_offset];
-    let mut slopes = [0.0; 2];
+    let growth = [loads[0].cube_root(), loads[1].cube_root()];
+    let mut lengths = pair.offsets;
+    let mut slopes = [zero; 2];
     for i in 0..2 {
         let approach = growth[i] * growth[i] * pair.approach[i];
-        lengths[i] += approach;
+        lengths[i] = lengths[i] + approach;
         slopes[i] = approach / loads[i] * (2.0 / 3.0);
     }
     let [l_a, l_b] = lengths;
     let a_2 = pair.reach;
-    let (sin_y, cos_y) = y[TILT].sin_cos();
-    let one = along(TILT, 1.0);
-    let (turn, tilts, angles);
-    if ball.at_nut {
+    let (sin_y, cos_y) = y[TILT].sin_cos_of_tilt();
+    let own = along(TILT, one);
+    let (turn, tilts, angles, exist);
+    if pair.at_nut {
         // cosβ_B = (A₂ − l_A cosβ_A)/l_B                                  (J9)
         let cos = (a_2 - l_a * cos_y) / l_b;
-        let square = (1.0 - cos) * (1.0 + cos);
-        if square.is_nan() || square <= 0.0 {
-            return None;
-        }
+        let square = (one - cos) * (one + cos);
+        exist = pressed & square.gt(zero);
         let sin = square.sqrt();
         let mut by = along(TILT, -l_a * sin_y);
         (by[NUT_LOAD], by[SCREW_LOAD]) = (cos_y * slopes[0], cos * slopes[1]);
-        let nut = Angle { sin: sin_y, cos: cos_y, by: one };
-        let screw = Angle { sin, cos, by: combined([(1.0 / (l_b * sin), &by)]) };
+        let nut = Angle { sin: sin_y, cos: cos_y, by: own };
+        let screw = Angle { sin, cos, by: combined([(one / (l_b * sin), &by)]) };
         let apart = Angle {
             sin: sin * cos_y - cos * sin_y,
             cos: cos * cos_y + sin * sin_y,
-            by: combined([(1.0, &screw.by), (-1.0, &one)]),
+            by: combined([(one, &screw.by), (-one, &own)]),
         };
         turn = nut;
-        tilts = [Angle { sin: 0.0, cos: 1.0, by: [0.0; BLOCK] }, apart];
+        tilts = [Angle { sin: zero, cos: one, by: [zero; BLOCK] }, apart];
         angles = [nut, screw];
     } else {
         // l_A cos(β − ν) + l_B cos(β + ν) = A₂ = S cosβ + D sinβ          (J7)
         let (s, d) = ((l_a + l_b) * cos_y, (l_a - l_b) * sin_y);
         let both = s * s + d * d;
         let square = both - a_2 * a_2;
-        if !(square > 0.0 && s > 0.0) {
-            return None;
-        }
+        exist = pressed & square.gt(zero) & s.gt(zero);
         let a_1 = square.sqrt();
         let (sin, cos) = ((a_1 * s + a_2 * d) / both, (a_2 * s - a_1 * d) / both);
         let (sin_a, cos_a) = (sin * cos_y - cos * sin_y, cos * cos_y + sin * sin_y);
@@ -424,22 +494,22 @@ fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
         // A₁ dβ = cosβ_A dl_A + cosβ_B dl_B + (l_A sinβ_A − l_B sinβ_B) dν
         let mut by = along(TILT, l_a * sin_a - l_b * sin_b);
         (by[NUT_LOAD], by[SCREW_LOAD]) = (cos_a * slopes[0], cos_b * slopes[1]);
-        let by = combined([(1.0 / a_1, &by)]);
+        let by = combined([(one / a_1, &by)]);
         turn = Angle { sin, cos, by };
-        let less = along(TILT, -1.0);
+        let less = along(TILT, -one);
         tilts = [
             Angle { sin: -sin_y, cos: cos_y, by: less },
-            Angle { sin: sin_y, cos: cos_y, by: one },
+            Angle { sin: sin_y, cos: cos_y, by: own },
         ];
         angles = [
-            Angle { sin: sin_a, cos: cos_a, by: combined([(1.0, &by), (1.0, &less)]) },
-            Angle { sin: sin_b, cos: cos_b, by: combined([(1.0, &by), (1.0, &one)]) },
+            Angle { sin: sin_a, cos: cos_a, by: combined([(one, &by), (one, &less)]) },
+            Angle { sin: sin_b, cos: cos_b, by: combined([(one, &by), (one, &own)]) },
         ];
     }
 
     // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
     let (sin_lead, cos_lead) = pair.lead;
-    let [along_axis, radial, around] = OMEGA.map(|i| y[i]);
+    let [along_axis, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
     // About t and b, relative to the nut.
     let mut by_t = along(OMEGA[0], sin_lead);
     by_t[OMEGA[2]] = -cos_lead;
@@ -448,16 +518,16 @@ fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
     let omega_t = sin_lead * along_axis - cos_lead * around;
     let omega_b = cos_lead * along_axis + sin_lead * around;
 
-    let from_nut = y[PRECESSION] + (ball.offset() - pair.nut_speed);
+    let from_nut = y[PRECESSION] + (pair.offset - pair.nut_speed);
     let mut points = [Point {
-        semi_axes: (0.0, 0.0),
-        pressed_radius: 0.0,
-        ball_radius: 1.0,
-        motion: [0.0; 4],
-        creep: ball.creep,
+        semi_axes: (zero, zero),
+        pressed_radius: zero,
+        ball_radius: one,
+        motion: [zero; 4],
+        creep: pair.creep,
     }; 2];
     for i in 0..2 {
-        let (side, body) = [(1.0, 0.0), (-1.0, 1.0)][i];
+        let (side, body) = [(one, zero), (-one, one)][i];
         let Angle { sin, cos, .. } = angles[i];
         let (t, b) = (omega_t - body * sin_lead, omega_b - body * cos_lead);
         points[i].motion = [
@@ -470,31 +540,31 @@ fn contacts(ball: &Rolling<'_>, y: &[f64; BALL]) -> Option<Contacts> {
         points[i].semi_axes = (growth[i] * a, growth[i] * b);
         points[i].pressed_radius = pair.pressed_radius[i];
     }
-    Some(Contacts { points, turn, tilts, angles, by_t, by_b })
+    (Contacts { points, turn, tilts, angles, by_t, by_b }, exist)
 }
 
 #[inline(always)]
-fn evaluate<R: Rubbing, const SLOPED: bool>(
-    ball: &Rolling<'_>,
-    y: &[f64; BALL],
-    Contacts { points, turn, tilts, angles, by_t, by_b }: &Contacts,
-    rubbed: &[Rubbed; 2],
-    Evaluated { left, transmitted, sliding, rows, slope }: &mut Evaluated,
+pub(super) fn evaluate<F: Compare, R: Rubbing, const SLOPED: bool>(
+    pair: &Scaled<F>,
+    y: &[F; BALL],
+    Contacts { points, turn, tilts, angles, by_t, by_b }: &Contacts<F>,
+    rubbed: &[Rubbed<F>; 2],
+    Evaluated { left, transmitted, sliding, rows, slope }: &mut Evaluated<F>,
 ) {
-    let (sin_lead, cos_lead) = ball.pair.lead;
-    let (pair, loads) = (ball.pair, [y[NUT_LOAD], y[SCREW_LOAD]]);
+    let (sin_lead, cos_lead) = pair.lead;
+    let (loads, one) = ([y[NUT_LOAD], y[SCREW_LOAD]], sin_lead.constant(1.0));
     for i in 0..2 {
-        let side = [1.0, -1.0][i];
+        let side = [one, -one][i];
         let place = [NUT_LOAD, SCREW_LOAD][i];
-        let (load, by_load) = (loads[i], along(place, 1.0));
+        let (load, by_load) = (loads[i], along(place, one));
         let (tilt, angle) = (&tilts[i], &angles[i]);
-        let Rubbed { sums, coefficient, by_film, film, resistance, rolling } = &rubbed[i];
-        let Sums { values, power: unit_power, slopes } = sums;
+        let &Rubbed { ref sums, coefficient, by_film, ref film, resistance, rolling } = &rubbed[i];
+        let &Sums { ref values, power: unit_power, ref slopes } = sums;
         let pull = load * coefficient;
         // P_f = Σ f Q ∫ dP                                                (P7)
         sliding[i] = pull * unit_power;
-        transmitted.power += sliding[i] + rolling;
-        let mut parts = [Sloped { re: 0.0, by: [0.0; BLOCK] }; 5];
+        transmitted.power = transmitted.power + (sliding[i] + rolling);
+        let mut parts = [Sloped { re: one.constant(0.0), by: [one.constant(0.0); BLOCK] }; 5];
         let [_, _, w_n, w_c] = points[i].motion;
         let (mut by_n, mut by_c) =
             (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
@@ -504,21 +574,22 @@ fn evaluate<R: Rubbing, const SLOPED: bool>(
             add(&mut by_c, -w_n, &angle.by);
             add(&mut by_c, side * angle.cos, by_b);
         }
-        for (part, (value, slopes)) in parts.iter_mut().zip(values.iter().zip(slopes)) {
-            part.re = pull * value;
+        for k in 0..SUMS {
+            let part = &mut parts[k];
+            part.re = pull * values[k];
             if SLOPED {
-                let [a, t, n, c, g] = *slopes;
+                let [a, t, n, c, g] = slopes[k];
                 part.by[PRECESSION] = pull * a * pair.arc;
                 // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
-                part.by[place] = coefficient * (value + g * (1.0 / 3.0));
+                part.by[place] = coefficient * (values[k] + g * (1.0 / 3.0));
                 add(&mut part.by, pull * t, by_t);
                 add(&mut part.by, pull * n, &by_n);
                 add(&mut part.by, pull * c, &by_c);
             }
         }
         if R::OILED {
-            parts[0].re += resistance[0];
-            parts[4].re += resistance[1];
+            parts[0].re = parts[0].re + resistance[0];
+            parts[4].re = parts[4].re + resistance[1];
         }
         if R::OILED && SLOPED {
             for (part, by_film) in parts.iter_mut().zip(by_film) {
@@ -530,11 +601,11 @@ fn evaluate<R: Rubbing, const SLOPED: bool>(
         let normal = Sloped { re: load, by: by_load };
         for (row, along_t, along_n, across) in [(0, f_t, &normal, f_c), (3, m_t, m_n, m_c)] {
             let (second, third) = turned(side, (tilt.sin, tilt.cos), (along_n.re, across.re));
-            left[row] += along_t.re;
-            left[row + 1] += second;
-            left[row + 2] += third;
+            left[row] = left[row] + along_t.re;
+            left[row + 1] = left[row + 1] + second;
+            left[row + 2] = left[row + 2] + third;
             if SLOPED {
-                add(&mut rows[row], 1.0, &along_t.by);
+                add(&mut rows[row], one, &along_t.by);
                 add(&mut rows[row + 1], side * tilt.cos, &along_n.by);
                 add(&mut rows[row + 1], -side * tilt.sin, &across.by);
                 add(&mut rows[row + 1], -third, &tilt.by);
@@ -547,7 +618,7 @@ fn evaluate<R: Rubbing, const SLOPED: bool>(
         let (n, b) = turned(side, (angle.sin, angle.cos), (load, f_c.re));
         if i == 0 {
             // F_nut·k − F_a                                               (P5)
-            left[6] = f_t.re * sin_lead + b * cos_lead - 1.0;
+            left[6] = f_t.re * sin_lead + b * cos_lead - one;
             if SLOPED {
                 rows[6] = combined([
                     (sin_lead, &f_t.by),
@@ -559,7 +630,7 @@ fn evaluate<R: Rubbing, const SLOPED: bool>(
         } else {
             // T = [(−r_m n) × F + M]·k                                    (B7)
             let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
-            let (force, arm) = (pair.helix.radius * cos_lead, -pair.helix.radius * sin_lead);
+            let (force, arm) = (pair.radius * cos_lead, -(pair.radius * sin_lead));
             transmitted.torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
             if SLOPED {
                 *slope = combined([
@@ -575,55 +646,61 @@ fn evaluate<R: Rubbing, const SLOPED: bool>(
         }
     }
 
-    add_inertia::<SLOPED>(ball, y, turn, (left, rows));
+    add_inertia::<F, SLOPED>(pair, y, turn, (left, rows));
 }
 
 /// Inertia forces and the gyroscopic moment.
 #[inline(always)]
-fn add_inertia<const SLOPED: bool>(
-    ball: &Rolling<'_>,
-    y: &[f64; BALL],
-    turn: &Angle,
-    (left, rows): (&mut [f64; BALL], &mut [Block; BALL]),
+fn add_inertia<F: Compare, const SLOPED: bool>(
+    pair: &Scaled<F>,
+    y: &[F; BALL],
+    turn: &Angle<F>,
+    (left, rows): (&mut [F; BALL], &mut [Slopes<F>; BALL]),
 ) {
-    let (pair, (sin_lead, cos_lead)) = (ball.pair, ball.pair.lead);
-    let [_, radial, around] = OMEGA.map(|i| y[i]);
-    let rate = y[PRECESSION] + ball.offset();
+    let (sin_lead, cos_lead) = pair.lead;
+    let [_, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
+    let rate = y[PRECESSION] + pair.offset;
     // Σ F − m r_m P² n                                                    (B4)
-    let mass = pair.ball.mass * pair.helix.radius;
+    let mass = pair.mass * pair.radius;
     let thrown = mass * rate * rate;
-    left[1] -= thrown * turn.cos;
-    left[2] += thrown * turn.sin;
+    left[1] = left[1] - thrown * turn.cos;
+    left[2] = left[2] + thrown * turn.sin;
     // Σ M − I P (ω'_n k × n − ω'_c n)                                     (B5), (T5)
-    let inertia = pair.ball.inertia();
+    // I = (2/5) m r_b²                                                    (B2)
+    let inertia = pair.mass * 0.4;
     let (second, third) = (
         sin_lead * turn.sin * radial - turn.cos * around,
         sin_lead * turn.cos * radial + turn.sin * around,
     );
     let gyro = inertia * rate;
-    left[3] += gyro * cos_lead * radial;
-    left[4] -= gyro * second;
-    left[5] -= gyro * third;
+    left[3] = left[3] + gyro * cos_lead * radial;
+    left[4] = left[4] - gyro * second;
+    left[5] = left[5] - gyro * third;
     if SLOPED {
-        rows[1][PRECESSION] -= 2.0 * mass * rate * turn.cos;
-        rows[2][PRECESSION] += 2.0 * mass * rate * turn.sin;
+        let change = mass * rate * 2.0;
+        for (row, unknown, slope) in [
+            (1, PRECESSION, -(change * turn.cos)),
+            (2, PRECESSION, change * turn.sin),
+            (3, PRECESSION, inertia * cos_lead * radial),
+            (4, PRECESSION, -(inertia * second)),
+            (5, PRECESSION, -(inertia * third)),
+            (3, OMEGA[1], gyro * cos_lead),
+            (4, OMEGA[1], -(gyro * sin_lead * turn.sin)),
+            (5, OMEGA[1], -(gyro * sin_lead * turn.cos)),
+            (4, OMEGA[2], gyro * turn.cos),
+            (5, OMEGA[2], -(gyro * turn.sin)),
+        ] {
+            rows[row][unknown] = rows[row][unknown] + slope;
+        }
         add(&mut rows[1], thrown * turn.sin, &turn.by);
         add(&mut rows[2], thrown * turn.cos, &turn.by);
-        rows[3][PRECESSION] += inertia * cos_lead * radial;
-        rows[4][PRECESSION] -= inertia * second;
-        rows[5][PRECESSION] -= inertia * third;
-        rows[3][OMEGA[1]] += gyro * cos_lead;
-        rows[4][OMEGA[1]] -= gyro * sin_lead * turn.sin;
-        rows[5][OMEGA[1]] -= gyro * sin_lead * turn.cos;
-        rows[4][OMEGA[2]] += gyro * turn.cos;
-        rows[5][OMEGA[2]] -= gyro * turn.sin;
-        add(&mut rows[4], -gyro * third, &turn.by);
+        add(&mut rows[4], -(gyro * third), &turn.by);
         add(&mut rows[5], gyro * second, &turn.by);
     }
 }
 
 /// Second and third component of a vector that has these along `$N = \pm(0, \cos, \sin)$` and `$t \times N$`.
 #[inline(always)]
-fn turned(side: f64, (sin, cos): (f64, f64), (normal, across): (f64, f64)) -> (f64, f64) {
+fn turned<F: Compare>(side: F, (sin, cos): (F, F), (normal, across): (F, F)) -> (F, F) {
     (side * (cos * normal - sin * across), side * (sin * normal + cos * across))
 }

@@ -120,7 +120,7 @@ fn ways(dial: &Dial, groups: usize) -> impl Iterator<Item = Way> {
 }
 
 fn has_kernel(settings: &Settings) -> bool {
-    matches!(settings.model, ModelChoice::Fixed(model) if bsm_batch::has_kernel(model))
+    matches!(settings.model, ModelChoice::Fixed(_))
 }
 
 fn median(mut times: Vec<f64>) -> f64 {

@@ -1,0 +1,286 @@
+//! Friction over both contact ellipses by lanes, from the gripping or from the skidding ball, Eqs (T1) to (T5),
+//! (T25).
+
+use bsm_case::{InputKey, OutputKey, Settings};
+use bsm_dyn::{
+    Model, POWER_BALANCE_TOL, Scaled, TRACTION_FOUND, TRACTION_START, TractionMany, TractionRoot,
+    TractionStart,
+};
+use bsm_simd::{Arch, BLOCK, NullaryFnOnce, Simd, WithSimd};
+
+use super::closed_form::{power_balance, transmit_torque};
+use super::elastic::Skid;
+use super::pair::{Pair, contacts};
+use super::raceway::{Grip, Motion, regime};
+use super::rigid::slip_angle;
+use super::units::Units;
+use super::{Out, Rows};
+use crate::operand::{Given, Lane, Mask};
+
+/// Skid number from which the skidding ball is the nearer start.
+const SKIDS: f64 = 0.3;
+
+/// Friction below this is none.
+const LEAST_FRICTION: f64 = 1e-12;
+
+/// Nut speed from which the unknown of the precession leaves it out.
+const FAST_NUT: f64 = 2.0;
+
+/// Most points in a lane.
+const MANY: usize = 4 * BLOCK;
+
+/// Answers the rows that its start leads to the root of.
+pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, settings: &Settings) {
+    let Some(many) = TractionMany::of(settings.accuracy) else { return };
+    let (mut points, mut starts) = (Vec::new(), Vec::new());
+    let creep = settings.creep;
+    arch.dispatch(Begin { rows: &mut rows, creep, points: &mut points, starts: &mut starts });
+    let mut roots = vec![None; rows.done.len()];
+    for (row, root) in points.into_iter().zip(many.solve(arch, &starts)) {
+        roots[row] = root;
+    }
+    arch.dispatch(End { rows, creep, roots: &roots });
+}
+
+struct Begin<'a, 'b, 'c> {
+    rows: &'a mut Rows<'b, 'c>,
+    creep: f64,
+    points: &'a mut Vec<usize>,
+    starts: &'a mut Vec<TractionStart>,
+}
+
+impl WithSimd for Begin<'_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { rows: Rows { operands, wanted, first, columns, done }, creep, .. } = self;
+        for row in (0..done.len()).step_by(Lane::<S>::LEN) {
+            let given = Given { simd, operands, row: *first + row };
+            let mut out = Out { wanted, columns, row };
+            let (start, found) = start(&given, creep, &mut out);
+            let mut blocks = [[0.0; MANY]; TRACTION_START];
+            for (block, lane) in blocks.iter_mut().zip(start.numbers()) {
+                lane.store(block);
+            }
+            let mut begun = [false; MANY];
+            found.store(&mut begun);
+            for i in 0..Lane::<S>::LEN.min(done.len() - row) {
+                if begun[i] {
+                    let mut numbers = [0.0; TRACTION_START];
+                    for k in 0..TRACTION_START {
+                        numbers[k] = blocks[k][i];
+                    }
+                    self.points.push(row + i);
+                    self.starts.push(TractionStart::of(numbers));
+                }
+            }
+        }
+    }
+}
+
+/// The points of a lane in the numbers of the equations.
+struct Scale<'a, S> {
+    given: &'a Given<'a, S>,
+    creep: f64,
+}
+
+impl<S: Simd> NullaryFnOnce for Scale<'_, S> {
+    type Output = (Units<S>, Pair<S>, Scaled<Lane<S>>);
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { given, creep } = self;
+        let units = Units::of(given);
+        let pair = Pair::of(given, &units);
+        let point = scaled(given, (&units, &pair), creep);
+        (units, pair, point)
+    }
+}
+
+#[inline(always)]
+fn scaled<S: Simd>(
+    given: &Given<'_, S>,
+    (units, pair): (&Units<S>, &Pair<S>),
+    creep: f64,
+) -> Scaled<Lane<S>> {
+    let (zero, one) = (pair.constant(0.0), pair.constant(1.0));
+    let friction = given.get(InputKey::friction_coefficient);
+    let [nut, screw] = &pair.pressed;
+    let mut scale = one;
+    for race in &pair.pressed {
+        // max(1, a²/2R_c)                                                 (T9)
+        let a = race.hertz.semi_axis;
+        scale = scale.max(a * a * 0.5 / race.pressed_radius);
+    }
+    let fast = pair.nut_speed.abs().gt(one * FAST_NUT);
+    Scaled {
+        lead: (pair.sin_a, pair.cos_a),
+        radius: units.pitch / units.ball,
+        arc: pair.arc,
+        reach: pair.reach(),
+        offsets: [nut.offset, screw.offset],
+        approach: [nut.hertz.compliance, screw.hertz.compliance],
+        semi_axes: [
+            (nut.hertz.semi_axis, nut.hertz.semi_axis * nut.hertz.flatness),
+            (screw.hertz.semi_axis, screw.hertz.semi_axis * screw.hertz.flatness),
+        ],
+        pressed_radius: [nut.pressed_radius, screw.pressed_radius],
+        friction: units.speed.lt(zero).select(-friction, friction),
+        mass: units.mass,
+        nut_speed: pair.nut_speed,
+        offset: fast.select(pair.nut_speed, zero),
+        creep: scale * creep,
+        at_nut: false,
+    }
+}
+
+/// Where the solves of some rows start, and the rows that have a start.
+#[inline(always)]
+fn start<S: Simd>(
+    given: &Given<'_, S>,
+    creep: f64,
+    out: &mut Out<'_, '_>,
+) -> (TractionStart<Lane<S>>, Mask<S>) {
+    // A call of its own: the code is long.
+    let (units, pair, point) = given.simd.vectorize(Scale { given, creep });
+    let one = pair.constant(1.0);
+    let friction = point.friction.abs();
+    let grip = Grip::of(&pair, None);
+    let mut found = grip.found & one.constant(LEAST_FRICTION).le(friction);
+    let motion = Motion::of(&pair, &grip);
+    let skid_number = regime(out, friction, (&units, &pair), (&grip, &motion));
+    let [a, b] = &grip.sides;
+    let mut loads = [a.load, b.load];
+    // sin 2ν = sin(β_B − β_A)
+    let between = a.cos * b.cos + a.sin * b.sin;
+    let mut tilt = grip.rolling.twist.zip(between, f64::atan2) * 0.5;
+    let mut p = motion.p;
+    // Along t, n and b.
+    let mut omega = [pair.sin_a * 0.5, motion.omega[0], motion.omega[1]];
+    let skids = skid_number.gt(one * SKIDS);
+    if (found & skids).any() {
+        let skid = Skid::of(given.simd, &pair, point.friction);
+        found = found & (skid.found | !skids);
+        let turns = skid.turns(&pair);
+        let [(q_a, ..), (q_b, ..)] = skid.contacts();
+        loads = [skids.select(q_a, loads[0]), skids.select(q_b, loads[1])];
+        let (s, c) = skid.tilt;
+        tilt = skids.select(s.zip(c, f64::atan2), tilt);
+        p = skids.select(skid.rate - pair.nut_speed, p);
+        let ([along, normal, across], (sin, cos)) = (turns.omega, turns.mean);
+        omega = [
+            skids.select(along, omega[0]),
+            skids.select(cos * normal - sin * across, omega[1]),
+            skids.select(sin * normal + cos * across, omega[2]),
+        ];
+    }
+    let [omega_t, omega_n, omega_b] = omega;
+    // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
+    let along = pair.sin_a * omega_t + pair.cos_a * omega_b;
+    let around = pair.sin_a * omega_b - pair.cos_a * omega_t;
+    let rate = p + pair.nut_speed - point.offset;
+    let unknowns = [loads[0], tilt, loads[1], rate, along, omega_n, around];
+    (TractionStart { point, unknowns }, found)
+}
+
+struct End<'a, 'b, 'c> {
+    rows: Rows<'b, 'c>,
+    creep: f64,
+    roots: &'a [Option<TractionRoot>],
+}
+
+impl WithSimd for End<'_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { rows: Rows { operands, wanted, first, columns, done }, creep, roots } = self;
+        for row in (0..done.len()).step_by(Lane::<S>::LEN) {
+            let given = Given { simd, operands, row: first + row };
+            let mut out = Out { wanted, columns: &mut *columns, row };
+            let mut blocks = [[0.0; MANY]; TRACTION_FOUND];
+            let mut found = [false; MANY];
+            for (i, root) in roots[row..].iter().enumerate().take(Lane::<S>::LEN) {
+                if let Some(root) = root {
+                    found[i] = true;
+                    for (block, number) in blocks.iter_mut().zip(root.numbers()) {
+                        block[i] = number;
+                    }
+                }
+            }
+            let mut lanes = [Lane::splat(simd, 0.0); TRACTION_FOUND];
+            for k in 0..TRACTION_FOUND {
+                lanes[k] = Lane::load(simd, &blocks[k]);
+            }
+            let solved = outputs(&given, creep, &TractionRoot::of(lanes), &mut out);
+            let mut answered = [false; MANY];
+            (solved & given.lawful(Model::Traction)).store(&mut answered);
+            for (i, done) in done[row..].iter_mut().enumerate().take(Lane::<S>::LEN) {
+                *done = answered[i] && found[i];
+            }
+        }
+    }
+}
+
+/// Stores what is wanted of some rows, and says where their powers balance.
+#[inline(always)]
+fn outputs<S: Simd>(
+    given: &Given<'_, S>,
+    creep: f64,
+    root: &TractionRoot<Lane<S>>,
+    out: &mut Out<'_, '_>,
+) -> Mask<S> {
+    let (units, pair, point) = given.simd.vectorize(Scale { given, creep });
+    let (y, w, zero) = (root.unknowns, units.speed, units.speed.constant(0.0));
+    let at = TractionStart { point, unknowns: y };
+    let ([nut, screw], motions) = at.contacts();
+    contacts(out, &units, &pair, &[pair.loaded(0, y[0], nut), pair.loaded(1, y[2], screw)]);
+    let keys = [
+        [
+            OutputKey::nut_slip_velocity_m_s,
+            OutputKey::nut_slip_angle_deg,
+            OutputKey::nut_spin_rad_s,
+        ],
+        [
+            OutputKey::screw_slip_velocity_m_s,
+            OutputKey::screw_slip_angle_deg,
+            OutputKey::screw_spin_rad_s,
+        ],
+    ];
+    let back = w.lt(zero);
+    let sign = back.select(zero - 1.0, zero + 1.0);
+    for ([slip, angle, spin], ([speed, w_t, w_n, w_c], side)) in
+        keys.into_iter().zip(motions.into_iter().zip([sign, -sign]))
+    {
+        // Slip at the contact centre along t × N, which is e_x at the nut and against it at the screw, and along t.
+        let (across, along) = (-w_t, speed + w_c);
+        out.set(slip, (across * across + along * along).sqrt() * w.abs() * units.ball);
+        slip_angle(out, angle, [-(across * side), -(along * sign)]);
+        out.set(spin, w_n * w);
+    }
+    // ω = Ω_n k + ω'                                                      (K12)
+    let [along, radial, around] = [y[4] * w + units.nut_speed, y[5] * w, y[6] * w];
+    out.set(OutputKey::ball_precession_rad_s, (y[3] + at.point.offset) * w);
+    out.set(OutputKey::ball_omega_t_rad_s, pair.sin_a * along - pair.cos_a * around);
+    out.set(OutputKey::ball_omega_n_rad_s, radial);
+    out.set(OutputKey::ball_omega_b_rad_s, pair.cos_a * along + pair.sin_a * around);
+    // T₀ = F_a r_m tanα                                                   (B9)
+    let ideal = at.point.radius * pair.sin_a / pair.cos_a;
+    let eta = transmit_torque(out, back, (root.torque, ideal), units.ball * units.axial, w);
+    let power = back.select(-root.power, root.power);
+    let imbalance = power_balance(out, back, (root.torque, ideal), power);
+    let torque = root.torque + root.error;
+    let other = back.select(torque, ideal) / back.select(ideal, torque);
+    // δη = max(10 |η'(y') − η(y)|, 10⁻⁹)                                  (T25)
+    let error = ((other - eta).abs() * 10.0).max(zero + 1e-9);
+    out.set(OutputKey::efficiency_error_bound, error);
+    // δP_f/P_f = δη/[(η − δη) (1 − η)] or δη/(1 − η)                      (A7)
+    let least = back.select(zero + 1.0, (eta - error).max(zero));
+    let loss = error / (least * (-eta + 1.0).abs());
+    let finite = loss.lt(zero.constant(f64::INFINITY));
+    out.set(OutputKey::loss_error_bound, finite.select(loss, zero.constant(f64::NAN)));
+    out.set(OutputKey::iterations, root.steps);
+    out.set(OutputKey::residual_norm, root.residual);
+    imbalance.abs().le(zero.constant(POWER_BALANCE_TOL)) & error.lt(zero.constant(f64::INFINITY))
+}

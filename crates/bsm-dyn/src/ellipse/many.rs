@@ -1,0 +1,304 @@
+//! The sums of the friction over the ellipses of several contacts side by side, with derivatives.
+//!
+//! Nodes and sums are those of one contact in `panels.rs` and `kernel.rs`, up to rounding: eight neighbouring
+//! lines share the largest of their numbers of inner nodes, at each contact by itself.
+
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
+use std::ops::Range;
+
+use bsm_simd::{BLOCK, Lane, Mask, NullaryFnOnce, Simd};
+
+use super::Quadrature;
+use super::kernel::{ALL, Inner, Line, Point, Sums, some};
+use super::panels::{MOST_INNER, chord, clamp, line_at};
+
+/// Most nodes of a panel.
+const MOST_NODES: usize = 16;
+
+/// Most groups of lines with the same number of inner nodes.
+const GROUPS: usize = 2 * MOST_NODES / BLOCK;
+
+/// Inner nodes of a line whose spin pole is inside, on the way to a root: few, as others wait for it.
+const UNRESOLVED: usize = 8;
+
+/// A quadrature for several contacts side by side.
+#[derive(Debug, Clone)]
+pub(crate) struct ManyQuadrature {
+    rule: Quadrature,
+    /// Nodes and weights along a line, by their number, followed by nodes without weight.
+    inner: Vec<Vec<(f64, f64)>>,
+    segments: Vec<Segment>,
+    /// Of how many lines one is asked for the number of nodes along it.
+    stride: usize,
+}
+
+/// Neighbouring lines of a panel that share their inner nodes.
+#[derive(Debug, Clone)]
+struct Segment {
+    panel: usize,
+    lines: Range<usize>,
+    /// Which of the numbers of inner nodes they have, where the first panel has a length and where not.
+    groups: [usize; 2],
+}
+
+/// Numbers of inner nodes of several contacts.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct InnerNodes([[usize; BLOCK]; GROUPS]);
+
+impl ManyQuadrature {
+    /// None if it takes more nodes than there is room for.
+    ///
+    /// * `stride`: of how many lines one is asked for the number of nodes along it.
+    pub(crate) fn new(rule: Quadrature, stride: usize) -> Option<Self> {
+        let nodes = rule.panel.len();
+        if nodes > MOST_NODES {
+            return None;
+        }
+        let mut segments: Vec<Segment> = Vec::new();
+        for line in 0..2 * nodes {
+            let (panel, node) = (line / nodes, line % nodes);
+            let groups = [line / BLOCK, node / BLOCK];
+            match segments.last_mut() {
+                Some(last) if last.panel == panel && last.groups == groups => last.lines.end += 1,
+                _ => segments.push(Segment { panel, lines: node..node + 1, groups }),
+            }
+        }
+        let mut inner = rule.inner.clone();
+        let most = inner.iter().map(Vec::len).max().unwrap_or_default();
+        for nodes in &mut inner {
+            nodes.resize(most, (0.0, 0.0));
+        }
+        Some(Self { rule, inner, segments, stride })
+    }
+
+    /// Frictions, slopes only if `SLOPED`, and the contacts whose friction the rule resolves without splitting
+    /// panels.
+    ///
+    /// * `counts`: the numbers of nodes along the lines, as they are if `planned`, by the slip otherwise.
+    #[inline(always)]
+    pub(crate) fn sums<S: Simd, const SLOPED: bool>(
+        &self,
+        simd: S,
+        point: &Point<Lane<S>>,
+        counts: &mut InnerNodes,
+        planned: bool,
+    ) -> (Sums<Lane<S>>, Mask<S>) {
+        // A call of its own: the code is long.
+        simd.vectorize(Call::<S, SLOPED> { simd, rule: self, point, counts, planned })
+    }
+}
+
+/// What [`ManyQuadrature::sums`] is asked for.
+struct Call<'a, S: Simd, const SLOPED: bool> {
+    simd: S,
+    rule: &'a ManyQuadrature,
+    point: &'a Point<Lane<S>>,
+    counts: &'a mut InnerNodes,
+    planned: bool,
+}
+
+impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
+    type Output = (Sums<Lane<S>>, Mask<S>);
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self {
+            simd,
+            rule: ManyQuadrature { rule, inner, segments, stride },
+            point,
+            counts,
+            planned,
+        } = self;
+        let slip = point.slip();
+        let (zero, one) = (slip.creep.constant(0.0), slip.creep.constant(1.0));
+        let infinity = one.constant(f64::INFINITY);
+        let poles = slip.poles();
+        let middle = clamp((poles[0].at + poles[1].at) * 0.5, -1.0, 1.0);
+        let (ends, second_only) = ([-one, middle, one], middle.le(-one));
+        let nodes = rule.panel.len();
+        let (mut lines, mut least) = ([[(zero, zero); MOST_NODES]; 2], [infinity; GROUPS]);
+        let (narrow, mut resolved) = (one * rule.reach[MOST_INNER], zero.le(zero));
+        for panel in 0..2 {
+            let (pole, low, high) = (poles[panel], ends[panel], ends[panel + 1]);
+            // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j)     (T17)
+            let from = ((low - pole.at) / pole.width).arsinh();
+            let length = ((high - pole.at) / pole.width).arsinh() - from;
+            // Places p and 1 − p from one exponential, and the one in the middle.
+            let grow = [from.exp(), (from + length).exp()];
+            let fall = [grow[0].recip(), grow[1].recip()];
+            for node in 0..nodes.div_ceil(2) {
+                let (place, part) = rule.panel.at(node);
+                let (up, weight) = ((length * place).exp(), length * part);
+                let down = up.recip();
+                lines[panel][node] = line_at(&pole, (grow[0] * up, fall[0] * down), weight);
+                lines[panel][nodes - 1 - node] =
+                    line_at(&pole, (grow[1] * down, fall[1] * up), weight);
+            }
+            if planned {
+                continue;
+            }
+            let within = low.lt(pole.at) & pole.at.lt(high);
+            resolved = resolved & (!within | narrow.le(slip.analyticity(pole.at)));
+            let empty = high.le(low);
+            for node in (0..nodes).step_by(*stride) {
+                let square = slip.analyticity(lines[panel][node].0);
+                let square = empty.select(infinity, square);
+                resolved = resolved & narrow.le(square);
+                let groups = [(panel * nodes + node) / BLOCK, node / BLOCK];
+                // Lines of the second panel begin a group where the first has no length.
+                let [first, second] = if panel == 0 { [groups[0]; 2] } else { groups };
+                if first == second {
+                    least[first] = least[first].min(square);
+                } else {
+                    least[second] = least[second].min(second_only.select(square, infinity));
+                    least[first] = least[first].min(second_only.select(infinity, square));
+                }
+            }
+        }
+        if !planned {
+            for (counts, least) in counts.0.iter_mut().zip(&least) {
+                for (count, square) in counts.iter_mut().zip(least.as_slice()) {
+                    *count = rule.count(*square).unwrap_or(UNRESOLVED);
+                }
+            }
+        }
+        let mut second = [false; BLOCK];
+        second_only.store(&mut second);
+        let mut totals = [zero; ALL];
+        let mut across = [(zero, zero); MOST_INNER + 2];
+        let mut found = [(Inner::zero(simd), zero); BLOCK];
+        for segment in segments {
+            let (mut tables, mut most) = ([&inner[0]; BLOCK], 0);
+            for i in 0..Lane::<S>::LEN {
+                let count = counts.0[segment.groups[usize::from(second[i])]][i];
+                tables[i] = &inner[count];
+                most = most.max(rule.inner[count].len());
+            }
+            for k in 0..most {
+                let (mut places, mut parts) = ([0.0; BLOCK], [0.0; BLOCK]);
+                for i in 0..Lane::<S>::LEN {
+                    (places[i], parts[i]) = tables[i][k];
+                }
+                across[k] = (zero.like(&places), zero.like(&parts));
+            }
+            let lines = &lines[segment.panel][segment.lines.clone()];
+            for ((inner, chord_here), (xi, _)) in found.iter_mut().zip(lines) {
+                *chord_here = chord(*xi);
+                let (v_t, b) = (slip.along(*xi), slip.across_at(*xi, *chord_here));
+                let square = v_t * v_t + slip.creep * slip.creep;
+                let mut sums = Inner::zero(simd);
+                for node in &across[..most] {
+                    sums.add::<SLOPED>(square, b, *node);
+                }
+                *inner = sums;
+            }
+            for ((inner, chord), (xi, weight)) in found.iter().zip(lines) {
+                let (xi, weight, v_t) = (*xi, *weight, slip.along(*xi));
+                let square = v_t * v_t + slip.creep * slip.creep;
+                let line =
+                    Line { xi, weight, chord: *chord, v_t, across: slip.across_at(xi, *chord) };
+                let terms =
+                    line.terms::<SLOPED>((point.semi_axes, &slip), inner.with_across(square));
+                for i in 0..some::<SLOPED>() {
+                    totals[i] = totals[i] + terms[i];
+                }
+            }
+        }
+        (Sums::of(totals, point), resolved)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bsm_sample::Sample;
+    use bsm_simd::{Arch, Block, WithSimd};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::super::kernel;
+    use super::*;
+
+    /// Semi-axes, pressed radius, motion and creep speed of contacts.
+    type Contacts = [Block; 8];
+
+    /// Wrench, derivatives, power, and whether the rule resolves the friction.
+    const FOUND: usize = 5 + 25 + 2;
+
+    struct All<'a>(&'a ManyQuadrature, &'a Contacts);
+
+    impl WithSimd for All<'_> {
+        type Output = [Block; FOUND];
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let mut found = [[0.0; BLOCK]; FOUND];
+            for at in (0..BLOCK).step_by(S::F64_LANES) {
+                let [a, b, pressed_radius, speed, w_t, w_n, w_c, creep] =
+                    self.1.map(|x| Lane::<S>::load(simd, &x[at..]));
+                let (motion, ball_radius) = ([speed, w_t, w_n, w_c], creep.constant(1.0));
+                let point = Point { semi_axes: (a, b), pressed_radius, ball_radius, motion, creep };
+                let (sums, resolved) =
+                    self.0.sums::<S, true>(simd, &point, &mut InnerNodes::default(), false);
+                let all = sums.values.into_iter().chain(sums.slopes.into_iter().flatten());
+                let all = all.chain([sums.power, resolved.to_numbers()]);
+                for (found, x) in found.iter_mut().zip(all) {
+                    x.store(&mut found[at..]);
+                }
+            }
+            found
+        }
+    }
+
+    /// Random contacts: the sums of several side by side are those of each, at accuracies whose panels fill the
+    /// groups of lines and at one whose do not, on every instruction set.
+    #[test]
+    fn contacts_side_by_side_are_those_one_by_one() {
+        let mut rng = ChaCha8Rng::seed_from_u64(12);
+        let mut compared = 0;
+        for round in 0..300 {
+            let single = Quadrature::of([1e-4, 1e-6, 1e-8][round % 3]);
+            let many = ManyQuadrature::new(single.clone(), 1).expect("few nodes");
+            let mut contacts = [[0.0; BLOCK]; 8];
+            for i in 0..BLOCK {
+                let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
+                let (a, ratio) = (log(1e-3, 0.3), log(2.0, 30.0));
+                let (slip, roll, turn) = (log(1e-4, 1.0), log(1e-3, 1.0), log(1e-2, 3.0));
+                let (bend, shift) = (log(1e-2, 3.0), log(1e-3, 1.0));
+                let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+                let along = side * slip * shift - bend;
+                let contact = [a, a / ratio, 1.03, along, roll, turn, bend, 1e-4];
+                for (column, x) in contacts.iter_mut().zip(contact) {
+                    column[i] = x;
+                }
+            }
+            let found = Arch::new().dispatch(All(&many, &contacts));
+            for arch in bsm_simd::instruction_sets() {
+                let same = arch.dispatch(All(&many, &contacts));
+                assert!(same.map(|b| b.map(f64::to_bits)) == found.map(|b| b.map(f64::to_bits)));
+            }
+            for i in 0..BLOCK {
+                let [a, b, pressed_radius, speed, w_t, w_n, w_c, creep] = contacts.map(|x| x[i]);
+                let (semi_axes, motion) = ((a, b), [speed, w_t, w_n, w_c]);
+                let point = Point { semi_axes, pressed_radius, ball_radius: 1.0, motion, creep };
+                if found[FOUND - 1][i] < 0.5 {
+                    continue;
+                }
+                let Sums { values, power, slopes } = kernel::sums::<true>(&point, (&single).into());
+                let expected = values.into_iter().chain(slopes.into_iter().flatten());
+                for (number, expected) in expected.chain([power]).enumerate() {
+                    // Rounding of sums of terms of at most one, and of slopes of at most 1/v_e.
+                    let room = if (5..30).contains(&number) { 1e-12 / creep } else { 1e-12 };
+                    let error = (found[number][i] - expected).abs();
+                    assert!(error <= room, "{number}: {} {expected}", found[number][i]);
+                }
+                compared += 1;
+            }
+        }
+        // The spin pole is inside at a fifth of them.
+        assert!(compared > 1500, "{compared}");
+    }
+}

@@ -1,0 +1,569 @@
+//! Many points by lanes: Newton from a start, on the coarse quadrature and then on that of the accuracy.
+//!
+//! Points that are near their root on the coarse one make room for others. What is left over goes to
+//! the model, which searches on.
+//!
+//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T24), (T25).
+
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#![expect(clippy::needless_range_loop, reason = "places of vectors and matrices, as on paper")]
+
+use std::sync::LazyLock;
+
+use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
+
+use super::columns::{
+    Angle, Contacts, Dry, Evaluated, Rubbed, Scaled, Transmitted, contacts, evaluate,
+};
+use super::{COARSE, OMEGA};
+use crate::ball_unknowns::BALL;
+use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
+use crate::ellipse::{InnerNodes, ManyQuadrature, Quadrature};
+
+/// Residual from which the coarse quadrature is left for the one that is asked for.
+const NEAR: f64 = 1e-3;
+
+/// Sufficient decrease of (N5).
+const ARMIJO: f64 = 1e-4;
+
+/// Residual from which a last step leads to the root, and the larger one from which it does so if the last
+/// step has lowered it to this part.
+const GOAL: f64 = 1e-12;
+const ROOT: f64 = 1e-10;
+const QUICK: f64 = 1e-2;
+
+/// Evaluations with the coarse and with the fine quadrature before a point is left to the model.
+const MOST_COARSE: usize = 12;
+const MOST_FINE: usize = 8;
+
+/// Rotations beyond are no ball's.
+const FASTEST: f64 = 1e9;
+
+/// Which equation each unknown is eliminated with: friction is a convex potential of the motion, so that no
+/// exchange of rows is needed.
+const PIVOT_ROWS: [usize; BALL] = [6, 1, 2, 0, 3, 4, 5];
+
+static NEARBY: LazyLock<Option<ManyQuadrature>> =
+    LazyLock::new(|| ManyQuadrature::new(Quadrature::of(COARSE), 3));
+
+/// A point and the state to start from.
+#[derive(Debug, Clone, Copy)]
+pub struct TractionStart<F = f64> {
+    /// The point.
+    pub point: Scaled<F>,
+    /// The unknowns (T1).
+    pub unknowns: [F; BALL],
+}
+
+/// A root.
+#[derive(Debug, Clone, Copy)]
+pub struct TractionRoot<F = f64> {
+    /// The unknowns (T1).
+    pub unknowns: [F; BALL],
+    /// Torque on the screw.
+    pub torque: F,
+    /// The power that friction takes.
+    pub power: F,
+    /// What the torque of another quadrature differs.
+    pub error: F,
+    /// Evaluations.
+    pub steps: F,
+    /// Scaled residual.
+    pub residual: F,
+}
+
+/// Numbers of a [`TractionRoot`].
+pub const FOUND: usize = 12;
+
+impl<F: Copy> TractionRoot<F> {
+    /// The numbers one after the other.
+    #[inline(always)]
+    pub fn numbers(&self) -> [F; FOUND] {
+        let Self { unknowns: [y_0, y_1, y_2, y_3, y_4, y_5, y_6], torque, power, .. } = *self;
+        let Self { error, steps, residual, .. } = *self;
+        [y_0, y_1, y_2, y_3, y_4, y_5, y_6, torque, power, error, steps, residual]
+    }
+
+    /// Of its numbers.
+    #[inline(always)]
+    pub fn of(numbers: [F; FOUND]) -> Self {
+        let [y_0, y_1, y_2, y_3, y_4, y_5, y_6, torque, power, error, steps, residual] = numbers;
+        let unknowns = [y_0, y_1, y_2, y_3, y_4, y_5, y_6];
+        Self { unknowns, torque, power, error, steps, residual }
+    }
+}
+
+/// Numbers of a [`TractionStart`].
+pub const START: usize = 27;
+
+impl<F: Compare> TractionStart<F> {
+    /// The numbers one after the other, the unknowns last.
+    #[inline(always)]
+    pub fn numbers(&self) -> [F; START] {
+        let Self { point, unknowns: [y_0, y_1, y_2, y_3, y_4, y_5, y_6] } = *self;
+        let Scaled { lead: (sin, cos), radius, arc, reach, .. } = point;
+        let Scaled { offsets: [l_a, l_b], approach: [d_a, d_b], .. } = point;
+        let Scaled { semi_axes: [(a, b), (c, d)], pressed_radius: [r_a, r_b], .. } = point;
+        let Scaled { friction, mass, nut_speed, offset, creep, .. } = point;
+        [
+            sin, cos, radius, arc, reach, l_a, l_b, d_a, d_b, a, b, c, d, r_a, r_b, friction, mass,
+            nut_speed, offset, creep, y_0, y_1, y_2, y_3, y_4, y_5, y_6,
+        ]
+    }
+
+    /// Of its numbers.
+    #[inline(always)]
+    pub fn of(numbers: [F; START]) -> Self {
+        let [
+            sin,
+            cos,
+            radius,
+            arc,
+            reach,
+            l_a,
+            l_b,
+            d_a,
+            d_b,
+            a,
+            b,
+            c,
+            d,
+            r_a,
+            r_b,
+            friction,
+            mass,
+            nut_speed,
+            offset,
+            creep,
+            y_0,
+            y_1,
+            y_2,
+            y_3,
+            y_4,
+            y_5,
+            y_6,
+        ] = numbers;
+        let point = Scaled {
+            lead: (sin, cos),
+            radius,
+            arc,
+            reach,
+            offsets: [l_a, l_b],
+            approach: [d_a, d_b],
+            semi_axes: [(a, b), (c, d)],
+            pressed_radius: [r_a, r_b],
+            friction,
+            mass,
+            nut_speed,
+            offset,
+            creep,
+            at_nut: false,
+        };
+        Self { point, unknowns: [y_0, y_1, y_2, y_3, y_4, y_5, y_6] }
+    }
+
+    /// Sines and cosines of the contact angles, and the motion over the contacts: speed of the centre along t,
+    /// angular velocity about t, N and t × N.
+    #[inline(always)]
+    pub fn contacts(&self) -> ([(F, F); 2], [[F; 4]; 2]) {
+        let Contacts { angles: [nut, screw], points: [over_nut, over_screw], .. } =
+            contacts(&self.point, &self.unknowns).0;
+        let angles = [(nut.sin, nut.cos), (screw.sin, screw.cos)];
+        (angles, [over_nut.motion, over_screw.motion])
+    }
+}
+
+/// Numbers of a point on the way to its root.
+const NUMBERS: usize = START + BALL + 5;
+
+/// A point on the way to its root.
+struct Walk<F> {
+    at: TractionStart<F>,
+    /// The step from there, and the part of it to try.
+    step: [F; BALL],
+    part: F,
+    /// Scaled residual there, infinite where there is none yet, and weights of forces and moments.
+    before: F,
+    weights: (F, F),
+    /// Evaluations.
+    steps: F,
+}
+
+/// Quadratures of the solves of an accuracy.
+#[derive(Debug)]
+pub struct TractionMany {
+    rule: ManyQuadrature,
+    check: ManyQuadrature,
+}
+
+impl TractionMany {
+    /// None if it takes more nodes than there is room for.
+    pub fn of(accuracy: f64) -> Option<Self> {
+        let rule = ManyQuadrature::new(Quadrature::of(accuracy), 1)?;
+        Some(Self { rule, check: ManyQuadrature::new(Quadrature::check(accuracy), 1)? })
+    }
+
+    /// The roots that the starts lead to.
+    pub fn solve(&self, arch: Arch, starts: &[TractionStart]) -> Vec<Option<TractionRoot>> {
+        arch.dispatch(Solve { rules: self, starts })
+    }
+}
+
+struct Solve<'a> {
+    rules: &'a TractionMany,
+    starts: &'a [TractionStart],
+}
+
+impl WithSimd for Solve<'_> {
+    type Output = Vec<Option<TractionRoot>>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { rules, starts } = self;
+        let mut roots = vec![None; starts.len()];
+        let Some(coarse) = &*NEARBY else { return roots };
+        let mut walks = vec![[0.0; NUMBERS]; starts.len()];
+        for (walk, start) in walks.iter_mut().zip(starts) {
+            walk[..START].copy_from_slice(&start.numbers());
+            walk[START + BALL + 1] = f64::INFINITY;
+        }
+        let mut points: Vec<usize> = (0..starts.len()).collect();
+        let (mut next, mut near) = (Vec::new(), Vec::new());
+        let found = &mut Evaluated::zero(Lane::splat(simd, 0.0));
+        for _ in 0..MOST_COARSE {
+            for some in points.chunks(Lane::<S>::LEN) {
+                approach(simd, coarse, found, &mut walks, some, (&mut next, &mut near));
+            }
+            points.clear();
+            points.append(&mut next);
+        }
+        for some in near.chunks(Lane::<S>::LEN) {
+            refine(simd, rules, found, &walks, some, &mut roots);
+        }
+        roots
+    }
+}
+
+/// Numbers of some points side by side, the last one repeated.
+#[inline(always)]
+fn gather<S: Simd>(simd: S, walks: &[[f64; NUMBERS]], some: &[usize]) -> Walk<Lane<S>> {
+    let mut blocks = [[0.0; BLOCK]; NUMBERS];
+    for i in 0..Lane::<S>::LEN {
+        let numbers = &walks[some[i.min(some.len() - 1)]];
+        for k in 0..NUMBERS {
+            blocks[k][i] = numbers[k];
+        }
+    }
+    let mut lanes = [Lane::splat(simd, 0.0); START];
+    for k in 0..START {
+        lanes[k] = Lane::load(simd, &blocks[k]);
+    }
+    let mut step = [lanes[0]; BALL];
+    for k in 0..BALL {
+        step[k] = Lane::load(simd, &blocks[START + k]);
+    }
+    let [.., part, before, force, moment, steps] = &blocks;
+    Walk {
+        at: TractionStart::of(lanes),
+        step,
+        part: Lane::load(simd, part),
+        before: Lane::load(simd, before),
+        weights: (Lane::load(simd, force), Lane::load(simd, moment)),
+        steps: Lane::load(simd, steps),
+    }
+}
+
+/// Puts what changes of some points back.
+#[inline(always)]
+fn scatter<S: Simd>(walk: &Walk<Lane<S>>, walks: &mut [[f64; NUMBERS]], some: &[usize]) {
+    let [y_0, y_1, y_2, y_3, y_4, y_5, y_6] = walk.at.unknowns;
+    let [d_0, d_1, d_2, d_3, d_4, d_5, d_6] = walk.step;
+    let &Walk { part, before, weights: (force, moment), steps, .. } = walk;
+    let lanes = [
+        y_0, y_1, y_2, y_3, y_4, y_5, y_6, d_0, d_1, d_2, d_3, d_4, d_5, d_6, part, before, force,
+        moment, steps,
+    ];
+    let mut blocks = [[0.0; BLOCK]; NUMBERS - START + BALL];
+    for (block, lane) in blocks.iter_mut().zip(lanes) {
+        lane.store(block);
+    }
+    for (i, point) in some.iter().enumerate() {
+        for (number, block) in walks[*point][START - BALL..].iter_mut().zip(&blocks) {
+            *number = block[i];
+        }
+    }
+}
+
+/// The equations at a state.
+struct Here<S: Simd> {
+    turn: Angle<Lane<S>>,
+    weights: (Lane<S>, Lane<S>),
+    /// Where there are contacts, and on their flanks; and where the quadrature resolves their friction.
+    exists: Mask<S>,
+    resolved: Mask<S>,
+}
+
+/// What [`Here`] is made of.
+struct Evaluate<'a, S: Simd, const SLOPED: bool> {
+    simd: S,
+    rule: &'a ManyQuadrature,
+    at: &'a TractionStart<Lane<S>>,
+    counts: &'a mut [InnerNodes; 2],
+    planned: bool,
+    /// Where it goes.
+    found: &'a mut Evaluated<Lane<S>>,
+}
+
+impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Evaluate<'_, S, SLOPED> {
+    type Output = Here<S>;
+
+    #[inline(always)]
+    fn call(self) -> Here<S> {
+        let Self { simd, rule, at, counts, planned, found } = self;
+        let TractionStart { point, unknowns: y } = at;
+        let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
+        let (contacts, mut exists) = contacts(point, y);
+        let mut lever = one;
+        for i in 0..2 {
+            let a = contacts.points[i].semi_axes.0;
+            lever = lever.max(a.max(a * a * 0.5 / point.pressed_radius[i]));
+            let angle = &contacts.angles[i];
+            exists = exists & zero.le(angle.sin) & angle.cos.gt(zero);
+            exists = exists & y[OMEGA[i]].abs().lt(one * FASTEST);
+        }
+        let rate = y[PRECESSION] + point.offset;
+        // D_F = diag(w, w₀, w, w/(f h), w/(f h), w/(f h), w)              (T3)
+        let force = (point.mass * point.radius * rate * rate).max(one);
+        let moment = force * point.friction.abs().min(one) * lever;
+        let mut resolved = zero.le(zero);
+        let [nut, screw] = &contacts.points;
+        let [of_nut, of_screw] = counts;
+        let (nut, nut_resolved) = rule.sums::<S, SLOPED>(simd, nut, of_nut, planned);
+        let (screw, screw_resolved) = rule.sums::<S, SLOPED>(simd, screw, of_screw, planned);
+        resolved = resolved & nut_resolved & screw_resolved;
+        let rubbed = [Rubbed::dry(nut, point.friction), Rubbed::dry(screw, point.friction)];
+        (found.left, found.transmitted) = ([zero; BALL], Transmitted { torque: zero, power: zero });
+        if SLOPED {
+            found.rows = [[zero; BLOCK]; BALL];
+        }
+        evaluate::<_, Dry, SLOPED>(point, y, &contacts, &rubbed, found);
+        let weights = (force.recip(), moment.recip());
+        Here { turn: contacts.turn, weights, exists, resolved }
+    }
+}
+
+/// Square root of the sum of the squares of the weighted equations.
+#[inline(always)]
+fn norm<S: Simd>(left: &[Lane<S>; BALL], (force, moment): (Lane<S>, Lane<S>)) -> Lane<S> {
+    let mut sum = force.constant(0.0);
+    for (k, left) in left.iter().enumerate() {
+        let part = *left * if (3..6).contains(&k) { moment } else { force };
+        sum = sum + part * part;
+    }
+    sum.sqrt()
+}
+
+/// Triangular factors of the derivatives, whose diagonal is inverted.
+struct Factors<S: Simd> {
+    rows: [[Lane<S>; BALL]; BALL],
+    lead: (Lane<S>, Lane<S>),
+    mean: (Lane<S>, Lane<S>),
+}
+
+impl<S: Simd> Factors<S> {
+    /// The rotation is eliminated along t, N and `$e_x$`, so that the derivatives of the moments are about symmetric.
+    #[inline(always)]
+    fn of(found: &Evaluated<Lane<S>>, here: &Here<S>, lead: (Lane<S>, Lane<S>)) -> Self {
+        let ((sin_a, cos_a), Angle { sin, cos, .. }) = (lead, here.turn);
+        let mut rows = [[sin; BALL]; BALL];
+        for k in 0..BALL {
+            let by = &found.rows[PIVOT_ROWS[k]];
+            let [along, radial, around] = [by[OMEGA[0]], by[OMEGA[1]], by[OMEGA[2]]];
+            let (t, b) = (sin_a * along - cos_a * around, cos_a * along + sin_a * around);
+            let (v, w) = (cos * radial + sin * b, cos * b - sin * radial);
+            rows[k] = [by[NUT_LOAD], by[SCREW_LOAD], by[TILT], by[PRECESSION], t, v, w];
+        }
+        for k in 0..BALL {
+            let pivot = rows[k][k].recip();
+            rows[k][k] = pivot;
+            for i in k + 1..BALL {
+                let factor = rows[i][k] * pivot;
+                rows[i][k] = factor;
+                for j in k + 1..BALL {
+                    rows[i][j] = factor.neg_mul_add(rows[k][j], rows[i][j]);
+                }
+            }
+        }
+        Self { rows, lead, mean: (sin, cos) }
+    }
+
+    /// The step that a residual asks for.
+    #[inline(always)]
+    fn step(&self, left: &[Lane<S>; BALL]) -> [Lane<S>; BALL] {
+        let mut x = *left;
+        for k in 0..BALL {
+            let mut part = -left[PIVOT_ROWS[k]];
+            for j in 0..k {
+                part = self.rows[k][j].neg_mul_add(x[j], part);
+            }
+            x[k] = part;
+        }
+        for k in (0..BALL).rev() {
+            for j in k + 1..BALL {
+                x[k] = self.rows[k][j].neg_mul_add(x[j], x[k]);
+            }
+            x[k] = x[k] * self.rows[k][k];
+        }
+        let ((sin_a, cos_a), (sin, cos), [nut, screw, tilt, rate, u, v, w]) =
+            (self.lead, self.mean, x);
+        let b = sin * v + cos * w;
+        let mut step = x;
+        (step[NUT_LOAD], step[SCREW_LOAD], step[TILT]) = (nut, screw, tilt);
+        step[PRECESSION] = rate;
+        step[OMEGA[0]] = sin_a * u + cos_a * b;
+        step[OMEGA[1]] = cos * v - sin * w;
+        step[OMEGA[2]] = sin_a * b - cos_a * u;
+        step
+    }
+}
+
+/// One evaluation with the coarse quadrature, and a step from it.
+#[inline(always)]
+fn approach<S: Simd>(
+    simd: S,
+    rule: &ManyQuadrature,
+    found: &mut Evaluated<Lane<S>>,
+    walks: &mut [[f64; NUMBERS]],
+    some: &[usize],
+    (next, near): (&mut Vec<usize>, &mut Vec<usize>),
+) {
+    let mut walk = gather(simd, walks, some);
+    let mut trial = walk.at;
+    for k in 0..BALL {
+        trial.unknowns[k] = walk.step[k].mul_add(walk.part, trial.unknowns[k]);
+    }
+    let (counts, planned) = (&mut Default::default(), false);
+    let here = {
+        let (at, found) = (&trial, &mut *found);
+        simd.vectorize(Evaluate::<S, true> { simd, rule, at, counts, planned, found })
+    };
+    let infinity = walk.before.constant(f64::INFINITY);
+    let first = infinity.le(walk.before);
+    let weights = (
+        first.select(here.weights.0, walk.weights.0),
+        first.select(here.weights.1, walk.weights.1),
+    );
+    let size = norm(&found.left, weights);
+    // φ(λ) ≤ (1 − 2 γ λ) φ(0)                                             (N5)
+    let decrease = walk.part.mul_add(walk.part.constant(-2.0 * ARMIJO), walk.part.constant(1.0));
+    let enough = (size * size).le(decrease * walk.before * walk.before);
+    let accepted = here.exists & size.lt(infinity) & (first | enough);
+    let arrived = accepted & size.le(size.constant(NEAR));
+    let step = Factors::of(found, &here, walk.at.point.lead).step(&found.left);
+    for k in 0..BALL {
+        let y = &mut walk.at.unknowns[k];
+        // The last step of those that have arrived is taken.
+        let new = arrived.select(trial.unknowns[k] + step[k], trial.unknowns[k]);
+        *y = accepted.select(new, *y);
+        walk.step[k] = accepted.select(step[k], walk.step[k]);
+    }
+    walk.part = accepted.select(size.constant(1.0), walk.part * 0.5);
+    walk.before = accepted.select(size, walk.before);
+    (walk.weights, walk.steps) = (weights, walk.steps + 1.0);
+    let alive = accepted | !first;
+    scatter(&walk, walks, some);
+    let [mut ends, mut goes_on] = [[false; BLOCK]; 2];
+    (alive & arrived).store(&mut ends);
+    (alive & !arrived).store(&mut goes_on);
+    for (i, point) in some.iter().enumerate() {
+        if ends[i] {
+            near.push(*point);
+        } else if goes_on[i] {
+            next.push(*point);
+        }
+    }
+}
+
+/// The roots with the quadrature that is asked for, and their errors.
+#[inline(always)]
+fn refine<S: Simd>(
+    simd: S,
+    rules: &TractionMany,
+    found: &mut Evaluated<Lane<S>>,
+    walks: &[[f64; NUMBERS]],
+    some: &[usize],
+    roots: &mut [Option<TractionRoot>],
+) {
+    let Walk { mut at, mut steps, .. } = gather(simd, walks, some);
+    let mut counts = <[InnerNodes; 2]>::default();
+    let (rule, check) = (&rules.rule, &rules.check);
+    let (counts, planned) = (&mut counts, false);
+    let here = {
+        let (at, counts, found) = (&at, &mut *counts, &mut *found);
+        simd.vectorize(Evaluate::<S, true> { simd, rule, at, counts, planned, found })
+    };
+    let factors = Factors::of(found, &here, at.point.lead);
+    let (weights, slope) = (here.weights, found.slope);
+    let one = steps.constant(1.0);
+    let held = here.exists & here.resolved;
+    let (mut left, mut before) = (found.left, norm(&found.left, weights));
+    let (mut torque, mut power, mut settled) = (one, one, !held);
+    for _ in 0..MOST_FINE {
+        let step = factors.step(&left);
+        for k in 0..BALL {
+            at.unknowns[k] = settled.select(at.unknowns[k], at.unknowns[k] + step[k]);
+        }
+        {
+            let (at, counts, planned, found) = (&at, &mut *counts, true, &mut *found);
+            simd.vectorize(Evaluate::<S, false> { simd, rule, at, counts, planned, found });
+        }
+        let size = norm(&found.left, weights);
+        let enough = size.le(one * GOAL) | size.le((before * QUICK).min(one * ROOT));
+        for k in 0..BALL {
+            left[k] = settled.select(left[k], found.left[k]);
+        }
+        torque = settled.select(torque, found.transmitted.torque);
+        power = settled.select(power, found.transmitted.power);
+        before = settled.select(before, size);
+        steps = settled.select(steps, steps + 1.0);
+        settled = settled | enough;
+        if !(!settled).any() {
+            break;
+        }
+    }
+    // The step from there is far below what a torque has as digits beyond its first order.
+    let step = factors.step(&left);
+    for k in 0..BALL {
+        at.unknowns[k] = at.unknowns[k] + step[k];
+        torque = torque + step[k] * slope[k];
+    }
+    let other = {
+        let (rule, at, found) = (check, &at, &mut *found);
+        simd.vectorize(Evaluate::<S, false> { simd, rule, at, counts, planned, found })
+    };
+    // y' = y − J⁻¹ F'(y)                                                  (T24)
+    let step = factors.step(&found.left);
+    let mut error = found.transmitted.torque - torque;
+    for k in 0..BALL {
+        error = error + step[k] * slope[k];
+    }
+    let there = held & settled & other.exists & other.resolved;
+    let mut solved = [false; BLOCK];
+    there.store(&mut solved);
+    let root =
+        TractionRoot { unknowns: at.unknowns, torque, power, error, steps, residual: before };
+    let mut blocks = [[0.0; BLOCK]; FOUND];
+    for (block, lane) in blocks.iter_mut().zip(root.numbers()) {
+        lane.store(block);
+    }
+    for (i, point) in some.iter().enumerate() {
+        let mut numbers = [0.0; FOUND];
+        for k in 0..FOUND {
+            numbers[k] = blocks[k][i];
+        }
+        roots[*point] = solved[i].then_some(TractionRoot::of(numbers));
+    }
+}
