@@ -4,7 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_case::{AnalysisKind, CaseError, Cell as Answer, Moving, Output, Quantity, Record, Scene};
-use bsm_dyn::{ModelWorkspace, Status};
+use bsm_dyn::{Model, ModelWorkspace, Status};
 use bsm_simd::Arch;
 use rayon::prelude::*;
 
@@ -14,8 +14,9 @@ use crate::operand::Operands;
 use crate::rows::{APART, Answers, Chunk, Columns, Verdict};
 
 /// Rows that one thread takes at a time: a kernel answers many in the time that it takes to hand
-/// them over, a model few.
+/// them over, the one of traction some, a model few.
 const KERNEL_STRIDE: usize = 2048;
+const TRACTION_STRIDE: usize = 256;
 const MODEL_STRIDE: usize = 16;
 
 /// Rows that the thread that asks solves itself: others take as long to wake up.
@@ -132,7 +133,11 @@ impl Task {
         let model = operands.as_ref().map_or(settings.model, |(_, model)| (*model).into());
         let verdict = Verdict { model, status: Status::Converged, has_others: false };
 
-        let stride = if operands.is_some() { KERNEL_STRIDE } else { MODEL_STRIDE };
+        let stride = match operands {
+            Some((_, Model::Traction)) => TRACTION_STRIDE,
+            Some(_) => KERNEL_STRIDE,
+            None => MODEL_STRIDE,
+        };
         let columns_of = room.columns.iter_mut();
         let mut pieces: Vec<_> = columns_of.map(|c| Some(c.as_mut()?.chunks_mut(stride))).collect();
         let parts: Vec<_> = room

@@ -529,6 +529,7 @@ struct Collect<'a> {
 }
 
 impl<S: Simd> Visit<S> for Collect<'_> {
+    #[inline(always)]
     fn visit(&mut self, simd: S, _ellipse: usize, lines: &Lines) {
         for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
             let chord = chord(xi);
