@@ -30,6 +30,8 @@ enum Operand<'a> {
 #[derive(Debug)]
 pub(crate) struct Operands<'a> {
     inputs: [Operand<'a>; INPUTS.len()],
+    /// Places of those that are columns.
+    columns: Vec<usize>,
     /// What friction comes from, but for its temperature; `None` with a coefficient.
     pub(crate) lubricant: Option<Lubricant>,
 }
@@ -83,7 +85,9 @@ impl<'a> Operands<'a> {
                 *operand = Operand::Constant(value);
             }
         }
-        Some((Self { inputs: operands, lubricant }, model))
+        let is_column = |place: &usize| matches!(operands[*place], Operand::Column(..));
+        let columns = (0..operands.len()).filter(is_column).collect();
+        Some((Self { inputs: operands, columns, lubricant }, model))
     }
 }
 
@@ -187,9 +191,9 @@ impl<S: Simd> Given<'_, S> {
         let zero = Lane::splat(self.simd, 0.0);
         let [least, most] = PLAIN.map(|x| zero.constant(x));
         let mut lawful = zero.le(zero);
-        for operand in &self.operands.inputs {
-            // Constants were checked.
-            let Operand::Column(rule, values) = operand else { continue };
+        // Constants were checked.
+        for place in &self.operands.columns {
+            let Operand::Column(rule, values) = &self.operands.inputs[*place] else { continue };
             let x = self.load(values);
             let size = x.abs();
             let plain = size.le(zero) | (least.le(size) & size.le(most));

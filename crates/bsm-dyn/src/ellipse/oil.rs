@@ -128,7 +128,7 @@ impl Rings {
 
 /// Part of a ring that belongs to a node.
 #[expect(clippy::cast_precision_loss, reason = "a few angles")]
-fn part_of_a_node(blocks: usize) -> f64 {
+pub(super) fn part_of_a_node(blocks: usize) -> f64 {
     0.5 / (blocks * BLOCK) as f64
 }
 

@@ -13,6 +13,8 @@ use std::num::NonZeroUsize;
 use bsm_simd::{BLOCK, Block, Compare, Lane, Mask, Simd};
 use gauss_quad::GaussLegendre;
 
+use super::oil::part_of_a_node;
+
 /// Inner nodes of a line across the ellipse beyond which the spin pole counts as inside.
 pub(super) const MOST_INNER: usize = 24;
 
@@ -137,7 +139,7 @@ impl Quadrature {
             angles: (1..=MOST_BLOCKS).map(|blocks| half_ring(blocks * BLOCK)).collect(),
             // e^{−2 N η}, N angles on half a ring
             resolved: (1..=MOST_BLOCKS)
-                .map(|blocks| (-accuracy.ln() / (2 * blocks * BLOCK) as f64).cosh())
+                .map(|blocks| (-accuracy.ln() * part_of_a_node(blocks)).cosh())
                 .collect(),
             inner: rule.inner[..=MOST_OILED].to_vec(),
             reach: rule.reach[..=MOST_OILED].to_vec(),
