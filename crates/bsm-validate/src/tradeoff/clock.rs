@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use bsm_batch::{Chunk, Column, Columns, Task};
 use bsm_case::{CaseError, ModelChoice, Output, Scene, Settings};
-use bsm_dyn::ModelWorkspace;
+use bsm_dyn::{Model, ModelWorkspace};
 use bsm_simd::Arch;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
@@ -21,8 +21,7 @@ pub struct Times {
     pub one_core: Vec<OneCore>,
     /// In batches of all points on all cores.
     pub all_cores: f64,
-    /// In batches of all points on one core with each instruction set, for models that work on several
-    /// points at a time.
+    /// In batches of all points on one core with each instruction set, for models whose batches are quick.
     pub instruction_sets: Vec<(&'static str, f64)>,
 }
 
@@ -50,7 +49,7 @@ const ROUNDS: usize = 5;
 /// A measurement takes at least this long: shorter ones tell of the clock.
 const LEAST: Duration = Duration::from_millis(8);
 
-/// Rows of a batch of a kernel at least: fewer tell of handing them over.
+/// Rows of a quick batch at least: fewer tell of handing them over.
 const BATCH: usize = 8192;
 
 /// Outputs of the batches: those whose errors are measured.
@@ -114,13 +113,14 @@ pub(super) fn times(
 }
 
 fn ways(dial: &Dial, groups: usize) -> impl Iterator<Item = Way> {
-    let lanes = has_kernel(&dial.settings).then(bsm_simd::instruction_sets).unwrap_or_default();
+    let lanes = is_quick(&dial.settings).then(bsm_simd::instruction_sets).unwrap_or_default();
     let one_core = (0..groups).flat_map(|place| [Way::Single(place), Way::Batch(place)]);
     one_core.chain([Way::AllCores]).chain(lanes.into_iter().map(Way::On))
 }
 
-fn has_kernel(settings: &Settings) -> bool {
-    matches!(settings.model, ModelChoice::Fixed(_))
+/// True if a batch takes nanoseconds a point.
+fn is_quick(settings: &Settings) -> bool {
+    matches!(settings.model, ModelChoice::Fixed(model) if model != Model::Traction)
 }
 
 fn median(mut times: Vec<f64>) -> f64 {
@@ -199,7 +199,7 @@ impl<'a> Bench<'a> {
 
     fn batch(&self, arch: Arch, points: &Forms, settings: &Settings) -> Result<f64, CaseError> {
         // What takes microseconds a point needs no more of them.
-        let chunk = if has_kernel(settings) { &points.many } else { &points.chunk };
+        let chunk = if is_quick(settings) { &points.many } else { &points.chunk };
         let task = Task::new(Scene::default(), *settings, self.outputs.clone());
         per_point(chunk.len, || {
             black_box(task.solve_on(arch, chunk, self.columns));
