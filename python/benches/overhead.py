@@ -94,7 +94,7 @@ def many(frame: object, model: Model, outputs: Sequence[Output] | None) -> Calla
 def of_batch() -> list[Row]:
     """Rows 1 to 3 of the table."""
     rows = []
-    models: list[tuple[Model, int]] = [("closed-form", ROWS), ("rigid", ROWS), ("raceway-control", ROWS), ("traction", 10_000)]
+    models: list[tuple[Model, int]] = [("closed-form", ROWS), ("rigid", ROWS), ("raceway-control", ROWS), ("traction", 30_000)]
     for model, count in models:
         given = points(count)
         for outputs, words in ((FOUR, "4 outputs"), (ONE, "1 output"), (None, "all outputs")):
