@@ -1,6 +1,9 @@
 //! Friction over both contact ellipses by lanes, from the gripping or from the skidding ball, Eqs (T1) to (T5),
 //! (T25).
 
+use std::cell::RefCell;
+use std::rc::Rc;
+
 use bsm_case::{InputKey, OutputKey, Settings};
 use bsm_dyn::{
     Model, POWER_BALANCE_TOL, Scaled, TRACTION_FOUND, TRACTION_START, TractionMany, TractionRoot,
@@ -29,9 +32,26 @@ const FAST_NUT: f64 = 2.0;
 /// Most points in a lane.
 const MANY: usize = 4 * BLOCK;
 
+thread_local! {
+    /// Those of the last accuracy: chunks are many, and may be of one row.
+    static LAST: RefCell<Option<(f64, Rc<TractionMany>)>> = const { RefCell::new(None) };
+}
+
+/// Quadratures of an accuracy, if the kernel has room for them.
+fn quadratures(accuracy: f64) -> Option<Rc<TractionMany>> {
+    LAST.with_borrow_mut(|last| match last {
+        Some((known, many)) if known.total_cmp(&accuracy).is_eq() => Some(Rc::clone(many)),
+        _ => {
+            let many = Rc::new(TractionMany::of(accuracy)?);
+            *last = Some((accuracy, Rc::clone(&many)));
+            Some(many)
+        }
+    })
+}
+
 /// Answers the rows that its start leads to the root of.
 pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, settings: &Settings) {
-    let Some(many) = TractionMany::of(settings.accuracy) else { return };
+    let Some(many) = quadratures(settings.accuracy) else { return };
     let (mut points, mut starts) = (Vec::new(), Vec::new());
     let creep = settings.creep;
     arch.dispatch(Begin { rows: &mut rows, creep, points: &mut points, starts: &mut starts });
