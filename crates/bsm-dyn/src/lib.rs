@@ -102,8 +102,8 @@ pub use state::{
     SolveInfo, Solved, Transmission,
 };
 pub use traction::{
-    FOUND as TRACTION_FOUND, START as TRACTION_START, Scaled, Traction, TractionMany, TractionRoot,
-    TractionStart, TractionWorkspace,
+    FAST_NUT, FOUND as TRACTION_FOUND, SKIDS, START as TRACTION_START, Scaled, Traction,
+    TractionMany, TractionRoot, TractionStart, TractionWorkspace,
 };
 
 /// Equations that are timed and compared from outside, by `benches` and by its peers in other

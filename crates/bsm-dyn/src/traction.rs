@@ -20,6 +20,7 @@ pub use self::many::{FOUND, START, TractionMany, TractionRoot, TractionStart};
 use self::path::PATH;
 use self::root::Refined;
 pub(crate) use self::root::Root;
+pub use self::root::SKIDS;
 use crate::balance::ideal_torque;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::ball_unknowns::{BALL, weight};
@@ -44,6 +45,9 @@ const NEAR: f64 = 1e-4;
 /// Residual below which steps keep the Jacobian; that whose square is enough, if it is larger.
 const KEEP: f64 = 1e-4;
 const FINER: [f64; 2] = [1e-6, Traction::ACCURACY];
+
+/// Nut speed over the relative speed from which the unknown of the precession leaves it out.
+pub const FAST_NUT: f64 = 2.0;
 
 /// A solve may take this many steps.
 const MOST_STEPS: usize = 20;
@@ -176,7 +180,7 @@ impl<P: Scalar> Rolling<'_, P> {
     /// ball all but sticks to the nut.
     fn offset(&self) -> P {
         let nut = self.pair.nut_speed;
-        if self.at_nut || nut.re().abs() > 2.0 { nut } else { P::from(0.0) }
+        if self.at_nut || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
     }
 
     fn residual<D: Lanes<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {

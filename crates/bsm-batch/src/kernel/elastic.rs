@@ -37,7 +37,7 @@ const LARGE: f64 = 3.0;
 
 /// Inertia ratios and friction that the model takes.
 const INERTIA: [f64; 2] = [1e-100, 1e28];
-const LEAST_FRICTION: f64 = 1e-12;
+pub(super) const LEAST_FRICTION: f64 = 1e-12;
 
 /// Loads over the axial load beyond which friction all but holds it, and rounding decides.
 const MOST_LOAD: f64 = 1e3;

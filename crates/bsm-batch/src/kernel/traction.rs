@@ -6,28 +6,19 @@ use std::rc::Rc;
 
 use bsm_case::{InputKey, OutputKey, Settings};
 use bsm_dyn::{
-    Model, POWER_BALANCE_TOL, Scaled, TRACTION_FOUND, TRACTION_START, TractionMany, TractionRoot,
-    TractionStart,
+    FAST_NUT, Model, POWER_BALANCE_TOL, SKIDS, Scaled, TRACTION_FOUND, TRACTION_START,
+    TractionMany, TractionRoot, TractionStart,
 };
 use bsm_simd::{Arch, BLOCK, NullaryFnOnce, Simd, WithSimd};
 
 use super::closed_form::{power_balance, transmit_torque};
-use super::elastic::Skid;
+use super::elastic::{LEAST_FRICTION, Skid};
 use super::pair::{Pair, contacts};
 use super::raceway::{Grip, Motion, regime};
 use super::rigid::slip_angle;
 use super::units::Units;
 use super::{Out, Rows};
 use crate::operand::{Given, Lane, Mask};
-
-/// Skid number from which the skidding ball is the nearer start.
-const SKIDS: f64 = 0.3;
-
-/// Friction below this is none.
-const LEAST_FRICTION: f64 = 1e-12;
-
-/// Nut speed from which the unknown of the precession leaves it out.
-const FAST_NUT: f64 = 2.0;
 
 /// Most points in a lane.
 const MANY: usize = 4 * BLOCK;

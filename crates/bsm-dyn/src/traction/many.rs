@@ -18,6 +18,7 @@ use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 use super::columns::{
     Angle, Contacts, Dry, Evaluated, Rubbed, Scaled, Transmitted, contacts, evaluate,
 };
+use super::root::FASTEST;
 use super::{COARSE, OMEGA};
 use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
@@ -38,9 +39,6 @@ const QUICK: f64 = 1e-2;
 /// Evaluations with the coarse and with the fine quadrature before a point is left to the model.
 const MOST_COARSE: usize = 12;
 const MOST_FINE: usize = 8;
-
-/// Rotations beyond are no ball's.
-const FASTEST: f64 = 1e9;
 
 /// Which equation each unknown is eliminated with: friction is a convex potential of the motion, so that no
 /// exchange of rows is needed.

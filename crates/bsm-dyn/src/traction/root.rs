@@ -17,10 +17,10 @@ use crate::raceway_control::Grip;
 use crate::{Evidence, Reason, Unsolved};
 
 /// Skid number from which the skidding ball is the nearer start.
-const SKIDS: f64 = 0.3;
+pub const SKIDS: f64 = 0.3;
 
 /// No ball turns that fast: friction takes the power that the screw puts in.
-const FASTEST: f64 = 1e9;
+pub(super) const FASTEST: f64 = 1e9;
 
 /// Inertia over friction below which a path that leaves the flanks is not asked about twice.
 const CALM: f64 = 1e-3;
