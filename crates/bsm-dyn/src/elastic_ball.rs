@@ -16,6 +16,7 @@ use crate::hertz::{Curvatures, Groove, Hertz, Material, Member, contact_modulus}
 use crate::jones::Jones;
 use crate::operating_point::{OperatingPoint, OwnUnits};
 use crate::state::in_frenet;
+use crate::traction::slip_scale;
 use crate::{
     BallState, ContactState, Direction, Ellipse, Pressed, Reason, Transmission, Transmitted,
     Unsolved, Wrench, pressed_radius,
@@ -301,14 +302,7 @@ impl<P: Scalar> ElasticBall<P> {
     /// Speed over `$r_b W$` of the ends of the longer ellipse under the axial load when the ball
     /// turns against a race at `$W$`; 1 for ellipses shorter than the ball (T9).
     pub(crate) fn slip_scale(&self) -> f64 {
-        // max(1, a²/2R_c)                                                 (T9)
-        let [nut, screw] = [0, 1].map(|i| self.depth(i, self.semi_axes[i].0.re()));
-        nut.max(screw).max(1.0)
-    }
-
-    /// How far the pressed surface at nut (0) or screw (1) falls off at a distance across the groove.
-    pub(crate) fn depth(&self, i: usize, across: f64) -> f64 {
-        across * across / (2.0 * self.pressed_radius[i].re())
+        slip_scale([0, 1].map(|i| self.semi_axes[i].0.re()), self.pressed_radius.map(|r| r.re()))
     }
 
     /// The loaded ellipse at nut (0) or screw (1) (P6).

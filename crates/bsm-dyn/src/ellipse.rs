@@ -13,11 +13,11 @@ use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 
 use self::kernel::MOTION;
 pub(crate) use self::kernel::{Point, SUMS, Sums};
-pub(crate) use self::many::{InnerNodes, ManyQuadrature};
+pub(crate) use self::many::{ManyNodes, ManyQuadrature};
 pub use self::oil::Bend;
 pub(crate) use self::oil::OiledSums;
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
-pub(crate) use self::panels::{Nodes, Plan};
+pub(crate) use self::panels::{Nodes, Plan, depth};
 use crate::{Coulomb, FrictionLaw, MixedFriction, Wrench};
 
 /// A loaded contact ellipse on the ball.

@@ -99,11 +99,11 @@ pub use slip::{Sliding, SlipPower, SteadyBall, Touch, rim_speed};
 pub use solution::{Direction, Evidence, Reason, Solution, Status, Unsolved};
 pub use state::{
     BallState, ContactState, ErrorBound, Others, Pressed, RaceControl, SkidNumbers, Slip,
-    SolveInfo, Solved, Transmission,
+    SolveInfo, Solved, Transmission, loss_error,
 };
 pub use traction::{
     FAST_NUT, FOUND as TRACTION_FOUND, SKIDS, START as TRACTION_START, Scaled, Traction,
-    TractionMany, TractionRoot, TractionStart, TractionWorkspace,
+    TractionMany, TractionRoot, TractionStart, TractionWorkspace, slip_scale,
 };
 
 /// Equations that are timed and compared from outside, by `benches` and by its peers in other

@@ -3,6 +3,7 @@
 //! SI units and radians. Loads are per ball, torque and powers of all loaded balls together.
 
 use bsm_kin::{BallFrame, Contact, Motion, Site};
+use bsm_simd::Compare;
 use nalgebra::Vector3;
 
 use crate::balance::{POWER_BALANCE_TOL, Power, efficiency};
@@ -147,15 +148,26 @@ impl ErrorBound {
     /// Of an efficiency and the bound of its error; the load on the screw or on the nut is given,
     /// whichever is not driven.
     pub(crate) fn of(direction: Direction, efficiency: f64, bound: f64) -> Self {
-        // P_f/P_out = 1/η − 1 of a drive, P_f/P_in = 1 − η of a load that drives:
-        // δP_f/P_f = δη/[(η − δη) (1 − η)] or δη/(1 − η)                  (A7)
-        let least = match direction {
-            Direction::RotaryToLinear => (efficiency - bound).max(0.0),
-            Direction::LinearToRotary => 1.0,
-        };
-        let loss = bound / (least * (1.0 - efficiency).abs());
+        let loss = loss_error(direction == Direction::LinearToRotary, efficiency, bound);
         Self { efficiency: bound, loss: Some(loss).filter(|loss| loss.is_finite()) }
     }
+}
+
+/// Error of the power that is lost, relative to it; not finite where the error may be all of the efficiency.
+///
+/// * `back`: where the load drives.
+/// * `bound`: of the error of the efficiency.
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn loss_error<F: Compare>(back: F::Mask, efficiency: F, bound: F) -> F {
+    // P_f/P_out = 1/η − 1 of a drive, P_f/P_in = 1 − η of a load that drives:
+    // δP_f/P_f = δη/[(η − δη) (1 − η)] or δη/(1 − η)                      (A7)
+    let (zero, one) = (bound.constant(0.0), bound.constant(1.0));
+    let least = F::select(back, one, zero.larger(efficiency - bound));
+    bound / (least * (one - efficiency).abs())
 }
 
 /// The race at which the ball does not spin.

@@ -14,8 +14,8 @@ use bsm_kin::{Helix, Motion, Scalar};
 use bsm_newton::{EvalError, Options, Report, Scales, solve};
 use bsm_simd::Block;
 
-pub use self::columns::Scaled;
-use self::columns::{Evaluated, Transmitted, Watched};
+use self::columns::{Evaluated, Transmitted, Watched, lever, sizes};
+pub use self::columns::{Scaled, slip_scale};
 pub use self::many::{FOUND, START, TractionMany, TractionRoot, TractionStart};
 use self::path::PATH;
 use self::root::Refined;
@@ -252,13 +252,12 @@ impl Rolling<'_> {
 
     /// The same with the friction and the inertia forces of a path.
     fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
-        // D_F = diag(w, w₀, w, w/(f h), w/(f h), w/(f h), w)              (T3)
         let thrown = self.pair.inertia_ratio() * rate * rate;
         let across =
             if self.at_nut { thrown.min(self.rubbing(y, friction, thrown)) } else { thrown };
-        let [pressing, across] = [thrown, across].map(|size| size.max(1.0));
-        let (force, moment) = (weight(across), weight(across * friction.min(1.0) * self.lever(y)));
-        [force, weight(pressing), force, moment, moment, moment, force]
+        let (force, moment) = sizes(across, friction, self.lever(y));
+        let [force, pressing, moment] = [force, thrown.max(1.0), moment].map(weight);
+        [force, pressing, force, moment, moment, moment, force]
     }
 
     /// Size of the friction at the nut that the digits of its slip are worth.
@@ -269,15 +268,11 @@ impl Rolling<'_> {
         friction * load * slip / self.creep
     }
 
-    /// Lever arm of friction over the ball radius `$h$`, that of the ends of ellipses longer than the
-    /// ball.
+    /// Lever arm of friction over the ball radius.
     fn lever(&self, y: &[f64; BALL]) -> f64 {
-        let pair = self.pair;
-        let lever = |i: usize, load: f64| {
-            let a = pair.semi_axes[i].0 * load.cbrt();
-            a.max(pair.depth(i, a))
-        };
-        lever(0, y[NUT_LOAD]).max(lever(1, y[SCREW_LOAD])).max(1.0)
+        let lengths = [(0, NUT_LOAD), (1, SCREW_LOAD)]
+            .map(|(i, load)| self.pair.semi_axes[i].0 * y[load].cbrt());
+        lever(lengths, self.pair.pressed_radius)
     }
 
     /// One damped Newton solve from `y`.

@@ -7,6 +7,9 @@ use crate::{Lane, Mask};
 
 /// A number or a [`Lane`] of them, and yes or no for each.
 pub trait Compare: Field {
+    /// True for several numbers.
+    const WIDE: bool;
+
     /// Absolute value.
     #[must_use]
     fn abs(self) -> Self;
@@ -29,9 +32,18 @@ pub trait Compare: Field {
     fn gt(self, other: Self) -> Self::Mask {
         other.lt(self)
     }
+
+    /// The larger one of two numbers.
+    #[inline(always)]
+    #[must_use]
+    fn larger(self, other: Self) -> Self {
+        Self::select(self.lt(other), other, self)
+    }
 }
 
 impl Compare for f64 {
+    const WIDE: bool = false;
+
     #[inline(always)]
     fn abs(self) -> Self {
         self.abs()
@@ -64,6 +76,8 @@ impl Compare for f64 {
 }
 
 impl<S: Simd, const N: usize> Compare for Lane<S, N> {
+    const WIDE: bool = true;
+
     #[inline(always)]
     fn abs(self) -> Self {
         self.abs()

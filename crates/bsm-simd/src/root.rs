@@ -30,12 +30,18 @@ impl<S: Simd, const N: usize> Lane<S, N> {
     #[inline(always)]
     #[must_use]
     pub fn recip_sqrt(self) -> Self {
-        let mut r = self.each(inverse_root_guess);
-        for _ in 0..2 {
-            let e = (self * r).neg_mul_add(r, self.constant(1.0));
-            r = r.refined(e, [1.0 / 2.0, 3.0 / 8.0, 5.0 / 16.0]);
-        }
-        r
+        let r = self.rough_recip_sqrt();
+        let e = (self * r).neg_mul_add(r, self.constant(1.0));
+        r.refined(e, [1.0 / 2.0, 3.0 / 8.0, 5.0 / 16.0])
+    }
+
+    /// One over the square root of normal positive numbers, to 4e-5; no meaning outside.
+    #[inline(always)]
+    #[must_use]
+    pub fn rough_recip_sqrt(self) -> Self {
+        let r = self.each(inverse_root_guess);
+        let e = (self * r).neg_mul_add(r, self.constant(1.0));
+        r.refined(e, [1.0 / 2.0, 3.0 / 8.0, 5.0 / 16.0])
     }
 
     /// One over the fourth root of normal positive numbers, to three units in the last place; no meaning outside.

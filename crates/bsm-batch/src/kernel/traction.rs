@@ -7,7 +7,7 @@ use std::rc::Rc;
 use bsm_case::{InputKey, OutputKey, Settings};
 use bsm_dyn::{
     FAST_NUT, Model, POWER_BALANCE_TOL, SKIDS, Scaled, TRACTION_FOUND, TRACTION_START,
-    TractionMany, TractionRoot, TractionStart,
+    TractionMany, TractionRoot, TractionStart, loss_error, slip_scale,
 };
 use bsm_simd::{Arch, BLOCK, NullaryFnOnce, Simd, WithSimd};
 
@@ -41,35 +41,35 @@ fn quadratures(accuracy: f64) -> Option<Rc<TractionMany>> {
 }
 
 /// Answers the rows that its start leads to the root of.
-pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, settings: &Settings) {
-    let Some(many) = quadratures(settings.accuracy) else { return };
-    let (mut points, mut starts) = (Vec::new(), Vec::new());
-    let creep = settings.creep;
-    arch.dispatch(Begin { rows: &mut rows, creep, points: &mut points, starts: &mut starts });
-    let mut roots = vec![None; rows.done.len()];
-    for (row, root) in points.into_iter().zip(many.solve(arch, &starts)) {
-        roots[row] = root;
+pub(super) fn solve(arch: Arch, rows: Rows<'_, '_>, settings: &Settings) {
+    if let Some(many) = quadratures(settings.accuracy) {
+        arch.dispatch(Solve { arch, rows, creep: settings.creep, many: &many });
     }
-    arch.dispatch(End { rows, creep, roots: &roots });
 }
 
-struct Begin<'a, 'b, 'c> {
-    rows: &'a mut Rows<'b, 'c>,
+struct Solve<'a, 'b> {
+    arch: Arch,
+    rows: Rows<'a, 'b>,
     creep: f64,
-    points: &'a mut Vec<usize>,
-    starts: &'a mut Vec<TractionStart>,
+    many: &'a TractionMany,
 }
 
-impl WithSimd for Begin<'_, '_, '_> {
+impl WithSimd for Solve<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { rows: Rows { operands, wanted, first, columns, done }, creep, .. } = self;
+        let Self { arch, rows: Rows { operands, wanted, first, columns, done }, creep, many } =
+            self;
+        let given = |row| Given { simd, operands, row: first + row };
+        let (mut lanes, mut points, mut starts) = (Vec::new(), Vec::new(), Vec::new());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
-            let given = Given { simd, operands, row: *first + row };
-            let mut out = Out { wanted, columns, row };
-            let (start, found) = start(&given, creep, &mut out);
+            let given = given(row);
+            // A call of its own: the code is long.
+            let lane = simd.vectorize(Scale { given: &given, creep });
+            let mut out = Out { wanted, columns: &mut *columns, row };
+            let (start, found) = start(&given, &lane, &mut out);
+            lanes.push(lane);
             let mut blocks = [[0.0; MANY]; TRACTION_START];
             for (block, lane) in blocks.iter_mut().zip(start.numbers()) {
                 lane.store(block);
@@ -82,9 +82,37 @@ impl WithSimd for Begin<'_, '_, '_> {
                     for k in 0..TRACTION_START {
                         numbers[k] = blocks[k][i];
                     }
-                    self.points.push(row + i);
-                    self.starts.push(TractionStart::of(numbers));
+                    points.push(row + i);
+                    starts.push(TractionStart::of(numbers));
                 }
+            }
+        }
+        let mut roots = vec![None; done.len()];
+        for (row, root) in points.into_iter().zip(many.solve(arch, &starts)) {
+            roots[row] = root;
+        }
+        for (place, lane) in lanes.iter().enumerate() {
+            let row = place * Lane::<S>::LEN;
+            let mut blocks = [[0.0; MANY]; TRACTION_FOUND];
+            let mut found = [false; MANY];
+            for (i, root) in roots[row..].iter().enumerate().take(Lane::<S>::LEN) {
+                if let Some(root) = root {
+                    found[i] = true;
+                    for (block, number) in blocks.iter_mut().zip(root.numbers()) {
+                        block[i] = number;
+                    }
+                }
+            }
+            let mut root = [Lane::splat(simd, 0.0); TRACTION_FOUND];
+            for k in 0..TRACTION_FOUND {
+                root[k] = Lane::load(simd, &blocks[k]);
+            }
+            let mut out = Out { wanted, columns: &mut *columns, row };
+            let solved = outputs(lane, &TractionRoot::of(root), &mut out);
+            let mut answered = [false; MANY];
+            (solved & given(row).lawful(Model::Traction)).store(&mut answered);
+            for (i, done) in done[row..].iter_mut().enumerate().take(Lane::<S>::LEN) {
+                *done = answered[i] && found[i];
             }
         }
     }
@@ -97,16 +125,23 @@ struct Scale<'a, S> {
 }
 
 impl<S: Simd> NullaryFnOnce for Scale<'_, S> {
-    type Output = (Units<S>, Pair<S>, Scaled<Lane<S>>);
+    type Output = Points<S>;
 
     #[inline(always)]
     fn call(self) -> Self::Output {
         let Self { given, creep } = self;
         let units = Units::of(given);
         let pair = Pair::of(given, &units);
-        let point = scaled(given, (&units, &pair), creep);
-        (units, pair, point)
+        let scaled = scaled(given, (&units, &pair), creep);
+        Points { units, pair, scaled }
     }
+}
+
+/// A lane of points.
+struct Points<S: Simd> {
+    units: Units<S>,
+    pair: Pair<S>,
+    scaled: Scaled<Lane<S>>,
 }
 
 #[inline(always)]
@@ -118,12 +153,8 @@ fn scaled<S: Simd>(
     let (zero, one) = (pair.constant(0.0), pair.constant(1.0));
     let friction = given.get(InputKey::friction_coefficient);
     let [nut, screw] = &pair.pressed;
-    let mut scale = one;
-    for race in &pair.pressed {
-        // max(1, a²/2R_c)                                                 (T9)
-        let a = race.hertz.semi_axis;
-        scale = scale.max(a * a * 0.5 / race.pressed_radius);
-    }
+    let pressed_radius = [nut.pressed_radius, screw.pressed_radius];
+    let scale = slip_scale([nut.hertz.semi_axis, screw.hertz.semi_axis], pressed_radius);
     let fast = pair.nut_speed.abs().gt(one * FAST_NUT);
     Scaled {
         lead: (pair.sin_a, pair.cos_a),
@@ -136,7 +167,7 @@ fn scaled<S: Simd>(
             (nut.hertz.semi_axis, nut.hertz.semi_axis * nut.hertz.flatness),
             (screw.hertz.semi_axis, screw.hertz.semi_axis * screw.hertz.flatness),
         ],
-        pressed_radius: [nut.pressed_radius, screw.pressed_radius],
+        pressed_radius,
         friction: units.speed.lt(zero).select(-friction, friction),
         mass: units.mass,
         nut_speed: pair.nut_speed,
@@ -150,17 +181,15 @@ fn scaled<S: Simd>(
 #[inline(always)]
 fn start<S: Simd>(
     given: &Given<'_, S>,
-    creep: f64,
+    Points { units, pair, scaled: point }: &Points<S>,
     out: &mut Out<'_, '_>,
 ) -> (TractionStart<Lane<S>>, Mask<S>) {
-    // A call of its own: the code is long.
-    let (units, pair, point) = given.simd.vectorize(Scale { given, creep });
     let one = pair.constant(1.0);
     let friction = point.friction.abs();
-    let grip = Grip::of(&pair, None);
+    let grip = Grip::of(pair, None);
     let mut found = grip.found & one.constant(LEAST_FRICTION).le(friction);
-    let motion = Motion::of(&pair, &grip);
-    let skid_number = regime(out, friction, (&units, &pair), (&grip, &motion));
+    let motion = Motion::of(pair, &grip);
+    let skid_number = regime(out, friction, (units, pair), (&grip, &motion));
     let [a, b] = &grip.sides;
     let mut loads = [a.load, b.load];
     // sin 2ν = sin(β_B − β_A)
@@ -171,9 +200,9 @@ fn start<S: Simd>(
     let mut omega = [pair.sin_a * 0.5, motion.omega[0], motion.omega[1]];
     let skids = skid_number.gt(one * SKIDS);
     if (found & skids).any() {
-        let skid = Skid::of(given.simd, &pair, point.friction);
+        let skid = Skid::of(given.simd, pair, point.friction);
         found = found & (skid.found | !skids);
-        let turns = skid.turns(&pair);
+        let turns = skid.turns(pair);
         let [(q_a, ..), (q_b, ..)] = skid.contacts();
         loads = [skids.select(q_a, loads[0]), skids.select(q_b, loads[1])];
         let (s, c) = skid.tilt;
@@ -192,61 +221,20 @@ fn start<S: Simd>(
     let around = pair.sin_a * omega_b - pair.cos_a * omega_t;
     let rate = p + pair.nut_speed - point.offset;
     let unknowns = [loads[0], tilt, loads[1], rate, along, omega_n, around];
-    (TractionStart { point, unknowns }, found)
-}
-
-struct End<'a, 'b, 'c> {
-    rows: Rows<'b, 'c>,
-    creep: f64,
-    roots: &'a [Option<TractionRoot>],
-}
-
-impl WithSimd for End<'_, '_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { rows: Rows { operands, wanted, first, columns, done }, creep, roots } = self;
-        for row in (0..done.len()).step_by(Lane::<S>::LEN) {
-            let given = Given { simd, operands, row: first + row };
-            let mut out = Out { wanted, columns: &mut *columns, row };
-            let mut blocks = [[0.0; MANY]; TRACTION_FOUND];
-            let mut found = [false; MANY];
-            for (i, root) in roots[row..].iter().enumerate().take(Lane::<S>::LEN) {
-                if let Some(root) = root {
-                    found[i] = true;
-                    for (block, number) in blocks.iter_mut().zip(root.numbers()) {
-                        block[i] = number;
-                    }
-                }
-            }
-            let mut lanes = [Lane::splat(simd, 0.0); TRACTION_FOUND];
-            for k in 0..TRACTION_FOUND {
-                lanes[k] = Lane::load(simd, &blocks[k]);
-            }
-            let solved = outputs(&given, creep, &TractionRoot::of(lanes), &mut out);
-            let mut answered = [false; MANY];
-            (solved & given.lawful(Model::Traction)).store(&mut answered);
-            for (i, done) in done[row..].iter_mut().enumerate().take(Lane::<S>::LEN) {
-                *done = answered[i] && found[i];
-            }
-        }
-    }
+    (TractionStart { point: *point, unknowns }, found)
 }
 
 /// Stores what is wanted of some rows, and says where their powers balance.
 #[inline(always)]
 fn outputs<S: Simd>(
-    given: &Given<'_, S>,
-    creep: f64,
+    Points { units, pair, scaled: point }: &Points<S>,
     root: &TractionRoot<Lane<S>>,
     out: &mut Out<'_, '_>,
 ) -> Mask<S> {
-    let (units, pair, point) = given.simd.vectorize(Scale { given, creep });
     let (y, w, zero) = (root.unknowns, units.speed, units.speed.constant(0.0));
-    let at = TractionStart { point, unknowns: y };
+    let at = TractionStart { point: *point, unknowns: y };
     let ([nut, screw], motions) = at.contacts();
-    contacts(out, &units, &pair, &[pair.loaded(0, y[0], nut), pair.loaded(1, y[2], screw)]);
+    contacts(out, units, pair, &[pair.loaded(0, y[0], nut), pair.loaded(1, y[2], screw)]);
     let keys = [
         [
             OutputKey::nut_slip_velocity_m_s,
@@ -286,9 +274,7 @@ fn outputs<S: Simd>(
     // δη = max(10 |η'(y') − η(y)|, 10⁻⁹)                                  (T25)
     let error = ((other - eta).abs() * 10.0).max(zero + 1e-9);
     out.set(OutputKey::efficiency_error_bound, error);
-    // δP_f/P_f = δη/[(η − δη) (1 − η)] or δη/(1 − η)                      (A7)
-    let least = back.select(zero + 1.0, (eta - error).max(zero));
-    let loss = error / (least * (-eta + 1.0).abs());
+    let loss = loss_error(back, eta, error);
     let finite = loss.lt(zero.constant(f64::INFINITY));
     out.set(OutputKey::loss_error_bound, finite.select(loss, zero.constant(f64::NAN)));
     out.set(OutputKey::iterations, root.steps);

@@ -32,6 +32,7 @@ pub(crate) struct Point<F = f64> {
 }
 
 /// Friction over `$f Q$` of a contact.
+#[derive(Clone, Copy)]
 pub(crate) struct Sums<F = f64> {
     /// Force along t and t × N; moment about t, N, t × N.
     pub(crate) values: [F; SUMS],
@@ -135,9 +136,11 @@ impl<S: Simd> Inner<S> {
         Self { j: [zero; 3], k: [zero; 3] }
     }
 
-    /// Adds a node; `square`: of the slip along the groove and the creep speed.
+    /// Adds a node, to rounding or, if `ROUGH`, to the error of a rough root.
+    ///
+    /// * `square`: of the slip along the groove and the creep speed.
     #[inline(always)]
-    pub(super) fn add<const SLOPED: bool>(
+    pub(super) fn add<const SLOPED: bool, const ROUGH: bool>(
         &mut self,
         square: Lane<S>,
         (b_0, b_1): (Lane<S>, Lane<S>),
@@ -145,7 +148,8 @@ impl<S: Simd> Inner<S> {
     ) {
         let v_c = b_1.mul_add(s, b_0);
         // q = (v_t² + v_e² + (b₀ + b₁ s)²)^{−1/2}
-        let per_speed = v_c.mul_add(v_c, square).recip_sqrt();
+        let all = v_c.mul_add(v_c, square);
+        let per_speed = if ROUGH { all.rough_recip_sqrt() } else { all.recip_sqrt() };
         // J_k = Σ w sᵏ q,  K_k = Σ w sᵏ q³,  k = 0, 1, 2                 (T21)
         let q = weight * per_speed;
         let q_s = q * s;
@@ -202,7 +206,7 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for NearLine<'_, S, SLOPED> {
             for i in (0..BLOCK).step_by(S::F64_LANES) {
                 let mut inner = Inner::load(simd, &sums, i);
                 let node = (Lane::load(simd, &places[i..]), Lane::load(simd, &weights[i..]));
-                inner.add::<SLOPED>(square, s, node);
+                inner.add::<SLOPED, false>(square, s, node);
                 inner.store(&mut sums, i);
             }
         }
@@ -262,7 +266,7 @@ impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLO
             if let Some(count) = lines.inner {
                 for (s, part) in &rule.inner[count] {
                     let node = (Lane::splat(simd, *s), Lane::splat(simd, *part));
-                    inner.add::<SLOPED>(square, (b_0, b_1), node);
+                    inner.add::<SLOPED, false>(square, (b_0, b_1), node);
                 }
             }
             if lines.any_inside {
@@ -329,40 +333,46 @@ impl<S: Simd> Line<S> {
         let &Self { xi, weight, chord, v_t, across: (b_0, b_1) } = self;
         let j = [j[0] * weight, j[1] * weight, j[2] * weight];
         let [f_t, f_c, m_t, m_n, m_c, power] = self.values(of, j);
-        let mut terms = [weight.constant(0.0); ALL];
-        (terms[0], terms[1], terms[2]) = (f_t, f_c, m_t);
-        (terms[3], terms[4], terms[5]) = (m_n, m_c, power);
-        if SLOPED {
-            let ((a, b), slip) = of;
-            let (x, y, h) = (xi * a, chord * b, slip.height(xi));
-            let k = [k[0] * weight, k[1] * weight, k[2] * weight];
-            // T_v = J₀ − v_t² K₀,  T_b = −v_t (b₀ K₀ + b₁ K₁),  T_s = −v_t (b₀ K₁ + b₁ K₂)  (T23)
-            let t_v = j[0] - v_t * v_t * k[0];
-            let t_b = -(v_t * (b_0 * k[0] + b_1 * k[1]));
-            let t_s = -(v_t * (b_0 * k[1] + b_1 * k[2]));
-            let (c_b, c_s, s_s) = (across[0] * weight, across[1] * weight, across[2] * weight);
-            let (t_n, c_n) = (t_v * x + t_s * y, t_b * x + c_s * y);
-            let n_n = x * t_n + y * (t_s * x + s_s * y);
-            let (t_vh, t_bh, c_bh) = (t_v * h, t_b * h, c_b * h);
-            let slopes = [
-                t_v,
-                t_vh,
-                t_vh * h,
-                t_b,
-                t_bh,
-                t_bh * h,
-                c_b,
-                c_bh,
-                c_bh * h,
-                t_n,
-                t_n * h,
-                c_n,
-                c_n * h,
-                n_n,
-            ];
-            terms[VALUES..].copy_from_slice(&slopes);
+        let zero = weight.constant(0.0);
+        if !SLOPED {
+            let mut terms = [zero; ALL];
+            (terms[0], terms[1], terms[2]) = (f_t, f_c, m_t);
+            (terms[3], terms[4], terms[5]) = (m_n, m_c, power);
+            return terms;
         }
-        terms
+        let ((a, b), slip) = of;
+        let (x, y, h) = (xi * a, chord * b, slip.height(xi));
+        let k = [k[0] * weight, k[1] * weight, k[2] * weight];
+        // T_v = J₀ − v_t² K₀,  T_b = −v_t (b₀ K₀ + b₁ K₁),  T_s = −v_t (b₀ K₁ + b₁ K₂)  (T23)
+        let t_v = j[0] - v_t * v_t * k[0];
+        let t_b = -(v_t * (b_0 * k[0] + b_1 * k[1]));
+        let t_s = -(v_t * (b_0 * k[1] + b_1 * k[2]));
+        let (c_b, c_s, s_s) = (across[0] * weight, across[1] * weight, across[2] * weight);
+        let (t_n, c_n) = (t_v * x + t_s * y, t_b * x + c_s * y);
+        let n_n = x * t_n + y * (t_s * x + s_s * y);
+        let (t_vh, t_bh, c_bh) = (t_v * h, t_b * h, c_b * h);
+        [
+            f_t,
+            f_c,
+            m_t,
+            m_n,
+            m_c,
+            power,
+            t_v,
+            t_vh,
+            t_vh * h,
+            t_b,
+            t_bh,
+            t_bh * h,
+            c_b,
+            c_bh,
+            c_bh * h,
+            t_n,
+            t_n * h,
+            c_n,
+            c_n * h,
+            n_n,
+        ]
     }
 }
 
@@ -398,12 +408,12 @@ pub(super) fn add_to<S: Simd>(simd: S, totals: &mut [Block], at: usize, values: 
     }
 }
 
-impl Sums {
-    pub(crate) const NONE: Self =
-        Self { values: [0.0; SUMS], power: 0.0, slopes: [[0.0; SLOPES]; SUMS] };
-}
-
 impl<F: Compare> Sums<F> {
+    #[inline(always)]
+    pub(crate) fn none(zero: F) -> Self {
+        Self { values: [zero; SUMS], power: zero, slopes: [[zero; SLOPES]; SUMS] }
+    }
+
     /// Of the sums of all terms at a point.
     #[inline(always)]
     pub(super) fn of(all: [F; ALL], point: &Point<F>) -> Self {
@@ -459,7 +469,7 @@ impl Sums {
         points: &[Point; N],
         nodes: &[Nodes<'_>; N],
     ) -> [Self; N] {
-        let mut sums = [Self::NONE; N];
+        let mut sums = [Self::none(0.0); N];
         let all = all::<S, N, SLOPED>(simd, points, nodes);
         for (i, sums) in sums.iter_mut().enumerate() {
             *sums = Self::of(all[i], &points[i]);

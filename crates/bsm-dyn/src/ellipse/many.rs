@@ -45,9 +45,35 @@ struct Segment {
     groups: [usize; 2],
 }
 
-/// Numbers of inner nodes of several contacts.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct InnerNodes([[usize; BLOCK]; GROUPS]);
+/// The nodes of several contacts, and room for what is found along them: to clear it takes longer than to fill it.
+pub(crate) struct ManyNodes<S: Simd> {
+    /// Places and weights of the lines.
+    lines: [[(Lane<S>, Lane<S>); MOST_NODES]; 2],
+    /// Which contacts have no first panel.
+    second_only: [bool; BLOCK],
+    /// Numbers of nodes along neighbouring lines.
+    inner: [[usize; BLOCK]; GROUPS],
+    across: [(Lane<S>, Lane<S>); MOST_INNER + 2],
+    found: [(Inner<S>, Lane<S>); BLOCK],
+}
+
+impl<S: Simd> ManyNodes<S> {
+    pub(crate) fn new(simd: S) -> Self {
+        let zero = Lane::splat(simd, 0.0);
+        Self {
+            lines: [[(zero, zero); MOST_NODES]; 2],
+            second_only: [false; BLOCK],
+            inner: [[0; BLOCK]; GROUPS],
+            across: [(zero, zero); MOST_INNER + 2],
+            found: [(Inner::zero(simd), zero); BLOCK],
+        }
+    }
+
+    /// About how many there are at one of the contacts.
+    pub(crate) fn size(&self, contact: usize) -> usize {
+        self.inner.iter().map(|inner| inner[contact]).sum()
+    }
+}
 
 impl ManyQuadrature {
     /// None if it takes more nodes than there is room for.
@@ -75,44 +101,44 @@ impl ManyQuadrature {
         Some(Self { rule, inner, segments, stride })
     }
 
-    /// Frictions, slopes only if `SLOPED`, and the contacts whose friction the rule resolves without splitting
-    /// panels.
-    ///
-    /// * `counts`: the numbers of nodes along the lines, as they are if `planned`, by the slip otherwise.
+    /// The nodes of several contacts, and those whose friction they resolve without splitting panels.
     #[inline(always)]
-    pub(crate) fn sums<S: Simd, const SLOPED: bool>(
+    pub(crate) fn place<S: Simd>(
         &self,
         simd: S,
         point: &Point<Lane<S>>,
-        counts: &mut InnerNodes,
-        planned: bool,
-    ) -> (Sums<Lane<S>>, Mask<S>) {
+        nodes: &mut ManyNodes<S>,
+    ) -> Mask<S> {
         // A call of its own: the code is long.
-        simd.vectorize(Call::<S, SLOPED> { simd, rule: self, point, counts, planned })
+        simd.vectorize(Place { rule: self, point, nodes })
+    }
+
+    /// Frictions at nodes that were placed with this, for the same or nearly the same contacts; slopes only if
+    /// `SLOPED`, to 1e-5 if `ROUGH`.
+    #[inline(always)]
+    pub(crate) fn sums<S: Simd, const SLOPED: bool, const ROUGH: bool>(
+        &self,
+        simd: S,
+        point: &Point<Lane<S>>,
+        nodes: &mut ManyNodes<S>,
+    ) -> Sums<Lane<S>> {
+        simd.vectorize(Call::<S, SLOPED, ROUGH> { simd, rule: self, point, nodes })
     }
 }
 
-/// What [`ManyQuadrature::sums`] is asked for.
-struct Call<'a, S: Simd, const SLOPED: bool> {
-    simd: S,
+/// What [`ManyQuadrature::place`] is asked for.
+struct Place<'a, S: Simd> {
     rule: &'a ManyQuadrature,
     point: &'a Point<Lane<S>>,
-    counts: &'a mut InnerNodes,
-    planned: bool,
+    nodes: &'a mut ManyNodes<S>,
 }
 
-impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
-    type Output = (Sums<Lane<S>>, Mask<S>);
+impl<S: Simd> NullaryFnOnce for Place<'_, S> {
+    type Output = Mask<S>;
 
     #[inline(always)]
-    fn call(self) -> Self::Output {
-        let Self {
-            simd,
-            rule: ManyQuadrature { rule, inner, segments, stride },
-            point,
-            counts,
-            planned,
-        } = self;
+    fn call(self) -> Mask<S> {
+        let Self { rule: ManyQuadrature { rule, stride, .. }, point, nodes: to } = self;
         let slip = point.slip();
         let (zero, one) = (slip.creep.constant(0.0), slip.creep.constant(1.0));
         let infinity = one.constant(f64::INFINITY);
@@ -120,7 +146,7 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
         let middle = clamp((poles[0].at + poles[1].at) * 0.5, -1.0, 1.0);
         let (ends, second_only) = ([-one, middle, one], middle.le(-one));
         let nodes = rule.panel.len();
-        let (mut lines, mut least) = ([[(zero, zero); MOST_NODES]; 2], [infinity; GROUPS]);
+        let mut least = [infinity; GROUPS];
         let (narrow, mut resolved) = (one * rule.reach[MOST_INNER], zero.le(zero));
         for panel in 0..2 {
             let (pole, low, high) = (poles[panel], ends[panel], ends[panel + 1]);
@@ -130,22 +156,19 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
             // Places p and 1 − p from one exponential, and the one in the middle.
             let grow = [from.exp(), (from + length).exp()];
             let fall = [grow[0].recip(), grow[1].recip()];
+            let lines = &mut to.lines[panel];
             for node in 0..nodes.div_ceil(2) {
                 let (place, part) = rule.panel.at(node);
                 let (up, weight) = ((length * place).exp(), length * part);
                 let down = up.recip();
-                lines[panel][node] = line_at(&pole, (grow[0] * up, fall[0] * down), weight);
-                lines[panel][nodes - 1 - node] =
-                    line_at(&pole, (grow[1] * down, fall[1] * up), weight);
-            }
-            if planned {
-                continue;
+                lines[node] = line_at(&pole, (grow[0] * up, fall[0] * down), weight);
+                lines[nodes - 1 - node] = line_at(&pole, (grow[1] * down, fall[1] * up), weight);
             }
             let within = low.lt(pole.at) & pole.at.lt(high);
             resolved = resolved & (!within | narrow.le(slip.analyticity(pole.at)));
             let empty = high.le(low);
             for node in (0..nodes).step_by(*stride) {
-                let square = slip.analyticity(lines[panel][node].0);
+                let square = slip.analyticity(lines[node].0);
                 let square = empty.select(infinity, square);
                 resolved = resolved & narrow.le(square);
                 let groups = [(panel * nodes + node) / BLOCK, node / BLOCK];
@@ -159,22 +182,36 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
                 }
             }
         }
-        if !planned {
-            for (counts, least) in counts.0.iter_mut().zip(&least) {
-                for (count, square) in counts.iter_mut().zip(least.as_slice()) {
-                    *count = rule.count(*square).unwrap_or(UNRESOLVED);
-                }
-            }
+        for (counts, least) in to.inner.iter_mut().zip(&least) {
+            *counts = rule.counts(*least).map(|count| count.unwrap_or(UNRESOLVED));
         }
-        let mut second = [false; BLOCK];
-        second_only.store(&mut second);
+        second_only.store(&mut to.second_only);
+        resolved
+    }
+}
+
+/// What [`ManyQuadrature::sums`] is asked for.
+struct Call<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
+    simd: S,
+    rule: &'a ManyQuadrature,
+    point: &'a Point<Lane<S>>,
+    nodes: &'a mut ManyNodes<S>,
+}
+
+impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce for Call<'_, S, SLOPED, ROUGH> {
+    type Output = Sums<Lane<S>>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { simd, rule: ManyQuadrature { rule, inner, segments, .. }, point, nodes } = self;
+        let ManyNodes { lines, second_only, inner: counts, across, found } = nodes;
+        let slip = point.slip();
+        let zero = slip.creep.constant(0.0);
         let mut totals = [zero; ALL];
-        let mut across = [(zero, zero); MOST_INNER + 2];
-        let mut found = [(Inner::zero(simd), zero); BLOCK];
         for segment in segments {
             let (mut tables, mut most) = ([&inner[0]; BLOCK], 0);
             for i in 0..Lane::<S>::LEN {
-                let count = counts.0[segment.groups[usize::from(second[i])]][i];
+                let count = counts[segment.groups[usize::from(second_only[i])]][i];
                 tables[i] = &inner[count];
                 most = most.max(rule.inner[count].len());
             }
@@ -192,7 +229,7 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
                 let square = v_t * v_t + slip.creep * slip.creep;
                 let mut sums = Inner::zero(simd);
                 for node in &across[..most] {
-                    sums.add::<SLOPED>(square, b, *node);
+                    sums.add::<SLOPED, ROUGH>(square, b, *node);
                 }
                 *inner = sums;
             }
@@ -208,7 +245,7 @@ impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Call<'_, S, SLOPED> {
                 }
             }
         }
-        (Sums::of(totals, point), resolved)
+        Sums::of(totals, point)
     }
 }
 
@@ -241,8 +278,9 @@ mod tests {
                     self.1.map(|x| Lane::<S>::load(simd, &x[at..]));
                 let (motion, ball_radius) = ([speed, w_t, w_n, w_c], creep.constant(1.0));
                 let point = Point { semi_axes: (a, b), pressed_radius, ball_radius, motion, creep };
-                let (sums, resolved) =
-                    self.0.sums::<S, true>(simd, &point, &mut InnerNodes::default(), false);
+                let nodes = &mut ManyNodes::new(simd);
+                let resolved = self.0.place(simd, &point, nodes);
+                let sums = self.0.sums::<S, true, false>(simd, &point, nodes);
                 let all = sums.values.into_iter().chain(sums.slopes.into_iter().flatten());
                 let all = all.chain([sums.power, resolved.to_numbers()]);
                 for (found, x) in found.iter_mut().zip(all) {

@@ -190,6 +190,7 @@ impl<S: Simd> Half<S> {
 }
 
 /// Sums of an oil over `$Q$`.
+#[derive(Clone, Copy)]
 pub(crate) struct OiledSums {
     /// As those of a constant coefficient, over `$Q$`.
     pub(crate) sums: Sums,
@@ -532,7 +533,7 @@ impl OiledSums {
                 blocks => gathered.add_rings(simd, i, blocks),
             }
         }
-        let mut all = [const { Self { sums: Sums::NONE, by_film: [0.0; SUMS] } }; N];
+        let mut all = [Self { sums: Sums::none(0.0), by_film: [0.0; SUMS] }; N];
         for (i, found) in all.iter_mut().enumerate() {
             let mut sums = [0.0; ALL];
             let some = some::<SLOPED>();

@@ -210,10 +210,31 @@ impl Quadrature {
 
     /// Number of inner nodes, for places and weights, of a line with this `$\sinh^2\eta$`; none if the
     /// spin pole is so near that they do not suffice.
+    #[inline(always)]
     pub(super) fn count(&self, square: f64) -> Option<usize> {
         // It falls with the number: a count without branches.
         let number = self.reach.iter().filter(|reach| square < **reach).count();
         (number < self.reach.len()).then_some(number)
+    }
+
+    /// The same for several lines.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "counted one by one"
+    )]
+    #[inline(always)]
+    pub(super) fn counts<S: Simd>(&self, square: Lane<S>) -> [Option<usize>; BLOCK] {
+        let mut number = square.constant(0.0);
+        for reach in &self.reach {
+            number = number + square.lt(square.constant(*reach)).to_numbers();
+        }
+        let mut counts = [None; BLOCK];
+        for (count, number) in counts.iter_mut().zip(number.as_slice()) {
+            let number = *number as usize;
+            *count = (number < self.reach.len()).then_some(number);
+        }
+        counts
     }
 
     /// The nodes of neighbouring lines with these `$\sinh^2\eta$`.
@@ -255,9 +276,10 @@ pub struct EllipseSlip<F> {
     pub(super) creep: F,
 }
 
+/// How far a pressed surface falls off at a distance across the groove.
 #[inline(always)]
-fn larger<F: Compare>(x: F, y: F) -> F {
-    F::select(x.lt(y), y, x)
+pub(crate) fn depth<F: Compare>(across: F, pressed_radius: F) -> F {
+    across * across * 0.5 / pressed_radius
 }
 
 #[inline(always)]
@@ -269,7 +291,7 @@ pub(super) fn clamp<F: Compare>(x: F, low: f64, high: f64) -> F {
 /// Half the length of the line at a place on the long axis, over the short semi-axis.
 #[inline(always)]
 pub(super) fn chord<F: Compare>(xi: F) -> F {
-    larger((-xi + 1.0) * (xi + 1.0), xi.constant(0.0)).sqrt()
+    ((-xi + 1.0) * (xi + 1.0)).larger(xi.constant(0.0)).sqrt()
 }
 
 /// The number, or one that divides.
@@ -309,7 +331,7 @@ impl<F: Compare> EllipseSlip<F> {
         creep: F,
     ) -> Self {
         let (a, b) = semi_axes;
-        let sag = a * a * 0.5 / pressed_radius;
+        let sag = depth(a, pressed_radius);
         // q₀ = A + ω_c r_b,  q₁ = ω_N a,  q₂ = −ω_c a²/(2 R_c)           (T12)
         let along = [speed + across * radius, spin * a, -(across * sag)];
         Self { along, radius, sag, roll, turn: spin * b, creep }
@@ -364,7 +386,7 @@ impl<F: Compare> EllipseSlip<F> {
         let (s_1, s_2) = (F::select(q_1.lt(zero), -one, one), F::select(q_2.lt(zero), -one, one));
         let (q_2, d) = (divisor(q_2), q_1 * q_1 - q_0 * q_2 * 4.0);
         let complex = d.lt(zero);
-        let t = divisor(-(q_1 + s_1 * larger(d, zero).sqrt()) * 0.5);
+        let t = divisor(-(q_1 + s_1 * d.larger(zero).sqrt()) * 0.5);
         let middle = -(q_1 / q_2) * 0.5;
         let lines = [F::select(complex, middle, t / q_2), F::select(complex, middle, q_0 / t)];
         let mut poles = [Pole { at: zero, width: one }; 2];
@@ -372,12 +394,12 @@ impl<F: Compare> EllipseSlip<F> {
             let (b_0, b_1) = self.across(clamp(lines[i], -1.0, 1.0));
             let (b_0, b_1) = (b_0.abs(), b_1.abs());
             // m = √(max(|b₀| − |b₁|, |b₁|/10)² + v_e²)                   (T15)
-            let rest = larger(b_0 - b_1, b_1 * 0.1);
+            let rest = (b_0 - b_1).larger(b_1 * 0.1);
             let m = (rest * rest + self.creep * self.creep).sqrt();
             // v_t(ξ_j ± i δ_j) = ±i m,  t = −(q₁ + sign(q₁)(u + i w))/2  (T16)
             let bend = q_2.abs() * m * 2.0;
             let g = (d * d + bend * bend * 4.0).sqrt();
-            let long = larger((g + d.abs()) * 0.5, zero).sqrt();
+            let long = ((g + d.abs()) * 0.5).larger(zero).sqrt();
             let long = divisor(long);
             let short = bend / long;
             let (u, w) = (F::select(complex, short, long), F::select(complex, long, short) * s_2);
@@ -693,7 +715,7 @@ pub(super) fn line_at<S: Simd, const N: usize>(
     // ξ = ξ_j + δ_j sinh τ                                               (T17)
     let xi = pole.at + pole.width * (grow - fall) * 0.5;
     // dQ/Q = (3/4)(1 − ξ²) dξ × (2/π) √(1 − s²) ds                       (T14)
-    let shape = larger((-xi + 1.0) * (xi + 1.0), xi.constant(0.0)) * 0.75;
+    let shape = ((-xi + 1.0) * (xi + 1.0)).larger(xi.constant(0.0)) * 0.75;
     (xi, weight * pole.width * (grow + fall) * 0.5 * shape)
 }
 

@@ -22,7 +22,7 @@ use crate::balance::torque;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::ball_unknowns::{BALL, ROWS};
 use crate::cost;
-use crate::ellipse::{OiledSums, Plan, Point, SUMS, Sums};
+use crate::ellipse::{OiledSums, Plan, Point, SUMS, Sums, depth};
 use crate::equations::linear;
 use crate::lubricant::{ScaledFilm, Wetted};
 
@@ -74,6 +74,44 @@ pub struct Scaled<F = f64> {
     pub creep: F,
     /// The unknowns are those of a ball that is thrown against the nut (T10).
     pub at_nut: bool,
+}
+
+/// Speed over `$r_b W$` of the ends of the longer ellipse when the ball turns against a race at `$W$`; 1 for
+/// ellipses shorter than the ball (T9).
+///
+/// * `semi_axes`, `pressed_radius`: across the grooves of nut and screw, over the ball radius.
+#[inline(always)]
+pub fn slip_scale<F: Compare>(semi_axes: [F; 2], pressed_radius: [F; 2]) -> F {
+    // max(1, a²/2R_c)                                                     (T9)
+    let mut scale = semi_axes[0].constant(1.0);
+    for i in 0..2 {
+        scale = scale.larger(depth(semi_axes[i], pressed_radius[i]));
+    }
+    scale
+}
+
+/// Lever arm of friction over the ball radius `$h$`, that of the ends of ellipses longer than the ball.
+///
+/// * `semi_axes`: of the loaded ellipses.
+#[inline(always)]
+pub(super) fn lever<F: Compare>(semi_axes: [F; 2], pressed_radius: [F; 2]) -> F {
+    let mut lever = semi_axes[0].constant(1.0);
+    for i in 0..2 {
+        let a = semi_axes[i];
+        lever = lever.larger(a.larger(depth(a, pressed_radius[i])));
+    }
+    lever
+}
+
+/// Sizes of the forces along t and t × N and of the moments.
+///
+/// * `force`: the inertia force over the load.
+#[inline(always)]
+pub(super) fn sizes<F: Compare>(force: F, friction: F, lever: F) -> (F, F) {
+    // D_F = diag(w, w₀, w, w/(f h), w/(f h), w/(f h), w)                  (T3)
+    let one = force.constant(1.0);
+    let force = force.larger(one);
+    (force, force * F::select(friction.lt(one), friction, one) * lever)
 }
 
 impl Rolling<'_> {
@@ -242,7 +280,7 @@ impl<R: Rubbing, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
         if !exist {
             return false;
         }
-        let mut rubbed = [Rubbed::dry(Sums::NONE, 1.0), Rubbed::dry(Sums::NONE, 1.0)];
+        let mut rubbed = [(); 2].map(|()| Rubbed::dry(Sums::none(0.0), 1.0));
         rubbing.rub::<S, SLOPED>(simd, ball, y, &contacts, &mut rubbed);
         evaluate::<_, R, SLOPED>(&scaled, y, &contacts, &rubbed, found);
         true
@@ -252,8 +290,8 @@ impl<R: Rubbing, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
 /// What friction does at a contact.
 pub(super) struct Rubbed<F = f64> {
     /// The sums of its coefficient, and what they are multiplied with, against a slip over `$W$`.
-    sums: Sums<F>,
-    coefficient: F,
+    pub(super) sums: Sums<F>,
+    pub(super) coefficient: F,
     /// Their derivatives by the logarithm of the film, and those of that by the unknowns.
     by_film: [F; SUMS],
     film: Slopes<F>,
@@ -345,8 +383,8 @@ impl Rubbing for Wetted {
                 let growth = film.growth * film.along / film.entrainment.powi(2);
                 by[PRECESSION] = -(0.5 * arc + k_c) * growth;
                 by[OMEGA[1]] -= 0.5 * side * angle.sin * growth;
-                add(by, 0.5 * side * angle.cos * growth, &contacts.by_b);
-                add(by, -(0.5 * w_n + rate * turned) * growth, &angle.by);
+                add::<_, ALL>(by, 0.5 * side * angle.cos * growth, &contacts.by_b);
+                add::<_, ALL>(by, -(0.5 * w_n + rate * turned) * growth, &angle.by);
                 by[place] -= 0.067 / y[place];
             }
             let [push, couple] = film.resist(w_c, ball.creep);
@@ -381,21 +419,38 @@ fn along<F: Compare>(unknown: usize, rate: F) -> Slopes<F> {
     by
 }
 
-/// Adds derivatives.
+/// Sets of unknowns, a bit each: all, those that the contacts stand by, and the rotation along the axis and
+/// around it.
+const ALL: u8 = (1 << BALL) - 1;
+const STATICS: u8 = 1 << NUT_LOAD | 1 << TILT | 1 << SCREW_LOAD;
+const FLAT: u8 = 1 << OMEGA[0] | 1 << OMEGA[2];
+
+/// Adds derivatives by the unknowns `OF`; those by others are zero.
 #[inline(always)]
-fn add<F: Compare>(to: &mut Slopes<F>, factor: F, by: &Slopes<F>) {
+fn add<F: Compare, const OF: u8>(to: &mut Slopes<F>, factor: F, by: &Slopes<F>) {
     for i in 0..BLOCK {
-        to[i] = to[i] + factor * by[i];
+        // Those of one number are side by side, and take one operation all together.
+        if !F::WIDE || OF >> i & 1 == 1 {
+            to[i] = to[i] + factor * by[i];
+        }
     }
 }
 
-/// `$\sum_k c_k\,d_k$`.
+/// Derivatives times a factor.
 #[inline(always)]
-fn combined<F: Compare, const N: usize>(parts: [(F, &Slopes<F>); N]) -> Slopes<F> {
-    let mut sum = [parts[0].0.constant(0.0); BLOCK];
-    for (factor, by) in parts {
-        add(&mut sum, factor, by);
+fn times<F: Compare>(factor: F, by: &Slopes<F>) -> Slopes<F> {
+    let mut product = *by;
+    for i in 0..BLOCK {
+        product[i] = factor * by[i];
     }
+    product
+}
+
+/// Derivatives and a derivative by the tilt itself.
+#[inline(always)]
+fn tilted<F: Compare>(by: &Slopes<F>, own: f64) -> Slopes<F> {
+    let mut sum = *by;
+    sum[TILT] = sum[TILT] + own;
     sum
 }
 
@@ -472,11 +527,11 @@ pub(super) fn contacts<F: Compare>(pair: &Scaled<F>, y: &[F; BALL]) -> (Contacts
         let mut by = along(TILT, -l_a * sin_y);
         (by[NUT_LOAD], by[SCREW_LOAD]) = (cos_y * slopes[0], cos * slopes[1]);
         let nut = Angle { sin: sin_y, cos: cos_y, by: own };
-        let screw = Angle { sin, cos, by: combined([(one / (l_b * sin), &by)]) };
+        let screw = Angle { sin, cos, by: times(one / (l_b * sin), &by) };
         let apart = Angle {
             sin: sin * cos_y - cos * sin_y,
             cos: cos * cos_y + sin * sin_y,
-            by: combined([(one, &screw.by), (-one, &own)]),
+            by: tilted(&screw.by, -1.0),
         };
         turn = nut;
         tilts = [Angle { sin: zero, cos: one, by: [zero; BLOCK] }, apart];
@@ -494,16 +549,15 @@ pub(super) fn contacts<F: Compare>(pair: &Scaled<F>, y: &[F; BALL]) -> (Contacts
         // A₁ dβ = cosβ_A dl_A + cosβ_B dl_B + (l_A sinβ_A − l_B sinβ_B) dν
         let mut by = along(TILT, l_a * sin_a - l_b * sin_b);
         (by[NUT_LOAD], by[SCREW_LOAD]) = (cos_a * slopes[0], cos_b * slopes[1]);
-        let by = combined([(one / a_1, &by)]);
+        let by = times(one / a_1, &by);
         turn = Angle { sin, cos, by };
-        let less = along(TILT, -one);
         tilts = [
-            Angle { sin: -sin_y, cos: cos_y, by: less },
+            Angle { sin: -sin_y, cos: cos_y, by: along(TILT, -one) },
             Angle { sin: sin_y, cos: cos_y, by: own },
         ];
         angles = [
-            Angle { sin: sin_a, cos: cos_a, by: combined([(one, &by), (one, &less)]) },
-            Angle { sin: sin_b, cos: cos_b, by: combined([(one, &by), (one, &own)]) },
+            Angle { sin: sin_a, cos: cos_a, by: tilted(&by, -1.0) },
+            Angle { sin: sin_b, cos: cos_b, by: tilted(&by, 1.0) },
         ];
     }
 
@@ -543,6 +597,7 @@ pub(super) fn contacts<F: Compare>(pair: &Scaled<F>, y: &[F; BALL]) -> (Contacts
     (Contacts { points, turn, tilts, angles, by_t, by_b }, exist)
 }
 
+/// The equations, with derivatives if `SLOPED`, in the place of what was found before.
 #[inline(always)]
 pub(super) fn evaluate<F: Compare, R: Rubbing, const SLOPED: bool>(
     pair: &Scaled<F>,
@@ -563,28 +618,27 @@ pub(super) fn evaluate<F: Compare, R: Rubbing, const SLOPED: bool>(
         let pull = load * coefficient;
         // P_f = Σ f Q ∫ dP                                                (P7)
         sliding[i] = pull * unit_power;
-        transmitted.power = transmitted.power + (sliding[i] + rolling);
-        let mut parts = [Sloped { re: one.constant(0.0), by: [one.constant(0.0); BLOCK] }; 5];
+        let mut parts = [Sloped { re: one, by: [one.constant(0.0); BLOCK] }; 5];
         let [_, _, w_n, w_c] = points[i].motion;
         let (mut by_n, mut by_c) =
             (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
         if SLOPED {
-            add(&mut by_n, w_c, &angle.by);
-            add(&mut by_n, side * angle.sin, by_b);
-            add(&mut by_c, -w_n, &angle.by);
-            add(&mut by_c, side * angle.cos, by_b);
+            add::<_, STATICS>(&mut by_n, w_c, &angle.by);
+            add::<_, FLAT>(&mut by_n, side * angle.sin, by_b);
+            add::<_, STATICS>(&mut by_c, -w_n, &angle.by);
+            add::<_, FLAT>(&mut by_c, side * angle.cos, by_b);
         }
         for k in 0..SUMS {
             let part = &mut parts[k];
             part.re = pull * values[k];
             if SLOPED {
                 let [a, t, n, c, g] = slopes[k];
+                part.by = times(pull * n, &by_n);
+                add::<_, { STATICS | FLAT | 1 << OMEGA[1] }>(&mut part.by, pull * c, &by_c);
+                add::<_, FLAT>(&mut part.by, pull * t, by_t);
                 part.by[PRECESSION] = pull * a * pair.arc;
                 // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
-                part.by[place] = coefficient * (values[k] + g * (1.0 / 3.0));
-                add(&mut part.by, pull * t, by_t);
-                add(&mut part.by, pull * n, &by_n);
-                add(&mut part.by, pull * c, &by_c);
+                part.by[place] = part.by[place] + coefficient * (values[k] + g * (1.0 / 3.0));
             }
         }
         if R::OILED {
@@ -593,39 +647,34 @@ pub(super) fn evaluate<F: Compare, R: Rubbing, const SLOPED: bool>(
         }
         if R::OILED && SLOPED {
             for (part, by_film) in parts.iter_mut().zip(by_film) {
-                add(&mut part.by, pull * by_film, film);
+                add::<_, ALL>(&mut part.by, pull * by_film, film);
             }
         }
+        if i == 0 {
+            *left = [one.constant(0.0); BALL];
+            transmitted.power = one.constant(0.0);
+            if SLOPED {
+                *rows = [[one.constant(0.0); BLOCK]; BALL];
+            }
+        }
+        transmitted.power = transmitted.power + (sliding[i] + rolling);
         // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                               (T2)
         let [f_t, f_c, m_t, m_n, m_c] = &parts;
         let normal = Sloped { re: load, by: by_load };
-        for (row, along_t, along_n, across) in [(0, f_t, &normal, f_c), (3, m_t, m_n, m_c)] {
-            let (second, third) = turned(side, (tilt.sin, tilt.cos), (along_n.re, across.re));
-            left[row] = left[row] + along_t.re;
-            left[row + 1] = left[row + 1] + second;
-            left[row + 2] = left[row + 2] + third;
-            if SLOPED {
-                add(&mut rows[row], one, &along_t.by);
-                add(&mut rows[row + 1], side * tilt.cos, &along_n.by);
-                add(&mut rows[row + 1], -side * tilt.sin, &across.by);
-                add(&mut rows[row + 1], -third, &tilt.by);
-                add(&mut rows[row + 2], side * tilt.sin, &along_n.by);
-                add(&mut rows[row + 2], side * tilt.cos, &across.by);
-                add(&mut rows[row + 2], second, &tilt.by);
-            }
-        }
+        let (force, moment) = ([f_t, &normal, f_c], [m_t, m_n, m_c]);
+        add_vector::<F, SLOPED, 0, STATICS>((side, tilt), force, (left, rows));
+        add_vector::<F, SLOPED, 3, ALL>((side, tilt), moment, (left, rows));
         // Components along n and b.
         let (n, b) = turned(side, (angle.sin, angle.cos), (load, f_c.re));
         if i == 0 {
             // F_nut·k − F_a                                               (P5)
             left[6] = f_t.re * sin_lead + b * cos_lead - one;
             if SLOPED {
-                rows[6] = combined([
-                    (sin_lead, &f_t.by),
-                    (cos_lead * side * angle.sin, &normal.by),
-                    (cos_lead * side * angle.cos, &f_c.by),
-                    (cos_lead * n, &angle.by),
-                ]);
+                let row = &mut rows[6];
+                *row = times(sin_lead, &f_t.by);
+                add::<_, STATICS>(row, cos_lead * side * angle.sin, &normal.by);
+                add::<_, ALL>(row, cos_lead * side * angle.cos, &f_c.by);
+                add::<_, STATICS>(row, cos_lead * n, &angle.by);
             }
         } else {
             // T = [(−r_m n) × F + M]·k                                    (B7)
@@ -633,20 +682,43 @@ pub(super) fn evaluate<F: Compare, R: Rubbing, const SLOPED: bool>(
             let (force, arm) = (pair.radius * cos_lead, -(pair.radius * sin_lead));
             transmitted.torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
             if SLOPED {
-                *slope = combined([
-                    (sin_lead, &m_t.by),
-                    (cos_lead * side * angle.sin, &m_n.by),
-                    (cos_lead * side * angle.cos, &m_c.by),
-                    (cos_lead * m_1 + arm * n, &angle.by),
-                    (force, &f_t.by),
-                    (arm * side * angle.sin, &normal.by),
-                    (arm * side * angle.cos, &f_c.by),
-                ]);
+                *slope = times(sin_lead, &m_t.by);
+                add::<_, ALL>(slope, cos_lead * side * angle.sin, &m_n.by);
+                add::<_, ALL>(slope, cos_lead * side * angle.cos, &m_c.by);
+                add::<_, STATICS>(slope, cos_lead * m_1 + arm * n, &angle.by);
+                add::<_, ALL>(slope, force, &f_t.by);
+                add::<_, STATICS>(slope, arm * side * angle.sin, &normal.by);
+                add::<_, ALL>(slope, arm * side * angle.cos, &f_c.by);
             }
         }
     }
 
     add_inertia::<F, SLOPED>(pair, y, turn, (left, rows));
+}
+
+/// Adds a vector of a contact, given along t, N and t × N, to three equations from the number `ROW` on.
+///
+/// * `NORMAL`: unknowns that its component along N changes with.
+#[inline(always)]
+fn add_vector<F: Compare, const SLOPED: bool, const ROW: usize, const NORMAL: u8>(
+    (side, tilt): (F, &Angle<F>),
+    [along_t, along_n, across]: [&Sloped<F>; 3],
+    (left, rows): (&mut [F; BALL], &mut [Slopes<F>; BALL]),
+) {
+    let (second, third) = turned(side, (tilt.sin, tilt.cos), (along_n.re, across.re));
+    left[ROW] = left[ROW] + along_t.re;
+    left[ROW + 1] = left[ROW + 1] + second;
+    left[ROW + 2] = left[ROW + 2] + third;
+    if SLOPED {
+        let one = side.constant(1.0);
+        add::<_, ALL>(&mut rows[ROW], one, &along_t.by);
+        add::<_, NORMAL>(&mut rows[ROW + 1], side * tilt.cos, &along_n.by);
+        add::<_, ALL>(&mut rows[ROW + 1], -side * tilt.sin, &across.by);
+        add::<_, STATICS>(&mut rows[ROW + 1], -third, &tilt.by);
+        add::<_, NORMAL>(&mut rows[ROW + 2], side * tilt.sin, &along_n.by);
+        add::<_, ALL>(&mut rows[ROW + 2], side * tilt.cos, &across.by);
+        add::<_, STATICS>(&mut rows[ROW + 2], second, &tilt.by);
+    }
 }
 
 /// Inertia forces and the gyroscopic moment.
@@ -692,10 +764,10 @@ fn add_inertia<F: Compare, const SLOPED: bool>(
         ] {
             rows[row][unknown] = rows[row][unknown] + slope;
         }
-        add(&mut rows[1], thrown * turn.sin, &turn.by);
-        add(&mut rows[2], thrown * turn.cos, &turn.by);
-        add(&mut rows[4], -(gyro * third), &turn.by);
-        add(&mut rows[5], gyro * second, &turn.by);
+        add::<_, STATICS>(&mut rows[1], thrown * turn.sin, &turn.by);
+        add::<_, STATICS>(&mut rows[2], thrown * turn.cos, &turn.by);
+        add::<_, STATICS>(&mut rows[4], -(gyro * third), &turn.by);
+        add::<_, STATICS>(&mut rows[5], gyro * second, &turn.by);
     }
 }
 

@@ -16,13 +16,13 @@ use std::sync::LazyLock;
 use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 
 use super::columns::{
-    Angle, Contacts, Dry, Evaluated, Rubbed, Scaled, Transmitted, contacts, evaluate,
+    Angle, Contacts, Dry, Evaluated, Rubbed, Scaled, contacts, evaluate, lever, sizes,
 };
 use super::root::FASTEST;
 use super::{COARSE, OMEGA};
 use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::ellipse::{InnerNodes, ManyQuadrature, Quadrature};
+use crate::ellipse::{ManyNodes, ManyQuadrature, Quadrature, Sums};
 
 /// Residual from which the coarse quadrature is left for the one that is asked for.
 const NEAR: f64 = 1e-3;
@@ -230,16 +230,19 @@ impl WithSimd for Solve<'_> {
         }
         let mut points: Vec<usize> = (0..starts.len()).collect();
         let (mut next, mut near) = (Vec::new(), Vec::new());
-        let found = &mut Evaluated::zero(Lane::splat(simd, 0.0));
+        let work = &mut Work::new(simd);
         for _ in 0..MOST_COARSE {
             for some in points.chunks(Lane::<S>::LEN) {
-                approach(simd, coarse, found, &mut walks, some, (&mut next, &mut near));
+                approach(simd, coarse, work, &mut walks, some, (&mut next, &mut near));
             }
             points.clear();
             points.append(&mut next);
         }
+        // Neighbours share the largest of their numbers of nodes.
+        near.sort_unstable();
+        let near: Vec<_> = near.into_iter().map(|(_, point)| point).collect();
         for some in near.chunks(Lane::<S>::LEN) {
-            refine(simd, rules, found, &walks, some, &mut roots);
+            refine(simd, rules, work, &walks, some, &mut roots);
         }
         roots
     }
@@ -295,6 +298,25 @@ fn scatter<S: Simd>(walk: &Walk<Lane<S>>, walks: &mut [[f64; NUMBERS]], some: &[
     }
 }
 
+/// Memory of the evaluations.
+struct Work<S: Simd> {
+    found: Evaluated<Lane<S>>,
+    nodes: [ManyNodes<S>; 2],
+    rubbed: [Rubbed<Lane<S>>; 2],
+}
+
+impl<S: Simd> Work<S> {
+    fn new(simd: S) -> Self {
+        let zero = Lane::splat(simd, 0.0);
+        let rubbed = || Rubbed::dry(Sums::none(zero), zero);
+        Self {
+            found: Evaluated::zero(zero),
+            nodes: [ManyNodes::new(simd), ManyNodes::new(simd)],
+            rubbed: [rubbed(), rubbed()],
+        }
+    }
+}
+
 /// The equations at a state.
 struct Here<S: Simd> {
     turn: Angle<Lane<S>>,
@@ -305,49 +327,48 @@ struct Here<S: Simd> {
 }
 
 /// What [`Here`] is made of.
-struct Evaluate<'a, S: Simd, const SLOPED: bool> {
+struct Evaluate<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
     simd: S,
     rule: &'a ManyQuadrature,
     at: &'a TractionStart<Lane<S>>,
-    counts: &'a mut [InnerNodes; 2],
-    planned: bool,
+    /// The nodes stay where they are.
+    placed: bool,
     /// Where it goes.
-    found: &'a mut Evaluated<Lane<S>>,
+    work: &'a mut Work<S>,
 }
 
-impl<S: Simd, const SLOPED: bool> NullaryFnOnce for Evaluate<'_, S, SLOPED> {
+impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
+    for Evaluate<'_, S, SLOPED, ROUGH>
+{
     type Output = Here<S>;
 
     #[inline(always)]
     fn call(self) -> Here<S> {
-        let Self { simd, rule, at, counts, planned, found } = self;
+        let Self { simd, rule, at, placed, work: Work { found, nodes, rubbed } } = self;
         let TractionStart { point, unknowns: y } = at;
         let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
         let (contacts, mut exists) = contacts(point, y);
-        let mut lever = one;
-        for i in 0..2 {
-            let a = contacts.points[i].semi_axes.0;
-            lever = lever.max(a.max(a * a * 0.5 / point.pressed_radius[i]));
-            let angle = &contacts.angles[i];
+        for angle in &contacts.angles {
             exists = exists & zero.le(angle.sin) & angle.cos.gt(zero);
-            exists = exists & y[OMEGA[i]].abs().lt(one * FASTEST);
+        }
+        for place in OMEGA {
+            exists = exists & y[place].abs().lt(one * FASTEST);
         }
         let rate = y[PRECESSION] + point.offset;
-        // D_F = diag(w, w₀, w, w/(f h), w/(f h), w/(f h), w)              (T3)
-        let force = (point.mass * point.radius * rate * rate).max(one);
-        let moment = force * point.friction.abs().min(one) * lever;
+        let thrown = point.mass * point.radius * rate * rate;
+        let [a, b] = &contacts.points;
+        let arm = lever([a.semi_axes.0, b.semi_axes.0], point.pressed_radius);
+        let (force, moment) = sizes(thrown, point.friction.abs(), arm);
         let mut resolved = zero.le(zero);
-        let [nut, screw] = &contacts.points;
-        let [of_nut, of_screw] = counts;
-        let (nut, nut_resolved) = rule.sums::<S, SLOPED>(simd, nut, of_nut, planned);
-        let (screw, screw_resolved) = rule.sums::<S, SLOPED>(simd, screw, of_screw, planned);
-        resolved = resolved & nut_resolved & screw_resolved;
-        let rubbed = [Rubbed::dry(nut, point.friction), Rubbed::dry(screw, point.friction)];
-        (found.left, found.transmitted) = ([zero; BALL], Transmitted { torque: zero, power: zero });
-        if SLOPED {
-            found.rows = [[zero; BLOCK]; BALL];
+        for i in 0..2 {
+            let (point, nodes) = (&contacts.points[i], &mut nodes[i]);
+            if !placed {
+                resolved = resolved & rule.place(simd, point, nodes);
+            }
+            rubbed[i].sums = rule.sums::<S, SLOPED, ROUGH>(simd, point, nodes);
+            rubbed[i].coefficient = at.point.friction;
         }
-        evaluate::<_, Dry, SLOPED>(point, y, &contacts, &rubbed, found);
+        evaluate::<_, Dry, SLOPED>(point, y, &contacts, rubbed, found);
         let weights = (force.recip(), moment.recip());
         Here { turn: contacts.turn, weights, exists, resolved }
     }
@@ -433,21 +454,21 @@ impl<S: Simd> Factors<S> {
 fn approach<S: Simd>(
     simd: S,
     rule: &ManyQuadrature,
-    found: &mut Evaluated<Lane<S>>,
+    work: &mut Work<S>,
     walks: &mut [[f64; NUMBERS]],
     some: &[usize],
-    (next, near): (&mut Vec<usize>, &mut Vec<usize>),
+    (next, near): (&mut Vec<usize>, &mut Vec<(usize, usize)>),
 ) {
     let mut walk = gather(simd, walks, some);
     let mut trial = walk.at;
     for k in 0..BALL {
         trial.unknowns[k] = walk.step[k].mul_add(walk.part, trial.unknowns[k]);
     }
-    let (counts, planned) = (&mut Default::default(), false);
     let here = {
-        let (at, found) = (&trial, &mut *found);
-        simd.vectorize(Evaluate::<S, true> { simd, rule, at, counts, planned, found })
+        let (at, placed, work) = (&trial, false, &mut *work);
+        simd.vectorize(Evaluate::<S, true, true> { simd, rule, at, placed, work })
     };
+    let found = &work.found;
     let infinity = walk.before.constant(f64::INFINITY);
     let first = infinity.le(walk.before);
     let weights = (
@@ -478,7 +499,7 @@ fn approach<S: Simd>(
     (alive & !arrived).store(&mut goes_on);
     for (i, point) in some.iter().enumerate() {
         if ends[i] {
-            near.push(*point);
+            near.push((work.nodes[0].size(i) + work.nodes[1].size(i), *point));
         } else if goes_on[i] {
             next.push(*point);
         }
@@ -490,19 +511,18 @@ fn approach<S: Simd>(
 fn refine<S: Simd>(
     simd: S,
     rules: &TractionMany,
-    found: &mut Evaluated<Lane<S>>,
+    work: &mut Work<S>,
     walks: &[[f64; NUMBERS]],
     some: &[usize],
     roots: &mut [Option<TractionRoot>],
 ) {
     let Walk { mut at, mut steps, .. } = gather(simd, walks, some);
-    let mut counts = <[InnerNodes; 2]>::default();
     let (rule, check) = (&rules.rule, &rules.check);
-    let (counts, planned) = (&mut counts, false);
     let here = {
-        let (at, counts, found) = (&at, &mut *counts, &mut *found);
-        simd.vectorize(Evaluate::<S, true> { simd, rule, at, counts, planned, found })
+        let (at, placed, work) = (&at, false, &mut *work);
+        simd.vectorize(Evaluate::<S, true, false> { simd, rule, at, placed, work })
     };
+    let found = &work.found;
     let factors = Factors::of(found, &here, at.point.lead);
     let (weights, slope) = (here.weights, found.slope);
     let one = steps.constant(1.0);
@@ -515,9 +535,10 @@ fn refine<S: Simd>(
             at.unknowns[k] = settled.select(at.unknowns[k], at.unknowns[k] + step[k]);
         }
         {
-            let (at, counts, planned, found) = (&at, &mut *counts, true, &mut *found);
-            simd.vectorize(Evaluate::<S, false> { simd, rule, at, counts, planned, found });
+            let (at, placed, work) = (&at, true, &mut *work);
+            simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, placed, work });
         }
+        let found = &work.found;
         let size = norm(&found.left, weights);
         let enough = size.le(one * GOAL) | size.le((before * QUICK).min(one * ROOT));
         for k in 0..BALL {
@@ -539,9 +560,10 @@ fn refine<S: Simd>(
         torque = torque + step[k] * slope[k];
     }
     let other = {
-        let (rule, at, found) = (check, &at, &mut *found);
-        simd.vectorize(Evaluate::<S, false> { simd, rule, at, counts, planned, found })
+        let (rule, at, placed, work) = (check, &at, false, &mut *work);
+        simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, placed, work })
     };
+    let found = &work.found;
     // y' = y − J⁻¹ F'(y)                                                  (T24)
     let step = factors.step(&found.left);
     let mut error = found.transmitted.torque - torque;
