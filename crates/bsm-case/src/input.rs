@@ -53,10 +53,14 @@ impl Rule {
                     & value.le(value.constant(MOST_WHOLE))
                     & rest.le(value.constant(0.0))
             }
-            Self::OneOf(numbers) => numbers
-                .iter()
-                .map(|number| value.le(value.constant(*number)) & value.constant(*number).le(value))
-                .fold(value.lt(value), |any, this| any | this),
+            Self::OneOf(numbers) => {
+                let mut any = value.lt(value);
+                for number in numbers {
+                    let number = value.constant(*number);
+                    any = any | value.le(number) & number.le(value);
+                }
+                any
+            }
         }
     }
 
