@@ -210,7 +210,6 @@ impl Quadrature {
 
     /// Number of inner nodes, for places and weights, of a line with this `$\sinh^2\eta$`; none if the
     /// spin pole is so near that they do not suffice.
-    #[inline(always)]
     pub(super) fn count(&self, square: f64) -> Option<usize> {
         // It falls with the number: a count without branches.
         let number = self.reach.iter().filter(|reach| square < **reach).count();

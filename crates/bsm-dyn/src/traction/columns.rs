@@ -597,7 +597,7 @@ pub(super) fn contacts<F: Compare>(pair: &Scaled<F>, y: &[F; BALL]) -> (Contacts
     (Contacts { points, turn, tilts, angles, by_t, by_b }, exist)
 }
 
-/// The equations, with derivatives if `SLOPED`, in the place of what was found before.
+/// The equations, with derivatives if `SLOPED`, in the place of zeros.
 #[inline(always)]
 pub(super) fn evaluate<F: Compare, R: Rubbing, const SLOPED: bool>(
     pair: &Scaled<F>,
@@ -648,13 +648,6 @@ pub(super) fn evaluate<F: Compare, R: Rubbing, const SLOPED: bool>(
         if R::OILED && SLOPED {
             for (part, by_film) in parts.iter_mut().zip(by_film) {
                 add::<_, ALL>(&mut part.by, pull * by_film, film);
-            }
-        }
-        if i == 0 {
-            *left = [one.constant(0.0); BALL];
-            transmitted.power = one.constant(0.0);
-            if SLOPED {
-                *rows = [[one.constant(0.0); BLOCK]; BALL];
             }
         }
         transmitted.power = transmitted.power + (sliding[i] + rolling);

@@ -368,6 +368,10 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
             rubbed[i].sums = rule.sums::<S, SLOPED, ROUGH>(simd, point, nodes);
             rubbed[i].coefficient = at.point.friction;
         }
+        (found.left, found.transmitted.power) = ([zero; BALL], zero);
+        if SLOPED {
+            found.rows = [[zero; BLOCK]; BALL];
+        }
         evaluate::<_, Dry, SLOPED>(point, y, &contacts, rubbed, found);
         let weights = (force.recip(), moment.recip());
         Here { turn: contacts.turn, weights, exists, resolved }
