@@ -333,42 +333,46 @@ impl<S: Simd> Line<S> {
         let &Self { xi, weight, chord, v_t, across: (b_0, b_1) } = self;
         let j = [j[0] * weight, j[1] * weight, j[2] * weight];
         let [f_t, f_c, m_t, m_n, m_c, power] = self.values(of, j);
-        let mut terms = [weight.constant(0.0); ALL];
-        (terms[0], terms[1], terms[2]) = (f_t, f_c, m_t);
-        (terms[3], terms[4], terms[5]) = (m_n, m_c, power);
-        if SLOPED {
-            let ((a, b), slip) = of;
-            let (x, y, h) = (xi * a, chord * b, slip.height(xi));
-            let k = [k[0] * weight, k[1] * weight, k[2] * weight];
-            // T_v = J₀ − v_t² K₀,  T_b = −v_t (b₀ K₀ + b₁ K₁),  T_s = −v_t (b₀ K₁ + b₁ K₂)  (T23)
-            let t_v = j[0] - v_t * v_t * k[0];
-            let t_b = -(v_t * (b_0 * k[0] + b_1 * k[1]));
-            let t_s = -(v_t * (b_0 * k[1] + b_1 * k[2]));
-            let (c_b, c_s, s_s) = (across[0] * weight, across[1] * weight, across[2] * weight);
-            let (t_n, c_n) = (t_v * x + t_s * y, t_b * x + c_s * y);
-            let n_n = x * t_n + y * (t_s * x + s_s * y);
-            let (t_vh, t_bh, c_bh) = (t_v * h, t_b * h, c_b * h);
-            let slopes = [
-                t_v,
-                t_vh,
-                t_vh * h,
-                t_b,
-                t_bh,
-                t_bh * h,
-                c_b,
-                c_bh,
-                c_bh * h,
-                t_n,
-                t_n * h,
-                c_n,
-                c_n * h,
-                n_n,
-            ];
-            for i in 0..slopes.len() {
-                terms[VALUES + i] = slopes[i];
-            }
+        let zero = weight.constant(0.0);
+        if !SLOPED {
+            let mut terms = [zero; ALL];
+            (terms[0], terms[1], terms[2]) = (f_t, f_c, m_t);
+            (terms[3], terms[4], terms[5]) = (m_n, m_c, power);
+            return terms;
         }
-        terms
+        let ((a, b), slip) = of;
+        let (x, y, h) = (xi * a, chord * b, slip.height(xi));
+        let k = [k[0] * weight, k[1] * weight, k[2] * weight];
+        // T_v = J₀ − v_t² K₀,  T_b = −v_t (b₀ K₀ + b₁ K₁),  T_s = −v_t (b₀ K₁ + b₁ K₂)  (T23)
+        let t_v = j[0] - v_t * v_t * k[0];
+        let t_b = -(v_t * (b_0 * k[0] + b_1 * k[1]));
+        let t_s = -(v_t * (b_0 * k[1] + b_1 * k[2]));
+        let (c_b, c_s, s_s) = (across[0] * weight, across[1] * weight, across[2] * weight);
+        let (t_n, c_n) = (t_v * x + t_s * y, t_b * x + c_s * y);
+        let n_n = x * t_n + y * (t_s * x + s_s * y);
+        let (t_vh, t_bh, c_bh) = (t_v * h, t_b * h, c_b * h);
+        [
+            f_t,
+            f_c,
+            m_t,
+            m_n,
+            m_c,
+            power,
+            t_v,
+            t_vh,
+            t_vh * h,
+            t_b,
+            t_bh,
+            t_bh * h,
+            c_b,
+            c_bh,
+            c_bh * h,
+            t_n,
+            t_n * h,
+            c_n,
+            c_n * h,
+            n_n,
+        ]
     }
 }
 
