@@ -101,20 +101,22 @@ impl ManyQuadrature {
         Some(Self { rule, inner, segments, stride })
     }
 
-    /// The nodes of several contacts, and those whose friction they resolve without splitting panels.
+    /// Places the nodes of several contacts, and says whose friction they resolve without splitting panels.
+    ///
+    /// * `counted`: the numbers of nodes along the lines stay as they are, and nothing is said.
     #[inline(always)]
     pub(crate) fn place<S: Simd>(
         &self,
         simd: S,
         point: &Point<Lane<S>>,
         nodes: &mut ManyNodes<S>,
+        counted: bool,
     ) -> Mask<S> {
         // A call of its own: the code is long.
-        simd.vectorize(Place { rule: self, point, nodes })
+        simd.vectorize(Place { rule: self, point, nodes, counted })
     }
 
-    /// Frictions at nodes that were placed with this, for the same or nearly the same contacts; slopes only if
-    /// `SLOPED`, to 1e-5 if `ROUGH`.
+    /// Frictions at nodes that were placed with this; slopes only if `SLOPED`, to 1e-5 if `ROUGH`.
     #[inline(always)]
     pub(crate) fn sums<S: Simd, const SLOPED: bool, const ROUGH: bool>(
         &self,
@@ -131,6 +133,7 @@ struct Place<'a, S: Simd> {
     rule: &'a ManyQuadrature,
     point: &'a Point<Lane<S>>,
     nodes: &'a mut ManyNodes<S>,
+    counted: bool,
 }
 
 impl<S: Simd> NullaryFnOnce for Place<'_, S> {
@@ -138,7 +141,7 @@ impl<S: Simd> NullaryFnOnce for Place<'_, S> {
 
     #[inline(always)]
     fn call(self) -> Mask<S> {
-        let Self { rule: ManyQuadrature { rule, stride, .. }, point, nodes: to } = self;
+        let Self { rule: ManyQuadrature { rule, stride, .. }, point, nodes: to, counted } = self;
         let slip = point.slip();
         let (zero, one) = (slip.creep.constant(0.0), slip.creep.constant(1.0));
         let infinity = one.constant(f64::INFINITY);
@@ -164,6 +167,9 @@ impl<S: Simd> NullaryFnOnce for Place<'_, S> {
                 lines[node] = line_at(&pole, (grow[0] * up, fall[0] * down), weight);
                 lines[nodes - 1 - node] = line_at(&pole, (grow[1] * down, fall[1] * up), weight);
             }
+            if counted {
+                continue;
+            }
             let within = low.lt(pole.at) & pole.at.lt(high);
             resolved = resolved & (!within | narrow.le(slip.analyticity(pole.at)));
             let empty = high.le(low);
@@ -182,8 +188,10 @@ impl<S: Simd> NullaryFnOnce for Place<'_, S> {
                 }
             }
         }
-        for (counts, least) in to.inner.iter_mut().zip(&least) {
-            *counts = rule.counts(*least).map(|count| count.unwrap_or(UNRESOLVED));
+        if !counted {
+            for (counts, least) in to.inner.iter_mut().zip(&least) {
+                *counts = rule.counts(*least).map(|count| count.unwrap_or(UNRESOLVED));
+            }
         }
         second_only.store(&mut to.second_only);
         resolved
@@ -279,7 +287,7 @@ mod tests {
                 let (motion, ball_radius) = ([speed, w_t, w_n, w_c], creep.constant(1.0));
                 let point = Point { semi_axes: (a, b), pressed_radius, ball_radius, motion, creep };
                 let nodes = &mut ManyNodes::new(simd);
-                let resolved = self.0.place(simd, &point, nodes);
+                let resolved = self.0.place(simd, &point, nodes, false);
                 let sums = self.0.sums::<S, true, false>(simd, &point, nodes);
                 let all = sums.values.into_iter().chain(sums.slopes.into_iter().flatten());
                 let all = all.chain([sums.power, resolved.to_numbers()]);

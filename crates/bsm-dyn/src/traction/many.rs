@@ -331,8 +331,8 @@ struct Evaluate<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
     simd: S,
     rule: &'a ManyQuadrature,
     at: &'a TractionStart<Lane<S>>,
-    /// The nodes stay where they are.
-    placed: bool,
+    /// The numbers of inner nodes stay as they are.
+    counted: bool,
     /// Where it goes.
     work: &'a mut Work<S>,
 }
@@ -344,7 +344,7 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
 
     #[inline(always)]
     fn call(self) -> Here<S> {
-        let Self { simd, rule, at, placed, work: Work { found, nodes, rubbed } } = self;
+        let Self { simd, rule, at, counted, work: Work { found, nodes, rubbed } } = self;
         let TractionStart { point, unknowns: y } = at;
         let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
         let (contacts, mut exists) = contacts(point, y);
@@ -362,9 +362,7 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
         let mut resolved = zero.le(zero);
         for i in 0..2 {
             let (point, nodes) = (&contacts.points[i], &mut nodes[i]);
-            if !placed {
-                resolved = resolved & rule.place(simd, point, nodes);
-            }
+            resolved = resolved & rule.place(simd, point, nodes, counted);
             rubbed[i].sums = rule.sums::<S, SLOPED, ROUGH>(simd, point, nodes);
             rubbed[i].coefficient = at.point.friction;
         }
@@ -469,8 +467,8 @@ fn approach<S: Simd>(
         trial.unknowns[k] = walk.step[k].mul_add(walk.part, trial.unknowns[k]);
     }
     let here = {
-        let (at, placed, work) = (&trial, false, &mut *work);
-        simd.vectorize(Evaluate::<S, true, true> { simd, rule, at, placed, work })
+        let (at, counted, work) = (&trial, false, &mut *work);
+        simd.vectorize(Evaluate::<S, true, true> { simd, rule, at, counted, work })
     };
     let found = &work.found;
     let infinity = walk.before.constant(f64::INFINITY);
@@ -523,8 +521,8 @@ fn refine<S: Simd>(
     let Walk { mut at, mut steps, .. } = gather(simd, walks, some);
     let (rule, check) = (&rules.rule, &rules.check);
     let here = {
-        let (at, placed, work) = (&at, false, &mut *work);
-        simd.vectorize(Evaluate::<S, true, false> { simd, rule, at, placed, work })
+        let (at, counted, work) = (&at, false, &mut *work);
+        simd.vectorize(Evaluate::<S, true, false> { simd, rule, at, counted, work })
     };
     let found = &work.found;
     let factors = Factors::of(found, &here, at.point.lead);
@@ -539,8 +537,8 @@ fn refine<S: Simd>(
             at.unknowns[k] = settled.select(at.unknowns[k], at.unknowns[k] + step[k]);
         }
         {
-            let (at, placed, work) = (&at, true, &mut *work);
-            simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, placed, work });
+            let (at, counted, work) = (&at, true, &mut *work);
+            simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, counted, work });
         }
         let found = &work.found;
         let size = norm(&found.left, weights);
@@ -564,8 +562,8 @@ fn refine<S: Simd>(
         torque = torque + step[k] * slope[k];
     }
     let other = {
-        let (rule, at, placed, work) = (check, &at, false, &mut *work);
-        simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, placed, work })
+        let (rule, at, counted, work) = (check, &at, false, &mut *work);
+        simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, counted, work })
     };
     let found = &work.found;
     // y' = y − J⁻¹ F'(y)                                                  (T24)
