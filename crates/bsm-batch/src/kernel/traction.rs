@@ -61,15 +61,14 @@ impl WithSimd for Solve<'_, '_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { arch, rows: Rows { operands, wanted, first, columns, done }, creep, many } =
             self;
-        let given = |row| Given { simd, operands, row: first + row };
         let (mut lanes, mut points, mut starts) = (Vec::new(), Vec::new(), Vec::new());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
-            let given = given(row);
+            let given = Given { simd, operands, row: first + row };
             // A call of its own: the code is long.
             let lane = simd.vectorize(Scale { given: &given, creep });
             let mut out = Out { wanted, columns: &mut *columns, row };
             let (start, found) = start(&given, &lane, &mut out);
-            lanes.push(lane);
+            lanes.push((given, lane));
             let mut blocks = [[0.0; MANY]; TRACTION_START];
             for (block, lane) in blocks.iter_mut().zip(start.numbers()) {
                 lane.store(block);
@@ -91,8 +90,8 @@ impl WithSimd for Solve<'_, '_> {
         for (row, root) in points.into_iter().zip(many.solve(arch, &starts)) {
             roots[row] = root;
         }
-        for (place, lane) in lanes.iter().enumerate() {
-            let row = place * Lane::<S>::LEN;
+        for (given, lane) in &lanes {
+            let row = given.row - first;
             let mut blocks = [[0.0; MANY]; TRACTION_FOUND];
             let mut found = [false; MANY];
             for (i, root) in roots[row..].iter().enumerate().take(Lane::<S>::LEN) {
@@ -110,7 +109,7 @@ impl WithSimd for Solve<'_, '_> {
             let mut out = Out { wanted, columns: &mut *columns, row };
             let solved = outputs(lane, &TractionRoot::of(root), &mut out);
             let mut answered = [false; MANY];
-            (solved & given(row).lawful(Model::Traction)).store(&mut answered);
+            (solved & given.lawful(Model::Traction)).store(&mut answered);
             for (i, done) in done[row..].iter_mut().enumerate().take(Lane::<S>::LEN) {
                 *done = answered[i] && found[i];
             }

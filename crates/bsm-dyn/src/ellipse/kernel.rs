@@ -333,9 +333,8 @@ impl<S: Simd> Line<S> {
         let &Self { xi, weight, chord, v_t, across: (b_0, b_1) } = self;
         let j = [j[0] * weight, j[1] * weight, j[2] * weight];
         let [f_t, f_c, m_t, m_n, m_c, power] = self.values(of, j);
-        let zero = weight.constant(0.0);
         if !SLOPED {
-            let mut terms = [zero; ALL];
+            let mut terms = [weight.constant(0.0); ALL];
             (terms[0], terms[1], terms[2]) = (f_t, f_c, m_t);
             (terms[3], terms[4], terms[5]) = (m_n, m_c, power);
             return terms;

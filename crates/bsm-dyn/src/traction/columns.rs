@@ -280,7 +280,7 @@ impl<R: Rubbing, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
         if !exist {
             return false;
         }
-        let mut rubbed = [(); 2].map(|()| Rubbed::dry(Sums::none(0.0), 1.0));
+        let mut rubbed = [Rubbed::none(0.0); 2];
         rubbing.rub::<S, SLOPED>(simd, ball, y, &contacts, &mut rubbed);
         evaluate::<_, R, SLOPED>(&scaled, y, &contacts, &rubbed, found);
         true
@@ -288,6 +288,7 @@ impl<R: Rubbing, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
 }
 
 /// What friction does at a contact.
+#[derive(Clone, Copy)]
 pub(super) struct Rubbed<F = f64> {
     /// The sums of its coefficient, and what they are multiplied with, against a slip over `$W$`.
     pub(super) sums: Sums<F>,
@@ -301,13 +302,12 @@ pub(super) struct Rubbed<F = f64> {
 }
 
 impl<F: Compare> Rubbed<F> {
-    /// Dry friction.
+    /// Nothing.
     #[inline(always)]
-    pub(super) fn dry(sums: Sums<F>, coefficient: F) -> Self {
-        let zero = coefficient.constant(0.0);
+    pub(super) fn none(zero: F) -> Self {
         Self {
-            sums,
-            coefficient,
+            sums: Sums::none(zero),
+            coefficient: zero,
             by_film: [zero; SUMS],
             film: [zero; BLOCK],
             resistance: [zero; 2],
@@ -618,7 +618,8 @@ pub(super) fn evaluate<F: Compare, R: Rubbing, const SLOPED: bool>(
         let pull = load * coefficient;
         // P_f = Σ f Q ∫ dP                                                (P7)
         sliding[i] = pull * unit_power;
-        let mut parts = [Sloped { re: one, by: [one.constant(0.0); BLOCK] }; 5];
+        transmitted.power = transmitted.power + (sliding[i] + rolling);
+        let mut parts = [Sloped { re: one.constant(0.0), by: [one.constant(0.0); BLOCK] }; 5];
         let [_, _, w_n, w_c] = points[i].motion;
         let (mut by_n, mut by_c) =
             (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
@@ -650,7 +651,6 @@ pub(super) fn evaluate<F: Compare, R: Rubbing, const SLOPED: bool>(
                 add::<_, ALL>(&mut part.by, pull * by_film, film);
             }
         }
-        transmitted.power = transmitted.power + (sliding[i] + rolling);
         // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                               (T2)
         let [f_t, f_c, m_t, m_n, m_c] = &parts;
         let normal = Sloped { re: load, by: by_load };

@@ -22,7 +22,7 @@ use super::root::FASTEST;
 use super::{COARSE, OMEGA};
 use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::ellipse::{ManyNodes, ManyQuadrature, Quadrature, Sums};
+use crate::ellipse::{ManyNodes, ManyQuadrature, Quadrature};
 
 /// Residual from which the coarse quadrature is left for the one that is asked for.
 const NEAR: f64 = 1e-3;
@@ -308,11 +308,10 @@ struct Work<S: Simd> {
 impl<S: Simd> Work<S> {
     fn new(simd: S) -> Self {
         let zero = Lane::splat(simd, 0.0);
-        let rubbed = || Rubbed::dry(Sums::none(zero), zero);
         Self {
             found: Evaluated::zero(zero),
             nodes: [ManyNodes::new(simd), ManyNodes::new(simd)],
-            rubbed: [rubbed(), rubbed()],
+            rubbed: [Rubbed::none(zero); 2],
         }
     }
 }
