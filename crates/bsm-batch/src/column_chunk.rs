@@ -7,6 +7,7 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::hash::Hash;
+use std::iter::repeat_n;
 
 use bytes::Bytes;
 use foldhash::fast::FixedState;
@@ -87,20 +88,20 @@ impl Levels {
         }
     }
 
-    /// The page of these rows with `values` behind the levels, if the column may have rows without.
+    /// The page of these rows with what `values` appends behind the levels, if the column may have rows without.
     fn page(
         mut self,
         column: &ColumnDescPtr,
         encoding: Encoding,
-        values: &[u8],
+        values: impl FnOnce(&mut Vec<u8>),
     ) -> Result<CompressedPage> {
-        let mut page = Vec::with_capacity(self.bytes.len() + values.len() + 16);
+        let mut page = Vec::new();
         if column.max_def_level() > 0 {
             self.end_run();
             page.extend(count(self.bytes.len())?.to_le_bytes());
             page.extend(&self.bytes);
         }
-        page.extend_from_slice(values);
+        values(&mut page);
         let (length, rle) = (page.len(), Encoding::RLE);
         let page = Page::DataPage {
             buf: packed(&page)?,
@@ -134,15 +135,15 @@ pub(crate) struct Keys<T> {
     words: Vec<T>,
     places: HashMap<T, u16, FixedState>,
     /// Place of the last word.
-    last: usize,
+    last: u16,
     /// Bytes of a key.
     width: usize,
     /// Words that there may be.
-    most: usize,
+    most: u16,
     levels: Levels,
     bytes: Vec<u8>,
     /// Keys that stand one by one, in groups of eight.
-    single: Vec<u8>,
+    single: Vec<u16>,
 }
 
 impl<T: Word> Keys<T> {
@@ -153,7 +154,7 @@ impl<T: Word> Keys<T> {
             places: HashMap::default(),
             last: 0,
             width: if most <= 1 << 8 { 1 } else { 2 },
-            most: most.into(),
+            most,
             levels: Levels::default(),
             bytes: Vec::new(),
             single: Vec::new(),
@@ -164,16 +165,16 @@ impl<T: Word> Keys<T> {
     pub(crate) fn push(&mut self, word: Option<T>, rows: usize) -> bool {
         if let Some(word) = word {
             let next = self.next();
-            self.last = if self.words.get(next) == Some(&word) {
+            self.last = if self.words.get(usize::from(next)) == Some(&word) {
                 next
             } else if let Some(place) = self.places.get(&word) {
-                usize::from(*place)
-            } else if let (Ok(place), true) =
-                (u16::try_from(self.words.len()), self.words.len() < self.most)
+                *place
+            } else if let Some(place) =
+                u16::try_from(self.words.len()).ok().filter(|place| *place < self.most)
             {
                 self.places.insert(word, place);
                 self.words.push(word);
-                place.into()
+                place
             } else {
                 return false;
             };
@@ -183,56 +184,36 @@ impl<T: Word> Keys<T> {
         true
     }
 
-    /// Appends rows, none like the one after it, for as long as they go on as a grid does; returns how many.
-    fn push_next(&mut self, rows: impl Iterator<Item = (T, bool)>) -> usize {
-        let before = self.single.len();
-        for (word, is_single) in rows {
-            let next = self.next();
-            if !is_single || self.words[next] != word {
-                break;
-            }
-            self.last = next;
-            let [low, high, ..] = next.to_le_bytes();
-            self.single.push(low);
-            if self.width > 1 {
-                self.single.push(high);
-            }
-        }
-        let count = (self.single.len() - before) / self.width;
-        if count > 0 {
-            self.levels.push(true, count);
-        }
-        count
-    }
-
     /// A grid goes on as it did before: the next word, and after the last one the first.
-    fn next(&self) -> usize {
-        if self.last + 1 < self.words.len() { self.last + 1 } else { 0 }
+    fn next(&self) -> u16 {
+        if usize::from(self.last) + 1 < self.words.len() { self.last + 1 } else { 0 }
     }
 
     /// Appends the key of the last word.
     fn push_key(&mut self, rows: usize) {
-        let key = self.last.to_le_bytes();
-        let key = &key[..self.width];
         // What lacks to a group of eight.
-        let lacks = (self.single.len() / self.width).wrapping_neg() % LEAST_RUN;
+        let lacks = self.single.len().wrapping_neg() % LEAST_RUN;
         let single = if rows < lacks + LEAST_RUN { rows } else { lacks };
-        for _ in 0..single {
-            self.single.extend_from_slice(key);
-        }
+        self.single.extend(repeat_n(self.last, single));
         if rows > single {
             self.end_single();
             header((rows - single) << 1, &mut self.bytes);
-            self.bytes.extend_from_slice(key);
+            self.bytes.extend_from_slice(&self.last.to_le_bytes()[..self.width]);
         }
     }
 
     fn end_single(&mut self) {
-        let groups = self.single.len().div_ceil(LEAST_RUN * self.width);
+        let groups = self.single.len().div_ceil(LEAST_RUN);
         if groups > 0 {
-            self.single.resize(groups * LEAST_RUN * self.width, 0);
+            self.single.resize(groups * LEAST_RUN, 0);
             header(groups << 1 | 1, &mut self.bytes);
-            self.bytes.append(&mut self.single);
+            let keys = self.single.iter();
+            if self.width == 1 {
+                self.bytes.extend(keys.map(|key| key.to_le_bytes()[0]));
+            } else {
+                self.bytes.extend(keys.flat_map(|key| key.to_le_bytes()));
+            }
+            self.single.clear();
         }
     }
 
@@ -242,7 +223,7 @@ impl<T: Word> Keys<T> {
             return Ok(Vec::new());
         }
         if self.words.is_empty() {
-            return Ok(vec![self.levels.page(column, Encoding::PLAIN, &[])?]);
+            return Ok(vec![self.levels.page(column, Encoding::PLAIN, |_| {})?]);
         }
         let mut plain = Vec::new();
         self.words.iter().for_each(|word| word.write(&mut plain));
@@ -253,10 +234,52 @@ impl<T: Word> Keys<T> {
             is_sorted: false,
         };
         self.end_single();
-        self.bytes.insert(0, if self.width == 1 { 8 } else { 16 });
-        let keys = self.levels.page(column, Encoding::RLE_DICTIONARY, &self.bytes)?;
+        let bits_of_key = if self.width == 1 { 8 } else { 16 };
+        let keys = self.levels.page(column, Encoding::RLE_DICTIONARY, |page| {
+            page.push(bits_of_key);
+            page.append(&mut self.bytes);
+        })?;
         Ok(vec![CompressedPage::new(dictionary, plain.len()), keys])
     }
+}
+
+impl Keys<u64> {
+    /// Appends numbers for as long as they go on as a grid does, none like the one after it; returns how many.
+    fn push_next(&mut self, rows: &[f64]) -> usize {
+        let mut pushed = 0;
+        while pushed < rows.len() {
+            let (next, rest) = (self.next(), &rows[pushed..]);
+            let mut more = alike(&self.words[usize::from(next)..], rest);
+            let last = |end: usize| rest[end - 1].to_bits();
+            if 0 < more && more < rest.len() && last(more) == last(more + 1) {
+                // A run begins.
+                more -= 1;
+            }
+            let Some(end) = u16::try_from(more).ok().filter(|n| *n > 0).map(|n| next + n) else {
+                break;
+            };
+            self.single.extend(next..end);
+            self.last = end - 1;
+            pushed += more;
+        }
+        if pushed > 0 {
+            self.levels.push(true, pushed);
+        }
+        pushed
+    }
+}
+
+/// How many numbers at the beginning of `rows` are these words.
+fn alike(words: &[u64], rows: &[f64]) -> usize {
+    /// Compared at once, whatever the first ones are.
+    const BLOCK: usize = 64;
+    let same = |(word, x): (&u64, &f64)| *word == x.to_bits();
+    let blocks = words.chunks_exact(BLOCK).zip(rows.chunks_exact(BLOCK));
+    let all = |(words, rows): &(&[u64], &[f64])| {
+        words.iter().zip(*rows).fold(true, |all, pair| all & same(pair))
+    };
+    let first = BLOCK * blocks.take_while(all).count();
+    first + words[first..].iter().zip(&rows[first..]).take_while(|pair| same(*pair)).count()
 }
 
 impl Keys<&'static str> {
@@ -339,12 +362,8 @@ impl Numbers {
         let mut row = 0;
         while row < values.len() {
             if there.is_none() && self.keys.words.len() > 1 {
-                let (whole, ends) = (self.whole, values.len() - 1);
-                row += self.keys.push_next((row..=ends).map(|row| {
-                    let is_single = row == ends || !same(row, row + 1);
-                    (bits(values[row], whole), is_single)
-                }));
-                if row > ends {
+                row += self.keys.push_next(&values[row..]);
+                if row == values.len() {
                     break;
                 }
             }
@@ -352,7 +371,7 @@ impl Numbers {
             while end < values.len() && same(row, end) {
                 end += 1;
             }
-            let word = is_there(row).then(|| bits(values[row], self.whole));
+            let word = is_there(row).then(|| values[row].to_bits());
             if !self.keys.push(word, end - row) {
                 break;
             }
@@ -373,30 +392,34 @@ impl Numbers {
             levels.push(true, values.len());
             values.into()
         };
-        for value in &*given {
-            self.least = self.least.min(*value);
-            self.greatest = self.greatest.max(*value);
-        }
+        self.widen(&given);
         self.nulls += levels.nulls;
-        let (encoding, bytes) = if self.whole || given.is_empty() {
-            (
-                Encoding::PLAIN,
-                given.iter().flat_map(|x| bits(*x, self.whole).to_le_bytes()).collect(),
-            )
-        } else {
-            (Encoding::BYTE_STREAM_SPLIT, by_places(&given))
-        };
-        self.pages.write(vec![levels.page(&self.column, encoding, &bytes)?])
+        let whole = self.whole;
+        let plain = whole || given.is_empty();
+        let encoding = if plain { Encoding::PLAIN } else { Encoding::BYTE_STREAM_SPLIT };
+        let page = levels.page(&self.column, encoding, |page| {
+            if plain {
+                page.extend(given.iter().flat_map(|x| bits(*x, whole).to_le_bytes()));
+            } else {
+                by_places(&given, page);
+            }
+        })?;
+        self.pages.write(vec![page])
+    }
+
+    /// Puts values between the least and the greatest one; NaN is none.
+    fn widen(&mut self, values: &[f64]) {
+        let ends = values.iter().fold((self.least, self.greatest), |(least, greatest), x| {
+            (if *x < least { *x } else { least }, if *x > greatest { *x } else { greatest })
+        });
+        (self.least, self.greatest) = ends;
     }
 
     /// The column chunk.
     pub(crate) fn finish(mut self) -> Result<Encoded> {
-        for word in &self.keys.words {
-            #[expect(clippy::cast_precision_loss, reason = "small counts")]
-            let value = if self.whole { *word as f64 } else { f64::from_bits(*word) };
-            self.least = self.least.min(value);
-            self.greatest = self.greatest.max(value);
-        }
+        let words: Vec<_> = self.keys.words.iter().map(|word| f64::from_bits(*word)).collect();
+        self.widen(&words);
+        self.keys.words = words.iter().map(|value| bits(*value, self.whole)).collect();
         self.nulls += self.keys.levels.nulls;
         // There may be none, or only NaN; which zero it was is not told.
         let any = self.least <= self.greatest;
@@ -417,13 +440,29 @@ impl Numbers {
     }
 }
 
-/// The first bytes of all numbers, then all second ones, and so on: `BYTE_STREAM_SPLIT`.
-fn by_places(values: &[f64]) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(8 * values.len());
-    for place in 0..8 {
-        bytes.extend(values.iter().map(|value| value.to_le_bytes()[place]));
+/// Appends the first bytes of all numbers, then all second ones, and so on: `BYTE_STREAM_SPLIT`.
+///
+/// * `values`: one at least.
+fn by_places(values: &[f64], to: &mut Vec<u8>) {
+    const BLOCK: usize = 64;
+    let first = to.len();
+    to.resize(first + 8 * values.len(), 0);
+    let mut places: Vec<_> = to[first..].chunks_exact_mut(values.len()).collect();
+    // The halves of numbers first: twice as many of them are shifted at once.
+    let mut halves = [[0_u32; BLOCK]; 2];
+    for (block, values) in values.chunks(BLOCK).enumerate() {
+        for (i, value) in values.iter().enumerate() {
+            let [a, b, c, d, e, f, g, h] = value.to_le_bytes();
+            halves[0][i] = u32::from_le_bytes([a, b, c, d]);
+            halves[1][i] = u32::from_le_bytes([e, f, g, h]);
+        }
+        for (place, bytes) in places.iter_mut().enumerate() {
+            let shift = 8 * (place % 4);
+            for (byte, half) in bytes[BLOCK * block..].iter_mut().zip(&halves[place / 4]) {
+                *byte = (half >> shift).to_le_bytes()[0];
+            }
+        }
     }
-    bytes
 }
 
 /// Pages of a column chunk, one behind the other.

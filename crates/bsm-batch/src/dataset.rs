@@ -24,9 +24,12 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::ops::Range;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::thread::{self, ScopedJoinHandle};
 
 use rayon::prelude::*;
+use tempfile::NamedTempFile;
 
 pub use self::error::DatasetError;
 pub use self::folder::MakeTemporary;
@@ -39,6 +42,9 @@ use self::folder::{Folder, complete};
 use self::part::{Proving, kind, prove, seal};
 use self::reduce::Reduced;
 use crate::{Answers, Chunk, Count, ParquetSink, RunError, Source, TableError, Task, Workers};
+
+/// A part that is written and has no name yet.
+type Unnamed = BufWriter<NamedTempFile>;
 
 /// What happens in a run.
 #[derive(Debug, Clone, Copy)]
@@ -328,6 +334,19 @@ impl Dataset {
         workers: &Workers<'_>,
         tell: &mut dyn FnMut(Event<'_>),
     ) -> Result<Part, DatasetError> {
+        let (file, part) = self.solve_shard(shard, task, source, workers, tell)?;
+        self.keep(file, part, replace, workers)
+    }
+
+    /// Solves one part into a file without its name.
+    fn solve_shard(
+        &self,
+        shard: u64,
+        task: &Task,
+        source: &mut dyn Source,
+        workers: &Workers<'_>,
+        tell: &mut dyn FnMut(Event<'_>),
+    ) -> Result<(Unnamed, Part), DatasetError> {
         let place = self.plan.place(shard);
         let path = self.part_file(shard);
         let unwritable = |error| DatasetError::Write { path: path.clone(), error };
@@ -363,12 +382,23 @@ impl Dataset {
             let (rows, found) = (place.rows, count.rows);
             return Err(DatasetError::PointsChanged { shard, rows, found });
         }
-        let (out, part) = seal(file.map_err(unwritable)?, place, count).map_err(unwritable)?;
-        let file = out.into_inner().map_err(io::IntoInnerError::into_error);
+        seal(file.map_err(unwritable)?, place, count).map_err(unwritable)
+    }
+
+    /// Gives a part that is solved its name.
+    fn keep(
+        &self,
+        file: Unnamed,
+        part: Part,
+        replace: bool,
+        workers: &Workers<'_>,
+    ) -> Result<Part, DatasetError> {
+        let path = self.part_file(part.shard);
+        let file = file.into_inner().map_err(io::IntoInnerError::into_error);
         match file.and_then(|file| complete(file, &path, replace)) {
             Ok(()) => Ok(part),
             // Somebody else may have finished it in the meantime, and may have tidied up.
-            Err(error) => match self.find(shard, false, workers)? {
+            Err(error) => match self.find(part.shard, false, workers)? {
                 Ok(Some(there)) if there == part => Ok(there),
                 _ => Err(DatasetError::io("write", &path, error)),
             },
@@ -401,31 +431,44 @@ impl Dataset {
         self.folder.make_folders()?;
         let mut source = points.open().map_err(DatasetError::Read)?;
         let mut at = 0;
-        let (mut parts, mut damaged) = (BTreeMap::new(), Vec::new());
-        for shard in shards {
-            if shard >= self.plan.shards() {
-                return Err(DatasetError::NoSuchPart { shard, shards: self.plan.shards() });
-            }
-            let found = self.find(shard, repair, workers)?;
-            let replace = found.is_err();
-            match found {
-                Ok(Some(part)) => {
-                    tell(Event::Found(&part));
-                    parts.insert(shard, part);
-                    continue;
+        let (mut parts, mut kept, mut damaged) = (BTreeMap::new(), Vec::new(), Vec::new());
+        thread::scope(|scope| {
+            let joined = |thread: ScopedJoinHandle<'_, _>| {
+                thread.join().unwrap_or_else(|panic| resume_unwind(panic))
+            };
+            let mut behind = None;
+            for shard in shards {
+                if shard >= self.plan.shards() {
+                    return Err(DatasetError::NoSuchPart { shard, shards: self.plan.shards() });
                 }
-                Err(damage) if !repair => {
-                    damaged.push((self.part_file(shard), damage));
-                    continue;
+                let found = self.find(shard, repair, workers)?;
+                let replace = found.is_err();
+                match found {
+                    Ok(Some(part)) => {
+                        tell(Event::Found(&part));
+                        parts.insert(shard, part);
+                        continue;
+                    }
+                    Err(damage) if !repair => {
+                        damaged.push((self.part_file(shard), damage));
+                        continue;
+                    }
+                    Ok(None) | Err(_) => {}
                 }
-                Ok(None) | Err(_) => {}
+                let first = self.plan.place(shard).first_row;
+                source.skip(first - at).map_err(DatasetError::Read)?;
+                let (file, part) = self.solve_shard(shard, task, source.as_mut(), workers, tell)?;
+                at = first + part.rows;
+                // The disk takes its time, in which the next part is solved.
+                let keep = move || self.keep(file, part, replace, workers);
+                let keep = thread::Builder::new().spawn_scoped(scope, keep);
+                let before = behind.replace(keep.map_err(DatasetError::Thread)?);
+                kept.extend(before.map(joined).transpose()?);
             }
-            let first = self.plan.place(shard).first_row;
-            source.skip(first - at).map_err(DatasetError::Read)?;
-            let part = self.run_shard(shard, task, source.as_mut(), replace, workers, tell)?;
-            at = first + part.rows;
-            parts.insert(shard, part);
-        }
+            kept.extend(behind.map(joined).transpose()?);
+            Ok(())
+        })?;
+        parts.extend(kept.into_iter().map(|part| (part.shard, part)));
         if damaged.is_empty() { Ok(parts) } else { Err(DatasetError::Damaged(damaged)) }
     }
 

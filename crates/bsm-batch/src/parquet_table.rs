@@ -300,7 +300,7 @@ impl Encoder {
             Self::Number(place, column) => {
                 let values = &answers.columns[*place];
                 let there = |x: &f64| !x.is_nan();
-                let gaps = !values.iter().all(there);
+                let gaps = values.iter().fold(false, |gaps, x| gaps | x.is_nan());
                 let there: Option<Vec<_>> = gaps.then(|| values.iter().map(there).collect());
                 column.push(values, there.as_deref())?;
             }

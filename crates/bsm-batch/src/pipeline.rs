@@ -258,19 +258,14 @@ impl Task {
             for chunk in chunks {
                 let chunk = chunk.map_err(RunError::Read)?;
                 let solve = || self.solve_until(workers.stop, &chunk, &columns);
-                let write = || write(&mut sink, behind.take());
+                let write = || write(&mut sink, &mut count, behind.take());
                 let (answers, written) = workers.install(|| rayon::join(solve, write));
                 let answers = answers.ok_or(RunError::Stopped)?;
                 written?;
-                let verdicts = &answers.verdicts;
-                count.rows += verdicts.len() as u64;
-                count.several += verdicts.iter().filter(|v| v.has_others).count() as u64;
-                count.failed +=
-                    verdicts.iter().filter(|v| v.status != Status::Converged).count() as u64;
                 seen(&chunk, &answers);
                 behind = Some((chunk, answers));
             }
-            workers.install(|| write(&mut sink, behind))?;
+            workers.install(|| write(&mut sink, &mut count, behind))?;
             Ok((sink, count))
         })
     }
@@ -289,8 +284,16 @@ fn read_ahead(source: &mut dyn Source, most: u64, to: &SyncSender<Result<Chunk, 
     }
 }
 
-/// Writes a chunk that is solved, if there is one.
-fn write<S: Sink>(sink: &mut S, solved: Option<(Chunk, Answers)>) -> Result<(), RunError> {
-    let written = solved.map_or(Ok(()), |(chunk, answers)| sink.write(chunk, answers));
-    written.map_err(RunError::Write)
+/// Counts and writes a chunk that is solved, if there is one.
+fn write<S: Sink>(
+    sink: &mut S,
+    count: &mut Count,
+    solved: Option<(Chunk, Answers)>,
+) -> Result<(), RunError> {
+    let Some((chunk, answers)) = solved else { return Ok(()) };
+    let verdicts = &answers.verdicts;
+    count.rows += verdicts.len() as u64;
+    count.several += verdicts.iter().filter(|v| v.has_others).count() as u64;
+    count.failed += verdicts.iter().filter(|v| v.status != Status::Converged).count() as u64;
+    sink.write(chunk, answers).map_err(RunError::Write)
 }

@@ -175,6 +175,10 @@ impl Task {
                 let rows = Rows { operands, wanted, first, columns, done: &mut done };
                 rows.solve(arch, *model, settings);
             }
+            if asked.analyses.is_empty() && !done.contains(&false) {
+                // Nothing is left of any row.
+                done.clear();
+            }
             let mut messages = Vec::new();
             for (i, done) in done.into_iter().enumerate() {
                 if done && asked.analyses.is_empty() {

@@ -190,15 +190,22 @@ impl Grid {
 
     /// Appends the values of an axis at some points.
     pub fn fill(&self, axis: usize, points: Range<usize>, to: &mut Vec<f64>) {
-        // Points of one value.
+        // Points of one value, and those until the first value returns.
         let run: usize = self.axes[axis + 1..].iter().map(Axis::len).product();
         let (axis, mut at, first) = (&self.axes[axis], points.start, points.start / run);
+        let (period, begin) = (run * axis.len(), to.len());
+        let once = points.end.min(points.start.saturating_add(period));
         let (mut place, mut end) = (first % axis.len(), (first + 1) * run);
-        while at < points.end {
-            let until = end.min(points.end);
+        while at < once {
+            let until = end.min(once);
             to.extend(repeat_n(axis.value(place), until - at));
             (at, end) = (until, end.saturating_add(run));
             place = if place + 1 < axis.len() { place + 1 } else { 0 };
+        }
+        while at < points.end {
+            let rows = period.min(points.end - at);
+            to.extend_from_within(begin..begin + rows);
+            at += rows;
         }
     }
 

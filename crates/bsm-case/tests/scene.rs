@@ -252,6 +252,15 @@ fn grids_are_full_products_with_exact_ends() {
         [[1.0, 0.1], [1.0, 0.3], [1.5, 0.1], [1.5, 0.3], [2.0, 0.1], [2.0, 0.3]].map(Vec::from);
     assert_eq!(points, expected);
     assert_eq!(grid.scene(&scene(LIN), &grid.point(3)).friction_coefficient, Some(0.3));
+    // Many points at once, over several rounds of the fast axis or within one, are those one by one.
+    for (first, end) in (0..=6).flat_map(|first| (first..=6).map(move |end| (first, end))) {
+        for axis in 0..2 {
+            let mut column = vec![f64::NAN];
+            grid.fill(axis, first..end, &mut column);
+            let one_by_one: Vec<_> = points[first..end].iter().map(|point| point[axis]).collect();
+            assert_eq!(column[1..], one_by_one, "axis {axis}, points {first} to {end}");
+        }
+    }
     // 0.1 is not a sum of tenths in binary; the end is still exact.
     let tenth = Axis::parse("friction_coefficient=0:0.1:8").expect("range");
     assert_eq!(tenth.value(7).to_bits(), 0.1_f64.to_bits());
