@@ -10,6 +10,8 @@ mod root;
 mod scatter;
 mod sensitivities;
 
+use std::cell::OnceCell;
+
 use bsm_kin::{Helix, Motion, Scalar};
 use bsm_newton::{EvalError, Options, Report, Scales, solve};
 use bsm_simd::Block;
@@ -104,7 +106,7 @@ struct Rolling<'a, P = f64> {
     pair: &'a ElasticBall<P>,
     quadrature: &'a Quadrature,
     /// Numbers of nodes near a root; by the slip elsewhere.
-    plans: Option<&'a [Plan; 2]>,
+    plans: Option<&'a [OnceCell<Plan>; 2]>,
     creep: f64,
     /// The residual that is small enough for a root, and the one that is aimed at.
     enough: f64,
@@ -172,7 +174,8 @@ impl<P: Scalar> Rolling<'_, P> {
 
     /// The nodes at nut (0) or screw (1).
     fn nodes(&self, i: usize) -> Nodes<'_> {
-        Nodes { rule: self.quadrature, plan: self.plans.map(|plans| &plans[i]) }
+        let (rule, plan) = (self.quadrature, self.plans.map(|plans| &plans[i]));
+        Nodes { rule, plan, rough: self.enough >= NEAR }
     }
 
     /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far

@@ -136,6 +136,21 @@ impl<S: Simd> Inner<S> {
         Self { j: [zero; 3], k: [zero; 3] }
     }
 
+    /// Adds nodes of the same places on all lines.
+    #[inline(always)]
+    fn add_all<const SLOPED: bool, const ROUGH: bool>(
+        &mut self,
+        simd: S,
+        square: Lane<S>,
+        across: (Lane<S>, Lane<S>),
+        nodes: &[(f64, f64)],
+    ) {
+        for (s, weight) in nodes {
+            let node = (Lane::splat(simd, *s), Lane::splat(simd, *weight));
+            self.add::<SLOPED, ROUGH>(square, across, node);
+        }
+    }
+
     /// Adds a node, to rounding or, if `ROUGH`, to the error of a rough root.
     ///
     /// * `square`: of the slip along the groove and the creep speed.
@@ -172,6 +187,7 @@ struct Gather<'a, const N: usize, const SLOPED: bool> {
     points: &'a [Point; N],
     slips: &'a [EllipseSlip<f64>; N],
     totals: [[Block; ALL]; N],
+    plans: [Plan; N],
 }
 
 impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
@@ -253,6 +269,9 @@ pub(super) fn fold<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
 impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLOPED> {
     #[inline(always)]
     fn visit(&mut self, simd: S, ellipse: usize, lines: &Lines) {
+        if self.nodes[ellipse].is_new() {
+            self.plans[ellipse].note(lines);
+        }
         let slip = self.slips[ellipse].splat(simd);
         let axes = self.points[ellipse].axes(simd);
         let rule = self.nodes[ellipse].rule;
@@ -263,11 +282,11 @@ impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLO
             let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across_at(xi, chord));
             let square = v_t * v_t + slip.creep * slip.creep;
             let mut inner = Inner::zero(simd);
-            if let Some(count) = lines.inner {
-                for (s, part) in &rule.inner[count] {
-                    let node = (Lane::splat(simd, *s), Lane::splat(simd, *part));
-                    inner.add::<SLOPED, false>(square, (b_0, b_1), node);
-                }
+            let across = lines.inner.map_or(&[][..], |count| &rule.inner[count]);
+            if self.nodes[ellipse].rough {
+                inner.add_all::<SLOPED, true>(simd, square, (b_0, b_1), across);
+            } else {
+                inner.add_all::<SLOPED, false>(simd, square, (b_0, b_1), across);
             }
             if lines.any_inside {
                 let mut sums = [[0.0; BLOCK]; 6];
@@ -488,12 +507,16 @@ fn all<S: Simd, const N: usize, const SLOPED: bool>(
         *slip = point.slip();
     }
     let totals = [[[0.0; BLOCK]; ALL]; N];
-    let mut gathered = Gather::<N, SLOPED> { nodes, points, slips: &slips, totals };
+    let plans = from_fn(|_| Plan::default());
+    let mut gathered = Gather::<N, SLOPED> { nodes, points, slips: &slips, totals, plans };
     walk_along(simd, nodes, &slips, &mut gathered);
     let mut sums = [[0.0; ALL]; N];
     for (sums, totals) in sums.iter_mut().zip(&gathered.totals) {
         let some = some::<SLOPED>();
         fold(simd, &totals[..some], &mut sums[..some]);
+    }
+    for (nodes, plan) in nodes.iter().zip(gathered.plans) {
+        nodes.keep(plan);
     }
     sums
 }
@@ -578,31 +601,5 @@ impl WithSimd for List<'_> {
         let mut list = Collect { rule: nodes.rule, slip: point.slip(), bend, nodes: Vec::new() };
         walk(simd, nodes, &point.slip(), &mut list);
         list.nodes
-    }
-}
-
-impl Plan {
-    /// The plans of a few contacts.
-    #[inline(always)]
-    pub(crate) fn along<S: Simd, const N: usize>(
-        simd: S,
-        points: &[Point; N],
-        rule: &Quadrature,
-    ) -> [Self; N] {
-        let slips: [_; N] = from_fn(|i| points[i].slip());
-        let mut plans = from_fn(|i| Self {
-            blocks: rule.blocks(&slips[i]),
-            split: [false; 2],
-            lines: Vec::with_capacity(8),
-        });
-        walk_along(simd, &[rule.into(); N], &slips, &mut plans);
-        plans
-    }
-}
-
-impl<S: Simd, const N: usize> Visit<S> for [Plan; N] {
-    fn visit(&mut self, _simd: S, ellipse: usize, lines: &Lines) {
-        self[ellipse].split = lines.split;
-        self[ellipse].lines.push((lines.inner, lines.inside));
     }
 }

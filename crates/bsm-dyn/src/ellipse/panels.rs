@@ -7,6 +7,7 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
+use std::cell::OnceCell;
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 
@@ -431,23 +432,49 @@ pub(crate) struct Plan {
 /// all are inside; and of each whether it is.
 type PlannedLines = (Option<usize>, [bool; BLOCK]);
 
-/// The nodes of a quadrature over an ellipse: by the slip, or as in a plan.
+impl Plan {
+    /// Takes down the next lines.
+    pub(super) fn note(&mut self, lines: &Lines) {
+        self.split = lines.split;
+        self.lines.push((lines.inner, lines.inside));
+    }
+}
+
+/// The nodes of a quadrature over an ellipse: by the slip, or as in a plan, which the first sums fill.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Nodes<'a> {
     pub(crate) rule: &'a Quadrature,
-    pub(crate) plan: Option<&'a Plan>,
+    pub(crate) plan: Option<&'a OnceCell<Plan>>,
+    /// Sums are wanted to 1e-5 only.
+    pub(crate) rough: bool,
 }
 
-impl Nodes<'_> {
+impl<'a> Nodes<'a> {
+    fn planned(&self) -> Option<&'a Plan> {
+        self.plan?.get()
+    }
+
+    /// True if the plan is to be filled.
+    pub(super) fn is_new(&self) -> bool {
+        self.plan.is_some_and(|plan| plan.get().is_none())
+    }
+
+    /// Fills the plan if it is new.
+    pub(super) fn keep(&self, made: Plan) {
+        if let Some(plan) = self.plan {
+            plan.get_or_init(|| made);
+        }
+    }
+
     /// Blocks of angles on half a ring; none where lines are taken.
     pub(super) fn blocks(&self, slip: &EllipseSlip<f64>) -> usize {
-        self.plan.map_or_else(|| self.rule.blocks(slip), |plan| plan.blocks)
+        self.planned().map_or_else(|| self.rule.blocks(slip), |plan| plan.blocks)
     }
 }
 
 impl<'a> From<&'a Quadrature> for Nodes<'a> {
     fn from(rule: &'a Quadrature) -> Self {
-        Self { rule, plan: None }
+        Self { rule, plan: None, rough: false }
     }
 }
 
@@ -561,7 +588,7 @@ impl<'a> Panels<'a> {
     /// Around two poles with these `$\sinh^2\eta$`, split where they are inside.
     #[inline(always)]
     fn between(nodes: Nodes<'a>, poles: [Pole<f64>; 2], square: [f64; 2]) -> Self {
-        let Nodes { rule, plan } = nodes;
+        let (rule, plan) = (nodes.rule, nodes.planned());
         let mut all = Self::none(rule);
         let middle = clamp(0.5 * (poles[0].at + poles[1].at), -1.0, 1.0);
         for (i, (low, high)) in [(-1.0, middle), (middle, 1.0)].into_iter().enumerate() {
@@ -611,7 +638,7 @@ impl<'a> Panels<'a> {
         &self,
         simd: S,
         at: &mut At,
-        Nodes { rule, plan }: Nodes<'_>,
+        of: Nodes<'_>,
         slip: &EllipseSlip<Lane<S>>,
     ) -> Lines {
         let Panel { pole, ends: [begin, end], nodes } = self.parts[at.panel];
@@ -632,9 +659,9 @@ impl<'a> Panels<'a> {
         } else {
             (at.panel, at.node) = self.gather(at.panel, at.node, &mut block);
         }
-        let planned = plan.and_then(|plan| plan.lines.get(at.number));
+        let planned = of.planned().and_then(|plan| plan.lines.get(at.number));
         at.number += 1;
-        Lines { split: self.split, ..lines(simd, (rule, planned), slip, &block) }
+        Lines { split: self.split, ..lines(simd, (of.rule, planned), slip, &block) }
     }
 }
 

@@ -22,7 +22,7 @@ use crate::balance::torque;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::ball_unknowns::{BALL, ROWS};
 use crate::cost;
-use crate::ellipse::{OiledSums, Plan, Point, SUMS, Sums, depth};
+use crate::ellipse::{OiledSums, Point, SUMS, Sums, depth};
 use crate::equations::linear;
 use crate::lubricant::{ScaledFilm, Wetted};
 
@@ -145,11 +145,6 @@ impl Rolling<'_> {
         Arch::new().dispatch(Evaluate::<_, SLOPED>(self, y, wetted, &mut found)).then_some(found)
     }
 
-    /// The numbers of nodes of a state; none where it has no contacts.
-    pub(super) fn plans(&self, y: &[f64; BALL]) -> Option<[Plan; 2]> {
-        Arch::new().dispatch(Planned(self, y))
-    }
-
     /// The same from the formulas in any scalar.
     pub(super) fn in_jets(&self, y: &[f64; BALL]) -> Result<Evaluated, EvalError> {
         let mut power = f64::NAN;
@@ -245,19 +240,6 @@ impl Equations<BALL> for Watched<'_> {
 
     fn equation(&self, i: usize) -> String {
         ROWS[i].to_owned()
-    }
-}
-
-struct Planned<'a>(&'a Rolling<'a>, &'a [f64; BALL]);
-
-impl WithSimd for Planned<'_> {
-    type Output = Option<[Plan; 2]>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self(ball, y) = self;
-        let (contacts, exist) = contacts(&ball.scaled(), y);
-        exist.then(|| Plan::along(simd, &contacts.points, ball.quadrature))
     }
 }
 

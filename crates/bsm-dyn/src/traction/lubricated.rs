@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equation (Y32).
 
-use std::cell::Cell;
+use std::cell::{Cell, OnceCell};
 
 use bsm_kin::{Helix, Jet, Scalar};
 use bsm_newton::{Equations, EvalError, Linear, Options, Report, Scales, solve};
@@ -219,7 +219,7 @@ struct Place {
     pair: ElasticBall,
     grip: Grip,
     root: Root,
-    plans: [Plan; 2],
+    plans: [OnceCell<Plan>; 2],
     steps: usize,
     /// Of the contacts on the screw, scaled, and what sliding takes.
     last: Last,
@@ -259,9 +259,9 @@ impl Traction {
             let near = search.search(&grip, true, (newton, path), &mut steps).ok();
             wet(ball(smooth)).search(near.as_ref(), &grip, newton, &mut steps)?
         };
-        let fine = ball(rule).of(&root);
-        let plans = fine.plans(&root.unknowns).ok_or(Unsolved::LOST)?;
-        let fine = wet(Rolling { plans: Some(&plans), enough: ENOUGH, ..fine });
+        let plans = Default::default();
+        let fine = Rolling { plans: Some(&plans), enough: ENOUGH, ..ball(rule).of(&root) };
+        let fine = wet(fine);
         let root = match fine.solved(root.unknowns, newton, &mut steps) {
             Ok(found) => found,
             Err(_) => Wet { complete: true, ..fine }.solved(root.unknowns, newton, &mut steps)?,
