@@ -26,7 +26,7 @@ pub use self::root::SKIDS;
 use crate::balance::ideal_torque;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::ball_unknowns::{BALL, weight};
-use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded, refused, to_both};
+use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded, to_both};
 use crate::ellipse::{Lanes, Local, Nodes, Plan, Quadrature};
 use crate::equations::Workspace;
 use crate::raceway_control::{Grip, STATIC};
@@ -387,9 +387,9 @@ impl Traction {
                 ball.refined(&near, newton, &mut steps).ok_or(Unsolved::LOST)?
             }
         };
-        let Refined { root, transmitted: Transmitted { torque, power }, torque_slope } = refined;
+        let Refined { root, transmitted, torque_slope, loaded } = refined;
+        let Transmitted { torque, power } = transmitted;
         let ball = ball.of(&root);
-        let loaded = ball.loaded(&root.unknowns).map_err(refused)?;
         let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
         let steady = self.at.ball_state(pair, &loaded, &to_nut)?;
         let transmission = self.at.transmission_at(pair, torque, power)?;

@@ -15,22 +15,25 @@ pub struct Workspace<L: LinearSolver> {
     /// Weights of the equations of the last solve.
     d_f: L::Vector,
     pub(crate) linear: L,
+    /// The Jacobian has no factors yet, as no step has asked for them.
+    unfactored: bool,
 }
 
 impl<L: LinearSolver> Workspace<L> {
     /// Memory for systems whose Jacobian has the structure of `linear`.
     pub fn new(linear: L) -> Self {
         let zeros = || linear.zeros();
-        Self { r: zeros(), dx: zeros(), x_trial: zeros(), d_f: zeros(), linear }
-    }
-
-    /// The Jacobian as the last solve left it, factorized.
-    pub fn jacobian(&self) -> &L {
-        &self.linear
+        let (r, dx, x_trial, d_f) = (zeros(), zeros(), zeros(), zeros());
+        Self { r, dx, x_trial, d_f, linear, unfactored: false }
     }
 
     /// The step `$-J^{-1} r$` of another residual, with the Jacobian as the last solve left it.
     pub fn correction(&mut self, residual: &L::Vector) -> L::Vector {
+        if std::mem::take(&mut self.unfactored) {
+            self.linear.scale_rows(&self.d_f);
+            // A correction without factors is no number.
+            let _ = self.linear.factorize();
+        }
         let mut step = residual.clone();
         for (step, d) in step.as_mut().iter_mut().zip(self.d_f.as_ref()) {
             *step *= -d;
@@ -132,6 +135,7 @@ fn iterate<S: System + ?Sized>(
     report: &mut Report,
 ) -> Status {
     let joint = options.slopes_at_trials;
+    work.unfactored = false;
     let first = evaluate(system, x, joint, (&mut work.r, &mut work.linear), report);
     if let Err(refusal) = first {
         report.refusal = Some(refusal);
@@ -152,9 +156,7 @@ fn iterate<S: System + ?Sized>(
             || report.steps.last().is_some_and(|s| report.residual > 0.5 * s.residual);
         let exhausted = report.steps.len() == options.max_steps;
         if solved && (refined || exhausted) {
-            if held == Held::Jacobian {
-                factorize_last(work);
-            }
+            work.unfactored = held == Held::Jacobian;
             return Status::Converged;
         }
         if exhausted {
@@ -203,9 +205,7 @@ fn iterate<S: System + ?Sized>(
                 held = Held::Nothing;
                 continue;
             }
-            if sloped && solved {
-                factorize_last(work);
-            }
+            work.unfactored = sloped;
             return ended(Status::LineSearchFailed);
         };
         held = match (joint, sloped) {
@@ -241,13 +241,6 @@ fn evaluate<S: System + ?Sized>(
         report.n_residual += 1;
         system.residual(x, r)
     }
-}
-
-/// Factors of the Jacobian of the last trial, which no step has asked for.
-fn factorize_last<L: LinearSolver>(work: &mut Workspace<L>) {
-    work.linear.scale_rows(&work.d_f);
-    // A correction without factors is no number.
-    let _ = work.linear.factorize();
 }
 
 /// Largest `$\lambda = 2^{-m}$` with a sufficient decrease; leaves the point in `x_trial`.

@@ -12,10 +12,11 @@
 
 use std::array::from_fn;
 use std::cell::Cell;
+use std::f64::consts::FRAC_PI_2;
 
 use bsm_kin::Jet;
 use bsm_newton::{Equations, EvalError, Linear};
-use bsm_simd::{Arch, BLOCK, Block, Compare, Simd, WithSimd};
+use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, Simd, WithSimd};
 
 use super::{OMEGA, Rolling};
 use crate::balance::torque;
@@ -258,7 +259,7 @@ impl<R: Rubbing, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let Self(ball, y, rubbing, found) = self;
         let scaled = ball.scaled();
-        let (contacts, exist) = contacts(&scaled, y);
+        let (contacts, exist) = contacts(&scaled, y, sin_cos_of_tilt(simd, y[TILT]));
         if !exist {
             return false;
         }
@@ -480,9 +481,25 @@ impl Rolling<'_> {
     }
 }
 
-/// The contacts of a state, and where they exist.
+/// Sine and cosine of the tilt, as lanes have them, which are faster than the library.
 #[inline(always)]
-pub(super) fn contacts<F: Compare>(pair: &Scaled<F>, y: &[F; BALL]) -> (Contacts<F>, F::Mask) {
+fn sin_cos_of_tilt<S: Simd>(simd: S, tilt: f64) -> (f64, f64) {
+    if tilt.abs() > FRAC_PI_2 {
+        return tilt.sin_cos();
+    }
+    let (sin, cos) = Lane::<S>::splat(simd, tilt).sin_cos_of_tilt();
+    (sin.as_slice()[0], cos.as_slice()[0])
+}
+
+/// The contacts of a state, and where they exist.
+///
+/// * `sin_y`, `cos_y`: of the tilt.
+#[inline(always)]
+pub(super) fn contacts<F: Compare>(
+    pair: &Scaled<F>,
+    y: &[F; BALL],
+    (sin_y, cos_y): (F, F),
+) -> (Contacts<F>, F::Mask) {
     let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
     let (zero, one) = (pair.radius.constant(0.0), pair.radius.constant(1.0));
     let pressed = loads[0].gt(zero) & loads[1].gt(zero);
@@ -497,7 +514,6 @@ pub(super) fn contacts<F: Compare>(pair: &Scaled<F>, y: &[F; BALL]) -> (Contacts
     }
     let [l_a, l_b] = lengths;
     let a_2 = pair.reach;
-    let (sin_y, cos_y) = y[TILT].sin_cos_of_tilt();
     let own = along(TILT, one);
     let (turn, tilts, angles, exist);
     if pair.at_nut {

@@ -168,7 +168,7 @@ impl<F: Compare> TractionStart<F> {
     #[inline(always)]
     pub fn contacts(&self) -> ([(F, F); 2], [[F; 4]; 2]) {
         let Contacts { angles: [nut, screw], points: [over_nut, over_screw], .. } =
-            contacts(&self.point, &self.unknowns).0;
+            contacts(&self.point, &self.unknowns, self.unknowns[TILT].sin_cos_of_tilt()).0;
         let angles = [(nut.sin, nut.cos), (screw.sin, screw.cos)];
         (angles, [over_nut.motion, over_screw.motion])
     }
@@ -346,7 +346,7 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
         let Self { simd, rule, at, counted, work: Work { found, nodes, rubbed } } = self;
         let TractionStart { point, unknowns: y } = at;
         let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
-        let (contacts, mut exists) = contacts(point, y);
+        let (contacts, mut exists) = contacts(point, y, y[TILT].sin_cos_of_tilt());
         for angle in &contacts.angles {
             exists = exists & zero.le(angle.sin) & angle.cos.gt(zero);
         }

@@ -181,6 +181,11 @@ fn unit(direction: &[f64; PATH], z: &[f64; PATH]) -> [f64; PATH] {
     direction.map(|d| d / size.sqrt())
 }
 
+/// True if no contact is more than `margin` beyond its flank.
+pub(super) fn are_on_flanks(angles: [f64; 2], margin: f64) -> bool {
+    angles.iter().all(|angle| (-margin..FRAC_PI_2 + margin).contains(angle))
+}
+
 impl Rolling<'_> {
     pub(super) fn rate(&self, y: &[f64; BALL]) -> f64 {
         y[PRECESSION] + self.offset()
@@ -193,7 +198,7 @@ impl Rolling<'_> {
 
     /// True if a contact is more than `margin` beyond its flank.
     pub(super) fn is_beyond(&self, y: &[f64; BALL], margin: f64) -> bool {
-        !self.angles(y).iter().all(|angle| (-margin..FRAC_PI_2 + margin).contains(angle))
+        !are_on_flanks(self.angles(y), margin)
     }
 
     /// True if the path may come back to the flanks no more: a right angle beyond them.

@@ -3,7 +3,7 @@
 //! Theory: `docs/theory/09-traction.md`, equation (T10), sections "Starts" and "Existence".
 
 use super::columns::{Transmitted, Watched};
-use super::path::{LONGEST, PATH, Shown};
+use super::path::{LONGEST, PATH, Shown, are_on_flanks};
 use super::scatter::{MANY, STARTS};
 use super::{OMEGA, Rolling, State};
 use bsm_simd::Block;
@@ -12,6 +12,7 @@ use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ball_unknowns::BALL;
 use crate::continuation::{Stride, follow};
 use crate::elastic::Skid;
+use crate::elastic_ball::Loaded;
 use crate::equations::Workspace;
 use crate::raceway_control::Grip;
 use crate::{Evidence, Reason, Unsolved};
@@ -44,6 +45,8 @@ pub(super) struct Refined {
     pub(super) transmitted: Transmitted,
     /// Derivatives of the torque by the unknowns, near the root.
     pub(super) torque_slope: Block,
+    /// Its contacts.
+    pub(super) loaded: Loaded<f64>,
 }
 
 impl Rolling<'_> {
@@ -62,11 +65,12 @@ impl Rolling<'_> {
         let report = watched.run(&mut unknowns, newton);
         *steps += report.steps.len();
         let root = Root { unknowns, residual: report.residual, ..*near };
-        if !(report.converged() && self.is_admissible(&root)) {
+        if !report.converged() {
             return None;
         }
+        let loaded = self.admitted(&root)?;
         let transmitted = watched.transmitted(&unknowns).ok()?;
-        Some(Refined { root, transmitted, torque_slope: watched.torque_slope() })
+        Some(Refined { root, transmitted, torque_slope: watched.torque_slope(), loaded })
     }
 
     /// The root from the gripping ball or from the skidding one; if none of them leads to it, from
@@ -208,8 +212,15 @@ impl Rolling<'_> {
 
     /// True for a root with both contacts on their flanks.
     pub(super) fn is_admissible(&self, root: &Root) -> bool {
+        self.admitted(root).is_some()
+    }
+
+    /// The contacts of a root that has both on their flanks.
+    fn admitted(&self, root: &Root) -> Option<Loaded<f64>> {
         let y = &root.unknowns;
-        !self.of(root).is_beyond(y, 0.0) && OMEGA.iter().all(|i| y[*i].abs() < FASTEST)
+        let loaded = self.of(root).loaded(y).ok()?;
+        let slow = OMEGA.iter().all(|i| y[*i].abs() < FASTEST);
+        (slow && are_on_flanks(loaded.angles, 0.0)).then_some(loaded)
     }
 
     /// True for a root whose powers balance. Where a ball turns faster and faster about the axis the
