@@ -186,12 +186,14 @@ impl<D: Scalar> Scaled<D> {
     /// As [`state`](Self::state).
     pub(crate) fn residual(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
         cost::evaluated();
-        let state = self.state(y)?;
-        let [a, minor, b] = state.wrench;
-        let nut = a + minor;
+        // Looked at where it is: of jets it is two kilobytes.
+        let state = self.state(y);
+        let state = state.as_ref().map_err(|error| *error)?;
+        let [a, minor, b] = &state.wrench;
+        let nut = *a + *minor;
         // The speed of the nut, along k, has no gyroscopic moment but for its rounding.
         let motion = Motion { precession: state.precession, ..state.to_nut };
-        let left = newton_euler(&(nut + b), &self.ball, self.helix.radius, &motion, &self.frame);
+        let left = newton_euler(&(nut + *b), &self.ball, self.helix.radius, &motion, &self.frame);
         // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (R8)
         Ok(ball_unknowns::rows(&left, axial_force(&nut.force, &self.frame) - 1.0).into())
     }
