@@ -108,6 +108,13 @@ impl<D: Scalar> Scaled<D> {
     /// The same point with its numbers turned into another scalar.
     pub(crate) fn map<E: Scalar>(&self, to: impl Fn(D) -> E) -> Scaled<E> {
         let vector = |v: &Vector3<D>| v.map(&to);
+        let contact = |c: &Contact<D>| Contact {
+            site: c.site,
+            normal: vector(&c.normal),
+            across: vector(&c.across),
+        };
+        // One by one: what `map` of an array makes is copied, a kilobyte of jets.
+        let [a, minor, b] = &self.contacts;
         Scaled {
             helix: Helix { radius: to(self.helix.radius), lead_angle: to(self.helix.lead_angle) },
             arc: to(self.arc),
@@ -116,11 +123,7 @@ impl<D: Scalar> Scaled<D> {
                 k: vector(&self.frame.k),
                 n: vector(&self.frame.n),
             },
-            contacts: self.contacts.map(|c| Contact {
-                site: c.site,
-                normal: vector(&c.normal),
-                across: vector(&c.across),
-            }),
+            contacts: [contact(a), contact(minor), contact(b)],
             contact_angle: to(self.contact_angle),
             signed_friction: to(self.signed_friction),
             ball: Ball { radius: to(self.ball.radius), mass: to(self.ball.mass) },
