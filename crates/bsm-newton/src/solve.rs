@@ -2,8 +2,8 @@
 
 use crate::system::{Square, VectorOf};
 use crate::{
-    Dense, DimensionError, Equations, EvalError, LinearSolver, Options, Report, Scales, Status,
-    Step, System,
+    Dense, DimensionError, Equations, EvalError, LinearSolver, Options, Report, Scales, Singular,
+    Status, Step, System,
 };
 
 /// Memory of a solve, reused by the next one; nothing is allocated per step.
@@ -15,8 +15,7 @@ pub struct Workspace<L: LinearSolver> {
     /// Weights of the equations of the last solve.
     d_f: L::Vector,
     pub(crate) linear: L,
-    /// The Jacobian has no factors yet, as no step has asked for them.
-    unfactored: bool,
+    held: Held,
 }
 
 impl<L: LinearSolver> Workspace<L> {
@@ -24,15 +23,21 @@ impl<L: LinearSolver> Workspace<L> {
     pub fn new(linear: L) -> Self {
         let zeros = || linear.zeros();
         let (r, dx, x_trial, d_f) = (zeros(), zeros(), zeros(), zeros());
-        Self { r, dx, x_trial, d_f, linear, unfactored: false }
+        Self { r, dx, x_trial, d_f, linear, held: Held::Nothing }
+    }
+
+    /// Factors of the Jacobian with the weights of the solve.
+    fn factorize(&mut self) -> Result<(), Singular> {
+        self.linear.scale_rows(&self.d_f);
+        self.held = Held::Factors;
+        self.linear.factorize()
     }
 
     /// The step `$-J^{-1} r$` of another residual, with the Jacobian as the last solve left it.
     pub fn correction(&mut self, residual: &L::Vector) -> L::Vector {
-        if std::mem::take(&mut self.unfactored) {
-            self.linear.scale_rows(&self.d_f);
+        if self.held == Held::Jacobian {
             // A correction without factors is no number.
-            let _ = self.linear.factorize();
+            let _ = self.factorize();
         }
         let mut step = residual.clone();
         for (step, d) in step.as_mut().iter_mut().zip(self.d_f.as_ref()) {
@@ -135,7 +140,7 @@ fn iterate<S: System + ?Sized>(
     report: &mut Report,
 ) -> Status {
     let joint = options.slopes_at_trials;
-    work.unfactored = false;
+    work.held = Held::Nothing;
     let first = evaluate(system, x, joint, (&mut work.r, &mut work.linear), report);
     if let Err(refusal) = first {
         report.refusal = Some(refusal);
@@ -143,7 +148,9 @@ fn iterate<S: System + ?Sized>(
     }
     work.d_f.as_mut().copy_from_slice(scales.f.as_ref());
     let (d_x, d_f) = (scales.x.as_ref(), scales.f.as_ref());
-    let mut held = if joint { Held::Jacobian } else { Held::Nothing };
+    if joint {
+        work.held = Held::Jacobian;
+    }
     loop {
         // ‖D_F F(x_k)‖₂ ≤ residual_tol                                    (N1)
         (report.residual, report.worst_equation) = scaled_norm(work.r.as_ref(), d_f);
@@ -156,7 +163,6 @@ fn iterate<S: System + ?Sized>(
             || report.steps.last().is_some_and(|s| report.residual > 0.5 * s.residual);
         let exhausted = report.steps.len() == options.max_steps;
         if solved && (refined || exhausted) {
-            work.unfactored = held == Held::Jacobian;
             return Status::Converged;
         }
         if exhausted {
@@ -165,10 +171,10 @@ fn iterate<S: System + ?Sized>(
 
         let ended = |status| if solved { Status::Converged } else { status };
         // ‖D_F F(x_k)‖₂ ≤ ‖D_F F(x_{k−1})‖₂/10 by the factors of an earlier point
-        let keeps = held == Held::Factors
+        let keeps = work.held == Held::Factors
             && report.steps.last().is_some_and(|s| report.residual <= 0.1 * s.residual);
         if !keeps {
-            if held != Held::Jacobian {
+            if work.held != Held::Jacobian {
                 report.n_jacobian += 1;
                 if let Err(refusal) = system.linearize(x, &mut work.r, &mut work.linear) {
                     report.refusal = Some(refusal);
@@ -176,8 +182,7 @@ fn iterate<S: System + ?Sized>(
                 }
             }
             // D_F J(x_k) δx_k = −D_F F(x_k)
-            work.linear.scale_rows(scales.f);
-            if work.linear.factorize().is_err() {
+            if work.factorize().is_err() {
                 return ended(Status::SingularJacobian);
             }
         }
@@ -199,27 +204,27 @@ fn iterate<S: System + ?Sized>(
         let sloped = joint && report.residual > options.keep_below;
         let halvings = if solved { 0 } else { options.max_halvings };
         let trials = (sloped, halvings);
-        let Some(lambda) = backtrack(system, x, scales, options, work, report, trials) else {
-            if keeps && !solved {
-                // Its own Jacobian may do.
-                held = Held::Nothing;
-                continue;
-            }
-            work.unfactored = sloped;
-            return ended(Status::LineSearchFailed);
-        };
-        held = match (joint, sloped) {
+        let lambda = backtrack(system, x, scales, options, work, report, trials);
+        work.held = match (joint, sloped) {
             (_, true) => Held::Jacobian,
             (true, false) => Held::Factors,
             (false, false) => Held::Nothing,
+        };
+        let Some(lambda) = lambda else {
+            if keeps && !solved {
+                // Its own Jacobian may do.
+                work.held = Held::Nothing;
+                continue;
+            }
+            return ended(Status::LineSearchFailed);
         };
         x.as_mut().copy_from_slice(work.x_trial.as_ref());
         report.steps.push(Step { residual: report.residual, step, lambda });
     }
 }
 
-/// What the matrix holds: the Jacobian of the point, or the factors of this or an earlier one.
-#[derive(PartialEq)]
+/// What the matrix holds: the Jacobian of the last point, or the factors of this or an earlier one.
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum Held {
     Nothing,
     Jacobian,
