@@ -7,14 +7,13 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
-use std::array::from_fn;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
 use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, NullaryFnOnce, Simd, WithSimd};
 
 use super::Quadrature;
 use super::oil::{Bend, Half, Node, Rings};
-use super::panels::{EllipseSlip, FAR, Lines, Nodes, Plan, Visit, chord, walk, walk_along};
+use super::panels::{EllipseSlip, FAR, Lines, Nodes, Visit, chord, walk, walk_along};
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
@@ -187,7 +186,6 @@ struct Gather<'a, const N: usize, const SLOPED: bool> {
     points: &'a [Point; N],
     slips: &'a [EllipseSlip<f64>; N],
     totals: [[Block; ALL]; N],
-    plans: [Plan; N],
 }
 
 impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
@@ -269,9 +267,6 @@ pub(super) fn fold<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
 impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLOPED> {
     #[inline(always)]
     fn visit(&mut self, simd: S, ellipse: usize, lines: &Lines) {
-        if self.nodes[ellipse].is_new() {
-            self.plans[ellipse].note(lines);
-        }
         let slip = self.slips[ellipse].splat(simd);
         let axes = self.points[ellipse].axes(simd);
         let rule = self.nodes[ellipse].rule;
@@ -507,16 +502,12 @@ fn all<S: Simd, const N: usize, const SLOPED: bool>(
         *slip = point.slip();
     }
     let totals = [[[0.0; BLOCK]; ALL]; N];
-    let plans = from_fn(|_| Plan::default());
-    let mut gathered = Gather::<N, SLOPED> { nodes, points, slips: &slips, totals, plans };
+    let mut gathered = Gather::<N, SLOPED> { nodes, points, slips: &slips, totals };
     walk_along(simd, nodes, &slips, &mut gathered);
     let mut sums = [[0.0; ALL]; N];
     for (sums, totals) in sums.iter_mut().zip(&gathered.totals) {
         let some = some::<SLOPED>();
         fold(simd, &totals[..some], &mut sums[..some]);
-    }
-    for (nodes, plan) in nodes.iter().zip(gathered.plans) {
-        nodes.keep(plan);
     }
     sums
 }

@@ -8,9 +8,7 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
-use std::array::from_fn;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
-use std::mem;
 
 use bsm_simd::{Arch, BLOCK, Block, Lane, Simd, WithSimd};
 
@@ -363,7 +361,6 @@ struct Gather<'a, const N: usize, const SLOPED: bool> {
     bends: [Bend; N],
     totals: [[Block; ALL]; N],
     by_film: [[Block; VALUES]; N],
-    plans: [Plan; N],
 }
 
 impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
@@ -457,9 +454,6 @@ impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
 impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLOPED> {
     #[inline(always)]
     fn visit(&mut self, simd: S, ellipse: usize, lines: &Lines) {
-        if self.nodes[ellipse].is_new() {
-            self.plans[ellipse].note(lines);
-        }
         let slip = self.slips[ellipse].splat(simd);
         let axes = self.points[ellipse].axes(simd);
         let (rule, law) = (self.nodes[ellipse].rule, self.laws[ellipse]);
@@ -532,19 +526,15 @@ impl OiledSums {
             bends,
             totals: [[[0.0; BLOCK]; ALL]; N],
             by_film: [[[0.0; BLOCK]; VALUES]; N],
-            plans: from_fn(|_| Plan::default()),
         };
         for i in 0..N {
-            let blocks = nodes[i].blocks(&slips[i]);
-            gathered.plans[i].blocks = blocks;
-            if blocks > 0 {
-                gathered.add_rings(simd, i, blocks);
-            } else {
-                walk(simd, nodes[i], &slips[i], &mut Only(&mut gathered, i));
+            match nodes[i].blocks(&slips[i]) {
+                0 => walk(simd, nodes[i], &slips[i], &mut Only(&mut gathered, i)),
+                blocks => {
+                    gathered.add_rings(simd, i, blocks);
+                    nodes[i].keep(Plan { blocks, ..Plan::default() });
+                }
             }
-        }
-        for (nodes, plan) in nodes.iter().zip(&mut gathered.plans) {
-            nodes.keep(mem::take(plan));
         }
         let mut all = [Self { sums: Sums::none(0.0), by_film: [0.0; SUMS] }; N];
         for (i, found) in all.iter_mut().enumerate() {

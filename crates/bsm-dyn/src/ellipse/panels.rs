@@ -7,6 +7,7 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
+use std::array::from_fn;
 use std::cell::OnceCell;
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
@@ -434,13 +435,13 @@ type PlannedLines = (Option<usize>, [bool; BLOCK]);
 
 impl Plan {
     /// Takes down the next lines.
-    pub(super) fn note(&mut self, lines: &Lines) {
+    fn note(&mut self, lines: &Lines) {
         self.split = lines.split;
         self.lines.push((lines.inner, lines.inside));
     }
 }
 
-/// The nodes of a quadrature over an ellipse: by the slip, or as in a plan, which the first sums fill.
+/// The nodes of a quadrature over an ellipse: by the slip, or as in a plan, which the first walk fills.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Nodes<'a> {
     pub(crate) rule: &'a Quadrature,
@@ -455,7 +456,7 @@ impl<'a> Nodes<'a> {
     }
 
     /// True if the plan is to be filled.
-    pub(super) fn is_new(&self) -> bool {
+    fn is_new(&self) -> bool {
         self.plan.is_some_and(|plan| plan.get().is_none())
     }
 
@@ -687,24 +688,32 @@ pub(super) fn walk_along<S: Simd, const N: usize>(
 ) {
     let all = Panels::of(simd, nodes, slips);
     let mut at = [At::default(); N];
+    let mut plans: [_; N] = from_fn(|_| Plan::default());
     let mut lines = [[Lines::NONE; AHEAD]; N];
     loop {
         let mut found = [0; N];
         for c in 0..N {
             let slip = slips[c].splat(simd);
             while found[c] < AHEAD && at[c].panel < all[c].count {
-                lines[c][found[c]] = all[c].next(simd, &mut at[c], nodes[c], &slip);
+                let next = &mut lines[c][found[c]];
+                *next = all[c].next(simd, &mut at[c], nodes[c], &slip);
+                if nodes[c].is_new() {
+                    plans[c].note(next);
+                }
                 found[c] += 1;
             }
         }
         if found == [0; N] {
-            return;
+            break;
         }
         for c in 0..N {
             for lines in &lines[c][..found[c]] {
                 visitor.visit(simd, c, lines);
             }
         }
+    }
+    for (nodes, plan) in nodes.iter().zip(plans) {
+        nodes.keep(plan);
     }
 }
 
