@@ -250,8 +250,8 @@ impl Keys<u64> {
         while pushed < rows.len() {
             let (next, rest) = (self.next(), &rows[pushed..]);
             let mut more = alike(&self.words[usize::from(next)..], rest);
-            let last = |end: usize| rest[end - 1].to_bits();
-            if 0 < more && more < rest.len() && last(more) == last(more + 1) {
+            let same = |x: &f64| x.to_bits() == rest[more - 1].to_bits();
+            if more > 0 && rest.get(more).is_some_and(same) {
                 // A run begins.
                 more -= 1;
             }

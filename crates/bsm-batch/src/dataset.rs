@@ -431,10 +431,11 @@ impl Dataset {
         self.folder.make_folders()?;
         let mut source = points.open().map_err(DatasetError::Read)?;
         let mut at = 0;
-        let (mut parts, mut kept, mut damaged) = (BTreeMap::new(), Vec::new(), Vec::new());
+        let (mut parts, mut damaged) = (BTreeMap::new(), Vec::new());
         thread::scope(|scope| {
-            let joined = |thread: ScopedJoinHandle<'_, _>| {
-                thread.join().unwrap_or_else(|panic| resume_unwind(panic))
+            let joined = |thread: ScopedJoinHandle<'_, Result<Part, _>>| {
+                let kept = thread.join().unwrap_or_else(|panic| resume_unwind(panic));
+                kept.map(|part| (part.shard, part))
             };
             let mut behind = None;
             for shard in shards {
@@ -463,12 +464,11 @@ impl Dataset {
                 let keep = move || self.keep(file, part, replace, workers);
                 let keep = thread::Builder::new().spawn_scoped(scope, keep);
                 let before = behind.replace(keep.map_err(DatasetError::Thread)?);
-                kept.extend(before.map(joined).transpose()?);
+                parts.extend(before.map(joined).transpose()?);
             }
-            kept.extend(behind.map(joined).transpose()?);
+            parts.extend(behind.map(joined).transpose()?);
             Ok(())
         })?;
-        parts.extend(kept.into_iter().map(|part| (part.shard, part)));
         if damaged.is_empty() { Ok(parts) } else { Err(DatasetError::Damaged(damaged)) }
     }
 

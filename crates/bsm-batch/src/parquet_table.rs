@@ -300,7 +300,8 @@ impl Encoder {
             Self::Number(place, column) => {
                 let values = &answers.columns[*place];
                 let there = |x: &f64| !x.is_nan();
-                let gaps = values.iter().fold(false, |gaps, x| gaps | x.is_nan());
+                // All of them are looked at, several at once.
+                let gaps = !values.iter().fold(true, |all, x| all & there(x));
                 let there: Option<Vec<_>> = gaps.then(|| values.iter().map(there).collect());
                 column.push(values, there.as_deref())?;
             }
