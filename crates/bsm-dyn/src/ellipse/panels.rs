@@ -523,6 +523,38 @@ impl Lines {
         any_inside: false,
         split: [false; 2],
     };
+
+    /// The lines of a few nodes.
+    ///
+    /// * `of_panel`: where a panel begins, its length, and its pole, of the nodes from a number on.
+    #[inline(always)]
+    fn place<S: Simd>(
+        &mut self,
+        simd: S,
+        (rule, planned): (&Quadrature, Option<&PlannedLines>),
+        slip: &EllipseSlip<Lane<S>>,
+        (places, parts): (&Block, &Block),
+        of_panel: impl Fn(usize) -> [Lane<S>; 4],
+    ) {
+        let mut square = [0.0; BLOCK];
+        for i in (0..BLOCK).step_by(S::F64_LANES) {
+            let [from, length, at, width] = of_panel(i);
+            let place = Lane::load(simd, &places[i..]);
+            let part = Lane::load(simd, &parts[i..]);
+            let (x, part) = line(&Pole { at, width }, from + length * place, length * part);
+            x.store(&mut self.xi[i..]);
+            part.store(&mut self.weight[i..]);
+            chord(x).store(&mut self.chord[i..]);
+            if planned.is_none() {
+                slip.analyticity(x).store(&mut square[i..]);
+            }
+        }
+        (self.inner, self.inside) = match planned {
+            Some(planned) => *planned,
+            None => rule.along(&square),
+        };
+        self.any_inside = self.inside != [false; BLOCK];
+    }
 }
 
 /// What is done with the lines of a few ellipses.
@@ -612,19 +644,20 @@ impl<'a> Panels<'a> {
     /// The next nodes from node `node` of a panel on, and where they end; what is left over repeats the last
     /// one without weight.
     fn gather(&self, mut panel: usize, mut node: usize, block: &mut LineNodes) -> (usize, usize) {
+        let LineNodes { places, parts, of_panel } = block;
         for i in 0..BLOCK {
             if panel == self.count {
-                block.places[i] = block.places[i - 1];
-                block.from[i] = block.from[i - 1];
-                block.length[i] = block.length[i - 1];
-                block.at[i] = block.at[i - 1];
-                block.width[i] = block.width[i - 1];
+                places[i] = places[i - 1];
+                for block in &mut *of_panel {
+                    block[i] = block[i - 1];
+                }
                 continue;
             }
             let Panel { pole, ends: [begin, end], nodes } = self.parts[panel];
-            (block.places[i], block.parts[i]) = nodes.at(node);
-            (block.from[i], block.length[i]) = (begin, end - begin);
-            (block.at[i], block.width[i]) = (pole.at, pole.width);
+            (places[i], parts[i]) = nodes.at(node);
+            for (block, x) in of_panel.iter_mut().zip([begin, end - begin, pole.at, pole.width]) {
+                block[i] = x;
+            }
             node += 1;
             if node == nodes.len() {
                 (panel, node) = (panel + 1, 0);
@@ -633,7 +666,7 @@ impl<'a> Panels<'a> {
         (panel, node)
     }
 
-    /// The next few lines across the ellipse from node `node` of a panel on (T14) to (T19).
+    /// The next few lines across the ellipse from a place on (T14) to (T19).
     #[inline(always)]
     fn next<S: Simd>(
         &self,
@@ -641,28 +674,27 @@ impl<'a> Panels<'a> {
         at: &mut At,
         of: Nodes<'_>,
         slip: &EllipseSlip<Lane<S>>,
-    ) -> Lines {
+        lines: &mut Lines,
+    ) {
+        let planned = of.planned().and_then(|plan| plan.lines.get(at.number));
+        at.number += 1;
+        lines.split = self.split;
         let Panel { pole, ends: [begin, end], nodes } = self.parts[at.panel];
-        let mut block = LineNodes {
-            places: [0.0; BLOCK],
-            parts: [0.0; BLOCK],
-            from: [begin; BLOCK],
-            length: [end - begin; BLOCK],
-            at: [pole.at; BLOCK],
-            width: [pole.width; BLOCK],
-        };
         if let Some((places, parts)) = nodes.block(at.node) {
-            (block.places, block.parts) = (*places, *parts);
+            let of_panel = [begin, end - begin, pole.at, pole.width].map(|x| Lane::splat(simd, x));
+            lines.place(simd, (of.rule, planned), slip, (places, parts), |_| of_panel);
             at.node += BLOCK;
             if at.node == nodes.len() {
                 (at.panel, at.node) = (at.panel + 1, 0);
             }
         } else {
+            let mut block = LineNodes::default();
             (at.panel, at.node) = self.gather(at.panel, at.node, &mut block);
+            let LineNodes { places, parts, of_panel } = &block;
+            lines.place(simd, (of.rule, planned), slip, (places, parts), |i| {
+                of_panel.each_ref().map(|block| Lane::load(simd, &block[i..]))
+            });
         }
-        let planned = of.planned().and_then(|plan| plan.lines.get(at.number));
-        at.number += 1;
-        Lines { split: self.split, ..lines(simd, (of.rule, planned), slip, &block) }
     }
 }
 
@@ -696,7 +728,7 @@ pub(super) fn walk_along<S: Simd, const N: usize>(
             let slip = slips[c].splat(simd);
             while found[c] < AHEAD && at[c].panel < all[c].count {
                 let next = &mut lines[c][found[c]];
-                *next = all[c].next(simd, &mut at[c], nodes[c], &slip);
+                all[c].next(simd, &mut at[c], nodes[c], &slip, next);
                 if nodes[c].is_new() {
                     plans[c].note(next);
                 }
@@ -754,48 +786,13 @@ pub(super) fn line_at<S: Simd, const N: usize>(
     (xi, weight * pole.width * (grow + fall) * 0.5 * shape)
 }
 
-/// Nodes of Gauss-Legendre on parts of the long axis: places and weights there, where the part begins, its
-/// length, and its pole.
+/// Nodes of Gauss-Legendre on parts of the long axis: places and weights there, and of the part where it begins,
+/// its length, and its pole.
+#[derive(Default)]
 struct LineNodes {
     places: Block,
     parts: Block,
-    from: Block,
-    length: Block,
-    at: Block,
-    width: Block,
-}
-
-/// The lines of a few nodes.
-#[inline(always)]
-fn lines<S: Simd>(
-    simd: S,
-    (rule, planned): (&Quadrature, Option<&PlannedLines>),
-    slip: &EllipseSlip<Lane<S>>,
-    block: &LineNodes,
-) -> Lines {
-    let (mut xi, mut load) = ([0.0; BLOCK], [0.0; BLOCK]);
-    let (mut half, mut square) = ([0.0; BLOCK], [0.0; BLOCK]);
-    for i in (0..BLOCK).step_by(S::F64_LANES) {
-        let at = Lane::<S>::load(simd, &block.at[i..]);
-        let width = Lane::load(simd, &block.width[i..]);
-        let from = Lane::load(simd, &block.from[i..]);
-        let length = Lane::load(simd, &block.length[i..]);
-        let place = Lane::load(simd, &block.places[i..]);
-        let part = Lane::load(simd, &block.parts[i..]);
-        let (x, part) = line(&Pole { at, width }, from + length * place, length * part);
-        x.store(&mut xi[i..]);
-        part.store(&mut load[i..]);
-        chord(x).store(&mut half[i..]);
-        if planned.is_none() {
-            slip.analyticity(x).store(&mut square[i..]);
-        }
-    }
-    let (inner, inside) = match planned {
-        Some(planned) => *planned,
-        None => rule.along(&square),
-    };
-    let any_inside = inside != [false; BLOCK];
-    Lines { xi, weight: load, chord: half, inner, inside, any_inside, split: [false; 2] }
+    of_panel: [Block; 4],
 }
 
 /// The fields of a few slips, side by side.
