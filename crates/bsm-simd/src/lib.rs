@@ -12,6 +12,7 @@
 mod compare;
 mod exponential;
 mod lane;
+mod polynomial;
 mod root;
 mod slopes;
 mod trigonometry;

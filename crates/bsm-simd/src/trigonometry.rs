@@ -7,6 +7,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use pulp::Simd;
 
 use crate::Lane;
+use crate::polynomial::polynomial;
 
 /// What π/2 has beyond double precision.
 const FRAC_PI_2_REST: f64 = 6.123_233_995_736_766e-17;
@@ -31,15 +32,6 @@ const COSINE: [f64; 6] = [
     2.087_614_626_828_136e-09,
     -1.138_263_241_674_366_7e-11,
 ];
-
-#[inline(always)]
-fn polynomial<S: Simd, const N: usize>(coefficients: &[f64], x: Lane<S, N>) -> Lane<S, N> {
-    let mut sum = x.constant(0.0);
-    for c in coefficients.iter().rev() {
-        sum = sum.mul_add(x, x.constant(*c));
-    }
-    sum
-}
 
 impl<S: Simd, const N: usize> Lane<S, N> {
     /// Sine and cosine of angles from 0 to π/2 \[rad\], to one unit in the last place; no meaning

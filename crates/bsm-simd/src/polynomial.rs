@@ -1,0 +1,22 @@
+//! Polynomials of lanes.
+
+use pulp::Simd;
+
+use crate::Lane;
+
+/// A polynomial, its even and odd powers side by side: half of the steps that wait for each other.
+///
+/// * `coefficients`: from the lowest power on, two at least.
+#[inline(always)]
+pub(crate) fn polynomial<S: Simd, const N: usize, const M: usize>(
+    coefficients: &[f64; M],
+    x: Lane<S, N>,
+) -> Lane<S, N> {
+    const { assert!(M >= 2, "an even and an odd power") };
+    let square = x * x;
+    let mut sums = [coefficients[M - 1], coefficients[M - 2]].map(|c| x.constant(c));
+    for (i, c) in coefficients.iter().rev().enumerate().skip(2) {
+        sums[i % 2] = sums[i % 2].mul_add(square, x.constant(*c));
+    }
+    sums[M % 2].mul_add(x, sums[(M - 1) % 2])
+}
