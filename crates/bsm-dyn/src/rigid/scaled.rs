@@ -16,6 +16,8 @@ use crate::friction::{Coulomb, against, friction_force};
 use crate::{Wrench, cost};
 
 /// One operating point in units of ball radius, axial load per ball and `$W$` (R1).
+///
+/// Its arrays are made member by member: `map` and `from_fn` may copy what they make, kilobytes of jets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scaled<D> {
     /// Helix with radius `$r_m/r_b$`.
@@ -108,13 +110,10 @@ impl<D: Scalar> Scaled<D> {
     /// The same point with its numbers turned into another scalar.
     pub(crate) fn map<E: Scalar>(&self, to: impl Fn(D) -> E) -> Scaled<E> {
         let vector = |v: &Vector3<D>| v.map(&to);
-        let contact = |c: &Contact<D>| Contact {
-            site: c.site,
-            normal: vector(&c.normal),
-            across: vector(&c.across),
+        let contact = |i: usize| {
+            let Contact { site, normal, across } = &self.contacts[i];
+            Contact { site: *site, normal: vector(normal), across: vector(across) }
         };
-        // One by one: what `map` of an array makes is copied, a kilobyte of jets.
-        let [a, minor, b] = &self.contacts;
         Scaled {
             helix: Helix { radius: to(self.helix.radius), lead_angle: to(self.helix.lead_angle) },
             arc: to(self.arc),
@@ -123,7 +122,7 @@ impl<D: Scalar> Scaled<D> {
                 k: vector(&self.frame.k),
                 n: vector(&self.frame.n),
             },
-            contacts: [contact(a), contact(minor), contact(b)],
+            contacts: [contact(0), contact(1), contact(2)],
             contact_angle: to(self.contact_angle),
             signed_friction: to(self.signed_friction),
             ball: Ball { radius: to(self.ball.radius), mass: to(self.ball.mass) },
@@ -159,7 +158,8 @@ impl<D: Scalar> Scaled<D> {
         let to_nut = self.relative_motion(y)?;
         let precession = self.rates(y).1;
         let to_screw = to_nut.relative_to(D::from(1.0), &self.frame);
-        let points = self.contacts.map(|c| c.point(self.ball.radius));
+        let point = |i: usize| self.contacts[i].point(self.ball.radius);
+        let points = [point(0), point(1), point(2)];
 
         // V_A = W r_b λ (cosθ e_x + sinθ t), friction against it whatever the size of λ  (R7)
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
@@ -176,10 +176,10 @@ impl<D: Scalar> Scaled<D> {
             friction_force(&law, y[SCREW_LOAD], &slip[2])?,
         ];
         let loads = [y[NUT_LOAD], y[MINOR_LOAD], y[SCREW_LOAD]];
-        let wrench = std::array::from_fn(|i| {
+        let wrench = |i: usize| {
             Wrench::at_contact(&self.contacts[i].normal, &points[i], loads[i], &friction[i])
-        });
-        Ok(State { to_nut, precession, slip, wrench })
+        };
+        Ok(State { to_nut, precession, slip, wrench: [wrench(0), wrench(1), wrench(2)] })
     }
 
     /// The seven equations (R8): force and moment balance in (t, N, e_x), axial load.
