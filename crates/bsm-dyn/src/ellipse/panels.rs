@@ -425,6 +425,7 @@ impl<F: Compare> EllipseSlip<F> {
 pub(crate) struct Plan {
     /// Of an oil: blocks of angles on half a ring; none where lines are taken.
     pub(super) blocks: usize,
+    /// Which of the two panels are split.
     pub(super) split: [bool; 2],
     pub(super) lines: Vec<PlannedLines>,
 }
@@ -432,14 +433,6 @@ pub(crate) struct Plan {
 /// How many nodes each of a few neighbouring lines has, for places and weights, none where the spin poles of
 /// all are inside; and of each whether it is.
 type PlannedLines = (Option<usize>, [bool; BLOCK]);
-
-impl Plan {
-    /// Takes down the next lines.
-    fn note(&mut self, lines: &Lines) {
-        self.split = lines.split;
-        self.lines.push((lines.inner, lines.inside));
-    }
-}
 
 /// The nodes of a quadrature over an ellipse: by the slip, or as in a plan, which the first walk fills.
 #[derive(Debug, Clone, Copy)]
@@ -492,8 +485,6 @@ pub(super) struct Lines {
     /// Of each line, whether the spin pole is inside the ellipse.
     pub(super) inside: [bool; BLOCK],
     pub(super) any_inside: bool,
-    /// Which of the two panels are split.
-    pub(super) split: [bool; 2],
 }
 
 /// A part of the long axis with its nodes.
@@ -521,7 +512,6 @@ impl Lines {
         inner: None,
         inside: [false; BLOCK],
         any_inside: false,
-        split: [false; 2],
     };
 
     /// The lines of a few nodes.
@@ -678,7 +668,6 @@ impl<'a> Panels<'a> {
     ) {
         let planned = of.planned().and_then(|plan| plan.lines.get(at.number));
         at.number += 1;
-        lines.split = self.split;
         let Panel { pole, ends: [begin, end], nodes } = self.parts[at.panel];
         if let Some((places, parts)) = nodes.block(at.node) {
             let of_panel = [begin, end - begin, pole.at, pole.width].map(|x| Lane::splat(simd, x));
@@ -720,7 +709,7 @@ pub(super) fn walk_along<S: Simd, const N: usize>(
 ) {
     let all = Panels::of(simd, nodes, slips);
     let mut at = [At::default(); N];
-    let mut plans: [_; N] = from_fn(|_| Plan::default());
+    let mut plans: [_; N] = from_fn(|c| Plan { split: all[c].split, ..Plan::default() });
     let mut lines = [[Lines::NONE; AHEAD]; N];
     loop {
         let mut found = [0; N];
@@ -730,7 +719,7 @@ pub(super) fn walk_along<S: Simd, const N: usize>(
                 let next = &mut lines[c][found[c]];
                 all[c].next(simd, &mut at[c], nodes[c], &slip, next);
                 if nodes[c].is_new() {
-                    plans[c].note(next);
+                    plans[c].lines.push((next.inner, next.inside));
                 }
                 found[c] += 1;
             }

@@ -67,8 +67,8 @@ impl<D: Scalar> Scaled<D> {
         nut_speed: D,
     ) -> Self {
         let frame = BallFrame::turned(helix.lead_angle, contact_angle);
-        let contacts = [Site::Nut, Site::NutMinor, Site::Screw]
-            .map(|site| Contact::new(site, contact_angle, &frame));
+        let contact = |site| Contact::new(site, contact_angle, &frame);
+        let contacts = [contact(Site::Nut), contact(Site::NutMinor), contact(Site::Screw)];
         let ball = Ball { radius: D::from(1.0), mass };
         let arc = helix.arc_length_per_radian();
         Self {
