@@ -49,11 +49,11 @@ extremes *FLAGS:
 
 # Runs killed at random moments by four signals, gone on with, and compared bit by bit.
 kills:
-    cargo test --workspace --locked --test resume -- --include-ignored --nocapture
+    cargo test --workspace --locked --test suite -- --include-ignored --nocapture resume::
 
 # Processes, workers and a scheduler killed, raced and damaged, and every byte compared; the second line after `just python`.
 faults:
-    cargo test --workspace --locked --test shards -- --include-ignored --nocapture
+    cargo test --workspace --locked --test suite -- --include-ignored --nocapture shards::
     BSM_FAULTS=20 target/python/bin/pytest -c python/pyproject.toml -s python/tests/test_distributed.py
 
 # Coverage-guided fuzzing on the stable toolchain; `just fuzz 600 parquet` takes ten minutes for one target.

@@ -1,5 +1,5 @@
 //! What the program answers in seconds, the same each time: written by `docs/remake fast`, and held
-//! against the documents by `cargo test -p bsm-cli --test documents`.
+//! against the documents by `cargo test -p bsm-cli documents::`.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

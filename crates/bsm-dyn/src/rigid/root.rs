@@ -360,7 +360,7 @@ fn accept(case: &Scaled<f64>, root: Root, work: &mut RigidWorkspace) -> Result<R
 /// Denies a root at small inertia if the first order does so by more than its error.
 ///
 /// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia to friction. The constant is
-/// measured: no root of `tests/rigid_campaign.rs` goes further against the first order than 0.077 of
+/// measured: no root of `tests/suite/rigid_campaign.rs` goes further against the first order than 0.077 of
 /// that ratio, and the test watches it.
 fn denied(
     case: &Scaled<f64>,

@@ -1,0 +1,167 @@
+//! Numbers of the analyses as columns of tables.
+
+use bsm_batch::{Answers, Column, Columns, GridSource, Source, Task};
+use bsm_case::{AnalysisKind, Axis, Grid, Moving, Output, Scene, Settings};
+use bsm_dyn::{Model, ModelWorkspace, Status};
+
+const DONG: &[u8] = include_bytes!("../../../../examples/dong2020.json");
+
+/// The example as a nut of three turns, without an input.
+fn dong(without: &str) -> Scene {
+    let mut scene = Scene::from_json(DONG).expect("an example");
+    scene.loaded_turns = Some(3.0);
+    let mut json = scene.to_json();
+    // For the analysis of its nut.
+    json["loaded_turns"] = 2.into();
+    // For that of its axis.
+    json["axis_heat_transfer_W_K"] = 50.into();
+    json["accuracy_grade"] = 5.into();
+    json.as_object_mut().expect("an object").remove(without);
+    Scene::from_json(json.to_string().as_bytes()).expect("a scene")
+}
+
+fn grid(axes: &[&str]) -> Grid {
+    let axes = axes.iter().map(|axis| Axis::parse(axis).expect("an axis")).collect();
+    Grid::new(axes).expect("a grid")
+}
+
+fn outputs(names: &[&str]) -> Vec<&'static Output> {
+    let names: Vec<_> = names.iter().map(|name| (*name).to_owned()).collect();
+    Answers::select(Some(&names)).expect("outputs")
+}
+
+/// All numbers of all analyses.
+fn all() -> Vec<&'static Output> {
+    AnalysisKind::ALL.into_iter().flat_map(AnalysisKind::columns).collect()
+}
+
+fn solve(task: &Task, grid: &Grid) -> Answers {
+    let mut source = GridSource::new(grid.clone());
+    let columns = source.columns().clone();
+    let chunk = source.next(grid.len()).expect("a grid can be read").expect("it has points");
+    task.solve(&chunk, &columns)
+}
+
+fn same(a: f64, b: Option<f64>) -> bool {
+    a.to_bits() == b.unwrap_or(f64::NAN).to_bits()
+}
+
+/// A column holds, to the last bit, what the command of the analysis says of the scene of the row; also
+/// where a kernel answers the other columns, and where `auto` takes a model without a motion.
+#[test]
+fn columns_are_the_numbers_of_the_analyses() {
+    let grid = grid(&["screw_speed_rpm=-3000,50,2500", "axial_load_N=2000,16000"]);
+    let base = dong("");
+    let loose = Settings { tolerance: 0.9, ..Settings::default() };
+    let mut work = ModelWorkspace::default();
+    for settings in [
+        Model::RacewayControl.into(),
+        Model::Elastic.into(),
+        Model::Traction.into(),
+        Settings::default(),
+        loose,
+    ] {
+        let task = Task::over_grid(base.clone(), settings, all(), None, &grid).expect("a task");
+        let answers = solve(&task, &grid);
+        let mut numbers_seen = 0;
+        for row in 0..grid.len() {
+            let scene = grid.scene(&base, &grid.point(row));
+            let solution = scene.problem(&settings).expect("complete").solve(&mut work);
+            assert_eq!(answers.verdicts[row].status, solution.status());
+            let solved = solution.solved().is_some();
+            let moving = Moving::of(&scene, &settings, solution, &mut work).expect("complete");
+            let of = |kind: AnalysisKind| {
+                let numbers = kind.numbers(&scene, &settings, solved.then_some(&moving), |_| true);
+                (kind, numbers.expect("numbers"))
+            };
+            let numbers = AnalysisKind::ALL.map(of);
+            for (output, column) in task.outputs.iter().zip(&answers.columns) {
+                let kind = output.analysis().expect("of an analysis");
+                let own = numbers.iter().find(|(other, _)| *other == kind);
+                let expected = own.expect("all analyses").1.value(output);
+                assert!(
+                    same(column[row], expected),
+                    "{}: {} {expected:?}",
+                    output.name,
+                    column[row]
+                );
+                numbers_seen += usize::from(expected.is_some());
+            }
+            let words = answers.message(row).unwrap_or_default();
+            assert_eq!(words.contains("closed-form"), solved && moving.note.is_some(), "{words}");
+        }
+        // Six rows of some sixty numbers.
+        assert!(numbers_seen > 300, "{settings:?}: {numbers_seen}");
+    }
+}
+
+/// The other columns keep their bits when numbers of analyses are asked for, which no kernel has.
+#[test]
+fn numbers_of_analyses_do_not_change_the_others() {
+    let grid = grid(&["screw_speed_rpm=100:5000:20", "axial_load_N=500:20000:10"]);
+    for model in [Model::QuasiStatic, Model::RacewayControl, Model::Rigid] {
+        let task = |names: &[&str]| {
+            Task::over_grid(dong(""), model.into(), outputs(names), None, &grid).expect("a task")
+        };
+        let kernel = solve(&task(&["efficiency", "screw_torque_Nm"]), &grid);
+        let analysed = if model == Model::QuasiStatic {
+            vec!["efficiency", "screw_torque_Nm", "rotary_to_linear_optimum_efficiency"]
+        } else {
+            vec!["efficiency", "screw_torque_Nm", "returner_margin", "nut_spin_power_W"]
+        };
+        let both = solve(&task(&analysed), &grid);
+        assert_eq!(both.verdicts, kernel.verdicts, "{model:?}");
+        for (a, b) in both.columns.iter().zip(&kernel.columns) {
+            assert!(a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits()), "{model:?}");
+        }
+        let converged = kernel.verdicts.iter().map(|v| v.status == Status::Converged);
+        assert!(both.columns[2].iter().zip(converged).all(|(x, there)| x.is_nan() != there));
+    }
+}
+
+/// What no row could have is told before any work, with the inputs that lack.
+#[test]
+fn columns_that_no_row_can_fill_are_told() {
+    let grid = grid(&["screw_speed_rpm=100,200"]);
+    for (without, model, column, words) in [
+        ("return_angle_deg", "auto", "step_thrust_N", "return_angle_deg is required for it"),
+        ("loaded_balls_per_turn", "auto", "jams", "loaded_balls_per_turn is required"),
+        ("axial_load_N", "auto", "nut_spin_slip_m_s", "axial_load_N is"),
+        ("", "closed-form", "ball_slip_m_s", "model closed-form has no motion"),
+        ("friction_coefficient", "auto", "linear_to_rotary_efficiency", "friction_coefficient is"),
+    ] {
+        let settings = Settings::named(model, None, None).expect("a model");
+        let (base, columns) = (dong(without), outputs(&[column]));
+        let over = Task::over_grid(base.clone(), settings, columns.clone(), None, &grid);
+        let error = over.expect_err("an empty column").to_string();
+        assert!(error.contains(words), "{column}: {error}");
+        let watched = Task::over_grid(base.clone(), settings, Vec::new(), Some(columns[0]), &grid);
+        assert!(watched.is_err(), "{column}");
+        let table = Columns::sort(["screw_speed_rpm"], &[]).expect("an input");
+        let error =
+            Task::over_table(base, settings, columns, &table).expect_err("empty").to_string();
+        assert!(error.contains(words), "{column}: {error}");
+    }
+    // One of two will do.
+    let columns = outputs(&["returner_margin"]);
+    Task::over_grid(dong("apex_half_angle_deg"), Settings::default(), columns, None, &grid)
+        .expect("the step is left");
+}
+
+/// What needs no motion needs no operating point either; a row that lacks something says so.
+#[test]
+fn columns_of_the_inputs_alone_need_no_solution() {
+    let base = Scene::from_json(br#"{"lead_angle_deg": 5}"#).expect("a scene");
+    let columns = Columns::sort(["friction_coefficient"], &[]).expect("an input");
+    let task = outputs(&["rotary_to_linear_optimum_contact_angle_deg"]);
+    let task = Task::over_table(base, Settings::default(), task, &columns).expect("a task");
+    let mut column = Column::default();
+    column.extend([bsm_batch::Cell::Number(0.075), bsm_batch::Cell::Missing]);
+    let chunk = bsm_batch::Chunk { first: 1, len: 2, inputs: vec![column], kept: Vec::new() };
+    let answers = task.solve(&chunk, &columns);
+    assert_eq!(answers.verdicts[0].status, Status::Converged);
+    assert!(answers.columns[0][0] > 5.0 && answers.columns[0][1].is_nan());
+    assert_eq!(answers.verdicts[1].status, Status::InvalidInput);
+    let words = answers.message(1).expect("words");
+    assert!(words.contains("friction_coefficient is required"), "{words}");
+}

@@ -1,0 +1,591 @@
+//! Folders of parts: the same bytes whoever solves them and however often it is stopped, and nothing but
+//! proven parts.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::num::{NonZeroU64, NonZeroUsize};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use arrow_array::RecordBatch;
+use arrow_array::cast::AsArray;
+use arrow_array::types::Float64Type;
+use arrow_cast::cast;
+use arrow_schema::DataType;
+use bsm_batch::dataset::{
+    self, Damage, Dataset, DatasetError, Event, Filling, Layout, Plan, Points, Reduction,
+};
+use bsm_batch::{
+    Answers, Count, Dialect, Draw, Draws, Format, GridSource, ParquetSource, Source, TableSink,
+    Task, Workers,
+};
+use bsm_case::{Axis, Grid, Scene, Settings};
+use bsm_dyn::Model;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::metadata::ParquetMetaDataReader;
+use tempfile::{NamedTempFile, TempDir};
+
+static NEVER: AtomicBool = AtomicBool::new(false);
+
+fn workers(threads: usize) -> Workers<'static> {
+    Workers::start(NonZeroUsize::new(threads), &NEVER).expect("threads")
+}
+
+fn make(file: &mut dyn FnMut() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
+    file()
+}
+
+fn task(model: Model) -> Task {
+    let base = include_bytes!("../../../../examples/feed_drive.json");
+    let base = Scene::from_json(base).expect("a scene");
+    let outputs = ["efficiency", "screw_torque_Nm"].map(str::to_owned);
+    let outputs = Answers::select(Some(&outputs)).expect("outputs");
+    Task::new(base, Settings::from(model), outputs)
+}
+
+/// Loads and friction coefficients, of which the last one locks the screw: a third of the rows fails.
+fn grid() -> Grid {
+    let axes = ["axial_load_N=500:9000:40", "friction_coefficient=0.01,0.1,12"];
+    Grid::new(axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec()).expect("a grid")
+}
+
+fn plan(task: &Task, points: &Points, rows: u64) -> Plan {
+    Plan::new(task, points, &layout(rows), &workers(1)).expect("a plan")
+}
+
+fn layout(rows: u64) -> Layout {
+    Layout { rows_per_shard: NonZeroU64::new(rows), reduction: None }
+}
+
+fn fill(folder: &Path, task: &Task, points: &Points, threads: usize) -> Count {
+    let how = Filling { resume: true, layout: layout(50), make };
+    dataset::fill(folder, task, points, how, &workers(threads), &mut |_| {}).expect("solved")
+}
+
+/// All files below a folder.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).expect("folder") {
+            let path = entry.expect("entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let name = path.strip_prefix(folder).expect("below").display().to_string();
+                found.insert(name, fs::read(&path).expect("file"));
+            }
+        }
+    }
+    found
+}
+
+fn temporary() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+/// Rows of a table, as the values of its columns.
+fn rows(source: &mut dyn Source, size: usize) -> Vec<f64> {
+    let mut rows = Vec::new();
+    while let Some(chunk) = source.next(size).expect("a table") {
+        for row in 0..chunk.len {
+            rows.extend(chunk.inputs.iter().map(|column| column.values()[row]));
+        }
+    }
+    rows
+}
+
+#[test]
+fn bytes_depend_on_the_plan_only() {
+    let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
+    let first = temporary();
+    let count = fill(first.path(), &task, &points, 1);
+    assert_eq!(count, Count { rows: 120, failed: 40, several: 0 });
+    let expected = files(first.path());
+    let names: Vec<_> = expected.keys().map(String::as_str).collect();
+    let parts =
+        ["data/part-000000.parquet", "data/part-000001.parquet", "data/part-000002.parquet"];
+    assert_eq!(names, [&parts[..], &["plan.json", "shards.parquet"]].concat());
+
+    for threads in [2, 5] {
+        let other = temporary();
+        assert_eq!(fill(other.path(), &task, &points, threads), count);
+        assert!(files(other.path()) == expected, "{threads} threads");
+    }
+
+    // Any order, by shards; what is there is found and counted.
+    let other = temporary();
+    let workers = workers(2);
+    let parts = Dataset::create(other.path(), plan(&task, &points, 50), make).expect("a folder");
+    for (shard, rows) in [(2, 20), (0, 50)] {
+        let mut source = points.open().expect("a grid");
+        source.skip(shard * 50).expect("a grid");
+        let part = parts.run_shard(shard, &task, source.as_mut(), false, &workers, &mut |_| {});
+        let part = part.expect("solved");
+        assert_eq!((part.shard, part.first_row, part.rows), (shard, shard * 50, rows));
+    }
+    // Opened with nothing but the folder.
+    let parts = Dataset::open(other.path(), make).expect("a folder");
+    let task = parts.plan().task().expect("a task");
+    let points = parts.points(None, &workers).expect("a grid");
+    let found = parts.survey(true, &workers).expect("readable");
+    assert_eq!(found.parts.keys().copied().collect::<Vec<_>>(), [0, 2]);
+    let (mut there, mut solved) = (0, 0);
+    let again = parts.run(&task, &points, found, &workers, &mut |event| match event {
+        Event::Found(part) => there += part.rows,
+        Event::Solved(chunk, _) => solved += chunk.len,
+        other => panic!("{other:?}"),
+    });
+    assert_eq!((again.expect("solved"), there, solved), (count, 70, 50));
+    assert!(files(other.path()) == expected);
+}
+
+/// What the parts hold together is what one file holds, and it is plain Parquet.
+#[test]
+fn parts_are_the_rows_of_one_file() {
+    let (task, folder) = (task(Model::Rigid), temporary());
+    fill(folder.path(), &task, &Points::Grid(grid()), 2);
+    let one = folder.path().join("one.csv");
+    let mut source = GridSource::new(grid());
+    let columns = source.columns().clone();
+    let out = fs::File::create(&one).expect("file");
+    let sink = TableSink::new(Format::Csv, out, &columns, &task.outputs).expect("a table");
+    let run = task.run(&mut source, sink, u64::MAX, &workers(2), &mut |_, _| {});
+    run.expect("solved").0.finish(None).expect("written");
+    let keep = ["model", "status"].map(str::to_owned);
+    assert!(Format::Csv.open(&one, &keep).is_err(), "columns of answers are passed over");
+    let whole = rows(Format::Csv.open(&one, &[]).expect("a table").as_mut(), 1000);
+    let mut parts = Vec::new();
+    for shard in 0..3 {
+        let path = folder.path().join(format!("data/part-{shard:06}.parquet"));
+        let bytes = bytes::Bytes::from(fs::read(&path).expect("a part"));
+        let footer = ParquetMetaDataReader::new().parse_and_finish(&bytes).expect("Parquet");
+        let keys = footer.file_metadata().key_value_metadata().expect("keys");
+        let names: Vec<_> = keys.iter().map(|entry| entry.key.as_str()).collect();
+        for key in ["plan", "shard", "rows", "failed", "several", "data_bytes", "data_sha256"] {
+            assert!(names.contains(&format!("bsm.{key}").as_str()), "{names:?}");
+        }
+        parts.extend(rows(Format::Parquet.open(&path, &[]).expect("a part").as_mut(), 7));
+    }
+    assert_eq!(parts, whole);
+    assert_eq!(parts.len(), 240);
+}
+
+/// Every byte of a part counts: data, footer, hashes and tail.
+#[test]
+fn no_byte_of_a_part_changes_unnoticed() {
+    let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
+    fill(folder.path(), &task, &points, 1);
+    let parts = Dataset::resume(folder.path(), plan(&task, &points, 50), make).expect("a folder");
+    let path = parts.part_file(2);
+    let good = fs::read(&path).expect("a part");
+    let workers = workers(1);
+    let damaged = |bytes: &[u8]| {
+        fs::write(&path, bytes).expect("writable");
+        parts.survey(true, &workers).expect("readable").damaged.len()
+    };
+    assert_eq!(damaged(&good), 0);
+    let mut bytes = good.clone();
+    for i in 0..bytes.len() {
+        bytes[i] ^= 1 << (i % 8);
+        assert_eq!(damaged(&bytes), 1, "byte {i} of {}", good.len());
+        bytes[i] = good[i];
+    }
+    for len in (0..good.len()).step_by(97) {
+        assert_eq!(damaged(&good[..len]), 1, "cut to {len}");
+    }
+    assert_eq!(damaged(&[&good[..], b"PAR1"].concat()), 1);
+}
+
+/// Found by the audit: parts were skipped because a file of their name was there.
+#[test]
+fn a_damaged_part_stops_the_run_and_stays() {
+    let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
+    fill(folder.path(), &task, &points, 1);
+    let parts = Dataset::resume(folder.path(), plan(&task, &points, 50), make).expect("a folder");
+    fs::write(parts.part_file(1), b"mine").expect("writable");
+    let workers = workers(1);
+    let found = parts.survey(false, &workers).expect("readable");
+    let error = parts.run(&task, &points, found, &workers, &mut |_| {}).expect_err("damaged");
+    assert!(matches!(&error, DatasetError::Damaged(files) if files.len() == 1), "{error}");
+    assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
+    // Neither is it written over by who solves that part.
+    let mut source = points.open().expect("a grid");
+    source.skip(50).expect("a grid");
+    let error = parts.run_shard(1, &task, source.as_mut(), false, &workers, &mut |_| {});
+    assert!(error.expect_err("there is something").to_string().contains("part-000001.parquet"));
+    assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
+    assert_eq!(fs::read_dir(folder.path().join("tmp")).expect("folder").count(), 0);
+}
+
+/// Nobody holds a lock, and nobody needs one.
+#[test]
+fn three_that_race_make_the_same_bytes() {
+    let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
+    let alone = temporary();
+    let count = fill(alone.path(), &task, &points, 1);
+    let raced = temporary();
+    thread::scope(|scope| {
+        let runners: Vec<_> =
+            (0..3).map(|_| scope.spawn(|| fill(raced.path(), &task, &points, 1))).collect();
+        for runner in runners {
+            assert_eq!(runner.join().expect("no panic"), count);
+        }
+    });
+    assert!(files(raced.path()) == files(alone.path()));
+}
+
+/// Within the solving of a chunk of the slowest model.
+#[test]
+fn a_stop_takes_effect_at_once() {
+    static STOP: AtomicBool = AtomicBool::new(false);
+    let axes = vec![Axis::parse("axial_load_N=500:9000:1000000").expect("an axis")];
+    let points = Points::Grid(Grid::new(axes).expect("a grid"));
+    let (task, folder) = (task(Model::Traction), temporary());
+    let plan = plan(&task, &points, 1 << 16);
+    let asked = thread::scope(|scope| {
+        let asked = scope.spawn(|| {
+            thread::sleep(Duration::from_millis(300));
+            STOP.store(true, Ordering::Relaxed);
+            Instant::now()
+        });
+        let workers = Workers::start(NonZeroUsize::new(2), &STOP).expect("threads");
+        let parts = Dataset::create(folder.path(), plan, make).expect("a folder");
+        let found = parts.survey(true, &workers).expect("readable");
+        let stopped = parts.run(&task, &points, found, &workers, &mut |_| {});
+        assert!(matches!(stopped, Err(DatasetError::Stopped)), "{stopped:?}");
+        asked.join().expect("no panic")
+    });
+    // A point takes some 0.1 ms; the rest is for a machine that does other things.
+    assert!(asked.elapsed() < Duration::from_millis(100), "{:?}", asked.elapsed());
+    assert_eq!(files(folder.path()).keys().collect::<Vec<_>>(), ["plan.json"]);
+}
+
+/// Rows of a Parquet table are passed over by row groups, and are those that reading on would give.
+#[test]
+fn rows_of_parquet_are_passed_over() {
+    let folder = temporary();
+    let path = folder.path().join("points.parquet");
+    // More than a row group, and no multiple of a chunk.
+    let axes = vec![Axis::parse("axial_load_N=500:9000:300001").expect("an axis")];
+    let grid = Grid::new(axes).expect("a grid");
+    let mut source = GridSource::new(grid.clone());
+    let out = fs::File::create(&path).expect("file");
+    let task = Task { outputs: Vec::new(), ..task(Model::ClosedForm) };
+    let columns = source.columns().clone();
+    let sink = TableSink::new(Format::Parquet, out, &columns, &task.outputs).expect("a table");
+    let run = task.run(&mut source, sink, u64::MAX, &workers(2), &mut |_, _| {});
+    run.expect("solved").0.finish(None).expect("written");
+    let open = || ParquetSource::new(fs::File::open(&path).expect("file"), &[]).expect("Parquet");
+    let all = rows(&mut open(), 10_000);
+    assert_eq!(all.len(), 300_001);
+    for [before, skipped] in [[0, 1], [5, 262_139], [7, 262_137], [0, 262_145], [10, 300_001]] {
+        let mut source = open();
+        if before > 0 {
+            source.next(before).expect("Parquet").expect("rows");
+        }
+        source.skip(skipped as u64).expect("Parquet");
+        let from = (before + skipped).min(all.len());
+        let next = source.next(1).expect("Parquet");
+        assert_eq!(next.map(|chunk| chunk.first), all.get(from).map(|_| from as u64 + 1));
+        let rest = rows(&mut source, 10_000);
+        assert!(rest[..] == all[(from + 1).min(all.len())..], "{before} {skipped}");
+    }
+}
+
+/// The program runs its commands on the workers: what waits for a worker must not hold the only one. More rows
+/// than a chunk, with an axis that has more values than a dictionary.
+#[test]
+fn a_table_that_is_solved_on_its_only_worker_has_the_same_bytes() {
+    let axes = ["axial_load_N=500:9000:3", "friction_coefficient=0.01:0.1:30001"];
+    let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();
+    let grid = Grid::new(axes).expect("a grid");
+    for format in [Format::Parquet, Format::Csv, Format::JsonLines] {
+        let written = |threads| {
+            let workers = workers(threads);
+            workers.install(|| {
+                let (task, mut source) = (task(Model::ClosedForm), GridSource::new(grid.clone()));
+                let out = task.write(&mut source, format, Vec::new(), &workers, &mut |_, _| {});
+                let (out, count) = out.expect("solved");
+                assert_eq!(count, Count { rows: 90_003, failed: 0, several: 0 });
+                out
+            })
+        };
+        assert!(written(1) == written(3), "{format:?}");
+    }
+}
+
+/// A table without rows is one part without rows, which readers open.
+#[test]
+fn a_table_without_rows_is_one_part() {
+    let folder = temporary();
+    let path = folder.path().join("points.csv");
+    fs::write(&path, "axial_load_N\n").expect("writable");
+    let points = Points::Table { path, keep: Vec::new(), dialect: Dialect::default() };
+    let map = folder.path().join("map");
+    for _ in 0..2 {
+        let count = fill(&map, &task(Model::Rigid), &points, 1);
+        assert_eq!(count, Count::default());
+    }
+    let names: Vec<_> = files(&map).into_keys().collect();
+    assert_eq!(names, ["data/part-000000.parquet", "plan.json", "shards.parquet"]);
+    let mut part = Format::Parquet.open(&map.join(&names[0]), &[]).expect("a part");
+    assert!(part.next(10).expect("Parquet").is_none());
+}
+
+/// Rows of a Parquet table, whose columns have numbers and texts.
+fn table(path: &Path) -> Vec<RecordBatch> {
+    let file = fs::File::open(path).expect("a table");
+    let reader = ParquetRecordBatchReaderBuilder::try_new(file).expect("Parquet").build();
+    reader.expect("Parquet").map(|batch| batch.expect("rows")).collect()
+}
+
+/// Statistics of rows that are kept, by hand, for every group.
+#[test]
+fn statistics_are_those_of_the_rows() {
+    let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
+    let [rows, reduced, other] = [temporary(), temporary(), temporary()];
+    let count = fill(rows.path(), &task, &points, 2);
+    let words = ["min", "max", "mean", "histogram:4", "worst:2"].map(str::to_owned);
+    let by = ["friction_coefficient".to_owned()];
+    let reduction = Some(Reduction::parse(&words, &by).expect("words"));
+    let solve = |folder: &Path, threads, parts: u64| {
+        let layout = Layout { reduction: reduction.clone(), ..layout(parts) };
+        let how = Filling { resume: true, layout, make };
+        dataset::fill(folder, &task, &points, how, &workers(threads), &mut |_| {}).expect("solved")
+    };
+    assert_eq!(solve(reduced.path(), 2, 50), count);
+    assert_eq!(solve(other.path(), 1, 50), count);
+    assert!(files(reduced.path()) == files(other.path()), "threads change bytes");
+
+    let part = |i| table(&rows.path().join(format!("data/part-{i:06}.parquet")));
+    let all: Vec<_> = (0..3).flat_map(part).collect();
+    let column = |table: &[RecordBatch], name: &str| {
+        let mut values = Vec::new();
+        for batch in table {
+            let column = batch.column_by_name(name).expect(name);
+            let column = cast(column, &DataType::Float64).expect("numbers");
+            values.extend(column.as_primitive::<Float64Type>());
+        }
+        values
+    };
+    let text = |table: &[RecordBatch], name: &str| {
+        let mut texts = Vec::new();
+        for batch in table {
+            let column = batch.column_by_name(name).expect(name).as_string::<i32>();
+            texts.extend(column.iter().map(|text| text.map(str::to_owned)));
+        }
+        texts
+    };
+    let found = table(&reduced.path().join("reduced.parquet"));
+    let (groups, loads) = (column(&found, "friction_coefficient"), column(&found, "axial_load_N"));
+    let (outputs, statistics) = (text(&found, "output"), text(&found, "statistic"));
+    let [low, high, value, counts, places] =
+        ["low", "high", "value", "count", "row"].map(|name| column(&found, name));
+    let (friction, load) = (column(&all, "friction_coefficient"), column(&all, "axial_load_N"));
+    for group in [0.01, 0.1, 12.0] {
+        let rows: Vec<_> = (0..120).filter(|row| friction[*row] == Some(group)).collect();
+        assert_eq!(rows.len(), 40);
+        let lines = |output: Option<&str>, statistic: &str| -> Vec<usize> {
+            let is = |line: &usize| {
+                groups[*line] == Some(group)
+                    && outputs[*line].as_deref() == output
+                    && statistics[*line].as_deref() == Some(statistic)
+            };
+            (0..statistics.len()).filter(is).collect()
+        };
+        let one = |output, statistic, column: &[Option<f64>]| {
+            let lines = lines(output, statistic);
+            assert_eq!(lines.len(), 1, "{group} {output:?} {statistic}");
+            column[lines[0]]
+        };
+        assert_eq!(one(None, "rows", &counts), Some(40.0));
+        assert_eq!(one(None, "failed", &counts), Some(if group > 1.0 { 40.0 } else { 0.0 }));
+        for name in ["efficiency", "screw_torque_Nm"] {
+            let output = column(&all, name);
+            let mut values: Vec<_> =
+                rows.iter().filter_map(|row| Some((output[*row]?, *row))).collect();
+            let output = Some(name);
+            let number = |count: usize| f64::from(u32::try_from(count).expect("few"));
+            assert_eq!(one(output, "values", &counts), Some(number(values.len())));
+            let bins = lines(output, "histogram");
+            for line in &bins {
+                let (low, high) = (low[*line].expect("an end"), high[*line].expect("an end"));
+                let inside = values.iter().filter(|(x, _)| low <= *x && *x < high).count();
+                assert_eq!(counts[*line], Some(number(inside)), "{name} {low} {high}");
+            }
+            let of_bins = bins.iter().filter_map(|line| counts[*line]).sum();
+            assert_eq!(Some::<f64>(of_bins), Some(number(values.len())));
+            let sum: f64 = values.iter().map(|(x, _)| x).sum();
+            match one(output, "mean", &value) {
+                // A plain sum of 40 numbers is right to 40 rounding errors.
+                Some(mean) => assert!((mean - sum / 40.0).abs() <= 40.0 * f64::EPSILON * mean),
+                None => assert!(values.is_empty() && group > 1.0),
+            }
+            values.sort_by(|a, b| a.0.total_cmp(&b.0));
+            assert_eq!(one(output, "min", &value), values.first().map(|(x, _)| *x));
+            assert_eq!(one(output, "max", &value), values.last().map(|(x, _)| *x));
+            let low = lines(output, "lowest");
+            let high = lines(output, "highest");
+            let expected = values.iter().take(2).chain(values.iter().rev().take(2));
+            assert_eq!(low.len() + high.len(), expected.clone().count());
+            for (line, (x, row)) in low.iter().chain(&high).zip(expected) {
+                assert_eq!((value[*line], places[*line]), (Some(*x), Some(number(*row))));
+                assert_eq!(loads[*line], load[*row]);
+            }
+        }
+    }
+}
+
+/// Random points in parts, in a folder that is known by its plan alone.
+#[test]
+fn random_points_are_the_same_rows_in_any_parts() {
+    let draws = ["axial_load_N=uniform:500:9000", "friction_coefficient=normal:0.06:0.005"];
+    let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
+    let points = Points::Draws(Draws::new(11, 120, draws).expect("draws"));
+    let (task, folder) = (task(Model::Rigid), temporary());
+    assert_eq!(fill(folder.path(), &task, &points, 2), Count { rows: 120, failed: 0, several: 0 });
+    let one = temporary();
+    let whole = Dataset::create(one.path(), plan(&task, &points, 120), make).expect("a folder");
+    let whole = Dataset::open(one.path(), make).map(|_| whole).expect("its own plan");
+    let workers = workers(1);
+    let points = whole.points(None, &workers).expect("draws");
+    whole.run_shards(&task, &points, 0..1, false, &workers, &mut |_| {}).expect("solved");
+    let rows_of = |folder: &Path, parts: usize| -> Vec<f64> {
+        let part = |i: usize| folder.join(format!("data/part-{i:06}.parquet"));
+        let part = |i| Format::Parquet.open(&part(i), &[]).expect("a part");
+        (0..parts).flat_map(|i| rows(part(i).as_mut(), 1000)).collect()
+    };
+    let all = rows_of(one.path(), 1);
+    assert_eq!((all.len(), &all), (240, &rows_of(folder.path(), 3)));
+}
+
+/// A folder of a table is gone on with by whoever has the table, and by nobody who has another one.
+#[test]
+fn parts_of_a_table_need_the_table_of_the_plan() {
+    let folder = temporary();
+    let (path, map) = (folder.path().join("points.parquet"), folder.path().join("map"));
+    let write = |loads: &str| {
+        let axes = vec![Axis::parse(&format!("axial_load_N={loads}:120")).expect("an axis")];
+        let mut source = GridSource::new(Grid::new(axes).expect("a grid"));
+        let task = Task { outputs: Vec::new(), ..task(Model::ClosedForm) };
+        let out = task.write(&mut source, Format::Parquet, Vec::new(), &workers(1), &mut |_, _| {});
+        fs::write(&path, out.expect("solved").0).expect("writable");
+    };
+    write("500:9000");
+    let task = task(Model::Rigid);
+    let (dialect, keep) = (Dialect::default(), Vec::new());
+    let points = Points::Table { path: path.clone(), keep, dialect };
+    fill(&map, &task, &points, 1);
+    let expected = files(&map);
+    let workers = workers(2);
+    let parts = Dataset::open(&map, make).expect("a folder");
+    for shard in [1, 2] {
+        fs::remove_file(parts.part_file(shard)).expect("removable");
+    }
+    // Beside the folder under its name, and anywhere.
+    let beside = parts.points(None, &workers).expect("the table");
+    parts.run_shards(&task, &beside, [2], false, &workers, &mut |_| {}).expect("solved");
+    let moved = folder.path().join("other.parquet");
+    fs::rename(&path, &moved).expect("movable");
+    assert!(parts.points(None, &workers).expect_err("gone").to_string().contains("points.parquet"));
+    let found = parts.points(Some(&moved), &workers).expect("the table");
+    parts.run_shards(&task, &found, 0..3, false, &workers, &mut |_| {}).expect("solved");
+    assert!(files(&map) == expected);
+    write("500:9001");
+    let said = parts.points(None, &workers).expect_err("another table").to_string();
+    assert!(said.contains("is not the table of points that the plan was made for"), "{said}");
+}
+
+/// Damage is replaced only where that is asked for, and does not keep the other parts from being solved.
+#[test]
+fn damaged_parts_are_replaced_on_demand() {
+    let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
+    fill(folder.path(), &task, &points, 1);
+    let expected = files(folder.path());
+    let (parts, workers) = (Dataset::open(folder.path(), make).expect("a folder"), workers(1));
+    let mut bytes = fs::read(parts.part_file(0)).expect("a part");
+    bytes[500] ^= 4;
+    fs::write(parts.part_file(0), &bytes).expect("writable");
+    fs::write(parts.part_file(1), b"mine").expect("writable");
+    fs::remove_file(parts.part_file(2)).expect("removable");
+    let run = |repair| parts.run_shards(&task, &points, 0..3, repair, &workers, &mut |_| {});
+    let said = run(false).expect_err("damaged").to_string();
+    // A bit of the data is beyond the footers.
+    assert!(said.contains("part-000001.parquet") && !said.contains("part-000000"), "{said}");
+    assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
+    assert!(parts.part_file(2).exists());
+    let found = parts.survey(true, &workers).expect("readable");
+    let missing: Vec<_> = found.missing(parts.plan()).into_iter().flatten().collect();
+    assert_eq!((missing, found.damaged.len()), (vec![0, 1], 2));
+    assert_eq!(run(true).expect("solved").len(), 3);
+    assert!(files(folder.path()) == expected);
+    assert!(matches!(
+        parts.run_shards(&task, &points, [3], false, &workers, &mut |_| {}),
+        Err(DatasetError::NoSuchPart { shard: 3, shards: 3 })
+    ));
+}
+
+/// The end of a file proves it, wherever the rest of it is.
+#[test]
+fn the_last_bytes_prove_a_part() {
+    let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
+    fill(folder.path(), &task, &points, 1);
+    let parts = Dataset::open(folder.path(), make).expect("a folder");
+    let bytes = fs::read(parts.part_file(1)).expect("a part");
+    let len = bytes.len() as u64;
+    let end = |count: usize| &bytes[bytes.len() - count..];
+    let Err(Damage::Short(needed)) = parts.plan().prove(1, end(8), len) else { panic!("short") };
+    let needed = usize::try_from(needed).expect("small");
+    let part = parts.plan().prove(1, end(needed), len).expect("the part");
+    let found = parts.survey(true, &workers(1)).expect("readable").parts.remove(&1);
+    assert_eq!(Some(part), found);
+    assert!(matches!(parts.plan().prove(1, end(needed), len + 1), Err(Damage::Footer)));
+    assert!(matches!(parts.plan().prove(0, end(needed), len), Err(Damage::OtherPart(_))));
+    assert!(matches!(parts.plan().prove(0, &[], 0), Err(Damage::Empty)));
+    assert!(matches!(parts.plan().prove(0, b"no part at all", 14), Err(Damage::Footer)));
+}
+
+/// The size that a plan tells is one to count on: at most, and no more than what is at most twice as much.
+#[test]
+fn the_size_of_a_plan_is_that_of_its_parts() {
+    let draws = ["axial_load_N=uniform:500:9000", "screw_speed_rpm=normal:1500:50"];
+    let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
+    let points = Points::Draws(Draws::new(11, 100_000, draws).expect("draws"));
+    let (task, folder) = (task(Model::Rigid), temporary());
+    let plan = Plan::new(&task, &points, &layout(30_000), &workers(1)).expect("a plan");
+    let bytes = plan.estimate().expect("a task").bytes;
+    let how = Filling { resume: false, layout: layout(30_000), make };
+    dataset::fill(folder.path(), &task, &points, how, &workers(2), &mut |_| {}).expect("solved");
+    let parts = files(folder.path()).into_iter().filter(|(name, _)| name.starts_with("data"));
+    let found: u32 = parts.map(|(_, bytes)| u32::try_from(bytes.len()).expect("small")).sum();
+    let found = f64::from(found);
+    assert!(found < bytes && bytes < 2.0 * found, "{found} {bytes}");
+}
+
+/// A plan of 1e12 points is made, opened and worked on in the time and memory of a part.
+#[test]
+fn a_part_of_a_million_million_points_takes_a_moment() {
+    // 59 604 parts of 2^24 rows, and a last one of 4096.
+    let axes = ["axial_load_N=500:9000:244137985", "friction_coefficient=0.01:0.1:4096"];
+    let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();
+    let points = Points::Grid(Grid::new(axes).expect("a grid"));
+    let (task, folder, workers) = (task(Model::ClosedForm), temporary(), workers(1));
+    let begin = Instant::now();
+    let plan = Plan::new(&task, &points, &Layout::default(), &workers).expect("a plan");
+    assert_eq!((plan.rows(), plan.shards()), (999_989_186_560, 59_605));
+    assert!(plan.text().len() < 1000, "{}", plan.text());
+    let parts = Dataset::create(folder.path(), plan, make).expect("a folder");
+    let mut source = points.open().expect("a grid");
+    source.skip(59_604 << 24).expect("a grid");
+    let part = parts.run_shard(59_604, &task, source.as_mut(), false, &workers, &mut |_| {});
+    let part = part.expect("solved");
+    assert_eq!((part.first_row, part.rows), (59_604 << 24, 4096));
+    let found = Dataset::open(folder.path(), make).expect("a folder").survey(true, &workers);
+    assert_eq!(found.expect("readable").parts.into_values().collect::<Vec<_>>(), [part]);
+    // It takes 0.1 s; the rest is for a machine that does other things.
+    assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
+}

@@ -1,0 +1,364 @@
+//! Models by lanes against the models themselves, over seeded points.
+
+use crate::alike;
+
+use std::sync::atomic::{AtomicBool, AtomicU64};
+
+use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Room, Task};
+use bsm_case::{Output, Record, Scene, Settings};
+use bsm_dyn::{Control, Model, ModelWorkspace, RacewayFriction, Status};
+use bsm_sample::Sample;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use alike::{OF_THE_WAY, assert_alike};
+
+const INPUTS: [&str; 16] = [
+    "lead_angle_deg",
+    "contact_angle_deg",
+    "friction_coefficient",
+    "ball_diameter_mm",
+    "pitch_circle_diameter_mm",
+    "screw_speed_rpm",
+    "nut_speed_rpm",
+    "axial_load_N",
+    "loaded_balls",
+    "nut_conformity",
+    "screw_conformity",
+    "density_kg_m3",
+    "youngs_modulus_GPa",
+    "poisson_ratio",
+    "ball_youngs_modulus_GPa",
+    "ball_poisson_ratio",
+];
+
+/// Points of practice and somewhat beyond: screw drive, nut drive and both, both ways.
+fn points(count: usize) -> (Chunk, Columns) {
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let mut elastic = ChaCha8Rng::seed_from_u64(7);
+    let mut inputs = vec![Column::default(); INPUTS.len()];
+    for _ in 0..count {
+        let mut rpm = || {
+            let size = rng.log_uniform(1.0, 3e4);
+            if rng.random_bool(0.5) { size } else { -size }
+        };
+        let speeds = (rpm(), rpm());
+        let (screw, nut) = match rng.random_range(0..3) {
+            0 => (speeds.0, 0.0),
+            1 => (0.0, speeds.1),
+            _ => speeds,
+        };
+        let pitch = rng.random_range(8.0..100.0);
+        let row = [
+            rng.random_range(1.0..45.0),
+            rng.random_range(20.0..75.0),
+            rng.log_uniform(1e-3, 0.2),
+            pitch * rng.random_range(0.05..0.25),
+            pitch,
+            screw,
+            nut,
+            rng.log_uniform(10.0, 1e5),
+            rng.random_range(1.0..200.0),
+            elastic.random_range(0.51..0.56),
+            elastic.random_range(0.51..0.56),
+            elastic.random_range(3000.0..8000.0),
+            elastic.random_range(150.0..250.0),
+            elastic.random_range(0.2..0.4),
+            elastic.random_range(150.0..350.0),
+            elastic.random_range(0.2..0.4),
+        ];
+        for (column, value) in inputs.iter_mut().zip(row) {
+            column.push(Cell::Number(value));
+        }
+    }
+    let columns = Columns::sort(INPUTS, &[]).expect("known names");
+    (Chunk { first: 1, len: count, inputs, kept: Vec::new() }, columns)
+}
+
+fn scene(names: &[&str], chunk: &Chunk, base: &Scene, row: usize) -> Scene {
+    let mut scene = base.clone();
+    for (name, column) in names.iter().zip(&chunk.inputs) {
+        scene.set(name, column.values()[row]).expect("known name");
+    }
+    scene
+}
+
+fn record(scene: &Scene, settings: &Settings) -> Record {
+    match scene.problem(settings) {
+        Ok(problem) => Record::new(problem.solve(&mut ModelWorkspace::default())),
+        Err(error) => Record::invalid(settings.model, &error),
+    }
+}
+
+fn all() -> Vec<&'static Output> {
+    Answers::select(None).expect("all outputs")
+}
+
+/// Compares every output of every point: 1e-10 of it, and the scatter.
+fn compare(settings: &Settings, count: usize) {
+    compare_on(settings, &Scene::default(), &INPUTS, &points(count));
+}
+
+fn compare_on(settings: &Settings, base: &Scene, names: &[&str], table: &(Chunk, Columns)) {
+    let ((chunk, columns), outputs, count) = (table, all(), table.0.len);
+    let task = Task::new(base.clone(), *settings, outputs.clone());
+    let answers = task.solve(chunk, columns);
+    let mut solved = 0;
+    for row in 0..count {
+        let scene = scene(names, chunk, base, row);
+        let expected = record(&scene, settings);
+        let what = || format!("row {row}");
+        let converged = assert_alike(&what, (&answers, row), &outputs, (&expected, &scene));
+        solved += usize::from(converged);
+    }
+    assert!(solved > count / 4, "{solved}");
+}
+
+#[test]
+fn closed_form() {
+    compare(&Model::ClosedForm.into(), 4000);
+}
+
+#[test]
+fn quasi_static() {
+    compare(&Model::QuasiStatic.into(), 4000);
+}
+
+#[test]
+fn rigid() {
+    compare(&Model::Rigid.into(), 20_000);
+}
+
+/// By the decision and with either race forced; the kernel answers five of six points, the others
+/// have inertia forces of the size of the load.
+#[test]
+fn raceway_control() {
+    for control in [None, Some(Control::Nut), Some(Control::Screw)] {
+        compare(&Settings { control, ..Model::RacewayControl.into() }, 3000);
+    }
+}
+
+/// One coefficient for each contact, of a lubricant at the temperature of the row. The losses outside the contacts
+/// are all there.
+#[test]
+fn lubricated_raceway_control() {
+    const COUNT: usize = 3000;
+    let base = br#"{"iso_vg": 68, "ball_roughness_um": 0.02, "nut_roughness_um": 0.1,
+        "screw_roughness_um": 0.08, "hysteresis_loss": 0.007, "seal_torque_Nm": 0.05,
+        "ball_contact_force_N": 2, "return_circuits": 3, "return_loss_coefficient": 0.5,
+        "drag_coefficient": 0.5}"#;
+    let base = Scene::from_json(base).expect("scene");
+    let (mut chunk, _) = points(COUNT);
+    let (mut names, mut rng) = (INPUTS, ChaCha8Rng::seed_from_u64(10));
+    let place = names.iter().position(|name| *name == "friction_coefficient").expect("known");
+    names[place] = "lubricant_temperature_C";
+    chunk.inputs[place] = Column::default();
+    for _ in 0..COUNT {
+        chunk.inputs[place].push(Cell::Number(rng.random_range(0.0..90.0)));
+    }
+    let columns = Columns::sort(names, &[]).expect("known names");
+    let settings =
+        Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
+    compare_on(&settings, &base, &names, &(chunk, columns));
+}
+
+#[test]
+fn elastic() {
+    compare(&Model::Elastic.into(), 4000);
+}
+
+#[test]
+fn traction() {
+    compare(&Model::Traction.into(), 400);
+}
+
+/// At an accuracy whose panels do not fill the blocks of lines.
+#[test]
+fn traction_of_another_accuracy() {
+    compare(&Settings { accuracy: 1e-6, ..Model::Traction.into() }, 100);
+}
+
+/// Points that are enough of a model: one of `traction` takes as long as a hundred others in a build for tests.
+fn enough(model: Model, count: usize) -> (Chunk, Columns) {
+    points(if model == Model::Traction { count / 16 } else { count })
+}
+
+/// Rows `first` to `last` of a chunk.
+fn part(chunk: &Chunk, first: usize, last: usize) -> Chunk {
+    let inputs = chunk.inputs.iter().map(|column| {
+        let mut part = Column::default();
+        part.extend((first..last).map(|row| column.cell(row)));
+        part
+    });
+    Chunk { first: first as u64 + 1, len: last - first, inputs: inputs.collect(), kept: Vec::new() }
+}
+
+/// Verdicts and bits of all outputs, row by row.
+fn bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
+    let rows = answers.verdicts.iter().enumerate();
+    rows.map(|(row, verdict)| {
+        let numbers = answers.columns.iter().map(|column| column[row].to_bits());
+        (format!("{verdict:?} {:?}", answers.message(row)), numbers.collect())
+    })
+    .collect()
+}
+
+/// The same bits on every instruction set, in chunks of any size, on any number of threads.
+#[test]
+fn results_depend_on_the_point_only() {
+    for model in Model::ALL {
+        // More than two threads' worth.
+        let (chunk, columns) = enough(model, 5000);
+        let task = Task::new(Scene::default(), model.into(), all());
+        let expected = bits(&task.solve(&chunk, &columns));
+        for arch in bsm_simd::instruction_sets() {
+            let found = task.solve_on(arch, &chunk, &columns);
+            assert!(bits(&found) == expected, "{arch:?}, {model:?}");
+        }
+        for size in [7, 300, 3000] {
+            let mut found = Vec::new();
+            for first in (0..chunk.len).step_by(size) {
+                let part = part(&chunk, first, chunk.len.min(first + size));
+                found.extend(bits(&task.solve(&part, &columns)));
+            }
+            assert!(found == expected, "chunks of {size}, {model:?}");
+        }
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let found = pool.expect("threads").install(|| task.solve(&chunk, &columns));
+            assert!(bits(&found) == expected, "{threads} threads, {model:?}");
+        }
+    }
+}
+
+/// Speed depends on it: of points that have a root nearly none is left to Newton. A row that is left to it has the
+/// model's own way to the root, to the last bit.
+#[test]
+fn sweeps_finish_nearly_all_points() {
+    const COUNT: usize = 10_000;
+    let mut rng = ChaCha8Rng::seed_from_u64(24);
+    let base = br#"{"pitch_circle_diameter_mm": 48.6, "ball_diameter_mm": 8.74, "nut_speed_rpm": 0,
+        "loaded_balls": 1}"#;
+    let base = Scene::from_json(base).expect("scene");
+    let ranges = [
+        ("lead_angle_deg", 10.0..45.0),
+        ("contact_angle_deg", 30.0..70.0),
+        ("friction_coefficient", 0.01..0.1),
+        ("screw_speed_rpm", -6000.0..6000.0),
+        ("axial_load_N", 20.0..3000.0),
+    ];
+    let names = ranges.each_ref().map(|(name, _)| *name);
+    let columns = Columns::sort(names, &[]).expect("known names");
+    let mut inputs = vec![Column::default(); names.len()];
+    for _ in 0..COUNT {
+        for (column, (_, range)) in inputs.iter_mut().zip(&ranges) {
+            column.push(Cell::Number(rng.random_range(range.clone())));
+        }
+    }
+    let chunk = Chunk { first: 1, len: COUNT, inputs, kept: Vec::new() };
+    let way = OF_THE_WAY.map(|name| Output::named(name).expect("known name"));
+    let settings = Settings::from(Model::Rigid);
+    let answers = Task::new(base.clone(), settings, way.to_vec()).solve(&chunk, &columns);
+    let (mut left, mut solved) = (0, 0);
+    for row in 0..COUNT {
+        let root = record(&scene(&names, &chunk, &base, row), &settings);
+        if root.status() != Status::Converged {
+            continue;
+        }
+        solved += 1;
+        let bits = |output| root.cell(output).map(|cell| cell.number().to_bits());
+        let mut found = way.iter().zip(&answers.columns);
+        left +=
+            usize::from(found.all(|(output, column)| bits(output) == Some(column[row].to_bits())));
+    }
+    assert!(solved > COUNT / 2, "{solved}");
+    assert!(left * 200 < solved, "{left} of {solved} points are left to Newton");
+}
+
+/// Outputs that are given no place come back as values, and only where there are some.
+#[test]
+fn outputs_without_a_place_come_back() {
+    for model in Model::ALL {
+        // More than a stride.
+        let (chunk, columns) = enough(model, 6000);
+        let task = Task::new(Scene::default(), model.into(), all());
+        let expected = task.solve(&chunk, &columns);
+        let mut verdicts = expected.verdicts.clone();
+        let room = Room { verdicts: &mut verdicts, columns: all().iter().map(|_| None).collect() };
+        let (stop, done) = (AtomicBool::new(false), AtomicU64::new(0));
+        let told = task.solve_into((&chunk, &columns), room, &stop, &done);
+        let mut found = vec![vec![f64::NAN; chunk.len]; all().len()];
+        for (place, first, values) in told.values {
+            assert!(!values.iter().all(|value| value.is_nan()), "{model:?}");
+            found[place][first..][..values.len()].copy_from_slice(&values);
+        }
+        assert_eq!((verdicts, told.messages), (expected.verdicts, expected.messages), "{model:?}");
+        for (output, (found, expected)) in all().iter().zip(found.iter().zip(&expected.columns)) {
+            let same =
+                |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
+            assert!(found.iter().zip(expected).all(same), "{}, {model:?}", output.name);
+        }
+    }
+}
+
+/// What is asked for does not change with what else is asked for.
+#[test]
+fn columns_do_not_depend_on_the_selection() {
+    let (base, everything) = (Scene::default(), all());
+    for model in Model::ALL {
+        let (chunk, columns) = enough(model, 500);
+        let task = |outputs| Task::new(base.clone(), model.into(), outputs);
+        let expected = task(everything.clone()).solve(&chunk, &columns);
+        for (output, column) in everything.iter().zip(&expected.columns) {
+            let found = task(vec![output]).solve(&chunk, &columns);
+            let same = found.columns[0].iter().zip(column).all(|(a, b)| a.to_bits() == b.to_bits());
+            assert!(same && found.verdicts == expected.verdicts, "{}, {model:?}", output.name);
+        }
+    }
+}
+
+/// Rows that break a rule, lack a value, or hold text keep their place among ordinary ones, with
+/// the words of a scene; leads stand for lead angles.
+#[test]
+fn rows_that_are_not_ordinary_are_told() {
+    let base = Scene::from_json(
+        br#"{"pitch_circle_diameter_mm": 48.6, "lead_angle_deg": 12, "contact_angle_deg": 45,
+             "friction_coefficient": 0.075, "screw_speed_rpm": 2000, "axial_load_N": 2113,
+             "loaded_balls": 1}"#,
+    )
+    .expect("scene");
+    let columns = Columns::sort(["ball_diameter_mm", "lead_mm", "nut_speed_rpm"], &[]);
+    let columns = columns.expect("known names");
+    let number = Cell::Number;
+    let rows = [
+        ([number(8.74), number(30.0), number(0.0)], "converged", ""),
+        ([number(-8.74), number(30.0), number(0.0)], "invalid_input", "`ball_diameter_mm` = -8.74"),
+        ([number(8.74), Cell::Text("wide".into()), number(0.0)], "invalid_input", "lead_mm"),
+        ([number(8.74), number(f64::NAN), number(0.0)], "invalid_input", "`lead_mm` = NaN"),
+        ([number(30.0), number(30.0), number(0.0)], "invalid_input", "30"),
+        ([Cell::Missing, number(30.0), number(0.0)], "invalid_input", "ball_diameter_mm"),
+        ([number(8.74), number(30.0), number(2000.0)], "invalid_input", "nut_speed_rpm"),
+        ([number(8.74), number(30.0), Cell::Missing], "converged", ""),
+        // Without a lead the angle of the base scene holds.
+        ([number(8.74), Cell::Missing, number(0.0)], "converged", ""),
+        ([number(8.74), number(10.0), number(0.0)], "no_solution", "lead angle"),
+    ];
+    let mut inputs = vec![Column::default(); 3];
+    for (cells, ..) in &rows {
+        for (column, cell) in inputs.iter_mut().zip(cells) {
+            column.push(cell.clone());
+        }
+    }
+    let chunk = Chunk { first: 1, len: rows.len(), inputs, kept: Vec::new() };
+    let efficiency = Output::named("efficiency").expect("known name");
+    let task = Task::new(base, Model::Rigid.into(), vec![efficiency]);
+    let answers = task.solve(&chunk, &columns);
+    for (row, (cells, status, words)) in rows.iter().enumerate() {
+        let (verdict, value) = (answers.verdicts[row], answers.columns[0][row]);
+        assert_eq!(verdict.status.name(), *status, "{cells:?} {verdict:?}");
+        assert_eq!(value.is_nan(), *status != "converged", "{cells:?}");
+        let message = answers.message(row).unwrap_or_default();
+        assert!(message.contains(words), "{cells:?}: {message}");
+    }
+    assert_eq!(answers.columns[0][0].to_bits(), answers.columns[0][7].to_bits());
+}

@@ -1,0 +1,253 @@
+//! Tables of Parquet that others wrote: the usual codecs are read, checksums are checked, and what is
+//! not read or asks for memory without end is refused in words.
+
+use std::sync::Arc;
+
+use allocation_counter::measure;
+use arrow_array::builder::{MapBuilder, StringBuilder};
+use arrow_array::types::Int32Type;
+use arrow_array::{ArrayRef, Float64Array, ListArray, RecordBatch, StringArray, StructArray};
+use bsm_batch::{Cell, ParquetSource, Source, TableError};
+use bytes::Bytes;
+use parquet::arrow::ArrowWriter;
+use parquet::basic::{
+    BrotliLevel, Compression, Encoding, GzipLevel, Repetition, Type as Physical, ZstdLevel,
+};
+use parquet::column::writer::ColumnCloseResult;
+use parquet::file::metadata::ColumnChunkMetaData;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
+
+/// The numbers of the first input and the first kept texts.
+type Rows = (Vec<f64>, Vec<String>);
+
+fn read(table: Vec<u8>, kept: &[&str]) -> Result<Rows, TableError> {
+    let keep: Vec<_> = kept.iter().map(|name| (*name).to_owned()).collect();
+    let mut source = ParquetSource::new(Bytes::from(table), &keep)?;
+    let mut rows = Rows::default();
+    while let Some(chunk) = source.next(1000)? {
+        for row in 0..chunk.len {
+            match chunk.inputs[0].cell(row) {
+                Cell::Number(value) => rows.0.push(value),
+                other => panic!("{other:?}"),
+            }
+        }
+        rows.1.extend(chunk.kept.first().into_iter().flatten().cloned());
+    }
+    Ok(rows)
+}
+
+fn why(read: Result<Rows, TableError>) -> String {
+    read.expect_err("refused").to_string()
+}
+
+fn written(columns: Vec<(&str, ArrayRef)>, properties: WriterProperties) -> Vec<u8> {
+    let batch = RecordBatch::try_from_iter(columns).expect("columns of one length");
+    let writer = ArrowWriter::try_new(Vec::new(), batch.schema(), Some(properties));
+    let mut writer = writer.expect("a schema");
+    writer.write(&batch).expect("rows");
+    writer.into_inner().expect("a footer")
+}
+
+fn packed(codec: Compression) -> WriterProperties {
+    WriterProperties::builder().set_compression(codec).build()
+}
+
+/// All that are read.
+fn codecs() -> [Compression; 6] {
+    [
+        Compression::UNCOMPRESSED,
+        Compression::SNAPPY,
+        Compression::GZIP(GzipLevel::default()),
+        Compression::LZ4,
+        Compression::LZ4_RAW,
+        Compression::ZSTD(ZstdLevel::default()),
+    ]
+}
+
+fn leads() -> Vec<f64> {
+    (0..3000).map(|row| f64::from(row % 700) + 0.5).collect()
+}
+
+fn column(numbers: Vec<f64>) -> ArrayRef {
+    Arc::new(Float64Array::from(numbers))
+}
+
+/// Audit, item 6: tables of pandas and Polars with Zstandard, gzip or LZ4 were "not a Parquet table".
+#[test]
+fn every_usual_codec_is_read() {
+    let ids: Vec<_> = (0..3000).map(|row| format!("point {row}")).collect();
+    for codec in codecs() {
+        let texts: ArrayRef = Arc::new(StringArray::from_iter_values(&ids));
+        let table = written(vec![("lead_mm", column(leads())), ("id", texts)], packed(codec));
+        let (numbers, texts) = read(table, &["id"]).expect("a table");
+        assert_eq!(numbers, leads(), "{codec}");
+        assert_eq!(texts, ids, "{codec}");
+    }
+}
+
+/// Audit, item 6: "Disabled feature at compile time".
+#[test]
+fn what_is_not_read_is_told_with_the_remedy() {
+    let brotli =
+        chunk_of(Compression::BROTLI(BrotliLevel::default()), "lead_mm", &data_page(24, 24));
+    assert_eq!(
+        why(read(brotli, &[])),
+        "the Parquet table is written with Brotli compression, which is not read here; write it \
+         without encryption, and with Snappy, Zstandard, gzip, LZ4 or no compression"
+    );
+    let mut encrypted = written(vec![("lead_mm", column(leads()))], packed(Compression::SNAPPY));
+    let end = encrypted.len() - 4;
+    encrypted[end..].copy_from_slice(b"PARE");
+    let encrypted = why(read(encrypted, &[]));
+    assert!(
+        encrypted.contains("is written with encryption, which is not read here"),
+        "{encrypted}"
+    );
+}
+
+/// Audit, item 6: kept columns of structures or maps.
+#[test]
+fn kept_structures_maps_and_lists_are_refused_in_words() {
+    let list = ListArray::from_iter_primitive::<Int32Type, _, _>([Some([Some(1), None])]);
+    let text: ArrayRef = Arc::new(StringArray::from(vec!["a"]));
+    let structure = RecordBatch::try_from_iter([("name", text)]).expect("a column");
+    let mut map = MapBuilder::new(None, StringBuilder::new(), StringBuilder::new());
+    map.keys().append_value("key");
+    map.values().append_value("value");
+    map.append(true).expect("a row");
+    let all: [ArrayRef; 3] =
+        [Arc::new(list), Arc::new(StructArray::from(structure)), Arc::new(map.finish())];
+    for nested in all {
+        let columns = vec![("id", nested), ("lead_mm", column(vec![5.0]))];
+        let table = written(columns, packed(Compression::SNAPPY));
+        assert_eq!(
+            why(read(table, &["id"])),
+            "--keep id: its cells are lists, maps or structures, which cannot be copied; \
+             leave it out, or take it apart"
+        );
+    }
+}
+
+/// Audit, item 6: a bit that was flipped gave other numbers. The file is of pyarrow 26.0.1:
+/// `write_table(table({"lead_mm": [5.0, 6.0, 7.0]}), "checksums.parquet", compression="none",
+/// use_dictionary=False, write_statistics=False, store_schema=False, write_page_checksum=True)`.
+#[test]
+fn a_flipped_bit_in_a_page_with_a_checksum_is_an_error() {
+    const TABLE: &[u8] = include_bytes!("checksums.parquet");
+    // By the header of the page, 25 bytes after the letters: levels of 6 bytes and three numbers.
+    const PAGE: std::ops::Range<usize> = 29..59;
+    assert_eq!(read(TABLE.to_vec(), &[]).expect("a table").0, [5.0, 6.0, 7.0]);
+    assert_eq!(TABLE[PAGE.end - 8..PAGE.end], 7.0_f64.to_le_bytes());
+    for bit in PAGE.start * 8..PAGE.end * 8 {
+        let mut flipped = TABLE.to_vec();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        let why = why(read(flipped, &[]));
+        assert!(why.contains("Page CRC checksum mismatch"), "bit {bit}: {why}");
+    }
+}
+
+/// A whole number of Thrift's compact protocol, in the field after the last one.
+fn field(value: u32) -> Vec<u8> {
+    let mut rest = u64::from(value) << 1;
+    let mut bytes = vec![0x15];
+    while rest >= 0x80 {
+        bytes.push(rest.to_le_bytes()[0] | 0x80);
+        rest >>= 7;
+    }
+    bytes.push(rest.to_le_bytes()[0]);
+    bytes
+}
+
+/// A page of plain numbers without anything in it: its length, and that in the file, are announced.
+fn data_page(length: u32, packed: u32) -> Vec<u8> {
+    // Kind 0; then a structure: 3 values, plain, levels by runs.
+    let head = [field(0), field(length), field(packed), vec![0x2c]].concat();
+    let values = [field(3), field(0), field(3), field(3), vec![0, 0]].concat();
+    [head, values, vec![0; 24]].concat()
+}
+
+/// A dictionary of plain numbers.
+fn dictionary(length: u32, values: u32) -> Vec<u8> {
+    let head = [field(2), field(length), field(24), vec![0x4c]].concat();
+    [head, field(values), field(0), vec![0, 0], vec![0; 24], data_page(24, 24)].concat()
+}
+
+/// A file with these pages in its only column.
+fn chunk_of(codec: Compression, name: &str, pages: &[u8]) -> Vec<u8> {
+    let number = Type::primitive_type_builder(name, Physical::DOUBLE)
+        .with_repetition(Repetition::REQUIRED)
+        .build();
+    let fields = vec![Arc::new(number.expect("a column"))];
+    let schema = Type::group_type_builder("schema").with_fields(fields).build().expect("a schema");
+    let mut writer =
+        SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::default()).expect("a writer");
+    let column = writer.schema_descr().column(0);
+    let length = i64::try_from(pages.len()).expect("short");
+    let metadata = ColumnChunkMetaData::builder(column)
+        .set_compression(codec)
+        .set_encodings(vec![Encoding::PLAIN])
+        .set_num_values(3)
+        .set_total_compressed_size(length)
+        .set_total_uncompressed_size(length)
+        .set_data_page_offset(0)
+        .build()
+        .expect("a chunk");
+    let close = ColumnCloseResult {
+        bytes_written: pages.len() as u64,
+        rows_written: 3,
+        metadata,
+        bloom_filter: None,
+        column_index: None,
+        offset_index: None,
+    };
+    let mut group = writer.next_row_group().expect("a row group");
+    group.append_column(&Bytes::copy_from_slice(pages), close).expect("a column");
+    group.close().expect("a row group");
+    writer.into_inner().expect("a footer")
+}
+
+/// Audit, item 9: a file of 2 kB took 291 MB. Every codec, and dictionaries that are not packed.
+#[test]
+fn a_bomb_is_refused_before_it_takes_memory() {
+    let bombs = [
+        data_page(291_000_000, 24),
+        data_page(i32::MAX.cast_unsigned(), 24),
+        data_page(24, 291_000_000),
+        dictionary(291_000_000, 4),
+        dictionary(24, 291_000_000 / 8),
+    ];
+    for (codec, bomb) in codecs().iter().flat_map(|codec| bombs.iter().map(move |b| (*codec, b))) {
+        let table = chunk_of(codec, "lead_mm", bomb);
+        assert!(table.len() < 2000);
+        let mut said = String::new();
+        // The footer and the words take some kB.
+        let memory = measure(|| said = why(read(table, &[]))).bytes_max;
+        assert!(memory < 1 << 20, "{codec}: {memory} bytes");
+        assert!(said.starts_with("not a Parquet table: a page announces "), "{said}");
+        assert!(said.contains(" kB, but a file of 1 kB is read with at most 33"), "{said}");
+    }
+    // The pages themselves are right.
+    let whole = data_page(24, 24);
+    assert_eq!(
+        read(chunk_of(Compression::UNCOMPRESSED, "lead_mm", &whole), &[]).expect("a table").0,
+        [0.0; 3]
+    );
+}
+
+/// A million points of which most inputs are the same pack a thousandfold, and are no bomb.
+#[test]
+fn a_table_that_packs_well_is_read() {
+    const ROWS: usize = 200_000;
+    let names = ["lead_mm", "axial_load_N", "screw_speed_rpm", "ball_diameter_mm"];
+    let same = column(vec![5.0; ROWS]);
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_dictionary_enabled(false);
+    let columns = names.map(|name| (name, same.clone())).to_vec();
+    let table = written(columns, properties.build());
+    let unpacked = names.len() * 8 * ROWS;
+    assert!(unpacked > 500 * table.len(), "{} bytes", table.len());
+    assert_eq!(read(table, &[]).expect("a table").0.len(), ROWS);
+}

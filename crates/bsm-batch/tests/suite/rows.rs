@@ -1,0 +1,311 @@
+//! A row of a table means what `bsm solve --set` with its values means.
+
+use crate::alike;
+
+use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Task};
+use bsm_case::{InputKey, ModelChoice, Record, Scene, Settings};
+use bsm_dyn::{Model, ModelWorkspace, Status};
+use rand::seq::{IndexedRandom, SliceRandom};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use alike::assert_alike;
+
+const DRIVE: &str = include_str!("../../../../examples/feed_drive.json");
+
+fn drive() -> Scene {
+    Scene::from_json(DRIVE.as_bytes()).expect("an example")
+}
+
+/// A table of rows of cells.
+struct Table {
+    keys: Vec<InputKey>,
+    rows: Vec<Vec<Cell>>,
+}
+
+impl Table {
+    fn solve(&self, base: &Scene, settings: &Settings) -> Answers {
+        let columns = Columns::sort(self.keys.iter().map(|key| key.name()), &[]);
+        let mut inputs = vec![Column::default(); self.keys.len()];
+        for row in &self.rows {
+            for (column, cell) in inputs.iter_mut().zip(row) {
+                column.push(cell.clone());
+            }
+        }
+        let chunk = Chunk { first: 1, len: self.rows.len(), inputs, kept: Vec::new() };
+        let outputs = Answers::select(None).expect("all outputs");
+        let task = Task::new(base.clone(), *settings, outputs);
+        task.solve(&chunk, &columns.expect("inputs, each once"))
+    }
+
+    /// The cells of a row as words of `--set`.
+    fn words(&self, row: usize) -> Vec<String> {
+        let word = |(key, cell): (&InputKey, &Cell)| match cell {
+            Cell::Missing => None,
+            Cell::Number(value) => Some(format!("{}={value}", key.name())),
+            Cell::Text(text) => Some(format!("{}={text}", key.name())),
+        };
+        self.keys.iter().zip(&self.rows[row]).filter_map(word).collect()
+    }
+
+    /// Holds every row against a solve; counts those that converged.
+    fn assert_solved(&self, base: &Scene, settings: &Settings, seen: &mut Seen) {
+        let outputs = Answers::select(None).expect("all outputs");
+        let answers = self.solve(base, settings);
+        for row in 0..self.rows.len() {
+            let words = self.words(row);
+            let what = || format!("{} {words:?} on {base:?}", settings.model.name());
+            let mut scene = base.clone();
+            let asked = scene.apply(&words).and_then(|()| {
+                assert_eq!(format!("{scene:?}"), format!("{:?}", self.by_hand(base, row)));
+                scene.problem(settings)
+            });
+            let expected = match asked {
+                Ok(problem) => Record::new(problem.solve(&mut seen.work)),
+                Err(error) => Record::invalid(settings.model, &error),
+            };
+            let message = expected.message().map(str::to_owned).or_else(|| expected.choice());
+            assert_eq!(answers.message(row), message.as_deref(), "{}", what());
+            assert_eq!(answers.verdicts[row].model, expected.model(), "{}", what());
+            assert_alike(&what, (&answers, row), &outputs, (&expected, &scene));
+            seen.count(&expected);
+        }
+    }
+
+    /// The scene of a row without the rule that is tested.
+    fn by_hand(&self, base: &Scene, row: usize) -> Scene {
+        let mut scene = base.clone();
+        let cells = || self.keys.iter().zip(&self.rows[row]);
+        let leads = [InputKey::lead_angle_deg, InputKey::lead_mm];
+        if cells().any(|(key, cell)| leads.contains(key) && *cell != Cell::Missing) {
+            (scene.lead_angle_deg, scene.lead_mm) = (None, None);
+        }
+        for (key, cell) in cells() {
+            if let Cell::Number(value) = cell {
+                scene[*key] = Some(*value);
+            }
+        }
+        scene
+    }
+}
+
+/// What a campaign has met.
+#[derive(Default)]
+struct Seen {
+    work: ModelWorkspace,
+    converged: Vec<(ModelChoice, usize)>,
+    unsolved: usize,
+    /// Messages of invalid rows that begin like this.
+    invalid: [(&'static str, usize); 6],
+}
+
+impl Seen {
+    fn count(&mut self, record: &Record) {
+        match record.status() {
+            Status::Converged => {
+                match self.converged.iter_mut().find(|(model, _)| *model == record.model()) {
+                    Some((_, count)) => *count += 1,
+                    None => self.converged.push((record.model(), 1)),
+                }
+            }
+            Status::InvalidInput => {
+                let message = record.message().unwrap_or_default();
+                for (part, count) in &mut self.invalid {
+                    *count += usize::from(message.contains(*part));
+                }
+            }
+            _ => self.unsolved += 1,
+        }
+    }
+}
+
+/// Audit, reliability 1: with a column for the lead and one for the lead angle, a row without the one
+/// was answered with that of the base scene.
+#[test]
+fn both_lead_columns_with_gaps_mean_the_given_one() {
+    let table = Table {
+        keys: vec![InputKey::lead_angle_deg, InputKey::lead_mm],
+        rows: vec![
+            vec![Cell::Number(6.0), Cell::Missing],
+            vec![Cell::Missing, Cell::Number(10.0)],
+            vec![Cell::Missing, Cell::Missing],
+        ],
+    };
+    let mut angle = drive();
+    angle.apply(&["lead_angle_deg=8.7"]).expect("known name");
+    for base in [drive(), angle] {
+        for choice in choices() {
+            let settings = Settings { model: choice, ..Settings::default() };
+            table.assert_solved(&base, &settings, &mut Seen::default());
+        }
+    }
+    let answers = table.solve(&drive(), &Model::RacewayControl.into());
+    // What `bsm solve --set lead_angle_deg=6 --model raceway-control` prints; all its digits.
+    assert!((answers.columns[0][0] - 0.984_594).abs() < 5e-7, "{}", answers.columns[0][0]);
+}
+
+/// A row with both is that of a scene with both: refused if they disagree, solved if they agree.
+#[test]
+fn a_row_with_lead_and_lead_angle_that_disagree_is_refused() {
+    let agreeing = 41.5 * std::f64::consts::PI * 6.0_f64.to_radians().tan();
+    let row = |lead| vec![Cell::Number(6.0), Cell::Number(lead)];
+    let table = Table {
+        keys: vec![InputKey::lead_angle_deg, InputKey::lead_mm],
+        rows: vec![row(agreeing), row(20.0)],
+    };
+    for model in Model::ALL {
+        let answers = table.solve(&drive(), &model.into());
+        let [agree, disagree] = [0, 1].map(|row| answers.verdicts[row].status);
+        assert_ne!(agree, Status::InvalidInput, "{model:?}");
+        assert_eq!(disagree, Status::InvalidInput, "{model:?}");
+        let message = answers.message(1).unwrap_or_default();
+        assert!(message.contains("lead_mm = 20 disagree"), "{model:?}: {message}");
+        table.assert_solved(&drive(), &model.into(), &mut Seen::default());
+    }
+}
+
+/// Dials are the library's to check.
+#[test]
+fn dials_out_of_range_are_refused_in_every_model() {
+    let table = Table {
+        keys: vec![InputKey::axial_load_N],
+        rows: vec![vec![Cell::Number(5000.0)], vec![Cell::Missing]],
+    };
+    for model in choices() {
+        let good = Settings { model, ..Settings::default() };
+        for (settings, part) in [
+            (Settings { accuracy: 0.1, ..good }, "`accuracy` = 0.1 must be from"),
+            (Settings { creep: 0.0, ..good }, "`creep` = 0 must be finite and > 0"),
+            (Settings { tolerance: f64::NAN, ..good }, "`tolerance` = NaN must be"),
+        ] {
+            let error = drive().problem(&settings).expect_err(part).to_string();
+            assert!(error.contains(part), "{error}");
+            table.assert_solved(&drive(), &settings, &mut Seen::default());
+        }
+    }
+}
+
+fn choices() -> impl Iterator<Item = ModelChoice> {
+    Model::ALL.into_iter().map(ModelChoice::from).chain([ModelChoice::Auto])
+}
+
+/// A value of practice, of few so that rows meet what excludes each other: equal speeds, leads that
+/// agree, dual drive, balls that do not fit, no friction.
+fn value(key: InputKey, rng: &mut impl Rng) -> f64 {
+    use InputKey as K;
+    let lead = |pitch: f64, deg: f64| pitch * std::f64::consts::PI * deg.to_radians().tan();
+    let values: &[f64] = match key {
+        K::ball_diameter_mm => &[3.0, 6.35, 6.35, 8.0, 8.0, 22.0],
+        K::pitch_circle_diameter_mm => &[41.5, 41.5, 48.6],
+        K::lead_angle_deg => &[9.0, 9.0, 30.0],
+        K::lead_mm => &[lead(41.5, 9.0), lead(41.5, 9.0), lead(48.6, 9.0), lead(41.5, 30.0)],
+        K::contact_angle_deg => &[30.0, 45.0, 60.0],
+        K::nut_conformity | K::screw_conformity => &[0.52, 0.54],
+        K::friction_coefficient => &[0.0, 0.01, 0.06, 0.06, 0.2],
+        K::rolling_friction_mm => &[0.0, 0.005],
+        K::density_kg_m3 => &[7800.0, 3200.0],
+        K::youngs_modulus_GPa | K::ball_youngs_modulus_GPa => &[207.0, 310.0],
+        K::poisson_ratio | K::ball_poisson_ratio => &[0.3, 0.26],
+        K::screw_speed_rpm => &[0.0, 500.0, -500.0, 1500.0],
+        K::nut_speed_rpm => &[0.0, 0.0, 0.0, 500.0, -1200.0],
+        K::axial_load_N => &[100.0, 8000.0],
+        K::loaded_balls => &[1.0, 70.0],
+        _ => &[2000.0],
+    };
+    *values.choose(rng).expect("some values")
+}
+
+/// Inputs of the models, and one that no model needs.
+const KEYS: [InputKey; 19] = [
+    InputKey::lead_angle_deg,
+    InputKey::lead_mm,
+    InputKey::contact_angle_deg,
+    InputKey::friction_coefficient,
+    InputKey::ball_diameter_mm,
+    InputKey::pitch_circle_diameter_mm,
+    InputKey::screw_speed_rpm,
+    InputKey::nut_speed_rpm,
+    InputKey::axial_load_N,
+    InputKey::loaded_balls,
+    InputKey::nut_conformity,
+    InputKey::screw_conformity,
+    InputKey::rolling_friction_mm,
+    InputKey::density_kg_m3,
+    InputKey::youngs_modulus_GPa,
+    InputKey::poisson_ratio,
+    InputKey::ball_youngs_modulus_GPa,
+    InputKey::ball_poisson_ratio,
+    InputKey::race_yield_strength_MPa,
+];
+
+fn cell(key: InputKey, rng: &mut impl Rng) -> Cell {
+    const WRONG: [f64; 8] = [f64::NAN, f64::INFINITY, 0.0, -1.0, 90.0, 1e-300, 1e300, 0.5];
+    match rng.random_range(0..100) {
+        0..25 => Cell::Missing,
+        25 => Cell::Text("wide".to_owned()),
+        26..29 => Cell::Number(*WRONG.choose(rng).expect("some values")),
+        _ => Cell::Number(value(key, rng)),
+    }
+}
+
+/// Most tables ask cheap models; those that integrate friction take a thousand times as long.
+fn choice(rng: &mut impl Rng) -> ModelChoice {
+    match rng.random_range(0..200) {
+        0..50 => Model::ClosedForm.into(),
+        50..90 => Model::QuasiStatic.into(),
+        90..120 => Model::Rigid.into(),
+        120..150 => Model::RacewayControl.into(),
+        150..152 => Model::Elastic.into(),
+        152..154 => Model::Traction.into(),
+        _ => ModelChoice::Auto,
+    }
+}
+
+/// Random tables on random base scenes: columns that replace each other, gaps, values that break a
+/// rule or are not covered, and inputs whose presence changes the choice from row to row.
+#[test]
+fn ten_thousand_tables_mean_what_solves_mean() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1994);
+    let parts = ["disagree", "required by", "for model", "are equal", "smaller than", "`wide`"];
+    let mut seen = Seen { invalid: parts.map(|part| (part, 0)), ..Seen::default() };
+    for _ in 0..10_000 {
+        let rng = &mut rng;
+        let settings = Settings { model: choice(rng), ..Settings::default() };
+        // Of raceway control, auto asks traction now and then.
+        let grooves = settings.model != ModelChoice::Auto || rng.random_bool(0.1);
+        let possible = KEYS.into_iter().filter(|key| {
+            grooves || ![InputKey::nut_conformity, InputKey::screw_conformity].contains(key)
+        });
+        let mut keys: Vec<_> = possible.collect();
+        let mut base = Scene::default();
+        let share = *[0.5, 0.9, 0.97].choose(rng).expect("some shares");
+        for key in &keys {
+            if rng.random_bool(share) {
+                base[*key] = Some(value(*key, rng));
+            }
+        }
+        // Both in the base rarely agree.
+        match rng.random_range(0..10) {
+            0..4 => base.lead_mm = None,
+            4..8 => base.lead_angle_deg = None,
+            _ => {}
+        }
+        keys.shuffle(rng);
+        // Leads are what replaces each other: often among the columns.
+        keys.truncate(rng.random_range(1..6));
+        for lead in [InputKey::lead_angle_deg, InputKey::lead_mm] {
+            if !keys.contains(&lead) && rng.random_bool(0.4) {
+                keys.push(lead);
+            }
+        }
+        let rows = (0..rng.random_range(1..6))
+            .map(|_| keys.iter().map(|key| cell(*key, rng)).collect())
+            .collect();
+        Table { keys, rows }.assert_solved(&base, &settings, &mut seen);
+    }
+    let converged: usize = seen.converged.iter().map(|(_, count)| count).sum();
+    let counts = format!("{:?}, {} unsolved, {:?}", seen.converged, seen.unsolved, seen.invalid);
+    // All models, and every kind of refusal, often enough to tell.
+    assert!(converged > 8000 && seen.converged.len() == Model::ALL.len(), "{counts}");
+    assert!(seen.unsolved > 100 && seen.invalid.iter().all(|(_, count)| *count > 100), "{counts}");
+}

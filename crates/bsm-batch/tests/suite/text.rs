@@ -1,0 +1,199 @@
+//! Tables of text: one line is one row, and what is not clear is refused with its line.
+
+use std::num::NonZeroUsize;
+use std::sync::atomic::AtomicBool;
+
+use bsm_batch::{Answers, Cell, CsvSource, Format, JsonSource, Source, TableError, Task, Workers};
+use bsm_case::Scene;
+use bsm_dyn::Model;
+
+/// The kept texts and the inputs of every row.
+type Rows = Vec<(Vec<String>, Vec<Cell>)>;
+
+fn rows(source: &mut dyn Source) -> Result<Rows, TableError> {
+    let mut rows = Rows::new();
+    // Chunks of two rows: nothing may depend on where a chunk ends.
+    while let Some(chunk) = source.next(2)? {
+        assert_eq!(chunk.first, rows.len() as u64 + 1);
+        for row in 0..chunk.len {
+            let kept = chunk.kept.iter().map(|texts| texts[row].clone()).collect();
+            rows.push((kept, chunk.inputs.iter().map(|column| column.cell(row)).collect()));
+        }
+    }
+    Ok(rows)
+}
+
+fn keep(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| (*name).to_owned()).collect()
+}
+
+fn csv(table: &[u8], kept: &[&str]) -> Result<Rows, TableError> {
+    rows(&mut CsvSource::new(table, &keep(kept))?)
+}
+
+fn json(table: &[u8], kept: &[&str]) -> Result<Rows, TableError> {
+    rows(&mut JsonSource::new(table, &keep(kept))?)
+}
+
+/// The numbers of a table with one input and nothing kept.
+fn numbers(rows: Result<Rows, TableError>) -> Vec<f64> {
+    let number = |cells: &[Cell]| match cells {
+        [Cell::Number(value)] => *value,
+        [Cell::Missing] => f64::NAN,
+        other => panic!("{other:?}"),
+    };
+    rows.expect("a table").iter().map(|(_, cells)| number(cells)).collect()
+}
+
+fn why(rows: Result<Rows, TableError>) -> String {
+    rows.expect_err("refused").to_string()
+}
+
+/// Three rows became one that had converged.
+#[test]
+fn an_open_quote_does_not_swallow_the_rows_below() {
+    let open = why(csv(b"lead_mm,id\n5,\"a\n6,b\n7,c\n", &["id"]));
+    assert!(open.starts_with("line 2: a quoted cell does not end on its line"), "{open}");
+    // A second stray quote further down must not make one cell of the lines between.
+    let two = why(csv(b"lead_mm,id\n4,x\n5,\"a\n6,b\n7,c\"\n", &["id"]));
+    assert!(two.starts_with("line 3: a quoted cell does not end"), "{two}");
+    // Nor in a column that nobody reads, nor with the last byte of the file.
+    let passed_over = why(csv(b"lead_mm,message\n5,\"a\n6,b\n", &[]));
+    assert!(passed_over.starts_with("line 2: a quoted cell"), "{passed_over}");
+    let last = why(csv(b"lead_mm,id\n5,\"", &["id"]));
+    assert!(last.starts_with("line 2: a quoted cell"), "{last}");
+    let header = why(csv(b"lead_mm,\"id\n5,a\n", &["id"]));
+    assert!(header.starts_with("line 1: a quoted cell"), "{header}");
+}
+
+/// `"5"6` was read as 56.
+#[test]
+fn a_quote_inside_a_cell_makes_no_other_number() {
+    for (cell, number) in [("\"5\"6", 56), ("5\"6\"", 56), ("\"5\" ", 5), (" \"5\"", 5), ("5\"", 5)]
+    {
+        let stray = why(csv(format!("lead_mm\n{number}\n{cell}\n").as_bytes(), &[]));
+        assert!(stray.starts_with("line 3: a quote stands inside a cell"), "{cell}: {stray}");
+    }
+    // An inch sign in an id, as it should be and as it should not.
+    let inches = csv(b"lead_mm,id\n5,\"3/4\"\" screw, left\"\n", &["id"]).expect("a table");
+    assert_eq!(inches, [(vec!["3/4\" screw, left".to_owned()], vec![Cell::Number(5.0)])]);
+    let stray = why(csv(b"lead_mm,id\n5,3/4\" screw\n", &["id"]));
+    assert!(stray.starts_with("line 2: a quote stands inside a cell"), "{stray}");
+}
+
+#[test]
+fn quotes_that_are_right_are_read() {
+    for (line, kept) in [
+        ("5,\"a\"", "a"),
+        ("5,\"\"", ""),
+        ("5,\"\"\"\"", "\""),
+        ("5,\"\"\"a\"\"\"", "\"a\""),
+        ("\"5\",\",\"", ","),
+        ("5, b ", " b "),
+        ("5,", ""),
+    ] {
+        let read = csv(format!("\"lead_mm\",\"id\"\n{line}\n").as_bytes(), &["id"]);
+        assert_eq!(read.expect(line), [(vec![kept.to_owned()], vec![Cell::Number(5.0)])]);
+    }
+}
+
+/// A blank line in a table of one column was no row, and nothing said so.
+#[test]
+fn a_blank_line_is_not_passed_over() {
+    for table in ["lead_mm\n5\n\n7\n", "lead_mm\r\n5\r\n\r\n7\r\n", "lead_mm\n5\n \t\n7\n"] {
+        assert!(why(csv(table.as_bytes(), &[])).starts_with("line 3 is blank"), "{table:?}");
+    }
+    assert!(why(csv(b"lead_mm,ball_count\n5,1\n\n\n7,1\n", &["ball_count"])).starts_with("line 3"));
+    assert!(why(csv(b"\nlead_mm\n5\n", &[])).starts_with("line 1 is blank"));
+    let object = "{\"lead_mm\": 5}\n";
+    assert!(why(json(format!("{object}\n{object}").as_bytes(), &[])).starts_with("line 2 is"));
+    // An empty cell alone in its line is written with quotes.
+    let empty = numbers(csv(b"lead_mm\n5\n\"\"\n7\n", &[]));
+    assert!(empty.len() == 3 && empty[1].is_nan(), "{empty:?}");
+}
+
+#[test]
+fn blank_lines_at_the_end_and_all_ends_of_line_are_usual() {
+    for end in ["\n", "\r\n", "\r"] {
+        for after in ["", end, &end.repeat(4), " "] {
+            let table = format!("\u{feff}lead_mm{end}5{end}7{after}");
+            assert_eq!(numbers(csv(table.as_bytes(), &[])), [5.0, 7.0], "{table:?}");
+            let table = format!("\u{feff}{{\"lead_mm\":5}}{end}{{\"lead_mm\":7}}{after}");
+            assert_eq!(numbers(json(table.as_bytes(), &[])), [5.0, 7.0], "{table:?}");
+        }
+    }
+    for nothing in ["", "\n", "\r\n\r\n", "\u{feff}"] {
+        assert!(matches!(csv(nothing.as_bytes(), &[]), Err(TableError::NoHeader)), "{nothing:?}");
+        assert!(matches!(json(nothing.as_bytes(), &[]), Err(TableError::NoHeader)), "{nothing:?}");
+    }
+}
+
+/// The end of a line may be cut by the end of a buffer: rows of every length around its size.
+#[test]
+fn lines_of_any_length_stay_one_row() {
+    for length in (1 << 16) - 20..(1 << 16) + 20 {
+        let id = "x".repeat(length);
+        let table = format!("lead_mm,id\r\n5,{id}\r\n7,b\r\n");
+        let read = csv(table.as_bytes(), &["id"]).expect("a table");
+        assert_eq!(read.iter().map(|(kept, _)| kept[0].len()).collect::<Vec<_>>(), [length, 1]);
+    }
+    let long = format!("lead_mm,id\n5,{}\n", "x".repeat(17 << 20));
+    assert!(why(csv(long.as_bytes(), &["id"])).starts_with("line 2 is longer than 16 MiB"));
+}
+
+#[test]
+fn nul_bytes_and_other_encodings_are_no_text() {
+    assert!(why(csv(b"lead_mm\n5\n7\0\n", &[])).starts_with("line 3 has a NUL byte"));
+    assert!(why(csv(b"lead_mm,id\n5,a\0b\n", &["id"])).starts_with("line 2 has a NUL byte"));
+    assert!(why(csv(b"l\0e\0a\0d\0", &[])).starts_with("line 1 has a NUL byte"));
+    assert!(why(json(b"{\"lead_mm\": 5}\n{\"lead_mm\": 5}\0\n", &[])).starts_with("line 2 has"));
+    assert!(why(csv(b"lead_mm,id\n5,M\xfcller\n", &["id"])).starts_with("line 2 is not UTF-8"));
+}
+
+#[test]
+fn a_row_has_as_many_cells_as_there_are_columns() {
+    let few = why(csv(b"lead_mm,id\n5,a\n6\n", &["id"]));
+    assert_eq!(few, "line 3 has 1 cells, but the table has 2 columns");
+    // A decimal comma without quotes.
+    let many = why(csv(b"lead_mm,id\n5,5,a\n", &["id"]));
+    assert_eq!(many, "line 2 has 3 cells, but the table has 2 columns");
+    let semicolons = why(csv(b"\"lead_mm\";\"id\"\n\"5,5\";a\n", &["id"]));
+    assert!(semicolons.contains("separated by `;`"), "{semicolons}");
+}
+
+#[test]
+fn json_that_is_not_clear_is_refused_with_its_line() {
+    let first = "{\"lead_mm\": 5}\n";
+    for (line, part) in [
+        ("{\"lead_mm\": 1e400}", "number out of range"),
+        ("{\"lead_mm\": 5, \"lead_mm\": 6}", "`lead_mm` is given twice"),
+        ("{\"lead_mm\": 5, \"ball_diameter_mm\": 6}", "is not in the first line"),
+        ("{\"lead_mm\": 5} {\"lead_mm\": 6}", "is not valid JSON"),
+        ("{\"lead_mm\": NaN}", "is not valid JSON"),
+        ("[5]", "is JSON a list"),
+    ] {
+        let told = why(json(format!("{first}{line}\n").as_bytes(), &[]));
+        assert!(told.starts_with("line 2: ") && told.contains(part), "{line}: {told}");
+    }
+    // A row that says that it is invalid.
+    let text = json(b"{\"lead_mm\": \"5\"}\n", &[]).expect("a table");
+    assert_eq!(text, [(vec![], vec![Cell::Text("\"5\"".to_owned())])]);
+}
+
+/// A word stood in quotes within quotes, which readers found in it.
+#[test]
+fn words_of_outputs_stand_as_they_are() {
+    let base =
+        Scene::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a scene");
+    let outputs = ["controlling_race", "control_consistent", "iterations"].map(str::to_owned);
+    let outputs = Answers::select(Some(&outputs)).expect("outputs");
+    let task = Task::new(base, Model::RacewayControl.into(), outputs);
+    let mut source =
+        CsvSource::new(&b"id,axial_load_N\n\"a, b\",5000\n"[..], &keep(&["id"])).expect("a table");
+    let stop = AtomicBool::new(false);
+    let workers = Workers::start(NonZeroUsize::new(1), &stop).expect("a thread");
+    let out = task.write(&mut source, Format::Csv, Vec::new(), &workers, &mut |_, _| {});
+    let out = String::from_utf8(out.expect("solved").0).expect("text");
+    let row = out.lines().last().expect("a row");
+    assert!(row.starts_with("\"a, b\",5000,raceway-control,converged,,screw,true,"), "{row}");
+}

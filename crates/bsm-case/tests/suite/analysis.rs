@@ -1,0 +1,399 @@
+//! Analyses of a motion: published trends are in `bsm validate`, here what must hold for all.
+
+use bsm_case::{
+    Analysis, AnalysisKind, CaseError, Catalogue, INPUTS, ModelChoice, Moving, OUTPUTS, Of, Output,
+    Record, Scene, Settings, candidate_json,
+};
+use bsm_dyn::{Model, ModelWorkspace, Solution};
+
+const XU: &[u8] = include_bytes!("../../../../examples/xu2015.json");
+const DONG: &[u8] = include_bytes!("../../../../examples/dong2020.json");
+
+fn scene(json: &[u8], changes: &[(&str, f64)]) -> Scene {
+    let mut scene = Scene::from_json(json).expect("an example");
+    for (name, value) in changes {
+        scene.set(name, *value).expect("known name");
+    }
+    scene
+}
+
+fn solved(scene: &Scene, settings: &Settings) -> Solution {
+    let problem = scene.problem(settings).expect("complete");
+    let solution = problem.solve(&mut ModelWorkspace::default());
+    assert!(solution.reason().is_none(), "{:?}", solution.reason());
+    solution
+}
+
+fn slip(scene: &Scene, model: Model) -> Analysis {
+    let settings = model.into();
+    Analysis::slip(scene, &settings, &solved(scene, &settings)).expect("a motion")
+}
+
+fn jam(scene: &Scene, model: Model) -> Analysis {
+    Analysis::jam(scene, &solved(scene, &model.into())).expect("a motion")
+}
+
+fn number(report: &Analysis, name: &str) -> f64 {
+    report.number(name).unwrap_or_else(|| panic!("{name}: {report:?}"))
+}
+
+/// Slip and spin of the report are the outputs of the model, whichever drives.
+#[test]
+fn slip_is_what_the_model_says() {
+    for (screw, nut) in [(5000.0, 0.0), (-3000.0, 0.0), (0.0, 1500.0), (2500.0, -1700.0)] {
+        let scene = scene(XU, &[("screw_speed_rpm", screw), ("nut_speed_rpm", nut)]);
+        for model in [Model::RacewayControl, Model::Traction] {
+            let o = solved(&scene, &model.into()).answer.expect("a solution").ball;
+            let report = slip(&scene, model);
+            for (name, value) in [
+                ("nut_differential_slip_m_s", o.nut.slip.map(|slip| slip.speed)),
+                ("screw_differential_slip_m_s", o.screw.slip.map(|slip| slip.speed)),
+                ("nut_spin_rad_s", o.nut.slip.map(|slip| slip.spin)),
+                ("screw_spin_rad_s", o.screw.slip.map(|slip| slip.spin)),
+            ] {
+                let expected = value.expect("elastic model");
+                // Rounding of speeds of 10 m/s and of rates of 3000 rad/s.
+                let scale = expected.abs().max(1.0);
+                assert!((number(&report, name) - expected).abs() <= 1e-10 * scale, "{name}");
+            }
+            assert!(number(&report, "power_difference").abs() < 1e-9);
+        }
+    }
+}
+
+/// The power adds up with the quadrature and the creep speed that the model was given, and with
+/// the accuracy that `auto` has found.
+#[test]
+fn powers_add_up_with_the_dials() {
+    let scene = scene(XU, &[("screw_speed_rpm", 12000.0)]);
+    let coarse = Settings { accuracy: 1e-3, creep: 1e-2, ..Model::Traction.into() };
+    let fine = Settings { tolerance: 1e-5, ..Settings::default() };
+    for settings in [coarse, fine] {
+        let solution = solved(&scene, &settings);
+        assert_eq!(solution.model, Model::Traction);
+        let report = Analysis::slip(&scene, &settings, &solution).expect("a motion");
+        // The model holds its nodes in the last steps, the report takes those of the motion: between them
+        // lies a part of the accuracy.
+        let apart = f64::max(1e-9, 1e-3 * settings.accuracy);
+        assert!(number(&report, "power_difference").abs() < apart);
+        assert!(report.warnings.iter().all(|w| !w.contains("add up")), "{:?}", report.warnings);
+    }
+}
+
+/// As printed, the formulas of one contact take the angle of the other: the same where both angles are,
+/// and exchanged with the corrected spin slip where they are not; the minor contact has none.
+#[test]
+fn printed_slips_take_the_other_angle() {
+    let report = slip(&scene(XU, &[]), Model::Rigid);
+    for form in ["spin", "orbit"] {
+        for contact in ["nut", "screw"] {
+            let printed = number(&report, &format!("{contact}_{form}_slip_printed_m_s"));
+            let corrected = number(&report, &format!("{contact}_{form}_slip_corrected_m_s"));
+            assert!((printed / corrected - 1.0).abs() < 1e-12, "{contact} {form}");
+        }
+        assert!(report.numbers.number(&format!("minor_{form}_slip_printed_m_s")).is_none());
+    }
+    let report = slip(&scene(XU, &[]), Model::Traction);
+    let [printed, corrected] = ["printed", "corrected"].map(|form| {
+        ["nut", "screw"].map(|c| number(&report, &format!("{c}_spin_slip_{form}_m_s")))
+    });
+    assert!((printed[0] / corrected[1] - 1.0).abs() < 1e-12, "{printed:?} {corrected:?}");
+    assert!((printed[1] / corrected[0] - 1.0).abs() < 1e-12, "{printed:?} {corrected:?}");
+    assert!((printed[0] / corrected[0] - 1.0).abs() > 1e-2, "{printed:?} {corrected:?}");
+}
+
+/// The rigid model has three contacts and no ellipses: said, not filled in.
+#[test]
+fn rigid_has_no_ellipses() {
+    let mut scene = scene(XU, &[("lead_mm", 40.0)]);
+    (scene.nut_conformity, scene.screw_conformity) = (None, None);
+    let report = slip(&scene, Model::Rigid);
+    assert!(report.number("minor_differential_slip_m_s").is_some());
+    assert!(report.number("nut_spin_slip_m_s").is_none());
+    assert!(report.lacks[0].contains("nut_conformity"), "{:?}", report.lacks);
+    let report = jam(&scene, Model::Rigid);
+    assert!(report.lacks.iter().any(|l| l.contains("contact state")), "{:?}", report.lacks);
+    assert!(number(&report, "wedge_angle_deg").abs() < 1e-15);
+    assert!(report.number("locking_ratio").is_none());
+}
+
+/// A part of the jamming report that lacks an input names it, and the other parts stay.
+#[test]
+fn what_jamming_lacks_is_named() {
+    let names = [
+        "race_yield_strength_MPa",
+        "drag_coefficient",
+        "apex_half_angle_deg",
+        "return_angle_deg",
+        "loaded_balls_per_turn",
+    ];
+    let full = jam(&scene(DONG, &[]), Model::RacewayControl);
+    assert!(full.lacks.is_empty());
+    let text = String::from_utf8(DONG.to_vec()).expect("UTF-8");
+    for name in names {
+        let without: Vec<_> = text.lines().filter(|line| !line.contains(name)).collect();
+        let json = without.join("\n").replace(",\n}", "\n}");
+        let report = jam(&scene(json.as_bytes(), &[]), Model::RacewayControl);
+        assert_eq!(report.lacks.len(), 1, "{name}: {:?}", report.lacks);
+        assert!(report.lacks[0].ends_with(&format!(": {name}")), "{:?}", report.lacks);
+        assert!(report.number("wedge_angle_deg").is_some());
+    }
+}
+
+fn statement(report: &Analysis, name: &str) -> (bool, String) {
+    let (_, holds, words) = report.statements().find(|s| s.0 == name).expect("a statement");
+    (holds, words.to_owned())
+}
+
+/// The margin turns the verdict. A ball that rolls has no friction along the track, and a criterion that
+/// takes it found a jam at any thrust; balls that are stopped slide.
+#[test]
+fn rolling_balls_do_not_jam_at_any_thrust() {
+    for model in [Model::Elastic, Model::RacewayControl, Model::Traction] {
+        let report = jam(&scene(DONG, &[]), model);
+        let (jams, words) = statement(&report, "jams");
+        assert!(!jams && number(&report, "returner_margin") > 1.0, "{words}");
+        let report = jam(&scene(DONG, &[("step_normal_force_N", 1e5)]), model);
+        let (jams, words) = statement(&report, "jams");
+        assert!(jams && number(&report, "returner_margin") < 1.0, "{words}");
+    }
+    let rolls = jam(&scene(DONG, &[]), Model::RacewayControl);
+    assert!(number(&rolls, "published_margin").abs() < f64::EPSILON);
+}
+
+/// Eq 21 takes the contact at the screw; at 8 kN and 2500 rpm the weaker one would have turned the
+/// verdict of the published criterion.
+#[test]
+fn the_published_criterion_takes_the_screw() {
+    let report = jam(&scene(DONG, &[("axial_load_N", 8000.0)]), Model::Traction);
+    let [screw, weaker] =
+        ["published_margin", "weaker_contact_margin"].map(|name| number(&report, name));
+    assert!(screw > weaker, "{screw} {weaker}");
+    let ratio =
+        number(&report, "screw_track_friction_N") / number(&report, "weaker_track_friction_N");
+    // The same thrust is under both.
+    assert!((screw / weaker / ratio - 1.0).abs() < 1e-12);
+}
+
+/// A steady motion needs no more friction across the grooves than there is: the criterion of the wedge
+/// holds for every ball that is in balance, so that it is no alarm.
+#[test]
+fn every_ball_in_balance_is_held_by_its_wedge() {
+    for model in [Model::RacewayControl, Model::Traction] {
+        for (speed, load) in [(100.0, 2e4), (2500.0, 8e3), (5000.0, 2.4e4), (-2500.0, 8e3)] {
+            let changes = [("screw_speed_rpm", speed), ("axial_load_N", load)];
+            let report = jam(&scene(DONG, &changes), model);
+            assert!(
+                number(&report, "wedge_angle_deg").abs() <= number(&report, "widest_wedge_deg")
+            );
+            assert!(!statement(&report, "friction_self_locking").0);
+        }
+    }
+}
+
+/// What locks is friction that holds the load by itself; the margin falls with friction, and rises with the
+/// load, which makes the contact angles steeper.
+#[test]
+fn self_locking_has_a_margin() {
+    let at = |changes: &[(&str, f64)]| {
+        let report = jam(&scene(DONG, changes), Model::RacewayControl);
+        (number(&report, "locking_margin"), statement(&report, "friction_self_locking").0)
+    };
+    let (healthy, locks) = at(&[]);
+    assert!(healthy > 10.0 && !locks, "{healthy}");
+    assert!(at(&[("friction_coefficient", 0.2)]).0 < 0.51 * healthy);
+    assert!(at(&[("axial_load_N", 24_000.0)]).0 > healthy);
+    // tan 5° is less than 0.1; the load is too small to raise the angle.
+    let (margin, locks) =
+        at(&[("contact_angle_deg", 5.0), ("axial_load_N", 1.0), ("screw_speed_rpm", 10.0)]);
+    assert!(margin < 1.0 && locks, "{margin}");
+}
+
+const JAMMING: &[u8] = include_bytes!("../../../../examples/jamming.json");
+const FEED: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
+
+/// A scene that is built to jam does; its margin falls with speed and return angle and with the height of the
+/// step, and rises with load and friction, by which the loaded balls push.
+#[test]
+fn a_scene_built_to_jam_jams() {
+    let margin = |changes: &[(&str, f64)]| {
+        let report = jam(&scene(JAMMING, changes), Model::RacewayControl);
+        let (jams, words) = statement(&report, "jams");
+        let margin = number(&report, "returner_margin");
+        assert_eq!(jams, margin <= 1.0, "{words}");
+        margin
+    };
+    let base = margin(&[]);
+    assert!(base < 1.0, "{base}");
+    assert!(margin(&[("screw_speed_rpm", 6000.0)]) < base);
+    assert!(margin(&[("return_angle_deg", 84.0)]) < base);
+    assert!(margin(&[("axial_load_N", 800.0)]) > base);
+    assert!(margin(&[("friction_coefficient", 0.15)]) > base);
+    let healthy = [("return_angle_deg", 30.0), ("screw_speed_rpm", 1000.0)];
+    assert!(margin(&healthy) > 1.0);
+    // Over a step of half the ball's radius the ball still goes, over one of its radius none does.
+    let high = jam(
+        &scene(JAMMING, &[("step_height_mm", 1.75), ("axial_load_N", 5e4)]),
+        Model::RacewayControl,
+    );
+    let (jams, words) = statement(&high, "jams");
+    assert!(jams && words.contains("no thrust lifts"), "{words}");
+}
+
+/// What jamming asks of a ball return that is made as usual.
+const RETURN: [(&str, f64); 3] =
+    [("apex_half_angle_deg", 60.0), ("return_angle_deg", 30.0), ("step_height_mm", 0.3)];
+
+fn no_alarm(scene: &Scene) {
+    let settings = Settings::default();
+    let mut work = ModelWorkspace::default();
+    let found = scene.problem(&settings).expect("complete").solve(&mut work);
+    let moving = Moving::of(scene, &settings, found, &mut work).expect("complete");
+    let report = Analysis::jam(scene, &moving.solution).expect("a motion");
+    let alarms: Vec<_> = report.statements().filter(|(_, holds, _)| *holds).collect();
+    assert!(alarms.is_empty(), "{alarms:?}: {scene:?}");
+    assert!(report.number("returner_margin").is_none_or(|margin| margin > 1.0));
+}
+
+/// `bsm jam` found a self-locking ball in every healthy screw.
+#[test]
+fn healthy_screws_raise_no_alarm() {
+    no_alarm(&scene(FEED, &[]));
+    no_alarm(&scene(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
+    let catalogue = Catalogue::standard().expect("lists");
+    let places = catalogue.places();
+    let ten: Vec<_> = (0..10).map(|i| places[(2 * i + 1) * places.len() / 20]).collect();
+    let nuts = catalogue.map(&ten, |_, nut| Some(candidate_json(nut)));
+    assert_eq!(nuts.len(), 10);
+    for nut in nuts {
+        let number = |name: &str| nut[name].as_f64().expect("a number");
+        let (balls, turns) = (number("loaded_balls_per_turn"), number("loaded_turns"));
+        let healthy = [
+            ("pitch_circle_diameter_mm", number("pitch_circle_diameter_mm")),
+            ("lead_mm", number("lead_mm")),
+            ("ball_diameter_mm", number("ball_diameter_mm")),
+            ("contact_angle_deg", number("contact_angle_deg")),
+            ("nut_conformity", number("nut_conformity")),
+            ("screw_conformity", number("screw_conformity")),
+            ("loaded_balls_per_turn", balls),
+            ("loaded_balls", balls * turns),
+            // A fifth of the rating and half of the permissible speed.
+            ("axial_load_N", 0.2 * number("dynamic_load_rating_N")),
+            ("screw_speed_rpm", 35_000.0 / number("pitch_circle_diameter_mm")),
+            // Hardened to 60 HRC.
+            ("race_yield_strength_MPa", 2200.0),
+            ("ball_yield_strength_MPa", 2400.0),
+        ];
+        no_alarm(&scene(FEED, &[&RETURN[..], &healthy].concat()));
+    }
+}
+
+/// A speed that turns round turns the wedge: the ball climbs from one side of the groove to the other.
+#[test]
+fn a_reversal_turns_the_wedge() {
+    let wedge = |rpm| {
+        let report = jam(&scene(DONG, &[("screw_speed_rpm", rpm)]), Model::Traction);
+        number(&report, "wedge_angle_deg")
+    };
+    let (forth, back) = (wedge(2500.0), wedge(-2500.0));
+    // Wide open both ways: the centrifugal force, which has one sign, makes 0.002 deg.
+    assert!(forth > 1.0 && back < -1.0, "{forth} {back}");
+}
+
+/// Thrust of an impact follows what is given of it.
+#[test]
+fn inputs_of_the_returner_are_used() {
+    let thrust = |changes: &[(&str, f64)]| {
+        let report = jam(&scene(DONG, changes), Model::RacewayControl);
+        number(&report, "step_thrust_N")
+    };
+    let base = thrust(&[("step_normal_force_N", 10.0)]);
+    // 2 F_N / ((μ + 1/μ) cos 30°), by hand.
+    assert!((base - 20.0 / (10.1 * 30.0_f64.to_radians().cos())).abs() < 1e-12);
+    let speed = [("return_approach_speed_m_s", 1.0), ("return_stiffness_N_um15", 1.0)];
+    let double = [("return_approach_speed_m_s", 2.0), ("return_stiffness_N_um15", 1.0)];
+    // F ~ v^{6/5} K^{2/5}.
+    let ratio = thrust(&double) / thrust(&speed);
+    assert!((ratio - 2.0_f64.powf(1.2)).abs() < 1e-12, "{ratio}");
+    let stiff = [("return_approach_speed_m_s", 1.0), ("return_stiffness_N_um15", 32.0)];
+    let ratio = thrust(&stiff) / thrust(&speed);
+    assert!((ratio - 4.0).abs() < 1e-12, "{ratio}");
+}
+
+#[test]
+fn models_without_a_motion_are_refused() {
+    let scene = scene(XU, &[]);
+    let settings = Model::QuasiStatic.into();
+    let solution = solved(&scene, &settings);
+    for refused in [Analysis::slip(&scene, &settings, &solution), Analysis::jam(&scene, &solution)]
+    {
+        let error = refused.expect_err("no motion");
+        assert!(matches!(error, CaseError::NoMotion { .. }), "{error}");
+        assert!(error.to_string().contains("models rigid, raceway-control"), "{error}");
+    }
+    // A fixed model stays what it is; auto goes on to one that has a motion.
+    let mut work = ModelWorkspace::default();
+    let fixed = Moving::of(&scene, &settings, solution.clone(), &mut work).expect("complete");
+    assert_eq!((fixed.solution, fixed.note), (solution, None));
+    let auto = Settings { tolerance: 0.9, ..Settings::default() };
+    let chosen = solved(&scene, &auto);
+    assert_eq!(chosen.model, Model::ClosedForm);
+    let next = Moving::of(&scene, &auto, chosen, &mut work).expect("complete");
+    assert_eq!(next.settings.model, ModelChoice::Fixed(Model::RacewayControl));
+    assert_eq!(next.solution, solved(&scene, &next.settings));
+    assert!(next.note.is_some_and(|words| words.contains("closed-form")));
+}
+
+/// Outputs of a solution that an analysis has too.
+const SHARED: [&str; 3] = ["nut_spin_rad_s", "screw_spin_rad_s", "dissipated_power_W"];
+
+/// A column has one meaning: no other analysis has its name, nor has an input; what an analysis shares
+/// with a solution is the same number.
+#[test]
+fn a_column_has_one_meaning() {
+    let mut names: Vec<_> = Output::all().map(|output| output.name).collect();
+    let count = names.len();
+    names.sort_unstable();
+    let twice: Vec<_> = names.windows(2).filter(|two| two[0] == two[1]).map(|two| two[0]).collect();
+    let mut shared = SHARED;
+    shared.sort_unstable();
+    assert_eq!(twice, shared);
+    let inputs: Vec<_> =
+        INPUTS.iter().map(|input| input.name).filter(|name| names.contains(name)).collect();
+    // The same numbers, which follow from others where they are not given.
+    assert_eq!(inputs, ["pressure_viscosity_1_GPa", "lubricant_temperature_C"]);
+    assert_eq!(
+        count,
+        OUTPUTS.len() + AnalysisKind::ALL.into_iter().flat_map(AnalysisKind::columns).count()
+    );
+    let scene = scene(XU, &[]);
+    let record = Record::new(solved(&scene, &Model::Traction.into()));
+    let report = slip(&scene, Model::Traction);
+    for name in SHARED {
+        let (there, here) = (record.number(name).expect("an output"), number(&report, name));
+        // Rounding of spins of 100 rad/s that are differences of rates of 3000 rad/s.
+        assert!((there - here).abs() <= 1e-10 * there.abs(), "{name}: {there} {here}");
+    }
+}
+
+/// Every quantity has a name with its unit, words, and a place of its own.
+#[test]
+fn quantities_are_complete() {
+    for kind in AnalysisKind::ALL {
+        for (place, quantity) in kind.quantities().iter().enumerate() {
+            let members = match quantity.of {
+                Of::Whole | Of::Statement => 1,
+                Of::Directions => 2,
+                Of::Contacts => 3,
+            };
+            assert_eq!(quantity.columns.len(), members, "{}", quantity.key);
+            assert!(!quantity.about.is_empty() && !quantity.title.is_empty());
+            for column in quantity.columns {
+                assert!(column.name.ends_with(quantity.key), "{}", column.name);
+                assert_eq!(column.analysis(), Some(kind));
+                let named = Output::named(column.name).expect("its name");
+                assert!(SHARED.contains(&column.name) || named.about == column.about, "{place}");
+            }
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! The catalogue in the vocabulary, and the life of a nut.
+
+use bsm_case::{CapacityReport, Catalogue, CatalogueColumn, Condition, Scene, Spectrum};
+use bsm_design::Candidate;
+
+/// Small lists; what they do not give is standard.
+const SMALL: &[u8] =
+    br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
+    "conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;
+
+fn all(catalogue: &Catalogue) -> Vec<Candidate> {
+    catalogue.map(&catalogue.places(), |_, nut| Some(*nut))
+}
+
+/// The published rows are in it with their numbers (to the newton, millimetre and per cent that
+/// `bsm validate` holds them to); more than 50 000 standard nuts keep the limits.
+#[test]
+fn published_nuts_are_in_the_catalogue() {
+    let all = all(&Catalogue::from_json(SMALL).expect("lists"));
+    let has = |conditions: &[&str]| {
+        let conditions: Vec<_> =
+            conditions.iter().map(|c| Condition::parse(c).expect("a condition")).collect();
+        all.iter().filter(|nut| conditions.iter().all(|c| c.is_met(nut))).count()
+    };
+    let small = ["nominal_diameter_mm=20", "lead_mm=5", "loaded_turns=2", "nut_conformity=0.52"];
+    assert_eq!(has(&small), 1);
+    let numbers = ["dynamic_load_rating_N>=6781", "dynamic_load_rating_N<=6783"];
+    assert_eq!(has(&[small.as_slice(), &numbers].concat()), 1);
+    let large = ["ball_diameter_mm=10", "loaded_turns=6", "nut_conformity=0.55"];
+    let numbers =
+        ["pitch_circle_diameter_mm=63.35", "preloaded_rigidity_N_um>=3234", "mass_kg<=7.3"];
+    assert_eq!(has(&[large.as_slice(), &numbers].concat()), 1);
+    assert!(Catalogue::standard().expect("compiled in").places().len() > 50_000);
+}
+
+/// The standard lists ended at 8 and 100 mm: ISO 3408-2 goes from 6 to 200 mm, and every diameter has nuts.
+#[test]
+fn every_diameter_of_the_standard_has_nuts() {
+    const ISO_3408_2: [f64; 16] = [
+        6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0, 63.0, 80.0, 100.0, 125.0, 160.0,
+        200.0,
+    ];
+    let catalogue = Catalogue::standard().expect("compiled in");
+    let diameters: Vec<_> = catalogue.lists.diameters.iter().map(|d| (1e3 * d).round()).collect();
+    assert_eq!(diameters, ISO_3408_2);
+    let found =
+        catalogue.map(&catalogue.places(), |_, nut| Some((1e3 * nut.size.diameter).round()));
+    for diameter in ISO_3408_2 {
+        assert!(found.iter().any(|d| (d - diameter).abs() < 1e-9), "{diameter} mm");
+    }
+}
+
+/// Found by the audit: the lists of the paper held six of its thirteen printed rows. Each is there once,
+/// with its calculated diameter.
+#[test]
+fn every_printed_row_is_in_the_lists_of_the_paper() {
+    let lists = include_bytes!("../../../../validation/published/ratings/parkon.json");
+    let all = all(&Catalogue::from_json(lists).expect("lists"));
+    let table = include_str!("../../../../validation/published/ratings/sobolewski.csv");
+    let mut rows = 0;
+    for line in table.lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
+        let printed = |nut: &&Candidate| {
+            let size = &nut.size;
+            let sizes = [
+                (1e3 * size.diameter, cells[0]),
+                (1e3 * nut.nut.pitch_diameter, cells[1]),
+                (1e3 * size.lead, cells[2]),
+                (size.turns, cells[3]),
+                (1e3 * size.ball, cells[4]),
+                (size.conformity, cells[6]),
+            ];
+            sizes.iter().all(|(ours, printed)| (ours - printed).abs() < 1e-6)
+        };
+        assert_eq!(all.iter().filter(printed).count(), 1, "{line}");
+        rows += 1;
+    }
+    assert_eq!(rows, 13);
+}
+
+/// Found by the audit: of 88 515 nuts 17 255 had their bore outside the balls, and 40 705 touched them
+/// at 45 deg between the lands. No nut does, and each holds its balls under its preload.
+#[test]
+fn the_lands_of_every_nut_hold_its_balls() {
+    let catalogue = Catalogue::standard().expect("compiled in");
+    let places = catalogue.places();
+    assert!(places.len() > 50_000);
+    let bad = catalogue.map(&places, |place, nut| {
+        let contact = nut.nut.ball_diameter * nut.nut.contact_angle.cos();
+        let between = nut.thread.nut.land >= nut.nut.pitch_diameter + contact
+            || nut.thread.screw.land <= nut.nut.pitch_diameter - contact;
+        (between || nut.edge_load < nut.preload || nut.mass <= 0.0).then_some(place)
+    });
+    assert!(bad.is_empty(), "{bad:?}");
+}
+
+/// The gap between balls and the play of the thread are lists of one number: a smaller gap needs larger
+/// circles, a play moves the arc centres together.
+#[test]
+fn gap_and_play_are_chosen() {
+    let with = |key: &str, value: f64| {
+        let mut lists: serde_json::Value = serde_json::from_slice(SMALL).expect("JSON");
+        lists[key] = value.into();
+        all(&Catalogue::from_json(lists.to_string().as_bytes()).expect("lists"))
+    };
+    let (usual, tight) = (
+        all(&Catalogue::from_json(SMALL).expect("lists")),
+        with("largest_ball_gap_over_ball", 0.02),
+    );
+    assert!(tight.iter().all(|nut| nut.nut.ball_gap() <= 0.0201 * nut.nut.ball_diameter));
+    let wide = with("largest_ball_gap_over_ball", 0.9);
+    assert!(wide.iter().any(|nut| nut.nut.ball_gap() > 0.5 * nut.nut.ball_diameter));
+    // 31.99999 balls of the row of 101.66 mm are 32, without a gap.
+    let full = usual.iter().map(|nut| nut.nut.ball_gap() / nut.nut.ball_diameter);
+    assert!(full.clone().all(|gap| gap <= 0.1001), "{:?}", full.fold(0.0, f64::max));
+    let loose = with("axial_play_um", 20.0);
+    let offset = |nuts: &[Candidate]| nuts[0].thread.nut.offset;
+    // A quarter of the play at each of the four arcs of equal grooves.
+    assert!((offset(&usual) - offset(&loose) - 5e-6).abs() < 1e-12);
+    assert!(Catalogue::from_json(b"{\"largest_ball_gap_over_ball\": 1}").is_err());
+}
+
+/// None of the front beats another of it.
+#[test]
+fn the_front_is_smaller_and_keeps_the_best() {
+    let catalogue = Catalogue::from_json(SMALL).expect("lists");
+    let all = all(&catalogue);
+    let front = catalogue.map(&catalogue.pareto(&catalogue.places()), |_, nut| Some(*nut));
+    let best = |nuts: &[Candidate]| nuts.iter().map(|nut| nut.dynamic_rating).fold(0.0, f64::max);
+    assert!(front.len() < all.len() && (best(&front) - best(&all)).abs() < 1e-9);
+}
+
+#[test]
+fn lists_are_checked() {
+    for (json, words) in [
+        ("{\"led_mm\": [5]}", "did you mean `lead_mm`?"),
+        ("{\"lead_mm\": 5}", "lead_mm"),
+        ("{\"lead_mm\": []}", "the list is empty"),
+        ("{\"lead_mm\": [-5]}", "`lead_mm` = -5 must be > 0"),
+        ("{\"ball_diameter_mm\": [1e-310]}", "`ball_diameter_mm` = 1e-310 must be >= 0.001"),
+        ("{\"conformity_range\": [0.4, 0.6]}", "must be > 0.5"),
+        ("{\"lead_mm\": [5}", "not valid JSON"),
+    ] {
+        let error = Catalogue::from_json(json.as_bytes()).expect_err(words).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    for (text, words) in [
+        ("mass>=1", "did you mean `mass_kg`?"),
+        ("mass_kg>1", "is not of the form"),
+        ("mass_kg>=heavy", "is not of the form"),
+        ("mass_kg", "is not of the form"),
+    ] {
+        let error = Condition::parse(text).expect_err(words).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    assert!(CatalogueColumn::named("rolling_efficiency").is_ok());
+}
+
+fn numbers(scene: &Scene, spectrum: Option<&str>) -> impl Fn(&str) -> f64 + use<> {
+    let spectrum = spectrum.map(|table| Spectrum::from_csv(table.as_bytes()).expect("a spectrum"));
+    let report = CapacityReport::of(scene, spectrum.as_ref()).expect("complete");
+    let rows = report.rows();
+    move |name| rows.iter().find(|(n, ..)| *n == name).map_or(f64::NAN, |row| row.2)
+}
+
+/// One stretch is the operating point of the scene; two with half the turns each have the cube mean.
+#[test]
+fn a_spectrum_is_a_life() {
+    let nut =
+        Scene::from_json(include_bytes!("../../../../examples/nut.json")).expect("an example");
+    let mut busy = nut.clone();
+    (busy.axial_load_N, busy.screw_speed_rpm) = (Some(9e3), Some(750.0));
+    let one = numbers(&busy, None);
+    let head = "axial_load_N,screw_speed_rpm,time_share\n";
+    let same = numbers(&busy, Some(&format!("{head}9000,-750,0.3\n")));
+    assert!((one("life_h") / same("life_h") - 1.0).abs() < 1e-12);
+    let rating = one("dynamic_load_rating_N");
+    let hours = (rating / 9e3).powi(3) * 1e6 / (60.0 * 750.0);
+    assert!((one("life_h") / hours - 1.0).abs() < 1e-12, "{}", one("life_h"));
+    // Half the turns at 9 kN, half at none: twice the life in revolutions.
+    let half = numbers(&busy, Some(&format!("{head}9000,500,1\n0,250,2\n")));
+    assert!((half("rating_life_revolutions") / one("rating_life_revolutions") - 2.0).abs() < 1e-12);
+    assert!((half("mean_speed_rpm") - 1000.0 / 3.0).abs() < 1e-9);
+    for (table, words) in [
+        ("axial_load_N,screw_speed_rpm\n1,2\n", "time_share"),
+        ("axial_load_N,screw_speed_rpm,time_share\n1,fast,2\n", "row 1"),
+        ("axial_load_N,screw_speed_rpm,time_share\n1,2,3\n1,2,-3\n", "row 2: time_share = -3"),
+        ("axial_load_N,screw_speed_rpm,time_share\n1,0,3\n", "nothing turns"),
+        ("load,screw_speed_rpm,time_share\n1,2,3\n", "the columns are axial_load_N"),
+        // `"5"6` was read as 56.
+        ("axial_load_N,screw_speed_rpm,time_share\n1,2,3\n\"5\"6,2,3\n", "line 3 has a quote"),
+    ] {
+        let error = Spectrum::from_csv(table.as_bytes()).expect_err(words).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+/// A preload takes life without load, and beyond 2.83 times it a pair is a nut.
+#[test]
+fn preload_costs_life() {
+    let mut nut =
+        Scene::from_json(include_bytes!("../../../../examples/nut.json")).expect("an example");
+    (nut.axial_load_N, nut.screw_speed_rpm) = (Some(1e3), Some(100.0));
+    let single = numbers(&nut, None)("life_h");
+    nut.preload_N = Some(5e3);
+    let pair = numbers(&nut, None);
+    assert!(pair("life_h") < 0.02 * single && pair("mean_load_N") > 5e3);
+    nut.preload_N = Some(100.0);
+    assert!((numbers(&nut, None)("life_h") / single - 1.0).abs() < 1e-12);
+}

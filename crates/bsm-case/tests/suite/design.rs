@@ -1,0 +1,230 @@
+//! Requirements and fits: what they say in the vocabulary.
+
+use bsm_case::{
+    CapacityReport, CaseError, Catalogue, DesignReport, Fit, RequirementFile, Scene, Settings,
+};
+use bsm_dyn::{Model, ModelWorkspace, Status};
+
+const REQUIREMENT: &[u8] = include_bytes!("../../../../examples/requirements/feed_drive.json");
+
+fn wish(settings: &[&str]) -> Result<RequirementFile, CaseError> {
+    read(REQUIREMENT, settings)
+}
+
+/// The same without a lead.
+fn without_lead(settings: &[&str]) -> Result<RequirementFile, CaseError> {
+    read(include_bytes!("../../../../examples/requirements/free_lead.json"), settings)
+}
+
+fn read(json: &[u8], settings: &[&str]) -> Result<RequirementFile, CaseError> {
+    let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
+    let standard = Catalogue::standard().expect("compiled in").lists;
+    RequirementFile::from_json(json, &settings, standard)
+}
+
+fn value(report: &DesignReport, name: &str) -> f64 {
+    let row = report.rows.iter().find(|row| row.name == name);
+    row.and_then(|row| row.value).unwrap_or_else(|| panic!("{name}: {report:?}"))
+}
+
+fn says(settings: &[&str], words: &str) {
+    let error = wish(settings).expect_err(words).to_string();
+    assert!(error.contains(words), "{error}");
+}
+
+/// The scene of a design does what was required, by the models and by the ratings of its nut.
+#[test]
+fn the_scene_of_a_design_keeps_the_requirement() {
+    let report = DesignReport::of(&wish(&[]).expect("an example"));
+    assert!(report.found, "{:?}", report.reasons);
+    assert!(report.rows.iter().all(|row| row.passes));
+    let scene = Scene::from_json(report.scene.to_json().to_string().as_bytes()).expect("a scene");
+    assert_eq!(scene, report.scene);
+    let problem = scene.problem(&Settings::from(Model::Traction)).expect("complete");
+    let solution = problem.solve(&mut ModelWorkspace::default());
+    assert_eq!(solution.status(), Status::Converged);
+    let step = |name: &str| report.rows.iter().find(|r| r.name == name).and_then(|r| r.value);
+    let same = |a: Option<f64>, b: Option<f64>| {
+        let (a, b) = (a.expect("a number"), b.expect("a number"));
+        // The conformity is rounded to 5e-7, of which 0.02 beyond 1/2 count, cubed in the life.
+        assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
+    };
+    same(solution.efficiency(), step("efficiency"));
+    let capacity = CapacityReport::of(&scene, None).expect("a nut");
+    let rating = |name: &str| capacity.rows().iter().find(|r| r.0 == name).map(|r| r.2);
+    same(rating("dynamic_load_rating_N"), step("dynamic_load_rating_N"));
+    same(rating("life_h"), step("life_h"));
+    assert!(rating("life_h").expect("a life") > 0.999e4);
+}
+
+/// The other motion turns the screw backwards under the load.
+#[test]
+fn back_driving_has_a_negative_speed() {
+    let wish = wish(&["motion=linear-to-rotary", "model=closed-form"]).expect("a requirement");
+    let report = DesignReport::of(&wish);
+    assert!(report.found && report.scene.screw_speed_rpm == Some(-1500.0), "{report:?}");
+}
+
+#[test]
+fn requirements_are_checked() {
+    says(&["screw_torque_Nm=3"], "give one of axial_load_N and screw_torque_Nm; both are given");
+    says(&["screw_length_mm=900"], "give one of screw_length_mm and stroke_mm; both are given");
+    says(&["motion=sideways"], "must be one of rotary-to-linear, linear-to-rotary");
+    says(&["axial_load_N=-1"], "`axial_load_N` = -1 must be finite and > 0");
+    says(&["life=10"], "did you mean `life_h`?");
+    says(&["nut_conformity=0.52", "screw_conformity=0.53"], "a design has one for both");
+    says(&["screw_speed_rpm=0"], "must not be 0");
+    says(&["pressure_limit_MPa=much"], "must be a number");
+    let bare = read(b"{\"axial_load_N\": 1, \"lead_mm\": 5, \"stroke_mm\": 9}", &[]);
+    let error = bare.expect_err("incomplete").to_string();
+    assert!(error.contains("(or feed_m_min) and friction_coefficient are required"), "{error}");
+}
+
+/// An absurd load is no error, but nothing carries it.
+#[test]
+fn absurd_loads_are_infeasible() {
+    let report = DesignReport::of(&wish(&["axial_load_N=1e30"]).expect("a number"));
+    assert!(!report.found);
+    assert!(report.reasons.iter().any(|r| r.contains("nut_max_pressure_MPa")), "{report:?}");
+    assert!(report.reasons.iter().any(|r| r.contains("life_h")), "{report:?}");
+}
+
+/// Lead and lead angle together are a pitch circle.
+#[test]
+fn lead_and_angle_fix_the_circle() {
+    let report = DesignReport::of(&wish(&["lead_angle_deg=4", "life_h=100"]).expect("consistent"));
+    let scene = report.scene;
+    let expected = 10.0 / (std::f64::consts::PI * 4.0_f64.to_radians().tan());
+    // Rounded to a micrometre.
+    assert!((scene.pitch_circle_diameter_mm.expect("fixed") - expected).abs() < 1e-6);
+}
+
+fn feed_drive() -> Scene {
+    Scene::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("an example")
+}
+
+/// What a model gives at a friction coefficient leads back to it, and its response is that of the
+/// model.
+#[test]
+fn a_fit_finds_what_was_put_in() {
+    let mut scene = feed_drive();
+    scene.friction_coefficient = Some(0.0713);
+    for model in [Model::ClosedForm, Model::RacewayControl, Model::Traction] {
+        let settings = Settings::from(model);
+        let at = |scene: &Scene| {
+            let solution =
+                scene.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
+            solution.answer.expect("converged").transmission.screw_torque.expect("a load")
+        };
+        let torque = at(&scene);
+        let measured = format!("screw_torque_Nm={torque}");
+        let fit = Fit::new(&scene, "friction_coefficient", None, &measured).expect("names");
+        let report = fit.run(&scene, &settings).expect("complete");
+        assert_eq!(report.found.len(), 1, "{}", fit.describe(&report));
+        let found = &report.found[0];
+        // Brent's search stops at 1e-10 of the range of 0.5.
+        assert!((found.value - 0.0713).abs() < 1e-8, "{}", found.value);
+        let mut more = scene.clone();
+        more.friction_coefficient = Some(0.0713 * 1.001);
+        let response = 1e-3 / (at(&more) / torque - 1.0);
+        // A one-sided difference over 1e-3.
+        assert!((found.response / response - 1.0).abs() < 5e-3, "{} {response}", found.response);
+    }
+}
+
+/// Any input can be fitted; what cannot be reached is told with what can.
+#[test]
+fn a_fit_tells_what_can_be_reached() {
+    let scene = feed_drive();
+    let settings = Settings::from(Model::RacewayControl);
+    let fit = Fit::new(&scene, "axial_load_N", None, "nut_max_pressure_MPa=1500").expect("names");
+    let found = fit.run(&scene, &settings).expect("complete").found;
+    assert!(found.len() == 1 && found[0].record.number("nut_max_pressure_MPa").is_some());
+    let pressure = found[0].record.number("nut_max_pressure_MPa").expect("converged");
+    // Slope of pressure over load: 1e-10 of the range is far less than 1e-6 of the pressure.
+    assert!((pressure / 1500.0 - 1.0).abs() < 1e-6, "{pressure}");
+    let fit = Fit::new(&scene, "friction_coefficient", None, "screw_torque_Nm=1").expect("names");
+    let report = fit.run(&scene, &settings).expect("complete");
+    assert!(report.found.is_empty() && fit.describe(&report).contains("not 1"));
+    for (input, measured, words) in [
+        ("friction", "screw_torque_Nm=1", "did you mean `friction_coefficient`?"),
+        ("friction_coefficient", "torque=1", "no numeric output is named `torque`"),
+        ("friction_coefficient", "screw_torque_Nm", "is not of the form"),
+        ("rolling_friction_mm", "screw_torque_Nm=1", "--range"),
+    ] {
+        let error = Fit::new(&scene, input, None, measured).expect_err(words).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    let error = Fit::new(&scene, "friction_coefficient", Some((-1.0, 1.0)), "screw_torque_Nm=1");
+    assert!(error.expect_err("negative friction").to_string().contains("--range"));
+}
+
+/// The conformity of Sobolewski's tables is outside Lin's step 6, which a requirement may widen.
+#[test]
+fn ranges_of_the_procedure_could_not_be_relaxed() {
+    let tables = ["nut_conformity=0.53", "life_h=3000"];
+    let narrow = DesignReport::of(&wish(&tables).expect("a requirement"));
+    let blocks = |r: &String| r.contains("ball_radius_over_groove_radius");
+    assert!(!narrow.found && narrow.reasons.iter().any(blocks), "{:?}", narrow.reasons);
+    let wider = "smallest_ball_radius_over_groove_radius=0.94";
+    let wide = DesignReport::of(&wish(&[tables[0], tables[1], wider]).expect("a requirement"));
+    assert!(wide.found, "{:?}", wide.reasons);
+    // 0.5 / 0.53, by hand.
+    assert!((value(&wide, "ball_radius_over_groove_radius") - 0.943_396).abs() < 1e-6);
+    says(&["largest_contact_angle_deg=20"], "must be > smallest_contact_angle_deg = 30");
+    says(&["largest_contact_angle_deg=30"], "`largest_contact_angle_deg` = 30 must be >");
+    says(&["largest_ball_radius_over_pitch_radius=2"], "must be between 0 and 1");
+    let flat = ["largest_contact_angle_deg=40", "smallest_contact_angle_deg=20"];
+    let flat = DesignReport::of(&wish(&flat).expect("a requirement"));
+    assert!(flat.found && value(&flat, "contact_angle_deg") <= 40.0 + 1e-3, "{:?}", flat.rows);
+}
+
+/// Lin's step 1: the lead was demanded. The chosen one is standard, and its screw as light as with that
+/// lead given; the lead of the example gives a heavier one.
+#[test]
+fn the_lead_is_chosen() {
+    let free = DesignReport::of(&without_lead(&[]).expect("a requirement"));
+    assert!(free.found, "{:?}", free.reasons);
+    let lead = value(&free, "lead_mm");
+    let mass = |report: &DesignReport| value(report, "mass_of_nut_and_screw_kg");
+    let given = DesignReport::of(&wish(&[&format!("lead_mm={lead}")]).expect("a requirement"));
+    // The same search.
+    assert!((mass(&free) / mass(&given) - 1.0).abs() < 1e-9);
+    for other in ["lead_mm=8", "lead_mm=12", "lead_mm=16"] {
+        let other = DesignReport::of(&wish(&[other]).expect("a requirement"));
+        // Whole balls may be kinder to another lead than fractions of balls, by a little.
+        assert!(!other.found || mass(&free) <= 1.01 * mass(&other), "lead {lead} mm");
+    }
+}
+
+/// Lin's rule for linear to rotary: the largest contact angle and the lead angle of Eq 18.
+#[test]
+fn a_screw_that_the_load_turns_has_the_lead_of_eq_18() {
+    let motion = "motion=linear-to-rotary";
+    let back = without_lead(&[motion, "objective=efficiency", "model=closed-form", "life_h=100"]);
+    let report = DesignReport::of(&back.expect("a requirement"));
+    assert!((value(&report, "contact_angle_deg") - 75.0).abs() < 1e-6, "{:?}", report.rows);
+    // cosα = √y*/sinβ with y* = (1 − f/√(1+f²))/2 at f = 0.05 and 75 deg, by hand.
+    let y = 0.5 * (1.0 - 0.05 / 1.0025_f64.sqrt());
+    let lead = (y.sqrt() / 75.0_f64.to_radians().sin()).acos().to_degrees();
+    // The scene is rounded to microdegrees, the lead angle follows.
+    assert!((value(&report, "lead_angle_deg") - lead).abs() < 1e-6);
+    assert!((value(&report, "optimum_contact_angle_deg") - 75.0).abs() < 1e-6);
+    let error = without_lead(&[motion, "contact_angle_deg=40"]).expect_err("no lead is best");
+    assert!(error.to_string().contains("best for no lead angle"), "{error}");
+}
+
+/// Power and advance: 8 kN at 250 mm/s are 2 kW at the nut.
+#[test]
+fn the_motor_limits_the_power() {
+    let report = DesignReport::of(&wish(&[]).expect("an example"));
+    assert!((value(&report, "output_power_W") - 2000.0).abs() < 1e-6);
+    let input = value(&report, "input_power_W");
+    assert!((input - 2000.0 / value(&report, "efficiency")).abs() < 1e-6);
+    assert!((value(&report, "turns_for_stroke") - 70.0).abs() < 1e-9);
+    let weak = ["largest_input_power_W=1990", "model=closed-form"];
+    let weak = DesignReport::of(&wish(&weak).expect("a requirement"));
+    assert!(
+        !weak.found && weak.reasons.iter().any(|r| r.starts_with("input_power_W must be <= 1990"))
+    );
+}

@@ -1,0 +1,238 @@
+//! Friction from the lubricant: an independent solution, and what a scene may say of it.
+
+use approx::assert_relative_eq;
+use bsm_case::{
+    Calibration, CaseError, NutProblem, NutReport, Record, Scene, Sensitivities, Settings,
+};
+use bsm_dyn::{Model, ModelWorkspace, Status};
+use serde_json::Value;
+
+const CASES: &str = include_str!("../../../../validation/published/lubrication/public.json");
+const OILED: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
+const DRY: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
+
+fn oiled(settings: &[&str]) -> Scene {
+    let mut scene = Scene::from_json(OILED).expect("an example");
+    scene.apply(settings).expect("inputs");
+    scene
+}
+
+fn solved(scene: &Scene, model: Model) -> Record {
+    let problem = scene.problem(&model.into()).expect("a complete scene");
+    let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
+    assert_eq!(
+        record.status(),
+        Status::Converged,
+        "{:?} {:?}",
+        scene.description,
+        record.message()
+    );
+    record
+}
+
+/// An independent solution: its 11 scenes to its own tolerances.
+#[test]
+fn an_independent_solution_agrees() {
+    let cases: Value = serde_json::from_str(CASES).expect("JSON");
+    let mut numbers = 0;
+    let mut far = Vec::new();
+    for case in cases["cases"].as_array().expect("a list") {
+        let scene = Scene::from_json(case["scene"].to_string().as_bytes()).expect("a scene");
+        let model = Model::from_name(case["model"].as_str().expect("a name")).expect("a model");
+        let record = solved(&scene, model);
+        if model == Model::Traction {
+            assert!(record.number("power_balance").expect("a balance").abs() <= 1e-9);
+        }
+        let told = case["rel_tol"].as_f64().expect("a number");
+        for (name, value) in case["expect"].as_object().expect("numbers") {
+            let (value, ours) = (value.as_f64().expect("a number"), record.number(name));
+            let ours = ours.unwrap_or_else(|| panic!("{name} of {}", case["id"]));
+            let tolerance = if name.contains("spin") { 1e-3 } else { told };
+            // A ball that a race controls does not spin there: rounding of the speeds of its surface.
+            let rounding = if name.contains("spin") { 1e-9 } else { 0.0 };
+            if (ours - value).abs() > tolerance * value.abs() + rounding {
+                far.push(format!(
+                    "{} {name}: {ours} {value} {:.1e}",
+                    case["id"],
+                    ours / value - 1.0
+                ));
+            }
+            numbers += 1;
+        }
+    }
+    assert!(far.is_empty() && numbers > 300, "{numbers} {far:#?}");
+}
+
+/// Friction is said once, and only to models that take what is said.
+#[test]
+fn friction_is_said_once() {
+    let told = |scene: &Scene, settings: &Settings| match scene.problem(settings) {
+        Err(error) => error.to_string(),
+        Ok(_) => String::new(),
+    };
+    let auto = Settings::default();
+    let both = oiled(&["friction_coefficient=0.06"]);
+    assert!(told(&both, &auto).contains("friction_coefficient and iso_vg are given"));
+    let mut dry = Scene::from_json(DRY).expect("an example");
+    dry.apply(&["film_factor=0.7"]).expect("an input");
+    assert!(told(&dry, &auto).contains("friction_coefficient and film_factor are given"));
+    for model in [Model::ClosedForm, Model::QuasiStatic, Model::Rigid, Model::Elastic] {
+        let error = oiled(&[]).problem(&model.into()).expect_err("no lubricant");
+        assert!(matches!(error, CaseError::NoLubricant { .. }));
+        let text = error.to_string();
+        assert!(
+            text.contains("raceway-control and traction") && text.contains("equivalent_friction")
+        );
+    }
+    let mut bare = oiled(&[]);
+    (bare.ball_roughness_um, bare.lubricant_temperature_C) = (None, None);
+    let text = told(&bare, &auto);
+    assert!(
+        text.contains("ball_roughness_um") && text.contains("lubricant_temperature_C (or"),
+        "{text}"
+    );
+    let text = told(&oiled(&["viscosity_100C_mm2_s=8"]), &auto);
+    assert!(text.contains("viscosity_100C_mm2_s`: needs viscosity_40C_mm2_s"), "{text}");
+    assert!(told(&oiled(&["iso_vg=69"]), &auto).contains("one of 10, 15, 22"));
+    let thick = oiled(&["viscosity_40C_mm2_s=8", "viscosity_100C_mm2_s=9"]);
+    assert!(told(&thick, &auto).contains("must be below"), "{}", told(&thick, &auto));
+}
+
+/// The choice is traction, and a viscosity replaces the grade.
+#[test]
+fn a_lubricant_is_for_traction_unless_asked_otherwise() {
+    let record = Record::new(
+        oiled(&[])
+            .problem(&Settings::default())
+            .expect("complete")
+            .solve(&mut ModelWorkspace::default()),
+    );
+    assert_eq!(record.model(), Model::Traction.into());
+    let thin = oiled(&["viscosity_40C_mm2_s=31", "viscosity_100C_mm2_s=5.8", "base_oil=pao"]);
+    assert!(thin.iso_vg.is_none());
+    let film = |scene: &Scene| solved(scene, Model::Traction).number("nut_film_um");
+    assert!(film(&thin) < film(&oiled(&[])));
+}
+
+/// Derivatives against differences of solves, at a known temperature and at one that the losses keep.
+#[test]
+fn sensitivities_match_differences() {
+    let heat = ["heat_transfer_W_K=6", "ambient_temperature_C=22", "screw_speed_rpm=3000"];
+    let cases = [(Model::Traction, oiled(&[])), (Model::RacewayControl, oiled(&heat))];
+    for (model, scene) in cases {
+        let settings = Settings::from(model);
+        let inputs = Sensitivities::of(&scene, &settings).expect("complete");
+        let mut work = ModelWorkspace::default();
+        let (_, rows) = inputs.solve(&mut work).expect("a solution");
+        for name in
+            ["axial_load_N", "nut_roughness_um", "boundary_friction_coefficient", "film_factor"]
+        {
+            let row =
+                rows.iter().find(|row| row.input.name == name).expect("an input that is used");
+            let torque = |factor: f64| {
+                let mut moved = scene.clone();
+                moved.set(name, row.value * factor).expect("an input");
+                solved(&moved, model).number("screw_torque_Nm").expect("a torque")
+            };
+            let step = 1e-3;
+            let slope = (torque(1.0 + step) - torque(1.0 - step)) / (2.0 * step * row.value);
+            let ours = row.screw_torque.expect("a torque");
+            // Truncation of the difference, its square.
+            assert!((ours - slope).abs() <= 1e-4 * slope.abs() + 1e-9, "{name}: {ours} {slope}");
+        }
+    }
+}
+
+/// A nut with rough surfaces and nothing lost by rolling has the friction of one coefficient; with oil that
+/// bears, each ball has its own film.
+#[test]
+fn each_ball_of_a_nut_has_its_own_film() {
+    const NUT: &[u8] = include_bytes!("../../../../examples/nut_guided.json");
+    const OIL: [&str; 5] = [
+        "iso_vg=68",
+        "lubricant_temperature_C=40",
+        "ball_roughness_um=0.03",
+        "nut_roughness_um=0.2",
+        "screw_roughness_um=0.2",
+    ];
+    let nut = |settings: &[&str]| {
+        let mut scene = Scene::from_json(NUT).expect("an example");
+        scene.friction_coefficient = None;
+        scene.apply(settings).expect("inputs");
+        NutProblem::of(&scene, &Model::RacewayControl.into())
+    };
+    let report = |settings: &[&str]| {
+        nut(settings).expect("a complete nut").solve().expect("a nut that carries")
+    };
+    let torque = |report: &NutReport| report.number("friction_torque_Nm").expect("a torque");
+    let dry = report(&["friction_coefficient=0.12"]);
+    let rough =
+        ["nut_roughness_um=1e9", "screw_roughness_um=1e9", "rolling_factor=0", "hysteresis_loss=0"];
+    let rough = report(&[&OIL[..], &rough].concat());
+    // Raceway control integrates a constant coefficient to 1e-4 of the friction at each contact.
+    assert_relative_eq!(torque(&rough), torque(&dry), max_relative = 1e-3);
+    let oiled = report(&OIL);
+    assert!(torque(&oiled) < torque(&dry));
+    // Seals have a line of their own in the axis.
+    let sealed = report(&[&OIL[..], &["seal_torque_Nm=5"]].concat());
+    assert_eq!(torque(&sealed).to_bits(), torque(&oiled).to_bits());
+
+    let warming =
+        [&OIL[..1], &OIL[2..], &["heat_transfer_W_K=5", "ambient_temperature_C=20"]].concat();
+    let refused = nut(&warming).expect_err("no temperature").to_string();
+    assert!(refused.contains("lubricant_temperature_C"), "{refused}");
+    let refused = nut(&OIL[..4]).expect_err("no roughness").to_string();
+    assert!(refused.contains("screw_roughness_um"), "{refused}");
+    let pressed = ["preload_N=3000", "preload_by=oversize", "axial_load_N=3000"];
+    let tight = report(&[&OIL[..], &pressed].concat());
+    assert!(tight.number("friction_torque_Nm").is_none());
+    assert!(tight.notes().iter().any(|note| note.contains("both flanks")), "{:?}", tight.notes());
+}
+
+/// Points of known friction, in units of one's own: the inputs that made them come back, with nothing left over.
+#[test]
+fn inputs_come_back_from_a_table_of_torques() {
+    let base = oiled(&[]);
+    let truth = ["boundary_friction_coefficient=0.1", "rolling_factor=0.7"];
+    let mut rows = vec!["speed_rpm,axial_load_kN,screw_torque_Ncm".to_owned()];
+    for speed in [20.0, 200.0, 1500.0, 4000.0] {
+        for load in [2000.0, 8000.0] {
+            let mut scene = oiled(&truth);
+            scene.set("screw_speed_rpm", speed).expect("an input");
+            scene.set("axial_load_N", load).expect("an input");
+            let torque = solved(&scene, Model::RacewayControl).number("screw_torque_Nm");
+            let torque = torque.expect("a torque");
+            rows.push(format!("{speed},{},{}", load / 1e3, torque * 100.0));
+        }
+    }
+    let table = rows.join("\n");
+    let inputs = ["boundary_friction_coefficient".to_owned(), "rolling_factor=0.3:1.5".to_owned()];
+    let settings = Settings::from(Model::RacewayControl);
+    let fit =
+        Calibration::new(&base, &inputs, "screw_torque_Nm", table.as_bytes()).expect("a table");
+    let report = fit.run(&base, &settings).expect("complete").expect("a fit");
+    let [boundary, rolling] = fit.rows(&report)[..] else { panic!("two inputs") };
+    // The search settles at 1e-9 of the ranges; slopes by differences leave 1e-6 of a step.
+    assert_relative_eq!(boundary.1, 0.1, max_relative = 1e-6);
+    assert_relative_eq!(rolling.1, 0.7, max_relative = 1e-6);
+    assert!(report.scatter < 1e-6 && report.found.condition < 100.0, "{report:?}");
+}
+
+/// A table that cannot be used says where.
+#[test]
+fn tables_of_measurements_are_checked() {
+    let why = |inputs: &[&str], table: &str| {
+        let inputs: Vec<_> = inputs.iter().map(|input| (*input).to_owned()).collect();
+        Calibration::new(&oiled(&[]), &inputs, "screw_torque_Nm", table.as_bytes())
+            .expect_err("a fault")
+            .to_string()
+    };
+    let one = ["rolling_factor"];
+    let said = why(&one, "screw_speed_rpm,screw_torque_Nm\n100,a\n");
+    assert!(said.contains("row 1") && said.contains("`a`"), "{said}");
+    assert!(why(&one, "screw_speed_rpm\n100\n").contains("screw_torque_Nm"));
+    assert!(why(&one, "screw_torque_Nm\n").contains("no rows"));
+    assert!(why(&one, "screw_sped_rpm,screw_torque_Nm\n1,2\n").contains("screw_speed_rpm"));
+    assert!(why(&["seal_torque_Nm"], "screw_torque_Nm\n1\n").contains("seal_torque_Nm"));
+    assert!(why(&["rolling_factor=1"], "screw_torque_Nm\n1\n").contains("low:high"));
+}

@@ -1,0 +1,11 @@
+//! Scenes, rules, analyses and reports.
+
+mod analysis;
+mod capacity;
+mod catalogue;
+mod design;
+mod hard_points;
+mod lubricant;
+mod scene;
+mod sensitivities;
+mod size;

@@ -1,0 +1,394 @@
+//! Scenes: units, choice of model, and every way in which a scene can be wrong.
+
+use std::path::Path;
+
+use approx::assert_relative_eq;
+use bsm_case::{
+    Axis, CaseError, Grid, ModelChoice, Record, Rule, Scene, Settings, input_schema, output_schema,
+};
+use bsm_dyn::{Control, Model, ModelWorkspace, Problem};
+use proptest::prelude::*;
+use serde_json::Value;
+
+const LIN: &str = include_str!("../../../../examples/lin1994.json");
+
+fn scene(json: &str) -> Scene {
+    Scene::from_json(json.as_bytes()).expect("valid scene")
+}
+
+/// The complaint about a scene, wherever it comes from.
+fn complaint(json: &str) -> String {
+    let result = Scene::from_json(json.as_bytes())
+        .and_then(|scene| scene.problem(&Settings::default()).map(|_| ()));
+    result.expect_err(json).to_string()
+}
+
+#[test]
+fn units_become_si_and_come_back() {
+    let lin = scene(LIN);
+    let Problem::Rigid(case) = lin.problem(&Settings::default()).expect("complete scene") else {
+        panic!("auto takes the most complete model");
+    };
+    assert_relative_eq!(case.point.helix.radius, 24.3e-3, max_relative = 1e-15);
+    assert_relative_eq!(case.point.helix.lead_angle, 0.174_532_925_199_433, max_relative = 1e-15);
+    assert_relative_eq!(case.point.ball.radius, 4.37e-3, max_relative = 1e-15);
+    assert_relative_eq!(case.point.ball.mass, 2.726_638e-3, max_relative = 1e-6);
+    assert_relative_eq!(case.point.drive.screw_speed, 209.439_510_239_319_6, max_relative = 1e-15);
+    assert_relative_eq!(case.point.load.per_ball(), 2113.0);
+
+    let record = Record::new(Problem::Rigid(case).solve(&mut ModelWorkspace::default()));
+    let number = |name| record.number(name).expect(name);
+    assert_relative_eq!(number("nut_contact_angle_deg"), 45.0, max_relative = 1e-15);
+    // ψ_B = atan(tan 10° / cos 45°) = 14.00°, to the order of the inertia.
+    assert_relative_eq!(number("screw_slip_angle_deg"), 14.0, epsilon = 0.02);
+    // P = 0.4345 × 2000 rpm, of the reference table.
+    let rpm = number("ball_precession_rad_s") * 30.0 / std::f64::consts::PI;
+    assert_relative_eq!(rpm, 0.434_502_536 * 2000.0, max_relative = 1e-8);
+}
+
+/// Each model is chosen as soon as its inputs are there, and names what it lacks.
+#[test]
+fn auto_takes_the_most_complete_model() {
+    let mut given = Scene::default();
+    let mut chosen = Vec::new();
+    for (name, value) in [
+        ("lead_angle_deg", 10.0),
+        ("contact_angle_deg", 45.0),
+        ("friction_coefficient", 0.075),
+        ("ball_diameter_mm", 8.74),
+        ("pitch_circle_diameter_mm", 48.6),
+        ("screw_speed_rpm", 2000.0),
+        ("axial_load_N", 2113.0),
+        ("loaded_balls", 1.0),
+        ("nut_conformity", 0.53),
+        ("screw_conformity", 0.54),
+    ] {
+        given.set(name, value).expect("known name");
+        chosen.push(given.choose(ModelChoice::Auto).ok());
+    }
+    let rigid = Model::Rigid;
+    let [closed, quasi, skids] =
+        [Model::ClosedForm, Model::QuasiStatic, rigid].map(|m| Some(ModelChoice::Fixed(m)));
+    // With both conformities the error of each model can be told: the choice is left to it.
+    let auto = Some(ModelChoice::Auto);
+    assert_eq!(chosen, [None, None, closed, closed, quasi, quasi, quasi, skids, skids, auto]);
+
+    let lacking = Scene { loaded_balls: None, ..given };
+    let error = lacking.problem(&rigid.into()).expect_err("no balls").to_string();
+    assert_eq!(error, "loaded_balls is required by model rigid");
+    assert!(matches!(
+        ModelChoice::from_name("rigdi").expect_err("no such model"),
+        CaseError::UnknownModel { .. }
+    ));
+    let named = Settings::named("rigid", Some("screw"), None).expect("names");
+    assert_eq!(named, Settings { control: Some(Control::Screw), ..Model::Rigid.into() });
+    let unknown = Settings::named("rigid", Some("ball"), None);
+    let unknown = unknown.expect_err("no such race").to_string();
+    assert_eq!(unknown, "unknown race `ball`; the races are nut, screw");
+    let unknown =
+        Settings::named("rigid", None, Some("dry")).expect_err("no such place").to_string();
+    assert_eq!(unknown, "unknown friction `dry`; there are local, contact");
+}
+
+#[test]
+fn lead_and_lead_angle_are_one() {
+    let by_angle = scene(LIN);
+    let lead_mm = 48.6 * std::f64::consts::PI * 10.0_f64.to_radians().tan();
+    let by_lead = Scene { lead_angle_deg: None, lead_mm: Some(lead_mm), ..by_angle.clone() };
+    let lead = |scene: &Scene| match scene.problem(&Settings::default()) {
+        Ok(Problem::Rigid(case)) => case.point.helix.lead_angle,
+        other => panic!("{other:?}"),
+    };
+    assert_relative_eq!(lead(&by_angle), lead(&by_lead), max_relative = 1e-15);
+    let both = Scene { lead_mm: Some(lead_mm), ..by_angle.clone() };
+    assert!(both.check().is_ok());
+    let off = Scene { lead_mm: Some(lead_mm * (1.0 + 1e-7)), ..by_angle };
+    assert!(matches!(off.check(), Err(CaseError::LeadConflict { .. })), "{:?}", off.check());
+    let no_pitch =
+        scene(r#"{"lead_mm": 10, "contact_angle_deg": 45, "friction_coefficient": 0.1}"#);
+    let error = no_pitch.problem(&Settings::default()).expect_err("no pitch circle").to_string();
+    assert!(
+        error.starts_with("pitch_circle_diameter_mm (to turn lead_mm into an angle)"),
+        "{error}"
+    );
+}
+
+/// Every error names the key, the value and what would be right.
+#[test]
+fn errors_say_what_to_do() {
+    for (json, parts) in [
+        ("", &["is empty", "JSON object"][..]),
+        (" \n", &["is empty"]),
+        ("{", &["not valid JSON", "line 1 column 1"]),
+        (r#"{"friction_coefficient": NaN}"#, &["not valid JSON", "line 1"]),
+        ("[1, 2]", &["a list", "JSON object"]),
+        ("3", &["a number", "JSON object"]),
+        (
+            r#"{"ball_diamter_mm": 3}"#,
+            &["unknown key `ball_diamter_mm`", "did you mean `ball_diameter_mm`?"],
+        ),
+        (r#"{"axial_load_n": 3}"#, &["did you mean `axial_load_N`?"]),
+        (r#"{"friction": 0.1}"#, &["did you mean `friction_coefficient`?"]),
+        (r#"{"qqqqqqqqqqqqqqqqqqqqqqqqqqqq": 3}"#, &["unknown key", "bsm schema input"]),
+        (r#"{"lead_mm": 3, "lead_mm": 4}"#, &["`lead_mm` is given twice"]),
+        (r#"{"lead_mm": "3"}"#, &["`lead_mm` is the text \"3\"", "must be a number"]),
+        (r#"{"lead_mm": [3]}"#, &["`lead_mm` is a list", "must be a number"]),
+        (r#"{"description": 3}"#, &["`description` is a number", "must be text"]),
+        (r#"{"ball_diameter_mm": -3.5}"#, &["`ball_diameter_mm` = -3.5 must be finite and > 0"]),
+        ("{\"a\\nb\\u001b\": 1}", &[r"unknown key `a\nb\u{1b}`"]),
+        (r#"{"contact_angle_deg": 90}"#, &["`contact_angle_deg` = 90 must be between 0 and 90"]),
+        (r#"{"nut_conformity": 0.5}"#, &["`nut_conformity` = 0.5 must be finite and > 0.5"]),
+        (r#"{"ball_diameter_mm": 1e999}"#, &["number out of range"]),
+        (
+            r#"{"ball_diameter_mm": 30, "pitch_circle_diameter_mm": 48.6}"#,
+            &["ball_diameter_mm = 30", "24.3"],
+        ),
+        (r#"{"screw_speed_rpm": 500, "nut_speed_rpm": 500}"#, &["must not be 0"]),
+        (r#"{"screw_speed_rpm": 0}"#, &["must not be 0"]),
+        (
+            "{}",
+            &[
+                "lead_angle_deg (or lead_mm), contact_angle_deg and friction_coefficient are required by model closed-form",
+            ],
+        ),
+    ] {
+        let text = complaint(json);
+        for part in parts {
+            assert!(text.contains(part), "{json}: {text} lacks {part}");
+        }
+        assert!(!text.contains('\n'), "{text}");
+    }
+    let missing = Scene::read(Path::new("no/such/file.json")).expect_err("no file");
+    assert!(missing.is_io() && missing.to_string().contains("no/such/file.json"), "{missing}");
+}
+
+/// Found in review: inputs that a model does not cover were told only after the work.
+#[test]
+fn a_model_that_does_not_cover_the_scene_says_so_first() {
+    let mut lin = scene(LIN);
+    lin.apply(&["friction_coefficient=0"]).expect("known name");
+    let rigid = lin.problem(&Model::Rigid.into()).expect_err("no friction").to_string();
+    assert!(rigid.contains("`friction_coefficient` = 0 must be > 0"), "{rigid}");
+    assert!(rigid.contains("for model rigid"), "{rigid}");
+    assert_eq!(lin.choose(ModelChoice::Auto).ok(), Some(Model::QuasiStatic.into()));
+    lin.apply(&["nut_speed_rpm=-100"]).expect("known name");
+    assert_eq!(lin.choose(ModelChoice::Auto).ok(), Some(Model::ClosedForm.into()));
+    let dual = lin.problem(&Model::QuasiStatic.into()).expect_err("dual").to_string();
+    assert!(dual.contains("no dual drive"), "{dual}");
+}
+
+/// The choice solves with a model whose bound is below the tolerance, and says why.
+#[test]
+fn the_choice_says_model_bound_and_reason() {
+    let mut lin = scene(LIN);
+    for setting in ["nut_conformity=0.53", "screw_conformity=0.53"] {
+        lin.apply(&[setting]).expect("known name");
+    }
+    let mut work = ModelWorkspace::default();
+    let mut solve = |tolerance, load: &str| {
+        let mut lin = lin.clone();
+        lin.apply(&[load]).expect("known name");
+        let settings = Settings { tolerance, ..Settings::default() };
+        let record = Record::new(lin.problem(&settings).expect("complete").solve(&mut work));
+        let bound = record.number("efficiency_error_bound").expect("a bound");
+        assert!(bound <= tolerance, "{bound} {tolerance}");
+        let why = record.choice().expect("a reason");
+        (record.model().name(), why)
+    };
+    for (tolerance, load, model, part) in [
+        (0.5, "axial_load_N=2113", "closed-form", "whole loss of skidding"),
+        (0.02, "axial_load_N=2113", "raceway-control", "the balls grip"),
+        (1e-4, "axial_load_N=2113", "traction", "integrated to"),
+        (0.02, "axial_load_N=1", "elastic", "the balls skid"),
+    ] {
+        let (name, why) = solve(tolerance, load);
+        assert_eq!(name, model, "{why}");
+        assert!(why.contains(part), "{why}");
+    }
+}
+
+/// Found in review: a byte order mark was a syntax error.
+#[test]
+fn a_byte_order_mark_is_skipped() {
+    let mut bytes = b"\xef\xbb\xbf".to_vec();
+    bytes.extend(LIN.as_bytes());
+    assert_eq!(Scene::from_json(&bytes).expect("valid scene"), scene(LIN));
+}
+
+#[test]
+fn settings_complete_and_correct_a_scene() {
+    let mut lin = scene(LIN);
+    lin.apply(&["friction_coefficient=0.1"]).expect("known name");
+    lin.apply(&[" lead_angle_deg = 12.5 "]).expect("spaces do not matter");
+    assert_eq!((lin.friction_coefficient, lin.lead_angle_deg), (Some(0.1), Some(12.5)));
+    // A lead replaces the angle that the file has.
+    lin.apply(&["lead_mm=20"]).expect("known name");
+    assert_eq!((lin.lead_mm, lin.lead_angle_deg), (Some(20.0), None));
+    assert!(lin.check().is_ok());
+    for (setting, part) in [
+        ("friction", "name=value"),
+        ("=3", "unknown key ``; `bsm schema input`"),
+        ("frction_coefficient=0.1", "did you mean `friction_coefficient`?"),
+        ("friction_coefficient=much", "`friction_coefficient` is `much`, but must be a number"),
+    ] {
+        let error = lin.apply(&[setting]).expect_err(setting).to_string();
+        assert!(error.contains(part), "{error}");
+    }
+    // A number that is none is caught by the rules.
+    lin.apply(&["friction_coefficient=NaN"]).expect("a float");
+    assert!(matches!(lin.check(), Err(CaseError::OutOfRange { .. })));
+}
+
+#[test]
+fn grids_are_full_products_with_exact_ends() {
+    let grid = Grid::new(vec![
+        Axis::parse("lead_angle_deg=1:2:3").expect("range"),
+        Axis::parse("friction_coefficient=0.1,0.3").expect("list"),
+    ])
+    .expect("two axes");
+    assert_eq!(grid.len(), 6);
+    let points: Vec<_> = (0..6).map(|i| grid.point(i)).collect();
+    let expected =
+        [[1.0, 0.1], [1.0, 0.3], [1.5, 0.1], [1.5, 0.3], [2.0, 0.1], [2.0, 0.3]].map(Vec::from);
+    assert_eq!(points, expected);
+    assert_eq!(grid.scene(&scene(LIN), &grid.point(3)).friction_coefficient, Some(0.3));
+    // Many points at once, over several rounds of the fast axis or within one, are those one by one.
+    for (first, end) in (0..=6).flat_map(|first| (first..=6).map(move |end| (first, end))) {
+        for axis in 0..2 {
+            let mut column = vec![f64::NAN];
+            grid.fill(axis, first..end, &mut column);
+            let one_by_one: Vec<_> = points[first..end].iter().map(|point| point[axis]).collect();
+            assert_eq!(column[1..], one_by_one, "axis {axis}, points {first} to {end}");
+        }
+    }
+    // 0.1 is not a sum of tenths in binary; the end is still exact.
+    let tenth = Axis::parse("friction_coefficient=0:0.1:8").expect("range");
+    assert_eq!(tenth.value(7).to_bits(), 0.1_f64.to_bits());
+    // Equal ratios; the ends are exact.
+    let log = Axis::parse("axial_load_N=1:1000:4:log").expect("range");
+    let values: Vec<_> = (0..4).map(|i| log.value(i)).collect();
+    assert_eq!([values[0], values[3]].map(f64::to_bits), [1.0_f64, 1000.0].map(f64::to_bits));
+    // Rounding of logarithms.
+    assert!((values[1] / 10.0 - 1.0).abs() < 1e-14 && (values[2] / 100.0 - 1.0).abs() < 1e-14);
+    assert_eq!(Axis::parse(&log.to_string()).expect("its own form"), log);
+
+    for (text, part) in [
+        ("lead_angle_deg", "name=start:stop:count"),
+        ("lead_angle_deg=1:2", "name=start:stop:count"),
+        ("lead_angle_deg=1:2:1", "at least 2"),
+        ("lead_angle_deg=1:inf:3", "finite"),
+        ("lead_angle_deg=", "finite"),
+        ("axial_load_N=0:9:3:log", "both ends of a log range are > 0"),
+        ("lead_angle_deg=1:2:3:exp", "name=start:stop:count:log"),
+        ("lead_angel_deg=1:2:3", "did you mean `lead_angle_deg`?"),
+        ("lead_angle_deg=0:20:3", "`lead_angle_deg` = 0 must be between 0 and 90"),
+    ] {
+        let error = Axis::parse(text).expect_err(text).to_string();
+        assert!(error.contains(part), "{error}");
+    }
+    // Found in review: the last one of two forms of the lead won silently.
+    let leads = ["lead_mm=10,20", "lead_angle_deg=8,30"].map(|a| Axis::parse(a).expect("list"));
+    assert!(matches!(Grid::new(leads.to_vec()), Err(CaseError::VariedLeadTwice)));
+    // Found in review: a nut drive with a varied nut speed counted as standing still.
+    let nut = Grid::new(vec![Axis::parse("nut_speed_rpm=100,200").expect("list")]).expect("grid");
+    let base = Scene { screw_speed_rpm: Some(0.0), ..scene(LIN) };
+    assert!(base.check().is_err() && nut.check(&base).is_ok());
+    assert!(nut.scene(&base, &nut.point(1)).check().is_ok());
+    let axis = Axis::parse("lead_angle_deg=1:2:3").expect("range");
+    assert!(matches!(Grid::new(vec![axis.clone(), axis]), Err(CaseError::VariedTwice { .. })));
+    let huge = |name| Axis::parse(&format!("{name}=1:2:4294967296")).expect("range");
+    let grid = Grid::new(vec![huge("lead_angle_deg"), huge("density_kg_m3")]);
+    assert!(matches!(grid, Err(CaseError::GridTooLarge { .. })), "{grid:?}");
+}
+
+/// Schemas name every input with its rule, and every key that a result has.
+#[test]
+fn schemas_follow_the_tables() {
+    let input = input_schema();
+    let friction = &input["properties"]["friction_coefficient"];
+    assert_eq!(
+        (&friction["minimum"], &input["additionalProperties"]),
+        (&0.0.into(), &false.into())
+    );
+    assert_eq!(
+        input["properties"].as_object().map(serde_json::Map::len),
+        Some(bsm_case::INPUTS.len() + bsm_case::NutWords::KEYS.len() + 1)
+    );
+    let solved = scene(LIN).problem(&Settings::default()).expect("complete");
+    let record = Record::new(solved.solve(&mut ModelWorkspace::default())).to_json();
+    let output = output_schema();
+    let names = output["properties"].as_object().expect("object");
+    assert!(record.keys().eq(names.keys()));
+    for (key, value) in &record {
+        let kind = match value {
+            Value::Null => "null",
+            Value::Bool(_) => "boolean",
+            Value::String(_) => "string",
+            Value::Number(n) if n.is_u64() => "integer",
+            _ => "number",
+        };
+        let allowed = &names[key]["type"];
+        let fits = key == "status"
+            || *allowed == kind
+            || allowed.as_array().is_some_and(|list| list.iter().any(|a| a == kind));
+        assert!(fits, "{key} is {kind}, schema {allowed}");
+    }
+}
+
+/// A failed point has a message and no numbers.
+#[test]
+fn a_failed_point_says_why() {
+    let mut lin = scene(LIN);
+    lin.apply(&["lead_angle_deg=5"]).expect("known name");
+    let problem = lin.problem(&Settings::default()).expect("complete");
+    let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
+    assert_eq!(record.status_name(), "no_solution");
+    let message = record.message().expect("a reason");
+    assert!(message.contains("critical lead angle of this point is 7.075"), "{message}");
+    let json = record.to_json();
+    assert_eq!(json["evidence"], "traced");
+    let numbers = json.iter().filter(|(key, value)| {
+        !["model", "status", "message", "evidence"].contains(&key.as_str()) && !value.is_null()
+    });
+    assert_eq!(numbers.count(), 0);
+}
+
+#[test]
+fn overlapping_turns_are_warned_about() {
+    let mut lin = scene(LIN);
+    assert!(lin.warnings().is_empty());
+    lin.apply(&["lead_angle_deg=3"]).expect("known name");
+    assert!(lin.warnings()[0].contains("neighbouring turns"), "{:?}", lin.warnings());
+}
+
+/// An ellipse of 0.81 ball radii at 61 deg reaches to 115 deg.
+#[test]
+fn an_ellipse_wider_than_its_flank_is_warned_about() {
+    let warnings = |load: &str| {
+        let mut drive = scene(include_str!("../../../../examples/feed_drive.json"));
+        drive.apply(&[load]).expect("known name");
+        let problem = drive.problem(&Model::RacewayControl.into()).expect("complete");
+        Record::new(problem.solve(&mut ModelWorkspace::default())).warnings(&drive)
+    };
+    assert!(warnings("axial_load_N=8e3").is_empty());
+    let heavy = warnings("axial_load_N=1e6");
+    assert!(heavy.iter().any(|w| w.contains("a groove's flank")), "{heavy:?}");
+}
+
+proptest! {
+    /// The parser never panics, whatever the bytes.
+    #[test]
+    fn any_bytes_are_a_scene_or_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+        let _ = Scene::from_json(&bytes);
+    }
+
+    /// Nor does it on JSON with known and unknown keys.
+    #[test]
+    fn any_object_is_a_scene_or_an_error(key in "[a-z_]{0,30}", value in any::<f64>()) {
+        let json = serde_json::json!({ key: value });
+        if let Ok(scene) = Scene::from_json(json.to_string().as_bytes()) {
+            let _ = scene.problem(&Settings::default());
+        }
+        prop_assert!(!Rule::Above(0.0).holds(f64::NAN));
+    }
+}

@@ -1,0 +1,275 @@
+//! `bsm slip` and `bsm jam` as a user meets them.
+
+use crate::data;
+use crate::program;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use data::copy_published;
+use program::{bsm, folder, stderr, stdout};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn example(name: &str) -> String {
+    root().join("examples").join(name).display().to_string()
+}
+
+fn json(args: &[&str]) -> Value {
+    let dir = folder();
+    let output = bsm(dir.path(), &[args, &["--format", "json"]].concat(), "");
+    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
+    serde_json::from_str(&stdout(&output)).expect("JSON alone on stdout")
+}
+
+/// What `validate` checks and what a user runs are the same scenes.
+#[test]
+fn examples_are_the_published_cases() {
+    for key in ["xu2015", "dong2020"] {
+        let case = root().join("validation/published").join(key).join("case.json");
+        let example = fs::read_to_string(example(&format!("{key}.json"))).expect("example");
+        assert_eq!(fs::read_to_string(case).expect("case"), example, "{key}");
+    }
+}
+
+/// A trend that holds on more or fewer curves than recorded turns its check red, and so does one that
+/// is not recorded: a finding is not a way to pass.
+#[test]
+fn findings_can_fail() {
+    let dir = folder();
+    let data = copy_published(dir.path());
+    let file = data.join("xu2015/trends.csv");
+    let table = fs::read_to_string(&file).expect("a table");
+    let row = table
+        .lines()
+        .find(|row| row.starts_with("rolling-nut-angle-differential,"))
+        .expect("a row");
+    for (changed, key) in [
+        (table.replace(row, &row.replace(",0,4", ",1,4")), "rolling-nut-angle-differential"),
+        (table.replace(&format!("{row}\n"), ""), "rolling-nut-angle-differential"),
+    ] {
+        assert_ne!(changed, table);
+        fs::write(&file, changed).expect("written");
+        let output = bsm(dir.path(), &["validate", "--data", "data"], "");
+        assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+        let text = stdout(&output);
+        assert!(text.contains(&format!("FAIL xu2015/{key}")), "{text}");
+        assert!(text.contains(" 1 failed"), "{text}");
+    }
+}
+
+#[test]
+fn slip_shows_published_and_exact_forms() {
+    let dir = folder();
+    let output = bsm(dir.path(), &["slip", &example("xu2015.json")], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for part in [
+        "model   raceway-control",
+        "chosen  error of the efficiency at most",
+        "slip between neighbouring balls",
+        "spin slip as printed",
+        "spin slip as corrected",
+        "gyroscopic angle",
+        "spin slip at the end of the ellipse",
+        "on the slip of the curved surface",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let result = json(&["slip", &example("xu2015.json"), "--model", "traction"]);
+    assert_eq!(result["model"], "traction");
+    let value = |name: &str| result[name].as_f64().unwrap_or_else(|| panic!("{name}"));
+    let parts: f64 = ["nut", "screw"]
+        .iter()
+        .flat_map(|c| ["centre", "spin", "curvature"].map(|p| value(&format!("{c}_{p}_power_W"))))
+        .sum();
+    assert!((parts / value("dissipated_power_W") - 1.0).abs() < 1e-9, "{result}");
+    // The minor contact is one of the rigid model only.
+    assert!(result.get("minor_differential_slip_m_s").is_none());
+}
+
+/// A dial that loosens the tolerance makes `auto` take the closed form, which has no motion: said,
+/// and the next model is asked.
+#[test]
+fn auto_goes_on_to_a_model_with_a_motion() {
+    let dir = folder();
+    let scene = example("xu2015.json");
+    for command in ["slip", "jam"] {
+        let output = bsm(dir.path(), &[command, &scene, "--tolerance", "0.9"], "");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stderr(&output).contains("auto takes model closed-form"), "{}", stderr(&output));
+        assert!(stdout(&output).contains("raceway-control"), "{}", stdout(&output));
+    }
+}
+
+#[test]
+fn jam_gives_verdicts_with_margins() {
+    let result = json(&["jam", &example("dong2020.json"), "--model", "elastic"]);
+    let value = |name: &str| result[name].as_f64().unwrap_or_else(|| panic!("{name}"));
+    let thrusts = ["apex_thrust_N", "step_thrust_N", "entry_thrust_N"].map(value);
+    let thrust = thrusts.into_iter().fold(0.0, f64::max);
+    for (friction, name) in [
+        ("stopped_track_friction_N", "returner_margin"),
+        ("screw_track_friction_N", "published_margin"),
+        ("weaker_track_friction_N", "weaker_contact_margin"),
+    ] {
+        assert!((value(name) / (value(friction) / thrust) - 1.0).abs() < 1e-12, "{name}");
+    }
+    assert_eq!(result["verdicts"]["jams"]["answer"], value("returner_margin") <= 1.0);
+    let jamming = json(&["jam", &example("jamming.json")]);
+    assert_eq!(jamming["verdicts"]["jams"]["answer"], true);
+    assert_eq!(result["verdicts"]["contacts_yield"]["answer"], true);
+    let total = value("nut_elastic_approach_um") + value("nut_permanent_approach_um");
+    assert!((value("nut_total_approach_um") / total - 1.0).abs() < 1e-12);
+    assert_eq!(result["lacks"], Value::Array(Vec::new()));
+
+    // Without the optional inputs each part says what it lacks.
+    let dir = folder();
+    let output = bsm(dir.path(), &["jam", &example("feed_drive.json")], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for name in ["lubricant_density_kg_m3", "return_angle_deg", "loaded_balls_per_turn"] {
+        assert!(text.contains(name), "{name}: {text}");
+    }
+    let output = bsm(dir.path(), &["jam", &example("lin1994.json")], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("left out: contact state"), "{}", stdout(&output));
+}
+
+#[test]
+fn plots_show_curves_and_trends() {
+    let dir = folder();
+    for (command, scene, figure, label) in [
+        ("slip", "xu2015.json", "slip-lead-angle-screw", "spin, printed"),
+        ("jam", "dong2020.json", "jam-thrust-speed", "thrust at the apex"),
+    ] {
+        let output = bsm(dir.path(), &[command, &example(scene), "--plot", command], "");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stdout(&output).contains("published trend"), "{}", stdout(&output));
+        let read = |file: String| fs::read_to_string(dir.path().join(command).join(file));
+        assert!(read(format!("{figure}.svg")).expect("figure").contains(label));
+        assert!(read(format!("{figure}.csv")).expect("table").lines().count() > 50);
+        let trends = read("trends.csv".to_owned()).expect("trends");
+        assert!(trends.starts_with("curve,over,claim,holds,"), "{trends}");
+        assert!(trends.contains(",yes,"), "{trends}");
+    }
+    // Differential slip is that of half the lead: it does not fall with any contact angle.
+    let trends = fs::read_to_string(dir.path().join("slip/trends.csv")).expect("trends");
+    let row = trends.lines().find(|row| row.starts_with("differential nut")).expect("a row");
+    assert!(row.contains("falls,no,") && row.contains("stays the same"), "{row}");
+}
+
+/// Bad input: one paragraph, exit code 2, nothing on stdout, nothing written.
+/// The sweeps of slip were of rolling balls whatever the model.
+#[test]
+fn the_study_of_slip_follows_the_model() {
+    let dir = folder();
+    let args = ["slip", &example("xu2015.json"), "--model", "rigid", "--plot", "figures"];
+    let output = bsm(dir.path(), &args, "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(text.contains("trends of the balls of model rigid"), "{text}");
+    let curve = fs::read_to_string(dir.path().join("figures/slip-rigid-lead-angle-nut.csv"));
+    let curve = curve.expect("a figure");
+    // Differential slip of a ball that rolls is 0.136 m/s at most at 10 deg; a sliding one has more.
+    let slip = |line: &str| line.rsplit(',').next().and_then(|cell| cell.parse::<f64>().ok());
+    let differential = curve.lines().filter(|line| line.starts_with("differential"));
+    let most = differential.filter_map(slip).fold(0.0, f64::max);
+    assert!(most > 10.0, "{most}: {curve}");
+}
+
+#[test]
+fn bad_input_is_told() {
+    let dir = folder();
+    let (xu, dong) = (example("xu2015.json"), example("dong2020.json"));
+    let angles = example("angles_only.json");
+    for (args, part) in [
+        (
+            vec!["slip", &xu, "--model", "closed-form"],
+            "model closed-form has no motion of the ball",
+        ),
+        (vec!["slip", &angles, "--plot", "x"], "ball_diameter_mm, "),
+        (vec!["jam", &angles], "required by model rigid, the simplest that has one"),
+        (vec!["jam", &dong, "--set", "return_angle_deg=95"], "between 0 and 90"),
+        (vec!["jam", &dong, "--set", "drag_coeficient=1"], "did you mean `drag_coefficient`?"),
+        (vec!["jam", &dong, "--set", "race_yield_strength_MPa=0"], "must be finite and > 0"),
+        (vec!["slip", &xu, "--set", "friction_coefficient=0", "--model", "elastic"], "must be > 0"),
+    ] {
+        let output = bsm(dir.path(), &args, "");
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {text}");
+        assert!(output.stdout.is_empty(), "{args:?}");
+        assert!(text.starts_with("error: ") && text.trim_end().lines().count() == 1, "{text}");
+        assert!(text.contains(part), "{args:?}: {text}");
+    }
+    // No solution: the reason, and exit code 3, as everywhere.
+    let flat = ["slip", &xu, "--model", "rigid", "--set", "lead_mm=10"];
+    let output = bsm(dir.path(), &flat, "");
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    assert!(stdout(&output).contains("no_solution"), "{}", stdout(&output));
+    let output = bsm(dir.path(), &["jam", "no-such-file.json"], "");
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
+}
+
+/// Numbers of analyses are columns and curves; a wrong name is answered with the nearest, and what no row
+/// could have is told before any work.
+#[test]
+fn analyses_are_columns_of_a_sweep() {
+    let dir = folder();
+    let scene = example("dong2020.json");
+    let sweep = |columns: &str, more: &[&str]| {
+        let vary = ["--vary", "screw_speed_rpm=500,2500", "--vary", "axial_load_N=8000,16000"];
+        let args = [&["sweep", &scene, "--columns", columns, "-o", "t.csv"], &vary[..], more];
+        bsm(dir.path(), &args.concat(), "")
+    };
+    let plot = ["--plot", "p.svg", "--plot-output", "returner_margin", "--model", "elastic"];
+    let output = sweep("efficiency,nut_spin_slip_m_s,returner_margin,jams", &plot);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let table = fs::read_to_string(dir.path().join("t.csv")).expect("a table");
+    let margin = json(&["jam", &scene, "--model", "elastic"])["returner_margin"].to_string();
+    let last = table.lines().last().expect("rows");
+    assert!(last.contains(&margin) && last.ends_with(",false"), "{margin}: {table}");
+    let plot = fs::read_to_string(dir.path().join("p.svg")).expect("a plot");
+    assert!(plot.contains("returner margin"));
+
+    for (columns, more, part) in [
+        ("returner_margn", &[][..], "did you mean `returner_margin`?"),
+        ("ball_slip_m_s", &["--model", "closed-form"], "closed-form has no motion of the ball"),
+    ] {
+        let output = sweep(columns, more);
+        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        assert!(stderr(&output).contains(part), "{}", stderr(&output));
+    }
+    let args = ["sweep", &example("feed_drive.json"), "--vary", "screw_speed_rpm=500,2500"];
+    let output = bsm(dir.path(), &[&args[..], &["--columns", "jams", "-o", "u.csv"]].concat(), "");
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    let words = "column jams would be empty: loaded_balls_per_turn and apex_half_angle_deg or \
+                 return_angle_deg are required for it";
+    assert!(stderr(&output).contains(words), "{}", stderr(&output));
+    assert!(!dir.path().join("u.csv").exists());
+}
+
+/// A preload was ignored without a word.
+#[test]
+fn a_preload_that_no_model_uses_is_told() {
+    let dir = folder();
+    let scene = example("feed_drive.json");
+    let vary = ["--vary", "screw_speed_rpm=500,1500", "-o", "t.csv"];
+    for (command, more) in
+        [("solve", &[][..]), ("compare", &[]), ("slip", &[]), ("jam", &[]), ("sweep", &vary)]
+    {
+        let told = |settings: &[&str]| {
+            let output = bsm(dir.path(), &[&[command, &scene], settings, more].concat(), "");
+            assert_eq!(output.status.code(), Some(0), "{command}: {}", stderr(&output));
+            stderr(&output)
+                .contains("note: preload_N is not in the balance of one ball: see bsm nut")
+        };
+        assert!(told(&["--set", "preload_N=4000"]), "{command}");
+        assert!(!told(&[]), "{command}");
+    }
+}

@@ -1,0 +1,622 @@
+//! The program as a user meets it: output, files, errors and exit codes.
+
+use crate::program;
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+use arrow_array::cast::AsArray;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use serde_json::Value;
+
+use program::{bsm, folder, stderr, stdout};
+
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name)
+}
+
+fn lin() -> String {
+    example("lin1994.json").display().to_string()
+}
+
+#[test]
+fn solve_prints_lin_case() {
+    let dir = folder();
+    let output = bsm(dir.path(), &["solve", &lin()], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for part in ["rigid", "converged in", "0.86011", "N m", "gross skid", "normal load per ball"] {
+        assert!(text.contains(part), "{text}");
+    }
+    assert!(stderr(&output).contains("ball spin 1.59e6 rad/s"), "{}", stderr(&output));
+}
+
+#[test]
+fn solve_prints_json_with_the_names_of_the_schema() {
+    let dir = folder();
+    let output =
+        bsm(dir.path(), &["solve", &lin(), "--format", "json", "--set", "axial_load_N=500"], "");
+    let result: Value = serde_json::from_str(&stdout(&output)).expect("JSON alone on stdout");
+    assert_eq!(result["status"], "converged");
+    let schema = bsm(dir.path(), &["schema", "solve"], "");
+    let schema: Value = serde_json::from_str(&stdout(&schema)).expect("JSON");
+    let keys = |v: &Value| v.as_object().expect("object").keys().cloned().collect::<Vec<_>>();
+    let optional = ["sensitivities", "band", "torque_parts"].map(str::to_owned);
+    assert_eq!([&keys(&result)[..], &optional].concat(), keys(&schema["properties"]));
+    assert!(result["nut_max_pressure_MPa"].is_null());
+}
+
+#[test]
+fn sensitivities_are_a_table_and_a_key() {
+    let dir = folder();
+    let output = bsm(dir.path(), &["solve", &lin(), "--sensitivities"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    let table = text.split("sensitivity to").nth(1).expect("a table below the results");
+    assert!(table.lines().next().expect("header").contains("torque, N m/unit"), "{table}");
+    // Friction matters most; a nut at rest has no relative size.
+    let row =
+        |i: usize| table.lines().nth(i).expect("a row").split_whitespace().collect::<Vec<_>>();
+    assert_eq!(row(1)[..3], ["friction_coefficient", "0.075000", "-0.15161"], "{table}");
+    assert_eq!(row(10)[..5], ["nut_speed_rpm", "rpm", "0", "-", "-"], "{table}");
+
+    let scene = lin();
+    let run = |args: &[&str]| {
+        let all = [&["solve", scene.as_str(), "--format", "json"], args].concat();
+        let output = bsm(dir.path(), &all, "");
+        (output.status.code(), serde_json::from_str::<Value>(&stdout(&output)).expect("JSON"))
+    };
+    let (code, result) = run(&["--sensitivities"]);
+    assert_eq!(code, Some(0));
+    let friction = &result["sensitivities"]["friction_coefficient"];
+    let numbers = ["efficiency", "screw_torque_Nm", "efficiency_relative", "screw_torque_relative"];
+    assert!(numbers.iter().all(|name| friction[name].is_f64()), "{friction}");
+    assert!(result["sensitivities"]["nut_speed_rpm"]["efficiency_relative"].is_null());
+    assert!(run(&[]).1.get("sensitivities").is_none());
+    // No solution, no sensitivities.
+    let (code, result) = run(&["--sensitivities", "--set", "lead_angle_deg=5"]);
+    assert_eq!((code, result.get("sensitivities")), (Some(3), None));
+}
+
+#[test]
+fn every_example_solves() {
+    let dir = folder();
+    let mut solved = 0;
+    for entry in fs::read_dir(example("")).expect("examples") {
+        let path = entry.expect("entry").path();
+        if path.extension().is_some_and(|e| e == "json") {
+            let output = bsm(dir.path(), &["solve", &path.display().to_string()], "");
+            assert_eq!(output.status.code(), Some(0), "{}: {}", path.display(), stderr(&output));
+            solved += 1;
+        }
+    }
+    assert!(solved >= 3);
+}
+
+#[test]
+fn a_scene_comes_from_standard_input_too() {
+    let scene = fs::read_to_string(lin()).expect("example");
+    let dir = folder();
+    let output = bsm(dir.path(), &["solve", "-", "--model", "closed-form"], &scene);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("closed-form"));
+    let output = bsm(dir.path(), &["solve", "-"], "{\"lead\": 3}");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).starts_with("error: standard input: unknown key `lead`"));
+}
+
+#[test]
+fn no_solution_is_exit_code_3_with_the_reason() {
+    let dir = folder();
+    let output = bsm(dir.path(), &["solve", &lin(), "--set", "lead_angle_deg=5"], "");
+    assert_eq!(output.status.code(), Some(3));
+    let text = stdout(&output);
+    assert!(text.contains("no_solution") && text.contains("critical lead angle"), "{text}");
+}
+
+/// Bad input: one paragraph, exit code 2 (1 for the file), nothing on stdout, nothing written.
+#[test]
+fn bad_input_is_told_in_one_paragraph() {
+    let dir = folder();
+    let file = dir.path().join("scene.json");
+    let base = fs::read_to_string(lin()).expect("example");
+    let with = |from: &str, to: &str| base.replace(from, to);
+    for (scene, part) in [
+        (with("\"loaded_balls\"", "\"loaded_bals\""), "did you mean `loaded_balls`?"),
+        (with("\"ball_diameter_mm\": 8.74,", ""), "ball_diameter_mm is required by model rigid"),
+        (with("8.74", "\"8.74\""), "`ball_diameter_mm` is the text \"8.74\", but must be a number"),
+        (with("8.74", "NaN"), "not valid JSON"),
+        (with("\"screw_speed_rpm\": 2000", "\"screw_speed_rpm\": 0"), "must not be 0"),
+        (with("8.74", "60"), "must be smaller than the radius of the pitch circle"),
+        (with("8.74", "-8.74"), "`ball_diameter_mm` = -8.74 must be finite and > 0"),
+        (String::new(), "is empty"),
+        (with("0.075", "0"), "`friction_coefficient` = 0 must be > 0"),
+        (with("2113", "1e-320"), "beyond double precision"),
+    ] {
+        fs::write(&file, &scene).expect("scene");
+        let output = bsm(dir.path(), &["solve", "scene.json", "--model", "rigid"], "");
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{scene}: {text}");
+        assert!(output.stdout.is_empty());
+        assert!(
+            text.starts_with("error: scene.json: ") && text.trim_end().lines().count() == 1,
+            "{text}"
+        );
+        assert!(text.contains(part), "{text}");
+    }
+    for missing in ["no-such-file.json", "."] {
+        let output = bsm(dir.path(), &["solve", missing], "");
+        assert_eq!(output.status.code(), Some(1));
+        assert!(stderr(&output).starts_with("error: cannot read "), "{}", stderr(&output));
+    }
+    // Nothing but the scene itself is in the folder.
+    assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
+}
+
+/// Rows keep order and place, whatever is wrong with them, and say what it is; extra columns are
+/// carried through; the three forms of a table hold the same.
+#[test]
+fn batch_answers_row_by_row() {
+    let dir = folder();
+    let points = "id,axial_load_N,lead_angle_deg\n\
+                  a,2113,10\nb,abc,10\nc,-3,10\nd,,10\ne,NaN,10\nf,500,2\n";
+    let args = |output: &str| {
+        ["batch", "-", "--base", &lin(), "--model", "rigid", "--keep", "id", "-o", output]
+            .map(str::to_owned)
+            .to_vec()
+    };
+    let run = |args: &[String]| {
+        let args: Vec<_> = args.iter().map(String::as_str).collect();
+        bsm(dir.path(), &args, points)
+    };
+    let columns = ["--columns", "efficiency,self_locking,iterations"].map(str::to_owned);
+    let output = run(&[args("-"), columns.to_vec()].concat());
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    let text = stdout(&output);
+    let rows: Vec<csv::StringRecord> = csv::Reader::from_reader(text.as_bytes())
+        .into_records()
+        .collect::<Result<_, _>>()
+        .expect("CSV");
+    let column = |i: usize| rows.iter().map(|row| row[i].to_owned()).collect::<Vec<_>>();
+    assert_eq!(column(0), ["a", "b", "c", "d", "e", "f"]);
+    let (good, bad) = ("converged", "invalid_input");
+    assert_eq!(column(4), [good, bad, bad, good, bad, "no_solution"]);
+    assert!(rows[1][5].contains("`axial_load_N` is `abc`, but must be a number"), "{text}");
+    assert!(rows[2][5].contains("`axial_load_N` = -3 must be finite and > 0"), "{text}");
+    assert!(rows[5][5].contains("critical lead angle"), "{text}");
+    // The empty cell takes the load of the base scene.
+    assert_eq!(rows[0][6], rows[3][6]);
+    assert!(stderr(&output).contains("4 of 6 rows have no result"), "{}", stderr(&output));
+    let asked = run(&[args("-"), columns.to_vec(), vec!["--keep-going".to_owned()]].concat());
+    assert_eq!(asked.status.code(), Some(0));
+    assert_eq!((&asked.stdout, &asked.stderr), (&output.stdout, &output.stderr));
+
+    // Through Parquet and back: what is text in a number is lost, the rest is the same.
+    assert_eq!(run(&args("first.parquet")).status.code(), Some(3));
+    let output = bsm(
+        dir.path(),
+        &[
+            "batch",
+            "first.parquet",
+            "--base",
+            &lin(),
+            "--model",
+            "rigid",
+            "--keep",
+            "id",
+            "-o",
+            "-",
+        ],
+        "",
+    );
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    let again = stdout(&output);
+    let first = again.lines().nth(1).expect("a row");
+    assert!(first.starts_with(&rows[0].iter().take(7).collect::<Vec<_>>().join(",")), "{first}");
+    let kept = ["batch", "first.parquet", "--base", &lin(), "--keep", "model", "-o", "x.csv"];
+    let output = bsm(dir.path(), &kept, "");
+    assert_eq!(output.status.code(), Some(2), "two columns of one name");
+    assert!(stderr(&output).contains("--keep model: the results"), "{}", stderr(&output));
+    assert_eq!(run(&args("first.jsonl")).status.code(), Some(3));
+    let lines = fs::read_to_string(dir.path().join("first.jsonl")).expect("lines");
+    let line: Value = serde_json::from_str(lines.lines().next().expect("a line")).expect("JSON");
+    assert_eq!((line["id"].as_str(), line["status"].as_str()), (Some("a"), Some("converged")));
+    assert_eq!(line["efficiency"].to_string(), rows[0][6]);
+}
+
+/// Results do not depend on the number of threads, nor on where chunks end.
+#[test]
+fn batch_does_not_depend_on_threads() {
+    let dir = folder();
+    let drive = example("feed_drive.json").display().to_string();
+    let grid = ["--vary", "screw_speed_rpm=100:9000:100", "--vary", "axial_load_N=100:9000:60"];
+    let sweep = |output: &str, extra: &[&str]| {
+        let args =
+            [&["sweep", &drive, "-o", output, "--model", "raceway-control"][..], &grid, extra];
+        let output = bsm(dir.path(), &args.concat(), "");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    };
+    // A sweep writes its points, which a batch solves again with another number of threads.
+    sweep("all.csv", &["--columns", "efficiency,nut_spin_rad_s"]);
+    let text = fs::read_to_string(dir.path().join("all.csv")).expect("table");
+    let points: String = text
+        .lines()
+        .map(|line| line.splitn(3, ',').take(2).collect::<Vec<_>>().join(",") + "\n")
+        .collect();
+    fs::write(dir.path().join("points.csv"), points).expect("table");
+    for threads in ["1", "3"] {
+        let args = [
+            "batch",
+            "points.csv",
+            "--base",
+            &drive,
+            "--model",
+            "raceway-control",
+            "--columns",
+            "efficiency,nut_spin_rad_s",
+            "--threads",
+            threads,
+            "-o",
+            "again.csv",
+        ];
+        let output = bsm(dir.path(), &args, "");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let again = fs::read_to_string(dir.path().join("again.csv")).expect("table");
+        assert_eq!(again, text);
+    }
+    assert_eq!(text.lines().count(), 6001);
+}
+
+/// Malformed tables: one paragraph, exit code 2, nothing under the final name.
+#[test]
+fn malformed_tables_are_told() {
+    let dir = folder();
+    fs::write(dir.path().join("cut.parquet"), b"PAR1 and no more").expect("file");
+    let base = lin();
+    for (points, stdin, part) in [
+        (
+            "-",
+            "axial_load_N,screw_speed_rpm\n1,2\n3\n",
+            "line 3 has 1 cells, but the table has 2 columns",
+        ),
+        ("-", "axial_lod_N\n1\n", "did you mean `axial_load_N`"),
+        ("-", "axial_load_N,axial_load_N\n1,2\n", "stands twice"),
+        ("-", "", "the first row must name the columns"),
+        ("cut.parquet", "", "not a Parquet table"),
+        ("points.xlsx", "", "must end in .csv, .jsonl or .parquet"),
+    ] {
+        let output = bsm(dir.path(), &["batch", points, "--base", &base, "-o", "out.csv"], stdin);
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(part) && text.trim_end().lines().count() == 1, "{text}");
+        assert!(!dir.path().join("out.csv").exists());
+    }
+    // What every row lacks is told once.
+    let output = bsm(dir.path(), &["batch", "-", "-o", "out.csv"], "axial_load_N\n1\n");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--base"), "{}", stderr(&output));
+    assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
+}
+
+/// Every model that the scene has inputs for, side by side; the others say what they lack.
+#[test]
+fn compare_shows_every_model() {
+    let dir = folder();
+    let drive = example("feed_drive.json").display().to_string();
+    let output = bsm(dir.path(), &["compare", &drive, "--format", "json"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let result: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let models = result["models"].as_array().expect("a list");
+    let eta = |name: &str| {
+        let model = models.iter().find(|m| m["model"] == name).expect(name);
+        assert!(model["time_us"].as_f64().is_some_and(|t| t > 0.0));
+        model["efficiency"].as_f64().expect(name)
+    };
+    assert_eq!(models.len(), 6);
+    // A loaded feed drive rolls: traction is near raceway control, far from saturated friction.
+    assert!((eta("traction") - eta("raceway-control")).abs() < 1e-3);
+    assert!(eta("traction") - eta("elastic") > 0.05);
+    assert_eq!(result["regime"], "rolling, the balls grip");
+
+    let output = bsm(dir.path(), &["compare", &lin()], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for part in ["closed-form", "rigid", "nut_conformity and screw_conformity are required"] {
+        assert!(text.contains(part), "{text}");
+    }
+    // A model without a solution shows in the exit code, as everywhere.
+    let output = bsm(dir.path(), &["compare", &lin(), "--set", "lead_angle_deg=5"], "");
+    assert_eq!(output.status.code(), Some(3));
+    assert!(stdout(&output).contains("critical lead angle"), "{}", stdout(&output));
+}
+
+/// Tolerance, accuracy and controlling race reach the models; nonsense is refused by name.
+#[test]
+fn models_have_dials() {
+    let dir = folder();
+    let drive = example("feed_drive.json").display().to_string();
+    let solve = |args: &[&str]| {
+        let output = bsm(dir.path(), &[&["solve", &drive, "--format", "json"], args].concat(), "");
+        let result: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+        result
+    };
+    assert_eq!(solve(&[])["model"], "raceway-control");
+    let fine = solve(&["--tolerance", "1e-4"]);
+    assert_eq!(fine["model"], "traction");
+    assert!(fine["efficiency_error_bound"].as_f64().is_some_and(|b| b <= 1e-4));
+    assert!(fine["loss_error_bound"].as_f64().is_some_and(|b| b <= 1e-2));
+    assert!(fine["choice"].as_str().is_some_and(|why| why.contains("integrated")));
+    let eta = |args: &[&str]| solve(args)["efficiency"].as_f64().expect("a number");
+    let (coarse, fine) = (
+        eta(&["--model", "traction", "--accuracy", "1e-2"]),
+        eta(&["--model", "traction", "--accuracy", "1e-10"]),
+    );
+    assert!((coarse - fine).abs() > 1e-9 && (coarse - fine).abs() < 1e-3, "{coarse} {fine}");
+    let control = |race| eta(&["--model", "raceway-control", "--control", race]);
+    assert!((control("nut") - control("screw")).abs() > 1e-6);
+    for (args, part) in [
+        (["--tolerance", "0"], "must be a number, finite and > 0"),
+        (["--accuracy", "0"], "must be a number, from 0.0000000000001 to 0.01"),
+        (["--control", "ball"], "possible values: nut, screw"),
+    ] {
+        let output = bsm(dir.path(), &[&["solve", &drive], &args[..]].concat(), "");
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains(part), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn sweep_writes_a_full_grid_and_a_plot() {
+    let dir = folder();
+    let args = [
+        "sweep",
+        &lin(),
+        "--vary",
+        "contact_angle_deg=30,60",
+        "--vary",
+        "lead_angle_deg=5:20:4",
+        "-o",
+        "out.csv",
+        "--quiet",
+    ];
+    let output = bsm(dir.path(), &args, "");
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    let text = fs::read_to_string(dir.path().join("out.csv")).expect("table");
+    let rows: Vec<csv::StringRecord> = csv::Reader::from_reader(text.as_bytes())
+        .into_records()
+        .collect::<Result<_, _>>()
+        .expect("CSV");
+    let leads: Vec<_> = rows.iter().map(|r| (r[0].to_owned(), r[1].to_owned())).collect();
+    let pair = |a: &str, b: &str| (a.to_owned(), b.to_owned());
+    assert_eq!(rows.len(), 8);
+    assert_eq!(leads[..3], [pair("30", "5"), pair("30", "10"), pair("30", "15")]);
+    assert_eq!(leads[7], pair("60", "20"));
+    // 5 deg has no root at 60 deg: its row keeps its place, says why and has no numbers.
+    assert_eq!((&rows[4][3], &rows[4][5]), ("no_solution", ""));
+    assert!(rows[4][4].contains("critical lead angle"), "{}", &rows[4][4]);
+    assert!(stderr(&output).contains("1 of 8 rows have no result"), "{}", stderr(&output));
+
+    let asked = [&args[..], &["--keep-going"]].concat();
+    assert_eq!(bsm(dir.path(), &asked, "").status.code(), Some(0));
+
+    let plotted = [
+        "sweep",
+        &lin(),
+        "--vary",
+        "lead_angle_deg=5:40:8",
+        "--vary",
+        "contact_angle_deg=45,60",
+        "-o",
+        "out.jsonl",
+        "--plot",
+        "out.svg",
+    ];
+    let output = bsm(dir.path(), &plotted, "");
+    // The plot is drawn although rows have no result.
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    let svg = fs::read_to_string(dir.path().join("out.svg")).expect("plot");
+    for part in ["<svg", "lead angle, deg", "efficiency", "contact angle 60 deg"] {
+        assert!(svg.contains(part), "{part}");
+    }
+    let lines = fs::read_to_string(dir.path().join("out.jsonl")).expect("table");
+    let first: Value = serde_json::from_str(lines.lines().next().expect("a line")).expect("JSON");
+    assert_eq!((lines.lines().count(), &first["lead_angle_deg"]), (16, &Value::from(5.0)));
+}
+
+/// A sweep row and a single solve of the same point are the same numbers.
+#[test]
+fn sweep_agrees_with_solve() {
+    let dir = folder();
+    let rows = stdout(&bsm(
+        dir.path(),
+        &["sweep", &lin(), "--vary", "axial_load_N=100,200", "-o", "-"],
+        "",
+    ));
+    let mut reader = csv::Reader::from_reader(rows.as_bytes());
+    let column =
+        reader.headers().expect("header").iter().position(|h| h == "efficiency").expect("column");
+    let row = reader.records().nth(1).expect("second row").expect("CSV");
+    let swept: f64 = row[column].parse().expect("number");
+    let solved = stdout(&bsm(
+        dir.path(),
+        &["solve", &lin(), "--set", "axial_load_N=200", "--format", "json"],
+        "",
+    ));
+    let solved: Value = serde_json::from_str(&solved).expect("JSON");
+    // Kernels agree with the models to 1e-10.
+    let solved = solved["efficiency"].as_f64().expect("a number");
+    assert!((solved - swept).abs() <= 1e-10 * solved, "{solved} {swept}");
+}
+
+#[test]
+fn bad_sweeps_write_nothing() {
+    let dir = folder();
+    for (args, part) in [
+        (vec!["--vary", "lead_angle_deg=1:2", "-o", "x.csv"], "name=start:stop:count"),
+        (vec!["--vary", "lead_angel_deg=1:2:3", "-o", "x.csv"], "did you mean `lead_angle_deg`?"),
+        (
+            vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.xls"],
+            "must end in .csv, .jsonl, .parquet or .xlsx",
+        ),
+        (
+            vec!["--vary", "lead_angle_deg=1:2:3", "--vary", "lead_angle_deg=4,5", "-o", "x.csv"],
+            "varied twice",
+        ),
+        (
+            vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.csv", "--plot", "x.pdf"],
+            "a picture must end in .svg or .png",
+        ),
+        (
+            vec![
+                "--vary",
+                "lead_angle_deg=1:2:3",
+                "-o",
+                "x.csv",
+                "--plot",
+                "x.svg",
+                "--plot-output",
+                "eta",
+            ],
+            "no numeric output is named `eta`",
+        ),
+        (
+            vec![
+                "--vary",
+                "lead_angle_deg=1:2:3",
+                "-o",
+                "x.csv",
+                "--set",
+                "friction_coefficient=-1",
+            ],
+            "must be finite and >= 0",
+        ),
+    ] {
+        let output = bsm(dir.path(), &[vec!["sweep", &lin()], args.clone()].concat(), "");
+        assert_eq!(output.status.code(), Some(2), "{args:?} {}", stderr(&output));
+        assert!(stderr(&output).contains(part), "{}", stderr(&output));
+    }
+    // Found in review: the table was written although the plot could not be.
+    for (table, plot) in [("no/such/x.csv", "x.svg"), ("x.csv", "no/such/x.svg")] {
+        let vary = ["sweep", &lin(), "--vary", "lead_angle_deg=8:9:3", "-o", table, "--plot", plot];
+        let output = bsm(dir.path(), &vary, "");
+        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    }
+    assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
+}
+
+/// The efficiency stepped by 5e-3 along this sweep, and nothing said that there is more than one solution.
+#[test]
+fn a_sweep_says_which_rows_have_other_solutions() {
+    let dir = folder();
+    let scene = r#"{"pitch_circle_diameter_mm": 96.97082928751372, "ball_diameter_mm": 22.510703287064903,
+        "lead_angle_deg": 21.833579108750985, "contact_angle_deg": 54.5, "loaded_balls": 47,
+        "friction_coefficient": 0.026685642355053593, "screw_speed_rpm": 591.824023668092,
+        "nut_speed_rpm": -987.4296427340328, "axial_load_N": 375.9297163021492}"#;
+    fs::write(dir.path().join("steps.json"), scene).expect("scene");
+    let sweep = ["sweep", "steps.json", "--vary", "contact_angle_deg=55.10:55.15:6", "-o", "-"];
+    let asked = ["--model", "rigid", "--columns", "efficiency,other_solutions"];
+    let output = bsm(dir.path(), &[&sweep[..], &asked].concat(), "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = stderr(&output);
+    assert!(said.contains("3 of 6 rows have another solution"), "{said}");
+    let text = stdout(&output);
+    let others: Vec<_> = text.lines().skip(1).filter_map(|row| row.rsplit(',').next()).collect();
+    assert_eq!(others, ["2", "2", "2", "0", "0", "0"], "{text}");
+    let output = bsm(dir.path(), &["solve", "steps.json", "--model", "rigid"], "");
+    let said = stderr(&output);
+    assert!(said.contains("2 other steady motions") && said.contains("0.921331"), "{said}");
+}
+
+/// A step of the efficiency where the control goes to the other race is named by a text in every table.
+#[test]
+fn tables_name_the_controlling_race() {
+    let dir = folder();
+    let drive = example("feed_drive.json").display().to_string();
+    let vary = "nut_conformity=0.51:0.55:2";
+    for file in ["race.csv", "race.jsonl", "race.parquet"] {
+        let asked = ["--model", "raceway-control", "--columns", "controlling_race"];
+        let sweep = ["sweep", &drive, "--vary", vary, "-o", file];
+        let output = bsm(dir.path(), &[&sweep[..], &asked].concat(), "");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    }
+    for file in ["race.csv", "race.jsonl"] {
+        let text = fs::read_to_string(dir.path().join(file)).expect("a table");
+        let races: Vec<_> = text.lines().filter(|row| row.contains("converged")).collect();
+        // The closer groove has the longer ellipse and the larger moment.
+        assert!(races[0].contains("nut") && races[1].contains("screw"), "{text}");
+    }
+    let table = File::open(dir.path().join("race.parquet")).expect("a table");
+    let reader = ParquetRecordBatchReaderBuilder::try_new(table)
+        .and_then(ParquetRecordBatchReaderBuilder::build);
+    let races: Vec<_> = reader
+        .expect("a Parquet table")
+        .map(|batch| batch.expect("rows"))
+        .flat_map(|batch| {
+            let column = batch.column_by_name("controlling_race").expect("a column");
+            column.as_string::<i32>().iter().map(|race| race.map(str::to_owned)).collect::<Vec<_>>()
+        })
+        .collect();
+    assert_eq!(races, ["nut", "screw"].map(|race| Some(race.to_owned())));
+}
+
+#[test]
+fn optimum_answers_in_closed_form() {
+    let dir = folder();
+    let args = ["optimum", "--set", "lead_angle_deg=10", "--set", "friction_coefficient=0.075"];
+    let text = stdout(&bsm(dir.path(), &args, ""));
+    assert!(text.contains("48.106") && text.contains("0.86083"), "{text}");
+    let json = stdout(&bsm(dir.path(), &["optimum", &lin(), "--format", "json"], ""));
+    let json: Value = serde_json::from_str(&json).expect("JSON");
+    let eta = json["rotary_to_linear"]["optimum_efficiency"].as_f64().expect("number");
+    // (√(1 + f²) − f)² at f = 0.075.
+    assert!((eta - 0.860_828_7).abs() < 1e-7, "{eta}");
+    let output = bsm(dir.path(), &["optimum"], "");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("friction_coefficient"), "{}", stderr(&output));
+    // Lead angles beyond the optimum: said, not hidden.
+    let args = ["optimum", "--set", "lead_angle_deg=60", "--set", "friction_coefficient=0.075"];
+    let output = bsm(dir.path(), &args, "");
+    assert!(stderr(&output).contains("the lead angle is too large"), "{}", stderr(&output));
+    assert!(stdout(&output).contains("none"));
+}
+
+#[test]
+fn capacity_rates_a_nut() {
+    let dir = folder();
+    let nut = example("nut.json").display().to_string();
+    let output = bsm(dir.path(), &["capacity", &nut], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    // Sobolewski (2002) prints 103546 N.
+    assert!(text.contains("dynamic_load_rating_N") && text.contains("103546"), "{text}");
+    let args = ["capacity", &nut, "--set", "axial_load_N=30000", "--format", "json"];
+    let json: Value = serde_json::from_str(&stdout(&bsm(dir.path(), &args, ""))).expect("JSON");
+    assert_eq!(json["preloaded"], false);
+    assert_eq!(json["axial_load_N"], 30000.0);
+    let output = bsm(dir.path(), &["capacity", &lin()], "");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("loaded_balls_per_turn"), "{}", stderr(&output));
+}
+
+#[test]
+fn help_and_completions_work() {
+    let dir = folder();
+    for args in [
+        &["--help"][..],
+        &["solve", "--help"],
+        &["sweep", "--help"],
+        &["tradeoff", "--help"],
+        &["completions", "bash"],
+    ] {
+        let output = bsm(dir.path(), args, "");
+        assert_eq!(output.status.code(), Some(0));
+        assert!(stdout(&output).contains("bsm"), "{args:?}");
+    }
+    assert!(stdout(&bsm(dir.path(), &["solve", "--help"], "")).contains("Exit codes"));
+    // Without arguments, help; a wrong word, usage.
+    for args in [&[][..], &["sovle"]] {
+        let output = bsm(dir.path(), args, "");
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains("Usage"), "{}", stderr(&output));
+    }
+}

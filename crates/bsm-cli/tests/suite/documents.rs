@@ -1,0 +1,341 @@
+//! README and guides: their commands run as they stand, and print what stands below them.
+#![cfg(unix)]
+
+#[path = "../../examples/remake/document.rs"]
+mod document;
+#[path = "../../examples/remake/fast.rs"]
+mod fast;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use document::{Document, PAPERS, bsm_arguments, documents};
+use fast::{BLOCKS, Program};
+use tempfile::TempDir;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the repository")
+}
+
+fn program() -> (TempDir, Program) {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let path = env!("CARGO_BIN_EXE_bsm").into();
+    let program = Program::new(path, &root(), folder.path()).expect("a folder with examples");
+    (folder, program)
+}
+
+fn all() -> Vec<Document> {
+    documents(&root()).expect("README and docs")
+}
+
+/// Where two texts differ. Two machines may differ in times, in the last printed digit, and in
+/// numbers that are rounding themselves: below 1e-10, the residual at which the solver stops.
+fn difference(documented: &str, printed: &str) -> Option<String> {
+    let cells = |line: &str| -> Vec<String> {
+        line.split("  ").map(|cell| cell.trim().to_owned()).filter(|c| !c.is_empty()).collect()
+    };
+    let mut time = None;
+    let (mut old, mut new) = (documented.trim().lines(), printed.trim().lines());
+    loop {
+        let (old, new) = match (old.next(), new.next()) {
+            (None, None) => return None,
+            (old, new) => (old.unwrap_or_default(), new.unwrap_or_default()),
+        };
+        let [mut a, mut b] = [old, new].map(cells);
+        // The header of a table says which column is a time.
+        time = a.iter().position(|cell| cell == "time us").or(time);
+        for cells in [&mut a, &mut b] {
+            if let Some(cell) = time.and_then(|place| cells.get_mut(place))
+                && cell.parse::<f64>().is_ok()
+            {
+                "a time".clone_into(cell);
+            }
+        }
+        let [a, b] = [a, b].map(|cells| {
+            let line = cells.join(" ");
+            line.split([' ', ',', ';', ':', '(', ')', '|', '`'])
+                .map(str::to_owned)
+                .collect::<Vec<_>>()
+        });
+        if a.len() != b.len() || !a.iter().zip(&b).all(|(old, new)| alike(old, new)) {
+            return Some(format!("documented: {old}\nprinted:    {new}"));
+        }
+    }
+}
+
+fn alike(old: &str, new: &str) -> bool {
+    let numbers = old.parse::<f64>().ok().zip(new.parse::<f64>().ok());
+    old == new
+        || numbers.is_some_and(|(x, y)| {
+            let last_digit = last_digit(old).max(last_digit(new));
+            // Half a unit more for the decimal fractions that doubles are not.
+            (x - y).abs() <= 1.5 * last_digit || x.abs().max(y.abs()) < 1e-10
+        })
+}
+
+/// One unit of the last digit of a printed number; whole numbers are counts, and exact.
+fn last_digit(number: &str) -> f64 {
+    let (digits, power) = number.split_once('e').unwrap_or((number, "0"));
+    let decimals = digits.split_once('.').map_or(0, |(_, after)| after.len());
+    if decimals == 0 && power == "0" {
+        return 0.0;
+    }
+    let decimals = i32::try_from(decimals).expect("few digits");
+    10_f64.powi(power.parse::<i32>().expect("a power") - decimals)
+}
+
+#[test]
+fn texts_differ_where_they_should() {
+    let table = "efficiency  angle nut deg  time us  status\n0.98592  3.3e-13  3.71  converged";
+    for (same, other) in [
+        (true, table.to_owned()),
+        (true, table.replace("3.71", "12.02")),
+        (true, table.replace("3.3e-13", "-1.1e-14").replace("0.98592", "0.98593")),
+        (false, table.replace("0.98592", "0.98594")),
+        (false, table.replace("3.3e-13", "3.3e-9")),
+        (false, table.replace("converged", "no_solution")),
+        (false, table.replace("time us", "time ms")),
+        (false, format!("{table}\nmore")),
+        (false, String::new()),
+    ] {
+        assert_eq!(difference(table, &other).is_none(), same, "{other}");
+    }
+    assert!(difference("| a | 5e-06 | 158 pass", "| a | 6e-06 | 158 pass").is_none());
+    assert!(difference("158 pass", "159 pass").is_some());
+}
+
+/// Lines of the shell that are not run here: they build, or run tests.
+const SET_UP: [&str; 4] = ["cargo fetch ", "cargo build ", "cargo test ", "pip install "];
+
+/// Every line of an `sh` fence runs as it stands, in the order of its document, unless it is [`SET_UP`].
+/// Files that a document shows under a name are there. Commands of `sh long` fences take seconds and more
+/// when they are optimised, and run with fewer points.
+#[test]
+fn commands_run_and_print_what_is_documented() {
+    for document in all() {
+        let (folder, program) = program();
+        let name = document.path.display();
+        let fences = document.fences();
+        for (file, body) in fences.iter().filter_map(|f| Some((f.info.split_once(' ')?.1, f.body)))
+        {
+            if file != "long" {
+                fs::write(folder.path().join(file), body).expect("a file of the document");
+            }
+        }
+        let blocks = document.blocks().expect("markers");
+        for fence in fences.iter().filter(|fence| fence.info.split(' ').next() == Some("sh")) {
+            let mut printed = None;
+            for line in fence.body.lines() {
+                if SET_UP.iter().any(|command| line.starts_with(command)) {
+                    continue;
+                }
+                let words = bsm_arguments(line);
+                let mut words = words.unwrap_or_else(|| panic!("{name}: who runs this? {line}"));
+                if fence.info == "sh long" {
+                    words = with_three_points(words, folder.path());
+                }
+                let output = program.run(&words).expect("the program starts");
+                let code = output.status.code().expect("an exit code");
+                let stderr = String::from_utf8_lossy(&output.stderr);
+                printed = Some(String::from_utf8(output.stdout).expect("UTF-8"));
+                // A denial is an answer if the document shows it.
+                let shown = |b: &document::Block| {
+                    b.name == "shown"
+                        && document.command_before(b.body.start).as_deref() == Some(line)
+                };
+                let denied = code == 3 && blocks.iter().any(shown);
+                assert!(code == 0 || denied, "{name}: {line}: exit code {code}: {stderr}");
+            }
+            let next = fences.iter().find(|f| f.end > fence.end);
+            let below = next.and_then(|next| {
+                blocks.iter().find(|b| b.body.contains(&(next.end - 1)) && b.name == "shown")
+            });
+            if let Some(block) = below {
+                let documented = &document.text[block.body.clone()];
+                let printed = fast::fenced(&printed.expect("a shown command of bsm"));
+                if let Some(difference) = difference(documented, &printed) {
+                    panic!("{name}: `docs/remake shown` is due:\n{difference}");
+                }
+            }
+        }
+    }
+}
+
+/// The same command with three points an input, or three points in all.
+fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
+    match words[0].as_str() {
+        "sweep" => {
+            for word in &mut words {
+                if let Some((range, count)) = word.rsplit_once(':')
+                    && count.parse::<usize>().is_ok()
+                {
+                    *word = format!("{range}:3");
+                }
+            }
+        }
+        "tradeoff" => {
+            let scenes = root().join("validation/golden/tradeoff/scenes.csv");
+            let scenes = fs::read_to_string(scenes).expect("the committed points");
+            let few: Vec<_> = scenes.lines().take(4).collect();
+            fs::write(folder.join("few.csv"), few.join("\n")).expect("a table");
+            words.push("few.csv".to_owned());
+        }
+        // A server would run on: the same page as a file.
+        "view" => {
+            words.retain(|word| word != "--open");
+            if !words.iter().any(|word| word == "--out") {
+                words.extend(["--out", "view.html"].map(str::to_owned));
+            }
+        }
+        other => panic!("how is {other} made short?"),
+    }
+    words
+}
+
+/// Nothing is run where no fence is found.
+#[test]
+fn commands_are_found() {
+    let count = |name: &str| {
+        let documents = all();
+        let document = documents.iter().find(|d| d.path.ends_with(name)).expect("a document");
+        let fences = document.fences();
+        let shells = fences.iter().filter(|fence| fence.info.split(' ').next() == Some("sh"));
+        shells.flat_map(|fence| fence.body.lines()).filter_map(bsm_arguments).count()
+    };
+    // As counted by eye when this was written; more are welcome.
+    assert!(count("README.md") >= 6);
+    assert!(count("docs/guide/design.md") >= 7);
+}
+
+#[test]
+fn numbers_are_those_of_the_program() {
+    let (_folder, program) = program();
+    let documents = all();
+    for (name, make) in BLOCKS {
+        let fresh = make(&program).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let mut written = 0;
+        for document in &documents {
+            for block in document.blocks().expect("markers").iter().filter(|b| b.name == *name) {
+                if let Some(difference) = difference(&document.text[block.body.clone()], &fresh) {
+                    let path = document.path.display();
+                    panic!("{path}: `docs/remake {name}` is due:\n{difference}");
+                }
+                written += 1;
+            }
+        }
+        assert!(written > 0, "{name} stands in no document");
+    }
+}
+
+/// Output that is shown has a command above it that is run.
+#[test]
+fn output_stands_below_its_command() {
+    for document in all() {
+        for block in document.blocks().expect("markers").iter().filter(|b| b.name == "shown") {
+            let command = document.command_before(block.body.start).unwrap_or_default();
+            let path = document.path.display();
+            assert!(bsm_arguments(&command).is_some(), "{path}: {command}");
+        }
+        // An output that is not made by a command goes stale by hand.
+        let blocks = document.blocks().expect("markers");
+        let places: BTreeSet<_> = blocks.iter().map(|b| b.body.end).collect();
+        for fence in document.fences().iter().filter(|f| f.info == "text") {
+            assert!(places.contains(&fence.end), "{}: {}", document.path.display(), fence.body);
+        }
+    }
+}
+
+/// The pieces of a text that stand in backquotes.
+fn quoted(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
+}
+
+/// A row of a table of the papers.
+struct Row<'a> {
+    text: &'a str,
+    commands: Vec<&'a str>,
+    ours: &'a str,
+    verdict: &'a str,
+}
+
+/// The rows below the headers, in six columns: item, where, command, paper, ours, verdict.
+fn rows(text: &str) -> Vec<Row<'_>> {
+    let lines = text.lines().filter(|line| line.starts_with('|'));
+    let body = lines.filter(|line| !line.starts_with("|---") && !line.starts_with("| item "));
+    let row = |line| {
+        let cells: Vec<_> = str::split(line, '|').map(str::trim).collect();
+        let [_, _, _, command, _, ours, verdict, _] = cells[..] else {
+            panic!("{PAPERS}: not six columns: {line}")
+        };
+        let commands = quoted(command).filter(|code| code.starts_with("bsm ")).collect();
+        Row { text: line, commands, ours, verdict }
+    };
+    body.map(row).collect()
+}
+
+/// Verdicts of the papers.
+const VERDICTS: [&str; 4] = ["reproduced", "corrected", "differs", "not modelled"];
+
+/// Every command in the tables of the papers runs, each once; what stands in backquotes as our answer is
+/// printed by a command of its row.
+#[test]
+fn commands_of_the_papers_run_and_print_our_numbers() {
+    let text = fs::read_to_string(root().join(PAPERS)).expect("the page of the papers");
+    let rows = rows(&text);
+    for row in &rows {
+        assert!(VERDICTS.iter().any(|verdict| row.verdict.starts_with(verdict)), "{}", row.text);
+        let modelled = !row.verdict.starts_with("not modelled");
+        assert!(!modelled || !row.commands.is_empty(), "no command: {}", row.text);
+    }
+    let commands: BTreeSet<_> = rows.iter().flat_map(|row| row.commands.iter().copied()).collect();
+    let (waiting, answers) = (Mutex::new(commands.into_iter()), Mutex::new(BTreeMap::new()));
+    let (_folder, program) = program();
+    std::thread::scope(|scope| {
+        let work = || {
+            loop {
+                let next = waiting.lock().expect("no thread has failed").next();
+                let Some(command) = next else { break };
+                let words = bsm_arguments(command).expect("it begins with bsm");
+                let output = program.run(&words).expect("the program starts");
+                answers.lock().expect("no thread has failed").insert(command, output);
+            }
+        };
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        for _ in 0..threads.min(8) {
+            scope.spawn(work);
+        }
+    });
+    let answers = answers.into_inner().expect("no thread has failed");
+    let said = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    for row in &rows {
+        let mut printed = String::new();
+        for command in &row.commands {
+            let output = &answers[command];
+            let (code, stderr) = (output.status.code(), said(&output.stderr));
+            // A denial is an answer where the row says so.
+            let denied = code == Some(3) && row.text.contains("exit code 3");
+            assert!(code == Some(0) || denied, "{command}: exit code {code:?}: {stderr}");
+            printed.push_str(&said(&output.stdout));
+            printed.push_str(&stderr);
+        }
+        for number in quoted(row.ours) {
+            assert!(printed.contains(number), "no command prints `{number}`: {}", row.text);
+        }
+    }
+}
+
+/// The tables of the papers are read, not passed over.
+#[test]
+fn rows_of_the_papers_are_found() {
+    let text = "| item | where | command | paper | ours | verdict |\n|---|---|---|---|---|---|\n\
+                | Eq 1 | (Q1) | `bsm a`, `bsm b --c 'd e'` | 1 | `2` | differs: why |\n";
+    let rows = rows(text);
+    let [row] = &rows[..] else { panic!("{}", rows.len()) };
+    assert_eq!(row.commands, ["bsm a", "bsm b --c 'd e'"]);
+    assert_eq!((row.ours, row.verdict), ("`2`", "differs: why"));
+    let page = fs::read_to_string(root().join(PAPERS)).expect("the page of the papers");
+    // As counted when this was written; more are welcome.
+    assert!(self::rows(&page).len() >= 40);
+}

@@ -1,0 +1,44 @@
+//! A row of a table is answered as the same point is by `bsm solve --set`.
+
+use crate::program;
+
+use std::path::Path;
+
+use program::{bsm, folder, stderr, stdout};
+
+/// Audit, reliability 1, by its command: row 1 was answered with the lead of the base scene.
+#[test]
+fn both_lead_columns_with_gaps_are_answered_as_single_points() {
+    let dir = folder();
+    let drive = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/feed_drive.json");
+    let drive = drive.display().to_string();
+    for model in ["raceway-control", "rigid", "closed-form", "quasi-static", "auto"] {
+        let common = ["--model", model];
+        let batch =
+            ["batch", "-", "--base", &drive, "-o", "-", "--columns", "efficiency", "--keep-going"];
+        let table = "lead_angle_deg,lead_mm\n6,\n,10\n6,10\n";
+        let output = bsm(dir.path(), &[&batch[..], &common].concat(), table);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let text = stdout(&output);
+        let rows = csv::Reader::from_reader(text.as_bytes()).into_records();
+        let rows: Vec<_> = rows.collect::<Result<_, _>>().expect("CSV");
+        for (row, setting) in rows.iter().zip(["lead_angle_deg=6", "lead_mm=10"]) {
+            let solve = ["solve", &drive, "--format", "json", "--set", setting];
+            let single = stdout(&bsm(dir.path(), &[&solve[..], &common].concat(), ""));
+            let single: serde_json::Value = serde_json::from_str(&single).expect("JSON");
+            let known = single["efficiency"].as_f64();
+            // A kernel rounds otherwise than its model.
+            let same = match (row[5].parse::<f64>(), known) {
+                (Ok(found), Some(known)) => (found - known).abs() <= 1e-10 * known.abs(),
+                (found, known) => found.is_err() && known.is_none(),
+            };
+            assert!(same && single["status"] == row[3], "{model}, {setting}: {text} {single}");
+        }
+        assert_eq!(&rows[2][3], "invalid_input", "{text}");
+        assert!(rows[2][4].contains("lead_angle_deg = 6 and lead_mm = 10 disagree"), "{text}");
+        let both = ["solve", &drive, "--set", "lead_angle_deg=6", "--set", "lead_mm=10"];
+        let refused = bsm(dir.path(), &[&both[..], &common].concat(), "");
+        assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+        assert!(stderr(&refused).contains(&rows[2][4]), "{}", stderr(&refused));
+    }
+}

@@ -1,0 +1,18 @@
+//! The program as users run it.
+
+mod analyses;
+mod cli;
+mod data;
+mod design;
+mod documents;
+mod leads;
+mod lookup;
+mod nut;
+mod program;
+mod reports;
+mod resume;
+mod robustness;
+mod schemas;
+mod shards;
+mod size;
+mod tables;

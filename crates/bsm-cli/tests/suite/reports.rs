@@ -1,0 +1,100 @@
+//! Reports: validate and tradeoff.
+
+use crate::data;
+use crate::program;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use data::copy_published;
+use program::{bsm, folder, stderr, stdout};
+
+fn validation() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation")
+}
+
+#[test]
+fn validate_passes_and_writes_its_report() {
+    let dir = folder();
+    let output = bsm(dir.path(), &["validate", "--out", "report"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
+    assert!(stdout(&output).contains(" 0 failed"));
+    let read = |file: &str| fs::read_to_string(dir.path().join("report").join(file)).expect(file);
+    // Three models at three loads and 61 speeds.
+    assert_eq!(read("figures/transition.csv").lines().count(), 1 + 9 * 61);
+    let transition = read("figures/transition.svg");
+    assert!(transition.contains(">traction<") && transition.contains(">20 N<"), "a legend");
+    assert!(read("report.html").contains("0 fail"));
+    let results: Value = serde_json::from_str(&read("results.json")).expect("JSON");
+    assert_eq!(results["passed"], true);
+    assert!(results["checks"].as_array().expect("list").len() >= 25);
+}
+
+/// A reference that is off by one in its fifth digit turns its check red, here and in the page.
+#[test]
+fn a_perturbed_reference_fails() {
+    let dir = folder();
+    let data = copy_published(dir.path());
+    let args = ["validate", "--data", "data", "--out", "report"];
+    let output = bsm(dir.path(), &args, "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+
+    let file = data.join("elastic-contacts/hertz.csv");
+    let table = fs::read_to_string(&file).expect("a table");
+    let row = table.lines().find(|row| row.contains("nut,ratio")).expect("a row");
+    let value: f64 = row.rsplit(',').find_map(|cell| cell.parse().ok()).expect("a number");
+    let perturbed =
+        table.replace(row, &row.replace(&value.to_string(), &(1.0001 * value).to_string()));
+    assert_ne!(perturbed, table);
+    fs::write(&file, perturbed).expect("written");
+    let output = bsm(dir.path(), &args, "");
+    assert_eq!(output.status.code(), Some(3), "{}", stdout(&output));
+    assert!(stdout(&output).contains("FAIL elastic/hertz-nut-ratio"), "{}", stdout(&output));
+    let page = fs::read_to_string(dir.path().join("report/report.html")).expect("a page");
+    assert_eq!(page.matches("class=\"failed\"").count(), 1);
+    assert!(page.contains("hertz-nut-ratio\" class=\"failed\">"));
+
+    fs::write(&file, "member,quantity,value\n").expect("written");
+    let output = bsm(dir.path(), &args, "");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("hertz.csv: the table has no rows"), "{}", stderr(&output));
+    fs::remove_file(&file).expect("removed");
+    let output = bsm(dir.path(), &args, "");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("hertz.csv"), "{}", stderr(&output));
+}
+
+#[test]
+fn tradeoff_measures_a_table() {
+    let dir = folder();
+    let scenes = fs::read_to_string(validation().join("golden/tradeoff/scenes.csv")).expect("data");
+    let few: Vec<_> = scenes.lines().take(4).collect();
+    fs::write(dir.path().join("few.csv"), few.join("\n")).expect("written");
+    let output = bsm(dir.path(), &["tradeoff", "few.csv", "--out", "report"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for part in ["points: all 3", "traction --accuracy 1e-8", "auto --tolerance 1e-3", "0.01 %"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let read = |file: &str| fs::read_to_string(dir.path().join("report").join(file)).expect(file);
+    assert!(read("report.html").contains("speed against accuracy"));
+    assert!(read("figures/pareto-single.svg").contains("raceway-control"));
+    let results: Value = serde_json::from_str(&read("results.json")).expect("JSON");
+    assert_eq!(results["tradeoff"]["points"][0]["points"], 3);
+
+    fs::write(dir.path().join("short.csv"), "lead_angle_deg\n10\n").expect("written");
+    let output = bsm(dir.path(), &["tradeoff", "short.csv"], "");
+    assert_eq!(output.status.code(), Some(2));
+    let text = stderr(&output);
+    assert!(text.contains("short.csv: row 1") && text.contains("nut_conformity"), "{text}");
+    // No model carries this point to an end: there is nothing to measure against.
+    let hopeless = format!("{}\n40,8,30,85,1,0.53,0.53,0,100,100,1\n", few[0]);
+    fs::write(dir.path().join("hopeless.csv"), hopeless).expect("written");
+    let output = bsm(dir.path(), &["tradeoff", "hopeless.csv"], "");
+    assert_eq!(output.status.code(), Some(3));
+    assert!(stderr(&output).contains("no reference"), "{}", stderr(&output));
+    let output = bsm(dir.path(), &["tradeoff", "none.csv"], "");
+    assert_eq!(output.status.code(), Some(1));
+}

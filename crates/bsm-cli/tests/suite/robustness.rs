@@ -1,0 +1,834 @@
+//! The program where the system says no: full disks, closed pipes, protected files, odd names,
+//! interrupts. Every time a clear sentence, the right exit code, and nothing lost.
+#![cfg(unix)]
+
+use crate::program;
+
+use std::ffi::OsStr;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::os::unix::ffi::OsStrExt;
+use std::os::unix::fs::{FileTypeExt, MetadataExt, PermissionsExt, chown, symlink};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use program::{bsm, folder, stderr, stdout};
+
+fn example(name: &str) -> String {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    examples.join(name).display().to_string()
+}
+
+/// Every command that prints, on an example.
+fn printing() -> Vec<Vec<String>> {
+    let (drive, lin, nut) =
+        (example("feed_drive.json"), example("lin1994.json"), example("nut.json"));
+    let (slip, jam) = (example("feed_drive.json"), example("dong2020.json"));
+    let measured = "--measured=screw_torque_Nm=26";
+    let sweep = ["--vary=axial_load_N=100:9000:2000", "--model=closed-form", "-o-"];
+    [
+        &["--help"][..],
+        &["solve", "--help"],
+        &["--version"],
+        &["schema", "input"],
+        &["schema", "output"],
+        &["completions", "bash"],
+        &["solve", &drive],
+        &["solve", &drive, "--format=json", "--sensitivities"],
+        &["compare", &drive],
+        &["sweep", &drive, sweep[0], sweep[1], sweep[2]],
+        &["optimum", &lin],
+        &["capacity", &nut],
+        &["catalog", "--lists"],
+        &["catalog", "--columns"],
+        &["design"],
+        &["slip", &slip],
+        &["jam", &jam],
+        &["fit", &drive, measured, "--model=raceway-control"],
+    ]
+    .into_iter()
+    .map(|args| args.iter().map(|a| (*a).to_owned()).collect())
+    .collect()
+}
+
+fn program(args: &[impl AsRef<OsStr>], folder: &Path) -> Command {
+    // Whoever starts the tests may ignore signals.
+    let mut command = Command::new("env");
+    command.arg("--default-signal").arg(env!("CARGO_BIN_EXE_bsm")).args(args).current_dir(folder);
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn run(args: &[impl AsRef<OsStr>], folder: &Path) -> Output {
+    program(args, folder).output().expect("the program runs")
+}
+
+/// Exit code, and one sentence on standard error that has `part` in it and nothing of a panic.
+fn assert_told(output: &Output, code: i32, part: &str) {
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{text}");
+    assert!(text.contains(part) && !text.contains("panicked"), "{text}");
+    assert!(text.trim_end().lines().count() <= 1, "{text}");
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("folder").map(|entry| entry.expect("entry"));
+    let mut names: Vec<_> = entries.map(|e| e.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_full_disk_is_told() {
+    let dir = folder();
+    for args in printing() {
+        let full = File::options().write(true).open("/dev/full").expect("Linux has it");
+        let output = program(&args, dir.path()).stdout(full).output().expect("the program runs");
+        assert_told(&output, 1, "cannot write to standard output: No space left on device");
+    }
+    let drive = example("feed_drive.json");
+    symlink("/dev/full", dir.path().join("full.csv")).expect("link");
+    symlink("/dev/full", dir.path().join("full.parquet")).expect("link");
+    for table in ["full.csv", "full.parquet"] {
+        let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", table];
+        assert_told(&run(&args, dir.path()), 1, &format!("cannot write {table}: "));
+    }
+}
+
+/// A reader that has seen enough, as in `bsm ... | head -1`.
+#[test]
+fn a_closed_pipe_is_no_failure() {
+    let dir = folder();
+    for args in printing() {
+        let (reader, writer) = io::pipe().expect("a pipe");
+        drop(reader);
+        let output = program(&args, dir.path()).stdout(writer).output().expect("the program runs");
+        assert_told(&output, 0, "");
+        assert!(output.stderr.is_empty(), "{args:?}: {}", stderr(&output));
+    }
+}
+
+/// Without standard output the answer is dropped, as into /dev/null; without standard error only words.
+#[test]
+fn closed_streams_do_no_harm() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    let sh = |script: &str| {
+        let program = env!("CARGO_BIN_EXE_bsm");
+        let mut sh = Command::new("sh");
+        sh.args(["-c", script, program, &drive]).current_dir(dir.path());
+        sh.output().expect("sh")
+    };
+    let whole = sh(r#""$0" solve "$1""#);
+    assert_eq!(stdout(&sh(r#""$0" solve "$1" 2>&-"#)), stdout(&whole));
+    assert_eq!(stdout(&sh(r#""$0" solve "$1" 2>/dev/full"#)), stdout(&whole));
+    assert_eq!(stdout(&sh(r#""$0" solve "$1" <&-"#)), stdout(&whole));
+    assert_told(&sh(r#""$0" solve "$1" >&-"#), 0, "");
+    assert_eq!(sh(r#""$0" solve nothing 2>&-"#).status.code(), Some(1));
+    assert_eq!(sh(r#""$0" sovle 2>/dev/full"#).status.code(), Some(2));
+    assert_told(&sh(r#""$0" solve - <&-"#), 2, "standard input: is empty");
+}
+
+/// Found by hand: a pipe or a device under the name of the output was replaced by a file.
+#[test]
+fn pipes_are_written_to_and_stay_pipes() {
+    let dir = folder();
+    let fifo = dir.path().join("pipe.csv");
+    assert!(Command::new("mkfifo").arg(&fifo).status().expect("mkfifo").success());
+    let drive = example("feed_drive.json");
+    let sweep =
+        ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--columns=efficiency", "-o", "pipe.csv"];
+    let child = program(&sweep, dir.path()).spawn().expect("the program starts");
+    let text = fs::read_to_string(&fifo).expect("a table");
+    assert_eq!(text.lines().count(), 4);
+    assert_told(&child.wait_with_output().expect("ends"), 0, "");
+    assert!(fs::metadata(&fifo).expect("there").file_type().is_fifo());
+    // A table is read from one, too.
+    let batch = ["batch", "pipe.csv", "--base", &drive, "--model=closed-form", "-o", "out.csv"];
+    let child = program(&batch, dir.path()).spawn().expect("the program starts");
+    fs::write(&fifo, "axial_load_N\n1\n").expect("pipe");
+    assert_told(&child.wait_with_output().expect("ends"), 0, "");
+    assert_eq!(names(dir.path()), ["out.csv", "pipe.csv"]);
+}
+
+#[test]
+fn links_stay_links_and_what_is_protected_stays() {
+    let dir = folder();
+    let at = |name: &str| dir.path().join(name);
+    let drive = example("feed_drive.json");
+    let sweep = |output: &str| {
+        run(&["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", output], dir.path())
+    };
+    fs::write(at("real.csv"), "old").expect("file");
+    symlink("real.csv", at("link.csv")).expect("link");
+    assert_told(&sweep("link.csv"), 0, "");
+    assert!(at("link.csv").is_symlink());
+    assert_eq!(fs::read_to_string(at("real.csv")).expect("table").lines().count(), 4);
+
+    symlink("nothing.csv", at("astray.csv")).expect("link");
+    assert_told(&sweep("astray.csv"), 1, "astray.csv: it is a link to nothing; remove it or");
+    symlink("loop.csv", at("loop.csv")).expect("link");
+    assert_eq!(sweep("loop.csv").status.code(), Some(1));
+
+    let mut protected = fs::metadata(at("real.csv")).expect("there").permissions();
+    protected.set_readonly(true);
+    fs::write(at("kept.csv"), "old").expect("file");
+    fs::set_permissions(at("kept.csv"), protected).expect("mine");
+    assert_told(
+        &sweep("kept.csv"),
+        1,
+        "cannot write kept.csv: it is read-only; make it writable or",
+    );
+    assert_eq!(fs::read_to_string(at("kept.csv")).expect("there"), "old");
+
+    // Nobody makes files here, not even root.
+    assert_told(&sweep("/proc/x.csv"), 1, "cannot write in folder /proc: ");
+    assert_told(&sweep("no/such/x.csv"), 1, "cannot write in folder no/such: No such file");
+    assert_told(&sweep("real.csv/x.csv"), 1, "cannot write in folder real.csv: Not a directory");
+    fs::create_dir(at("folder.svg")).expect("folder");
+    let plot = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", "x.csv", "--plot=folder.svg"];
+    assert_told(&run(&plot, dir.path()), 1, "cannot write folder.svg: it is a folder");
+    for args in [&["solve", "folder.svg"][..], &["batch", "folder.svg/../.csv", "-o-"]] {
+        assert!(matches!(run(args, dir.path()).status.code(), Some(1 | 2)));
+    }
+    let left = ["astray.csv", "folder.svg", "kept.csv", "link.csv", "loop.csv", "real.csv"];
+    assert_eq!(names(dir.path()), left);
+}
+
+/// The scene or requirement that a command reads is not replaced by what it writes.
+#[test]
+fn inputs_are_not_lost() {
+    let dir = folder();
+    let copy = |from: &str, to: &str| fs::copy(example(from), dir.path().join(to)).expect("copy");
+    copy("feed_drive.json", "scene.csv");
+    copy("requirements/feed_drive.json", "wish.json");
+    symlink("wish.json", dir.path().join("same.json")).expect("link");
+    fs::write(dir.path().join("lists.csv"), "{\"nominal_diameter_mm\": [20]}").expect("lists");
+    fs::write(dir.path().join("points.csv"), "axial_load_N\n5\n").expect("points");
+    for args in [
+        &["sweep", "scene.csv", "--vary=axial_load_N=1:9:3", "-o", "scene.csv"][..],
+        &["sweep", "scene.csv", "--vary=axial_load_N=1:9:3", "-o", "./scene.csv"],
+        &["batch", "points.csv", "--base=scene.csv", "-o", "scene.csv"],
+        &["design", "wish.json", "-o", "same.json"],
+        &["catalog", "lists.csv", "-o", "lists.csv"],
+        &["catalog", "lists.csv", "--pick", "lists.csv"],
+    ] {
+        assert_told(
+            &run(args, dir.path()),
+            2,
+            "is an input, which would be lost; take another name",
+        );
+    }
+    // A table of points may be answered in its place: it is read to its end before.
+    let args =
+        ["batch", "points.csv", "--base=scene.csv", "--model=closed-form", "-o", "points.csv"];
+    assert_told(&run(&args, dir.path()), 0, "");
+    let table = fs::read_to_string(dir.path().join("points.csv")).expect("table");
+    assert!(table.lines().nth(1).expect("a row").starts_with("5,closed-form,converged"));
+}
+
+/// A sweep that takes hours, once it writes its table.
+fn long_sweep(folder: &Path, output: &str) -> Child {
+    let drive = example("feed_drive.json");
+    let vary = "--vary=axial_load_N=100:9000:100000000";
+    let args = ["sweep", &drive, vary, "--model=traction", "-o", output];
+    program(&args, folder).spawn().expect("the program starts")
+}
+
+fn wait_for(what: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !what() {
+        assert!(start.elapsed() < Duration::from_secs(60), "nothing happens");
+        sleep(Duration::from_millis(5));
+    }
+}
+
+fn unfinished(folder: &Path) -> usize {
+    names(folder).iter().filter(|name| name.starts_with(".bsm-")).count()
+}
+
+fn signal(child: &Child, name: &str) {
+    let kill = Command::new("kill").args([name, &child.id().to_string()]).status();
+    assert!(kill.expect("kill").success());
+}
+
+#[test]
+fn an_interrupt_leaves_the_former_file_and_nothing_else() {
+    for (name, code) in [
+        ("-HUP", Some(129)),
+        ("-INT", Some(130)),
+        ("-QUIT", Some(131)),
+        ("-TERM", Some(143)),
+        ("-XFSZ", Some(153)),
+        ("-KILL", None),
+    ] {
+        let dir = folder();
+        let table = dir.path().join("out.csv");
+        fs::write(&table, "old").expect("file");
+        let child = long_sweep(dir.path(), "out.csv");
+        wait_for(|| unfinished(dir.path()) == 1);
+        signal(&child, name);
+        let output = child.wait_with_output().expect("ends");
+        assert_eq!(output.status.code(), code);
+        assert_eq!(fs::read_to_string(&table).expect("there"), "old");
+        if let Some(code) = code {
+            assert_told(&output, code, "interrupted; nothing unfinished was kept");
+            assert_eq!(names(dir.path()), ["out.csv"]);
+        }
+    }
+}
+
+/// Found by hand: under `nohup`, which ignores SIGHUP, and in the background of a script, where SIGINT
+/// is ignored, no signal at all was heard, and a temporary file stayed.
+#[test]
+fn signals_are_heard_under_nohup_and_in_the_background() {
+    for ignored in ["HUP", "INT"] {
+        let dir = folder();
+        let vary = "--vary=axial_load_N=100:9000:100000000";
+        let drive = example("feed_drive.json");
+        let mut command = Command::new("env");
+        command.args(["--default-signal", &format!("--ignore-signal={ignored}")]);
+        command.arg(env!("CARGO_BIN_EXE_bsm")).args(["sweep", &drive, vary, "--model=traction"]);
+        command.args(["-o", "out.csv"]).current_dir(dir.path());
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+        let mut child = command.spawn().expect("the program starts");
+        wait_for(|| unfinished(dir.path()) == 1);
+        signal(&child, &format!("-{ignored}"));
+        sleep(Duration::from_millis(300));
+        assert!(child.try_wait().expect("a child").is_none(), "{ignored} must stay ignored");
+        signal(&child, "-TERM");
+        assert_told(&child.wait_with_output().expect("ends"), 143, "interrupted");
+        assert!(names(dir.path()).is_empty());
+    }
+}
+
+/// A shell with limits, or `None` with the reason if it does not know them.
+#[expect(clippy::print_stdout, reason = "a test that was skipped says so")]
+fn limited(limits: &str, args: &[&str], folder: &Path) -> Option<Output> {
+    let script = format!("{limits} || exit 99; exec \"$0\" \"$@\"");
+    let mut sh = Command::new("bash");
+    sh.args(["-c", &script, env!("CARGO_BIN_EXE_bsm")]).args(args).current_dir(folder);
+    let output = sh.stdin(Stdio::null()).output().expect("bash");
+    if output.status.code() == Some(99) {
+        println!("skipped: this system does not know {limits}");
+        return None;
+    }
+    Some(output)
+}
+
+/// Found by hand: threads that could not be started were a panic.
+#[test]
+fn threads_that_cannot_be_started_are_no_panic() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    // Stacks of 2 MiB: room for some threads of 1024.
+    let many = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--threads=1024", "-o", "x.csv"];
+    if let Some(output) = limited("ulimit -v 1000000", &many, dir.path()) {
+        assert_told(&output, 0, "of 1024 threads: the system starts no more");
+    }
+    let catalog = ["catalog", "--first=3", "--require=lead_mm=20"];
+    let usual = run(&catalog, dir.path());
+    let limits = "export RAYON_NUM_THREADS=1024; ulimit -v 1000000";
+    if let Some(output) = limited(limits, &catalog, dir.path()) {
+        assert_eq!((output.status.code(), stdout(&output)), (Some(0), stdout(&usual)));
+        assert!(stderr(&output).contains("of 1024 threads: the system starts no more"));
+    }
+    // Root may start as many as it likes; others are told that there are none.
+    for args in [&many[..], &catalog] {
+        let Some(output) = limited("ulimit -u 1", args, dir.path()) else { continue };
+        let text = stderr(&output);
+        match output.status.code() {
+            Some(0) => {}
+            Some(1) => assert!(text.contains("cannot start a thread: "), "{text}"),
+            other => panic!("{other:?}: {text}"),
+        }
+    }
+}
+
+/// Whatever memory there is, it is enough, or the exit code is 1; below some, nothing starts at all,
+/// which shell and loader tell by 126 and 127.
+#[test]
+fn short_memory_is_no_panic() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    let sweep =
+        ["sweep", &drive, "--vary=axial_load_N=100:9000:60000", "--model=rigid", "-o", "x.csv"];
+    let mut codes = Vec::new();
+    for kilobytes in [1, 20, 30, 40, 60, 90, 140].map(|n| 1000 * n) {
+        let Some(output) = limited(&format!("ulimit -v {kilobytes}"), &sweep, dir.path()) else {
+            return;
+        };
+        let text = stderr(&output);
+        assert!(!text.contains("panicked"), "{kilobytes} kB: {text}");
+        codes.push(output.status.code());
+    }
+    let [first, .., last] = codes[..] else { unreachable!("seven limits") };
+    assert!(first != Some(0) && last == Some(0), "{codes:?}");
+    assert!(codes.iter().all(|c| matches!(c, Some(0 | 1 | 126 | 127) | None)), "{codes:?}");
+}
+
+/// Found by hand: a file beyond `ulimit -f` ended the program by SIGXFSZ, and its temporary file stayed.
+#[test]
+fn a_file_that_would_be_too_large_is_told() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    let sweep = |output| {
+        ["sweep", &drive, "--vary=axial_load_N=1:9:20000", "--model=closed-form", "-o", output]
+            .map(str::to_owned)
+    };
+    for (limits, output, part) in [
+        ("ulimit -f 8", "x.csv", "cannot write x.csv: File too large"),
+        ("ulimit -f 8", "x.parquet", "cannot write x.parquet: "),
+        ("ulimit -f 8; exec > y.csv", "-", "cannot write to standard output: File too large"),
+    ] {
+        let args = sweep(output);
+        let args: Vec<_> = args.iter().map(String::as_str).collect();
+        if let Some(output) = limited(limits, &args, dir.path()) {
+            assert_told(&output, 1, part);
+        }
+    }
+    assert!(names(dir.path()).iter().all(|name| name == "y.csv"), "{:?}", names(dir.path()));
+}
+
+/// Too few files may be open: a sentence, or an answer.
+#[test]
+fn open_files_that_are_short_are_told() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--model=closed-form", "-o", "x.csv"];
+    let mut codes = Vec::new();
+    for files in 4..16 {
+        let Some(output) = limited(&format!("ulimit -n {files}"), &args, dir.path()) else {
+            return;
+        };
+        let text = stderr(&output);
+        assert!(!text.contains("panicked"), "{files} files: {text}");
+        let code = output.status.code();
+        assert!(code != Some(1) || text.contains("Too many open files"), "{files} files: {text}");
+        codes.push(code);
+    }
+    assert!(codes.contains(&Some(1)) && codes.last() == Some(&Some(0)), "{codes:?}");
+    assert_eq!(names(dir.path()), ["x.csv"]);
+}
+
+/// Found by hand: a private output became readable for all, and could change its owner.
+#[test]
+fn an_output_keeps_its_mode_and_owner() {
+    let dir = folder();
+    let (table, drive) = (dir.path().join("out.csv"), example("feed_drive.json"));
+    let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", "out.csv"];
+    for mode in [0o600, 0o640, 0o664, 0o777] {
+        fs::write(&table, "old").expect("file");
+        fs::set_permissions(&table, fs::Permissions::from_mode(mode)).expect("mine");
+        // Root may give files away.
+        let given = chown(&table, Some(4321), Some(1234)).is_ok();
+        let before = fs::metadata(&table).expect("there");
+        assert_told(&run(&args, dir.path()), 0, "");
+        let after = fs::metadata(&table).expect("there");
+        assert_ne!(after.ino(), before.ino(), "a new file took its name");
+        assert_eq!(after.mode() & 0o7777, mode);
+        assert_eq!((after.uid(), after.gid()), (before.uid(), before.gid()), "given: {given}");
+        fs::remove_file(&table).expect("mine");
+    }
+    // A new one has what the mask leaves.
+    let output = Command::new("sh")
+        .args(["-c", "umask 027; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_bsm")])
+        .args(args)
+        .current_dir(dir.path())
+        .output();
+    assert_told(&output.expect("sh"), 0, "");
+    assert_eq!(fs::metadata(&table).expect("there").mode() & 0o7777, 0o640);
+    // The other name of a file keeps what was in it.
+    fs::write(&table, "old").expect("file");
+    fs::hard_link(&table, dir.path().join("other.csv")).expect("link");
+    assert_told(&run(&args, dir.path()), 0, "");
+    assert_eq!(fs::read_to_string(dir.path().join("other.csv")).expect("there"), "old");
+    assert_ne!(fs::read_to_string(&table).expect("there"), "old");
+}
+
+/// Found by hand: `--resume` removed every file that began with `.bsm-`.
+#[test]
+fn resume_leaves_the_files_of_others() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    let sweep = |more: &[&str]| {
+        let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", "parts/"];
+        run(&[&args[..], more].concat(), dir.path())
+    };
+    assert_told(&sweep(&[]), 0, "");
+    let parts = dir.path().join("parts");
+    let others = [
+        ".bsm-notes",
+        ".bsm-part-000001.parquet",
+        ".bsm-part-000001.parquet-old",
+        ".bsm-mine.csv-0aB1cD2eF3gH4iJ5",
+    ];
+    for folder in [&parts, &parts.join("tmp")] {
+        fs::create_dir_all(folder).expect("folder");
+        for name in others {
+            fs::write(folder.join(name), "mine").expect("file");
+        }
+    }
+    assert_told(&sweep(&["--resume"]), 0, "");
+    let mut expected = others.map(str::to_owned).to_vec();
+    assert_eq!(names(&parts.join("tmp")), {
+        expected.sort();
+        expected.clone()
+    });
+    expected.extend(["data", "plan.json", "shards.parquet", "tmp"].map(str::to_owned));
+    assert_eq!(names(&parts), expected);
+}
+
+/// Found by hand: `solve /dev/zero` read without end.
+#[test]
+fn devices_without_end_are_read_to_a_limit() {
+    let dir = folder();
+    let nut = example("nut.json");
+    for args in [
+        &["solve", "/dev/zero"][..],
+        &["compare", "/dev/zero"],
+        &["design", "/dev/zero"],
+        &["catalog", "/dev/zero"],
+        &["sweep", "/dev/zero", "--vary=axial_load_N=1:9:3", "-o-"],
+        &["batch", "-", "--base", "/dev/zero", "-o-"],
+    ] {
+        assert_told(&run(args, dir.path()), 2, "/dev/zero: is longer than 1 MiB");
+    }
+    let spectrum = ["capacity", &nut, "--spectrum", "/dev/zero"];
+    assert_told(&run(&spectrum, dir.path()), 2, "/dev/zero: is longer than 16 MiB");
+    let zero = File::open("/dev/zero").expect("Linux has it");
+    let output = program(&["solve", "-"], dir.path()).stdin(zero).output().expect("runs");
+    assert_told(&output, 2, "standard input: is longer than 1 MiB");
+}
+
+/// Found by hand: every nut of a catalogue was in memory several times, 2.7 GB of five million.
+#[test]
+fn a_large_catalogue_takes_little_memory() {
+    let dir = folder();
+    let list = |from: f64, step: f64, count: u32| {
+        let values: Vec<_> = (0..count).map(|i| (from + step * f64::from(i)).to_string()).collect();
+        format!("[{}]", values.join(","))
+    };
+    let lists = format!(
+        "{{\"nominal_diameter_mm\": {}, \"lead_mm\": {}, \"ball_diameter_mm\": [4, 5],
+          \"loaded_turns\": {}, \"conformity\": {}}}",
+        list(40.0, 1.0, 30),
+        list(12.0, 1.0, 25),
+        list(2.0, 0.2, 20),
+        list(0.51, 0.01, 6),
+    );
+    fs::write(dir.path().join("lists.json"), lists).expect("lists");
+    // 180 000 nuts took 100 MB and more for each copy and its table; the program alone takes some 20.
+    let limits = "export RAYON_NUM_THREADS=1; ulimit -v 90000";
+    let args = ["catalog", "lists.json", "--sort=mass_kg", "-o", "nuts.csv"];
+    let Some(output) = limited(limits, &args, dir.path()) else { return };
+    assert_told(&output, 0, "180000 nuts within the limits");
+    let table = fs::read_to_string(dir.path().join("nuts.csv")).expect("table");
+    assert_eq!(table.lines().count(), 180_001);
+    let column = table.lines().next().expect("names").split(',').position(|n| n == "mass_kg");
+    let mass = |row: &str| row.split(',').nth(column.expect("there")).expect("cell").parse::<f64>();
+    let masses: Vec<_> = table.lines().skip(1).map(|row| mass(row).expect("a number")).collect();
+    assert!(masses.is_sorted());
+}
+
+/// Found by hand: `jam` printed "thrust of NaN N", a spectrum of 1e300 N gave a life of 0, a grid
+/// over all numbers began with NaN.
+#[test]
+fn no_sentence_has_a_number_that_is_none() {
+    let dir = folder();
+    fs::write(
+        dir.path().join("loads.csv"),
+        "axial_load_N,screw_speed_rpm,time_share\n1e300,100,1\n",
+    )
+    .expect("spectrum");
+    let capacity = ["capacity", &example("nut.json"), "--spectrum", "loads.csv"];
+    assert_told(&run(&capacity, dir.path()), 2, "mean_load_N is beyond double precision");
+    let dong = example("dong2020.json");
+    for setting in [
+        "return_stiffness_N_um15=1e308",
+        "step_normal_force_N=1e308",
+        "return_approach_speed_m_s=1e200",
+        "return_approach_speed_m_s=1e-200",
+        "lubricant_density_kg_m3=1e308",
+        "loaded_balls_per_turn=1e308",
+    ] {
+        let output = run(&["jam", &dong, "--set", setting], dir.path());
+        let text = stdout(&output) + &stderr(&output);
+        assert!(matches!(output.status.code(), Some(0 | 2 | 3)), "{setting}: {text}");
+        assert!(!text.contains("NaN") && !text.contains("inf"), "{setting}: {text}");
+    }
+    let vary = "--vary=screw_speed_rpm=-1e308:1e308:3";
+    let args = ["sweep", &dong, vary, "-o-", "--columns=efficiency"];
+    let table = stdout(&run(&args, dir.path()));
+    let first: Vec<_> = table.lines().skip(1).map(|row| row.split(',').next()).collect();
+    assert_eq!(first, [Some("-1e+308"), Some("0"), Some("1e+308")], "{table}");
+}
+
+/// Found by hand: a control character of a description reached the terminal, and made the plot unreadable.
+#[test]
+fn control_characters_reach_neither_terminal_nor_plot() {
+    let dir = folder();
+    let text = fs::read_to_string(example("feed_drive.json")).expect("an example");
+    let start = text.find("\"description\": \"").expect("has one") + 16;
+    let end = start + text[start..].find('"').expect("ends");
+    let evil = r"red \u001b[31m bell \u0007 nul \u0000 turned \u202e <b>&\ufffe";
+    let scene = format!("{}{evil}{}", &text[..start], &text[end..]);
+    fs::write(dir.path().join("evil.json"), scene).expect("scene");
+    for command in ["solve", "compare", "slip", "jam"] {
+        let output = run(&[command, "evil.json"], dir.path());
+        let text = stdout(&output);
+        assert!(text.starts_with("red \\u{1b}[31m bell \\u{7} nul \\u{0}"), "{command}: {text}");
+        assert!(!text.contains(|c: char| c == '\u{202e}' || (c.is_control() && c != '\n')));
+    }
+    let named = run(&["solve", "no\u{1b}[31m.json"], dir.path());
+    assert_told(&named, 1, "cannot read no\\u{1b}[31m.json: No such file");
+    let args = ["sweep", "evil.json", "--vary=axial_load_N=100:9000:9", "-o", "x.csv"];
+    let output = run(&[&args[..], &["--plot=x.svg"]].concat(), dir.path());
+    assert_told(&output, 0, "");
+    let svg = fs::read_to_string(dir.path().join("x.svg")).expect("plot");
+    let svg = roxmltree::Document::parse(&svg).expect("well-formed XML");
+    let texts: String = svg.descendants().filter_map(|node| node.text()).collect();
+    assert!(texts.contains("<b>&") && texts.contains("[31m"), "{texts}");
+}
+
+/// Found by hand: 10000000000000000000000 and 3.18e19 in one row.
+#[test]
+fn numbers_of_a_row_have_one_form() {
+    let dir = folder();
+    let args = ["batch", "-", "--base", &example("feed_drive.json"), "--model=closed-form", "-o-"];
+    let rows = "axial_load_N,loaded_balls\n1e22,8\n0.000001,4\n";
+    let table = stdout(&bsm(dir.path(), &args, rows));
+    let cells: Vec<_> = table.lines().skip(1).flat_map(|row| row.split(',')).collect();
+    assert!(
+        cells.starts_with(&["1e+22", "8", "closed-form"]) && cells.contains(&"1e-6"),
+        "{table}"
+    );
+    for cell in cells.iter().filter(|cell| cell.parse::<f64>().is_ok()) {
+        let digits = cell.trim_start_matches('-').len();
+        assert!(digits <= 24 && !cell.ends_with(".0"), "{cell}");
+    }
+    let exponents = cells.iter().filter(|cell| cell.contains('e') && cell.parse::<f64>().is_ok());
+    for cell in exponents {
+        let size = cell.parse::<f64>().expect("a number").abs();
+        assert!(!(1e-5..1e16).contains(&size), "{cell}");
+    }
+}
+
+/// Found by hand: a direction of friction of 3.3562e-13 deg, a spin of 3.5594e-14 rad/s.
+#[test]
+fn rounding_is_not_printed_as_a_result() {
+    let dir = folder();
+    for command in ["solve", "slip", "jam"] {
+        let text = stdout(&run(&[command, &example("feed_drive.json")], dir.path()));
+        let tiny = text.split_whitespace().filter(|word| {
+            let value = word.parse::<f64>().map_or(0.0, f64::abs);
+            // A residual and differences of powers are rounding by their nature.
+            value > 0.0 && value < 1e-11
+        });
+        let by_nature = |line: &&str| line.starts_with("status") || line.contains("difference");
+        let by_nature: String = text.lines().filter(by_nature).collect();
+        let tiny: Vec<_> = tiny.filter(|word| !by_nature.contains(word)).collect();
+        assert!(tiny.is_empty(), "{command}: {tiny:?} in\n{text}");
+    }
+    // Files keep the bits.
+    let json = stdout(&run(&["solve", &example("feed_drive.json"), "--format=json"], dir.path()));
+    let spin = json.lines().find(|line| line.contains("\"screw_spin_rad_s\"")).expect("there");
+    assert!(spin.contains("e-"), "{spin}");
+}
+
+/// Found by hand: while it waited for its input, the program heard the first interrupt only when
+/// more came, and left its temporary file at the second.
+#[test]
+fn an_interrupt_is_heard_while_input_is_waited_for() {
+    let dir = folder();
+    let args =
+        ["batch", "-", "--base", &example("feed_drive.json"), "--model=closed-form", "-o", "x.csv"];
+    let mut child = program(&args, dir.path()).stdin(Stdio::piped()).spawn().expect("starts");
+    let mut stdin = child.stdin.take().expect("piped");
+    let rows = "axial_load_N\n".to_owned() + &"2000\n".repeat(70_000);
+    stdin.write_all(rows.as_bytes()).expect("it reads");
+    wait_for(|| unfinished(dir.path()) == 1);
+    signal(&child, "-INT");
+    assert_told(&child.wait_with_output().expect("ends"), 130, "interrupted");
+    assert!(names(dir.path()).is_empty());
+}
+
+#[test]
+fn two_writers_do_not_mix() {
+    let dir = folder();
+    let first = long_sweep(dir.path(), "parts/");
+    let parts = dir.path().join("parts");
+    let tmp = parts.join("tmp");
+    let begun = || parts.join("plan.json").exists() && !names(&tmp).is_empty();
+    wait_for(|| tmp.is_dir() && begun());
+    let drive = example("feed_drive.json");
+    for (more, part) in [
+        ("--resume", "parts/ holds the parts of another task, which differs in: points"),
+        ("--quiet", "parts/ holds the parts of another task; continue with --resume"),
+    ] {
+        let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", more, "-o", "parts/"];
+        assert_told(&run(&args, dir.path()), 2, part);
+    }
+    assert_eq!(names(&tmp).len(), 1, "the file of the first is still there");
+    signal(&first, "-INT");
+    assert_told(&first.wait_with_output().expect("ends"), 130, "interrupted");
+    assert_eq!(names(&parts), ["data", "plan.json", "tmp"]);
+    assert!(names(&tmp).is_empty() && names(&parts.join("data")).is_empty());
+
+    // Into one file, the last one wins, with a whole table.
+    let sweep = |count: &str| {
+        let vary = format!("--vary=axial_load_N=100:9000:{count}");
+        let args = ["sweep", &drive, &vary, "--model=rigid", "-o", "both.csv"];
+        program(&args, dir.path()).spawn().expect("the program starts")
+    };
+    for child in [sweep("3000"), sweep("3001")] {
+        assert_told(&child.wait_with_output().expect("ends"), 0, "");
+    }
+    let text = fs::read_to_string(dir.path().join("both.csv")).expect("table");
+    let last = text.lines().last().expect("a row");
+    assert!([3001, 3002].contains(&text.lines().count()) && last.starts_with("9000,"), "{last}");
+    assert_eq!(names(dir.path()), ["both.csv", "parts"]);
+}
+
+#[test]
+fn names_need_not_be_utf8() {
+    let dir = folder();
+    let name = |ending: &str| {
+        let mut name = b"caf\xe9".to_vec();
+        name.extend_from_slice(ending.as_bytes());
+        PathBuf::from(OsStr::from_bytes(&name))
+    };
+    let run = |args: &[&OsStr]| run(args, dir.path());
+    fs::copy(example("feed_drive.json"), dir.path().join(name(".json"))).expect("copy");
+    fs::write(dir.path().join(name(".csv")), "axial_load_N\n2000\n").expect("points");
+    let (scene, points, out, parts) = (name(".json"), name(".csv"), name("2.parquet"), name("/"));
+    let os = OsStr::new;
+    assert_told(&run(&[os("solve"), scene.as_os_str()]), 0, "");
+    for output in [&out, &parts] {
+        let args =
+            [points.as_os_str(), os("--base"), scene.as_os_str(), os("-o"), output.as_os_str()];
+        assert_told(&run(&[&[os("batch")][..], &args].concat()), 0, "");
+    }
+    let missing = run(&[os("solve"), name(".gone").as_os_str()]);
+    assert_told(&missing, 1, "cannot read caf\u{fffd}.gone: No such file");
+    assert_eq!(
+        run(&[os("solve"), scene.as_os_str(), os("--set"), out.as_os_str()]).status.code(),
+        Some(2)
+    );
+    assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 4);
+}
+
+/// What other programs write: answered, or told what is wrong with it.
+#[test]
+fn tables_of_other_programs() {
+    let dir = folder();
+    let utf16 = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
+    let marked = [&b"\xff\xfe"[..], &utf16("axial_load_N\n2000\n")].concat();
+    let header = format!("{}axial_load_N\n", "model,".repeat(1_000_000));
+    let row = format!("{}2000\n", "a,".repeat(1_000_000));
+    let unknown = format!("{}axial_load_N\n", "x,".repeat(1_000_000));
+    let long = format!("{}\n1\n", "x".repeat(1_000_000));
+    let key = format!("{{\"{}\": 1}}\n", "x".repeat(1_000_000));
+    let quote = format!("id,axial_load_N\n\"1,2000\n{}", "2,3000\n".repeat(3));
+    let deep = "{\"lead_mm\":".repeat(100_000);
+    for (name, bytes, code, part) in [
+        ("bom.csv", &b"\xef\xbb\xbfaxial_load_N\n2000\n"[..], 0, ""),
+        ("bom.jsonl", b"\xef\xbb\xbf{\"axial_load_N\": 2000}\n", 0, ""),
+        ("crlf.csv", b"axial_load_N\r\n2000\r\n", 0, ""),
+        ("crlf.jsonl", b"{\"axial_load_N\": 2000}\r\n\r\n", 0, ""),
+        ("header.csv", b"axial_load_N\n", 0, ""),
+        ("wide.csv", (header + &row).as_bytes(), 0, ""),
+        ("wide-unknown.csv", unknown.as_bytes(), 2, "column `x` is not an input"),
+        ("long-name.csv", long.as_bytes(), 2, "xxx…` is not an input; leave it out"),
+        ("long-key.jsonl", key.as_bytes(), 2, "xxx…` is not an input; leave it out"),
+        ("semicolons.csv", b"axial_load_N;lead_mm\n2000,5;10\n", 2, "separated by `;`; cells are"),
+        ("tabs.csv", b"axial_load_N\tlead_mm\n2000\t10\n", 2, "separated by `\\t`; cells are"),
+        ("utf16.csv", &marked, 2, "line 1 has a NUL byte; save the table as UTF-8 text"),
+        ("utf16-unmarked.csv", &utf16("axial_load_N\n2\n"), 2, "line 1 has a NUL byte; save"),
+        ("utf16.jsonl", &marked, 2, "line 1 has a NUL byte; save"),
+        ("latin1.csv", b"axial_load_N,model\n1,a\n2,M\xfcller\n", 2, "line 3 is not UTF-8 text"),
+        ("latin1.jsonl", b"{\"axial_load_N\": \"\xfc\"}\n", 2, "line 1 is not UTF-8 text; save"),
+        ("nul.csv", b"axial_load_N\n2000\x00\n", 2, "line 2 has a NUL byte; save"),
+        ("empty.csv", b"", 2, "the table is empty: the first row must name the columns"),
+        ("empty.jsonl", b"\n \n", 2, "the table is empty: the first row must name the columns"),
+        ("empty.parquet", b"", 2, "not a Parquet table"),
+        (
+            "damaged.parquet",
+            include_bytes!("../../../../fuzz/corpus/parquet/damaged-levels.parquet"),
+            2,
+            "not a Parquet table: it is damaged",
+        ),
+        ("twice.csv", b"axial_load_N,axial_load_N\n1,2\n", 2, "`axial_load_N` stands twice"),
+        ("twice.jsonl", b"{\"axial_load_N\": 1, \"axial_load_N\": 2}\n", 2, "is given twice"),
+        (
+            "ragged.csv",
+            b"axial_load_N,model\n1,a\n2\n",
+            2,
+            "line 3 has 1 cells, but the table has 2",
+        ),
+        ("quote.csv", quote.as_bytes(), 2, "line 2: a quoted cell does not end on its line"),
+        ("blank.csv", b"axial_load_N\n1\n\n2000\n", 2, "line 3 is blank; a row is one line"),
+        ("deep.jsonl", deep.as_bytes(), 2, "line 1: is not valid JSON: recursion"),
+    ] {
+        fs::write(dir.path().join(name), bytes).expect("table");
+        let drive = example("feed_drive.json");
+        let args = ["batch", name, "--base", &drive, "--model=closed-form", "-o-"];
+        let keep = if name == "quote.csv" { "--keep=id" } else { "--quiet" };
+        let output = run(&[&args[..], &[keep]].concat(), dir.path());
+        assert_told(&output, code, part);
+        assert!(code == 0 || output.stderr.starts_with(format!("error: {name}: ").as_bytes()));
+        let rows =
+            stdout(&output).lines().filter(|row| row.starts_with("2000,closed-form")).count();
+        assert_eq!(rows, usize::from(code == 0 && name != "header.csv"), "{name}");
+    }
+    // A decimal comma in quotes is one cell, which the row tells.
+    let args = ["batch", "-", "--base", &example("feed_drive.json"), "-o-"];
+    let output = bsm(dir.path(), &args, "axial_load_N\n\"2000,5\"\n");
+    assert!(stdout(&output).contains("is `2000,5`, but must be a number"), "{}", stdout(&output));
+}
+
+/// Neither locale nor terminal, home or temporary folder change an answer.
+#[test]
+fn the_environment_changes_nothing() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    let args = ["solve", &drive, "--sensitivities"];
+    let usual = run(&args, dir.path());
+    for (name, value) in [
+        ("LC_ALL", "de_DE.UTF-8"),
+        ("LC_ALL", "tr_TR"),
+        ("LC_ALL", "C"),
+        ("NO_COLOR", "1"),
+        ("CLICOLOR_FORCE", "1"),
+        ("COLUMNS", "1"),
+        ("TERM", "dumb"),
+        ("TMPDIR", "/no/such/folder"),
+        ("RAYON_NUM_THREADS", "0"),
+    ] {
+        let mut command = program(&args, dir.path());
+        let output = command.env_clear().env(name, value).output().expect("the program runs");
+        assert_eq!((output.status.code(), stdout(&output)), (Some(0), stdout(&usual)), "{name}");
+    }
+    let help = |columns: &str| {
+        let mut command = program(&["--help"], dir.path());
+        command.env("COLUMNS", columns).output().expect("the program runs")
+    };
+    assert_told(&help("1"), 0, "");
+    let vary = "--vary=axial_load_N=1:9:3";
+    let sweep = |more: &[&str]| {
+        let args =
+            [&["sweep", &drive, vary, "-o", "x.csv", "--model=closed-form"][..], more].concat();
+        program(&args, dir.path()).env_clear().env("TMPDIR", "/no/such").output().expect("runs")
+    };
+    assert_told(&sweep(&["--threads=1024"]), 0, "");
+    for threads in ["0", "-1", "1025", "99999999999999999999", "many"] {
+        let output = sweep(&[&format!("--threads={threads}")]);
+        assert_eq!(output.status.code(), Some(2), "{threads}");
+        assert!(stderr(&output).contains("a whole number from 1 to 1024"), "{}", stderr(&output));
+    }
+    let mut command = program(&["solve", &drive], dir.path());
+    let output = command.env("RAYON_NUM_THREADS", "100000").output().expect("the program runs");
+    assert_told(&output, 2, "RAYON_NUM_THREADS must be a whole number from 1 to 1024");
+}

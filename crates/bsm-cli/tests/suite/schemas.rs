@@ -1,0 +1,116 @@
+//! What every command prints as JSON, held against its schema.
+
+use crate::program;
+
+use std::fs;
+use std::path::Path;
+
+use jsonschema::Validator;
+use serde_json::Value;
+
+use program::{bsm, folder, stderr, stdout};
+
+fn example(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name);
+    path.display().to_string()
+}
+
+fn json(folder: &Path, args: &[&str]) -> Value {
+    let output = bsm(folder, args, "");
+    let told = stderr(&output);
+    serde_json::from_str(&stdout(&output)).unwrap_or_else(|e| panic!("{args:?}: {e}: {told}"))
+}
+
+fn schema(folder: &Path, name: &str) -> Validator {
+    let schema = json(folder, &["schema", name]);
+    jsonschema::meta::validate(&schema).unwrap_or_else(|e| panic!("{name} is no schema: {e}"));
+    jsonschema::validator_for(&schema).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+fn assert_valid(schema: &Validator, result: &Value, what: &[&str]) {
+    let errors: Vec<_> =
+        schema.iter_errors(result).take(5).map(|e| format!("{}: {e}", e.instance_path())).collect();
+    assert!(errors.is_empty(), "{what:?}:\n{}", errors.join("\n"));
+}
+
+/// Real results, with and without a solution and with every option, are what the schemas say; a result with a key
+/// more is not.
+#[test]
+fn results_are_what_their_schemas_say() {
+    let dir = folder();
+    fs::write(
+        dir.path().join("lists.json"),
+        "{\"nominal_diameter_mm\": [50, 63], \"lead_mm\": [20]}",
+    )
+    .expect("lists");
+    let measured = "axial_load_kN,screw_torque_Nm\n4,12.9\n8,25.9\n12,38.7\n";
+    fs::write(dir.path().join("measured.csv"), measured).expect("measurements");
+    let [drive, oil, lin, nut, axis, jamming, makers, wish, double] = [
+        "feed_drive.json",
+        "feed_drive_oil.json",
+        "lin1994.json",
+        "nut.json",
+        "axis.json",
+        "jamming.json",
+        "maker_table.csv",
+        "requirements/axis.json",
+        "nut_double.json",
+    ]
+    .map(example);
+    // Planned, and no part solved.
+    let plan = ["--vary=axial_load_N=1:9:3", "-o", "map/", "--plan"];
+    assert!(bsm(dir.path(), &[&["sweep", &drive][..], &plan].concat(), "").status.success());
+    let runs: &[&[&str]] = &[
+        &["solve", &drive],
+        &["solve", &drive, "--sensitivities", "--model", "traction"],
+        &["solve", &oil],
+        &["solve", &axis],
+        &["solve", &lin, "--set", "lead_angle_deg=5"],
+        &["compare", &drive],
+        &["optimum", &lin],
+        &["optimum", &drive, "--model", "quasi-static"],
+        &["capacity", &nut],
+        &["nut", &double],
+        &["nut", &double, "--set", "axial_load_MN=5"],
+        &[
+            "nut",
+            &double,
+            "--set",
+            "axial_load_kN=5",
+            "--set",
+            "ball_deviation_sd_um=0.5",
+            "--samples",
+            "3",
+        ],
+        &["size", &axis],
+        &["size", &axis, "--set", "axis_heat_transfer_W_K=5", "--set", "accuracy_grade=3"],
+        &["fit", &drive, "--measured", "screw_torque_Nm=26"],
+        &["fit", &drive, "--measured", "screw_torque_Nm=1"],
+        &["fit", &drive, "--measured", "screw_torque_Nm", "--data", "measured.csv"],
+        &["design", &wish],
+        &["design", &wish, "--set", "life_h=1e9"],
+        &["catalog", "lists.json", "--first", "3"],
+        &["catalog", "lists.json", "--first", "3", "--requirement", &wish],
+        &["catalog", "--makers", &makers],
+        &["slip", &drive],
+        &["slip", &lin, "--set", "lead_angle_deg=5"],
+        &["jam", &jamming],
+        &["validate"],
+        &["verify", "map"],
+    ];
+    for args in runs {
+        let result = json(dir.path(), &[args, &["--format", "json"][..]].concat());
+        let schema = schema(dir.path(), args[0]);
+        assert_valid(&schema, &result, args);
+        let mut other = result.clone();
+        let object = if other.is_array() { other.get_mut(0) } else { Some(&mut other) };
+        object.expect("a result")["no such key"] = "a text".into();
+        assert!(!schema.is_valid(&other), "{args:?}: a key that is in no schema");
+    }
+    // Scenes are inputs, and rows of tables are outputs.
+    let input = schema(dir.path(), "input");
+    for name in ["feed_drive.json", "nut_double.json", "axis.json", "feed_drive_oil.json"] {
+        let scene = fs::read(example(name)).expect("an example");
+        assert_valid(&input, &serde_json::from_slice(&scene).expect("JSON"), &[name]);
+    }
+}

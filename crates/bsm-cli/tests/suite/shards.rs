@@ -1,0 +1,499 @@
+//! Planned folders, solved by many processes that are killed, raced and damaged: the bytes of one machine, or a
+//! clear refusal. The long version is `just faults`.
+#![cfg(unix)]
+
+use crate::program;
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::os::unix::fs::{PermissionsExt, symlink};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use bsm_batch::dataset::{Part, list_parts};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::Value;
+
+use program::{bsm, folder, stderr, stdout};
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+fn drive() -> String {
+    format!("{ROOT}/examples/feed_drive.json")
+}
+
+/// All files below a folder that stay: not the unfinished ones.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).expect("folder") {
+            let path = entry.expect("entry").path();
+            let name = path.strip_prefix(folder).expect("below").to_owned();
+            if path.is_dir() {
+                folders.push(path);
+            } else if !name.starts_with("tmp") {
+                found.insert(name, fs::read(&path).expect("file"));
+            }
+        }
+    }
+    found
+}
+
+/// Runs the program, which must end with a code, and returns what it says on both streams.
+fn told(folder: &Path, code: i32, args: &[&str]) -> String {
+    let output = bsm(folder, args, "");
+    let words = stdout(&output) + &stderr(&output);
+    assert_eq!(output.status.code(), Some(code), "{args:?}: {words}");
+    words
+}
+
+/// Arguments of a sweep over loads in 100 parts, a quarter of whose rows has no result.
+fn sweep<'a>(drive: &'a str, loads: &'a str, output: &'a str, rows: &'a str) -> Vec<&'a str> {
+    let vary = ["--vary", loads, "--vary=friction_coefficient=0.05,0.1,0.15,12"];
+    let how = ["--model=elastic", "--columns=efficiency,screw_torque_Nm", "--rows-per-shard", rows];
+    [&["sweep", drive][..], &vary, &how, &["-o", output]].concat()
+}
+
+fn spawn(folder: &Path, args: &[&str]) -> Child {
+    // Whoever starts the tests may ignore signals.
+    let mut command = Command::new("env");
+    command.arg("--default-signal").arg(env!("CARGO_BIN_EXE_bsm")).args(args).current_dir(folder);
+    let null = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    null.spawn().expect("the program starts")
+}
+
+#[test]
+fn a_plan_is_solved_by_anybody_and_verified() {
+    let dir = folder();
+    let run = |code, args: &[&str]| told(dir.path(), code, args);
+    let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
+    run(3, &sweep(&drive, loads, "whole/", "40"));
+    let expected = files(&dir.path().join("whole"));
+
+    let plan = [&sweep(&drive, loads, "map/", "40")[..], &["--plan"]].concat();
+    for _ in 0..2 {
+        let said = run(0, &plan);
+        assert!(said.contains("shards      10 of 40 rows\n"), "{said}");
+        assert!(
+            said.contains("rows        400\n") && said.contains("core-hours  0.000\n"),
+            "{said}"
+        );
+        assert!(!said.contains("--reduce"), "only for many rows: {said}");
+    }
+    let other = [&sweep(&drive, loads, "map/", "50")[..], &["--plan"]].concat();
+    let said = run(2, &other);
+    assert!(said.contains("differs in: rows_per_shard (40, now 50)"), "{said}");
+    assert!(!said.contains("--resume"), "nobody asked for it: {said}");
+    assert!(run(2, &sweep(&drive, loads, "map/", "40")).contains("continue with --resume"));
+    assert!(run(3, &["verify", "map/"]).contains("missing  0:10\n"));
+
+    let said = run(0, &["shard", "map/", "--index", "1", "--of", "3"]);
+    assert!(said.contains("3 solved, 0 there before, of 10 parts"), "{said}");
+    assert!(run(0, &["shard", "map/", "--shards", "3:5"]).contains("1 solved, 1 there before"));
+    let said = run(3, &["verify", "map/"]);
+    assert!(said.starts_with("4 of 10 shards"), "{said}");
+    assert!(said.contains("missing  0:1\nmissing  2:3\nmissing  5:7\nmissing  8:10\n"), "{said}");
+    assert!(!dir.path().join("map/shards.parquet").exists());
+    for (args, words) in [
+        (&["--shards", "5:11"][..], "the plan has the parts 0:10"),
+        (&["--shards", "5:5"], "such as 0:100"),
+        (&["--index", "3", "--of", "3"], "the last index is 2"),
+        (&["--index", "3"], "--of"),
+        (&["--index", "0", "--of", "0"], "invalid value"),
+    ] {
+        let said = run(2, &[&["shard", "map/"][..], args].concat());
+        assert!(said.contains(words), "{said}");
+    }
+    run(0, &["shard", "map/", "--threads", "1"]);
+    let said = run(0, &["verify", "map/"]);
+    assert!(said.contains("10 of 10 shards") && said.contains("100 without a result"), "{said}");
+    assert!(files(&dir.path().join("map")) == expected, "not the bytes of one run");
+    assert!(run(1, &["verify", "nowhere/"]).contains("nowhere/plan.json"));
+}
+
+/// What stands under the name of a part is found, told, left alone, and replaced on demand.
+#[test]
+fn damage_is_found_and_repaired() {
+    let dir = folder();
+    let run = |code, args: &[&str]| told(dir.path(), code, args);
+    let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
+    run(3, &sweep(&drive, loads, "map/", "40"));
+    run(3, &[&sweep(&drive, loads, "other/", "40")[..], &["--set=density_kg_m3=7000"]].concat());
+    let map = dir.path().join("map");
+    let expected = files(&map);
+    let part = map.join("data/part-000003.parquet");
+    let good = fs::read(&part).expect("a part");
+    let mut flipped = good.clone();
+    flipped[500] ^= 4;
+    let foreign = fs::read(dir.path().join("other/data/part-000003.parquet")).expect("a part");
+    let copy = fs::read(map.join("data/part-000004.parquet")).expect("a part");
+    for (bytes, is_shallow, words) in [
+        (flipped, false, "has been changed: its bytes do not have the SHA-256"),
+        (good[..good.len() / 2].to_vec(), true, "its footer proves nothing"),
+        (Vec::new(), true, "is empty"),
+        (foreign, true, "is a part of another plan"),
+        (copy, true, "is a copy of part 4"),
+    ] {
+        fs::write(&part, &bytes).expect("writable");
+        if is_shallow {
+            assert!(run(3, &["verify", "map/"]).contains(words));
+            let said = run(3, &["shard", "map/"]);
+            assert!(said.contains(words) && said.contains("--repair"), "{said}");
+        } else {
+            run(0, &["verify", "map/"]);
+        }
+        let said = run(3, &["verify", "map/", "--deep"]);
+        assert!(
+            said.contains("damaged  map/data/part-000003.parquet") && said.contains(words),
+            "{said}"
+        );
+        assert!(said.contains("`bsm shard map/ --repair`"), "{said}");
+        let found: Value =
+            serde_json::from_str(&run(3, &["verify", "map/", "--deep", "--format", "json"]))
+                .expect("JSON");
+        assert_eq!((&found["missing"][0], &found["finished"]), (&"3:4".into(), &9.into()));
+        assert_eq!(found["damaged"][0]["file"], "map/data/part-000003.parquet");
+        assert!(fs::read(&part).expect("left") == bytes, "{words}");
+        run(0, &["shard", "map/", "--repair"]);
+        run(0, &["verify", "map/", "--deep"]);
+        assert!(files(&map) == expected, "{words}");
+    }
+    // A part too many, and a file of somebody else.
+    fs::write(map.join("data/part-000010.parquet"), "").expect("writable");
+    fs::write(map.join("data/notes.txt"), "").expect("writable");
+    let said = run(3, &["verify", "map/"]);
+    assert!(said.contains("part-000010.parquet the plan has no part of that name"), "{said}");
+    assert!(said.contains("foreign  map/data/notes.txt"), "{said}");
+    fs::remove_file(map.join("data/part-000010.parquet")).expect("removable");
+    assert!(run(0, &["verify", "map/"]).contains("foreign  map/data/notes.txt"));
+    fs::write(map.join("plan.json"), "{}").expect("writable");
+    assert!(run(2, &["shard", "map/"]).contains("is not the plan"));
+}
+
+/// Processes race over all parts, are killed at random moments and started again, until all is there.
+///
+/// Returns how many were killed, and how many unfinished files they left.
+fn race(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let dir = folder();
+    let (drive, loads) = (drive(), "axial_load_N=500:9000:2500");
+    told(dir.path(), 3, &sweep(&drive, loads, "whole/", "100"));
+    let expected = files(&dir.path().join("whole"));
+    let map = dir.path().join("map");
+    let plan = [&sweep(&drive, loads, "map/", "100")[..], &["--plan"]].concat();
+    let start = || {
+        let args = ["shard", "map/", "--threads=1", "--quiet"];
+        (0..processes).map(|_| spawn(dir.path(), &args)).collect::<Vec<_>>()
+    };
+    // A fresh folder takes so long.
+    told(dir.path(), 0, &plan);
+    let begin = Instant::now();
+    for mut child in start() {
+        assert!(child.wait().expect("ends").success());
+    }
+    let time = begin.elapsed();
+    assert!(fs::read_dir(map.join("tmp")).expect("folder").next().is_none(), "none was killed");
+    told(dir.path(), 0, &["verify", "map/"]);
+    assert!(files(&map) == expected, "a race changes bytes");
+    fs::remove_dir_all(&map).expect("removable");
+    told(dir.path(), 0, &plan);
+
+    let (mut killed, mut left) = (0, 0);
+    while killed < kills {
+        let mut children = start();
+        sleep(time.mul_f64(rng.random_range(0.0..0.3)));
+        for child in &mut children {
+            // One that has ended is not killed.
+            if child.try_wait().expect("a child").is_none() {
+                child.kill().expect("killed");
+                killed += usize::from(child.wait().expect("ends").code().is_none());
+            }
+            sleep(time.mul_f64(rng.random_range(0.0..0.02)));
+        }
+        for (name, bytes) in files(&map) {
+            assert!(expected.get(&name) == Some(&bytes), "{} is wrong", name.display());
+        }
+        left = left.max(fs::read_dir(map.join("tmp")).expect("folder").count());
+        if fs::read_dir(map.join("data")).expect("folder").count() == 100 {
+            told(dir.path(), 0, &["verify", "map/", "--deep"]);
+            assert!(files(&map) == expected);
+            fs::remove_dir_all(&map).expect("removable");
+            told(dir.path(), 0, &plan);
+        }
+    }
+    told(dir.path(), 0, &["shard", "map/", "--quiet"]);
+    told(dir.path(), 0, &["verify", "map/", "--deep"]);
+    assert!(files(&map) == expected, "not the bytes of one run");
+    assert!(fs::read_dir(map.join("tmp")).expect("folder").next().is_none(), "verify tidies up");
+    (killed, left)
+}
+
+#[test]
+fn killed_processes_leave_the_bytes_of_one_machine() {
+    let (killed, _) = race(2, 4, 25);
+    assert!(killed >= 4);
+}
+
+#[test]
+#[ignore = "minutes: `just faults`"]
+fn a_hundred_and_fifty_kills() {
+    let (two, of_two) = race(2, 100, 2026);
+    let (three, of_three) = race(3, 50, 2027);
+    assert!(two + three >= 150);
+    println!(
+        "0 wrong bytes, 0 lost: {two} kills of two processes, {three} of three; at most {of_two} and {of_three} unfinished files at a time"
+    );
+}
+
+/// SIGTERM and Ctrl-C end at once, and leave nothing unfinished.
+#[test]
+fn a_stopped_shard_leaves_nothing_unfinished() {
+    let dir = folder();
+    let drive = drive();
+    let loads = "axial_load_N=500:9000:1000000";
+    let plan = [&sweep(&drive, loads, "map/", "4000000")[..], &["--plan"]].concat();
+    told(dir.path(), 0, &plan);
+    let tmp = dir.path().join("map/tmp");
+    for (signal, code) in [("-TERM", 143), ("-INT", 130)] {
+        let mut child = spawn(dir.path(), &["shard", "map/", "--quiet"]);
+        while fs::read_dir(&tmp).expect("folder").next().is_none() {
+            assert!(child.try_wait().expect("a child").is_none(), "ended early");
+            sleep(Duration::from_millis(5));
+        }
+        let killed = Command::new("kill").args([signal, &child.id().to_string()]).status();
+        let asked = Instant::now();
+        assert!(killed.expect("kill").success());
+        assert_eq!(child.wait().expect("ends").code(), Some(code));
+        // It takes some ms; the rest is for a machine that does other things.
+        assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
+        assert_eq!(fs::read_dir(&tmp).expect("folder").count(), 0);
+    }
+    assert_eq!(fs::read_dir(dir.path().join("map/data")).expect("folder").count(), 0);
+}
+
+/// A disk without room, a small file system where one can be mounted: exit 1, and the rest goes on elsewhere.
+#[test]
+fn a_folder_that_cannot_be_written_is_told() {
+    let dir = folder();
+    let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
+    let plan = [&sweep(&drive, loads, "map/", "40")[..], &["--plan"]].concat();
+    told(dir.path(), 0, &plan);
+    // Who is root writes anyway: a file in place of the folder is refused to everybody.
+    let tmp = dir.path().join("map/tmp");
+    fs::remove_dir(&tmp).expect("removable");
+    fs::write(&tmp, "").expect("writable");
+    assert!(told(dir.path(), 1, &["shard", "map/"]).contains("map/tmp"));
+    fs::remove_file(&tmp).expect("removable");
+    told(dir.path(), 0, &["shard", "map/"]);
+    told(dir.path(), 0, &["verify", "map/"]);
+}
+
+/// Random points and statistics through the program; a table of points beside the folder.
+#[test]
+fn random_points_statistics_and_tables_are_planned() {
+    let dir = folder();
+    let run = |code, args: &[&str]| told(dir.path(), code, args);
+    let drive = drive();
+    let common = ["--model=closed-form", "--columns=efficiency"];
+    let draw = ["--draw=friction_coefficient=uniform:0.01:0.1", "--draws=100", "--seed=5"];
+    let sweep = [&["sweep", &drive][..], &common, &draw].concat();
+    let parts = ["--rows-per-shard=30"];
+    run(0, &[&sweep[..], &parts, &["-o", "rows/", "--plan"]].concat());
+    run(0, &["shard", "rows/", "--shards=2:4"]);
+    run(0, &["shard", "rows/", "--shards=0:3"]);
+    run(0, &["verify", "rows/", "--deep"]);
+    run(0, &[&sweep[..], &["-o", "points.parquet"]].concat());
+
+    // The table has the same points.
+    let batch = ["batch", "points.parquet", "--base", &drive];
+    run(0, &[&batch[..], &common, &parts, &["-o", "table/", "--plan"]].concat());
+    run(0, &["shard", "table/", "--index=1", "--of=2"]);
+    fs::rename(dir.path().join("points.parquet"), dir.path().join("moved.parquet")).expect("moved");
+    assert!(run(1, &["shard", "table/"]).contains("points.parquet"));
+    run(0, &["shard", "table/", "--points", "moved.parquet"]);
+    run(0, &["verify", "table/"]);
+    fs::write(dir.path().join("points.parquet"), "another").expect("writable");
+    assert!(run(2, &["shard", "table/"]).contains("is not the table of points"));
+
+    let reduce = ["--reduce=min,mean,histogram:16,worst:2", "-o", "few/", parts[0]];
+    run(0, &[&sweep[..], &reduce, &["--plan"]].concat());
+    run(0, &["shard", "few/"]);
+    run(0, &["verify", "few/"]);
+    let one = files(&dir.path().join("few"));
+    assert!(one.contains_key(Path::new("reduced.parquet")));
+    run(0, &[&sweep[..], &reduce, &["--resume"]].concat());
+    assert!(files(&dir.path().join("few")) == one, "one code path");
+
+    for (args, words) in [
+        (&["--reduce=median", "-o", "x/"][..], "--reduce: `median` is none of"),
+        (&["--reduce=min", "--by=lead_mm", "-o", "x/"], "--by lead_mm: it is no column"),
+        (&["--reduce=min", "-o", "x.csv"], "--reduce is for folders"),
+        (&["--plan", "-o", "x.csv"], "--plan is for folders"),
+        (&["-o", "x.csv", "--plot", "x.svg"], "--plot and --map need all points of a grid"),
+        (&["--vary=lead_mm=5,10", "-o", "x/"], "cannot be used with"),
+        (&["--draw=lead_mm=uniform:2:1", "-o", "x/"], "--draw: "),
+    ] {
+        let said = run(2, &[&sweep[..], args].concat());
+        assert!(said.contains(words), "{said}");
+    }
+}
+
+/// A plan of 1e12 points is made, read, and one of its parts solved and verified.
+#[test]
+fn a_million_million_points_are_planned_in_a_moment() {
+    let dir = folder();
+    let drive = drive();
+    let begin = Instant::now();
+    // 59 604 parts of 2^24 rows, and a last one of 4096.
+    let vary =
+        ["--vary=axial_load_N=500:9000:244137985", "--vary=friction_coefficient=0.01:0.1:4096"];
+    let how = ["--model=closed-form", "--columns=efficiency", "-o", "map/", "--plan"];
+    let said = told(dir.path(), 0, &[&["sweep", &drive][..], &vary, &how].concat());
+    assert!(
+        said.contains("rows        999989186560\nshards      59605 of 16777216 rows\n"),
+        "{said}"
+    );
+    assert!(said.contains("consider --reduce"), "{said}");
+    let said = told(dir.path(), 0, &["shard", "map/", "--shards=59604:59605"]);
+    assert!(said.contains("1 solved, 0 there before"), "{said}");
+    let said = told(dir.path(), 3, &["verify", "map/", "--deep"]);
+    assert!(said.starts_with("1 of 59605 shards") && said.contains("missing  0:59604\n"), "{said}");
+    assert!(said.contains("4096 of 999989186560 rows"), "{said}");
+    // It takes 0.1 s; the rest is for a machine that does other things.
+    assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
+    let size: usize = files(&dir.path().join("map")).values().map(Vec::len).sum();
+    assert!(size < 200_000, "{size} bytes");
+}
+
+/// Runs a plan to its end.
+type Run<'a> = Box<dyn Fn() + 'a>;
+
+/// The files of `examples/scale-out` as plain processes, with stand-ins for the scheduler.
+#[test]
+fn examples_of_schedulers_solve_a_plan() {
+    let dir = folder();
+    let bin = dir.path().join("bin");
+    fs::create_dir(&bin).expect("folder");
+    symlink(env!("CARGO_BIN_EXE_bsm"), bin.join("bsm")).expect("a link");
+    let stand_in = |name: &str, text: &str| {
+        fs::write(bin.join(name), text).expect("writable");
+        fs::set_permissions(bin.join(name), fs::Permissions::from_mode(0o755)).expect("mode");
+    };
+    stand_in("srun", "#!/bin/sh\nexec \"$@\"\n");
+    // Runs what is before `:::` with each word behind it, as GNU parallel does.
+    stand_in(
+        "parallel",
+        "#!/bin/bash\nwhile [[ $1 == --* ]]; do shift 2; done\n\
+         command=(); while [[ $1 != ::: ]]; do command+=(\"$1\"); shift; done; shift\n\
+         for word; do \"${command[@]/\\{\\}/$word}\" & done; wait\n",
+    );
+    let path = format!("{}:{}", bin.display(), std::env::var("PATH").expect("a path"));
+    let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
+    told(dir.path(), 3, &sweep(&drive, loads, "whole/", "10"));
+    let expected = files(&dir.path().join("whole"));
+    let map = dir.path().join("map");
+    let run = |program: &str, args: &[&str], variables: &[(&str, &str)]| {
+        let mut command = Command::new(program);
+        command.args(args).current_dir(dir.path()).env("PATH", &path).envs(variables.to_vec());
+        let output = command.output().expect("it runs");
+        assert!(output.status.success(), "{program} {args:?}: {}", stderr(&output));
+    };
+    let example = |name: &str| format!("{ROOT}/examples/scale-out/{name}");
+    let slurm = |i: usize| {
+        let index = i.to_string();
+        let variables = [("SLURM_ARRAY_TASK_ID", index.as_str()), ("SLURM_CPUS_PER_TASK", "1")];
+        run("sh", &[&example("slurm.sh"), "map/"], &variables);
+    };
+    let yaml = fs::read_to_string(example("kubernetes.yaml")).expect("an example");
+    let command = yaml.lines().find_map(|line| line.trim().strip_prefix("command: "));
+    let command: Vec<String> = serde_json::from_str(command.expect("a command")).expect("a list");
+    let pod = |i: usize| {
+        let words = command.iter().map(|word| {
+            let word = if word == "/map" { "map/".to_owned() } else { word.clone() };
+            word.replace("$(JOB_COMPLETION_INDEX)", &i.to_string())
+        });
+        let words: Vec<_> = words.collect();
+        let args: Vec<_> = words[1..].iter().map(String::as_str).collect();
+        run(&bin.join(&words[0]).display().to_string(), &args, &[]);
+    };
+    // Some 40 parts: further tasks have nothing to do.
+
+    let runners: [(&str, Run<'_>); 3] = [
+        ("slurm.sh", Box::new(|| (0..41).for_each(&slurm))),
+        ("kubernetes.yaml", Box::new(|| (0..41).for_each(&pod))),
+        ("parallel.sh", Box::new(|| run("sh", &[&example("parallel.sh"), "map/"], &[]))),
+    ];
+    for (name, solve) in runners {
+        told(dir.path(), 0, &[&sweep(&drive, loads, "map/", "10")[..], &["--plan"]].concat());
+        solve();
+        told(dir.path(), 0, &["verify", "map/"]);
+        assert!(files(&map) == expected, "{name}");
+        fs::remove_dir_all(&map).expect("removable");
+    }
+}
+
+/// The table of the guide, from the plans themselves: all but the time of a scheduler, which is 2 ms a task.
+#[test]
+fn the_guide_has_the_table_of_the_plans() {
+    let dir = folder();
+    let drive = drive();
+    let mut table = String::new();
+    for (model, more, what) in [
+        ("closed-form", &[][..], "`closed-form`"),
+        ("rigid", &[], "`rigid`"),
+        ("rigid", &["--reduce=min,max,mean,histogram:64,worst:10"], "`rigid`, statistics"),
+        ("elastic", &[], "`elastic`"),
+        ("traction", &[], "`traction`"),
+    ] {
+        // Times a thousand.
+        for (rows, all) in [("1000000", "1e9"), ("100000000", "1e11"), ("1000000000", "1e12")] {
+            let vary = format!("--vary=axial_load_N=2000:8000:{rows}");
+            let model = format!("--model={model}");
+            let args = ["sweep", &drive, &model, &vary, "--vary=screw_speed_rpm=100:1500:1000"];
+            let how = ["--columns=efficiency", "-o", "map/", "--plan"];
+            let said = told(dir.path(), 0, &[&args[..], &how, more].concat());
+            fs::remove_dir_all(dir.path().join("map")).expect("removable");
+            let line = |name: &str| {
+                let line = said.lines().find_map(|line| line.strip_prefix(name));
+                line.unwrap_or_else(|| panic!("{name}: {said}")).trim().to_owned()
+            };
+            let parts = line("shards");
+            let (shards, _) = parts.split_once(" of ").expect("shards");
+            let count: u64 = shards.parse().expect("a number");
+            let hours: f64 = line("core-hours").parse().expect("a number");
+            let size = line("size");
+            #[expect(clippy::cast_precision_loss, reason = "some ten thousand")]
+            let of_a_shard = 3600.0 * hours / count as f64;
+            // As `ballscrew.distributed` does: consecutive parts that take ten seconds.
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
+            let per_task = ((10.0 / of_a_shard).round() as u64).clamp(1, count);
+            let tasks = count.div_ceil(per_task);
+            let part = |shard| Part {
+                shard,
+                first_row: shard << 20,
+                rows: 1 << 20,
+                failed: 0,
+                several: 0,
+                data_bytes: 8 << 20,
+                data_sha256: format!("{shard:064x}"),
+            };
+            let list = list_parts(&(0..count).map(|shard| (shard, part(shard))).collect());
+            let list = list.expect("memory").len();
+            #[expect(clippy::cast_precision_loss, reason = "some ten thousand")]
+            let (seconds, list) = (2e-3 * tasks as f64, list as f64 / 1e6);
+            writeln!(
+                table,
+                "| {what} | {all} | {hours:.1} | {} | {parts} | {tasks} | {seconds:.0} | {list:.1} MB |",
+                size.trim_end_matches(" at most"),
+            )
+            .expect("memory");
+        }
+    }
+    let guide = fs::read_to_string(format!("{ROOT}/docs/guide/scale-out.md")).expect("the guide");
+    assert!(guide.contains(&table), "the guide should have:\n{table}");
+}

@@ -1,0 +1,355 @@
+//! `bsm size` and units of one's own, as a user meets them.
+
+use crate::program;
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use program::{bsm, folder, stderr, stdout};
+
+fn example(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name);
+    path.display().to_string()
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON alone on stdout")
+}
+
+fn number(results: &Value, name: &str) -> f64 {
+    results[name].as_f64().unwrap_or_else(|| panic!("{name} in {results}"))
+}
+
+/// The job of the audit, level and upright: from a requirement to a sheet in three commands. What the audit had
+/// to do by hand stands on it, and is what the rules of the theory give by hand.
+#[test]
+fn from_a_requirement_to_a_sheet_in_three_commands() {
+    let requirement = example("requirements/axis.json");
+    for (way, set, load) in [
+        // 1 % of 500 kg on the guides.
+        ("level", "inclination_deg=0", 10_000.0 + 0.01 * 500.0 * 9.806_65),
+        ("upright", "inclination_deg=90", 10_000.0 + 500.0 * 9.806_65),
+    ] {
+        let dir = folder();
+        let run = |args: &[&str]| {
+            let output = bsm(dir.path(), args, "");
+            assert_eq!(
+                output.status.code(),
+                Some(0),
+                "{way} {args:?}: {}{}",
+                stdout(&output),
+                stderr(&output)
+            );
+            stdout(&output)
+        };
+        // The upright screw carries the weight too: its life is that of 14.9 kN.
+        let axial = format!("axial_load_kN={}", load / 1e3);
+        run(&["design", &requirement, "--set", &axial, "-o", "screw.json"]);
+        // The process force alone; weight and guides come from the mass.
+        let process = ["--set", set, "--set", "axial_load_kN=10"];
+        run(&[&["nut", "screw.json"], &process[..]].concat());
+        let args = [&["size", "screw.json", "--out", "sheet", "--format", "json"], &process[..]];
+        let sheet = json(&run(&args.concat()));
+        let (screw, results) = (&sheet["screw"], &sheet["results"]);
+        assert_eq!(sheet["passes"], true, "{way}");
+
+        let close = |name: &str, by_hand: f64, tolerance: f64| {
+            let ours = number(results, name);
+            assert!(
+                (ours / by_hand - 1.0).abs() < tolerance,
+                "{way} {name}: {ours}, by hand {by_hand}"
+            );
+        };
+        let lead = number(screw, "lead_mm");
+        let rpm = 30_000.0 / lead;
+        // Rounding of a few products.
+        close("largest_speed_rpm", rpm, 1e-12);
+        close("largest_load_N", load, 1e-9);
+        let length = 1200.0 + number(screw, "nut_length_mm") + 2.0 * lead;
+        close("screw_length_between_bearings_mm", length, 1e-9);
+        // The factors of catalogues: three digits of 15.1, and 2.046 for 2 with 206 for 207 GPa.
+        let core = number(screw, "screw_core_diameter_mm");
+        let permitted = 15.1e7 * core / length.powi(2);
+        close("critical_speed_rpm", permitted / 0.8, 6e-3);
+        close("buckling_load_N", 4.072e5 * 0.5 * core.powi(4) / length.powi(2), 0.02);
+        let hours = 1e6 / (60.0 * rpm) * (number(screw, "dynamic_load_rating_N") / load).powi(3);
+        close("cycle_life_h", hours, 1e-9);
+        close("equivalent_load_N", load, 1e-9);
+        let inertia = std::f64::consts::PI * 7850.0 / 32.0
+            * (length * 1e-3)
+            * (number(screw, "pitch_circle_diameter_mm") * 1e-3).powi(4);
+        close("inertia_of_screw_kg_m2", inertia, 1e-9);
+        // An efficiency of 0.95 to 1 and 0.8 N m of bearings and seals.
+        let ideal = load * lead * 1e-3 / std::f64::consts::TAU;
+        let torque = number(results, "peak_motor_torque_Nm") - 0.8;
+        assert!((0.95..1.0).contains(&(ideal / torque)), "{way}: {ideal} {torque}");
+
+        // The sheet is there, with everything of the JSON that has a limit.
+        let page = fs::read_to_string(dir.path().join("sheet/report.html")).expect("a page");
+        for rule in sheet["rules"].as_array().expect("rules") {
+            assert!(page.contains(rule["name"].as_str().expect("a name")), "{rule}");
+        }
+        assert!(page.contains("Not modelled") && page.matches("<svg").count() == 2);
+        let written = fs::read_to_string(dir.path().join("sheet/results.json")).expect("numbers");
+        assert_eq!(json(&written), sheet);
+    }
+}
+
+/// Found by the audit: the efficiency of one screw was 0.879, 0.98750, 0.98774 and 0.99131 on four pages, and its preload in
+/// none of them. One scene has one efficiency, and its parts are the same on every page.
+#[test]
+fn one_screw_has_one_efficiency() {
+    let dir = folder();
+    let requirement = example("requirements/axis.json");
+    let run = |args: &[&str]| {
+        let output = bsm(dir.path(), args, "");
+        let code = output.status.code();
+        assert!(matches!(code, Some(0 | 3)), "{args:?}: {}", stderr(&output));
+        stdout(&output)
+    };
+    // Nothing but the balls: no mass on guides, no seals, no bearings.
+    let wish: Value = json(&fs::read_to_string(&requirement).expect("a requirement"));
+    let mut wish = wish.as_object().expect("an object").clone();
+    wish.retain(|name, _| {
+        !["moved_mass", "guide", "support_bearing", "seal"]
+            .iter()
+            .any(|part| name.starts_with(part))
+    });
+    fs::write(dir.path().join("wish.json"), Value::Object(wish).to_string()).expect("written");
+    let design = json(&run(&["design", "wish.json", "-o", "screw.json", "--format", "json"]));
+    let step = |name: &str| {
+        let steps = design["steps"].as_array().expect("steps");
+        let step = steps.iter().find(|step| step["name"] == name);
+        number(step.unwrap_or_else(|| panic!("no {name}")), "value")
+    };
+    let solved = json(&run(&["solve", "screw.json", "--format", "json"]));
+    let efficiency = number(&solved, "efficiency");
+    let close = |what: &str, other: f64, tolerance: f64| {
+        assert!(
+            (other / efficiency - 1.0).abs() < tolerance,
+            "{what}: {other}, solve {efficiency}"
+        );
+    };
+    // The same model at the same point: rounding of the units.
+    close("design", step("efficiency"), 1e-9);
+    let sheet = json(&run(&["size", "screw.json", "--out", "sheet", "--format", "json"]));
+    close("size", number(&sheet["results"], "screw_efficiency"), 1e-9);
+    close("phase", number(&sheet["phases"][0], "efficiency"), 1e-9);
+    // All balls of the nut, each by its own balance, carry the same here.
+    let nut = json(&run(&["nut", "screw.json", "--format", "json"]));
+    close("nut", number(&nut, "nut_efficiency"), 1e-9);
+    let page = fs::read_to_string(dir.path().join("sheet/report.html")).expect("a page");
+    let printed = format!("{efficiency:.5}");
+    assert!(page.contains(&printed), "the report has no {printed}");
+    let like = |name: &str| {
+        let screw: Value =
+            json(&fs::read_to_string(dir.path().join("screw.json")).expect("a screw"));
+        format!("{name}={}", number(&screw, name))
+    };
+    let same = [
+        "lead_mm",
+        "ball_diameter_mm",
+        "loaded_turns",
+        "pitch_circle_diameter_mm",
+        "nut_conformity",
+    ]
+    .map(like);
+    let asked = same.iter().flat_map(|condition| ["--require", condition]);
+    let args = ["catalog", "--requirement", "wish.json", "--format", "json"];
+    let args: Vec<_> = args.into_iter().chain(asked).collect();
+    let rows = json(&run(&args));
+    assert_eq!(rows.as_array().map(Vec::len), Some(1), "{rows}");
+    close("catalog", number(&rows[0], "screw_efficiency"), 1e-9);
+
+    // With preload, seals and bearings: the same parts on the pages of solve, size and nut.
+    let sets = ["preload_N=2000", "seal_torque_Nm=0.3", "support_bearing_torque_Nm=0.5"];
+    let sets: Vec<_> = sets.iter().flat_map(|set| ["--set", *set]).collect();
+    let with = |command: &str| {
+        json(&run(&[&[command, "screw.json", "--format", "json"], &sets[..]].concat()))
+    };
+    let (solved, sheet, nut) = (with("solve"), with("size"), with("nut"));
+    let (parts, phase) = (&solved["torque_parts"], &sheet["phases"][0]);
+    let names = parts.as_object().expect("parts of the torque").keys();
+    assert!(names.len() > 6, "{parts}");
+    for name in names {
+        assert_eq!(parts[name], phase[name], "{name}");
+    }
+    let part = |name: &str| number(parts, name);
+    let rub = part("contact_friction_torque_Nm");
+    assert!((rub / number(&nut, "friction_torque_Nm") - 1.0).abs() < 1e-9, "{parts} {nut}");
+    // By the rule of makers: 0.05/sqrt(tan a) F l/(2 pi), less what the contacts of the preload take.
+    let whole = number(&sheet["results"], "preload_drag_Nm");
+    let beyond = whole - number(&sheet["results"], "contact_drag_Nm");
+    assert!((part("preload_drag_beyond_contacts_Nm") - beyond).abs() < 1e-12, "{parts}");
+    let sum = part("ideal_torque_Nm") + rub + beyond + 0.3 + 0.5;
+    assert!((part("screw_torque_Nm") / sum - 1.0).abs() < 1e-12, "{parts}");
+    let table = run(&[&["solve", "screw.json"], &sets[..]].concat());
+    assert!(
+        table.contains("whole screw, contacts by") && table.contains("support bearings"),
+        "{table}"
+    );
+}
+
+/// A sheet that fails says what would help, and exits with 3; what helps helps.
+#[test]
+fn a_failing_rule_says_what_would_help() {
+    let dir = folder();
+    let sheet = |settings: &[&str]| {
+        let axis = example("axis.json");
+        let sets = settings.iter().flat_map(|setting| ["--set", *setting]);
+        let args: Vec<_> = ["size", &axis, "--format", "json"].into_iter().chain(sets).collect();
+        let output = bsm(dir.path(), &args, "");
+        (output.status.code(), json(&stdout(&output)))
+    };
+    let (code, slim) = sheet(&["stroke_mm=2500", "shaft_diameter_mm=30"]);
+    assert_eq!(code, Some(3));
+    let rules = slim["rules"].as_array().expect("rules");
+    let rule = rules.iter().find(|rule| rule["name"] == "critical_speed_ratio").expect("a rule");
+    assert_eq!(rule["passes"], false);
+    let remedy = rule["remedy"].as_str().expect("a remedy");
+    let length: f64 = remedy
+        .split_whitespace()
+        .nth(1)
+        .and_then(|word| word.parse().ok())
+        .unwrap_or_else(|| panic!("{remedy}"));
+    for (change, passes) in [(-1.0, true), (1.0, false)] {
+        let length = format!("unsupported_length_mm={}", length + change);
+        let (_, changed) = sheet(&[&length, "shaft_diameter_mm=30"]);
+        let rules = changed["rules"].as_array().expect("rules");
+        let rule = rules.iter().find(|rule| rule["name"] == "critical_speed_ratio");
+        assert_eq!(rule.expect("a rule")["passes"], passes, "{length}");
+    }
+}
+
+/// A cycle from a table of one's own: semicolons, decimal commas, kilonewtons; the same cycle in the scene.
+#[test]
+fn a_cycle_comes_from_a_table_of_ones_own() {
+    let dir = folder();
+    let table =
+        "time_s;force_kN;feed_m_min;acceleration_m_s2\n0,2;0;15;2,5\n3,6;10;30;0\n0,2;0;15;-2,5\n";
+    fs::write(dir.path().join("cycle.csv"), table).expect("written");
+    let axis = example("axis.json");
+    let args = [
+        "size",
+        &axis,
+        "--cycle",
+        "cycle.csv",
+        "--delimiter",
+        "semicolon",
+        "--decimal",
+        "comma",
+        "--format",
+        "json",
+    ];
+    let output = bsm(dir.path(), &args, "");
+    let from_table = json(&stdout(&output));
+    let cycle = r#"cycle=[{"time_s":0.2,"feed_m_min":15,"acceleration_m_s2":2.5},
+        {"time_s":3.6,"force_N":10000,"feed_m_min":30},
+        {"time_s":0.2,"feed_m_min":15,"acceleration_m_s2":-2.5}]"#;
+    let args = ["size", &axis, "--set", cycle, "--format", "json"];
+    let in_scene = json(&stdout(&bsm(dir.path(), &args, "")));
+    assert_eq!(from_table, in_scene);
+    assert_eq!(in_scene["phases"].as_array().map(Vec::len), Some(3));
+    // 500 kg at 2.5 m/s² and 49 N of guides.
+    let first = number(&in_scene["phases"][0], "axial_load_N");
+    assert!((first - 1_299.033_25).abs() < 1e-6, "{first}");
+    let args = ["size", &axis, "--cycle", "cycle.csv"];
+    assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(2));
+}
+
+/// The audit: names in other units are understood in scenes, settings, sweeps and tables, and a feed is a speed.
+#[test]
+fn names_may_have_any_unit() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    let torque = |args: &[&str]| {
+        let args = [&["solve", &drive, "--format", "json"], args].concat();
+        let output = bsm(dir.path(), &args, "");
+        assert_eq!(output.status.code(), Some(0), "{args:?} {}", stderr(&output));
+        number(&json(&stdout(&output)), "screw_torque_Nm")
+    };
+    let own = torque(&[]);
+    for settings in [
+        &["axial_load_kN=8"][..],
+        &["feed_m_min=30"],
+        &["speed_1_min=1500"],
+        &["screw_speed_rad_s=157.07963267948966"],
+        &["axial_load_lbf=1798.4715440"],
+        &["lead_inch=0.7874015748031496"],
+    ] {
+        let sets: Vec<_> = settings.iter().flat_map(|setting| ["--set", *setting]).collect();
+        // Ten digits of the pounds.
+        assert!((torque(&sets) / own - 1.0).abs() < 1e-9, "{settings:?}");
+    }
+    let points = "axial_load_kN,feed_m_min\n8,30\n4,15\n";
+    let args = ["batch", "-", "--base", &drive, "-o", "-", "--columns", "model,screw_torque_Nm"];
+    for model in ["raceway-control", "auto"] {
+        let output = bsm(dir.path(), &[&args[..], &["--model", model]].concat(), points);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let text = stdout(&output);
+        let mut lines = text.lines();
+        let header = "axial_load_N,feed_m_min,model,status,message,screw_torque_Nm";
+        assert_eq!(lines.next(), Some(header), "{text}");
+        assert!(lines.next().is_some_and(|row| row.starts_with("8000,30,")), "{text}");
+    }
+    let args =
+        ["sweep", &drive, "--vary", "axial_load_kN=4,8", "-o", "-", "--columns", "screw_torque_Nm"];
+    let text = stdout(&bsm(dir.path(), &args, ""));
+    assert!(text.lines().nth(2).is_some_and(|row| row.starts_with("8000,")), "{text}");
+    let args = ["solve", &drive, "--set", "axial_load_kN=8", "--set", "axial_load_mm=8"];
+    let output = bsm(dir.path(), &args, "");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("did you mean `axial_load_N`"), "{}", stderr(&output));
+}
+
+/// The audit: `eff` and `speed` suggested nothing or the wrong name.
+#[test]
+fn short_names_are_suggested() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    let columns = |name: &str| {
+        let args = ["sweep", &drive, "--vary", "lead_mm=10,20", "-o", "-", "--columns", name];
+        stderr(&bsm(dir.path(), &args, ""))
+    };
+    assert!(columns("eff").contains("did you mean `efficiency`?"), "{}", columns("eff"));
+    let output = bsm(dir.path(), &["solve", &drive, "--set", "speed=3"], "");
+    assert!(stderr(&output).contains("`screw_speed_rpm`"), "{}", stderr(&output));
+}
+
+/// The audit: a nut from the catalogue and a screw of `design` could not be solved.
+#[test]
+fn a_picked_nut_is_a_scene_for_every_command() {
+    let dir = folder();
+    let args = [
+        "catalog",
+        "--require",
+        "nominal_diameter_mm=40",
+        "--require",
+        "lead_mm=20",
+        "--pick",
+        "nut.json",
+    ];
+    assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(0));
+    let point =
+        ["friction_coefficient=0.06", "axial_load_N=8000", "feed_m_min=30", "stroke_mm=800"];
+    let sets: Vec<_> = point.iter().flat_map(|setting| ["--set", *setting]).collect();
+    for command in [
+        &["solve"][..],
+        &["solve", "--model", "traction"],
+        &["compare"],
+        &["nut"],
+        &["capacity"],
+        &["slip"],
+        &["optimum"],
+        &["size"],
+    ] {
+        let args = [&command[..1], &["nut.json"], &command[1..], &sets].concat();
+        let output = bsm(dir.path(), &args, "");
+        // A sheet may have a rule that fails.
+        let codes = if command[0] == "size" { vec![0, 3] } else { vec![0] };
+        let code = output.status.code().expect("a code");
+        assert!(codes.contains(&code), "{command:?} {code}: {}", stderr(&output));
+    }
+}

@@ -1,0 +1,296 @@
+//! Tables of one's own, what tables say of their origin, workbooks and maps, as a user meets them.
+
+use crate::program;
+
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use serde_json::Value;
+use zip::ZipArchive;
+
+use program::{bsm, folder, stderr, stdout};
+
+fn example(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name);
+    path.display().to_string()
+}
+
+fn run(folder: &Path, args: &[&str], code: i32) -> (String, String) {
+    let output = bsm(folder, args, "");
+    assert_eq!(output.status.code(), Some(code), "{args:?}: {}", stderr(&output));
+    (stdout(&output), stderr(&output))
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON")
+}
+
+/// Found by a user: semicolons, decimal commas and other names had no option, and `1.500` was 1.5 silently.
+#[test]
+fn a_table_of_ones_own_is_read() {
+    let dir = folder();
+    let at = |name: &str| dir.path().join(name);
+    fs::write(at("own.csv"), "Kraft;Hub;note;Drehzahl\n2,5;20;\"a;b\";1500\n8,0;10;c;3000\n")
+        .expect("table");
+    let map =
+        r#"{"Kraft": "axial_load_kN", "Hub": "lead_mm", "note": null, "Drehzahl": "speed_1_min"}"#;
+    fs::write(at("names.json"), map).expect("names");
+    fs::write(at("ours.csv"), "axial_load_N,lead_mm,screw_speed_rpm\n2500,20,1500\n8000,10,3000\n")
+        .expect("table");
+    let base = example("feed_drive.json");
+    let common = ["--base", &base, "--columns", "efficiency"];
+    let signs = ["--delimiter", "semicolon", "--decimal", "comma", "--columns-from", "names.json"];
+    run(dir.path(), &[&["batch", "own.csv", "-o", "a.csv"], &common[..], &signs].concat(), 0);
+    run(dir.path(), &[&["batch", "ours.csv", "-o", "b.csv"], &common[..]].concat(), 0);
+    let read = |name: &str| fs::read_to_string(at(name)).expect("a table");
+    assert_eq!(read("a.csv"), read("b.csv"));
+    // A column that is kept has its own name; a folder knows the signs, too.
+    let keep = ["batch", "own.csv", "-o", "map/", "--keep", "note"];
+    run(dir.path(), &[&keep[..], &common, &signs].concat(), 0);
+    assert!(read("map/plan.json").contains("\"delimiter\":\";\""));
+    run(dir.path(), &[&keep[..], &["--resume"], &common, &signs].concat(), 0);
+
+    // The names of JSON Lines are changed as well.
+    fs::write(at("own.jsonl"), "{\"Kraft\": 2.5, \"note\": [1]}\n{\"Kraft\": 8, \"note\": {}}\n")
+        .expect("table");
+    let names = "{\"Kraft\": \"axial_load_kN\", \"note\": null}";
+    fs::write(at("two.json"), names).expect("names");
+    let renamed = ["batch", "own.jsonl", "-o", "c.csv", "--columns-from", "two.json"];
+    run(dir.path(), &[&renamed[..], &common].concat(), 0);
+    assert!(read("c.csv").contains("2500,"), "{}", read("c.csv"));
+
+    for (table, signs, part) in [
+        (
+            "Kraft\n1\n",
+            &["--columns-from", "names.json"][..],
+            "--columns-from: the table has no column `Drehzahl`",
+        ),
+        ("Kraft\n1\n", &[], "column `Kraft` is not an input"),
+        (
+            "axial_load_N;lead_mm\n1;2\n",
+            &[],
+            "separated by `;`; cells are separated by `,` unless --delimiter",
+        ),
+        (
+            "axial_load_N,lead_mm\n1,2\n",
+            &["--delimiter", "tab"],
+            "separated by `,`; cells are separated by `\\t`",
+        ),
+    ] {
+        fs::write(at("bad.csv"), table).expect("table");
+        let args = [&["batch", "bad.csv", "-o", "x.csv"], &common[..], signs].concat();
+        let (_, told) = run(dir.path(), &args, 2);
+        assert!(told.contains(part), "{told}");
+    }
+    // A point where a comma is meant is no number: the row says so.
+    fs::write(at("mixed.csv"), "axial_load_N\n1.500\n").expect("table");
+    let mixed = ["batch", "mixed.csv", "-o", "x.csv", "--decimal", "comma"];
+    run(dir.path(), &[&mixed[..], &common].concat(), 3);
+    assert!(read("x.csv").contains("invalid_input"), "{}", read("x.csv"));
+}
+
+/// Found by a user: a table could not say what it was made from. The scene in it makes the table again.
+#[test]
+fn tables_say_what_they_are_made_from() {
+    let dir = folder();
+    let at = |name: &str| dir.path().join(name);
+    let drive = example("feed_drive.json");
+    let sweep = |output: &str, more: &[&str]| {
+        let args =
+            ["sweep", &drive, "--set", "lead_mm=10", "--vary", "axial_load_kN=1:9:3", "--columns"];
+        let args =
+            [&args[..], &["efficiency,screw_torque_Nm", "--tolerance", "1e-3", "-o", output], more];
+        run(dir.path(), &args.concat(), 0);
+    };
+    sweep("map.parquet", &[]);
+    sweep("map.csv", &["--metadata"]);
+    let parquet =
+        SerializedFileReader::new(File::open(at("map.parquet")).expect("file")).expect("Parquet");
+    let keys = parquet.metadata().file_metadata().key_value_metadata().expect("keys");
+    let about = keys.iter().find(|key| key.key == "bsm").and_then(|key| key.value.as_deref());
+    let about = json(about.expect("what it is made from"));
+    let beside = json(&fs::read_to_string(at("map.csv-metadata.json")).expect("beside the table"));
+    for about in [&about, &beside] {
+        assert_eq!(about["program"]["name"], "bsm", "{about}");
+        assert_eq!(
+            about["points"]["grid"],
+            serde_json::json!(["axial_load_N=1000:9000:3"]),
+            "{about}"
+        );
+        assert_eq!(
+            (&about["scene"]["lead_mm"], &about["settings"]["tolerance"]),
+            (&serde_json::json!(10.0), &serde_json::json!(1e-3))
+        );
+        assert_eq!(about["columns"]["screw_torque_Nm"]["unit"], "N m");
+    }
+    // FIPS 180 by another program.
+    let hash =
+        std::process::Command::new("sha256sum").arg(at("map.csv")).output().expect("sha256sum");
+    let hash = String::from_utf8(hash.stdout).expect("text");
+    assert_eq!(beside["table"]["sha256"], hash.split_whitespace().next().expect("a hash"));
+    // The way back.
+    fs::write(at("again.json"), about["scene"].to_string()).expect("scene");
+    let vary = about["points"]["grid"][0].as_str().expect("an axis").to_owned();
+    let again = ["sweep", "again.json", "--vary", &vary, "--columns", "efficiency,screw_torque_Nm"];
+    run(dir.path(), &[&again[..], &["--tolerance", "1e-3", "-o", "again.csv"]].concat(), 0);
+    assert_eq!(fs::read(at("again.csv")).expect("table"), fs::read(at("map.csv")).expect("table"));
+    // A table of points is named by its hash.
+    fs::copy(at("map.csv"), at("points.csv")).expect("copy");
+    let batch = [
+        "batch",
+        "points.csv",
+        "--base",
+        &drive,
+        "--columns",
+        "efficiency",
+        "-o",
+        "b.csv",
+        "--metadata",
+    ];
+    run(dir.path(), &batch, 0);
+    let about = json(&fs::read_to_string(at("b.csv-metadata.json")).expect("beside the table"));
+    assert_eq!(about["points"]["table"]["sha256"], beside["table"]["sha256"]);
+}
+
+/// A part of a workbook, which is a ZIP archive of XML.
+fn sheet(path: &Path, name: &str) -> String {
+    let mut book = ZipArchive::new(File::open(path).expect("file")).expect("a workbook");
+    let mut text = String::new();
+    book.by_name(name).expect("a sheet").read_to_string(&mut text).expect("XML");
+    text
+}
+
+/// Cells of a sheet by their places.
+fn cells(xml: &str) -> Vec<(String, String)> {
+    let document = roxmltree::Document::parse(xml).expect("XML");
+    let cells = document.descendants().filter(|node| node.has_tag_name("c"));
+    let text = |node: roxmltree::Node<'_, '_>| {
+        node.descendants()
+            .filter(roxmltree::Node::is_text)
+            .filter_map(|n| n.text())
+            .collect::<Vec<_>>()
+            .concat()
+    };
+    cells.map(|cell| (cell.attribute("r").expect("a place").to_owned(), text(cell))).collect()
+}
+
+/// A workbook has names, units and the numbers of the CSV table, and says what it is made from.
+#[test]
+fn workbooks_have_units_and_the_same_numbers() {
+    let dir = folder();
+    let at = |name: &str| dir.path().join(name);
+    let drive = example("feed_drive.json");
+    for output in ["out.xlsx", "out.csv"] {
+        let sweep = [
+            "sweep",
+            &drive,
+            "--vary",
+            "lead_mm=5:20:4",
+            "--columns",
+            "screw_torque_Nm",
+            "-o",
+            output,
+        ];
+        run(dir.path(), &sweep, 0);
+    }
+    let found = cells(&sheet(&at("out.xlsx"), "xl/worksheets/sheet1.xml"));
+    let cell =
+        |place: &str| found.iter().find(|(at, _)| at == place).map(|(_, text)| text.as_str());
+    assert_eq!(
+        (cell("A1"), cell("A2"), cell("E1"), cell("E2")),
+        (Some("lead_mm"), Some("mm"), Some("screw_torque_Nm"), Some("N m"))
+    );
+    let mut csv = csv::Reader::from_path(at("out.csv")).expect("a table");
+    let rows: Vec<_> = csv.records().map(|row| row.expect("a row")).collect();
+    assert_eq!(rows.len(), 4);
+    for (row, record) in (3..).zip(&rows) {
+        for (column, place) in [(0, "A"), (4, "E")] {
+            let found: f64 =
+                cell(&format!("{place}{row}")).expect("a cell").parse().expect("a number");
+            let other: f64 = record[column].parse().expect("a number");
+            // A workbook has sixteen digits of seventeen.
+            assert!((found - other).abs() <= 1e-15 * other.abs(), "{found} {other}");
+        }
+    }
+    let about = sheet(&at("out.xlsx"), "xl/sharedStrings.xml");
+    assert!(
+        about.contains("scene.ball_diameter_mm") && about.contains("settings.tolerance"),
+        "{about}"
+    );
+
+    // Ratings, steps of a design, and nuts of the catalogue.
+    run(dir.path(), &["capacity", &example("nut.json"), "-o", "ratings.xlsx"], 0);
+    assert!(
+        sheet(&at("ratings.xlsx"), "xl/worksheets/sheet1.xml").contains("dynamic_load_rating_N")
+    );
+    let wish = example("requirements/axis.json");
+    run(dir.path(), &["design", &wish, "--table", "steps.csv"], 0);
+    assert!(fs::read_to_string(at("steps.csv")).expect("steps").contains("life_h,h,"));
+    fs::write(at("lists.json"), "{\"nominal_diameter_mm\": [40], \"lead_mm\": [10]}")
+        .expect("lists");
+    run(dir.path(), &["catalog", "lists.json", "-o", "nuts.xlsx"], 0);
+    assert!(sheet(&at("nuts.xlsx"), "xl/worksheets/sheet1.xml").contains("mass_kg"));
+
+    // More rows than a sheet has are refused before the work.
+    let many = ["sweep", &drive, "--vary", "lead_mm=5:20:1048575", "-o", "many.xlsx"];
+    let (_, told) = run(dir.path(), &many, 1);
+    assert!(told.contains("a sheet has 1048574 rows, and this table has 1048575"), "{told}");
+    assert!(!at("many.xlsx").exists());
+}
+
+/// Found by a user: a grid of 30 x 40 could not be drawn, the axes had names of columns, and a change of model was
+/// unmarked.
+#[test]
+fn a_map_shows_a_grid_and_its_models() {
+    let dir = folder();
+    let at = |name: &str| dir.path().join(name);
+    let drive = example("feed_drive.json");
+    let sweep = |more: &[&str]| {
+        let args = [
+            "sweep",
+            &drive,
+            "--vary",
+            "axial_load_N=100:20000:30:log",
+            "--vary",
+            "screw_speed_rpm=50:3000:40",
+        ];
+        run(
+            dir.path(),
+            &[&args[..], &["--keep-going", "--columns", "efficiency", "-o", "x.parquet"], more]
+                .concat(),
+            0,
+        )
+    };
+    sweep(&["--map", "map.svg"]);
+    sweep(&["--map", "map.png", "--plot-output", "screw_torque_Nm"]);
+    let svg = fs::read_to_string(at("map.svg")).expect("a map");
+    let document = roxmltree::Document::parse(&svg).expect("an SVG");
+    let texts: Vec<_> = document.descendants().filter_map(|node| node.text()).collect();
+    // The title is broken into lines.
+    for part in ["axial load, N", "screw speed, rpm", "Machine-tool feed drive: efficiency"] {
+        assert!(texts.iter().any(|text| text.contains(part)), "{part}: {texts:?}");
+    }
+    for model in ["raceway-control /", "traction"] {
+        assert!(texts.contains(&model), "no boundary: {texts:?}");
+    }
+    let mut head = [0; 24];
+    File::open(at("map.png")).expect("a picture").read_exact(&mut head).expect("a head");
+    // The header of PNG: twice the size of the SVG.
+    let size = |at: usize| u32::from_be_bytes(head[at..at + 4].try_into().expect("four"));
+    assert!(head.starts_with(b"\x89PNG") && (size(16), size(20)) == (1280, 800), "{head:?}");
+    // Lines have a mark where the model changes.
+    let line =
+        ["sweep", &drive, "--vary", "axial_load_N=100:20000:30:log", "--columns", "efficiency"];
+    run(
+        dir.path(),
+        &[&line[..], &["--keep-going", "-o", "x.csv", "--plot", "line.svg"]].concat(),
+        0,
+    );
+    let svg = fs::read_to_string(at("line.svg")).expect("a plot");
+    assert!(svg.contains("model changes: "), "{svg}");
+    let one = ["sweep", &drive, "--vary", "lead_mm=5,10", "-o", "x.csv", "--map", "m.svg"];
+    let (_, told) = run(dir.path(), &one, 2);
+    assert!(told.contains("--map draws two varied inputs"), "{told}");
+}

@@ -1,0 +1,7 @@
+//! Limits, failures and campaigns of the models.
+
+mod elastic;
+mod extremes;
+mod lanes;
+mod rigid;
+mod rigid_campaign;

@@ -1,0 +1,6 @@
+//! Newton, brackets, paths and matrices on standard problems.
+
+mod bracket;
+mod linear;
+mod path;
+mod standard_problems;

@@ -1,0 +1,198 @@
+//! Random nuts with all features on and off: every one finds its balance, or says that nothing carries
+//! its load.
+
+use crate::nuts;
+
+use std::f64::consts::{PI, TAU};
+
+use bsm_dyn::{Ball, Material};
+use bsm_kin::Helix;
+use bsm_nut::{
+    BallInGrooves, BallNut, Bar, Circuit, Equilibrium, Errors, Flanks, Freedom, LeadError,
+    NutError, Ring, Support,
+};
+use bsm_sample::Sample;
+use nuts::with_circuits;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A nut of 1 to 400 balls, its features on or off by chance.
+fn nut(rng: &mut impl Rng) -> BallNut {
+    let ball = rng.log_uniform(1e-3, 12e-3);
+    let pitch = ball * rng.random_range(4.0..16.0);
+    let lead = ball * rng.random_range(1.1..4.0);
+    let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
+    let count = rng.random_range(1..=5_usize);
+    let pair = rng.random_bool(0.3);
+    let mut start = 0.0;
+    let mut circuits = Vec::new();
+    for number in 0..count {
+        let arc = rng.random_range(0.3..3.0) * TAU;
+        let body = usize::from(pair && 2 * number >= count);
+        let flanks = match (pair, rng.random_range(0..3)) {
+            (true, 0) => [Flanks::Plus, Flanks::Minus][body],
+            (false, 0) => Flanks::Plus,
+            _ => Flanks::Both,
+        };
+        let offset = if pair { rng.random_range(-20e-6..20e-6) } else { 0.0 };
+        let balls = rng.random_range(1..=80);
+        circuits.push(Circuit { start, arc, balls, thread: 0, body, flanks, offset });
+        start += arc + rng.random_range(0.0..1.0) * TAU;
+    }
+    let mut nut = BallNut {
+        helix: Helix { radius: 0.5 * pitch, lead_angle: (lead / (PI * pitch)).atan() },
+        ball: Ball::of_density(0.5 * ball, 7800.0),
+        contact_angle: rng.random_range(25.0_f64..65.0).to_radians(),
+        conformity: (rng.random_range(0.51..0.57), rng.random_range(0.51..0.57)),
+        material: (steel, steel),
+        ..with_circuits(circuits)
+    };
+    let balls = nut.balls();
+    let size = rng.log_uniform(1e-6, 20e-6);
+    let mut errors = Errors::default();
+    if rng.random_bool(0.5) {
+        errors.balls = (0..balls).map(|_| size * rng.random_range(-0.5..0.5)).collect();
+    }
+    if rng.random_bool(0.3) {
+        errors.oversize = size * rng.random_range(-1.0..1.0);
+    }
+    if rng.random_bool(0.5) {
+        let phase = rng.random_range(0.0..TAU);
+        errors.lead.push(LeadError::Wave { amplitude: size, order: 1.0, phase });
+        errors.lead.push(LeadError::Slope { slope: 1e-5, origin: 0.0 });
+    }
+    if rng.random_bool(0.3) {
+        errors.gap = size;
+    }
+    nut.errors = errors;
+    let length = lead * start / TAU;
+    let area = 0.25 * PI * pitch * pitch;
+    if rng.random_bool(0.5) {
+        let anchor = rng.random_range(-0.5..1.5) * length;
+        nut.nut_bar = Some(Bar { stiffness: 206e9 * area, anchor });
+    }
+    if rng.random_bool(0.5) {
+        let anchor = rng.random_range(-0.5..1.5) * length;
+        nut.screw_bar = Some(Bar { stiffness: 206e9 * 0.7 * area, anchor });
+    }
+    if rng.random_bool(0.5) {
+        let inner = pitch + 0.7 * ball;
+        nut.ring = Some(Ring { outer: 1.5 * inner, inner, youngs_modulus: 206e9 });
+    }
+    if rng.random_bool(0.2) {
+        nut.precession = rng.log_uniform(1.0, 600.0);
+    }
+    nut
+}
+
+/// A load up to about half of the dynamic rating, a side load and a moment, free, guided or sprung.
+fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
+    // 0.5 C_a of a nut of Z balls is near 250 N/mm² of each ball.
+    let most = 250e6
+        * 4.0
+        * nut.ball.radius.powi(2)
+        * nut.places().iter().map(|_| 1.0_f64).sum::<f64>().powf(0.8);
+    let axial = most * rng.random_range(-1.0..1.0);
+    let side = 0.2 * axial.abs();
+    let arms = [1.0, 1.0, nut.helix.radius, nut.helix.radius];
+    let mut support = Support::guided(axial);
+    let kind = rng.random_range(0..3);
+    for (freedom, arm) in support.0[1..].iter_mut().zip(arms) {
+        let load = side * arm * rng.random_range(-1.0..1.0);
+        *freedom = match kind {
+            0 => Freedom::Held(0.0),
+            1 => Freedom::Loaded(load),
+            _ => Freedom::Sprung { stiffness: 1e8 * arm * arm, load },
+        };
+    }
+    support
+}
+
+/// Holds the stiffness to the slope of the forces that held displacements take, in one direction of all
+/// freedoms.
+fn stiffness_is_a_slope(nut: &BallNut, found: &Equilibrium, point: u32) {
+    let radius = nut.helix.radius;
+    let arms = [1.0, -1.0, 1.0, 1.0 / radius, -1.0 / radius];
+    // A nanometre: approaches are micrometres.
+    let step = 1e-9;
+    let held = |sign: f64| {
+        let at = |i: usize| Freedom::Held(found.displacement[i] + sign * step * arms[i]);
+        nut.solve(&Support(std::array::from_fn(at)))
+    };
+    let [above, below] = [1.0, -1.0].map(|sign| {
+        held(sign).unwrap_or_else(|error| panic!("{point}, at {:?}: {error}", found.displacement))
+    });
+    let forces: f64 = found.balls.iter().map(BallInGrooves::max_load).sum();
+    for i in 0..5 {
+        let arm = arms[i].abs();
+        let along =
+            |of: &Equilibrium| -> f64 { (0..5).map(|k| of.stiffness[i][k] * arms[k]).sum() };
+        let slope = (above.carried[i] - below.carried[i]) / (2.0 * step);
+        // The slope is the mean of the stiffness between both ends, where balls may come to be pressed;
+        // forces balance to 1e-12 of their sum, in each of some ten freedoms.
+        let changes = (along(&above) - along(found)).abs() + (along(&below) - along(found)).abs();
+        let allowed = changes + 1e-11 * forces / step / arm;
+        let off = (slope - along(found)).abs();
+        assert!(off <= allowed, "{point}, freedom {i}: {off:e} of {slope:e}, {allowed:e} allowed");
+    }
+}
+
+/// The counts of a campaign: solved, carried by nothing; the worst balance, the most steps.
+///
+/// * `every`: so many nuts from one whose stiffness is compared with differences to the next.
+fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (mut solved, mut nothing, mut worst, mut most) = (0, 0, 0.0_f64, 0);
+    for point in 0..points {
+        let nut = nut(&mut rng);
+        let support = support(&mut rng, &nut);
+        match nut.solve(&support) {
+            Ok(found) => {
+                solved += 1;
+                worst = worst.max(found.residual);
+                most = most.max(found.steps);
+                for i in 0..5 {
+                    for k in 0..i {
+                        let k5 = found.stiffness;
+                        let size = (k5[i][i] * k5[k][k]).sqrt();
+                        // A hundred balls sum to the rounding of their number.
+                        let off = (k5[i][k] - k5[k][i]).abs();
+                        assert!(off <= 1e-9 * size, "{point}: {off:e} of {size:e}");
+                    }
+                }
+                if point % every == 0 {
+                    stiffness_is_a_slope(&nut, &found, point);
+                }
+                let numbers = found.balls.iter().flat_map(|b| b.loads).chain(found.displacement);
+                assert!(numbers.into_iter().all(f64::is_finite), "{point}");
+            }
+            // One flank, or a few balls beside the load.
+            Err(NutError::NothingCarries { .. }) => nothing += 1,
+            Err(other) => panic!("{point}: {other} {nut:?} {support:?}"),
+        }
+    }
+    (solved, nothing, worst, most)
+}
+
+/// Runs a campaign and holds it to what every nut must keep.
+#[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
+fn hold(points: u32, seed: u64, every: u32) {
+    let (solved, nothing, worst, most) = campaign(points, seed, every);
+    eprintln!("{solved} solved, {nothing} that nothing carries, {worst:e} left, {most} steps");
+    assert_eq!(solved + nothing, points);
+    assert!(worst <= 1e-12 && most <= 60, "{worst:e} {most}");
+    // A flank carries loads of its own way only: that leaves a twelfth of the draws.
+    assert!(nothing < points / 8, "{nothing}");
+}
+
+#[test]
+fn random_nuts_find_their_balance() {
+    hold(1_000, 1, 10);
+}
+
+/// The whole campaign; `cargo test -p bsm-nut campaign:: -- --ignored --nocapture`.
+#[test]
+#[ignore = "ten thousand nuts take minutes"]
+fn ten_thousand_nuts() {
+    hold(10_000, 2026, 1);
+}

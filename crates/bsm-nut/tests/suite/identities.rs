@@ -1,0 +1,400 @@
+//! Limits, identities and expected failures of the nut.
+
+use crate::nuts;
+
+use std::f64::consts::{PI, TAU};
+
+use approx::assert_relative_eq;
+use bsm_dyn::{Ball, Material, ModelWorkspace, Problem, RacewayControl};
+use bsm_kin::{Drive, Helix};
+use bsm_nut::{
+    BallNut, Bar, Circuit, Errors, Flanks, Freedom, LeadError, NutError, Preload, Ring, Support,
+};
+use nuts::with_circuits;
+use proptest::prelude::*;
+
+fn circuit(start_deg: f64, arc_deg: f64, balls: usize, flanks: Flanks) -> Circuit {
+    let (start, arc) = (start_deg.to_radians(), arc_deg.to_radians());
+    Circuit { start, arc, balls, thread: 0, body: 0, flanks, offset: 0.0 }
+}
+
+/// 98 balls on 4.81 turns, both flanks.
+fn nut_a() -> BallNut {
+    with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Both)])
+}
+
+/// Two bodies against each other, without offset.
+fn pair() -> BallNut {
+    let second = Circuit { body: 1, ..circuit(1440.0, 1080.0, 60, Flanks::Minus) };
+    with_circuits(vec![circuit(0.0, 1080.0, 60, Flanks::Plus), second])
+}
+
+/// All freedoms held at a displacement.
+fn held(at: [f64; 5]) -> Support {
+    Support(at.map(Freedom::Held))
+}
+
+/// Rigid, guided: every ball carries its share, and that share is the closed form.
+#[test]
+fn a_guided_rigid_nut_shares_equally() {
+    let nut = nut_a();
+    let equal = nut.equal(6340.0).expect("load");
+    let found = nut.solve(&Support::guided(6340.0)).expect("load");
+    for ball in &found.balls {
+        // Both end at a balance of forces to 1e-12.
+        assert_relative_eq!(ball.max_load(), equal.load, max_relative = 1e-11);
+    }
+    assert_relative_eq!(found.stiffness[0][0], equal.stiffness, max_relative = 1e-11);
+    // The search begins there.
+    assert!(found.steps <= 1, "{}", found.steps);
+    assert!(!nut.shares_equally(&Support::free(6340.0)));
+    let one_flank = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
+    assert!(one_flank.shares_equally(&Support::guided(6340.0)));
+}
+
+/// The stiffness is the slope of the forces that held displacements take, with all bodies.
+#[test]
+fn stiffness_is_the_slope_of_the_forces() {
+    let mut nut = nut_a();
+    nut.nut_bar = Some(Bar { stiffness: 453e6, anchor: -0.01 });
+    nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 0.07 });
+    nut.ring = Some(Ring { outer: 70e-3, inner: 45.826e-3, youngs_modulus: 206e9 });
+    nut.errors.lead = vec![LeadError::Wave { amplitude: 1e-6, order: 1.0, phase: 0.3 }];
+    let at = [12e-6, 2e-6, -1e-6, 60e-6, -30e-6];
+    let found = nut.solve(&held(at)).expect("pressed");
+    for k in 0..5 {
+        let step = 1e-9 * if k < 3 { 1.0 } else { 50.0 };
+        let carried = |sign: f64| {
+            let mut at = at;
+            at[k] += sign * step;
+            nut.solve(&held(at)).expect("pressed").carried
+        };
+        let (above, below) = (carried(1.0), carried(-1.0));
+        for i in 0..5 {
+            let slope = (above[i] - below[i]) / (2.0 * step);
+            let size = (found.stiffness[i][i] * found.stiffness[k][k]).sqrt();
+            // Rounding of forces of 1e4 N over steps of a nanometre, and the third derivative.
+            let allowed = 1e-6 * size;
+            assert!((slope - found.stiffness[i][k]).abs() < allowed, "{i} {k}");
+        }
+    }
+}
+
+/// The loads are carried to rounding, and the stiffness is symmetric.
+#[test]
+fn forces_add_up_to_the_load() {
+    let load = [8000.0, 300.0, -500.0, 20.0, 40.0];
+    let found = nut_a().solve(&Support(load.map(Freedom::Loaded))).expect("carried");
+    for (carried, load) in found.carried.iter().zip(load) {
+        // The iteration ends at 1e-12 of the sum of all forces.
+        assert!((carried - load).abs() < 1e-8, "{carried} {load}");
+    }
+    for i in 0..5 {
+        for k in 0..i {
+            let size = (found.stiffness[i][i] * found.stiffness[k][k]).sqrt();
+            assert!((found.stiffness[i][k] - found.stiffness[k][i]).abs() < 1e-12 * size);
+        }
+        assert!(found.stiffness[i][i] > 0.0);
+    }
+}
+
+/// Bars that are stiff: the load falls from the anchors as the first order of the chain says.
+#[test]
+fn stiff_bars_of_one_side_raise_the_first_ball() {
+    let mut nut = nut_a();
+    let places = nut.places();
+    let (first, last) = (places[0].z, places[places.len() - 1].z);
+    let equal = nut.equal(10e3).expect("load");
+    let stiffness = 2e11;
+    for bar in [&mut nut.nut_bar, &mut nut.screw_bar] {
+        *bar = Some(Bar { stiffness, anchor: first });
+    }
+    let found = nut.solve(&Support::guided(10e3)).expect("carried");
+    // μ² l² = k_u l (1/EA_n + 1/EA_s), max/mean = 1 + (μl)²/3: 1e-3 of it is the next order and the
+    // spacing of a hundred balls.
+    let small = equal.stiffness * (last - first) * 2.0 / stiffness;
+    let axial = |i: usize| found.balls[i].force[0];
+    let mean = (0..98).map(axial).sum::<f64>() / 98.0;
+    assert_relative_eq!(axial(0) / mean - 1.0, small / 3.0, max_relative = 0.03);
+}
+
+/// The radial parts of the forces of a free nut leave a moment, which a tilt must balance.
+#[test]
+fn a_free_nut_tilts_by_itself() {
+    let found = nut_a().solve(&Support::free(6340.0)).expect("carried");
+    // An independent solution: max/mean 1.2536 at a tenth of the rating; printed digits.
+    assert_relative_eq!(found.concentration(), 1.2536, epsilon = 6e-5);
+    let tilt = found.displacement[3].hypot(found.displacement[4]);
+    assert!((14e-6..220e-6).contains(&tilt), "{tilt:e}");
+}
+
+/// How uneven loads are, by an independent implementation; digits as printed.
+#[test]
+fn concentrations_are_those_of_an_independent_solution() {
+    let stacked = |i: i32| circuit(360.0 * f64::from(i), 330.0, 19, Flanks::Both);
+    let returns = with_circuits((0..5).map(stacked).collect());
+    let mut bars = nut_a();
+    let first = bars.places()[0].z;
+    bars.nut_bar = Some(Bar { stiffness: 453e6, anchor: first });
+    bars.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: first });
+    for (nut, support, exact) in
+        [(returns, Support::free(6340.0), 1.3876), (bars, Support::guided(19020.0), 1.2157)]
+    {
+        let found = nut.solve(&support).expect("carried");
+        assert_relative_eq!(found.concentration(), exact, epsilon = 6e-5);
+    }
+}
+
+/// A screw that twists is softer by 4 (1 + ν) (h/r)² of its stiffness: the closed form of a solid shaft.
+#[test]
+fn a_screw_that_twists_is_softer() {
+    let nut = nut_a();
+    let ratio = nut.screw_stiffness(false) / nut.screw_stiffness(true);
+    let radius = 0.5 * nut.groove_diameters()[0];
+    let per_radian = nut.helix.lead() / TAU;
+    // Rounding.
+    assert_relative_eq!(ratio, 1.0 + 5.2 * (per_radian / radius).powi(2), max_relative = 1e-14);
+    assert!((1.03..1.05).contains(&ratio), "{ratio}");
+}
+
+/// Deep groove ball bearings of zero lead, by a commercial program after ISO/TS 16281.
+#[test]
+fn a_nut_of_zero_lead_is_a_ball_bearing() {
+    let radius = 5.75e-3;
+    let steel = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
+    let bearing = |gap: f64| BallNut {
+        helix: Helix { radius: 21.75e-3, lead_angle: 0.0 },
+        ball: Ball { radius, mass: 4.0 / 3.0 * PI * radius.powi(3) * 7800.0 },
+        contact_angle: 0.0,
+        conformity: (0.53, 0.52),
+        material: (steel, steel),
+        errors: Errors { gap, ..Errors::default() },
+        ..with_circuits(vec![circuit(-180.0 / 7.0, 360.0, 7, Flanks::Plus)])
+    };
+    let at = |gap: f64, load: [f64; 5], free: [bool; 5]| {
+        let freedom = |i: usize| {
+            if free[i] { Freedom::Loaded(load[i]) } else { Freedom::Held(0.0) }
+        };
+        let support = Support(std::array::from_fn(freedom));
+        bearing(gap).solve(&support).expect("carried").displacement
+    };
+    let radial = [false, true, true, false, false];
+    let force = [0.0, -1000.0, 0.0, 0.0, 0.0];
+    // Published to five or six digits.
+    assert_relative_eq!(-at(0.0, force, radial)[1], 15.1101e-6, max_relative = 1e-5);
+    assert_relative_eq!(-at(5e-6, force, radial)[1], 21.223e-6, max_relative = 1e-5);
+    let axial = [1000.0, 0.0, 0.0, 0.0, 0.0];
+    let found = at(0.0, axial, [true, false, false, false, false])[0];
+    assert_relative_eq!(found, 133.5381e-6, max_relative = 1e-5);
+}
+
+/// As the preload vanishes, the limit load is 2√2 times it, and the stiffness 3 F_p/δ_p.
+#[test]
+fn small_preloads_follow_hertz() {
+    let pair = pair();
+    let support = Support::guided(0.0);
+    let force = 1.0;
+    let offset = pair.preload_displacement(Preload::Offset, force, &support).expect("reached");
+    let nut = pair.preloaded(Preload::Offset, offset);
+    let found = nut.solve(&support).expect("at rest");
+    // The root is found to 1e-13 of the offset.
+    assert_relative_eq!(found.preload(&nut, Preload::Offset), force, max_relative = 1e-9);
+    // Contact angles turn by 2e-4 under a newton.
+    let stiffness = 3.0 * force / (0.5 * offset);
+    assert_relative_eq!(found.stiffness[0][0], stiffness, max_relative = 1e-3);
+    let limit = nut.limit_load(Preload::Offset, &support, 1.0).expect("a limit");
+    assert_relative_eq!(limit, 8.0_f64.sqrt() * force, max_relative = 1e-3);
+    let other = nut.limit_load(Preload::Offset, &support, -1.0).expect("a limit");
+    assert_relative_eq!(other, -limit, max_relative = 1e-6);
+}
+
+/// The preload of the reference pair, and of oversize balls.
+#[test]
+fn preloads_are_found() {
+    let pair = pair();
+    let support = Support::guided(0.0);
+    let offset = pair.preload_displacement(Preload::Offset, 3000.0, &support).expect("reached");
+    // Spec data: 11.7229564202 um.
+    assert_relative_eq!(offset, 11.722_956_420_2e-6, max_relative = 1e-10);
+    let single = nut_a();
+    let found = single.preload_displacement(Preload::Oversize, 2000.0, &support).expect("reached");
+    let tight = single.preloaded(Preload::Oversize, found);
+    let at_rest = tight.solve(&support).expect("at rest");
+    assert_relative_eq!(at_rest.preload(&tight, Preload::Oversize), 2000.0, max_relative = 1e-9);
+    // At rest both flanks of every ball carry the same.
+    let ball = at_rest.balls[17];
+    assert_relative_eq!(ball.loads[0], ball.loads[1], max_relative = 1e-9);
+}
+
+/// A load against the only flank moves the nut without end, and is refused.
+#[test]
+fn nothing_carries_a_load_off_its_flank() {
+    let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
+    let refused = nut.solve(&Support::guided(-500.0));
+    assert!(matches!(refused, Err(NutError::NothingCarries { .. })));
+    let empty = with_circuits(Vec::new()).solve(&Support::guided(1.0));
+    assert_eq!(empty.expect_err("no balls"), NutError::NoBalls);
+}
+
+/// A screw that is held metres away strains by more than a groove is deep, and carries all the same.
+#[test]
+fn a_long_screw_is_no_play() {
+    let mut nut = nut_a();
+    nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 5.0 });
+    let found = nut.solve(&Support::guided(100e3)).expect("carried");
+    // F l/EA of 5 m is 2.3 mm.
+    assert!((2.2e-3..2.4e-3).contains(&found.displacement[0]), "{}", found.displacement[0]);
+    let one_flank = BallNut { circuits: vec![circuit(0.0, 1731.6, 98, Flanks::Plus)], ..nut };
+    let refused = one_flank.solve(&Support::guided(-500.0));
+    assert!(matches!(refused, Err(NutError::NothingCarries { .. })));
+}
+
+/// A nut that is held far from its screw strains its bodies; it was told that nothing carries its load.
+#[test]
+fn a_nut_that_is_held_far_away_strains_its_bodies() {
+    let mut nut = nut_a();
+    nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 5.0 });
+    let loaded = nut.solve(&Support::guided(100e3)).expect("carried");
+    let again = nut.solve(&held(loaded.displacement)).expect("held");
+    // Forces balance to 1e-12 of their sum.
+    assert_relative_eq!(again.carried[0], 100e3, max_relative = 1e-9);
+}
+
+/// A guide that is soft is a free one, a stiff one holds.
+#[test]
+fn springs_lead_from_free_to_guided() {
+    let nut = nut_a();
+    let sprung = |stiffness: f64| {
+        let mut support = Support::free(6340.0);
+        for (i, freedom) in support.0.iter_mut().enumerate().skip(1) {
+            let stiffness = if i < 3 { stiffness } else { stiffness * 1e-3 };
+            *freedom = Freedom::Sprung { stiffness, load: 0.0 };
+        }
+        nut.solve(&support).expect("carried").concentration()
+    };
+    let free = nut.solve(&Support::free(6340.0)).expect("carried").concentration();
+    // Against a stiffness of the nut of 1e9 N/m, that of the guide is 1e-6 or 1e6 of it.
+    assert_relative_eq!(sprung(1e3), free, max_relative = 1e-4);
+    assert_relative_eq!(sprung(1e15), 1.0, max_relative = 1e-4);
+    let between = sprung(1e9);
+    assert!(1.01 < between && between < free, "{between}");
+}
+
+/// Friction of equal balls is that of one ball times their number; a pair at rest drags by friction
+/// alone.
+#[test]
+fn friction_adds_up() {
+    let drive = Drive { screw_speed: 500.0 * PI / 30.0, nut_speed: 0.0 };
+    let mut work = ModelWorkspace::default();
+    let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
+    let found = nut.solve(&Support::guided(6340.0)).expect("carried");
+    let mut rolling = |screw| {
+        Problem::RacewayControl(RacewayControl { at: screw, control: None }).solve(&mut work)
+    };
+    let all = nut.friction(&found, Some(0.06), &drive, &mut rolling);
+    let one = nut.ball_alone(&found, 0, 0.06, &drive).expect("one flank");
+    let whole = bsm_dyn::ElasticPoint {
+        point: bsm_dyn::OperatingPoint {
+            load: bsm_dyn::Load { axial: 6340.0, balls: 98.0 },
+            ..one.point
+        },
+        ..one
+    };
+    let single = rolling(whole);
+    let expected = single.efficiency().expect("solved");
+    // The share of a ball ends at 1e-12 of the load; the models converge to 1e-10.
+    assert_relative_eq!(all.efficiency.expect("a load"), expected, max_relative = 1e-9);
+    let heat = single.solved().expect("solved").transmission.power.expect("speed").dissipated;
+    assert_relative_eq!(all.heat.expect("all balls"), heat, max_relative = 1e-7);
+
+    let pair = pair();
+    let support = Support::guided(0.0);
+    let nut = pair.preloaded(Preload::Offset, 11.722_956_420_2e-6);
+    let found = nut.solve(&support).expect("at rest");
+    let all = nut.friction(&found, Some(0.06), &drive, &mut rolling);
+    assert_eq!(all.efficiency, None);
+    let (drag, drive_torque) = (all.torque.expect("all"), all.drive_torque.expect("all"));
+    // h F of the two bodies cancel to the rounding of 3000 N.
+    assert_relative_eq!(drag, drive_torque, max_relative = 1e-6);
+    // K_p = T 2π/(F_p P_h): dry friction at 0.06 gives 0.033 (spec 11.8, two digits).
+    let factor = drag * TAU / (3000.0 * 10e-3);
+    assert!((0.028..0.038).contains(&factor), "{factor}");
+}
+
+/// Oversize balls on both flanks drag: their friction is integrated over four ellipses.
+#[test]
+fn oversize_balls_drag() {
+    let tight = nut_a().preloaded(Preload::Oversize, 8e-6);
+    let found = tight.solve(&Support::guided(0.0)).expect("at rest");
+    let drag = |screw_speed: f64, friction: f64| {
+        let drive = Drive { screw_speed, nut_speed: 0.0 };
+        let nobody = |_: bsm_dyn::ElasticPoint| unreachable!("all balls are on both flanks");
+        let all = tight.friction(&found, Some(friction), &drive, nobody);
+        assert_eq!(all.on_both_flanks, 98);
+        all.torque.expect("all balls")
+    };
+    let torque = drag(50.0, 0.06);
+    // The sliding of a ball on four contacts is proportional to the friction, up to inertia and the
+    // creep speed.
+    assert_relative_eq!(drag(50.0, 0.12), 2.0 * torque, max_relative = 1e-3);
+    assert_relative_eq!(drag(-50.0, 0.06), torque, max_relative = 1e-3);
+    // More than the pair of the same preload, whose balls roll: K_p of 0.033 there.
+    let preload = found.preload(&tight, Preload::Oversize);
+    let factor = torque * TAU / (preload * 10e-3);
+    assert!((0.04..0.4).contains(&factor), "{factor}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    /// Whole turns further along the screw nothing changes.
+    #[test]
+    fn a_turn_further_is_the_same(axial in 100.0..40e3_f64, side in -2e3..2e3_f64) {
+        let load = Support([axial, side, 0.0, 0.0, 0.0].map(Freedom::Loaded));
+        let here = nut_a().solve(&load).expect("carried");
+        let there = with_circuits(vec![circuit(720.0, 1731.6, 98, Flanks::Both)]);
+        let there = there.solve(&load).expect("carried");
+        // Angles of two turns are rounded to 1e-15, approaches are 1e-4 of the radius.
+        prop_assert!((here.max_load() / there.max_load() - 1.0).abs() < 1e-9);
+    }
+
+    /// No ball carries more than the bound says, whatever the errors and the bars.
+    #[test]
+    fn no_ball_carries_more_than_the_bound(
+        axial in 500.0..40e3_f64,
+        amplitude in 0.0..4e-6_f64,
+        phase in 0.0..TAU,
+        stiffness in 1e8..1e10_f64,
+        opposite in any::<bool>(),
+        scatter in prop::collection::vec(-1e-6..1e-6_f64, 98),
+    ) {
+        let mut nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
+        nut.errors.balls = scatter;
+        nut.errors.lead = vec![LeadError::Wave { amplitude, order: 1.0, phase }];
+        nut.nut_bar = Some(Bar { stiffness, anchor: -0.005 });
+        nut.screw_bar = Some(Bar { stiffness, anchor: if opposite { 0.06 } else { -0.005 } });
+        let found = nut.solve(&Support::guided(axial)).expect("carried");
+        let bound = nut.load_bound(axial).expect("a bound");
+        // (U27) is of first order in the excess of the balls: 1 % of it.
+        prop_assert!(found.max_load() <= 1.01 * bound, "{} {}", found.max_load(), bound);
+    }
+
+    /// Any load on a nut with both flanks is carried, and to 1e-12.
+    #[test]
+    fn every_load_is_carried(
+        load in prop::array::uniform5(-1.0..1.0_f64),
+        size in -1.0..5.0_f64,
+        gap in 0.0..20e-6_f64,
+        oversize in -5e-6..5e-6_f64,
+    ) {
+        let mut nut = nut_a();
+        nut.errors.gap = gap;
+        nut.errors.oversize = oversize;
+        let size = 10f64.powf(size);
+        let arms = [1.0, 1.0, 1.0, 0.02, 0.02];
+        let support = Support(std::array::from_fn(|i| Freedom::Loaded(load[i] * size * arms[i])));
+        let found = nut.solve(&support);
+        prop_assert!(found.is_ok(), "{:?}", found.err());
+        prop_assert!(found.is_ok_and(|found| found.residual <= 1e-12));
+    }
+}

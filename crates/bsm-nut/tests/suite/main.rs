@@ -1,0 +1,6 @@
+//! Nuts: identities, public cases and campaigns.
+
+mod campaign;
+mod identities;
+mod nuts;
+mod public;

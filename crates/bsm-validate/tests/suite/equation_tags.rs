@@ -1,0 +1,153 @@
+//! Every equation tag in the code exists in the theory, and the other way round.
+
+use crate::sources;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use self::sources::files;
+
+/// Theory says so of equations that no code but a test evaluates.
+const BY_TESTS: &str = "Checked by tests alone:";
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).expect("UTF-8 text")
+}
+
+/// Tags such as `(K12)` or `\tag{K12}`.
+fn tags(text: &str) -> BTreeSet<String> {
+    let between = |open: &str, close: char| -> Vec<String> {
+        text.split(open).skip(1).filter_map(|s| tag(s.split_once(close)?.0)).collect()
+    };
+    between("(", ')').into_iter().chain(between("\\tag{", '}')).collect()
+}
+
+/// What of a file is compiled always, and what for tests only: items from `#[cfg(test)]` to the line
+/// that closes them, as rustfmt indents it.
+fn parts(text: &str) -> [String; 2] {
+    let mut parts = [String::new(), String::new()];
+    let mut of_tests = None;
+    for line in text.lines() {
+        let indent = line.len() - line.trim_start().len();
+        let begins = line.trim() == "#[cfg(test)]";
+        if begins {
+            of_tests = of_tests.or(Some(indent));
+        }
+        let part = &mut parts[usize::from(of_tests.is_some())];
+        part.push_str(line);
+        part.push('\n');
+        if of_tests == Some(indent) && !begins && line.ends_with(['}', ';', ',']) {
+            of_tests = None;
+        }
+    }
+    parts
+}
+
+/// Files of the modules that a part of a file declares and does not hold.
+fn modules(file: &Path, part: &str) -> Vec<PathBuf> {
+    let root = ["lib", "main", "mod"].iter().any(|name| file.file_stem() == Some(name.as_ref()));
+    let folder = if root { file.with_file_name("") } else { file.with_extension("") };
+    let names = part.lines().filter_map(|l| l.trim().strip_prefix("mod ")?.strip_suffix(';'));
+    names.map(|name| folder.join(format!("{name}.rs"))).collect()
+}
+
+/// Tags in the code of all crates, and in their tests.
+fn cited(crates: &Path) -> [BTreeSet<String>; 2] {
+    let [mut code, mut tests] = [BTreeSet::new(), BTreeSet::new()];
+    for entry in fs::read_dir(crates).expect("crates") {
+        let root = entry.expect("folder entry").path();
+        let sources = files(&root.join("src"), "rs");
+        let split: Vec<_> = sources.iter().map(|file| (file, parts(&read(file)))).collect();
+        let of_tests: BTreeSet<_> =
+            split.iter().flat_map(|(file, [_, part])| modules(file, part)).collect();
+        for (file, [always, in_tests]) in &split {
+            let always_cited = tags(always);
+            if of_tests.contains(*file) { &mut tests } else { &mut code }.extend(always_cited);
+            tests.extend(tags(in_tests));
+        }
+        if root.join("tests").is_dir() {
+            tests
+                .extend(files(&root.join("tests"), "rs").iter().flat_map(|file| tags(&read(file))));
+        }
+    }
+    [code, tests]
+}
+
+/// One capital and at least one digit.
+fn tag(s: &str) -> Option<String> {
+    let digits = s.strip_prefix(|c: char| c.is_ascii_uppercase())?;
+    (!digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit())).then(|| s.to_owned())
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn theory() -> Vec<String> {
+    files(&root().join("docs/theory"), "md").iter().map(|file| read(file)).collect()
+}
+
+#[test]
+fn code_and_theory_cite_the_same_equations() {
+    let [code, tests] = cited(&root().join("crates"));
+    let theory = theory();
+    let stated: BTreeSet<_> = theory.iter().flat_map(|text| tags(text)).collect();
+    let lines = theory.iter().flat_map(|text| text.lines());
+    let by_tests: BTreeSet<_> = lines.filter(|l| l.contains(BY_TESTS)).flat_map(tags).collect();
+    assert!(code.len() > 50 && !by_tests.is_empty(), "{code:?} {by_tests:?}");
+
+    let only_code: Vec<_> = code.difference(&stated).collect();
+    assert!(only_code.is_empty(), "cited in the code, absent from docs/theory: {only_code:?}");
+    let only_tests: Vec<_> = tests.difference(&stated).collect();
+    assert!(only_tests.is_empty(), "cited in tests, absent from docs/theory: {only_tests:?}");
+    let only_theory: BTreeSet<_> = stated.difference(&code).cloned().collect();
+    assert_eq!(only_theory, by_tests, "in docs/theory and in no code but tests: mark them there");
+    let untested: Vec<_> = by_tests.difference(&tests).collect();
+    assert!(untested.is_empty(), "said to be checked by tests, cited by none: {untested:?}");
+}
+
+/// Two chapters that grew side by side had one number for two equations.
+#[test]
+fn no_tag_stands_for_two_equations() {
+    let mut seen = BTreeSet::new();
+    for text in theory() {
+        for part in text.split("\\tag{").skip(1) {
+            let tag = part.split('}').next().expect("a first part").to_owned();
+            assert!(seen.insert(tag.clone()), "({tag}) stands for two equations");
+        }
+    }
+}
+
+/// What is compiled for tests only is told from the rest: items, modules in files of their own, one
+/// line of many.
+#[test]
+fn code_for_tests_is_no_code() {
+    let text = "fn a() {} // (K1)\n#[cfg(test)]\nmod tests;\nmod b; // (K2)\n    #[cfg(test)]\n    \
+                #[expect(x)]\n    fn c() {\n        // (K3)\n    }\n    fn d() {} // (K4)\n";
+    let [always, in_tests] = parts(text);
+    assert_eq!(tags(&always), BTreeSet::from(["K1", "K2", "K4"].map(str::to_owned)));
+    assert_eq!(tags(&in_tests), BTreeSet::from(["K3".to_owned()]));
+    let folders = [("src/lib.rs", "src/tests.rs"), ("src/b.rs", "src/b/tests.rs")];
+    for (file, module) in folders {
+        assert_eq!(modules(Path::new(file), &in_tests), [Path::new(module)]);
+    }
+}
+
+/// Each equation is stated once in the theory: one `\tag{...}` per tag.
+#[test]
+fn the_theory_states_each_equation_once() {
+    let (mut seen, mut twice) = (BTreeSet::new(), Vec::new());
+    for text in theory() {
+        for piece in text.split("\\tag{").skip(1) {
+            let name = piece.split_once('}').expect("closed tag").0.to_owned();
+            if !seen.insert(name.clone()) {
+                twice.push(name);
+            }
+        }
+    }
+    assert!(twice.is_empty(), "stated twice: {twice:?}");
+    let cited: BTreeSet<_> = theory().iter().flat_map(|text| tags(text)).collect();
+    let unstated: Vec<_> = cited.difference(&seen).collect();
+    assert!(unstated.is_empty(), "cited but never stated: {unstated:?}");
+}

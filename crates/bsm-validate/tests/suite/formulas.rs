@@ -1,0 +1,82 @@
+//! Every formula of rustdoc and of the documents is one that a browser can show.
+
+use crate::sources;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use pulldown_latex::{Parser, Storage};
+
+use self::sources::files;
+
+/// The formulas of Markdown: `math` blocks, and what stands between `open` and `close`.
+fn formulas(text: &str, (open, close): (&str, &str)) -> Vec<String> {
+    let (mut found, mut prose) = (Vec::new(), String::new());
+    // Fences are every other piece.
+    for (i, piece) in text.split("```").enumerate() {
+        match piece.strip_prefix("math") {
+            Some(formula) if i % 2 == 1 => found.push(formula.to_owned()),
+            _ if i % 2 == 1 => {}
+            _ => prose.push_str(piece),
+        }
+    }
+    let mut rest = prose.as_str();
+    while let Some((formula, after)) = rest.split_once(open).and_then(|s| s.1.split_once(close)) {
+        found.push(formula.to_owned());
+        rest = after;
+    }
+    found
+}
+
+/// The text of the doc comments.
+fn doc_comments(code: &str) -> String {
+    let line = |line: &str| {
+        let line = line.trim_start();
+        let text = line.strip_prefix("///").or_else(|| line.strip_prefix("//!"));
+        text.unwrap_or_default().to_owned() + "\n"
+    };
+    code.lines().map(line).collect()
+}
+
+/// What is wrong with a formula. Numbers of equations, `\tag{K1}`, are no part of it.
+fn fault(formula: &str) -> Option<String> {
+    let mut pieces = formula.split("\\tag{");
+    let mut bare = pieces.next().unwrap_or_default().to_owned();
+    for piece in pieces {
+        bare.push_str(piece.split_once('}').map_or("", |(_, rest)| rest));
+    }
+    let storage = Storage::new();
+    let error = Parser::new(&bare, &storage).find_map(Result::err);
+    error.map(|error| error.to_string())
+}
+
+#[test]
+fn faults_are_found() {
+    assert_eq!(fault("\\frac{a}{b} \\tag{K1}"), None);
+    for wrong in ["\\frac{a}", "{a", "\\nosuchcommand", "\\left( a"] {
+        assert!(fault(wrong).is_some(), "{wrong}");
+    }
+}
+
+#[test]
+fn every_formula_parses() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut all = Vec::new();
+    for path in files(&root.join("crates"), "rs") {
+        let text = doc_comments(&fs::read_to_string(&path).expect("UTF-8 text"));
+        all.extend(
+            formulas(&text, ("`$", "$`")).into_iter().map(|formula| (path.clone(), formula)),
+        );
+    }
+    for path in files(&root.join("docs"), "md") {
+        // A formula on a line of its own has two dollar signs.
+        let text = fs::read_to_string(&path).expect("UTF-8 text").replace("$$", "$");
+        all.extend(formulas(&text, ("$", "$")).into_iter().map(|formula| (path.clone(), formula)));
+    }
+    assert!(all.len() > 1000, "{} formulas", all.len());
+    let wrong = |(path, formula): &(PathBuf, String)| {
+        Some(format!("{}: {}\n{}", path.display(), formula.trim(), fault(formula)?))
+    };
+    let wrong: Vec<_> = all.iter().filter_map(wrong).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

@@ -1,0 +1,8 @@
+//! Published results, and texts that must agree with the code.
+
+mod architecture;
+mod equation_tags;
+mod formulas;
+mod published;
+mod sources;
+mod tradeoff;

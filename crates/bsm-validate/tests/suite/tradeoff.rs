@@ -1,0 +1,119 @@
+//! The measurement of speed against accuracy, and its golden data.
+
+use std::sync::LazyLock;
+
+use bsm_batch::CsvSource;
+use bsm_case::{Output, Settings};
+use bsm_dyn::{Model, ModelWorkspace, SlipRegime, Status};
+use bsm_validate::tradeoff::{self, Group, Points, Tradeoff};
+use bsm_validate::{ValidateError, tradeoff_page};
+
+const GOLDEN: &str = include_str!("../../../../validation/golden/tradeoff/accuracy-1e-10.csv");
+
+/// Solutions of an accuracy of 1e-10 are as committed; made by
+/// `bsm batch validation/golden/tradeoff/scenes.csv --model traction --accuracy 1e-10 --creep 1e-5
+/// --columns efficiency,... -o validation/golden/tradeoff/accuracy-1e-10.csv`.
+#[test]
+fn solutions_are_as_committed() {
+    let points = Points::committed().expect("compiled-in table");
+    let mut table = csv::Reader::from_reader(GOLDEN.as_bytes());
+    let header = table.headers().expect("a header").clone();
+    let outputs: Vec<_> = (0..header.len())
+        .filter_map(|place| Some((place, Output::named(&header[place])?)))
+        .collect();
+    assert_eq!(outputs.len(), 7);
+    let settings = Settings { accuracy: 1e-10, creep: 1e-5, ..Model::Traction.into() };
+    let mut work = ModelWorkspace::default();
+    let mut motions = Vec::new();
+    for (scene, row) in points.scenes().iter().zip(table.records()) {
+        let row = row.expect("a row");
+        let solution = scene.problem(&settings).expect("complete").solve(&mut work);
+        assert_eq!(solution.status(), Status::Converged);
+        motions.extend(solution.solved().and_then(|solved| solved.skid?.regime()));
+        let record = bsm_case::Record::new(solution);
+        for (place, output) in &outputs {
+            let golden: f64 = row[*place].parse().expect("a number");
+            let ours = record.number(output.name).expect("a number");
+            // The solver stops at residuals of 1e-10; other processors round otherwise.
+            let off = (ours - golden).abs() / golden.abs();
+            assert!(off < 1e-8, "{}: {ours} for {golden}", output.name);
+        }
+    }
+    for motion in SlipRegime::ALL {
+        assert_eq!(motions.iter().filter(|m| **m == motion).count(), 100, "{motion:?}");
+    }
+}
+
+/// Ten of the committed points and one that no model carries to the end.
+static MEASURED: LazyLock<Tradeoff> = LazyLock::new(|| {
+    let mut rows: Vec<&str> = GOLDEN.lines().step_by(30).collect();
+    // Friction of 1 across steep grooves turns the ball off its flanks.
+    rows.push("40,8,30,85,1,0.53,0.53,0,100,100,1,,,,,,,,,,");
+    let points = read(&rows.join("\n")).expect("points");
+    let mut heard = (0, 0);
+    let measured = tradeoff::run(&points, |done, all| heard = (done, all)).expect("a measurement");
+    assert!(heard.0 > 0 && heard.0 == heard.1, "{heard:?}");
+    measured
+});
+
+fn read(table: &str) -> Result<Points, ValidateError> {
+    Points::read(&mut CsvSource::new(table.as_bytes(), &[])?)
+}
+
+#[test]
+fn errors_and_times_are_measured() {
+    let measured = &*MEASURED;
+    assert_eq!(measured.without_reference, [11]);
+    assert_eq!((measured.points[0].group, measured.points[0].points), (Group::All, 10));
+    let of = |name: &str| {
+        measured.dials.iter().find(|d| d.dial.name() == name).unwrap_or_else(|| panic!("{name}"))
+    };
+    for dial in &measured.dials {
+        let name = dial.dial.name();
+        assert!(dial.times.all_cores > 0.0, "{name}");
+        assert_eq!(dial.times.one_core.len(), measured.points.len());
+        assert!(dial.times.one_core.iter().all(|t| t.single > 0.0 && t.batch > 0.0), "{name}");
+        for errors in &dial.errors {
+            for quantiles in [errors.efficiency, errors.torque, errors.loads, errors.angles_deg] {
+                let Some(q) = quantiles else { continue };
+                assert!(q.median <= q.q99 && q.q99 <= q.max, "{name}: {q:?}");
+            }
+        }
+    }
+    let max = |name: &str| of(name).errors[0].efficiency.expect("solved").max;
+    // What another creep speed leaves.
+    assert!(max("traction --accuracy 1e-10") < 1e-6);
+    // More nodes err less, down to that.
+    assert!(max("traction --accuracy 1e-8") <= max("traction --accuracy 1e-4"));
+    // Rolling balls in a model that slides, and the other way round: several per cent.
+    assert!(max("closed-form") > 1e-2 && max("raceway-control") > 1e-2);
+    let single = |name: &str| of(name).times.of(Group::All).expect("timed").single;
+    assert!(single("closed-form") < single("traction --accuracy 1e-8"));
+    assert!(!of("rigid").times.instruction_sets.is_empty());
+    // A loose tolerance is met by something, and cheaper dials do not meet it elsewhere.
+    let advice = measured.advice.iter().find(|a| a.group == Group::All).expect("all points");
+    assert!(advice.single.is_some() && advice.batch.is_some(), "{advice:?}");
+}
+
+#[test]
+fn page_shows_every_dial_and_figure() {
+    let measured = &*MEASURED;
+    let page = tradeoff_page(measured).expect("a page");
+    for dial in &measured.dials {
+        assert!(page.contains(&dial.dial.options) && page.contains(dial.dial.model));
+    }
+    assert_eq!(page.matches("<svg ").count(), measured.figures().len());
+    for outside in ["<script", "<link", "src="] {
+        assert!(!page.contains(outside), "{outside}: the page must stand alone");
+    }
+}
+
+#[test]
+fn tables_that_cannot_be_used_are_refused() {
+    assert!(matches!(read("lead_angle_deg\n"), Err(ValidateError::NoPoints)));
+    let error = read("lead_angle_deg,contact_angle_deg\n10,45\n").expect_err("inputs are missing");
+    let text = error.to_string();
+    assert!(text.starts_with("row 1: ") && text.contains("nut_conformity"), "{text}");
+    let error = read("lead_angle_deg\nten\n").expect_err("a text");
+    assert!(error.to_string().contains("ten"), "{error}");
+}
