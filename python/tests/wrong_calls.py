@@ -3,11 +3,11 @@
 import ballscrew as bs
 
 screw = bs.Scene(lead_mm=20)
-bs.Scene(lead_mn=3)  # type: ignore[call-arg]  # pyright: ignore[reportCallIssue]
-bs.Scene(lead_mm="20")  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType]
-bs.solve(screw, model="rigit")  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType]
-bs.solve(screw, axial_lod_N=3.0)  # type: ignore[call-arg]  # pyright: ignore[reportCallIssue]
-bs.solve_many({}, screw, outputs=["efficency"])  # type: ignore[list-item]  # pyright: ignore[reportArgumentType]
-bs.gradient({}, "efficency", ["lead_mm"])  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType]
-screw.lead_mn  # type: ignore[attr-defined]  # pyright: ignore[reportAttributeAccessIssue]
-screw.lead_mm = 3.0  # type: ignore[misc]  # pyright: ignore[reportAttributeAccessIssue]
+bs.Scene(lead_mn=3)  # type: ignore[call-arg]
+bs.Scene(lead_mm="20")  # type: ignore[arg-type]
+bs.solve(screw, model="rigit")  # type: ignore[arg-type]
+bs.solve(screw, axial_lod_N=3.0)  # type: ignore[call-arg]
+bs.solve_many({}, screw, outputs=["efficency"])  # type: ignore[list-item]
+bs.gradient({}, "efficency", ["lead_mm"])  # type: ignore[arg-type]
+screw.lead_mn  # type: ignore[attr-defined]
+screw.lead_mm = 3.0  # type: ignore[misc]

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 ROOT = Path(__file__).resolve().parents[3]
-BSM = str(ROOT / os.environ.get("BSM", "target/release/bsm"))
+BSM = str(ROOT / os.environ.get("BSM", "target/debug/bsm"))
 
 # Without a graphics card, as on a machine that has none: WebGL by the processor, but not all of the page. The sandbox of
 # Chromium does not run as root.
