@@ -559,8 +559,7 @@ pub(crate) struct AnalysisArgs {
     /// How to print the analysis.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
-    /// Folder for figures (SVG and CSV) of the published sweeps around the scene, with a table of the
-    /// published trends and whether they hold; created if it does not exist.
+    /// Folder for figures (SVG and CSV) of sweeps around the scene; created if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub(crate) plot: Option<PathBuf>,
 }
