@@ -54,11 +54,11 @@ quantities! { Jam;
         critical_friction_coefficient [""] Whole,
             "friction coefficient from which friction holds the ball in this wedge";
         critical_friction_printed [""] Contacts,
-            "the same as printed by Dong et al., Eq 16";
+            "critical friction coefficient as printed by Dong et al., Eq 16";
         critical_friction_simplified [""] Whole,
-            "the same as simplified by Dong et al., sine of the slip angle 1 (Eq 17)";
+            "critical friction coefficient as simplified by Dong et al., Eq 17: slip angle of 90 deg";
         critical_friction_corrected [""] Whole,
-            "the same as corrected, without centrifugal force";
+            "critical friction coefficient as corrected, without centrifugal force";
         widest_wedge_deg ["deg"] Whole, "widest wedge in which friction can hold a ball";
     }
     "self-locking" {

@@ -40,8 +40,8 @@ quantities! { Slip;
             "friction force over normal load: the friction coefficient that the motion takes";
     }
     "moments about the tangent" {
-        tangent_friction_moment_Nmm ["N mm"] Contacts, "moment of friction on the ball";
-        gyroscopic_moment_Nmm ["N mm"] Whole, "gyroscopic moment, the sum of those of friction";
+        tangent_friction_moment_Nmm ["N mm"] Contacts, "moment of friction on the ball about the tangent";
+        gyroscopic_moment_Nmm ["N mm"] Whole, "gyroscopic moment about the tangent, the sum of those of friction";
     }
     "friction power, all balls" {
         centre_power_W ["W"] Contacts, "friction power on the slip at the centre";
@@ -87,7 +87,7 @@ impl Analysis {
         }
         if given {
             report.lacks.push(
-                "friction and its power: contact angles that are not given, but in balance"
+                "friction and its power: contact angles in balance with the load, in place of given ones"
                     .to_owned(),
             );
             return report.finite();
