@@ -36,17 +36,22 @@ pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError>
     Ok(checks)
 }
 
+/// The scene with the contact angles in motion of the paper.
+fn running(scene: Scene) -> Scene {
+    Scene {
+        nut_running_contact_angle_deg: Some(ANGLES[0]),
+        screw_running_contact_angle_deg: Some(ANGLES[1]),
+        ..scene
+    }
+}
+
 /// Their sweeps with a model.
 pub(crate) fn study(
     published: &Published,
     model: Model,
     control: Control,
 ) -> Result<Study, ValidateError> {
-    let scene = Scene {
-        nut_running_contact_angle_deg: Some(ANGLES[0]),
-        screw_running_contact_angle_deg: Some(ANGLES[1]),
-        ..published.xu_case.scene()?
-    };
+    let scene = running(published.xu_case.scene()?);
     let settings = Settings { control: Some(control), ..model.into() };
     let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());
     Study::slip(&scene, &settings, &solution)
@@ -77,9 +82,12 @@ fn case(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
     let touch = [Touch { site: Site::Nut, angle: nut }, Touch { site: Site::Screw, angle: screw }];
     let exact = touch.map(|touch| ball.differential_slip(&touch));
     let worst = (0..2).map(|i| (printed[i] / exact[i] - 1.0).abs()).fold(0.0, f64::max);
-    let orbit = [0, 1].map(|i| ball.orbit_slip_published(touch[i].site, angles[1 - i]));
-    let corrected = touch.map(|t| ball.orbit_slip_published(t.site, t.angle));
-    let [pitch, yaw] = ball.gyroscopic_angles().map(f64::to_degrees);
+    let nut_control = Settings { control: Some(Control::Nut), ..settings };
+    let report = Analysis::slip(&running(scene.clone()), &nut_control, &solution)?;
+    let number = |name: &str| report.number(name).unwrap_or(f64::NAN);
+    let of = |name: &str| ["nut", "screw"].map(|contact| number(&format!("{contact}_{name}")));
+    let (orbit, corrected) = (of("orbit_slip_printed_m_s"), of("orbit_slip_corrected_m_s"));
+    let [pitch, yaw] = ["gyroscopic_angle_deg", "gyroscopic_yaw_angle_deg"].map(number);
 
     // Eq 3 with the axial displacement alone, which both races share.
     let state = |site| solution.contact(site);
