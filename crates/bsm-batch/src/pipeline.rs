@@ -156,7 +156,7 @@ impl Task {
         self.outputs.is_empty() || outputs.any(Output::needs_solution)
     }
 
-    /// The task with one model for all points, if a column is of the motion of the ball.
+    /// The task with one model for all points and columns, if a column is of the motion of the ball.
     fn of_motion(mut self, given: InputSet) -> Self {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         if outputs.any(|output| output.analysis().is_some_and(AnalysisKind::needs_motion)) {
