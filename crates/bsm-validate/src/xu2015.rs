@@ -2,7 +2,7 @@
 
 use bsm_case::{Analysis, Scene, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, SteadyBall, Touch};
-use bsm_kin::{BallFrame, Drive, Helix, Site};
+use bsm_kin::{BallFrame, Site};
 
 use crate::{Check, Published, Study, ValidateError, trends};
 
@@ -27,7 +27,6 @@ pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError>
         &published.xu_trends,
         &studies,
     )?;
-    checks.push(half_the_lead());
     checks.extend(field(&scene)?);
     checks.extend(case(&scene)?);
     for model in [Model::Rigid, Model::RacewayControl, Model::Elastic, Model::Traction] {
@@ -135,31 +134,6 @@ fn case(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
             .note("raceway control at 5000 rpm, 40 N a ball")
             .at_least(1.0, "more is more than once"),
     ])
-}
-
-/// Differential slip of a rolling ball with an even share of it at both contacts (W3).
-fn half_the_lead() -> Check {
-    let drive = Drive { screw_speed: 523.6, nut_speed: 0.0 };
-    let mut worst: f64 = 0.0;
-    for degrees in (1..=89).map(f64::from) {
-        let helix = Helix { radius: 20e-3, lead_angle: 0.5 * degrees.to_radians() };
-        let half = 0.5 * helix.lead_angle.sin();
-        for control in [Control::Nut, Control::Screw] {
-            let angles = [degrees, 90.0 - degrees].map(f64::to_radians);
-            let ball = SteadyBall::rolling(control, helix, 3e-3, drive, angles);
-            for (site, angle) in [(Site::Nut, angles[0]), (Site::Screw, angles[1])] {
-                let slip = ball.differential_slip(&Touch { site, angle }) / (3e-3 * 523.6);
-                worst = worst.max((slip - half).abs());
-            }
-        }
-    }
-    Check::new(
-        "xu2015/half-the-lead",
-        SOURCE,
-        "a rolling ball that slides alike at both contacts (W3, an assumption) slides by half the lead, r_b W sinα/2",
-    )
-    .measured(worst, "of r_b W")
-    .at_most(1e-14, "rounding of speeds of ten times r_b W")
 }
 
 /// Differential slip and spin of the traction model against the field of slip velocities.
