@@ -128,6 +128,10 @@ Output = Literal[
     "nut_used_friction_coefficient",
     "screw_used_friction_coefficient",
     "minor_used_friction_coefficient",
+    "nut_tangent_friction_moment_Nmm",
+    "screw_tangent_friction_moment_Nmm",
+    "minor_tangent_friction_moment_Nmm",
+    "gyroscopic_moment_Nmm",
     "nut_centre_power_W",
     "screw_centre_power_W",
     "minor_centre_power_W",
@@ -178,11 +182,15 @@ Output = Literal[
     "expelling_force_N",
     "locking_ratio",
     "critical_friction_coefficient",
-    "critical_friction_published",
+    "nut_critical_friction_printed",
+    "screw_critical_friction_printed",
+    "minor_critical_friction_printed",
+    "critical_friction_simplified",
+    "critical_friction_corrected",
     "widest_wedge_deg",
     "locking_friction_coefficient",
     "locking_margin",
-    "friction_self_locking",
+    "self_locking_under_load",
     "approach_speed_m_s",
     "impact_force_N",
     "apex_thrust_N",
@@ -338,6 +346,8 @@ class Inputs(TypedDict, total=False):
     lead_angle_deg: float | None
     lead_mm: float | None
     contact_angle_deg: float | None
+    nut_running_contact_angle_deg: float | None
+    screw_running_contact_angle_deg: float | None
     nut_conformity: float | None
     screw_conformity: float | None
     friction_coefficient: float | None
@@ -494,576 +504,588 @@ class SceneFields(_core.Scene):
         return self.number(4)
 
     @property
+    def nut_running_contact_angle_deg(self) -> float | None:
+        """Contact angle at the nut in motion, for slip with model raceway-control; found by the model
+        unless given [deg]."""
+        return self.number(5)
+
+    @property
+    def screw_running_contact_angle_deg(self) -> float | None:
+        """Contact angle at the screw in motion, for slip with model raceway-control; found by the model
+        unless given [deg]."""
+        return self.number(6)
+
+    @property
     def nut_conformity(self) -> float | None:
         """Groove radius over ball diameter, nut."""
-        return self.number(5)
+        return self.number(7)
 
     @property
     def screw_conformity(self) -> float | None:
         """Groove radius over ball diameter, screw."""
-        return self.number(6)
+        return self.number(8)
 
     @property
     def friction_coefficient(self) -> float | None:
         """Coulomb friction coefficient."""
-        return self.number(7)
+        return self.number(9)
 
     @property
     def rolling_friction_mm(self) -> float | None:
         """Lever arm of rolling resistance [mm]; 0 unless given."""
-        return self.number(8)
+        return self.number(10)
 
     @property
     def density_kg_m3(self) -> float | None:
         """Density of the ball [kg/m3]; 7800 unless given."""
-        return self.number(9)
+        return self.number(11)
 
     @property
     def youngs_modulus_GPa(self) -> float | None:
         """Young's modulus of the races, and of the ball unless given for it [GPa]; 207 unless given."""
-        return self.number(10)
+        return self.number(12)
 
     @property
     def poisson_ratio(self) -> float | None:
         """Poisson's ratio of the races, and of the ball unless given for it; 0.3 unless given."""
-        return self.number(11)
+        return self.number(13)
 
     @property
     def ball_youngs_modulus_GPa(self) -> float | None:
         """Young's modulus of the ball, if it differs from the races [GPa]."""
-        return self.number(12)
+        return self.number(14)
 
     @property
     def ball_poisson_ratio(self) -> float | None:
         """Poisson's ratio of the ball, if it differs from the races."""
-        return self.number(13)
+        return self.number(15)
 
     @property
     def screw_speed_rpm(self) -> float | None:
         """Speed of the screw about the axis; screw minus nut speed > 0 drives against the load, < 0 is
         back-driving [rpm]."""
-        return self.number(14)
+        return self.number(16)
 
     @property
     def feed_m_min(self) -> float | None:
         """Velocity of the nut along the screw, in place of screw_speed_rpm; needs the lead [m/min]."""
-        return self.number(15)
+        return self.number(17)
 
     @property
     def nut_speed_rpm(self) -> float | None:
         """Speed of the nut about the axis [rpm]; 0 unless given."""
-        return self.number(16)
+        return self.number(18)
 
     @property
     def axial_load_N(self) -> float | None:
         """Axial load on the nut, carried by all loaded balls together [N]."""
-        return self.number(17)
+        return self.number(19)
 
     @property
     def loaded_balls(self) -> float | None:
         """Number of balls that share the load equally; loaded_balls_per_turn times loaded_turns, or those
         of the circuits, unless given."""
-        return self.number(18)
+        return self.number(20)
 
     @property
     def loaded_balls_per_turn(self) -> float | None:
         """Loaded balls per turn, for the load ratings of a nut; may be a fraction."""
-        return self.number(19)
+        return self.number(21)
 
     @property
     def loaded_turns(self) -> float | None:
         """Loaded turns of a nut, for its load ratings; may be a fraction."""
-        return self.number(20)
+        return self.number(22)
 
     @property
     def preload_N(self) -> float | None:
         """Preload, axial force between the two nuts of a preloaded pair, or of oversize balls on either
         flank (preload_by) [N]."""
-        return self.number(21)
+        return self.number(23)
 
     @property
     def preload_offset_um(self) -> float | None:
         """Axial offset of the two nuts of a pair against each other, in place of preload_N; < 0 presses
         them together [um]."""
-        return self.number(22)
+        return self.number(24)
 
     @property
     def ball_oversize_um(self) -> float | None:
         """Excess of the diameter of all balls over the one that just touches both flanks of a nut; < 0 is
         play [um]."""
-        return self.number(23)
+        return self.number(25)
 
     @property
     def ball_deviation_sd_um(self) -> float | None:
         """Standard deviation of the diameters of the balls of a nut, drawn with seed [um]."""
-        return self.number(24)
+        return self.number(26)
 
     @property
     def seed(self) -> float | None:
         """Number that the random deviations of the balls follow from; 0 unless given."""
-        return self.number(25)
+        return self.number(27)
 
     @property
     def starts(self) -> float | None:
         """Threads of the screw; 1 unless given."""
-        return self.number(26)
+        return self.number(28)
 
     @property
     def circuits_count(self) -> float | None:
         """Circuits of balls that the loaded turns of a nut are divided into; 1 unless given."""
-        return self.number(27)
+        return self.number(29)
 
     @property
     def gap_deg(self) -> float | None:
         """Arc without loaded balls between two circuits of one thread; up to the next whole turn unless
         given [deg]."""
-        return self.number(28)
+        return self.number(30)
 
     @property
     def phase_deg(self) -> float | None:
         """Helix angle by which each circuit is shifted against the one before, besides arc and gap [deg]; 0
         unless given."""
-        return self.number(29)
+        return self.number(31)
 
     @property
     def radial_gap_um(self) -> float | None:
         """Radial gap between grooves and balls of a nut at rest [um]; 0 unless given."""
-        return self.number(30)
+        return self.number(32)
 
     @property
     def reference_z_mm(self) -> float | None:
         """Place on the axis to which displacements, side loads and moments of a nut belong; the middle of
         its balls unless given [mm]."""
-        return self.number(31)
+        return self.number(33)
 
     @property
     def radial_load_x_N(self) -> float | None:
         """Side load on the nut along x [N]."""
-        return self.number(32)
+        return self.number(34)
 
     @property
     def radial_load_y_N(self) -> float | None:
         """Side load on the nut along y [N]."""
-        return self.number(33)
+        return self.number(35)
 
     @property
     def moment_x_Nm(self) -> float | None:
         """Moment on the nut about x [N m]."""
-        return self.number(34)
+        return self.number(36)
 
     @property
     def moment_y_Nm(self) -> float | None:
         """Moment on the nut about y [N m]."""
-        return self.number(35)
+        return self.number(37)
 
     @property
     def radial_x_um(self) -> float | None:
         """Misalignment, side displacement along x at which the nut is held [um]."""
-        return self.number(36)
+        return self.number(38)
 
     @property
     def radial_y_um(self) -> float | None:
         """Misalignment, side displacement along y at which the nut is held [um]."""
-        return self.number(37)
+        return self.number(39)
 
     @property
     def tilt_x_urad(self) -> float | None:
         """Misalignment, tilt about x at which the nut is held [urad]."""
-        return self.number(38)
+        return self.number(40)
 
     @property
     def tilt_y_urad(self) -> float | None:
         """Misalignment, tilt about y at which the nut is held [urad]."""
-        return self.number(39)
+        return self.number(41)
 
     @property
     def guide_x_N_um(self) -> float | None:
         """Stiffness of the guides of the nut against side motion along x [N/um]."""
-        return self.number(40)
+        return self.number(42)
 
     @property
     def guide_y_N_um(self) -> float | None:
         """Stiffness of the guides of the nut against side motion along y [N/um]."""
-        return self.number(41)
+        return self.number(43)
 
     @property
     def guide_tilt_x_Nm_mrad(self) -> float | None:
         """Stiffness of the guides of the nut against tilt about x [N m/mrad]."""
-        return self.number(42)
+        return self.number(44)
 
     @property
     def guide_tilt_y_Nm_mrad(self) -> float | None:
         """Stiffness of the guides of the nut against tilt about y [N m/mrad]."""
-        return self.number(43)
+        return self.number(45)
 
     @property
     def nut_anchor_z_mm(self) -> float | None:
         """Place on the axis where the force leaves the nut; or nut_anchor [mm]."""
-        return self.number(44)
+        return self.number(46)
 
     @property
     def screw_anchor_z_mm(self) -> float | None:
         """Place on the axis where the force leaves the screw; or screw_anchor [mm]."""
-        return self.number(45)
+        return self.number(47)
 
     @property
     def nut_EA_N(self) -> float | None:
         """Young's modulus times cross section of the nut; from its diameters unless given [N]."""
-        return self.number(46)
+        return self.number(48)
 
     @property
     def screw_EA_N(self) -> float | None:
         """Young's modulus times cross section of the screw; from its groove diameter unless given [N]."""
-        return self.number(47)
+        return self.number(49)
 
     @property
     def screw_rating_N(self) -> float | None:
         """Dynamic load rating of the screw's side of one nut body; from the geometry unless given [N]."""
-        return self.number(48)
+        return self.number(50)
 
     @property
     def nut_rating_N(self) -> float | None:
         """Dynamic load rating of the nut's side of one nut body; from the geometry unless given [N]."""
-        return self.number(49)
+        return self.number(51)
 
     @property
     def nut_temperature_rise_K(self) -> float | None:
         """Temperature of the nut above the one at which it fits [K]; 0 unless given."""
-        return self.number(50)
+        return self.number(52)
 
     @property
     def screw_temperature_rise_K(self) -> float | None:
         """Temperature of the screw above the one at which it fits [K]; 0 unless given."""
-        return self.number(51)
+        return self.number(53)
 
     @property
     def ball_temperature_rise_K(self) -> float | None:
         """Temperature of the balls above the one at which they fit [K]; 0 unless given."""
-        return self.number(52)
+        return self.number(54)
 
     @property
     def thermal_expansion_um_m_K(self) -> float | None:
         """Coefficient of thermal expansion of nut, screw and balls [um/(m K)]; 11.5 unless given."""
-        return self.number(53)
+        return self.number(55)
 
     @property
     def nut_outer_diameter_mm(self) -> float | None:
         """Outer diameter of the nut, for its rigidity and mass; pitch circle + 4 ball diameters unless
         given [mm]."""
-        return self.number(54)
+        return self.number(56)
 
     @property
     def nut_length_mm(self) -> float | None:
         """Length of the nut, for its mass; loaded_turns + 3 leads unless given [mm]."""
-        return self.number(55)
+        return self.number(57)
 
     @property
     def groove_bottom_distance_mm(self) -> float | None:
         """Radial distance of the bottoms of the groove arcs of nut and screw, half the difference of their
         core diameters; gives the contact angle of a nut's ratings in place of contact_angle_deg [mm]."""
-        return self.number(56)
+        return self.number(58)
 
     @property
     def axial_play_um(self) -> float | None:
         """Axial play of one nut without preload, for its thread; 0 is a gothic arch that the balls touch at
         four points [um]; 0 unless given."""
-        return self.number(57)
+        return self.number(59)
 
     @property
     def nut_bore_mm(self) -> float | None:
         """Diameter of the land of the nut, for its mass and the ends of its flanks; pitch circle + 1.5 mm
         unless given, for balls below 3 mm + half a ball [mm]."""
-        return self.number(58)
+        return self.number(60)
 
     @property
     def screw_outer_diameter_mm(self) -> float | None:
         """Diameter of the land of the screw, for the ends of its flanks; pitch circle - 1.5 mm unless
         given, for balls below 3 mm - half a ball [mm]."""
-        return self.number(59)
+        return self.number(61)
 
     @property
     def speed_number_limit_mm_min(self) -> float | None:
         """Largest speed number, pitch circle diameter times speed, that the ball return permits [mm/min];
         70000 unless given."""
-        return self.number(60)
+        return self.number(62)
 
     @property
     def race_yield_strength_MPa(self) -> float | None:
         """Yield strength of the races, for the margin of the contacts against yield [MPa]."""
-        return self.number(61)
+        return self.number(63)
 
     @property
     def ball_yield_strength_MPa(self) -> float | None:
         """Yield strength of the balls, for the margin of the contacts against yield [MPa]."""
-        return self.number(62)
+        return self.number(64)
 
     @property
     def lubricant_density_kg_m3(self) -> float | None:
         """Density of the lubricant, at 15 C where it varies with temperature; that of base_oil unless
         given, for drag in jam none [kg/m3]."""
-        return self.number(63)
+        return self.number(65)
 
     @property
     def drag_coefficient(self) -> float | None:
         """Drag coefficient of a ball in the lubricant."""
-        return self.number(64)
+        return self.number(66)
 
     @property
     def iso_vg(self) -> float | None:
         """Viscosity grade of the lubricant, for one of viscosity index 95, unless viscosity_40C_mm2_s and
         viscosity_100C_mm2_s are given."""
-        return self.number(65)
+        return self.number(67)
 
     @property
     def viscosity_40C_mm2_s(self) -> float | None:
         """Kinematic viscosity of the lubricant at 40 C, of a grease that of its base oil [mm2/s]."""
-        return self.number(66)
+        return self.number(68)
 
     @property
     def viscosity_100C_mm2_s(self) -> float | None:
         """Kinematic viscosity of the lubricant at 100 C, less than at 40 C [mm2/s]."""
-        return self.number(67)
+        return self.number(69)
 
     @property
     def pressure_viscosity_1_GPa(self) -> float | None:
         """Pressure-viscosity coefficient at the temperature of the lubricant; from viscosity and base_oil
         unless given [1/GPa]."""
-        return self.number(68)
+        return self.number(70)
 
     @property
     def limiting_shear_ratio(self) -> float | None:
         """Largest shear stress of the lubricant over pressure; that of base_oil unless given."""
-        return self.number(69)
+        return self.number(71)
 
     @property
     def boundary_friction_coefficient(self) -> float | None:
         """Friction coefficient where asperities touch; 0.09 with friction modifiers, 0.15 at the start;
         0.12 unless given."""
-        return self.number(70)
+        return self.number(72)
 
     @property
     def lubricant_temperature_C(self) -> float | None:
         """Temperature of the lubricant at the inlet of the contacts, unless heat_transfer_W_K and
         ambient_temperature_C are given [C]."""
-        return self.number(71)
+        return self.number(73)
 
     @property
     def heat_transfer_W_K(self) -> float | None:
         """Heat that leaves the nut for each kelvin above ambient_temperature_C, in place of
         lubricant_temperature_C [W/K]."""
-        return self.number(72)
+        return self.number(74)
 
     @property
     def ambient_temperature_C(self) -> float | None:
         """Temperature of the surroundings [C]."""
-        return self.number(73)
+        return self.number(75)
 
     @property
     def ball_roughness_um(self) -> float | None:
         """Root mean square roughness of the balls, 1.25 times the arithmetic one: 0.01 to 0.03 [um]."""
-        return self.number(74)
+        return self.number(76)
 
     @property
     def nut_roughness_um(self) -> float | None:
         """Root mean square roughness of the nut's groove: ground 0.1 to 0.3, run in half of it [um]."""
-        return self.number(75)
+        return self.number(77)
 
     @property
     def screw_roughness_um(self) -> float | None:
         """Root mean square roughness of the screw's groove: ground 0.1 to 0.3, run in half of it, rolled
         0.3 to 0.6 [um]."""
-        return self.number(76)
+        return self.number(78)
 
     @property
     def film_factor(self) -> float | None:
         """Film thickness over that of plenty of lubricant; 0.7 (0.4 to 1) for grease; 1 unless given."""
-        return self.number(77)
+        return self.number(79)
 
     @property
     def rolling_factor(self) -> float | None:
         """Rolling force of the lubricant over that of flooded inlets; 0.85 unless given."""
-        return self.number(78)
+        return self.number(80)
 
     @property
     def hysteresis_loss(self) -> float | None:
         """Part of the elastic energy of the contacts that rolling loses, 0.003 to 0.034; 0.01 unless
         given."""
-        return self.number(79)
+        return self.number(81)
 
     @property
     def seal_torque_Nm(self) -> float | None:
         """Friction torque of the seals, of the maker or measured; felt wipers 0.02 to 0.3 [N m]; 0 unless
         given."""
-        return self.number(80)
+        return self.number(82)
 
     @property
     def ball_contact_force_N(self) -> float | None:
         """Force between neighbouring balls, 0.1 to 1; 0 with spacer balls [N]; 0 unless given."""
-        return self.number(81)
+        return self.number(83)
 
     @property
     def ball_contact_friction(self) -> float | None:
         """Friction coefficient between balls; boundary_friction_coefficient unless given."""
-        return self.number(82)
+        return self.number(84)
 
     @property
     def return_circuits(self) -> float | None:
         """Number of ball returns that lose kinetic energy of the balls; 0 unless given."""
-        return self.number(83)
+        return self.number(85)
 
     @property
     def return_loss_coefficient(self) -> float | None:
         """Kinetic energy that a ball loses in a return over its own, 1 to 4 for in and out; 0 unless
         given."""
-        return self.number(84)
+        return self.number(86)
 
     @property
     def apex_half_angle_deg(self) -> float | None:
         """Half angle of the apex of the return curve, for jamming [deg]."""
-        return self.number(85)
+        return self.number(87)
 
     @property
     def return_angle_deg(self) -> float | None:
         """Angle between the return channel and the track of the screw at the steps between them, for
         jamming [deg]."""
-        return self.number(86)
+        return self.number(88)
 
     @property
     def step_normal_force_N(self) -> float | None:
         """Normal force of the step on the ball, for jamming; the impact force unless given [N]."""
-        return self.number(87)
+        return self.number(89)
 
     @property
     def return_approach_speed_m_s(self) -> float | None:
         """Speed at which a ball enters the ball return, for jamming; its speed in the nut unless given
         [m/s]."""
-        return self.number(88)
+        return self.number(90)
 
     @property
     def return_stiffness_N_um15(self) -> float | None:
         """Hertz stiffness of the impact on the ball return, for jamming; that of a ball on a flat of race
         material unless given [N/um^1.5]."""
-        return self.number(89)
+        return self.number(91)
 
     @property
     def return_linear_stiffness_N_um(self) -> float | None:
         """Linear stiffness of the impact on the ball return, for jamming, in place of
         return_stiffness_N_um15 [N/um]."""
-        return self.number(90)
+        return self.number(92)
 
     @property
     def step_height_mm(self) -> float | None:
         """Height of the step over which a ball enters the ball return, for jamming [mm]."""
-        return self.number(91)
+        return self.number(93)
 
     @property
     def rated_dynamic_load_N(self) -> float | None:
         """Dynamic load rating as the maker states it, in place of the calculated one [N]."""
-        return self.number(92)
+        return self.number(94)
 
     @property
     def rated_static_load_N(self) -> float | None:
         """Static load rating as the maker states it, in place of the calculated one [N]."""
-        return self.number(93)
+        return self.number(95)
 
     @property
     def stroke_mm(self) -> float | None:
         """Stroke of the nut; the screw is longer by the length of the nut [mm]."""
-        return self.number(94)
+        return self.number(96)
 
     @property
     def unsupported_length_mm(self) -> float | None:
         """Length of the screw between its bearings; stroke_mm + length of the nut + two leads unless given
         [mm]."""
-        return self.number(95)
+        return self.number(97)
 
     @property
     def shaft_diameter_mm(self) -> float | None:
         """Diameter of the screw that bends and strains; the calculated core diameter of its thread unless
         given [mm]."""
-        return self.number(96)
+        return self.number(98)
 
     @property
     def moved_mass_kg(self) -> float | None:
         """Mass that the axis moves; its weight, friction and inertia are added to the axial load [kg]; 0
         unless given."""
-        return self.number(97)
+        return self.number(99)
 
     @property
     def inclination_deg(self) -> float | None:
         """Inclination of the axis: 0 level, 90 upwards along the feed [deg]; 0 unless given."""
-        return self.number(98)
+        return self.number(100)
 
     @property
     def guide_friction(self) -> float | None:
         """Friction coefficient of the guides under the moved mass; 0 unless given."""
-        return self.number(99)
+        return self.number(101)
 
     @property
     def motor_inertia_kg_m2(self) -> float | None:
         """Moment of inertia of the motor [kg m2]; 0 unless given."""
-        return self.number(100)
+        return self.number(102)
 
     @property
     def coupling_inertia_kg_m2(self) -> float | None:
         """Moment of inertia of what turns with the screw, such as its coupling [kg m2]; 0 unless given."""
-        return self.number(101)
+        return self.number(103)
 
     @property
     def gear_ratio(self) -> float | None:
         """Turns of the motor for one of the screw; 1 unless given."""
-        return self.number(102)
+        return self.number(104)
 
     @property
     def support_bearing_torque_Nm(self) -> float | None:
         """Friction torque of the support bearings [N m]; 0 unless given."""
-        return self.number(103)
+        return self.number(105)
 
     @property
     def support_bearing_rigidity_N_um(self) -> float | None:
         """Axial rigidity of the support bearings; rigid unless given [N/um]."""
-        return self.number(104)
+        return self.number(106)
 
     @property
     def housing_rigidity_N_um(self) -> float | None:
         """Axial rigidity of the housings of bearings and nut; rigid unless given [N/um]."""
-        return self.number(105)
+        return self.number(107)
 
     @property
     def reliability_percent(self) -> float | None:
         """Share of the nuts that reach the life [%]; 90 unless given."""
-        return self.number(106)
+        return self.number(108)
 
     @property
     def axis_heat_transfer_W_K(self) -> float | None:
         """Heat that screw and nut give to their surroundings for a kelvin, for the steady temperature of
         the axis [W/K]."""
-        return self.number(107)
+        return self.number(109)
 
     @property
     def accuracy_grade(self) -> float | None:
         """Standard tolerance grade of the travel of the screw, ISO 3408-3."""
-        return self.number(108)
+        return self.number(110)
 
     @property
     def required_life_h(self) -> float | None:
         """Life that is required [h]."""
-        return self.number(109)
+        return self.number(111)
 
     @property
     def required_static_safety(self) -> float | None:
         """Static safety that is required; 1.5 unless given."""
-        return self.number(110)
+        return self.number(112)
 
     @property
     def required_critical_speed_ratio(self) -> float | None:
         """Largest speed over the critical one that is permitted; 0.8 unless given."""
-        return self.number(111)
+        return self.number(113)
 
     @property
     def required_buckling_safety(self) -> float | None:
         """Buckling load over the largest axial load that is required; 2 unless given."""
-        return self.number(112)
+        return self.number(114)
 
 
 class SolutionFields(_core.Solution):

@@ -52,19 +52,17 @@ pub(crate) fn analysis(
     let jams = kind == "jam";
     on_threads(py, || {
         let work = &mut ModelWorkspace::default();
-        let found = scene.problem(&settings)?.solve(work);
-        let Moving { settings, solution, note } = Moving::of(scene, &settings, found, work)?;
-        let notes = note.into_iter().collect();
+        let Moving { settings, solution } = Moving::of(scene, &settings, work)?;
         if solution.reason().is_some() {
             let record = Record::new(solution).to_json();
-            return Ok((Value::Object(record).to_string(), false, notes));
+            return Ok((Value::Object(record).to_string(), false, Vec::new()));
         }
         let report = if jams {
             Analysis::jam(scene, &solution)?
         } else {
             Analysis::slip(scene, &settings, &solution)?
         };
-        Ok((Value::Object(report.to_json()).to_string(), true, notes))
+        Ok((Value::Object(report.to_json()).to_string(), true, Vec::new()))
     })
 }
 

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{self, available_parallelism};
 
-use bsm_case::{CaseError, Grid, InputSet, ModelChoice, Output, Scene, Settings};
+use bsm_case::{AnalysisKind, CaseError, Grid, InputSet, ModelChoice, Output, Scene, Settings};
 use bsm_dyn::Status;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -156,10 +156,19 @@ impl Task {
         self.outputs.is_empty() || outputs.any(Output::needs_solution)
     }
 
+    /// The task with one model for all points and columns, if a column is of the motion of the ball.
+    fn of_motion(mut self, given: InputSet) -> Self {
+        let mut outputs = self.outputs.iter().chain(&self.watched);
+        if outputs.any(|output| output.analysis().is_some_and(AnalysisKind::needs_motion)) {
+            self.settings.model = self.settings.model.of_motion(given);
+        }
+        self
+    }
+
     /// The task, if points that have the inputs `given` and are solved with `model` can fill its columns.
     fn checked(self, given: InputSet, model: ModelChoice) -> Result<Self, CaseError> {
         let mut outputs = self.outputs.iter().chain(&self.watched);
-        outputs.try_for_each(|output| output.check(given, model))?;
+        outputs.try_for_each(|output| output.check(&self.base, given, model))?;
         Ok(self)
     }
 
@@ -180,9 +189,9 @@ impl Task {
     ) -> Result<Self, CaseError> {
         let given = base.stated().overridden_by(grid.varied());
         let outputs = besides(outputs, grid.varied());
-        let mut task = Self { watched, ..Self::new(base, settings, outputs) };
+        let mut task = Self { watched, ..Self::new(base, settings, outputs) }.of_motion(given);
         if task.solves() {
-            task.settings.model = grid.choose(&task.base, settings.model)?;
+            task.settings.model = grid.choose(&task.base, task.settings.model)?;
         } else {
             grid.check(&task.base)?;
         }
@@ -203,9 +212,9 @@ impl Task {
         columns: &Columns,
     ) -> Result<Self, CaseError> {
         let given = base.stated() | columns.set();
-        let task = Self::new(base, settings, besides(outputs, columns.set()));
-        let model =
-            if task.solves() { settings.model.resolve(given, |_| Ok(()))? } else { settings.model };
+        let task = Self::new(base, settings, besides(outputs, columns.set())).of_motion(given);
+        let model = task.settings.model;
+        let model = if task.solves() { model.resolve(given, |_| Ok(()))? } else { model };
         task.checked(given, model)
     }
 

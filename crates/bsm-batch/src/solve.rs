@@ -268,14 +268,7 @@ impl Task {
                 }
             }
             let solution = record.into_solution().filter(|s| asked.moves && s.solved().is_some());
-            let moving = solution.map(|found| {
-                WORK.with_borrow_mut(|work| Moving::of(&scene, settings, found, work))
-            });
-            match moving.transpose() {
-                Ok(moving) => motion = moving,
-                Err(error) => words.push(error.to_string()),
-            }
-            words.extend(motion.iter().filter_map(|moving| moving.note.clone()));
+            motion = solution.map(|solution| Moving { settings: *settings, solution });
         }
         for kind in asked.analyses.iter().filter(|kind| motion.is_some() || !kind.needs_motion()) {
             let wanted = |quantity: &Quantity| {

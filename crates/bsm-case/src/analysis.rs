@@ -1,15 +1,16 @@
 //! Analyses of a scene or of a solved motion: their numbers, and what they are made from.
 
-use bsm_dyn::{Model, ModelWorkspace, Solution, SteadyBall, Touch};
+use bsm_dyn::{Control, Model, ModelWorkspace, Solution, SteadyBall, Touch};
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
 use crate::problem::Needs;
 use crate::quantity::Statement;
 use crate::record::message;
+use crate::units::DEG;
 use crate::{
-    CapacityReport, CaseError, InputSet, ModelChoice, Numbers, NutProblem, Of, OptimumReport,
-    Output, Quantity, Record, Scene, Settings, SizeReport, capacity, jam, nut, optimum, size, slip,
+    CapacityReport, CaseError, InputKey, InputSet, Numbers, NutProblem, Of, OptimumReport, Output,
+    Quantity, Record, Scene, Settings, SizeReport, capacity, jam, nut, optimum, size, slip,
 };
 
 /// The contacts of a ball.
@@ -75,12 +76,14 @@ impl AnalysisKind {
     }
 
     /// Inputs that it needs and that are not given, in words; single quantities may need more.
-    pub(crate) fn missing(self, given: InputSet) -> Vec<String> {
+    ///
+    /// * `base`: the scene that the points vary.
+    pub(crate) fn missing(self, base: &Scene, given: InputSet) -> Vec<String> {
         match self {
             Self::Slip | Self::Jam => Needs::of(Model::Rigid).missing(given),
             Self::Optimum => optimum::NEEDS.missing(given),
             Self::Capacity => capacity::NEEDS.missing(given),
-            Self::Nut => Needs::NUT.missing(given),
+            Self::Nut => base.missing_for_a_nut(given),
             Self::Size => size::NEEDS.missing(given),
         }
     }
@@ -124,8 +127,6 @@ impl AnalysisKind {
 pub struct Analysis {
     /// The model whose motion it is.
     pub model: Model,
-    /// Why that model, if it was chosen by the bound of its error.
-    pub choice: Option<String>,
     /// The numbers, and whether its statements hold.
     pub numbers: Numbers,
     /// The statements in words, by name.
@@ -142,7 +143,6 @@ impl Analysis {
         let record = Record::new(solution.clone());
         Self {
             model: solution.model,
-            choice: record.choice(),
             numbers: Numbers::new(kind),
             verdicts: Vec::new(),
             lacks: lacks(kind, scene.given()),
@@ -186,7 +186,6 @@ impl Analysis {
     pub fn to_json(&self) -> Map<String, Value> {
         let mut map = Map::new();
         map.insert("model".to_owned(), json!(self.model.name()));
-        map.insert("choice".to_owned(), json!(self.choice));
         let numbers = self.numbers.entries().filter(|(column, _)| column.json_type == "number");
         map.extend(numbers.map(|(column, value)| (column.name.to_owned(), json!(value))));
         let verdict = |(name, answer, words): (&str, bool, &str)| {
@@ -218,15 +217,13 @@ fn lacks(kind: AnalysisKind, given: InputSet) -> Vec<String> {
     lacks.into_iter().map(words).collect()
 }
 
-/// A solution that has a motion of the ball, unless there is none.
+/// A solution for an analysis of the motion of the ball.
 #[derive(Debug, Clone)]
 pub struct Moving {
     /// What it was found with.
     pub settings: Settings,
     /// The solution.
     pub solution: Solution,
-    /// Why it is not the one that was asked for.
-    pub note: Option<String>,
 }
 
 /// A contact of a ball in motion.
@@ -256,11 +253,40 @@ impl MovingBall {
     ///
     /// [`CaseError::NoMotion`] if the model has none, [`CaseError::NotRated`] if there is no solution.
     pub(crate) fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
-        let ball = Self::read(scene, solution)?;
         if scene.given().is_lubricated() {
-            return Err(CaseError::NoLubricant { model: "of slip and jam" });
+            return Err(CaseError::DryAnalysis);
         }
-        Ok(ball)
+        Self::read(scene, solution)
+    }
+
+    /// The ball that rolls at the contact angles in motion that the scene gives, if it does, with the
+    /// contact ellipses of the solution; and whether it is that one.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::NotCovered`] if the model finds the angles itself.
+    pub(crate) fn at_given_angles(
+        mut self,
+        scene: &Scene,
+        settings: &Settings,
+        model: Model,
+    ) -> Result<(Self, bool), CaseError> {
+        let Some(angles) = scene.running_angles() else { return Ok((self, false)) };
+        if model != Model::RacewayControl {
+            return Err(CaseError::NotCovered {
+                key: InputKey::nut_running_contact_angle_deg.name(),
+                value: angles[0] / DEG,
+                rule: "left out",
+                model: model.name(),
+            });
+        }
+        let SteadyBall { helix, radius, drive, .. } = self.ball;
+        let control = settings.control.unwrap_or(Control::Nut);
+        self.ball = SteadyBall::rolling(control, helix, radius, drive, angles);
+        for (contact, angle) in self.contacts.iter_mut().flatten().zip(angles) {
+            contact.touch.angle = angle;
+        }
+        Ok((self, true))
     }
 
     /// The same, of a ball whose friction may come from a lubricant.
@@ -295,8 +321,7 @@ impl MovingBall {
 }
 
 impl Moving {
-    /// What was found; where `auto` has taken a model without a motion, the solution of the cheapest
-    /// model that has one, and that this is so in words.
+    /// The solution of the model that the settings come to, see [`ModelChoice::of_motion`].
     ///
     /// # Errors
     ///
@@ -304,22 +329,18 @@ impl Moving {
     pub fn of(
         scene: &Scene,
         settings: &Settings,
-        found: Solution,
         work: &mut ModelWorkspace,
     ) -> Result<Self, CaseError> {
-        let next = Model::RacewayControl;
-        let lacks = found.solved().is_some_and(|solved| solved.ball.motion.is_none());
-        if !lacks || settings.model != ModelChoice::Auto || !scene.suits(next) {
-            return Ok(Self { settings: *settings, solution: found, note: None });
-        }
-        let note = format!(
-            "auto takes model {}, which is accurate enough but has no motion of the ball; this \
-             analysis uses {}",
-            found.model.name(),
-            next.name()
-        );
-        let settings = Settings { model: next.into(), ..*settings };
+        let settings = Settings { model: settings.model.of_motion(scene.stated()), ..*settings };
         let solution = scene.problem(&settings)?.solve(work);
-        Ok(Self { settings, solution, note: Some(note) })
+        Ok(Self { settings, solution })
+    }
+}
+
+impl Scene {
+    /// Contact angles of nut and screw in motion, if they are given \[rad\].
+    pub fn running_angles(&self) -> Option<[f64; 2]> {
+        let angles = [self.nut_running_contact_angle_deg?, self.screw_running_contact_angle_deg?];
+        Some(angles.map(|angle| angle * DEG))
     }
 }

@@ -126,6 +126,12 @@ pub enum CaseError {
         /// The model.
         model: &'static str,
     },
+    /// An analysis of a dry motion.
+    #[error(
+        "the analyses slip and jam have no lubricant: give friction_coefficient in place of the lubricant, \
+         such as the equivalent_friction_coefficient of a solution"
+    )]
+    DryAnalysis,
     /// An oil that is thicker when it is hotter.
     #[error(
         "viscosity_100C_mm2_s = {hot} must be below viscosity_40C_mm2_s = {warm}: oil thins with heat"

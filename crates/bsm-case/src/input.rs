@@ -234,6 +234,10 @@ inputs! {
         "lead, axial advance per turn; or give lead_angle_deg";
     contact_angle_deg ["deg"] Between(0.0, 90.0), None,
         "contact angle, 0 radial, 90 axial; unloaded in the elastic models";
+    nut_running_contact_angle_deg ["deg"] Between(0.0, 90.0), None,
+        "contact angle at the nut in motion, for slip with model raceway-control; found by the model unless given";
+    screw_running_contact_angle_deg ["deg"] Between(0.0, 90.0), None,
+        "contact angle at the screw in motion, for slip with model raceway-control; found by the model unless given";
     nut_conformity [""] Above(0.5), None,
         "groove radius over ball diameter, nut";
     screw_conformity [""] Above(0.5), None,

@@ -274,6 +274,12 @@ impl InputSet {
         OF_A_LUBRICANT.and(more).without(Self::of(&[K::lubricant_temperature_C]))
     };
 
+    /// Contact angles at which a ball runs, in place of those of a model.
+    pub const RUNNING_ANGLES: Self = {
+        use InputKey as K;
+        Self::of(&[K::nut_running_contact_angle_deg, K::screw_running_contact_angle_deg])
+    };
+
     /// True if friction comes from a lubricant.
     pub fn is_lubricated(self) -> bool {
         self.meets(OF_A_LUBRICANT)
@@ -284,7 +290,7 @@ impl InputSet {
         self.contains(InputKey::friction_coefficient) || self.is_lubricated()
     }
 
-    /// Checks that friction is said once, and what it comes from is said in full.
+    /// Checks that friction is given once, and that no input lacks another one that it needs.
     pub(crate) fn check_friction(self) -> Result<(), CaseError> {
         use InputKey as K;
         if self.contains(InputKey::friction_coefficient)
@@ -297,6 +303,8 @@ impl InputSet {
             [K::viscosity_100C_mm2_s, K::viscosity_40C_mm2_s],
             [K::heat_transfer_W_K, K::ambient_temperature_C],
             [K::ambient_temperature_C, K::heat_transfer_W_K],
+            [K::nut_running_contact_angle_deg, K::screw_running_contact_angle_deg],
+            [K::screw_running_contact_angle_deg, K::nut_running_contact_angle_deg],
         ];
         let half =
             pairs.into_iter().find(|[one, other]| self.contains(*one) && !self.contains(*other));

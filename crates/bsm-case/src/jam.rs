@@ -3,16 +3,16 @@
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_dyn::{
-    ElasticPoint, EntryStep, Reason, Solution, Wedge, apex_thrust, centrifugal_force,
-    contact_modulus, flat_stiffness, impact_force, linear_impact_force, step_thrust,
-    track_friction, viscous_drag,
+    Angles, Direction, ElasticPoint, EntryStep, Reason, Solution, SteadyBall, Wedge, apex_thrust,
+    centrifugal_force, contact_modulus, flat_stiffness, impact_force, linear_impact_force,
+    step_thrust, track_friction, viscous_drag,
 };
 
 use crate::analysis::{MovingBall, MovingContact};
 use crate::quantity::quantities;
 use crate::record::message;
 use crate::units::{DEG, MM, MPA, UM};
-use crate::{Analysis, AnalysisKind, CaseError, Scene};
+use crate::{Analysis, AnalysisKind, CaseError, InputKey, Scene};
 
 quantities! { Jam;
     "contact state, elastic and permanent" {
@@ -53,15 +53,20 @@ quantities! { Jam;
         locking_ratio [""] Whole, "holding over expelling force";
         critical_friction_coefficient [""] Whole,
             "friction coefficient from which friction holds the ball in this wedge";
-        critical_friction_published [""] Whole, "friction coefficient that holds the ball as published, without centrifugal force";
+        critical_friction_printed [""] Contacts,
+            "critical friction coefficient as printed by Dong et al., Eq 16";
+        critical_friction_simplified [""] Whole,
+            "critical friction coefficient as simplified by Dong et al., Eq 17: slip angle of 90 deg";
+        critical_friction_corrected [""] Whole,
+            "critical friction coefficient as corrected, without centrifugal force";
         widest_wedge_deg ["deg"] Whole, "widest wedge in which friction can hold a ball";
     }
     "self-locking" {
         locking_friction_coefficient [""] Whole,
-            "friction coefficient from which friction across the grooves holds any axial load";
+            "friction coefficient from which the screw is self-locking in its direction of drive, contact angles under load";
         locking_margin [""] Whole, "margin, locking friction coefficient over the one of the scene";
-        friction_self_locking [""] Statement,
-            "true if friction across the grooves alone holds any axial load";
+        self_locking_under_load [""] Statement,
+            "true if the screw is self-locking in its direction of drive, contact angles under load";
     }
     "ball return" {
         approach_speed_m_s ["m/s"] Whole, "speed of the ball at the ball return";
@@ -114,6 +119,13 @@ impl Analysis {
     /// that no double holds.
     pub fn jam(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
         let solved = MovingBall::of(scene, solution)?;
+        if scene.running_angles().is_some() {
+            return Err(CaseError::BadEntry {
+                key: InputKey::nut_running_contact_angle_deg.name().to_owned(),
+                what: "is an input of slip: jamming needs angles in balance with the load"
+                    .to_owned(),
+            });
+        }
         let mut report = Self::of(AnalysisKind::Jam, scene, solution);
         let [Some(nut), Some(screw), _] = solved.contacts else {
             unreachable!("every model with a motion has loads and angles of both contacts")
@@ -133,7 +145,8 @@ impl Analysis {
             report.lacks_ellipses("contact state and wedge angle");
         }
         report.inertia_and_drag(scene, &solved, &wedge);
-        report.locking(&wedge);
+        report.wedge(&wedge);
+        report.locking(&solved, &wedge);
         let [nut_load, screw_load] = wedge.loads;
         let contacts =
             [MovingContact { load: nut_load, ..nut }, MovingContact { load: screw_load, ..screw }];
@@ -190,11 +203,11 @@ impl Analysis {
         }
     }
 
-    fn locking(&mut self, wedge: &Wedge<f64>) {
+    fn wedge(&mut self, wedge: &Wedge<f64>) {
         let numbers = &mut self.numbers;
         let clean = |critical: f64| if critical < ROUNDING { 0.0 } else { critical };
-        let (critical, published) =
-            (clean(wedge.critical_friction()), clean(wedge.critical_friction_published()));
+        let (critical, corrected) =
+            (clean(wedge.critical_friction()), clean(wedge.critical_friction_corrected()));
         let (holding, expelling) = (wedge.holding(), wedge.expelling());
         numbers.whole(wedge_angle_deg, wedge.opening() / DEG);
         numbers.both(friction_across_N, wedge.across());
@@ -206,18 +219,30 @@ impl Analysis {
         // Without slip across the grooves no friction holds the ball, and there is no such number.
         let finite = |number: f64| Some(number).filter(|x| *x < f64::INFINITY);
         numbers.whole(critical_friction_coefficient, finite(critical));
-        numbers.whole(critical_friction_published, finite(published));
+        numbers.both(critical_friction_printed, wedge.critical_friction_printed().map(clean));
+        numbers.whole(critical_friction_simplified, clean(wedge.critical_friction_simplified()));
+        numbers.whole(critical_friction_corrected, finite(corrected));
         numbers.whole(widest_wedge_deg, wedge.widest_opening() / DEG);
-        let locking = wedge.locking_friction();
+    }
+
+    /// Self-locking (C6), (C7) with the mean contact angle under load: friction turns the angles of nut and
+    /// screw apart, not the direction of the force between them.
+    fn locking(&mut self, solved: &MovingBall, wedge: &Wedge<f64>) {
+        let numbers = &mut self.numbers;
+        let SteadyBall { helix, drive, .. } = solved.ball;
+        let Some(direction) = Direction::of(drive.relative_speed()) else { return };
+        let angles = Angles { lead: helix.lead_angle, contact: wedge.mean_angle() };
+        let locking = angles.locking_friction(direction);
         numbers.whole(locking_friction_coefficient, locking);
-        numbers.whole(locking_margin, finite(locking / wedge.friction));
-        let locks = wedge.friction >= locking;
+        let margin = locking / wedge.friction;
+        numbers.whole(locking_margin, Some(margin).filter(|x| x.is_finite()));
         let words = format!(
-            "friction across the grooves holds any axial load from a friction coefficient of \
-             {locking:.3} on, and the screw has {}",
+            "the screw is self-locking in this direction from a friction coefficient of {locking:.3} on, at \
+             the contact angle of {:.2} deg under load; its friction coefficient is {}",
+            angles.contact / DEG,
             wedge.friction
         );
-        self.state(friction_self_locking, locks, words);
+        self.state(self_locking_under_load, angles.self_locking(direction, wedge.friction), words);
     }
 
     fn returner(&mut self, scene: &Scene, solved: &MovingBall, contacts: [MovingContact; 2]) {

@@ -6,7 +6,7 @@ use bsm_kin::Site::{Nut, NutMinor, Screw};
 
 use crate::scene::nearest;
 use crate::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg};
-use crate::{AnalysisKind, CaseError, InputSet, ModelChoice};
+use crate::{AnalysisKind, CaseError, InputSet, ModelChoice, Scene};
 
 /// A value of one output.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,14 +95,23 @@ impl Output {
 
     /// Whether points that have the inputs `given` can have it.
     ///
-    /// * `model`: what they are solved with.
+    /// * `base`: the scene that the points vary; `model`: what they are solved with.
     ///
     /// # Errors
     ///
-    /// [`CaseError::EmptyColumn`] with the inputs that lack, [`CaseError::NoMotion`].
-    pub fn check(&self, given: InputSet, model: ModelChoice) -> Result<(), CaseError> {
+    /// [`CaseError::EmptyColumn`] with the inputs that lack, [`CaseError::NoMotion`],
+    /// [`CaseError::DryAnalysis`].
+    pub fn check(
+        &self,
+        base: &Scene,
+        given: InputSet,
+        model: ModelChoice,
+    ) -> Result<(), CaseError> {
         let Origin::Analysis { kind, quantity, .. } = self.origin else { return Ok(()) };
-        let mut missing = kind.missing(given);
+        if kind.needs_motion() && given.is_lubricated() {
+            return Err(CaseError::DryAnalysis);
+        }
+        let mut missing = kind.missing(base, given);
         if let (true, ModelChoice::Fixed(model @ (Model::ClosedForm | Model::QuasiStatic))) =
             (kind.needs_motion(), model)
         {

@@ -4,7 +4,6 @@ use bsm_dyn::{Control, Model, Problem, RacewayFriction, Traction};
 use serde_json::{Value, json};
 
 use crate::input_set::{Form, LEAD, Quantity, TEMPERATURE, VISCOSITY};
-use crate::nut::balls_and_turns;
 use crate::rules::{covered, not_covered};
 use crate::{CaseError, InputKey, InputSet, Rule, Scene};
 
@@ -288,25 +287,42 @@ impl ModelChoice {
     }
 }
 
+impl ModelChoice {
+    /// What the choice comes to for an analysis of the motion of the ball, whose numbers have no bound
+    /// of an error: for `auto` the most complete model that points with the inputs `given` have the
+    /// inputs of, so that all points of a table have one model; raceway control where the running
+    /// contact angles are given.
+    #[must_use]
+    pub fn of_motion(self, given: InputSet) -> Self {
+        let suits = |model: &Model| Needs::for_points(*model, given).are_met(given);
+        match self {
+            Self::Fixed(_) => self,
+            Self::Auto if given.meets(InputSet::RUNNING_ANGLES) => Model::RacewayControl.into(),
+            Self::Auto => Model::ALL.into_iter().rev().find(suits).map_or(self, Self::Fixed),
+        }
+    }
+}
+
 impl Scene {
     /// Inputs that `model` needs and the scene has not.
     pub fn missing(&self, model: Model) -> Vec<String> {
         Needs::for_points(model, self.stated()).missing(self.stated())
     }
 
-    /// Inputs that a nut needs and the scene has not.
-    pub(crate) fn missing_for_a_nut(&self) -> Vec<String> {
-        let mut missing = Needs::NUT.missing(self.given());
-        let (per_turn, turns) = balls_and_turns(self);
+    /// Inputs that a nut needs and that are not `given`, for this scene or for the points of a table over it.
+    pub(crate) fn missing_for_a_nut(&self, given: InputSet) -> Vec<String> {
+        use InputKey as K;
+        let mut missing = Needs::NUT.missing(given);
+        let listed = self.nut.circuits.is_some();
+        let by_gap = given.contains_all(InputSet::of(&[K::gap_deg, K::circuits_count]));
         let ball_words = [
-            (per_turn, "loaded_balls_per_turn (or circuits)"),
-            (turns, "loaded_turns (or circuits)"),
+            (given.contains(K::loaded_balls_per_turn), "loaded_balls_per_turn (or circuits)"),
+            (given.contains(K::loaded_turns) || by_gap, "loaded_turns (or circuits)"),
         ];
-        let absent = ball_words.iter().filter(|(value, _)| value.is_none());
+        let absent = ball_words.iter().filter(|(known, _)| !known && !listed);
         missing.extend(absent.map(|(_, words)| (*words).to_owned()));
-        let pressed =
-            [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um];
-        if self.axial_load_N.is_none() && !self.given().meets(InputSet::of(&pressed)) {
+        let loads = [K::axial_load_N, K::preload_N, K::preload_offset_um, K::ball_oversize_um];
+        if !given.meets(InputSet::of(&loads)) {
             missing.push("axial_load_N (or preload_N)".to_owned());
         }
         missing

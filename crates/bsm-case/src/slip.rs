@@ -39,6 +39,10 @@ quantities! { Slip;
         used_friction_coefficient [""] Contacts,
             "friction force over normal load: the friction coefficient that the motion takes";
     }
+    "moments about the tangent" {
+        tangent_friction_moment_Nmm ["N mm"] Contacts, "moment of friction on the ball about the tangent";
+        gyroscopic_moment_Nmm ["N mm"] Whole, "gyroscopic moment about the tangent, the sum of those of friction";
+    }
     "friction power, all balls" {
         centre_power_W ["W"] Contacts, "friction power on the slip at the centre";
         spin_power_W ["W"] Contacts, "friction power on the spin";
@@ -58,22 +62,35 @@ impl Analysis {
     /// Gyroscopic angles, differential slip, slip between balls, spin and orbit slip as printed, as
     /// corrected and in exact form, and the power that each part of the slip takes.
     ///
+    /// Where the scene gives the contact angles in motion, the ball rolls at these, and there is neither
+    /// friction nor power: the loads are in balance at other angles.
+    ///
     /// * `settings`: those that `solution` was found with.
     ///
     /// # Errors
     ///
-    /// [`CaseError::NoMotion`] if the model has no motion of the ball.
+    /// [`CaseError::NoMotion`] if the model has no motion of the ball, [`CaseError::NotCovered`] if the
+    /// scene gives the contact angles in motion and the model is not raceway control,
+    /// [`CaseError::DryAnalysis`] with a lubricant.
     pub fn slip(
         scene: &Scene,
         settings: &Settings,
         solution: &Solution,
     ) -> Result<Self, CaseError> {
-        let solved = MovingBall::of(scene, solution)?;
+        let (solved, given) =
+            MovingBall::of(scene, solution)?.at_given_angles(scene, settings, solution.model)?;
         let mut report = Self::of(AnalysisKind::Slip, scene, solution);
         between(&mut report.numbers, &solved);
         at_contacts(&mut report.numbers, &solved);
         if solved.contacts[0].is_some_and(|c| c.semi_axes.is_none()) {
             report.lacks_ellipses("spin slip at the ends of the contact ellipses");
+        }
+        if given {
+            report.lacks.push(
+                "friction and its power: contact angles in balance with the load, in place of given ones"
+                    .to_owned(),
+            );
+            return report.finite();
         }
         let powers = Powers::of(scene, settings, solution, &solved)?;
         let dissipated = solution
@@ -89,6 +106,9 @@ impl Analysis {
             ));
         }
         powers.enter(&mut report.numbers, dissipated, difference);
+        let inertia = scene.reader().operating_point().ball.inertia();
+        let moment = solved.ball.gyroscopic_moment(inertia) / MM;
+        report.numbers.whole(gyroscopic_moment_Nmm, moment);
         report.finite()
     }
 }
@@ -154,8 +174,18 @@ pub(crate) fn integration(settings: &Settings, solution: &Solution) -> (f64, f64
     }
 }
 
-/// Powers of the parts of the slip at each contact, all balls \[W\], and friction over normal load.
-struct Powers([Option<(SlipPower<f64>, f64)>; 3]);
+/// Friction at each contact.
+struct Powers([Option<ContactFriction>; 3]);
+
+#[derive(Debug, Clone, Copy)]
+struct ContactFriction {
+    /// Powers of the parts of the slip, all balls \[W\].
+    power: SlipPower<f64>,
+    /// Friction over normal load.
+    used: f64,
+    /// Moment on the ball about the tangent \[N·m\].
+    moment: f64,
+}
 
 impl Powers {
     fn of(
@@ -184,13 +214,14 @@ impl Powers {
             let wrench = wrench.map_err(|e| CaseError::NotRated(e.to_string()))?;
             let SlipPower { centre, spin, curvature } = ball.power(&contact.touch, &wrench);
             let balls = case.load.balls;
-            let all = SlipPower {
+            let power = SlipPower {
                 centre: centre * balls,
                 spin: spin * balls,
                 curvature: curvature * balls,
             };
             // f_used = |F|/Q                                                  (X15)
-            Ok((all, wrench.force.norm() / contact.load))
+            let used = wrench.force.norm() / contact.load;
+            Ok(ContactFriction { power, used, moment: wrench.moment.x })
         };
         let [nut, screw, minor] = solved.contacts.each_ref();
         let power = |contact: &Option<MovingContact>| contact.as_ref().map(power).transpose();
@@ -198,18 +229,19 @@ impl Powers {
     }
 
     fn total(&self) -> f64 {
-        self.0.iter().flatten().map(|(power, _)| power.total()).sum()
+        self.0.iter().flatten().map(|friction| friction.power.total()).sum()
     }
 
     fn enter(&self, numbers: &mut Numbers, dissipated: f64, difference: f64) {
-        let mut line = |place: Contacts, number: fn(&SlipPower<f64>) -> f64| {
-            numbers.contacts(place, self.0.map(|p| p.as_ref().map(|(power, _)| number(power))));
+        let mut line = |place: Contacts, number: fn(&ContactFriction) -> f64| {
+            numbers.contacts(place, self.0.map(|contact| contact.as_ref().map(number)));
         };
-        line(centre_power_W, |p| p.centre);
-        line(spin_power_W, |p| p.spin);
-        line(curvature_power_W, |p| p.curvature);
-        line(friction_power_W, SlipPower::total);
-        numbers.contacts(used_friction_coefficient, self.0.map(|p| p.map(|(_, used)| used)));
+        line(used_friction_coefficient, |friction| friction.used);
+        line(tangent_friction_moment_Nmm, |friction| friction.moment / MM);
+        line(centre_power_W, |friction| friction.power.centre);
+        line(spin_power_W, |friction| friction.power.spin);
+        line(curvature_power_W, |friction| friction.power.curvature);
+        line(friction_power_W, |friction| friction.power.total());
         numbers.whole(total_friction_power_W, self.total());
         numbers.whole(dissipated_power_W, dissipated);
         numbers.whole(power_difference, Some(difference).filter(|x| x.is_finite()));

@@ -107,10 +107,14 @@ pub(crate) enum Command {
     #[command(after_help = EXIT_CODES)]
     Catalog(CatalogArgs),
     /// Slip of the balls by published and exact formulas, and the power lost to each part of it.
+    ///
+    /// Model auto is traction here, or rigid without conformities. With nut_running_contact_angle_deg and
+    /// screw_running_contact_angle_deg it is a ball that rolls at these angles.
     #[command(after_help = EXIT_CODES)]
     Slip(AnalysisArgs),
-    /// Jamming of the balls: contact state, self-locking by friction, thrust in the ball return.
+    /// Jamming of the balls: contact state, self-locking, thrust in the ball return.
     ///
+    /// Model auto is traction here, or rigid without conformities.
     /// Each part needs only its own inputs, and names the missing ones: race_yield_strength_MPa and
     /// ball_yield_strength_MPa; lubricant_density_kg_m3 and drag_coefficient; apex_half_angle_deg;
     /// return_angle_deg; step_height_mm; loaded_balls_per_turn. Optional: step_normal_force_N,
@@ -559,8 +563,7 @@ pub(crate) struct AnalysisArgs {
     /// How to print the analysis.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
-    /// Folder for figures (SVG and CSV) of the published sweeps around the scene, with a table of the
-    /// published trends and whether they hold; created if it does not exist.
+    /// Folder for figures (SVG and CSV) of sweeps around the scene; created if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub(crate) plot: Option<PathBuf>,
 }

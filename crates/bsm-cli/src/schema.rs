@@ -196,15 +196,12 @@ fn analysis(kind: AnalysisKind) -> Value {
     let verdicts = statements.map(|quantity| (quantity.key.to_owned(), verdict.clone())).collect();
     let required = properties([
         ("model", text()),
-        ("choice", text_or_null()),
         ("verdicts", object(Properties::new(), verdicts)),
         ("lacks", texts()),
         ("warnings", texts()),
     ]);
-    let mut optional = columns(kind);
-    optional.push(("trends".to_owned(), list(&json!({ "type": "object" }))));
     // Without a solution there is nothing to analyse: it says why.
-    any_of([object(required, optional), solve()])
+    any_of([object(required, columns(kind)), solve()])
 }
 
 fn optimum() -> Value {

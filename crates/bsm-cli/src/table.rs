@@ -6,7 +6,6 @@ use bsm_case::{
 };
 use bsm_dyn::Band;
 use bsm_report::number;
-use bsm_validate::Study;
 use comfy_table::{CellAlignment, Table, presets};
 
 /// A plain table whose columns from `first_number` on are aligned right.
@@ -147,10 +146,7 @@ the contacts.";
 
 /// An analysis: a table for each block, then what follows from them.
 pub(crate) fn analysis(report: &Analysis) -> String {
-    let choice = report.choice.as_deref();
-    let head = [("model ", Some(report.model.name())), ("chosen", choice)];
-    let head = head.into_iter().filter_map(|(label, text)| Some(format!("{label}  {}", text?)));
-    let mut parts = vec![head.collect::<Vec<_>>().join("\n")];
+    let mut parts = vec![format!("model   {}", report.model.name())];
     let rows = report.numbers.rows().filter(|(quantity, _)| quantity.of != Of::Statement);
     parts.extend(blocks(&rows.collect::<Vec<_>>(), "ball"));
     let verdicts = report.statements().map(|(name, holds, words)| {
@@ -199,23 +195,6 @@ fn block(rows: &[(&Quantity, [Option<f64>; 3])], whole: &str, scales: &Scales) -
     };
     let tables = [table(Of::Whole, &[whole]), table(Of::Contacts, &["nut", "screw", "minor"])];
     tables.into_iter().flatten().collect::<Vec<_>>().join("\n\n")
-}
-
-/// Published trends, and whether the curves of a study follow them.
-pub(crate) fn trends(study: &Study) -> String {
-    let rows: Vec<_> = study
-        .trends
-        .iter()
-        .map(|trend| {
-            let claim = format!("{} with {}", trend.claim.word(), trend.over);
-            let holds = if trend.holds { "holds" } else { "does not hold" };
-            let numbers = [trend.first.1, trend.last.1].map(number);
-            let words = [holds.to_owned(), trend.describe()];
-            [vec![trend.curve.clone(), claim], numbers.to_vec(), words.to_vec()].concat()
-        })
-        .collect();
-    let header = ["curve", "published trend", "from", "to", "", "what it does"];
-    format!("trends of {}\n\n{}", study.basis, plain(Some(&header), &rows, usize::MAX))
 }
 
 /// How much efficiency and torque depend on each input.

@@ -201,6 +201,14 @@ impl Angles<f64> {
         self.sines().self_locking(direction.is_back(), friction)
     }
 
+    /// Friction coefficient from which on the screw is self-locking in that direction (C6), (C7).
+    pub fn locking_friction(&self, direction: Direction) -> f64 {
+        // f = sinβ/D                                                      (C6)
+        // f = D/sinβ                                                      (C7)
+        let [outer, inner] = self.sines().by_direction(direction.is_back());
+        outer / inner
+    }
+
     /// Border of self-locking: the contact angle \[rad\] up to which (rotary to linear) or from
     /// which on (linear to rotary) a screw of this lead angle \[rad\] is self-locking (C14), (C15).
     ///
@@ -483,9 +491,11 @@ mod tests {
                 let eta = angles.efficiency(direction, f);
                 prop_assume!(eta.abs() > 1e-12);
                 prop_assert_eq!(angles.self_locking(direction, f), eta < 0.0);
+                prop_assert_eq!(f >= angles.locking_friction(direction), eta < 0.0);
+                let border = angles.locking_friction(direction);
+                // Rounding of terms of the size of the friction coefficient at the border.
+                prop_assert!(angles.efficiency(direction, border).abs() <= 1e-12 * border.max(1.0));
             }
-            let border = b.sin() / angles.slip_factor();
-            prop_assert!(angles.efficiency(Direction::RotaryToLinear, border).abs() <= 1e-12);
         }
 
         /// The border angle is where locking begins or ends.

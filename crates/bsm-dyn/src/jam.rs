@@ -32,7 +32,8 @@ impl<D: Scalar> Wedge<D> {
         self.angles[1] - self.angles[0]
     }
 
-    fn mean_angle(&self) -> D {
+    /// Mean of both contact angles \[rad\].
+    pub fn mean_angle(&self) -> D {
         (self.angles[0] + self.angles[1]) * 0.5
     }
 
@@ -64,25 +65,32 @@ impl<D: Scalar> Wedge<D> {
         magnitude(push) / (self.grip() * (self.opening() * 0.5).cos())
     }
 
-    /// The same without the centrifugal force, as published (M10).
-    pub fn critical_friction_published(&self) -> D {
+    /// The same as printed, at nut and screw (M18).
+    ///
+    /// Source: Dong et al. (2020), Eq 16.
+    pub fn critical_friction_printed(&self) -> [D; 2] {
+        // f ≥ |sinψ| tan(|D|/2)                                           (M18)
+        self.slip_angles.map(|psi| magnitude(psi.sin()) * self.critical_friction_simplified())
+    }
+
+    /// The same with `$\sin\psi = 1$`.
+    ///
+    /// Source: Dong et al. (2020), Eq 17 without its radical.
+    pub fn critical_friction_simplified(&self) -> D {
+        magnitude((self.opening() * 0.5).tan())
+    }
+
+    /// The critical friction coefficient without the centrifugal force, as corrected (M10).
+    pub fn critical_friction_corrected(&self) -> D {
         let share = self.grip() / (self.loads[0] + self.loads[1]);
         // f_lock |cosψ| = tan(|D|/2)                                      (M10)
-        magnitude((self.opening() * 0.5).tan()) / share
+        self.critical_friction_simplified() / share
     }
 
     /// The largest opening that friction can hold, if all of it points across the grooves \[rad\] (M17).
     pub fn widest_opening(&self) -> D {
         // D_max = 2 arctan f                                              (M17)
         self.friction.atan() * 2.0
-    }
-
-    /// Friction coefficient from which friction across the grooves alone holds any axial load: no
-    /// thrust moves the ball (M18).
-    pub fn locking_friction(&self) -> D {
-        // f_hold = min(tanβ_A, tanβ_B)                                    (M18)
-        let [nut, screw] = self.angles.map(|angle| angle.tan());
-        if screw.re() < nut.re() { screw } else { nut }
     }
 
     /// `$\sum Q\,|\cos\psi|$` \[N\].
@@ -243,9 +251,13 @@ mod tests {
             let held: f64 = critical.across().iter().sum::<f64>() * tilt.cos();
             prop_assert!((held - net.abs()).abs() <= 1e-11);
             let equal = Wedge { centrifugal: 0.0, ..wedge };
-            let published = equal.critical_friction_published();
-            prop_assert!((equal.critical_friction() / published - 1.0).abs() <= 1e-12);
-            prop_assert!((published * psi.cos() - tilt.abs().tan()).abs() <= 1e-14);
+            let corrected = equal.critical_friction_corrected();
+            prop_assert!((equal.critical_friction() / corrected - 1.0).abs() <= 1e-12);
+            prop_assert!((corrected * psi.cos() - tilt.abs().tan()).abs() <= 1e-14);
+            // As printed it is the sine: the other component of the friction force.
+            let [at_nut, at_screw] = equal.critical_friction_printed();
+            prop_assert!((at_nut - psi.sin() * tilt.abs().tan()).abs() <= 1e-14);
+            prop_assert!((at_nut - at_screw).abs() <= 1e-14);
         }
 
         /// Eq 24 of Dong et al. from the two balances of Eq 23, in the force of the opposite wall and the
@@ -338,30 +350,6 @@ mod tests {
         assert!(step(highest * (1.0 - 1e-6), 0.4, 0.02).thrust_ratio().expect("below") > 1e4);
         assert_eq!(step(highest * (1.0 + 1e-6), 0.4, 0.02).thrust_ratio(), None);
         assert_eq!(step(1.5, 0.4, 0.0).thrust_ratio(), None);
-    }
-
-    /// At the friction of (M18) the load per axial load of two contacts without inertia has its pole (Q4).
-    #[test]
-    fn friction_that_holds_any_load_is_the_pole_of_the_balance() {
-        let wedge = Wedge {
-            loads: [1.0, 1.0],
-            angles: [0.3, 0.2],
-            slip_angles: [0.0, PI],
-            friction: 0.1,
-            centrifugal: 0.0,
-        };
-        let holding = wedge.locking_friction();
-        let angles = crate::Angles { lead: 0.1, contact: 0.2 };
-        let contacts = crate::TwoContacts {
-            sines: angles.sines(),
-            friction: holding,
-            rolling_ratio: 0.0,
-            size_ratio: 0.1,
-            nut_turns: false,
-        };
-        // Rounding of a difference of sines of 0.2.
-        assert!(contacts.load_ratio().recip().abs() < 1e-15);
-        assert_relative_eq!(wedge.widest_opening(), 2.0 * 0.1_f64.atan(), max_relative = 1e-14);
     }
 
     /// By hand: (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 m/s.

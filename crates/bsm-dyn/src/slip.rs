@@ -1,7 +1,7 @@
 //! Slip of a solved ball: what slides at its contacts, in published and in exact form, and the
 //! power that each part of it takes.
 //!
-//! Theory: `docs/theory/13-slip.md`, equations (X1) to (X14).
+//! Theory: `docs/theory/13-slip.md`, equations (X1) to (X16).
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -154,6 +154,18 @@ impl<D: Scalar> SteadyBall<D> {
         let angle = sin.atan2((-sin.square() + 1.0).sqrt());
         // tanγ' = −ω'_t/ω'_b                                              (X14)
         [angle, omega.x.atan2(-omega.z)]
+    }
+
+    /// Moment about the tangent that turns the rotation of the ball along with the triad \[N·m\]: the
+    /// friction of all contacts gives it (X16).
+    ///
+    /// * `inertia`: of the ball about a diameter \[kg·m²\].
+    ///
+    /// Source: Dong et al. (2020), Eq 12, `$M_t$`.
+    pub fn gyroscopic_moment(&self, inertia: D) -> D {
+        let Motion { precession, omega } = self.motion;
+        // M_t = I P (k × ω)·t                                             (X16)
+        self.frame().k.cross(&omega).x * (inertia * precession)
     }
 
     /// Slip between neighbouring balls as published (X2) \[m/s\].

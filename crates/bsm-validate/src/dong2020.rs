@@ -1,7 +1,7 @@
 //! Trends of Dong et al. (2020), and identities of the contact state and the thrust.
 
 use bsm_case::{Analysis, Scene};
-use bsm_dyn::{Model, ModelWorkspace, step_thrust};
+use bsm_dyn::{Model, ModelWorkspace};
 
 use crate::{Check, Published, Study, ValidateError, trends};
 
@@ -23,7 +23,6 @@ pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError>
     checks.push(small(&scene)?);
     checks.push(radical(&scene)?);
     checks.push(balanced(&scene)?);
-    checks.push(step());
     checks.push(rotation(&scene)?);
     checks.push(printed_radical(&scene)?);
     Ok(checks)
@@ -109,29 +108,6 @@ fn balanced(scene: &Scene) -> Result<Check, ValidateError> {
     )
     .measured(left.abs() / number(&report, "nut_settled_load_N"), "of the normal load")
     .at_most(1e-12, "rounding of the loads"))
-}
-
-/// Eq 24 against the two balances of Eq 23.
-fn step() -> Check {
-    let mut worst: f64 = 0.0;
-    for percent in 1..=60 {
-        let mu = f64::from(percent) / 100.0;
-        for degrees in (0..=80).step_by(8) {
-            let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
-            let thrust = step_thrust(1.0, mu, f64::from(degrees).to_radians());
-            // F_s = F_N − f_b cosλ₃ − F_O1 sinλ₃,  f_s + f_b sinλ₃ + f_N = F_O1 cosλ₃
-            let wall = 1.0 - mu * thrust * cos - thrust * sin;
-            let along = mu * wall + mu * thrust * sin + mu;
-            worst = worst.max((along / (thrust * cos) - 1.0).abs());
-        }
-    }
-    Check::new(
-        "dong2020/step",
-        &format!("{SOURCE}, Eqs 23-24"),
-        "the thrust at the step solves the two balances of forces",
-    )
-    .measured(worst, "relative")
-    .at_most(1e-13, "rounding of a difference of forces of six times the thrust")
 }
 
 /// The ball turns about five times as fast as it circles (Fig 16).

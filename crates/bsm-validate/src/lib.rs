@@ -67,9 +67,6 @@ pub enum ValidateError {
     /// A claim is missing in a table.
     #[error("lin1994/claims.csv: no claim `{0}`")]
     NoClaim(&'static str),
-    /// A table of trends cannot be written.
-    #[error("table of trends: {0}")]
-    Trends(#[from] csv::Error),
     /// A file of published data cannot be read.
     #[error("{}: {error}", path.display())]
     File {

@@ -3,15 +3,10 @@
 mod jam;
 mod slip;
 
-use bsm_case::exact;
 use bsm_report::{Curve, Figure, Stroke, short};
-use serde::Serialize;
-
-use crate::ValidateError;
 
 /// Which way a curve is said to go.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Claim {
     /// It grows.
     Rises,
@@ -24,16 +19,6 @@ pub enum Claim {
 }
 
 impl Claim {
-    /// In a word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Rises => "rises",
-            Self::Falls => "falls",
-            Self::Flattens(_) => "flattens",
-            Self::Exceeds => "exceeds one",
-        }
-    }
-
     /// True if points in the order of x, whose shape is known, do as claimed all along.
     fn holds(self, points: &[(f64, f64)], shape: Shape) -> bool {
         match self {
@@ -56,8 +41,7 @@ fn slope(points: &[(f64, f64)], within: impl Fn(f64) -> bool) -> f64 {
 }
 
 /// Which way it goes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
     /// It never falls.
     Rises,
@@ -92,17 +76,12 @@ impl Shape {
 }
 
 /// A published trend and what a curve does.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Trend {
     /// What the trend is of, the same for all contacts and settings: the name of its check.
-    #[serde(skip)]
     pub group: String,
     /// The curve.
     pub curve: String,
-    /// The quantity that varies, with its unit.
-    pub over: String,
-    /// What is claimed.
-    pub claim: Claim,
     /// What is so.
     pub shape: Shape,
     /// True if the curve goes the claimed way all along.
@@ -116,7 +95,7 @@ pub struct Trend {
 impl Trend {
     /// Of points in the order of x, of which those that are not finite are left out.
     pub(crate) fn of(
-        (group, curve, over): (String, String, &str),
+        (group, curve): (String, String),
         claim: Claim,
         points: &[(f64, f64)],
         rounding: f64,
@@ -126,16 +105,7 @@ impl Trend {
             points.iter().copied().filter(|(_, y)| y.is_finite()).map(clean).collect();
         let shape = Shape::of(&points, rounding);
         let holds = claim.holds(&points, shape);
-        Some(Self {
-            group,
-            curve,
-            over: over.to_owned(),
-            claim,
-            shape,
-            holds,
-            first: *points.first()?,
-            last: *points.last()?,
-        })
+        Some(Self { group, curve, shape, holds, first: *points.first()?, last: *points.last()? })
     }
 
     /// What the curve does, in words.
@@ -156,35 +126,10 @@ impl Trend {
 /// Figures of an analysis and the trends of their curves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
-    /// What all curves have in common.
-    pub basis: String,
     /// The figures.
     pub figures: Vec<Figure>,
     /// The trends.
     pub trends: Vec<Trend>,
-}
-
-impl Study {
-    /// The trends as CSV.
-    ///
-    /// # Errors
-    ///
-    /// [`ValidateError::Trends`] if the table cannot be written.
-    pub fn csv(&self) -> Result<String, ValidateError> {
-        let mut table = csv::Writer::from_writer(Vec::new());
-        let header = ["curve", "over", "claim", "holds", "from_x", "from", "to_x", "to", "shape"];
-        table.write_record(header)?;
-        for trend in &self.trends {
-            let holds = if trend.holds { "yes" } else { "no" };
-            let [a, b, c, d] =
-                [trend.first.0, trend.first.1, trend.last.0, trend.last.1].map(exact);
-            let (claim, shape) = (trend.claim.word(), trend.describe());
-            let row = [&trend.curve, &trend.over, claim, holds, &a, &b, &c, &d, &shape];
-            table.write_record(row)?;
-        }
-        let bytes = table.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
-        Ok(String::from_utf8_lossy(&bytes).into_owned())
-    }
 }
 
 /// A curve without marks; `None` if it has no points.
@@ -218,7 +163,7 @@ mod tests {
     fn a_curve_that_turns_does_not_hold() {
         let trend = |claim, values: &[f64]| {
             let points: Vec<_> = (0..).map(f64::from).zip(values.iter().copied()).collect();
-            let names = ("group".to_owned(), "curve".to_owned(), "x");
+            let names = ("group".to_owned(), "curve".to_owned());
             Trend::of(names, claim, &points, 0.0)
         };
         assert!(trend(Claim::Falls, &[3.0, f64::NAN, 1.0]).is_some_and(|t| t.holds));

@@ -48,7 +48,7 @@ export class Ellipses {
         ["largest slip, m/s", ...answer.contacts.map((c) => number(Math.max(...speeds(c))))],
         ["part that sticks", ...answer.contacts.map((c) => `${number(100 * c.sticking_share)} %`)],
       ]),
-      html("p", { class: "small faint" }, `Model ${answer.model}. ${answer.note ? `${answer.note}. ` : ""}${answer.contacts[0].saturated ? "Friction is saturated along one direction in this model; its slip over the ellipse is shown. " : ""}The long axis lies across the groove; along it the ball rolls, upwards here, drawn stretched. The longest arrow is ${number(fastest)} m/s; the heavy arrow is the friction force on the ball.`));
+      html("p", { class: "small faint" }, `Model ${answer.model}. ${answer.contacts[0].saturated ? "Friction is saturated along one direction in this model; its slip over the ellipse is shown. " : ""}The long axis lies across the groove; along it the ball rolls, upwards here, drawn stretched. The longest arrow is ${number(fastest)} m/s; the heavy arrow is the friction force on the ball.`));
     for (const { paint } of figures) paint();
   }
 

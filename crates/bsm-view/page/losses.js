@@ -29,7 +29,6 @@ export function showLosses(host, result, slip) {
   const parts = [
     result.sliding_power_W == null ? legend(CONTACTS.filter(([name]) => rows.some(([words]) => words.endsWith(name))).map(([name, paint]) => [name, `var(${paint})`])) : null,
     html("p", { class: "small" }, html("strong", {}, `${number(total)} W of heat`), `, ${number((100 * total) / result.input_power_W)} % of the ${number(result.input_power_W)} W put in.`,
-      drawn ? ` The line: nine of ten draws of what nobody knows of the oil, ${number(drawn[0])} to ${number(drawn[1])} W.` : bound != null ? ` The line shows its error bound, ${brief(Number((100 * bound).toPrecision(2)))} %.` : ""),
-    result.sliding_power_W == null && slip.note ? html("p", { class: "small faint" }, `${slip.note}.`) : null];
+      drawn ? ` The line: nine of ten draws of what nobody knows of the oil, ${number(drawn[0])} to ${number(drawn[1])} W.` : bound != null ? ` The line shows its error bound, ${brief(Number((100 * bound).toPrecision(2)))} %.` : "")];
   host.replaceChildren(html("div", { class: "split" }, chart, html("div", {}, parts.filter(Boolean))));
 }

@@ -187,27 +187,24 @@ pub(crate) fn compare(Asked { scene, .. }: &Asked) -> Result<Value, Refusal> {
     Ok(answer)
 }
 
-/// The motion of the ball that an analysis takes.
+/// The solution whose motion is analysed: the one that the page shows, so that its losses add up.
 fn moving(Asked { scene, settings, .. }: &Asked) -> Result<Moving, Refusal> {
-    let work = &mut ModelWorkspace::default();
-    let found = scene.problem(settings)?.solve(work);
-    Ok(Moving::of(scene, settings, found, work)?)
+    let solution = scene.problem(settings)?.solve(&mut ModelWorkspace::default());
+    Ok(Moving { settings: *settings, solution })
 }
 
 /// `bsm slip --format json`.
 fn slip(asked: &Asked) -> Result<Value, Refusal> {
-    let Moving { settings, solution, note } = moving(asked)?;
-    let mut map = Analysis::slip(&asked.scene, &settings, &solution)?.to_json();
-    map.insert("note".to_owned(), json!(note));
-    Ok(Value::Object(map))
+    let Moving { settings, solution } = moving(asked)?;
+    Ok(Value::Object(Analysis::slip(&asked.scene, &settings, &solution)?.to_json()))
 }
 
 /// Fields over the ellipses.
 fn ellipses(asked: &Asked, points: u32) -> Result<Value, Refusal> {
-    let Moving { settings, solution, note } = moving(asked)?;
+    let Moving { settings, solution } = moving(asked)?;
     let model = solution.model.name();
     let fields = EllipseFields::of(&asked.scene, &settings, &solution, points)?;
-    Ok(json!({ "model": model, "note": note, "contacts": fields.into_json() }))
+    Ok(json!({ "model": model, "contacts": fields.into_json() }))
 }
 
 /// `bsm nut --format json`, with its table of balls and its curve.

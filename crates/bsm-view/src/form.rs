@@ -17,6 +17,8 @@ const GROUPS: [(&str, &[&str]); 5] = [
             "lead_mm",
             "lead_angle_deg",
             "contact_angle_deg",
+            "nut_running_contact_angle_deg",
+            "screw_running_contact_angle_deg",
             "nut_conformity",
             "screw_conformity",
             "starts",

@@ -105,7 +105,7 @@ impl NutProblem {
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
         settings.check()?;
         scene.check_for_a_nut()?;
-        let missing = scene.missing_for_a_nut();
+        let missing = scene.missing_for_a_nut(scene.given());
         if !missing.is_empty() {
             return Err(CaseError::MissingForNut { missing });
         }

@@ -69,8 +69,7 @@ fn slip_shows_published_and_exact_forms() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     for part in [
-        "model   raceway-control",
-        "chosen  error of the efficiency at most",
+        "model   traction",
         "slip between neighbouring balls",
         "spin slip as printed",
         "spin slip as corrected",
@@ -90,20 +89,6 @@ fn slip_shows_published_and_exact_forms() {
     assert!((parts / value("dissipated_power_W") - 1.0).abs() < 1e-9, "{result}");
     // The minor contact is one of the rigid model only.
     assert!(result.get("minor_differential_slip_m_s").is_none());
-}
-
-/// A dial that loosens the tolerance makes `auto` take the closed form, which has no motion: said,
-/// and the next model is asked.
-#[test]
-fn auto_goes_on_to_a_model_with_a_motion() {
-    let dir = folder();
-    let scene = example("xu2015.json");
-    for command in ["slip", "jam"] {
-        let output = bsm(dir.path(), &[command, &scene, "--tolerance", "0.9"], "");
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        assert!(stderr(&output).contains("auto takes model closed-form"), "{}", stderr(&output));
-        assert!(stdout(&output).contains("raceway-control"), "{}", stdout(&output));
-    }
 }
 
 #[test]
@@ -140,27 +125,22 @@ fn jam_gives_verdicts_with_margins() {
     assert!(stdout(&output).contains("left out: contact state"), "{}", stdout(&output));
 }
 
+/// The trends of one paper stood below the user's own result; they are for `validate`.
 #[test]
-fn plots_show_curves_and_trends() {
+fn plots_show_curves_without_the_trends_of_a_paper() {
     let dir = folder();
     for (command, scene, figure, label) in [
-        ("slip", "xu2015.json", "slip-lead-angle-screw", "spin, printed"),
+        ("slip", "xu2015.json", "slip-traction-lead-angle-screw", "spin, printed"),
         ("jam", "dong2020.json", "jam-thrust-speed", "thrust at the apex"),
     ] {
         let output = bsm(dir.path(), &[command, &example(scene), "--plot", command], "");
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        assert!(stdout(&output).contains("published trend"), "{}", stdout(&output));
+        assert!(!stdout(&output).contains("published trend"), "{}", stdout(&output));
         let read = |file: String| fs::read_to_string(dir.path().join(command).join(file));
         assert!(read(format!("{figure}.svg")).expect("figure").contains(label));
         assert!(read(format!("{figure}.csv")).expect("table").lines().count() > 50);
-        let trends = read("trends.csv".to_owned()).expect("trends");
-        assert!(trends.starts_with("curve,over,claim,holds,"), "{trends}");
-        assert!(trends.contains(",yes,"), "{trends}");
+        assert!(read("trends.csv".to_owned()).is_err());
     }
-    // Differential slip is that of half the lead: it does not fall with any contact angle.
-    let trends = fs::read_to_string(dir.path().join("slip/trends.csv")).expect("trends");
-    let row = trends.lines().find(|row| row.starts_with("differential nut")).expect("a row");
-    assert!(row.contains("falls,no,") && row.contains("stays the same"), "{row}");
 }
 
 /// Bad input: one paragraph, exit code 2, nothing on stdout, nothing written.
@@ -171,8 +151,6 @@ fn the_study_of_slip_follows_the_model() {
     let args = ["slip", &example("xu2015.json"), "--model", "rigid", "--plot", "figures"];
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let text = stdout(&output);
-    assert!(text.contains("trends of the balls of model rigid"), "{text}");
     let curve = fs::read_to_string(dir.path().join("figures/slip-rigid-lead-angle-nut.csv"));
     let curve = curve.expect("a figure");
     // Differential slip of a ball that rolls is 0.136 m/s at most at 10 deg; a sliding one has more.

@@ -154,8 +154,7 @@ impl Solver<'_> {
                     (value, Scene { step_height_mm: height, ..scene.clone() })
                 }
             };
-            let solution = scene.problem(self.settings)?.solve(&mut self.work);
-            let moving = Moving::of(&scene, self.settings, solution, &mut self.work)?;
+            let moving = Moving::of(&scene, self.settings, &mut self.work)?;
             // A point without a solution, or without a contact state, is a gap.
             let kinds = [AnalysisKind::Jam, AnalysisKind::Slip];
             let all = |_: &_| true;
@@ -187,8 +186,7 @@ impl Study {
     ) -> Result<Self, ValidateError> {
         let settings = &Settings { model: solution.model.into(), ..*settings };
         let mut solver = Solver { settings, work: ModelWorkspace::default() };
-        let basis = format!("model {}", solution.model.name());
-        let mut study = Self { basis, figures: Vec::new(), trends: Vec::new() };
+        let mut study = Self { figures: Vec::new(), trends: Vec::new() };
         study.over_load(scene, &mut solver)?;
         study.over_speed(scene, &mut solver)?;
         if scene.return_angle_deg.is_some() {
@@ -424,7 +422,7 @@ impl Study {
                 let size = points.iter().fold(0.0, |most: f64, (_, y)| most.max(*y));
                 let quantity = y.label.split(',').next().unwrap_or_default();
                 let group = format!("{group}-{}", over.key());
-                let names = (group, format!("{quantity}, {label}"), over.axis());
+                let names = (group, format!("{quantity}, {label}"));
                 self.trends.extend(Trend::of(names, claim, &points, ROUNDING * size));
             }
             // A logarithm has no zero, and what is rounding is nothing.

@@ -1,8 +1,6 @@
 //! The sweeps of Xu and Tang (2015), Figs 7-9: slips of a ball that rolls at given angles, or of the
 //! balls of a model.
 
-use std::f64::consts::PI;
-
 use bsm_case::{Scene, Settings};
 use bsm_dyn::{
     Angles, Control, Direction, Model, ModelWorkspace, OperatingPoint, Problem, Solution,
@@ -22,8 +20,12 @@ struct Screw<'a> {
     ball_radius: f64,
     drive: Drive<f64>,
     contact_angle: f64,
+    /// Contact angles of nut and screw in the sweeps that do not vary them \[rad\].
+    running_angles: [f64; 2],
     friction: f64,
     balls: Balls,
+    /// What all curves have in common.
+    basis: String,
 }
 
 /// Where the motion of the balls is from.
@@ -62,10 +64,6 @@ struct State {
 }
 
 const SITES: [Site; 2] = [Site::Nut, Site::Screw];
-
-/// Half the difference of the contact angles in the sweeps that do not vary them \[rad\]: 50 and
-/// 40 deg about the 45 deg of the paper.
-const APART: f64 = 5.0 * PI / 180.0;
 
 /// Pitch circle over ball diameter at the ends of its sweep: 7 and 90 mm over 6 mm.
 const PITCH: [f64; 2] = [7.0 / 6.0, 15.0];
@@ -173,7 +171,7 @@ impl Sweep {
         semi_axes: [Option<f64>; 2],
     ) -> State {
         let (mut helix, beta) = (screw.helix, screw.contact_angle);
-        let (mut angles, mut equal) = ([beta + APART, beta - APART], beta);
+        let (mut angles, mut equal) = (screw.running_angles, beta);
         match self {
             Self::NutAngle => (angles, equal) = ([value.to_radians(), beta], value.to_radians()),
             Self::ScrewAngle => (angles, equal) = ([beta, value.to_radians()], value.to_radians()),
@@ -347,7 +345,7 @@ impl Study {
     ///
     /// With raceway control the ball rolls at given contact angles, without a balance of forces, and the nut
     /// controls unless the settings say otherwise; the angle at the nut and the angle at the screw
-    /// vary one by one. Any other model is solved at each point; its contact angle, unloaded where the
+    /// vary one by one, and are those of the scene in motion elsewhere. Any other model is solved at each point; its contact angle, unloaded where the
     /// contacts are elastic, is varied. `solution` tells the model, which has a motion of the ball, and for
     /// raceway control the contact ellipses.
     ///
@@ -360,23 +358,20 @@ impl Study {
         solution: &Solution,
     ) -> Result<Self, ValidateError> {
         let model = solution.model;
-        let (screw, sweeps, basis) = if model == Model::RacewayControl {
+        let (screw, sweeps) = if model == Model::RacewayControl {
             let control = settings.control.unwrap_or(Control::Nut);
             let semi_axes = [Site::Nut, Site::Screw]
                 .map(|site| Some(solution.contact(site)?.pressed?.semi_axes.0));
-            let screw = Screw::of(scene, model, Balls::Rolling { control, semi_axes })?;
-            let race = match control {
-                Control::Nut => "nut",
-                Control::Screw => "screw",
-            };
+            let race = control.name();
             let basis = format!("a ball that rolls at given contact angles, the {race} controls");
-            (screw, &Sweep::ROLLING[..], basis)
+            let balls = Balls::Rolling { control, semi_axes };
+            (Screw::of(scene, model, balls, basis)?, &Sweep::ROLLING[..])
         } else {
+            let basis = format!("the balls of model {}", model.name());
             let balls = Balls::Solved(Settings { model: model.into(), ..*settings });
-            let screw = Screw::of(scene, model, balls)?;
-            (screw, &Sweep::SOLVED[..], format!("the balls of model {}", model.name()))
+            (Screw::of(scene, model, balls, basis)?, &Sweep::SOLVED[..])
         };
-        let mut study = Self { basis, figures: Vec::new(), trends: Vec::new() };
+        let mut study = Self { figures: Vec::new(), trends: Vec::new() };
         let work = &mut ModelWorkspace::default();
         let mut swept = Vec::new();
         for sweep in sweeps {
@@ -412,12 +407,7 @@ impl Study {
                     let within: Vec<_> =
                         points.iter().copied().filter(|(x, _)| (low..=high).contains(x)).collect();
                     let group = format!("{key}-{}{name}", slip.name);
-                    self.trends.extend(Trend::of(
-                        (group, curve.clone(), axis),
-                        claim,
-                        &within,
-                        rounding,
-                    ));
+                    self.trends.extend(Trend::of((group, curve.clone()), claim, &within, rounding));
                 }
             }
             // A logarithm has no zero.
@@ -436,7 +426,7 @@ impl Study {
             caption: format!(
                 "Xu and Tang (2015), Figs 7 to 9: as printed (solid), with the angles of the contact itself \
                  (dotted), and exact (dashed) for {}; what is zero has no line.",
-                self.basis
+                screw.basis
             ),
             x: Axis::linear(axis),
             y: Axis::log("slip, m/s"),
@@ -447,7 +437,7 @@ impl Study {
     /// The efficiency of Lin et al., to whose curve the slips are said to correspond: it must rise where
     /// they fall.
     fn trend_of_efficiency(&mut self, sweep: Sweep, points: &[Point]) {
-        let (key, axis) = sweep.words();
+        let (key, _) = sweep.words();
         let claims: &[(&str, Claim, [f64; 2])] = match sweep {
             Sweep::NutAngle | Sweep::ScrewAngle | Sweep::ContactAngle => {
                 &[("", Claim::Rises, [0.0, 90.0])]
@@ -462,7 +452,7 @@ impl Study {
             let within = points.iter().filter(|(x, _)| (*low..=*high).contains(x));
             let eta = within.map(|(x, s)| (*x, s.as_ref().map_or(f64::NAN, |s| s.efficiency)));
             let group = format!("{key}-efficiency{name}");
-            let names = (group, "efficiency".to_owned(), axis);
+            let names = (group, "efficiency".to_owned());
             self.trends.extend(Trend::of(names, *claim, &eta.collect::<Vec<_>>(), 1e-9));
         }
     }
@@ -475,7 +465,7 @@ impl Study {
         let large = [Kind::Differential, Kind::Orbit].map(published);
         let small = [Kind::Ball, Kind::Spin].map(published);
         for (sweep, points) in swept {
-            let (key, axis) = sweep.words();
+            let (key, _) = sweep.words();
             for (i, place) in ["nut", "screw"].into_iter().enumerate() {
                 for (large, small) in large.iter().flat_map(|l| small.iter().map(move |s| (l, s))) {
                     let ratio = |(x, state): &Point| {
@@ -483,7 +473,7 @@ impl Study {
                     };
                     let ratios: Vec<_> = points.iter().map(ratio).collect();
                     let curve = format!("{} over {} {place}", large.label, small.label);
-                    let names = (format!("{key}-small-{}", small.name), curve.clone(), axis);
+                    let names = (format!("{key}-small-{}", small.name), curve.clone());
                     self.trends.extend(Trend::of(names, Claim::Exceeds, &ratios, 0.0));
                     if matches!(sweep, Sweep::NutAngle | Sweep::ScrewAngle | Sweep::ContactAngle) {
                         let spread = |slip: &Slip| {
@@ -494,7 +484,7 @@ impl Study {
                         };
                         let middle = [(45.0, spread(large) / spread(small))];
                         let curve = format!("change of {curve}");
-                        let names = (format!("{key}-influence-{}", small.name), curve, axis);
+                        let names = (format!("{key}-influence-{}", small.name), curve);
                         self.trends.extend(Trend::of(names, Claim::Exceeds, &middle, 0.0));
                     }
                 }
@@ -511,11 +501,8 @@ impl Study {
                 (a.0, orbit.at(a.1.as_ref(), 0) / orbit.at(b.1.as_ref(), 1))
             };
             let ratios: Vec<_> = at_nut.iter().zip(at_screw).map(ratio).collect();
-            let names = (
-                format!("contact-angle-{name}-above"),
-                format!("{} nut over screw", orbit.label),
-                "contact angle, deg",
-            );
+            let names =
+                (format!("contact-angle-{name}-above"), format!("{} nut over screw", orbit.label));
             self.trends.extend(Trend::of(names, Claim::Exceeds, &ratios, 0.0));
         }
     }
@@ -550,7 +537,7 @@ impl Study {
         {
             let label = ["at the nut", "at the screw"][i];
             let names =
-                (format!("speed-{}", ["nut", "screw"][i]), format!("contact angle {label}"), AXIS);
+                (format!("speed-{}", ["nut", "screw"][i]), format!("contact angle {label}"));
             self.trends.extend(Trend::of(names, claim, &points, 1e-9));
             curves.extend(line(label, i, Stroke::Solid, points));
         }
@@ -571,7 +558,12 @@ impl Study {
 }
 
 impl<'a> Screw<'a> {
-    fn of(scene: &'a Scene, model: Model, balls: Balls) -> Result<Self, ValidateError> {
+    fn of(
+        scene: &'a Scene,
+        model: Model,
+        balls: Balls,
+        basis: String,
+    ) -> Result<Self, ValidateError> {
         let OperatingPoint { helix, contact_angle, ball, friction, drive, .. } =
             match scene.problem(&model.into())? {
                 Problem::Rigid(p) => p.point,
@@ -581,6 +573,17 @@ impl<'a> Screw<'a> {
                 other => unreachable!("{other:?} has no motion, and so no analysis"),
             };
         let (ball_radius, friction) = (ball.radius, friction.0);
-        Ok(Self { scene, helix, ball_radius, drive, contact_angle, friction, balls })
+        let running_angles = scene.running_angles().unwrap_or([contact_angle; 2]);
+        Ok(Self {
+            scene,
+            helix,
+            ball_radius,
+            drive,
+            contact_angle,
+            running_angles,
+            friction,
+            balls,
+            basis,
+        })
     }
 }
