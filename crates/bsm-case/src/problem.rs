@@ -304,12 +304,22 @@ impl Scene {
         ];
         let absent = ball_words.iter().filter(|(value, _)| value.is_none());
         missing.extend(absent.map(|(_, words)| (*words).to_owned()));
-        let pressed =
-            [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um];
-        if self.axial_load_N.is_none() && !self.given().meets(InputSet::of(&pressed)) {
+        if self.nut.circuits.is_some() && !self.is_loaded() {
             missing.push("axial_load_N (or preload_N)".to_owned());
         }
         missing
+    }
+
+    /// True if a load or a preload is given.
+    pub(crate) fn is_loaded(&self) -> bool {
+        use InputKey as K;
+        const PRESSED: InputSet = InputSet::of(&[
+            K::axial_load_N,
+            K::preload_N,
+            K::preload_offset_um,
+            K::ball_oversize_um,
+        ]);
+        self.given().meets(PRESSED)
     }
 
     /// Whether `model` covers the values of the scene.
