@@ -579,22 +579,9 @@ fn odd_nuts_are_refused_or_explained() {
     let oversize = fs::read_to_string(example("nut_oversize.json")).expect("an example");
     let sets = ["--set", "screw_conformity=0.500001", "--set", "nut_conformity=0.6"];
     let (code, found, _) = answer(&oversize, &sets);
-    if code == Some(0) {
-        let list = |key: &str| -> Vec<f64> {
-            let list = found[key].as_array().expect("a list");
-            list.iter().map(|value| value.as_f64().unwrap_or(0.0)).collect()
-        };
-        let radial = |body: &str, ball: usize| -> f64 {
-            let part = |flank: &str| {
-                let load = list(&format!("{body}_{flank}_N"))[ball];
-                load * list(&format!("{body}_{flank}_deg"))[ball].to_radians().cos()
-            };
-            part("plus") + part("minus")
-        };
-        // The forces on a ball balance to 1e-7 of their sum, and the rounding of its place.
-        let (at_nut, at_screw) = (radial("nut", 0), radial("screw", 0));
-        assert!((at_nut / at_screw - 1.0).abs() < 1e-5, "{at_nut} {at_screw}");
-    }
+    assert_eq!(code, Some(3), "{found}");
+    let words = found["message"].as_str().expect("words");
+    assert!(words.contains("is larger than its groove"), "{words}");
 }
 
 /// The balls that circuits and gaps make were known to `nut` and not to `solve`, which took a model of angles.
@@ -648,7 +635,7 @@ fn a_small_centrifugal_force_is_a_note() {
     let guided = fs::read_to_string(example("nut_guided.json")).expect("an example");
     let at = |rpm: u32| answer(&guided, &["--set", &format!("screw_speed_rpm={rpm}")]).1;
     let said = |found: &Value, of: &str| found[of].to_string().contains("centrifugal");
-    let (slow, medium, fast) = (at(100), at(2500), at(20000));
+    let (slow, medium, fast) = (at(100), at(8000), at(30000));
     assert!(!said(&slow, "notes") && !said(&slow, "warnings"), "{slow}");
     assert!(said(&medium, "notes") && !said(&medium, "warnings"), "{medium}");
     assert!(said(&fast, "warnings"), "{fast}");

@@ -137,9 +137,14 @@ impl<'a> Assembly<'a> {
                 ring: (!rings.is_empty()).then_some(ring),
             }
         };
+        let seats: Vec<_> = places.into_iter().enumerate().map(seat).collect();
+        let groove = ball.offsets[0].min(ball.offsets[1]);
+        if let Some(ball) = seats.iter().position(|seat| seat.error.1 >= groove) {
+            return Err(NutError::BallTooLarge { ball });
+        }
         Ok(Self {
             ball,
-            seats: places.into_iter().enumerate().map(seat).collect(),
+            seats,
             matrix: Bordered::new(nodes.len(), FREEDOMS + rings.len()),
             nodes: nodes.len(),
             along: nut.helix.lead_angle.cos(),

@@ -294,7 +294,7 @@ impl Settling {
     fn balanced(&self, distance: f64) -> Option<BallInGrooves> {
         // The place is known to the rounding of the distance, which the stiffness turns into a force.
         let stiffness = self.slope[0][0] + self.slope[1][1];
-        let rounding = 64.0 * f64::EPSILON * distance * stiffness;
+        let rounding = (64.0 * f64::EPSILON * distance * stiffness).min(1e-6 * self.size);
         (self.left() <= 1e-7 * self.size + rounding).then(|| self.ball())
     }
 

@@ -116,6 +116,12 @@ pub enum NutError {
         /// Its number, from 0.
         ball: usize,
     },
+    /// A ball is larger than a groove.
+    #[error("ball {ball} is larger than its groove, which has no contact with it")]
+    BallTooLarge {
+        /// Its number, from 0.
+        ball: usize,
+    },
     /// A contact angle is outside 0 to 90 deg.
     #[error(
         "ball {ball} leaves its flank: its contact angle is {:.2} deg, outside 0 to 90 deg",
@@ -143,9 +149,10 @@ impl NutError {
     pub fn status(&self) -> Status {
         match self {
             Self::Contact(_) | Self::NoBalls => Status::InvalidInput,
-            Self::NothingCarries { .. } | Self::NoPreload { .. } | Self::BallLeavesFlank { .. } => {
-                Status::NoSolution
-            }
+            Self::NothingCarries { .. }
+            | Self::NoPreload { .. }
+            | Self::BallTooLarge { .. }
+            | Self::BallLeavesFlank { .. } => Status::NoSolution,
             Self::NotConverged { .. } | Self::BallNotBalanced { .. } => Status::NotConverged,
         }
     }

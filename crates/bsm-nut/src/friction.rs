@@ -180,7 +180,7 @@ impl BallNut {
         let on_both = |ball: &BallInGrooves| ball.flanks_pressed() == [true, true];
         let on_both_flanks = found.balls.iter().filter(|ball| on_both(ball)).count();
         let solved = found.balls.iter().zip(&balls).filter(|(ball, _)| on_both(ball));
-        let torque_on_both_flanks = solved.map(|(_, torque)| torque).sum();
+        let torque_on_both_flanks = solved.fold(0.0, |sum, (_, torque)| sum + torque);
         NutFriction {
             balls,
             on_both_flanks,
