@@ -120,7 +120,7 @@ quantities! { Nut;
     "friction" {
         friction_torque_Nm ["N m"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the balls";
         friction_torque_error_Nm ["N m"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
-            "largest error of that by balls on both flanks, whose contact angles friction does not turn";
+            "largest error of that, by balls on both flanks";
         return_torque_Nm ["N m"] Whole needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
         nut_seal_torque_Nm ["N m"] Whole, "torque of the seals, seal_torque_Nm";
         drive_torque_Nm ["N m"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "torque on the screw: axial load, balls, returns and seals";
@@ -186,7 +186,7 @@ const READ: [Read; QUANTITIES.len()] = [
         (Rubbing::Lubricant(_), _) => s.friction(p)?.returns,
         (Rubbing::Coefficient(_), _) => None,
     }),
-    (nut_seal_torque_Nm, |p, _| Some(p.seal_torque)),
+    (nut_seal_torque_Nm, |p, _| lasting(p.seal_torque)),
     (drive_torque_Nm, |p, s| s.friction(p)?.drive_torque),
     (nut_efficiency, |p, s| s.friction(p)?.efficiency),
     (friction_heat_W, |p, s| s.friction(p)?.heat),
