@@ -247,8 +247,8 @@ fn a_film_of_rigid_contacts_is_warned_of() {
     };
     assert!(!warned(&[]));
     assert!(warned(&[
-        "iso_vg=1000",
-        "lubricant_temperature_C=-10",
+        "iso_vg=460",
+        "lubricant_temperature_C=-20",
         "axial_load_N=20",
         "screw_speed_rpm=500"
     ]));
