@@ -341,7 +341,7 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
     let elasticity = film.nut.elasticity.min(film.screw.elasticity);
     if elasticity < RIGID {
         warnings.push(format!(
-            "M = {elasticity:.2} is below {RIGID}: the load hardly deforms the contact, whose film is then several \
+            "M = {elasticity:.1e} is below {RIGID}: the load hardly deforms the contact, whose film is then several \
              times thicker than the formula of elastic contacts gives, and its friction by sliding is less"
         ));
     }

@@ -541,7 +541,7 @@ impl<'a> Worked<'a> {
     fn notes(&self) -> Vec<String> {
         let mut notes: Vec<_> = self.no_nut.clone().into_iter().collect();
         if let Some(Preload { cold, warm, .. }) = self.preload
-            && cold != warm
+            && (cold - warm).abs() > 0.0
         {
             notes.push(preload_note(cold, warm));
         }

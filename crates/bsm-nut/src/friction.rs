@@ -127,7 +127,8 @@ impl BallNut {
     /// Friction of all balls by a model of one ball (U21): the sharing of the load is that without
     /// friction, which changes it by a few thousandths.
     ///
-    /// A ball without an answer ends the sum: those after it are not solved.
+    /// A ball without an answer ends the sum: those after it are not solved. A ball like the one before it has its
+    /// friction.
     ///
     /// * `friction`: coefficient; without one the model has another law, and a ball on both flanks no friction
     ///   that is known. * `solve`: the model, which may lose power in the ball returns. * `drive`: speeds;
@@ -144,6 +145,7 @@ impl BallNut {
         let per_radian = self.helix.lead() / std::f64::consts::TAU;
         let (quadrature, hertz) = (Quadrature::of(FOUR_CONTACTS), self.hertz());
         let mut returns = 0.0;
+        let mut last: Option<(ElasticPoint, [f64; 2])> = None;
         let mut of_ball = |number: usize| -> Option<f64> {
             if found.balls[number].max_load() <= 0.0 {
                 return Some(0.0);
@@ -155,13 +157,23 @@ impl BallNut {
             }
             let coefficient = friction.unwrap_or(f64::NAN);
             let alone = self.ball_alone(found, number, coefficient, drive)?;
-            let solution = solve(alone);
-            let solved = solution.solved()?;
-            let torque = solved.transmission.screw_torque?;
-            let in_return = solved.film.map_or(0.0, |film| film.outside.ball_return) / speed.abs();
+            let before = last.filter(|(ball, _)| alike(ball, &alone));
+            let (ball, [own, in_return]) = match before {
+                Some(like) => like,
+                None => {
+                    let solution = solve(alone);
+                    let solved = solution.solved()?;
+                    let torque = solved.transmission.screw_torque?;
+                    let lost = solved.film.map_or(0.0, |film| film.outside.ball_return);
+                    let in_return = lost / speed.abs();
+                    // T_f = |T − h F|                                     (U21)
+                    let all = (torque - per_radian * alone.point.load.axial).abs();
+                    (alone, [all - in_return, in_return])
+                }
+            };
+            last = Some((ball, [own, in_return]));
             returns += in_return;
-            // T_f = |T − h F|                                             (U21)
-            Some((torque - per_radian * alone.point.load.axial).abs() - in_return)
+            Some(own)
         };
         let balls: Vec<_> = (0..found.balls.len()).map_while(&mut of_ball).collect();
         let all = balls.len() == found.balls.len();
@@ -192,6 +204,19 @@ impl BallNut {
             heat,
         }
     }
+}
+
+/// True if two balls differ by no more than the rounding of their loads.
+fn alike(one: &ElasticPoint, other: &ElasticPoint) -> bool {
+    /// Part of load and contact angle: the balance of the nut leaves 1e-12 of the loads.
+    const SAME: f64 = 1e-10;
+    let near = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs();
+    let (a, b) = (&one.point, &other.point);
+    near(a.load.axial, b.load.axial)
+        && near(a.contact_angle, b.contact_angle)
+        && a.ball == b.ball
+        && a.drive == b.drive
+        && one.conformity == other.conformity
 }
 
 impl Equilibrium {

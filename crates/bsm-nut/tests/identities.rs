@@ -374,6 +374,13 @@ fn friction_adds_up() {
         Problem::RacewayControl(RacewayControl { at: screw, control: None }).solve(&mut work)
     };
     let all = nut.friction(&found, Some(0.06), &drive, 0.0, &mut rolling);
+    // Balls that are alike are solved once.
+    let mut solves = 0;
+    let counted = nut.friction(&found, Some(0.06), &drive, 0.0, |screw| {
+        solves += 1;
+        rolling(screw)
+    });
+    assert_eq!((solves, &counted), (1, &all));
     let one = nut.ball_alone(&found, 0, 0.06, &drive).expect("one flank");
     let whole = bsm_dyn::ElasticPoint {
         point: bsm_dyn::OperatingPoint {

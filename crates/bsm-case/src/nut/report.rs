@@ -444,7 +444,7 @@ impl NutReport {
             );
         }
         if let Some(Set { cold, warm, .. }) = &self.state.made.preload
-            && cold != warm
+            && (cold - warm).abs() > 0.0
         {
             notes.push(preload_note(*cold, *warm));
         }
