@@ -633,6 +633,18 @@ fn the_nut_of_the_examples_runs_in_nut() {
     assert!(found["notes"].to_string().contains("without axial_load_N and preload_N"), "{found}");
 }
 
+/// `bsm capacity` and `bsm size` refused the feed drive of the examples: it did not say on how many turns its balls are.
+#[test]
+fn the_feed_drives_run_in_capacity_size_and_nut() {
+    let dir = folder();
+    for scene in ["feed_drive.json", "feed_drive_oil.json"] {
+        for command in ["capacity", "size", "nut"] {
+            let output = bsm(dir.path(), &[command, &example(scene)], "");
+            assert_eq!(output.status.code(), Some(0), "{command} {scene}: {}", stderr(&output));
+        }
+    }
+}
+
 /// A centrifugal force of 1 % is nothing to act on.
 #[test]
 fn a_small_centrifugal_force_is_a_note() {
