@@ -280,6 +280,7 @@ Output = Literal[
     "iso_rigidity_N_um",
     "usual_rigidity_N_um",
     "preload_set_N",
+    "warm_preload_N",
     "preload_approach_um",
     "preload_setting_um",
     "preload_left_N",
@@ -289,6 +290,9 @@ Output = Literal[
     "life_ratio",
     "static_safety",
     "friction_torque_Nm",
+    "friction_torque_error_Nm",
+    "return_torque_Nm",
+    "nut_seal_torque_Nm",
     "drive_torque_Nm",
     "nut_efficiency",
     "friction_heat_W",
@@ -465,6 +469,7 @@ class Inputs(TypedDict, total=False):
     screw_anchor: Any
     screw_torsion: Any
     preload_by: Any
+    preload_arrangement: Any
     ball_deviation_um: Any
     lead_error: Any
     base_oil: Any
@@ -605,9 +610,9 @@ class SceneFields(_core.Scene):
 
     @property
     def preload_offset_um(self) -> float | None:
-        """Axial offset of the two nuts of a pair against each other, in place of preload_N; < 0 presses
-        them together [um]."""
-        return self.number(24)
+        """Axial offset of the two nuts of a pair against each other, in place of preload_N: > 0 pulls
+        them together (X arrangement), < 0 pushes them apart (O) [um]."""
+        return self.number(22)
 
     @property
     def ball_oversize_um(self) -> float | None:

@@ -273,7 +273,7 @@ inputs! {
     preload_N ["N"] Above(0.0), None,
         "preload, axial force between the two nuts of a preloaded pair, or of oversize balls on either flank (preload_by)";
     preload_offset_um ["um"] Any, None,
-        "axial offset of the two nuts of a pair against each other, in place of preload_N; < 0 presses them together";
+        "axial offset of the two nuts of a pair against each other, in place of preload_N: > 0 pulls them together (X arrangement), < 0 pushes them apart (O)";
     ball_oversize_um ["um"] Any, None,
         "excess of the diameter of all balls over the one that just touches both flanks of a nut; < 0 is play";
     ball_deviation_sd_um ["um"] AtLeast(0.0), None,

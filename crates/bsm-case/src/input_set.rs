@@ -209,7 +209,13 @@ const QUANTITIES: &[Quantity] = &[LEAD, CONTACT_ANGLE, SPEED, VISCOSITY, TEMPERA
 const FOLLOW: &[(InputKey, &[InputSet])] = {
     use InputKey as K;
     &[
-        (K::loaded_balls, &[InputSet::of(&[K::loaded_balls_per_turn, K::loaded_turns])]),
+        (
+            K::loaded_balls,
+            &[
+                InputSet::of(&[K::loaded_balls_per_turn, K::loaded_turns]),
+                InputSet::of(&[K::loaded_balls_per_turn, K::circuits_count, K::gap_deg]),
+            ],
+        ),
         (
             K::screw_speed_rpm,
             &[
@@ -225,7 +231,14 @@ const FOLLOW: &[(InputKey, &[InputSet])] = {
 pub fn following(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Option<f64> {
     use InputKey as K;
     match key {
-        K::loaded_balls => Some(given(K::loaded_balls_per_turn)? * given(K::loaded_turns)?),
+        K::loaded_balls => {
+            let balls = given(K::loaded_balls_per_turn)? * loaded_turns(&given)?;
+            match (given(K::loaded_turns), given(K::circuits_count)) {
+                // Circuits of a turn less their gap have whole balls.
+                (None, Some(circuits)) => Some((balls / circuits).round() * circuits),
+                _ => Some(balls),
+            }
+        }
         K::screw_speed_rpm => {
             let feed = given(K::feed_m_min)?;
             let lead = given(K::lead_mm).or_else(|| {
@@ -236,6 +249,15 @@ pub fn following(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Opti
         }
         _ => None,
     }
+}
+
+/// Loaded turns of a nut: given, or those of circuits of a turn less their gap.
+pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f64> {
+    let by_gap = || {
+        let arc = 360.0 - given(InputKey::gap_deg)?;
+        Some(given(InputKey::circuits_count)? * arc / 360.0)
+    };
+    given(InputKey::loaded_turns).or_else(by_gap)
 }
 
 /// Inputs that say of a scene that its friction comes from a lubricant. Density and drag coefficient are

@@ -322,10 +322,22 @@ impl Scene {
         let absent = ball_words.iter().filter(|(known, _)| !known && !listed);
         missing.extend(absent.map(|(_, words)| (*words).to_owned()));
         let loads = [K::axial_load_N, K::preload_N, K::preload_offset_um, K::ball_oversize_um];
-        if !given.meets(InputSet::of(&loads)) {
+        if listed && !given.meets(InputSet::of(&loads)) {
             missing.push("axial_load_N (or preload_N)".to_owned());
         }
         missing
+    }
+
+    /// True if a load or a preload is given.
+    pub(crate) fn is_loaded(&self) -> bool {
+        use InputKey as K;
+        const PRESSED: InputSet = InputSet::of(&[
+            K::axial_load_N,
+            K::preload_N,
+            K::preload_offset_um,
+            K::ball_oversize_um,
+        ]);
+        self.given().meets(PRESSED)
     }
 
     /// Whether `model` covers the values of the scene.

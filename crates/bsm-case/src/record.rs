@@ -330,12 +330,21 @@ impl Record {
 fn of_a_film(film: &FilmState) -> Vec<String> {
     /// Heating of a film that thins it by half or so \[K\].
     const HOT: f64 = 10.0;
+    /// Below, films of rigid contacts leave that of elastic ones (theory 17).
+    const RIGID: f64 = 10.0;
     let mut warnings = vec![
         "friction from the lubricant is known to a quarter of the loss of the contacts; balls that \
          rub on each other, the ball returns, errors of lead and balls and contact at four points \
          are not predicted: of the torque of a preloaded nut the contacts give about a third"
             .to_owned(),
     ];
+    let elasticity = film.nut.elasticity.min(film.screw.elasticity);
+    if elasticity < RIGID {
+        warnings.push(format!(
+            "M = {elasticity:.1e} is below {RIGID}: the load hardly deforms the contact, whose film is then several \
+             times thicker than the formula of elastic contacts gives, and its friction by sliding is less"
+        ));
+    }
     if film.heating > HOT {
         warnings.push(format!(
             "sliding heats the film by {:.0} K, which thins the lubricant in the contact; the model \

@@ -182,7 +182,7 @@ const FROM_SCENES: [InputKey; 42] = [
 ];
 
 /// Words of a scene that a requirement may have.
-const WORDS_FROM_SCENES: [&str; 2] = ["support", "cycle"];
+const WORDS_FROM_SCENES: [&str; 3] = ["support", "cycle", "preload_arrangement"];
 
 const fn input(
     name: &'static str,

@@ -16,6 +16,7 @@ use self::axis::{Axis, Phase};
 use self::contacts::{Contacts, contacts, is_preloaded, nut_at};
 pub use self::cycle::{PhaseWords, decimal_number};
 pub use self::rules::SizeRule;
+use crate::nut::preload_note;
 use crate::quantity::{Whole, quantities};
 use crate::units::{DEG, MM, RPM, UM};
 use crate::{
@@ -140,7 +141,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
 pub const NOT_MODELLED: [&str; 6] = [
     "lubricant, unless its inputs are given: contacts are dry then, with one friction coefficient; the drag of the preload is that of makers' rule, which holds to some 50 %",
     "returns of the balls and balls that touch each other: only in makers' rule for the drag",
-    "temperature: the fit of the nut does not follow it; screw_temperature_rise_K and axis_heat_transfer_W_K are inputs",
+    "temperatures of nut, screw and balls: their rises are inputs, which the preload follows; axis_heat_transfer_W_K gives the growth of the screw alone",
     "vibration of the axis, its control, and shocks: multiply the loads by the factor of your machine",
     "bending of the screw by its weight, and of the frame; misalignment unless it is given",
     "brackets of motor and bearings beyond housing_rigidity_N_um",
@@ -218,7 +219,10 @@ impl Torques {
 
 /// The preload of a nut, and its drag on the screw \[N·m\].
 struct Preload {
-    force: f64,
+    /// As it is set, at no rise of temperature \[N\].
+    cold: f64,
+    /// With the rises of temperature \[N\].
+    warm: f64,
     /// By the rule of makers.
     by_rule: f64,
     /// Of its contacts alone; `None` without friction.
@@ -234,16 +238,16 @@ impl Preload {
         nut: &NutReport,
         speed: f64,
     ) -> Result<Option<Self>, CaseError> {
-        let force = nut.number("preload_set_N").filter(|_| is_preloaded(scene));
-        let Some(force) = force else { return Ok(None) };
+        let forces = nut.number("preload_set_N").zip(nut.number("warm_preload_N"));
+        let Some((cold, warm)) = forces.filter(|_| is_preloaded(scene)) else { return Ok(None) };
         let of_contacts = if speed > 0.0 && scene.given().has_friction() {
             let unloaded = nut_at(scene, settings, 0.0, speed)?;
             unloaded.number("friction_heat_W").map(|heat| heat / speed)
         } else {
             None
         };
-        let by_rule = drag_torque(force, axis.nut.lead, axis.nut.lead_angle());
-        Ok(Some(Self { force, by_rule, of_contacts }))
+        let by_rule = drag_torque(warm, axis.nut.lead, axis.nut.lead_angle());
+        Ok(Some(Self { cold, warm, by_rule, of_contacts }))
     }
 
     /// Drag of returns and lubricant, beyond the contacts.
@@ -299,11 +303,17 @@ impl SizeReport {
         warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
         warnings.sort();
         warnings.dedup();
-        let (axis, preload) = (&worked.axis, worked.preload_force());
+        let (axis, preload) = (&worked.axis, worked.preload.as_ref());
         let numbers = worked.numbers();
         Ok(Self {
             scene: scene.clone(),
-            rules: rules::rules(scene, axis, &numbers, &of_nut, preload),
+            rules: rules::rules(
+                scene,
+                axis,
+                &numbers,
+                &of_nut,
+                preload.map(|set| [set.cold, set.warm]),
+            ),
             phases: worked.torques.iter().map(|torques| worked.phase_numbers(torques)).collect(),
             sizes: sizes(scene, axis, &of_nut, preload),
             notes: worked.notes().into_iter().chain(worked.how_sure(settings)).collect(),
@@ -413,11 +423,6 @@ impl<'a> Worked<'a> {
         numbers
     }
 
-    /// The preload \[N\].
-    fn preload_force(&self) -> Option<f64> {
-        self.preload.as_ref().map(|preload| preload.force)
-    }
-
     /// A number of the nut under the largest load.
     fn of_nut(&self, name: &str) -> Option<f64> {
         self.nut.as_ref()?.number(name)
@@ -429,7 +434,8 @@ impl<'a> Worked<'a> {
         let (largest, fastest) = (axis.largest_load(), axis.fastest());
         let reliability = self.scene.value_or_default(InputKey::reliability_percent);
         let reliability = reliability.map_or(1.0, reliability_factor);
-        let lived = life(axis.dynamic_rating, self.preload_force(), &axis.duty());
+        let preload = self.preload.as_ref().map(|preload| preload.warm);
+        let lived = life(axis.dynamic_rating, preload, &axis.duty());
         put(largest_load_N, Some(largest));
         put(largest_speed_rpm, Some(fastest / RPM));
         put(largest_feed_m_min, Some(fastest * axis.advance() * 60.0));
@@ -534,6 +540,11 @@ impl<'a> Worked<'a> {
     /// What was taken where nothing was given.
     fn notes(&self) -> Vec<String> {
         let mut notes: Vec<_> = self.no_nut.clone().into_iter().collect();
+        if let Some(Preload { cold, warm, .. }) = self.preload
+            && (cold - warm).abs() > 0.0
+        {
+            notes.push(preload_note(cold, warm));
+        }
         let mut note = |words: &str| notes.push(words.to_owned());
         if self.axis.shaft.is_none() {
             note(
@@ -608,7 +619,7 @@ fn life_by_balls(scene: &Scene, settings: &Settings, axis: &Axis) -> Option<f64>
             let ours = nut.number("life_revolutions")?;
             let rated = nut.number("iso_life_revolutions")?;
             // The ratio is of the model, the rating may be of the maker.
-            let preload = nut.number("preload_set_N").filter(|_| is_preloaded(scene));
+            let preload = nut.number("warm_preload_N").filter(|_| is_preloaded(scene));
             let duty = bsm_design::Duty { load: phase.load, speed: 1.0, time: 1.0 };
             let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
             let turns = phase.speed.abs() * phase.time / std::f64::consts::TAU;
@@ -623,7 +634,7 @@ fn sizes(
     scene: &Scene,
     axis: &Axis,
     of_nut: &CapacityReport,
-    preload: Option<f64>,
+    preload: Option<&Preload>,
 ) -> Vec<(&'static str, &'static str, f64)> {
     let nut = &axis.nut;
     let mut sizes = vec![
@@ -646,7 +657,9 @@ fn sizes(
     let of_capacity = ["edge_load_N", "mass_kg"];
     let rows = of_nut.rows();
     sizes.extend(rows.iter().filter(|(name, ..)| of_capacity.contains(name)));
-    sizes.extend(preload.map(|force| ("preload_N", "N", force)));
+    if let Some(Preload { cold, warm, .. }) = preload {
+        sizes.extend([("preload_set_N", "N", *cold), ("warm_preload_N", "N", *warm)]);
+    }
     sizes.extend(scene.friction_coefficient.map(|f| ("friction_coefficient", "", f)));
     sizes
 }

@@ -246,7 +246,7 @@ fn nut() -> Value {
         ("stiffness_SI", list(&number())),
         ("body_axial_N", list(&number())),
         ("iterations", integer()),
-        ("model", text()),
+        ("model", text_or_null()),
         ("notes", texts()),
         ("warnings", texts()),
     ]));

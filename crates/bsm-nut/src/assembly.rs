@@ -137,9 +137,14 @@ impl<'a> Assembly<'a> {
                 ring: (!rings.is_empty()).then_some(ring),
             }
         };
+        let seats: Vec<_> = places.into_iter().enumerate().map(seat).collect();
+        let groove = ball.offsets[0].min(ball.offsets[1]);
+        if let Some(ball) = seats.iter().position(|seat| seat.error.1 >= groove) {
+            return Err(NutError::BallTooLarge { ball });
+        }
         Ok(Self {
             ball,
-            seats: places.into_iter().enumerate().map(seat).collect(),
+            seats,
             matrix: Bordered::new(nodes.len(), FREEDOMS + rings.len()),
             nodes: nodes.len(),
             along: nut.helix.lead_angle.cos(),
@@ -177,8 +182,12 @@ impl<'a> Assembly<'a> {
         y
     }
 
-    /// The state at `y`; `None` where a ball finds no place.
-    pub(crate) fn state(&self, y: &[f64]) -> Option<State> {
+    /// The state at `y`.
+    ///
+    /// # Errors
+    ///
+    /// The number of a ball whose forces do not balance.
+    pub(crate) fn state(&self, y: &[f64]) -> Result<State, usize> {
         let first = self.freedoms();
         let mut state = State {
             energy: 0.0,
@@ -188,7 +197,7 @@ impl<'a> Assembly<'a> {
             balls: Vec::with_capacity(self.seats.len()),
             grooves: Vec::with_capacity(self.seats.len()),
         };
-        for seat in &self.seats {
+        for (number, seat) in self.seats.iter().enumerate() {
             let (mut w, excess) = seat.error;
             for (q, by) in y[first..].iter().zip(seat.by_the_nut) {
                 w[0] += by[0] * q;
@@ -202,7 +211,7 @@ impl<'a> Assembly<'a> {
                 w[1] -= y[ring];
             }
             let flanks = self.nut.circuits[seat.place.circuit].flanks;
-            let ball = self.ball.at(w, excess, flanks)?;
+            let ball = self.ball.at(w, excess, flanks).ok_or(number)?;
             state.energy += ball.energy;
             state.energies += ball.energy.abs();
             state.forces += ball.max_load();
@@ -244,7 +253,7 @@ impl<'a> Assembly<'a> {
                 *residual = 0.0;
             }
         }
-        Some(state)
+        Ok(state)
     }
 
     /// Puts the slopes of the forces of a state into the matrix (U16).

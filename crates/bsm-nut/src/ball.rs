@@ -182,7 +182,7 @@ impl FourContacts {
             // The place is known to the rounding of distances of the size of the groove arcs.
             let still = step[0].hypot(step[1]) <= 4.0 * f64::EPSILON * self.series.distance;
             if still || fall <= 0.0 {
-                return Some(here.ball());
+                return here.balanced(self.series.distance);
             }
             let mut share = 1.0;
             let next = loop {
@@ -204,7 +204,7 @@ impl FourContacts {
             match next {
                 Some((y, next)) => (x, here) = (y, next),
                 // Rounding is all that is left.
-                None => return Some(here.ball()),
+                None => return here.balanced(self.series.distance),
             }
         }
         None
@@ -286,6 +286,16 @@ impl Settling {
     /// The force that no contact balances yet \[N\].
     fn left(&self) -> f64 {
         self.pull[0].hypot(self.pull[1])
+    }
+
+    /// The ball if its forces balance to rounding.
+    ///
+    /// * `distance`: of the groove-arc centres \[m\].
+    fn balanced(&self, distance: f64) -> Option<BallInGrooves> {
+        // The place is known to the rounding of the distance, which the stiffness turns into a force.
+        let stiffness = self.slope[0][0] + self.slope[1][1];
+        let rounding = (64.0 * f64::EPSILON * distance * stiffness).min(1e-6 * self.size);
+        (self.left() <= 1e-7 * self.size + rounding).then(|| self.ball())
     }
 
     fn ball(&self) -> BallInGrooves {

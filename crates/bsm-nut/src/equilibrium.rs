@@ -110,6 +110,29 @@ pub enum NutError {
         /// Newton steps.
         steps: usize,
     },
+    /// A ball has no place in its grooves where its forces balance.
+    #[error("the forces of ball {ball} do not balance in its grooves")]
+    BallNotBalanced {
+        /// Its number, from 0.
+        ball: usize,
+    },
+    /// A ball is larger than a groove.
+    #[error("ball {ball} is larger than its groove, which has no contact with it")]
+    BallTooLarge {
+        /// Its number, from 0.
+        ball: usize,
+    },
+    /// A contact angle is outside 0 to 90 deg.
+    #[error(
+        "ball {ball} leaves its flank: its contact angle is {:.2} deg, outside 0 to 90 deg",
+        .angle.to_degrees()
+    )]
+    BallLeavesFlank {
+        /// Its number, from 0.
+        ball: usize,
+        /// The angle \[rad\].
+        angle: f64,
+    },
     /// The nut has no balls.
     #[error("a nut without loaded balls carries nothing")]
     NoBalls,
@@ -126,8 +149,11 @@ impl NutError {
     pub fn status(&self) -> Status {
         match self {
             Self::Contact(_) | Self::NoBalls => Status::InvalidInput,
-            Self::NothingCarries { .. } | Self::NoPreload { .. } => Status::NoSolution,
-            Self::NotConverged { .. } => Status::NotConverged,
+            Self::NothingCarries { .. }
+            | Self::NoPreload { .. }
+            | Self::BallTooLarge { .. }
+            | Self::BallLeavesFlank { .. } => Status::NoSolution,
+            Self::NotConverged { .. } | Self::BallNotBalanced { .. } => Status::NotConverged,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Friction of all balls, each at its own load in its own displaced grooves.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U21), (U29) and (U30).
+//! Theory: `docs/theory/16-nut.md`, equations (U21), (U29), (U30) and (U32).
 
 use bsm_dyn::{
     Ball, Coulomb, ElasticPoint, HeldBall, HeldContact, Hertz, Load, OperatingPoint, Quadrature,
@@ -11,22 +11,27 @@ use bsm_kin::{Drive, Site};
 use crate::geometry::count;
 use crate::{BallInGrooves, BallNut, Equilibrium};
 
-/// Friction torque and power of a nut, of the balls alone.
+/// Friction torque and power of a nut.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NutFriction {
-    /// Friction torque of each ball on the screw \[N·m\], not negative; `None` where the model of a ball
-    /// has no answer.
-    pub balls: Vec<Option<f64>>,
+    /// Friction torque of each ball on the screw \[N·m\], not negative; if the model has no answer for a
+    /// ball, of those before it.
+    pub balls: Vec<f64>,
     /// Balls that both flanks press, whose friction is integrated over all their ellipses, whatever the
     /// model of the others.
     pub on_both_flanks: usize,
+    /// Their torque \[N·m\].
+    pub torque_on_both_flanks: f64,
     /// Sum over the balls \[N·m\]; `None` unless every ball has one.
     pub torque: Option<f64>,
-    /// Torque on the screw that carries the axial force `$h F_a$` and drives against friction \[N·m\].
+    /// Torque of the ball returns \[N·m\]; `None` unless every ball has a motion.
+    pub returns: Option<f64>,
+    /// Torque on the screw that carries the axial force `$h F_a$` and drives against the friction of balls,
+    /// returns and seals \[N·m\].
     pub drive_torque: Option<f64>,
     /// Power out over power in; `None` without an axial load.
     pub efficiency: Option<f64>,
-    /// Friction power \[W\].
+    /// Friction power of balls, returns and seals \[W\].
     pub heat: Option<f64>,
 }
 
@@ -122,18 +127,25 @@ impl BallNut {
     /// Friction of all balls by a model of one ball (U21): the sharing of the load is that without
     /// friction, which changes it by a few thousandths.
     ///
+    /// A ball without an answer ends the sum: those after it are not solved. A ball like the one before it has its
+    /// friction.
+    ///
     /// * `friction`: coefficient; without one the model has another law, and a ball on both flanks no friction
-    ///   that is known. * `solve`: the model. * `drive`: speeds; friction needs a relative speed.
+    ///   that is known. * `solve`: the model, which may lose power in the ball returns. * `drive`: speeds;
+    ///   friction needs a relative speed. * `seal_torque` \[N·m\].
     pub fn friction(
         &self,
         found: &Equilibrium,
         friction: Option<f64>,
         drive: &Drive<f64>,
+        seal_torque: f64,
         mut solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> NutFriction {
         let speed = drive.relative_speed();
         let per_radian = self.helix.lead() / std::f64::consts::TAU;
         let (quadrature, hertz) = (Quadrature::of(FOUR_CONTACTS), self.hertz());
+        let mut returns = 0.0;
+        let mut last: Option<(ElasticPoint, [f64; 2])> = None;
         let mut of_ball = |number: usize| -> Option<f64> {
             if found.balls[number].max_load() <= 0.0 {
                 return Some(0.0);
@@ -145,25 +157,66 @@ impl BallNut {
             }
             let coefficient = friction.unwrap_or(f64::NAN);
             let alone = self.ball_alone(found, number, coefficient, drive)?;
-            let torque = solve(alone).solved()?.transmission.screw_torque?;
-            // T_f = |T − h F|                                             (U21)
-            Some((torque - per_radian * alone.point.load.axial).abs())
+            let before = last.filter(|(ball, _)| alike(ball, &alone));
+            let (ball, [own, in_return]) = match before {
+                Some(like) => like,
+                None => {
+                    let solution = solve(alone);
+                    let solved = solution.solved()?;
+                    let torque = solved.transmission.screw_torque?;
+                    let lost = solved.film.map_or(0.0, |film| film.outside.ball_return);
+                    let in_return = lost / speed.abs();
+                    // T_f = |T − h F|                                     (U21)
+                    let all = (torque - per_radian * alone.point.load.axial).abs();
+                    (alone, [all - in_return, in_return])
+                }
+            };
+            last = Some((ball, [own, in_return]));
+            returns += in_return;
+            Some(own)
         };
-        let balls: Vec<_> = (0..found.balls.len()).map(&mut of_ball).collect();
-        let torque: Option<f64> = balls.iter().copied().sum();
+        let balls: Vec<_> = (0..found.balls.len()).map_while(&mut of_ball).collect();
+        let all = balls.len() == found.balls.len();
+        let torque = all.then(|| balls.iter().sum::<f64>());
+        let returns = all.then_some(returns);
+        let friction = torque.zip(returns).map(|(balls, returns)| balls + returns + seal_torque);
         let axial: f64 = found.bodies.iter().sum();
         let ideal = per_radian * axial;
-        // T = h F_a + Σ T_f                                               (U21)
-        let drive_torque = torque.map(|torque| ideal + torque * speed.signum());
+        // T = h F_a + sign(W) (Σ T_f + T_return + T_seal)                 (U32)
+        let drive_torque = friction.map(|torque| ideal + torque * speed.signum());
         // The load is moved if it resists the motion, else it drives.
         let efficiency = drive_torque
             .filter(|_| axial.abs() > f64::EPSILON * found.forces())
             .map(|torque| if ideal * speed > 0.0 { ideal / torque } else { torque / ideal });
-        let heat = torque.map(|torque| torque * speed.abs());
-        let on_both = |ball: &&BallInGrooves| ball.flanks_pressed() == [true, true];
-        let on_both_flanks = found.balls.iter().filter(on_both).count();
-        NutFriction { balls, on_both_flanks, torque, drive_torque, efficiency, heat }
+        let heat = friction.map(|torque| torque * speed.abs());
+        let on_both = |ball: &BallInGrooves| ball.flanks_pressed() == [true, true];
+        let on_both_flanks = found.balls.iter().filter(|ball| on_both(ball)).count();
+        let solved = found.balls.iter().zip(&balls).filter(|(ball, _)| on_both(ball));
+        let torque_on_both_flanks = solved.fold(0.0, |sum, (_, torque)| sum + torque);
+        NutFriction {
+            balls,
+            on_both_flanks,
+            torque_on_both_flanks,
+            torque,
+            returns,
+            drive_torque,
+            efficiency,
+            heat,
+        }
     }
+}
+
+/// True if two balls differ by no more than the rounding of their loads.
+fn alike(one: &ElasticPoint, other: &ElasticPoint) -> bool {
+    /// Part of load and contact angle: the balance of the nut leaves 1e-12 of the loads.
+    const SAME: f64 = 1e-10;
+    let near = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs();
+    let (a, b) = (&one.point, &other.point);
+    near(a.load.axial, b.load.axial)
+        && near(a.contact_angle, b.contact_angle)
+        && a.ball == b.ball
+        && a.drive == b.drive
+        && one.conformity == other.conformity
 }
 
 impl Equilibrium {

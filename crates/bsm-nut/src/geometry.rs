@@ -1,6 +1,6 @@
 //! Where the balls are, and what is wrong with their grooves.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U7).
+//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U7) and (U31).
 
 use std::f64::consts::TAU;
 
@@ -151,10 +151,11 @@ impl BallNut {
         let mut nut = self.clone();
         let [of_nut, of_screw, of_balls] = rises.map(|rise| expansion * rise);
         let slope = of_nut - of_screw;
-        // e += (ε_n − ε_s)(z − z_ref),  g += r_m (ε_n − ε_s),  Δr += r_b ε_b  (U7)
+        // e += (ε_n − ε_s)(z − z_ref),  g += r_m (ε_n − ε_s),
+        // Δr += r_b [ε_b − (ε_n + ε_s)/2]                                 (U31)
         nut.errors.lead.push(LeadError::Slope { slope, origin: self.middle() });
         nut.errors.gap += self.helix.radius * slope;
-        nut.errors.oversize += self.ball.radius * of_balls;
+        nut.errors.oversize += self.ball.radius * (of_balls - 0.5 * (of_nut + of_screw));
         nut
     }
 

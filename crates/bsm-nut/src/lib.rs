@@ -1,7 +1,7 @@
 //! All balls of a ball nut: how they share the load, how stiff the nut is, how much preload is left
 //! and how long it lives. Static and without friction.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U30).
+//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U32).
 //!
 //! A [`BallNut`] is geometry: circuits of balls on the helix, the bodies that strain, and the errors of
 //! making. [`BallNut::solve`] finds how it carries a [`Support`]: the load, and what the guides hold.

@@ -9,7 +9,8 @@ use crate::{BallNut, Equilibrium, NutError, Support};
 /// How the bodies of a nut are preloaded against each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preload {
-    /// Body 0 is offset along +z and body 1 along −z (O arrangement).
+    /// Body 0 is offset along +z and body 1 along −z: a positive offset pulls the bodies together (X
+    /// arrangement), a negative one pushes them apart (O arrangement).
     Offset,
     /// The balls are too large for the grooves, whose flanks are loaded on both sides.
     Oversize,
@@ -57,6 +58,8 @@ impl BallNut {
 
     /// The displacement \[m\] that gives a preload \[N\] where nothing is loaded from outside (U19).
     ///
+    /// * `force`: with the sign of the displacement; negative for bodies that are pushed apart.
+    ///
     /// # Errors
     ///
     /// [`NutError::NoPreload`] if the balls reach no such force, and what [`solve`](Self::solve) says.
@@ -67,9 +70,10 @@ impl BallNut {
         support: &Support,
     ) -> Result<f64, NutError> {
         let support = support.with_axial(0.0);
+        let (sign, force) = (force.signum(), force.abs());
         let no_preload = NutError::NoPreload { force };
         let reached = |displacement: f64| -> Result<f64, NutError> {
-            let nut = self.preloaded(by, displacement);
+            let nut = self.preloaded(by, sign * displacement);
             Ok(nut.solve(&support)?.preload(&nut, by))
         };
         // As much as a guided pair of rigid nuts needs, and twice that until it is enough.
@@ -85,7 +89,7 @@ impl BallNut {
         let bracket =
             Bracket { x_tol: 1e-13, ..Bracket::new([0.0, high], [-force, above - force]) };
         let found = bracket.root(|x| reached(x).map_or(f64::NAN, |reached| reached - force));
-        found.root().map(|root| root.x).ok_or(no_preload)
+        found.root().map(|root| sign * root.x).ok_or(no_preload)
     }
 
     /// The axial load \[N\] of the sign of `way` at which the last ball of a body, or of a flank, lets go

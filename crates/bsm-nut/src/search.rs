@@ -3,11 +3,13 @@
 //! Theory: `docs/theory/16-nut.md`, equations (U15) and (U16).
 
 use std::array::from_fn;
+use std::f64::consts::FRAC_PI_2;
 
 use bsm_newton::LinearSolver;
 
 use crate::assembly::{Assembly, Of, State};
 use crate::equilibrium::{Equilibrium, FREEDOMS, NutError};
+use crate::{BallInGrooves, BallNut};
 
 /// Newton steps at most; ten are usual.
 const MOST_STEPS: usize = 100;
@@ -33,7 +35,7 @@ impl Assembly<'_> {
     ) -> Result<Equilibrium, NutError> {
         let none = |residual, steps| NutError::NotConverged { residual, steps };
         let y = self.start(start);
-        let state = self.state(&y).ok_or(none(f64::NAN, 0))?;
+        let state = self.state(&y).map_err(|ball| NutError::BallNotBalanced { ball })?;
         // Displacements that are held may begin far away, which bodies take by their strain.
         let begun = self.moved(&y);
         let mut at = At { y, state };
@@ -41,7 +43,7 @@ impl Assembly<'_> {
         for steps in 0..=MOST_STEPS {
             let imbalance = self.imbalance(&at.state);
             if imbalance <= BALANCED || (steps >= ROUNDED.0 && imbalance <= ROUNDED.1) {
-                return Ok(self.finish(at, steps, imbalance));
+                return self.finish(at, steps, imbalance).in_grooves(self.nut);
             }
             let moved = self.moved(&at.y);
             // Beyond, balls would be pressed from the other side of the groove arcs.
@@ -81,7 +83,7 @@ impl Assembly<'_> {
         let mut share = 1.0;
         while share > 1e-4 {
             let next: Vec<f64> = y.iter().zip(&step).map(|(y, s)| y + share * s).collect();
-            if let Some(there) = self.state(&next) {
+            if let Ok(there) = self.state(&next) {
                 // Armijo; near the end the energy has no more digits, but the forces have.
                 let lower = there.energy <= state.energy - 1e-4 * share * fall;
                 let rounding = 1e-14 * state.energies.max(there.energies);
@@ -95,7 +97,7 @@ impl Assembly<'_> {
         None
     }
 
-    fn finish(mut self, At { y, state }: At, steps: usize, residual: f64) -> Equilibrium {
+    fn finish(&mut self, At { y, state }: At, steps: usize, residual: f64) -> Equilibrium {
         let first = self.freedoms();
         self.linearize(&state, Of::Nut);
         let stiffness = self.condensed();
@@ -111,6 +113,26 @@ impl Assembly<'_> {
             widening: y[first + FREEDOMS..].to_vec(),
             steps,
             residual,
+        }
+    }
+}
+
+impl Equilibrium {
+    /// The same if every ball lies on its flanks.
+    fn in_grooves(self, nut: &BallNut) -> Result<Self, NutError> {
+        /// The angle of a ball at the end of its flank has the rounding of its place.
+        const ROUNDED: f64 = 1e-6;
+        // Both flanks of a groove without contact angle are one arc.
+        let least = if nut.contact_angle == 0.0 { -FRAC_PI_2 } else { 0.0 };
+        let outside = |ball: &BallInGrooves| {
+            let angles = ball.loads.iter().zip(ball.angles);
+            let mut pressed = angles.filter(|(load, _)| **load > 0.0).map(|(_, angle)| angle);
+            pressed.find(|angle| !(least - ROUNDED..=FRAC_PI_2 + ROUNDED).contains(angle))
+        };
+        let first = self.balls.iter().enumerate().find_map(|(i, ball)| Some((i, outside(ball)?)));
+        match first {
+            Some((ball, angle)) => Err(NutError::BallLeavesFlank { ball, angle }),
+            None => Ok(self),
         }
     }
 }

@@ -59,8 +59,8 @@ impl BallNut {
     }
 
     /// A bound of the largest normal load of a ball under an axial load \[N\] (U27), for a guided nut
-    /// whose balls press one flank: some ball carries no more than the mean, and the approaches of all
-    /// differ by no more than errors and bodies allow.
+    /// whose circuits have the flank of the load and no other pressed, without radial gap: some ball carries no
+    /// more than the mean, and the approaches of all differ by no more than errors and bodies allow.
     ///
     /// # Errors
     ///

@@ -28,19 +28,29 @@ impl Equilibrium {
 }
 
 impl BallNut {
-    /// Displacement of the contacts of one side along the axis by a preload \[m\].
-    pub fn preload_approach(&self, by: Preload) -> f64 {
+    /// What preloads the nut \[m\]: the offset of the bodies against each other, or the excess of the
+    /// balls' diameter (U18).
+    pub fn preload_setting(&self, by: Preload) -> f64 {
         match by {
-            // δ_p = O/2
             Preload::Offset => {
                 let offset = |body: usize| {
                     let of_body = self.circuits.iter().find(|circuit| circuit.body == body);
                     of_body.map_or(0.0, |circuit| circuit.offset)
                 };
-                0.5 * (offset(0) - offset(1)).abs()
+                offset(0) - offset(1)
             }
+            Preload::Oversize => 2.0 * self.errors.oversize,
+        }
+    }
+
+    /// Displacement of the contacts of one side along the axis by a preload \[m\].
+    pub fn preload_approach(&self, by: Preload) -> f64 {
+        let setting = self.preload_setting(by).abs();
+        match by {
+            // δ_p = |O|/2
+            Preload::Offset => 0.5 * setting,
             // δ_p = 2Δr/(sinβ₀ cosα)
-            Preload::Oversize => 2.0 * self.errors.oversize / self.inclination(),
+            Preload::Oversize => setting / self.inclination(),
         }
     }
 }

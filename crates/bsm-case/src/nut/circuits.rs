@@ -5,9 +5,10 @@ use std::f64::consts::TAU;
 use bsm_design::Nut;
 use bsm_nut::{Circuit, Flanks, LeadError, Preload};
 
-use super::loading::is_preloaded;
+use super::loading::{arrangement, is_preloaded};
 use super::problem::{bad, checked, count, twice, whole};
-use super::words::{CircuitWords, Flank, LeadErrorWords, NutWords};
+use super::words::{Arrangement, CircuitWords, Flank, LeadErrorWords, NutWords};
+use crate::input_set::loaded_turns;
 use crate::units::{DEG, MM, UM};
 use crate::{CaseError, InputKey, Rule, Scene};
 
@@ -20,17 +21,16 @@ pub(super) const SHORT: [InputKey; 5] = [
     InputKey::phase_deg,
 ];
 
+/// Helix angles of a nut: thousands of turns \[deg\].
+const ANGLES: Rule = Rule::Within(-1e6, 1e6);
+
 /// Balls of a nut at most.
 const MOST_BALLS: usize = 100_000;
 
 /// Loaded balls of a turn and loaded turns of one body: from the listed circuits or from the short words.
 pub(crate) fn balls_and_turns(scene: &Scene) -> (Option<f64>, Option<f64>) {
     let Some(circuits) = &scene.nut.circuits else {
-        let by_gap = || {
-            let arc = 360.0 - scene.gap_deg?;
-            Some(scene.circuits_count? * arc / 360.0)
-        };
-        return (scene.loaded_balls_per_turn, scene.loaded_turns.or_else(by_gap));
+        return (scene.loaded_balls_per_turn, loaded_turns(|key| scene[key]));
     };
     let first = || circuits.iter().filter(|circuit| circuit.body == 0);
     let turns = first().map(|circuit| circuit.arc_deg).sum::<f64>() / 360.0;
@@ -56,14 +56,16 @@ impl From<Flank> for Flanks {
     }
 }
 
-/// The flank of a body of a pair: each is pressed outwards.
-fn flank_of(body: usize) -> Flanks {
-    if body.is_multiple_of(2) { Flanks::Plus } else { Flanks::Minus }
+/// The flank that a body of a pair presses.
+fn flank_of(body: usize, arrangement: Arrangement) -> Flanks {
+    let first = body.is_multiple_of(2);
+    if first == (arrangement == Arrangement::X) { Flanks::Plus } else { Flanks::Minus }
 }
 
 pub(super) fn listed_circuits(
     listed: &[CircuitWords],
     starts: f64,
+    arrangement: Option<Arrangement>,
 ) -> Result<Vec<Circuit>, CaseError> {
     if listed.is_empty() {
         return Err(bad("circuits", "the list is empty"));
@@ -93,21 +95,42 @@ pub(super) fn listed_circuits(
                 rule,
             });
         }
+        let arc = checked(Rule::Above(0.0), &path("arc_deg"), words.arc_deg)?;
         all.push(Circuit {
-            start: checked(Rule::Any, &path("start_deg"), words.start_deg)? * DEG,
-            arc: checked(Rule::Above(0.0), &path("arc_deg"), words.arc_deg)? * DEG,
+            start: checked(ANGLES, &path("start_deg"), words.start_deg)? * DEG,
+            arc: checked(ANGLES, &path("arc_deg"), arc)? * DEG,
             balls: words.balls,
             thread: words.start,
             body: words.body,
             flanks: match words.flank {
                 Some(flank) => flank.into(),
                 None if bodies == 1 => Flanks::Both,
-                None => flank_of(words.body),
+                None => flank_of(words.body, arrangement.unwrap_or(Arrangement::X)),
             },
             offset: checked(Rule::Any, &path("offset_um"), words.offset_um)? * UM,
         });
     }
+    apart(&all)?;
     Ok(all)
+}
+
+/// Refuses circuits that lie on each other: two balls would be at one place.
+fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
+    let mut order: Vec<usize> = (0..circuits.len()).collect();
+    order.sort_by(|a, b| {
+        let place = |i: &usize| (circuits[*i].thread, circuits[*i].start);
+        let ((thread, start), (other, next)) = (place(a), place(b));
+        thread.cmp(&other).then(start.total_cmp(&next))
+    });
+    for pair in order.windows(2) {
+        let [one, next] = [pair[0], pair[1]].map(|i| &circuits[i]);
+        // Angles in degrees are rounded.
+        if one.thread == next.thread && one.start + one.arc > next.start + 1e-9 * one.arc {
+            let (first, second) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
+            return Err(bad("circuits", format!("circuits {first} and {second} overlap")));
+        }
+    }
+    Ok(())
 }
 
 /// Circuits of one nut, or of each nut of a pair that is preloaded by an offset.
@@ -135,7 +158,7 @@ pub(super) fn short_circuits(scene: &Scene, way: Preload) -> Result<Vec<Circuit>
     let gap = scene.gap_deg.unwrap_or_else(|| (arc / 360.0).ceil() * 360.0 - arc);
     let (step, phase) = (arc + gap, value(InputKey::phase_deg));
     let pair = way == Preload::Offset && is_preloaded(scene);
-    let swapped = scene.preload_offset_um.is_some_and(|offset| offset < 0.0);
+    let arranged = arrangement(scene)?.unwrap_or(Arrangement::O);
     let circuit = |body: usize, from: f64| {
         move |i: usize| Circuit {
             start: (from + (count(i) / starts).floor() * step + count(i) * phase) * DEG,
@@ -143,7 +166,7 @@ pub(super) fn short_circuits(scene: &Scene, way: Preload) -> Result<Vec<Circuit>
             balls: whole(balls),
             thread: i % whole(starts),
             body,
-            flanks: if pair { flank_of(body + usize::from(swapped)) } else { Flanks::Both },
+            flanks: if pair { flank_of(body, arranged) } else { Flanks::Both },
             offset: 0.0,
         }
     };
@@ -154,6 +177,7 @@ pub(super) fn short_circuits(scene: &Scene, way: Preload) -> Result<Vec<Circuit>
         let next = ((end - 1e-9) / 360.0).ceil() * 360.0 + 360.0;
         all.extend((0..whole(number)).map(circuit(1, next)));
     }
+    apart(&all)?;
     Ok(all)
 }
 

@@ -5,7 +5,7 @@ use std::array::from_fn;
 use bsm_nut::{BallNut, Flanks, Freedom, Preload, Support};
 
 use super::problem::{bad, twice};
-use super::words::{Guidance, PreloadWay};
+use super::words::{Arrangement, Guidance, PreloadWay};
 use crate::units::UM;
 use crate::{CaseError, InputKey, Scene};
 
@@ -25,7 +25,7 @@ const ACROSS: [([InputKey; 3], [f64; 3]); 4] = {
 /// How large a preload is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Amount {
-    /// Axial force \[N\].
+    /// Axial force \[N\], negative for bodies that are pushed apart.
     Force(f64),
     /// Offset of the bodies, or excess of the diameter of the balls \[m\].
     Displacement(f64),
@@ -43,6 +43,34 @@ impl From<PreloadWay> for Preload {
 /// True if an amount of preload between two bodies is given.
 pub(super) fn is_preloaded(scene: &Scene) -> bool {
     scene.preload_N.is_some() || scene.preload_offset_um.is_some()
+}
+
+/// The arrangement of a pair that a scene gives, by its word or by the sign of its offset.
+pub(super) fn arrangement(scene: &Scene) -> Result<Option<Arrangement>, CaseError> {
+    let offset = scene.preload_offset_um.filter(|offset| *offset != 0.0);
+    let by_offset = offset.map(|o| if o > 0.0 { Arrangement::X } else { Arrangement::O });
+    match (scene.nut.preload_arrangement, by_offset) {
+        (Some(word), Some(sign)) if word != sign => Err(bad(
+            "preload_arrangement",
+            "contradicts preload_offset_um, which is above 0 for X and below 0 for O",
+        )),
+        (word, sign) => Ok(word.or(sign)),
+    }
+}
+
+/// The arrangement of a pair of bodies: that of its flanks, or the given one if both flanks exist.
+fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangement, CaseError> {
+    let one_flank = nut.circuits.iter().find(|circuit| circuit.flanks != Flanks::Both);
+    let by_flanks = one_flank.map(|circuit| {
+        let pushed = (circuit.body == 0) == (circuit.flanks == Flanks::Plus);
+        if pushed { Arrangement::X } else { Arrangement::O }
+    });
+    match (given, by_flanks) {
+        (Some(word), Some(flanks)) if word != flanks => {
+            Err(bad("preload_arrangement", "contradicts the flanks of circuits"))
+        }
+        (word, flanks) => Ok(word.or(flanks).unwrap_or(Arrangement::X)),
+    }
 }
 
 /// What preloads the nut, and how much.
@@ -77,8 +105,17 @@ pub(super) fn preload(
         let what = "balls that are too large press both flanks, but a circuit has one flank only";
         return Err(bad(key.name(), what));
     }
-    let amount =
-        if key == K::preload_N { Amount::Force(value) } else { Amount::Displacement(value * UM) };
+    if by == Preload::Oversize && scene.nut.preload_arrangement.is_some() {
+        return Err(bad("preload_arrangement", "is of a pair of nuts"));
+    }
+    let amount = match (key, by) {
+        (K::preload_N, Preload::Oversize) => Amount::Force(value),
+        (K::preload_N, Preload::Offset) => match arrangement_of(nut, arrangement(scene)?)? {
+            Arrangement::X => Amount::Force(value),
+            Arrangement::O => Amount::Force(-value),
+        },
+        _ => Amount::Displacement(value * UM),
+    };
     Ok(Some((by, amount)))
 }
 

@@ -1,6 +1,6 @@
 //! From the inputs of a scene to the nut in SI.
 
-use bsm_design::{Body, DynamicRating, Nut, StaticRating};
+use bsm_design::{Body, DynamicRating, Nut, PRELOAD, StaticRating};
 use bsm_dyn::{Ball, Lubricant, Temperature};
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{BallNut, Equilibrium, Errors, NutError, Preload, Support, TurnRatings};
@@ -9,7 +9,7 @@ use super::bodies::bodies;
 use super::circuits::{
     SHORT, deviations, lead_error, listed_circuits, of_circuits, short_circuits,
 };
-use super::loading::{Amount, preload, support};
+use super::loading::{Amount, arrangement, preload, support};
 use super::samples::draw;
 use crate::problem::{Needs, has_lubricant};
 use crate::reader::has_grooves;
@@ -27,8 +27,10 @@ const WIDER: [(InputKey, Rule); 3] = [
 /// A nut under load as a scene describes it.
 #[derive(Debug, Clone)]
 pub struct NutProblem {
-    /// Before it is preloaded, and without the random part of its errors.
+    /// Before it is preloaded, without rises of temperature and the random part of its errors.
     pub(super) nut: BallNut,
+    /// Rises of temperature of nut, screw and balls \[K\], and the coefficient of expansion \[1/K\].
+    rises: Option<([f64; 3], f64)>,
     pub(super) support: Support,
     preload: Option<(Preload, Amount)>,
     /// Standard deviation of the excess of the balls' radius \[m\].
@@ -41,6 +43,8 @@ pub struct NutProblem {
     pub(super) ratings: TurnRatings,
     /// What rubs, and speeds of screw and nut.
     pub(super) friction: Option<(Rubbing, Drive<f64>)>,
+    /// Torque of the seals \[N·m\].
+    pub(super) seal_torque: f64,
     pub(super) settings: Settings,
     pub(super) notes: Vec<String>,
 }
@@ -50,7 +54,7 @@ pub struct NutProblem {
 pub(super) enum Rubbing {
     /// One coefficient.
     Coefficient(f64),
-    /// The film of each ball, without what is lost where no ball is.
+    /// The film of each ball, and what the ball returns lose, without the seals.
     Lubricant(Lubricant),
 }
 
@@ -68,11 +72,13 @@ impl Rubbing {
             return Err(CaseError::MissingForNut { missing });
         };
         if let Temperature::Balance { .. } = lubricant.temperature {
-            let what =
-                "a nut does not find its temperature; give lubricant_temperature_C".to_owned();
+            let what = "the temperature of the lubricant follows from the heat of one ball in bsm solve, not from \
+                        that of a nut; give lubricant_temperature_C"
+                .to_owned();
             return Err(CaseError::BadEntry { key: "heat_transfer_W_K".to_owned(), what });
         }
-        (lubricant.losses.seal_torque, lubricant.losses.return_circuits) = (0.0, 0.0);
+        // The seals have a line of their own.
+        lubricant.losses.seal_torque = 0.0;
         Ok(Some(Self::Lubricant(lubricant)))
     }
 }
@@ -80,7 +86,7 @@ impl Rubbing {
 /// A nut that is made and carries its load.
 #[derive(Debug, Clone)]
 pub(super) struct Made {
-    /// With its preload and all its errors.
+    /// With its preload, all its errors and its rises of temperature.
     pub(super) nut: BallNut,
     pub(super) preload: Option<Set>,
     pub(super) found: Equilibrium,
@@ -90,8 +96,14 @@ pub(super) struct Made {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Set {
     pub(super) by: Preload,
-    /// Where nothing is loaded from outside and the nut is guided \[N\].
-    pub(super) force: f64,
+    /// Where nothing is loaded from outside, the nut is guided, and nothing is warmer than where it fits \[N\].
+    pub(super) cold: f64,
+    /// The same with the rises of temperature \[N\].
+    pub(super) warm: f64,
+    /// What makes it \[m\].
+    pub(super) setting: f64,
+    /// Displacement of the contacts of each side along the axis by it \[m\].
+    pub(super) approach: f64,
 }
 
 impl NutProblem {
@@ -109,6 +121,8 @@ impl NutProblem {
         if !missing.is_empty() {
             return Err(CaseError::MissingForNut { missing });
         }
+        let loaded = usually_preloaded(scene)?;
+        let scene = loaded.as_ref().unwrap_or(scene);
         let (nut, way) = ball_nut(scene)?;
         let preload = preload(scene, &nut, way)?;
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
@@ -142,8 +156,9 @@ impl NutProblem {
         let seed = value(InputKey::seed) as u64;
         Ok(Self {
             support: support(scene)?,
-            notes: notes(scene, &nut, preload.map(|(by, _)| by)),
+            notes: notes(scene, &nut, preload, loaded.is_some()),
             nut,
+            rises: rises(scene),
             preload,
             scatter: 0.5 * UM * scene.ball_deviation_sd_um.unwrap_or(0.0),
             seed,
@@ -153,6 +168,7 @@ impl NutProblem {
             static_rating,
             ratings,
             friction: Rubbing::of(scene)?.zip(drive),
+            seal_torque: value(InputKey::seal_torque_Nm),
             settings: *settings,
         })
     }
@@ -188,13 +204,18 @@ impl NutProblem {
     /// The nut as it is, preloaded and loaded.
     pub(super) fn carried(&self) -> Result<Made, NutError> {
         let guided = Support::guided(0.0);
-        let nut = match self.preload {
+        let cold = match self.preload {
             None => self.nut.clone(),
             Some((by, Amount::Displacement(displacement))) => self.nut.preloaded(by, displacement),
             Some((by, Amount::Force(force))) => {
                 let displacement = self.nut.preload_displacement(by, force, &guided)?;
                 self.nut.preloaded(by, displacement)
             }
+        };
+        // The preload is set cold; what makes it is kept                  (U19)
+        let nut = match self.rises {
+            Some((rises, expansion)) => cold.warmed(rises, expansion),
+            None => cold.clone(),
         };
         let found = nut.solve(&self.support)?;
         let two = nut.circuits.iter().any(|circuit| circuit.body == 1);
@@ -205,8 +226,17 @@ impl NutProblem {
             None => None,
         };
         let preload = by.and_then(|by| {
-            let force = nut.solve(&guided).ok()?.preload(&nut, by);
-            (force > 0.0).then_some(Set { by, force })
+            let force = |nut: &BallNut| Some(nut.solve(&guided).ok()?.preload(nut, by));
+            let before = force(&cold)?;
+            let warm = if self.rises.is_some() { force(&nut)? } else { before };
+            let (setting, approach) = (cold.preload_setting(by), cold.preload_approach(by));
+            (before > 0.0 || warm > 0.0).then_some(Set {
+                by,
+                cold: before,
+                warm,
+                setting,
+                approach,
+            })
         });
         Ok(Made { nut, preload, found })
     }
@@ -235,7 +265,7 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
         let several = listed.iter().any(|circuit| circuit.body > 0);
         let usual = if several { Preload::Offset } else { Preload::Oversize };
         let way = words.preload_by.map_or(usual, Preload::from);
-        (listed_circuits(listed, value(InputKey::starts))?, way)
+        (listed_circuits(listed, value(InputKey::starts), arrangement(scene)?)?, way)
     } else {
         let way = words.preload_by.map_or(Preload::Offset, Preload::from);
         (short_circuits(scene, way)?, way)
@@ -272,16 +302,30 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
         let what = format!("has {given} numbers, but the nut has {} balls", nut.balls());
         return Err(bad("ball_deviation_um", what));
     }
-    let rises = [
+    Ok((nut, way))
+}
+
+/// Rises of temperature of nut, screw and balls \[K\], if one is given, and the coefficient of expansion \[1/K\].
+fn rises(scene: &Scene) -> Option<([f64; 3], f64)> {
+    let keys = [
         InputKey::nut_temperature_rise_K,
         InputKey::screw_temperature_rise_K,
         InputKey::ball_temperature_rise_K,
     ];
-    if rises.iter().all(|key| scene[*key].is_none()) {
-        return Ok((nut, way));
+    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+    let given = keys.iter().any(|key| scene[*key].is_some());
+    given.then(|| (keys.map(value), value(InputKey::thermal_expansion_um_m_K) * UM))
+}
+
+/// A nut without load and preload as ratings take it: a pair under the usual part of its rating. `None` if the scene
+/// says more.
+fn usually_preloaded(scene: &Scene) -> Result<Option<Scene>, CaseError> {
+    if scene.is_loaded() {
+        return Ok(None);
     }
-    let expansion = value(InputKey::thermal_expansion_um_m_K) * UM;
-    Ok((nut.warmed(rises.map(value), expansion), way))
+    let mut scene = scene.clone();
+    scene.preload_N = Some(PRELOAD * capacity::nut(&scene)?.dynamic_rating().rating);
+    Ok(Some(scene))
 }
 
 /// Two inputs that say the same.
@@ -313,11 +357,31 @@ pub(crate) fn count(n: usize) -> f64 {
 }
 
 /// What the words mean where they could be meant otherwise.
-fn notes(scene: &Scene, nut: &BallNut, by: Option<Preload>) -> Vec<String> {
+///
+/// * `usual`: neither load nor preload is given.
+fn notes(
+    scene: &Scene,
+    nut: &BallNut,
+    preload: Option<(Preload, Amount)>,
+    usual: bool,
+) -> Vec<String> {
     let mut notes = Vec::new();
-    if by == Some(Preload::Offset) && scene.nut.circuits.is_none() {
+    let by = preload.map(|(by, _)| by);
+    if usual {
         notes.push(format!(
-            "preload makes a pair of nuts with {} balls each, a turn apart; preload_by oversize means \
+            "without axial_load_N and preload_N, a pair preloaded by {PRELOAD} of its dynamic rating is taken"
+        ));
+    }
+    if let (Some((Preload::Offset, Amount::Force(force) | Amount::Displacement(force))), None) =
+        (preload, &scene.nut.circuits)
+    {
+        let arranged = if force < 0.0 {
+            "pushed apart (O arrangement)"
+        } else {
+            "pulled together (X arrangement)"
+        };
+        notes.push(format!(
+            "preload makes a pair of nuts with {} balls each, a turn apart, {arranged}; preload_by oversize means \
              one nut with balls that are too large",
             nut.balls() / 2
         ));

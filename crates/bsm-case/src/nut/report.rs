@@ -6,14 +6,15 @@ use std::f64::consts::TAU;
 use bsm_design::{Duty, in_series, life};
 use bsm_dyn::{Hertz, ModelWorkspace};
 use bsm_nut::{
-    BallInGrooves, BallNut, Equal, Equilibrium, Freedom, NutError, NutFriction, Preload, Support,
+    BallInGrooves, BallNut, Circuit, Equal, Equilibrium, Flanks, Freedom, NutError, NutFriction,
+    Support,
 };
 use serde_json::{Map, Value, json};
 
 use super::problem::{Made, NutProblem, Rubbing, Set, count};
 use crate::quantity::{Whole, quantities};
 use crate::reader::{in_grooves, lubricated};
-use crate::record::MARKS_ABOVE;
+use crate::record::{MARKS_ABOVE, message};
 use crate::units::{DEG, MM, MPA, UM};
 use crate::{AnalysisKind, Numbers, Quantity, exact};
 
@@ -23,8 +24,12 @@ const USUAL: f64 = 0.8;
 /// Least and largest `$K_p$` that catalogues measure (HIWIN BS-08-2, eq. 3.2).
 const RULE_FACTORS: [f64; 2] = [0.1, 0.3];
 
-/// Centrifugal force above this part of the mean load of a ball is told if it is left out.
-const CENTRIFUGAL: f64 = 0.01;
+/// Centrifugal force over the mean load of a ball above which a note says that it is left out, and a warning.
+const CENTRIFUGAL: [f64; 2] = [0.01, 0.1];
+
+/// Largest step of the friction torque of a ball between four contacts and two, over the friction coefficient
+/// (theory 16).
+const FOUR_CONTACTS: f64 = 3.0;
 
 /// Points of the curve of a nut.
 const POINTS: u32 = 60;
@@ -33,7 +38,7 @@ const POINTS: u32 = 60;
 #[derive(Debug)]
 pub(super) struct State {
     pub(super) made: Made,
-    friction: OnceCell<Option<NutFriction>>,
+    friction: OnceCell<Option<Rubbed>>,
     drag: OnceCell<Option<f64>>,
 }
 
@@ -42,8 +47,12 @@ impl State {
         Self { made, friction: OnceCell::new(), drag: OnceCell::new() }
     }
 
-    fn friction(&self, problem: &NutProblem) -> Option<&NutFriction> {
+    fn rubbed(&self, problem: &NutProblem) -> Option<&Rubbed> {
         self.friction.get_or_init(|| problem.friction_of(&self.made.nut, &self.made.found)).as_ref()
+    }
+
+    fn friction(&self, problem: &NutProblem) -> Option<&NutFriction> {
+        self.rubbed(problem).map(|rubbed| &rubbed.friction)
     }
 
     /// Friction torque of the preload where nothing is loaded from outside \[N·m\].
@@ -51,10 +60,20 @@ impl State {
         let work_out = || {
             self.made.preload.as_ref()?;
             let found = self.made.nut.solve(&Support::guided(0.0)).ok()?;
-            problem.friction_of(&self.made.nut, &found)?.torque
+            problem.friction_of(&self.made.nut, &found)?.friction.torque
         };
         *self.drag.get_or_init(work_out)
     }
+}
+
+/// Friction of all balls.
+#[derive(Debug)]
+struct Rubbed {
+    friction: NutFriction,
+    /// The models that answered for the balls on one flank.
+    models: Vec<&'static str>,
+    /// Why the model has no answer for a ball.
+    why: Option<String>,
 }
 
 /// Reads a number of a nut under load; `None` where it has none.
@@ -85,9 +104,10 @@ quantities! { Nut;
         usual_rigidity_N_um ["N/um"] Whole, "0.8 of that, the usual allowance of catalogues";
     }
     "preload" {
-        preload_set_N ["N"] Whole, "preload without load, the nut guided";
-        preload_approach_um ["um"] Whole, "delta_p, axial displacement of each side by it";
-        preload_setting_um ["um"] Whole, "offset of the pair, or excess of the balls' diameter, that gives it";
+        preload_set_N ["N"] Whole, "cold preload: without load and rises of temperature, the nut guided";
+        warm_preload_N ["N"] Whole, "warm preload: the same with the rises of temperature";
+        preload_approach_um ["um"] Whole, "delta_p, axial displacement of each side by the cold preload";
+        preload_setting_um ["um"] Whole, "offset of the pair (below 0 in O arrangement), or excess of the balls' diameter, that gives it";
         preload_left_N ["N"] Whole, "preload that is left at this load";
         limit_load_N ["N"] Whole, "limit load, at which the last ball of a side lets go";
     }
@@ -97,11 +117,15 @@ quantities! { Nut;
         life_ratio [""] Whole, "life by all balls over that of ISO";
         static_safety [""] Whole, "static safety of the most loaded ball";
     }
-    "friction of the balls" {
-        friction_torque_Nm ["N m"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque";
-        drive_torque_Nm ["N m"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "torque on the screw";
-        nut_efficiency [""] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "efficiency";
-        friction_heat_W ["W"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "heat";
+    "friction" {
+        friction_torque_Nm ["N m"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the balls";
+        friction_torque_error_Nm ["N m"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+            "largest error of that, by balls on both flanks";
+        return_torque_Nm ["N m"] Whole needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
+        nut_seal_torque_Nm ["N m"] Whole, "torque of the seals, seal_torque_Nm";
+        drive_torque_Nm ["N m"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "torque on the screw: axial load, balls, returns and seals";
+        nut_efficiency [""] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "efficiency, with returns and seals";
+        friction_heat_W ["W"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "heat of balls, returns and seals";
         preload_torque_Nm ["N m"] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "friction torque of the preload without load, contacts alone";
         preload_torque_factor [""] Whole needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
@@ -138,15 +162,10 @@ const READ: [Read; QUANTITIES.len()] = [
     (rigidity_3_N_um, |_, s| stated(&s.made, 3.0)),
     (iso_rigidity_N_um, |p, s| Some(iso_rigidity(p, s)? * UM)),
     (usual_rigidity_N_um, |p, s| Some(USUAL * iso_rigidity(p, s)? * UM)),
-    (preload_set_N, |_, s| Some(s.made.preload.as_ref()?.force)),
-    (preload_approach_um, |_, s| {
-        let Set { by, .. } = s.made.preload.as_ref()?;
-        Some(s.made.nut.preload_approach(*by) / UM)
-    }),
-    (preload_setting_um, |_, s| {
-        let Set { by, .. } = s.made.preload.as_ref()?;
-        Some(displacement(&s.made.nut, *by) / UM)
-    }),
+    (preload_set_N, |_, s| Some(s.made.preload.as_ref()?.cold)),
+    (warm_preload_N, |_, s| Some(s.made.preload.as_ref()?.warm)),
+    (preload_approach_um, |_, s| Some(s.made.preload.as_ref()?.approach / UM)),
+    (preload_setting_um, |_, s| Some(s.made.preload.as_ref()?.setting / UM)),
     (preload_left_N, |_, s| {
         let Set { by, .. } = s.made.preload.as_ref()?;
         Some(s.made.found.preload(&s.made.nut, *by))
@@ -162,6 +181,12 @@ const READ: [Read; QUANTITIES.len()] = [
         lasting(s.made.found.static_safety(&s.made.nut, p.static_rating.rating))
     }),
     (friction_torque_Nm, |p, s| s.friction(p)?.torque),
+    (friction_torque_error_Nm, torque_error),
+    (return_torque_Nm, |p, s| match p.friction.as_ref()? {
+        (Rubbing::Lubricant(_), _) => s.friction(p)?.returns,
+        (Rubbing::Coefficient(_), _) => None,
+    }),
+    (nut_seal_torque_Nm, |p, _| lasting(p.seal_torque)),
     (drive_torque_Nm, |p, s| s.friction(p)?.drive_torque),
     (nut_efficiency, |p, s| s.friction(p)?.efficiency),
     (friction_heat_W, |p, s| s.friction(p)?.heat),
@@ -184,6 +209,13 @@ pub(super) fn numbers(
         }
     }
     numbers
+}
+
+/// What the two preloads of a warm nut are.
+pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
+    format!(
+        "the preload is set cold, at no rise of temperature: {cold:.0} N cold, {warm:.0} N warm"
+    )
 }
 
 /// A life, a safety or a rating, which nothing makes zero.
@@ -212,17 +244,32 @@ fn equal(problem: &NutProblem, made: &Made) -> Option<Equal> {
 
 /// Torque that moves the preload along the lead, `$F_p P_h/2\pi$` \[N·m\].
 fn rule_torque(state: &State) -> Option<f64> {
-    let force = state.made.preload.as_ref()?.force;
+    let force = state.made.preload.as_ref()?.warm;
     lasting(force * state.made.nut.helix.lead() / TAU)
 }
 
-/// The bound holds for a guided nut of one body on one flank.
+/// Largest error of the friction torque by balls on both flanks \[N·m\].
+fn torque_error(problem: &NutProblem, state: &State) -> Option<f64> {
+    let (Rubbing::Coefficient(coefficient), _) = problem.friction.as_ref()? else { return None };
+    let friction = state.friction(problem)?;
+    friction.torque?;
+    Some(FOUR_CONTACTS * coefficient * friction.torque_on_both_flanks)
+}
+
+/// The bound holds for a guided nut whose circuits all have the flank of the load, and no ball presses the other.
 fn load_bound(problem: &NutProblem, made: &Made) -> Option<f64> {
     let axial = problem.axial();
     let guided = problem.support == Support::guided(axial);
-    let one_side = made.preload.is_none() && made.nut.ring.is_none() && made.nut.precession == 0.0;
-    let one_flank = made.found.balls.iter().all(|ball| ball.flanks_pressed() != [true, true]);
-    (guided && one_side && one_flank && axial != 0.0).then(|| made.nut.load_bound(axial).ok())?
+    let nut = &made.nut;
+    let one_side = made.preload.is_none() && nut.ring.is_none() && nut.precession == 0.0;
+    let level = nut.errors.gap == 0.0;
+    let [near, far] =
+        if axial > 0.0 { [Flanks::Plus, Flanks::Minus] } else { [Flanks::Minus, Flanks::Plus] };
+    let carries = |circuit: &Circuit| [near, Flanks::Both].contains(&circuit.flanks);
+    let pressed = |ball: &BallInGrooves| ball.flanks_pressed()[usize::from(far == Flanks::Minus)];
+    let one_flank = nut.circuits.iter().all(carries) && !made.found.balls.iter().any(pressed);
+    (guided && one_side && level && one_flank && axial != 0.0)
+        .then(|| nut.load_bound(axial).ok())?
 }
 
 /// Axial load over the displacement that it makes \[N/m\].
@@ -237,14 +284,14 @@ fn secant(problem: &NutProblem, made: &Made) -> Option<f64> {
 
 /// Rigidity of a preloaded nut as makers state it, so many times the preload over its displacement \[N/um\].
 fn stated(made: &Made, times: f64) -> Option<f64> {
-    let Set { by, force, .. } = made.preload.as_ref()?;
-    Some(times * force / made.nut.preload_approach(*by) * UM)
+    let Set { cold, approach, .. } = made.preload.as_ref()?;
+    Some(times * cold / approach * UM)
 }
 
 /// Rigidity of ISO 3408-4 \[N/m\]: of a pair under its preload, or of one nut under its load.
 fn iso_rigidity(problem: &NutProblem, state: &State) -> Option<f64> {
     let (force, pair) = match &state.made.preload {
-        Some(set) => (set.force, true),
+        Some(set) => (set.cold, true),
         None => (problem.axial().abs(), false),
     };
     let elasticity = problem.design.elasticity(&problem.body).ok()?;
@@ -256,21 +303,13 @@ fn iso_rigidity(problem: &NutProblem, state: &State) -> Option<f64> {
     })
 }
 
-/// What makes the preload: the offset of the bodies, or the excess of the balls' diameter \[m\].
-fn displacement(nut: &BallNut, by: Preload) -> f64 {
-    match by {
-        Preload::Offset => 2.0 * nut.preload_approach(by),
-        Preload::Oversize => 2.0 * nut.errors.oversize,
-    }
-}
-
 fn limit_load(problem: &NutProblem, made: &Made) -> Option<f64> {
     let way = if problem.axial() < 0.0 { -1.0 } else { 1.0 };
     made.nut.limit_load(made.preload.as_ref()?.by, &problem.support, way).ok()
 }
 
 fn iso_life(problem: &NutProblem, state: &State) -> Option<f64> {
-    let preload = state.made.preload.as_ref().map(|set| set.force);
+    let preload = state.made.preload.as_ref().map(|set| set.warm);
     // Revolutions do not depend on speed and time.
     let duty = Duty { load: problem.axial(), speed: 1.0, time: 1.0 };
     lasting(life(problem.rating.rating, preload, &[duty])?.revolutions)
@@ -286,21 +325,37 @@ impl NutProblem {
     }
 
     /// Friction of the balls of a nut; none without speeds, and a friction coefficient or a lubricant.
-    fn friction_of(&self, nut: &BallNut, found: &Equilibrium) -> Option<NutFriction> {
+    fn friction_of(&self, nut: &BallNut, found: &Equilibrium) -> Option<Rubbed> {
         let (rubbing, drive) = self.friction.as_ref()?;
         let mut work = ModelWorkspace::default();
         let settings = &self.settings;
         let model = settings.model;
-        Some(match rubbing {
-            Rubbing::Coefficient(friction) => {
-                nut.friction(found, Some(*friction), drive, |screw| {
-                    in_grooves(screw, model, settings).solve(&mut work)
-                })
+        let (mut models, mut why) = (Vec::new(), None);
+        let coefficient = match rubbing {
+            Rubbing::Coefficient(coefficient) => Some(*coefficient),
+            Rubbing::Lubricant(_) => None,
+        };
+        // Each ball has its part of the returns.
+        let loaded = count(found.balls.len() - found.unloaded()).max(1.0);
+        let friction = nut.friction(found, coefficient, drive, self.seal_torque, |screw| {
+            let problem = match rubbing {
+                Rubbing::Coefficient(_) => in_grooves(screw, model, settings),
+                Rubbing::Lubricant(lubricant) => {
+                    let mut lubricant = *lubricant;
+                    lubricant.losses.return_circuits /= loaded;
+                    lubricated(screw, lubricant, model, settings)
+                }
+            };
+            let solution = problem.solve(&mut work);
+            models.push(solution.model.name());
+            if let Some(reason) = solution.reason() {
+                why = Some(message(reason));
             }
-            Rubbing::Lubricant(lubricant) => nut.friction(found, None, drive, |screw| {
-                lubricated(screw, *lubricant, model, settings).solve(&mut work)
-            }),
-        })
+            solution
+        });
+        models.sort_unstable();
+        models.dedup();
+        Some(Rubbed { friction, models, why })
     }
 
     /// Loads of all balls and what follows from them.
@@ -388,8 +443,14 @@ impl NutReport {
                 "every ball carries its equal share, as in the models of one ball".to_owned(),
             );
         }
-        let friction = self.state.friction(&self.problem);
-        match friction {
+        if let Some(Set { cold, warm, .. }) = &self.state.made.preload
+            && (cold - warm).abs() > 0.0
+        {
+            notes.push(preload_note(*cold, *warm));
+        }
+        notes.extend(self.thrown(CENTRIFUGAL[0]..CENTRIFUGAL[1]));
+        let rubbed = self.state.rubbed(&self.problem);
+        match rubbed.map(|rubbed| &rubbed.friction) {
             None => notes.push(
                 "torque, efficiency and heat need screw_speed_rpm, and friction_coefficient or a lubricant with \
                  lubricant_temperature_C"
@@ -403,24 +464,29 @@ impl NutReport {
                     "no torque: {} of {} balls press both flanks, where friction from a lubricant is not known; \
                      give friction_coefficient",
                     friction.on_both_flanks,
-                    friction.balls.len()
+                    self.found().balls.len()
                 ));
             }
             Some(friction) if friction.torque.is_none() => {
-                let without = friction.balls.iter().filter(|torque| torque.is_none()).count();
+                let why = rubbed.and_then(|rubbed| rubbed.why.as_deref());
                 notes.push(format!(
-                    "no torque: {without} of {} balls have none by model {}, which has no answer there",
+                    "no torque: ball {} has none by model {}: {}",
                     friction.balls.len(),
-                    self.problem.settings.model.name()
+                    self.problem.settings.model.name(),
+                    why.unwrap_or("its balance is not found")
                 ));
             }
             Some(friction) => {
                 if friction.on_both_flanks > 0 {
+                    let error = torque_error(&self.problem, &self.state).unwrap_or(f64::NAN);
                     notes.push(format!(
                         "{} of {} balls press both flanks: their friction is integrated over all their \
-                         contacts, whatever the model",
+                         contacts at angles that friction does not turn, whatever the model; the friction torque \
+                         of {:.4} N m is known to {error:.4} N m, and has a step of that size where they leave a \
+                         flank",
                         friction.on_both_flanks,
-                        friction.balls.len()
+                        friction.balls.len(),
+                        friction.torque.unwrap_or(f64::NAN)
                     ));
                 }
                 let not_in_it = match self.problem.friction {
@@ -430,12 +496,19 @@ impl NutReport {
                              rolling resistance leads; bsm solve has the band of one ball, bsm size that of the axis"
                                 .to_owned(),
                         );
-                        "returns and wipers"
+                        "only by return_circuits, ball_contact_force_N and seal_torque_Nm: returns, balls that touch \
+                         each other and wipers"
                     }
-                    _ => "returns, ball-to-ball contact, lubricant and wipers",
+                    _ => "not: returns, balls that touch each other and lubricant; wipers only by seal_torque_Nm",
                 };
+                if let Some(eta) = friction.efficiency.filter(|eta| *eta <= 0.0) {
+                    notes.push(format!(
+                        "efficiency {eta:.4} is not positive: the nut is self-locking under this load, which friction \
+                         more than balances"
+                    ));
+                }
                 notes.push(format!(
-                    "the torque is that of the balls alone: {not_in_it} are not in it. Measured drag coefficients K_p \
+                    "in the torque are {not_in_it}. Measured drag coefficients K_p \
                      of catalogues, 0.1 to 0.3 in T = K_p F_p lead/(2 pi), are 3 to 10 times what dry friction of \
                      0.06 gives for a pair"
                 ));
@@ -454,7 +527,15 @@ impl NutReport {
                 MARKS_ABOVE / MPA
             ));
         }
-        warnings.extend(self.thrown());
+        warnings.extend(self.thrown(CENTRIFUGAL[1]..f64::INFINITY));
+        if let Some(Set { cold, warm, .. }) = &self.state.made.preload
+            && *cold > 0.0
+            && *warm <= 0.0
+        {
+            warnings.push(
+                "the preload is lost with these rises of temperature: the nut has play".to_owned(),
+            );
+        }
         let lost = self.number("preload_left_N").is_some_and(|left| left <= 0.0);
         if let (true, Some(limit)) = (lost, self.number("limit_load_N")) {
             warnings.push(format!(
@@ -465,15 +546,15 @@ impl NutReport {
         warnings
     }
 
-    /// A warning if the speed makes a centrifugal force that is left out and should not be.
-    fn thrown(&self) -> Option<String> {
+    /// What to say of the centrifugal force that is left out, if it is within a part of the mean load of a ball.
+    fn thrown(&self, part: std::ops::Range<f64>) -> Option<String> {
         let (Made { nut, found, .. }, (_, drive)) =
             (&self.state.made, self.problem.friction.as_ref()?);
         // On the middle of both races the balls go half as fast as screw and nut together.
         let precession = 0.5 * (drive.screw_speed + drive.nut_speed);
         let force = nut.ball.mass * nut.helix.radius * precession * precession;
         let mean = found.max_load() / found.concentration();
-        (nut.precession == 0.0 && force > CENTRIFUGAL * mean).then(|| {
+        (nut.precession == 0.0 && part.contains(&(force / mean))).then(|| {
             format!(
                 "the centrifugal force of a ball is near {:.0} % of its mean load, and left out: give \
                  ball_precession_rad_s, near {precession:.0}, to have it",
@@ -482,9 +563,10 @@ impl NutReport {
         })
     }
 
-    /// Model of the friction of a ball.
-    pub fn model(&self) -> &'static str {
-        self.problem.settings.model.name()
+    /// The models that answered for the friction of the balls; `None` if none was asked.
+    pub fn model(&self) -> Option<String> {
+        let models = &self.state.rubbed(&self.problem)?.models;
+        (!models.is_empty()).then(|| models.join(" and "))
     }
 
     /// Values of [`BALL_COLUMNS`], a row a ball; NaN where there is none.
@@ -494,7 +576,7 @@ impl NutReport {
         let row = |(number, (place, ball)): (usize, (&bsm_nut::Place, &BallInGrooves))| {
             let angle =
                 |c: usize| if ball.loads[c] > 0.0 { ball.angles[c] / DEG } else { f64::NAN };
-            let torque = friction.and_then(|friction| friction.balls[number]);
+            let torque = friction.and_then(|friction| friction.balls.get(number).copied());
             [
                 count(place.circuit),
                 count(nut.circuits[place.circuit].body),

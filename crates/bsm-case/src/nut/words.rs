@@ -74,8 +74,11 @@ words! {
         "true: the torque of the balls leaves the screw at its anchor too, and twists it",
         json!({ "type": ["boolean", "null"] });
     preload_by: PreloadWay,
-        "how a nut is preloaded: pair, two nuts pressed apart; oversize, balls too large for both flanks. Unless given, a pair if the nut has two bodies or short words",
+        "how a nut is preloaded: pair, two nuts against each other; oversize, balls too large for both flanks. Unless given, a pair if the nut has two bodies or short words",
         choice(&["pair", "oversize"]);
+    preload_arrangement: Arrangement,
+        "arrangement of a preloaded pair: O, the nuts are pushed apart; X, they are pulled together. O unless preload_offset_um or the flanks of circuits say otherwise",
+        choice(&["O", "X"]);
     ball_deviation_um: Vec<f64>,
         "deviation of the diameter of each ball from the nominal one in um, in the order of the circuits",
         list(&json!({ "type": "number" }));
@@ -247,11 +250,20 @@ pub enum Guidance {
     Free,
 }
 
+/// Arrangement of a preloaded pair of nuts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Arrangement {
+    /// The nuts are pushed apart: a spacer that is too thick, a shifted lead.
+    O,
+    /// They are pulled together: a spacer that is too thin.
+    X,
+}
+
 /// How a nut is preloaded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PreloadWay {
-    /// Two bodies are pressed apart.
+    /// Two bodies are pressed against each other.
     Pair,
     /// The balls are too large.
     Oversize,

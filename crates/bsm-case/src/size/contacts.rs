@@ -77,7 +77,11 @@ pub(super) fn contacts(
     if is_preloaded(scene) {
         let nut = nut_at(scene, settings, *load, *speed)?;
         let friction = nut.number("friction_heat_W").map(|heat| heat / speed.abs());
-        return Ok(Contacts { friction, words: format!("{}, all balls", nut.model()) });
+        let words = match nut.model() {
+            Some(model) => format!("{model}, all balls"),
+            None => "all balls, on both flanks".to_owned(),
+        };
+        return Ok(Contacts { friction, words });
     }
     if *load == 0.0 {
         return Ok(Contacts { friction: Some(0.0), words: "no load".to_owned() });

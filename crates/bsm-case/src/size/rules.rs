@@ -82,12 +82,14 @@ impl Rules {
 }
 
 /// All rules of an axis that it has numbers for.
+///
+/// * `preload`: cold and warm \[N\].
 pub(super) fn rules(
     scene: &Scene,
     axis: &Axis,
     numbers: &Numbers,
     of_nut: &CapacityReport,
-    preload: Option<f64>,
+    preload: Option<[f64; 2]>,
 ) -> Vec<SizeRule> {
     let mut rules = Rules::default();
     screw_rules(&mut rules, scene, axis, numbers);
@@ -200,12 +202,12 @@ fn preload_rules(
     axis: &Axis,
     numbers: &Numbers,
     of_nut: &CapacityReport,
-    preload: Option<f64>,
+    preload: Option<[f64; 2]>,
 ) {
     let number = |name: &str| numbers.number(name);
     let edge = of_nut.rows().iter().find(|row| row.0 == "edge_load_N").map(|row| row.2);
     let (largest, dynamic) = (axis.largest_load(), axis.dynamic_rating);
-    let busier = preload.map_or(largest, |preload| pair_loads(preload, largest).0);
+    let busier = preload.map_or(largest, |[_, warm]| pair_loads(warm, largest).0);
     rules.add(
         "contact ellipse on its flank",
         ("largest_load_N", "N"),
@@ -214,23 +216,23 @@ fn preload_rules(
         "edge of the land (G8)",
         &|_| "a larger land: nut_bore_mm smaller, screw_outer_diameter_mm larger".to_owned(),
     );
-    if let Some(preload) = preload {
+    if let Some([cold, warm]) = preload {
         rules.add(
             "preload",
-            ("preload_N", "N"),
-            Some(preload),
+            ("warm_preload_N", "N"),
+            Some(warm),
             (false, Some(PRELOAD * dynamic)),
             "Sobolewski, 0.15 of the dynamic load rating (D22)",
-            &|_| format!("preload_N {:.0} or less", PRELOAD * dynamic),
+            &|_| format!("preload_N {:.0} or less", PRELOAD * dynamic * cold / warm),
         );
-        let opens = number("opening_load_N").unwrap_or(OPENS_AT * preload);
+        let opens = number("opening_load_N").unwrap_or(OPENS_AT * warm);
         rules.add(
             "preload left",
             ("largest_load_N", "N"),
             Some(largest),
             (false, Some(opens)),
             "the preload is lost at some 2.83 times itself (D14), (U20)",
-            &|margin| format!("preload_N {:.0}", preload / margin),
+            &|margin| format!("preload_N {:.0}", cold / margin),
         );
     }
 }

@@ -236,3 +236,20 @@ fn tables_of_measurements_are_checked() {
     assert!(why(&["seal_torque_Nm"], "screw_torque_Nm\n1\n").contains("seal_torque_Nm"));
     assert!(why(&["rolling_factor=1"], "screw_torque_Nm\n1\n").contains("low:high"));
 }
+
+/// Cold thick oil between hardly loaded balls: the film of elastic contacts is several times too thin, and no warning said so.
+#[test]
+fn a_film_of_rigid_contacts_is_warned_of() {
+    let warned = |settings: &[&str]| {
+        let scene = oiled(settings);
+        let warnings = solved(&scene, Model::RacewayControl).warnings(&scene);
+        warnings.iter().any(|words| words.starts_with("M = "))
+    };
+    assert!(!warned(&[]));
+    assert!(warned(&[
+        "iso_vg=460",
+        "lubricant_temperature_C=-20",
+        "axial_load_N=20",
+        "screw_speed_rpm=500"
+    ]));
+}

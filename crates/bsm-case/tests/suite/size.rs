@@ -72,7 +72,7 @@ fn the_rules_again_in_workshop_units() {
     near(number(&report, "largest_speed_rpm"), 1500.0, TIGHT, "speed");
     near(number(&report, "cycle_speed_number_mm_min"), 1500.0 * d_pw, TIGHT, "speed number");
     // The pair: ISO 3408-5 with preload, the other nut relieved.
-    let (c, f_w) = (size(&report, "dynamic_load_rating_N"), size(&report, "preload_N"));
+    let (c, f_w) = (size(&report, "dynamic_load_rating_N"), size(&report, "preload_set_N"));
     let busy = f_w * (1.0 + load / (8.0_f64.sqrt() * f_w)).powf(1.5);
     let lives = [busy, busy - load].map(|f: f64| (c / f).powi(3));
     let life = lives.iter().map(|l| l.powf(-10.0 / 9.0)).sum::<f64>().powf(-0.9) * 1e6;

@@ -226,7 +226,6 @@ fn words_that_cannot_be_meant_are_refused() {
         (json!({ "radial_load_x_N": 10, "radial_x_um": 1 }), "radial_load_x_N and radial_x_um"),
         (json!({ "preload_N": 10, "ball_oversize_um": 1 }), "preload_N and ball_oversize_um"),
         (json!({ "starts": 1.5 }), "`starts` = 1.5 must be a whole number, 1 or more"),
-        (json!({ "axial_load_N": null }), "axial_load_N (or preload_N) is required for a nut"),
         (json!({ "loaded_turns": null }), "loaded_turns (or circuits) is required for a nut"),
     ] {
         let said = refusal(&change, &[]);
@@ -390,5 +389,356 @@ fn numbers_of_a_nut_are_columns() {
         let cell: f64 = row[place].parse().unwrap_or_else(|_| panic!("{name}: {text}"));
         // The same solve: to the last bit.
         assert_eq!(Some(cell.to_bits()), found[name].as_f64().map(f64::to_bits), "{name}: {text}");
+    }
+}
+
+/// Number of an answer.
+fn of(found: &Value, key: &str) -> f64 {
+    found[key].as_f64().unwrap_or_else(|| panic!("{key}: {found}"))
+}
+
+/// A pair of 41.3 x 12 mm that is preloaded with 2500 N.
+fn pair(change: &Value) -> Value {
+    let mut scene = json!({
+        "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.336, "lead_mm": 12,
+        "contact_angle_deg": 45, "nut_conformity": 0.53, "screw_conformity": 0.53,
+        "youngs_modulus_GPa": 207, "loaded_turns": 3, "loaded_balls_per_turn": 19,
+        "friction_coefficient": 0.06, "screw_speed_rpm": 500, "preload_N": 2500
+    });
+    let map = scene.as_object_mut().expect("object");
+    map.extend(change.as_object().expect("object").clone());
+    map.retain(|_, value| !value.is_null());
+    scene
+}
+
+/// Heat changed the preload only if an offset was given: a force was set again in the warm nut, and no note said so. By
+/// default a pair is pushed apart (O); its offset keeps its sign, and so do listed flanks.
+#[test]
+fn a_preload_given_as_a_force_is_set_cold() {
+    let warm = |change: Value| {
+        let mut change = change;
+        change["screw_temperature_rise_K"] = json!(5);
+        let (code, found, words) = answer(&pair(&change).to_string(), &[]);
+        assert_eq!(code, Some(0), "{change}: {words}");
+        found
+    };
+    let o = warm(json!({}));
+    let x = warm(json!({ "preload_arrangement": "X" }));
+    let by_offset = warm(json!({ "preload_N": null, "preload_offset_um": 11.784_697_060_5 }));
+    let circuits = |first: &str, second: &str| {
+        json!({ "loaded_turns": null, "loaded_balls_per_turn": null, "circuits": [
+            { "start_deg": 0, "arc_deg": 1080, "balls": 57, "body": 0, "flank": first },
+            { "start_deg": 1440, "arc_deg": 1080, "balls": 57, "body": 1, "flank": second }
+        ] })
+    };
+    let (listed_x, listed_o) = (warm(circuits("+", "-")), warm(circuits("-", "+")));
+    // Check values of an independent solution (chapter 16); offsets are found to 1e-8.
+    for (found, expected) in [
+        (&o, 2210.411_218),
+        (&listed_o, 2210.411_218),
+        (&x, 4111.339_823),
+        (&by_offset, 4111.339_823),
+        (&listed_x, 4111.339_823),
+    ] {
+        assert!((of(found, "preload_set_N") - 2500.0).abs() < 1e-4, "{found}");
+        assert!((of(found, "warm_preload_N") / expected - 1.0).abs() < 1e-7, "{found}");
+        let notes = found["notes"].to_string();
+        assert!(notes.contains(&format!("2500 N cold, {expected:.0} N warm")), "{notes}");
+    }
+    assert!((of(&o, "preload_setting_um") + 11.784_697).abs() < 1e-5, "{o}");
+    assert!((of(&x, "preload_setting_um") - 11.784_697).abs() < 1e-5, "{x}");
+    // The rule of makers and what is left without load follow the warm preload.
+    let ratio = of(&x, "rule_torque_low_Nm") / of(&o, "rule_torque_low_Nm");
+    assert!((ratio - of(&x, "warm_preload_N") / of(&o, "warm_preload_N")).abs() < 1e-9);
+    assert!((of(&x, "preload_left_N") / of(&x, "warm_preload_N") - 1.0).abs() < 1e-9);
+    for (change, words) in [
+        (json!({ "preload_arrangement": "Y" }), "unknown variant `Y`"),
+        (
+            json!({ "preload_N": null, "preload_offset_um": 5, "preload_arrangement": "O" }),
+            "contradicts preload_offset_um",
+        ),
+        (json!({ "preload_by": "oversize", "preload_arrangement": "X" }), "is of a pair of nuts"),
+    ] {
+        let (code, _, said) = answer(&pair(&change).to_string(), &[]);
+        assert!(code == Some(2) && said.contains(words), "{change}: {said}");
+    }
+}
+
+/// The sheet of an axis took the rises of temperature for its lives, and said that the fit does not follow them.
+#[test]
+fn the_preloads_of_a_warm_pair_are_one_number_in_nut_and_size() {
+    let axis = json!({
+        "screw_temperature_rise_K": 5, "preload_arrangement": "X", "axial_load_N": 3000,
+        "stroke_mm": 800, "support": "fixed-supported", "youngs_modulus_GPa": 207
+    });
+    let scene = pair(&axis).to_string();
+    let (_, nut, _) = answer(&scene, &[]);
+    let dir = folder();
+    let output = bsm(dir.path(), &["size", "-", "--format", "json"], &scene);
+    let sheet: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    for key in ["preload_set_N", "warm_preload_N"] {
+        assert_eq!(nut[key], sheet["screw"][key], "{key}");
+    }
+    assert_eq!(nut["limit_load_N"], sheet["results"]["opening_load_N"]);
+    assert!(sheet["notes"].to_string().contains("2500 N cold, 4111 N warm"), "{sheet}");
+    let life = of(&sheet["results"], "cycle_life_revolutions");
+    // ISO 3408-5 of the warm pair, as in bsm nut; rounding.
+    assert!((life / of(&nut, "iso_life_revolutions") - 1.0).abs() < 1e-9, "{life}");
+}
+
+/// Contact angles of 93.8 to 150.9 deg, -3.8 and -48.9 deg were answers.
+#[test]
+fn a_ball_out_of_its_groove_is_no_answer() {
+    for (scene, set) in [
+        ("nut_guided.json", "radial_gap_um=200"),
+        ("nut_guided.json", "radial_gap_um=500"),
+        ("nut_guided.json", "radial_x_um=500"),
+        ("nut_guided.json", "tilt_x_urad=10000"),
+        ("nut_guided.json", "axial_load_N=2000000"),
+        ("nut_oversize.json", "radial_gap_um=200"),
+    ] {
+        let scene = fs::read_to_string(example(scene)).expect("an example");
+        let (code, found, words) = answer(&scene, &["--set", set]);
+        assert_eq!(code, Some(3), "{set}: {found} {words}");
+        assert_ne!(found["status"], "converged", "{set}");
+    }
+}
+
+/// Each ball without a solution was searched for a tenth of a second: a thousand had no end after 200 s.
+#[test]
+fn a_ball_without_a_solution_ends_the_search() {
+    let scene = fs::read_to_string(example("nut_free.json")).expect("an example");
+    let mut scene: Value = serde_json::from_str(&scene).expect("JSON");
+    let map = scene.as_object_mut().expect("object");
+    map.retain(|key, _| {
+        !["circuits_count", "gap_deg", "loaded_balls_per_turn"].contains(&key.as_str())
+    });
+    scene["circuits"] = json!([{ "start_deg": 0, "arc_deg": 18000, "balls": 1000 }]);
+    scene["nut_speed_rpm"] = json!(-60000);
+    scene["axial_load_N"] = json!(1);
+    let begun = std::time::Instant::now();
+    let (code, found, words) = answer(&scene.to_string(), &["--model", "elastic"]);
+    // A tenth of a second a ball were 100 s; a slow machine takes some seconds.
+    assert!(begun.elapsed().as_secs() < 60, "{:?}", begun.elapsed());
+    assert_eq!(code, Some(0), "{words}");
+    assert!(found["friction_torque_Nm"].is_null(), "{found}");
+    let notes = found["notes"].to_string();
+    // With its reason.
+    assert!(
+        notes.contains("no torque: ball 0 has none by model elastic: inertia forces"),
+        "{notes}"
+    );
+}
+
+/// A pair without preload was bounded as if both its nuts carried the load: 505.6 N under a bound of 476.8 N.
+#[test]
+fn a_pair_has_no_bound_of_the_largest_load() {
+    let scene = fs::read_to_string(example("nut_double.json")).expect("an example");
+    let mut scene: Value = serde_json::from_str(&scene).expect("JSON");
+    let map = scene.as_object_mut().expect("object");
+    map.retain(|key, _| {
+        !["preload_N", "loaded_turns", "loaded_balls_per_turn"].contains(&key.as_str())
+    });
+    scene["circuits"] = json!([
+        { "start_deg": 0, "arc_deg": 1080, "balls": 60, "body": 0 },
+        { "start_deg": 1440, "arc_deg": 1080, "balls": 60, "body": 1, "offset_um": 3 }
+    ]);
+    scene["axial_load_N"] = json!(20000);
+    let (code, found, words) = answer(&scene.to_string(), &[]);
+    assert_eq!(code, Some(0), "{words}");
+    assert!(found["load_bound_N"].is_null(), "{found}");
+    let guided = fs::read_to_string(example("nut_guided.json")).expect("an example");
+    let (_, found, _) = answer(&guided, &[]);
+    assert!(of(&found, "load_bound_N") >= of(&found, "max_contact_load_N"), "{found}");
+}
+
+/// An efficiency of -19 without the word self-locking, "NaN of their sum is left", circuits that lie on each other, an arc
+/// of 1e308 deg, and a ball out of balance in a converged nut.
+#[test]
+fn odd_nuts_are_refused_or_explained() {
+    let double = fs::read_to_string(example("nut_double.json")).expect("an example");
+    let (_, found, _) = answer(&double, &["--set", "axial_load_N=-5"]);
+    assert!(of(&found, "nut_efficiency") < 0.0, "{found}");
+    assert!(found["notes"].to_string().contains("self-locking"), "{found}");
+    let guided = fs::read_to_string(example("nut_guided.json")).expect("an example");
+    let (code, found, _) = answer(&guided, &["--set", "tilt_x_urad=1e6"]);
+    assert_eq!(code, Some(3), "{found}");
+    assert!(!found["message"].to_string().contains("NaN"), "{found}");
+    let nothing = json!({ "loaded_turns": null, "loaded_balls_per_turn": null });
+    let with = |circuits: Value| {
+        let mut scene = single();
+        let map = scene.as_object_mut().expect("object");
+        map.extend(nothing.as_object().expect("object").clone());
+        map.retain(|_, value| !value.is_null());
+        scene["circuits"] = circuits;
+        answer(&scene.to_string(), &[])
+    };
+    let (code, _, words) = with(json!([
+        { "start_deg": 0, "arc_deg": 330, "balls": 18 },
+        { "start_deg": 300, "arc_deg": 330, "balls": 18 }
+    ]));
+    assert!(code == Some(2) && words.contains("circuits 0 and 1 overlap"), "{words}");
+    let (code, _, words) = with(json!([{ "start_deg": 0, "arc_deg": 1e308, "balls": 5 }]));
+    assert!(code == Some(2) && words.contains("arc_deg"), "{words}");
+    let oversize = fs::read_to_string(example("nut_oversize.json")).expect("an example");
+    let sets = ["--set", "screw_conformity=0.500001", "--set", "nut_conformity=0.6"];
+    let (code, found, _) = answer(&oversize, &sets);
+    assert_eq!(code, Some(3), "{found}");
+    let words = found["message"].as_str().expect("words");
+    assert!(words.contains("is larger than its groove"), "{words}");
+}
+
+/// The balls that circuits and gaps make were known to `nut` and not to `solve`, which took a model of angles.
+#[test]
+fn solve_knows_the_balls_of_circuits_with_gaps() {
+    let dir = folder();
+    let output = bsm(dir.path(), &["solve", &example("nut_free.json"), "--format", "json"], "");
+    let solved: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    assert!(
+        ["raceway-control", "traction"].contains(&solved["model"].as_str().expect("a model")),
+        "{solved}"
+    );
+    let free = fs::read_to_string(example("nut_free.json")).expect("an example");
+    let (_, nut, _) = answer(&free, &[]);
+    let (share, load) = (of(&nut, "equal_load_N"), of(&solved, "nut_normal_load_N"));
+    // Centrifugal force and friction change the load of a ball by parts of a per cent.
+    assert!((share / load - 1.0).abs() < 0.02, "{share} {load}");
+}
+
+/// A torque "by model auto" tells what was asked for, not what answered.
+#[test]
+fn the_model_that_answered_is_named() {
+    let double = fs::read_to_string(example("nut_double.json")).expect("an example");
+    let (_, found, _) = answer(&double, &[]);
+    let model = found["model"].as_str().expect("a model");
+    assert!(model.split(" and ").all(|name| name != "auto"), "{model}");
+    let (_, found, _) = answer(&double, &["--model", "traction"]);
+    assert_eq!(found["model"], "traction");
+    let (_, found, _) = answer(&double, &["--set", "screw_speed_rpm="]);
+    assert!(found["model"].is_null(), "{found}");
+}
+
+/// `bsm nut examples/nut.json` was refused for its load.
+#[test]
+fn the_nut_of_the_examples_runs_in_nut() {
+    let nut = fs::read_to_string(example("nut.json")).expect("an example");
+    let (code, found, words) = answer(&nut, &[]);
+    assert_eq!(code, Some(0), "{words}");
+    let dir = folder();
+    let output = bsm(dir.path(), &["capacity", &example("nut.json"), "--format", "json"], "");
+    let rated: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    // The same preload as for its ratings; the preload is found to 1e-8.
+    let ratio = of(&found, "preload_set_N") / of(&rated, "preload_N");
+    assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
+    assert!(found["notes"].to_string().contains("without axial_load_N and preload_N"), "{found}");
+}
+
+/// `bsm capacity` and `bsm size` refused the feed drive of the examples: it did not say on how many turns its balls are.
+#[test]
+fn the_feed_drives_run_in_capacity_size_and_nut() {
+    let dir = folder();
+    for scene in ["feed_drive.json", "feed_drive_oil.json"] {
+        for command in ["capacity", "size", "nut"] {
+            let output = bsm(dir.path(), &[command, &example(scene)], "");
+            assert_eq!(output.status.code(), Some(0), "{command} {scene}: {}", stderr(&output));
+        }
+    }
+}
+
+/// A centrifugal force of 1 % is nothing to act on.
+#[test]
+fn a_small_centrifugal_force_is_a_note() {
+    let guided = fs::read_to_string(example("nut_guided.json")).expect("an example");
+    let at = |rpm: u32| answer(&guided, &["--set", &format!("screw_speed_rpm={rpm}")]).1;
+    let said = |found: &Value, of: &str| found[of].to_string().contains("centrifugal");
+    let (slow, medium, fast) = (at(100), at(8000), at(30000));
+    assert!(!said(&slow, "notes") && !said(&slow, "warnings"), "{slow}");
+    assert!(said(&medium, "notes") && !said(&medium, "warnings"), "{medium}");
+    assert!(said(&fast, "warnings"), "{fast}");
+}
+
+/// Seals and ball returns that a scene gives were dropped without a word.
+#[test]
+fn given_losses_are_lines_of_the_sum() {
+    let double = fs::read_to_string(example("nut_double.json")).expect("an example");
+    let (_, dry, _) = answer(&double, &[]);
+    let (_, sealed, _) = answer(&double, &["--set", "seal_torque_Nm=0.1"]);
+    let speed = 500.0 * std::f64::consts::PI / 30.0;
+    // Sums of the same numbers: rounding.
+    assert!((of(&sealed, "drive_torque_Nm") - of(&dry, "drive_torque_Nm") - 0.1).abs() < 1e-12);
+    assert!(
+        (of(&sealed, "friction_heat_W") - of(&dry, "friction_heat_W") - 0.1 * speed).abs() < 1e-9
+    );
+    assert_eq!(sealed["nut_seal_torque_Nm"], 0.1);
+    assert_eq!(sealed["friction_torque_Nm"], dry["friction_torque_Nm"]);
+    let mut oiled: Value = serde_json::from_str(&double).expect("JSON");
+    oiled.as_object_mut().expect("object").retain(|key, _| key != "friction_coefficient");
+    for (key, value) in [
+        ("iso_vg", 68.0),
+        ("lubricant_temperature_C", 40.0),
+        ("ball_roughness_um", 0.03),
+        ("nut_roughness_um", 0.2),
+        ("screw_roughness_um", 0.2),
+    ] {
+        oiled[key] = json!(value);
+    }
+    let (_, plain, words) = answer(&oiled.to_string(), &[]);
+    (oiled["return_circuits"], oiled["return_loss_coefficient"]) = (json!(6), json!(2));
+    let (_, returned, _) = answer(&oiled.to_string(), &[]);
+    let returns = of(&returned, "return_torque_Nm");
+    assert_eq!(of(&plain, "return_torque_Nm"), 0.0, "{words}");
+    // (Y26): six returns take twice the kinetic energy of every ball that passes, at half the speed of the screw.
+    let (mass, travel) =
+        (7800.0 * std::f64::consts::PI / 6.0 * 6.35e-3_f64.powi(3), 0.5 * speed * 20.73e-3);
+    let power = 6.0 * 2.0 * 0.5 * mass * travel.powi(3) / 6.35e-3;
+    // The precession of a ball is within some 15 % of half the speed, and counts with its third power.
+    assert!((0.5..1.6).contains(&(returns * speed / power)), "{returns} {power}");
+    let added = of(&returned, "drive_torque_Nm") - of(&plain, "drive_torque_Nm");
+    assert!((added / returns - 1.0).abs() < 1e-6, "{added} {returns}");
+}
+
+/// The friction torque steps where a ball goes from four contacts to two; the step is stated at the number.
+#[test]
+fn the_step_from_four_contacts_to_two_is_within_the_stated_error() {
+    let scene = fs::read_to_string(example("nut_oversize.json")).expect("an example");
+    let solved = |load: f64, rpm: f64| {
+        let sets = [
+            format!("axial_load_N={load}"),
+            format!("screw_speed_rpm={rpm}"),
+            "preload_N=1000".to_owned(),
+            "loaded_turns=1".to_owned(),
+        ];
+        let args: Vec<_> = sets.iter().flat_map(|set| ["--set", set.as_str()]).collect();
+        answer(&scene, &[&args[..], &["--model", "traction"]].concat()).1
+    };
+    let limit = of(&solved(10.0, 50.0), "limit_load_N");
+    for rpm in [50.0, -50.0] {
+        let (before, after) = (solved(0.9995 * limit, rpm), solved(1.0005 * limit, rpm));
+        let step = of(&after, "friction_torque_Nm") - of(&before, "friction_torque_Nm");
+        let stated = of(&before, "friction_torque_error_Nm");
+        assert!(step.abs() <= stated && stated < 2.0 * step.abs(), "{step} {stated}");
+        assert_eq!(of(&after, "friction_torque_error_Nm"), 0.0);
+        assert!(before["notes"].to_string().contains("is known to"), "{before}");
+    }
+}
+
+/// Warm pairs of an independent solution: preloads, loads, stiffness and lives at its temperatures, in X and O arrangement.
+#[test]
+fn warm_pairs_agree_with_an_independent_solution() {
+    let cases = fs::read_to_string(root().join("validation/published/nut/warm.json"));
+    let cases: Vec<Value> = serde_json::from_str(&cases.expect("cases")).expect("JSON");
+    assert_eq!(cases.len(), 5);
+    for case in &cases {
+        let (code, found, words) = answer(&case["scene"].to_string(), &[]);
+        assert_eq!(code, Some(0), "{}: {words}", case["id"]);
+        for (key, expected) in case["expect"].as_object().expect("numbers") {
+            let (found, expected) = (of(&found, key), expected.as_f64().expect("a number"));
+            // Temperatures and numbers are printed to twelve digits; a degree is some tenths of the preload.
+            assert!(
+                (found / expected - 1.0).abs() < 1e-9,
+                "{} {key}: {found} {expected}",
+                case["id"]
+            );
+        }
     }
 }

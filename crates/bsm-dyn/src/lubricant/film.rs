@@ -184,6 +184,17 @@ impl<P: Field> Wetted<P> {
     }
 }
 
+impl Wetted {
+    /// How far the load deforms the inlet at nut (0) or screw (1), `$M$` (Y17).
+    ///
+    /// * `load`: scaled as the point is.
+    pub(crate) fn elasticity(&self, i: usize, load: f64, film: &Film<f64>) -> f64 {
+        let gap = &self.gaps[i];
+        let root = (2.0 * film.entrainment * self.units.speed * gap.rate).powf(0.75);
+        gap.elasticity(root, load * self.units.load * gap.weight)
+    }
+}
+
 impl<P: Scalar> Wetted<P> {
     /// A point with its oil at a temperature \[K\].
     pub(crate) fn new(
@@ -249,13 +260,22 @@ impl<P: Field> Gap<P> {
             weight: (modulus * radius.square()).recip(),
             heat: heat.powf(0.62),
             film: radius * stiffening * shape * lubricant.film_factor * 2.69,
-            // M = B^{1/4} k W U₂^{−3/4}                                   (Y17)
+            // B^{1/4} k of M                                              (Y17)
             elastic: (log_inlet * 0.25).exp() * flatness,
             // 0.77 B^{−1/3} k^0.12 U₂^{−1/12},  c = 1.8 B^{−1/4}          (Y16)
             rigid: (flatness.ln() * 0.12 - log_inlet * (1.0 / 3.0)).exp() * 0.77,
             flat: (log_inlet * -0.25).exp() * 1.8,
             rolling: radius * modulus * lubricant.rolling_factor * lubricant.film_factor * 2.0,
         }
+    }
+
+    /// How far the load deforms the inlet, `$M$` (Y17).
+    ///
+    /// * `root`: `$U_2^{3/4}$`. * `weight`: `$W$`.
+    #[inline(always)]
+    fn elasticity<D: FieldOver<P>>(&self, root: D, weight: D) -> D {
+        // M = B^{1/4} k W U₂^{−3/4}                                       (Y17)
+        weight * self.elastic / root
     }
 
     /// Force that presses the oil through the inlet, without heating \[N\] (Y16).
@@ -266,7 +286,7 @@ impl<P: Field> Gap<P> {
         // U₂ = 2 η u/(E' R_x)                                             (Y17)
         let log = log_rate + std::f64::consts::LN_2;
         let root = (log * 0.75).exp();
-        let elastic = weight * self.elastic / root;
+        let elastic = self.elasticity(root, weight);
         // F_R = c_R φ_s φ_T E' R_x² (2a/R_x) [(0.77 B^{−1/3} k^0.12 U₂^{−1/12} − c)/(1 + M/6.6) + c] U₂^{3/4}  (Y16)
         let rigid = (log * (-1.0 / 12.0)).exp() * self.rigid;
         let both = (rigid - self.flat) / (elastic * 6.6_f64.recip() + 1.0) + self.flat;

@@ -339,6 +339,7 @@ impl Lubricated {
                 friction: sliding / found.unit[i],
                 rolling_moment: film.couple * wetted.units.load * wetted.units.length,
                 entrainment: film.entrainment * wetted.units.speed,
+                elasticity: wetted.elasticity(i, loaded.loads[i], film),
                 law: film.law.in_unit(wetted.units.speed),
             }
         });

@@ -48,6 +48,8 @@ pub struct ContactFilm {
     pub rolling_moment: f64,
     /// Mean speed of both surfaces along the track, with the creep speed \[m/s\].
     pub entrainment: f64,
+    /// How far the load deforms the inlet `$M$` (Y17): below some 10 the film of (Y7) is too thin.
+    pub elasticity: f64,
     /// Friction at its points, of slip speeds in m/s.
     pub law: MixedFriction,
 }

@@ -167,7 +167,11 @@ fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
                 assert!(numbers.into_iter().all(f64::is_finite), "{point}");
             }
             // One flank, or a few balls beside the load.
-            Err(NutError::NothingCarries { .. }) => nothing += 1,
+            Err(
+                NutError::NothingCarries { .. }
+                | NutError::BallLeavesFlank { .. }
+                | NutError::BallTooLarge { .. },
+            ) => nothing += 1,
             Err(other) => panic!("{point}: {other} {nut:?} {support:?}"),
         }
     }
@@ -181,8 +185,8 @@ fn hold(points: u32, seed: u64, every: u32) {
     eprintln!("{solved} solved, {nothing} that nothing carries, {worst:e} left, {most} steps");
     assert_eq!(solved + nothing, points);
     assert!(worst <= 1e-12 && most <= 60, "{worst:e} {most}");
-    // A flank carries loads of its own way only: that leaves a twelfth of the draws.
-    assert!(nothing < points / 8, "{nothing}");
+    // A flank carries loads of its own way only: that leaves a twelfth of the draws; in one of 25 a ball leaves its flank.
+    assert!(nothing < points / 7, "{nothing}");
 }
 
 #[test]
@@ -195,4 +199,163 @@ fn random_nuts_find_their_balance() {
 #[ignore = "ten thousand nuts take minutes"]
 fn ten_thousand_nuts() {
     hold(10_000, 2026, 1);
+}
+
+/// A nut of a wild kind: play, oversize, errors, conformities and speeds far beyond what is made.
+fn wild(rng: &mut impl Rng) -> BallNut {
+    let mut nut = nut(rng);
+    let mut conformity = || {
+        let least = if rng.random_bool(0.1) { 1e-6 } else { 1e-2 };
+        0.5 + rng.log_uniform(least, 0.2)
+    };
+    nut.conformity = (conformity(), conformity());
+    nut.contact_angle = rng.random_range(10.0_f64..80.0).to_radians();
+    let size = nut.ball.radius;
+    if rng.random_bool(0.4) {
+        nut.errors.gap = size * rng.log_uniform(1e-5, 3e-2) * [1.0, -1.0][rng.random_range(0..2)];
+    }
+    if rng.random_bool(0.3) {
+        nut.errors.oversize = size * rng.log_uniform(1e-6, 3e-3);
+    }
+    if rng.random_bool(0.3) {
+        let rises = [(); 3].map(|()| rng.random_range(-200.0..200.0));
+        nut = nut.warmed(rises, 11.5e-6);
+    }
+    if rng.random_bool(0.3) {
+        nut.precession = rng.log_uniform(1.0, 1e4);
+    }
+    nut
+}
+
+/// Loads over eight decades, or displacements up to a groove's depth and tenths of a radian.
+fn wild_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
+    let mut support = support(rng, nut);
+    let size = rng.log_uniform(1e-6, 10.0);
+    for freedom in &mut support.0 {
+        match freedom {
+            Freedom::Loaded(load) | Freedom::Sprung { load, .. } => *load *= size,
+            Freedom::Held(_) => {}
+        }
+    }
+    if rng.random_bool(0.3) {
+        let far = nut.ball.radius * rng.log_uniform(1e-6, 1e-2);
+        let arms = [1.0, 1.0, nut.helix.radius, nut.helix.radius];
+        for (freedom, arm) in support.0[1..].iter_mut().zip(arms) {
+            *freedom = Freedom::Held(far / arm * rng.random_range(-1.0..1.0));
+        }
+    }
+    support
+}
+
+/// What is wrong with an answer, by balances from its loads and angles alone.
+fn wrong(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String> {
+    let (sin_a, cos_a) = nut.helix.lead_angle.sin_cos();
+    let outward = nut.ball.mass * nut.helix.radius * nut.precession * nut.precession;
+    let middle = nut.middle();
+    let (mut on_balls, mut forces) = ([0.0; 5], 0.0);
+    for (number, (ball, place)) in found.balls.iter().zip(&found.places).enumerate() {
+        // Along binormal and principal normal, the force of each body on the ball.
+        let (mut of_body, mut size) = ([[0.0; 2]; 2], outward);
+        for c in 0..4 {
+            let (load, angle) = (ball.loads[c], ball.angles[c]);
+            if load < 0.0 || !load.is_finite() {
+                return Some(format!("tension: ball {number} carries {load:e} N"));
+            }
+            if load == 0.0 {
+                continue;
+            }
+            // The end of a flank to the rounding of a place.
+            if !(-1e-6..=0.5 * PI + 1e-6).contains(&angle) {
+                return Some(format!("ball {number} is at {:.3} deg", angle.to_degrees()));
+            }
+            let (flank, body) = ([1.0, -1.0][c % 2], [1.0, -1.0][c / 2]);
+            of_body[c / 2][0] += body * flank * load * angle.sin();
+            of_body[c / 2][1] += body * load * angle.cos();
+            size += load;
+        }
+        let left = (of_body[0][0] + of_body[1][0]).hypot(of_body[0][1] + of_body[1][1] - outward);
+        // A ball settles to 1e-7 of its forces, and to the rounding of its place: 1e-6 of them here.
+        if left > 1e-6 * size {
+            return Some(format!("ball {number} is out of balance by {:e}", left / size));
+        }
+        forces += size;
+        let [along, across] = of_body[0];
+        let (sin, cos) = place.theta.sin_cos();
+        let force = [
+            along * sin_a * sin - across * cos,
+            -along * sin_a * cos - across * sin,
+            along * cos_a,
+        ];
+        let radius = nut.helix.radius;
+        let arm = [radius * cos, radius * sin, place.z - middle];
+        on_balls[0] += force[2];
+        on_balls[1] += force[0];
+        on_balls[2] += force[1];
+        on_balls[3] += arm[1] * force[2] - arm[2] * force[1];
+        on_balls[4] += arm[2] * force[0] - arm[0] * force[2];
+    }
+    let arms = [1.0, 1.0, 1.0, nut.helix.radius, nut.helix.radius];
+    for (i, freedom) in support.0.iter().enumerate() {
+        let load = match *freedom {
+            Freedom::Held(_) => continue,
+            Freedom::Loaded(load) => load,
+            Freedom::Sprung { stiffness, load } => load - stiffness * found.displacement[i],
+        };
+        // The search ends at 1e-12 of the forces, 1e-10 where bodies strain far; arms of tilts are the nut's length.
+        let left = (on_balls[i] - load).abs() / arms[i];
+        if left > 1e-6 * (forces + load.abs() / arms[i]) {
+            return Some(format!("freedom {i} is out of balance by {left:e} of {forces:e} N"));
+        }
+    }
+    None
+}
+
+/// Wild nuts: each is in balance by its own loads and angles, or refused with a reason; the counts of both.
+#[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
+fn hold_wild(points: u32, seed: u64) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (mut solved, mut refused) = (0, [0; 5]);
+    for point in 0..points {
+        let nut = wild(&mut rng);
+        let support = wild_support(&mut rng, &nut);
+        match nut.solve(&support) {
+            Ok(found) => {
+                solved += 1;
+                let wrong = wrong(&nut, &support, &found);
+                assert!(
+                    wrong.is_none(),
+                    "{point}: {} {nut:?} {support:?}",
+                    wrong.unwrap_or_default()
+                );
+            }
+            Err(NutError::NothingCarries { .. }) => refused[0] += 1,
+            Err(NutError::BallLeavesFlank { .. }) => refused[1] += 1,
+            Err(NutError::NotConverged { residual, .. }) => {
+                assert!(residual.is_finite(), "{point}");
+                refused[2] += 1;
+            }
+            Err(NutError::BallNotBalanced { .. }) => refused[3] += 1,
+            Err(NutError::BallTooLarge { .. }) => refused[4] += 1,
+            Err(other) => panic!("{point}: {other} {nut:?} {support:?}"),
+        }
+    }
+    let [nothing, leaves, not_converged, ball, large] = refused;
+    eprintln!(
+        "{solved} in balance; nothing carries {nothing}, a ball leaves its flank in {leaves}, not converged \
+         {not_converged}, a ball not balanced in {ball}, too large in {large}"
+    );
+    // A third of the draws at least is a nut that carries its load.
+    assert!(3 * solved >= points, "{solved} of {points}");
+}
+
+#[test]
+fn wild_nuts_are_in_balance_or_refused() {
+    hold_wild(300, 37);
+}
+
+/// The whole campaign; `cargo test -p bsm-nut --test campaign -- --ignored --nocapture`.
+#[test]
+#[ignore = "ten times as many nuts"]
+fn three_thousand_wild_nuts() {
+    hold_wild(3_000, 1937);
 }
