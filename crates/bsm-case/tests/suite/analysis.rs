@@ -357,7 +357,7 @@ fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
 /// An error of models was used with a phrase for a name: "model of slip and jam takes no lubricant".
 #[test]
 fn analyses_of_a_lubricated_ball_are_refused() {
-    let oil = scene(include_bytes!("../../../examples/feed_drive_oil.json"), &[]);
+    let oil = scene(include_bytes!("../../../../examples/feed_drive_oil.json"), &[]);
     let settings = Model::Traction.into();
     let solution = solved(&oil, &settings);
     for refused in [Analysis::slip(&oil, &settings, &solution), Analysis::jam(&oil, &solution)] {
