@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use allocation_counter::measure;
 use bsm_batch::{
     Answers, Columns, CsvSink, CsvSource, JsonSink, JsonSource, ParquetSink, ParquetSource, Sink,
-    Source, TableError, Task, hush_parquet_panics,
+    Source, TableError, Task, hush_caught_panics,
 };
 use bsm_case::{
     Axis, CapacityReport, Catalogue, Condition, DesignReport, Fit, Grid, NutProblem,
@@ -68,7 +68,7 @@ impl Target {
     /// If the program would, or if it takes too long or too much memory on this thread.
     pub fn check(&self, input: &[u8]) {
         // As the program does: a panic in a damaged table is told as an error.
-        HOOK.call_once(hush_parquet_panics);
+        HOOK.call_once(hush_caught_panics);
         let start = Instant::now();
         let memory = measure(|| (self.run)(input)).bytes_max;
         let time = start.elapsed();

@@ -52,7 +52,7 @@ from ballscrew._errors import (
     ShardError,
     SolveError,
 )
-from ballscrew._shards import Plan, normal, plan, run_shard, uniform
+from ballscrew._shards import Plan, normal, plan, run_shard, solve_shard, uniform
 
 __all__ = [
     "INPUTS",
@@ -95,6 +95,7 @@ __all__ = [
     "slip",
     "solve",
     "solve_many",
+    "solve_shard",
     "sweep",
     "uniform",
     "validate",

@@ -356,6 +356,8 @@ class Table:
             raise KeyError(f"no column `{name}`; the columns are {_few(self._columns)}") from None
         if isinstance(column, Words):
             return column.to_numpy()
+        if isinstance(column, _core.Kept):
+            return _kept_values(column)
         array: NDArray[Any] = column
         return array
 
@@ -408,6 +410,8 @@ class Table:
             quantity = OUTPUTS.get(name)
             if isinstance(column, Words):
                 columns.append((name, unit, "words", column.codes, list(column.categories)))
+            elif isinstance(column, _core.Kept):
+                columns.append((name, unit, "kept", column, []))
             elif column.dtype == object:
                 columns.append((name, unit, "texts", column.tolist(), []))
             elif column.dtype == bool:
@@ -443,7 +447,7 @@ class Table:
             data[name] = (
                 pd.Categorical.from_codes(column.codes, list(column.categories))
                 if isinstance(column, Words)
-                else column
+                else self[name]
             )
         return pd.DataFrame(data)
 
@@ -451,7 +455,8 @@ class Table:
         """Write the table as the program does: .csv, .jsonl or .parquet."""
         if self._rows is not None:
             self._rows.write(Path(path))
-        elif any(isinstance(column, Words) or column.dtype in (object, bool) for column in self._columns.values()):
+        elif any(isinstance(column, (Words, _core.Kept)) or column.dtype in (object, bool)
+                 for column in self._columns.values()):
             raise TypeError("this table has words in it, or was pickled: write it with to_pandas() or to_polars()")
         else:
             _core.write_numbers(list(self._columns.items()), Path(path))
@@ -479,7 +484,7 @@ def _thawed(kind: type[Table], state: Mapping[str, Any]) -> Table:
     table = object.__new__(kind)
     vars(table).update(state)
     for column in table._columns.values():
-        if not isinstance(column, Words):
+        if not isinstance(column, (Words, _core.Kept)):
             column.flags.writeable = False
     return table
 
@@ -862,7 +867,7 @@ def solve_many(
     outputs : sequence of str, optional
         Names of `OUTPUTS`; all of a solution unless given.
     keep : sequence of str
-        Further columns to carry through as text.
+        Further columns to carry through, of any type but lists and structures; that of a frame is kept.
     missing : {"invalid", "base"}
         What a null means: a wrong value, or the value of `base`. NaN is always a wrong value.
     progress : bool or callable, optional
@@ -899,15 +904,16 @@ def solve_many(
     scene, keep = _scene(base, {}), _list("keep", keep)
     if isinstance(points, Table):
         # Answers of an earlier run are passed over.
-        points = {n: points[n] for n in points if n in INPUTS or n in keep}
+        points = {n: column if isinstance(column, _core.Kept) else points[n]
+                  for n, column in points._columns.items() if n in INPUTS or n in keep}
     numbers: list[tuple[str, Floats, list[int]]] = []
-    texts: list[tuple[str, list[str]]] = []
+    kept: list[tuple[str, _core.Kept]] = []
     fixed: dict[str, Any] = {}
     try:
         if isinstance(points, Mapping):
             for name, values in points.items():
                 if name in keep:
-                    texts.append((name, ["" if v is None else str(v) for v in values]))
+                    kept.append((name, _kept(values)))
                     continue
                 array = _column(name, values)
                 if array.ndim == 0:
@@ -920,7 +926,7 @@ def solve_many(
                     buffer, gaps = read
                     numbers.append((name, np.frombuffer(buffer, np.float64), gaps if missing == "base" else []))
                 else:
-                    texts.append((name, ["" if text is None else text for text in read]))
+                    kept.append((name, read))
         else:
             raise InputError(
                 f"points is {type(points).__name__}; give a mapping of names to arrays, or a frame with an Arrow stream"
@@ -931,7 +937,7 @@ def solve_many(
     if fixed:
         scene = scene.replace(**fixed)
     lengths: dict[str, int] = {column[0]: len(column[1]) for column in numbers}
-    lengths |= {column[0]: len(column[1]) for column in texts}
+    lengths |= {column[0]: len(column[1]) for column in kept}
     length = max(lengths.values(), default=1 if fixed else 0)
     for column_name, rows_of_it in lengths.items():
         if rows_of_it != length:
@@ -939,13 +945,41 @@ def solve_many(
             raise InputError(message, key=column_name)
     how = _how(model, tolerance, accuracy, creep, control, friction)
     rows = _core.solve_many(
-        scene, numbers, texts, length, how, _outputs(outputs), threads,
+        scene, numbers, kept, length, how, _outputs(outputs), threads,
         _shown(progress), text,
     )
     taken = set(rows.inputs())
     inputs: dict[str, Any] = {name: values for name, values, _ in numbers if name in taken}
-    kept: dict[str, Any] = {name: np.array(values, dtype=object) for name, values in texts}
-    return _answered(rows, {**inputs, **kept})
+    return _answered(rows, {**inputs, **dict(kept)})
+
+
+def _kept(values: Any) -> _core.Kept:
+    """A column that is carried through: numbers and times by their type, all else as text."""
+    import numpy as np
+
+    if isinstance(values, _core.Kept):
+        return values
+    array = np.asarray(values)
+    kinds = {"i": "int64", "u": "uint64", "f": "float64", "b": "bool", "M": "datetime64[us]"}
+    kind = kinds.get(array.dtype.kind)
+    if kind is None or array.ndim != 1:
+        return _core.Kept.of_texts([None if value is None else str(value) for value in values])
+    array = np.ascontiguousarray(array.astype(kind))
+    return _core.Kept.of_numbers(array.view({"bool": np.uint8, "datetime64[us]": np.int64}.get(kind, kind)), kind)
+
+
+def _kept_values(column: _core.Kept) -> NDArray[Any]:
+    """A column that is carried through, for NumPy."""
+    import numpy as np
+
+    values = column.values()
+    if isinstance(values, tuple):
+        buffer, kind = values
+        array = np.frombuffer(buffer, {"bool": "uint8"}.get(kind, kind)).astype(kind, copy=False)
+    else:
+        array = np.array(values, dtype=object)
+    array.flags.writeable = False
+    return array
 
 
 def _read_frame(frame: Any, keep: list[str]) -> list[tuple[str, Any]]:
@@ -959,7 +993,7 @@ def _read_frame(frame: Any, keep: list[str]) -> list[tuple[str, Any]]:
         read: list[tuple[str, Any]] = []
         for name in frame.columns:
             if name in keep:
-                read.append((name, [str(value) for value in frame[name]]))
+                read.append((name, _kept(frame[name])))
             else:
                 column = _column(name, frame[name])
                 read.append((name, (column, np.flatnonzero(np.isnan(column)).tolist())))
@@ -1442,7 +1476,7 @@ def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps
     elif hasattr(data, "__arrow_c_stream__"):
         for name, read in _read_frame(data, texts):
             if names.get(name, name) is not None:
-                columns[name] = np.frombuffer(read[0], np.float64) if isinstance(read, tuple) else np.array(read, object)
+                columns[name] = np.frombuffer(read[0], np.float64) if isinstance(read, tuple) else _kept_values(read)
     else:
         raise InputError(f"data is {type(data).__name__}; give a mapping of names to arrays, a frame, or a path")
     length = max((column.size for column in columns.values()), default=0)

@@ -12,7 +12,18 @@ from ballscrew._api import Linspace, Progress, Scene, _axes, _how, _list, _outpu
 from ballscrew._errors import InputError, ShardError
 from ballscrew._vocabulary import Control, Friction, Model, Output
 
-__all__ = ["Estimate", "Plan", "Shard", "Summary", "Verification", "normal", "plan", "run_shard", "uniform"]
+__all__ = [
+    "Estimate",
+    "Plan",
+    "Shard",
+    "Summary",
+    "Verification",
+    "normal",
+    "plan",
+    "run_shard",
+    "solve_shard",
+    "uniform",
+]
 
 
 class Uniform(NamedTuple):
@@ -190,7 +201,7 @@ class Plan:
         return parts, verified(parts, missing, [(str(path), why) for path, why in damaged], [str(path) for path in foreign])
 
     def finish(self) -> None:
-        """Write `shards.parquet`, and `reduced.parquet` for statistics, and remove what killed runs have left.
+        """Write `shards.parquet`, and remove what killed runs have left.
 
         Raises
         ------
@@ -248,8 +259,6 @@ def plan(
     control: Control | None = None,
     friction: Friction = "local",
     outputs: Sequence[Output] | None = None,
-    reduce: Sequence[str] | None = None,
-    by: Sequence[str] = (),
     rows_per_shard: int | None = None,
 ) -> Plan:
     """Plan a folder, or go on with one of the same plan.
@@ -264,11 +273,9 @@ def plan(
         Where rows come from, one of: a grid as in `sweep`; random values, `uniform(low, high)` or
         `normal(mean, deviation)` by name, with their number `draws` and a `seed`; a table in a file, best Parquet.
     keep : sequence of str
-        Further columns of the table to carry through as text.
+        Further columns of the table to carry through.
     model, tolerance, accuracy, creep, control, friction, outputs
         As in `sweep`.
-    reduce, by : sequence of str, optional
-        Statistics in place of rows, such as `["min", "mean", "histogram:64", "worst:10"]`, for groups by inputs.
     rows_per_shard : int, optional
         Rows of a part; chosen from rows and model unless given.
 
@@ -306,7 +313,6 @@ def plan(
         (table, _list("keep", keep)) if table is not None else None,
         _how(model, tolerance, accuracy, creep, control, friction),
         _outputs(outputs),
-        (_list("reduce", reduce), _list("by", by)) if reduce is not None else None,
         rows_per_shard,
     )
     core.begin(Path(folder))
@@ -340,6 +346,44 @@ def run_shard(
     table = Path(points) if points is not None else None
     parts, there = core.run(Path(folder), [shard], table, False, threads, None)
     return told(parts[0], skipped=bool(there))
+
+
+def solve_shard(
+    text: str,
+    shard: int,
+    *,
+    points: str | os.PathLike[str] | None = None,
+    threads: int = 1,
+) -> _core.Arrow:
+    """Solve one part of a plan in memory: for statistics of more rows than anybody keeps.
+
+    Parameters
+    ----------
+    text : str
+        `Plan.text`.
+    shard : int
+        Number of the part.
+    points : path, optional
+        Where the table of points is, if the plan has one.
+    threads : int
+        Threads.
+
+    Returns
+    -------
+    Arrow
+        The rows of the part: `polars.DataFrame`, `pyarrow.table` and everything else that reads an Arrow stream takes
+        them.
+
+    Examples
+    --------
+    >>> import ballscrew as bs, polars as pl, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     plan = bs.plan(folder, bs.Scene(lead_angle_deg=5, contact_angle_deg=45), model="closed-form",
+    ...                    vary={"friction_coefficient": bs.linspace(0.02, 0.1, 1000)}, outputs=["efficiency"])
+    >>> pl.DataFrame(bs.solve_shard(plan.text, 0))["efficiency"].max() > 0.9
+    True
+    """
+    return _core.Plan.from_text(text).solve(shard, Path(points) if points is not None else None, threads)
 
 
 def told(part: _core.Part, *, skipped: bool) -> Shard:

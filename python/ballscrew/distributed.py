@@ -6,7 +6,6 @@ after any failure, on any cluster.
 
 from __future__ import annotations
 
-import json
 import tempfile
 import uuid
 from collections.abc import Iterable, Iterator, Mapping
@@ -113,16 +112,8 @@ class _Store:
         missing = _ranges(shard for shard in range(plan.shards) if shard not in there)
         return parts, verified(parts, missing, sorted(damaged), sorted(foreign))
 
-    def finish(self, plan: Plan, parts: list[_core.Part]) -> None:
-        """The list of all parts, and the statistics of all."""
-        if json.loads(plan.text).get("reduce"):
-            with tempfile.TemporaryDirectory() as scratch:
-                plan._core.begin(Path(scratch))
-                for part in parts:
-                    name = part_name(part[0])
-                    self.fs.get_file(self.path("data", name), str(Path(scratch, "data", name)))
-                plan._core.finish(Path(scratch), parts)
-                self.put(Path(scratch, "reduced.parquet"), self.path("reduced.parquet"))
+    def finish(self, parts: list[_core.Part]) -> None:
+        """The list of all parts."""
         self.fs.pipe_file(self.path("shards.parquet"), _core.Plan.table(parts))
 
 
@@ -315,7 +306,7 @@ def run(
         parts, found = store.survey(plan)
         if not found.complete:
             raise ShardError(incomplete(plan.shards, found))
-        store.finish(plan, parts)
+        store.finish(parts)
     return Summary(skipped + solved, skipped, rows, failed_rows)
 
 

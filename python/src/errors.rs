@@ -1,7 +1,7 @@
 //! Errors as exceptions of the package.
 
 use bsm_batch::TableError;
-use bsm_case::{CaseError, brief};
+use bsm_case::CaseError;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -11,19 +11,14 @@ pub(crate) fn input(error: &CaseError) -> PyErr {
     if error.is_io() {
         return PyOSError::new_err(error.to_string());
     }
-    let (message, hint) = match error {
-        CaseError::UnknownKey { .. } => (error.message(), "ballscrew.INPUTS has all names"),
-        CaseError::UnknownOutput { .. } => (error.message(), OUTPUTS),
+    let hint = match error {
+        CaseError::UnknownKey { .. } => "ballscrew.INPUTS has all names",
+        CaseError::UnknownOutput { .. } => OUTPUTS,
         CaseError::UnknownRequirement { .. } => {
-            (error.message(), "ballscrew.REQUIREMENTS and ballscrew.INPUTS have all names")
+            "ballscrew.REQUIREMENTS and ballscrew.INPUTS have all names"
         }
-        CaseError::NoRange { key } => {
-            (format!("`{key}` is not in the scene"), "give where to search: range=(low, high)")
-        }
-        CaseError::BadRange { key, low, high } => {
-            (format!("range: {low} to {high} is not a range of allowed values of `{key}`"), "")
-        }
-        _ => (error.message(), ""),
+        CaseError::NoRange { .. } => "give where to search: range=(low, high)",
+        _ => "",
     };
     let about = About {
         key: error.key(),
@@ -32,38 +27,26 @@ pub(crate) fn input(error: &CaseError) -> PyErr {
         nearest: error.nearest(),
         row: error.row().map(|row| row - 1),
     };
-    invalid(&message, about, hint)
+    invalid(&error.to_string(), about, hint)
 }
 
 /// The exception for a table that cannot be used.
 pub(crate) fn table(error: &TableError) -> PyErr {
-    let meant =
-        |name: Option<&str>| name.map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
     let of = |key, nearest| About { key: Some(key), nearest, ..About::default() };
-    match error {
-        TableError::Io(error) => PyOSError::new_err(error.to_string()),
+    let (about, hint) = match error {
+        TableError::Io(error) => return PyOSError::new_err(error.to_string()),
         TableError::UnknownColumn { name, nearest } => {
-            let nearest = nearest.as_deref();
-            let message = format!("column `{}` is not an input{}", brief(name), meant(nearest));
             let hint = format!("leave it out, or carry it through with keep=[{name:?}]");
-            invalid(&message, of(name, nearest), &hint)
+            (of(name, nearest.as_deref()), hint)
         }
-        TableError::UnknownOutput { name, nearest } => {
-            let message = format!("no output is named `{}`{}", brief(name), meant(*nearest));
-            invalid(&message, of(name, *nearest), OUTPUTS)
-        }
-        TableError::NameOfAnAnswer { name } => {
-            let message = format!("keep: the results have a column `{name}` too; rename yours");
-            invalid(&message, of(name, None), "")
-        }
-        TableError::NothingToKeep { name } => {
-            invalid(&format!("keep: there is no column `{name}`"), of(name, None), "")
-        }
-        TableError::RepeatedColumn { name } | TableError::NotNumbers { name, .. } => {
-            invalid(&error.to_string(), of(name, None), "")
-        }
-        other => words(&other.to_string()),
-    }
+        TableError::UnknownOutput { name, nearest } => (of(name, *nearest), OUTPUTS.to_owned()),
+        TableError::NameOfAnAnswer { name }
+        | TableError::NothingToKeep { name }
+        | TableError::RepeatedColumn { names: [_, name] }
+        | TableError::NotNumbers { name, .. } => (of(name, None), String::new()),
+        _ => (About::default(), String::new()),
+    };
+    invalid(&error.to_string(), about, &hint)
 }
 
 const OUTPUTS: &str = "ballscrew.OUTPUTS has all names";

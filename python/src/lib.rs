@@ -85,6 +85,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scene::Scene>()?;
     module.add_class::<solution::Solution>()?;
     module.add_class::<points::Rows>()?;
+    module.add_class::<table::Arrow>()?;
+    module.add_class::<table::Kept>()?;
     module.add_class::<shards::PyPlan>()?;
     module.add_class::<reports::Nuts>()?;
     for function in [

@@ -11,6 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
+use arrow_array::{Array, ArrayRef};
 use arrow_buffer::{Buffer, ScalarBuffer};
 use bsm_batch::{
     Answers, Chunk, Columns, Format, GridSource, ROWS, Room, Sink, Source, TableError, TableSink,
@@ -24,7 +25,7 @@ use tempfile::NamedTempFile;
 
 use crate::errors;
 use crate::scene::{How, Scene};
-use crate::table::Numbers;
+use crate::table::{Kept, Numbers};
 
 /// How often the thread that called looks at signals and shows progress.
 const LOOK: Duration = Duration::from_millis(50);
@@ -38,7 +39,7 @@ pub(crate) struct Memory {
     columns: Columns,
     names: Vec<String>,
     inputs: Vec<Given>,
-    kept: Vec<Vec<String>>,
+    kept: Vec<ArrayRef>,
     len: usize,
     at: usize,
 }
@@ -68,7 +69,7 @@ impl Source for Memory {
             first: first as u64 + 1,
             len,
             inputs: self.inputs.iter().enumerate().map(column).collect(),
-            kept: self.kept.iter().map(|texts| texts[first..self.at].to_vec()).collect(),
+            kept: self.kept.iter().map(|column| column.slice(first, len)).collect(),
         }))
     }
 }
@@ -198,25 +199,30 @@ pub(crate) fn selected(names: Option<Vec<String>>) -> PyResult<Vec<&'static Outp
     Answers::select(names.as_deref()).map_err(|e| errors::table(&e))
 }
 
-/// The table of columns: name, values, rows without one; and of columns of texts that are carried through.
+/// The table of columns: name, values, rows without one; and of columns that are carried through.
 pub(crate) fn table_of(
     columns: Vec<(String, Numbers, Vec<usize>)>,
-    kept: Vec<(String, Vec<String>)>,
+    kept: Vec<(String, Py<Kept>)>,
     len: usize,
 ) -> PyResult<Memory> {
-    let keep: Vec<_> = kept.iter().map(|(name, _)| name.clone()).collect();
+    let (keep, kept): (Vec<_>, Vec<_>) =
+        kept.into_iter().map(|(name, column)| (name, column.get().0.clone())).unzip();
     let names = columns.iter().map(|(name, ..)| name).chain(&keep).map(String::as_str);
     let named = Columns::sort(names, &keep).map_err(|e| errors::table(&e))?;
     let given = |place: &usize| (columns[*place].1.0.clone(), columns[*place].2.clone());
     let inputs = named.input_places().iter().map(given).collect();
     let names = named.input_places().iter().map(|place| columns[*place].0.clone()).collect();
-    let kept = kept.into_iter().map(|(_, texts)| texts).collect();
+    if let Some(place) = kept.iter().position(|column| column.data_type().is_nested()) {
+        return Err(errors::table(&TableError::NotText { name: keep[place].clone() }));
+    }
+    let named =
+        named.with_kept_types(kept.iter().map(|column| column.data_type().clone()).collect());
     Ok(Memory { columns: named, names, inputs, kept, len, at: 0 })
 }
 
 /// Solves the rows of columns in memory.
 ///
-/// * `columns`: name, values, rows without one. * `kept`: columns of texts that are carried through.
+/// * `columns`: name, values, rows without one. * `kept`: columns that are carried through.
 /// * `progress`: is called with the rows that are done and their number. * `text`: keep why auto chose its model, not
 ///   only why a row has no result.
 #[pyfunction]
@@ -225,7 +231,7 @@ pub(crate) fn solve_many(
     py: Python<'_>,
     base: &Bound<'_, Scene>,
     columns: Vec<(String, Numbers, Vec<usize>)>,
-    kept: Vec<(String, Vec<String>)>,
+    kept: Vec<(String, Py<Kept>)>,
     len: usize,
     how: How,
     outputs: Option<Vec<String>>,

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_batch::dataset::{
-    Damage, Dataset, DatasetError, Event, Layout, Part, Plan, Points, Reduction, Survey, list_parts,
+    Damage, Dataset, DatasetError, Event, Part, Plan, Points, Survey, list_parts, solve_part,
 };
 use bsm_batch::{Dialect, Draws, Task, Workers};
 use bsm_case::Grid;
@@ -20,6 +20,7 @@ use tempfile::NamedTempFile;
 use crate::errors;
 use crate::points::{format_of, selected, watched};
 use crate::scene::{How, Scene};
+use crate::table::Arrow;
 
 /// Unfinished files are removed as their owners are dropped: Python stops a run, and does not end it.
 fn make(file: &mut dyn FnMut() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
@@ -31,9 +32,9 @@ fn failed(error: DatasetError) -> PyErr {
     match &error {
         DatasetError::Io { .. } | DatasetError::Thread(_) => PyOSError::new_err(error.to_string()),
         DatasetError::Read(error) | DatasetError::Write { error, .. } => errors::table(error),
-        DatasetError::Damaged(_) | DatasetError::PointsChanged { .. } => {
-            errors::named("ShardError", &error.to_string())
-        }
+        DatasetError::Damaged(_)
+        | DatasetError::PartsOfAnotherPlan { .. }
+        | DatasetError::PointsChanged { .. } => errors::named("ShardError", &error.to_string()),
         other => errors::words(&other.to_string()),
     }
 }
@@ -77,7 +78,6 @@ impl PyPlan {
         table: Option<(PathBuf, Vec<String>)>,
         how: How,
         outputs: Option<Vec<String>>,
-        reduce: Option<(Vec<String>, Vec<String>)>,
         rows_per_shard: Option<NonZeroU64>,
     ) -> PyResult<Self> {
         let (base, settings) = (base.get().0.clone(), how.settings()?);
@@ -100,14 +100,11 @@ impl PyPlan {
             let grid = Grid::parse(&axes).map_err(|e| errors::input(&e))?;
             (of_grid(&grid)?, Points::Grid(grid))
         };
-        let parsed = reduce.map(|(statistics, by)| Reduction::parse(&statistics, &by)).transpose();
-        let reduction = parsed.map_err(|why| errors::words(&format!("reduce: {why}")))?;
-        let layout = Layout { rows_per_shard, reduction };
         // A table is read to its end for its hash.
         let plan = watched(py, false, 0, Some(NonZeroUsize::MIN), None, |stop, _| {
             let workers = Workers::start(Some(NonZeroUsize::MIN), stop);
             let workers = workers.map_err(DatasetError::Thread)?;
-            Plan::new(&task, &points, &layout, &workers)
+            Plan::new(&task, &points, rows_per_shard, &workers)
         })?;
         Ok(Self(plan.map_err(failed)?))
     }
@@ -206,12 +203,37 @@ impl PyPlan {
                 }
                 Event::Foreign(_) | Event::Planned(_) => {}
             };
+            let all = shards.is_none();
             let shards = shards.unwrap_or_else(|| (0..plan.shards()).collect());
             let found = parts.run_shards(&task, &points, shards, repair, &workers, &mut tell)?;
+            if all {
+                parts.check_names()?;
+            }
             Ok((found.values().map(told).collect(), there))
         };
         // Python looks at signals while other threads solve.
         watched(py, false, len, Some(NonZeroUsize::MIN), progress, solve)?.map_err(failed)
+    }
+
+    /// Solves a part in memory.
+    ///
+    /// * `table`: where the table of the plan is.
+    fn solve(
+        &self,
+        py: Python<'_>,
+        shard: u64,
+        table: Option<PathBuf>,
+        threads: Option<NonZeroUsize>,
+    ) -> PyResult<Arrow> {
+        let solve = |stop: &AtomicBool, _: &AtomicU64| {
+            let workers = Workers::start(threads, stop).map_err(DatasetError::Thread)?;
+            let beside = |name: &str| table.unwrap_or_else(|| name.into());
+            let points = self.0.points(beside, &workers)?;
+            solve_part(&self.0, &points, shard, &workers)
+        };
+        let solved = watched(py, false, 0, Some(NonZeroUsize::MIN), None, solve)?;
+        let (schema, batches) = solved.map_err(failed)?;
+        Ok(Arrow { schema, batches })
     }
 
     /// What is in a folder: parts, missing ranges, what is damaged and why, foreign files.
@@ -228,7 +250,7 @@ impl PyPlan {
         Ok((parts.values().map(told).collect(), missing, damaged, foreign))
     }
 
-    /// Writes the list of all parts, and the statistics of all.
+    /// Writes the list of all parts.
     fn finish(&self, folder: PathBuf, parts: Vec<Told>) -> PyResult<()> {
         let parts: BTreeMap<_, _> = parts.into_iter().map(|told| (told.0, part_of(told))).collect();
         let folder = Dataset::resume(&folder, self.0.clone(), make).map_err(failed)?;

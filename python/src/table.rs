@@ -5,16 +5,20 @@ use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
-use arrow_array::types::Float64Type;
+use arrow_array::types::{Float64Type, Int64Type, TimestampMicrosecondType, UInt64Type};
 use arrow_array::{
-    Array, ArrayRef, BooleanArray, DictionaryArray, Float64Array, Int8Array, RecordBatch,
-    RecordBatchIterator, RecordBatchReader, StringArray,
+    Array, ArrayRef, BooleanArray, DictionaryArray, Float64Array, Int8Array, Int64Array,
+    RecordBatch, RecordBatchIterator, RecordBatchReader, StringArray, TimestampMicrosecondArray,
+    UInt64Array, new_empty_array,
 };
 use arrow_buffer::{BooleanBuffer, Buffer, NullBuffer, ScalarBuffer};
 use arrow_cast::cast;
-use arrow_schema::{ArrowError, DataType, Field, Schema};
+use arrow_ipc::reader::StreamReader;
+use arrow_ipc::writer::StreamWriter;
+use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef, TimeUnit};
+use arrow_select::concat::concat;
 use pyo3::prelude::*;
-use pyo3::types::PyCapsule;
+use pyo3::types::{PyBytes, PyCapsule};
 use pyo3_arrow::buffer::{AnyBufferProtocol, PyArrowBuffer};
 use pyo3_arrow::input::AnyRecordBatch;
 
@@ -37,21 +41,167 @@ pub(crate) fn shared(values: Vec<f64>) -> PyArrowBuffer {
     PyArrowBuffer::new(Buffer::from_vec(values))
 }
 
-/// A column of a frame: numbers with their gaps, or texts.
+/// Rows in memory that give an Arrow stream.
+#[pyclass(frozen, module = "ballscrew._core")]
+pub(crate) struct Arrow {
+    pub(crate) schema: SchemaRef,
+    pub(crate) batches: Vec<RecordBatch>,
+}
+
+#[pymethods]
+impl Arrow {
+    fn __len__(&self) -> usize {
+        self.batches.iter().map(RecordBatch::num_rows).sum()
+    }
+
+    #[pyo3(signature = (requested_schema=None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        // Another schema is a wish that may be passed over.
+        let _ = requested_schema;
+        stream(py, self.schema.clone(), self.batches.clone())
+    }
+}
+
+/// Batches in the capsule of `__arrow_c_stream__`.
+fn stream(
+    py: Python<'_>,
+    schema: SchemaRef,
+    batches: Vec<RecordBatch>,
+) -> PyResult<Bound<'_, PyCapsule>> {
+    let batches = RecordBatchIterator::new(batches.into_iter().map(Ok), schema);
+    // Not by pyo3-arrow's classes: their methods are a quarter of the module, and nobody calls them.
+    let stream = FFI_ArrowArrayStream::new(Box::new(batches));
+    PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
+}
+
+/// A column of any type that is carried through.
+#[pyclass(frozen, module = "ballscrew._core")]
+pub(crate) struct Kept(pub(crate) ArrayRef);
+
+/// Values for NumPy: of a type, or one by one.
+#[derive(IntoPyObject)]
+pub(crate) enum Values {
+    Typed(PyArrowBuffer, &'static str),
+    Whole(Vec<Option<i64>>),
+    Texts(Vec<Option<String>>),
+}
+
+#[pymethods]
+impl Kept {
+    #[staticmethod]
+    fn of_texts(texts: Vec<Option<String>>) -> Self {
+        Self(Arc::new(StringArray::from(texts)))
+    }
+
+    /// Values of NumPy, by the name of their type.
+    #[staticmethod]
+    fn of_numbers(values: &Bound<'_, PyAny>, kind: &str) -> PyResult<Self> {
+        let values = buffer(values)?;
+        Ok(Self(match kind {
+            "int64" => Arc::new(Int64Array::new(values.into(), None)),
+            "uint64" => Arc::new(UInt64Array::new(values.into(), None)),
+            "bool" => {
+                let flags = ScalarBuffer::<u8>::from(values);
+                Arc::new(flags.iter().map(|flag| Some(*flag != 0)).collect::<BooleanArray>())
+            }
+            "datetime64[us]" => {
+                let times = ScalarBuffer::<i64>::from(values);
+                let given: NullBuffer = times.iter().map(|time| *time != i64::MIN).collect();
+                Arc::new(TimestampMicrosecondArray::new(times, Some(given)))
+            }
+            _ => Arc::new(Float64Array::new(values.into(), None)),
+        }))
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.len()
+    }
+
+    /// The values for NumPy.
+    fn values(&self) -> PyResult<Values> {
+        let as_type = |kind| cast(&self.0, &kind).map_err(refused);
+        let is_full = self.0.null_count() == 0;
+        Ok(match self.0.data_type() {
+            DataType::UInt64 if is_full => {
+                let found = as_type(DataType::UInt64)?;
+                let values = found.as_primitive::<UInt64Type>().values().inner().clone();
+                Values::Typed(PyArrowBuffer::new(values), "uint64")
+            }
+            kind if kind.is_integer() => {
+                let found = as_type(DataType::Int64)?;
+                let found = found.as_primitive::<Int64Type>();
+                if is_full {
+                    let values = found.values().inner().clone();
+                    Values::Typed(PyArrowBuffer::new(values), "int64")
+                } else {
+                    Values::Whole(found.iter().collect())
+                }
+            }
+            kind if kind.is_floating() => {
+                let found = as_type(DataType::Float64)?;
+                let found = found.as_primitive::<Float64Type>().iter();
+                Values::Typed(shared(found.map(|x| x.unwrap_or(f64::NAN)).collect()), "float64")
+            }
+            DataType::Boolean if is_full => {
+                let flags = self.0.as_boolean().values().iter().map(u8::from).collect();
+                Values::Typed(PyArrowBuffer::new(Buffer::from_vec::<u8>(flags)), "bool")
+            }
+            DataType::Date32 | DataType::Date64 | DataType::Timestamp(..) => {
+                let found = as_type(DataType::Timestamp(TimeUnit::Microsecond, None))?;
+                let found = found.as_primitive::<TimestampMicrosecondType>().iter();
+                let times: Vec<_> = found.map(|time| time.unwrap_or(i64::MIN)).collect();
+                Values::Typed(PyArrowBuffer::new(Buffer::from_vec(times)), "datetime64[us]")
+            }
+            _ => {
+                let found = as_type(DataType::Utf8)?;
+                let found = found.as_string::<i32>().iter();
+                Values::Texts(found.map(|text| text.map(str::to_owned)).collect())
+            }
+        })
+    }
+
+    #[staticmethod]
+    fn of_bytes(bytes: &[u8]) -> PyResult<Self> {
+        let mut reader = StreamReader::try_new(bytes, None).map_err(refused)?;
+        let batch = reader.next().transpose().map_err(refused)?;
+        let column = batch.map(|batch| batch.column(0).clone());
+        column.map(Self).ok_or_else(|| errors::words("there is no column"))
+    }
+
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let written = || -> Result<Vec<u8>, ArrowError> {
+            let batch = RecordBatch::try_from_iter([("kept", self.0.clone())])?;
+            let mut writer = StreamWriter::try_new(Vec::new(), &batch.schema())?;
+            writer.write(&batch)?;
+            writer.into_inner()
+        };
+        let bytes = PyBytes::new(py, &written().map_err(refused)?);
+        Ok((py.get_type::<Self>().getattr("of_bytes")?, (bytes,)))
+    }
+}
+
+/// A column of a frame: numbers with their gaps, or what is carried through.
 #[derive(IntoPyObject)]
 pub(crate) enum Read {
     /// Values, NaN in the gaps, and which rows have none.
     Numbers(PyArrowBuffer, Vec<usize>),
-    Texts(Vec<Option<String>>),
+    Kept(Kept),
 }
 
-/// The columns of anything that gives an Arrow stream: numbers as doubles, all else as texts.
+/// The columns of anything that gives an Arrow stream: numbers as doubles.
 ///
-/// * `texts`: columns that are carried through.
+/// * `kept`: columns that are carried through.
 #[pyfunction]
 pub(crate) fn read_arrow(
     frame: AnyRecordBatch,
-    texts: Vec<String>,
+    kept: Vec<String>,
 ) -> PyResult<Vec<(String, Read)>> {
     let reader = frame.into_reader()?;
     let schema = reader.schema();
@@ -59,14 +209,14 @@ pub(crate) fn read_arrow(
     let column = |(place, field): (usize, &Arc<Field>)| {
         let parts = batches.iter().map(|batch| batch.column(place));
         let name = field.name().clone();
-        if texts.contains(&name) {
-            let mut column = Vec::new();
-            for part in parts {
-                let part = cast(part, &DataType::Utf8).map_err(refused)?;
-                let part = part.as_string::<i32>();
-                column.extend(part.iter().map(|text| text.map(str::to_owned)));
-            }
-            return Ok((name, Read::Texts(column)));
+        if kept.contains(&name) {
+            let parts: Vec<&dyn Array> = parts.map(AsRef::as_ref).collect();
+            let whole = if parts.is_empty() {
+                Ok(new_empty_array(field.data_type()))
+            } else {
+                concat(&parts).map_err(refused)
+            };
+            return Ok((name, Read::Kept(Kept(whole?))));
         }
         if let [batch] = &batches[..]
             && let Some(whole) = batch.column(place).as_primitive_opt::<Float64Type>()
@@ -101,7 +251,7 @@ pub(crate) fn read_arrow(
 /// A table as an Arrow stream, in the capsule of `__arrow_c_stream__`: name, unit, kind, values and words of each column; NaN is null.
 ///
 /// The kinds: `numbers`; `flags`, numbers that are 0 or 1; `words`, places in the words, negative for none;
-/// `texts`.
+/// `texts`; `kept`.
 #[pyfunction]
 pub(crate) fn to_arrow<'py>(
     py: Python<'py>,
@@ -118,6 +268,7 @@ pub(crate) fn to_arrow<'py>(
                 Arc::new(array.map_err(refused)?)
             }
             "texts" => Arc::new(StringArray::from(values.extract::<Vec<Option<String>>>()?)),
+            "kept" => values.cast::<Kept>()?.get().0.clone(),
             kind => {
                 let numbers: ScalarBuffer<f64> = buffer(&values)?.into();
                 let given: NullBuffer = numbers.iter().map(|number| !number.is_nan()).collect();
@@ -138,10 +289,7 @@ pub(crate) fn to_arrow<'py>(
     let (fields, arrays): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
     let schema = Arc::new(Schema::new(fields));
     let batch = RecordBatch::try_new(schema.clone(), arrays).map_err(refused)?;
-    let batches = RecordBatchIterator::new([Ok(batch)], schema);
-    // Not by pyo3-arrow's classes: their methods are a quarter of the module, and nobody calls them.
-    let stream = FFI_ArrowArrayStream::new(Box::new(batches));
-    PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
+    stream(py, schema, vec![batch])
 }
 
 /// The memory of an array, not copied.

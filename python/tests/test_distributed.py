@@ -171,9 +171,9 @@ class Flaky:
 def test_a_store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import fsspec
 
-    alone = planned(tmp_path / "alone", model="rigid", reduce=["min", "mean"])
+    alone = planned(tmp_path / "alone", model="rigid")
     alone.run()
-    plan = planned(tmp_path / "plan", model="rigid", reduce=["min", "mean"])
+    plan = planned(tmp_path / "plan", model="rigid")
     store, url = fsspec.filesystem("memory"), "memory://bucket/map"
     put = type(store).put_file
 
@@ -208,10 +208,25 @@ def test_a_store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         assert on_dask.verify(client, plan, url=url).missing == [(7, 8)]
         assert on_dask.run(client, plan, url=url, progress=False).skipped == 29
 
-        other = planned(tmp_path / "other", model="rigid")
+        other = planned(tmp_path / "other", model="elastic")
         with pytest.raises(bs.InputError, match="another plan"):
             on_dask.run(client, other, url=url, progress=False)
     store.store.clear()
+
+
+def test_statistics_on_a_cluster(tmp_path: Path, client: Any) -> None:
+    import polars as pl
+
+    plan = planned(tmp_path / "plan", model="rigid")
+
+    def statistics(shard: int, text: str) -> tuple[int, float]:
+        rows = pl.DataFrame(bs.solve_shard(text, shard))
+        return len(rows), float(rows["efficiency"].min())
+
+    parts = client.gather(client.map(statistics, range(plan.shards), text=plan.text))
+    assert sum(rows for rows, _ in parts) == 3000
+    plan.run()
+    assert min(least for _, least in parts) == pl.read_parquet(tmp_path / "plan" / "data")["efficiency"].min()
 
 
 def test_a_listing_of_ten_thousand_parts(tmp_path: Path) -> None:

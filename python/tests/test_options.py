@@ -56,6 +56,7 @@ LEFT_OUT = {
     "batch resume": "Plan.run() goes on",
     "batch metadata": "a folder has its plan",
     "batch columns-from": "columns are named in the call",
+    "batch same-signs": "pandas.DataFrame.to_csv(sep=, decimal=) writes such a table",
     "shard index": "run(range(index, plan.shards, of))",
     "shard of": "run(range(index, plan.shards, of))",
     "nut curve": "NutReport.curve",

@@ -250,6 +250,44 @@ def test_pandas_needs_no_pyarrow(screw: bs.Scene) -> None:
         assert repr(ours.to_dict()) == repr(same.to_dict())
 
 
+def test_kept_columns_keep_their_types(tmp_path: Path, screw: bs.Scene) -> None:
+    """Audit, users 8: an id and a date came out as texts."""
+    import datetime
+
+    pl = pytest.importorskip("polars")
+    pa = pytest.importorskip("pyarrow")
+    day = datetime.date(2026, 11, 23)
+    kept = {
+        "id": pl.Series([1 << 60, None, 3], dtype=pl.Int64),
+        "small": pl.Series([1, 2, 3], dtype=pl.UInt8),
+        "day": [day, None, day],
+        "at": pl.Series([datetime.datetime(2026, 1, 2, 3, 4, 5, 600)] * 3),
+        "good": [True, False, True],
+        "share": pl.Series([0.5, 1.5, 2.5], dtype=pl.Float32),
+        "word": ["a", None, ""],
+    }
+    frame = pl.DataFrame({**kept, "axial_load_N": [2000.0, 3000.0, 4000.0]})
+    table = bs.solve_many(frame, screw, keep=list(kept), outputs=["efficiency"])
+    for again in (table, pickle.loads(pickle.dumps(table)), bs.solve_many(table, screw, keep=list(kept), outputs=["efficiency"])):
+        assert again.to_polars().select(list(kept)).equals(frame.select(list(kept)))
+        assert again.to_polars().schema["small"] == pl.UInt8 and again.to_polars().schema["share"] == pl.Float32
+    assert table["id"].tolist() == [1 << 60, None, 3] and table["small"].dtype == np.int64
+    assert table["day"].dtype.kind == "M" and np.isnat(table["day"][1]) and table["good"].dtype == bool
+    assert table["share"].tolist() == [0.5, 1.5, 2.5] and table["word"].tolist() == ["a", None, ""]
+    assert table.to_pandas()["good"].tolist() == [True, False, True]
+    table.write(tmp_path / "t.parquet")
+    assert pl.read_parquet(tmp_path / "t.parquet").select(list(kept)).equals(frame.select(list(kept)))
+    arrow = pa.table({"id": pa.array([7, 8], pa.int32()), "tag": pa.array(["x", "y"]).dictionary_encode(), "axial_load_N": [2e3, 3e3]})
+    out = bs.solve_many(arrow, screw, keep=["id", "tag"], outputs=["efficiency"]).to_arrow()
+    assert out.schema.field("id").type == pa.int32() and out.column("tag").to_pylist() == ["x", "y"]
+    # Arrays of NumPy have types too.
+    points = {"axial_load_N": [2e3, 3e3], "n": np.array([5, 6], np.int16), "t": np.array(["2026-01-01", "NaT"], "datetime64[D]")}
+    out = bs.solve_many(points, screw, keep=["n", "t"], outputs=["efficiency"]).to_polars()
+    assert out.schema["n"] == pl.Int64 and out["t"].null_count() == 1 and out["n"].to_list() == [5, 6]
+    with pytest.raises(bs.InputError, match="lists, maps or structures"):
+        bs.solve_many(pl.DataFrame({"l": [[1], [2]], "axial_load_N": [2e3, 3e3]}), screw, keep=["l"])
+
+
 def test_nan_is_never_the_value_of_the_base(screw: bs.Scene) -> None:
     pl = pytest.importorskip("polars")
     frame = pl.DataFrame({"axial_load_N": [8000.0, None, math.nan]})

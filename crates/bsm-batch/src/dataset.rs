@@ -5,7 +5,6 @@
 //!   plan.json                  written first, never changed
 //!   data/part-000000.parquet   finished parts and nothing else
 //!   tmp/                       unfinished files
-//!   reduced.parquet            statistics of all parts, in place of rows, where the plan asks for them
 //!   shards.parquet             written last: what the footers of the parts say
 //! ```
 //!
@@ -18,30 +17,31 @@ mod folder;
 mod part;
 mod plan;
 mod points;
-mod reduce;
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, BufWriter, ErrorKind, Write};
+use std::num::NonZeroU64;
 use std::ops::Range;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread::{self, ScopedJoinHandle};
 
+use arrow_array::RecordBatch;
+use arrow_schema::SchemaRef;
 use rayon::prelude::*;
 use tempfile::NamedTempFile;
 
 pub use self::error::DatasetError;
 pub use self::folder::MakeTemporary;
 pub use self::part::{Damage, Part, list_parts};
-pub use self::plan::{Estimate, Layout, MOST_SHARDS, Plan, RESULTS};
+pub use self::plan::{Estimate, MOST_SHARDS, Plan, RESULTS};
 pub use self::points::{Points, sha256};
-pub use self::reduce::{Reduction, Statistic};
 
 use self::folder::{Folder, complete};
 use self::part::{Proving, kind, prove, seal};
-use self::reduce::Reduced;
-use crate::{Answers, Chunk, Count, ParquetSink, RunError, Source, TableError, Task, Workers};
+use crate::arrow_table::ArrowSink;
+use crate::{Answers, Chunk, Count, ParquetSink, RunError, Source, Task, Workers};
 
 /// A part that is written and has no name yet.
 type Unnamed = BufWriter<NamedTempFile>;
@@ -84,6 +84,16 @@ impl Survey {
         missing
     }
 
+    /// The other plan that the parts are of: more than are of this plan, and all of the same one.
+    pub fn other_plan(&self) -> Option<&str> {
+        let mut others = self.damaged.iter().filter_map(|(_, damage)| match damage {
+            Damage::OtherPlan(id) => Some(id.as_str()),
+            _ => None,
+        });
+        let (count, id) = (others.clone().count(), others.next()?);
+        (count > self.parts.len() && others.all(|other| other == id)).then_some(id)
+    }
+
     /// Rows, and how many of them have no result or several.
     pub fn count(&self) -> Count {
         count(&self.parts)
@@ -104,8 +114,8 @@ pub struct Filling {
     /// Goes on with a folder of the same plan, whose parts are trusted when their bytes are as they were
     /// written; else the folder must be new or empty.
     pub resume: bool,
-    /// Parts and what is in them.
-    pub layout: Layout,
+    /// Rows of a part; follow from the task unless given.
+    pub rows_per_shard: Option<NonZeroU64>,
     /// Makes unfinished files.
     pub make: MakeTemporary,
 }
@@ -123,8 +133,8 @@ pub fn fill(
     workers: &Workers<'_>,
     tell: &mut dyn FnMut(Event<'_>),
 ) -> Result<Count, DatasetError> {
-    let Filling { resume, layout, make } = how;
-    let plan = Plan::new(task, points, &layout, workers)?;
+    let Filling { resume, rows_per_shard, make } = how;
+    let plan = Plan::new(task, points, rows_per_shard, workers)?;
     let begin = if resume { Dataset::resume } else { Dataset::create };
     let parts = begin(folder, plan, make)?;
     let found = parts.survey(true, workers)?;
@@ -133,6 +143,32 @@ pub fn fill(
     }
     tell(Event::Planned(parts.plan().rows()));
     parts.run(task, points, found, workers, tell)
+}
+
+/// Solves a part of a plan in memory.
+///
+/// # Errors
+///
+/// [`DatasetError`].
+pub fn solve_part(
+    plan: &Plan,
+    points: &Points,
+    shard: u64,
+    workers: &Workers<'_>,
+) -> Result<(SchemaRef, Vec<RecordBatch>), DatasetError> {
+    let task = plan.task().map_err(DatasetError::NotPoints)?;
+    let place = plan.place(shard)?;
+    let mut source = points.open().map_err(DatasetError::Read)?;
+    source.skip(place.first_row).map_err(DatasetError::Read)?;
+    let sink = ArrowSink::new(source.columns(), &task.outputs);
+    let run = task.run(source.as_mut(), sink, place.rows, workers, &mut |_, _| {});
+    let (sink, count) = run.map_err(|error| match error {
+        RunError::Read(error) | RunError::Write(error) => DatasetError::Read(error),
+        RunError::Thread(error) => DatasetError::Thread(error),
+        RunError::Stopped => DatasetError::Stopped,
+    })?;
+    place.check(count)?;
+    Ok((sink.schema, sink.batches))
 }
 
 /// A folder and its plan.
@@ -242,26 +278,12 @@ impl Dataset {
     /// [`DatasetError`] if the folder cannot be read, or the workers are stopped. What is wrong with a part
     /// is no error here.
     pub fn survey(&self, deep: bool, workers: &Workers<'_>) -> Result<Survey, DatasetError> {
-        let mut survey = Survey::default();
-        let mut shards = Vec::new();
-        for entry in self.folder.data()? {
-            let name = entry.file_name();
-            let name = name.to_string_lossy();
-            let shard = name.strip_prefix("part-").and_then(|n| n.strip_suffix(".parquet"));
-            match shard.map(str::parse) {
-                Some(Ok(shard))
-                    if shard < self.plan.shards() && self.part_file(shard) == entry.path() =>
-                {
-                    shards.push(shard);
-                }
-                Some(_) => survey.damaged.push((entry.path(), Damage::NotInThePlan)),
-                None => survey.foreign.push(entry.path()),
-            }
-        }
+        let (shards, mut survey) = self.listed()?;
         let proven: Vec<_> = workers.pool.install(|| {
             let prove = |shard: &u64| {
                 let path = self.part_file(*shard);
-                prove(&path, self.plan.place(*shard), deep, workers).map_err(|why| (path, why))
+                let place = self.plan.place_of(*shard);
+                prove(&path, place, deep, workers).map_err(|why| (path, why))
             };
             shards.par_iter().map(prove).collect()
         });
@@ -277,6 +299,38 @@ impl Dataset {
         survey.damaged.sort_by(|(a, _), (b, _)| a.cmp(b));
         survey.foreign.sort();
         Ok(survey)
+    }
+
+    /// The parts whose names stand in the folder, and what else stands among them.
+    fn listed(&self) -> Result<(Vec<u64>, Survey), DatasetError> {
+        let (mut shards, mut survey) = (Vec::new(), Survey::default());
+        for entry in self.folder.data()? {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            let shard = name.strip_prefix("part-").and_then(|n| n.strip_suffix(".parquet"));
+            match shard.map(str::parse) {
+                Some(Ok(shard))
+                    if shard < self.plan.shards() && self.part_file(shard) == entry.path() =>
+                {
+                    shards.push(shard);
+                }
+                Some(_) => survey.damaged.push((entry.path(), Damage::NotInThePlan)),
+                None => survey.foreign.push(entry.path()),
+            }
+        }
+        Ok((shards, survey))
+    }
+
+    /// Refuses parts that the plan does not have: who reads the folder reads them too.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError::Damaged`] with these parts, [`DatasetError::Io`].
+    pub fn check_names(&self) -> Result<(), DatasetError> {
+        match self.listed()?.1.damaged {
+            none if none.is_empty() => Ok(()),
+            many => Err(DatasetError::Damaged(many)),
+        }
     }
 
     /// The points of the plan; a table is read to see that it is the one that the plan was made for.
@@ -309,7 +363,7 @@ impl Dataset {
         deep: bool,
         workers: &Workers<'_>,
     ) -> Result<Result<Option<Part>, Damage>, DatasetError> {
-        match prove(&self.part_file(shard), self.plan.place(shard), deep, workers) {
+        match prove(&self.part_file(shard), self.plan.place_of(shard), deep, workers) {
             Ok(None) => Err(DatasetError::Stopped),
             Ok(part) => Ok(Ok(part)),
             Err(Damage::Io(error)) if error.kind() == ErrorKind::NotFound => Ok(Ok(None)),
@@ -347,14 +401,11 @@ impl Dataset {
         workers: &Workers<'_>,
         tell: &mut dyn FnMut(Event<'_>),
     ) -> Result<(Unnamed, Part), DatasetError> {
-        let place = self.plan.place(shard);
+        let place = self.plan.place(shard)?;
         let path = self.part_file(shard);
         let unwritable = |error| DatasetError::Write { path: path.clone(), error };
         let failed = |error| match error {
-            // What was asked for, not the disk.
-            RunError::Read(error) | RunError::Write(error @ TableError::TooManyGroups { .. }) => {
-                DatasetError::Read(error)
-            }
+            RunError::Read(error) => DatasetError::Read(error),
             RunError::Write(error) => unwritable(error),
             RunError::Thread(error) => DatasetError::Thread(error),
             RunError::Stopped => DatasetError::Stopped,
@@ -362,27 +413,11 @@ impl Dataset {
         let file = self.folder.unfinished(&path, self.plan.id())?;
         let out = Proving::new(BufWriter::new(file));
         let mut seen = |chunk: &Chunk, answers: &Answers| tell(Event::Solved(chunk, answers));
-        let (file, count) = match self.reduction()? {
-            None => {
-                let sink = ParquetSink::new(out, source.columns(), &task.outputs);
-                let sink = sink.map_err(unwritable)?;
-                let run = task.run(source, sink, place.rows, workers, &mut seen);
-                let (sink, count) = run.map_err(failed)?;
-                (sink.into_file(), count)
-            }
-            Some(reduction) => {
-                let sink = Reduced::new(&reduction, source.columns(), &task.outputs);
-                let sink = sink.map_err(DatasetError::Read)?;
-                let run = task.run(source, sink, place.rows, workers, &mut seen);
-                let (sink, count) = run.map_err(failed)?;
-                (sink.into_file(out), count)
-            }
-        };
-        if count.rows != place.rows {
-            let (rows, found) = (place.rows, count.rows);
-            return Err(DatasetError::PointsChanged { shard, rows, found });
-        }
-        seal(file.map_err(unwritable)?, place, count).map_err(unwritable)
+        let sink = ParquetSink::new(out, source.columns(), &task.outputs).map_err(unwritable)?;
+        let run = task.run(source, sink, place.rows, workers, &mut seen);
+        let (sink, count) = run.map_err(failed)?;
+        place.check(count)?;
+        seal(sink.into_file().map_err(unwritable)?, place, count).map_err(unwritable)
     }
 
     /// Gives a part that is solved its name.
@@ -405,16 +440,11 @@ impl Dataset {
         }
     }
 
-    fn reduction(&self) -> Result<Option<Reduction>, DatasetError> {
-        let why = |why| DatasetError::NotAPlan { path: self.folder.plan(), why };
-        self.plan.reduction().map_err(why)
-    }
-
     /// Solves those of some parts that are not there, in their order. What is damaged is told at the end, and
     /// the others are solved.
     ///
     /// * `shards`: their numbers, growing. * `repair`: whether all bytes of those that are there are looked at, and
-    ///   what is no part is replaced.
+    ///   what is no part is replaced, unless it is another plan that most of them are of.
     ///
     /// # Errors
     ///
@@ -428,6 +458,10 @@ impl Dataset {
         workers: &Workers<'_>,
         tell: &mut dyn FnMut(Event<'_>),
     ) -> Result<BTreeMap<u64, Part>, DatasetError> {
+        if repair && let Some(other) = self.survey(false, workers)?.other_plan() {
+            let (folder, other) = (self.folder.path.clone(), other.to_owned());
+            return Err(DatasetError::PartsOfAnotherPlan { folder, other });
+        }
         self.folder.make_folders()?;
         let mut source = points.open().map_err(DatasetError::Read)?;
         let mut at = 0;
@@ -439,9 +473,7 @@ impl Dataset {
             };
             let mut behind = None;
             for shard in shards {
-                if shard >= self.plan.shards() {
-                    return Err(DatasetError::NoSuchPart { shard, shards: self.plan.shards() });
-                }
+                let first = self.plan.place(shard)?.first_row;
                 let found = self.find(shard, repair, workers)?;
                 let replace = found.is_err();
                 match found {
@@ -456,7 +488,6 @@ impl Dataset {
                     }
                     Ok(None) | Err(_) => {}
                 }
-                let first = self.plan.place(shard).first_row;
                 source.skip(first - at).map_err(DatasetError::Read)?;
                 let (file, part) = self.solve_shard(shard, task, source.as_mut(), workers, tell)?;
                 at = first + part.rows;
@@ -498,8 +529,7 @@ impl Dataset {
         Ok(count(&parts))
     }
 
-    /// Writes the statistics of all parts, if the plan asks for them, and the list of the parts, and removes what
-    /// killed runs of this plan have left.
+    /// Writes the list of the parts, and removes what killed runs of this plan have left.
     ///
     /// * `parts`: all of the plan.
     ///
@@ -507,30 +537,11 @@ impl Dataset {
     ///
     /// [`DatasetError`].
     pub fn finish(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
-        if let Some(reduction) = self.reduction()? {
-            let path = self.folder.reduced();
-            let unwritable = |error| DatasetError::Write { path: path.clone(), error };
-            let files = parts.keys().map(|shard| self.part_file(*shard));
-            self.write_once(&path, &self.reduced(&reduction, files).map_err(unwritable)?)?;
-        }
         let path = self.folder.shards();
         let list =
             list_parts(parts).map_err(|error| DatasetError::Write { path: path.clone(), error })?;
         self.write_once(&path, &list)?;
         self.folder.tidy(self.plan.id())
-    }
-
-    /// What the parts of a plan with statistics hold together, as a Parquet table.
-    fn reduced(
-        &self,
-        reduction: &Reduction,
-        parts: impl Iterator<Item = PathBuf>,
-    ) -> Result<Vec<u8>, TableError> {
-        let parts: Vec<_> = parts.collect();
-        let first = parts.first().ok_or_else(|| io::Error::other("there are no parts"))?;
-        let task = self.plan.task().map_err(io::Error::other)?;
-        let columns = Reduced::inputs(first)?;
-        Reduced::new(reduction, &columns, &task.outputs)?.of_parts(parts.iter())
     }
 
     /// Writes a file that follows from the parts, unless it is there.

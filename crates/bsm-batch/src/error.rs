@@ -71,8 +71,8 @@ pub enum TableError {
         most: usize,
     },
     /// Cells that are separated by something else.
-    #[error("the names of the columns are separated by `{}`; cells are separated by `{}` unless --delimiter \
-        says otherwise, and the decimal sign is that of --decimal", found.escape_debug(), expected.escape_debug())]
+    #[error("the names of the columns are separated by `{}`, but cells are expected to be separated by `{}`",
+        found.escape_debug(), expected.escape_debug())]
     Separator {
         /// By what.
         found: char,
@@ -106,30 +106,33 @@ pub enum TableError {
     },
     /// A column to keep that holds lists, maps or structures.
     #[error(
-        "--keep {name}: its cells are lists, maps or structures, which cannot be copied; \
-        leave it out, or take it apart"
+        "the cells of column `{}` are lists, maps or structures, which cannot be copied; \
+        leave it out, or take it apart",
+        brief(name)
     )]
     NotText {
         /// Its name.
         name: String,
     },
     /// A column that is no input.
-    #[error("column `{0}` is not an input{1}; leave it out, or copy it to the output with --keep {0}",
-        brief(name), nearest.as_ref().map_or_else(String::new, |n| format!(", did you mean `{n}`?")))]
+    #[error("column `{}` is not an input{}", brief(name), meant(nearest.as_deref()))]
     UnknownColumn {
         /// Its name.
         name: String,
         /// The nearest known input.
         nearest: Option<String>,
     },
-    /// A column stands twice.
-    #[error("column `{}` stands twice", brief(name))]
+    /// A column stands twice, or an input in two units.
+    #[error("{}", twice(names))]
     RepeatedColumn {
-        /// Its name.
-        name: String,
+        /// Both names.
+        names: [String; 2],
     },
     /// A column to keep has the name of a column of the answers.
-    #[error("--keep {name}: the results have a column of that name; rename yours")]
+    #[error(
+        "column `{}` cannot be kept: the results have a column of that name; rename yours",
+        brief(name)
+    )]
     NameOfAnAnswer {
         /// The name.
         name: String,
@@ -143,8 +146,7 @@ pub enum TableError {
         found: String,
     },
     /// An output that does not exist.
-    #[error("no output is named `{}`{}; `bsm schema output` lists them", brief(name),
-        nearest.map_or_else(String::new, |n| format!(", did you mean `{n}`?")))]
+    #[error("no output is named `{}`{}", brief(name), meant(*nearest))]
     UnknownOutput {
         /// The name.
         name: String,
@@ -152,32 +154,36 @@ pub enum TableError {
         nearest: Option<&'static str>,
     },
     /// A column to keep that the table does not have.
-    #[error("--keep {name}: the table has no such column")]
+    #[error("the table has no column `{}` to keep", brief(name))]
     NothingToKeep {
         /// The name.
         name: String,
     },
     /// A column to rename that the table does not have.
-    #[error("--columns-from: the table has no column `{}`", brief(name))]
+    #[error("the table has no column `{}` to rename", brief(name))]
     NothingToRename {
         /// The name.
         name: String,
     },
-    /// An input that rows are to be grouped by, and that is no column.
-    #[error("--by {name}: it is no column of the points")]
-    NothingToGroupBy {
-        /// The input.
-        name: String,
-    },
-    /// More groups than are held in memory.
-    #[error("--by makes more than {most} groups; group by inputs with fewer values")]
-    TooManyGroups {
-        /// Most groups.
-        most: usize,
-    },
     /// The table has no row of column names.
     #[error("the table is empty: the first row must name the columns")]
     NoHeader,
+}
+
+fn meant(nearest: Option<&str>) -> String {
+    nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}
+
+fn twice([one, other]: &[String; 2]) -> String {
+    if one == other {
+        format!("column `{}` stands twice", brief(one))
+    } else {
+        format!(
+            "columns `{}` and `{}` are the same input; leave one of them out",
+            brief(one),
+            brief(other)
+        )
+    }
 }
 
 impl From<csv::Error> for TableError {

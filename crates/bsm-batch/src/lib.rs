@@ -43,6 +43,7 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
+mod arrow_table;
 mod column_chunk;
 pub mod dataset;
 mod dialect;
@@ -65,7 +66,7 @@ pub use dialect::Dialect;
 pub use draws::{Draw, DrawSource, Draws};
 pub use error::TableError;
 pub use numbers::{NumberColumn, NumberRows, NumberSink};
-pub use parquet_table::{ParquetSink, ParquetSource, hush_parquet_panics};
+pub use parquet_table::{ParquetSink, ParquetSource, caught, hush_caught_panics};
 pub use pipeline::{Count, ROWS, RunError, Task, Workers};
 pub use rows::{Answers, Cell, Chunk, Column, Columns, Heading, Verdict};
 pub use solve::{Room, Told};

@@ -28,8 +28,16 @@ impl<R: Read> Lines<R> {
         self.number
     }
 
-    /// The next line without its end; `None` if there is none, or only blank ones.
+    /// The next line without its end; `None` if there is none, or only blank ones, which hold nothing but spaces.
     pub(crate) fn next(&mut self) -> Result<Option<&str>, TableError> {
+        self.next_but(|line| line.trim_ascii().is_empty())
+    }
+
+    /// [`next`](Self::next) where other lines are blank.
+    pub(crate) fn next_but(
+        &mut self,
+        is_blank: impl Fn(&[u8]) -> bool,
+    ) -> Result<Option<&str>, TableError> {
         let mut blank = None;
         while self.read()? {
             self.number += 1;
@@ -41,7 +49,7 @@ impl<R: Read> Lines<R> {
             if line == 1 && self.line.starts_with(b"\xef\xbb\xbf") {
                 self.line.drain(..3);
             }
-            if self.line.trim_ascii().is_empty() {
+            if is_blank(&self.line) {
                 blank = blank.or(Some(line));
             } else if let Some(line) = blank {
                 return Err(TableError::BlankLine { line });

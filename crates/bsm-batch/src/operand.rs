@@ -50,6 +50,7 @@ impl<'a> Operands<'a> {
         let in_row = |cells: InputSet| base.stated().overridden_by(cells);
         let cells = columns.set();
         let ordinary = in_row(cells);
+        ordinary.check_forms().ok()?;
         // Rows that a model does not cover are not ordinary either.
         let choice = settings.model.resolve(ordinary, |_| Ok(())).ok()?;
         let ModelChoice::Fixed(model) = choice else { return None };

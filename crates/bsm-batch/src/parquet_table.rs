@@ -1,17 +1,17 @@
 //! Tables as Parquet, units in the metadata of the columns.
 
 use std::cell::Cell;
-use std::collections::HashMap;
 use std::io::Write;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use arrow_array::{Array, ArrayRef, BooleanArray, RecordBatch, StringArray, StringViewArray};
+use arrow_array::{Array, ArrayRef, RecordBatch};
 use arrow_cast::display::FormatOptions;
 use arrow_cast::{CastOptions, cast_with_options};
 use arrow_schema::{DataType, Field, Schema};
+use arrow_select::concat::concat;
 use bsm_case::Output;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader,
@@ -27,32 +27,38 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::ColumnDescPtr;
 use rayon::prelude::*;
 
+use crate::arrow_table::{flags, messages, schema};
 use crate::column_chunk::{Keys, Numbers, PACKED};
 use crate::pages::Pages;
 use crate::rows::{self, ANSWERS, Answers, Chunk, Column, Columns, TEXT};
 use crate::{Dialect, Sink, Source, TableError};
 
 thread_local! {
-    static DECODES: Cell<bool> = const { Cell::new(false) };
+    static CAUGHT: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Keeps panics of the Parquet decoder from the panic hook of the program: they are told as errors. For
+/// Keeps panics that are [`caught`] from the panic hook of the program: they are told as errors. For
 /// the start of a program; panics elsewhere go to the hook that there is.
-pub fn hush_parquet_panics() {
+pub fn hush_caught_panics() {
     let tell = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
-        if !DECODES.get() {
+        if !CAUGHT.get() {
             tell(panic);
         }
     }));
 }
 
+/// What `work` returns, `None` if it panics: for libraries that panic where they should fail.
+pub fn caught<T>(work: impl FnOnce() -> T) -> Option<T> {
+    CAUGHT.set(true);
+    let said = catch_unwind(AssertUnwindSafe(work));
+    CAUGHT.set(false);
+    said.ok()
+}
+
 /// What `decode` says, with its panics as errors: the parquet crate panics at some damaged pages.
 pub(crate) fn decoded<T>(decode: impl FnOnce() -> Result<T, TableError>) -> Result<T, TableError> {
-    DECODES.set(true);
-    let said = catch_unwind(AssertUnwindSafe(decode));
-    DECODES.set(false);
-    said.unwrap_or_else(|_| Err(TableError::Parquet("it is damaged".to_owned())))
+    caught(decode).unwrap_or_else(|| Err(TableError::Parquet("it is damaged".to_owned())))
 }
 
 /// Rows of a Parquet table.
@@ -110,11 +116,14 @@ impl ParquetSource {
                 return Err(TableError::NotNumbers { name, found });
             }
         }
-        for (name, place) in columns.kept.iter().zip(&columns.kept_places) {
-            let found = fields[*place].data_type();
-            if found.is_nested() {
-                return Err(TableError::NotText { name: name.clone() });
-            }
+        for (place, (name, at)) in columns.kept.iter().zip(&columns.kept_places).enumerate() {
+            columns.kept_types[place] = match fields[*at].data_type() {
+                found if found.is_nested() => {
+                    return Err(TableError::NotText { name: name.clone() });
+                }
+                DataType::LargeUtf8 => DataType::Utf8,
+                found => found.clone(),
+            };
         }
         // A text that stands in many rows stays one text.
         let views = fields.iter().map(|field| match field.data_type() {
@@ -194,20 +203,21 @@ impl Source for ParquetSource {
 
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
         let mut chunk = Chunk::empty(self.row + 1, &self.columns, rows);
-        let mut text = 0;
+        let (mut text, mut kept) = (0, vec![Vec::new(); self.columns.kept.len()]);
         while chunk.len < rows && text < TEXT {
             let Some(batch) = self.batch()? else { break };
-            let texts = self.columns.kept_places.iter().map(|i| words(batch.column(*i)));
-            let texts: Vec<_> = texts.collect::<Result<_, _>>()?;
+            let columns: Vec<_> =
+                self.columns.kept_places.iter().map(|place| batch.column(*place)).collect();
+            let texts: Vec<_> = columns.iter().filter_map(|c| c.as_string_view_opt()).collect();
             let mut taken = 0;
             while taken < batch.num_rows() && chunk.len < rows && text < TEXT {
-                for (cells, texts) in chunk.kept.iter_mut().zip(&texts) {
-                    let cell = if texts.is_valid(taken) { texts.value(taken) } else { "" };
-                    cells.push(cell.to_owned());
-                    text += cell.len();
-                }
+                text += texts.iter().map(|texts| texts.value(taken).len()).sum::<usize>();
                 chunk.len += 1;
                 taken += 1;
+            }
+            let kinds = &self.columns.kept_types;
+            for ((parts, column), kind) in kept.iter_mut().zip(columns).zip(kinds) {
+                parts.push(cast_with_options(&column.slice(0, taken), kind, &STRICT)?);
             }
             for (cells, place) in chunk.inputs.iter_mut().zip(&self.columns.input_places) {
                 numbers(&batch.column(*place).slice(0, taken), cells)?;
@@ -215,6 +225,12 @@ impl Source for ParquetSource {
             if taken < batch.num_rows() {
                 self.rest = Some(batch.slice(taken, batch.num_rows() - taken));
             }
+        }
+        if chunk.len > 0 {
+            let whole = |parts: &Vec<ArrayRef>| {
+                concat(&parts.iter().map(AsRef::as_ref).collect::<Vec<_>>())
+            };
+            chunk.kept = kept.iter().map(whole).collect::<Result<_, _>>()?;
         }
         self.row += chunk.len as u64;
         Ok(chunk.filled())
@@ -239,11 +255,6 @@ fn numbers(column: &ArrayRef, cells: &mut Column) -> Result<(), TableError> {
     let values = column.as_primitive::<Float64Type>();
     cells.extend(values.iter().map(|x| x.map_or(rows::Cell::Missing, rows::Cell::Number)));
     Ok(())
-}
-
-/// A column as text.
-fn words(column: &ArrayRef) -> Result<StringViewArray, TableError> {
-    Ok(cast_with_options(column, &DataType::Utf8View, &STRICT)?.as_string_view().clone())
 }
 
 /// Rows of a row group, which ends with a chunk: a compromise of memory, which holds one, and the readers' work.
@@ -272,8 +283,7 @@ impl Encoder {
         let verdicts = &answers.verdicts;
         match self {
             Self::Kept(place, column) => {
-                let texts = StringArray::from_iter_values(&chunk.kept[*place]);
-                push_array(column, field, &(Arc::new(texts) as ArrayRef))?;
+                push_array(column, field, &chunk.kept[*place])?;
             }
             Self::Input(place, column) => {
                 let input = &chunk.inputs[*place];
@@ -290,12 +300,7 @@ impl Encoder {
                 }
             }
             Self::Message(column) => {
-                let texts = if answers.messages.is_empty() {
-                    StringArray::new_null(chunk.len)
-                } else {
-                    (0..chunk.len).map(|row| answers.message(row)).collect()
-                };
-                push_array(column, field, &(Arc::new(texts) as ArrayRef))?;
+                push_array(column, field, &messages(answers))?;
             }
             Self::Number(place, column) => {
                 let values = &answers.columns[*place];
@@ -306,10 +311,7 @@ impl Encoder {
                 column.push(values, there.as_deref())?;
             }
             Self::Flag(place, column) => {
-                let values = answers.columns[*place].iter();
-                let flags: BooleanArray =
-                    values.map(|x| (!x.is_nan()).then_some(*x > 0.5)).collect();
-                push_array(column, field, &(Arc::new(flags) as ArrayRef))?;
+                push_array(column, field, &flags(&answers.columns[*place]))?;
             }
             Self::Word(place, output, keys) => {
                 let same = |a: &f64, b: &f64| a.to_bits() == b.to_bits();
@@ -375,23 +377,7 @@ impl<W: Write + Send> ParquetSink<W> {
         columns: &Columns,
         outputs: &[&'static Output],
     ) -> Result<Self, TableError> {
-        let unit = |unit: &str| HashMap::from([("unit".to_owned(), unit.to_owned())]);
-        let kept = columns.kept.iter().map(|name| Field::new(name, DataType::Utf8, true));
-        let inputs = columns.inputs.iter().map(|key| {
-            Field::new(key.name(), DataType::Float64, true).with_metadata(unit(key.input().unit))
-        });
-        let words = ANSWERS.map(|name| Field::new(name, DataType::Utf8, name == "message"));
-        let answers = outputs.iter().map(|output| {
-            let kind = match output.json_type {
-                "integer" => DataType::UInt64,
-                "boolean" => DataType::Boolean,
-                "string" => DataType::Utf8,
-                _ => DataType::Float64,
-            };
-            Field::new(output.name, kind, true).with_metadata(unit(output.unit))
-        });
-        let fields: Vec<_> = kept.chain(inputs).chain(words).chain(answers).collect();
-        let schema = Arc::new(Schema::new(fields));
+        let schema = schema(columns, outputs);
         let writer = ArrowWriter::try_new(writer, schema.clone(), Some(properties()))?;
         let (file, arrow) = writer.into_serialized_writer()?;
         let (columns, outputs) = (columns.clone(), outputs.to_vec());

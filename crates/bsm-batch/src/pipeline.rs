@@ -31,6 +31,8 @@ pub struct Task {
     pub outputs: Vec<&'static Output>,
     /// An output that is only looked at: the last column of the answers that are shown.
     pub watched: Option<&'static Output>,
+    /// Outputs that are inputs of the table too, as a temperature: rows that do not give them get them.
+    pub filled: Vec<&'static Output>,
 }
 
 /// How many rows there were, and how many of them have no result or several.
@@ -138,16 +140,19 @@ pub enum RunError {
     Stopped,
 }
 
-/// The outputs that are not the inputs of a table under the same name, as a temperature that is given.
-fn besides(mut outputs: Vec<&'static Output>, inputs: InputSet) -> Vec<&'static Output> {
-    outputs.retain(|output| inputs.iter().all(|key| key.name() != output.name));
-    outputs
+/// The outputs that are not the inputs of a table under the same name, as a temperature that is given; and those
+/// that are.
+fn besides(
+    outputs: Vec<&'static Output>,
+    inputs: InputSet,
+) -> (Vec<&'static Output>, Vec<&'static Output>) {
+    outputs.into_iter().partition(|output| inputs.iter().all(|key| key.name() != output.name))
 }
 
 impl Task {
     /// A task that writes these outputs and watches none.
     pub fn new(base: Scene, settings: Settings, outputs: Vec<&'static Output>) -> Self {
-        Self { base, settings, outputs, watched: None }
+        Self { base, settings, outputs, watched: None, filled: Vec::new() }
     }
 
     /// True if the points must be solved, and not only the inputs be read.
@@ -188,7 +193,7 @@ impl Task {
         grid: &Grid,
     ) -> Result<Self, CaseError> {
         let given = base.stated().overridden_by(grid.varied());
-        let outputs = besides(outputs, grid.varied());
+        let (outputs, _) = besides(outputs, grid.varied());
         let mut task = Self { watched, ..Self::new(base, settings, outputs) }.of_motion(given);
         if task.solves() {
             task.settings.model = grid.choose(&task.base, task.settings.model)?;
@@ -212,7 +217,8 @@ impl Task {
         columns: &Columns,
     ) -> Result<Self, CaseError> {
         let given = base.stated() | columns.set();
-        let task = Self::new(base, settings, besides(outputs, columns.set())).of_motion(given);
+        let (outputs, filled) = besides(outputs, columns.set());
+        let task = Self { filled, ..Self::new(base, settings, outputs) }.of_motion(given);
         let model = task.settings.model;
         let model = if task.solves() { model.resolve(given, |_| Ok(()))? } else { model };
         task.checked(given, model)
@@ -265,13 +271,19 @@ impl Task {
             let mut count = Count::default();
             let mut behind = None;
             for chunk in chunks {
-                let chunk = chunk.map_err(RunError::Read)?;
+                let mut chunk = chunk.map_err(RunError::Read)?;
                 let solve = || self.solve_until(workers.stop, &chunk, &columns);
                 let write = || write(&mut sink, &mut count, behind.take());
                 let (answers, written) = workers.install(|| rayon::join(solve, write));
                 let answers = answers.ok_or(RunError::Stopped)?;
                 written?;
                 seen(&chunk, &answers);
+                for (output, values) in
+                    self.filled.iter().zip(&answers.columns[self.outputs.len()..])
+                {
+                    let place = columns.inputs.iter().position(|key| key.name() == output.name);
+                    place.into_iter().for_each(|place| chunk.inputs[place].fill(values));
+                }
                 behind = Some((chunk, answers));
             }
             workers.install(|| write(&mut sink, &mut count, behind))?;

@@ -2,9 +2,14 @@
 
 use std::borrow::Cow;
 
+use arrow_array::ArrayRef;
+use arrow_array::cast::AsArray;
 use arrow_buffer::ScalarBuffer;
+use arrow_cast::cast;
+use arrow_schema::DataType;
 use bsm_case::{CaseError, InputKey, InputSet, ModelChoice, OUTPUTS, Output, Scene, nearest_input};
 use bsm_dyn::Status;
+use serde_json::Value;
 
 use crate::{Dialect, TableError};
 
@@ -36,9 +41,11 @@ pub struct Columns {
     pub(crate) input_places: Vec<usize>,
     /// Their names in the table, and what a value there is multiplied with to be in the unit of the input.
     pub(crate) units: Vec<(String, f64)>,
-    /// Columns that are carried through as text.
+    /// Columns that are carried through.
     pub kept: Vec<String>,
     pub(crate) kept_places: Vec<usize>,
+    /// Their types.
+    pub(crate) kept_types: Vec<DataType>,
     /// Names of columns that are not read.
     pub(crate) unread: Vec<String>,
 }
@@ -96,19 +103,22 @@ impl Columns {
                 columns.unread.push(own.to_owned());
                 continue;
             };
-            let repeated = || Err(TableError::RepeatedColumn { name: name.to_owned() });
+            let repeated = |former: &str| {
+                Err(TableError::RepeatedColumn { names: [former, own].map(str::to_owned) })
+            };
             answered |= ANSWERS.contains(&name);
             if columns.kept.iter().any(|k| k == name) {
-                return repeated();
+                return repeated(own);
             }
             if is_kept {
                 columns.kept.push(name.to_owned());
                 columns.kept_places.push(place);
+                columns.kept_types.push(DataType::Utf8);
             } else if answered && is_answer(name) {
                 // Some answers have the name of an input; the inputs of an earlier answer stand before it.
             } else if let Ok((key, factor)) = InputKey::in_unit(name) {
-                if columns.inputs.contains(&key) {
-                    return repeated();
+                if let Some(former) = columns.inputs.iter().position(|input| *input == key) {
+                    return repeated(&columns.units[former].0);
                 }
                 columns.inputs.push(key);
                 columns.input_places.push(place);
@@ -123,6 +133,12 @@ impl Columns {
             (None, Some(name)) => Err(TableError::NothingToRename { name: (*name).clone() }),
             (None, None) => Ok(columns),
         }
+    }
+
+    /// With the types of the columns that are carried through, which are texts otherwise.
+    #[must_use]
+    pub fn with_kept_types(self, types: Vec<DataType>) -> Self {
+        Self { kept_types: types, ..self }
     }
 
     /// The columns of a table of answers, in order.
@@ -282,6 +298,19 @@ impl Column {
         values
     }
 
+    /// Gives rows without a value theirs, if that is no NaN.
+    pub(crate) fn fill(&mut self, values: &[f64]) {
+        let mut odd = std::mem::take(&mut self.odd);
+        odd.retain(|(row, cell)| {
+            let is_left = *cell != Cell::Missing || values[*row].is_nan();
+            if !is_left {
+                self.values.own()[*row] = values[*row];
+            }
+            is_left
+        });
+        self.odd = odd;
+    }
+
     /// The rows that have a number, which may be NaN itself, unless all have.
     pub(crate) fn given(&self) -> Option<Vec<bool>> {
         let mut given = (!self.odd.is_empty()).then(|| vec![true; self.values().len()])?;
@@ -313,8 +342,8 @@ pub struct Chunk {
     pub len: usize,
     /// Values of each input.
     pub inputs: Vec<Column>,
-    /// Values of each column that is carried through.
-    pub kept: Vec<Vec<String>>,
+    /// Each column that is carried through.
+    pub kept: Vec<ArrayRef>,
 }
 
 impl Chunk {
@@ -330,8 +359,32 @@ impl Chunk {
                     ..Column::with_capacity(rows)
                 })
                 .collect(),
-            kept: columns.kept.iter().map(|_| Vec::with_capacity(rows)).collect(),
+            kept: Vec::new(),
         }
+    }
+
+    /// What is carried through as text files have it, by columns.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`] if a column cannot be written as text.
+    pub fn kept_values(&self) -> Result<Vec<Vec<Value>>, TableError> {
+        let column = |column: &ArrayRef| -> Result<Vec<Value>, TableError> {
+            let found = column.data_type();
+            let is_number = found.is_integer() || found.is_floating();
+            let texts = cast(column, &DataType::Utf8)?;
+            let value = |text: &str| match text {
+                _ if is_number => text.parse().map_or(Value::Null, Value::Number),
+                _ if *found == DataType::Boolean => Value::Bool(text == "true"),
+                text => Value::String(text.to_owned()),
+            };
+            Ok(texts
+                .as_string::<i32>()
+                .iter()
+                .map(|text| text.map_or(Value::Null, value))
+                .collect())
+        };
+        self.kept.iter().map(column).collect()
     }
 
     /// The scene of a row: `base` with the given cells of the row as settings.
@@ -420,7 +473,7 @@ impl Answers {
                 nearest: Output::nearest(name),
             })?;
             if selected.iter().any(|other| other.name == output.name) {
-                return Err(TableError::RepeatedColumn { name: name.clone() });
+                return Err(TableError::RepeatedColumn { names: [name.clone(), name.clone()] });
             }
             selected.push(output);
         }

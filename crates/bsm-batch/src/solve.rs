@@ -92,7 +92,7 @@ impl Task {
 
     /// The answers, complete unless `stop` has become true.
     fn answer(&self, arch: Arch, stop: &AtomicBool, chunk: &Chunk, columns: &Columns) -> Answers {
-        let outputs = self.outputs.len() + usize::from(self.watched.is_some());
+        let outputs = self.outputs.len() + self.filled.len() + usize::from(self.watched.is_some());
         let mut answers = Answers::room(chunk.len, outputs);
         let room = Room {
             verdicts: &mut answers.verdicts,
@@ -126,7 +126,9 @@ impl Task {
         mut room: Room<'_>,
     ) -> Told {
         let Self { base, settings, .. } = self;
-        let asked = Asked::of(self);
+        let mut asked = Asked::of(self);
+        // Who has no places for what fills gaps does not ask for it.
+        asked.outputs.truncate(room.columns.len());
         let wanted = Wanted::of(&asked.outputs);
         let operands =
             if asked.solves { Operands::of(chunk, columns, base, settings) } else { None };
@@ -304,7 +306,8 @@ struct Asked {
 
 impl Asked {
     fn of(task: &Task) -> Self {
-        let outputs: Vec<_> = task.outputs.iter().copied().chain(task.watched).collect();
+        let outputs = task.outputs.iter().chain(&task.filled).copied().chain(task.watched);
+        let outputs: Vec<_> = outputs.collect();
         let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
         let analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
         let moves = analyses.iter().any(|kind| kind.needs_motion());

@@ -3,7 +3,10 @@
 use std::borrow::Cow;
 use std::io::{self, Read, Write};
 use std::ops::Range;
+use std::sync::Arc;
 
+use arrow_array::ArrayRef;
+use arrow_array::builder::StringBuilder;
 use bsm_case::{Output, brief, decimal_number, entries, write_exact};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
@@ -141,15 +144,22 @@ impl<R: Read + Send> Source for CsvSource<R> {
 
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
         let mut chunk = Chunk::empty(self.row + 1, &self.columns, rows);
+        let mut kept = texts(&self.columns);
         let mut text = 0;
+        // A cell may be a space, and a row its delimiters.
+        let (is_text, delimiter) = (matches!(self.takes[..], [Take::Kept(_)]), self.delimiter);
         while chunk.len < rows && text < TEXT {
             let line = self.lines.number() + 1;
-            let Some(row) = self.lines.next()? else { break };
+            let is_blank = |line: &[u8]| {
+                let is_row = is_text && !line.is_empty() || line.contains(&(delimiter as u8));
+                !is_row && line.trim_ascii().is_empty()
+            };
+            let Some(row) = self.lines.next_but(is_blank)? else { break };
             text += row.len();
             let Self { takes, delimiter, decimal, .. } = self;
             let found = split(row, *delimiter, line, |place, cell| match takes.get(place) {
                 Some(Take::Input(input)) => chunk.inputs[*input].push(parse(&cell, *decimal)),
-                Some(Take::Kept(kept)) => chunk.kept[*kept].push(cell.into_owned()),
+                Some(Take::Kept(column)) => kept[*column].append_value(cell),
                 Some(Take::Nothing) | None => {}
             })?;
             let columns = self.takes.len();
@@ -159,8 +169,18 @@ impl<R: Read + Send> Source for CsvSource<R> {
             chunk.len += 1;
         }
         self.row += chunk.len as u64;
+        chunk.kept = finished(kept);
         Ok(chunk.filled())
     }
+}
+
+/// Room for the texts of the columns that are carried through.
+fn texts(columns: &Columns) -> Vec<StringBuilder> {
+    columns.kept.iter().map(|_| StringBuilder::new()).collect()
+}
+
+fn finished(texts: Vec<StringBuilder>) -> Vec<ArrayRef> {
+    texts.into_iter().map(|mut texts| Arc::new(texts.finish()) as ArrayRef).collect()
 }
 
 /// An object of JSON, in its order.
@@ -215,6 +235,7 @@ impl<R: Read + Send> Source for JsonSource<R> {
 
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
         let mut chunk = Chunk::empty(self.row + 1, &self.columns, rows);
+        let mut kept = texts(&self.columns);
         let mut text = 0;
         while chunk.len < rows && text < TEXT {
             let next = match self.first.take() {
@@ -230,12 +251,12 @@ impl<R: Read + Send> Source for JsonSource<R> {
                     Some(other) => Cell::Text(other.to_string()),
                 });
             }
-            for (cells, name) in chunk.kept.iter_mut().zip(&self.columns.kept) {
-                cells.push(match object.remove(name) {
-                    None | Some(Value::Null) => String::new(),
-                    Some(Value::String(text)) => text,
-                    Some(other) => other.to_string(),
-                });
+            for (cells, name) in kept.iter_mut().zip(&self.columns.kept) {
+                match object.remove(name) {
+                    None | Some(Value::Null) => cells.append_null(),
+                    Some(Value::String(text)) => cells.append_value(text),
+                    Some(other) => cells.append_value(other.to_string()),
+                }
             }
             let unread = |name: &&String| !(is_answer(name) || self.columns.unread.contains(*name));
             if let Some(name) = object.keys().find(unread) {
@@ -246,6 +267,7 @@ impl<R: Read + Send> Source for JsonSource<R> {
             text += length;
         }
         self.row += chunk.len as u64;
+        chunk.kept = finished(kept);
         Ok(chunk.filled())
     }
 }
@@ -272,13 +294,37 @@ fn write_rows(
     Ok(())
 }
 
-/// Appends a text as a cell of CSV, which [`split`] reads.
-fn write_cell(to: &mut Vec<u8>, text: &str) {
-    let is_plain = !text.bytes().any(|byte| matches!(byte, b',' | b'"' | b'\n' | b'\r'));
-    if is_plain {
-        to.extend_from_slice(text.as_bytes());
-    } else {
-        to.extend([b"\"", text.replace('"', "\"\"").as_bytes(), b"\""].concat());
+/// What separates the cells of a CSV table that is written, and its decimal sign; both are ASCII.
+#[derive(Debug, Clone, Copy)]
+struct Signs {
+    delimiter: u8,
+    decimal: u8,
+}
+
+impl Signs {
+    /// Appends a text as a cell of CSV, which [`split`] reads.
+    fn cell(self, to: &mut Vec<u8>, text: &str) {
+        let odd = |byte| byte == self.delimiter || matches!(byte, b'"' | b'\n' | b'\r');
+        if text.bytes().any(odd) {
+            to.extend([b"\"", text.replace('"', "\"\"").as_bytes(), b"\""].concat());
+        } else {
+            to.extend_from_slice(text.as_bytes());
+        }
+    }
+
+    /// Makes the digits behind a place a cell.
+    fn number(self, to: &mut Vec<u8>, begin: usize) {
+        if self.decimal == b'.' {
+            return;
+        }
+        let point = to[begin..].iter().position(|byte| *byte == b'.');
+        if let Some(point) = point {
+            to[begin + point] = self.decimal;
+            if self.decimal == self.delimiter {
+                to.insert(begin, b'"');
+                to.push(b'"');
+            }
+        }
     }
 }
 
@@ -287,7 +333,7 @@ fn write_cell(to: &mut Vec<u8>, text: &str) {
 struct Last(u64, Range<usize>);
 
 impl Last {
-    fn write(&mut self, to: &mut Vec<u8>, value: f64) -> io::Result<()> {
+    fn write(&mut self, to: &mut Vec<u8>, value: f64, signs: Signs) -> io::Result<()> {
         let Self(bits, digits) = self;
         if *bits == value.to_bits() && digits.end > 0 {
             to.extend_from_within(digits.clone());
@@ -295,6 +341,7 @@ impl Last {
         }
         let begin = to.len();
         write_exact(to, value)?;
+        signs.number(to, begin);
         (*bits, *digits) = (value.to_bits(), begin..to.len());
         Ok(())
     }
@@ -304,6 +351,7 @@ impl Last {
 pub struct CsvSink<W> {
     writer: W,
     outputs: Vec<&'static Output>,
+    signs: Signs,
 }
 
 impl<W: Write> CsvSink<W> {
@@ -313,20 +361,36 @@ impl<W: Write> CsvSink<W> {
     ///
     /// [`TableError::Io`].
     pub fn new(
-        mut writer: W,
+        writer: W,
         columns: &Columns,
         outputs: &[&'static Output],
     ) -> Result<Self, TableError> {
+        Self::with(writer, columns, outputs, &Dialect::default())
+    }
+
+    /// [`new`](Self::new) with the signs of a dialect.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError::Io`].
+    pub fn with(
+        mut writer: W,
+        columns: &Columns,
+        outputs: &[&'static Output],
+        dialect: &Dialect,
+    ) -> Result<Self, TableError> {
+        let [delimiter, decimal] = [dialect.delimiter, dialect.decimal].map(|sign| sign as u8);
+        let signs = Signs { delimiter, decimal };
         let kept = columns.kept.iter().map(String::as_str);
         let names = kept.chain(columns.inputs.iter().map(|key| key.name())).chain(ANSWERS);
         let mut header = Vec::new();
         for name in names.chain(outputs.iter().map(|output| output.name)) {
-            write_cell(&mut header, name);
-            header.push(b',');
+            signs.cell(&mut header, name);
+            header.push(delimiter);
         }
         end_row(&mut header);
         writer.write_all(&header)?;
-        Ok(Self { writer, outputs: outputs.to_vec() })
+        Ok(Self { writer, outputs: outputs.to_vec(), signs })
     }
 
     /// The writer, all rows written.
@@ -340,7 +404,7 @@ impl<W: Write> CsvSink<W> {
     }
 }
 
-/// The comma behind the last cell becomes the end of the row.
+/// The sign behind the last cell becomes the end of the row.
 fn end_row(text: &mut Vec<u8>) {
     text.pop();
     text.push(b'\n');
@@ -348,39 +412,51 @@ fn end_row(text: &mut Vec<u8>) {
 
 impl<W: Write> Sink for CsvSink<W> {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
-        let Self { writer, outputs } = self;
+        let Self { writer, outputs, signs } = self;
+        let (signs, delimiter) = (*signs, signs.delimiter);
         let (inputs, numbers) = (chunk.inputs.len(), chunk.inputs.len() + outputs.len());
+        let kept = chunk.kept_values()?;
         write_rows(writer, chunk.len, |rows, to| {
             let mut last = vec![Last::default(); numbers];
             for row in rows {
-                for texts in &chunk.kept {
-                    write_cell(to, &texts[row]);
-                    to.push(b',');
+                for values in &kept {
+                    match &values[row] {
+                        Value::Null => {}
+                        Value::String(text) => signs.cell(to, text),
+                        value => {
+                            let begin = to.len();
+                            write!(to, "{value}")?;
+                            signs.number(to, begin);
+                        }
+                    }
+                    to.push(delimiter);
                 }
                 for (column, last) in chunk.inputs.iter().zip(&mut last) {
                     match column.cell(row) {
                         Cell::Missing => {}
-                        Cell::Number(value) => last.write(to, value)?,
-                        Cell::Text(text) => write_cell(to, &text),
+                        Cell::Number(value) => last.write(to, value, signs)?,
+                        Cell::Text(text) => signs.cell(to, &text),
                     }
-                    to.push(b',');
+                    to.push(delimiter);
                 }
                 let verdict = answers.verdicts[row];
                 for name in [verdict.model.name(), verdict.status.name()] {
                     to.extend_from_slice(name.as_bytes());
-                    to.push(b',');
+                    to.push(delimiter);
                 }
-                write_cell(to, answers.message(row).unwrap_or_default());
-                to.push(b',');
+                signs.cell(to, answers.message(row).unwrap_or_default());
+                to.push(delimiter);
                 let columns = outputs.iter().zip(&answers.columns);
                 for ((output, column), last) in columns.zip(&mut last[inputs..]) {
                     match json(output, column[row]) {
                         Value::Null => {}
-                        Value::Number(number) if number.is_f64() => last.write(to, column[row])?,
-                        Value::String(word) => write_cell(to, &word),
+                        Value::Number(number) if number.is_f64() => {
+                            last.write(to, column[row], signs)?;
+                        }
+                        Value::String(word) => signs.cell(to, &word),
                         value => write!(to, "{value}")?,
                     }
-                    to.push(b',');
+                    to.push(delimiter);
                 }
                 end_row(to);
             }
@@ -424,12 +500,13 @@ impl<W: Write> JsonSink<W> {
 impl<W: Write> Sink for JsonSink<W> {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
         let Self { writer, columns, outputs } = self;
+        let kept = chunk.kept_values()?;
         write_rows(writer, chunk.len, |rows, to| {
             for row in rows {
                 let verdict = answers.verdicts[row];
                 let mut line = Map::new();
-                for (name, texts) in columns.kept.iter().zip(&chunk.kept) {
-                    line.insert(name.clone(), json!(texts[row]));
+                for (name, values) in columns.kept.iter().zip(&kept) {
+                    line.insert(name.clone(), values[row].clone());
                 }
                 for (key, column) in columns.inputs.iter().zip(&chunk.inputs) {
                     line.insert(

@@ -8,16 +8,9 @@ use thiserror::Error;
 
 use crate::exact;
 
-/// What the program offers besides a message.
-const ALL_INPUTS: &str = "`bsm schema input` lists all keys";
-const ALL_LISTS: &str = "`bsm catalog --lists` prints all keys";
-const ALL_COLUMNS: &str = "`bsm catalog --columns` lists them";
-const ALL_REQUIREMENTS: &str = "`bsm design` without a file lists all keys";
-const ALL_OUTPUTS: &str = "`bsm schema output` lists them";
-
 /// A scene, a setting or a grid that cannot be used.
 ///
-/// Messages do not name the file; the caller that knows it puts it in front.
+/// Messages name neither the file nor a command or an option: the caller that knows them does.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CaseError {
@@ -44,18 +37,18 @@ pub enum CaseError {
         found: &'static str,
     },
     /// A key that is not in the vocabulary.
-    #[error("unknown key `{}`{}; {}", brief(key), nearest_hint(nearest.as_deref()), ALL_INPUTS)]
+    #[error("unknown key `{}`{}", brief(key), nearest_hint(nearest.as_deref()))]
     UnknownKey {
         /// The key.
         key: String,
         /// The nearest known one.
         nearest: Option<String>,
     },
-    /// A key that stands twice.
-    #[error("key `{}` is given twice; keep one", brief(key))]
-    DuplicateKey {
-        /// The key.
-        key: String,
+    /// An input under the same name twice, in two units, or in two forms.
+    #[error("{}", twice(names))]
+    GivenTwice {
+        /// Both names.
+        names: [String; 2],
     },
     /// A value of the wrong type.
     #[error("`{key}` is {found}, but must be {expected}")]
@@ -78,7 +71,7 @@ pub enum CaseError {
         rule: String,
     },
     /// A key that the lists of the catalogue do not have.
-    #[error("unknown key `{}`{}; {}", brief(key), nearest_hint(nearest.as_deref()), ALL_LISTS)]
+    #[error("unknown key `{}`{}", brief(key), nearest_hint(nearest.as_deref()))]
     UnknownListKey {
         /// The key.
         key: String,
@@ -94,7 +87,7 @@ pub enum CaseError {
         what: String,
     },
     /// A column that the catalogue does not have.
-    #[error("no column is named `{}`{}; {}", brief(name), nearest_hint(nearest.as_deref()), ALL_COLUMNS)]
+    #[error("no column is named `{}`{}", brief(name), nearest_hint(nearest.as_deref()))]
     UnknownColumn {
         /// The name.
         name: String,
@@ -173,7 +166,7 @@ pub enum CaseError {
         model: &'static str,
     },
     /// A key that requirements do not have.
-    #[error("unknown key `{}`{}; {}", brief(key), nearest_hint(nearest.as_deref()), ALL_REQUIREMENTS)]
+    #[error("unknown key `{}`{}", brief(key), nearest_hint(nearest.as_deref()))]
     UnknownRequirement {
         /// The key.
         key: String,
@@ -215,7 +208,7 @@ pub enum CaseError {
         screw: f64,
     },
     /// An output that does not exist, or is no number.
-    #[error("no numeric output is named `{}`{}; {}", brief(name), nearest_hint(*nearest), ALL_OUTPUTS)]
+    #[error("no numeric output is named `{}`{}", brief(name), nearest_hint(*nearest))]
     UnknownOutput {
         /// The name.
         name: String,
@@ -236,13 +229,13 @@ pub enum CaseError {
         missing: Vec<String>,
     },
     /// Where to look for an input is not known.
-    #[error("`{key}` is not in the scene: give the range to search with --range LOW:HIGH")]
+    #[error("`{key}` is not in the scene, and no range to search is given")]
     NoRange {
         /// The input.
         key: &'static str,
     },
     /// A range that is empty or outside the allowed values.
-    #[error("--range: {low} to {high} is not a range of allowed values of `{key}`")]
+    #[error("range: {low} to {high} is not a range of allowed values of `{key}`")]
     BadRange {
         /// The input.
         key: &'static str,
@@ -358,15 +351,6 @@ pub enum CaseError {
         /// What is expected.
         form: &'static str,
     },
-    /// An axis that stands twice in a grid.
-    #[error("`{key}` is varied twice; combine the values in one --vary")]
-    VariedTwice {
-        /// The input.
-        key: String,
-    },
-    /// Both forms of the lead are varied.
-    #[error("lead_mm and lead_angle_deg are two forms of the same input; vary only one of them")]
-    VariedLeadTwice,
     /// A model does not cover what the scene asks for.
     #[error("`{key}` = {} must be {rule} for model {model}", exact(*value))]
     NotCovered {
@@ -394,6 +378,11 @@ pub enum CaseError {
 }
 
 impl CaseError {
+    /// An input that is given by these names.
+    pub(crate) fn given_twice(names: [&str; 2]) -> Self {
+        Self::GivenTwice { names: names.map(str::to_owned) }
+    }
+
     /// An input whose value is some text.
     pub fn not_a_number(key: &str, text: &str) -> Self {
         let found = format!("`{}`", brief(text));
@@ -404,13 +393,12 @@ impl CaseError {
     pub fn key(&self) -> Option<&str> {
         Some(match self {
             Self::UnknownKey { key, .. }
-            | Self::DuplicateKey { key }
             | Self::WrongType { key, .. }
             | Self::OutOfRange { key, .. }
             | Self::UnknownListKey { key, .. }
             | Self::BadEntry { key, .. }
-            | Self::UnknownRequirement { key, .. }
-            | Self::VariedTwice { key } => key,
+            | Self::UnknownRequirement { key, .. } => key,
+            Self::GivenTwice { names: [_, name] } => name,
             Self::NoRange { key } | Self::BadRange { key, .. } | Self::NotCovered { key, .. } => {
                 key
             }
@@ -475,21 +463,6 @@ impl CaseError {
         Self::InRow { row, error: Box::new(self) }
     }
 
-    /// The message without what only the program offers: a command that lists names.
-    pub fn message(&self) -> String {
-        let mut message = self.to_string();
-        let hint = match self {
-            Self::UnknownKey { .. } => ALL_INPUTS,
-            Self::UnknownListKey { .. } => ALL_LISTS,
-            Self::UnknownColumn { .. } => ALL_COLUMNS,
-            Self::UnknownRequirement { .. } => ALL_REQUIREMENTS,
-            Self::UnknownOutput { .. } => ALL_OUTPUTS,
-            _ => return message,
-        };
-        message.truncate(message.len() - "; ".len() - hint.len());
-        message
-    }
-
     /// True if the file system is at fault, not the input.
     pub fn is_io(&self) -> bool {
         matches!(self, Self::Unreadable { .. })
@@ -522,6 +495,14 @@ pub fn printable(text: &str) -> String {
         }
     }
     printable
+}
+
+fn twice([one, other]: &[String; 2]) -> String {
+    if one == other {
+        format!("`{}` is given twice; give it once", brief(one))
+    } else {
+        format!("give one of {one} and {other}; both are given")
+    }
 }
 
 fn nearest_hint(nearest: Option<&str>) -> String {

@@ -153,13 +153,13 @@ impl Grid {
     /// [`CaseError`] if an input stands twice or the points cannot be counted.
     pub fn new(axes: Vec<Axis>) -> Result<Self, CaseError> {
         for (i, axis) in axes.iter().enumerate() {
-            let former: InputSet = axes[..i].iter().map(|other| other.key).collect();
-            if former.contains(axis.key) {
-                return Err(CaseError::VariedTwice { key: axis.key.name().to_owned() });
+            if axes[..i].iter().any(|former| former.key == axis.key) {
+                return Err(CaseError::given_twice([axis.key.name(); 2]));
             }
-            if former.replaced().contains(axis.key) {
-                return Err(CaseError::VariedLeadTwice);
-            }
+        }
+        let varied: InputSet = axes.iter().map(|axis| axis.key).collect();
+        if let Some(keys) = varied.two_forms().next() {
+            return Err(CaseError::given_twice(keys.map(InputKey::name)));
         }
         let len = axes
             .iter()

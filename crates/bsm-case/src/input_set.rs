@@ -86,6 +86,29 @@ impl InputSet {
         from.fold(self, |set, (key, _)| set | Self::of(&[*key]))
     }
 
+    /// Two of these inputs that are forms of one quantity, for each quantity that is given so.
+    pub(crate) fn two_forms(self) -> impl Iterator<Item = [InputKey; 2]> {
+        QUANTITIES.iter().filter_map(move |quantity| {
+            let mut given =
+                quantity.forms.iter().map(|form| form.key).filter(|key| self.contains(*key));
+            Some([given.next()?, given.next()?])
+        })
+    }
+
+    /// Checks that no quantity is given in two forms. Of the lead both are read, and must agree, see
+    /// [`Relation::LeadsAgree`](crate::Relation::LeadsAgree).
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::GivenTwice`].
+    pub fn check_forms(self) -> Result<(), CaseError> {
+        let agrees = |keys: &[InputKey; 2]| keys[0] == LEAD.forms[0].key;
+        match self.two_forms().find(|keys| !agrees(keys)) {
+            Some(keys) => Err(CaseError::given_twice(keys.map(InputKey::name))),
+            None => Ok(()),
+        }
+    }
+
     /// What is given after `settings` have been applied to a scene that has these inputs.
     #[must_use]
     pub fn overridden_by(self, settings: Self) -> Self {
@@ -120,7 +143,7 @@ impl FromIterator<InputKey> for InputSet {
 pub(crate) struct Quantity {
     /// How a message asks for it.
     pub(crate) words: &'static str,
-    /// The forms; the first that is given is read.
+    /// The forms, of which one is given.
     pub(crate) forms: &'static [Form],
 }
 

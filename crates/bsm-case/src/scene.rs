@@ -12,7 +12,7 @@ use crate::error::brief;
 use crate::nut::{NutWords, OF_A_NUT};
 use crate::reader::lead_mm;
 use crate::rules::Relation;
-use crate::units::long_name;
+use crate::units::{is_unit, long_name};
 use crate::{CaseError, INPUTS, InputKey, InputSet, Scene};
 
 /// Key of the free text.
@@ -39,12 +39,10 @@ impl Scene {
     ///
     /// [`CaseError`] for syntax, unknown or repeated keys, and wrong types.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
-        let mut scene = Self::default();
+        let (mut scene, mut named) = (Self::default(), Named::default());
         for (key, value) in entries(json)? {
-            let twice = InputKey::known_in_unit(&key).filter(|(input, _)| scene[*input].is_some());
-            if let Some((input, _)) = twice {
-                let keys = [input.name(), "the same in another unit"];
-                return Err(CaseError::OneOfTwo { keys, found: "both are" });
+            if let (Some((input, _)), false) = (InputKey::known_in_unit(&key), value.is_null()) {
+                named.once(input, &key)?;
             }
             scene.assign_json(key, &value)?;
         }
@@ -96,14 +94,13 @@ impl Scene {
         Ok(())
     }
 
-    /// Applies settings `name=value` all at once, see [`override_with`](Self::override_with); of two
-    /// for one input the later holds.
+    /// Applies settings `name=value` all at once, see [`override_with`](Self::override_with).
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if one has another form, another name or no number.
+    /// [`CaseError`] if one has another form, another name or no number, or an input is set twice.
     pub fn apply<S: AsRef<str>>(&mut self, settings: &[S]) -> Result<(), CaseError> {
-        let mut given = Self::default();
+        let (mut given, mut named) = (Self::default(), Named::default());
         for setting in settings {
             let text = setting.as_ref();
             let bad = || CaseError::BadSetting { text: text.to_owned(), form: "name=value" };
@@ -116,6 +113,7 @@ impl Scene {
                 continue;
             }
             let (key, factor) = InputKey::in_unit(name)?;
+            named.once(key, name)?;
             let number: f64 = value.parse().map_err(|_| CaseError::not_a_number(name, value))?;
             given[key] = Some(number * factor);
         }
@@ -138,11 +136,7 @@ impl Scene {
             let value = self[key].unwrap_or(f64::NAN);
             key.input().rule.check(key.name(), value)?;
         }
-        let twice = InputSet::of(&[InputKey::screw_speed_rpm, InputKey::feed_m_min]);
-        if (self.given() - open).contains_all(twice) {
-            let keys = [InputKey::screw_speed_rpm, InputKey::feed_m_min].map(InputKey::name);
-            return Err(CaseError::OneOfTwo { keys, found: "both are" });
-        }
+        (self.given() - open).check_forms()?;
         let relations = Relation::ALL.into_iter().filter(|relation| !relation.inputs().meets(open));
         for relation in relations {
             if relation.holds(self) == Some(false) {
@@ -185,6 +179,21 @@ impl Scene {
             ));
         }
         warnings
+    }
+}
+
+/// The inputs of one place, a scene or settings, with the names that they have there.
+#[derive(Default)]
+struct Named(Vec<(InputKey, String)>);
+
+impl Named {
+    /// Takes in an input, which must not be there under any name.
+    fn once(&mut self, key: InputKey, name: &str) -> Result<(), CaseError> {
+        if let Some((_, former)) = self.0.iter().find(|(known, _)| *known == key) {
+            return Err(CaseError::given_twice([former, name]));
+        }
+        self.0.push((key, name.to_owned()));
+        Ok(())
     }
 }
 
@@ -232,7 +241,7 @@ pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
     };
     let mut seen = BTreeSet::new();
     match entries.iter().find(|(key, _)| !seen.insert(key.as_str())) {
-        Some((key, _)) => Err(CaseError::DuplicateKey { key: key.clone() }),
+        Some((key, _)) => Err(CaseError::given_twice([key, key])),
         None => Ok(entries),
     }
 }
@@ -244,10 +253,11 @@ pub(crate) fn unknown_key(key: String) -> CaseError {
 
 /// The known input whose name is nearest to `key`, if any is near.
 pub fn nearest_input(key: &str) -> Option<&'static str> {
+    // All but the unit.
+    let whole = long_name(key).unwrap_or(key);
     let meant = |name: &&str| {
-        long_name(key)
-            .and_then(|long| name.strip_prefix(long))
-            .is_some_and(|unit| unit.starts_with('_'))
+        let unit = name.strip_prefix(whole).and_then(|rest| rest.strip_prefix('_'));
+        unit.is_some_and(is_unit)
     };
     if let Some(name) = INPUTS.iter().map(|input| input.name).find(meant) {
         return Some(name);

@@ -153,6 +153,11 @@ pub(crate) fn long_name(short: &str) -> Option<&'static str> {
     SHORT_NAMES.iter().find(|(known, _)| *known == short).map(|(_, long)| *long)
 }
 
+/// True for a unit as it ends a name.
+pub(crate) fn is_unit(text: &str) -> bool {
+    UNITS.iter().any(|(unit, ..)| *unit == text)
+}
+
 /// A name in another unit: the one of `known` that differs from it in its unit alone, and what a value is to
 /// be multiplied with. `axial_load_kN` is `axial_load_N` times 1000.
 pub(crate) fn convert<'a>(

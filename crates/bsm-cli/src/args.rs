@@ -52,7 +52,7 @@ pub(crate) enum Command {
     Shard(ShardArgs),
     /// Check the parts of a folder: every part there, and as it was written. Exit code 3 if one is missing or damaged.
     ///
-    /// When all are there it writes shards.parquet, and reduced.parquet for statistics, and removes what killed runs have left.
+    /// When all are there it writes shards.parquet, and removes what killed runs have left.
     #[command(after_help = EXIT_CODES)]
     Verify(VerifyArgs),
     /// Contact angle of best efficiency, and self-locking limits.
@@ -305,20 +305,12 @@ pub(crate) struct TableArgs {
     #[arg(long)]
     pub(crate) metadata: bool,
     /// Rows in each part of a folder; unless given, chosen from the number of rows, outputs and model.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = rows)]
     pub(crate) rows_per_shard: Option<NonZeroU64>,
     /// Only write the plan of a folder, and print rows, parts, core-hours and size to expect: `bsm shard` solves the parts,
     /// in as many processes and on as many machines as there are.
     #[arg(long)]
     pub(crate) plan: bool,
-    /// Keep statistics in place of rows in a folder: min, max, mean, histogram:BINS (so many bins for each doubling of the
-    /// value, a power of two), worst:K (the K rows with the least and the K with the greatest value). They end in
-    /// FOLDER/reduced.parquet.
-    #[arg(long, value_name = "STATISTIC,...", value_delimiter = ',')]
-    pub(crate) reduce: Option<Vec<String>>,
-    /// Inputs whose values make groups of --reduce; one group of all rows unless given.
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',', requires = "reduce")]
-    pub(crate) by: Vec<String>,
     /// Outputs to write, in this order, also numbers of `bsm slip`, `bsm jam`, `bsm optimum` and `bsm capacity`; all of
     /// `bsm solve` unless given. `bsm schema output` lists them.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -360,7 +352,7 @@ pub(crate) struct SweepArgs {
     )]
     pub(crate) draw: Vec<String>,
     /// Number of random points.
-    #[arg(long, value_name = "N", requires = "draw")]
+    #[arg(long, value_name = "N", requires = "draw", value_parser = count)]
     pub(crate) draws: Option<u64>,
     /// Seed of the random points.
     #[arg(long, value_name = "S", requires = "draw", default_value_t = 0)]
@@ -406,6 +398,22 @@ pub(crate) struct ShardArgs {
     /// No progress bar.
     #[arg(long)]
     pub(crate) quiet: bool,
+}
+
+/// A number of rows, such as 5000 or 5e7.
+fn count(text: &str) -> Result<u64, String> {
+    /// Beyond, not every whole number is a double.
+    const MOST: f64 = 9_007_199_254_740_992.0;
+    let whole = |number: &f64| number.fract() == 0.0 && (0.0..=MOST).contains(number);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]
+    let of_float = || Some(text.parse::<f64>().ok().filter(whole)? as u64);
+    let wrong = || "must be a whole number, such as 5000 or 5e7".to_owned();
+    text.parse().ok().or_else(of_float).ok_or_else(wrong)
+}
+
+/// A number of rows, at least one.
+fn rows(text: &str) -> Result<NonZeroU64, String> {
+    NonZeroU64::new(count(text)?).ok_or_else(|| "must be at least 1".to_owned())
 }
 
 /// Numbers of parts, from the first to before the last.
@@ -454,6 +462,9 @@ pub(crate) struct BatchArgs {
     pub(crate) keep: Vec<String>,
     #[command(flatten)]
     pub(crate) signs: TableSigns,
+    /// Write CSV with the delimiter and the decimal sign of the points.
+    #[arg(long)]
+    pub(crate) same_signs: bool,
 }
 
 #[derive(Debug, Args)]

@@ -26,6 +26,7 @@ pub(crate) fn run(args: &BatchArgs, workers: &Workers<'_>) -> Result<(), Failure
     let names = files::names_of_columns(signs.columns_from.as_deref())?;
     let (delimiter, decimal) = (char::from(signs.delimiter.byte()), signs.decimal.sign());
     let dialect = Dialect { delimiter, decimal, names };
+    let signs = if args.same_signs { dialect.clone() } else { Dialect::default() };
     let mut source = open(&args.points, &args.keep, &dialect)?;
     let task = Task::over_table(base, settings, outputs, source.columns()).map_err(|error| {
         let points = args.points.display();
@@ -33,11 +34,11 @@ pub(crate) fn run(args: &BatchArgs, workers: &Workers<'_>) -> Result<(), Failure
     })?;
     note_unused(task.base.given() | source.columns().set());
     let points = Points::Table { path: args.points.clone(), keep: args.keep.clone(), dialect };
-    Job::new(task, &args.table).run(source.as_mut(), &points, workers, |_, _, _| {}).map_err(|e| {
-        match e {
-            Failure::Table(error) => Failure::table(&args.points, &error),
-            other => other,
-        }
+    let mut job = Job::new(task, &args.table);
+    job.signs = signs;
+    job.run(source.as_mut(), &points, workers, |_, _, _| {}).map_err(|e| match e {
+        Failure::Table(error) => Failure::table(&args.points, &error),
+        other => other,
     })
 }
 

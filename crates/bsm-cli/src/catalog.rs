@@ -42,7 +42,7 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     if let Some(table) = &args.makers {
         return makers::run(args, table);
     }
-    let usage = |e: CaseError| Failure::Input(format!("--require: {e}"));
+    let usage = |e: CaseError| Failure::input("--require", &e);
     let (mut requirements, mut of_sheet) = (Vec::new(), Vec::new());
     for text in &args.require {
         let asked = Asked::parse(text).map_err(usage)?;
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
             None => CatalogueColumn::named(name).map(Order::Nut),
         }
     });
-    let order = order.transpose().map_err(|e| Failure::Input(format!("--sort: {e}")))?;
+    let order = order.transpose().map_err(|e| Failure::input("--sort", &e))?;
     let kind = args.output.as_deref().map(|path| form_of(path, "--output")).transpose()?;
     let catalogue = read(args.catalogue.as_deref())?;
     if let Some(lists) = &args.catalogue {

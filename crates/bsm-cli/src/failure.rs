@@ -1,11 +1,12 @@
 //! How a command can fail, and the exit code of each.
 
+use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
 use bsm_batch::TableError;
-use bsm_case::{CaseError, InputSet, printable};
+use bsm_case::{CaseError, InputSet, brief, printable};
 use bsm_report::ReportError;
 use bsm_validate::ValidateError;
 use thiserror::Error;
@@ -27,7 +28,7 @@ pub(crate) enum Failure {
     #[error("{0}")]
     Check(String),
     /// A table of points that cannot be read on.
-    #[error(transparent)]
+    #[error("{}", of_table(.0))]
     Table(#[from] TableError),
     /// The reader of standard output has gone: nothing is left to do.
     #[error("closed pipe")]
@@ -40,7 +41,12 @@ impl Failure {
         if error.is_io() {
             return Self::Files(error.to_string());
         }
-        Self::in_scene(path, &error.to_string())
+        Self::in_scene(path, &of_input(error))
+    }
+
+    /// A complaint about an input of an option, or of a file.
+    pub(crate) fn input(of: impl Display, error: &CaseError) -> Self {
+        Self::Input(format!("{of}: {}", of_input(error)))
     }
 
     /// Bad input with its file in front.
@@ -57,7 +63,7 @@ impl Failure {
     pub(crate) fn table(path: &Path, error: &TableError) -> Self {
         match error {
             TableError::Io(e) => Self::files("read", path, e),
-            other => Self::in_scene(path, &other.to_string()),
+            other => Self::in_scene(path, &of_table(other)),
         }
     }
 
@@ -91,6 +97,40 @@ impl Failure {
         warn("error", &self.to_string());
         ExitCode::from(code)
     }
+}
+
+/// What is wrong with an input, and the command or the option that helps.
+pub(crate) fn of_input(error: &CaseError) -> String {
+    fn help(error: &CaseError) -> &'static str {
+        match error {
+            CaseError::UnknownKey { .. } => "; `bsm schema input` lists all keys",
+            CaseError::UnknownListKey { .. } => "; `bsm catalog --lists` prints all keys",
+            CaseError::UnknownColumn { .. } => "; `bsm catalog --columns` lists them",
+            CaseError::UnknownRequirement { .. } => "; `bsm design` without a file lists all keys",
+            CaseError::UnknownOutput { .. } => "; `bsm schema output` lists them",
+            CaseError::NoRange { .. } => "; give one with --range LOW:HIGH",
+            CaseError::InRow { error, .. } => help(error),
+            _ => "",
+        }
+    }
+    format!("{error}{}", help(error))
+}
+
+/// What is wrong with a table, and the command or the option that helps.
+pub(crate) fn of_table(error: &TableError) -> String {
+    let help = match error {
+        TableError::UnknownColumn { name, .. } => format!(
+            "; leave it out, copy it to the output with --keep {}, or give its name in the vocabulary \
+             with --columns-from",
+            brief(name)
+        ),
+        TableError::UnknownOutput { .. } => "; `bsm schema output` lists them".to_owned(),
+        TableError::Separator { .. } => {
+            "; --delimiter and --decimal say how a table is written".to_owned()
+        }
+        _ => String::new(),
+    };
+    format!("{error}{help}")
 }
 
 impl From<ReportError> for Failure {

@@ -84,7 +84,7 @@ pub(crate) fn read_scene(path: &Path, settings: &[String]) -> Result<Scene, Fail
 
 /// Applies `--set` settings.
 pub(crate) fn apply(scene: &mut Scene, settings: &[String]) -> Result<(), Failure> {
-    scene.apply(settings).map_err(|e: CaseError| Failure::Input(format!("--set: {e}")))
+    scene.apply(settings).map_err(|e: CaseError| Failure::input("--set", &e))
 }
 
 /// Where a table goes: standard output, or a file that gets its name when it is complete.

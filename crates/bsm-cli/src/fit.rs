@@ -6,7 +6,7 @@ use bsm_case::{Calibration, CalibrationReport, CaseError, Fit, Scene, Settings};
 use bsm_report::{Axis, Curve, Figure, Stroke, number};
 
 use crate::args::{FitArgs, Format};
-use crate::failure::{Failure, note_unused};
+use crate::failure::{Failure, note_unused, of_input};
 use crate::files::{self, pretty_json, print, read_scene};
 use crate::table;
 
@@ -26,7 +26,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         return Err(Failure::Input(text.to_owned()));
     };
     let fit = Fit::new(&scene, input, args.range, &args.measured)
-        .map_err(|e| Failure::Input(e.to_string()))?;
+        .map_err(|e| Failure::Input(of_input(&e)))?;
     note_unused(scene.given());
     let report = fit.run(&scene, &settings).map_err(in_file)?;
     match args.format {
@@ -48,7 +48,7 @@ fn to_table(
     settings: &Settings,
 ) -> Result<(), Failure> {
     let bytes = files::read(data, LARGEST)?;
-    let usage = |e: CaseError| Failure::Input(format!("{}: {e}", data.display()));
+    let usage = |e: CaseError| Failure::input(data.display(), &e);
     let fit = Calibration::new(scene, &args.input, &args.measured, &bytes[..]).map_err(usage)?;
     let Some(report) = fit.run(scene, settings).map_err(usage)? else {
         return Err(Failure::Check(format!("{}, --input NAME=LOW:HIGH", Calibration::LOST)));

@@ -33,7 +33,7 @@ mod workbook;
 use std::env;
 use std::process::ExitCode;
 
-use bsm_batch::hush_parquet_panics;
+use bsm_batch::hush_caught_panics;
 use clap::{CommandFactory, Parser};
 
 use crate::args::{Cli, Command};
@@ -42,7 +42,7 @@ use crate::files::print;
 use crate::threads::on_threads;
 
 fn main() -> ExitCode {
-    hush_parquet_panics();
+    hush_caught_panics();
     if let Err(error) = unfinished::prepare() {
         return Failure::Files(format!("cannot handle signals: {error}")).report();
     }

@@ -61,6 +61,7 @@ pub(crate) fn run(args: &ShardArgs, workers: &Workers<'_>) -> Result<(), Failure
     let solved = parts.run_shards(&task, &points, mine(), args.repair, workers, &mut tell);
     bar.finish_and_clear();
     let solved = solved.map_err(|error| failed(folder, error))?.len() - found;
+    parts.check_names().map_err(|error| failed(folder, error))?;
     let folder = folder.display();
     let text = format!(
         "{solved} solved, {found} there before, of {all} parts; `bsm verify {folder}` tells what is missing"
@@ -87,10 +88,9 @@ pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
         "solve it with `bsm shard {folder}`, on one machine or many, then `bsm verify {folder}`"
     );
     warn("note", &how);
-    let keeps_rows = plan.reduction().is_ok_and(|reduction| reduction.is_none());
-    if keeps_rows && plan.rows() > MANY_ROWS {
-        let text = "rows of a kernel are cheaper to solve again than to keep and read: consider \
-                    --reduce min,max,mean,histogram:64,worst:10, with --by for groups";
+    if plan.rows() > MANY_ROWS {
+        let text = "so many rows are cheaper to solve again than to keep and read: the Python package solves \
+                    parts of this plan in memory, for statistics (ballscrew.solve_shard)";
         warn("note", text);
     }
     Ok(())

@@ -2,14 +2,14 @@
 
 use std::fs;
 use std::io::{self, IsTerminal};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bsm_batch::dataset::{
-    self, Dataset, DatasetError, Event, Filling, Layout, Plan, Points, Reduction, sha256,
+    self, Damage, Dataset, DatasetError, Event, Filling, Plan, Points, sha256,
 };
 use bsm_batch::{
-    Answers, Chunk, Count, Format, NumberColumn, NumberSink, RunError, Source, TableError,
-    TableSink, Task, Workers,
+    Answers, Chunk, Count, CsvSink, Dialect, Format, NumberColumn, NumberSink, RunError, Source,
+    TableError, TableSink, Task, Workers,
 };
 use bsm_case::{Output as Column, exact};
 use bsm_report::PROGRAM;
@@ -17,7 +17,7 @@ use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
 use serde_json::{Value, json};
 
 use crate::args::TableArgs;
-use crate::failure::{Failure, warn};
+use crate::failure::{Failure, of_table, warn};
 use crate::files::{self, Output, pretty_json};
 use crate::shard::print_plan;
 use crate::unfinished;
@@ -28,11 +28,13 @@ use crate::workbook::{self, Entry, Workbook};
 pub(crate) struct Job<'a> {
     pub(crate) task: Task,
     table: &'a TableArgs,
+    /// How CSV is written.
+    pub(crate) signs: Dialect,
 }
 
 impl<'a> Job<'a> {
     pub(crate) fn new(task: Task, table: &'a TableArgs) -> Self {
-        Self { task, table }
+        Self { task, table, signs: Dialect::default() }
     }
 
     /// Solves all rows into a table, or into a folder of tables, and tells how many have no result;
@@ -73,9 +75,13 @@ impl<'a> Job<'a> {
         };
         if several > 0 {
             let have = if several == 1 { "has" } else { "have" };
+            let is_written = self.task.outputs.iter().any(|o| o.name == "other_solutions");
+            let hint = if is_written { "see the column" } else { "listed by --columns" };
             warn(
                 "note",
-                &format!("{several} of {rows} rows {have} another solution; see other_solutions"),
+                &format!(
+                    "{several} of {rows} rows {have} another solution, {hint} other_solutions"
+                ),
             );
         }
         if failed == 0 {
@@ -134,7 +140,13 @@ impl<'a> Job<'a> {
         match form_of(path, "--output")? {
             Form::Table(format) => {
                 let (columns, outputs) = (source.columns(), &self.task.outputs);
-                let sink = TableSink::new(format, Output::create(path)?, columns, outputs);
+                let out = Output::create(path)?;
+                let sink = match format {
+                    Format::Csv => {
+                        CsvSink::with(out, columns, outputs, &self.signs).map(TableSink::Csv)
+                    }
+                    _ => TableSink::new(format, out, columns, outputs),
+                };
                 let sink = sink.map_err(|error| unwritable(path, &error))?;
                 let run = self.task.run(source, sink, u64::MAX, workers, seen);
                 let (sink, count) = run.map_err(failed)?;
@@ -159,18 +171,10 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// How the folder is laid out.
-    fn layout(&self) -> Result<Layout, Failure> {
-        let TableArgs { rows_per_shard, reduce, by, .. } = self.table;
-        let reduction = reduce.as_ref().map(|reduce| Reduction::parse(reduce, by)).transpose();
-        let reduction = reduction.map_err(|why| Failure::Input(format!("--reduce: {why}")))?;
-        Ok(Layout { rows_per_shard: *rows_per_shard, reduction })
-    }
-
     /// Begins the folder, or finds that it has the same plan, and tells what it comes to.
     fn plan(&self, points: &Points, workers: &Workers<'_>) -> Result<(), Failure> {
         let folder = self.table.output.as_path();
-        let plan = Plan::new(&self.task, points, &self.layout()?, workers);
+        let plan = Plan::new(&self.task, points, self.table.rows_per_shard, workers);
         let begun =
             plan.and_then(|plan| Dataset::resume(folder, plan, unfinished::create_temporary));
         print_plan(folder, begun.map_err(|error| failed(folder, error))?.plan())
@@ -182,9 +186,9 @@ impl<'a> Job<'a> {
         workers: &Workers<'_>,
         watch: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
-        let TableArgs { output: folder, resume, quiet, .. } = self.table;
-        let how =
-            Filling { resume: *resume, layout: self.layout()?, make: unfinished::create_temporary };
+        let TableArgs { output: folder, resume, rows_per_shard, quiet, .. } = self.table;
+        let (resume, rows_per_shard) = (*resume, *rows_per_shard);
+        let how = Filling { resume, rows_per_shard, make: unfinished::create_temporary };
         let mut bar = ProgressBar::hidden();
         let mut tell = |event: Event<'_>| match event {
             Event::Foreign(files) => {
@@ -209,7 +213,8 @@ impl<'a> Job<'a> {
 
 /// The outputs to write.
 pub(crate) fn outputs(table: &TableArgs) -> Result<Vec<&'static Column>, Failure> {
-    Answers::select(table.columns.as_deref()).map_err(|e| Failure::Input(format!("--columns: {e}")))
+    let selected = Answers::select(table.columns.as_deref());
+    selected.map_err(|e| Failure::Input(format!("--columns: {}", of_table(&e))))
 }
 
 /// Refuses points for a folder that cannot be read twice, before anything is read.
@@ -250,11 +255,9 @@ fn is_folder(table: &TableArgs) -> Result<bool, Failure> {
             folder.with_extension("").display()
         )));
     }
-    for (given, name) in [
-        (table.rows_per_shard.is_some(), "--rows-per-shard"),
-        (table.plan, "--plan"),
-        (table.reduce.is_some(), "--reduce"),
-    ] {
+    for (given, name) in
+        [(table.rows_per_shard.is_some(), "--rows-per-shard"), (table.plan, "--plan")]
+    {
         if given {
             let text = format!("{name} is for folders, such as --output map/");
             return Err(Failure::Input(text));
@@ -271,13 +274,31 @@ pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
         DatasetError::Io { doing, path, error } => Failure::files(doing, &path, &error),
         DatasetError::Thread(error) => Failure::no_thread(&error),
         DatasetError::Stopped => Failure::Files(error.to_string()),
-        DatasetError::Damaged(_) => Failure::Check(error.to_string()),
+        DatasetError::Damaged(ref damaged) => {
+            Failure::Check(format!("{error}; {}", mend(folder, damaged)))
+        }
+        DatasetError::Begun { .. } => {
+            Failure::Input(format!("{error}; continue with --resume, or take another folder"))
+        }
         DatasetError::NotAPlan { .. } => Failure::Input(format!(
             "{error}; take another folder than {}, or put the plan back",
             folder.display()
         )),
         other => Failure::Input(other.to_string()),
     }
+}
+
+/// What to do about files in place of parts.
+pub(crate) fn mend(folder: &Path, damaged: &[(PathBuf, Damage)]) -> String {
+    let them = if damaged.len() == 1 { "it" } else { "them" };
+    if damaged.iter().all(|(_, why)| matches!(why, Damage::NotInThePlan)) {
+        return format!("move {them} away");
+    }
+    format!(
+        "move {them} away, and what is missing is solved again with --resume, or let `bsm shard {} --repair` \
+         replace {them}",
+        folder.display()
+    )
 }
 
 /// Why a run into a table has ended early.

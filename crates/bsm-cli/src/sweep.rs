@@ -87,7 +87,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
 
 /// The points, and the grid that a task for them is made for: its own, or that of the ends of random points.
 fn points(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
-    let usage = |what| move |e: CaseError| Failure::Input(format!("{what}: {e}"));
+    let usage = |what: &'static str| move |e: CaseError| Failure::input(what, &e);
     if let Some(count) = args.draws {
         let draws = Draws::parse(args.seed, count, &args.draw).map_err(usage("--draw"))?;
         let corners = draws.corners().map_err(usage("--draw"))?;

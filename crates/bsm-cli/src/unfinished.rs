@@ -53,14 +53,18 @@ mod signals {
     use std::time::Duration;
     use std::{fs, io, thread};
 
-    use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ};
+    use signal_hook::consts::{
+        SIGABRT, SIGALRM, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ,
+    };
     use signal_hook::{flag, iterator::Signals};
 
     use crate::failure::warn;
     use crate::files::FILE_TOO_LARGE;
 
-    /// Interrupts; each ends the program with 128 and its number.
-    const INTERRUPTS: [i32; 5] = [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ];
+    /// Interrupts, those that schedulers send before a limit of time among them; each ends the program with 128 and
+    /// its number.
+    const INTERRUPTS: [i32; 9] =
+        [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM];
 
     /// Time after which a write that was too long has failed.
     const FAILS_WITHIN: Duration = Duration::from_millis(200);

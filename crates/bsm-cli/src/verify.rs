@@ -11,7 +11,7 @@ use crate::args::{Format, VerifyArgs};
 use crate::failure::Failure;
 use crate::files::{pretty_json, print};
 use crate::shard::open;
-use crate::stream::failed;
+use crate::stream::{failed, mend};
 
 /// Lines of a list in words.
 const SHOWN: usize = 20;
@@ -64,12 +64,14 @@ pub(crate) fn run(args: &VerifyArgs, workers: &Workers<'_>) -> Result<(), Failur
             list(&mut lines, "missing", ranges);
             list(&mut lines, "damaged", damaged.collect());
             list(&mut lines, "foreign", found.foreign.iter().map(|path| name(path)).collect());
-            if !is_complete {
-                let repair = if found.damaged.is_empty() { "" } else { " --repair" };
-                lines.push(format!(
-                    "`bsm shard {}{repair}` solves what is missing",
-                    folder.display()
-                ));
+            if found.other_plan().is_some() {
+                lines.push(
+                    "put the plan.json of these parts back, or take another folder".to_owned(),
+                );
+            } else if !found.damaged.is_empty() {
+                lines.push(mend(folder, &found.damaged));
+            } else if !is_complete {
+                lines.push(format!("`bsm shard {}` solves what is missing", folder.display()));
             }
             print(&lines.join("\n"))?;
         }

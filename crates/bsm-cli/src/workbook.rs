@@ -1,12 +1,15 @@
 //! Tables as workbooks: rows below names and units, and a sheet that says what they are made from; the only file
 //! that names the library.
 
-use std::io;
+use std::sync::atomic::Ordering;
+use std::{env, io};
 
-use bsm_batch::{Answers, Cell, Chunk, Columns, Sink, TableError};
+use bsm_batch::{Answers, Cell, Chunk, Columns, Sink, TableError, caught};
 use bsm_case::Output;
 use rust_xlsxwriter::{Format, Workbook as Book, Worksheet, XlsxError};
 use serde_json::Value;
+
+use crate::files::FILE_TOO_LARGE;
 
 /// Rows that a sheet has below names and units.
 pub(crate) const MOST_ROWS: u64 = 1_048_574;
@@ -73,9 +76,9 @@ impl Workbook {
             return Err(TableError::Io(io::Error::other(too_many("more"))));
         }
         let row = self.row;
-        let sheet = self.book.worksheet_from_index(0).map_err(|e| failed(&e))?;
-        (0..).zip(entries).try_for_each(|(column, entry)| {
-            write(sheet, row, column, &entry).map_err(|e| failed(&e))
+        written(|| {
+            let sheet = self.book.worksheet_from_index(0)?;
+            (0..).zip(entries).try_for_each(|(column, entry)| write(sheet, row, column, &entry))
         })?;
         self.row += 1;
         Ok(())
@@ -87,7 +90,7 @@ impl Workbook {
     pub(crate) fn finish(mut self, about: &Value) -> Result<Vec<u8>, TableError> {
         let mut leaves = Vec::new();
         flatten(String::new(), about, &mut leaves);
-        let written = || -> Result<Vec<u8>, XlsxError> {
+        written(|| {
             let sheet = self.book.add_worksheet();
             sheet.set_name("about")?.set_column_width(0, WIDTHS.1)?;
             for (row, (name, leaf)) in (0..).zip(leaves) {
@@ -102,14 +105,25 @@ impl Workbook {
                 };
             }
             self.book.save_to_buffer()
-        };
-        written().map_err(|e| failed(&e))
+        })
     }
+}
+
+/// What the library writes; it panics where the temporary file that it holds rows in has no room.
+fn written<T>(write: impl FnOnce() -> Result<T, XlsxError>) -> Result<T, TableError> {
+    let done = caught(write).ok_or_else(|| {
+        // The end of a write beyond `ulimit -f` is told here.
+        FILE_TOO_LARGE.store(true, Ordering::Relaxed);
+        let folder = env::temp_dir();
+        let text = format!("no room for a temporary file in {} (TMPDIR)", folder.display());
+        TableError::Io(io::Error::other(text))
+    })?;
+    done.map_err(|e| failed(&e))
 }
 
 impl Sink for Workbook {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
-        let outputs = self.outputs.clone();
+        let (outputs, kept) = (self.outputs.clone(), chunk.kept_values()?);
         for row in 0..chunk.len {
             let inputs: Vec<_> = chunk.inputs.iter().map(|column| column.cell(row)).collect();
             let inputs = inputs.iter().map(|cell| match cell {
@@ -129,7 +143,12 @@ impl Sink for Workbook {
                     (_, value) => Entry::Number(value),
                 }
             });
-            let kept = chunk.kept.iter().map(|texts| Entry::Text(&texts[row]));
+            let kept = kept.iter().map(|values| match &values[row] {
+                Value::Null => Entry::Nothing,
+                Value::Number(number) => Entry::Number(number.as_f64().unwrap_or(f64::NAN)),
+                Value::Bool(yes) => Entry::Flag(*yes),
+                other => Entry::Text(other.as_str().unwrap_or_default()),
+            });
             self.row(kept.chain(inputs).chain(verdict).chain(outputs))?;
         }
         Ok(())

@@ -101,8 +101,7 @@ pub enum DatasetError {
         take another folder", .0.display())]
     Older(PathBuf),
     /// A folder that was begun before.
-    #[error("{} holds the parts of {} task; continue with --resume, or take another folder", folder.display(),
-        if *same { "this" } else { "another" })]
+    #[error("{} holds the parts of {} task", folder.display(), if *same { "this" } else { "another" })]
     Begun {
         /// The folder.
         folder: PathBuf,
@@ -117,6 +116,15 @@ pub enum DatasetError {
         /// Keys of the plan that are not the same.
         differences: String,
     },
+    /// Parts that agree on another plan than the one beside them.
+    #[error("{} has parts of another plan, {}, beside its plan.json; put the plan.json of these parts back, \
+        or take another folder", folder.display(), &other[..other.len().min(12)])]
+    PartsOfAnotherPlan {
+        /// The folder.
+        folder: PathBuf,
+        /// The id of their plan.
+        other: String,
+    },
     /// What stands in place of the plan is none.
     #[error("{} is not the plan of this task: {why}", path.display())]
     NotAPlan {
@@ -126,8 +134,7 @@ pub enum DatasetError {
         why: String,
     },
     /// What stands in place of parts is none of the plan's.
-    #[error("{}; move {} away, and it is solved again with --resume, or \
-        let `bsm shard --repair` replace it", words(.0), if .0.len() == 1 { "it" } else { "each" })]
+    #[error("{}", words(.0))]
     Damaged(Vec<(PathBuf, Damage)>),
 }
 

@@ -14,7 +14,6 @@ const PLAN: &str = "plan.json";
 const DATA: &str = "data";
 const UNFINISHED: &str = "tmp";
 const SHARDS: &str = "shards.parquet";
-const REDUCED: &str = "reduced.parquet";
 /// What older versions wrote in place of a plan.
 pub(super) const OLD_PLAN: &str = "parts.json";
 
@@ -51,11 +50,6 @@ impl Folder {
     /// Where the list of the parts is.
     pub(super) fn shards(&self) -> PathBuf {
         self.path.join(SHARDS)
-    }
-
-    /// Where the statistics of all parts are.
-    pub(super) fn reduced(&self) -> PathBuf {
-        self.path.join(REDUCED)
     }
 
     /// What is among the parts; nothing if their folder is not there.
@@ -180,7 +174,7 @@ fn unfinished_id(entry: &fs::DirEntry) -> Option<String> {
     let name = entry.file_name().into_string().ok()?;
     let [what, id, random] = name.split('.').collect::<Vec<_>>()[..] else { return None };
     let part = what.strip_prefix("part-").is_some_and(|n| n.parse::<u64>().is_ok());
-    let ours = (part || ["plan", "reduced", "shards"].contains(&what))
+    let ours = (part || ["plan", "shards"].contains(&what))
         && id.len() == SHORT_ID
         && id.bytes().all(|b| b.is_ascii_hexdigit())
         && random.len() == RANDOM

@@ -17,7 +17,7 @@ use parquet::file::metadata::ParquetMetaDataReader;
 use parquet::file::writer::SerializedFileWriter;
 use sha2::{Digest, Sha256};
 
-use super::digest;
+use super::{DatasetError, digest};
 use crate::parquet_table::{decoded, finish_with};
 use crate::{Count, TableError, Workers};
 
@@ -47,8 +47,18 @@ pub(super) struct Place<'a> {
     pub(super) shard: u64,
     pub(super) first_row: u64,
     pub(super) rows: u64,
-    /// Whether it holds statistics in place of its rows.
-    pub(super) is_reduced: bool,
+}
+
+impl Place<'_> {
+    /// Refuses points that are not as many as the plan has.
+    pub(super) fn check(&self, count: Count) -> Result<(), DatasetError> {
+        let Self { shard, rows, .. } = *self;
+        let found = count.rows;
+        if found == rows {
+            return Ok(());
+        }
+        Err(DatasetError::PointsChanged { shard, rows, found })
+    }
 }
 
 /// A finished part.
@@ -94,7 +104,10 @@ pub enum Damage {
     Short(u64),
     /// A part of something else.
     #[error("is a part of another plan")]
-    OtherPlan,
+    OtherPlan(
+        /// The id of that plan.
+        String,
+    ),
     /// Another part of the plan.
     #[error("is a copy of part {0}")]
     OtherPart(String),
@@ -229,10 +242,11 @@ pub(super) fn proven(mut footer: Vec<u8>, len: u64, place: Place<'_>) -> Result<
         let keys = metadata.key_value_metadata()?;
         keys.iter().rev().find(|entry| entry.key == key)?.value.as_deref()
     };
-    if value(PLAN) != Some(place.plan) {
-        return Err(Damage::OtherPlan);
+    let plan = value(PLAN).ok_or(Damage::Footer)?;
+    if plan != place.plan {
+        return Err(Damage::OtherPlan(plan.to_owned()));
     }
-    let Place { shard, first_row, rows, is_reduced, .. } = place;
+    let Place { shard, first_row, rows, .. } = place;
     let found = value(SHARD).unwrap_or("?");
     if found != shard.to_string() || value(ROWS) != Some(&format!("{first_row}:{rows}")) {
         return Err(Damage::OtherPart(found.to_owned()));
@@ -240,7 +254,7 @@ pub(super) fn proven(mut footer: Vec<u8>, len: u64, place: Place<'_>) -> Result<
     let counted = |key| value(key).and_then(|n| n.parse().ok()).ok_or(Damage::Footer);
     let (failed, several, data_bytes) = (counted(FAILED)?, counted(SEVERAL)?, counted(DATA_BYTES)?);
     let data_sha256 = value(DATA_SHA256).ok_or(Damage::Footer)?.to_owned();
-    let all_rows = is_reduced || u64::try_from(metadata.num_rows()) == Ok(rows);
+    let all_rows = u64::try_from(metadata.num_rows()) == Ok(rows);
     if data_bytes + footer.len() as u64 != len || !all_rows {
         return Err(Damage::Footer);
     }

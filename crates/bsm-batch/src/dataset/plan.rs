@@ -1,6 +1,5 @@
 //! The plan of a folder: all that the bytes of its parts depend on, and nothing else.
 
-use std::io;
 use std::num::{NonZeroU32, NonZeroU64};
 use std::path::{Path, PathBuf};
 
@@ -11,7 +10,6 @@ use serde_json::{Map, Value, json};
 
 use super::part::Place;
 use super::points::{Points, WrittenPoints};
-use super::reduce::{Reduced, Reduction};
 use super::{Damage, DatasetError, Part, digest, part};
 use crate::{Answers, Columns, Heading, Task, Workers};
 
@@ -20,7 +18,7 @@ use crate::{Answers, Columns, Heading, Task, Workers};
 pub const RESULTS: u32 = 15;
 
 /// Form of the file itself and of the parts: their bytes follow from the plan.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 
 /// Most parts of a folder.
 pub const MOST_SHARDS: u64 = 100_000;
@@ -30,7 +28,6 @@ pub const MOST_SHARDS: u64 = 100_000;
 pub struct Plan {
     written: Written,
     text: String,
-    id: String,
 }
 
 /// A plan as it stands in its file: the order of the keys is that of the fields.
@@ -45,24 +42,23 @@ struct Written {
     columns: Vec<String>,
     rows: u64,
     rows_per_shard: NonZeroU64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    reduce: Option<WrittenReduction>,
+    /// SHA-256 of the text with nothing in this place; the id of the plan.
+    #[serde(default)]
+    sha256: String,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct WrittenReduction {
-    statistics: Vec<String>,
-    by: Vec<String>,
-}
+impl Written {
+    /// The text of the file.
+    fn text(&self) -> serde_json::Result<String> {
+        Ok(serde_json::to_string(self)? + "\n")
+    }
 
-/// What a plan says besides its task and its points.
-#[derive(Debug, Clone, Default)]
-pub struct Layout {
-    /// Rows of a part; follow from the task unless given.
-    pub rows_per_shard: Option<NonZeroU64>,
-    /// Statistics in place of rows.
-    pub reduction: Option<Reduction>,
+    /// With the hash of the text.
+    fn sealed(mut self) -> serde_json::Result<Self> {
+        self.sha256.clear();
+        self.sha256 = digest::of_bytes(self.text()?.as_bytes());
+        Ok(self)
+    }
 }
 
 /// What a plan comes to, nominally.
@@ -119,20 +115,17 @@ impl WrittenModel {
 impl Plan {
     /// The plan of a task over points.
     ///
+    /// * `rows_per_shard`: rows of a part; follow from the task unless given.
+    ///
     /// # Errors
     ///
     /// [`DatasetError`] if the points cannot be read, or there would be more than [`MOST_SHARDS`] parts.
     pub fn new(
         task: &Task,
         points: &Points,
-        layout: &Layout,
+        rows_per_shard: Option<NonZeroU64>,
         workers: &Workers<'_>,
     ) -> Result<Self, DatasetError> {
-        let Layout { rows_per_shard, reduction } = layout;
-        if let Some(reduction) = reduction {
-            let source = points.open().map_err(DatasetError::Read)?;
-            Reduced::new(reduction, source.columns(), &task.outputs).map_err(DatasetError::Read)?;
-        }
         let (points, rows) = points.written(workers)?;
         let rule = || rows_of_a_shard(rows, task.settings.model);
         let rows_per_shard = rows_per_shard.unwrap_or_else(rule);
@@ -150,28 +143,21 @@ impl Plan {
             columns: task.outputs.iter().map(|output| output.name.to_owned()).collect(),
             rows,
             rows_per_shard,
-            reduce: reduction.as_ref().map(|reduction| WrittenReduction {
-                statistics: reduction.statistics.iter().map(ToString::to_string).collect(),
-                by: reduction.by.iter().map(|key| key.name().to_owned()).collect(),
-            }),
+            sha256: String::new(),
         };
-        let text = serde_json::to_string(&written).map_err(io::Error::from);
-        let text = text.map_err(|e| DatasetError::io("write", Path::new("plan.json"), e))? + "\n";
-        let id = digest::of_bytes(text.as_bytes());
-        Ok(Self { written, text, id })
+        let unwritable =
+            |e: serde_json::Error| DatasetError::io("write", Path::new("plan.json"), e.into());
+        let written = written.sealed().map_err(unwritable)?;
+        Ok(Self { text: written.text().map_err(unwritable)?, written })
     }
 
     /// Reads a plan.
     ///
     /// # Errors
     ///
-    /// What is wrong with it, in words: it is no plan, of another program, or not in canonical form.
+    /// What is wrong with it, in words: it is no plan, of another program, or has been changed.
     pub fn from_text(text: &str) -> Result<Self, String> {
         let written: Written = serde_json::from_str(text).map_err(|e| e.to_string())?;
-        let canonical = serde_json::to_string(&written).map_err(|e| e.to_string())? + "\n";
-        if canonical != text {
-            return Err("it is not in canonical form".to_owned());
-        }
         let (found, this) = (&written.program, Program::this());
         if (written.format, found) != (FORMAT, &this) {
             return Err(format!(
@@ -185,8 +171,12 @@ impl Plan {
                 this.results
             ));
         }
-        let id = digest::of_bytes(text.as_bytes());
-        Ok(Self { written, text: canonical, id })
+        let written = written.sealed().map_err(|e| e.to_string())?;
+        let as_written = written.text().map_err(|e| e.to_string())?;
+        if as_written != text {
+            return Err("it has been changed: its text does not have the SHA-256 in it".to_owned());
+        }
+        Ok(Self { written, text: as_written })
     }
 
     /// The task.
@@ -218,16 +208,6 @@ impl Plan {
         self.written.points.read(table, workers)
     }
 
-    /// The statistics that stand in place of rows.
-    ///
-    /// # Errors
-    ///
-    /// What in the plan names nothing, in words.
-    pub fn reduction(&self) -> Result<Option<Reduction>, String> {
-        let written = self.written.reduce.as_ref();
-        written.map(|w| Reduction::parse(&w.statistics, &w.by)).transpose()
-    }
-
     /// What it comes to.
     ///
     /// # Errors
@@ -237,29 +217,20 @@ impl Plan {
         /// Footer of a part, and of each of its columns \[B\].
         const FOOTER: f64 = 1500.0;
         const COLUMN: f64 = 150.0;
-        /// Row of a table of statistics \[B\].
-        const STATISTIC: f64 = 20.0;
         let task = self.task()?;
         let [rows, shards] = [self.rows(), self.shards()].map(approximate);
         let inputs = self.written.points.inputs();
         #[expect(clippy::cast_precision_loss, reason = "there are some fifty")]
         let columns = (inputs.len() + task.outputs.len()) as f64;
-        let data = if let Some(reduction) = self.reduction()? {
-            let per_group = STATISTIC * reduction.rows_of_a_group(task.outputs.len());
-            let by = reduction.by.iter().map(|key| self.written.points.values(*key));
-            // Groups of later parts go by the values of earlier ones.
-            per_group * by.product::<f64>().min(approximate(self.rows_per_shard())) * shards
-        } else {
-            let bytes = |output: &&Output| match output.json_type {
-                "boolean" => 0.125,
-                "string" => 0.5,
-                _ => 8.0,
-            };
-            let outputs = task.outputs.iter().map(bytes).sum::<f64>();
-            // Auto says why it chose its model.
-            let words = if task.settings.model == ModelChoice::Auto { 4.0 } else { 0.5 };
-            rows * (words + outputs + inputs.iter().sum::<f64>())
+        let bytes = |output: &&Output| match output.json_type {
+            "boolean" => 0.125,
+            "string" => 0.5,
+            _ => 8.0,
         };
+        let outputs = task.outputs.iter().map(bytes).sum::<f64>();
+        // Auto says why it chose its model.
+        let words = if task.settings.model == ModelChoice::Auto { 4.0 } else { 0.5 };
+        let data = rows * (words + outputs + inputs.iter().sum::<f64>());
         let core_seconds = rows * seconds(task.settings.model);
         Ok(Estimate { core_seconds, bytes: data + shards * (FOOTER + COLUMN * columns) })
     }
@@ -273,7 +244,7 @@ impl Plan {
     /// [`Damage`]; [`Damage::Short`] if more of the last bytes are needed.
     pub fn prove(&self, shard: u64, end: &[u8], len: u64) -> Result<Part, Damage> {
         match part::footer_of(end) {
-            Ok(footer) => part::proven(footer, len, self.place(shard)),
+            Ok(footer) => part::proven(footer, len, self.place_of(shard)),
             Err(Some(needed)) if needed <= len => Err(Damage::Short(needed)),
             Err(_) if len == 0 => Err(Damage::Empty),
             Err(_) => Err(Damage::Footer),
@@ -285,9 +256,9 @@ impl Plan {
         &self.text
     }
 
-    /// SHA-256 of its file.
+    /// The SHA-256 in its file.
     pub fn id(&self) -> &str {
-        &self.id
+        &self.written.sha256
     }
 
     /// All rows.
@@ -305,28 +276,33 @@ impl Plan {
         self.rows().div_ceil(self.rows_per_shard()).max(1)
     }
 
-    pub(super) fn place(&self, shard: u64) -> Place<'_> {
+    /// The place of a part that the plan has.
+    pub(super) fn place(&self, shard: u64) -> Result<Place<'_>, DatasetError> {
+        let shards = self.shards();
+        let place = (shard < shards).then(|| self.place_of(shard));
+        place.ok_or(DatasetError::NoSuchPart { shard, shards })
+    }
+
+    pub(super) fn place_of(&self, shard: u64) -> Place<'_> {
         let first_row = shard * self.rows_per_shard();
         let rows = self.rows_per_shard().min(self.rows() - first_row);
-        let is_reduced = self.written.reduce.is_some();
-        Place { plan: &self.id, shard, first_row, rows, is_reduced }
+        Place { plan: self.id(), shard, first_row, rows }
     }
 
     /// Which keys of another plan's text are not as here, with both values where they are short; `None`
     /// if that is no plan.
     pub(super) fn differences(&self, other: &str) -> Option<String> {
-        // Of two plans, one may have statistics and the other none.
-        const OPTIONAL: &str = "reduce";
+        // It differs with any other key.
+        const HASH: &str = "sha256";
         let parse = |text: &str| match serde_json::from_str(text) {
             Ok(Value::Object(keys)) => Some(keys),
             _ => None,
         };
         let (this, other) = (parse(&self.text)?, parse(other)?);
-        let all_there = this.keys().all(|key| key == OPTIONAL || other.contains_key(key));
-        let added = other.keys().filter(|key| *key == OPTIONAL && !this.contains_key(*key));
-        let differ = this.keys().chain(added).filter(|key| this.get(*key) != other.get(*key));
-        let words = differ.map(|key| {
-            let [now, then] = [&this, &other].map(|plan| plan.get(key).unwrap_or(&Value::Null));
+        let all_there = this.keys().all(|key| other.contains_key(key));
+        let differ = this.iter().filter(|(key, now)| *key != HASH && other.get(*key) != Some(*now));
+        let words = differ.map(|(key, now)| {
+            let then = other.get(key).unwrap_or(&Value::Null);
             match (now.to_string(), then.to_string()) {
                 (now, then) if now.len() + then.len() < 60 => format!("{key} ({then}, now {now})"),
                 _ => key.clone(),
@@ -425,8 +401,7 @@ mod tests {
     }
 
     fn plan(task: &Task, points: &Points, rows: u64) -> Plan {
-        let layout = Layout { rows_per_shard: NonZeroU64::new(rows), reduction: None };
-        Plan::new(task, points, &layout, &workers()).expect("a plan")
+        Plan::new(task, points, NonZeroU64::new(rows), &workers()).expect("a plan")
     }
 
     #[test]
@@ -434,21 +409,21 @@ mod tests {
         let points = grid(&["lead_mm = 5:1e1:11", "screw_speed_rpm=1e300,-0.1,1500.0"]);
         let plan = plan(&task(), &points, 16);
         let version = env!("CARGO_PKG_VERSION");
-        assert_eq!(
-            plan.text(),
+        let text = |hash: &str| {
             format!(
                 "{{\"format\":{FORMAT},\"program\":{{\"name\":\"bsm\",\"version\":\"{version}\",\
                  \"results\":{RESULTS}}},\"points\":{{\"grid\":[\"lead_mm=5:10:11\",\
                  \"screw_speed_rpm=1e300,-0.1,1500\"]}},\"base\":{{\"axial_load_N\":0.1}},\
                  \"model\":{{\"name\":\"rigid\",\"tolerance\":0.01,\"accuracy\":1e-8,\
                  \"creep\":0.0001,\"control\":null,\"friction\":\"local\"}},\"columns\":[\"efficiency\"],\"rows\":33,\
-                 \"rows_per_shard\":16}}\n"
+                 \"rows_per_shard\":16,\"sha256\":\"{hash}\"}}\n"
             )
-        );
-        assert_eq!(plan.id(), digest::of_bytes(plan.text().as_bytes()));
+        };
+        assert_eq!(plan.id(), digest::of_bytes(text("").as_bytes()));
+        assert_eq!(plan.text(), text(plan.id()));
         let again = Plan::from_text(plan.text()).expect("its own text");
         assert_eq!((again.id(), again.shards(), again.rows()), (plan.id(), 3, 33));
-        assert_eq!(again.place(2).rows, 1);
+        assert_eq!(again.place(2).expect("a part").rows, 1);
         let read = again.points(|name| name.into(), &workers()).expect("points");
         let (Points::Grid(read), Points::Grid(grid)) = (read, points) else {
             unreachable!("grids")
@@ -460,8 +435,11 @@ mod tests {
             (&b.base, b.settings, b.outputs[0].name)
         );
         for (text, part) in [
-            (plan.text().replace("0.0001", "1e-4"), "not in canonical form"),
-            (plan.text().replace("}\n", "}"), "not in canonical form"),
+            (plan.text().replace("0.0001", "1e-4"), "has been changed"),
+            (plan.text().replace("}\n", "}"), "has been changed"),
+            (plan.text().replace("load_N\":0.1", "load_N\":0.2"), "has been changed"),
+            (text(""), "has been changed"),
+            (plan.text().replace("\"format\":3", "\"format\":2"), "in form 2"),
             (plan.text().replace(",\"rows\":33", ""), "missing field `rows`"),
             (plan.text().replace("\"name\":\"bsm\"", "\"name\":\"msb\""), "it is of msb"),
             (String::new(), "EOF"),
@@ -501,7 +479,6 @@ mod tests {
             (plan(&task(), &points, 17), "rows_per_shard (17, now 16)"),
             (plan(&task(), &grid(&["lead_mm=5:11:11"]), 16), "points"),
             (plan(&task(), &draws("lead_mm=uniform:5:10", 11), 16), "points"),
-            (reduced(&["min"], &[]), "reduce "),
         ] {
             assert_ne!(other.id(), first.id(), "{key}");
             let said = first.differences(other.text()).expect("another plan");
@@ -510,7 +487,6 @@ mod tests {
             assert!(said.starts_with(key) && !said.contains(", ") | said.contains("now"), "{said}");
         }
         assert_eq!(first.differences("{}"), None);
-        assert_ne!(reduced(&["min"], &["lead_mm"]).id(), reduced(&["min"], &[]).id());
         let draws = |count| plan(&task(), &draws("lead_mm=uniform:5:10", count), 16);
         assert_ne!(draws(11).id(), draws(12).id());
     }
@@ -520,32 +496,16 @@ mod tests {
         Points::Draws(Draws::new(7, count, of).expect("draws"))
     }
 
-    fn reduced(statistics: &[&str], by: &[&str]) -> Plan {
-        let [statistics, by] = [statistics, by]
-            .map(|words| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>());
-        let reduction = Reduction::parse(&statistics, &by);
-        let rows_per_shard = NonZeroU64::new(16);
-        let layout = Layout { rows_per_shard, reduction: Some(reduction.expect("words")) };
-        Plan::new(&task(), &grid(&["lead_mm=5:10:11"]), &layout, &workers()).expect("a plan")
-    }
-
-    /// Random points and statistics are read back as they were written.
+    /// Random points are read back as they were written.
     #[test]
-    fn every_kind_of_plan_is_read_back() {
-        for plan in [
-            plan(&task(), &draws("lead_mm=normal:20:0.1", 100), 16),
-            reduced(&["min", "histogram:8", "worst:3"], &["lead_mm"]),
-        ] {
-            let again = Plan::from_text(plan.text()).expect("its own text");
-            assert_eq!((again.id(), again.reduction()), (plan.id(), plan.reduction()));
-            let points = again.points(|name| name.into(), &workers()).expect("points");
-            let layout = Layout {
-                rows_per_shard: NonZeroU64::new(16),
-                reduction: again.reduction().expect("a reduction"),
-            };
-            let made = Plan::new(&again.task().expect("a task"), &points, &layout, &workers());
-            assert_eq!(made.expect("a plan").text(), plan.text());
-        }
+    fn a_plan_of_random_points_is_read_back() {
+        let plan = plan(&task(), &draws("lead_mm=normal:20:0.1", 100), 16);
+        let again = Plan::from_text(plan.text()).expect("its own text");
+        assert_eq!(again.id(), plan.id());
+        let points = again.points(|name| name.into(), &workers()).expect("points");
+        let rows = NonZeroU64::new(16);
+        let made = Plan::new(&again.task().expect("a task"), &points, rows, &workers());
+        assert_eq!(made.expect("a plan").text(), plan.text());
     }
 
     /// A part is seconds of one core, whatever the job; beyond 100 000 parts, less than 1/50 000 of it.
@@ -570,8 +530,7 @@ mod tests {
     #[test]
     fn more_parts_than_a_folder_takes_are_refused() {
         let points = grid(&["lead_mm=5:10:1000001"]);
-        let layout = Layout { rows_per_shard: NonZeroU64::new(10), reduction: None };
-        let refused = Plan::new(&task(), &points, &layout, &workers());
+        let refused = Plan::new(&task(), &points, NonZeroU64::new(10), &workers());
         let said = refused.expect_err("too many").to_string();
         assert!(said.contains("at least 11"), "{said}");
     }

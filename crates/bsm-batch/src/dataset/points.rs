@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use bsm_case::{Axis, CaseError, Grid, InputKey};
+use bsm_case::{Axis, CaseError, Grid};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -171,17 +171,6 @@ impl WrittenPoints {
             Self::Random(draws) => vec![NUMBER; draws.of.len()],
             Self::Table(table) => vec![NUMBER; COLUMNS + table.keep.len()],
         }
-    }
-
-    /// How many values an input has, nominally.
-    pub(super) fn values(&self, key: InputKey) -> f64 {
-        /// Of a table that is grouped.
-        const FEW: f64 = 100.0;
-        let Self::Grid(axes) = self else { return FEW };
-        let axes = axes.iter().filter_map(|axis| Axis::parse(axis).ok());
-        #[expect(clippy::cast_precision_loss, reason = "for an estimate")]
-        let len = axes.filter(|axis| axis.key == key).map(|axis| axis.len() as f64).next();
-        len.unwrap_or(FEW)
     }
 
     /// The points; a table is looked for at a path, and must be the one that the plan was made for.

@@ -11,12 +11,8 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use arrow_array::RecordBatch;
-use arrow_array::cast::AsArray;
-use arrow_array::types::Float64Type;
-use arrow_cast::cast;
-use arrow_schema::DataType;
 use bsm_batch::dataset::{
-    self, Damage, Dataset, DatasetError, Event, Filling, Layout, Plan, Points, Reduction,
+    self, Damage, Dataset, DatasetError, Event, Filling, Plan, Points, solve_part,
 };
 use bsm_batch::{
     Answers, Count, Dialect, Draw, Draws, Format, GridSource, ParquetSource, Source, TableSink,
@@ -53,15 +49,11 @@ fn grid() -> Grid {
 }
 
 fn plan(task: &Task, points: &Points, rows: u64) -> Plan {
-    Plan::new(task, points, &layout(rows), &workers(1)).expect("a plan")
-}
-
-fn layout(rows: u64) -> Layout {
-    Layout { rows_per_shard: NonZeroU64::new(rows), reduction: None }
+    Plan::new(task, points, NonZeroU64::new(rows), &workers(1)).expect("a plan")
 }
 
 fn fill(folder: &Path, task: &Task, points: &Points, threads: usize) -> Count {
-    let how = Filling { resume: true, layout: layout(50), make };
+    let how = Filling { resume: true, rows_per_shard: NonZeroU64::new(50), make };
     dataset::fill(folder, task, points, how, &workers(threads), &mut |_| {}).expect("solved")
 }
 
@@ -336,107 +328,68 @@ fn a_table_without_rows_is_one_part() {
     assert!(part.next(10).expect("Parquet").is_none());
 }
 
-/// Rows of a Parquet table, whose columns have numbers and texts.
-fn table(path: &Path) -> Vec<RecordBatch> {
-    let file = fs::File::open(path).expect("a table");
-    let reader = ParquetRecordBatchReaderBuilder::try_new(file).expect("Parquet").build();
-    reader.expect("Parquet").map(|batch| batch.expect("rows")).collect()
+/// A part that is solved in memory has the columns, types and values of its file.
+#[test]
+fn a_part_in_memory_is_the_part_of_the_folder() {
+    let (points, folder) = (Points::Grid(grid()), temporary());
+    // A word, a flag, a count and a number.
+    let outputs = ["controlling_race", "control_consistent", "iterations", "efficiency"];
+    let outputs = Answers::select(Some(&outputs.map(str::to_owned))).expect("outputs");
+    let task = Task { outputs, ..task(Model::RacewayControl) };
+    fill(folder.path(), &task, &points, 2);
+    let parts = Dataset::open(folder.path(), make).expect("a folder");
+    for shard in 0..3 {
+        let file = fs::File::open(parts.part_file(shard)).expect("a part");
+        let reader = ParquetRecordBatchReaderBuilder::try_new(file).expect("Parquet").build();
+        let of_file: Vec<RecordBatch> =
+            reader.expect("Parquet").map(|batch| batch.expect("rows")).collect();
+        let workers = workers(2);
+        let (schema, batches) = solve_part(parts.plan(), &points, shard, &workers).expect("solved");
+        assert_eq!(schema.fields(), of_file[0].schema().fields());
+        assert!(batches == of_file, "part {shard}");
+    }
+    let none = solve_part(parts.plan(), &points, 3, &workers(1));
+    assert!(matches!(none, Err(DatasetError::NoSuchPart { shard: 3, shards: 3 })));
 }
 
-/// Statistics of rows that are kept, by hand, for every group.
+/// Audit, reliability 3: a plan that was put in place of another one made `--repair` overwrite good parts.
 #[test]
-fn statistics_are_those_of_the_rows() {
-    let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
-    let [rows, reduced, other] = [temporary(), temporary(), temporary()];
-    let count = fill(rows.path(), &task, &points, 2);
-    let words = ["min", "max", "mean", "histogram:4", "worst:2"].map(str::to_owned);
-    let by = ["friction_coefficient".to_owned()];
-    let reduction = Some(Reduction::parse(&words, &by).expect("words"));
-    let solve = |folder: &Path, threads, parts: u64| {
-        let layout = Layout { reduction: reduction.clone(), ..layout(parts) };
-        let how = Filling { resume: true, layout, make };
-        dataset::fill(folder, &task, &points, how, &workers(threads), &mut |_| {}).expect("solved")
+fn parts_that_agree_on_another_plan_are_not_overwritten() {
+    let (points, [mine, yours]) = (Points::Grid(grid()), [temporary(), temporary()]);
+    fill(mine.path(), &task(Model::ClosedForm), &points, 1);
+    fill(yours.path(), &task(Model::QuasiStatic), &points, 1);
+    let plan = mine.path().join("plan.json");
+    let own = fs::read(&plan).expect("a plan");
+    fs::copy(yours.path().join("plan.json"), &plan).expect("writable");
+    let before = files(mine.path());
+    let workers = workers(1);
+    let repair = |task: &Task| {
+        let parts = Dataset::open(mine.path(), make).expect("a folder");
+        parts.run_shards(task, &points, 0..3, true, &workers, &mut |_| {}).map(|parts| parts.len())
     };
-    assert_eq!(solve(reduced.path(), 2, 50), count);
-    assert_eq!(solve(other.path(), 1, 50), count);
-    assert!(files(reduced.path()) == files(other.path()), "threads change bytes");
+    let refused = repair(&task(Model::QuasiStatic));
+    assert!(matches!(refused, Err(DatasetError::PartsOfAnotherPlan { .. })), "{refused:?}");
+    assert!(files(mine.path()) == before);
+    // With its own plan it is whole; and one part of the other plan is damage among the others.
+    fs::write(&plan, own).expect("writable");
+    let [from, to] = [&yours, &mine].map(|f| f.path().join("data/part-000001.parquet"));
+    fs::copy(from, to).expect("writable");
+    assert_eq!(repair(&task(Model::ClosedForm)).expect("repaired"), 3);
+}
 
-    let part = |i| table(&rows.path().join(format!("data/part-{i:06}.parquet")));
-    let all: Vec<_> = (0..3).flat_map(part).collect();
-    let column = |table: &[RecordBatch], name: &str| {
-        let mut values = Vec::new();
-        for batch in table {
-            let column = batch.column_by_name(name).expect(name);
-            let column = cast(column, &DataType::Float64).expect("numbers");
-            values.extend(column.as_primitive::<Float64Type>());
-        }
-        values
-    };
-    let text = |table: &[RecordBatch], name: &str| {
-        let mut texts = Vec::new();
-        for batch in table {
-            let column = batch.column_by_name(name).expect(name).as_string::<i32>();
-            texts.extend(column.iter().map(|text| text.map(str::to_owned)));
-        }
-        texts
-    };
-    let found = table(&reduced.path().join("reduced.parquet"));
-    let (groups, loads) = (column(&found, "friction_coefficient"), column(&found, "axial_load_N"));
-    let (outputs, statistics) = (text(&found, "output"), text(&found, "statistic"));
-    let [low, high, value, counts, places] =
-        ["low", "high", "value", "count", "row"].map(|name| column(&found, name));
-    let (friction, load) = (column(&all, "friction_coefficient"), column(&all, "axial_load_N"));
-    for group in [0.01, 0.1, 12.0] {
-        let rows: Vec<_> = (0..120).filter(|row| friction[*row] == Some(group)).collect();
-        assert_eq!(rows.len(), 40);
-        let lines = |output: Option<&str>, statistic: &str| -> Vec<usize> {
-            let is = |line: &usize| {
-                groups[*line] == Some(group)
-                    && outputs[*line].as_deref() == output
-                    && statistics[*line].as_deref() == Some(statistic)
-            };
-            (0..statistics.len()).filter(is).collect()
-        };
-        let one = |output, statistic, column: &[Option<f64>]| {
-            let lines = lines(output, statistic);
-            assert_eq!(lines.len(), 1, "{group} {output:?} {statistic}");
-            column[lines[0]]
-        };
-        assert_eq!(one(None, "rows", &counts), Some(40.0));
-        assert_eq!(one(None, "failed", &counts), Some(if group > 1.0 { 40.0 } else { 0.0 }));
-        for name in ["efficiency", "screw_torque_Nm"] {
-            let output = column(&all, name);
-            let mut values: Vec<_> =
-                rows.iter().filter_map(|row| Some((output[*row]?, *row))).collect();
-            let output = Some(name);
-            let number = |count: usize| f64::from(u32::try_from(count).expect("few"));
-            assert_eq!(one(output, "values", &counts), Some(number(values.len())));
-            let bins = lines(output, "histogram");
-            for line in &bins {
-                let (low, high) = (low[*line].expect("an end"), high[*line].expect("an end"));
-                let inside = values.iter().filter(|(x, _)| low <= *x && *x < high).count();
-                assert_eq!(counts[*line], Some(number(inside)), "{name} {low} {high}");
-            }
-            let of_bins = bins.iter().filter_map(|line| counts[*line]).sum();
-            assert_eq!(Some::<f64>(of_bins), Some(number(values.len())));
-            let sum: f64 = values.iter().map(|(x, _)| x).sum();
-            match one(output, "mean", &value) {
-                // A plain sum of 40 numbers is right to 40 rounding errors.
-                Some(mean) => assert!((mean - sum / 40.0).abs() <= 40.0 * f64::EPSILON * mean),
-                None => assert!(values.is_empty() && group > 1.0),
-            }
-            values.sort_by(|a, b| a.0.total_cmp(&b.0));
-            assert_eq!(one(output, "min", &value), values.first().map(|(x, _)| *x));
-            assert_eq!(one(output, "max", &value), values.last().map(|(x, _)| *x));
-            let low = lines(output, "lowest");
-            let high = lines(output, "highest");
-            let expected = values.iter().take(2).chain(values.iter().rev().take(2));
-            assert_eq!(low.len() + high.len(), expected.clone().count());
-            for (line, (x, row)) in low.iter().chain(&high).zip(expected) {
-                assert_eq!((value[*line], places[*line]), (Some(*x), Some(number(*row))));
-                assert_eq!(loads[*line], load[*row]);
-            }
-        }
+/// Audit, reliability 12: a part too many was passed over.
+#[test]
+fn a_part_too_many_is_told() {
+    let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
+    fill(folder.path(), &task, &points, 1);
+    let parts = Dataset::open(folder.path(), make).expect("a folder");
+    parts.check_names().expect("the parts of the plan");
+    for name in ["part-000003.parquet", "part-2.parquet"] {
+        let path = folder.path().join("data").join(name);
+        fs::copy(parts.part_file(2), &path).expect("writable");
+        let said = parts.check_names().expect_err("too many").to_string();
+        assert!(said.contains(name) && said.contains("no part of that name"), "{said}");
+        fs::remove_file(path).expect("removable");
     }
 }
 
@@ -556,9 +509,10 @@ fn the_size_of_a_plan_is_that_of_its_parts() {
     let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
     let points = Points::Draws(Draws::new(11, 100_000, draws).expect("draws"));
     let (task, folder) = (task(Model::Rigid), temporary());
-    let plan = Plan::new(&task, &points, &layout(30_000), &workers(1)).expect("a plan");
+    let rows_per_shard = NonZeroU64::new(30_000);
+    let plan = Plan::new(&task, &points, rows_per_shard, &workers(1)).expect("a plan");
     let bytes = plan.estimate().expect("a task").bytes;
-    let how = Filling { resume: false, layout: layout(30_000), make };
+    let how = Filling { resume: false, rows_per_shard, make };
     dataset::fill(folder.path(), &task, &points, how, &workers(2), &mut |_| {}).expect("solved");
     let parts = files(folder.path()).into_iter().filter(|(name, _)| name.starts_with("data"));
     let found: u32 = parts.map(|(_, bytes)| u32::try_from(bytes.len()).expect("small")).sum();
@@ -575,7 +529,7 @@ fn a_part_of_a_million_million_points_takes_a_moment() {
     let points = Points::Grid(Grid::new(axes).expect("a grid"));
     let (task, folder, workers) = (task(Model::ClosedForm), temporary(), workers(1));
     let begin = Instant::now();
-    let plan = Plan::new(&task, &points, &Layout::default(), &workers).expect("a plan");
+    let plan = Plan::new(&task, &points, None, &workers).expect("a plan");
     assert_eq!((plan.rows(), plan.shards()), (999_989_186_560, 59_605));
     assert!(plan.text().len() < 1000, "{}", plan.text());
     let parts = Dataset::create(folder.path(), plan, make).expect("a folder");

@@ -2,9 +2,10 @@
 
 use crate::alike;
 
-use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Task};
+use bsm_batch::{Answers, Cell, Chunk, Column, Columns, CsvSource, Source, Task};
+use bsm_case::units::other_units;
 use bsm_case::{InputKey, ModelChoice, Record, Scene, Settings};
-use bsm_dyn::{Model, ModelWorkspace, Status};
+use bsm_dyn::{Model, ModelWorkspace, RacewayFriction, Status};
 use rand::seq::{IndexedRandom, SliceRandom};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -308,4 +309,160 @@ fn ten_thousand_tables_mean_what_solves_mean() {
     // All models, and every kind of refusal, often enough to tell.
     assert!(converged > 8000 && seen.converged.len() == Model::ALL.len(), "{counts}");
     assert!(seen.unsolved > 100 && seen.invalid.iter().all(|(_, count)| *count > 100), "{counts}");
+}
+
+/// The name of an input in one of its units.
+fn in_a_unit(key: InputKey, rng: &mut impl Rng) -> (String, f64) {
+    let name = key.name();
+    let mut all = vec![(name.to_owned(), 1.0)];
+    for (unit, _) in other_units(name) {
+        let names = name.match_indices('_').map(|(at, _)| format!("{}_{unit}", &name[..at]));
+        all.extend(names.filter_map(|name| match InputKey::in_unit(&name) {
+            Ok((found, factor)) if found == key => Some((name, factor)),
+            _ => None,
+        }));
+    }
+    let place = if rng.random_bool(0.5) { 0 } else { rng.random_range(0..all.len()) };
+    all.swap_remove(place)
+}
+
+/// Random rows over all inputs that have other forms, in all units: what `bsm solve --set` says of the same names and
+/// values. Returns the rows, and how many of them have two forms of one quantity.
+fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
+    use InputKey as K;
+    // Quantities in forms of which one may be given, with values of practice.
+    const TWO_FORMS: [[K; 2]; 4] = [
+        [K::screw_speed_rpm, K::feed_m_min],
+        [K::contact_angle_deg, K::groove_bottom_distance_mm],
+        [K::viscosity_40C_mm2_s, K::iso_vg],
+        [K::heat_transfer_W_K, K::lubricant_temperature_C],
+    ];
+    const DRY: [(K, f64); 10] = [
+        (K::lead_angle_deg, 8.7),
+        (K::lead_mm, 20.0),
+        (K::screw_speed_rpm, 1200.0),
+        (K::feed_m_min, 18.0),
+        (K::contact_angle_deg, 50.0),
+        (K::groove_bottom_distance_mm, 9.0),
+        (K::loaded_balls, 66.0),
+        (K::loaded_balls_per_turn, 20.0),
+        (K::loaded_turns, 3.5),
+        (K::axial_load_N, 6000.0),
+    ];
+    const OIL: [(K, f64); 6] = [
+        (K::iso_vg, 100.0),
+        (K::viscosity_40C_mm2_s, 90.0),
+        (K::viscosity_100C_mm2_s, 9.0),
+        (K::lubricant_temperature_C, 50.0),
+        (K::heat_transfer_W_K, 8.0),
+        (K::ambient_temperature_C, 20.0),
+    ];
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let outputs = Answers::select(None).expect("all outputs");
+    let mut work = ModelWorkspace::default();
+    let (mut count, mut twice, mut converged) = (0, 0, 0);
+    while count < rows {
+        let rng = &mut rng;
+        let mut base = drive();
+        let is_wet = rng.random_bool(0.2);
+        if is_wet {
+            base.friction_coefficient = None;
+            let oil = ["iso_vg=68", "lubricant_temperature_C=40", "ball_roughness_um=0.02"];
+            let more = ["nut_roughness_um=0.1", "screw_roughness_um=0.1"];
+            base.apply(&[&oil[..], &more].concat()).expect("inputs");
+        }
+        let settings = match rng.random_range(0..100) {
+            // Traction integrates friction, and takes a thousand times as long.
+            0..2 if is_wet => Settings::from(Model::Traction),
+            _ if is_wet => {
+                Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() }
+            }
+            0..80 => {
+                let models = [
+                    Model::ClosedForm,
+                    Model::QuasiStatic,
+                    Model::Rigid,
+                    Model::RacewayControl,
+                    Model::Elastic,
+                ];
+                Settings::from(*models.choose(rng).expect("some models"))
+            }
+            _ => Settings::default(),
+        };
+        let mut keys: Vec<_> = DRY.into_iter().collect();
+        if is_wet {
+            keys.extend(OIL);
+        }
+        keys.shuffle(rng);
+        keys.truncate(rng.random_range(1..6));
+        let names: Vec<_> = keys.iter().map(|(key, _)| in_a_unit(*key, rng)).collect();
+        let heads: Vec<_> = names.iter().map(|(name, _)| &name[..]).collect();
+        let mut text = heads.join(",") + "\n";
+        let mut cells = Vec::new();
+        for _ in 0..rng.random_range(1..9) {
+            let row: Vec<_> = keys
+                .iter()
+                .zip(&names)
+                .map(|((_, value), (_, factor))| {
+                    let value = value * rng.random_range(0.9..1.1) / factor;
+                    // Grades are some numbers only, and rarely right here.
+                    let value = if value > 85.0 && factor.to_bits() == 1.0_f64.to_bits() {
+                        value.round()
+                    } else {
+                        value
+                    };
+                    if rng.random_bool(0.25) { String::new() } else { value.to_string() }
+                })
+                .collect();
+            // A row of one empty cell is a blank line.
+            let line =
+                if row.len() == 1 && row[0].is_empty() { "\"\"".to_owned() } else { row.join(",") };
+            text += &format!("{line}\n");
+            cells.push(row);
+        }
+        let mut source = CsvSource::new(text.as_bytes(), &[]).expect("inputs, each once");
+        let columns = source.columns().clone();
+        let chunk = source.next(100).expect("a table").expect("rows");
+        assert_eq!(chunk.len, cells.len(), "{text}");
+        let answers = Task::new(base.clone(), settings, outputs.clone()).solve(&chunk, &columns);
+        for (row, cells) in cells.iter().enumerate() {
+            let given = heads.iter().zip(cells).filter(|(_, cell)| !cell.is_empty());
+            let words: Vec<_> = given.map(|(name, cell)| format!("{name}={cell}")).collect();
+            let what = || format!("{} {words:?} on {base:?}", settings.model.name());
+            let mut scene = base.clone();
+            let asked = scene.apply(&words).and_then(|()| scene.problem(&settings));
+            let expected = match asked {
+                Ok(problem) => Record::new(problem.solve(&mut work)),
+                Err(error) => Record::invalid(settings.model, &error),
+            };
+            let message = expected.message().map(str::to_owned).or_else(|| expected.choice());
+            assert_eq!(answers.message(row), message.as_deref(), "{}", what());
+            assert_eq!(answers.verdicts[row].model, expected.model(), "{}", what());
+            converged +=
+                usize::from(assert_alike(&what, (&answers, row), &outputs, (&expected, &scene)));
+            let has =
+                |key: &K| keys.iter().zip(cells).any(|((k, _), cell)| k == key && !cell.is_empty());
+            if TWO_FORMS.iter().any(|forms| forms.iter().all(has)) {
+                twice += 1;
+                assert_eq!(answers.verdicts[row].status, Status::InvalidInput, "{}", what());
+            }
+            count += 1;
+        }
+    }
+    assert!(converged > rows / 5, "{converged} of {count}");
+    (count, twice)
+}
+
+/// Audit, reliability 2: of speed and feed in two columns the feed was passed over.
+#[test]
+fn rows_with_two_forms_of_one_quantity_are_refused() {
+    let (rows, twice) = alternatives(3706, 500);
+    assert!(rows >= 500 && twice > 10, "{twice} of {rows}");
+}
+
+#[test]
+#[ignore = "minutes"]
+fn five_thousand_rows_over_all_alternatives() {
+    let (rows, twice) = alternatives(3707, 5000);
+    println!("0 false, 0 silent: {rows} rows, {twice} of them with two forms of one quantity");
 }

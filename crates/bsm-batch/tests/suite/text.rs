@@ -3,9 +3,14 @@
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
-use bsm_batch::{Answers, Cell, CsvSource, Format, JsonSource, Source, TableError, Task, Workers};
-use bsm_case::Scene;
-use bsm_dyn::Model;
+use arrow_array::ArrayRef;
+use arrow_array::cast::AsArray;
+use bsm_batch::{
+    Answers, Cell, CsvSink, CsvSource, Dialect, Format, JsonSource, Sink, Source, TableError, Task,
+    Workers,
+};
+use bsm_case::{Scene, Settings};
+use bsm_dyn::{Model, RacewayFriction};
 
 /// The kept texts and the inputs of every row.
 type Rows = Vec<(Vec<String>, Vec<Cell>)>;
@@ -16,7 +21,8 @@ fn rows(source: &mut dyn Source) -> Result<Rows, TableError> {
     while let Some(chunk) = source.next(2)? {
         assert_eq!(chunk.first, rows.len() as u64 + 1);
         for row in 0..chunk.len {
-            let kept = chunk.kept.iter().map(|texts| texts[row].clone()).collect();
+            let text = |texts: &ArrayRef| texts.as_string::<i32>().value(row).to_owned();
+            let kept = chunk.kept.iter().map(text).collect();
             rows.push((kept, chunk.inputs.iter().map(|column| column.cell(row)).collect()));
         }
     }
@@ -110,6 +116,107 @@ fn a_blank_line_is_not_passed_over() {
     // An empty cell alone in its line is written with quotes.
     let empty = numbers(csv(b"lead_mm\n5\n\"\"\n7\n", &[]));
     assert!(empty.len() == 3 && empty[1].is_nan(), "{empty:?}");
+}
+
+/// Audit, reliability 6: rows of empty cells between tabs were lost at the end of a table, and so was a cell of a
+/// space.
+#[test]
+fn a_row_of_empty_cells_between_tabs_is_a_row() {
+    let dialect = Dialect { delimiter: '\t', ..Dialect::default() };
+    let tabs = |table: &str, kept: &[&str]| {
+        rows(&mut CsvSource::with(table.as_bytes(), &keep(kept), &dialect).expect("a table"))
+    };
+    let table = "lead_mm\tscrew_speed_rpm\n10\t\n12\t\n\t\n \t\n";
+    let read = tabs(table, &[]).expect("rows");
+    let nothing = vec![Cell::Missing, Cell::Missing];
+    let lead = |mm| vec![Cell::Number(mm), Cell::Missing];
+    let cells: Vec<_> = read.into_iter().map(|(_, cells)| cells).collect();
+    assert_eq!(cells, [lead(10.0), lead(12.0), nothing.clone(), nothing]);
+    // In the middle too, and in a chunk of its own.
+    assert_eq!(tabs("lead_mm\tid\n\t\n5\ta\n", &["id"]).expect("rows").len(), 2);
+    // The same with commas.
+    assert_eq!(csv(b"lead_mm,screw_speed_rpm\n10,\n,\n,\n", &[]).expect("rows").len(), 3);
+    let space = csv(b"id\na\n \n", &["id"]).expect("rows");
+    assert_eq!(space.iter().map(|(kept, _)| &kept[0][..]).collect::<Vec<_>>(), ["a", " "]);
+    // Without a delimiter it is no row of two cells.
+    assert_eq!(tabs("lead_mm\tid\n5\ta\n   \n", &["id"]).expect("rows").len(), 1);
+}
+
+/// Audit, reliability 11: a temperature that is a column was missing in the rows that do not give it.
+#[test]
+fn an_output_that_is_a_column_of_inputs_has_no_gaps() {
+    let mut base =
+        Scene::from_json(include_bytes!("../../../examples/feed_drive.json")).expect("a scene");
+    base.friction_coefficient = None;
+    base.apply(&[
+        "iso_vg=68",
+        "lubricant_temperature_C=40",
+        "ball_roughness_um=0.02",
+        "nut_roughness_um=0.1",
+        "screw_roughness_um=0.1",
+    ])
+    .expect("inputs");
+    let table = "lubricant_temperature_C,pressure_viscosity_1_GPa\n,\n60,\n,18.5\n-500,\n";
+    let mut source = CsvSource::new(table.as_bytes(), &[]).expect("a table");
+    let outputs = ["efficiency", "lubricant_temperature_C", "pressure_viscosity_1_GPa"];
+    let outputs = Answers::select(Some(&outputs.map(str::to_owned))).expect("outputs");
+    let settings =
+        Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
+    let task = Task::over_table(base, settings, outputs, source.columns()).expect("inputs");
+    let stop = AtomicBool::new(false);
+    let workers = Workers::start(NonZeroUsize::new(1), &stop).expect("a thread");
+    let out = task.write(&mut source, Format::Csv, Vec::new(), &workers, &mut |_, _| {});
+    let out = String::from_utf8(out.expect("solved").0).expect("text");
+    let rows: Vec<Vec<_>> = out.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    assert_eq!(
+        [rows[0][0], rows[1][0], rows[2][0], rows[3][0]],
+        ["40", "60", "40", "-500"],
+        "{out}"
+    );
+    assert_eq!((rows[2][1], rows[3][1], rows[3][3]), ("18.5", "", "invalid_input"), "{out}");
+    let viscosity = |row: usize| rows[row][1].parse::<f64>().expect("a number");
+    assert!(viscosity(0) > 5.0 && viscosity(1) > 5.0, "{out}");
+}
+
+/// Audit, users 20: a table of decimal commas could not be written as one.
+#[test]
+fn a_table_is_written_with_the_signs_of_the_points() {
+    let dialect = Dialect { delimiter: ';', decimal: ',', ..Dialect::default() };
+    let table = "id;axial_load_N\n\"a;b\";5000,5\n";
+    let mut source = CsvSource::with(table.as_bytes(), &keep(&["id"]), &dialect).expect("a table");
+    let base =
+        Scene::from_json(include_bytes!("../../../examples/feed_drive.json")).expect("a scene");
+    let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");
+    let task = Task::new(base, Model::ClosedForm.into(), outputs);
+    let columns = source.columns().clone();
+    let chunk = source.next(10).expect("a table").expect("a row");
+    let answers = task.solve(&chunk, &columns);
+    let efficiency = answers.columns[0][0];
+    let written = |dialect: &Dialect| {
+        let sink = CsvSink::with(Vec::new(), &columns, &task.outputs, dialect);
+        let mut sink = sink.expect("a head");
+        sink.write(chunk.clone(), answers.clone()).expect("a row");
+        String::from_utf8(sink.finish().expect("written")).expect("text")
+    };
+    let own = written(&dialect);
+    let comma = efficiency.to_string().replace('.', ",");
+    assert_eq!(
+        own,
+        format!(
+            "id;axial_load_N;model;status;message;efficiency\n\"a;b\";5000,5;closed-form;converged;;{comma}\n"
+        )
+    );
+    // It is read back by the same signs, also where both are commas.
+    for dialect in [dialect, Dialect { decimal: ',', ..Dialect::default() }] {
+        let own = written(&dialect);
+        let again =
+            rows(&mut CsvSource::with(own.as_bytes(), &keep(&["id"]), &dialect).expect("ours"));
+        assert_eq!(
+            again.expect("rows"),
+            [(vec!["a;b".to_owned()], vec![Cell::Number(5000.5)])],
+            "{own}"
+        );
+    }
 }
 
 #[test]

@@ -10,10 +10,7 @@ use crate::{CaseError, InputKey, InputSet, Scene};
 
 /// The nut of a scene.
 pub(crate) fn nut(scene: &Scene) -> Result<Nut, CaseError> {
-    if let (Some(_), Some(_)) = (scene.contact_angle_deg, scene.groove_bottom_distance_mm) {
-        let keys = ["contact_angle_deg", "groove_bottom_distance_mm"];
-        return Err(CaseError::OneOfTwo { keys, found: "both are" });
-    }
+    scene.given().check_forms()?;
     let (balls_per_turn, turns) = balls_and_turns(scene);
     let told = [(InputKey::loaded_balls_per_turn, balls_per_turn), (InputKey::loaded_turns, turns)];
     let told: InputSet =

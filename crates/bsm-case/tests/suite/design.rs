@@ -150,13 +150,13 @@ fn a_fit_tells_what_can_be_reached() {
         ("friction", "screw_torque_Nm=1", "did you mean `friction_coefficient`?"),
         ("friction_coefficient", "torque=1", "no numeric output is named `torque`"),
         ("friction_coefficient", "screw_torque_Nm", "is not of the form"),
-        ("rolling_friction_mm", "screw_torque_Nm=1", "--range"),
+        ("rolling_friction_mm", "screw_torque_Nm=1", "no range to search is given"),
     ] {
         let error = Fit::new(&scene, input, None, measured).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     }
     let error = Fit::new(&scene, "friction_coefficient", Some((-1.0, 1.0)), "screw_torque_Nm=1");
-    assert!(error.expect_err("negative friction").to_string().contains("--range"));
+    assert!(error.expect_err("negative friction").to_string().contains("range: -1 to 1 is not"));
 }
 
 /// The conformity of Sobolewski's tables is outside Lin's step 6, which a requirement may widen.

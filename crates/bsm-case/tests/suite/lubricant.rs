@@ -158,7 +158,8 @@ fn each_ball_of_a_nut_has_its_own_film() {
     let nut = |settings: &[&str]| {
         let mut scene = Scene::from_json(NUT).expect("an example");
         scene.friction_coefficient = None;
-        scene.apply(settings).expect("inputs");
+        // The later of two for one input holds.
+        settings.iter().for_each(|setting| scene.apply(&[setting]).expect("an input"));
         NutProblem::of(&scene, &Model::RacewayControl.into())
     };
     let report = |settings: &[&str]| {

@@ -216,7 +216,11 @@ fn batch_answers_row_by_row() {
     let kept = ["batch", "first.parquet", "--base", &lin(), "--keep", "model", "-o", "x.csv"];
     let output = bsm(dir.path(), &kept, "");
     assert_eq!(output.status.code(), Some(2), "two columns of one name");
-    assert!(stderr(&output).contains("--keep model: the results"), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("column `model` cannot be kept: the results"),
+        "{}",
+        stderr(&output)
+    );
     assert_eq!(run(&args("first.jsonl")).status.code(), Some(3));
     let lines = fs::read_to_string(dir.path().join("first.jsonl")).expect("lines");
     let line: Value = serde_json::from_str(lines.lines().next().expect("a line")).expect("JSON");
@@ -460,7 +464,7 @@ fn bad_sweeps_write_nothing() {
         ),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "--vary", "lead_angle_deg=4,5", "-o", "x.csv"],
-            "varied twice",
+            "`lead_angle_deg` is given twice",
         ),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.csv", "--plot", "x.pdf"],

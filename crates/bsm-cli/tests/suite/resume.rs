@@ -14,6 +14,7 @@ use std::time::Instant;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde_json::Value;
 
 use program::{folder, stderr};
 
@@ -285,7 +286,7 @@ fn resume_looks_at_finished_parts() {
         Box::new(move || fs::write(target, &bytes).expect("writable"))
     };
     let end = bytes.len();
-    let broken = "its footer proves nothing; move it away, and it is solved again with --resume";
+    let broken = "its footer proves nothing; move it away, and what is missing is solved again with --resume";
     let damages: Vec<(&str, Harm<'_>, Said)> = vec![
         ("cut to 100 bytes", put(bytes[..100].to_vec()), Refused(3, broken)),
         ("cut by a byte", put(bytes[..end - 1].to_vec()), Refused(3, broken)),
@@ -350,7 +351,7 @@ fn resume_looks_at_finished_parts() {
                     fs::write(part, "").expect("writable");
                 }
             }),
-            Refused(3, "part-000005.parquet is empty; and 2 more; move each away"),
+            Refused(3, "part-000005.parquet is empty; and 2 more; move them away"),
         ),
         ("no part", Box::new(|| fs::remove_file(&part).expect("removable")), Healed),
         (
@@ -506,10 +507,9 @@ fn files_of_others_are_left_alone() {
     let args = Points::new(20).args("grid", "map/");
     assert_eq!(run(&args, dir.path()).status.code(), Some(3));
     let tmp = dir.path().join("map/tmp");
-    let id = {
-        let list = Command::new("sha256sum").arg(dir.path().join("map/plan.json")).output();
-        String::from_utf8(list.expect("sha256sum").stdout).expect("text")[..12].to_owned()
-    };
+    let plan = fs::read(dir.path().join("map/plan.json")).expect("a plan");
+    let plan: Value = serde_json::from_slice(&plan).expect("JSON");
+    let id = plan["sha256"].as_str().expect("its hash")[..12].to_owned();
     let ours = [format!("part-000003.{id}.AbCd1234"), format!("shards.{id}.AbCd1234")];
     let others = [
         ".bsm-notes".to_owned(),

@@ -65,18 +65,22 @@ fn a_table_of_ones_own_is_read() {
         (
             "Kraft\n1\n",
             &["--columns-from", "names.json"][..],
-            "--columns-from: the table has no column `Drehzahl`",
+            "the table has no column `Drehzahl` to rename",
         ),
-        ("Kraft\n1\n", &[], "column `Kraft` is not an input"),
+        (
+            "Kraft\n1\n",
+            &[],
+            "copy it to the output with --keep Kraft, or give its name in the vocabulary with --columns-from",
+        ),
         (
             "axial_load_N;lead_mm\n1;2\n",
             &[],
-            "separated by `;`; cells are separated by `,` unless --delimiter",
+            "separated by `;`, but cells are expected to be separated by `,`; --delimiter",
         ),
         (
             "axial_load_N,lead_mm\n1,2\n",
             &["--delimiter", "tab"],
-            "separated by `,`; cells are separated by `\\t`",
+            "separated by `,`, but cells are expected to be separated by `\\t`",
         ),
     ] {
         fs::write(at("bad.csv"), table).expect("table");
