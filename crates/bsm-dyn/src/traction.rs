@@ -32,7 +32,7 @@ use crate::equations::Workspace;
 use crate::raceway_control::{Grip, STATIC};
 use crate::{
     BallState, ErrorBound, Model, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission,
-    Unsolved, Wrench, cost,
+    Unsolved, Wrench, cost, quadrature_error,
 };
 
 /// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
@@ -209,13 +209,13 @@ impl<'a> Rolling<'a> {
 }
 
 impl Rolling<'_> {
-    /// What the efficiency of a root of another quadrature differs from that of this one, as it is stated:
-    /// ten times as much, and no less than rounding is worth (T25).
+    /// Bound of the error of the efficiency of a root of another quadrature, from that of this one (T25).
     ///
-    /// * `found`: there, of this quadrature. * `slope`: of the torque by the unknowns. * `newton`: as the solve
+    /// * `accuracy`: of the other one. * `found`: there, of this quadrature. * `slope`: of the torque by the unknowns. * `newton`: as the solve
     ///   for the root has left it.
     fn error(
         &self,
+        accuracy: f64,
         found: Option<&Evaluated>,
         slope: &Block,
         efficiency: f64,
@@ -230,9 +230,8 @@ impl Rolling<'_> {
             let ideal = ideal_torque(1.0, radius, lead_angle);
             crate::balance::efficiency(self.pair.direction, ideal, torque)
         });
-        // δη = max(10 |η'(y') − η(y)|, 10⁻⁹)                              (T25)
-        let error = 10.0 * (other - efficiency).abs();
-        if error.is_finite() { error.max(1e-9) } else { (1.0 - efficiency).abs() }
+        let error = quadrature_error(other - efficiency, accuracy);
+        if error.is_finite() { error } else { (1.0 - efficiency).abs() }
     }
 
     /// The unknowns (T1) of a state.
@@ -395,7 +394,8 @@ impl Traction {
         let transmission = self.at.transmission_at(pair, torque, power)?;
         let checked = Rolling { quadrature: &rules[places[3]].check, ..ball };
         let other = checked.evaluated::<false>(&root.unknowns).ok();
-        let error = checked.error(other.as_ref(), &torque_slope, transmission.efficiency, newton);
+        let (other, efficiency) = (other.as_ref(), transmission.efficiency);
+        let error = checked.error(self.accuracy, other, &torque_slope, efficiency, newton);
         let info = SolveInfo { steps, residual: root.residual };
         Ok(Found { ball: steady, transmission, skid: grip.skid(pair), info, root, error })
     }
