@@ -65,7 +65,7 @@ impl<'a> Connection<'a> {
             let room = (MOST_HEAD - bytes.len()) as u64;
             let mut part = [0; 4096];
             let length =
-                self.by_ref().take(room).read(&mut part).map_err(|error| unread(&error))?;
+                Read::take(&mut *self, room).read(&mut part).map_err(|error| unread(&error))?;
             if length == 0 {
                 return Err(unread(&ErrorKind::UnexpectedEof.into()));
             }
@@ -89,7 +89,7 @@ impl<'a> Connection<'a> {
         let mut body = head.rest.clone();
         body.truncate(length);
         let missing = (length - body.len()) as u64;
-        self.by_ref().take(missing).read_to_end(&mut body).map_err(|error| unread(&error))?;
+        Read::take(&mut *self, missing).read_to_end(&mut body).map_err(|error| unread(&error))?;
         if body.len() < length {
             return Err(unread(&ErrorKind::UnexpectedEof.into()));
         }
