@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import copy
 import math
+import multiprocessing
 import os
 import pickle
 import signal
@@ -292,6 +293,51 @@ def test_tables_can_be_pickled(screw: bs.Scene) -> None:
     table = pickle.loads(pickle.dumps(bs.solve_many(points, screw, outputs=["efficiency"])))
     assert "axial_load_N" in table.message(7) and table.status[7] == "invalid_input"
     assert other["efficiency"].flags.writeable is False
+
+
+def _solved(load: float) -> bs.Solution:
+    return bs.solve(bs.Scene.read(EXAMPLES / "feed_drive.json"), axial_load_N=load)
+
+
+def _unsolved(load: float) -> bs.Solution:
+    return bs.solve(model="closed-form", contact_angle_deg=1, lead_angle_deg=0.5, friction_coefficient=load)
+
+
+def test_results_cross_processes_and_compare(screw: bs.Scene) -> None:
+    solution = bs.solve(screw, model="traction", accuracy=1e-6)
+    for other in (pickle.loads(pickle.dumps(solution)), copy.copy(solution), copy.deepcopy(solution)):
+        assert type(other) is bs.Solution and other == solution and hash(other) == hash(solution)
+        assert other.to_dict() == solution.to_dict()
+    assert solution != bs.solve(screw, model="traction") and solution != 1
+    points = random_points(50, 3)
+    table, grid = bs.solve_many(points, screw), bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1500.0]})
+    report = bs.slip(screw)
+    for result in (table, grid, report):
+        assert pickle.loads(pickle.dumps(result)) == result and copy.deepcopy(result) == result
+    assert table != grid and grid != bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1600.0]})
+    with multiprocessing.get_context("spawn").Pool(2) as pool:
+        assert pool.map(_solved, [4000.0, 8000.0]) == [_solved(4000.0), _solved(8000.0)]
+        with pytest.raises(bs.NoSolutionError) as caught:
+            pool.map(_unsolved, [0.5])
+        assert caught.value.solution.status == "no_solution"
+
+
+def test_none_leaves_an_input_out(screw: bs.Scene) -> None:
+    assert screw.friction_coefficient is not None
+    bare = screw.replace(friction_coefficient=None)
+    assert bare.friction_coefficient is None and bare.axial_load_N == screw.axial_load_N
+    with pytest.raises(bs.InputError, match="friction_coefficient"):
+        bs.solve(screw, friction_coefficient=None)
+
+
+def test_misspelt_outputs_name_the_nearest(screw: bs.Scene) -> None:
+    with pytest.raises(AttributeError, match="did you mean `efficiency`"):
+        bs.solve(screw).effciency  # type: ignore[attr-defined]
+    table = bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1500.0]}, outputs=["efficiency"])
+    with pytest.raises(KeyError, match="did you mean `efficiency`"):
+        table["efficency"]
+    with pytest.raises(TypeError, match="to_pandas"):
+        np.asarray(table)
 
 
 @pytest.mark.parametrize("rows", [0, 1])

@@ -284,7 +284,8 @@ impl Record {
         map.insert("status".to_owned(), json!(self.status_name()));
         map.insert("message".to_owned(), json!(self.message()));
         map.insert("choice".to_owned(), json!(self.choice()));
-        map.insert("without_error_bound".to_owned(), json!(self.unbounded()));
+        let unbounded = Some(self.unbounded()).filter(|names| !names.is_empty());
+        map.insert("without_error_bound".to_owned(), json!(unbounded));
         for output in OUTPUTS {
             let value = match self.cell(output) {
                 None => Value::Null,

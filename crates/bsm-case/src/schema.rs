@@ -73,9 +73,9 @@ pub fn output_schema() -> Value {
         (
             "without_error_bound",
             json!({
-                "type": "array",
+                "type": ["array", "null"],
                 "items": { "type": "string" },
-                "description": "the outputs here whose error has no bound, though that of the efficiency has one",
+                "description": "the outputs here whose error has no bound, though that of the efficiency has one; null if there are none",
             }),
         ),
     ] {

@@ -336,8 +336,7 @@ fn models_without_a_motion_are_refused() {
     let fixed = Moving::of(&scene, &settings, solution.clone(), &mut work).expect("complete");
     assert_eq!((fixed.solution, fixed.note), (solution, None));
     let auto = Settings { tolerance: 0.9, ..Settings::default() };
-    let chosen = solved(&scene, &auto);
-    assert_eq!(chosen.model, Model::ClosedForm);
+    let chosen = solved(&scene, &Model::ClosedForm.into());
     let next = Moving::of(&scene, &auto, chosen, &mut work).expect("complete");
     assert_eq!(next.settings.model, ModelChoice::Fixed(Model::RacewayControl));
     assert_eq!(next.solution, solved(&scene, &next.settings));

@@ -324,7 +324,8 @@ impl Traction {
     /// Solves with finer and finer quadratures until the error that they state for the efficiency, with
     /// that of the creep speed, is at most `tolerance`; returns the root, its accuracy and the error.
     ///
-    /// Where a finer one has no root, the last one that has is returned, with the whole loss as its error.
+    /// Where a finer one has no root, the last one that has is returned, with the whole loss as its error; where a
+    /// coarse one has none, a finer one may.
     pub(crate) fn solve_to(
         &self,
         start: &Start<'_>,
@@ -334,19 +335,27 @@ impl Traction {
         // |δη| ≤ |δη|_rule + 5·10⁻⁷                                       (A6)
         let bound = |found: &Found| found.error + 5e-7;
         let mut case = Self { accuracy: COARSE, ..*self };
-        let mut found = case.found(start, None, work)?;
+        let mut found = case.found(start, None, work);
         for accuracy in FINER {
-            if bound(&found) <= tolerance {
+            let from = found.as_ref().ok();
+            if from.is_some_and(|found| bound(found) <= tolerance) {
                 break;
             }
             let finer = Self { accuracy, ..case };
-            let Ok(mut next) = finer.found(start, Some(&found.root), work) else {
-                found.error = (1.0 - found.transmission.efficiency).abs();
-                break;
-            };
-            next.info.steps += found.info.steps;
-            (case, found) = (finer, next);
+            match (finer.found(start, from.map(|found| &found.root), work), &mut found) {
+                (Ok(next), former) => {
+                    let steps = former.as_ref().map_or(0, |former| former.info.steps);
+                    let info = SolveInfo { steps: next.info.steps + steps, ..next.info };
+                    (case, found) = (finer, Ok(Found { info, ..next }));
+                }
+                (Err(_), Ok(found)) => {
+                    found.error = (1.0 - found.transmission.efficiency).abs();
+                    break;
+                }
+                (Err(none), Err(former)) => *former = none,
+            }
         }
+        let found = found?;
         let error = bound(&found);
         Ok((found, case.accuracy, error))
     }

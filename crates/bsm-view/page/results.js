@@ -17,7 +17,7 @@ export function showKey(host, result) {
     return;
   }
   const keys = KEYS.filter(([name]) => result[name] != null).map(([name, words, unit]) =>
-    html("div", {}, html("dt", {}, result.without_error_bound.includes(name) ? `${words} *` : words), html("dd", { "data-output": name }, number(result[name]), html("small", {}, unit ? ` ${unit}` : ""))));
+    html("div", {}, html("dt", {}, result.without_error_bound?.includes(name) ? `${words} *` : words), html("dd", { "data-output": name }, number(result[name]), html("small", {}, unit ? ` ${unit}` : ""))));
   const band = result.band;
   host.replaceChildren(
     html("dl", { class: "keys" }, keys),
