@@ -241,7 +241,7 @@ class Solution(SolutionFields):
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> NoReturn:
-            raise AttributeError(f"a solution has no `{name}`{_near(name, dir(self))}", name=name, obj=self)
+            raise AttributeError(f"a solution has no `{name}`{_near(name, dir(type(self)))}", name=name, obj=self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # The same program solves to the same bits.

@@ -299,8 +299,9 @@ def _solved(load: float) -> bs.Solution:
     return bs.solve(bs.Scene.read(EXAMPLES / "feed_drive.json"), axial_load_N=load)
 
 
-def _unsolved(load: float) -> bs.Solution:
-    return bs.solve(model="closed-form", contact_angle_deg=1, lead_angle_deg=0.5, friction_coefficient=load)
+def _unsolved(friction: float) -> bs.Solution:
+    scene = bs.Scene.read(EXAMPLES / "lin1994.json")
+    return bs.solve(scene, model="closed-form", friction_coefficient=friction)
 
 
 def test_results_cross_processes_and_compare(screw: bs.Scene) -> None:
@@ -318,7 +319,7 @@ def test_results_cross_processes_and_compare(screw: bs.Scene) -> None:
     with multiprocessing.get_context("spawn").Pool(2) as pool:
         assert pool.map(_solved, [4000.0, 8000.0]) == [_solved(4000.0), _solved(8000.0)]
         with pytest.raises(bs.NoSolutionError) as caught:
-            pool.map(_unsolved, [0.5])
+            pool.map(_unsolved, [5.0])
         assert caught.value.solution.status == "no_solution"
 
 
