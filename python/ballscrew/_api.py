@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import math
 import os
@@ -103,7 +104,8 @@ class Scene(SceneFields):
         What is not given is taken from it.
     **inputs
         Inputs of the vocabulary, each in the unit that ends its name; `lead_mm` replaces a lead angle of
-        `base` and the other way round. Objects with `.to` and `.magnitude` (pint) are converted.
+        `base` and the other way round, None leaves out that of `base`. Objects with `.to` and `.magnitude` (pint) are
+        converted.
 
     Raises
     ------
@@ -124,6 +126,9 @@ class Scene(SceneFields):
 
     def __new__(cls, base: Scene | Mapping[str, Any] | None = None, /, **inputs: Unpack[Inputs]) -> Self:
         given: dict[str, Any] = dict(inputs)
+        dropped = {name for name, value in given.items() if value is None}
+        if dropped and isinstance(base, _core.Scene):
+            base = {name: value for name, value in json.loads(base.to_json()).items() if name not in dropped}
         if isinstance(base, (str, os.PathLike)):
             raise InputError(f"{os.fspath(base)!r} is no scene; Scene.read(path) reads a file")
         if base is not None and not isinstance(base, _core.Scene):
@@ -233,8 +238,14 @@ class Solution(SolutionFields):
                 if not math.isnan(value)]
         return f"<Solution {self.model}: {', '.join(main)}>"
 
-    def __reduce__(self) -> NoReturn:
-        raise TypeError("pickle the scene and solve it again")
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> NoReturn:
+            raise AttributeError(f"a solution has no `{name}`{_near(name, dir(type(self)))}", name=name, obj=self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The same program solves to the same bits.
+        return type(self), (self.scene, self.how)
 
     def _repr_html_(self) -> str:
         rows = [("model", self.model, ""), ("status", self.status, "")]
@@ -349,11 +360,22 @@ class Table:
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Table):
+            return NotImplemented
+        kinds = (type(self), self.column_names, self._units) == (type(other), other.column_names, other._units)
+        return kinds and all(_same(self[name], other[name]) for name in self._columns)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __array__(self, dtype: object = None, copy: bool | None = None) -> NoReturn:
+        raise TypeError('a table has columns of several kinds: take one, table["efficiency"], or to_pandas().to_numpy()')
+
     def __getitem__(self, name: str) -> NDArray[Any]:
         try:
             column = self._columns[name]
         except KeyError:
-            raise KeyError(f"no column `{name}`; the columns are {_few(self._columns)}") from None
+            raise KeyError(f"no column `{name}`{_near(name, self)}; the columns are {_few(self._columns)}") from None
         if isinstance(column, Words):
             return column.to_numpy()
         if isinstance(column, _core.Kept):
@@ -524,6 +546,14 @@ class Grid(Table):
 
     def __contains__(self, name: str) -> bool:
         return name in self._axes or super().__contains__(name)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Grid):
+            return NotImplemented
+        asked = (self.scene, self.settings, list(self._axes)) == (other.scene, other.settings, list(other._axes))
+        return asked and all(_same(self._axes[name], other._axes[name]) for name in self._axes) and super().__eq__(other)
+
+    __hash__ = None  # type: ignore[assignment]
 
     def grid(self, name: str) -> NDArray[Any]:
         """A column in the shape of the grid."""
@@ -733,7 +763,7 @@ def solve(
     tolerance : float
         Error of the efficiency that `auto` may leave.
     accuracy : float
-        Accuracy of the quadrature in model traction, its error over the friction, 1e-13 to 1e-2.
+        Accuracy of the quadrature in model traction, its error over the friction, 1e-13 to 1e-4.
     creep : float
         Creep speed over the surface speed of the ball in model traction.
     control : {"nut", "screw"}, optional
@@ -1674,6 +1704,19 @@ def _shown(progress: bool | Progress | None) -> Progress | None:
 
         return show
     return progress or None
+
+
+def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:
+    """Whether columns are equal; gaps are."""
+    import numpy as np
+
+    return np.array_equal(one, other, equal_nan=one.dtype.kind == other.dtype.kind == "f")
+
+
+def _near(name: str, names: Iterable[str]) -> str:
+    """The name that may be meant."""
+    near = difflib.get_close_matches(name, [known for known in names if not known.startswith("_")], 1)
+    return f", did you mean `{near[0]}`?" if near else ""
 
 
 def _few(names: Iterable[str]) -> str:

@@ -1402,13 +1402,15 @@ class SolutionFields(_core.Solution):
     @property
     def efficiency_error_bound(self) -> float:
         """Bound of the error of the efficiency: in model traction of its integration over the contact
-        ellipses; in model auto against model traction, for 99 % of all points."""
+        ellipses; in model auto against model traction, for 99 % of all points. Torque and powers follow
+        from the efficiency; the numbers of the ball and of its contacts have no bound where auto takes
+        another model than traction."""
         return self.number(60)
 
     @property
     def loss_error_bound(self) -> float:
-        """The same of the power that is lost, relative to it; null: the error may be as large as the
-        efficiency."""
+        """The same of the power that is lost, relative to the lost power of this result; null: more than
+        0.5."""
         return self.number(61)
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ballscrew._api import INPUTS, OUTPUTS, Grid, Table
+from ballscrew._errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,13 +23,17 @@ def curves(table: Table, x: str, y: str, *, by: str | None = None, ax: Axes | No
     x, y : str
         Names of columns.
     by : str, optional
-        The column that has one value on each line.
+        The column that has one value on each line; of a grid over two inputs, unless given, the other one.
     ax : matplotlib axes, optional
         Where to draw.
     """
     import numpy as np
 
     axes = _axes(ax)
+    others = [name for name in table.axes if name != x] if isinstance(table, Grid) else []
+    if by is None and len(others) > 1:
+        raise InputError(f"by is required: the grid varies {', '.join(others)} besides {x}")
+    by = by or next(iter(others), None)
     if by is None:
         axes.plot(table[x], table[y])
     else:

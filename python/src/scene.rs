@@ -68,7 +68,7 @@ impl Scene {
         other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
     }
 
-    fn __hash__(&self) -> u64 {
+    pub(crate) fn __hash__(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
         self.0.to_json().to_string().hash(&mut hasher);
         hasher.finish()
@@ -83,8 +83,16 @@ impl Scene {
 }
 
 /// Model, tolerance, accuracy, creep, controlling race, and where friction of a lubricant is computed.
-#[derive(FromPyObject)]
+#[derive(FromPyObject, IntoPyObject)]
 pub(crate) struct How(String, f64, f64, f64, Option<String>, String);
+
+impl From<Settings> for How {
+    fn from(settings: Settings) -> Self {
+        let Settings { model, tolerance, accuracy, creep, control, friction } = settings;
+        let control = control.map(|race| race.name().to_owned());
+        Self(model.name().into(), tolerance, accuracy, creep, control, friction.name().into())
+    }
+}
 
 impl How {
     /// As settings, checked.

@@ -47,6 +47,24 @@ impl Solution {
         self.scene.clone_ref(py)
     }
 
+    /// How it was asked.
+    #[getter]
+    fn how(&self) -> How {
+        How::from(self.settings)
+    }
+
+    /// The same question has the same answer.
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| {
+            let other = other.get();
+            self.settings == other.settings && self.scene.get().0 == other.scene.get().0
+        })
+    }
+
+    fn __hash__(&self) -> u64 {
+        self.scene.get().__hash__()
+    }
+
     #[getter]
     fn status(&self) -> &'static str {
         self.record.status_name()

@@ -88,6 +88,13 @@ impl Output {
         }
     }
 
+    /// True for a number of the ball or of its contacts.
+    pub(crate) fn is_of_the_ball(&self) -> bool {
+        use OutputKey as K;
+        let of_the_ball = K::nut_normal_load_N as usize..=K::axial_displacement_um as usize;
+        self.key().is_some_and(|key| of_the_ball.contains(&(key as usize)))
+    }
+
     /// True if a point must be solved for it.
     pub fn needs_solution(&self) -> bool {
         self.analysis().is_none_or(AnalysisKind::needs_motion)
@@ -255,8 +262,8 @@ outputs! {
     catalogue_friction_coefficient [""] Number(|s| Some(film(s)?.catalogue_friction)), "friction coefficient of catalogues, that of a plain thread of the same efficiency";
     skid_number [""] Number(|s| s.solved()?.skid?.skid_number), "gyroscopic moment over friction moment of a ball that grips";
     onset_number [""] Number(|s| s.solved()?.skid?.onset_number()), "skid onset number, the skid number times a factor for the friction that the slip of the lead takes: below 0.1 the ball grips, above 2 it skids";
-    efficiency_error_bound [""] Number(|s| Some(s.solved()?.error?.efficiency)), "bound of the error of the efficiency: in model traction of its integration over the contact ellipses; in model auto against model traction, for 99 % of all points";
-    loss_error_bound [""] Number(|s| s.solved()?.error?.loss), "the same of the power that is lost, relative to it; null: the error may be as large as the efficiency";
+    efficiency_error_bound [""] Number(|s| Some(s.solved()?.error?.efficiency)), "bound of the error of the efficiency: in model traction of its integration over the contact ellipses; in model auto against model traction, for 99 % of all points. Torque and powers follow from the efficiency; the numbers of the ball and of its contacts have no bound where auto takes another model than traction";
+    loss_error_bound [""] Number(|s| s.solved()?.error?.loss), "the same of the power that is lost, relative to the lost power of this result; null: more than 0.5";
     self_locking [""] Flag(|s| s.self_locking()), "true if the screw is self-locking in this direction";
     controlling_race [""] Race(|s| Some(s.solved()?.control?.race)), "race on which the ball does not spin (raceway control)";
     control_consistent [""] Flag(|s| s.solved()?.control?.consistent), "true if the controlling race has the larger spin friction moment at this solution; false where neither race has it at its own solution";

@@ -95,8 +95,9 @@ impl From<Model> for Settings {
 impl Settings {
     /// What [`tolerance`](Self::tolerance) must be.
     pub const TOLERANCE: Rule = Rule::Above(0.0);
-    /// What [`accuracy`](Self::accuracy) must be: from what rounding leaves to what decides nothing.
-    pub const ACCURACY: Rule = Rule::Within(1e-13, 1e-2);
+    /// What [`accuracy`](Self::accuracy) must be: from what rounding leaves to the coarsest whose bound of the error
+    /// holds.
+    pub const ACCURACY: Rule = Rule::Within(1e-13, 1e-4);
     /// What [`creep`](Self::creep) must be.
     pub const CREEP: Rule = Rule::Above(0.0);
 

@@ -122,9 +122,6 @@ impl Record {
         let choice = self.chosen()?;
         let bound = self.solved()?.error?.efficiency;
         let why = match choice.basis {
-            Basis::NoWorseThanSliding => {
-                "even the whole loss of skidding balls is no larger".to_owned()
-            }
             Basis::Grips { onset_number } if bound > choice.tolerance => format!(
                 "no more accurate model has a result here; raceway control, with a skid onset number of {onset_number:.2e}"
             ),
@@ -140,6 +137,16 @@ impl Record {
             other => format!("{other:?}"),
         };
         Some(format!("error of the efficiency at most {bound:.1e}: {why}"))
+    }
+
+    /// The outputs that have a value whose error has no bound, though that of the efficiency has one: those of the
+    /// ball and its contacts, of a model that `auto` took in place of traction.
+    pub fn unbounded(&self) -> Vec<&'static str> {
+        let is_chosen =
+            |solution: &&Solution| solution.choice.is_some() && solution.model != Model::Traction;
+        let Some(solution) = self.solution.as_ref().filter(is_chosen) else { return Vec::new() };
+        let own = OUTPUTS.iter().filter(|output| output.is_of_the_ball());
+        own.filter(|output| output.read(solution).is_some()).map(|output| output.name).collect()
     }
 
     /// What an engineer should know before using the numbers; `scene` is what was asked.
@@ -277,6 +284,8 @@ impl Record {
         map.insert("status".to_owned(), json!(self.status_name()));
         map.insert("message".to_owned(), json!(self.message()));
         map.insert("choice".to_owned(), json!(self.choice()));
+        let unbounded = Some(self.unbounded()).filter(|names| !names.is_empty());
+        map.insert("without_error_bound".to_owned(), json!(unbounded));
         for output in OUTPUTS {
             let value = match self.cell(output) {
                 None => Value::Null,

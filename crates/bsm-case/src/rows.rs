@@ -51,7 +51,7 @@ const OVERALL: &[(&str, &str)] = &[
     ("pressure-viscosity coefficient", "pressure_viscosity_1_GPa"),
     ("heating of the film", "film_heating_K"),
     ("error of the efficiency, at most", "efficiency_error_bound"),
-    ("relative error of the dissipated power, at most", "loss_error_bound"),
+    ("error over this dissipated power, at most", "loss_error_bound"),
     ("axial displacement of the nut", "axial_displacement_um"),
     ("ball precession about the axis", "ball_precession_rad_s"),
     ("ball rotation along the helix t", "ball_omega_t_rad_s"),
@@ -86,6 +86,8 @@ const CONTACTS: &[(&str, [&str; 3])] = &[
 /// The numbers that an answer has, under their labels, with their units; rounding is zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordRows {
+    /// Which of the labels below are those of numbers without a bound of their error, see [`Record::unbounded`].
+    pub unbounded: Vec<&'static str>,
     /// Of the ball, and of all balls.
     pub overall: Vec<(&'static str, &'static str, f64)>,
     /// Of the contacts at nut, screw and minor flank.
@@ -112,6 +114,14 @@ impl Record {
             let values = names.map(number);
             values.iter().any(Option::is_some).then_some((*label, unit(names[0]), values))
         });
-        RecordRows { overall: overall.collect(), contacts: contacts.collect() }
+        let without = self.unbounded();
+        let rows = OVERALL.iter().map(|(label, name)| (*label, *name));
+        let rows = rows.chain(CONTACTS.iter().map(|(label, names)| (*label, names[0])));
+        let unbounded = rows.filter(|(_, name)| without.contains(name)).map(|(label, _)| label);
+        RecordRows {
+            unbounded: unbounded.collect(),
+            overall: overall.collect(),
+            contacts: contacts.collect(),
+        }
     }
 }

@@ -64,11 +64,19 @@ pub fn output_schema() -> Value {
         ("status", json!({ "enum": statuses, "description": "how the solve ended" })),
         (
             "message",
-            json!({ "type": ["string", "null"], "description": "why there are no numbers, else null" }),
+            json!({ "type": ["string", "null"], "description": "why there are no numbers, else null; in a row of a table also why model auto chose its model" }),
         ),
         (
             "choice",
             json!({ "type": ["string", "null"], "description": "why model auto chose this model, else null" }),
+        ),
+        (
+            "without_error_bound",
+            json!({
+                "type": ["array", "null"],
+                "items": { "type": "string" },
+                "description": "the outputs here whose error has no bound, though that of the efficiency has one; null if there are none",
+            }),
         ),
     ] {
         properties.insert(name.to_owned(), property);

@@ -171,7 +171,7 @@ pub(crate) struct ModelArgs {
     #[arg(long, value_name = "T", default_value_t = Settings::default().tolerance, value_parser = tolerance)]
     pub(crate) tolerance: f64,
     /// Accuracy of the integration over the contact ellipses in model traction, its error over the
-    /// friction, 1e-13 to 1e-2; the result states the error of the efficiency and of the loss.
+    /// friction, 1e-13 to 1e-4; the result states the error of the efficiency and of the loss.
     #[arg(long, value_name = "A", default_value = "1e-8", value_parser = accuracy)]
     pub(crate) accuracy: f64,
     /// Creep speed in model traction, over the ball's rolling speed: smaller is closer to Coulomb

@@ -11,7 +11,8 @@ use bsm_batch::{
     Answers, Chunk, Count, CsvSink, Dialect, Format, NumberColumn, NumberSink, RunError, Source,
     TableError, TableSink, Task, Workers,
 };
-use bsm_case::{Output as Column, exact};
+use bsm_case::{Axis, Grid, ModelChoice, Output as Column, exact};
+use bsm_dyn::Status;
 use bsm_report::PROGRAM;
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
 use serde_json::{Value, json};
@@ -54,7 +55,16 @@ impl<'a> Job<'a> {
         if self.table.plan {
             return self.plan(points, workers);
         }
+        let mut changes = match points {
+            Points::Grid(grid) if self.task.settings.model == ModelChoice::Auto => {
+                Some(Changes::along(grid))
+            }
+            _ => None,
+        };
         let mut watch = |chunk: &Chunk, answers: &Answers| {
+            if let Some(changes) = &mut changes {
+                changes.add(chunk, answers);
+            }
             if let (Some(_), Some(watched)) = (self.task.watched, answers.columns.last()) {
                 each(chunk, answers, watched);
             }
@@ -73,6 +83,9 @@ impl<'a> Job<'a> {
             self.write_metadata(about)?;
             count
         };
+        if let Some(text) = changes.and_then(|changes| changes.note()) {
+            warn("note", &text);
+        }
         if several > 0 {
             let have = if several == 1 { "has" } else { "have" };
             let is_written = self.task.outputs.iter().any(|o| o.name == "other_solutions");
@@ -208,6 +221,59 @@ impl<'a> Job<'a> {
         let count = dataset::fill(folder, &self.task, points, how, workers, &mut tell);
         bar.finish_and_clear();
         count.map_err(|error| failed(folder, error))
+    }
+}
+
+/// Where `auto` takes another model than at the point before, along the last axis of a grid.
+struct Changes<'a> {
+    axis: &'a Axis,
+    /// Row, value and model of the point before.
+    before: Option<(u64, f64, ModelChoice)>,
+    first: Vec<String>,
+    count: u64,
+}
+
+impl<'a> Changes<'a> {
+    /// Changes that are named.
+    const NAMED: usize = 4;
+
+    fn along(grid: &'a Grid) -> Self {
+        let axis = grid.axes().last().expect("a grid has an axis");
+        Self { axis, before: None, first: Vec::new(), count: 0 }
+    }
+
+    fn add(&mut self, chunk: &Chunk, answers: &Answers) {
+        let Some(values) = chunk.inputs.last() else { return };
+        for (i, (value, verdict)) in values.values().iter().zip(&answers.verdicts).enumerate() {
+            let row = chunk.first - 1 + i as u64;
+            let begins = row.is_multiple_of(self.axis.len() as u64);
+            if let Some((former, from, model)) = self.before.filter(|_| !begins)
+                && former + 1 == row
+                && model != verdict.model
+            {
+                self.count += 1;
+                if self.first.len() < Self::NAMED {
+                    let [model, other] = [model, verdict.model].map(ModelChoice::name);
+                    let [from, to] = [from, *value].map(exact);
+                    self.first.push(format!("{from} and {to} ({model}, {other})"));
+                }
+            }
+            let solved = verdict.status == Status::Converged;
+            self.before = solved.then_some((row, *value, verdict.model));
+        }
+    }
+
+    fn note(&self) -> Option<String> {
+        let more = self.count.checked_sub(self.first.len() as u64).filter(|more| *more > 0);
+        let more = more.map_or_else(String::new, |more| format!(", and {more} more"));
+        (self.count > 0).then(|| {
+            format!(
+                "model auto takes another model between {} {}{more}; the results may have a step there, \
+                 within their error bounds",
+                self.axis.key.name(),
+                self.first.join(", ")
+            )
+        })
     }
 }
 

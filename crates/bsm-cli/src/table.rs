@@ -74,17 +74,21 @@ pub(crate) fn record(scene: &Scene, record: &Record) -> String {
         head.into_iter().filter_map(|(label, text)| Some(format!("{label}  {}", text?))).collect();
     let mut blocks = vec![head.join("\n")];
 
-    let RecordRows { overall, contacts } = record.rows(scene);
+    let RecordRows { unbounded, overall, contacts } = record.rows(scene);
     let print = |unit: &str, value: f64| shown(unit, value);
+    let marked = |label: &str| {
+        let mark = if unbounded.contains(&label) { " *" } else { "" };
+        format!("{label}{mark}")
+    };
     let overall: Vec<_> = overall
         .into_iter()
-        .map(|(label, unit, value)| vec![label.to_owned(), unit.to_owned(), print(unit, value)])
+        .map(|(label, unit, value)| vec![marked(label), unit.to_owned(), print(unit, value)])
         .collect();
     let contacts: Vec<_> = contacts
         .into_iter()
         .map(|(label, unit, values)| {
             let cells = values.map(|value| value.map_or_else(String::new, |v| print(unit, v)));
-            [vec![label.to_owned(), unit.to_owned()], cells.to_vec()].concat()
+            [vec![marked(label), unit.to_owned()], cells.to_vec()].concat()
         })
         .collect();
     if !overall.is_empty() {
@@ -92,6 +96,12 @@ pub(crate) fn record(scene: &Scene, record: &Record) -> String {
     }
     if !contacts.is_empty() {
         blocks.push(plain(Some(&["contact", "", "nut", "screw", "minor"]), &contacts, 2));
+    }
+    if !unbounded.is_empty() {
+        blocks.push(format!(
+            "* not covered by the error bound: value of model {}; take --model traction where it matters",
+            record.model().name()
+        ));
     }
     blocks.join("\n\n")
 }

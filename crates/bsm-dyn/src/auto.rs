@@ -1,16 +1,16 @@
 //! The cheapest model whose error is small enough, by the regime that the ball is in.
 //!
-//! Theory: `docs/theory/10-choice.md`, equations (A1) to (A6). The constants are measured against
+//! Theory: `docs/theory/10-choice.md`, equations (A2) to (A6). The constants are measured against
 //! the traction model, see the tests of `bsm-validate`.
 
-use bsm_kin::{Jet, Scalar};
+use bsm_kin::Jet;
 
 use crate::elastic::Elastic;
 use crate::elastic_ball::{ElasticBall, ElasticPoint};
 use crate::traction::{Root, Start, Traction};
 use crate::{
-    Angles, ClosedForm, Direction, ErrorBound, Model, ModelWorkspace, OperatingPoint,
-    RacewayControl, Reason, Size, Solution, Solved, Transmitted, Unsolved,
+    Angles, Direction, ErrorBound, Model, ModelWorkspace, RacewayControl, Reason, Solution, Solved,
+    Transmitted, Unsolved,
 };
 
 /// A screw at an operating point, to be solved by whatever model is good enough.
@@ -36,8 +36,6 @@ pub struct Choice {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Basis {
-    /// The whole way from saturated friction to none.
-    NoWorseThanSliding,
     /// The ball grips.
     Grips {
         /// Onset number (W11).
@@ -56,8 +54,8 @@ pub enum Basis {
 }
 
 impl Auto {
-    /// Solves with the cheapest model whose error bound is at most the tolerance; with the finest
-    /// traction model if none is.
+    /// Solves with the cheapest model that holds in the regime of the ball and whose error bound is at most the
+    /// tolerance; with the finest traction model if none is.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         self.solve_for_root(work).0
     }
@@ -68,18 +66,16 @@ impl Auto {
             Ok(pair) => pair,
             Err(invalid) => return (Solution::new(Model::RacewayControl, Err(invalid)), None),
         };
-        if let Some(solution) = self.closed_form(&pair) {
-            return (solution, None);
-        }
         let grip = work.raceway.grip(&pair, None).ok();
         let gripping =
             grip.and_then(|grip| work.raceway.solved_and_others(&self.at, &pair, &grip, None).ok());
         let regime = gripping.and_then(|o| Some((o, Regime::of(&pair, &o)?)));
         if let Some((solved, regime)) = &regime {
-            if regime.grip_bound <= self.tolerance {
+            if regime.motion == SlipRegime::Grips && regime.grip_bound <= self.tolerance {
                 return (self.gripping(solved, regime), None);
             }
-            if regime.skid_bound(regime.range) <= self.tolerance
+            if regime.motion == SlipRegime::Skids
+                && regime.skid_bound(regime.range) <= self.tolerance
                 && let Ok(skid) = self
                     .at
                     .point
@@ -90,6 +86,7 @@ impl Auto {
                 let bound = regime.skid_bound((eta(solved) - eta(&skid)).abs());
                 if bound <= self.tolerance {
                     let basis = Basis::Skids { onset_number: regime.onset };
+                    let skid = Solved { skid: solved.skid, ..skid };
                     return (self.chosen(Model::Elastic, &skid, bound, basis), None);
                 }
             }
@@ -108,9 +105,11 @@ impl Auto {
             }
             Err(none) => {
                 let solution = match regime {
-                    // A rough answer with its bound is better than none.
-                    Some((solved, regime)) => self.gripping(&solved, &regime),
-                    None => Solution::new(Model::Traction, Err(none)),
+                    // A rough answer with its bound is better than none, where the model holds.
+                    Some((solved, regime)) if regime.motion == SlipRegime::Grips => {
+                        self.gripping(&solved, &regime)
+                    }
+                    _ => Solution::new(Model::Traction, Err(none)),
                 };
                 (solution, None)
             }
@@ -131,41 +130,6 @@ impl Auto {
         let error = Some(ErrorBound::of(direction, solved.transmission.efficiency, error_bound));
         Solution { model, answer: Ok(Solved { error, ..*solved }), choice }
     }
-
-    /// The closed form, if even the way from saturated friction to none, and spin at both contacts
-    /// besides, are small enough (A1).
-    fn closed_form(&self, pair: &ElasticBall) -> Option<Solution> {
-        let Self { at, tolerance } = self;
-        let lead = at.point.helix.lead_angle;
-        let solution = at.point.sliding(pair.direction).solve();
-        let eta = solution.efficiency().filter(|eta| *eta > 0.0)?;
-        if 1.0 - eta > *tolerance {
-            return None;
-        }
-        let (a, _) = pair.semi_axes[0];
-        // |δη| ≤ (1 − η)(1 + μ) + 2 f a / (r_m tanα)                      (A1)
-        let bound = (1.0 - eta) * (1.0 + pair.inertia_ratio())
-            + 2.0 * at.point.friction.0 * a / (pair.helix.radius * lead.tan());
-        let solved = solution.solved()?;
-        (bound <= *tolerance)
-            .then(|| self.chosen(Model::ClosedForm, solved, bound, Basis::NoWorseThanSliding))
-    }
-}
-
-impl<D: Scalar> OperatingPoint<D> {
-    /// The closed form of the unloaded contact angle.
-    fn sliding(&self, direction: Direction) -> ClosedForm<D> {
-        ClosedForm {
-            angles: Angles { lead: self.helix.lead_angle, contact: self.contact_angle },
-            friction: self.friction,
-            direction,
-            size: Some(Size {
-                pitch_radius: self.helix.radius,
-                load: self.load,
-                relative_speed: Some(self.drive.relative_speed()),
-            }),
-        }
-    }
 }
 
 impl<const M: usize> Auto<Jet<M>> {
@@ -181,11 +145,6 @@ impl<const M: usize> Auto<Jet<M>> {
             Ok(_) => solution.choice.map(|choice| choice.basis),
         };
         match (basis, root) {
-            (Some(Basis::NoWorseThanSliding), _) => {
-                let speed = at.point.drive.relative_speed().re;
-                let direction = Direction::of(speed).expect("the point was solved");
-                Ok(at.point.sliding(direction).transmitted())
-            }
             (Some(Basis::Skids { .. }), _) => Elastic { at }.sensitivities(&mut work.elastic),
             (Some(Basis::Integrated { accuracy }), Some(root)) => {
                 let case = Traction { at, accuracy, creep: Traction::CREEP };
@@ -244,8 +203,8 @@ impl SlipRegime {
 /// Where a point lies between gripping and skidding.
 struct Regime {
     onset: f64,
-    /// False where only a gripping ball can be told from others.
-    told: bool,
+    motion: SlipRegime,
+    cross_slip: f64,
     /// Efficiency of the gripping ball less that of the skidding one.
     range: f64,
     /// Bound of the error of the gripping ball.
@@ -274,17 +233,14 @@ impl Regime {
         let skidding = (onset / 0.27).powi(6).min(1.0);
         // |δη| ≤ A (1 − η) + 1.05 σ (1 + μ)(η − η_s)                      (A4)
         let inertia = 1.0 + pair.inertia_ratio();
-        let mut grip_bound = rolling * (1.0 - eta).abs() + 1.05 * skidding * inertia * range;
-        let told = cross >= LEAST_CROSS_SLIP;
-        if !told && onset > GRIPS_BELOW {
-            grip_bound = grip_bound.max(1.0);
-        }
-        Some(Self { onset, told, range, grip_bound })
+        let grip_bound = rolling * (1.0 - eta).abs() + 1.05 * skidding * inertia * range;
+        let motion = SlipRegime::of(onset);
+        Some(Self { onset, motion, cross_slip: cross, range, grip_bound })
     }
 
     /// Bound of the error of saturated friction (A5).
     fn skid_bound(&self, range: f64) -> f64 {
-        if !self.told {
+        if self.cross_slip < LEAST_CROSS_SLIP {
             return f64::INFINITY;
         }
         // |δη| ≤ (0.02 + 0.8/S^{5/2}) (η − η_s)                           (A5)

@@ -98,8 +98,8 @@ pub use sensitivity::Transmitted;
 pub use slip::{Sliding, SlipPower, SteadyBall, Touch, rim_speed};
 pub use solution::{Direction, Evidence, Reason, Solution, Status, Unsolved};
 pub use state::{
-    BallState, ContactState, ErrorBound, Others, Pressed, RaceControl, SkidNumbers, Slip,
-    SolveInfo, Solved, Transmission, loss_error,
+    BallState, ContactState, ErrorBound, MOST_LOSS_ERROR, Others, Pressed, RaceControl,
+    SkidNumbers, Slip, SolveInfo, Solved, Transmission, loss_error, quadrature_error,
 };
 pub use traction::{
     FAST_NUT, FOUND as TRACTION_FOUND, SKIDS, START as TRACTION_START, Scaled, Traction,

@@ -56,11 +56,17 @@ pub struct RacewayControl<D = f64> {
 pub struct RacewayWorkspace {
     newton: Workspace<STATIC>,
     quadrature: Quadrature,
+    /// Of derivatives.
+    slopes: Quadrature,
 }
 
 impl Default for RacewayWorkspace {
     fn default() -> Self {
-        Self { newton: Workspace::default(), quadrature: Quadrature::of(RacewayControl::ACCURACY) }
+        Self {
+            newton: Workspace::default(),
+            quadrature: Quadrature::of(RacewayControl::ACCURACY),
+            slopes: Quadrature::of(RacewayControl::SLOPES),
+        }
     }
 }
 
@@ -274,6 +280,9 @@ impl RacewayControl {
     /// (see the tests), which is far below what the model leaves out.
     pub const ACCURACY: f64 = 1e-4;
 
+    /// The same for derivatives, which leaves 1e-6 of the loss in them.
+    const SLOPES: f64 = 1e-10;
+
     /// Creep speed of (E4) over `$r_b |W|$`, small against the slip that the lead leaves,
     /// `$\sin\alpha/2$`.
     pub const CREEP: f64 = 1e-4;
@@ -420,7 +429,7 @@ mod tests {
         let fine = Quadrature::of(1e-12);
         for (axial, rpm) in [(2113.0, 2000.0), (20.0, 500.0), (5000.0, -30.0)] {
             let eta = |quadrature: Quadrature| {
-                let mut memory = RacewayWorkspace { quadrature, newton: Workspace::default() };
+                let mut memory = RacewayWorkspace { quadrature, ..RacewayWorkspace::default() };
                 lin(axial, rpm).solve(&mut memory).efficiency().expect("efficiency")
             };
             let exact = eta(fine.clone());

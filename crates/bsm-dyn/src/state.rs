@@ -140,7 +140,7 @@ pub struct Solved {
 pub struct ErrorBound {
     /// Of the efficiency.
     pub efficiency: f64,
-    /// Of the power that is lost, relative to it; none where the error may be all of the efficiency.
+    /// Of the power that is lost, relative to that of the answer; none above [`MOST_LOSS_ERROR`].
     pub loss: Option<f64>,
 }
 
@@ -149,8 +149,24 @@ impl ErrorBound {
     /// whichever is not driven.
     pub(crate) fn of(direction: Direction, efficiency: f64, bound: f64) -> Self {
         let loss = loss_error(direction == Direction::LinearToRotary, efficiency, bound);
-        Self { efficiency: bound, loss: Some(loss).filter(|loss| loss.is_finite()) }
+        Self { efficiency: bound, loss: Some(loss).filter(|loss| *loss <= MOST_LOSS_ERROR) }
     }
+}
+
+/// Largest relative error of a lost power that is stated: beyond, it may be off by factors.
+pub const MOST_LOSS_ERROR: f64 = 0.5;
+
+/// Bound of the error of an efficiency by integration over the contact ellipses (T25).
+///
+/// * `difference`: to the efficiency of another quadrature. * `accuracy`: of the one that was taken.
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn quadrature_error<F: Compare>(difference: F, accuracy: f64) -> F {
+    // δη = max(20 |η'(y') − η(y)|, ε/200, 10⁻⁹)                           (T25)
+    (difference.abs() * 20.0).larger(difference.constant((accuracy / 200.0).max(1e-9)))
 }
 
 /// Error of the power that is lost, relative to it; not finite where the error may be all of the efficiency.

@@ -32,7 +32,7 @@ use crate::equations::Workspace;
 use crate::raceway_control::{Grip, STATIC};
 use crate::{
     BallState, ErrorBound, Model, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission,
-    Unsolved, Wrench, cost,
+    Unsolved, Wrench, cost, quadrature_error,
 };
 
 /// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
@@ -209,13 +209,13 @@ impl<'a> Rolling<'a> {
 }
 
 impl Rolling<'_> {
-    /// What the efficiency of a root of another quadrature differs from that of this one, as it is stated:
-    /// ten times as much, and no less than rounding is worth (T25).
+    /// Bound of the error of the efficiency of a root of another quadrature, from that of this one (T25).
     ///
-    /// * `found`: there, of this quadrature. * `slope`: of the torque by the unknowns. * `newton`: as the solve
+    /// * `accuracy`: of the other one. * `found`: there, of this quadrature. * `slope`: of the torque by the unknowns. * `newton`: as the solve
     ///   for the root has left it.
     fn error(
         &self,
+        accuracy: f64,
         found: Option<&Evaluated>,
         slope: &Block,
         efficiency: f64,
@@ -230,9 +230,8 @@ impl Rolling<'_> {
             let ideal = ideal_torque(1.0, radius, lead_angle);
             crate::balance::efficiency(self.pair.direction, ideal, torque)
         });
-        // δη = max(10 |η'(y') − η(y)|, 10⁻⁹)                              (T25)
-        let error = 10.0 * (other - efficiency).abs();
-        if error.is_finite() { error.max(1e-9) } else { (1.0 - efficiency).abs() }
+        let error = quadrature_error(other - efficiency, accuracy);
+        if error.is_finite() { error } else { (1.0 - efficiency).abs() }
     }
 
     /// The unknowns (T1) of a state.
@@ -325,7 +324,8 @@ impl Traction {
     /// Solves with finer and finer quadratures until the error that they state for the efficiency, with
     /// that of the creep speed, is at most `tolerance`; returns the root, its accuracy and the error.
     ///
-    /// Where a finer one has no root, the last one that has is returned, with the whole loss as its error.
+    /// Where a finer one has no root, the last one that has is returned, with the whole loss as its error; where a
+    /// coarse one has none, a finer one may.
     pub(crate) fn solve_to(
         &self,
         start: &Start<'_>,
@@ -335,19 +335,27 @@ impl Traction {
         // |δη| ≤ |δη|_rule + 5·10⁻⁷                                       (A6)
         let bound = |found: &Found| found.error + 5e-7;
         let mut case = Self { accuracy: COARSE, ..*self };
-        let mut found = case.found(start, None, work)?;
+        let mut found = case.found(start, None, work);
         for accuracy in FINER {
-            if bound(&found) <= tolerance {
+            let from = found.as_ref().ok();
+            if from.is_some_and(|found| bound(found) <= tolerance) {
                 break;
             }
             let finer = Self { accuracy, ..case };
-            let Ok(mut next) = finer.found(start, Some(&found.root), work) else {
-                found.error = (1.0 - found.transmission.efficiency).abs();
-                break;
-            };
-            next.info.steps += found.info.steps;
-            (case, found) = (finer, next);
+            match (finer.found(start, from.map(|found| &found.root), work), &mut found) {
+                (Ok(next), former) => {
+                    let steps = former.as_ref().map_or(0, |former| former.info.steps);
+                    let info = SolveInfo { steps: next.info.steps + steps, ..next.info };
+                    (case, found) = (finer, Ok(Found { info, ..next }));
+                }
+                (Err(_), Ok(found)) => {
+                    found.error = (1.0 - found.transmission.efficiency).abs();
+                    break;
+                }
+                (Err(none), Err(former)) => *former = none,
+            }
         }
+        let found = found?;
         let error = bound(&found);
         Ok((found, case.accuracy, error))
     }
@@ -395,7 +403,8 @@ impl Traction {
         let transmission = self.at.transmission_at(pair, torque, power)?;
         let checked = Rolling { quadrature: &rules[places[3]].check, ..ball };
         let other = checked.evaluated::<false>(&root.unknowns).ok();
-        let error = checked.error(other.as_ref(), &torque_slope, transmission.efficiency, newton);
+        let (other, efficiency) = (other.as_ref(), transmission.efficiency);
+        let error = checked.error(self.accuracy, other, &torque_slope, efficiency, newton);
         let info = SolveInfo { steps, residual: root.residual };
         Ok(Found { ball: steady, transmission, skid: grip.skid(pair), info, root, error })
     }

@@ -156,6 +156,21 @@ def test_a_bad_value_names_its_field(serve, sheet):
     assert page.locator(".field.bad").count() == 0 and page.locator("#alert").is_hidden()
 
 
+def test_a_decimal_comma_is_a_point(serve, sheet):
+    served, sheet = serve(FEED), sheet()
+    page = sheet.open(served.address)
+    sheet.again(lambda: fill(sheet, "friction_coefficient", "0,07"))
+    assert scene_of(page)["friction_coefficient"] == 0.07
+    sheet.again(lambda: fill(sheet, "ball_diameter_mm", "6,5"))
+    assert scene_of(page)["ball_diameter_mm"] == 6.5
+    # Thousands or thousandths: the field asks.
+    for text in ["1,500", "1.500,5", "1 5", "x"]:
+        fill(sheet, "axial_load_N", text)
+        page.locator("[data-name=axial_load_N] .wrong").wait_for(state="visible")
+    sheet.again(lambda: fill(sheet, "axial_load_N", "1500"))
+    assert scene_of(page)["axial_load_N"] == 1500 and page.locator(".field.bad").count() == 0
+
+
 def test_an_input_in_another_unit(serve, sheet):
     served, sheet = serve(FEED), sheet()
     page = sheet.open(served.address)

@@ -1,6 +1,6 @@
 // The page: one scene, asked again with every change, shown in every panel.
 
-import { html, narrow } from "bsm/draw";
+import { html, narrow, parsed } from "bsm/draw";
 import { ask, Gone, start } from "bsm/source";
 import { Inputs } from "bsm/inputs";
 import { showKey, showNumbers } from "bsm/results";
@@ -125,7 +125,7 @@ at("model").append(...start.schema.models.map((name) => html("option", { value: 
 at("tolerance").value = settings.tolerance;
 const setModel = () => { settings.name = at("model").value; at("tolerance-label").hidden = settings.name !== "auto"; changed(); };
 at("model").addEventListener("change", setModel);
-at("tolerance").addEventListener("change", () => { const value = at("tolerance").valueAsNumber; settings.tolerance = Number.isNaN(value) ? start.settings.tolerance : value; changed(); });
+at("tolerance").addEventListener("change", () => { const value = parsed(at("tolerance").value); settings.tolerance = Number.isNaN(value) ? start.settings.tolerance : value; at("tolerance").value = settings.tolerance; changed(); });
 at("tolerance-label").hidden = settings.name !== "auto";
 
 const say = (button, words) => { const former = button.textContent; button.textContent = words; setTimeout(() => { button.textContent = former; }, 1200); };

@@ -25,6 +25,16 @@ export function brief(value) {
   return String(Number(value.toPrecision(4)));
 }
 
+/**
+ * The number that a text means, NaN if it is none. A comma is a decimal point, but not where it could separate thousands: in
+ * a number input the browser leaves it out, and 1,5 becomes 15.
+ */
+export function parsed(text) {
+  const plain = text.trim();
+  if (!/^[-+]?(\d+[.,]?\d*|[.,]\d+)(e[-+]?\d+)?$/i.test(plain) || /^[-+]?[1-9]\d{0,2},\d{3}$/.test(plain)) return NaN;
+  return Number(plain.replace(",", "."));
+}
+
 /** An HTML element. */
 export function html(tag, attributes = {}, ...children) {
   return filled(document.createElement(tag), attributes, children);

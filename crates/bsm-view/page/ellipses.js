@@ -58,6 +58,7 @@ export class Ellipses {
 
   paint(canvas, contact, values, [low, high], fastest, widest) {
     const width = canvas.parentElement.clientWidth, height = Math.min(210, 0.52 * width);
+    if (width < 40) return;
     const g = sharp(canvas, width, height), n = contact.places.length;
     const rx = (width / 2 - 8) * (contact.semi_axes_mm[0] / widest), ry = height / 2 - 8, cx = width / 2, cy = height / 2;
     const ink = colour("ink"), hot = colour("hot");

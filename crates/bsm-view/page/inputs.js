@@ -1,6 +1,6 @@
 // Fields of the inputs, made from the vocabulary.
 
-import { html, brief } from "bsm/draw";
+import { html, brief, parsed } from "bsm/draw";
 import { start } from "bsm/source";
 
 const { schema } = start;
@@ -66,9 +66,10 @@ export class Inputs {
     const stop = start.answers?.axes?.find(([axis]) => axis === name);
     const locked = !start.live && !stop;
     const factor = () => (this.units.get(name) ?? [input.unit, 1])[1];
-    const box = html("input", { id, type: "number", step: "any", "aria-describedby": `${id}-about ${id}-wrong`, readonly: !start.live, oninput: () => {
-      const value = box.valueAsNumber;
-      this.set(name, Number.isNaN(value) ? null : tidy12(value * factor()), box);
+    const box = html("input", { id, type: "text", inputmode: "decimal", autocomplete: "off", "aria-describedby": `${id}-about ${id}-wrong`, readonly: !start.live, oninput: () => {
+      // What is no number is sent as it stands: the answer names the field.
+      const text = box.value.trim(), value = parsed(text);
+      this.set(name, text === "" ? null : Number.isNaN(value) ? text : tidy12(value * factor()), box);
     } });
     const slider = locked ? null : html("input", { type: "range", min: 0, max: stop ? stop[1].length - 1 : STEPS, step: 1, "aria-label": `${input.label}, slider`, oninput: () => {
       const value = stop ? stop[1][slider.valueAsNumber] : this.at(range, slider.valueAsNumber / STEPS);
@@ -111,7 +112,7 @@ export class Inputs {
     const field = this.fields.get(name);
     if (!field) return;
     const { box, slider, ends, range, factor, stop } = field, value = this.scene[name];
-    if (box !== from) box.value = value == null ? "" : tidy12(value / factor());
+    if (box !== from) box.value = typeof value === "number" ? tidy12(value / factor()) : value ?? "";
     if (!slider) return;
     const part = range.log ? Math.log(value / range.low) / Math.log(range.high / range.low) : (value - range.low) / (range.high - range.low);
     const place = stop ? stop[1].reduce((best, v, i) => (Math.abs(v - value) < Math.abs(stop[1][best] - value) ? i : best), 0) : Math.round(STEPS * Math.min(Math.max(part, 0), 1));

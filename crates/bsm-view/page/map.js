@@ -1,6 +1,6 @@
 // Any output over any two inputs, with the operating point in it.
 
-import { html, svg, text, number, brief, ramp, rampBar, scale, axes, sharp, none, path } from "bsm/draw";
+import { html, svg, text, number, brief, parsed, ramp, rampBar, scale, axes, sharp, none, path } from "bsm/draw";
 import { start } from "bsm/source";
 
 const PAD = { left: 66, top: 10, right: 14, bottom: 44 };
@@ -53,7 +53,7 @@ export class ModelMap {
       const name = select.value, value = scene[name];
       if (value == null) return null;
       const range = this.range(name, value), label = start.schema.inputs.find((input) => input.name === name).label;
-      const box = (end) => html("input", { type: "number", step: "any", value: range[end], style: "width:5rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`, disabled: !start.live, onchange: (event) => { if (!Number.isNaN(event.target.valueAsNumber)) { range[end] = event.target.valueAsNumber; this.again(); } } });
+      const box = (end) => html("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: range[end], style: "width:5.5rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`, disabled: !start.live, onchange: (event) => { const value = parsed(event.target.value); if (Number.isNaN(value)) event.target.value = range[end]; else { range[end] = value; this.again(); } } });
       return html("span", {}, `${label} `, box("low"), " to ", box("high"), html("label", {}, html("input", { type: "checkbox", checked: range.log, disabled: !start.live, "aria-label": `${label} logarithmic`, onchange: (event) => { range.log = event.target.checked; this.again(); } }), "log"));
     };
     this.fields.replaceChildren(...[this.x, this.y].map(row).filter(Boolean));

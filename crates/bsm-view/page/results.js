@@ -17,7 +17,7 @@ export function showKey(host, result) {
     return;
   }
   const keys = KEYS.filter(([name]) => result[name] != null).map(([name, words, unit]) =>
-    html("div", {}, html("dt", {}, words), html("dd", { "data-output": name }, number(result[name]), html("small", {}, unit ? ` ${unit}` : ""))));
+    html("div", {}, html("dt", {}, result.without_error_bound?.includes(name) ? `${words} *` : words), html("dd", { "data-output": name }, number(result[name]), html("small", {}, unit ? ` ${unit}` : ""))));
   const band = result.band;
   host.replaceChildren(
     html("dl", { class: "keys" }, keys),
@@ -31,11 +31,13 @@ export function showKey(host, result) {
 const warnings = ({ warnings, section_doubts }) => [...warnings, ...section_doubts].map((words) => html("p", { class: "warn" }, words));
 
 export function showNumbers(host, result) {
-  const { overall, contacts } = result.shown;
+  const { overall, contacts, unbounded } = result.shown;
+  const marked = (label) => (unbounded.includes(label) ? `${label} *` : label);
   if (!overall.length && !contacts.length) { host.replaceChildren(none(result.message ?? "no numbers")); return; }
   const minor = contacts.some(([, , values]) => values[2] != null);
   host.replaceChildren(html("div", { class: "tables" },
-    table("Ball and screw", null, overall.map((entry) => row(...entry))),
+    table("Ball and screw", null, overall.map(([label, ...entry]) => row(marked(label), ...entry))),
     contacts.length ? table("Contacts", ["", "", "nut", "screw", ...(minor ? ["minor"] : [])], contacts.map(([label, unit, values]) =>
-      row(label, unit, ...values.slice(0, minor ? 3 : 2)))) : null));
+      row(marked(label), unit, ...values.slice(0, minor ? 3 : 2)))) : null),
+    ...(unbounded.length ? [html("p", { class: "small faint" }, `* Not covered by the error bound: value of model ${result.model}; take model traction where it matters.`)] : []));
 }

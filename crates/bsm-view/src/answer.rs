@@ -43,6 +43,9 @@ pub enum Refusal {
         "too many points that took too long are still being solved; wait, or start bsm view again"
     )]
     Busy,
+    /// The system has no thread for it.
+    #[error("cannot start a thread: {0}; close other programs, or try again")]
+    Thread(std::io::Error),
 }
 
 impl From<CaseError> for Refusal {
@@ -158,7 +161,7 @@ fn solved(Asked { scene, settings, rest }: &Asked, parts: bool) -> Result<Value,
     // Why there are none, the nut's panel says.
     let parts = if parts { torque_parts(scene, settings).ok().flatten() } else { None };
     let mut report = record.report(PROGRAM, scene, settings, band.as_ref(), parts.as_ref());
-    let RecordRows { overall, contacts } = record.rows(scene);
+    let RecordRows { unbounded, overall, contacts } = record.rows(scene);
     let overall: Vec<_> = overall
         .into_iter()
         .map(|(label, unit, value)| json!([label, unit, number(value)]))
@@ -167,7 +170,10 @@ fn solved(Asked { scene, settings, rest }: &Asked, parts: bool) -> Result<Value,
         .into_iter()
         .map(|(label, unit, values)| json!([label, unit, values.map(|value| value.map(number))]))
         .collect();
-    report.insert("shown".to_owned(), json!({ "overall": overall, "contacts": contacts }));
+    report.insert(
+        "shown".to_owned(),
+        json!({ "overall": overall, "contacts": contacts, "unbounded": unbounded }),
+    );
     report.insert("lubrication".to_owned(), json!(record.lubrication()));
     let section = GrooveSection::of(scene).ok();
     let doubts = section.as_ref().map(|section| section.doubts(&record));

@@ -6,6 +6,7 @@
 
 mod answer;
 mod form;
+mod http;
 mod page;
 mod running;
 mod save;

@@ -1,6 +1,7 @@
 //! The server: this machine only, one page, one token.
 
-use std::io::{self, Read, Write};
+use std::io;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::RecvTimeoutError;
@@ -11,26 +12,23 @@ use bsm_batch::Workers;
 use bsm_case::Scene;
 use serde_json::{Value, json};
 use thiserror::Error;
-use tiny_http::{Header, Method, Request, Response, StatusCode};
 
 use crate::Refusal;
 use crate::answer::{Asked, answer};
 use crate::form::schema;
+use crate::http::{Connection, Head, Refused};
 use crate::page;
 use crate::running::{Running, Turn};
-
-/// Largest body of a request \[B\].
-const MOST_BYTES: u64 = 1 << 20;
 
 /// Time that an answer may take.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Requests that are served at a time: more than a page asks, so that the newest does not wait for others.
-const SERVING: usize = 8;
-
-/// Answers that are being worked out: those that are waited for, and as many that were given up. Beyond, nothing
+/// Answers that are being worked out, also those that were given up; a page waits for half as many. Beyond, nothing
 /// new is begun.
-const MOST_RUNNING: usize = 2 * SERVING;
+const MOST_RUNNING: usize = 16;
+
+/// Time until the next connection is tried where the system has no room for one.
+const NO_ROOM: Duration = Duration::from_millis(50);
 
 /// Stack of a solve \[B\]: code that is not optimised keeps every intermediate result.
 const STACK: usize = 16 << 20;
@@ -47,7 +45,7 @@ pub enum ViewError {
         /// The port that was asked for, 0 for any.
         port: u16,
         /// What the system says.
-        source: Box<dyn std::error::Error + Send + Sync>,
+        source: io::Error,
     },
     /// There are no random numbers for a token.
     #[error("no random numbers: {0}")]
@@ -59,8 +57,9 @@ pub enum ViewError {
 
 /// A server for one scene.
 pub struct Server {
-    http: tiny_http::Server,
-    port: u16,
+    listener: TcpListener,
+    address: SocketAddr,
+    ended: AtomicBool,
     shared: Arc<Shared>,
 }
 
@@ -93,9 +92,12 @@ impl Server {
         settings: &bsm_case::Settings,
         save: Option<Save>,
     ) -> Result<Self, ViewError> {
-        let http = tiny_http::Server::http(("127.0.0.1", port))
-            .map_err(|source| ViewError::Listen { port, source })?;
-        let port = http.server_addr().to_ip().map_or(port, |address| address.port());
+        let listen = || {
+            let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
+            listener.local_addr().map(|address| (listener, address))
+        };
+        let (listener, address) = listen().map_err(|source| ViewError::Listen { port, source })?;
+        let port = address.port();
         let mut random = [0_u8; 16];
         getrandom::fill(&mut random).map_err(|error| ViewError::Random(error.to_string()))?;
         let shared = Shared {
@@ -107,32 +109,35 @@ impl Server {
             workers: Workers::start(None, &NEVER)?,
             running: Running::most(MOST_RUNNING),
         };
-        Ok(Self { http, port, shared: Arc::new(shared) })
+        Ok(Self { listener, address, ended: AtomicBool::new(false), shared: Arc::new(shared) })
     }
 
     /// The address of the page, with its token.
     pub fn address(&self) -> String {
-        format!("http://127.0.0.1:{}/?token={}", self.port, self.shared.token)
+        format!("http://{}/?token={}", self.address, self.shared.token)
     }
 
-    /// Serves until the program ends.
+    /// Serves until the program ends, each connection on a thread of its own: none waits for a client that is slow.
     pub fn serve(&self) {
-        thread::scope(|scope| {
-            for _ in 0..SERVING {
-                scope.spawn(|| {
-                    while let Ok(request) = self.http.recv() {
-                        self.shared.respond(request);
-                    }
-                });
+        while !self.ended.load(Ordering::Relaxed) {
+            let Ok((stream, _)) = self.listener.accept() else {
+                thread::sleep(NO_ROOM);
+                continue;
+            };
+            let (stream, shared) = (Arc::new(stream), Arc::clone(&self.shared));
+            let served = Arc::clone(&stream);
+            if let Err(error) = thread::Builder::new().spawn(move || shared.serve(&served)) {
+                let reply = refused(503, &Refusal::Thread(error).to_string());
+                respond(Connection::new(&stream), &reply, Instant::now());
             }
-        });
+        }
     }
 
     /// Ends [`serve`](Self::serve).
     pub fn stop(&self) {
-        for _ in 0..SERVING {
-            self.http.unblock();
-        }
+        self.ended.store(true, Ordering::Relaxed);
+        // Wakes it.
+        let _ = TcpStream::connect(self.address);
     }
 }
 
@@ -144,73 +149,64 @@ fn refused(status: u16, text: &str) -> Reply {
     (status, "application/json", json!({ "error": text }).to_string())
 }
 
+/// Sends a reply.
+fn respond(connection: Connection<'_>, (status, kind, body): &Reply, began: Instant) {
+    let timing = format!("total;dur={:.2}", 1e3 * began.elapsed().as_secs_f64());
+    let lines = [
+        ("Content-Type", *kind),
+        ("Cache-Control", "no-store"),
+        ("X-Content-Type-Options", "nosniff"),
+        ("Referrer-Policy", "no-referrer"),
+        ("Cross-Origin-Resource-Policy", "same-origin"),
+        ("Content-Security-Policy", "frame-ancestors 'none'"),
+        ("Server-Timing", timing.as_str()),
+    ];
+    connection.answer(*status, &lines, body);
+}
+
 impl Shared {
-    fn respond(self: &Arc<Self>, mut request: Request) {
+    /// Answers the request of a connection.
+    fn serve(self: &Arc<Self>, stream: &TcpStream) {
+        let mut connection = Connection::new(stream);
+        let head = connection.head();
         let began = Instant::now();
-        let (status, kind, body) = self.reply(&mut request);
-        let timing = format!("total;dur={:.2}", 1e3 * began.elapsed().as_secs_f64());
-        let mut response = Response::from_string(body)
-            .with_status_code(StatusCode(status))
-            .with_chunked_threshold(usize::MAX);
-        for (name, value) in [
-            ("Content-Type", kind),
-            ("Cache-Control", "no-store"),
-            ("X-Content-Type-Options", "nosniff"),
-            ("Referrer-Policy", "no-referrer"),
-            ("Cross-Origin-Resource-Policy", "same-origin"),
-            ("Content-Security-Policy", "frame-ancestors 'none'"),
-            ("Server-Timing", timing.as_str()),
-        ] {
-            if let Ok(header) = Header::from_bytes(name, value) {
-                response.add_header(header);
-            }
-        }
-        // In one piece: a body after its head would wait for the page to confirm the head, 40 ms.
-        let mut bytes = Vec::new();
-        let version = request.http_version().clone();
-        let whole = response.raw_print(&mut bytes, version, request.headers(), false, None);
-        if whole.is_ok() {
-            let mut writer = request.into_writer();
-            // A page that has gone needs no answer.
-            let _ = writer.write_all(&bytes).and_then(|()| writer.flush());
-        }
+        let reply = head
+            .and_then(|head| self.reply(&head, &mut connection))
+            .unwrap_or_else(|(status, text)| refused(status, &text));
+        respond(connection, &reply, began);
     }
 
-    fn reply(self: &Arc<Self>, request: &mut Request) -> Reply {
-        let header = |name: &'static str| {
-            let found = request.headers().iter().find(|header| header.field.equiv(name));
-            found.map(|header| header.value.as_str().to_owned())
-        };
-        let (path, query) = request.url().split_once('?').unwrap_or((request.url(), ""));
-        let path = path.to_owned();
+    fn reply(
+        self: &Arc<Self>,
+        head: &Head,
+        connection: &mut Connection<'_>,
+    ) -> Result<Reply, Refused> {
+        let refuse = |status: u16, text: &str| Err((status, text.to_owned()));
+        let (path, query) = head.target.split_once('?').unwrap_or((&head.target, ""));
         let is_ours = |host: &str| self.hosts.iter().any(|known| known == host);
-        if !header("Host").is_some_and(|host| is_ours(&host)) {
-            return refused(403, "this server is for its own page: the host is another one");
+        if !head.line("Host").is_some_and(is_ours) {
+            return refuse(403, "this server is for its own page: the host is another one");
         }
-        let foreign = |origin: &String| !origin.strip_prefix("http://").is_some_and(is_ours);
-        if header("Origin").as_ref().is_some_and(foreign) {
-            return refused(403, "this server is for its own page: the origin is another one");
+        let foreign = |origin: &str| !origin.strip_prefix("http://").is_some_and(is_ours);
+        if head.line("Origin").is_some_and(foreign) {
+            return refuse(403, "this server is for its own page: the origin is another one");
         }
         let by_query = query.split('&').find_map(|part| part.strip_prefix("token="));
-        let token = header("X-Bsm-Token").or(by_query.map(str::to_owned));
-        if !token.is_some_and(|token| same(&token, &self.token)) {
-            return refused(
+        if !head.line("X-Bsm-Token").or(by_query).is_some_and(|token| same(token, &self.token)) {
+            return refuse(
                 403,
                 "the token is missing or wrong: use the address that bsm view printed",
             );
         }
-        match (request.method(), path.as_str()) {
-            (Method::Get, "/") => (200, "text/html; charset=utf-8", self.page()),
-            (Method::Post, route) if route.len() > 1 => {
-                let turn = header("X-Bsm-Turn").and_then(|text| Turn::parse(&text));
-                match body(request) {
-                    Ok(body) => self.posted(turn, &route[1..], body),
-                    Err(reply) => reply,
-                }
+        match (head.method.as_str(), path) {
+            ("GET", "/") => Ok((200, "text/html; charset=utf-8", self.page())),
+            ("POST", route) if route.len() > 1 => {
+                let turn = head.line("X-Bsm-Turn").and_then(Turn::parse);
+                Ok(self.posted(turn, &route[1..], connection.body(head)?))
             }
-            (Method::Get, "/favicon.ico") => (204, "image/x-icon", String::new()),
-            (Method::Get, route) => refused(404, &format!("unknown route `{}`", &route[1..])),
-            (method, route) => refused(405, &format!("{route} does not take {method}")),
+            ("GET", "/favicon.ico") => Ok((204, "image/x-icon", String::new())),
+            ("GET", route) => refuse(404, &format!("unknown route `{route}`")),
+            (method, route) => refuse(405, &format!("{route} does not take {method}")),
         }
     }
 
@@ -235,7 +231,7 @@ impl Shared {
                     Refusal::Input(_) => 400,
                     Refusal::Route(_) => 404,
                     Refusal::Overtaken => 409,
-                    Refusal::Slow(_) | Refusal::Busy => 503,
+                    Refusal::Slow(_) | Refusal::Busy | Refusal::Thread(_) => 503,
                 };
                 refused(status, &refusal.to_string())
             }
@@ -257,7 +253,7 @@ impl Shared {
             begun.end(found);
         };
         let started = thread::Builder::new().stack_size(STACK).spawn(work);
-        started.map_err(|error| Refusal::Input(format!("cannot start a thread: {error}")))?;
+        started.map_err(Refusal::Thread)?;
         match answers.recv_timeout(PATIENCE) {
             Ok(found) => found,
             Err(RecvTimeoutError::Timeout) => {
@@ -276,26 +272,12 @@ impl Shared {
             let text = "bsm view was started without --save: it writes nothing";
             return Err(Refusal::Input(text.to_owned()));
         };
-        let Asked { scene, .. } = Asked::read(body)?;
-        scene.check()?;
+        let Asked { scene, settings, .. } = Asked::read(body)?;
+        // What is saved can be opened again.
+        scene.problem(&settings)?;
         let text = serde_json::to_string_pretty(&scene.to_json()).unwrap_or_default() + "\n";
         save(&text).map_err(Refusal::Input)?;
         Ok(json!({ "saved": true }))
-    }
-}
-
-/// The body of a request, unless it is too large.
-fn body(request: &mut Request) -> Result<Vec<u8>, Reply> {
-    let too_large = || refused(413, &format!("a request has at most {MOST_BYTES} bytes"));
-    if request.body_length().is_some_and(|bytes| bytes as u64 > MOST_BYTES) {
-        return Err(too_large());
-    }
-    let mut body = Vec::new();
-    let read = request.as_reader().take(MOST_BYTES + 1).read_to_end(&mut body);
-    match read {
-        Ok(_) if body.len() as u64 > MOST_BYTES => Err(too_large()),
-        Ok(_) => Ok(body),
-        Err(error) => Err(refused(400, &format!("cannot read the request: {error}"))),
     }
 }
 

@@ -37,8 +37,7 @@ impl Served {
     fn send(&self, head: &str, body: &str) -> (u16, String) {
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("a connection");
         let length = body.len();
-        let request =
-            format!("{head}\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n{body}");
+        let request = format!("{head}\r\nContent-Length: {length}\r\n\r\n{body}");
         // A server that refuses early need not read all of it.
         let _ = stream.write_all(request.as_bytes());
         let mut answer = Vec::new();
@@ -284,6 +283,60 @@ fn only_a_server_that_was_told_to_saves() {
     assert_eq!((status, &answer["saved"]), (200, &json!(true)));
     let text = kept.lock().expect("a text").clone();
     assert_eq!(Scene::from_json(text.as_bytes()).expect("a scene"), scene());
+    // Found in an audit: a scene without inputs took its place.
+    let (status, answer) = served.post("save", &json!({ "scene": {} }));
+    assert!(status == 400 && answer["error"].is_string(), "{status} {answer}");
+    assert_eq!(*kept.lock().expect("a text"), text);
+}
+
+/// Found in an audit: a request with this length ended the program, without a token; a head of 100 MB was read to its end.
+#[test]
+fn a_request_that_announces_too_much_is_refused() {
+    let served = Served::start(None);
+    let open = format!("Host: 127.0.0.1:{}\r\n", served.port);
+    let known = format!("{open}X-Bsm-Token: {}\r\n", served.token);
+    let much = "Content-Length: 1000000000000000\r\n";
+    for (line, lines, expected) in [
+        ("GET /", format!("Host: x\r\n{much}"), 403),
+        ("POST /solve", format!("{open}{much}"), 403),
+        ("POST /solve", format!("{known}{much}"), 413),
+        ("POST /solve", format!("{known}Content-Length: 99999999999999999999999\r\n"), 400),
+        ("POST /solve", format!("{known}Content-Length: -1\r\n"), 400),
+        ("POST /solve", format!("{known}Transfer-Encoding: chunked\r\n"), 411),
+        ("GET /", format!("{open}X: {}\r\n", "x".repeat(1 << 20)), 431),
+        ("GET /", format!("{open}{}", "X: x\r\n".repeat(100)), 431),
+        ("GET /", "no colon\r\n".to_owned(), 400),
+    ] {
+        let (status, answer) = served.send(&format!("{line} HTTP/1.1\r\n{lines}X-End: 1"), "");
+        assert_eq!(status, expected, "{line} {answer}");
+        assert!(answer.contains("\"error\""), "{answer}");
+    }
+    assert_eq!(served.post("solve", &asked()).0, 200);
+}
+
+/// Found in an audit: eight clients that sent no body, or read no answer, stopped all other answers.
+#[test]
+fn clients_that_are_slow_hold_up_no_other() {
+    let served = Served::start(None);
+    let connect = |request: &str| {
+        let mut stream = TcpStream::connect(("127.0.0.1", served.port)).expect("a connection");
+        stream.write_all(request.as_bytes()).expect("a request");
+        stream
+    };
+    let post = served.head("POST /solve");
+    let page = format!("{}\r\n\r\n", served.head("GET /"));
+    let silent: Vec<_> =
+        (0..40).map(|_| connect(&format!("{post}\r\nContent-Length: 5000\r\n\r\n{{"))).collect();
+    let begun: Vec<_> = (0..40).map(|_| connect("GET / HTTP/1.1\r\nHost")).collect();
+    let deaf: Vec<_> = (0..40).map(|_| connect(&page)).collect();
+    assert_eq!(served.post("solve", &asked()).0, 200);
+    for mut stream in [silent, begun].into_iter().flatten() {
+        // They are told after a while, whatever else they send.
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).expect("text");
+        assert!(answer.starts_with("HTTP/1.1 408 "), "{answer}");
+    }
+    drop(deaf);
 }
 
 /// No request leaves the page but to its own server, and no text of a scene ends its script.

@@ -6,8 +6,9 @@ use std::rc::Rc;
 
 use bsm_case::{InputKey, OutputKey, Settings};
 use bsm_dyn::{
-    FAST_NUT, Model, POWER_BALANCE_TOL, SKIDS, Scaled, TRACTION_FOUND, TRACTION_START,
-    TractionMany, TractionRoot, TractionStart, loss_error, slip_scale,
+    FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKIDS, Scaled, TRACTION_FOUND,
+    TRACTION_START, TractionMany, TractionRoot, TractionStart, loss_error, quadrature_error,
+    slip_scale,
 };
 use bsm_simd::{Arch, BLOCK, NullaryFnOnce, Simd, WithSimd};
 
@@ -43,14 +44,14 @@ fn quadratures(accuracy: f64) -> Option<Rc<TractionMany>> {
 /// Answers the rows that its start leads to the root of.
 pub(super) fn solve(arch: Arch, rows: Rows<'_, '_>, settings: &Settings) {
     if let Some(many) = quadratures(settings.accuracy) {
-        arch.dispatch(Solve { arch, rows, creep: settings.creep, many: &many });
+        arch.dispatch(Solve { arch, rows, settings, many: &many });
     }
 }
 
 struct Solve<'a, 'b> {
     arch: Arch,
     rows: Rows<'a, 'b>,
-    creep: f64,
+    settings: &'a Settings,
     many: &'a TractionMany,
 }
 
@@ -59,8 +60,8 @@ impl WithSimd for Solve<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { arch, rows: Rows { operands, wanted, first, columns, done }, creep, many } =
-            self;
+        let Self { arch, rows, settings: &Settings { creep, accuracy, .. }, many } = self;
+        let Rows { operands, wanted, first, columns, done } = rows;
         let (mut lanes, mut points, mut starts) = (Vec::new(), Vec::new(), Vec::new());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
             let given = Given { simd, operands, row: first + row };
@@ -107,7 +108,7 @@ impl WithSimd for Solve<'_, '_> {
                 root[k] = Lane::load(simd, &blocks[k]);
             }
             let mut out = Out { wanted, columns: &mut *columns, row };
-            let solved = outputs(lane, &TractionRoot::of(root), &mut out);
+            let solved = outputs(lane, &TractionRoot::of(root), accuracy, &mut out);
             let mut answered = [false; MANY];
             (solved & given.lawful(Model::Traction)).store(&mut answered);
             for (i, done) in done[row..].iter_mut().enumerate().take(Lane::<S>::LEN) {
@@ -228,6 +229,7 @@ fn start<S: Simd>(
 fn outputs<S: Simd>(
     Points { units, pair, scaled: point }: &Points<S>,
     root: &TractionRoot<Lane<S>>,
+    accuracy: f64,
     out: &mut Out<'_, '_>,
 ) -> Mask<S> {
     let (y, w, zero) = (root.unknowns, units.speed, units.speed.constant(0.0));
@@ -270,12 +272,11 @@ fn outputs<S: Simd>(
     let imbalance = power_balance(out, back, (root.torque, ideal), power);
     let torque = root.torque + root.error;
     let other = back.select(torque, ideal) / back.select(ideal, torque);
-    // δη = max(10 |η'(y') − η(y)|, 10⁻⁹)                                  (T25)
-    let error = ((other - eta).abs() * 10.0).max(zero + 1e-9);
+    let error = quadrature_error(other - eta, accuracy);
     out.set(OutputKey::efficiency_error_bound, error);
     let loss = loss_error(back, eta, error);
-    let finite = loss.lt(zero.constant(f64::INFINITY));
-    out.set(OutputKey::loss_error_bound, finite.select(loss, zero.constant(f64::NAN)));
+    let stated = loss.le(zero.constant(MOST_LOSS_ERROR));
+    out.set(OutputKey::loss_error_bound, stated.select(loss, zero.constant(f64::NAN)));
     out.set(OutputKey::iterations, root.steps);
     out.set(OutputKey::residual_norm, root.residual);
     imbalance.abs().le(zero.constant(POWER_BALANCE_TOL)) & error.lt(zero.constant(f64::INFINITY))

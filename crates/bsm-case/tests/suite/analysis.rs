@@ -66,7 +66,7 @@ fn slip_is_what_the_model_says() {
 #[test]
 fn powers_add_up_with_the_dials() {
     let scene = scene(XU, &[("screw_speed_rpm", 12000.0)]);
-    let coarse = Settings { accuracy: 1e-3, creep: 1e-2, ..Model::Traction.into() };
+    let coarse = Settings { accuracy: 1e-4, creep: 1e-2, ..Model::Traction.into() };
     let fine = Settings { tolerance: 1e-5, ..Settings::default() };
     for settings in [coarse, fine] {
         let solution = solved(&scene, &settings);

@@ -352,15 +352,17 @@ fn models_have_dials() {
     assert!(fine["choice"].as_str().is_some_and(|why| why.contains("integrated")));
     let eta = |args: &[&str]| solve(args)["efficiency"].as_f64().expect("a number");
     let (coarse, fine) = (
-        eta(&["--model", "traction", "--accuracy", "1e-2"]),
+        eta(&["--model", "traction", "--accuracy", "1e-4"]),
         eta(&["--model", "traction", "--accuracy", "1e-10"]),
     );
-    assert!((coarse - fine).abs() > 1e-9 && (coarse - fine).abs() < 1e-3, "{coarse} {fine}");
+    assert!((coarse - fine).abs() > 1e-9 && (coarse - fine).abs() < 1e-6, "{coarse} {fine}");
     let control = |race| eta(&["--model", "raceway-control", "--control", race]);
     assert!((control("nut") - control("screw")).abs() > 1e-6);
     for (args, part) in [
         (["--tolerance", "0"], "must be a number, finite and > 0"),
-        (["--accuracy", "0"], "must be a number, from 0.0000000000001 to 0.01"),
+        // Found in an audit: a loss a fifth too large, stated to 0.3 %.
+        (["--accuracy", "1e-2"], "must be a number, from 0.0000000000001 to 0.0001"),
+        (["--accuracy", "0"], "must be a number, from 0.0000000000001 to 0.0001"),
         (["--control", "ball"], "possible values: nut, screw"),
     ] {
         let output = bsm(dir.path(), &[&["solve", &drive], &args[..]].concat(), "");

@@ -7,7 +7,7 @@ use bsm_kin::{Jet, Motion};
 use super::{Balance, Grip, RacewayControl, RacewayWorkspace, STATIC};
 use crate::balance::efficiency;
 use crate::elastic_ball::{ElasticBall, Loaded};
-use crate::ellipse::Nodes;
+use crate::ellipse::{Nodes, Quadrature};
 use crate::equations::Workspace;
 use crate::sensitivity::moving_root;
 use crate::{Transmitted, Unsolved};
@@ -19,11 +19,15 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     /// Efficiency and torque with their derivatives, for the race that controls.
     pub(crate) fn sensitivities(
         &self,
-        RacewayWorkspace { newton, quadrature }: &mut RacewayWorkspace,
+        RacewayWorkspace { newton, quadrature, slopes }: &mut RacewayWorkspace,
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
         let (inputs, loaded, to_nut) = self.moving(newton)?;
-        let (creep, nodes) = (RacewayControl::<f64>::CREEP, [Nodes::from(&*quadrature); 2]);
-        let power = inputs.friction_power(&loaded, &to_nut, creep, nodes);
+        let power = |rule: &Quadrature| {
+            let nodes = [Nodes::from(rule); 2];
+            inputs.friction_power(&loaded, &to_nut, RacewayControl::<f64>::CREEP, nodes)
+        };
+        // The nodes stand still in a derivative: only a fine rule has none to lose by that.
+        let power = Jet { re: power(quadrature).re, eps: power(slopes).eps };
         let (ideal, torque) = self.at.rolling_torques(power);
         let efficiency = efficiency(inputs.direction, ideal, torque);
         Ok(Transmitted { efficiency, screw_torque: Some(torque) })

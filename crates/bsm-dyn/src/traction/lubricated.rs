@@ -272,7 +272,8 @@ impl Traction {
         let Helix { radius, lead_angle } = pair.helix;
         let ideal = ideal_torque(1.0, radius, lead_angle);
         let efficiency = crate::balance::efficiency(pair.direction, ideal, last.torque);
-        let error = checked.error(other.as_ref(), &seen.slope.get(), efficiency, newton);
+        let error =
+            checked.error(self.accuracy, other.as_ref(), &seen.slope.get(), efficiency, newton);
         Ok(Place { pair, grip, root, plans, steps, last, error })
     }
 

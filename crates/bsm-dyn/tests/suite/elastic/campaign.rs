@@ -2,8 +2,8 @@
 //! the automatic choice keeps its bounds.
 
 use bsm_dyn::{
-    Auto, Elastic, ElasticPoint, ElasticWorkspace, Model, ModelWorkspace, Reason, Solution, Status,
-    Traction, TractionWorkspace,
+    Auto, Elastic, ElasticPoint, ElasticWorkspace, GRIPS_BELOW, Model, ModelWorkspace, Reason,
+    Solution, Status, Traction, TractionWorkspace,
 };
 
 use super::screws::{real_screws, screws, unusual_screws};
@@ -86,6 +86,29 @@ fn the_choice_keeps_its_bounds() {
         // Beyond the ranges of the fit the bounds are as good as can be told: 2 %.
         assert!(tried.broken * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
     }
+}
+
+/// Found in an audit: the choice took raceway control, whose result said that it does not hold there.
+#[test]
+fn a_model_that_does_not_hold_is_never_taken() {
+    let (mut work, mut taken) = (ModelWorkspace::default(), [0; 3]);
+    let drawn = real_screws(81).take(500).chain(unusual_screws(82).take(500));
+    let points: Vec<_> = drawn.collect();
+    for tolerance in [1.0, 1e-1, 1e-2, 1e-4] {
+        for screw in &points {
+            let chosen = Auto { at: *screw, tolerance }.solve(&mut work);
+            let Some(solved) = chosen.solved() else { continue };
+            let onset = solved.skid.and_then(|skid| skid.onset_number());
+            let (place, holds) = match chosen.model {
+                Model::RacewayControl => (0, onset.is_some_and(|onset| onset < GRIPS_BELOW)),
+                Model::Elastic => (1, onset.is_some_and(|onset| onset >= 2.0)),
+                model => (2, model == Model::Traction),
+            };
+            taken[place] += 1;
+            assert!(holds, "{:?} at {tolerance}: {onset:?}", chosen.model);
+        }
+    }
+    assert!(taken.iter().all(|count| *count > 100), "{taken:?}");
 }
 
 /// How a choice did.
