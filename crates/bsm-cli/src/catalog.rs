@@ -88,14 +88,16 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     }
     let mut sheets = BTreeMap::new();
     if let Some(wish) = &wish {
-        sheets.extend(catalogue.map(&chosen, |place, nut| Some((place, wish.sheet_of(&nut.nut)))));
-        let kept = |place: &u32| of_sheet.iter().all(|(i, asked)| asked.is_met(sheets[place][*i]));
-        chosen.retain(kept);
+        sheets.extend(catalogue.map(&chosen, |place, nut| Some((place, wish.sheet_of(&nut.nut)?))));
+        let kept = |sheet: &Vec<f64>| of_sheet.iter().all(|(i, asked)| asked.is_met(sheet[*i]));
+        chosen.retain(|place| sheets.get(place).is_some_and(kept));
         if chosen.is_empty() {
-            warn(
-                "note",
-                "no nut that keeps the requirement meets what --require asks of its sheet",
-            );
+            let text = if sheets.is_empty() {
+                "no nut keeps all rules of its sheet (bsm size)"
+            } else {
+                "no nut that meets the requirement meets what --require asks of its sheet"
+            };
+            warn("note", text);
             return Err(Failure::Unsolved);
         }
     }

@@ -81,7 +81,7 @@ fn describe(report: &DesignReport, output: Option<&Path>) -> String {
             report.reasons.join(", ")
         };
         let next = match output {
-            Some(path) => format!("wrote {0}; next: bsm solve {0}", path.display()),
+            Some(path) => format!("wrote {0}; next: bsm size {0}", path.display()),
             None => "-o SCREW.json writes the scene for every other command".to_owned(),
         };
         format!("what holds it back: {held}\n{next}")

@@ -1,8 +1,8 @@
 //! What the balls of an axis take: friction of each phase, and the nut under its largest load.
 
+use bsm_design::Phase;
 use bsm_dyn::{ModelWorkspace, Problem, Status};
 
-use super::axis::{Axis, Phase};
 use crate::units::RPM;
 use crate::{CaseError, InputKey, NutProblem, NutReport, Record, Scene, Settings};
 
@@ -60,10 +60,12 @@ pub(super) fn band(
 
 /// Friction of the contacts under a load at a speed: by all balls of a preloaded nut, else by one ball under
 /// its equal share.
+///
+/// * `advance`: for a radian of the screw \[m\].
 pub(super) fn contacts(
     scene: &Scene,
     settings: &Settings,
-    axis: &Axis,
+    advance: f64,
     Phase { load, speed, .. }: &Phase,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
@@ -86,7 +88,7 @@ pub(super) fn contacts(
     let scene = at(scene, load.abs(), load.signum() * speed);
     let record = Record::new(scene.problem(settings)?.solve(work));
     let torque = record.number("screw_torque_Nm").filter(|_| record.status() == Status::Converged);
-    let ideal = axis.advance() * load.abs();
+    let ideal = advance * load.abs();
     let words = match (torque, record.message()) {
         (None, Some(why)) => format!("no torque: {why}"),
         _ => record.model().name().to_owned(),

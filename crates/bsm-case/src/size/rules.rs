@@ -1,9 +1,8 @@
 //! The rules that an axis must keep: value, limit, source, and what would help.
 
-use bsm_design::{OPENS_AT, PRELOAD, pair_loads};
+use bsm_design::{Axis, OPENS_AT, PRELOAD};
 use serde_json::{Value, json};
 
-use super::axis::Axis;
 use crate::{CapacityReport, InputKey, Numbers, Scene};
 
 /// A rule: a number of the axis and its limit.
@@ -87,12 +86,11 @@ pub(super) fn rules(
     axis: &Axis,
     numbers: &Numbers,
     of_nut: &CapacityReport,
-    preload: Option<f64>,
 ) -> Vec<SizeRule> {
     let mut rules = Rules::default();
     screw_rules(&mut rules, scene, axis, numbers);
     nut_rules(&mut rules, scene, axis, numbers);
-    preload_rules(&mut rules, axis, numbers, of_nut, preload);
+    preload_rules(&mut rules, axis, numbers, of_nut);
     rules.0
 }
 
@@ -195,26 +193,19 @@ fn nut_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
 }
 
 /// Of the contacts, and of the preload if there is one.
-fn preload_rules(
-    rules: &mut Rules,
-    axis: &Axis,
-    numbers: &Numbers,
-    of_nut: &CapacityReport,
-    preload: Option<f64>,
-) {
+fn preload_rules(rules: &mut Rules, axis: &Axis, numbers: &Numbers, of_nut: &CapacityReport) {
     let number = |name: &str| numbers.number(name);
     let edge = of_nut.rows().iter().find(|row| row.0 == "edge_load_N").map(|row| row.2);
     let (largest, dynamic) = (axis.largest_load(), axis.dynamic_rating);
-    let busier = preload.map_or(largest, |preload| pair_loads(preload, largest).0);
     rules.add(
         "contact ellipse on its flank",
-        ("largest_load_N", "N"),
-        edge.map(|_| busier),
+        ("busier_nut_load_N", "N"),
+        edge.map(|_| axis.busier_load()),
         (false, edge),
         "edge of the land (G8)",
         &|_| "a larger land: nut_bore_mm smaller, screw_outer_diameter_mm larger".to_owned(),
     );
-    if let Some(preload) = preload {
+    if let Some(preload) = axis.preload {
         rules.add(
             "preload",
             ("preload_N", "N"),
