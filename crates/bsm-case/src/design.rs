@@ -9,6 +9,7 @@ use bsm_dyn::{Direction, ModelWorkspace};
 use serde_json::{Map, Value, json};
 
 use crate::optimum::hard_to_make;
+use crate::size::quick_efficiency;
 use crate::units::{DEG, MM, MPA, RPM};
 use crate::{
     Catalogue, Output, RequirementFile, Scene, Settings, SizeReport, SizeRule, sheet_columns,
@@ -46,6 +47,9 @@ pub struct DesignReport {
     /// The screw at its operating point.
     pub scene: Scene,
 }
+
+/// Name of the efficiency of the whole screw.
+const EFFICIENCY: &str = "screw_efficiency";
 
 thread_local! {
     /// The search solves from several threads.
@@ -90,7 +94,12 @@ impl DesignReport {
             }
         };
         let scene = scene(wish, &design.nut, design.phase.load);
-        let rules = rules(&scene);
+        let sheet = SizeReport::of(&scene, &wish.model.into()).ok();
+        let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
+        let of_sheet = |_: &Nut, _: &Phase| efficiency;
+        // That of a preloaded nut is by all its balls.
+        let design = Design::of(&wish.requirement, design.nut, Some(&of_sheet));
+        let rules = sheet.map_or_else(Vec::new, |sheet| sheet.rules);
         let mut warnings = scene.warnings();
         let best = design.value(Quantity::BestContactAngle) / DEG;
         warnings.extend(hard_to_make(
@@ -164,6 +173,13 @@ impl DesignReport {
 }
 
 impl RequirementFile {
+    /// A catalogue of nuts of the steel of the requirement.
+    #[must_use]
+    pub fn of_its_steel(&self, mut catalogue: Catalogue) -> Catalogue {
+        catalogue.limits.material = self.requirement.material;
+        catalogue
+    }
+
     /// True if a nut keeps all limits of the requirement but those that need the loads of all its balls, which
     /// [`sheet_of`](Self::sheet_of) judges.
     pub fn is_kept_by(&self, nut: &Nut) -> bool {
@@ -198,29 +214,31 @@ impl RequirementFile {
     }
 }
 
-/// Rules of the sheet of a scene. None of them needs friction.
-fn rules(scene: &Scene) -> Vec<SizeRule> {
-    let mut dry = scene.clone();
-    dry.friction_coefficient = None;
-    SizeReport::of(&dry, &Settings::default()).map_or_else(|_| Vec::new(), |report| report.rules)
-}
-
-/// Holds a nut against the rules of its sheet.
+/// Holds a nut against the rules of its sheet, none of which needs friction, and with a preload against its efficiency,
+/// which the search does not know by all balls.
 fn accepted(wish: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> {
-    let rules = rules(&wish.scene_of(nut));
-    let broken: Vec<_> = rules.iter().filter(|rule| !rule.passes()).map(|rule| rule.name).collect();
-    if broken.is_empty() && !rules.is_empty() { Ok(()) } else { Err(broken) }
+    let Requirement { least_efficiency, largest_power, preload, .. } = &wish.requirement;
+    let mut scene = wish.scene_of(nut);
+    let by_all_balls = preload.is_some() && (least_efficiency.is_some() || largest_power.is_some());
+    if !by_all_balls {
+        scene.friction_coefficient = None;
+    }
+    let sheet = SizeReport::of(&scene, &wish.model.into()).map_err(|_| Vec::new())?;
+    let mut broken: Vec<_> =
+        sheet.rules.iter().filter(|rule| !rule.passes()).map(|rule| rule.name).collect();
+    if by_all_balls {
+        let efficiency = |_: &Nut, _: &Phase| sheet.number(EFFICIENCY);
+        let design = Design::of(&wish.requirement, *nut, Some(&efficiency));
+        let failing = design.checks.iter().filter(|check| !check.passes());
+        broken.extend(failing.map(|check| label(check.quantity).0));
+    }
+    if broken.is_empty() { Ok(()) } else { Err(broken) }
 }
 
-/// Efficiency of a nut in a phase by the model of a requirement, if it has one.
+/// Efficiency of the whole screw of a nut in a phase by the model of a requirement, if it has one.
 fn efficiency(wish: &RequirementFile, nut: &Nut, phase: &Phase) -> Option<f64> {
-    let mut scene = scene(wish, nut, phase.load);
-    // The model has the load positive, and the speed negative where the load drives.
-    (scene.axial_load_N, scene.feed_m_min) = (Some(phase.load.abs()), None);
-    scene.screw_speed_rpm = Some(phase.load.signum() * phase.speed / RPM);
-    let problem = scene.problem(&wish.model.into()).ok()?;
-    let solution = WORK.with_borrow_mut(|work| problem.solve(work));
-    solution.efficiency()
+    let scene = scene(wish, nut, phase.load);
+    WORK.with_borrow_mut(|work| quick_efficiency(&scene, &wish.model.into(), nut, phase, work))
 }
 
 /// The screw of a nut in the axis of a requirement.
@@ -268,12 +286,12 @@ fn label(quantity: Quantity) -> (&'static str, &'static str, f64) {
         Quantity::StrokeTurns => ("turns_for_stroke", "", 1.0),
         Quantity::Advance => ("advance_mm_s", "mm/s", MM),
         Quantity::SpeedNumber => ("cycle_speed_number_mm_min", "mm/min", MM * RPM),
-        Quantity::NutPressure => ("nut_max_pressure_MPa", "MPa", MPA),
-        Quantity::ScrewPressure => ("screw_max_pressure_MPa", "MPa", MPA),
+        Quantity::NutPressure => ("nut_nominal_pressure_MPa", "MPa", MPA),
+        Quantity::ScrewPressure => ("screw_nominal_pressure_MPa", "MPa", MPA),
         Quantity::EllipseEnd => ("contact_ellipse_end_deg", "deg", DEG),
-        Quantity::Efficiency => ("efficiency", "", 1.0),
-        Quantity::InputPower => ("input_power_W", "W", 1.0),
-        Quantity::OutputPower => ("output_power_W", "W", 1.0),
+        Quantity::Efficiency => (EFFICIENCY, "", 1.0),
+        Quantity::InputPower => ("screw_input_power_W", "W", 1.0),
+        Quantity::OutputPower => ("screw_output_power_W", "W", 1.0),
         Quantity::DynamicRating => ("dynamic_load_rating_N", "N", 1.0),
         Quantity::EquivalentLoad => ("equivalent_load_N", "N", 1.0),
         Quantity::Life => ("cycle_life_h", "h", 3600.0),

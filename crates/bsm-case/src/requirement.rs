@@ -377,7 +377,7 @@ impl Given {
             (moves || scene.nut.cycle.is_some(), scene.friction_coefficient)
         else {
             let friction = scene.friction_coefficient.is_none().then_some("friction_coefficient");
-            let speed = (!moves).then_some("screw_speed_rpm (or feed_m_min, or cycle)");
+            let speed = (!moves).then_some("screw_speed_rpm (or feed_m_min)");
             let missing = speed.into_iter().chain(friction).map(str::to_owned).collect();
             return Err(CaseError::MissingForDesign { missing });
         };

@@ -8,7 +8,7 @@ mod rules;
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Motion, Pace, Phase, drag_torque, in_series, life, lost_motion, root_mean_square,
+    Axis, Motion, Nut, Pace, Phase, drag_torque, in_series, life, lost_motion, root_mean_square,
     steady_rise,
 };
 use bsm_dyn::ModelWorkspace;
@@ -292,6 +292,24 @@ pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<SizePha
     let load = ("screw_load_N", "N", Some(phase.load));
     let numbers = std::iter::once(load).chain(torques.parts()).collect();
     Ok(Some(SizePhase { numbers, contacts: torques.contacts.words }))
+}
+
+/// Efficiency of the whole screw in a phase for a search over screws, which has no time for all balls of a preloaded
+/// nut: one ball under its equal share, and the drag of the preload by the rule of makers.
+///
+/// * `nut`: that of the scene.
+pub(crate) fn quick_efficiency(
+    scene: &Scene,
+    settings: &Settings,
+    nut: &Nut,
+    phase: &Phase,
+    work: &mut ModelWorkspace,
+) -> Option<f64> {
+    let preload = scene.preload_N.unwrap_or(0.0);
+    let single = Scene { preload_N: None, ..scene.clone() };
+    let drag = drag_torque(preload, nut.lead, nut.lead_angle());
+    let torques = Torques::of(&single, settings, (nut.lead / TAU, drag), phase, work).ok()?;
+    torques.efficiency()
 }
 
 impl SizeReport {

@@ -65,13 +65,17 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         files::keep(lists, args.pick.as_deref())?;
     }
 
+    let wish = requirement(args, &catalogue)?;
+    let catalogue = match &wish {
+        Some(wish) => wish.of_its_steel(catalogue),
+        None => catalogue,
+    };
     let all = catalogue.places();
     if all.is_empty() {
         let limits = "turns_range, conformity_range, largest_ball_over_lead, largest_ball_over_screw_root; or the lands hold no ball";
         warn("note", &format!("no combination of the lists is within the limits: {limits}"));
         return Err(Failure::Unsolved);
     }
-    let wish = requirement(args, &catalogue)?;
     let keeps = |nut: &Candidate| wish.as_ref().is_none_or(|wish| wish.is_kept_by(&nut.nut));
     let meets = |nut: &Candidate| requirements.iter().all(|(_, r)| r.is_met(nut)) && keeps(nut);
     let mut chosen = catalogue.map(&all, |place, nut| meets(nut).then_some(place));

@@ -27,8 +27,6 @@ fn at(scene: &Scene, load: f64, speed: f64) -> Scene {
     let mut scene = scene.clone();
     (scene.axial_load_N, scene.feed_m_min) = (Some(load), None);
     (scene.screw_speed_rpm, scene.nut_speed_rpm) = (Some(speed / RPM), None);
-    // It has a line of its own.
-    scene.seal_torque_Nm = None;
     scene
 }
 
@@ -39,7 +37,9 @@ pub(super) fn nut_at(
     load: f64,
     speed: f64,
 ) -> Result<NutReport, CaseError> {
-    NutProblem::of(&at(scene, load, speed), settings)?.solve().map_err(CaseError::Nut)
+    // Seals have a line of their own.
+    let scene = Scene { seal_torque_Nm: None, ..at(scene, load, speed) };
+    NutProblem::of(&scene, settings)?.solve().map_err(CaseError::Nut)
 }
 
 /// How sure friction from a lubricant is: nine of ten draws of what nobody knows exactly lie between these, over the
