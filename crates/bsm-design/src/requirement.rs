@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use bsm_dyn::{Direction, Hertz, Material, Optimum};
 
-use crate::{Axis, Body, Carriage, Motion, Mount, Nut, PRELOAD, Phase};
+use crate::{Axis, Body, Carriage, Life, Motion, Mount, Nut, PRELOAD, Phase};
 
 /// The cycle of the machine, or a torque.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,6 +13,23 @@ pub enum Demand {
     Cycle(Vec<Motion>),
     /// Torque on the screw \[N·m\], and its speed.
     Torque(f64, Pace),
+}
+
+impl Demand {
+    /// What a screw carries.
+    fn phases(&self, carriage: &Carriage, nut: &Nut) -> Vec<Phase> {
+        match self {
+            Self::Cycle(motions) => {
+                motions.iter().map(|motion| motion.phase(carriage, nut.lead)).collect()
+            }
+            Self::Torque(torque, pace) => {
+                let (radius, speed) = (0.5 * nut.pitch_diameter, pace.speed(nut.lead));
+                // F = M / (r_m tanα)                                      (L1)
+                let load = torque / (radius * nut.lead_angle().tan());
+                vec![Phase { time: 1.0, load, speed, acceleration: 0.0 }]
+            }
+        }
+    }
 }
 
 /// Lead or lead angle.
@@ -244,6 +261,34 @@ impl Check {
     }
 }
 
+/// A number with the least and the largest value that it may have.
+type Limited = (Quantity, f64, Option<f64>, Option<f64>);
+
+impl Requirement {
+    /// The rules of an axis that do not need the loads of all its balls.
+    fn rules(&self, axis: &Axis) -> Vec<Limited> {
+        let (rating, life) = (axis.dynamic_rating, axis.life());
+        let of_life = |number: &dyn Fn(&Life) -> f64| life.as_ref().map_or(f64::NAN, number);
+        let mut rules = vec![
+            (Quantity::DynamicRating, rating, None, None),
+            // C_a ≥ F_m                                                   (L10)
+            (Quantity::EquivalentLoad, of_life(&|life| life.mean_load), None, Some(rating)),
+            (Quantity::Life, of_life(&|life| life.time), self.life, None),
+            (Quantity::StaticSafety, axis.static_safety(), Some(self.static_safety), None),
+        ];
+        let preload = axis.preload;
+        rules.extend(preload.map(|x| (Quantity::Preload, x, None, Some(PRELOAD * rating))));
+        let ratio = axis.critical_speed_ratio();
+        rules
+            .extend(ratio.map(|x| (Quantity::CriticalSpeedRatio, x, None, Some(self.speed_ratio))));
+        let safety = axis.buckling_safety();
+        rules.extend(
+            safety.map(|x| (Quantity::BucklingSafety, x, Some(self.buckling_safety), None)),
+        );
+        rules
+    }
+}
+
 /// A screw for a requirement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
@@ -276,16 +321,7 @@ impl Design {
             Reach::Screw(length) => (length, length - body.length),
             Reach::Stroke(stroke) => (stroke + body.length, stroke),
         };
-        let phases = match &requirement.demand {
-            Demand::Cycle(motions) => {
-                motions.iter().map(|motion| motion.phase(&requirement.carriage, nut.lead)).collect()
-            }
-            Demand::Torque(torque, pace) => {
-                // F = M / (r_m tanα)                                      (L1)
-                let load = torque / (radius * lead.tan());
-                vec![Phase { time: 1.0, load, speed: pace.speed(nut.lead), acceleration: 0.0 }]
-            }
-        };
+        let phases = requirement.demand.phases(&requirement.carriage, &nut);
         let axis = Axis {
             nut,
             shaft: requirement.mount.shaft(&nut, &thread, &body, Some(stroke)),
@@ -309,7 +345,6 @@ impl Design {
         let pressures = pressed(&|hertz| hertz.max_pressure(normal));
         let semi_axes = pressed(&|hertz| hertz.semi_axes(normal).0);
         let best = Optimum::of(direction, lead, friction);
-        let life = axis.life();
         let mut checks = Vec::new();
         let mut add = |step, quantity, value, least, most| {
             checks.push(Check { step, quantity, value, least, most });
@@ -371,22 +406,8 @@ impl Design {
         };
         add(10, Quantity::InputPower, input, None, requirement.largest_power);
         add(10, Quantity::OutputPower, output, None, None);
-        let rating = axis.dynamic_rating;
-        add(11, Quantity::DynamicRating, rating, None, None);
-        let of_life = |number: &dyn Fn(&crate::Life) -> f64| life.as_ref().map_or(f64::NAN, number);
-        // C_a ≥ F_m                                                       (L10)
-        add(11, Quantity::EquivalentLoad, of_life(&|life| life.mean_load), None, Some(rating));
-        add(11, Quantity::Life, of_life(&|life| life.time), requirement.life, None);
-        let safety = axis.static_safety();
-        add(11, Quantity::StaticSafety, safety, Some(requirement.static_safety), None);
-        if let Some(preload) = axis.preload {
-            add(11, Quantity::Preload, preload, None, Some(PRELOAD * rating));
-        }
-        if let Some(ratio) = axis.critical_speed_ratio() {
-            add(11, Quantity::CriticalSpeedRatio, ratio, None, Some(requirement.speed_ratio));
-        }
-        if let Some(safety) = axis.buckling_safety() {
-            add(11, Quantity::BucklingSafety, safety, Some(requirement.buckling_safety), None);
+        for (quantity, value, least, most) in requirement.rules(&axis) {
+            add(11, quantity, value, least, most);
         }
         add(
             11,

@@ -292,7 +292,9 @@ impl TryFrom<Value> for GradeWord {
     type Error = String;
 
     fn try_from(value: Value) -> Result<Self, String> {
-        let number = value.as_f64().and_then(|x| NUMBERS.into_iter().find(|n| f64::from(*n) == x));
+        let number = value
+            .as_f64()
+            .and_then(|x| NUMBERS.into_iter().find(|n| (f64::from(*n) - x).abs() <= 0.0));
         let name = number.map(|number| format!("P{number}"));
         let name = name.as_deref().or(value.as_str()).unwrap_or_default();
         let names = || Grade::all().map(|grade| grade.name);
