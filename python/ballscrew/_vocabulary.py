@@ -455,7 +455,6 @@ class Inputs(TypedDict, total=False):
     housing_rigidity_N_um: float | None
     reliability_percent: float | None
     axis_heat_transfer_W_K: float | None
-    accuracy_grade: float | None
     required_life_h: float | None
     required_static_safety: float | None
     required_critical_speed_ratio: float | None
@@ -475,6 +474,7 @@ class Inputs(TypedDict, total=False):
     base_oil: Any
     ball_precession_rad_s: Any
     support: Any
+    accuracy_grade: Any
     cycle: Any
 
 
@@ -1068,29 +1068,24 @@ class SceneFields(_core.Scene):
         return self.number(109)
 
     @property
-    def accuracy_grade(self) -> float | None:
-        """Standard tolerance grade of the travel of the screw, ISO 3408-3."""
-        return self.number(110)
-
-    @property
     def required_life_h(self) -> float | None:
         """Life that is required [h]."""
-        return self.number(111)
+        return self.number(108)
 
     @property
     def required_static_safety(self) -> float | None:
         """Static safety that is required; 1.5 unless given."""
-        return self.number(112)
+        return self.number(109)
 
     @property
     def required_critical_speed_ratio(self) -> float | None:
         """Largest speed over the critical one that is permitted; 0.8 unless given."""
-        return self.number(113)
+        return self.number(110)
 
     @property
     def required_buckling_safety(self) -> float | None:
         """Buckling load over the largest axial load that is required; 2 unless given."""
-        return self.number(114)
+        return self.number(111)
 
 
 class SolutionFields(_core.Solution):
@@ -1355,7 +1350,8 @@ class SolutionFields(_core.Solution):
 
     @property
     def seal_power_W(self) -> float:
-        """Power lost at the seals [W]."""
+        """Power lost at the seals, which warms the lubricant; a part of the torque of the whole screw, not
+        of dissipated_power_W [W]."""
         return self.number(51)
 
     @property

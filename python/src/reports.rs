@@ -371,6 +371,10 @@ pub(crate) fn catalog(
             None => Catalogue::standard()?,
         };
         let wish = wished(requirement, &catalogue)?;
+        let catalogue = match &wish {
+            Some(wish) => wish.of_its_steel(catalogue),
+            None => catalogue,
+        };
         let on_sheet = |name: &str| {
             sheet_columns().position(|column| column.name == name).filter(|_| wish.is_some())
         };
@@ -394,7 +398,7 @@ pub(crate) fn catalog(
         let mut sheets = BTreeMap::new();
         if let Some(wish) = &wish {
             sheets.extend(catalogue.map(&chosen, |place, nut| {
-                let sheet = wish.sheet_of(&nut.nut);
+                let sheet = wish.sheet_of(&nut.nut)?;
                 keeps(&sheet).then_some((place, sheet))
             }));
             chosen.retain(|place| sheets.contains_key(place));

@@ -8,7 +8,9 @@ use serde_json::{Map, Value, json};
 
 use crate::fit::range_of;
 use crate::units::convert;
-use crate::{CaseError, InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Settings};
+use crate::{
+    CaseError, InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Settings, torque_parts,
+};
 
 /// A measured point.
 #[derive(Debug, Clone)]
@@ -126,6 +128,12 @@ impl Calibration {
             ModelChoice::Auto => Settings { model: Model::Traction.into(), ..*settings },
             ModelChoice::Fixed(model) => Settings { model: model.into(), ..*settings },
         };
+        // A measured torque is that of the whole screw.
+        if self.output.name == "screw_torque_Nm"
+            && let Some(parts) = torque_parts(&scene, &settings)?
+        {
+            return Ok(parts.number("whole_screw_torque_Nm"));
+        }
         let record = Record::new(scene.problem(&settings)?.solve(work));
         if record.status() != Status::Converged {
             return Ok(None);

@@ -2,13 +2,18 @@
 
 use std::cell::RefCell;
 
-use bsm_design::{Blocked, Check, Demand, Design, Nut, Outcome, Pitch, Quantity, Why};
+use bsm_design::{
+    Blocked, Check, Demand, Design, Nut, Outcome, Phase, Pitch, Quantity, Requirement, Why,
+};
 use bsm_dyn::{Direction, ModelWorkspace};
 use serde_json::{Map, Value, json};
 
 use crate::optimum::hard_to_make;
+use crate::size::quick_efficiency;
 use crate::units::{DEG, MM, MPA, RPM};
-use crate::{Catalogue, Output, RequirementFile, Scene, Settings, SizeReport, sheet_columns};
+use crate::{
+    Catalogue, Output, RequirementFile, Scene, Settings, SizeReport, SizeRule, sheet_columns,
+};
 
 /// A number of the procedure: step, what it is, value and requirement in words, and whether it
 /// holds.
@@ -43,6 +48,9 @@ pub struct DesignReport {
     pub scene: Scene,
 }
 
+/// Name of the efficiency of the whole screw.
+const EFFICIENCY: &str = "screw_efficiency";
+
 thread_local! {
     /// The search solves from several threads.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
@@ -52,28 +60,46 @@ impl DesignReport {
     /// Searches for the best screw of any size, with balls of standard diameters: Lin's procedure. A
     /// requirement that cannot be met is a result.
     pub fn of(wish: &RequirementFile) -> Self {
-        Self::from_outcome(wish, wish.requirement.choose(&|nut, load| efficiency(wish, nut, load)))
+        let efficiency = |nut: &Nut, phase: &Phase| efficiency(wish, nut, phase);
+        let outcome = wish.requirement.choose(&efficiency, &|nut| accepted(wish, nut));
+        Self::from_outcome(wish, outcome)
     }
 
     /// Searches for the best screw among standard sizes; `None` if the lists have none for the requirement,
     /// such as for a lead angle.
     pub fn standard(wish: &RequirementFile, catalogue: &Catalogue) -> Option<Self> {
         let Catalogue { lists, limits } = catalogue;
-        let efficiency = |nut: &Nut, load: f64| efficiency(wish, nut, load);
-        let outcome = wish.requirement.choose_standard(lists, limits, &efficiency)?;
+        let efficiency = |nut: &Nut, phase: &Phase| efficiency(wish, nut, phase);
+        let accepted = |nut: &Nut| accepted(wish, nut);
+        let outcome = wish.requirement.choose_standard(lists, limits, &efficiency, &accepted)?;
         Some(Self::from_outcome(wish, outcome))
     }
 
     fn from_outcome(wish: &RequirementFile, outcome: Outcome) -> Self {
         let (design, reasons, found): (_, Vec<String>, _) = match outcome {
-            Outcome::Found { design, active } => {
-                (design, active.into_iter().map(|q| label(q).0.to_owned()).collect(), true)
+            Outcome::Found { design, active, refused } => {
+                let mut names: Vec<_> = active.into_iter().map(|q| label(q).0).collect();
+                names.extend(refused);
+                let mut seen = Vec::new();
+                names.retain(|name| {
+                    !seen.contains(name) && {
+                        seen.push(*name);
+                        true
+                    }
+                });
+                (design, names.into_iter().map(str::to_owned).collect(), true)
             }
             Outcome::Infeasible { design, blocking } => {
                 (design, blocking.iter().map(blocks).collect(), false)
             }
         };
-        let scene = scene(wish, &design.nut, design.load);
+        let scene = scene(wish, &design.nut, design.phase.load);
+        let sheet = SizeReport::of(&scene, &wish.model.into()).ok();
+        let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
+        let of_sheet = |_: &Nut, _: &Phase| efficiency;
+        // That of a preloaded nut is by all its balls.
+        let design = Design::of(&wish.requirement, design.nut, Some(&of_sheet));
+        let rules = sheet.map_or_else(Vec::new, |sheet| sheet.rules);
         let mut warnings = scene.warnings();
         let best = design.value(Quantity::BestContactAngle) / DEG;
         warnings.extend(hard_to_make(
@@ -84,7 +110,7 @@ impl DesignReport {
             let model = wish.model.name();
             warnings.push(format!("model {model} has no solution for this screw: see bsm solve"));
         }
-        if let Demand::Torque(torque) = wish.requirement.demand {
+        if let Demand::Torque(torque, _) = wish.requirement.demand {
             let eta = design.value(Quantity::Efficiency);
             let driving = wish.requirement.direction == Direction::RotaryToLinear;
             let needed = if driving { torque / eta } else { torque * eta };
@@ -103,15 +129,26 @@ impl DesignReport {
                 "on this pitch circle the balls of a turn leave a gap of {gap:.2} ball diameters"
             ));
         }
-        let reasons = if found || !reasons.is_empty() {
-            reasons
-        } else {
-            vec![format!(
-                "model {} has no solution for any screw within the limits",
-                wish.model.name()
-            )]
-        };
-        Self { rows: design.checks.iter().map(row).collect(), found, reasons, warnings, scene }
+        let mut rows: Vec<_> = design.checks.iter().map(row).collect();
+        for rule in &rules {
+            let row = of_rule(rule);
+            match rows
+                .iter_mut()
+                .find(|old| old.name == row.name && old.requirement == row.requirement)
+            {
+                Some(old) => *old = DesignRow { step: old.step, ..row },
+                None => rows.push(row),
+            }
+        }
+        let mut reasons = reasons;
+        if !found && reasons.is_empty() {
+            reasons.extend(rules.iter().filter(|rule| !rule.passes()).map(breaks));
+        }
+        if !found && reasons.is_empty() {
+            let model = wish.model.name();
+            reasons.push(format!("model {model} has no solution for any screw within the limits"));
+        }
+        Self { rows, found, reasons, warnings, scene }
     }
 
     /// JSON object: `found`, `steps`, `reasons`, `warnings`, and the screw as `scene`.
@@ -136,42 +173,81 @@ impl DesignReport {
 }
 
 impl RequirementFile {
-    /// True if a nut keeps all limits of the requirement but those of its efficiency and power.
+    /// A catalogue of nuts of the steel of the requirement.
+    #[must_use]
+    pub fn of_its_steel(&self, mut catalogue: Catalogue) -> Catalogue {
+        catalogue.limits.material = self.requirement.material;
+        catalogue
+    }
+
+    /// True if a nut keeps all limits of the requirement but those that need the loads of all its balls, which
+    /// [`sheet_of`](Self::sheet_of) judges.
     pub fn is_kept_by(&self, nut: &Nut) -> bool {
         let of_pitch = |pitch: &Pitch| match pitch {
             Pitch::Lead(lead) => (lead - nut.lead).abs() < 1e-9,
             Pitch::Angle(angle) => (angle - nut.lead_angle()).abs() < 1e-9,
         };
-        let design = Design::of(&self.requirement, *nut, None);
-        let mut checks = design.checks.iter().filter(|check| !check.value.is_nan());
-        self.requirement.pitches.iter().any(of_pitch) && checks.all(Check::passes)
+        let keeps = |design: &Design| {
+            let mut checks = design.checks.iter().filter(|check| !check.value.is_nan());
+            checks.all(Check::passes)
+        };
+        let Requirement { pitches, least_efficiency, largest_power, .. } = &self.requirement;
+        let limited = least_efficiency.is_some() || largest_power.is_some();
+        let efficiency = |nut: &Nut, phase: &Phase| efficiency(self, nut, phase);
+        pitches.iter().any(of_pitch)
+            && keeps(&Design::of(&self.requirement, *nut, None))
+            && (!limited || Design::of(&self.requirement, *nut, Some(&efficiency)).is_feasible())
     }
 
     /// A nut at the operating point of the requirement.
     pub fn scene_of(&self, nut: &Nut) -> Scene {
         let design = Design::of(&self.requirement, *nut, None);
-        scene(self, nut, design.load)
+        scene(self, nut, design.phase.load)
     }
 
-    /// The numbers of [`sheet_columns`] for a nut in the axis of the requirement; NaN where there is none.
-    pub fn sheet_of(&self, nut: &Nut) -> Vec<f64> {
-        let report = SizeReport::of(&self.scene_of(nut), &Settings::default()).ok();
-        let number = |column: &Output| report.as_ref()?.number(column.name);
-        sheet_columns().map(|column| number(column).unwrap_or(f64::NAN)).collect()
+    /// The numbers of [`sheet_columns`] for a nut in the axis of the requirement, NaN where there is none; `None` if a
+    /// rule of its sheet does not hold.
+    pub fn sheet_of(&self, nut: &Nut) -> Option<Vec<f64>> {
+        let report = SizeReport::of(&self.scene_of(nut), &Settings::default()).ok()?;
+        let number = |column: &Output| report.number(column.name).unwrap_or(f64::NAN);
+        report.passes().then(|| sheet_columns().map(number).collect())
     }
 }
 
-/// Efficiency of a nut under a load by the model of a requirement, if it has one.
-fn efficiency(wish: &RequirementFile, nut: &Nut, load: f64) -> Option<f64> {
-    let problem = scene(wish, nut, load).problem(&wish.model.into()).ok()?;
-    let solution = WORK.with_borrow_mut(|work| problem.solve(work));
-    solution.efficiency()
+/// Holds a nut against the rules of its sheet, none of which needs friction, and with a preload against its efficiency,
+/// which the search does not know by all balls.
+fn accepted(wish: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> {
+    let Requirement { least_efficiency, largest_power, preload, .. } = &wish.requirement;
+    let mut scene = wish.scene_of(nut);
+    let by_all_balls = preload.is_some() && (least_efficiency.is_some() || largest_power.is_some());
+    if !by_all_balls {
+        scene.friction_coefficient = None;
+    }
+    let sheet = SizeReport::of(&scene, &wish.model.into()).map_err(|_| Vec::new())?;
+    let mut broken: Vec<_> =
+        sheet.rules.iter().filter(|rule| !rule.passes()).map(|rule| rule.name).collect();
+    if by_all_balls {
+        let efficiency = |_: &Nut, _: &Phase| sheet.number(EFFICIENCY);
+        let design = Design::of(&wish.requirement, *nut, Some(&efficiency));
+        let failing = design.checks.iter().filter(|check| !check.passes());
+        broken.extend(failing.map(|check| label(check.quantity).0));
+    }
+    if broken.is_empty() { Ok(()) } else { Err(broken) }
 }
 
-/// The screw of a nut at the operating point of a requirement.
+/// Efficiency of the whole screw of a nut in a phase by the model of a requirement, if it has one.
+fn efficiency(wish: &RequirementFile, nut: &Nut, phase: &Phase) -> Option<f64> {
+    let scene = scene(wish, nut, phase.load);
+    WORK.with_borrow_mut(|work| quick_efficiency(&scene, &wish.model.into(), nut, phase, work))
+}
+
+/// The screw of a nut in the axis of a requirement.
+///
+/// * `load`: of the screw \[N\], where the requirement has a torque.
 fn scene(wish: &RequirementFile, nut: &Nut, load: f64) -> Scene {
-    // Digits beyond a micrometre and a microdegree tell nothing.
-    let round = |x: f64| (x * 1e6).round() * 1e-6;
+    let by_torque = matches!(wish.requirement.demand, Demand::Torque(..));
+    // In decimals, as the search leaves them.
+    let round = |x: f64| (x * 1e9).round() * 1e-9;
     let conformity = Some(round(nut.conformity.0));
     Scene {
         ball_diameter_mm: Some(round(nut.ball_diameter / MM)),
@@ -184,7 +260,7 @@ fn scene(wish: &RequirementFile, nut: &Nut, load: f64) -> Scene {
         loaded_balls_per_turn: Some(nut.balls_per_turn),
         loaded_turns: Some(nut.turns),
         loaded_balls: Some((nut.balls_per_turn * nut.turns).max(1.0)),
-        axial_load_N: Some(load),
+        axial_load_N: if by_torque { Some(load) } else { wish.scene.axial_load_N },
         ..wish.scene.clone()
     }
 }
@@ -203,22 +279,24 @@ fn label(quantity: Quantity) -> (&'static str, &'static str, f64) {
         Quantity::BallOverGroove => ("ball_radius_over_groove_radius", "", 1.0),
         Quantity::Conformity => ("conformity", "", 1.0),
         Quantity::Turns => ("loaded_turns", "", 1.0),
-        Quantity::AxialLoad => ("axial_load_N", "N", 1.0),
+        Quantity::LargestLoad => ("largest_load_N", "N", 1.0),
         Quantity::NormalLoad => ("normal_load_per_ball_N", "N", 1.0),
         Quantity::Lead => ("lead_mm", "mm", MM),
         Quantity::Stroke => ("stroke_mm", "mm", MM),
         Quantity::StrokeTurns => ("turns_for_stroke", "", 1.0),
         Quantity::Advance => ("advance_mm_s", "mm/s", MM),
-        Quantity::SpeedNumber => ("speed_number_mm_min", "mm/min", MM * RPM),
-        Quantity::NutPressure => ("nut_max_pressure_MPa", "MPa", MPA),
-        Quantity::ScrewPressure => ("screw_max_pressure_MPa", "MPa", MPA),
+        Quantity::SpeedNumber => ("cycle_speed_number_mm_min", "mm/min", MM * RPM),
+        Quantity::NutPressure => ("nut_nominal_pressure_MPa", "MPa", MPA),
+        Quantity::ScrewPressure => ("screw_nominal_pressure_MPa", "MPa", MPA),
         Quantity::EllipseEnd => ("contact_ellipse_end_deg", "deg", DEG),
-        Quantity::Efficiency => ("efficiency", "", 1.0),
-        Quantity::InputPower => ("input_power_W", "W", 1.0),
-        Quantity::OutputPower => ("output_power_W", "W", 1.0),
+        Quantity::Efficiency => (EFFICIENCY, "", 1.0),
+        Quantity::InputPower => ("screw_input_power_W", "W", 1.0),
+        Quantity::OutputPower => ("screw_output_power_W", "W", 1.0),
         Quantity::DynamicRating => ("dynamic_load_rating_N", "N", 1.0),
-        Quantity::Life => ("life_h", "h", 3600.0),
-        Quantity::StaticSafety => ("static_safety", "", 1.0),
+        Quantity::EquivalentLoad => ("equivalent_load_N", "N", 1.0),
+        Quantity::Life => ("cycle_life_h", "h", 3600.0),
+        Quantity::StaticSafety => ("static_safety_factor", "", 1.0),
+        Quantity::Preload => ("preload_N", "N", 1.0),
         Quantity::CriticalSpeedRatio => ("critical_speed_ratio", "", 1.0),
         Quantity::BucklingSafety => ("buckling_safety", "", 1.0),
         Quantity::Mass => ("mass_of_nut_and_screw_kg", "kg", 1.0),
@@ -235,6 +313,31 @@ fn row(check: &Check) -> DesignRow {
         requirement: required(check),
         passes: check.passes(),
     }
+}
+
+/// A rule of the sheet beside the steps.
+fn of_rule(rule: &SizeRule) -> DesignRow {
+    let sign = if rule.at_least { ">=" } else { "<=" };
+    DesignRow {
+        step: 11,
+        name: rule.name,
+        unit: rule.unit,
+        value: Some(rule.value),
+        requirement: rule.limit.map(|limit| format!("{sign} {}", digits(limit))),
+        passes: rule.passes(),
+    }
+}
+
+/// A rule of the sheet that the best screw by all other limits breaks.
+fn breaks(rule: &SizeRule) -> String {
+    let DesignRow { name, unit, requirement, .. } = of_rule(rule);
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let help = rule.remedy.as_ref().map_or_else(String::new, |remedy| format!("; {remedy}"));
+    format!(
+        "{name} must be {}{unit}: the best screw by the other limits has {}{unit}{help}",
+        requirement.unwrap_or_default(),
+        digits(rule.value)
+    )
 }
 
 fn in_unit(check: &Check, value: f64) -> f64 {

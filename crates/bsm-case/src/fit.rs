@@ -6,7 +6,9 @@ use bsm_design::search::{Crossing, crossings};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::{Value, json};
 
-use crate::{CaseError, InputKey, ModelChoice, Output, Record, Rule, Scene, Settings};
+use crate::{
+    CaseError, InputKey, ModelChoice, Output, Record, Rule, Scene, Settings, torque_parts,
+};
 
 /// Where a friction coefficient is looked for, unless told.
 const FRICTION: (f64, f64) = (1e-4, 0.5);
@@ -121,6 +123,26 @@ impl Fit {
         Ok(Record::new(scene.problem(settings)?.solve(work)))
     }
 
+    /// What would be measured: a torque is that of the whole screw.
+    fn measure(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        value: f64,
+        record: &Record,
+    ) -> Result<Option<f64>, CaseError> {
+        let mut scene = scene.clone();
+        scene.set(self.input.name(), value)?;
+        let parts = match self.output.name {
+            "screw_torque_Nm" => torque_parts(&scene, settings)?,
+            _ => None,
+        };
+        Ok(match parts {
+            Some(parts) => parts.number("whole_screw_torque_Nm"),
+            None => record.number(self.output.name),
+        })
+    }
+
     /// Every value in the range at which the output is as measured.
     ///
     /// In place of model auto the most complete one is taken: an error bound of the efficiency is none
@@ -148,8 +170,10 @@ impl Fit {
                     missing: scene.missing(Model::Traction),
                 });
             }
-            let output =
-                record.number(self.output.name).filter(|_| record.status() == Status::Converged);
+            let output = match record.status() {
+                Status::Converged => self.measure(scene, settings, value, &record)?,
+                _ => None,
+            };
             Ok(output.map_or(f64::NAN, |output| output - self.measured))
         };
         let run = crossings(excess, self.range)?;

@@ -444,8 +444,6 @@ inputs! {
         "share of the nuts that reach the life";
     axis_heat_transfer_W_K ["W/K"] Above(0.0), None,
         "heat that screw and nut give to their surroundings for a kelvin, for the steady temperature of the axis";
-    accuracy_grade [""] OneOf(&[1.0, 3.0, 5.0, 7.0, 10.0]), None,
-        "standard tolerance grade of the travel of the screw, ISO 3408-3";
     required_life_h ["h"] Above(0.0), None,
         "life that is required";
     required_static_safety [""] Above(0.0), Some(1.5),

@@ -253,7 +253,7 @@ outputs! {
     screw_entrainment_m_s ["m/s"] Number(|s| Some(film(s)?.screw.entrainment)), "mean speed of both surfaces along the track at the screw";
     sliding_power_W ["W"] Number(|s| Some(film(s)?.sliding_power)), "power lost by sliding at the contacts, all balls";
     rolling_power_W ["W"] Number(|s| Some(film(s)?.rolling_power)), "power lost by rolling resistance of lubricant and hysteresis, all balls";
-    seal_power_W ["W"] Number(|s| Some(film(s)?.outside.seal)), "power lost at the seals";
+    seal_power_W ["W"] Number(|s| Some(film(s)?.outside.seal)), "power lost at the seals, which warms the lubricant; a part of the torque of the whole screw, not of dissipated_power_W";
     ball_contact_power_W ["W"] Number(|s| Some(film(s)?.outside.ball_contact)), "power lost by balls that rub on each other";
     return_power_W ["W"] Number(|s| Some(film(s)?.outside.ball_return)), "power lost in the ball returns";
     drag_power_W ["W"] Number(|s| Some(film(s)?.outside.drag)), "power lost by drag of the balls in the lubricant";

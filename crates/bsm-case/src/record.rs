@@ -176,7 +176,7 @@ impl Record {
                  raceway control does not cover; use model traction"
             ));
         }
-        warnings.extend(self.film().into_iter().flat_map(of_a_film));
+        warnings.extend(self.film().map(of_a_film).unwrap_or_default());
         warnings.extend(self.ambiguities());
         if let (Some(Choice { tolerance, .. }), Some(ErrorBound { efficiency: bound, .. })) =
             (solution.choice, self.solved().and_then(|solved| solved.error))
@@ -212,6 +212,14 @@ impl Record {
             });
         }
         warnings
+    }
+
+    /// What the numbers hold and what they leave out.
+    pub fn notes(&self) -> Vec<String> {
+        let of_a_film = "friction from the lubricant is known to some 25 % of the loss of the contacts; balls that rub \
+                         on each other, ball returns, errors of lead and balls and four-point contact are not \
+                         predicted: the contacts give about a third of the torque of a preloaded nut";
+        self.film().map(|_| of_a_film.to_owned()).into_iter().collect()
     }
 
     fn film(&self) -> Option<&FilmState> {
@@ -312,13 +320,15 @@ impl Record {
         band: Option<&Band>,
         parts: Option<&SizePhase>,
     ) -> Map<String, Value> {
-        let warnings = scene.warnings().into_iter().chain(self.warnings(scene));
-        let warnings: Vec<_> = warnings.chain(scene.given().unused_by_models()).collect();
+        let warnings: Vec<_> = scene.warnings().into_iter().chain(self.warnings(scene)).collect();
+        let unused = scene.given().unused_by_models();
+        let notes: Vec<_> = self.notes().into_iter().chain(unused).collect();
         let mut map = self.to_json();
         map.insert("program".to_owned(), json!(program));
         map.insert("inputs".to_owned(), scene.to_json());
         map.insert("settings".to_owned(), settings.to_json());
         map.insert("regime".to_owned(), json!(self.regime()));
+        map.insert("notes".to_owned(), json!(notes));
         map.insert("warnings".to_owned(), json!(warnings));
         if let Some(Band { loss, screw_torque, efficiency }) = band {
             let band = json!({
@@ -335,18 +345,13 @@ impl Record {
     }
 }
 
-/// What to know of a friction that comes from a lubricant.
+/// Warnings where a film leaves the range of its formulas.
 fn of_a_film(film: &FilmState) -> Vec<String> {
     /// Heating of a film that thins it by half or so \[K\].
     const HOT: f64 = 10.0;
     /// Below, films of rigid contacts leave that of elastic ones (theory 17).
     const RIGID: f64 = 10.0;
-    let mut warnings = vec![
-        "friction from the lubricant is known to a quarter of the loss of the contacts; balls that \
-         rub on each other, the ball returns, errors of lead and balls and contact at four points \
-         are not predicted: of the torque of a preloaded nut the contacts give about a third"
-            .to_owned(),
-    ];
+    let mut warnings = Vec::new();
     let elasticity = film.nut.elasticity.min(film.screw.elasticity);
     if elasticity < RIGID {
         warnings.push(format!(

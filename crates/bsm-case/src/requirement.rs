@@ -1,12 +1,11 @@
 //! What a screw must do, in the vocabulary and a few more keys.
 
-use bsm_design::{
-    Demand, Fixed, Lists, Objective, Pace, Pitch, Ranges, Reach, Requirement, ShaftDemand, Support,
-};
+use bsm_design::{Demand, Fixed, Lists, Objective, Pace, Pitch, Ranges, Reach, Requirement};
 use bsm_dyn::{Direction, Model, Optimum};
 use serde_json::{Map, Value};
 
 use crate::scene::{entries, wrong_type};
+use crate::size::{carriage, motions, mount, reliability};
 use crate::units::{DEG, MM, MPA, RPM, convert};
 use crate::{CaseError, Input, InputKey, Rule, Scene, nearest};
 
@@ -25,13 +24,6 @@ pub const REQUIREMENT_INPUTS: &[Input] = &[
         Rule::Above(0.0),
         None,
         "length of the screw, or give stroke_mm",
-    ),
-    input(
-        "life_h",
-        "h",
-        Rule::Above(0.0),
-        None,
-        "rating life, which 90 % of the screws must reach; or required_life_h",
     ),
     input("least_efficiency", "", Rule::Between(0.0, 1.0), None, "smallest efficiency allowed"),
     input(
@@ -87,8 +79,8 @@ pub const REQUIREMENT_INPUTS: &[Input] = &[
         "largest_length_over_pitch_radius",
         "",
         Rule::Above(0.0),
-        Some(60.0),
-        "largest length of the screw over its pitch circle radius (Lin's step 4)",
+        None,
+        "largest length of the screw over its pitch circle radius, 60 in Lin's step 4",
     ),
     input(
         "smallest_ball_radius_over_pitch_radius",
@@ -120,6 +112,9 @@ pub const REQUIREMENT_INPUTS: &[Input] = &[
     ),
 ];
 
+/// Another name of the life that is required.
+const LIFE: &str = "life_h";
+
 /// Contact angles that are easy to make \[deg\].
 pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 
@@ -135,7 +130,7 @@ pub const REQUIREMENT_WORDS: [(&str, &[&str], &str); 3] = [
 ];
 
 /// Inputs of a scene that a requirement may have.
-const FROM_SCENES: [InputKey; 42] = [
+const FROM_SCENES: [InputKey; 41] = [
     InputKey::axial_load_N,
     InputKey::lead_mm,
     InputKey::lead_angle_deg,
@@ -171,7 +166,6 @@ const FROM_SCENES: [InputKey; 42] = [
     InputKey::support_bearing_rigidity_N_um,
     InputKey::housing_rigidity_N_um,
     InputKey::axis_heat_transfer_W_K,
-    InputKey::accuracy_grade,
     InputKey::reliability_percent,
     InputKey::required_life_h,
     InputKey::required_static_safety,
@@ -182,7 +176,8 @@ const FROM_SCENES: [InputKey; 42] = [
 ];
 
 /// Words of a scene that a requirement may have.
-const WORDS_FROM_SCENES: [&str; 3] = ["support", "cycle", "preload_arrangement"];
+const WORDS_FROM_SCENES: [&str; 4] =
+    ["support", "cycle", "accuracy_grade", "preload_arrangement"];
 
 const fn input(
     name: &'static str,
@@ -215,8 +210,16 @@ impl RequirementFile {
     /// contradicts itself.
     pub fn from_json(json: &[u8], settings: &[String], standard: Lists) -> Result<Self, CaseError> {
         let mut given = Given::default();
-        for (key, value) in entries(json)? {
-            given.assign(&key, &value)?;
+        let entries = entries(json)?;
+        let keys = [LIFE, InputKey::required_life_h.name()];
+        let lives = keys.map(|name| entries.iter().find(|(key, _)| key == name).map(|e| &e.1));
+        if let [Some(one), Some(other)] = lives
+            && one.as_f64() != other.as_f64()
+        {
+            return Err(CaseError::OneOfTwo { keys, found: "both are" });
+        }
+        for (key, value) in &entries {
+            given.assign(key, value)?;
         }
         for setting in settings {
             let bad = || CaseError::BadSetting { text: setting.clone(), form: "name=value" };
@@ -258,6 +261,7 @@ impl Given {
             self.numbers.insert(key.to_owned(), value.clone());
             return Ok(());
         }
+        let key = if key == LIFE { InputKey::required_life_h.name() } else { key };
         let names = || FROM_SCENES.iter().map(|key| key.name());
         let known = key == "description"
             || WORDS_FROM_SCENES.contains(&key)
@@ -267,6 +271,7 @@ impl Given {
             let names = FROM_SCENES.iter().map(|k| k.name());
             let names = names.chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));
             let names = names.chain(REQUIREMENT_WORDS.iter().map(|(name, ..)| *name));
+            let names = names.chain(WORDS_FROM_SCENES).chain([LIFE]);
             let nearest = nearest(key, names).map(str::to_owned);
             return Err(CaseError::UnknownRequirement { key: key.to_owned(), nearest });
         }
@@ -297,6 +302,31 @@ impl Given {
         }
     }
 
+    /// The cycle, or the operating point, or a torque.
+    fn demand(&self, scene: &Scene) -> Result<Demand, CaseError> {
+        let torque = self.number("screw_torque_Nm");
+        let not_with = |key: &'static str, given: bool| match given {
+            true => Err(CaseError::OneOfTwo { keys: [key, "screw_torque_Nm"], found: "both are" }),
+            false => Ok(()),
+        };
+        let Some(torque) = torque else {
+            if scene.nut.cycle.is_none() && scene.axial_load_N.is_none() {
+                let keys = ["axial_load_N", "screw_torque_Nm"];
+                return Err(CaseError::OneOfTwo { keys, found: "neither is" });
+            }
+            return Ok(Demand::Cycle(motions(scene)?));
+        };
+        not_with("axial_load_N", scene.axial_load_N.is_some())?;
+        not_with("cycle", scene.nut.cycle.is_some())?;
+        // It is the torque of all that the screw carries.
+        not_with("moved_mass_kg", scene.moved_mass_kg.is_some_and(|mass| mass != 0.0))?;
+        let pace = match (scene.feed_m_min, scene.screw_speed_rpm) {
+            (Some(feed), _) => Pace::Feed(feed / 60.0),
+            (None, rpm) => Pace::Turns(rpm.unwrap_or(f64::NAN) * RPM),
+        };
+        Ok(Demand::Torque(torque, pace))
+    }
+
     /// Least and largest of a number; the keys of both are of the requirement.
     fn range(&self, low: &'static str, high: &'static str) -> Result<(f64, f64), CaseError> {
         let [least, most] = [low, high].map(|key| self.number(key).unwrap_or(f64::NAN));
@@ -313,7 +343,7 @@ impl Given {
         let slenderness = self.number("largest_length_over_pitch_radius");
         Ok(Ranges {
             contact_angle: (low * DEG, high * DEG),
-            slimmest: slenderness.unwrap_or(f64::NAN).recip(),
+            slimmest: slenderness.map(f64::recip),
             ball_over_radius: self.range(
                 "smallest_ball_radius_over_pitch_radius",
                 "largest_ball_radius_over_pitch_radius",
@@ -328,8 +358,6 @@ impl Given {
     fn wish(self, standard: Lists) -> Result<RequirementFile, CaseError> {
         let mut scene = self.scene.clone();
         scene.check()?;
-        let demand =
-            self.one_of([("axial_load_N", Demand::Load), ("screw_torque_Nm", Demand::Torque)])?;
         let reach = self.one_of([
             ("screw_length_mm", |mm| Reach::Screw(mm * MM)),
             ("stroke_mm", |mm| Reach::Stroke(mm * MM)),
@@ -341,14 +369,16 @@ impl Given {
             let diameter = lead / (std::f64::consts::PI * (angle * DEG).tan());
             scene.pitch_circle_diameter_mm = Some(diameter);
         }
-        let speed = match (scene.screw_speed_rpm, scene.feed_m_min) {
-            (Some(rpm), None) => Some(Pace::Turns(rpm.abs() * RPM)),
-            (None, Some(feed)) => Some(Pace::Feed(feed.abs() / 60.0)),
-            _ => None,
-        };
-        let (Some(speed), Some(friction)) = (speed, scene.friction_coefficient) else {
+        // The screw is judged over its whole length unless that between its bearings is given.
+        if let Reach::Screw(length) = reach {
+            scene.unsupported_length_mm.get_or_insert(length / MM);
+        }
+        let moves = scene.screw_speed_rpm.is_some() || scene.feed_m_min.is_some();
+        let (true, Some(friction)) =
+            (moves || scene.nut.cycle.is_some(), scene.friction_coefficient)
+        else {
             let friction = scene.friction_coefficient.is_none().then_some("friction_coefficient");
-            let speed = speed.is_none().then_some("screw_speed_rpm (or feed_m_min)");
+            let speed = (!moves).then_some("screw_speed_rpm (or feed_m_min)");
             let missing = speed.into_iter().chain(friction).map(str::to_owned).collect();
             return Err(CaseError::MissingForDesign { missing });
         };
@@ -366,6 +396,7 @@ impl Given {
         let towards = |speed: f64| direction.sign() * speed.abs();
         scene.screw_speed_rpm = scene.screw_speed_rpm.map(towards);
         scene.feed_m_min = scene.feed_m_min.map(towards);
+        let demand = self.demand(&scene)?;
         let ranges = self.ranges()?;
         let pitches = match (scene.lead_mm, scene.lead_angle_deg) {
             (Some(lead), _) => vec![Pitch::Lead(lead * MM)],
@@ -382,19 +413,24 @@ impl Given {
             (None, None) => standard.leads.into_iter().map(Pitch::Lead).collect(),
         };
         let limit = |key| self.number(key).unwrap_or(f64::NAN);
-        let speed_number = scene.value_or_default(InputKey::speed_number_limit_mm_min);
+        let least = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let requirement = Requirement {
             demand,
+            carriage: carriage(&scene),
+            preload: scene.preload_N,
+            reliability: reliability(&scene),
             direction,
             pitches,
             reach,
-            speed,
-            shaft: shaft(&scene),
-            life: self.number("life_h").or(scene.required_life_h).map(|hours| 3600.0 * hours),
+            mount: mount(&scene),
+            speed_ratio: least(InputKey::required_critical_speed_ratio),
+            buckling_safety: least(InputKey::required_buckling_safety),
+            static_safety: least(InputKey::required_static_safety),
+            life: scene.required_life_h.map(|hours| 3600.0 * hours),
             friction,
             material: scene.reader().materials(),
             pressure: limit("pressure_limit_MPa") * MPA,
-            speed_number: speed_number.unwrap_or(f64::NAN) * MM * RPM,
+            speed_number: least(InputKey::speed_number_limit_mm_min) * MM * RPM,
             ball_over_lead: limit("largest_ball_over_lead"),
             largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,
             largest_turns: limit("largest_loaded_turns"),
@@ -418,16 +454,4 @@ impl Given {
         let model = Model::from_name(self.word("model")).unwrap_or(Model::Traction);
         Ok(RequirementFile { scene, model, requirement })
     }
-}
-
-/// What the screw must keep between its bearings: asked for by `support`.
-fn shaft(scene: &Scene) -> Option<ShaftDemand> {
-    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
-    Some(ShaftDemand {
-        support: Support::from(scene.nut.support?),
-        length: scene.unsupported_length_mm.map(|mm| mm * MM),
-        speed_ratio: value(InputKey::required_critical_speed_ratio),
-        buckling_safety: value(InputKey::required_buckling_safety),
-        static_safety: value(InputKey::required_static_safety),
-    })
 }

@@ -33,14 +33,13 @@ impl Scales {
 
 /// Overall results: label, output.
 const OVERALL: &[(&str, &str)] = &[
-    ("efficiency", "efficiency"),
+    ("efficiency, all balls", "efficiency"),
     ("screw torque, all balls", "screw_torque_Nm"),
     ("input power", "input_power_W"),
     ("output power", "output_power_W"),
     ("dissipated power", "dissipated_power_W"),
     ("  sliding at the contacts", "sliding_power_W"),
     ("  rolling resistance", "rolling_power_W"),
-    ("  seals", "seal_power_W"),
     ("  balls on each other", "ball_contact_power_W"),
     ("  ball returns", "return_power_W"),
     ("  drag", "drag_power_W"),

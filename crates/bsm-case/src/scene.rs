@@ -157,14 +157,18 @@ impl Scene {
         self.reader().lead_angle()
     }
 
+    /// Lead \[mm\], given or from lead angle and pitch circle.
+    pub(crate) fn lead(&self) -> Option<f64> {
+        self.lead_mm.or_else(|| {
+            let pitch = self.pitch_circle_diameter_mm?;
+            Some(lead_mm(self.lead_angle()?, pitch))
+        })
+    }
+
     /// What an engineer should know of the inputs before trusting the outputs.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
-        let lead = self.lead_mm.or_else(|| {
-            let pitch = self.pitch_circle_diameter_mm?;
-            Some(lead_mm(self.lead_angle()?, pitch))
-        });
-        if let (Some(ball), Some(lead)) = (self.ball_diameter_mm, lead)
+        if let (Some(ball), Some(lead)) = (self.ball_diameter_mm, self.lead())
             && lead > 0.0
             && let Some(starts) = self.value_or_default(InputKey::starts)
             && ball * starts >= lead

@@ -5,14 +5,17 @@ mod contacts;
 mod cycle;
 mod rules;
 
+use std::f64::consts::TAU;
+
 use bsm_design::{
-    PERMITTED_STRESS, drag_torque, in_series, life, lost_motion, reliability_factor,
-    root_mean_square, steady_rise, travel_variation,
+    Axis, Motion, Nut, Pace, Phase, drag_torque, in_series, life, lost_motion, root_mean_square,
+    steady_rise,
 };
 use bsm_dyn::ModelWorkspace;
 use serde_json::{Map, Value, json};
 
-use self::axis::{Axis, Phase};
+use self::axis::Machine;
+pub(crate) use self::axis::{carriage, motions, mount, reliability};
 use self::contacts::{Contacts, contacts, is_preloaded, nut_at};
 pub use self::cycle::{PhaseWords, decimal_number};
 pub use self::rules::SizeRule;
@@ -47,7 +50,7 @@ quantities! { Size;
         screw_mass_kg ["kg"] Whole, "mass of the screw between its bearings";
         steady_temperature_rise_K ["K"] Whole needs [axis_heat_transfer_W_K], "rise of temperature at which the axis gives away its mean heat";
         screw_growth_um ["um"] Whole, "growth of the screw between its bearings, warmer by screw_temperature_rise_K or the steady rise";
-        travel_variation_300_um ["um"] Whole needs [accuracy_grade], "permitted variation of travel within any 300 mm, ISO 3408-3";
+        travel_variation_300_um ["um"] Whole, "permitted variation of travel within any 300 mm, of accuracy_grade";
     }
     "nut and life" {
         static_safety_factor [""] Whole, "static safety by the rating and by the most loaded ball, the smaller one";
@@ -88,6 +91,11 @@ pub struct SizePhase {
 }
 
 impl SizePhase {
+    /// A number by name.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.numbers.iter().find(|(own, ..)| *own == name).and_then(|(.., value)| *value)
+    }
+
     /// JSON object.
     pub fn to_json(&self) -> Value {
         let entry = |(name, _, value): &(&'static str, &'static str, Option<f64>)| {
@@ -159,12 +167,11 @@ struct Torques {
 }
 
 impl Torques {
-    /// * `drag`: of the preload beyond its contacts \[N·m\].
+    /// * `advance`: for a radian of the screw \[m\]. * `drag`: of the preload beyond its contacts \[N·m\].
     fn of(
         scene: &Scene,
         settings: &Settings,
-        axis: &Axis,
-        drag: f64,
+        (advance, drag): (f64, f64),
         phase: &Phase,
         work: &mut ModelWorkspace,
     ) -> Result<Self, CaseError> {
@@ -172,8 +179,8 @@ impl Torques {
         let value = |key| moves * scene.value_or_default(key).unwrap_or(0.0);
         Ok(Self {
             phase: *phase,
-            ideal: axis.advance() * phase.load,
-            contacts: contacts(scene, settings, axis, phase, work)?,
+            ideal: advance * phase.load,
+            contacts: contacts(scene, settings, advance, phase, work)?,
             drag: moves * drag,
             seal: value(InputKey::seal_torque_Nm),
             bearing: value(InputKey::support_bearing_torque_Nm),
@@ -211,8 +218,8 @@ impl Torques {
             ("preload_drag_beyond_contacts_Nm", "N m", Some(self.drag)),
             ("seal_torque_Nm", "N m", Some(self.seal)),
             ("support_bearing_torque_Nm", "N m", Some(self.bearing)),
-            ("screw_torque_Nm", "N m", self.at_screw()),
-            ("efficiency", "", self.efficiency()),
+            ("whole_screw_torque_Nm", "N m", self.at_screw()),
+            ("screw_efficiency", "", self.efficiency()),
         ]
     }
 }
@@ -256,36 +263,57 @@ impl Preload {
     }
 }
 
-/// The torque of a screw at the operating point of its scene by its parts, where some are not in the balance of one
-/// ball: preload, seals and support bearings. `None` where there are none, or the scene has no nut.
+/// The torque of the whole screw at the operating point of its scene by its parts, where it has more than the contacts
+/// of its balls: weight and guides of what it moves, preload, seals, support bearings. `None` where there are none.
 ///
 /// # Errors
 ///
 /// [`CaseError`] if the nut or its point has no solution.
 pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<SizePhase>, CaseError> {
     let given = |key: InputKey| scene[key].is_some_and(|value| value != 0.0);
-    let has_parts = is_preloaded(scene)
-        || given(InputKey::seal_torque_Nm)
-        || given(InputKey::support_bearing_torque_Nm);
-    let point = scene.speeds_rpm().zip(scene.axial_load_N);
-    let (true, Some(((screw, turned), load)), true, true) =
-        (has_parts, point, NEEDS.are_met(scene.given()), scene.given().has_friction())
+    let preloaded = is_preloaded(scene) && NEEDS.are_met(scene.given());
+    let more =
+        [InputKey::moved_mass_kg, InputKey::seal_torque_Nm, InputKey::support_bearing_torque_Nm];
+    let point = scene.speeds_rpm().zip(scene.axial_load_N).zip(scene.lead());
+    let (true, Some((((screw, turned), force), lead)), true) =
+        (preloaded || more.into_iter().any(given), point, scene.given().has_friction())
     else {
         return Ok(None);
     };
-    let axis = Axis::of(scene)?;
-    let speed = (screw - turned) * RPM;
-    let phase = Phase { time: 1.0, load, speed, acceleration: 0.0 };
-    let preload = if is_preloaded(scene) {
-        let nut = nut_at(scene, settings, load, speed)?;
-        Preload::of(scene, settings, &axis, &nut, speed.abs())?
+    let pace = Pace::Turns((screw - turned) * RPM);
+    let motion = Motion { time: 1.0, force, pace, acceleration: 0.0 };
+    let phase = motion.phase(&carriage(scene), lead * MM);
+    let drag = if preloaded {
+        let axis = Machine::of(scene)?.axis;
+        let nut = nut_at(scene, settings, phase.load, phase.speed)?;
+        let preload = Preload::of(scene, settings, &axis, &nut, phase.speed.abs())?;
+        preload.map_or(0.0, |preload| preload.beyond())
     } else {
-        None
+        0.0
     };
-    let drag = preload.map_or(0.0, |preload| preload.beyond());
-    let work = &mut ModelWorkspace::default();
-    let torques = Torques::of(scene, settings, &axis, drag, &phase, work)?;
-    Ok(Some(SizePhase { numbers: torques.parts(), contacts: torques.contacts.words }))
+    let (advance, work) = (lead * MM / TAU, &mut ModelWorkspace::default());
+    let torques = Torques::of(scene, settings, (advance, drag), &phase, work)?;
+    let load = ("screw_load_N", "N", Some(phase.load));
+    let numbers = std::iter::once(load).chain(torques.parts()).collect();
+    Ok(Some(SizePhase { numbers, contacts: torques.contacts.words }))
+}
+
+/// Efficiency of the whole screw in a phase for a search over screws, which has no time for all balls of a preloaded
+/// nut: one ball under its equal share, and the drag of the preload by the rule of makers.
+///
+/// * `nut`: that of the scene.
+pub(crate) fn quick_efficiency(
+    scene: &Scene,
+    settings: &Settings,
+    nut: &Nut,
+    phase: &Phase,
+    work: &mut ModelWorkspace,
+) -> Option<f64> {
+    let preload = scene.preload_N.unwrap_or(0.0);
+    let single = Scene { preload_N: None, ..scene.clone() };
+    let drag = drag_torque(preload, nut.lead, nut.lead_angle());
+    let torques = Torques::of(&single, settings, (nut.lead / TAU, drag), phase, work).ok()?;
+    torques.efficiency()
 }
 
 impl SizeReport {
@@ -298,24 +326,18 @@ impl SizeReport {
     /// [`CaseError`] if an input is missing or breaks its rule.
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
         let worked = Worked::of(scene, settings)?;
-        let of_nut = CapacityReport::of(&at_largest(scene, &worked.axis), None)?;
+        let of_nut = CapacityReport::of(&at_largest(scene, &worked.machine.axis), None)?;
         let mut warnings = of_nut.warnings().to_vec();
         warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
         warnings.sort();
         warnings.dedup();
-        let (axis, preload) = (&worked.axis, worked.preload.as_ref());
-        let numbers = worked.numbers();
+        let (machine, numbers) = (&worked.machine, worked.numbers());
+        let preload = worked.preload.as_ref();
         Ok(Self {
             scene: scene.clone(),
-            rules: rules::rules(
-                scene,
-                axis,
-                &numbers,
-                &of_nut,
-                preload.map(|set| [set.cold, set.warm]),
-            ),
+            rules: rules::rules(scene, &machine.axis, &numbers, &of_nut, preload),
             phases: worked.torques.iter().map(|torques| worked.phase_numbers(torques)).collect(),
-            sizes: sizes(scene, axis, &of_nut, preload),
+            sizes: sizes(scene, machine, &of_nut, preload),
             notes: worked.notes().into_iter().chain(worked.how_sure(settings)).collect(),
             warnings,
             numbers,
@@ -365,7 +387,7 @@ impl SizeReport {
 /// What the numbers of an axis are made from.
 struct Worked<'a> {
     scene: &'a Scene,
-    axis: Axis,
+    machine: Machine,
     /// The nut under the largest load, with all its balls; or why there is none.
     nut: Option<NutReport>,
     no_nut: Option<String>,
@@ -381,7 +403,8 @@ type Put<'a> = &'a mut dyn FnMut(Whole, Option<f64>);
 
 impl<'a> Worked<'a> {
     fn of(scene: &'a Scene, settings: &Settings) -> Result<Self, CaseError> {
-        let axis = Axis::of(scene)?;
+        let mut machine = Machine::of(scene)?;
+        let (axis, advance) = (&machine.axis, machine.advance());
         let mut work = ModelWorkspace::default();
         let heaviest = axis.heaviest().filter(|phase| phase.load != 0.0).copied();
         let fastest = axis.fastest();
@@ -395,21 +418,23 @@ impl<'a> Worked<'a> {
             None => (None, None),
         };
         let preload = match &nut {
-            Some(nut) => Preload::of(scene, settings, &axis, nut, fastest)?,
+            Some(nut) => Preload::of(scene, settings, axis, nut, fastest)?,
             None => None,
         };
         let drag = preload.as_ref().map_or(0.0, Preload::beyond);
-        let torque = |phase: &Phase| Torques::of(scene, settings, &axis, drag, phase, &mut work);
+        let torque =
+            |phase: &Phase| Torques::of(scene, settings, (advance, drag), phase, &mut work);
         let torques = axis.phases.iter().map(torque).collect::<Result<_, _>>()?;
         // The load drives: its sign against the speed.
         let back =
             heaviest.map(|phase| Phase { speed: -phase.load.signum() * fastest.max(RPM), ..phase });
-        let back = back.map(|back| contacts(scene, settings, &axis, &back, &mut work));
-        let holding = back.transpose()?.and_then(|found| {
-            Some((axis.advance() * axis.largest_load() - found.friction?).max(0.0))
-        });
-        let life_by_balls = life_by_balls(scene, settings, &axis);
-        Ok(Self { scene, axis, nut, no_nut, preload, torques, holding, life_by_balls })
+        let back = back.map(|back| contacts(scene, settings, advance, &back, &mut work));
+        let holding = back
+            .transpose()?
+            .and_then(|found| Some((advance * axis.largest_load() - found.friction?).max(0.0)));
+        let life_by_balls = life_by_balls(scene, settings, axis);
+        machine.axis.preload = preload.as_ref().map(|preload| preload.warm);
+        Ok(Self { scene, machine, nut, no_nut, preload, torques, holding, life_by_balls })
     }
 
     fn numbers(&self) -> Numbers {
@@ -430,43 +455,41 @@ impl<'a> Worked<'a> {
 
     /// The cycle, and what the nut lasts under it.
     fn of_life(&self, put: Put<'_>) {
-        let axis = &self.axis;
-        let (largest, fastest) = (axis.largest_load(), axis.fastest());
-        let reliability = self.scene.value_or_default(InputKey::reliability_percent);
-        let reliability = reliability.map_or(1.0, reliability_factor);
-        let preload = self.preload.as_ref().map(|preload| preload.warm);
-        let lived = life(axis.dynamic_rating, preload, &axis.duty());
+        let axis = &self.machine.axis;
+        let (largest, fastest, lived) = (axis.largest_load(), axis.fastest(), axis.life());
         put(largest_load_N, Some(largest));
         put(largest_speed_rpm, Some(fastest / RPM));
-        put(largest_feed_m_min, Some(fastest * axis.advance() * 60.0));
+        put(largest_feed_m_min, Some(fastest * self.machine.advance() * 60.0));
         put(equivalent_load_N, lived.map(|life| life.mean_load));
         put(equivalent_speed_rpm, lived.map(|life| life.mean_speed / RPM));
-        put(cycle_life_revolutions, lived.map(|life| reliability * life.revolutions));
-        put(cycle_life_h, lived.map(|life| reliability * life.time / 3600.0));
-        put(cycle_life_by_balls_h, self.life_by_balls.map(|time| reliability * time / 3600.0));
+        put(cycle_life_revolutions, lived.map(|life| life.revolutions));
+        put(cycle_life_h, lived.map(|life| life.time / 3600.0));
+        put(cycle_life_by_balls_h, self.life_by_balls.map(|time| axis.reliability * time / 3600.0));
         // By the rating of the maker too, which is of the same ball.
         let stated = axis.static_rating.rating / axis.nut.static_rating().rating;
         let of_balls = self.of_nut("static_safety").map_or(f64::INFINITY, |safety| safety * stated);
-        put(static_safety_factor, Some(axis.static_rating.safety(largest).min(of_balls)));
+        put(static_safety_factor, Some(axis.static_safety().min(of_balls)));
         put(opening_load_N, self.of_nut("limit_load_N"));
     }
 
     /// The screw between its bearings, and the rigidity of the axis.
     fn of_screw(&self, put: Put<'_>) {
-        let Self { scene, axis, .. } = self;
-        put(cycle_speed_number_mm_min, Some(axis.nut.speed_number(axis.fastest()) / (MM * RPM)));
+        let Self { scene, machine, .. } = self;
+        let axis = &machine.axis;
+        put(cycle_speed_number_mm_min, Some(axis.speed_number() / (MM * RPM)));
+        let grade = scene.nut.accuracy_grade.map(|grade| grade.grade);
+        put(travel_variation_300_um, grade.map(|grade| grade.variation / UM));
         let nut_stiffness = self.of_nut("nut_stiffness_N_um");
         put(nut_rigidity_N_um, nut_stiffness);
         let Some(shaft) = &axis.shaft else { return };
-        let (critical, buckling) = (shaft.critical_speed(), shaft.buckling_load());
         put(screw_length_between_bearings_mm, Some(shaft.length / MM));
         put(bending_diameter_mm, Some(shaft.diameter / MM));
-        put(critical_speed_rpm, Some(critical / RPM));
-        put(critical_speed_ratio, Some(axis.fastest() / critical));
-        put(buckling_load_N, Some(buckling));
-        put(buckling_safety, Some(buckling / axis.largest_load()));
-        put(yield_load_N, Some(shaft.yield_load(PERMITTED_STRESS)));
-        put(screw_mass_kg, Some(axis.nut.mass_of_screw(&axis.thread, shaft.length)));
+        put(critical_speed_rpm, Some(shaft.critical_speed() / RPM));
+        put(critical_speed_ratio, axis.critical_speed_ratio());
+        put(buckling_load_N, Some(shaft.buckling_load()));
+        put(buckling_safety, axis.buckling_safety());
+        put(yield_load_N, axis.yield_load());
+        put(screw_mass_kg, machine.screw.map(|(mass, _)| mass));
         let transfer = scene.axis_heat_transfer_W_K;
         let steady = self.mean_heat().zip(transfer).map(|(heat, by)| steady_rise(heat, by));
         put(steady_temperature_rise_K, steady);
@@ -474,8 +497,6 @@ impl<'a> Worked<'a> {
         let expansion = scene.value_or_default(InputKey::thermal_expansion_um_m_K);
         let growth = rise.zip(expansion).map(|(rise, by)| shaft.growth(by * UM, rise) / UM);
         put(screw_growth_um, growth);
-        let variation = scene.accuracy_grade.and_then(travel_variation);
-        put(travel_variation_300_um, variation.map(|variation| variation / UM));
         put(screw_rigidity_N_um, Some(shaft.least_stiffness() * UM));
         let Some(nut_stiffness) = nut_stiffness else { return };
         let others = [scene.support_bearing_rigidity_N_um, scene.housing_rigidity_N_um];
@@ -483,13 +504,13 @@ impl<'a> Worked<'a> {
         let stiffness =
             springs.fold(in_series(shaft.least_stiffness(), nut_stiffness / UM), in_series);
         put(axis_rigidity_N_um, Some(stiffness * UM));
-        let friction = Some(axis.carriage.guide_friction()).filter(|friction| *friction > 0.0);
+        let friction = Some(machine.carriage.guide_friction()).filter(|friction| *friction > 0.0);
         put(lost_motion_um, friction.map(|friction| lost_motion(friction, stiffness) / UM));
     }
 
     /// Torque, power, heat and inertia.
     fn of_drive(&self, put: Put<'_>) {
-        let axis = &self.axis;
+        let (drive, screw) = (&self.machine.drive, self.machine.screw);
         let all = |number: &dyn Fn(&Torques) -> Option<f64>| -> Option<Vec<f64>> {
             self.torques.iter().map(number).collect()
         };
@@ -506,11 +527,11 @@ impl<'a> Worked<'a> {
         put(preload_drag_Nm, preload.map(|preload| preload.by_rule));
         put(contact_drag_Nm, preload.and_then(|preload| preload.of_contacts));
         put(holding_torque_Nm, self.holding);
-        put(inertia_of_screw_kg_m2, axis.screw_inertia);
-        put(inertia_of_mass_kg_m2, Some(axis.drive.mass_inertia()));
-        let at_motor = axis.screw_inertia.map(|_| axis.drive.load_inertia());
+        put(inertia_of_screw_kg_m2, screw.map(|(_, inertia)| inertia));
+        put(inertia_of_mass_kg_m2, Some(drive.mass_inertia()));
+        let at_motor = screw.map(|_| drive.load_inertia());
         put(inertia_at_motor_kg_m2, at_motor);
-        let motor = Some(axis.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
+        let motor = Some(drive.motor_inertia).filter(|inertia| *inertia > 0.0);
         put(inertia_ratio, at_motor.zip(motor).map(|(load, motor)| load / motor));
     }
 
@@ -529,11 +550,11 @@ impl<'a> Worked<'a> {
     }
 
     fn motor_torque(&self, torques: &Torques) -> Option<f64> {
-        Some(self.axis.drive.motor_torque(torques.at_screw()?, torques.phase.acceleration))
+        Some(self.machine.drive.motor_torque(torques.at_screw()?, torques.phase.acceleration))
     }
 
     fn motor_power(&self, torques: &Torques) -> Option<f64> {
-        let speed = torques.phase.speed * self.axis.drive.gear_ratio;
+        let speed = torques.phase.speed * self.machine.drive.gear_ratio;
         Some(self.motor_torque(torques)? * speed)
     }
 
@@ -546,7 +567,10 @@ impl<'a> Worked<'a> {
             notes.push(preload_note(cold, warm));
         }
         let mut note = |words: &str| notes.push(words.to_owned());
-        if self.axis.shaft.is_none() {
+        if let Some(grade) = self.scene.nut.accuracy_grade {
+            note(&grade.describe());
+        }
+        if self.machine.axis.shaft.is_none() {
             note(
                 "without stroke_mm or unsupported_length_mm there is no critical speed, buckling load and inertia of the screw",
             );
@@ -580,12 +604,13 @@ impl<'a> Worked<'a> {
 
     fn phase_numbers(&self, torques: &Torques) -> SizePhase {
         let phase = &torques.phase;
-        let share = phase.time / self.axis.phases.iter().map(|phase| phase.time).sum::<f64>();
+        let share =
+            phase.time / self.machine.axis.phases.iter().map(|phase| phase.time).sum::<f64>();
         let mut numbers = vec![
             ("time_share", "", Some(share)),
-            ("axial_load_N", "N", Some(phase.load)),
+            ("screw_load_N", "N", Some(phase.load)),
             ("screw_speed_rpm", "rpm", Some(phase.speed / RPM)),
-            ("feed_m_min", "m/min", Some(phase.speed * self.axis.advance() * 60.0)),
+            ("feed_m_min", "m/min", Some(phase.speed * self.machine.advance() * 60.0)),
             ("acceleration_m_s2", "m/s2", Some(phase.acceleration)),
         ];
         numbers.extend(torques.parts());
@@ -622,7 +647,7 @@ fn life_by_balls(scene: &Scene, settings: &Settings, axis: &Axis) -> Option<f64>
             let preload = nut.number("warm_preload_N").filter(|_| is_preloaded(scene));
             let duty = bsm_design::Duty { load: phase.load, speed: 1.0, time: 1.0 };
             let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
-            let turns = phase.speed.abs() * phase.time / std::f64::consts::TAU;
+            let turns = phase.speed.abs() * phase.time / TAU;
             taken += turns / (stated * ours / rated);
         }
     }
@@ -632,7 +657,7 @@ fn life_by_balls(scene: &Scene, settings: &Settings, axis: &Axis) -> Option<f64>
 /// The screw and its nut as they were used.
 fn sizes(
     scene: &Scene,
-    axis: &Axis,
+    Machine { axis, thread, body, .. }: &Machine,
     of_nut: &CapacityReport,
     preload: Option<&Preload>,
 ) -> Vec<(&'static str, &'static str, f64)> {
@@ -647,10 +672,10 @@ fn sizes(
         ("screw_conformity", "", nut.conformity.1),
         ("loaded_balls_per_turn", "", nut.balls_per_turn),
         ("loaded_turns", "", nut.turns),
-        ("nut_outer_diameter_mm", "mm", axis.body.outer / MM),
-        ("nut_length_mm", "mm", axis.body.length / MM),
-        ("screw_outer_diameter_mm", "mm", axis.thread.screw.land / MM),
-        ("screw_core_diameter_mm", "mm", axis.thread.screw.core / MM),
+        ("nut_outer_diameter_mm", "mm", body.outer / MM),
+        ("nut_length_mm", "mm", body.length / MM),
+        ("screw_outer_diameter_mm", "mm", thread.screw.land / MM),
+        ("screw_core_diameter_mm", "mm", thread.screw.core / MM),
         ("dynamic_load_rating_N", "N", axis.dynamic_rating),
         ("static_load_rating_N", "N", axis.static_rating.rating),
     ];

@@ -65,13 +65,17 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         files::keep(lists, args.pick.as_deref())?;
     }
 
+    let wish = requirement(args, &catalogue)?;
+    let catalogue = match &wish {
+        Some(wish) => wish.of_its_steel(catalogue),
+        None => catalogue,
+    };
     let all = catalogue.places();
     if all.is_empty() {
         let limits = "turns_range, conformity_range, largest_ball_over_lead, largest_ball_over_screw_root; or the lands hold no ball";
         warn("note", &format!("no combination of the lists is within the limits: {limits}"));
         return Err(Failure::Unsolved);
     }
-    let wish = requirement(args, &catalogue)?;
     let keeps = |nut: &Candidate| wish.as_ref().is_none_or(|wish| wish.is_kept_by(&nut.nut));
     let meets = |nut: &Candidate| requirements.iter().all(|(_, r)| r.is_met(nut)) && keeps(nut);
     let mut chosen = catalogue.map(&all, |place, nut| meets(nut).then_some(place));
@@ -88,14 +92,16 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     }
     let mut sheets = BTreeMap::new();
     if let Some(wish) = &wish {
-        sheets.extend(catalogue.map(&chosen, |place, nut| Some((place, wish.sheet_of(&nut.nut)))));
-        let kept = |place: &u32| of_sheet.iter().all(|(i, asked)| asked.is_met(sheets[place][*i]));
-        chosen.retain(kept);
+        sheets.extend(catalogue.map(&chosen, |place, nut| Some((place, wish.sheet_of(&nut.nut)?))));
+        let kept = |sheet: &Vec<f64>| of_sheet.iter().all(|(i, asked)| asked.is_met(sheet[*i]));
+        chosen.retain(|place| sheets.get(place).is_some_and(kept));
         if chosen.is_empty() {
-            warn(
-                "note",
-                "no nut that keeps the requirement meets what --require asks of its sheet",
-            );
+            let text = if sheets.is_empty() {
+                "no nut keeps all rules of its sheet (bsm size)"
+            } else {
+                "no nut that meets the requirement meets what --require asks of its sheet"
+            };
+            warn("note", text);
             return Err(Failure::Unsolved);
         }
     }

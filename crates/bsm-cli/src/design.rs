@@ -81,7 +81,7 @@ fn describe(report: &DesignReport, output: Option<&Path>) -> String {
             report.reasons.join(", ")
         };
         let next = match output {
-            Some(path) => format!("wrote {0}; next: bsm solve {0}", path.display()),
+            Some(path) => format!("wrote {0}; next: bsm size {0}", path.display()),
             None => "-o SCREW.json writes the scene for every other command".to_owned(),
         };
         format!("what holds it back: {held}\n{next}")
@@ -106,9 +106,10 @@ fn keys() -> String {
     let rows: Vec<_> = words.chain(numbers).collect();
     let table = table::plain(None, &rows, usize::MAX);
     format!(
-        "A requirement needs axial_load_N or screw_torque_Nm, stroke_mm or screw_length_mm, screw_speed_rpm or\n\
-         feed_m_min, and friction_coefficient. The design chooses lead_mm or lead_angle_deg, ball_diameter_mm,\n\
-         pitch_circle_diameter_mm, contact_angle_deg, nut_conformity and loaded_turns unless given.\n\
+        "A requirement needs axial_load_N or screw_torque_Nm with screw_speed_rpm or feed_m_min, or a cycle;\n\
+         stroke_mm or screw_length_mm; and friction_coefficient. All rules of bsm size are limits.\n\
+         The design chooses lead_mm or lead_angle_deg, ball_diameter_mm, pitch_circle_diameter_mm,\n\
+         contact_angle_deg, nut_conformity and loaded_turns unless given.\n\
          These are inputs of a scene (bsm schema input), or one of the following keys.\n\n{table}"
     )
 }

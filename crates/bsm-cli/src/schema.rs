@@ -159,6 +159,7 @@ fn solve() -> Value {
         ("inputs", scene()),
         ("settings", settings()),
         ("regime", text_or_null()),
+        ("notes", texts()),
         ("warnings", texts()),
     ]));
     let derivatives = closed([

@@ -14,12 +14,12 @@ use crate::table;
 /// Numbers of a phase that a screen shows.
 const SHOWN: [&str; 9] = [
     "time_share",
-    "axial_load_N",
+    "screw_load_N",
     "feed_m_min",
     "screw_speed_rpm",
     "ideal_torque_Nm",
-    "screw_torque_Nm",
-    "efficiency",
+    "whole_screw_torque_Nm",
+    "screw_efficiency",
     "motor_torque_Nm",
     "heat_W",
 ];

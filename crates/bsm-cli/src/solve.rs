@@ -90,6 +90,9 @@ fn print_with(
     for warning in scene.warnings().into_iter().chain(record.warnings(scene)) {
         warn("warning", &warning);
     }
+    for note in record.notes() {
+        warn("note", &note);
+    }
     match format {
         Format::Json => {
             let mut map = record.report(PROGRAM, scene, settings, band.as_ref(), parts.as_ref());
@@ -103,8 +106,8 @@ fn print_with(
         Format::Table => {
             let blocks = [
                 table::title(scene),
-                Some(table::record(scene, &record)),
                 parts.as_ref().map(table::torque_parts),
+                Some(table::record(scene, &record)),
                 band.as_ref().map(table::band),
                 sensitivities.as_deref().map(table::sensitivities),
             ];

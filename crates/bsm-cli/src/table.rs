@@ -107,17 +107,18 @@ pub(crate) fn record(scene: &Scene, record: &Record) -> String {
 }
 
 /// What the parts of a torque are, by their names.
-const TORQUE_PARTS: [(&str, &str); 7] = [
-    ("of the load, without friction", "ideal_torque_Nm"),
-    ("contacts of the balls", "contact_friction_torque_Nm"),
+const TORQUE_PARTS: [(&str, &str); 8] = [
+    ("axial load, with the moved mass", "screw_load_N"),
+    ("torque of the whole screw", "whole_screw_torque_Nm"),
+    ("  of the load, without friction", "ideal_torque_Nm"),
+    ("  contacts of the balls", "contact_friction_torque_Nm"),
     (
-        "returns and lubricant of the preload, by the rule of makers",
+        "  returns and lubricant of the preload, by the rule of makers",
         "preload_drag_beyond_contacts_Nm",
     ),
-    ("seals", "seal_torque_Nm"),
-    ("support bearings", "support_bearing_torque_Nm"),
-    ("torque on the screw", "screw_torque_Nm"),
-    ("efficiency of the screw", "efficiency"),
+    ("  seals", "seal_torque_Nm"),
+    ("  support bearings", "support_bearing_torque_Nm"),
+    ("efficiency of the whole screw", "screw_efficiency"),
 ];
 
 /// The torque of a screw by its parts.

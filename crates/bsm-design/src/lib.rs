@@ -25,9 +25,11 @@
 //! assert!((nut.dynamic_rating().rating - 103_546.0).abs() < 1.0);
 //! ```
 
+mod axis;
 mod body;
 mod catalogue;
 mod drive;
+mod grade;
 mod least_squares;
 mod life;
 mod nut;
@@ -39,21 +41,23 @@ mod shaft;
 mod standard;
 mod thread;
 
+pub use axis::{Axis, Motion, Mount, Phase};
 pub use body::Body;
 pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, Size, front, loaded_balls};
-pub use drive::{Carriage, Drive, drag_torque, rod_inertia, root_mean_square};
+pub use drive::{Carriage, Drive, drag_torque, root_mean_square, screw_inertia};
+pub use grade::Grade;
 pub use least_squares::{LeastSquares, least_squares};
 pub use life::{Duty, Life, OPENS_AT, life, pair_loads, reliability_factor};
 pub use nut::{DynamicRating, Nut, StaticRating};
 pub use procedure::{Blocked, Outcome, Why};
 pub use requirement::{
-    Check, Demand, Design, EfficiencyOf, Fixed, Objective, Pace, Pitch, Quantity, Ranges, Reach,
-    Requirement, ShaftDemand,
+    AcceptedBy, Check, Demand, Design, EfficiencyOf, Fixed, Objective, Pace, Pitch, Quantity,
+    Ranges, Reach, Requirement,
 };
 pub use rigidity::{Elasticity, in_series};
 pub use shaft::{
     BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, PERMITTED_STRESS, Shaft, Support, lost_motion,
-    steady_rise, travel_variation,
+    steady_rise,
 };
 pub use thread::{Profile, Thread};
 

@@ -22,7 +22,7 @@ pub struct Duty {
 /// Life that 90 % of nuts reach, and the load that stands for all.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Life {
-    /// Load that takes the same life if it stays \[N\]; of a pair, that of the busier nut.
+    /// Load that takes the same life if it stays \[N\], of the busier flank: of one nut, or of the nuts of a pair.
     pub mean_load: f64,
     /// Speed that takes the same revolutions if it stays \[rad/s\].
     pub mean_speed: f64,
@@ -39,7 +39,8 @@ pub struct Life {
 /// L_{10} = 10^6\,(C_a/F_m)^3, \qquad F_m^3 = \frac{\sum F_j^3 n_j t_j}{\sum n_j t_j}
 /// ```
 ///
-/// Source: ISO 3408-5. `None` if nothing turns.
+/// Loads of both directions press on two flanks, of one nut or of the nuts of a pair; each flank has its own load and
+/// life, over all revolutions. Source: ISO 3408-5, 7.2. `None` if nothing turns.
 pub fn life(rating: f64, preload: Option<f64>, duty: &[Duty]) -> Option<Life> {
     let angle: f64 = duty.iter().map(|d| d.speed.abs() * d.time).sum();
     let time: f64 = duty.iter().map(|d| d.time).sum();
@@ -53,18 +54,15 @@ pub fn life(rating: f64, preload: Option<f64>, duty: &[Duty]) -> Option<Life> {
     };
     // L = 10⁶ (C_a/F_m)³                                                  (D13)
     let of = |load: f64| MILLION * (rating / load).powi(3);
-    let (mean_load, revolutions) = match preload {
-        None => {
-            let load = mean(&|d| d.load.abs());
-            (load, of(load))
-        }
-        Some(preload) => {
-            let busy = mean(&|d| pair_loads(preload, d.load).0);
-            let idle = mean(&|d| pair_loads(preload, d.load).1);
-            // L = (L₁^(−10/9) + L₂^(−10/9))^(−9/10)                       (D15)
-            let sum = of(busy).powf(-10.0 / 9.0) + of(idle).powf(-10.0 / 9.0);
-            (busy.max(idle), sum.powf(-0.9))
-        }
+    let flanks = |d: &Duty| pair_loads(preload.unwrap_or(0.0), d.load);
+    let (one, other) = (mean(&|d| flanks(d).0), mean(&|d| flanks(d).1));
+    let (mean_load, idle) = (one.max(other), one.min(other));
+    let revolutions = if idle > 0.0 {
+        // L = (L₁^(−10/9) + L₂^(−10/9))^(−9/10)                           (D15)
+        let sum = of(mean_load).powf(-10.0 / 9.0) + of(idle).powf(-10.0 / 9.0);
+        sum.powf(-0.9)
+    } else {
+        of(mean_load)
     };
     let mean_speed = angle / time;
     Some(Life { mean_load, mean_speed, revolutions, time: revolutions * TAU / mean_speed })
@@ -175,5 +173,23 @@ mod tests {
         // Each nut is the busy one for half of the turns.
         assert!(shared.revolutions > pair(1e3).revolutions, "{shared:?}");
         assert!(life(20e3, None, &[duty(1e3, 0.0, 1.0)]).is_none());
+    }
+
+    /// Loads of both directions were lumped on one flank. By hand, 3 kN half and half on a nut of 20 kN: each flank
+    /// has 2^(-1/3) of 3 kN, and 2^(-0.9) of the life that is twice that of 3 kN all the time.
+    #[test]
+    fn loads_of_both_directions_are_judged_by_flank() {
+        let turned = |loads: [f64; 2]| {
+            life(20e3, None, &loads.map(|load| duty(load, 1.0, 1.0))).expect("turns")
+        };
+        let both = turned([3e3, -3e3]);
+        let lumped = turned([3e3, 3e3]);
+        assert_relative_eq!(lumped.revolutions, 2.962_963e8, max_relative = 1e-6);
+        let by_hand = 2.0_f64.powf(0.1) * lumped.revolutions;
+        assert_relative_eq!(both.revolutions, by_hand, max_relative = 1e-12);
+        assert_relative_eq!(both.mean_load, 3e3 / 2.0_f64.cbrt(), max_relative = 1e-12);
+        // An unloaded flank takes nothing.
+        let one = turned([3e3, 0.0]);
+        assert_relative_eq!(one.revolutions, 2.0 * lumped.revolutions, max_relative = 1e-12);
     }
 }

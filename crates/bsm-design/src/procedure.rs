@@ -6,8 +6,11 @@ use rayon::prelude::*;
 
 use crate::catalogue::{IDLE_BALLS, STEP};
 use crate::nut::turn_length;
+use crate::requirement::ROUNDING;
 use crate::search::{SLACK, Value, minimise};
-use crate::{Check, Design, EfficiencyOf, Nut, Objective, Pitch, Quantity, Requirement};
+use crate::{
+    AcceptedBy, Check, Design, EfficiencyOf, Nut, Objective, Pitch, Quantity, Requirement,
+};
 
 /// Fewest loaded turns that are tried, and most if nothing else helps.
 const TURNS: (u32, u32) = (2, 12);
@@ -37,6 +40,9 @@ const FEW_STARTS: usize = 2;
 /// Smallest pitch circle diameter that is tried \[m\].
 const SMALLEST: f64 = 2e-3;
 
+/// How much the search stays away from each limit.
+const RESERVE: f64 = SLACK - ROUNDING;
+
 /// How near to a limit counts as held back by it.
 const NEAR: f64 = 2e-3;
 
@@ -47,15 +53,19 @@ pub enum Outcome {
     Found {
         /// The screw.
         design: Design,
-        /// The limits that it meets with nothing to spare.
+        /// The limits that hold it back: of any size, those that it meets with nothing to spare; of standard
+        /// sizes, those without which a better one could be chosen.
         active: Vec<Quantity>,
+        /// The rules of all balls that better screws break.
+        refused: Vec<&'static str>,
     },
     /// None meets it.
     Infeasible {
         /// The compromise that fails least.
         design: Design,
         /// The limits that block: each that alone, left out, would let all others be kept; or else
-        /// what the compromise fails. Empty if the model has no efficiency for any screw.
+        /// what the compromise fails. Empty if the model has no efficiency for any screw, or those that keep all
+        /// limits break a rule of all balls.
         blocking: Vec<Blocked>,
     },
 }
@@ -91,7 +101,7 @@ impl Requirement {
     /// # Panics
     ///
     /// If there is no lead to choose from.
-    pub fn choose(&self, efficiency: EfficiencyOf<'_>) -> Outcome {
+    pub fn choose(&self, efficiency: EfficiencyOf<'_>, accepted: AcceptedBy<'_>) -> Outcome {
         let limited = self.least_efficiency.is_some() || self.largest_power.is_some();
         let needed = self.objective == Objective::Efficiency || limited;
         let complete = |nut: Nut| Design::of(self, nut, Some(efficiency));
@@ -108,14 +118,18 @@ impl Requirement {
         };
         let exact = search.exact(&turns);
         let value = |design: &&Design| search.value_of(design);
-        let feasible = exact
+        let mut feasible: Vec<_> = exact
             .iter()
-            .filter(|design| design.is_feasible() && design.objective(self.objective).is_finite());
-        if let Some(design) = least(feasible, |design| value(design).objective) {
-            return Outcome::Found {
-                design: complete(design.nut),
-                active: near_their_limits(design),
-            };
+            .filter(|design| design.is_feasible() && design.objective(self.objective).is_finite())
+            .collect();
+        feasible.sort_by(|a, b| value(a).objective.total_cmp(&value(b).objective));
+        let (first, refused) = first_accepted(&feasible, accepted);
+        if let Some(design) = first {
+            let active = near_their_limits(design);
+            return Outcome::Found { design: complete(design.nut), active, refused };
+        }
+        if let [best, ..] = feasible[..] {
+            return Outcome::Infeasible { design: complete(best.nut), blocking: Vec::new() };
         }
         // Only what is limited matters now.
         let search = Search { efficiency: limited.then_some(efficiency), ..search };
@@ -143,8 +157,31 @@ impl Requirement {
     }
 }
 
+/// Designs that are held against the rules of all balls at a time.
+const JUDGED: usize = 16;
+
+/// The first of some designs, best first, that keeps the rules of all balls, and the rules that those before it break.
+pub(crate) fn first_accepted<'a>(
+    designs: &[&'a Design],
+    accepted: AcceptedBy<'_>,
+) -> (Option<&'a Design>, Vec<&'static str>) {
+    let mut refused = Vec::new();
+    for part in designs.chunks(JUDGED) {
+        let verdicts: Vec<_> = part.par_iter().map(|design| accepted(&design.nut)).collect();
+        for (design, verdict) in part.iter().zip(verdicts) {
+            match verdict {
+                Ok(()) => return (Some(*design), refused),
+                Err(rules) => refused.extend(rules),
+            }
+            refused.sort_unstable();
+            refused.dedup();
+        }
+    }
+    (None, refused)
+}
+
 /// The limits that a design meets with nothing to spare.
-pub(crate) fn near_their_limits(design: &Design) -> Vec<Quantity> {
+fn near_their_limits(design: &Design) -> Vec<Quantity> {
     let near = |check: &&Check| check.excess().is_some_and(|excess| excess > -NEAR);
     design.checks.iter().filter(near).map(|check| check.quantity).collect()
 }
@@ -247,7 +284,8 @@ impl Search<'_> {
     fn value_of(&self, design: &Design) -> Value {
         Value {
             objective: design.objective(self.requirement.objective),
-            excess: design.checks.iter().filter_map(Check::excess).collect(),
+            // What counts as kept within the slack of the search is kept but for rounding.
+            excess: design.checks.iter().filter_map(Check::excess).map(|g| g + RESERVE).collect(),
         }
     }
 
@@ -380,7 +418,7 @@ impl Search<'_> {
         ];
         let start: Vec<_> = start.iter().filter(|(free, _)| *free).map(|(_, x)| *x).collect();
         let value = |x: &[f64]| self.value_of(&self.design(self.shaped(nut, x)));
-        self.design(self.shaped(nut, &minimise(value, &start)))
+        self.design(tidy(self.shaped(nut, &minimise(value, &start))))
     }
 
     /// The place that fails least with any ball and fractions of balls, and the limits that block;
@@ -441,6 +479,19 @@ impl Search<'_> {
         let places: Vec<_> =
             turns.par_iter().map(|turns| self.best_of_starts(*turns, &value)).collect();
         best_place(places, value)
+    }
+}
+
+/// A nut in decimals: a nanometre, a microdegree.
+fn tidy(nut: Nut) -> Nut {
+    let round = |x: f64, unit: f64| (x / unit).round() * unit;
+    let conformity = round(nut.conformity.0, 1e-9);
+    Nut {
+        ball_diameter: round(nut.ball_diameter, 1e-9),
+        pitch_diameter: round(nut.pitch_diameter, 1e-9),
+        contact_angle: round(nut.contact_angle, 1e-6 * PI / 180.0),
+        conformity: (conformity, conformity),
+        ..nut
     }
 }
 

@@ -4,16 +4,32 @@ use std::f64::consts::{PI, TAU};
 
 use bsm_dyn::{Direction, Hertz, Material, Optimum};
 
-use crate::search::SLACK;
-use crate::{Body, Duty, Nut, Shaft, Support, life};
+use crate::{Axis, Body, Carriage, Life, Motion, Mount, Nut, PRELOAD, Phase};
 
-/// Load or torque.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The cycle of the machine, or a torque.
+#[derive(Debug, Clone, PartialEq)]
 pub enum Demand {
-    /// Axial load \[N\].
-    Load(f64),
-    /// Torque on the screw \[N·m\].
-    Torque(f64),
+    /// Forces and speeds; one stretch at least, one of them moves.
+    Cycle(Vec<Motion>),
+    /// Torque on the screw \[N·m\], and its speed.
+    Torque(f64, Pace),
+}
+
+impl Demand {
+    /// What a screw carries.
+    fn phases(&self, carriage: &Carriage, nut: &Nut) -> Vec<Phase> {
+        match self {
+            Self::Cycle(motions) => {
+                motions.iter().map(|motion| motion.phase(carriage, nut.lead)).collect()
+            }
+            Self::Torque(torque, pace) => {
+                let (radius, speed) = (0.5 * nut.pitch_diameter, pace.speed(nut.lead));
+                // F = M / (r_m tanα)                                      (L1)
+                let load = torque / (radius * nut.lead_angle().tan());
+                vec![Phase { time: 1.0, load, speed, acceleration: 0.0 }]
+            }
+        }
+    }
 }
 
 /// Lead or lead angle.
@@ -47,9 +63,9 @@ pub enum Reach {
 /// Speed of the screw, or of the nut along it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pace {
-    /// Relative speed of screw and nut \[rad/s\], positive.
+    /// Relative speed of screw and nut \[rad/s\].
     Turns(f64),
-    /// Velocity of the nut \[m/s\], positive.
+    /// Velocity of the nut \[m/s\].
     Feed(f64),
 }
 
@@ -61,21 +77,6 @@ impl Pace {
             Self::Feed(feed) => feed * TAU / lead,
         }
     }
-}
-
-/// What the screw must keep between its bearings.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ShaftDemand {
-    /// How its ends are held.
-    pub support: Support,
-    /// Unsupported length \[m\]; stroke, nut and two leads unless given.
-    pub length: Option<f64>,
-    /// Largest speed over the critical one.
-    pub speed_ratio: f64,
-    /// Least buckling load over the load.
-    pub buckling_safety: f64,
-    /// Least static safety.
-    pub static_safety: f64,
 }
 
 /// What the design is to be best in.
@@ -109,8 +110,8 @@ pub struct Fixed {
 pub struct Ranges {
     /// Contact angle \[rad\].
     pub contact_angle: (f64, f64),
-    /// Pitch radius over length of the screw; there is no largest.
-    pub slimmest: f64,
+    /// Least pitch radius over length of the screw, if it is limited.
+    pub slimmest: Option<f64>,
     /// Ball radius over pitch radius.
     pub ball_over_radius: (f64, f64),
     /// Ball radius over groove radius.
@@ -120,18 +121,28 @@ pub struct Ranges {
 /// What a screw must do.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requirement {
-    /// Load or torque.
+    /// Forces and speeds, or a torque.
     pub demand: Demand,
+    /// What is moved, which adds to the forces.
+    pub carriage: Carriage,
+    /// Preload of a pair of nuts \[N\].
+    pub preload: Option<f64>,
+    /// Life over that of 90 % of all nuts (Z14).
+    pub reliability: f64,
     /// Which side drives.
     pub direction: Direction,
     /// Leads or lead angles to choose from; one at least.
     pub pitches: Vec<Pitch>,
     /// Length or stroke.
     pub reach: Reach,
-    /// Speed.
-    pub speed: Pace,
-    /// The screw between its bearings, if it is to be checked.
-    pub shaft: Option<ShaftDemand>,
+    /// Ends and length of the screw.
+    pub mount: Mount,
+    /// Largest speed over the critical one.
+    pub speed_ratio: f64,
+    /// Least buckling load over the largest load.
+    pub buckling_safety: f64,
+    /// Least static safety.
+    pub static_safety: f64,
     /// Life \[s\].
     pub life: Option<f64>,
     /// Coulomb friction coefficient.
@@ -177,7 +188,7 @@ pub enum Quantity {
     BallOverGroove,
     Conformity,
     Turns,
-    AxialLoad,
+    LargestLoad,
     NormalLoad,
     Lead,
     Stroke,
@@ -191,8 +202,10 @@ pub enum Quantity {
     InputPower,
     OutputPower,
     DynamicRating,
+    EquivalentLoad,
     Life,
     StaticSafety,
+    Preload,
     CriticalSpeedRatio,
     BucklingSafety,
     Mass,
@@ -212,6 +225,9 @@ impl Quantity {
     }
 }
 
+/// Inputs are decimals, which a limit may meet but for rounding.
+pub(crate) const ROUNDING: f64 = 1e-9;
+
 /// A number of a design, and what it must satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Check {
@@ -230,7 +246,7 @@ pub struct Check {
 impl Check {
     /// True if nothing is required, or it holds.
     pub fn passes(&self) -> bool {
-        self.excess().is_none_or(|excess| excess <= SLACK)
+        self.excess().is_none_or(|excess| excess <= ROUNDING)
     }
 
     /// How much it fails, relative to the limit; not positive if it passes. `None` without a limit.
@@ -245,19 +261,50 @@ impl Check {
     }
 }
 
+/// A number with the least and the largest value that it may have.
+type Limited = (Quantity, f64, Option<f64>, Option<f64>);
+
+impl Requirement {
+    /// The rules of an axis that do not need the loads of all its balls.
+    fn rules(&self, axis: &Axis) -> Vec<Limited> {
+        let (rating, life) = (axis.dynamic_rating, axis.life());
+        let of_life = |number: &dyn Fn(&Life) -> f64| life.as_ref().map_or(f64::NAN, number);
+        let mut rules = vec![
+            (Quantity::DynamicRating, rating, None, None),
+            // C_a ≥ F_m                                                   (L10)
+            (Quantity::EquivalentLoad, of_life(&|life| life.mean_load), None, Some(rating)),
+            (Quantity::Life, of_life(&|life| life.time), self.life, None),
+            (Quantity::StaticSafety, axis.static_safety(), Some(self.static_safety), None),
+        ];
+        let preload = axis.preload;
+        rules.extend(preload.map(|x| (Quantity::Preload, x, None, Some(PRELOAD * rating))));
+        let ratio = axis.critical_speed_ratio();
+        rules
+            .extend(ratio.map(|x| (Quantity::CriticalSpeedRatio, x, None, Some(self.speed_ratio))));
+        let safety = axis.buckling_safety();
+        rules.extend(
+            safety.map(|x| (Quantity::BucklingSafety, x, Some(self.buckling_safety), None)),
+        );
+        rules
+    }
+}
+
 /// A screw for a requirement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
     /// The nut.
     pub nut: Nut,
-    /// Axial load \[N\].
-    pub load: f64,
+    /// The phase of the largest load that moves, for which the efficiency is.
+    pub phase: Phase,
     /// The numbers of the steps.
     pub checks: Vec<Check>,
 }
 
-/// Efficiency of a nut under an axial load \[N\] by the model that was chosen, if it has one.
-pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, f64) -> Option<f64> + Sync);
+/// Efficiency of a nut in a phase by the model that was chosen, if it has one.
+pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, &Phase) -> Option<f64> + Sync);
+
+/// Holds a nut against the rules that need the loads of all its balls: the names of those that it breaks.
+pub type AcceptedBy<'a> = &'a (dyn Fn(&Nut) -> Result<(), Vec<&'static str>> + Sync);
 
 impl Design {
     /// The steps of a nut (L1) to (L10); without efficiency if it is not asked.
@@ -266,7 +313,6 @@ impl Design {
     /// and the life of ISO 3408-5 besides.
     pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
         let Requirement { direction, friction, ranges, .. } = *requirement;
-        let speed = requirement.speed.speed(nut.lead);
         let (lead, beta) = (nut.lead_angle(), nut.contact_angle);
         let (radius, ball) = (0.5 * nut.pitch_diameter, 0.5 * nut.ball_diameter);
         let body = Body::usual(&nut);
@@ -275,14 +321,22 @@ impl Design {
             Reach::Screw(length) => (length, length - body.length),
             Reach::Stroke(stroke) => (stroke + body.length, stroke),
         };
-        let load = match requirement.demand {
-            Demand::Load(load) => load,
-            // F = M / (r_m tanα)                                          (L1)
-            Demand::Torque(torque) => torque / (radius * lead.tan()),
+        let phases = requirement.demand.phases(&requirement.carriage, &nut);
+        let axis = Axis {
+            nut,
+            shaft: requirement.mount.shaft(&nut, &thread, &body, Some(stroke)),
+            phases,
+            dynamic_rating: nut.dynamic_rating().rating,
+            static_rating: nut.static_rating(),
+            preload: requirement.preload,
+            reliability: requirement.reliability,
         };
+        let still = Phase { time: 1.0, load: 0.0, speed: 0.0, acceleration: 0.0 };
+        let phase = axis.heaviest_moving().copied().unwrap_or(still);
+        let (largest, speed) = (axis.largest_load(), phase.speed.abs());
         let balls = nut.balls_per_turn * nut.turns;
         // Q = F_a / (Z cosα sinβ)                                         (L2)
-        let normal = load / (balls * lead.cos() * beta.sin());
+        let normal = axis.busier_load() / (balls * lead.cos() * beta.sin());
         let hertz = nut.hertz().ok();
         let pressed = |number: &dyn Fn(&Hertz) -> f64| match &hertz {
             Some(both) => both.each_ref().map(number),
@@ -291,9 +345,6 @@ impl Design {
         let pressures = pressed(&|hertz| hertz.max_pressure(normal));
         let semi_axes = pressed(&|hertz| hertz.semi_axes(normal).0);
         let best = Optimum::of(direction, lead, friction);
-        let rating = nut.dynamic_rating().rating;
-        let duty = Duty { load, speed, time: 1.0 };
-        let life = life(rating, None, &[duty]).map_or(f64::NAN, |life| life.time);
         let mut checks = Vec::new();
         let mut add = |step, quantity, value, least, most| {
             checks.push(Check { step, quantity, value, least, most });
@@ -305,9 +356,14 @@ impl Design {
         add(2, Quantity::ContactAngle, beta, Some(low), Some(high));
         add(3, Quantity::ScrewLength, length, None, None);
         // r_m ≥ l/60                                                      (L3)
-        add(4, Quantity::RadiusOverLength, radius / length, Some(ranges.slimmest), None);
-        let largest = Some(requirement.largest_diameter);
-        add(4, Quantity::PitchDiameter, nut.pitch_diameter, None, largest);
+        add(4, Quantity::RadiusOverLength, radius / length, ranges.slimmest, None);
+        add(
+            4,
+            Quantity::PitchDiameter,
+            nut.pitch_diameter,
+            None,
+            Some(requirement.largest_diameter),
+        );
         // 0.07 ≤ r_b/r_m ≤ 0.2                                            (L4)
         let (low, high) = ranges.ball_over_radius;
         add(5, Quantity::BallOverRadius, ball / radius, Some(low), Some(high));
@@ -320,7 +376,7 @@ impl Design {
         add(6, Quantity::Conformity, nut.conformity.0, None, None);
         let most = Some(requirement.largest_turns).filter(|_| requirement.fixed.turns.is_none());
         add(7, Quantity::Turns, nut.turns, None, most);
-        add(7, Quantity::AxialLoad, load, None, None);
+        add(7, Quantity::LargestLoad, largest, None, axis.yield_load());
         add(7, Quantity::NormalLoad, normal, None, None);
         // s = r_m tanα φ                                                  (L7)
         let per_radian = radius * lead.tan();
@@ -330,7 +386,7 @@ impl Design {
         // v = r_m tanα W                                                  (L6)
         let advance = per_radian * speed;
         add(8, Quantity::Advance, advance, None, None);
-        let number = nut.speed_number(speed);
+        let number = axis.speed_number();
         add(8, Quantity::SpeedNumber, number, None, Some(requirement.speed_number));
         for (quantity, pressure) in
             [Quantity::NutPressure, Quantity::ScrewPressure].into_iter().zip(pressures)
@@ -340,32 +396,18 @@ impl Design {
         // β + a/R ≤ θ                                                     (L9)
         let end = beta + semi_axes[0].max(semi_axes[1]) / thread.nut.radius;
         add(9, Quantity::EllipseEnd, end, None, Some(thread.nut.edge));
-        let efficiency = efficiency.and_then(|of| of(&nut, load)).unwrap_or(f64::NAN);
+        let efficiency = efficiency.and_then(|of| of(&nut, &phase)).unwrap_or(f64::NAN);
         add(10, Quantity::Efficiency, efficiency, requirement.least_efficiency, None);
         // P_out = η P_in, and F_a v is the one at the nut                 (L8)
-        let at_nut = load * advance;
+        let at_nut = phase.load.abs() * advance;
         let (input, output) = match direction {
             Direction::RotaryToLinear => (at_nut / efficiency, at_nut),
             Direction::LinearToRotary => (at_nut, at_nut * efficiency),
         };
         add(10, Quantity::InputPower, input, None, requirement.largest_power);
         add(10, Quantity::OutputPower, output, None, None);
-        // C_a ≥ F_a                                                       (L10)
-        add(11, Quantity::DynamicRating, rating, Some(load), None);
-        add(11, Quantity::Life, life, requirement.life, None);
-        if let Some(demand) = requirement.shaft {
-            let safety = nut.static_rating().safety(load);
-            add(11, Quantity::StaticSafety, safety, Some(demand.static_safety), None);
-            let shaft = Shaft {
-                support: demand.support,
-                length: demand.length.unwrap_or(stroke + body.length + 2.0 * nut.lead),
-                diameter: thread.screw.core,
-                youngs_modulus: nut.material.0.youngs_modulus,
-            };
-            let ratio = speed / shaft.critical_speed();
-            add(11, Quantity::CriticalSpeedRatio, ratio, None, Some(demand.speed_ratio));
-            let safety = shaft.buckling_load() / load;
-            add(11, Quantity::BucklingSafety, safety, Some(demand.buckling_safety), None);
+        for (quantity, value, least, most) in requirement.rules(&axis) {
+            add(11, quantity, value, least, most);
         }
         add(
             11,
@@ -374,7 +416,7 @@ impl Design {
             None,
             None,
         );
-        Self { nut, load, checks }
+        Self { nut, phase, checks }
     }
 
     /// True if all checks pass.
@@ -392,7 +434,9 @@ impl Design {
     pub fn objective(&self, objective: Objective) -> f64 {
         match objective {
             Objective::Efficiency => 1.0 - self.value(Quantity::Efficiency),
-            Objective::Capacity => (self.load / self.value(Quantity::DynamicRating)).ln(),
+            Objective::Capacity => {
+                (self.value(Quantity::LargestLoad) / self.value(Quantity::DynamicRating)).ln()
+            }
             Objective::Mass => self.value(Quantity::Mass).ln(),
         }
     }

@@ -177,18 +177,6 @@ pub fn steady_rise(heat: f64, transfer: f64) -> f64 {
     heat / transfer
 }
 
-/// Permitted variation of travel within any 300 mm \[m\].
-///
-/// * `grade`: standard tolerance grade.
-///
-/// Source: ISO 3408-3, table 2, v_300p.
-pub fn travel_variation(grade: f64) -> Option<f64> {
-    const TABLE: [(f64, f64); 5] =
-        [(1.0, 6e-6), (3.0, 12e-6), (5.0, 23e-6), (7.0, 52e-6), (10.0, 210e-6)];
-    let found = TABLE.iter().find(|(own, _)| (own - grade).abs() < 0.5);
-    found.map(|(_, variation)| *variation)
-}
-
 /// Way by which an axis lags where its friction turns round \[m\] (Z6): elastic lost motion.
 ///
 /// * `friction`: force that changes its sign \[N\]. * `stiffness`: of the axis \[N/m\].

@@ -2,15 +2,14 @@
 
 use rayon::prelude::*;
 
-use crate::procedure::near_their_limits;
+use crate::procedure::first_accepted;
 use crate::{
-    Blocked, Check, Design, EfficiencyOf, Limits, Lists, Objective, Outcome, Pitch, Quantity,
-    Requirement, Why,
+    AcceptedBy, Blocked, Check, Design, EfficiencyOf, Limits, Lists, Objective, Outcome, Pitch,
+    Quantity, Requirement, Why,
 };
 
-/// Designs of the best capacity or mass whose efficiency is asked at first; more only if none of them
-/// keeps the limits.
-const ASKED: usize = 512;
+/// Designs whose efficiency is asked to tell whether a limit holds the choice back.
+const ASKED: usize = 64;
 
 impl Requirement {
     /// The best screw of standard sizes for the requirement: of every nominal diameter, lead, ball, number of turns,
@@ -22,6 +21,7 @@ impl Requirement {
         lists: &Lists,
         limits: &Limits,
         efficiency: EfficiencyOf<'_>,
+        accepted: AcceptedBy<'_>,
     ) -> Option<Outcome> {
         let lists = self.lists(lists);
         let limits = Limits { material: self.material, ..*limits };
@@ -37,24 +37,67 @@ impl Requirement {
         let told = |check: &Check| !check.value.is_nan();
         let keeps = |design: &Design| design.checks.iter().filter(|c| told(c)).all(Check::passes);
         let limited = self.least_efficiency.is_some() || self.largest_power.is_some();
-        let (mut kept, failed): (Vec<_>, Vec<_>) = designs.into_iter().partition(keeps);
-        if limited || self.objective == Objective::Efficiency {
-            kept = kept.par_iter().map(complete).filter(Design::is_feasible).collect();
-        } else {
-            kept.sort_by(|a, b| {
-                a.objective(self.objective).total_cmp(&b.objective(self.objective))
-            });
-            let first = kept.len().min(ASKED);
-            kept = kept[..first].par_iter().map(complete).collect();
+        let asked = limited || self.objective == Objective::Efficiency;
+        let (mut kept, mut failed): (Vec<_>, Vec<_>) = designs.into_iter().partition(keeps);
+        if asked {
+            let (whole, part) = kept.par_iter().map(complete).partition(Design::is_feasible);
+            kept = whole;
+            failed.extend::<Vec<_>>(part);
         }
-        let best = kept
-            .into_iter()
-            .filter(|design| design.objective(self.objective).is_finite())
-            .min_by(|a, b| a.objective(self.objective).total_cmp(&b.objective(self.objective)));
-        if let Some(design) = best {
-            return Some(Outcome::Found { active: near_their_limits(&design), design });
+        kept.retain(|design| design.objective(self.objective).is_finite());
+        kept.sort_by(|a, b| a.objective(self.objective).total_cmp(&b.objective(self.objective)));
+        let (first, refused) = first_accepted(&kept.iter().collect::<Vec<_>>(), accepted);
+        if let Some(design) = first {
+            let design = complete(design);
+            let active = self.holds_back(&failed, &design, complete);
+            return Some(Outcome::Found { design, active, refused });
+        }
+        if let [best, ..] = &kept[..] {
+            return Some(Outcome::Infeasible { design: complete(best), blocking: Vec::new() });
         }
         blocked(failed, complete)
+    }
+
+    /// The limits that rule out better designs than the chosen one: each that does so alone, or else those that the
+    /// nearest of the better ones breaks.
+    fn holds_back(
+        &self,
+        failed: &[Design],
+        chosen: &Design,
+        complete: impl Fn(&Design) -> Design + Sync,
+    ) -> Vec<Quantity> {
+        let best = chosen.objective(self.objective);
+        let better = |design: &Design| match self.objective {
+            Objective::Efficiency => complete(design).objective(self.objective) < best,
+            Objective::Capacity | Objective::Mass => design.objective(self.objective) < best,
+        };
+        // An efficiency takes a solution of its model.
+        let most = if self.objective == Objective::Efficiency { ASKED } else { usize::MAX };
+        let mut nearest: Vec<_> = failed.iter().map(|design| (excess(design), design)).collect();
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut alone: Vec<(Quantity, Vec<&Design>)> = Vec::new();
+        for (_, design) in &nearest {
+            if let [check] = failing(design)[..] {
+                match alone.iter_mut().find(|(quantity, _)| *quantity == check.quantity) {
+                    Some((_, designs)) if designs.len() < most => designs.push(design),
+                    Some(_) => {}
+                    None => alone.push((check.quantity, vec![design])),
+                }
+            }
+        }
+        let holds = |designs: &Vec<&Design>| designs.par_iter().any(|design| better(design));
+        let found: Vec<_> = alone
+            .iter()
+            .filter(|(_, designs)| holds(designs))
+            .map(|(quantity, _)| *quantity)
+            .collect();
+        if !found.is_empty() {
+            return found;
+        }
+        let next = nearest.iter().take(most).find(|(_, design)| better(design));
+        next.map_or_else(Vec::new, |(_, design)| {
+            failing(design).iter().map(|c| c.quantity).collect()
+        })
     }
 
     /// The lists with what is fixed in their place.
@@ -76,17 +119,21 @@ impl Requirement {
     }
 }
 
+/// How much a design breaks its limits.
+fn excess(design: &Design) -> f64 {
+    let far = design.checks.iter().filter_map(Check::excess).filter(|e| e.is_finite());
+    far.map(|excess| excess.max(0.0).powi(2)).sum()
+}
+
+/// The limits that a design breaks.
+fn failing(design: &Design) -> Vec<Check> {
+    let told = design.checks.iter().filter(|check| !check.value.is_nan());
+    told.filter(|check| !check.passes()).copied().collect()
+}
+
 /// Why no standard size keeps all limits: the one that fails least, and each limit that alone is in the way, with
 /// the best value that it could have.
 fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option<Outcome> {
-    let excess = |design: &Design| -> f64 {
-        let far = design.checks.iter().filter_map(Check::excess).filter(|e| e.is_finite());
-        far.map(|excess| excess.max(0.0).powi(2)).sum()
-    };
-    let failing = |design: &Design| -> Vec<Check> {
-        let told = design.checks.iter().filter(|check| !check.value.is_nan());
-        told.filter(|check| !check.passes()).copied().collect()
-    };
     let mut alone: Vec<(Quantity, Check)> = Vec::new();
     for design in &designs {
         // The only one that fails.

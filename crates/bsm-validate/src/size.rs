@@ -28,11 +28,11 @@ const PARTS: [(&str, &str); 5] = [
 /// Columns of the table of phases: name and title.
 const COLUMNS: [(&str, &str); 8] = [
     ("time_share", "share of time"),
-    ("axial_load_N", "axial load"),
+    ("screw_load_N", "axial load"),
     ("feed_m_min", "feed"),
     ("screw_speed_rpm", "screw"),
-    ("screw_torque_Nm", "torque of screw"),
-    ("efficiency", "efficiency"),
+    ("whole_screw_torque_Nm", "torque of screw"),
+    ("screw_efficiency", "efficiency"),
     ("motor_torque_Nm", "torque of motor"),
     ("heat_W", "heat"),
 ];
@@ -290,7 +290,7 @@ fn section(report: &SizeReport) -> Option<Figure> {
 fn among_limits(report: &SizeReport) -> Figure {
     let number = |name: &str| report.number(name);
     let point = |phase: &SizePhase| {
-        Some((value(phase, "screw_speed_rpm")?.abs(), value(phase, "axial_load_N")?.abs() / 1e3))
+        Some((value(phase, "screw_speed_rpm")?.abs(), value(phase, "screw_load_N")?.abs() / 1e3))
     };
     let points: Vec<_> = report.phases.iter().filter_map(point).collect();
     let (fastest, largest) =
@@ -385,7 +385,7 @@ fn over_time(report: &SizeReport) -> Figure {
         Some(Curve::new(label, place, stroke, points))
     };
     let wanted = [
-        ("axial_load_N", "axial load", "N"),
+        ("screw_load_N", "axial load", "N"),
         ("feed_m_min", "feed", "m/min"),
         ("motor_torque_Nm", "torque of the motor", "N m"),
     ];

@@ -90,7 +90,6 @@ const GROUPS: [(&str, &[&str]); 5] = [
             "housing_rigidity_N_um",
             "reliability_percent",
             "axis_heat_transfer_W_K",
-            "accuracy_grade",
             "rated_dynamic_load_N",
             "rated_static_load_N",
             "speed_number_limit_mm_min",

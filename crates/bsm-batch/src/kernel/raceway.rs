@@ -153,7 +153,7 @@ fn transmit<S: Simd>(
     let mut torque = ideal + back.select(-loss, loss) * units.ball * units.axial;
     if let Some(oiled) = &oiled {
         // T = Z T_ball + Σ P/W                                            (Y27)
-        torque = torque + oiled.outside.total() / units.speed;
+        torque = torque + oiled.outside.of_balls() / units.speed;
     }
     let eta = transmit_torque(out, back, (torque, ideal), torque.constant(1.0), units.speed);
     if let Some(oiled) = &oiled {

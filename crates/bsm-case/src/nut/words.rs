@@ -1,11 +1,12 @@
 //! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, words and flags.
 
+use bsm_design::Grade;
 use bsm_dyn::BaseOil;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use crate::CaseError;
 use crate::size::PhaseWords;
+use crate::{CaseError, nearest};
 
 macro_rules! words {
     ($($name:ident: $kind:ty, $about:literal, $schema:expr;)*) => {
@@ -94,6 +95,9 @@ words! {
     support: SupportWord,
         "how the ends of the screw are held, for bsm size: the fixed end takes the axial load",
         choice(&["fixed-free", "supported-supported", "fixed-supported", "fixed-fixed"]);
+    accuracy_grade: GradeWord,
+        "accuracy grade of the screw, for bsm size: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade",
+        grade_schema();
     cycle: Vec<PhaseWords>,
         "phases of the cycle of the axis, for bsm size: time_s or share, force_N, feed_m_min, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm",
         PhaseWords::schema();
@@ -283,6 +287,60 @@ pub enum SupportWord {
     FixedFixed,
 }
 
+/// Numbers of the P grades.
+const NUMBERS: [u8; 6] = [0, 1, 3, 5, 7, 10];
+
+/// An accuracy grade: its name, or the number alone of a P grade.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Value", into = "Value")]
+pub struct GradeWord {
+    /// The grade.
+    pub grade: &'static Grade,
+    /// The number, if it stood alone.
+    number: Option<u8>,
+}
+
+impl TryFrom<Value> for GradeWord {
+    type Error = String;
+
+    fn try_from(value: Value) -> Result<Self, String> {
+        let number = value
+            .as_f64()
+            .and_then(|x| NUMBERS.into_iter().find(|n| (f64::from(*n) - x).abs() <= 0.0));
+        let name = number.map(|number| format!("P{number}"));
+        let name = name.as_deref().or(value.as_str()).unwrap_or_default();
+        let names = || Grade::all().map(|grade| grade.name);
+        let grade = Grade::named(name).ok_or_else(|| {
+            let near = nearest(&name.to_uppercase(), names());
+            let near = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+            format!("{value} is not one of {}{near}", names().collect::<Vec<_>>().join(", "))
+        })?;
+        Ok(Self { grade, number })
+    }
+}
+
+impl From<GradeWord> for Value {
+    fn from(word: GradeWord) -> Self {
+        word.number.map_or_else(|| json!(word.grade.name), |number| json!(number))
+    }
+}
+
+impl GradeWord {
+    /// Which grade it is, and what it is not.
+    pub(crate) fn describe(self) -> String {
+        let of = |grade: &Grade| {
+            let Grade { name, standard, variation } = grade;
+            format!(
+                "{name} of {standard}, {} um within any 300 mm",
+                (1e7 * variation).round() / 10.0
+            )
+        };
+        let also = self.number.and_then(|number| Grade::named(&format!("C{number}")));
+        let also = also.map_or_else(String::new, |other| format!("; not {}", of(other)));
+        format!("accuracy_grade is {}{also}", of(self.grade))
+    }
+}
+
 /// An axial error of the nut's groove against the screw's: a wave or a slope.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -311,6 +369,12 @@ fn list(items: &Value) -> Value {
 fn choice(words: &[&str]) -> Value {
     let words = words.iter().map(|word| json!(word)).chain([Value::Null]);
     json!({ "enum": words.collect::<Vec<_>>() })
+}
+
+fn grade_schema() -> Value {
+    let names = Grade::all().map(|grade| json!(grade.name));
+    let numbers = NUMBERS.map(|number| json!(number));
+    json!({ "enum": names.chain(numbers).chain([Value::Null]).collect::<Vec<_>>() })
 }
 
 fn object(properties: &[(&str, Value)], required: &[&str]) -> Value {
@@ -408,6 +472,7 @@ mod tests {
             "base_oil": "pao",
             "ball_precession_rad_s": 1.0,
             "support": "fixed-supported",
+            "accuracy_grade": "C3",
             "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0 }],
         });
         let mut words = NutWords::default();

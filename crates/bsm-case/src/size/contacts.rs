@@ -1,8 +1,8 @@
 //! What the balls of an axis take: friction of each phase, and the nut under its largest load.
 
+use bsm_design::Phase;
 use bsm_dyn::{ModelWorkspace, Problem, Status};
 
-use super::axis::{Axis, Phase};
 use crate::units::RPM;
 use crate::{CaseError, InputKey, NutProblem, NutReport, Record, Scene, Settings};
 
@@ -27,8 +27,6 @@ fn at(scene: &Scene, load: f64, speed: f64) -> Scene {
     let mut scene = scene.clone();
     (scene.axial_load_N, scene.feed_m_min) = (Some(load), None);
     (scene.screw_speed_rpm, scene.nut_speed_rpm) = (Some(speed / RPM), None);
-    // It has a line of its own.
-    scene.seal_torque_Nm = None;
     scene
 }
 
@@ -39,7 +37,9 @@ pub(super) fn nut_at(
     load: f64,
     speed: f64,
 ) -> Result<NutReport, CaseError> {
-    NutProblem::of(&at(scene, load, speed), settings)?.solve().map_err(CaseError::Nut)
+    // Seals have a line of their own.
+    let scene = Scene { seal_torque_Nm: None, ..at(scene, load, speed) };
+    NutProblem::of(&scene, settings)?.solve().map_err(CaseError::Nut)
 }
 
 /// How sure friction from a lubricant is: nine of ten draws of what nobody knows exactly lie between these, over the
@@ -60,10 +60,12 @@ pub(super) fn band(
 
 /// Friction of the contacts under a load at a speed: by all balls of a preloaded nut, else by one ball under
 /// its equal share.
+///
+/// * `advance`: for a radian of the screw \[m\].
 pub(super) fn contacts(
     scene: &Scene,
     settings: &Settings,
-    axis: &Axis,
+    advance: f64,
     Phase { load, speed, .. }: &Phase,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
@@ -90,7 +92,7 @@ pub(super) fn contacts(
     let scene = at(scene, load.abs(), load.signum() * speed);
     let record = Record::new(scene.problem(settings)?.solve(work));
     let torque = record.number("screw_torque_Nm").filter(|_| record.status() == Status::Converged);
-    let ideal = axis.advance() * load.abs();
+    let ideal = advance * load.abs();
     let words = match (torque, record.message()) {
         (None, Some(why)) => format!("no torque: {why}"),
         _ => record.model().name().to_owned(),

@@ -1,9 +1,8 @@
 //! The rules that an axis must keep: value, limit, source, and what would help.
 
-use bsm_design::{OPENS_AT, PRELOAD, pair_loads};
+use bsm_design::{Axis, OPENS_AT, PRELOAD};
 use serde_json::{Value, json};
 
-use super::axis::Axis;
 use crate::{CapacityReport, InputKey, Numbers, Scene};
 
 /// A rule: a number of the axis and its limit.
@@ -89,7 +88,7 @@ pub(super) fn rules(
     axis: &Axis,
     numbers: &Numbers,
     of_nut: &CapacityReport,
-    preload: Option<[f64; 2]>,
+    preload: Option<&Preload>,
 ) -> Vec<SizeRule> {
     let mut rules = Rules::default();
     screw_rules(&mut rules, scene, axis, numbers);
@@ -202,21 +201,20 @@ fn preload_rules(
     axis: &Axis,
     numbers: &Numbers,
     of_nut: &CapacityReport,
-    preload: Option<[f64; 2]>,
+    preload: Option<&Preload>,
 ) {
     let number = |name: &str| numbers.number(name);
     let edge = of_nut.rows().iter().find(|row| row.0 == "edge_load_N").map(|row| row.2);
     let (largest, dynamic) = (axis.largest_load(), axis.dynamic_rating);
-    let busier = preload.map_or(largest, |[_, warm]| pair_loads(warm, largest).0);
     rules.add(
         "contact ellipse on its flank",
-        ("largest_load_N", "N"),
-        edge.map(|_| busier),
+        ("busier_nut_load_N", "N"),
+        edge.map(|_| axis.busier_load()),
         (false, edge),
         "edge of the land (G8)",
         &|_| "a larger land: nut_bore_mm smaller, screw_outer_diameter_mm larger".to_owned(),
     );
-    if let Some([cold, warm]) = preload {
+    if let Some(&Preload { cold, warm, .. }) = preload {
         rules.add(
             "preload",
             ("warm_preload_N", "N"),

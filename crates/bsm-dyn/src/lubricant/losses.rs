@@ -28,7 +28,7 @@ pub struct Losses<D = f64> {
     pub drag_coefficient: D,
 }
 
-/// Power lost outside the contacts, of all balls \[W\].
+/// Power lost outside the contacts \[W\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutsidePower<D = f64> {
     /// Of the seals.
@@ -42,10 +42,10 @@ pub struct OutsidePower<D = f64> {
 }
 
 impl<D: Field> OutsidePower<D> {
-    /// All of them.
+    /// That of the balls. The seals warm the lubricant and are a part of the torque of the whole screw.
     #[inline(always)]
-    pub fn total(&self) -> D {
-        self.seal + self.ball_contact + self.ball_return + self.drag
+    pub fn of_balls(&self) -> D {
+        self.ball_contact + self.ball_return + self.drag
     }
 }
 

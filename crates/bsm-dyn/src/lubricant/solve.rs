@@ -259,7 +259,8 @@ impl Lubricated {
     ) -> Result<Solved, Unsolved> {
         let mut excess = |kelvin: f64| {
             let solved = self.at(kelvin, work)?;
-            let heat = solved.transmission.power.map_or(f64::NAN, |power| power.dissipated);
+            let seal = solved.film.map_or(f64::NAN, |film| film.outside.seal);
+            let heat = solved.transmission.power.map_or(f64::NAN, |power| power.dissipated) + seal;
             // hA (T − T₀) = Σ P(T)                                        (Y28)
             Ok((heat_transfer * (kelvin - ambient) - heat, solved))
         };
@@ -316,7 +317,7 @@ impl Lubricated {
         let outside = self.outside(pair, steady);
         let ball = screw.ball_state(pair, loaded, to_nut)?;
         // T = Z T_ball + Σ P/W                                            (Y27)
-        let torque = torque + outside.total() / speed;
+        let torque = torque + outside.of_balls() / speed;
         let ideal = screw.point.ideal_torque();
         let transmission = Transmission::of(pair.direction, ideal, torque, speed);
         // Scaled powers in watts, of all balls.
@@ -324,7 +325,7 @@ impl Lubricated {
         let [sliding_power, rolling_power] =
             [rubs.map(|rub| rub.sliding), rubs.map(|rub| rub.rolling)]
                 .map(|[nut, screw]| (nut + screw) * unit);
-        let lost = sliding_power + rolling_power + outside.total();
+        let lost = sliding_power + rolling_power + outside.of_balls();
         let transmission = match self.model {
             LubricatedModel::Traction(_) => transmission.balanced_against(lost)?,
             LubricatedModel::RacewayControl(..) => transmission,

@@ -1,0 +1,167 @@
+//! A nut in its axis: loads and speeds of its cycle, and the numbers that its rules judge. `design`, the catalogue and
+//! the sheet of an axis take them from here.
+//!
+//! Theory: `docs/theory/18-axis.md`.
+
+use crate::{
+    Body, Carriage, Duty, Life, Nut, PERMITTED_STRESS, Pace, Shaft, StaticRating, Support, Thread,
+    life, pair_loads,
+};
+
+/// Leads that the screw is longer than stroke and nut, unless its length is given.
+const OVERRUN_LEADS: f64 = 2.0;
+
+/// A stretch of a cycle as the machine asks for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// Time, in any unit that all stretches share.
+    pub time: f64,
+    /// Process force \[N\], positive against a positive feed.
+    pub force: f64,
+    /// Speed, with its sign.
+    pub pace: Pace,
+    /// Acceleration along a positive feed \[m/s²\].
+    pub acceleration: f64,
+}
+
+/// The same at the screw.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Phase {
+    /// Time, in any unit that all phases share.
+    pub time: f64,
+    /// Axial load of the screw \[N\], positive against a positive feed.
+    pub load: f64,
+    /// Speed of the screw against the nut \[rad/s\].
+    pub speed: f64,
+    /// Acceleration along a positive feed \[m/s²\].
+    pub acceleration: f64,
+}
+
+impl Motion {
+    /// What the screw carries and how fast it turns, with weight, guides and inertia of the moved mass.
+    ///
+    /// * `lead` \[m\].
+    pub fn phase(&self, carriage: &Carriage, lead: f64) -> Phase {
+        let Self { time, force, pace, acceleration } = *self;
+        let speed = pace.speed(lead);
+        Phase { time, load: carriage.load(force, speed, acceleration), speed, acceleration }
+    }
+}
+
+/// What holds a screw at its ends, and how long it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mount {
+    /// How its ends are held.
+    pub support: Support,
+    /// Unsupported length \[m\]; stroke, nut and two leads unless given.
+    pub length: Option<f64>,
+    /// Diameter that bends and strains \[m\]; the core of the thread unless given.
+    pub diameter: Option<f64>,
+}
+
+impl Mount {
+    /// The screw of a nut between its bearings; `None` without a length.
+    ///
+    /// * `stroke` \[m\].
+    pub fn shaft(
+        &self,
+        nut: &Nut,
+        thread: &Thread,
+        body: &Body,
+        stroke: Option<f64>,
+    ) -> Option<Shaft> {
+        let usual = stroke.map(|stroke| stroke + body.length + OVERRUN_LEADS * nut.lead);
+        Some(Shaft {
+            support: self.support,
+            length: self.length.or(usual)?,
+            diameter: self.diameter.unwrap_or(thread.screw.core),
+            youngs_modulus: nut.material.0.youngs_modulus,
+        })
+    }
+}
+
+/// A nut in its axis.
+#[derive(Debug, Clone)]
+pub struct Axis {
+    /// The nut.
+    pub nut: Nut,
+    /// The screw between its bearings; `None` without a length.
+    pub shaft: Option<Shaft>,
+    /// The cycle.
+    pub phases: Vec<Phase>,
+    /// Dynamic load rating \[N\], calculated or of the maker.
+    pub dynamic_rating: f64,
+    /// Static load rating, calculated or of the maker.
+    pub static_rating: StaticRating,
+    /// Preload of a pair \[N\].
+    pub preload: Option<f64>,
+    /// Life over that of 90 % of all nuts (Z14).
+    pub reliability: f64,
+}
+
+impl Axis {
+    /// The phase of the largest load, by its size.
+    pub fn heaviest(&self) -> Option<&Phase> {
+        self.phases.iter().max_by(|a, b| a.load.abs().total_cmp(&b.load.abs()))
+    }
+
+    /// The phase of the largest load of those that move.
+    pub fn heaviest_moving(&self) -> Option<&Phase> {
+        let moving = self.phases.iter().filter(|phase| phase.speed != 0.0);
+        moving.max_by(|a, b| a.load.abs().total_cmp(&b.load.abs()))
+    }
+
+    /// Largest axial load by its size \[N\].
+    pub fn largest_load(&self) -> f64 {
+        self.heaviest().map_or(0.0, |phase| phase.load.abs())
+    }
+
+    /// The largest load of one nut \[N\]: of the busier one of a pair.
+    pub fn busier_load(&self) -> f64 {
+        let largest = self.largest_load();
+        self.preload.map_or(largest, |preload| pair_loads(preload, largest).0)
+    }
+
+    /// Largest speed of the screw \[rad/s\].
+    pub fn fastest(&self) -> f64 {
+        self.phases.iter().map(|phase| phase.speed.abs()).fold(0.0, f64::max)
+    }
+
+    /// Life of the cycle at the reliability of the axis; `None` if nothing turns.
+    pub fn life(&self) -> Option<Life> {
+        let duty = |phase: &Phase| Duty { load: phase.load, speed: phase.speed, time: phase.time };
+        let duty: Vec<_> = self.phases.iter().map(duty).collect();
+        let life = life(self.dynamic_rating, self.preload, &duty)?;
+        let (revolutions, time) = (life.revolutions, life.time);
+        Some(Life {
+            revolutions: self.reliability * revolutions,
+            time: self.reliability * time,
+            ..life
+        })
+    }
+
+    /// Largest speed number \[m·rad/s\] (Z15).
+    pub fn speed_number(&self) -> f64 {
+        self.nut.speed_number(self.fastest())
+    }
+
+    /// Static safety by the rating (Z16).
+    pub fn static_safety(&self) -> f64 {
+        self.static_rating.safety(self.largest_load())
+    }
+
+    /// Largest speed over the critical one.
+    pub fn critical_speed_ratio(&self) -> Option<f64> {
+        Some(self.fastest() / self.shaft.as_ref()?.critical_speed())
+    }
+
+    /// Buckling load over the largest load.
+    pub fn buckling_safety(&self) -> Option<f64> {
+        Some(self.shaft.as_ref()?.buckling_load() / self.largest_load())
+    }
+
+    /// Load that strains the core up to [`PERMITTED_STRESS`] \[N\].
+    pub fn yield_load(&self) -> Option<f64> {
+        Some(self.shaft.as_ref()?.yield_load(PERMITTED_STRESS))
+    }
+}
