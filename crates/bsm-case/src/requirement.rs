@@ -176,8 +176,7 @@ const FROM_SCENES: [InputKey; 41] = [
 ];
 
 /// Words of a scene that a requirement may have.
-const WORDS_FROM_SCENES: [&str; 4] =
-    ["support", "cycle", "accuracy_grade", "preload_arrangement"];
+const WORDS_FROM_SCENES: [&str; 4] = ["support", "cycle", "accuracy_grade", "preload_arrangement"];
 
 const fn input(
     name: &'static str,

@@ -163,7 +163,7 @@ fn kept_columns_keep_their_types() {
     let keep: Vec<_> = kept.iter().map(|(name, _)| (*name).to_owned()).collect();
     let solved = |format| {
         let mut source = ParquetSource::new(Bytes::from(table.clone()), &keep).expect("a table");
-        let base = include_bytes!("../../../examples/feed_drive.json");
+        let base = include_bytes!("../../../../examples/feed_drive.json");
         let base = Scene::from_json(base).expect("a scene");
         let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");
         let task = Task::new(base, Model::ClosedForm.into(), outputs);

@@ -146,7 +146,7 @@ fn a_row_of_empty_cells_between_tabs_is_a_row() {
 #[test]
 fn an_output_that_is_a_column_of_inputs_has_no_gaps() {
     let mut base =
-        Scene::from_json(include_bytes!("../../../examples/feed_drive.json")).expect("a scene");
+        Scene::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a scene");
     base.friction_coefficient = None;
     base.apply(&[
         "iso_vg=68",
@@ -185,7 +185,7 @@ fn a_table_is_written_with_the_signs_of_the_points() {
     let table = "id;axial_load_N\n\"a;b\";5000,5\n";
     let mut source = CsvSource::with(table.as_bytes(), &keep(&["id"]), &dialect).expect("a table");
     let base =
-        Scene::from_json(include_bytes!("../../../examples/feed_drive.json")).expect("a scene");
+        Scene::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a scene");
     let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");
     let task = Task::new(base, Model::ClosedForm.into(), outputs);
     let columns = source.columns().clone();

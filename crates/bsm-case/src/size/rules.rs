@@ -3,6 +3,7 @@
 use bsm_design::{Axis, OPENS_AT, PRELOAD};
 use serde_json::{Value, json};
 
+use super::Preload;
 use crate::{CapacityReport, InputKey, Numbers, Scene};
 
 /// A rule: a number of the axis and its limit.
