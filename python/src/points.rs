@@ -78,14 +78,14 @@ impl Source for Memory {
 #[derive(Clone)]
 enum Origin {
     Grid(Grid),
-    Memory(Memory),
+    Memory(Box<Memory>),
 }
 
 impl Origin {
     fn source(&self) -> Box<dyn Source> {
         match self {
             Self::Grid(grid) => Box::new(GridSource::new(grid.clone())),
-            Self::Memory(memory) => Box::new(memory.clone()),
+            Self::Memory(memory) => memory.clone(),
         }
     }
 }
@@ -243,7 +243,7 @@ pub(crate) fn solve_many(
     let base = base.get().0.clone();
     let task = Task::over_table(base, how.settings()?, selected(outputs)?, &memory.columns);
     let task = task.map_err(|e| errors::input(&e))?;
-    drive(py, &task, Origin::Memory(memory), len, (threads, progress, text))
+    drive(py, &task, Origin::Memory(Box::new(memory)), len, (threads, progress, text))
 }
 
 /// Solves a grid; the last axis runs fastest.

@@ -109,7 +109,7 @@ fn count(parts: &BTreeMap<u64, Part>) -> Count {
 }
 
 /// How a folder is filled.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub struct Filling {
     /// Goes on with a folder of the same plan, whose parts are trusted when their bytes are as they were
     /// written; else the folder must be new or empty.

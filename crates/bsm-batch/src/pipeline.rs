@@ -282,7 +282,9 @@ impl Task {
                     self.filled.iter().zip(&answers.columns[self.outputs.len()..])
                 {
                     let place = columns.inputs.iter().position(|key| key.name() == output.name);
-                    place.into_iter().for_each(|place| chunk.inputs[place].fill(values));
+                    if let Some(place) = place {
+                        chunk.inputs[place].fill(values);
+                    }
                 }
                 behind = Some((chunk, answers));
             }

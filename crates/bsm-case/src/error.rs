@@ -398,11 +398,11 @@ impl CaseError {
             | Self::UnknownListKey { key, .. }
             | Self::BadEntry { key, .. }
             | Self::UnknownRequirement { key, .. } => key,
-            Self::GivenTwice { names: [_, name] } => name,
             Self::NoRange { key } | Self::BadRange { key, .. } | Self::NotCovered { key, .. } => {
                 key
             }
-            Self::UnknownColumn { name, .. }
+            Self::GivenTwice { names: [_, name] }
+            | Self::UnknownColumn { name, .. }
             | Self::UnknownOutput { name, .. }
             | Self::UnknownModel { name, .. }
             | Self::UnknownRace { name, .. }

@@ -304,9 +304,12 @@ impl Given {
     /// The cycle, or the operating point, or a torque.
     fn demand(&self, scene: &Scene) -> Result<Demand, CaseError> {
         let torque = self.number("screw_torque_Nm");
-        let not_with = |key: &'static str, given: bool| match given {
-            true => Err(CaseError::OneOfTwo { keys: [key, "screw_torque_Nm"], found: "both are" }),
-            false => Ok(()),
+        let not_with = |key: &'static str, given: bool| {
+            if given {
+                let keys = [key, "screw_torque_Nm"];
+                return Err(CaseError::OneOfTwo { keys, found: "both are" });
+            }
+            Ok(())
         };
         let Some(torque) = torque else {
             if scene.nut.cycle.is_none() && scene.axial_load_N.is_none() {

@@ -158,18 +158,17 @@ impl BallNut {
             let coefficient = friction.unwrap_or(f64::NAN);
             let alone = self.ball_alone(found, number, coefficient, drive)?;
             let before = last.filter(|(ball, _)| alike(ball, &alone));
-            let (ball, [own, in_return]) = match before {
-                Some(like) => like,
-                None => {
-                    let solution = solve(alone);
-                    let solved = solution.solved()?;
-                    let torque = solved.transmission.screw_torque?;
-                    let lost = solved.film.map_or(0.0, |film| film.outside.ball_return);
-                    let in_return = lost / speed.abs();
-                    // T_f = |T − h F|                                     (U21)
-                    let all = (torque - per_radian * alone.point.load.axial).abs();
-                    (alone, [all - in_return, in_return])
-                }
+            let (ball, [own, in_return]) = if let Some(like) = before {
+                like
+            } else {
+                let solution = solve(alone);
+                let solved = solution.solved()?;
+                let torque = solved.transmission.screw_torque?;
+                let lost = solved.film.map_or(0.0, |film| film.outside.ball_return);
+                let in_return = lost / speed.abs();
+                // T_f = |T − h F|                                         (U21)
+                let all = (torque - per_radian * alone.point.load.axial).abs();
+                (alone, [all - in_return, in_return])
             };
             last = Some((ball, [own, in_return]));
             returns += in_return;

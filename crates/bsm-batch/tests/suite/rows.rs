@@ -328,6 +328,7 @@ fn in_a_unit(key: InputKey, rng: &mut impl Rng) -> (String, f64) {
 
 /// Random rows over all inputs that have other forms, in all units: what `bsm solve --set` says of the same names and
 /// values. Returns the rows, and how many of them have two forms of one quantity.
+#[expect(clippy::too_many_lines, reason = "one list of forms and one loop over rows")]
 fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
     use InputKey as K;
     // Quantities in forms of which one may be given, with values of practice.
@@ -417,7 +418,8 @@ fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
             // A row of one empty cell is a blank line.
             let line =
                 if row.len() == 1 && row[0].is_empty() { "\"\"".to_owned() } else { row.join(",") };
-            text += &format!("{line}\n");
+            text.push_str(&line);
+            text.push('\n');
             cells.push(row);
         }
         let mut source = CsvSource::new(text.as_bytes(), &[]).expect("inputs, each once");

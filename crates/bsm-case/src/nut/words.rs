@@ -466,6 +466,7 @@ mod tests {
             "screw_anchor": "high",
             "screw_torsion": true,
             "preload_by": "oversize",
+            "preload_arrangement": "O",
             "ball_deviation_um": [1.0],
             "lead_error": [{ "amplitude_um": 1.0, "order": 1.0, "phase_deg": 1.0,
                              "slope_um_per_mm": 1.0, "z0_mm": 1.0 }],

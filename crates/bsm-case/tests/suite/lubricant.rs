@@ -174,7 +174,9 @@ fn each_ball_of_a_nut_has_its_own_film() {
         let mut scene = Scene::from_json(NUT).expect("an example");
         scene.friction_coefficient = None;
         // The later of two for one input holds.
-        settings.iter().for_each(|setting| scene.apply(&[setting]).expect("an input"));
+        for setting in settings {
+            scene.apply(&[setting]).expect("an input");
+        }
         NutProblem::of(&scene, &Model::RacewayControl.into())
     };
     let report = |settings: &[&str]| {

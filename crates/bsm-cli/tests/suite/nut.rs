@@ -434,11 +434,11 @@ fn a_preload_given_as_a_force_is_set_cold() {
     let (listed_x, listed_o) = (warm(circuits("+", "-")), warm(circuits("-", "+")));
     // Check values of an independent solution (chapter 16); offsets are found to 1e-8.
     for (found, expected) in [
-        (&o, 2210.411_218),
-        (&listed_o, 2210.411_218),
-        (&x, 4111.339_823),
-        (&by_offset, 4111.339_823),
-        (&listed_x, 4111.339_823),
+        (&o, 2_210.411_218),
+        (&listed_o, 2_210.411_218),
+        (&x, 4_111.339_823),
+        (&by_offset, 4_111.339_823),
+        (&listed_x, 4_111.339_823),
     ] {
         assert!((of(found, "preload_set_N") - 2500.0).abs() < 1e-4, "{found}");
         assert!((of(found, "warm_preload_N") / expected - 1.0).abs() < 1e-7, "{found}");
@@ -686,7 +686,7 @@ fn given_losses_are_lines_of_the_sum() {
     (oiled["return_circuits"], oiled["return_loss_coefficient"]) = (json!(6), json!(2));
     let (_, returned, _) = answer(&oiled.to_string(), &[]);
     let returns = of(&returned, "return_torque_Nm");
-    assert_eq!(of(&plain, "return_torque_Nm"), 0.0, "{words}");
+    assert!(of(&plain, "return_torque_Nm").abs() <= 0.0, "{words}");
     // (Y26): six returns take twice the kinetic energy of every ball that passes, at half the speed of the screw.
     let (mass, travel) =
         (7800.0 * std::f64::consts::PI / 6.0 * 6.35e-3_f64.powi(3), 0.5 * speed * 20.73e-3);
@@ -717,7 +717,7 @@ fn the_step_from_four_contacts_to_two_is_within_the_stated_error() {
         let step = of(&after, "friction_torque_Nm") - of(&before, "friction_torque_Nm");
         let stated = of(&before, "friction_torque_error_Nm");
         assert!(step.abs() <= stated && stated < 2.0 * step.abs(), "{step} {stated}");
-        assert_eq!(of(&after, "friction_torque_error_Nm"), 0.0);
+        assert!(of(&after, "friction_torque_error_Nm").abs() <= 0.0, "{after}");
         assert!(before["notes"].to_string().contains("is known to"), "{before}");
     }
 }

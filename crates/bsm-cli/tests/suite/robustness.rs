@@ -634,7 +634,7 @@ fn rounding_is_not_printed_as_a_result() {
     }
     // Files keep the bits.
     let json = stdout(&run(&["solve", &example("feed_drive.json"), "--format=json"], dir.path()));
-    let spin = json.lines().find(|line| line.contains("\"screw_spin_rad_s\"")).expect("there");
+    let spin = json.lines().find(|line| line.contains("\"screw_spin_rad_s\":")).expect("there");
     assert!(spin.contains("e-"), "{spin}");
 }
 

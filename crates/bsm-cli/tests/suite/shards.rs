@@ -260,16 +260,18 @@ struct Tampering {
     does: Box<dyn Fn(&Path)>,
 }
 
+fn name(shard: usize) -> String {
+    format!("data/part-{shard:06}.parquet")
+}
+
 /// Sixty kinds; where and with what follows from a seed.
+#[expect(clippy::too_many_lines, reason = "sixty kinds, one after the other")]
 fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut all = Vec::new();
     let mut add = |what: String, is_hidden, does: Box<dyn Fn(&Path)>| {
         all.push(Tampering { what, is_hidden, does });
     };
-    fn name(shard: usize) -> String {
-        format!("data/part-{shard:06}.parquet")
-    }
     // Places in a part, as fractions of what is before the footer, or of the footer.
     for round in 0..2 {
         for (region, begin, is_hidden) in [
@@ -281,7 +283,8 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
             ("tail", 2.0, false),
         ] {
             let (shard, bit) = (rng.random_range(0..10), 1_u8 << rng.random_range(0..8));
-            let place: f64 = begin + if begin == 0.3 { rng.random_range(0.0..0.6) } else { 0.0 };
+            let place: f64 =
+                begin + if region == "pages" { rng.random_range(0.0..0.6) } else { 0.0 };
             let zeros = round == 1 && region == "pages";
             let change = move |map: &Path| {
                 let path = map.join(name(shard));
@@ -388,7 +391,7 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
             false,
             Box::new(move |map| {
                 (0..count).for_each(|i| {
-                    fs::remove_file(map.join(name((first + i) % 10))).expect("a part")
+                    fs::remove_file(map.join(name((first + i) % 10))).expect("a part");
                 });
             }),
         );
