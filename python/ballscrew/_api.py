@@ -553,7 +553,7 @@ class Grid(Table):
         asked = (self.scene, self.settings, list(self._axes)) == (other.scene, other.settings, list(other._axes))
         return asked and all(_same(self._axes[name], other._axes[name]) for name in self._axes) and super().__eq__(other)
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
     def grid(self, name: str) -> NDArray[Any]:
         """A column in the shape of the grid."""

@@ -25,7 +25,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ballscrew as bs
-from ballscrew._vocabulary import Output
+from ballscrew._vocabulary import Model, Output
 
 FEED_DRIVE = EXAMPLES / "feed_drive.json"
 
@@ -347,7 +347,7 @@ def test_results_cross_processes_and_compare(screw: bs.Scene) -> None:
     for other in (pickle.loads(pickle.dumps(solution)), copy.copy(solution), copy.deepcopy(solution)):
         assert type(other) is bs.Solution and other == solution and hash(other) == hash(solution)
         assert other.to_dict() == solution.to_dict()
-    assert solution != bs.solve(screw, model="traction") and solution != 1
+    assert solution != bs.solve(screw, model="traction") and solution != object()
     points = random_points(50, 3)
     table, grid = bs.solve_many(points, screw), bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1500.0]})
     report = bs.slip(screw)
@@ -371,7 +371,7 @@ def test_none_leaves_an_input_out(screw: bs.Scene) -> None:
 
 def test_misspelt_outputs_name_the_nearest(screw: bs.Scene) -> None:
     with pytest.raises(AttributeError, match="did you mean `efficiency`"):
-        bs.solve(screw).effciency  # type: ignore[attr-defined]
+        _ = bs.solve(screw).effciency  # type: ignore[attr-defined]
     table = bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1500.0]}, outputs=["efficiency"])
     with pytest.raises(KeyError, match="did you mean `efficiency`"):
         table["efficency"]
@@ -476,7 +476,8 @@ def test_exact_derivatives_are_those_of_differences(screw: bs.Scene) -> None:
     wrt = ["friction_coefficient", "lead_mm", "axial_load_N"]
     points = {name: getattr(screw, name) for name in wrt}
     # Differences of raceway control contain those of its coarse sums, 6e-5; its derivatives are of finer ones.
-    for model, rtol in (("raceway-control", 1e-4), ("traction", 1e-5)):
+    tolerances: dict[Model, float] = {"raceway-control": 1e-4, "traction": 1e-5}
+    for model, rtol in tolerances.items():
         value, exact = bs.gradient(points, "efficiency", wrt, screw, model=model)
         assert math.isclose(value, bs.solve(screw, model=model).efficiency, rel_tol=1e-12)
         _, differences = bs.gradient(points, "efficiency", wrt, screw, model=model, method="difference")

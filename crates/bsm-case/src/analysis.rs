@@ -321,7 +321,7 @@ impl MovingBall {
 }
 
 impl Moving {
-    /// The solution of the model that the settings come to, see [`ModelChoice::of_motion`].
+    /// The solution of the model that the settings come to, see `ModelChoice::of_motion`.
     ///
     /// # Errors
     ///
