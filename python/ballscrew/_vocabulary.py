@@ -610,9 +610,9 @@ class SceneFields(_core.Scene):
 
     @property
     def preload_offset_um(self) -> float | None:
-        """Axial offset of the two nuts of a pair against each other, in place of preload_N: > 0 pulls
-        them together (X arrangement), < 0 pushes them apart (O) [um]."""
-        return self.number(22)
+        """Axial offset of the two nuts of a pair against each other, in place of preload_N: > 0 pulls them
+        together (X arrangement), < 0 pushes them apart (O) [um]."""
+        return self.number(24)
 
     @property
     def ball_oversize_um(self) -> float | None:
@@ -1070,22 +1070,22 @@ class SceneFields(_core.Scene):
     @property
     def required_life_h(self) -> float | None:
         """Life that is required [h]."""
-        return self.number(108)
+        return self.number(110)
 
     @property
     def required_static_safety(self) -> float | None:
         """Static safety that is required; 1.5 unless given."""
-        return self.number(109)
+        return self.number(111)
 
     @property
     def required_critical_speed_ratio(self) -> float | None:
         """Largest speed over the critical one that is permitted; 0.8 unless given."""
-        return self.number(110)
+        return self.number(112)
 
     @property
     def required_buckling_safety(self) -> float | None:
         """Buckling load over the largest axial load that is required; 2 unless given."""
-        return self.number(111)
+        return self.number(113)
 
 
 class SolutionFields(_core.Solution):

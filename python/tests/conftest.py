@@ -10,6 +10,9 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 
+# For the type checker only.
+collect_ignore = ["wrong_calls.py"]
+
 
 def program() -> Path:
     """The program of the same build as the package: others may round the last digit differently."""
