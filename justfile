@@ -11,7 +11,7 @@ fmt:
     cargo fmt --all
 
 lint *FLAGS:
-    cargo clippy --workspace --all-targets --locked {{FLAGS}} -- -D warnings
+    cargo clippy --workspace --all-targets --features tools --locked {{FLAGS}} -- -D warnings
 
 doc:
     cargo doc --workspace --no-deps --locked
@@ -45,7 +45,7 @@ tradeoff *FLAGS:
 
 # Random points of extreme ranges in every model, checked; `just extremes 1000000 --model rigid`.
 extremes *FLAGS:
-    cargo run --release --locked -p bsm-validate --example extremes -- {{FLAGS}}
+    cargo run --release --locked -p bsm-validate --features tools --example extremes -- {{FLAGS}}
 
 # Runs killed at random moments by four signals, gone on with, and compared bit by bit.
 kills:
@@ -66,6 +66,6 @@ remake *FLAGS:
 
 # The pictures of README and docs; `dot` is that of Graphviz.
 pictures: (validate "--out" "target/report") (tradeoff "--out" "target/tradeoff")
-    cargo run --release --locked -p bsm-validate --example sketches -- docs/img
+    cargo run --release --locked -p bsm-validate --features tools --example sketches -- docs/img
     for name in architecture ways; do dot -Tsvg docs/img/$name.dot -o docs/img/$name.svg; done
     cp target/report/figures/{transition,lin-efficiency-lead-angle}.svg target/tradeoff/figures/pareto-single.svg docs/img/

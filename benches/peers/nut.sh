@@ -5,7 +5,7 @@ set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 work="$here/../../target/peers"
 mkdir -p "$work"
-cargo run --quiet --release --locked --manifest-path "$here/../../Cargo.toml" -p bsm-nut --example times >"$work/nut.json"
+cargo run --quiet --release --locked --manifest-path "$here/../../Cargo.toml" -p bsm-nut --features tools --example times >"$work/nut.json"
 python="$work/venv/bin/python"
 [ -x "$python" ] || python3 -m venv "$work/venv"
 grep -E "^(numpy|scipy)=" "$here/requirements.txt" | xargs "$python" -m pip install --quiet

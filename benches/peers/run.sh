@@ -7,7 +7,7 @@ work="$here/../../target/peers"
 mkdir -p "$work"
 
 peers() {
-    cargo run --quiet --release --locked --manifest-path "$here/../Cargo.toml" --bin peers -- "$@"
+    cargo run --quiet --release --locked --manifest-path "$here/../Cargo.toml" --features tools --bin peers -- "$@"
 }
 
 peers "$@" --write-points "$work/points.json"

@@ -5,7 +5,7 @@ set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 work="$here/../../target/peers"
 mkdir -p "$work"
-cargo run --quiet --release --locked --manifest-path "$here/../Cargo.toml" --bin traction-peers -- "$@" >"$work/traction.json"
+cargo run --quiet --release --locked --manifest-path "$here/../Cargo.toml" --features tools --bin traction-peers -- "$@" >"$work/traction.json"
 python="$work/venv/bin/python"
 [ -x "$python" ] || python3 -m venv "$work/venv"
 "$python" -m pip install --quiet --requirement "$here/requirements.txt"

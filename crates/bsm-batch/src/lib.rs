@@ -38,18 +38,12 @@
 //! # }
 //! ```
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 mod arrow_table;
 mod column_chunk;
 pub mod dataset;
 mod dialect;
 mod draws;
 mod error;
-mod kernel;
 mod lines;
 mod numbers;
 mod operand;

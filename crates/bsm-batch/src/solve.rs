@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_case::{AnalysisKind, CaseError, Cell as Answer, Moving, Output, Quantity, Record, Scene};
 use bsm_dyn::{Model, ModelWorkspace, Status};
+use bsm_kernels::{Rows, Wanted};
 use bsm_simd::Arch;
 use rayon::prelude::*;
 
 use crate::Task;
-use crate::kernel::{Rows, Wanted};
-use crate::operand::Operands;
+use crate::operand::operands;
 use crate::rows::{APART, Answers, Chunk, Columns, Verdict};
 
 /// Rows that one thread takes at a time: a kernel answers many in the time that it takes to hand
@@ -130,8 +130,7 @@ impl Task {
         // Who has no places for what fills gaps does not ask for it.
         asked.outputs.truncate(room.columns.len());
         let wanted = Wanted::of(&asked.outputs);
-        let operands =
-            if asked.solves { Operands::of(chunk, columns, base, settings) } else { None };
+        let operands = if asked.solves { operands(chunk, columns, base, settings) } else { None };
         let model = operands.as_ref().map_or(settings.model, |(_, model)| (*model).into());
         let verdict = Verdict { model, status: Status::Converged, has_others: false };
 

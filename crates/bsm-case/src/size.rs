@@ -329,6 +329,9 @@ impl SizeReport {
         let of_nut = CapacityReport::of(&at_largest(scene, &worked.machine.axis), None)?;
         let mut warnings = of_nut.warnings().to_vec();
         warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
+        if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
+            warnings.push(format!("{}; the rules of the preload are not judged", no_balls(why)));
+        }
         warnings.sort();
         warnings.dedup();
         let (machine, numbers) = (&worked.machine, worked.numbers());
@@ -384,13 +387,18 @@ impl SizeReport {
     }
 }
 
+/// Why there are no numbers of the nut with all its balls.
+fn no_balls(why: &CaseError) -> String {
+    format!("no numbers of all balls: {why}")
+}
+
 /// What the numbers of an axis are made from.
 struct Worked<'a> {
     scene: &'a Scene,
     machine: Machine,
     /// The nut under the largest load, with all its balls; or why there is none.
     nut: Option<NutReport>,
-    no_nut: Option<String>,
+    no_nut: Option<CaseError>,
     preload: Option<Preload>,
     torques: Vec<Torques>,
     holding: Option<f64>,
@@ -414,7 +422,7 @@ impl<'a> Worked<'a> {
         });
         let (nut, no_nut) = match found {
             Some(Ok(nut)) => (Some(nut), None),
-            Some(Err(why)) => (None, Some(format!("no numbers of all balls: {why}"))),
+            Some(Err(why)) => (None, Some(why)),
             None => (None, None),
         };
         let preload = match &nut {
@@ -560,7 +568,8 @@ impl<'a> Worked<'a> {
 
     /// What was taken where nothing was given.
     fn notes(&self) -> Vec<String> {
-        let mut notes: Vec<_> = self.no_nut.clone().into_iter().collect();
+        let no_input = self.no_nut.as_ref().filter(|why| !matches!(why, CaseError::Nut(_)));
+        let mut notes: Vec<_> = no_input.map(no_balls).into_iter().collect();
         if let Some(Preload { cold, warm, .. }) = self.preload
             && (cold - warm).abs() > 0.0
         {

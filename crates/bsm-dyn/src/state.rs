@@ -306,3 +306,28 @@ impl Transmission {
         Err(Unsolved::not_converged(Reason::PowerDoesNotBalance { imbalance }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At coarse accuracies two rules agreed by chance, and the stated bound was a thousandth of the error.
+    #[test]
+    fn a_bound_does_not_rest_on_two_rules_that_agree() {
+        for (difference, accuracy, bound) in
+            [(0.0, 1e-4, 5e-7), (0.0, 1e-8, 1e-9), (-1e-6, 1e-4, 2e-5), (1e-12, 1e-12, 1e-9)]
+        {
+            let stated: f64 = quadrature_error(difference, accuracy);
+            assert!((stated - bound).abs() <= 1e-12 * bound, "{difference} {accuracy}: {stated}");
+        }
+    }
+
+    /// A loss bound near 1 was printed beside a loss that was 32 times the true one.
+    #[test]
+    fn a_loss_that_may_be_off_by_factors_has_no_bound() {
+        let loss = |bound| ErrorBound::of(Direction::RotaryToLinear, 0.9, bound).loss;
+        // δη/[(η − δη) (1 − η)] is 1/2 at δη = 0.045/1.05.
+        assert!(loss(0.042).is_some_and(|loss| loss < 0.5), "{:?}", loss(0.042));
+        assert_eq!(loss(0.043), None);
+    }
+}

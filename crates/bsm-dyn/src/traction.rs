@@ -316,7 +316,7 @@ impl Traction {
             let pair = self.at.scaled()?;
             let grip = Grip::of(&pair, None, &mut work.statics);
             let start = Start::new(&pair, grip.ok().as_ref())?;
-            Ok(self.found(&start, None, work)?.solved(&pair))
+            Ok(self.found(&start, None, work).map_err(NotFound::why)?.solved(&pair))
         });
         Solution::new(Model::Traction, found)
     }
@@ -324,8 +324,8 @@ impl Traction {
     /// Solves with finer and finer quadratures until the error that they state for the efficiency, with
     /// that of the creep speed, is at most `tolerance`; returns the root, its accuracy and the error.
     ///
-    /// Where a finer one has no root, the last one that has is returned, with the whole loss as its error; where a
-    /// coarse one has none, a finer one may.
+    /// Where a finer one has no root, the last one that has is returned, with the whole loss as its error; where the
+    /// coarse one loses a root that the search has found, a finer one may hold it.
     pub(crate) fn solve_to(
         &self,
         start: &Start<'_>,
@@ -337,12 +337,13 @@ impl Traction {
         let mut case = Self { accuracy: COARSE, ..*self };
         let mut found = case.found(start, None, work);
         for accuracy in FINER {
-            let from = found.as_ref().ok();
-            if from.is_some_and(|found| bound(found) <= tolerance) {
-                break;
-            }
+            let from = match &found {
+                Ok(found) if bound(found) <= tolerance => break,
+                Ok(Found { root, .. }) | Err(NotFound { near: Some(root), .. }) => *root,
+                Err(_) => break,
+            };
             let finer = Self { accuracy, ..case };
-            match (finer.found(start, from.map(|found| &found.root), work), &mut found) {
+            match (finer.found(start, Some(&from), work), &mut found) {
                 (Ok(next), former) => {
                     let steps = former.as_ref().map_or(0, |former| former.info.steps);
                     let info = SolveInfo { steps: next.info.steps + steps, ..next.info };
@@ -352,10 +353,10 @@ impl Traction {
                     found.error = (1.0 - found.transmission.efficiency).abs();
                     break;
                 }
-                (Err(none), Err(former)) => *former = none,
+                (Err(_), Err(_)) => {}
             }
         }
-        let found = found?;
+        let found = found.map_err(NotFound::why)?;
         let error = bound(&found);
         Ok((found, case.accuracy, error))
     }
@@ -366,7 +367,7 @@ impl Traction {
         Start { pair, grip }: &Start<'_>,
         from: Option<&Root>,
         work: &mut TractionWorkspace,
-    ) -> Result<Found, Unsolved> {
+    ) -> Result<Found, NotFound> {
         let accuracies = [COARSE, SEARCH, Self::ACCURACY, self.accuracy];
         let places = accuracies.map(|accuracy| work.rules(accuracy));
         let TractionWorkspace { newton, path, rules, .. } = work;
@@ -384,7 +385,7 @@ impl Traction {
         let refined = near.and_then(|near| ball.refined(&near, newton, &mut steps));
         let refined = match (refined, from) {
             (Some(refined), _) => refined,
-            (None, Some(_)) => return Err(Unsolved::LOST),
+            (None, Some(_)) => return Err(Unsolved::LOST.into()),
             (None, None) => {
                 let mut near = search.search(grip, true, (newton, path), &mut steps);
                 if near.as_ref().is_err_and(|none| none.status() == Status::NotConverged) {
@@ -392,7 +393,8 @@ impl Traction {
                     near = smooth.search(grip, true, (newton, path), &mut steps);
                 }
                 let near = near?;
-                ball.refined(&near, newton, &mut steps).ok_or(Unsolved::LOST)?
+                let lost = NotFound { near: Some(near), why: Unsolved::LOST };
+                ball.refined(&near, newton, &mut steps).ok_or(lost)?
             }
         };
         let Refined { root, transmitted, torque_slope, loaded } = refined;
@@ -434,6 +436,26 @@ pub(crate) struct Found {
     pub(crate) root: Root,
     /// What the quadrature may leave in the efficiency (T25).
     error: f64,
+}
+
+/// Why a point has no root of an accuracy.
+#[derive(Debug)]
+struct NotFound {
+    why: Unsolved,
+    /// The root of the search that this accuracy has lost.
+    near: Option<Root>,
+}
+
+impl NotFound {
+    fn why(self) -> Unsolved {
+        self.why
+    }
+}
+
+impl From<Unsolved> for NotFound {
+    fn from(why: Unsolved) -> Self {
+        Self { why, near: None }
+    }
 }
 
 impl Found {

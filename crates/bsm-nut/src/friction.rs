@@ -144,33 +144,36 @@ impl BallNut {
         let speed = drive.relative_speed();
         let per_radian = self.helix.lead() / std::f64::consts::TAU;
         let (quadrature, hertz) = (Quadrature::of(FOUR_CONTACTS), self.hertz());
+        // Friction of a ball, and what it loses in the returns.
+        let mut of_one = |number: usize| -> Option<[f64; 2]> {
+            if found.balls[number].flanks_pressed() == [true, true] {
+                let hertz = hertz.as_ref().ok()?;
+                let ball = self.ball_on_both_flanks(found, number, friction?, drive, hertz);
+                return ball.solve(&quadrature).ok().map(|motion| [motion.torque, 0.0]);
+            }
+            let coefficient = friction.unwrap_or(f64::NAN);
+            let alone = self.ball_alone(found, number, coefficient, drive)?;
+            let solution = solve(alone);
+            let solved = solution.solved()?;
+            let torque = solved.transmission.screw_torque?;
+            let lost = solved.film.map_or(0.0, |film| film.outside.ball_return);
+            let in_return = lost / speed.abs();
+            // T_f = |T − h F|                                             (U21)
+            let all = (torque - per_radian * alone.point.load.axial).abs();
+            Some([all - in_return, in_return])
+        };
         let mut returns = 0.0;
-        let mut last: Option<(ElasticPoint, [f64; 2])> = None;
+        let mut last: Option<(usize, [f64; 2])> = None;
         let mut of_ball = |number: usize| -> Option<f64> {
             if found.balls[number].max_load() <= 0.0 {
                 return Some(0.0);
             }
-            if found.balls[number].flanks_pressed() == [true, true] {
-                let hertz = hertz.as_ref().ok()?;
-                let ball = self.ball_on_both_flanks(found, number, friction?, drive, hertz);
-                return ball.solve(&quadrature).ok().map(|motion| motion.torque);
-            }
-            let coefficient = friction.unwrap_or(f64::NAN);
-            let alone = self.ball_alone(found, number, coefficient, drive)?;
-            let before = last.filter(|(ball, _)| alike(ball, &alone));
-            let (ball, [own, in_return]) = if let Some(like) = before {
-                like
-            } else {
-                let solution = solve(alone);
-                let solved = solution.solved()?;
-                let torque = solved.transmission.screw_torque?;
-                let lost = solved.film.map_or(0.0, |film| film.outside.ball_return);
-                let in_return = lost / speed.abs();
-                // T_f = |T − h F|                                         (U21)
-                let all = (torque - per_radian * alone.point.load.axial).abs();
-                (alone, [all - in_return, in_return])
+            let before = last.filter(|(other, _)| self.alike(found, *other, number));
+            let (as_of, [own, in_return]) = match before {
+                None => (number, of_one(number)?),
+                Some(like) => like,
             };
-            last = Some((ball, [own, in_return]));
+            last = Some((as_of, [own, in_return]));
             returns += in_return;
             Some(own)
         };
@@ -205,17 +208,19 @@ impl BallNut {
     }
 }
 
-/// True if two balls differ by no more than the rounding of their loads.
-fn alike(one: &ElasticPoint, other: &ElasticPoint) -> bool {
-    /// Part of load and contact angle: the balance of the nut leaves 1e-12 of the loads.
-    const SAME: f64 = 1e-10;
-    let near = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs();
-    let (a, b) = (&one.point, &other.point);
-    near(a.load.axial, b.load.axial)
-        && near(a.contact_angle, b.contact_angle)
-        && a.ball == b.ball
-        && a.drive == b.drive
-        && one.conformity == other.conformity
+impl BallNut {
+    /// True if two balls differ by no more than the rounding of their loads.
+    fn alike(&self, found: &Equilibrium, one: usize, other: usize) -> bool {
+        /// Part of load and contact angle: the balance of the nut leaves 1e-12 of the loads.
+        const SAME: f64 = 1e-10;
+        let near = |[a, b]: [f64; 2]| (a - b).abs() <= SAME * a.abs();
+        let [a, b] = [one, other].map(|number| &found.balls[number]);
+        (self.excess(one) - self.excess(other)).abs() <= 0.0
+            && (0..4).all(|c| {
+                near([a.loads[c], b.loads[c]])
+                    && (a.loads[c] <= 0.0 || near([a.angles[c], b.angles[c]]))
+            })
+    }
 }
 
 impl Equilibrium {

@@ -1,7 +1,7 @@
 //! Draws the operating points of `bsm tradeoff`, `validation/golden/tradeoff/scenes.csv`, and prints
 //! them as CSV:
 //!
-//!     cargo run --release -p bsm-validate --example scene_set > validation/golden/tradeoff/scenes.csv
+//!     cargo run --release -p bsm-validate --features tools --example scene_set > validation/golden/tradeoff/scenes.csv
 //!
 //! A hundred each that grip, skid partly and skid, of screws as in catalogues: pitch circle 8 to
 //! 100 mm, 20 to 119 balls of 0.07 to 0.2 of that, turns that do not overlap, lead angle 2 to 30 deg,

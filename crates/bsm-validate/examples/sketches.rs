@@ -1,7 +1,7 @@
 //! Sketches of the theory chapters, drawn from the code that they explain: the helix with its
 //! Frenet-Serret triad, the contacts of a ball, and the slip over a contact ellipse.
 //!
-//! `cargo run -p bsm-validate --example sketches -- docs/img`
+//! `cargo run -p bsm-validate --features tools --example sketches -- docs/img`
 
 use std::error::Error;
 use std::f64::consts::TAU;

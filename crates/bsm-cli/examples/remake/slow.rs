@@ -432,7 +432,7 @@ pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Te
     let ask = |points: usize, more: &str| {
         let just = format!("just extremes {points} --model {model} --seed {seed}{more}");
         let words = format!(
-            "run --quiet --locked --profile {} -p bsm-validate --example extremes -- \
+            "run --quiet --locked --profile {} -p bsm-validate --features tools --example extremes -- \
              {points} --model {model} --seed {seed}{more}",
             site.profile()
         );

@@ -381,6 +381,7 @@ fn a_file_that_would_be_too_large_is_told() {
     for (limits, output, part) in [
         ("ulimit -f 8", "x.csv", "cannot write x.csv: File too large"),
         ("ulimit -f 8", "x.parquet", "cannot write x.parquet: "),
+        ("ulimit -f 64", "x.xlsx", "cannot write x.xlsx: no room for a temporary file"),
         ("ulimit -f 8; exec > y.csv", "-", "cannot write to standard output: File too large"),
     ] {
         let args = sweep(output);

@@ -298,3 +298,20 @@ fn a_map_shows_a_grid_and_its_models() {
     let (_, told) = run(dir.path(), &one, 2);
     assert!(told.contains("--map draws two varied inputs"), "{told}");
 }
+
+/// A curve of torque or heat had a step of 2 to 13 % without a word, where `auto` changed the model.
+#[test]
+fn a_sweep_says_where_auto_changes_the_model() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    let sweep = |model: &str| {
+        let vary = "--vary=screw_speed_rpm=6000,7000,8000,9000";
+        run(dir.path(), &["sweep", &drive, vary, "--columns=efficiency", "-o-", model], 0)
+    };
+    let (table, note) = sweep("--model=auto");
+    let models: Vec<_> = table.lines().skip(1).filter_map(|row| row.split(',').nth(1)).collect();
+    assert_eq!(models, ["raceway-control", "raceway-control", "traction", "traction"], "{table}");
+    let change = "between screw_speed_rpm 7000 and 8000 (raceway-control, traction)";
+    assert!(note.contains(change), "{note}");
+    assert!(!sweep("--model=traction").1.contains("takes another model"));
+}

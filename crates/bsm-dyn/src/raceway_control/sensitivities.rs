@@ -22,14 +22,17 @@ impl<const M: usize> RacewayControl<Jet<M>> {
         RacewayWorkspace { newton, quadrature, slopes }: &mut RacewayWorkspace,
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
         let (inputs, loaded, to_nut) = self.moving(newton)?;
-        let power = |rule: &Quadrature| {
+        let transmitted = |rule: &Quadrature| {
             let nodes = [Nodes::from(rule); 2];
-            inputs.friction_power(&loaded, &to_nut, RacewayControl::<f64>::CREEP, nodes)
+            let creep = RacewayControl::<f64>::CREEP;
+            let power = inputs.friction_power(&loaded, &to_nut, creep, nodes);
+            let (ideal, torque) = self.at.rolling_torques(power);
+            [efficiency(inputs.direction, ideal, torque), torque]
         };
         // The nodes stand still in a derivative: only a fine rule has none to lose by that.
-        let power = Jet { re: power(quadrature).re, eps: power(slopes).eps };
-        let (ideal, torque) = self.at.rolling_torques(power);
-        let efficiency = efficiency(inputs.direction, ideal, torque);
+        let (values, slopes) = (transmitted(quadrature), transmitted(slopes));
+        let [efficiency, torque] =
+            std::array::from_fn(|i| Jet { re: values[i].re, eps: slopes[i].eps });
         Ok(Transmitted { efficiency, screw_torque: Some(torque) })
     }
 

@@ -5,7 +5,7 @@
 use bsm_kin::Jet;
 
 use super::columns::Watched;
-use super::{Rolling, Root, Start, Traction, TractionWorkspace};
+use super::{NotFound, Rolling, Root, Start, Traction, TractionWorkspace};
 use crate::elastic_ball::refused;
 use crate::raceway_control::Grip;
 use crate::sensitivity::moving_root;
@@ -23,7 +23,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let grip = Grip::of(&pair, None, &mut work.statics);
         let start = Start::new(&pair, grip.ok().as_ref())?;
         let case = Traction { at, accuracy: self.accuracy, creep: self.creep };
-        let root = case.found(&start, None, work)?.root;
+        let root = case.found(&start, None, work).map_err(NotFound::why)?.root;
         self.sensitivities_at(&root, work)
     }
 

@@ -1,8 +1,8 @@
 //! A seeded campaign over the ranges of the extremes: every model is asked at random points, every
 //! answer is checked, and what should not be is written as a scene that reproduces it:
 //!
-//!     cargo run --release -p bsm-validate --example extremes -- 100000
-//!     cargo run --release -p bsm-validate --example extremes -- 20000 --model elastic --seed 3
+//!     cargo run --release -p bsm-validate --features tools --example extremes -- 100000
+//!     cargo run --release -p bsm-validate --features tools --example extremes -- 20000 --model elastic --seed 3
 //!     bsm solve target/extremes/elastic-not_converged-NoSkidAtInertia-17.json --model elastic
 //!
 //! Ranges: lead angle 0.05 to 85 deg, contact angle 1 to 89 deg, friction 0 and 1e-6 to 1, 1e-3 to

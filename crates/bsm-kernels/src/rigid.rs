@@ -10,10 +10,10 @@ use bsm_dyn::{Model, POWER_BALANCE_TOL, SEARCHED_FROM, UNIQUE_BELOW};
 use bsm_simd::Simd;
 
 use self::sweep::{Plane, Scaled, State, dot, times};
-use super::closed_form::{contact_angles, power_balance, transmit_torque};
-use super::units::Units;
-use super::{Kernel, Out};
+use crate::closed_form::{contact_angles, power_balance, transmit_torque};
 use crate::operand::{Given, Lane, Mask};
+use crate::units::Units;
+use crate::{Kernel, Out};
 
 pub(super) struct Rigid;
 

@@ -3,8 +3,8 @@
 use bsm_case::InputKey;
 use bsm_simd::Simd;
 
-use crate::kernel::units::Units;
 use crate::operand::{Given, Lane, Mask};
+use crate::units::Units;
 
 /// A lane of points in units of ball radius, axial load per ball and relative speed.
 pub(super) struct Scaled<S: Simd> {

@@ -12,14 +12,14 @@ use bsm_dyn::{
 };
 use bsm_simd::{Arch, BLOCK, NullaryFnOnce, Simd, WithSimd};
 
-use super::closed_form::{power_balance, transmit_torque};
-use super::elastic::{LEAST_FRICTION, Skid};
-use super::pair::{Pair, contacts};
-use super::raceway::{Grip, Motion, regime};
-use super::rigid::slip_angle;
-use super::units::Units;
-use super::{Out, Rows};
+use crate::closed_form::{power_balance, transmit_torque};
+use crate::elastic::{LEAST_FRICTION, Skid};
 use crate::operand::{Given, Lane, Mask};
+use crate::pair::{Pair, contacts};
+use crate::raceway::{Grip, Motion, regime};
+use crate::rigid::slip_angle;
+use crate::units::Units;
+use crate::{Out, Rows};
 
 /// Most points in a lane.
 const MANY: usize = 4 * BLOCK;

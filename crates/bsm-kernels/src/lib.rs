@@ -4,9 +4,15 @@
 //! which also finds the words for them. Its formulas are those of the model, written again for
 //! lanes; the tests compare the two.
 
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
 mod closed_form;
 mod elastic;
 mod hertz;
+mod operand;
 mod pair;
 mod quasi_static;
 mod raceway;
@@ -23,7 +29,9 @@ use self::elastic::Elastic;
 use self::quasi_static::QuasiStatic;
 use self::raceway::Raceway;
 use self::rigid::Rigid;
-use crate::operand::{Given, Lane, Mask, Operands};
+use crate::operand::{Given, Lane, Mask};
+
+pub use operand::{Operand, Operands, is_plain};
 
 /// A model by lanes.
 trait Kernel {
@@ -36,10 +44,11 @@ trait Kernel {
 
 /// The outputs that are wanted, and their places.
 #[derive(Debug)]
-pub(crate) struct Wanted([Option<usize>; OUTPUTS.len()]);
+pub struct Wanted([Option<usize>; OUTPUTS.len()]);
 
 impl Wanted {
-    pub(crate) fn of(outputs: &[&Output]) -> Self {
+    /// Outputs in the order of their columns.
+    pub fn of(outputs: &[&Output]) -> Self {
         let mut places = [None; OUTPUTS.len()];
         for (place, output) in outputs.iter().enumerate() {
             if let Some(key) = output.key() {
@@ -87,20 +96,23 @@ impl Out<'_, '_> {
 }
 
 /// Some rows of a chunk and the places of their answers.
-pub(crate) struct Rows<'a, 'b> {
-    pub(crate) operands: &'a Operands<'a>,
-    pub(crate) wanted: &'a Wanted,
+#[derive(Debug)]
+pub struct Rows<'a, 'b> {
+    /// The inputs of the chunk.
+    pub operands: &'a Operands<'a>,
+    /// The outputs that are wanted.
+    pub wanted: &'a Wanted,
     /// The first of the rows in the chunk.
-    pub(crate) first: usize,
+    pub first: usize,
     /// Columns of the outputs, of these rows only.
-    pub(crate) columns: &'a mut [&'b mut [f64]],
+    pub columns: &'a mut [&'b mut [f64]],
     /// Which of the rows are answered.
-    pub(crate) done: &'a mut [bool],
+    pub done: &'a mut [bool],
 }
 
 impl Rows<'_, '_> {
     /// Answers the ordinary rows of a model.
-    pub(crate) fn solve(self, arch: Arch, model: Model, settings: &Settings) {
+    pub fn solve(self, arch: Arch, model: Model, settings: &Settings) {
         match model {
             Model::ClosedForm => arch.dispatch(Run { kernel: ClosedForm, rows: self }),
             Model::QuasiStatic => arch.dispatch(Run { kernel: QuasiStatic, rows: self }),

@@ -4,9 +4,9 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{Model, TwoContacts};
 use bsm_simd::Simd;
 
-use super::closed_form::{Transmitted, backwards, contact_angles, transmit};
-use super::{Kernel, Out};
+use crate::closed_form::{Transmitted, backwards, contact_angles, transmit};
 use crate::operand::{Given, Mask};
+use crate::{Kernel, Out};
 
 pub(super) struct QuasiStatic;
 

@@ -5,8 +5,8 @@ use bsm_case::units::GPA;
 use bsm_dyn::{Axes, Curvatures, Groove, Hertz, Material, Member, contact_modulus, pressed_radius};
 use bsm_simd::Simd;
 
-use super::units::Units;
 use crate::operand::{Given, Lane, Mask};
+use crate::units::Units;
 
 /// A contact in units of ball radius and axial load per ball.
 pub(super) struct ElasticContact<S: Simd> {

@@ -6,10 +6,10 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Member;
 use bsm_simd::Simd;
 
-use super::Out;
-use super::hertz::{self, ElasticContact, Screw};
-use super::units::Units;
+use crate::Out;
+use crate::hertz::{self, ElasticContact, Screw};
 use crate::operand::{Given, Lane, Mask};
+use crate::units::Units;
 
 /// A lane of points in units of ball radius, axial load per ball and relative speed.
 pub(super) struct Pair<S: Simd> {

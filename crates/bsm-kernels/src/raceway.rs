@@ -11,11 +11,11 @@ use bsm_simd::Simd;
 pub(super) use self::balance::Grip;
 use self::friction::Ellipse;
 use self::oil::Oiled;
-use super::closed_form::transmit_torque;
-use super::pair::{Pair, contacts};
-use super::units::Units;
-use super::{Kernel, Out};
+use crate::closed_form::transmit_torque;
 use crate::operand::{Given, Lane, Mask};
+use crate::pair::{Pair, contacts};
+use crate::units::Units;
+use crate::{Kernel, Out};
 
 pub(super) struct Raceway {
     /// The controlling race; `None` decides by (W7).

@@ -5,12 +5,12 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{Model, POWER_BALANCE_TOL, SlidingBall, SlidingMotion, SlidingState};
 use bsm_simd::{Simd, Slopes, WithSimd};
 
-use super::closed_form::{power_balance, transmit_torque};
-use super::pair::{Pair, contacts};
-use super::rigid::slip_angle;
-use super::units::Units;
-use super::{Kernel, Out};
+use crate::closed_form::{power_balance, transmit_torque};
 use crate::operand::{Given, Lane, Mask};
+use crate::pair::{Pair, contacts};
+use crate::rigid::slip_angle;
+use crate::units::Units;
+use crate::{Kernel, Out};
 
 pub(super) struct Elastic;
 

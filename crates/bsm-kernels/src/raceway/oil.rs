@@ -12,11 +12,11 @@ use bsm_simd::Simd;
 
 use super::friction::Ellipse;
 use super::{Grip, Motion};
-use crate::kernel::Out;
-use crate::kernel::hertz::modulus;
-use crate::kernel::pair::Pair;
-use crate::kernel::units::Units;
+use crate::Out;
+use crate::hertz::modulus;
 use crate::operand::{Given, Lane, Mask};
+use crate::pair::Pair;
+use crate::units::Units;
 
 /// What a contact loses, over axial load per ball, ball radius and relative speed.
 struct Rub<S: Simd> {

@@ -6,8 +6,8 @@
 use bsm_dyn::Control;
 use bsm_simd::Simd;
 
-use crate::kernel::pair::{Pair, Side};
 use crate::operand::{Lane, Mask};
+use crate::pair::{Pair, Side};
 
 /// Newton steps before a point is left to the model.
 const MOST_STEPS: usize = 6;
@@ -36,24 +36,24 @@ const TIE: f64 = 1e-9;
 
 /// Precession of the rolling ball relative to the nut over `$W$`.
 #[derive(Clone, Copy)]
-pub(in crate::kernel) struct Rolling<S: Simd> {
-    pub(in crate::kernel) p: Lane<S>,
+pub(crate) struct Rolling<S: Simd> {
+    pub(crate) p: Lane<S>,
     /// Its derivatives by both cotangents.
     slopes: [Lane<S>; 2],
     /// `$\sin(\beta_B - \beta_A)$`.
-    pub(in crate::kernel) twist: Lane<S>,
+    pub(crate) twist: Lane<S>,
 }
 
 /// A lane of gripping balls.
-pub(in crate::kernel) struct Grip<S: Simd> {
+pub(crate) struct Grip<S: Simd> {
     /// Where the nut controls.
-    pub(in crate::kernel) by_nut: Mask<S>,
-    pub(in crate::kernel) sides: [Side<S>; 2],
-    pub(in crate::kernel) rolling: Rolling<S>,
-    pub(in crate::kernel) steps: Lane<S>,
-    pub(in crate::kernel) residual: Lane<S>,
+    pub(crate) by_nut: Mask<S>,
+    pub(crate) sides: [Side<S>; 2],
+    pub(crate) rolling: Rolling<S>,
+    pub(crate) steps: Lane<S>,
+    pub(crate) residual: Lane<S>,
     /// Where it is the answer.
-    pub(in crate::kernel) found: Mask<S>,
+    pub(crate) found: Mask<S>,
 }
 
 /// The iterate.
@@ -67,7 +67,7 @@ struct Iterate<S: Simd> {
 impl<S: Simd> Grip<S> {
     /// Solves the balance, with the race that controls or by the decision.
     #[inline(always)]
-    pub(in crate::kernel) fn of(pair: &Pair<S>, control: Option<Control>) -> Self {
+    pub(crate) fn of(pair: &Pair<S>, control: Option<Control>) -> Self {
         let zero = pair.arc.constant(0.0);
         let mut by_nut = match control {
             Some(Control::Screw) => zero.lt(zero),

@@ -7,8 +7,8 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Model;
 use bsm_simd::Simd;
 
-use super::{Kernel, Out};
 use crate::operand::{Given, Lane, Mask};
+use crate::{Kernel, Out};
 
 pub(super) struct ClosedForm;
 

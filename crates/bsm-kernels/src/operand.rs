@@ -1,0 +1,155 @@
+//! The inputs of many points by lanes: columns and constants in one.
+
+use std::borrow::Cow;
+
+use bsm_case::units::{DEG, RPM};
+use bsm_case::{INPUTS, InputKey, Inputs, Relation, Rule, covered};
+use bsm_dyn::{Lubricant, Model, Sines};
+use bsm_simd::Simd;
+
+/// Vectors that are worked on together: measured, the fastest number for the rigid model.
+const TOGETHER: usize = 2;
+
+pub(crate) type Lane<S> = bsm_simd::Lane<S, TOGETHER>;
+pub(crate) type Mask<S> = bsm_simd::Mask<S, TOGETHER>;
+
+/// Where the values of an input come from.
+#[derive(Debug)]
+pub enum Operand<'a> {
+    /// The points do not have it.
+    Absent,
+    /// All points have the same value, which keeps its rule and is plain ([`is_plain`]).
+    Constant(f64),
+    /// Each point has its own, which is held against the rule.
+    Column(Rule, Cow<'a, [f64]>),
+}
+
+/// The inputs of some points that one model takes.
+#[derive(Debug)]
+pub struct Operands<'a> {
+    inputs: [Operand<'a>; INPUTS.len()],
+    /// Places of those that are columns.
+    columns: Vec<usize>,
+    /// What friction comes from, but for its temperature; `None` with a coefficient.
+    pub(crate) lubricant: Option<Lubricant>,
+}
+
+impl<'a> Operands<'a> {
+    /// Inputs in the order of the vocabulary.
+    ///
+    /// * `lubricant`: what friction comes from, but for its temperature; `None` with a coefficient.
+    pub fn new(inputs: [Operand<'a>; INPUTS.len()], lubricant: Option<Lubricant>) -> Self {
+        let is_column = |place: &usize| matches!(inputs[*place], Operand::Column(..));
+        let columns = (0..inputs.len()).filter(is_column).collect();
+        Self { inputs, columns, lubricant }
+    }
+}
+
+/// The least and the largest size of a plain value.
+const PLAIN: [f64; 2] = [1e-60, 1e60];
+
+/// True for zero and for sizes whose products of a few stay numbers; a point with another is left to the model.
+pub fn is_plain(value: f64) -> bool {
+    let size = value.abs();
+    size <= 0.0 || (PLAIN[0]..=PLAIN[1]).contains(&size)
+}
+
+/// The inputs of as many points as a lane holds.
+#[derive(Clone, Copy)]
+pub(crate) struct Given<'a, S> {
+    pub(crate) simd: S,
+    pub(crate) operands: &'a Operands<'a>,
+    /// The first of the points.
+    pub(crate) row: usize,
+}
+
+impl<S: Simd> Given<'_, S> {
+    #[inline(always)]
+    fn load(&self, values: &[f64]) -> Lane<S> {
+        Lane::load(self.simd, &values[self.row..])
+    }
+
+    /// The values of an input, if there is a column or a constant for it.
+    #[inline(always)]
+    pub(crate) fn try_get(&self, key: InputKey) -> Option<Lane<S>> {
+        match &self.operands.inputs[key as usize] {
+            Operand::Absent => None,
+            Operand::Constant(value) => Some(Lane::splat(self.simd, *value)),
+            Operand::Column(_, values) => Some(self.load(values)),
+        }
+    }
+
+    /// The values of an input that the model requires, or of one with a default.
+    #[inline(always)]
+    pub(crate) fn get(&self, key: InputKey) -> Lane<S> {
+        self.try_get(key).unwrap_or(Lane::splat(self.simd, f64::NAN))
+    }
+
+    /// Sine and cosine of an angle between 0 and 90 degrees.
+    #[inline(always)]
+    pub(crate) fn sin_cos(&self, key: InputKey) -> (Lane<S>, Lane<S>) {
+        (self.get(key) * DEG).sin_cos_first_quadrant()
+    }
+
+    /// Sine and cosine of the lead angle, from the angle or from the lead.
+    #[inline(always)]
+    pub(crate) fn lead(&self) -> (Lane<S>, Lane<S>) {
+        if self.try_get(InputKey::lead_angle_deg).is_some() {
+            return self.sin_cos(InputKey::lead_angle_deg);
+        }
+        let lead = self.get(InputKey::lead_mm);
+        let tan = lead / (self.get(InputKey::pitch_circle_diameter_mm) * std::f64::consts::PI);
+        let cos = (tan * tan + 1.0).sqrt().recip();
+        (tan * cos, cos)
+    }
+
+    /// Sines and cosines of lead angle and contact angle.
+    #[inline(always)]
+    pub(crate) fn sines(&self) -> Sines<Lane<S>> {
+        let (sin_a, cos_a) = self.lead();
+        let (sin_b, cos_b) = self.sin_cos(InputKey::contact_angle_deg);
+        Sines { sin_a, cos_a, sin_b, cos_b }
+    }
+
+    /// Speeds of screw and nut \[rad/s\], if they are given.
+    #[inline(always)]
+    pub(crate) fn speeds(&self) -> Option<(Lane<S>, Lane<S>)> {
+        let nut = self.get(InputKey::nut_speed_rpm);
+        Some((self.try_get(InputKey::screw_speed_rpm)? * RPM, nut * RPM))
+    }
+
+    /// Where the values of all columns keep their rules, alone and against each other, and the model
+    /// covers them.
+    #[inline(always)]
+    pub(crate) fn lawful(&self, model: Model) -> Mask<S> {
+        let zero = Lane::splat(self.simd, 0.0);
+        let [least, most] = PLAIN.map(|x| zero.constant(x));
+        let mut lawful = zero.le(zero);
+        // Constants were checked.
+        for place in &self.operands.columns {
+            let Operand::Column(rule, values) = &self.operands.inputs[*place] else { continue };
+            let x = self.load(values);
+            let size = x.abs();
+            let plain = size.le(zero) | (least.le(size) & size.le(most));
+            lawful = lawful & plain & rule.holds(x);
+        }
+        for relation in Relation::ALL {
+            if let Some(holds) = relation.holds(self) {
+                lawful = lawful & holds;
+            }
+        }
+        match covered(model, self) {
+            Some(covered) => lawful & covered,
+            None => lawful,
+        }
+    }
+}
+
+impl<S: Simd> Inputs for Given<'_, S> {
+    type Number = Lane<S>;
+
+    #[inline(always)]
+    fn value(&self, key: InputKey) -> Option<Lane<S>> {
+        self.try_get(key)
+    }
+}
