@@ -6,13 +6,14 @@ use std::thread;
 use std::time::Duration;
 
 use bsm_fuzz::{Target, mutate};
+use bsm_sample::campaign;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Silence of this length is an endless loop: no input may take as long, see `Target::check`.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Replays the corpus of a target and as many mutations, and names the input that breaks it.
+/// Replays the corpus of a target and a campaign of mutations, and names the input that breaks it.
 fn smoke(name: &'static str, mutations: usize) {
     let target = Target::named(name).expect("a target");
     let (done, heard) = channel();
@@ -27,7 +28,7 @@ fn smoke(name: &'static str, mutations: usize) {
         for (file, input) in &corpus {
             feed(file, input);
         }
-        for seed in 0..mutations as u64 {
+        for seed in 0..campaign(mutations) as u64 {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let (file, input) = &corpus[rng.random_range(0..corpus.len())];
             feed(&format!("{file}, seed {seed}"), &mutate(input, &mut rng));

@@ -339,7 +339,8 @@ impl Traction {
         for accuracy in FINER {
             let from = match &found {
                 Ok(found) if bound(found) <= tolerance => break,
-                Ok(Found { root, .. }) | Err(NotFound { near: Some(root), .. }) => *root,
+                Ok(found) => found.root,
+                Err(NotFound { near: Some(root), .. }) => **root,
                 Err(_) => break,
             };
             let finer = Self { accuracy, ..case };
@@ -393,8 +394,8 @@ impl Traction {
                     near = smooth.search(grip, true, (newton, path), &mut steps);
                 }
                 let near = near?;
-                let lost = NotFound { near: Some(near), why: Unsolved::LOST };
-                ball.refined(&near, newton, &mut steps).ok_or(lost)?
+                let lost = || NotFound { near: Some(Box::new(near)), why: Unsolved::LOST };
+                ball.refined(&near, newton, &mut steps).ok_or_else(lost)?
             }
         };
         let Refined { root, transmitted, torque_slope, loaded } = refined;
@@ -443,7 +444,7 @@ pub(crate) struct Found {
 struct NotFound {
     why: Unsolved,
     /// The root of the search that this accuracy has lost.
-    near: Option<Root>,
+    near: Option<Box<Root>>,
 }
 
 impl NotFound {

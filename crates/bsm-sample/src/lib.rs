@@ -1,4 +1,4 @@
-//! Random numbers of the tests, examples and benchmarks; no other crate depends on this one.
+//! Random numbers of the tests, examples and benchmarks, and how many; no other crate depends on this one.
 
 use rand::{Rng, RngExt};
 
@@ -12,6 +12,15 @@ pub trait Sample: Rng {
 }
 
 impl<R: Rng + ?Sized> Sample for R {}
+
+/// Points that a campaign draws: a tenth of `whole`, all with `CAMPAIGNS=whole` in the environment (`just campaigns`).
+pub fn campaign(whole: usize) -> usize {
+    if std::env::var("CAMPAIGNS").is_ok_and(|value| value == "whole") {
+        whole
+    } else {
+        whole.div_ceil(10)
+    }
+}
 
 #[cfg(test)]
 mod tests {

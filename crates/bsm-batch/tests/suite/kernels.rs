@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Room, Task};
 use bsm_case::{Output, Record, Scene, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, RacewayFriction, Status};
-use bsm_sample::Sample;
+use bsm_sample::{Sample, campaign};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -126,7 +126,7 @@ fn quasi_static() {
 
 #[test]
 fn rigid() {
-    compare(&Model::Rigid.into(), 20_000);
+    compare(&Model::Rigid.into(), campaign(20_000));
 }
 
 /// By the decision and with either race forced; the kernel answers five of six points, the others
@@ -169,7 +169,7 @@ fn elastic() {
 
 #[test]
 fn traction() {
-    compare(&Model::Traction.into(), 400);
+    compare(&Model::Traction.into(), campaign(1000));
 }
 
 /// At an accuracy whose panels do not fill the blocks of lines.
@@ -208,7 +208,7 @@ fn bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
 fn results_depend_on_the_point_only() {
     for model in Model::ALL {
         // More than two threads' worth.
-        let (chunk, columns) = enough(model, 5000);
+        let (chunk, columns) = enough(model, campaign(10_000));
         let task = Task::new(Scene::default(), model.into(), all());
         let expected = bits(&task.solve(&chunk, &columns));
         for arch in bsm_simd::instruction_sets() {
@@ -280,7 +280,7 @@ fn sweeps_finish_nearly_all_points() {
 fn outputs_without_a_place_come_back() {
     for model in Model::ALL {
         // More than a stride.
-        let (chunk, columns) = enough(model, 6000);
+        let (chunk, columns) = enough(model, campaign(20_000));
         let task = Task::new(Scene::default(), model.into(), all());
         let expected = task.solve(&chunk, &columns);
         let mut verdicts = expected.verdicts.clone();
@@ -306,7 +306,7 @@ fn outputs_without_a_place_come_back() {
 fn columns_do_not_depend_on_the_selection() {
     let (base, everything) = (Scene::default(), all());
     for model in Model::ALL {
-        let (chunk, columns) = enough(model, 500);
+        let (chunk, columns) = enough(model, campaign(500));
         let task = |outputs| Task::new(base.clone(), model.into(), outputs);
         let expected = task(everything.clone()).solve(&chunk, &columns);
         for (output, column) in everything.iter().zip(&expected.columns) {

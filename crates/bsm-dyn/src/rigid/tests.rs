@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use approx::assert_relative_eq;
 use bsm_kin::{BallFrame, Drive, Helix, Motion};
 use bsm_newton::{Options, Scales, solve};
-use bsm_sample::Sample;
+use bsm_sample::{Sample, campaign};
 use nalgebra::{Matrix4, Vector3, Vector4};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -120,7 +120,7 @@ fn many_starts_find_no_root_where_one_is_denied() {
     let (mut work, mut newton) = (RigidWorkspace::default(), Workspace::default());
     let (mut denied, mut found, mut seen) = (0, 0, 0);
     let mut refuted = Vec::new();
-    while denied < DENIED {
+    while denied < campaign(DENIED) {
         let rigid = screw(&mut rng);
         let Ok(case) = Rigid { point: rigid }.scaled() else { continue };
         let answer = root::find(&case, &mut work);
@@ -207,7 +207,7 @@ fn many_starts_find_few_roots_that_are_not_known() {
 /// and over the extremes.
 #[test]
 fn a_second_root_needs_inertia() {
-    count_second_roots([4000, 2000]);
+    count_second_roots([4000, 2000].map(campaign));
 }
 
 /// As many as the limits were measured with.
@@ -255,7 +255,7 @@ fn count_second_roots(counts: [usize; 2]) {
              the least at C = {least:.1}"
         );
         // The least of 100 000 points is 3.4.
-        assert!(several > 2 && least > 3.0 * UNIQUE_BELOW, "{several} {least}");
+        assert!(several >= count.div_ceil(1000) && least > 3.0 * UNIQUE_BELOW, "{several} {least}");
     }
 }
 

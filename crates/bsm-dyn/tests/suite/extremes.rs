@@ -10,7 +10,7 @@ use bsm_dyn::{
     Traction,
 };
 use bsm_kin::{Drive, Helix, Site};
-use bsm_sample::Sample;
+use bsm_sample::{Sample, campaign};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -112,9 +112,10 @@ fn elastic_says_nothing_false() {
 #[test]
 fn traction_says_nothing_false() {
     let traction = |screw| Problem::Traction(Traction { at: screw, accuracy: 1e-4, creep: 1e-4 });
-    let unanswered = unanswered(300, traction);
+    let count = campaign(300);
+    let unanswered = unanswered(count, traction);
     // Known: inertia forces far above load and friction, where a path is lost or rounding eats a root.
-    assert!(unanswered <= 3, "{unanswered}");
+    assert!(unanswered <= 1 + count / 150, "{unanswered}");
 }
 
 /// Found in an audit: elastic gave no answer in 30 s for a contact angle of 1e-307 deg, whose cotangent
@@ -185,7 +186,7 @@ fn a_contact_angle_of_1e_307_deg_is_answered_in_time() {
 /// The choice states a finite bound, where saturated friction would lock the screw too.
 #[test]
 fn the_choice_says_nothing_false() {
-    unanswered(300, |screw| Problem::Auto(Auto { at: screw, tolerance: 1e-2 }));
+    unanswered(campaign(300), |screw| Problem::Auto(Auto { at: screw, tolerance: 1e-2 }));
 }
 
 /// Nothing depends on the units of length, force and time: the same ratios give the same efficiency.

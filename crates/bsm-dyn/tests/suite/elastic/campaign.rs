@@ -123,7 +123,7 @@ struct Tried {
 fn bounds(screws: impl Iterator<Item = ElasticPoint>, tolerance: f64) -> Tried {
     let (mut work, mut fine) = (ModelWorkspace::default(), TractionWorkspace::default());
     let mut tried = Tried::default();
-    for screw in screws.take(2000) {
+    for screw in screws.take(bsm_sample::campaign(2000)) {
         let exact = Traction { at: screw, accuracy: 1e-10, creep: 1e-5 }.solve(&mut fine);
         let Some(exact) = exact.efficiency() else { continue };
         let chosen = Auto { at: screw, tolerance }.solve(&mut work);
