@@ -19,6 +19,18 @@ doc:
 test *FLAGS:
     cargo test --workspace --locked {{FLAGS}}
 
+# The campaigns of the tests with all their points, of which the ordinary tests draw a tenth; before a release.
+campaigns *FLAGS:
+    CAMPAIGNS=whole cargo test --workspace --locked {{FLAGS}}
+
+# The twenty slowest tests with their seconds; needs cargo-nextest.
+slowest:
+    cargo nextest run --workspace --locked 2>&1 | sed -n 's/^ *PASS \[ *//p' | sort -rn | head -20
+
+# The program, the Python wheel, completions, licences and checksums in target/dist; `just dist --try` installs them in a bare Debian.
+dist *FLAGS:
+    .ci/dist {{FLAGS}}
+
 # The Python package, in an environment of its own.
 python:
     python/check

@@ -11,7 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Silence of this length is an endless loop: no input may take as long, see `Target::check`.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Replays the corpus of a target and a campaign of mutations, and names the input that breaks it.
 fn smoke(name: &'static str, mutations: usize) {

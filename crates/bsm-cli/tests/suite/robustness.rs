@@ -347,6 +347,11 @@ fn threads_that_cannot_be_started_are_no_panic() {
     }
 }
 
+/// Size of the program in the address space at most \[kB\]: a build for tests is larger.
+fn mapped() -> u64 {
+    fs::metadata(env!("CARGO_BIN_EXE_bsm")).expect("the program").len() / 1000
+}
+
 /// Whatever memory there is, it is enough, or the exit code is 1; below some, nothing starts at all,
 /// which shell and loader tell by 126 and 127.
 #[test]
@@ -356,7 +361,8 @@ fn short_memory_is_no_panic() {
     let sweep =
         ["sweep", &drive, "--vary=axial_load_N=100:9000:60000", "--model=rigid", "-o", "x.csv"];
     let mut codes = Vec::new();
-    for kilobytes in [1, 20, 30, 40, 60, 90, 140].map(|n| 1000 * n) {
+    let mapped = mapped();
+    for kilobytes in [1, 20, 30, 40, 60, 90, mapped / 1000 + 90].map(|n| 1000 * n) {
         let Some(output) = limited(&format!("ulimit -v {kilobytes}"), &sweep, dir.path()) else {
             return;
         };
@@ -521,8 +527,9 @@ fn a_large_catalogue_takes_little_memory() {
         list(0.51, 0.01, 6),
     );
     fs::write(dir.path().join("lists.json"), lists).expect("lists");
-    // 180 000 nuts took 100 MB and more for each copy and its table; the program alone takes some 20.
-    let limits = "export RAYON_NUM_THREADS=1; ulimit -v 90000";
+    // 180 000 nuts took 100 MB and more for each copy and its table; the program alone takes some 20 besides its own size.
+    let limits = format!("export RAYON_NUM_THREADS=1; ulimit -v {}", mapped() + 40_000);
+    let limits = limits.as_str();
     let args = ["catalog", "lists.json", "--sort=mass_kg", "-o", "nuts.csv"];
     let Some(output) = limited(limits, &args, dir.path()) else { return };
     assert_told(&output, 0, "180000 nuts within the limits");
