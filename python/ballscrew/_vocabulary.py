@@ -228,6 +228,7 @@ Output = Literal[
     "tangent_contact_rigidity_N_um",
     "preloaded_contact_rigidity_N_um",
     "body_rigidity_N_um",
+    "preloaded_body_rigidity_N_um",
     "secant_rigidity_N_um",
     "tangent_rigidity_N_um",
     "preloaded_rigidity_N_um",

@@ -517,7 +517,7 @@ def test_curves_of_a_grid_are_a_line_for_each_value(screw: bs.Scene) -> None:
     loads, speeds = [2000.0, 4000.0, 8000.0], [500.0, 1500.0]
     grid = bs.sweep(screw, vary={"axial_load_N": loads, "screw_speed_rpm": speeds}, outputs=["efficiency"])
     lines = bs.plot.curves(grid, "axial_load_N", "efficiency").get_lines()
-    assert [list(line.get_xdata()) for line in lines] == [loads, loads]
+    assert [np.asarray(line.get_xdata()).tolist() for line in lines] == [loads, loads]
 
 
 # Threads, processes, interrupts

@@ -1,13 +1,14 @@
 //! Tables as text: CSV and JSON Lines.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::io::{self, Read, Write};
 use std::ops::Range;
 use std::sync::Arc;
 
 use arrow_array::ArrayRef;
 use arrow_array::builder::StringBuilder;
-use bsm_case::{Output, brief, decimal_number, entries, write_exact};
+use bsm_case::{InputKey, Output, brief, decimal_number, entries, write_exact};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
@@ -191,6 +192,8 @@ type Object = Vec<(String, Value)>;
 pub struct JsonSource<R> {
     lines: Lines<R>,
     first: Option<Object>,
+    /// Keys of the first line.
+    names: HashSet<String>,
     columns: Columns,
     row: u64,
 }
@@ -214,7 +217,8 @@ impl<R: Read> JsonSource<R> {
         let mut lines = Lines::new(reader);
         let (first, _) = object(&mut lines)?.ok_or(TableError::NoHeader)?;
         let columns = Columns::sort_as(first.iter().map(|(key, _)| key.as_str()), keep, dialect)?;
-        Ok(Self { lines, first: Some(first), columns, row: 0 })
+        let names = first.iter().map(|(key, _)| key.clone()).collect();
+        Ok(Self { lines, first: Some(first), names, columns, row: 0 })
     }
 }
 
@@ -258,8 +262,13 @@ impl<R: Read + Send> Source for JsonSource<R> {
                     Some(other) => cells.append_value(other.to_string()),
                 }
             }
-            let unread = |name: &&String| !(is_answer(name) || self.columns.unread.contains(*name));
-            if let Some(name) = object.keys().find(unread) {
+            // A number of an earlier answer may have the name of an input: it is one only if the first line had it.
+            let passed_over = |name: &str| {
+                let answered = self.names.contains(name) || InputKey::in_unit(name).is_err();
+                self.columns.unread.iter().any(|unread| unread == name)
+                    || is_answer(name) && answered
+            };
+            if let Some(name) = object.keys().find(|name| !passed_over(name)) {
                 let reason = format!("`{}` is not in the first line", brief(name));
                 return Err(TableError::Json { line: self.lines.number(), reason });
             }

@@ -54,7 +54,8 @@ quantities! { Capacity;
             "rigidity of the contacts of one nut without preload, for a small change of the load";
         preloaded_contact_rigidity_N_um ["N/um"] Whole,
             "rigidity of the contacts of a preloaded pair";
-        body_rigidity_N_um ["N/um"] Whole, "rigidity of the body of a nut, or of both of a pair";
+        body_rigidity_N_um ["N/um"] Whole, "rigidity of the body of a nut";
+        preloaded_body_rigidity_N_um ["N/um"] Whole, "rigidity of the bodies of a preloaded pair";
         secant_rigidity_N_um ["N/um"] Whole needs [axial_load_N],
             "secant rigidity of one nut without preload, contacts and body";
         tangent_rigidity_N_um ["N/um"] Whole needs [axial_load_N],
@@ -242,7 +243,7 @@ impl Rated {
         let mut numbers = vec![
             (preload_displacement_um, elasticity.displacement(preload) / UM),
             (preloaded_contact_rigidity_N_um, contacts * UM),
-            (body_rigidity_N_um, 2.0 * elasticity.body * UM),
+            (preloaded_body_rigidity_N_um, 2.0 * elasticity.body * UM),
             (preloaded_rigidity_N_um, elasticity.preloaded_pair(preload) * UM),
         ];
         // w = F_m / j_w                                                   (D20)
@@ -291,6 +292,14 @@ impl Rated {
         let loads = spectrum.into_iter().flat_map(|s| s.0.iter().map(|duty| duty.load.abs()));
         let load = scene.axial_load_N.into_iter().chain(loads).reduce(f64::max);
         let mut warnings = scene.warnings();
+        warnings.extend(scene.load_of_the_mass());
+        if self.preloaded && scene.has_rises() {
+            warnings.push(
+                "rises of temperature change the preload, which these ratings do not follow: the nut with all its \
+                 balls does (bsm nut)"
+                    .to_owned(),
+            );
+        }
         warnings.extend(doubts(nut, thread, body, &Catalogue::standard()?.limits));
         if self.preloaded {
             warnings.extend(doubts_of_pair(elasticity, *force, load, dynamic.rating));

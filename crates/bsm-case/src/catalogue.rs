@@ -250,7 +250,7 @@ columns! {
     "rigidity_characteristic_N_um15" ["N/um^1.5"] false |c| c.elasticity.turn * 1e-9;
     "preload_N" ["N"] false |c| c.preload;
     "preloaded_contact_rigidity_N_um" ["N/um"] false |c| c.elasticity.preloaded(c.preload) * UM;
-    "body_rigidity_N_um" ["N/um"] false |c| 2.0 * c.elasticity.body * UM;
+    "preloaded_body_rigidity_N_um" ["N/um"] false |c| 2.0 * c.elasticity.body * UM;
     "preloaded_rigidity_N_um" ["N/um"] true |c| c.rigidity * UM;
     "nut_outer_diameter_mm" ["mm"] false |c| c.body.outer / MM;
     "nut_length_mm" ["mm"] false |c| c.body.length / MM;

@@ -223,6 +223,27 @@ impl InputSet {
     }
 }
 
+impl Scene {
+    /// What to know where the axial load is that of the scene alone, and the scene moves a mass.
+    pub(crate) fn load_of_the_mass(&self) -> Option<String> {
+        let mass = self.moved_mass_kg.filter(|mass| *mass != 0.0)?;
+        self.axial_load_N.map(|_| {
+            format!(
+                "axial_load_N is taken as it is, without weight and guides of the {mass} kg that are moved: the axis \
+                 has them (bsm size)"
+            )
+        })
+    }
+
+    /// True if a part of the nut or the screw is warmer than when the preload was set.
+    pub(crate) fn has_rises(&self) -> bool {
+        [self.nut_temperature_rise_K, self.screw_temperature_rise_K, self.ball_temperature_rise_K]
+            .into_iter()
+            .flatten()
+            .any(|rise| rise != 0.0)
+    }
+}
+
 /// The entries of a JSON object, in order, none twice.
 ///
 /// # Errors

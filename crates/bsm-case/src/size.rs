@@ -639,6 +639,10 @@ fn at_largest(scene: &Scene, axis: &Axis) -> Scene {
     (scene.axial_load_N, scene.feed_m_min) = (Some(load).filter(|load| *load > 0.0), None);
     let rpm = axis.fastest() / RPM;
     (scene.screw_speed_rpm, scene.nut_speed_rpm) = (Some(rpm).filter(|rpm| *rpm > 0.0), None);
+    // The load has the mass, and the warm preload is judged by itself.
+    scene.moved_mass_kg = None;
+    (scene.nut_temperature_rise_K, scene.screw_temperature_rise_K) = (None, None);
+    scene.ball_temperature_rise_K = None;
     scene
 }
 

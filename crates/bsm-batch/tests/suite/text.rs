@@ -282,6 +282,9 @@ fn json_that_is_not_clear_is_refused_with_its_line() {
         let told = why(json(format!("{first}{line}\n").as_bytes(), &[]));
         assert!(told.starts_with("line 2: ") && told.contains(part), "{line}: {told}");
     }
+    // An input that some output is named as was passed over, and the row answered without it.
+    let oil = json(b"{\"lead_mm\": 5}\n{\"lead_mm\": 5, \"lubricant_temperature_C\": 60}\n", &[]);
+    assert!(why(oil).contains("`lubricant_temperature_C` is not in the first line"));
     // A row that says that it is invalid.
     let text = json(b"{\"lead_mm\": \"5\"}\n", &[]).expect("a table");
     assert_eq!(text, [(vec![], vec![Cell::Text("\"5\"".to_owned())])]);

@@ -365,7 +365,7 @@ fn notes(
     preload: Option<(Preload, Amount)>,
     usual: bool,
 ) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes: Vec<_> = scene.load_of_the_mass().into_iter().collect();
     let by = preload.map(|(by, _)| by);
     if usual {
         notes.push(format!(

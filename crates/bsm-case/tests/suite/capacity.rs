@@ -82,6 +82,20 @@ fn what_cannot_be_rated_is_told() {
     assert!(heavy.warnings()[0].contains("more than the dynamic rating"), "{heavy:?}");
 }
 
+/// Ratings said nothing of a preload that heat changes, and of a weight that is not in the load.
+#[test]
+fn what_ratings_do_not_follow_is_told() {
+    let told = |changes: &[(&str, f64)]| {
+        CapacityReport::of(&nut(changes), None).expect("complete").warnings().join("\n")
+    };
+    let (warm, heavy) = ("rises of temperature change the preload", "without weight and guides");
+    let preloaded = [("preload_N", 2000.0), ("screw_temperature_rise_K", 5.0)];
+    assert!(told(&preloaded).contains(warm) && !told(&preloaded).contains(heavy));
+    assert!(!told(&[("preload_N", 2000.0), ("screw_temperature_rise_K", 0.0)]).contains(warm));
+    let moved = told(&[("axial_load_N", 2000.0), ("moved_mass_kg", 100.0)]);
+    assert!(moved.contains(heavy) && !moved.contains(warm), "{moved}");
+}
+
 /// Found by the audit: with a preload the displacement was that under the preload, 13.71 um, whatever the
 /// load. Expected are eq. 7 and eq. 9 of Sobolewski (2002) by hand, to the digits given.
 #[test]
