@@ -116,6 +116,7 @@ impl Columns {
                 columns.kept_types.push(DataType::Utf8);
             } else if answered && is_answer(name) {
                 // Some answers have the name of an input; the inputs of an earlier answer stand before it.
+                columns.unread.push(own.to_owned());
             } else if let Ok((key, factor)) = InputKey::in_unit(name) {
                 if let Some(former) = columns.inputs.iter().position(|input| *input == key) {
                     return repeated(&columns.units[former].0);

@@ -1,7 +1,6 @@
 //! Tables as text: CSV and JSON Lines.
 
 use std::borrow::Cow;
-use std::collections::HashSet;
 use std::io::{self, Read, Write};
 use std::ops::Range;
 use std::sync::Arc;
@@ -192,8 +191,6 @@ type Object = Vec<(String, Value)>;
 pub struct JsonSource<R> {
     lines: Lines<R>,
     first: Option<Object>,
-    /// Keys of the first line.
-    names: HashSet<String>,
     columns: Columns,
     row: u64,
 }
@@ -217,8 +214,7 @@ impl<R: Read> JsonSource<R> {
         let mut lines = Lines::new(reader);
         let (first, _) = object(&mut lines)?.ok_or(TableError::NoHeader)?;
         let columns = Columns::sort_as(first.iter().map(|(key, _)| key.as_str()), keep, dialect)?;
-        let names = first.iter().map(|(key, _)| key.clone()).collect();
-        Ok(Self { lines, first: Some(first), names, columns, row: 0 })
+        Ok(Self { lines, first: Some(first), columns, row: 0 })
     }
 }
 
@@ -263,10 +259,9 @@ impl<R: Read + Send> Source for JsonSource<R> {
                 }
             }
             // A number of an earlier answer may have the name of an input: it is one only if the first line had it.
-            let passed_over = |name: &str| {
-                let answered = self.names.contains(name) || InputKey::in_unit(name).is_err();
-                self.columns.unread.iter().any(|unread| unread == name)
-                    || is_answer(name) && answered
+            let passed_over = |name: &String| {
+                self.columns.unread.contains(name)
+                    || is_answer(name) && InputKey::in_unit(name).is_err()
             };
             if let Some(name) = object.keys().find(|name| !passed_over(name)) {
                 let reason = format!("`{}` is not in the first line", brief(name));

@@ -223,6 +223,13 @@ impl InputSet {
     }
 }
 
+/// Rises of temperature of nut, screw and balls.
+pub(crate) const RISES: [InputKey; 3] = [
+    InputKey::nut_temperature_rise_K,
+    InputKey::screw_temperature_rise_K,
+    InputKey::ball_temperature_rise_K,
+];
+
 impl Scene {
     /// What to know where the axial load is that of the scene alone, and the scene moves a mass.
     pub(crate) fn load_of_the_mass(&self) -> Option<String> {
@@ -237,10 +244,7 @@ impl Scene {
 
     /// True if a part of the nut or the screw is warmer than when the preload was set.
     pub(crate) fn has_rises(&self) -> bool {
-        [self.nut_temperature_rise_K, self.screw_temperature_rise_K, self.ball_temperature_rise_K]
-            .into_iter()
-            .flatten()
-            .any(|rise| rise != 0.0)
+        RISES.into_iter().any(|key| self[key].is_some_and(|rise| rise != 0.0))
     }
 }
 

@@ -21,6 +21,7 @@ pub use self::cycle::{PhaseWords, decimal_number};
 pub use self::rules::SizeRule;
 use crate::nut::preload_note;
 use crate::quantity::{Whole, quantities};
+use crate::scene::RISES;
 use crate::units::{DEG, MM, RPM, UM};
 use crate::{
     AnalysisKind, CapacityReport, CaseError, InputKey, Numbers, NutReport, Output, Scene, Settings,
@@ -641,8 +642,9 @@ fn at_largest(scene: &Scene, axis: &Axis) -> Scene {
     (scene.screw_speed_rpm, scene.nut_speed_rpm) = (Some(rpm).filter(|rpm| *rpm > 0.0), None);
     // The load has the mass, and the warm preload is judged by itself.
     scene.moved_mass_kg = None;
-    (scene.nut_temperature_rise_K, scene.screw_temperature_rise_K) = (None, None);
-    scene.ball_temperature_rise_K = None;
+    for key in RISES {
+        scene[key] = None;
+    }
     scene
 }
 

@@ -13,6 +13,7 @@ use super::loading::{Amount, arrangement, preload, support};
 use super::samples::draw;
 use crate::problem::{Needs, has_lubricant};
 use crate::reader::has_grooves;
+use crate::scene::RISES;
 use crate::units::{DEG, MM, UM};
 use crate::{CaseError, InputKey, InputSet, ModelChoice, Rule, Scene, Settings, capacity};
 
@@ -307,14 +308,9 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
 
 /// Rises of temperature of nut, screw and balls \[K\], if one is given, and the coefficient of expansion \[1/K\].
 fn rises(scene: &Scene) -> Option<([f64; 3], f64)> {
-    let keys = [
-        InputKey::nut_temperature_rise_K,
-        InputKey::screw_temperature_rise_K,
-        InputKey::ball_temperature_rise_K,
-    ];
     let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
-    let given = keys.iter().any(|key| scene[*key].is_some());
-    given.then(|| (keys.map(value), value(InputKey::thermal_expansion_um_m_K) * UM))
+    let given = RISES.iter().any(|key| scene[*key].is_some());
+    given.then(|| (RISES.map(value), value(InputKey::thermal_expansion_um_m_K) * UM))
 }
 
 /// A nut without load and preload as ratings take it: a pair under the usual part of its rating. `None` if the scene
