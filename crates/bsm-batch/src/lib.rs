@@ -38,6 +38,7 @@
 //! # }
 //! ```
 
+mod arrow_column;
 mod arrow_table;
 mod column_chunk;
 pub mod dataset;

@@ -1,15 +1,12 @@
 //! Tables as Parquet, units in the metadata of the columns.
 
-use std::cell::Cell;
+use std::cell;
 use std::io::Write;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
-use arrow_array::types::Float64Type;
-use arrow_array::{Array, ArrayRef, RecordBatch};
-use arrow_cast::display::FormatOptions;
-use arrow_cast::{CastOptions, cast_with_options};
+use arrow_array::{Array, ArrayRef, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
 use arrow_select::concat::concat;
 use bsm_case::Output;
@@ -30,11 +27,11 @@ use rayon::prelude::*;
 use crate::arrow_table::{flags, messages, schema};
 use crate::column_chunk::{Keys, Numbers, PACKED};
 use crate::pages::Pages;
-use crate::rows::{self, ANSWERS, Answers, Chunk, Column, Columns, TEXT};
-use crate::{Dialect, Sink, Source, TableError};
+use crate::rows::{ANSWERS, Answers, Cell, Chunk, Columns, TEXT};
+use crate::{Dialect, Sink, Source, TableError, arrow_column};
 
 thread_local! {
-    static CAUGHT: Cell<bool> = const { Cell::new(false) };
+    static CAUGHT: cell::Cell<bool> = const { cell::Cell::new(false) };
 }
 
 /// Keeps panics that are [`caught`] from the panic hook of the program: they are told as errors. For
@@ -217,10 +214,17 @@ impl Source for ParquetSource {
             }
             let kinds = &self.columns.kept_types;
             for ((parts, column), kind) in kept.iter_mut().zip(columns).zip(kinds) {
-                parts.push(cast_with_options(&column.slice(0, taken), kind, &STRICT)?);
+                let part = column.slice(0, taken);
+                parts.push(match part.as_string_view_opt() {
+                    Some(texts) if *kind == DataType::Utf8 => {
+                        Arc::new(texts.iter().collect::<StringArray>())
+                    }
+                    _ => part,
+                });
             }
             for (cells, place) in chunk.inputs.iter_mut().zip(&self.columns.input_places) {
-                numbers(&batch.column(*place).slice(0, taken), cells)?;
+                let numbers = arrow_column::numbers(&batch.column(*place).slice(0, taken))?;
+                cells.extend(numbers.into_iter().map(|x| x.map_or(Cell::Missing, Cell::Number)));
             }
             if taken < batch.num_rows() {
                 self.rest = Some(batch.slice(taken, batch.num_rows() - taken));
@@ -244,17 +248,6 @@ impl Source for ParquetSource {
         }
         Ok(())
     }
-}
-
-/// What cannot be converted is an error, not null.
-const STRICT: CastOptions<'_> = CastOptions { safe: false, format_options: FormatOptions::new() };
-
-/// Appends a column of numbers; null is not given.
-fn numbers(column: &ArrayRef, cells: &mut Column) -> Result<(), TableError> {
-    let column = cast_with_options(column, &DataType::Float64, &STRICT)?;
-    let values = column.as_primitive::<Float64Type>();
-    cells.extend(values.iter().map(|x| x.map_or(rows::Cell::Missing, rows::Cell::Number)));
-    Ok(())
 }
 
 /// Rows of a row group, which ends with a chunk: a compromise of memory, which holds one, and the readers' work.

@@ -3,15 +3,13 @@
 use std::borrow::Cow;
 
 use arrow_array::ArrayRef;
-use arrow_array::cast::AsArray;
 use arrow_buffer::ScalarBuffer;
-use arrow_cast::cast;
 use arrow_schema::DataType;
 use bsm_case::{CaseError, InputKey, InputSet, ModelChoice, OUTPUTS, Output, Scene, nearest_input};
 use bsm_dyn::Status;
 use serde_json::Value;
 
-use crate::{Dialect, TableError};
+use crate::{Dialect, TableError, arrow_column};
 
 /// A value of an input.
 #[derive(Debug, Clone, PartialEq)]
@@ -370,22 +368,7 @@ impl Chunk {
     ///
     /// [`TableError`] if a column cannot be written as text.
     pub fn kept_values(&self) -> Result<Vec<Vec<Value>>, TableError> {
-        let column = |column: &ArrayRef| -> Result<Vec<Value>, TableError> {
-            let found = column.data_type();
-            let is_number = found.is_integer() || found.is_floating();
-            let texts = cast(column, &DataType::Utf8)?;
-            let value = |text: &str| match text {
-                _ if is_number => text.parse().map_or(Value::Null, Value::Number),
-                _ if *found == DataType::Boolean => Value::Bool(text == "true"),
-                text => Value::String(text.to_owned()),
-            };
-            Ok(texts
-                .as_string::<i32>()
-                .iter()
-                .map(|text| text.map_or(Value::Null, value))
-                .collect())
-        };
-        self.kept.iter().map(column).collect()
+        Ok(self.kept.iter().map(arrow_column::values).collect::<Result<_, _>>()?)
     }
 
     /// The scene of a row: `base` with the given cells of the row as settings.

@@ -7,7 +7,7 @@ use bsm_simd::{Simd, Slopes, WithSimd};
 
 use crate::closed_form::{power_balance, transmit_torque};
 use crate::operand::{Given, Lane, Mask};
-use crate::pair::{Pair, contacts};
+use crate::pair::{Contacts, InUnits, Pair};
 use crate::rigid::slip_angle;
 use crate::units::Units;
 use crate::{Kernel, Out};
@@ -50,8 +50,7 @@ impl Kernel for Elastic {
 
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
-        let units = Units::of(given);
-        let pair = Pair::of(given, &units);
+        let (units, pair) = given.simd.vectorize(InUnits(given));
         let friction = given.get(InputKey::friction_coefficient);
         let back = units.speed.lt(friction.constant(0.0));
         let skid = Skid::of(given.simd, &pair, back.select(-friction, friction));
@@ -60,7 +59,7 @@ impl Kernel for Elastic {
         }
         let [(q_a, sin_a, cos_a), (q_b, sin_b, cos_b)] = skid.contacts();
         let sides = [pair.loaded(0, q_a, (sin_a, cos_a)), pair.loaded(1, q_b, (sin_b, cos_b))];
-        contacts(out, &units, &pair, &sides);
+        given.simd.vectorize(Contacts { out, units: &units, pair: &pair, sides: &sides });
         skid.turns(&pair).outputs(out, &units, &pair);
         let imbalance = skid.outputs(out, &units, &pair, back);
         out.set(OutputKey::iterations, skid.steps);

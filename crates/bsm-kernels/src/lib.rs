@@ -29,7 +29,7 @@ use self::elastic::Elastic;
 use self::quasi_static::QuasiStatic;
 use self::raceway::Raceway;
 use self::rigid::Rigid;
-use crate::operand::{Given, Lane, Mask};
+use crate::operand::{Given, Lane, Lawful, Mask};
 
 pub use operand::{Operand, Operands, is_plain};
 
@@ -143,7 +143,8 @@ impl<K: Kernel> WithSimd for Run<'_, '_, K> {
             let given = Given { simd, operands, row: first + row };
             let mut out = Out { wanted, columns: &mut *columns, row };
             let solved = self.kernel.solve(&given, &mut out);
-            (solved & given.lawful(K::MODEL)).store(&mut done[row..]);
+            let lawful = simd.vectorize(Lawful { given: &given, model: K::MODEL });
+            (solved & lawful).store(&mut done[row..]);
         }
     }
 }

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use bsm_case::units::{DEG, RPM};
 use bsm_case::{INPUTS, InputKey, Inputs, Relation, Rule, covered};
 use bsm_dyn::{Lubricant, Model, Sines};
-use bsm_simd::Simd;
+use bsm_simd::{NullaryFnOnce, Simd};
 
 /// Vectors that are worked on together: measured, the fastest number for the rigid model.
 const TOGETHER: usize = 2;
@@ -121,7 +121,7 @@ impl<S: Simd> Given<'_, S> {
     /// Where the values of all columns keep their rules, alone and against each other, and the model
     /// covers them.
     #[inline(always)]
-    pub(crate) fn lawful(&self, model: Model) -> Mask<S> {
+    fn lawful(&self, model: Model) -> Mask<S> {
         let zero = Lane::splat(self.simd, 0.0);
         let [least, most] = PLAIN.map(|x| zero.constant(x));
         let mut lawful = zero.le(zero);
@@ -142,6 +142,21 @@ impl<S: Simd> Given<'_, S> {
             Some(covered) => lawful & covered,
             None => lawful,
         }
+    }
+}
+
+/// [`Given::lawful`] as a call of its own, as all kernels share it.
+pub(crate) struct Lawful<'a, 'b, S> {
+    pub(crate) given: &'a Given<'b, S>,
+    pub(crate) model: Model,
+}
+
+impl<S: Simd> NullaryFnOnce for Lawful<'_, '_, S> {
+    type Output = Mask<S>;
+
+    #[inline(always)]
+    fn call(self) -> Mask<S> {
+        self.given.lawful(self.model)
     }
 }
 

@@ -4,7 +4,7 @@
 use bsm_case::units::{DEG, MM, MPA, UM};
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Member;
-use bsm_simd::Simd;
+use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::Out;
 use crate::hertz::{self, ElasticContact, Screw};
@@ -45,9 +45,23 @@ pub(super) struct Side<S: Simd> {
     pub(super) length: Lane<S>,
 }
 
+/// A lane of points in SI units and in those of its ball: a call of its own, as three kernels share it.
+pub(super) struct InUnits<'a, 'b, S>(pub(super) &'a Given<'b, S>);
+
+impl<S: Simd> NullaryFnOnce for InUnits<'_, '_, S> {
+    type Output = (Units<S>, Pair<S>);
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let units = Units::of(self.0);
+        let pair = Pair::of(self.0, &units);
+        (units, pair)
+    }
+}
+
 impl<S: Simd> Pair<S> {
     #[inline(always)]
-    pub(super) fn of(given: &Given<'_, S>, units: &Units<S>) -> Self {
+    fn of(given: &Given<'_, S>, units: &Units<S>) -> Self {
         let (sin_a, cos_a) = given.lead();
         let (sin_b, cos_b) = given.sin_cos(InputKey::contact_angle_deg);
         // Lengths in r_b, forces in F_a, speeds in W                      (P1)
@@ -117,52 +131,59 @@ impl<S: Simd> Pair<S> {
     }
 }
 
-/// Loads, angles, ellipses, approaches and displacement.
-#[inline(always)]
-pub(super) fn contacts<S: Simd>(
-    out: &mut Out<'_, '_>,
-    units: &Units<S>,
-    pair: &Pair<S>,
-    sides: &[Side<S>; 2],
-) {
-    const KEYS: [[OutputKey; 6]; 2] = [
-        [
-            OutputKey::nut_normal_load_N,
-            OutputKey::nut_contact_angle_deg,
-            OutputKey::nut_ellipse_a_mm,
-            OutputKey::nut_ellipse_b_mm,
-            OutputKey::nut_max_pressure_MPa,
-            OutputKey::nut_approach_um,
-        ],
-        [
-            OutputKey::screw_normal_load_N,
-            OutputKey::screw_contact_angle_deg,
-            OutputKey::screw_ellipse_a_mm,
-            OutputKey::screw_ellipse_b_mm,
-            OutputKey::screw_max_pressure_MPa,
-            OutputKey::screw_approach_um,
-        ],
-    ];
-    let ball = units.ball;
-    for (i, [load, angle, long, short, pressure, approach]) in KEYS.into_iter().enumerate() {
-        let (side, pressed) = (&sides[i], &pair.pressed[i]);
-        let q = side.load * units.load;
-        out.set(load, q);
-        if out.wants(&[angle]) {
-            out.set(angle, side.sin.zip(side.cos, f64::atan2) / DEG);
+/// Stores loads, angles, ellipses, approaches and displacement: a call of its own, as three kernels share it.
+pub(super) struct Contacts<'a, 'b, 'c, S: Simd> {
+    pub(super) out: &'a mut Out<'b, 'c>,
+    pub(super) units: &'a Units<S>,
+    pub(super) pair: &'a Pair<S>,
+    pub(super) sides: &'a [Side<S>; 2],
+}
+
+impl<S: Simd> NullaryFnOnce for Contacts<'_, '_, '_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        const KEYS: [[OutputKey; 6]; 2] = [
+            [
+                OutputKey::nut_normal_load_N,
+                OutputKey::nut_contact_angle_deg,
+                OutputKey::nut_ellipse_a_mm,
+                OutputKey::nut_ellipse_b_mm,
+                OutputKey::nut_max_pressure_MPa,
+                OutputKey::nut_approach_um,
+            ],
+            [
+                OutputKey::screw_normal_load_N,
+                OutputKey::screw_contact_angle_deg,
+                OutputKey::screw_ellipse_a_mm,
+                OutputKey::screw_ellipse_b_mm,
+                OutputKey::screw_max_pressure_MPa,
+                OutputKey::screw_approach_um,
+            ],
+        ];
+        let Self { out, units, pair, sides } = self;
+        let ball = units.ball;
+        for (i, [load, angle, long, short, pressure, approach]) in KEYS.into_iter().enumerate() {
+            let (side, pressed) = (&sides[i], &pair.pressed[i]);
+            let q = side.load * units.load;
+            out.set(load, q);
+            if out.wants(&[angle]) {
+                out.set(angle, side.sin.zip(side.cos, f64::atan2) / DEG);
+            }
+            // a ~ Q^{1/3}                                                     (P6)
+            let a = side.growth * pressed.hertz.semi_axis * ball;
+            let b = a * pressed.hertz.flatness;
+            out.set(long, a / MM);
+            out.set(short, b / MM);
+            // p_max = 3 Q / (2 π a b)                                         (H10)
+            out.set(pressure, q * 1.5 / (a * b * std::f64::consts::PI) / MPA);
+            out.set(approach, side.approach * ball / UM);
         }
-        // a ~ Q^{1/3}                                                     (P6)
-        let a = side.growth * pressed.hertz.semi_axis * ball;
-        let b = a * pressed.hertz.flatness;
-        out.set(long, a / MM);
-        out.set(short, b / MM);
-        // p_max = 3 Q / (2 π a b)                                         (H10)
-        out.set(pressure, q * 1.5 / (a * b * std::f64::consts::PI) / MPA);
-        out.set(approach, side.approach * ball / UM);
+        let [a, b] = sides;
+        // δ_a = l_A sinβ_A + l_B sinβ_B − (l_A0 + l_B0) sinβ₀                 (J8)
+        let both = pair.pressed[0].offset + pair.pressed[1].offset;
+        let displacement = a.length * a.sin + b.length * b.sin - both * pair.sin_b;
+        out.set(OutputKey::axial_displacement_um, displacement * ball / UM);
     }
-    let [a, b] = sides;
-    // δ_a = l_A sinβ_A + l_B sinβ_B − (l_A0 + l_B0) sinβ₀                 (J8)
-    let both = pair.pressed[0].offset + pair.pressed[1].offset;
-    let displacement = a.length * a.sin + b.length * b.sin - both * pair.sin_b;
-    out.set(OutputKey::axial_displacement_um, displacement * ball / UM);
 }

@@ -8,12 +8,12 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{Control, Model};
 use bsm_simd::Simd;
 
-pub(super) use self::balance::Grip;
+pub(super) use self::balance::{Balanced, Grip};
 use self::friction::Ellipse;
 use self::oil::Oiled;
 use crate::closed_form::transmit_torque;
 use crate::operand::{Given, Lane, Mask};
-use crate::pair::{Pair, contacts};
+use crate::pair::{Contacts, InUnits, Pair};
 use crate::units::Units;
 use crate::{Kernel, Out};
 
@@ -27,14 +27,13 @@ impl Kernel for Raceway {
 
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
-        let units = Units::of(given);
-        let pair = Pair::of(given, &units);
-        let grip = Grip::of(&pair, self.control);
+        let (units, pair) = given.simd.vectorize(InUnits(given));
+        let grip = given.simd.vectorize(Balanced { pair: &pair, control: self.control });
         if !grip.found.any() {
             return grip.found;
         }
         let motion = Motion::of(&pair, &grip);
-        contacts(out, &units, &pair, &grip.sides);
+        given.simd.vectorize(Contacts { out, units: &units, pair: &pair, sides: &grip.sides });
         motion.outputs(out, &units, &pair);
         let (resolved, friction) = transmit(out, given, (&units, &pair), (&grip, &motion));
         regime(out, friction, (&units, &pair), (&grip, &motion));

@@ -14,9 +14,9 @@ use bsm_simd::{Arch, BLOCK, NullaryFnOnce, Simd, WithSimd};
 
 use crate::closed_form::{power_balance, transmit_torque};
 use crate::elastic::{LEAST_FRICTION, Skid};
-use crate::operand::{Given, Lane, Mask};
-use crate::pair::{Pair, contacts};
-use crate::raceway::{Grip, Motion, regime};
+use crate::operand::{Given, Lane, Lawful, Mask};
+use crate::pair::{Contacts, InUnits, Pair};
+use crate::raceway::{Balanced, Motion, regime};
 use crate::rigid::slip_angle;
 use crate::units::Units;
 use crate::{Out, Rows};
@@ -108,9 +108,10 @@ impl WithSimd for Solve<'_, '_> {
                 root[k] = Lane::load(simd, &blocks[k]);
             }
             let mut out = Out { wanted, columns: &mut *columns, row };
-            let solved = outputs(lane, &TractionRoot::of(root), accuracy, &mut out);
+            let solved = outputs(simd, lane, &TractionRoot::of(root), accuracy, &mut out);
             let mut answered = [false; MANY];
-            (solved & given.lawful(Model::Traction)).store(&mut answered);
+            let lawful = simd.vectorize(Lawful { given, model: Model::Traction });
+            (solved & lawful).store(&mut answered);
             for (i, done) in done[row..].iter_mut().enumerate().take(Lane::<S>::LEN) {
                 *done = answered[i] && found[i];
             }
@@ -130,8 +131,7 @@ impl<S: Simd> NullaryFnOnce for Scale<'_, S> {
     #[inline(always)]
     fn call(self) -> Self::Output {
         let Self { given, creep } = self;
-        let units = Units::of(given);
-        let pair = Pair::of(given, &units);
+        let (units, pair) = InUnits(given).call();
         let scaled = scaled(given, (&units, &pair), creep);
         Points { units, pair, scaled }
     }
@@ -186,7 +186,7 @@ fn start<S: Simd>(
 ) -> (TractionStart<Lane<S>>, Mask<S>) {
     let one = pair.constant(1.0);
     let friction = point.friction.abs();
-    let grip = Grip::of(pair, None);
+    let grip = given.simd.vectorize(Balanced { pair, control: None });
     let mut found = grip.found & one.constant(LEAST_FRICTION).le(friction);
     let motion = Motion::of(pair, &grip);
     let skid_number = regime(out, friction, (units, pair), (&grip, &motion));
@@ -227,6 +227,7 @@ fn start<S: Simd>(
 /// Stores what is wanted of some rows, and says where their powers balance.
 #[inline(always)]
 fn outputs<S: Simd>(
+    simd: S,
     Points { units, pair, scaled: point }: &Points<S>,
     root: &TractionRoot<Lane<S>>,
     accuracy: f64,
@@ -235,7 +236,8 @@ fn outputs<S: Simd>(
     let (y, w, zero) = (root.unknowns, units.speed, units.speed.constant(0.0));
     let at = TractionStart { point: *point, unknowns: y };
     let ([nut, screw], motions) = at.contacts();
-    contacts(out, units, pair, &[pair.loaded(0, y[0], nut), pair.loaded(1, y[2], screw)]);
+    let sides = [pair.loaded(0, y[0], nut), pair.loaded(1, y[2], screw)];
+    simd.vectorize(Contacts { out: &mut *out, units, pair, sides: &sides });
     let keys = [
         [
             OutputKey::nut_slip_velocity_m_s,

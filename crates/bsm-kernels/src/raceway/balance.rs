@@ -4,7 +4,7 @@
 //! unknowns; the equations are the radial balance and the closing of the triangle of arc centres.
 
 use bsm_dyn::Control;
-use bsm_simd::Simd;
+use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::operand::{Lane, Mask};
 use crate::pair::{Pair, Side};
@@ -64,10 +64,26 @@ struct Iterate<S: Simd> {
     settled: Mask<S>,
 }
 
+/// The gripping balls of a lane, with the race that controls or by the decision: a call of its own, as two kernels
+/// share it.
+pub(crate) struct Balanced<'a, S: Simd> {
+    pub(crate) pair: &'a Pair<S>,
+    pub(crate) control: Option<Control>,
+}
+
+impl<S: Simd> NullaryFnOnce for Balanced<'_, S> {
+    type Output = Grip<S>;
+
+    #[inline(always)]
+    fn call(self) -> Grip<S> {
+        Grip::of(self.pair, self.control)
+    }
+}
+
 impl<S: Simd> Grip<S> {
     /// Solves the balance, with the race that controls or by the decision.
     #[inline(always)]
-    pub(crate) fn of(pair: &Pair<S>, control: Option<Control>) -> Self {
+    fn of(pair: &Pair<S>, control: Option<Control>) -> Self {
         let zero = pair.arc.constant(0.0);
         let mut by_nut = match control {
             Some(Control::Screw) => zero.lt(zero),

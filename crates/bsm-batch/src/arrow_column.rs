@@ -1,0 +1,171 @@
+//! Numbers and texts in a column of Arrow.
+//!
+//! The crate arrow-cast converts any type into any other; it takes longer to compile than all models together, and
+//! tables hold these few types only.
+
+use arrow_array::cast::AsArray;
+use arrow_array::types::{
+    ArrowPrimitiveType, Decimal32Type, Decimal64Type, Decimal128Type, Decimal256Type, DecimalType,
+    Float16Type, Float32Type, Float64Type,
+};
+use arrow_array::{
+    Array, ArrayRef, PrimitiveArray, downcast_integer_array, downcast_temporal_array,
+};
+use arrow_schema::{ArrowError, DataType};
+use num_traits::ToPrimitive;
+use serde_json::{Number, Value};
+
+/// The numbers of a column; `None` for null.
+///
+/// # Errors
+///
+/// [`ArrowError::CastError`] if its type is not one of numbers.
+pub(crate) fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
+    fn plain<T: ArrowPrimitiveType<Native: ToPrimitive>>(
+        values: &PrimitiveArray<T>,
+    ) -> Vec<Option<f64>> {
+        values.iter().map(|x| x.and_then(|x| x.to_f64())).collect()
+    }
+    fn decimal<T: DecimalType + ArrowPrimitiveType<Native: ToPrimitive>>(
+        column: &ArrayRef,
+        scale: i8,
+    ) -> Vec<Option<f64>> {
+        let unit = 10.0_f64.powi(scale.into());
+        plain(column.as_primitive::<T>()).into_iter().map(|x| x.map(|x| x / unit)).collect()
+    }
+    Ok(downcast_integer_array!(
+        column => plain(column),
+        DataType::Float16 => plain(column.as_primitive::<Float16Type>()),
+        DataType::Float32 => plain(column.as_primitive::<Float32Type>()),
+        DataType::Float64 => plain(column.as_primitive::<Float64Type>()),
+        DataType::Decimal32(_, scale) => decimal::<Decimal32Type>(column, *scale),
+        DataType::Decimal64(_, scale) => decimal::<Decimal64Type>(column, *scale),
+        DataType::Decimal128(_, scale) => decimal::<Decimal128Type>(column, *scale),
+        DataType::Decimal256(_, scale) => decimal::<Decimal256Type>(column, *scale),
+        DataType::Null => vec![None; column.len()],
+        other => return Err(ArrowError::CastError(format!("{other} holds no numbers"))),
+    ))
+}
+
+/// The values of a column as a text file has them: numbers, flags and null as they are, all else as text.
+///
+/// # Errors
+///
+/// [`ArrowError::CastError`] if its type has no text.
+pub(crate) fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
+    fn texts<T: ToString>(texts: impl Iterator<Item = Option<T>>) -> Vec<Value> {
+        texts.map(|text| text.map_or(Value::Null, |text| Value::String(text.to_string()))).collect()
+    }
+    /// The shortest text of a number that is read back as it is, of 32 bits too.
+    fn short<T: ArrowPrimitiveType<Native: ToString>>(column: &ArrayRef) -> Vec<Value> {
+        let number = |x: T::Native| x.to_string().parse::<f64>().map_or(Value::Null, Value::from);
+        column.as_primitive::<T>().iter().map(|x| x.map_or(Value::Null, number)).collect()
+    }
+    fn decimal<T: DecimalType + ArrowPrimitiveType>(column: &ArrayRef) -> Vec<Value> {
+        let column = column.as_primitive::<T>();
+        texts((0..column.len()).map(|i| column.is_valid(i).then(|| column.value_as_string(i))))
+    }
+    /// Bytes that are no text are null.
+    fn bytes<'a>(bytes: impl Iterator<Item = Option<&'a [u8]>>) -> Vec<Value> {
+        texts(bytes.map(|bytes| std::str::from_utf8(bytes?).ok()))
+    }
+    Ok(match column.data_type() {
+        DataType::Null => vec![Value::Null; column.len()],
+        DataType::Boolean => {
+            column.as_boolean().iter().map(|x| x.map_or(Value::Null, Value::Bool)).collect()
+        }
+        DataType::Float16 => short::<Float16Type>(column),
+        DataType::Float32 => short::<Float32Type>(column),
+        DataType::Float64 => short::<Float64Type>(column),
+        DataType::Decimal32(..) => decimal::<Decimal32Type>(column),
+        DataType::Decimal64(..) => decimal::<Decimal64Type>(column),
+        DataType::Decimal128(..) => decimal::<Decimal128Type>(column),
+        DataType::Decimal256(..) => decimal::<Decimal256Type>(column),
+        DataType::Utf8 => texts(column.as_string::<i32>().iter()),
+        DataType::LargeUtf8 => texts(column.as_string::<i64>().iter()),
+        DataType::Utf8View => texts(column.as_string_view().iter()),
+        DataType::Binary => bytes(column.as_binary::<i32>().iter()),
+        DataType::LargeBinary => bytes(column.as_binary::<i64>().iter()),
+        DataType::BinaryView => bytes(column.as_binary_view().iter()),
+        DataType::Dictionary(..) => {
+            let column = column.as_any_dictionary();
+            let words = values(column.values())?;
+            let word = |(i, key): (usize, &usize)| {
+                if column.is_null(i) { Value::Null } else { words[*key].clone() }
+            };
+            column.normalized_keys().iter().enumerate().map(word).collect()
+        }
+        other => downcast_temporal_array!(
+            column => texts((0..column.len()).map(|i| match other {
+                _ if column.is_null(i) => None,
+                DataType::Date32 => Some(format!("{:?}", column.value_as_date(i)?)),
+                DataType::Time32(_) | DataType::Time64(_) => {
+                    Some(format!("{:?}", column.value_as_time(i)?))
+                }
+                DataType::Timestamp(_, Some(_)) => {
+                    Some(format!("{:?}Z", column.value_as_datetime(i)?))
+                }
+                _ => Some(format!("{:?}", column.value_as_datetime(i)?)),
+            })),
+            _ => downcast_integer_array!(
+                column => {
+                    let number = |x| Number::from_i128(x).map_or(Value::Null, Value::Number);
+                    column.iter().map(|x| x.map_or(Value::Null, |x| number(x.into()))).collect()
+                }
+                other => return Err(ArrowError::CastError(format!("{other} has no text"))),
+            ),
+        ),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use arrow_array::types::Int8Type;
+    use arrow_array::{
+        BinaryArray, BooleanArray, Date32Array, Decimal128Array, DictionaryArray, Float32Array,
+        Int32Array, NullArray, StringViewArray, Time64MicrosecondArray, TimestampMillisecondArray,
+        UInt64Array,
+    };
+    use serde_json::json;
+
+    use super::*;
+
+    fn texts(column: impl Array + 'static) -> Value {
+        Value::Array(values(&(Arc::new(column) as ArrayRef)).expect("has a text"))
+    }
+
+    /// Each type as a text file has it; null stays null.
+    #[test]
+    fn values_are_those_of_a_text_file() {
+        let decimals =
+            Decimal128Array::from(vec![Some(-12_345), None]).with_precision_and_scale(9, 3);
+        let decimals = decimals.expect("digits");
+        let days: DictionaryArray<Int8Type> =
+            [Some("Mon"), None, Some("Mon")].into_iter().collect();
+        // 2026-11-24, 18:30:00.5
+        let time = TimestampMillisecondArray::from(vec![1_795_545_000_500]);
+        for (found, expected) in [
+            (texts(Int32Array::from(vec![Some(-7), None])), json!([-7, null])),
+            (texts(UInt64Array::from(vec![u64::MAX])), json!([u64::MAX])),
+            (texts(Float32Array::from(vec![0.1, f32::NAN])), json!([0.1, null])),
+            (texts(BooleanArray::from(vec![Some(true), None])), json!([true, null])),
+            (texts(NullArray::new(1)), json!([null])),
+            (texts(StringViewArray::from(vec![Some("a"), None])), json!(["a", null])),
+            (texts(BinaryArray::from(vec![&b"ab"[..], b"\xff"])), json!(["ab", null])),
+            (texts(decimals.clone()), json!(["-12.345", null])),
+            (texts(days), json!(["Mon", null, "Mon"])),
+            (texts(Date32Array::from(vec![20_781])), json!(["2026-11-24"])),
+            (texts(Time64MicrosecondArray::from(vec![66_600_000_000])), json!(["18:30:00"])),
+            (texts(time.clone()), json!(["2026-11-24T18:30:00.500"])),
+            (texts(time.with_timezone("UTC")), json!(["2026-11-24T18:30:00.500Z"])),
+        ] {
+            assert_eq!(found, expected);
+        }
+        let column: ArrayRef = Arc::new(decimals);
+        assert_eq!(numbers(&column).expect("numbers"), [Some(-12.345), None]);
+        let column: ArrayRef = Arc::new(BooleanArray::from(vec![true]));
+        assert!(numbers(&column).is_err_and(|error| error.to_string().contains("no numbers")));
+    }
+}
