@@ -2,14 +2,18 @@
 //!
 //! Theory: `docs/theory/02-balance.md`, equations (B1) to (B10).
 
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+
 use std::f64::consts::PI;
 use std::ops::Add;
 
-use bsm_kin::{BallFrame, Motion, Scalar};
+use bsm_kin::{BallFrame, Field, Motion, Scalar};
 use bsm_newton::EvalError;
+use bsm_simd::Compare;
 use nalgebra::Vector3;
-
-use crate::Direction;
 
 /// Largest relative violation of the power balance (B10) of a result that is returned. An exact
 /// root has rounding only; more means that rounding errors have spoilt the result, as they do when the
@@ -142,12 +146,12 @@ impl<D: Scalar> Load<D> {
 /// screw needs or gives (B8).
 ///
 /// Negative: self-locking in that direction.
-pub fn efficiency<D: Scalar>(direction: Direction, ideal: D, torque: D) -> D {
+///
+/// * `back`: where the load drives.
+#[inline(always)]
+pub fn efficiency<F: Field>(back: F::Mask, ideal: F, torque: F) -> F {
     // η = F_a r_m tanα / T  or  T / (F_a r_m tanα)                        (B8)
-    match direction {
-        Direction::RotaryToLinear => ideal / torque,
-        Direction::LinearToRotary => torque / ideal,
-    }
+    F::select(back, torque, ideal) / F::select(back, ideal, torque)
 }
 
 /// Torque of the frictionless screw `$F_a r_m \tan\alpha$` \[N·m\] (B9).
@@ -158,23 +162,25 @@ pub fn ideal_torque<D: Scalar>(axial_load: D, pitch_radius: D, lead_angle: D) ->
 
 /// Power that goes in, comes out and is lost \[W\], for a relative speed \[rad/s\].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Power {
+pub struct Power<F = f64> {
     /// Power put in.
-    pub input: f64,
+    pub input: F,
     /// Power got out; negative if both sides must be driven.
-    pub output: f64,
+    pub output: F,
     /// `input` minus `output`.
-    pub dissipated: f64,
+    pub dissipated: F,
 }
 
-impl Power {
+impl<F: Compare> Power<F> {
     /// From the torque on the screw and the torque of the frictionless screw, both \[N·m\].
-    pub fn transmitted(torque: f64, ideal: f64, relative_speed: f64) -> Self {
+    #[inline(always)]
+    pub fn transmitted(torque: F, ideal: F, relative_speed: F) -> Self {
         let (screw, load) = (torque * relative_speed, ideal * relative_speed);
-        if relative_speed > 0.0 {
-            Self { input: screw, output: load, dissipated: screw - load }
-        } else {
-            Self { input: -load, output: -screw, dissipated: screw - load }
+        let drives = relative_speed.gt(relative_speed.constant(0.0));
+        Self {
+            input: F::select(drives, screw, -load),
+            output: F::select(drives, load, -screw),
+            dissipated: screw - load,
         }
     }
 
@@ -186,9 +192,10 @@ impl Power {
     ///
     /// `friction`: sum of the friction powers of all contacts \[W\]. An identity at any exact
     /// root: it checks kinematics and balance against each other.
-    pub fn imbalance(&self, friction: f64) -> f64 {
+    #[inline(always)]
+    pub fn imbalance(&self, friction: F) -> F {
         // (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)                (B10)
-        let scale = self.input.abs().max(self.output.abs()).max(friction);
+        let scale = self.input.abs().larger(self.output.abs()).larger(friction);
         (self.dissipated - friction) / scale
     }
 }
@@ -216,10 +223,10 @@ mod tests {
     /// Both directions, both signs of the screw torque.
     #[test]
     fn power_is_positive_where_it_goes_in() {
-        let driving = Power::transmitted(1.2, 1.0, 3.0);
+        let driving = Power::transmitted(1.2_f64, 1.0, 3.0);
         assert_relative_eq!(driving.input, 3.6);
         assert_relative_eq!(driving.output, 3.0);
-        let driven = Power::transmitted(0.8, 1.0, -3.0);
+        let driven = Power::transmitted(0.8_f64, 1.0, -3.0);
         assert_relative_eq!(driven.input, 3.0);
         assert_relative_eq!(driven.output, 2.4, max_relative = 1e-15);
         assert_relative_eq!(driven.dissipated, 0.6, max_relative = 1e-15);

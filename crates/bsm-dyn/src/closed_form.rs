@@ -596,7 +596,7 @@ mod tests {
                 let axial = axial_force(&wrench(Site::Nut, psi + PI).force, &frame);
                 prop_assert!((axial - 1.0).abs() <= 1e-12, "{axial}");
                 let screw = torque(&wrench(Site::Screw, psi), 1.0, &frame);
-                let eta = efficiency(direction, ideal_torque(1.0, 1.0, a), screw);
+                let eta = efficiency(direction.is_back(), ideal_torque(1.0, 1.0, a), screw);
                 prop_assert!((eta - angles.efficiency(direction, f)).abs() <= 1e-12, "{eta}");
             }
         }

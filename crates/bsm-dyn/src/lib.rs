@@ -88,18 +88,21 @@ pub use lubricant::{
     ZERO_CELSIUS, catalogue_friction, film_heating,
 };
 pub use model::{Model, ModelWorkspace, Problem};
-pub use operating_point::OperatingPoint;
+pub use operating_point::{OperatingPoint, takes};
 pub use permanent_set::{PermanentSet, yield_ratio};
 pub use pressed_ball::{PressedBall, Pressing};
 pub use quasi_static::{Driven, QuasiStatic, TwoContacts};
 pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
-pub use rigid::{FirstOrder, Rigid, RigidRoot, RigidWorkspace, SEARCHED_FROM, UNIQUE_BELOW};
+pub use rigid::{
+    FirstOrder, Plane, Rigid, RigidBall, RigidMotion, RigidRoot, RigidWorkspace, Sweeps,
+};
 pub use sensitivity::Transmitted;
 pub use slip::{Sliding, SlipPower, SteadyBall, Touch, rim_speed};
 pub use solution::{Direction, Evidence, Reason, Solution, Status, Unsolved};
 pub use state::{
     BallState, ContactState, ErrorBound, MOST_LOSS_ERROR, Others, Pressed, RaceControl,
-    SkidNumbers, Slip, SolveInfo, Solved, Transmission, loss_error, quadrature_error,
+    SkidNumbers, Slip, SolveInfo, Solved, Transmission, friction_angle, loss_error,
+    quadrature_error,
 };
 pub use traction::{
     FAST_NUT, FOUND as TRACTION_FOUND, SKIDS, START as TRACTION_START, Scaled, Traction,

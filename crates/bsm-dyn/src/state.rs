@@ -169,6 +169,17 @@ pub fn quadrature_error<F: Compare>(difference: F, accuracy: f64) -> F {
     (difference.abs() * 20.0).larger(difference.constant((accuracy / 200.0).max(1e-9)))
 }
 
+/// Direction of a friction force on the ball \[rad\] from its parts across the groove and along the helix.
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
+    // ψ = atan2(−V_y, −V_x), Eq (K15)
+    along.zip(across, f64::atan2)
+}
+
 /// Error of the power that is lost, relative to it; not finite where the error may be all of the efficiency.
 ///
 /// * `back`: where the load drives.
@@ -280,7 +291,7 @@ impl Transmission {
     /// Of a torque on the screw and that of the frictionless screw \[N·m\], at a relative speed
     /// \[rad/s\].
     pub(crate) fn of(direction: Direction, ideal: f64, torque: f64, speed: f64) -> Self {
-        let efficiency = efficiency(direction, ideal, torque);
+        let efficiency = efficiency(direction.is_back(), ideal, torque);
         Self {
             efficiency,
             self_locking: efficiency <= 0.0,

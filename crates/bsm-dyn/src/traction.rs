@@ -228,7 +228,7 @@ impl Rolling<'_> {
             let torque = found.transmitted.torque + further;
             let Helix { radius, lead_angle } = self.pair.helix;
             let ideal = ideal_torque(1.0, radius, lead_angle);
-            crate::balance::efficiency(self.pair.direction, ideal, torque)
+            crate::balance::efficiency(self.pair.direction.is_back(), ideal, torque)
         });
         let error = quadrature_error(other - efficiency, accuracy);
         if error.is_finite() { error } else { (1.0 - efficiency).abs() }

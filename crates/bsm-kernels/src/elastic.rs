@@ -2,7 +2,7 @@
 //! force, Eqs (S13) to (S28).
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::{Model, POWER_BALANCE_TOL, SlidingBall, SlidingMotion, SlidingState};
+use bsm_dyn::{Model, POWER_BALANCE_TOL, SlidingBall, SlidingMotion, SlidingState, takes};
 use bsm_simd::{Simd, Slopes, WithSimd};
 
 use crate::closed_form::{power_balance, transmit_torque};
@@ -34,10 +34,6 @@ const STRAIGHT: f64 = 0.1;
 
 /// [`Curve::scale`] is some third of a place.
 const LARGE: f64 = 3.0;
-
-/// Inertia ratios and friction that the model takes.
-const INERTIA: [f64; 2] = [1e-100, 1e28];
-pub(super) const LEAST_FRICTION: f64 = 1e-12;
 
 /// Loads over the axial load beyond which friction all but holds it, and rounding decides.
 const MOST_LOAD: f64 = 1e3;
@@ -134,14 +130,11 @@ impl<S: Simd> Skid<S> {
             approaches: [nut.hertz.compliance, screw.hertz.compliance],
             reach: pair.reach(),
         };
-        let [least, most] = INERTIA;
         let expected = pair.regular
-            & friction.abs().gt(one * LEAST_FRICTION)
+            & takes(friction.abs(), pair.inertia_ratio)
             // F tanα < 1                                                  (S12)
             & friction.lt(ball.cot)
-            & pair.nut_speed.abs().lt(one * MOST_NUT_SPEED)
-            & pair.inertia_ratio.gt(one * least)
-            & pair.inertia_ratio.lt(one * most);
+            & pair.nut_speed.abs().lt(one * MOST_NUT_SPEED);
         let curve = Curve { simd, ball };
         let (level, scale) = curve.begin(pair.cos_b / pair.sin_b, expected);
         // ln μ = ln M + 2 ln |(1 − g)/(π/d + Ω_n/W)|                      (S27)
@@ -240,7 +233,7 @@ impl<S: Simd> Skid<S> {
         transmit_torque(out, back, (torque, ideal), units.ball * units.axial, units.speed);
         // P_f = Σ f Q_c |V_c|                                             (R21)
         let lost = self.ball.friction.abs() * (q_a * v_a + q_b * v_b);
-        power_balance(out, back, (torque, ideal), lost)
+        power_balance(out, units.speed, (torque, ideal), lost)
     }
 }
 

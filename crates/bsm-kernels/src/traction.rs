@@ -8,12 +8,12 @@ use bsm_case::{InputKey, OutputKey, Settings};
 use bsm_dyn::{
     FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKIDS, Scaled, TRACTION_FOUND,
     TRACTION_START, TractionMany, TractionRoot, TractionStart, loss_error, quadrature_error,
-    slip_scale,
+    slip_scale, takes,
 };
 use bsm_simd::{Arch, BLOCK, NullaryFnOnce, Simd, WithSimd};
 
 use crate::closed_form::{power_balance, transmit_torque};
-use crate::elastic::{LEAST_FRICTION, Skid};
+use crate::elastic::Skid;
 use crate::operand::{Given, Lane, Mask};
 use crate::pair::{Pair, contacts};
 use crate::raceway::{Grip, Motion, regime};
@@ -187,7 +187,7 @@ fn start<S: Simd>(
     let one = pair.constant(1.0);
     let friction = point.friction.abs();
     let grip = Grip::of(pair, None);
-    let mut found = grip.found & one.constant(LEAST_FRICTION).le(friction);
+    let mut found = grip.found & takes(friction, pair.inertia_ratio);
     let motion = Motion::of(pair, &grip);
     let skid_number = regime(out, friction, (units, pair), (&grip, &motion));
     let [a, b] = &grip.sides;
@@ -269,7 +269,7 @@ fn outputs<S: Simd>(
     let ideal = at.point.radius * pair.sin_a / pair.cos_a;
     let eta = transmit_torque(out, back, (root.torque, ideal), units.ball * units.axial, w);
     let power = back.select(-root.power, root.power);
-    let imbalance = power_balance(out, back, (root.torque, ideal), power);
+    let imbalance = power_balance(out, w, (root.torque, ideal), power);
     let torque = root.torque + root.error;
     let other = back.select(torque, ideal) / back.select(ideal, torque);
     let error = quadrature_error(other - eta, accuracy);

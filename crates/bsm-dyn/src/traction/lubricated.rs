@@ -271,7 +271,7 @@ impl Traction {
         let other = checked.oiled::<false>(wetted, &root.unknowns);
         let Helix { radius, lead_angle } = pair.helix;
         let ideal = ideal_torque(1.0, radius, lead_angle);
-        let efficiency = crate::balance::efficiency(pair.direction, ideal, last.torque);
+        let efficiency = crate::balance::efficiency(pair.direction.is_back(), ideal, last.torque);
         let error =
             checked.error(self.accuracy, other.as_ref(), &seen.slope.get(), efficiency, newton);
         Ok(Place { pair, grip, root, plans, steps, last, error })
