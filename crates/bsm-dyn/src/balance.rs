@@ -36,17 +36,26 @@ pub struct Ball<D> {
     pub mass: D,
 }
 
-impl<D: Scalar> Ball<D> {
+impl<D: Field> Ball<D> {
     /// Ball of a given density \[kg/m³\] (B1).
+    #[inline(always)]
     pub fn of_density(radius: D, density: D) -> Self {
         // m = (4/3) π r_b³ ρ                                              (B1)
         Self { radius, mass: radius.square() * radius * (4.0 / 3.0 * PI) * density }
     }
 
     /// Moment of inertia about a diameter \[kg·m²\] (B2).
+    #[inline(always)]
     pub fn inertia(&self) -> D {
         // I = (2/5) m r_b²                                                (B2)
         self.mass * self.radius.square() * 0.4
+    }
+
+    /// Mass in units of ball radius, axial load per ball and relative speed `$W$` (R1).
+    #[inline(always)]
+    pub fn scaled_mass(&self, relative_speed: D, load_per_ball: D) -> D {
+        // Lengths in r_b, forces in F_a, speeds in W: m r_b W²/F_a        (R1)
+        self.mass * self.radius * relative_speed * relative_speed / load_per_ball
     }
 }
 
@@ -155,9 +164,10 @@ pub fn efficiency<F: Field>(back: F::Mask, ideal: F, torque: F) -> F {
 }
 
 /// Torque of the frictionless screw `$F_a r_m \tan\alpha$` \[N·m\] (B9).
-pub fn ideal_torque<D: Scalar>(axial_load: D, pitch_radius: D, lead_angle: D) -> D {
+#[inline(always)]
+pub fn ideal_torque<F: Field>(axial_load: F, pitch_radius: F, tan_lead_angle: F) -> F {
     // T₀ = F_a r_m tanα                                                   (B9)
-    axial_load * pitch_radius * lead_angle.tan()
+    axial_load * pitch_radius * tan_lead_angle
 }
 
 /// Power that goes in, comes out and is lost \[W\], for a relative speed \[rad/s\].
@@ -217,7 +227,7 @@ mod tests {
         // The nut carries the opposite force.
         assert_relative_eq!(axial_force(&-screw.force, &frame), 140.0, max_relative = 1e-14);
         let t = torque(&screw, r_m, &frame);
-        assert_relative_eq!(t, ideal_torque(140.0, r_m, alpha), max_relative = 1e-14);
+        assert_relative_eq!(t, ideal_torque(140.0, r_m, alpha.tan()), max_relative = 1e-14);
     }
 
     /// Both directions, both signs of the screw torque.

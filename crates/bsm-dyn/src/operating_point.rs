@@ -91,10 +91,8 @@ impl<D: Scalar> OperatingPoint<D> {
         let Self { helix, ball, drive, load, .. } = self;
         let w = drive.relative_speed();
         let direction = Direction::of(w.re()).ok_or(Unsolved::invalid(Reason::NoRelativeSpeed))?;
-        let r_b = ball.radius;
-        // Lengths in r_b, forces in F_a, speeds in W                      (R1)
-        let helix = Helix { radius: helix.radius / r_b, ..*helix };
-        let mass = ball.mass * r_b * w * w / load.per_ball();
+        let helix = Helix { radius: helix.radius / ball.radius, ..*helix };
+        let mass = ball.scaled_mass(w, load.per_ball());
         let nut_speed = drive.nut_speed / w;
         let inertia_ratio = (mass * helix.radius).re();
         if !(INERTIA[0]..=INERTIA[1]).contains(&inertia_ratio) || !nut_speed.re().is_finite() {
@@ -105,6 +103,6 @@ impl<D: Scalar> OperatingPoint<D> {
 
     /// Torque of the frictionless screw.
     pub(crate) fn ideal_torque(&self) -> D {
-        ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle)
+        ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle.tan())
     }
 }

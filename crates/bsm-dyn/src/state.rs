@@ -2,7 +2,7 @@
 //!
 //! SI units and radians. Loads are per ball, torque and powers of all loaded balls together.
 
-use bsm_kin::{BallFrame, Contact, Motion, Site};
+use bsm_kin::{BallFrame, Contact, Field, Motion, Site};
 use bsm_simd::Compare;
 use nalgebra::Vector3;
 
@@ -94,8 +94,7 @@ impl SkidNumbers {
     /// Skid number of a ball whose friction is already spent on the slip of the lead (W11): below
     /// 0.1 the ball grips, above 2 friction is nearly saturated.
     pub fn onset_number(&self) -> Option<f64> {
-        // S = G √(1 + χ²)                                                 (W11)
-        Some(self.skid_number? * self.cross_slip?.hypot(1.0))
+        Some(onset_number(self.skid_number?, self.cross_slip?))
     }
 
     /// What the ball does.
@@ -169,14 +168,26 @@ pub fn quadrature_error<F: Compare>(difference: F, accuracy: f64) -> F {
     (difference.abs() * 20.0).larger(difference.constant((accuracy / 200.0).max(1e-9)))
 }
 
-/// Direction of a friction force on the ball \[rad\] from its parts across the groove and along the helix.
+/// Skid number of a ball whose friction is already spent on the slip of the lead, see
+/// [`SkidNumbers::onset_number`] (W11).
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn onset_number<F: Field>(skid_number: F, cross_slip: F) -> F {
+    // S = G √(1 + χ²)                                                     (W11)
+    skid_number * (cross_slip.square() + 1.0).sqrt()
+}
+
+/// Direction of a friction force on the ball \[rad\] from its parts across the groove and along the helix; see
+/// [`Contact::slip_angle`].
 #[expect(
     clippy::inline_always,
     reason = "code takes the instruction set of its caller only inline"
 )]
 #[inline(always)]
 pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
-    // ψ = atan2(−V_y, −V_x), Eq (K15)
     along.zip(across, f64::atan2)
 }
 

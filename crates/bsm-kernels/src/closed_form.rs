@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use bsm_case::units::{MM, direction_deg};
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Model;
-use bsm_dyn::balance::{Power, efficiency};
+use bsm_dyn::balance::{Power, efficiency, ideal_torque};
 use bsm_simd::Simd;
 
 use crate::operand::{Given, Lane, Mask};
@@ -90,8 +90,7 @@ pub(super) fn transmit<S: Simd>(
     let normal = turns.select(ratio * load / balls, none);
     out.set(OutputKey::nut_normal_load_N, normal);
     out.set(OutputKey::screw_normal_load_N, normal);
-    // T₀ = F_a r_m tanα,  T = T₀/η or T₀ η                                (B8), (B9)
-    let ideal = load * (pitch * (0.5 * MM)) * tan_a;
+    let ideal = ideal_torque(load, pitch * (0.5 * MM), tan_a);
     let torque = turns.select(back.select(ideal * eta, ideal / eta), none);
     out.set(OutputKey::screw_torque_Nm, torque);
     if let Some((screw, nut)) = given.speeds() {

@@ -2,8 +2,8 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, section on direct sweeps.
 
-use bsm_case::{InputKey, OutputKey};
 use bsm_case::units::direction_deg;
+use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{Model, POWER_BALANCE_TOL, Plane, RigidBall, RigidMotion, friction_angle};
 use bsm_simd::Simd;
 

@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use bsm_case::{InputKey, OutputKey, Settings};
+use bsm_dyn::balance::ideal_torque;
 use bsm_dyn::{
     FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKIDS, Scaled, TRACTION_FOUND,
     TRACTION_START, TractionMany, TractionRoot, TractionStart, loss_error, quadrature_error,
@@ -265,8 +266,7 @@ fn outputs<S: Simd>(
     out.set(OutputKey::ball_omega_t_rad_s, pair.sin_a * along - pair.cos_a * around);
     out.set(OutputKey::ball_omega_n_rad_s, radial);
     out.set(OutputKey::ball_omega_b_rad_s, pair.cos_a * along + pair.sin_a * around);
-    // T₀ = F_a r_m tanα                                                   (B9)
-    let ideal = at.point.radius * pair.sin_a / pair.cos_a;
+    let ideal = ideal_torque(pair.constant(1.0), at.point.radius, pair.sin_a / pair.cos_a);
     let eta = transmit_torque(out, back, (root.torque, ideal), units.ball * units.axial, w);
     let power = back.select(-root.power, root.power);
     let imbalance = power_balance(out, w, (root.torque, ideal), power);

@@ -11,6 +11,7 @@
 use bsm_kin::{Field, FieldOver};
 use bsm_simd::Compare;
 
+use crate::balance::ideal_torque;
 use crate::ball_unknowns::BALL;
 use crate::{Sines, takes};
 
@@ -193,7 +194,8 @@ impl<P: Field> RigidBall<P> {
     /// Torque of the frictionless screw per ball over `$r_b F_a$`.
     #[inline(always)]
     pub fn ideal_torque(&self) -> P {
-        self.radius * self.sines.tan_a()
+        let one = self.radius.constant(1.0);
+        ideal_torque(one, self.radius, self.sines.tan_a())
     }
 
     /// Angular velocity of the ball over `$W$` in the Frenet-Serret triad `$(t, n, b)$`.

@@ -42,7 +42,8 @@ impl<P: Scalar> RigidEquations<P> {
     pub(super) fn motion<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<RigidMotion<D>, EvalError> {
         let (counted, nut) = (y[PRECESSION], self.ball.nut_speed);
         // P = Ω_n + p W                                                   (R3)
-        let rates = if self.from_ground { [counted - nut, counted] } else { [counted, counted + nut] };
+        let rates =
+            if self.from_ground { [counted - nut, counted] } else { [counted, counted + nut] };
         if rates[1].re() == 0.0 {
             return Err(DOES_NOT_CIRCLE);
         }
@@ -166,7 +167,10 @@ mod tests {
 
     fn case(lead: f64, contact: f64, friction: f64, mass: f64, nut: f64) -> RigidEquations<f64> {
         let sines = Angles { lead, contact }.sines();
-        RigidEquations { ball: RigidBall::new(sines, 5.56, mass, nut, friction), from_ground: false }
+        RigidEquations {
+            ball: RigidBall::new(sines, 5.56, mass, nut, friction),
+            from_ground: false,
+        }
     }
 
     fn start(case: &RigidEquations<f64>) -> Unknowns<f64> {

@@ -311,10 +311,7 @@ fn would_roll(ball: &RigidBall<f64>, first: &FirstOrder, work: &mut RigidWorkspa
 ///
 /// The first-order margin brackets it, Newton on the exact equations with the lead angle as an
 /// unknown finds it. `None` if the first order has none below 80 degrees.
-pub(crate) fn critical_lead_angle(
-    ball: &RigidBall<f64>,
-    work: &mut RigidWorkspace,
-) -> Option<f64> {
+pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Option<f64> {
     const STEP: f64 = 0.01;
     const LARGEST: f64 = 1.4;
 

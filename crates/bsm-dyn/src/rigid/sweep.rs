@@ -104,7 +104,13 @@ impl<F: Compare> RigidBall<F> {
         let p = self.precession(zero, zero, [self.cos_psi, self.sin_psi], zero);
         let along = F::select((p + self.nut_speed).gt(zero), one, -one);
         let along = F::select(self.signed.lt(zero), -along, along);
-        Directions { nut: zero, screw: zero, minor: [zero, along], correction: zero, norms: [one; 2] }
+        Directions {
+            nut: zero,
+            screw: zero,
+            minor: [zero, along],
+            correction: zero,
+            norms: [one; 2],
+        }
     }
 
     /// `$p$` (R26) of the direction against the slip at B, of slopes `$e_1$` and `$e_2$` of the
@@ -153,8 +159,7 @@ impl<F: Compare> RigidBall<F> {
         let (turning, rolling) = (gyro * tau, gyro * u);
         let friction = load * cos_m;
         let e_a = [
-            (f * 2.0 * cos_b * cos_b)
-                .neg_mul_add(friction, turning.neg_mul_add(self.k_n, common)),
+            (f * 2.0 * cos_b * cos_b).neg_mul_add(friction, turning.neg_mul_add(self.k_n, common)),
             rolling.neg_mul_add(cos_a / sin_b, turning * (sin_a * self.cot_b)),
         ];
         let e_b = [
@@ -237,11 +242,8 @@ impl<F: Compare> RigidBall<F> {
         let [norm_a, norm_b] = state.norms;
         let [pull_a, pull_b] = state.pulls;
         let twice = self.signed * 2.0;
-        let loads = [
-            -(pull_a * norm_a) / twice,
-            state.minor * state.centrifugal,
-            pull_b * norm_b / twice,
-        ];
+        let loads =
+            [-(pull_a * norm_a) / twice, state.minor * state.centrifugal, pull_b * norm_b / twice];
         let slip = (state.slip * norm_a, times(norm_a.recip(), state.nut));
         self.motion(loads, [state.p, state.rate], slip, state.s)
     }

@@ -260,10 +260,7 @@ fn count_second_roots(counts: [usize; 2]) {
              the least at C = {least:.1}"
         );
         // The least of 100 000 points is 3.4.
-        assert!(
-            several >= campaign(3).max(count / 1000) && least > 3.0,
-            "{several} {least}"
-        );
+        assert!(several >= campaign(3).max(count / 1000) && least > 3.0, "{several} {least}");
     }
 }
 
