@@ -234,7 +234,7 @@ outputs! {
     output_power_W ["W"] Number(|s| Some(transmission(s)?.power?.output)), "output power, all balls";
     dissipated_power_W ["W"] Number(|s| Some(transmission(s)?.power?.dissipated)), "dissipated power, all balls";
     power_balance [""] Number(|s| transmission(s)?.power_balance), "relative error of the power balance, rounding only at an exact solution";
-    iterations [""] Count(|s| Some(s.solved()?.info?.steps)), "Newton steps";
+    iterations [""] Count(|s| Some(s.solved()?.info?.steps)), "Newton steps, or sweeps of `rigid`";
     residual_norm [""] Number(|s| Some(s.solved()?.info?.residual)), "scaled residual of the equations";
     lubricant_temperature_C ["C"] Number(|s| Some(film(s)?.temperature - ZERO_CELSIUS)), "temperature of the lubricant, given or that at which all losses leave as heat";
     viscosity_mPas ["mPa s"] Number(|s| Some(film(s)?.viscosity / MILLI)), "dynamic viscosity of the lubricant at its temperature";

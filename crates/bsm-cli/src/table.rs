@@ -1,10 +1,10 @@
 //! Tables for reading.
 
 use bsm_case::{
-    Analysis, Cell, Numbers, Of, Output, Quantity, Record, RecordRows, Scales, Scene, Sensitivity,
-    SizePhase, printable,
+    Analysis, Cell, ModelChoice, Numbers, Of, Output, Quantity, Record, RecordRows, Scales, Scene,
+    Sensitivity, SizePhase, printable,
 };
-use bsm_dyn::Band;
+use bsm_dyn::{Band, Model};
 use bsm_report::number;
 use comfy_table::{CellAlignment, Table, presets};
 
@@ -43,7 +43,9 @@ pub(crate) fn record(scene: &Scene, record: &Record) -> String {
     let cell = |name: &str| Output::named(name).and_then(|output| record.cell(output));
     let mut status = record.status_name().to_owned();
     if let Some(Cell::Count(steps)) = cell("iterations") {
-        status = format!("{status} in {steps} Newton steps");
+        let is_rigid = record.model() == ModelChoice::from(Model::Rigid);
+        let kind = if is_rigid { "sweeps" } else { "Newton steps" };
+        status = format!("{status} in {steps} {kind}");
         for (label, name) in [("residual", "residual_norm"), ("power balance", "power_balance")] {
             if let Some(value) = record.number(name) {
                 status = format!("{status}, {label} {value:.0e}");

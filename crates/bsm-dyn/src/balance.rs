@@ -2,14 +2,18 @@
 //!
 //! Theory: `docs/theory/02-balance.md`, equations (B1) to (B10).
 
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+
 use std::f64::consts::PI;
 use std::ops::Add;
 
-use bsm_kin::{BallFrame, Motion, Scalar};
+use bsm_kin::{BallFrame, Field, Motion, Scalar};
 use bsm_newton::EvalError;
+use bsm_simd::Compare;
 use nalgebra::Vector3;
-
-use crate::Direction;
 
 /// Largest relative violation of the power balance (B10) of a result that is returned. An exact
 /// root has rounding only; more means that rounding errors have spoilt the result, as they do when the
@@ -32,17 +36,26 @@ pub struct Ball<D> {
     pub mass: D,
 }
 
-impl<D: Scalar> Ball<D> {
+impl<D: Field> Ball<D> {
     /// Ball of a given density \[kg/m³\] (B1).
+    #[inline(always)]
     pub fn of_density(radius: D, density: D) -> Self {
         // m = (4/3) π r_b³ ρ                                              (B1)
         Self { radius, mass: radius.square() * radius * (4.0 / 3.0 * PI) * density }
     }
 
     /// Moment of inertia about a diameter \[kg·m²\] (B2).
+    #[inline(always)]
     pub fn inertia(&self) -> D {
         // I = (2/5) m r_b²                                                (B2)
         self.mass * self.radius.square() * 0.4
+    }
+
+    /// Mass in units of ball radius, axial load per ball and relative speed `$W$` (R1).
+    #[inline(always)]
+    pub fn scaled_mass(&self, relative_speed: D, load_per_ball: D) -> D {
+        // Lengths in r_b, forces in F_a, speeds in W: m r_b W²/F_a        (R1)
+        self.mass * self.radius * relative_speed * relative_speed / load_per_ball
     }
 }
 
@@ -142,39 +155,42 @@ impl<D: Scalar> Load<D> {
 /// screw needs or gives (B8).
 ///
 /// Negative: self-locking in that direction.
-pub fn efficiency<D: Scalar>(direction: Direction, ideal: D, torque: D) -> D {
+///
+/// * `back`: where the load drives.
+#[inline(always)]
+pub fn efficiency<F: Field>(back: F::Mask, ideal: F, torque: F) -> F {
     // η = F_a r_m tanα / T  or  T / (F_a r_m tanα)                        (B8)
-    match direction {
-        Direction::RotaryToLinear => ideal / torque,
-        Direction::LinearToRotary => torque / ideal,
-    }
+    F::select(back, torque, ideal) / F::select(back, ideal, torque)
 }
 
 /// Torque of the frictionless screw `$F_a r_m \tan\alpha$` \[N·m\] (B9).
-pub fn ideal_torque<D: Scalar>(axial_load: D, pitch_radius: D, lead_angle: D) -> D {
+#[inline(always)]
+pub fn ideal_torque<F: Field>(axial_load: F, pitch_radius: F, tan_lead_angle: F) -> F {
     // T₀ = F_a r_m tanα                                                   (B9)
-    axial_load * pitch_radius * lead_angle.tan()
+    axial_load * pitch_radius * tan_lead_angle
 }
 
 /// Power that goes in, comes out and is lost \[W\], for a relative speed \[rad/s\].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Power {
+pub struct Power<F = f64> {
     /// Power put in.
-    pub input: f64,
+    pub input: F,
     /// Power got out; negative if both sides must be driven.
-    pub output: f64,
+    pub output: F,
     /// `input` minus `output`.
-    pub dissipated: f64,
+    pub dissipated: F,
 }
 
-impl Power {
+impl<F: Compare> Power<F> {
     /// From the torque on the screw and the torque of the frictionless screw, both \[N·m\].
-    pub fn transmitted(torque: f64, ideal: f64, relative_speed: f64) -> Self {
+    #[inline(always)]
+    pub fn transmitted(torque: F, ideal: F, relative_speed: F) -> Self {
         let (screw, load) = (torque * relative_speed, ideal * relative_speed);
-        if relative_speed > 0.0 {
-            Self { input: screw, output: load, dissipated: screw - load }
-        } else {
-            Self { input: -load, output: -screw, dissipated: screw - load }
+        let drives = relative_speed.gt(relative_speed.constant(0.0));
+        Self {
+            input: F::select(drives, screw, -load),
+            output: F::select(drives, load, -screw),
+            dissipated: screw - load,
         }
     }
 
@@ -186,9 +202,10 @@ impl Power {
     ///
     /// `friction`: sum of the friction powers of all contacts \[W\]. An identity at any exact
     /// root: it checks kinematics and balance against each other.
-    pub fn imbalance(&self, friction: f64) -> f64 {
+    #[inline(always)]
+    pub fn imbalance(&self, friction: F) -> F {
         // (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)                (B10)
-        let scale = self.input.abs().max(self.output.abs()).max(friction);
+        let scale = self.input.abs().larger(self.output.abs()).larger(friction);
         (self.dissipated - friction) / scale
     }
 }
@@ -210,16 +227,16 @@ mod tests {
         // The nut carries the opposite force.
         assert_relative_eq!(axial_force(&-screw.force, &frame), 140.0, max_relative = 1e-14);
         let t = torque(&screw, r_m, &frame);
-        assert_relative_eq!(t, ideal_torque(140.0, r_m, alpha), max_relative = 1e-14);
+        assert_relative_eq!(t, ideal_torque(140.0, r_m, alpha.tan()), max_relative = 1e-14);
     }
 
     /// Both directions, both signs of the screw torque.
     #[test]
     fn power_is_positive_where_it_goes_in() {
-        let driving = Power::transmitted(1.2, 1.0, 3.0);
+        let driving = Power::transmitted(1.2_f64, 1.0, 3.0);
         assert_relative_eq!(driving.input, 3.6);
         assert_relative_eq!(driving.output, 3.0);
-        let driven = Power::transmitted(0.8, 1.0, -3.0);
+        let driven = Power::transmitted(0.8_f64, 1.0, -3.0);
         assert_relative_eq!(driven.input, 3.0);
         assert_relative_eq!(driven.output, 2.4, max_relative = 1e-15);
         assert_relative_eq!(driven.dissipated, 0.6, max_relative = 1e-15);

@@ -312,7 +312,7 @@ impl<D: Scalar> Size<D> {
         if locked || !load_ratio.re().is_finite() || load_ratio.re() <= 0.0 {
             return None;
         }
-        let ideal = ideal_torque(self.load.axial, self.pitch_radius, lead_angle);
+        let ideal = ideal_torque(self.load.axial, self.pitch_radius, lead_angle.tan());
         let torque = match direction {
             Direction::RotaryToLinear => ideal / efficiency,
             Direction::LinearToRotary => ideal * efficiency,
@@ -596,7 +596,7 @@ mod tests {
                 let axial = axial_force(&wrench(Site::Nut, psi + PI).force, &frame);
                 prop_assert!((axial - 1.0).abs() <= 1e-12, "{axial}");
                 let screw = torque(&wrench(Site::Screw, psi), 1.0, &frame);
-                let eta = efficiency(direction, ideal_torque(1.0, 1.0, a), screw);
+                let eta = efficiency(direction.is_back(), ideal_torque(1.0, 1.0, a.tan()), screw);
                 prop_assert!((eta - angles.efficiency(direction, f)).abs() <= 1e-12, "{eta}");
             }
         }

@@ -37,6 +37,21 @@ pub struct Elastic<D = f64> {
     pub at: ElasticPoint<D>,
 }
 
+impl Elastic {
+    /// Logarithm of a `$q$` without inertia: next to the smallest normal number.
+    pub const NO_INERTIA: f64 = -700.0;
+
+    /// Relative changes of the factors of (S27) from where the curve begins, up to which the curve is
+    /// straight: the inertia has only risen up to there.
+    pub const RISES: f64 = 0.1;
+
+    /// The scale of a place on the curve is some third of it: a third of a relative change in its units.
+    pub const LARGE: f64 = 3.0;
+
+    /// What a state of force may leave of (S14) and (S20), both of size one; Newton leaves rounding.
+    pub const CLOSED: f64 = 1e-10;
+}
+
 /// Memory of the solves.
 #[derive(Default)]
 pub struct ElasticWorkspace(Workspace);

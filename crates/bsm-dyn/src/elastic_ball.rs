@@ -339,7 +339,7 @@ impl<D: Scalar> ElasticPoint<D> {
         screw: &Wrench<D>,
     ) -> Transmitted<D> {
         let torque = self.screw_torque(pair, frame, screw);
-        let efficiency = efficiency(pair.direction, self.point.ideal_torque(), torque);
+        let efficiency = efficiency(pair.direction.is_back(), self.point.ideal_torque(), torque);
         Transmitted { efficiency, screw_torque: Some(torque) }
     }
 }

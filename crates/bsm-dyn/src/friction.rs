@@ -61,17 +61,21 @@ pub fn friction_force<D: Scalar>(
     normal_load: D,
     slip: &Vector3<D>,
 ) -> Result<Vector3<D>, EvalError> {
-    let speed = slip.dot(slip).sqrt();
+    let speed = sliding(slip.dot(slip).sqrt())?;
+    let friction = law.coefficient(D::from(1.0), speed);
+    Ok(against(slip, friction * normal_load / speed))
+}
+
+/// A slip speed at which friction has a direction.
+pub(crate) fn sliding<D: Scalar>(speed: D) -> Result<D, EvalError> {
     if speed.re() > 0.0 && speed.re().is_finite() {
-        let friction = law.coefficient(D::from(1.0), speed);
-        Ok(against(slip, friction * normal_load / speed))
-    } else {
-        Err(EvalError {
-            quantity: "slip speed at a contact",
-            value: speed.re(),
-            requirement: "positive and finite, for friction to have a direction",
-        })
+        return Ok(speed);
     }
+    Err(EvalError {
+        quantity: "slip speed at a contact",
+        value: speed.re(),
+        requirement: "positive and finite, for friction to have a direction",
+    })
 }
 
 /// Friction against a slip, by its size over that of the slip \[N\] (F1).

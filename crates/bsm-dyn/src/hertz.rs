@@ -221,12 +221,17 @@ impl<D: Scalar> Hertz<D> {
     }
 }
 
+/// Largest pressure of an ellipse of these semi-axes under a load (H10).
+#[inline(always)]
+pub fn max_pressure<F: Field>(load: F, (a, b): (F, F)) -> F {
+    // p_max = 3 Q / (2 π a b)                                             (H10)
+    load * 1.5 / (a * PI * b)
+}
+
 impl Hertz {
     /// Largest pressure under the load `load` \[N\], in Pa (H10).
     pub fn max_pressure(&self, load: f64) -> f64 {
-        // p_max = 3 Q / (2 π a b)                                         (H10)
-        let (a, b) = self.semi_axes(load);
-        if load > 0.0 { 1.5 * load / (PI * a * b) } else { 0.0 }
+        if load > 0.0 { max_pressure(load, self.semi_axes(load)) } else { 0.0 }
     }
 }
 

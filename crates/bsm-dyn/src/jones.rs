@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (J1) to (J9).
 
-use bsm_kin::Scalar;
+use bsm_kin::{Field, FieldOver, Scalar};
 use bsm_newton::EvalError;
 
 /// Distances from the groove-arc centres to the ball centre at first touch, and the unloaded
@@ -135,8 +135,11 @@ impl<D: Scalar> Jones<D> {
         Displacement {
             axial: l_a * sin_a - self.nut_offset * sin_0,
             radial: l_a * cos_a - self.nut_offset * cos_0,
-            // δ_a = l_A sinβ_A + l_B sinβ_B − (l_A0 + l_B0) sinβ₀         (J8)
-            nut: l_a * sin_a + l_b * screw.sin() - (self.nut_offset + self.screw_offset) * sin_0,
+            nut: axial_displacement(
+                [l_a, l_b],
+                [sin_a, screw.sin()],
+                (self.nut_offset + self.screw_offset) * sin_0,
+            ),
         }
     }
 }
@@ -155,6 +158,24 @@ fn side<D: Scalar>(z: D, r: D, offset: D) -> Result<Side<D>, EvalError> {
             requirement: "at least a thousandth of the groove offset",
         })
     }
+}
+
+/// Axial displacement of the nut against the screw (J8).
+///
+/// * `lengths`: of the arc centres from the ball centre, at nut and screw. * `sines`: of the contact angles.
+/// * `unloaded`: `$(l_{A0} + l_{B0})\sin\beta_0$`.
+#[expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+#[inline(always)]
+pub fn axial_displacement<P: Field, D: FieldOver<P>>(
+    lengths: [D; 2],
+    sines: [D; 2],
+    unloaded: P,
+) -> D {
+    // δ_a = l_A sinβ_A + l_B sinβ_B − (l_A0 + l_B0) sinβ₀                 (J8)
+    lengths[0] * sines[0] + lengths[1] * sines[1] - unloaded
 }
 
 #[cfg(test)]

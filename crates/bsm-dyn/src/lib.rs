@@ -75,12 +75,12 @@ pub use elastic_ball::ElasticPoint;
 pub use ellipse::{Bend, Ellipse, EllipseSlip, Quadrature, power_of_many, pressed_radius};
 pub use friction::{Coulomb, FrictionLaw, friction_force};
 pub use held_ball::{HeldBall, HeldContact, HeldMotion};
-pub use hertz::{Axes, Curvatures, Groove, Hertz, Material, Member, contact_modulus};
+pub use hertz::{Axes, Curvatures, Groove, Hertz, Material, Member, contact_modulus, max_pressure};
 pub use jam::{
     EntryStep, Wedge, apex_thrust, centrifugal_force, flat_stiffness, impact_force,
     linear_impact_force, step_thrust, track_friction, viscous_drag,
 };
-pub use jones::{Deformed, Displacement, Jones, Side};
+pub use jones::{Deformed, Displacement, Jones, Side, axial_displacement};
 pub use lubricant::{
     Band, BaseOil, Circling, ContactFilm, FilmState, Losses, Lubricant, Lubricated,
     LubricatedModel, LubricatedWorkspace, MixedFriction, Oil, OutsidePower, RacewayFriction,
@@ -88,18 +88,24 @@ pub use lubricant::{
     ZERO_CELSIUS, catalogue_friction, film_heating,
 };
 pub use model::{Model, ModelWorkspace, Problem};
-pub use operating_point::OperatingPoint;
+pub use operating_point::{OperatingPoint, takes};
 pub use permanent_set::{PermanentSet, yield_ratio};
 pub use pressed_ball::{PressedBall, Pressing};
 pub use quasi_static::{Driven, QuasiStatic, TwoContacts};
-pub use raceway_control::{Control, RacewayControl, RacewayWorkspace};
-pub use rigid::{FirstOrder, Rigid, RigidRoot, RigidWorkspace, SEARCHED_FROM, UNIQUE_BELOW};
+pub use raceway_control::{
+    Control, RacewayControl, RacewayWorkspace, cross_slip, excess_of_nut, rolling_precession,
+    rolling_torque, skid_number, spread_of_control,
+};
+pub use rigid::{
+    FirstOrder, Plane, Rigid, RigidBall, RigidMotion, RigidRoot, RigidWorkspace, Sweeps,
+};
 pub use sensitivity::Transmitted;
 pub use slip::{Sliding, SlipPower, SteadyBall, Touch, rim_speed};
 pub use solution::{Direction, Evidence, Reason, Solution, Status, Unsolved};
 pub use state::{
     BallState, ContactState, ErrorBound, MOST_LOSS_ERROR, Others, Pressed, RaceControl,
-    SkidNumbers, Slip, SolveInfo, Solved, Transmission, loss_error, quadrature_error,
+    SkidNumbers, Slip, SolveInfo, Solved, Transmission, friction_angle, loss_error, onset_number,
+    quadrature_error,
 };
 pub use traction::{
     FAST_NUT, FOUND as TRACTION_FOUND, SKIDS, START as TRACTION_START, Scaled, Traction,

@@ -2,19 +2,33 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equation (R1).
 
-use std::ops::RangeInclusive;
-
 use bsm_kin::{Drive, Helix, Scalar};
+use bsm_simd::Compare;
 
 use crate::balance::{Ball, Load, ideal_torque};
 use crate::{Coulomb, Direction, Reason, Unsolved};
 
 /// Inertia ratios whose squares and ratios to loads double precision has room for. The extremes of
 /// practice and far beyond are between 1e-45 and 1e20.
-const INERTIA: RangeInclusive<f64> = 1e-100..=1e28;
+const INERTIA: [f64; 2] = [1e-100, 1e28];
 
 /// Friction below this is none: it would drown in the rounding of the loads.
 const LEAST_FRICTION: f64 = 1e-12;
+
+/// Where a model of friction and inertia takes these, for one point or for several side by side.
+///
+/// * `inertia_ratio`: `$\mu = m r_m W^2/F_a$`.
+#[expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+#[inline(always)]
+pub fn takes<F: Compare>(friction: F, inertia_ratio: F) -> F::Mask {
+    let [least, most] = INERTIA;
+    friction.constant(LEAST_FRICTION).le(friction)
+        & friction.constant(least).le(inertia_ratio)
+        & inertia_ratio.le(friction.constant(most))
+}
 
 /// A ball screw at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,13 +91,11 @@ impl<D: Scalar> OperatingPoint<D> {
         let Self { helix, ball, drive, load, .. } = self;
         let w = drive.relative_speed();
         let direction = Direction::of(w.re()).ok_or(Unsolved::invalid(Reason::NoRelativeSpeed))?;
-        let r_b = ball.radius;
-        // Lengths in r_b, forces in F_a, speeds in W                      (R1)
-        let helix = Helix { radius: helix.radius / r_b, ..*helix };
-        let mass = ball.mass * r_b * w * w / load.per_ball();
+        let helix = Helix { radius: helix.radius / ball.radius, ..*helix };
+        let mass = ball.scaled_mass(w, load.per_ball());
         let nut_speed = drive.nut_speed / w;
         let inertia_ratio = (mass * helix.radius).re();
-        if !INERTIA.contains(&inertia_ratio) || !nut_speed.re().is_finite() {
+        if !(INERTIA[0]..=INERTIA[1]).contains(&inertia_ratio) || !nut_speed.re().is_finite() {
             return Err(Unsolved::invalid(Reason::InertiaOutOfRange { inertia_ratio }));
         }
         Ok(OwnUnits { helix, ball: Ball { radius: D::from(1.0), mass }, nut_speed, direction })
@@ -91,6 +103,6 @@ impl<D: Scalar> OperatingPoint<D> {
 
     /// Torque of the frictionless screw.
     pub(crate) fn ideal_torque(&self) -> D {
-        ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle)
+        ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle.tan())
     }
 }

@@ -1,12 +1,18 @@
 //! Raceway control: elastic contacts without friction in the balance, rolling kinematics, and
 //! friction power from the slip that is left.
 //!
-//! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W15).
+//! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W16).
+
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
 
 mod balance;
 mod sensitivities;
 
-use bsm_kin::{Motion, Scalar};
+use bsm_kin::{Field, Motion, Scalar};
+use bsm_simd::Compare;
 use nalgebra::Vector3;
 
 pub(crate) use self::balance::STATIC;
@@ -89,7 +95,7 @@ pub(crate) fn rolling<D: Scalar>(
     let between = cos_n * cos_s + sin_n * sin_s;
     // Radius of the ball over arc length per radian, r_b/d.
     let lever = size * cos_a;
-    let p = precession(control, lever * cos_a, (cos_n, cos_s), between);
+    let p = rolling_precession(control == Control::Nut, lever * cos_a, [cos_n, cos_s], between);
     // ω'_t = W sinα / 2                                                   (W3)
     let along = sin_a * 0.5;
     let one = D::from(1.0);
@@ -110,15 +116,65 @@ pub(crate) fn rolling<D: Scalar>(
 /// Precession of the rolling ball relative to the nut over the relative speed, from the cosines of
 /// both contact angles and of their difference (W4), (W6).
 ///
+/// * `by_nut`: where the nut controls.
 /// * `lever`: `$(r_b/d)\cos\alpha$`.
-fn precession<D: Scalar>(control: Control, lever: D, (nut, screw): (D, D), between: D) -> D {
-    let one = D::from(1.0);
-    match control {
-        // p = (1 − (r_b/d) cosα cosβ_B) / (1 + cos(β_A − β_B))            (W4)
-        Control::Nut => (one - lever * screw) / (one + between),
-        // p = (cos(β_A − β_B) − (r_b/d) cosα cosβ_A) / (1 + cos(β_A − β_B))  (W6)
-        Control::Screw => (between - lever * nut) / (one + between),
-    }
+#[inline(always)]
+pub fn rolling_precession<F: Field>(
+    by_nut: F::Mask,
+    lever: F,
+    [nut, screw]: [F; 2],
+    between: F,
+) -> F {
+    let one = lever.constant(1.0);
+    // p = (1 − (r_b/d) cosα cosβ_B) / (1 + cos(β_A − β_B))                (W4)
+    // p = (cos(β_A − β_B) − (r_b/d) cosα cosβ_A) / (1 + cos(β_A − β_B))   (W6)
+    let (near, far) = (F::select(by_nut, one, between), F::select(by_nut, screw, nut));
+    (near - lever * far) / (one + between)
+}
+
+/// Difference of the cotangents of the contact angles between the balls that both races control, to
+/// first order (W16).
+///
+/// * `rates`: difference and sum of both `$P/W$`.
+#[inline(always)]
+pub fn spread_of_control<F: Compare>(inertia_ratio: F, cos_lead: F, rates: [F; 2]) -> F {
+    // Δc = μ cosα |P_A² − P_B²|/W²                                        (W16)
+    (inertia_ratio * cos_lead * rates[0] * rates[1]).abs()
+}
+
+/// By how much the spin friction moment of the nut exceeds that of the screw, relative (W7).
+///
+/// * `moments`: `$Q a E$` of both contacts. * `between`: `$\cos(\beta_A - \beta_B)$`.
+#[inline(always)]
+pub fn excess_of_nut<F: Field>(moments: [F; 2], between: F) -> F {
+    // Q_A a_A E_A cos(β_A − β_B) > Q_B a_B E_B                            (W7)
+    moments[0] * between / moments[1] - 1.0
+}
+
+/// Torque on the screw of a rolling ball from its friction power over `$W$`, in scaled units (W8).
+#[inline(always)]
+pub fn rolling_torque<F: Field>(ideal: F, friction_power: F, ball_radius: F, axial_load: F) -> F {
+    // T = T₀ + P_f/W                                                      (W8)
+    ideal + friction_power * ball_radius * axial_load
+}
+
+/// Gyroscopic over friction moment of the gripping ball (W9).
+///
+/// * `gyroscopic`: `$I |P \omega_n|$`. * `loads`: at nut and screw.
+#[inline(always)]
+pub fn skid_number<F: Compare>(gyroscopic: F, friction: F, [nut, screw]: [F; 2]) -> F {
+    // G = I |P ω_n| / (f Q r_b)                                           (W9)
+    gyroscopic / (friction * F::select(nut.lt(screw), nut, screw))
+}
+
+/// Slip that the lead forces across the grooves over the slip of the spin at the end of the
+/// ellipse (W10).
+///
+/// * `spins`: speeds of spin at the ends of both ellipses over `$r_b W$`.
+#[inline(always)]
+pub fn cross_slip<F: Compare>(sin_lead: F, spins: [F; 2]) -> F {
+    // χ = r_b W sinα / (2 |ω_spin| a)                                     (W10)
+    sin_lead * 0.5 / spins[0].larger(spins[1])
 }
 
 /// The state of a ball that grips.
@@ -212,18 +268,15 @@ impl Grip {
     /// That ball has contact angles that differ by other centrifugal forces, by `$\Delta c$` in their
     /// cotangents, which changes the ratio of the moments by `$\Delta c$` or less, to first order.
     fn is_clear(&self, pair: &ElasticBall) -> bool {
-        /// For all that is not of first order.
-        const SAFETY: f64 = 4.0;
         let balances = Control::ALL.map(|race| Balance::new(pair, race));
         if !balances.iter().all(Balance::is_unique) {
             return false;
         }
         let [nut, screw] =
             balances.map(|ball| ball.rolling(&self.loaded).precession + pair.nut_speed);
-        // Δc = μ cosα |P_A² − P_B²|/W²                                    (W16)
-        let apart =
-            pair.inertia_ratio() * pair.helix.lead_angle.cos() * (nut - screw) * (nut + screw);
-        nut_excess(pair, &self.loaded).abs() > SAFETY * apart.abs()
+        let rates = [nut - screw, nut + screw];
+        let apart = spread_of_control(pair.inertia_ratio(), pair.helix.lead_angle.cos(), rates);
+        nut_excess(pair, &self.loaded).abs() > RacewayControl::CLEAR * apart
     }
 
     /// The same to two digits, also where centrifugal forces are so large that raceway control
@@ -255,23 +308,19 @@ impl Grip {
     pub(crate) fn skid_number(&self, pair: &ElasticBall) -> f64 {
         let motion = pair.absolute(&self.to_nut, &self.loaded.frame);
         let omega = self.loaded.frame.to_frenet(&motion.omega);
-        let [nut, screw] = self.loaded.loads;
-        // G = I |P ω_n| / (f Q r_b)                                       (W9)
-        pair.ball.inertia() * (motion.precession * omega.y).abs() / (pair.friction * nut.min(screw))
+        let gyroscopic = pair.ball.inertia() * (motion.precession * omega.y).abs();
+        skid_number(gyroscopic, pair.friction, self.loaded.loads)
     }
 
     /// Slip that the lead forces across the grooves over the slip of the spin at the end of the
     /// ellipse (W10).
     fn cross_slip(&self, pair: &ElasticBall) -> f64 {
         let motions = to_both(&self.to_nut, &self.loaded.frame);
-        let spin = (0..2)
-            .map(|i| {
-                let (a, _) = pair.ellipse(i, &self.loaded).semi_axes;
-                motions[i].spin(&self.loaded.contacts[i]).abs() * a
-            })
-            .fold(0.0, f64::max);
-        // χ = r_b W sinα / (2 |ω_spin| a)                                 (W10)
-        0.5 * pair.helix.lead_angle.sin() / spin
+        let spins = [0, 1].map(|i| {
+            let (a, _) = pair.ellipse(i, &self.loaded).semi_axes;
+            motions[i].spin(&self.loaded.contacts[i]).abs() * a
+        });
+        cross_slip(pair.helix.lead_angle.sin(), spins)
     }
 }
 
@@ -288,6 +337,14 @@ impl RacewayControl {
     /// `$\sin\alpha/2$`.
     pub const CREEP: f64 = 1e-4;
 
+    /// Excess of one spin moment over [`spread_of_control`] from which the race is the same at the balls of both:
+    /// for all that is not of first order.
+    pub const CLEAR: f64 = 4.0;
+
+    /// Inertia (W17) up to which no ball was seen to have a second root: the least of those that have one is
+    /// 3.8, and (W15) excludes one below 0.25.
+    pub const UNIQUE_BELOW: f64 = 2.0;
+
     /// Solves for loads and contact angles, takes the rolling motion, and integrates the friction
     /// power of the slip that it leaves.
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
@@ -303,8 +360,8 @@ impl<D: Scalar> ElasticPoint<D> {
     /// Torques of the frictionless screw and on the screw, from the scaled friction power over `$W$`.
     pub(crate) fn rolling_torques(&self, friction_power: D) -> (D, D) {
         let ideal = self.point.ideal_torque();
-        // T = T₀ + P_f/W                                                  (W8)
-        let torque = ideal + friction_power * self.point.ball.radius * self.point.load.axial;
+        let (radius, axial) = (self.point.ball.radius, self.point.load.axial);
+        let torque = rolling_torque(ideal, friction_power, radius, axial);
         (ideal, torque)
     }
 }
@@ -369,8 +426,7 @@ fn nut_excess(pair: &ElasticBall, loaded: &Loaded<f64>) -> f64 {
         let (load, (a, _)) = (loaded.loads[i], pair.semi_axes[i]);
         load * load.cbrt() * a * pair.hertz[i].second_integral
     };
-    // Q_A a_A E_A cos(β_A − β_B) > Q_B a_B E_B                            (W7)
-    moment(0) * (2.0 * loaded.tilt).cos() / moment(1) - 1.0
+    excess_of_nut([moment(0), moment(1)], (2.0 * loaded.tilt).cos())
 }
 
 #[cfg(test)]

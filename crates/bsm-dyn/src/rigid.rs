@@ -3,30 +3,33 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`.
 
+mod ball;
 mod curve;
-pub(crate) mod first_order;
+mod equations;
+mod first_order;
 mod root;
-mod scaled;
 mod search;
 mod sensitivities;
+mod sweep;
 mod trig_quadratic;
 
-use bsm_kin::{Motion, Scalar, Site};
+use bsm_kin::{Motion, Over, Scalar};
 use bsm_newton::{Equations, EvalError, Linear};
+use nalgebra::Vector3;
 
-pub use self::first_order::{FirstOrder, SEARCHED_FROM, UNIQUE_BELOW};
+pub use self::ball::{Plane, RigidBall, RigidMotion};
+use self::equations::RigidEquations;
+pub use self::equations::Unknowns;
+pub use self::first_order::FirstOrder;
 pub use self::root::RigidWorkspace;
 use self::root::Root;
-pub use self::scaled::Unknowns;
-use self::scaled::{Scaled, State};
-use crate::balance::{POWER_BALANCE_TOL, torque};
+pub use self::sweep::Sweeps;
+use crate::balance::POWER_BALANCE_TOL;
 use crate::ball_unknowns::BALL;
-use crate::ball_unknowns::unknown::{MINOR_LOAD, NUT_LOAD, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN};
 use crate::operating_point::OwnUnits;
-use crate::state::in_frenet;
 use crate::{
-    BallState, ContactState, Direction, Model, OperatingPoint, Reason, Solution, SolveInfo, Solved,
-    Transmission, Unsolved,
+    Angles, BallState, ContactState, Direction, Model, OperatingPoint, Reason, Slip, Solution,
+    SolveInfo, Solved, Transmission, Unsolved, friction_angle,
 };
 
 /// Inputs of the rigid model: the contact angle is that of all three contacts.
@@ -53,7 +56,7 @@ pub struct RigidRoot {
     pub tau: f64,
     /// `$s = I P\sigma/(r_b F_a)$`, `$\sigma$` the spin about the common normal.
     pub s: f64,
-    /// Newton steps of all solves.
+    /// Sweeps, or Newton steps from where the search has found it.
     pub steps: usize,
     /// Scaled residual.
     pub residual: f64,
@@ -66,7 +69,7 @@ pub struct RigidSystem {
     pub weights: [f64; BALL],
     /// First-order start.
     pub start: [f64; BALL],
-    equations: Scaled<f64>,
+    equations: RigidEquations<f64>,
 }
 
 impl RigidSystem {
@@ -75,10 +78,10 @@ impl RigidSystem {
     ///
     /// `None` without friction or relative speed.
     pub fn of(case: &Rigid) -> Option<Self> {
-        let equations = case.scaled().ok()?;
-        let first = FirstOrder::of(&equations);
-        let (weights, start) = (equations.weights(first.normal_moment()), first.unknowns().into());
-        Some(Self { weights, start, equations })
+        let ball = case.ball().ok()?;
+        let first = ball.first_order();
+        let (weights, start) = (ball.weights(first.rate), ball.start_of(&first).into());
+        Some(Self { weights, start, equations: RigidEquations { ball, from_ground: false } })
     }
 
     /// The seven equations (R8) in any scalar.
@@ -86,8 +89,8 @@ impl RigidSystem {
     /// # Errors
     ///
     /// [`EvalError`] where friction or the gyroscopic moment has no direction.
-    pub fn evaluate<D: Scalar>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
-        self.equations.lift().residual(y)
+    pub fn evaluate<D: Over<f64>>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
+        self.equations.residual(y)
     }
 }
 
@@ -107,11 +110,12 @@ impl Equations<BALL> for RigidSystem {
 
 impl<D: Scalar> Rigid<D> {
     /// The point in the model's own units, or why there is none.
-    fn scaled(&self) -> Result<Scaled<D>, Unsolved> {
+    fn ball(&self) -> Result<RigidBall<D>, Unsolved> {
         let OwnUnits { helix, ball, nut_speed, direction } = self.point.in_own_units()?;
         self.point.require_friction()?;
-        let (angle, signed) = (self.point.contact_angle, self.point.friction.0 * direction.sign());
-        Ok(Scaled::new(helix, angle, signed, ball.mass, nut_speed))
+        let angles = Angles { lead: helix.lead_angle, contact: self.point.contact_angle };
+        let signed = self.point.friction.0 * direction.sign();
+        Ok(RigidBall::new(angles.sines(), helix.radius, ball.mass, nut_speed, signed))
     }
 
     /// Which side drives.
@@ -119,12 +123,9 @@ impl<D: Scalar> Rigid<D> {
         Direction::of(self.point.drive.relative_speed().re()).expect("the point was scaled")
     }
 
-    /// Torques of the frictionless screw and on the screw.
-    fn torques(&self, case: &Scaled<D>, state: &State<D>) -> (D, D) {
-        let ideal = self.point.ideal_torque();
-        let moment = self.point.ball.radius * self.point.load.per_ball();
-        let screw = torque(&state.wrench[2], case.helix.radius, &case.frame);
-        (ideal, screw * moment * self.point.load.balls)
+    /// Unit of torques, of all balls together: `$r_b F_a Z$` \[N·m\].
+    fn torque_unit(&self) -> D {
+        self.point.ball.radius * self.point.load.axial
     }
 }
 
@@ -133,14 +134,14 @@ impl Rigid {
     ///
     /// `None` without friction or relative speed.
     pub fn first_order(&self) -> Option<FirstOrder> {
-        self.scaled().ok().map(|case| FirstOrder::of(&case))
+        self.ball().ok().map(|ball| ball.first_order())
     }
 
     /// Smallest lead angle from this point's upwards at which the equations have a root \[rad\].
     ///
     /// `None` if none was found, or without friction or relative speed.
     pub fn critical_lead_angle(&self, work: &mut RigidWorkspace) -> Option<f64> {
-        root::critical_lead_angle(&self.scaled().ok()?, work)
+        root::critical_lead_angle(&self.ball().ok()?, work)
     }
 
     /// The root in the unknowns of the theory.
@@ -149,46 +150,27 @@ impl Rigid {
     ///
     /// Status and reason if there is none.
     pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, Unsolved> {
-        let (case, Root { unknowns: y, steps, residual, .. }) = self.find(work)?;
-        let (sin, cos) = y[SLIP_ANGLE].sin_cos();
-        let (p, _) = case.rates(&y);
-        Ok(RigidRoot {
-            nut_load: y[NUT_LOAD],
-            minor_load: y[MINOR_LOAD],
-            screw_load: y[SCREW_LOAD],
-            p,
-            u: -y[SLIP] * cos,
-            tau: y[SLIP] * sin - p * case.arc,
-            s: y[SPIN],
-            steps,
-            residual,
-        })
-    }
-
-    fn find(&self, work: &mut RigidWorkspace) -> Result<(Scaled<f64>, Root), Unsolved> {
-        let case = self.scaled()?;
-        let root = root::find(&case, work)?;
-        Ok((case.counted(root.from_ground), root))
+        let Root { motion, steps, residual, .. } = root::find(&self.ball()?, work)?;
+        let ([nut_load, minor_load, screw_load], [u, _, tau]) = (motion.loads, motion.omega);
+        let (p, s) = (motion.precession, motion.spin_moment);
+        Ok(RigidRoot { nut_load, minor_load, screw_load, p, u, tau, s, steps, residual })
     }
 
     /// Solves for the steady motion of the ball.
     pub fn solve(&self, work: &mut RigidWorkspace) -> Solution {
-        let solved = self.find(work);
-        let answer =
-            solved.and_then(|(case, root)| {
-                let solved = self.balanced(&case, &root)?;
-                let Some(others) = &root.others else { return Ok(solved) };
-                let others = others.iter();
-                Ok(solved.among(others.filter_map(|other| {
-                    self.balanced(&case.counted(other.from_ground), other).ok()
-                })))
-            });
+        let answer = self.ball().and_then(|ball| {
+            let root = root::find(&ball, work)?;
+            let solved = self.balanced(&ball, &root)?;
+            let Some(others) = &root.others else { return Ok(solved) };
+            let others = others.iter().filter_map(|other| self.balanced(&ball, other).ok());
+            Ok(solved.among(others))
+        });
         Solution::new(Model::Rigid, answer)
     }
 
     /// The answer of a root whose powers balance.
-    fn balanced(&self, case: &Scaled<f64>, root: &Root) -> Result<Solved, Unsolved> {
-        let solved = self.solved(case, root);
+    fn balanced(&self, ball: &RigidBall, root: &Root) -> Result<Solved, Unsolved> {
+        let solved = self.solved(ball, root);
         let imbalance = solved.transmission.power_balance.unwrap_or(f64::NAN);
         if imbalance.abs() <= POWER_BALANCE_TOL {
             return Ok(solved);
@@ -197,46 +179,36 @@ impl Rigid {
     }
 
     /// The answer in SI units.
-    fn solved(&self, case: &Scaled<f64>, root: &Root) -> Solved {
-        let state = case.state(&root.unknowns).expect("the residual was evaluated at the root");
+    fn solved(&self, ball: &RigidBall, root: &Root) -> Solved {
         let (w, r_b) = (self.point.drive.relative_speed(), self.point.ball.radius);
-        let per_ball = self.point.load.per_ball();
-
-        let to_nut = state.to_nut;
-        let motion = to_nut.relative_to(-case.nut_speed, &case.frame);
-        let motion = Motion { precession: state.precession, ..motion };
-        let to_screw = to_nut.relative_to(1.0, &case.frame);
-        // Of A, A' and B in the order of the unknowns.
-        let [nut, minor, screw] = std::array::from_fn(|i| {
-            let (contact, load) = (&case.contacts[i], root.unknowns[i] * per_ball);
-            let motion = if contact.site == Site::Screw { &to_screw } else { &to_nut };
-            let slip = state.slip[i] * (w * r_b);
-            ContactState::sliding((self.point.contact_angle, load), contact, motion, &slip, w)
-        });
-        let ball = BallState {
-            motion: Some(in_frenet(&motion, &case.frame, w)),
-            nut,
-            screw,
-            minor: Some(minor),
+        let (motion, per_ball) = (&root.motion, self.point.load.per_ball());
+        let spins = ball.spins(motion);
+        let contact = |i: usize| {
+            let slip = Slip { speed: motion.speeds[i] * (w * r_b).abs(), spin: spins[i] * w };
+            ContactState {
+                angle: self.point.contact_angle,
+                load: Some(motion.loads[i] * per_ball),
+                slip_angle: Some(friction_angle(motion.directions[i].map(|x| x * -w))),
+                slip: Some(slip),
+                pressed: None,
+            }
+        };
+        let omega = Vector3::from(ball.angular_velocity(motion)) * w;
+        let state = BallState {
+            motion: Some(Motion { precession: motion.rate * w, omega }),
+            nut: contact(0),
+            screw: contact(2),
+            minor: Some(contact(1)),
             axial_displacement: None,
         };
 
-        let (ideal, screw_torque) = self.torques(case, &state);
-        let friction_power = friction_power(case, &state, &root.unknowns)
-            * (r_b * per_ball)
-            * w
-            * self.point.load.balls;
-        let transmission = Transmission::of(self.direction(), ideal, screw_torque, w);
-        let transmission = transmission.against(friction_power);
+        let unit = self.torque_unit();
+        let (ideal, torque) = (ball.ideal_torque() * unit, ball.torque(motion) * unit);
+        let lost = ball.friction_power(motion) * unit * w.abs();
+        let transmission = Transmission::of(self.direction(), ideal, torque, w).against(lost);
         let info = SolveInfo { steps: root.steps, residual: root.residual };
-        Solved { info: Some(info), ..Solved::new(&ball, transmission) }
+        Solved { info: Some(info), ..Solved::new(&state, transmission) }
     }
-}
-
-/// Friction power of all contacts `$\sum_c f Q_c |V_c|$` over `$W$`, in scaled units (R21).
-fn friction_power(case: &Scaled<f64>, state: &State<f64>, y: &Unknowns<f64>) -> f64 {
-    // P_f = Σ f Q_c |V_c|                                                 (R21)
-    state.slip.iter().zip(y.iter()).map(|(v, q)| case.signed_friction * q * v.norm()).sum()
 }
 
 #[cfg(test)]

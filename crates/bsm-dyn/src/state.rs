@@ -2,7 +2,7 @@
 //!
 //! SI units and radians. Loads are per ball, torque and powers of all loaded balls together.
 
-use bsm_kin::{BallFrame, Contact, Motion, Site};
+use bsm_kin::{BallFrame, Contact, Field, Motion, Site};
 use bsm_simd::Compare;
 use nalgebra::Vector3;
 
@@ -94,8 +94,7 @@ impl SkidNumbers {
     /// Skid number of a ball whose friction is already spent on the slip of the lead (W11): below
     /// 0.1 the ball grips, above 2 friction is nearly saturated.
     pub fn onset_number(&self) -> Option<f64> {
-        // S = G √(1 + χ²)                                                 (W11)
-        Some(self.skid_number? * self.cross_slip?.hypot(1.0))
+        Some(onset_number(self.skid_number?, self.cross_slip?))
     }
 
     /// What the ball does.
@@ -167,6 +166,29 @@ pub const MOST_LOSS_ERROR: f64 = 0.5;
 pub fn quadrature_error<F: Compare>(difference: F, accuracy: f64) -> F {
     // δη = max(20 |η'(y') − η(y)|, ε/200, 10⁻⁹)                           (T25)
     (difference.abs() * 20.0).larger(difference.constant((accuracy / 200.0).max(1e-9)))
+}
+
+/// Skid number of a ball whose friction is already spent on the slip of the lead, see
+/// [`SkidNumbers::onset_number`] (W11).
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn onset_number<F: Field>(skid_number: F, cross_slip: F) -> F {
+    // S = G √(1 + χ²)                                                     (W11)
+    skid_number * (cross_slip.square() + 1.0).sqrt()
+}
+
+/// Direction of a friction force on the ball \[rad\] from its parts across the groove and along the helix; see
+/// [`Contact::slip_angle`].
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
+    along.zip(across, f64::atan2)
 }
 
 /// Error of the power that is lost, relative to it; not finite where the error may be all of the efficiency.
@@ -280,7 +302,7 @@ impl Transmission {
     /// Of a torque on the screw and that of the frictionless screw \[N·m\], at a relative speed
     /// \[rad/s\].
     pub(crate) fn of(direction: Direction, ideal: f64, torque: f64, speed: f64) -> Self {
-        let efficiency = efficiency(direction, ideal, torque);
+        let efficiency = efficiency(direction.is_back(), ideal, torque);
         Self {
             efficiency,
             self_locking: efficiency <= 0.0,

@@ -227,8 +227,8 @@ impl Rolling<'_> {
             let further = step.iter().zip(slope).map(|(x, slope)| x * slope).sum::<f64>();
             let torque = found.transmitted.torque + further;
             let Helix { radius, lead_angle } = self.pair.helix;
-            let ideal = ideal_torque(1.0, radius, lead_angle);
-            crate::balance::efficiency(self.pair.direction, ideal, torque)
+            let ideal = ideal_torque(1.0, radius, lead_angle.tan());
+            crate::balance::efficiency(self.pair.direction.is_back(), ideal, torque)
         });
         let error = quadrature_error(other - efficiency, accuracy);
         if error.is_finite() { error } else { (1.0 - efficiency).abs() }

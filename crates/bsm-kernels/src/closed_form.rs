@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use bsm_case::units::{MM, direction_deg};
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Model;
+use bsm_dyn::balance::{Power, efficiency, ideal_torque};
 use bsm_simd::Simd;
 
 use crate::operand::{Given, Lane, Mask};
@@ -89,12 +90,11 @@ pub(super) fn transmit<S: Simd>(
     let normal = turns.select(ratio * load / balls, none);
     out.set(OutputKey::nut_normal_load_N, normal);
     out.set(OutputKey::screw_normal_load_N, normal);
-    // T₀ = F_a r_m tanα,  T = T₀/η or T₀ η                                (B8), (B9)
-    let ideal = load * (pitch * (0.5 * MM)) * tan_a;
+    let ideal = ideal_torque(load, pitch * (0.5 * MM), tan_a);
     let torque = turns.select(back.select(ideal * eta, ideal / eta), none);
     out.set(OutputKey::screw_torque_Nm, torque);
     if let Some((screw, nut)) = given.speeds() {
-        powers(out, back, (torque, ideal), screw - nut);
+        powers(out, (torque, ideal), screw - nut);
     }
 }
 
@@ -108,42 +108,38 @@ pub(super) fn transmit_torque<S: Simd>(
     unit: Lane<S>,
     speed: Lane<S>,
 ) -> Lane<S> {
-    // η = T₀/T or T/T₀                                                    (B8)
-    let eta = back.select(torque, ideal) / back.select(ideal, torque);
+    let eta = efficiency(back, ideal, torque);
     out.set(OutputKey::efficiency, eta);
     out.set_flag(OutputKey::self_locking, eta.le(eta.constant(0.0)));
     out.set(OutputKey::screw_torque_Nm, torque * unit);
-    powers(out, back, (torque * unit, ideal * unit), speed);
+    powers(out, (torque * unit, ideal * unit), speed);
     eta
 }
 
 /// Stores the violation of the power balance by a friction power, all over the same unit, and returns it.
+///
+/// * `speed`: its sign tells which side drives.
 #[inline(always)]
 pub(super) fn power_balance<S: Simd>(
     out: &mut Out<'_, '_>,
-    back: Mask<S>,
+    speed: Lane<S>,
     (torque, ideal): (Lane<S>, Lane<S>),
     lost: Lane<S>,
 ) -> Lane<S> {
-    let gained = back.select(ideal - torque, torque - ideal);
-    // (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)                    (B10)
-    let imbalance = (gained - lost) / torque.abs().max(ideal).max(lost);
+    let (zero, one) = (speed.constant(0.0), speed.constant(1.0));
+    let sense = speed.lt(zero).select(-one, one);
+    let imbalance = Power::transmitted(torque, ideal, sense).imbalance(lost);
     out.set(OutputKey::power_balance, imbalance);
     imbalance
 }
 
 /// Powers of a torque on the screw and of that of the frictionless screw.
 #[inline(always)]
-fn powers<S: Simd>(
-    out: &mut Out<'_, '_>,
-    back: Mask<S>,
-    (torque, ideal): (Lane<S>, Lane<S>),
-    speed: Lane<S>,
-) {
-    let (screw, load) = (torque * speed, ideal * speed);
+fn powers<S: Simd>(out: &mut Out<'_, '_>, (torque, ideal): (Lane<S>, Lane<S>), speed: Lane<S>) {
     // Not a number where there is no torque.
-    let carried = torque * 0.0;
-    out.set(OutputKey::input_power_W, back.select(carried - load, screw));
-    out.set(OutputKey::output_power_W, back.select(-screw, carried + load));
-    out.set(OutputKey::dissipated_power_W, screw - load);
+    let Power { input, output, dissipated } =
+        Power::transmitted(torque, ideal + torque * 0.0, speed);
+    out.set(OutputKey::input_power_W, input);
+    out.set(OutputKey::output_power_W, output);
+    out.set(OutputKey::dissipated_power_W, dissipated);
 }

@@ -2,7 +2,8 @@
 //! force, Eqs (S13) to (S28).
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::{Model, POWER_BALANCE_TOL, SlidingBall, SlidingMotion, SlidingState};
+use bsm_dyn::balance::ideal_torque;
+use bsm_dyn::{Model, POWER_BALANCE_TOL, SlidingBall, SlidingMotion, SlidingState, takes};
 use bsm_simd::{Simd, Slopes, WithSimd};
 
 use crate::closed_form::{power_balance, transmit_torque};
@@ -22,22 +23,6 @@ const MOST_STEPS: usize = 6;
 /// away, and of a state in its own scale, which leaves rounding.
 const NEAR: f64 = 1e-4;
 const SETTLED: f64 = 1e-8;
-
-/// What a state may leave of (S14) and (S20).
-const CLOSED: f64 = 1e-10;
-
-/// Logarithm of a `$q$` without inertia.
-const NO_INERTIA: f64 = -700.0;
-
-/// Relative changes up to which the curve is straight.
-const STRAIGHT: f64 = 0.1;
-
-/// [`Curve::scale`] is some third of a place.
-const LARGE: f64 = 3.0;
-
-/// Inertia ratios and friction that the model takes.
-const INERTIA: [f64; 2] = [1e-100, 1e28];
-pub(super) const LEAST_FRICTION: f64 = 1e-12;
 
 /// Loads over the axial load beyond which friction all but holds it, and rounding decides.
 const MOST_LOAD: f64 = 1e3;
@@ -133,21 +118,18 @@ impl<S: Simd> Skid<S> {
             approaches: [nut.hertz.compliance, screw.hertz.compliance],
             reach: pair.reach(),
         };
-        let [least, most] = INERTIA;
         let expected = pair.regular
-            & friction.abs().gt(one * LEAST_FRICTION)
+            & takes(friction.abs(), pair.inertia_ratio)
             // F tanα < 1                                                  (S12)
             & friction.lt(ball.cot)
-            & pair.nut_speed.abs().lt(one * MOST_NUT_SPEED)
-            & pair.inertia_ratio.gt(one * least)
-            & pair.inertia_ratio.lt(one * most);
+            & pair.nut_speed.abs().lt(one * MOST_NUT_SPEED);
         let curve = Curve { simd, ball };
         let (level, scale) = curve.begin(pair.cos_b / pair.sin_b, expected);
         // ln μ = ln M + 2 ln |(1 − g)/(π/d + Ω_n/W)|                      (S27)
         let ratio = (level.motion.inertia / level.motion.drive).abs();
         let here = level.state.centrifugal.ln() + ratio.ln() * 2.0;
-        let root = pair.inertia_ratio.ln() - here + NO_INERTIA;
-        let inside = level.found & root.lt(one * 0.0) & root.gt(one * NO_INERTIA);
+        let root = pair.inertia_ratio.ln() - here + bsm_dyn::Elastic::NO_INERTIA;
+        let inside = level.found & root.lt(one * 0.0) & root.gt(one * bsm_dyn::Elastic::NO_INERTIA);
         let guess = [root, level.place[1], level.place[2]];
         let node = curve.settle::<true>(guess, &scale, inside);
 
@@ -158,7 +140,7 @@ impl<S: Simd> Skid<S> {
         let digit = node.place[0].abs().max(one) * (4.0 * f64::EPSILON);
         let found = node.found
             & node.is_straight_from(&level, &scale)
-            & node.is_admissible()
+            & node.state.is_admissible(&node.motion)
             & node.state.along.lt(one * MOST_LOAD)
             & left.le(digit);
         let size = (node.state.centrifugal / pair.inertia_ratio).sqrt();
@@ -235,11 +217,11 @@ impl<S: Simd> Skid<S> {
             * (pair.cos_a * push + pair.sin_a * (q_b * sin[1] - push * x_b * cos[1]))
             + push * x_b * pair.sin_a
             - push * pair.cos_a * cos[1];
-        let ideal = radius * pair.sin_a / pair.cos_a;
+        let ideal = ideal_torque(pair.constant(1.0), radius, pair.sin_a / pair.cos_a);
         transmit_torque(out, back, (torque, ideal), units.ball * units.axial, units.speed);
         // P_f = Σ f Q_c |V_c|                                             (R21)
         let lost = self.ball.friction.abs() * (q_a * v_a + q_b * v_b);
-        power_balance(out, back, (torque, ideal), lost)
+        power_balance(out, units.speed, (torque, ideal), lost)
     }
 }
 
@@ -301,35 +283,16 @@ impl<S: Simd> Node<S> {
     /// Where the centrifugal force is proportional to `$q$` from `level` on, and nothing else changes.
     #[inline(always)]
     fn is_straight_from(&self, level: &Self, scale: &Scale<S>) -> Mask<S> {
-        let most = self.left.constant(-NO_INERTIA);
+        let most = self.left.constant(-bsm_dyn::Elastic::NO_INERTIA);
         let growth = (self.place[0] - level.place[0]).min(most).exp();
         let [nut, screw, c] = *scale;
-        let large = LARGE * STRAIGHT;
-        near(self.state.centrifugal / level.state.centrifugal, growth)
-            & near(self.motion.inertia, level.motion.inertia)
-            & near(self.motion.drive, level.motion.drive)
+        let large = bsm_dyn::Elastic::LARGE * bsm_dyn::Elastic::RISES;
+        let begin = (&level.state, &level.motion);
+        self.state.has_only_grown(&self.motion, begin, growth, bsm_dyn::Elastic::RISES)
             & (self.state.across[0] - level.state.across[0]).abs().le(nut * large)
             & (self.place[1] - level.place[1]).abs().le(screw * large)
             & (self.place[2] - level.place[2]).abs().le(c * large)
     }
-
-    /// Where the ball slides against friction on its flanks.
-    #[inline(always)]
-    fn is_admissible(&self) -> Mask<S> {
-        let zero = self.left.constant(0.0);
-        let (SlidingState { sin, cos, .. }, [a, b]) = (&self.state, self.motion.slip);
-        a.gt(zero)
-            & b.gt(zero)
-            & zero.le(sin[0])
-            & zero.le(sin[1])
-            & cos[0].gt(zero)
-            & cos[1].gt(zero)
-    }
-}
-
-#[inline(always)]
-fn near<S: Simd>(x: Lane<S>, y: Lane<S>) -> Mask<S> {
-    (x - y).abs().le(y.abs() * STRAIGHT)
 }
 
 #[inline(always)]
@@ -360,7 +323,8 @@ impl<S: Simd> Curve<S> {
         let ([x, c], effect) = self.ball.level(log.exp());
         let found = expected & settled & effect.gt(x.constant(0.0));
         let scale = self.scale(x, x, c);
-        let mut level = self.settle::<false>([x.constant(NO_INERTIA), x, c], &scale, found);
+        let mut level =
+            self.settle::<false>([x.constant(bsm_dyn::Elastic::NO_INERTIA), x, c], &scale, found);
         level.steps = level.steps + steps;
         let [nut, screw] = level.state.across;
         let scale = self.scale(nut, screw, level.place[2]);
@@ -443,7 +407,8 @@ impl<S: Simd> Curve<S> {
         let (state, [a, b]) = self.ball.state([square.sqrt(), place[1]], beyond, q, place[2]);
         let motion = self.ball.motion(&state);
         let left = a.abs().max(b.abs());
-        let found = expected & settled & left.lt(one * CLOSED) & state.along.gt(zero);
+        let found =
+            expected & settled & left.lt(one * bsm_dyn::Elastic::CLOSED) & state.along.gt(zero);
         Node { place, state, motion, left, steps, found }
     }
 }

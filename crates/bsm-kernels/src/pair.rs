@@ -3,7 +3,7 @@
 
 use bsm_case::units::{DEG, MM, MPA, UM};
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::Member;
+use bsm_dyn::{Member, axial_displacement, max_pressure};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::Out;
@@ -176,14 +176,13 @@ impl<S: Simd> NullaryFnOnce for Contacts<'_, '_, '_, S> {
             let b = a * pressed.hertz.flatness;
             out.set(long, a / MM);
             out.set(short, b / MM);
-            // p_max = 3 Q / (2 π a b)                                         (H10)
-            out.set(pressure, q * 1.5 / (a * b * std::f64::consts::PI) / MPA);
+            out.set(pressure, max_pressure(q, (a, b)) / MPA);
             out.set(approach, side.approach * ball / UM);
         }
         let [a, b] = sides;
-        // δ_a = l_A sinβ_A + l_B sinβ_B − (l_A0 + l_B0) sinβ₀                 (J8)
         let both = pair.pressed[0].offset + pair.pressed[1].offset;
-        let displacement = a.length * a.sin + b.length * b.sin - both * pair.sin_b;
+        let displacement =
+            axial_displacement([a.length, b.length], [a.sin, b.sin], both * pair.sin_b);
         out.set(OutputKey::axial_displacement_um, displacement * ball / UM);
     }
 }

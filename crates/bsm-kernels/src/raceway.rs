@@ -5,7 +5,8 @@ mod friction;
 mod oil;
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::{Control, Model};
+use bsm_dyn::balance::ideal_torque;
+use bsm_dyn::{Ball, Control, Model, cross_slip, onset_number, rolling_torque, skid_number};
 use bsm_simd::Simd;
 
 pub(super) use self::balance::{Balanced, Grip};
@@ -100,7 +101,7 @@ impl<S: Simd> Motion<S> {
         let slip = pair.sin_a * 0.5 * w.abs() * units.ball;
         out.set(OutputKey::nut_slip_velocity_m_s, slip);
         out.set(OutputKey::screw_slip_velocity_m_s, slip);
-        // ψ = atan2(−V_y, −V_x)                                           (K15)
+        // Friction is along e_x, or against it where the load drives.
         let zero = w.constant(0.0);
         let angle = w.lt(zero).select(zero.constant(180.0), zero);
         out.set(OutputKey::nut_slip_angle_deg, angle);
@@ -147,9 +148,8 @@ fn transmit<S: Simd>(
         // P_f = Σ f Q ∫ dP                                                (P7)
         (friction * (nut.load * nut_power + screw.load * screw_power), friction)
     };
-    // T₀ = F_a r_m tanα,  T = T₀ + P_f/W                                  (B9), (W8)
-    let ideal = units.axial * units.pitch * (pair.sin_a / pair.cos_a);
-    let mut torque = ideal + back.select(-loss, loss) * units.ball * units.axial;
+    let ideal = ideal_torque(units.axial, units.pitch, pair.sin_a / pair.cos_a);
+    let mut torque = rolling_torque(ideal, back.select(-loss, loss), units.ball, units.axial);
     if let Some(oiled) = &oiled {
         // T = Z T_ball + Σ P/W                                            (Y27)
         torque = torque + oiled.outside.of_balls() / units.speed;
@@ -172,15 +172,13 @@ pub(super) fn regime<S: Simd>(
 ) -> Lane<S> {
     let [a, b] = &grip.sides;
     let rate = motion.p + pair.nut_speed;
-    // G = I |P ω_n| / (f Q r_b), I = (2/5) m r_b²                         (W9), (B2)
-    let skid = units.mass * 0.4 * (rate * motion.omega[0]).abs() / (friction * a.load.min(b.load));
+    let ball = Ball { radius: pair.constant(1.0), mass: units.mass };
+    let gyroscopic = ball.inertia() * (rate * motion.omega[0]).abs();
+    let skid = skid_number(gyroscopic, friction, [a.load, b.load]);
     let [slip_a, slip_b] = &motion.spin;
     let slip_a = slip_a.abs() * a.growth * pair.pressed[0].hertz.semi_axis;
     let slip_b = slip_b.abs() * b.growth * pair.pressed[1].hertz.semi_axis;
-    // χ = r_b W sinα / (2 |ω_spin| a)                                     (W10)
-    let cross_slip = pair.sin_a * 0.5 / slip_a.max(slip_b);
-    // S = G √(1 + χ²)                                                     (W11)
-    let onset = skid * (cross_slip * cross_slip + 1.0).sqrt();
+    let onset = onset_number(skid, cross_slip(pair.sin_a, [slip_a, slip_b]));
     for (key, x) in [(OutputKey::skid_number, skid), (OutputKey::onset_number, onset)] {
         let finite = x.lt(x.constant(f64::INFINITY));
         out.set(key, finite.select(x, x.constant(f64::NAN)));

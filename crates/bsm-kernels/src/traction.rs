@@ -5,15 +5,16 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use bsm_case::{InputKey, OutputKey, Settings};
+use bsm_dyn::balance::ideal_torque;
 use bsm_dyn::{
     FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKIDS, Scaled, TRACTION_FOUND,
     TRACTION_START, TractionMany, TractionRoot, TractionStart, loss_error, quadrature_error,
-    slip_scale,
+    slip_scale, takes,
 };
 use bsm_simd::{Arch, BLOCK, NullaryFnOnce, Simd, WithSimd};
 
 use crate::closed_form::{power_balance, transmit_torque};
-use crate::elastic::{LEAST_FRICTION, Skid};
+use crate::elastic::Skid;
 use crate::operand::{Given, Lane, Lawful, Mask};
 use crate::pair::{Contacts, InUnits, Pair};
 use crate::raceway::{Balanced, Motion, regime};
@@ -187,7 +188,7 @@ fn start<S: Simd>(
     let one = pair.constant(1.0);
     let friction = point.friction.abs();
     let grip = given.simd.vectorize(Balanced { pair, control: None });
-    let mut found = grip.found & one.constant(LEAST_FRICTION).le(friction);
+    let mut found = grip.found & takes(friction, pair.inertia_ratio);
     let motion = Motion::of(pair, &grip);
     let skid_number = regime(out, friction, (units, pair), (&grip, &motion));
     let [a, b] = &grip.sides;
@@ -267,11 +268,10 @@ fn outputs<S: Simd>(
     out.set(OutputKey::ball_omega_t_rad_s, pair.sin_a * along - pair.cos_a * around);
     out.set(OutputKey::ball_omega_n_rad_s, radial);
     out.set(OutputKey::ball_omega_b_rad_s, pair.cos_a * along + pair.sin_a * around);
-    // T₀ = F_a r_m tanα                                                   (B9)
-    let ideal = at.point.radius * pair.sin_a / pair.cos_a;
+    let ideal = ideal_torque(pair.constant(1.0), at.point.radius, pair.sin_a / pair.cos_a);
     let eta = transmit_torque(out, back, (root.torque, ideal), units.ball * units.axial, w);
     let power = back.select(-root.power, root.power);
-    let imbalance = power_balance(out, back, (root.torque, ideal), power);
+    let imbalance = power_balance(out, w, (root.torque, ideal), power);
     let torque = root.torque + root.error;
     let other = back.select(torque, ideal) / back.select(ideal, torque);
     let error = quadrature_error(other - eta, accuracy);

@@ -2,6 +2,7 @@
 
 use bsm_case::InputKey;
 use bsm_case::units::MM;
+use bsm_dyn::Ball;
 use bsm_simd::Simd;
 
 use crate::operand::{Given, Lane};
@@ -32,8 +33,6 @@ impl<S: Simd> Units<S> {
         let zero = ball.constant(0.0);
         let (screw_speed, nut_speed) = given.speeds().unwrap_or((zero, zero));
         let speed = screw_speed - nut_speed;
-        // m r_b W²/F_a, m = (4/3) π r_b³ ρ                                (R1), (B1)
-        let volume = ball * ball * ball * (4.0 / 3.0 * std::f64::consts::PI);
         let density = given.get(InputKey::density_kg_m3);
         Self {
             ball,
@@ -42,7 +41,7 @@ impl<S: Simd> Units<S> {
             load,
             speed,
             nut_speed,
-            mass: volume * density * ball * speed * speed / load,
+            mass: Ball::of_density(ball, density).scaled_mass(speed, load),
         }
     }
 }

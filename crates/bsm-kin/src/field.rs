@@ -5,7 +5,7 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use num_dual::{DualNum, DualNumCopy};
 
@@ -26,7 +26,10 @@ pub trait Field:
     + Mul<f64, Output = Self>
 {
     /// Yes or no, for each point.
-    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
+    type Mask: Copy
+        + BitAnd<Output = Self::Mask>
+        + BitOr<Output = Self::Mask>
+        + Not<Output = Self::Mask>;
 
     /// The same number at every point.
     #[must_use]

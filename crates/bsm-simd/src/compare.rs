@@ -19,6 +19,14 @@ pub trait Compare: Field {
     /// Sine and cosine of an angle; of lanes only from -π/2 to π/2 \[rad\].
     #[must_use]
     fn sin_cos_of_tilt(self) -> (Self, Self);
+    /// `self × b + c`; of lanes with one rounding.
+    #[must_use]
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    /// `c − self × b`; of lanes with one rounding.
+    #[must_use]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self;
+    /// True if true anywhere.
+    fn any(mask: Self::Mask) -> bool;
     /// A function of each number and that of another one.
     #[must_use]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
@@ -60,6 +68,21 @@ impl Compare for f64 {
     }
 
     #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        self * b + c
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        c - self * b
+    }
+
+    #[inline(always)]
+    fn any(mask: bool) -> bool {
+        mask
+    }
+
+    #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         f(self, other)
     }
@@ -92,6 +115,21 @@ impl<S: Simd, const N: usize> Compare for Lane<S, N> {
     fn sin_cos_of_tilt(self) -> (Self, Self) {
         let (sin, cos) = self.abs().sin_cos_first_quadrant();
         (self.lt(self.constant(0.0)).select(-sin, sin), cos)
+    }
+
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        self.mul_add(b, c)
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        self.neg_mul_add(b, c)
+    }
+
+    #[inline(always)]
+    fn any(mask: Mask<S, N>) -> bool {
+        mask.any()
     }
 
     #[inline(always)]

@@ -11,10 +11,7 @@ use super::forces::{CURVE, Forces, Place};
 use super::states::{SlidingMotion, SlidingState};
 use crate::ball_unknowns::BALL;
 use crate::elastic_ball::ElasticBall;
-use crate::{Evidence, Reason, Unsolved};
-
-/// Logarithm of a `$q$` without inertia: next to the smallest normal number.
-const NO_INERTIA: f64 = -700.0;
+use crate::{Elastic, Evidence, Reason, Unsolved};
 
 /// Steps along the curve, in units of [`Forces::scale`]; fifty are usual. Refined to rounding.
 const STRIDE: Stride = Stride {
@@ -27,13 +24,9 @@ const STRIDE: Stride = Stride {
     place: 1e-14,
 };
 
-/// Relative changes of the factors of (S27) from where the curve begins, up to which the curve is
-/// straight: a walk may begin there, and the inertia has only risen up to there.
+/// Relative change of the factors of (S27) from where the curve begins, up to which a walk may begin; the
+/// inertia has only risen up to [`Elastic::RISES`].
 const BEGINS: f64 = 0.01;
-const RISES: f64 = 0.1;
-
-/// [`Forces::scale`] is some third of a place: a third of a relative change in its units.
-const LARGE: f64 = 3.0;
 
 /// A state on the curve.
 #[derive(Debug, Clone, Copy)]
@@ -53,22 +46,17 @@ impl Node {
     /// logarithm, and nothing else in (S27) changes, nor the place but for `$q$`; to a relative
     /// `change`.
     fn is_straight_from(&self, level: &Self, rise: f64, change: f64, forces: &Forces<'_>) -> bool {
-        let near = |x: f64, y: f64| (x - y).abs() <= change * y.abs();
         // A place may be far from the begin and have the factors of the begin again.
         let scale = forces.scale(&level.z);
         let off = |i: usize| self.z[i] - level.z[i] - if i == 0 { rise } else { 0.0 };
-        near(self.state.centrifugal / level.state.centrifugal, rise.exp())
-            && near(self.motion.inertia, level.motion.inertia)
-            && near(self.motion.drive, level.motion.drive)
-            && (0..CURVE).all(|i| off(i).abs() <= LARGE * change * scale[i])
+        let (begin, factor) = ((&level.state, &level.motion), rise.exp());
+        self.state.has_only_grown(&self.motion, begin, factor, change)
+            && (0..CURVE).all(|i| off(i).abs() <= Elastic::LARGE * change * scale[i])
     }
 
     /// True if the ball slides against friction on its flanks.
     fn is_admissible(&self) -> bool {
-        let SlidingState { sin, cos, .. } = &self.state;
-        self.motion.slip.iter().all(|slip| *slip > 0.0)
-            && sin.iter().all(|sin| *sin >= 0.0)
-            && cos.iter().all(|cos| *cos > 0.0)
+        self.state.is_admissible(&self.motion)
     }
 }
 
@@ -137,8 +125,8 @@ impl Curve<'_> {
         // M ~ q, up to where the curve bends. Where nut and screw turn together, the inertia here
         // underflows, its logarithm does not.
         let here = Forces::log_inertia(&level.state, &level.motion);
-        let root = NO_INERTIA + inertia.ln() - here;
-        if root < NO_INERTIA {
+        let root = Elastic::NO_INERTIA + inertia.ln() - here;
+        if root < Elastic::NO_INERTIA {
             let reason = Reason::InertiaOutOfRange { inertia_ratio: inertia };
             return Err(Unsolved::invalid(reason));
         }
@@ -149,12 +137,17 @@ impl Curve<'_> {
     /// risen, so that no other root is before it.
     fn straight(&mut self, begin: &Begin) -> Option<Root> {
         let Begin { level, root } = begin;
-        let rise = UP * (root - NO_INERTIA);
+        let rise = UP * (root - Elastic::NO_INERTIA);
         let scale = self.scale(level);
         let (place, state) = self.forces.steady(level.place() + rise, &scale, &mut self.steps)?;
         let node = self.at(place, state);
         let sign = (level.motion.drive * level.motion.inertia).signum();
-        let is_first = node.is_straight_from(level, place[0] - NO_INERTIA, RISES, &self.forces);
+        let is_first = node.is_straight_from(
+            level,
+            place[0] - Elastic::NO_INERTIA,
+            Elastic::RISES,
+            &self.forces,
+        );
         // Where rounding decides, the search does its best.
         let left = self.forces.excess(&node.state, &node.motion)[usize::from(sign < 0.0)].abs();
         let is_exact = left <= digit(place[0]) * node.motion.drive.abs();
@@ -188,7 +181,10 @@ impl Curve<'_> {
                 }
                 // Beyond, friction is along the slip.
                 let [log, nut, screw, _] = *z;
-                root.is_none() && log >= NO_INERTIA && screw >= 0.0 && nut >= -self.forces.least()
+                root.is_none()
+                    && log >= Elastic::NO_INERTIA
+                    && screw >= 0.0
+                    && nut >= -self.forces.least()
             },
             &STRIDE,
         );
@@ -228,15 +224,15 @@ impl Curve<'_> {
     /// The state without inertia.
     fn level(&mut self) -> Option<Node> {
         let [x, c] = self.forces.begin(&mut self.steps)?;
-        let [log, _, screw, cotangent] = self.forces.scale(&[NO_INERTIA, x, x, c]);
-        self.node(Place::new(NO_INERTIA, x, c), &Place::new(log, screw, cotangent))
+        let [log, _, screw, cotangent] = self.forces.scale(&[Elastic::NO_INERTIA, x, x, c]);
+        self.node(Place::new(Elastic::NO_INERTIA, x, c), &Place::new(log, screw, cotangent))
     }
 
     /// A state below the first root, if that is at `root`: up to there the curve is straight.
     fn below(&mut self, level: Node, root: f64) -> Node {
         let scale = self.scale(&level);
         // exp(−5): less than a hundredth of the inertia.
-        let mut rise = root.min(0.0) - 5.0 - NO_INERTIA;
+        let mut rise = root.min(0.0) - 5.0 - Elastic::NO_INERTIA;
         while rise > 0.0 {
             // A root moves by a few per cent, not by a factor of a hundred.
             if let Some(node) = self.node(level.place() + UP * rise, &scale)

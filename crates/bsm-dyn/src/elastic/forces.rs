@@ -11,9 +11,9 @@ use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
 };
-use crate::cost;
 use crate::elastic_ball::ElasticBall;
 use crate::equations::linear;
+use crate::{Elastic, cost};
 
 /// Newton steps to a state of force; more means that the guess was not near it.
 const MOST_STEPS: usize = 12;
@@ -24,9 +24,6 @@ const LEVEL: f64 = 1e-9;
 /// Range of the cotangent of a loaded contact angle. The load turns the ball to a steeper angle, up to
 /// next to 90 deg on soft material; an unloaded angle of next to 0 has none that is a number.
 const COTANGENT: [f64; 2] = [1e-12, 1e12];
-
-/// What a state of force may leave of (S14) and (S20), both of size one; Newton leaves rounding.
-const CLOSED: f64 = 1e-10;
 
 /// Where the `$x$` of the nut follows from that of the screw: `$\ln q$`, `$x_B$`, `$c$`.
 pub(super) type Place = Vector3<f64>;
@@ -41,10 +38,10 @@ pub(super) struct Forces<'a> {
     ball: SlidingBall<f64>,
 }
 
-/// How many times more than [`CLOSED`] is rounding: where friction all but holds the load, `$Y$` is one over
+/// How many times more than [`Elastic::CLOSED`] is rounding: where friction all but holds the load, `$Y$` is one over
 /// a small difference.
 fn digits(state: &SlidingState<f64>) -> f64 {
-    (16.0 * f64::EPSILON / CLOSED * state.along).max(1.0)
+    (16.0 * f64::EPSILON / Elastic::CLOSED * state.along).max(1.0)
 }
 
 /// No forces belong to a place.
@@ -258,7 +255,7 @@ impl<'a> Forces<'a> {
             // A step leaves an error of about its square: rounding.
             if size < 1e-8 {
                 let (state, [a, b]) = self.state([place[0].exp(), place[1], place[2]])?;
-                let is_closed = a.abs().max(b.abs()) < CLOSED * digits(&state);
+                let is_closed = a.abs().max(b.abs()) < Elastic::CLOSED * digits(&state);
                 return is_closed.then_some((place, state));
             }
         }

@@ -9,6 +9,7 @@
 )]
 
 use bsm_kin::{Field, FieldOver};
+use bsm_simd::Compare;
 
 /// A ball that slides at both contacts, in units of ball radius, axial load per ball and relative speed;
 /// pairs are of nut and screw.
@@ -164,4 +165,39 @@ impl<P: Field> SlidingBall<P> {
         let circling = k.inertia * (s.centrifugal * self.inertia_ratio.recip()).sqrt();
         [circling - k.drive, circling + k.drive]
     }
+}
+
+impl<F: Compare> SlidingState<F> {
+    /// Where it slides against friction on its flanks.
+    #[inline(always)]
+    pub fn is_admissible(&self, motion: &SlidingMotion<F>) -> F::Mask {
+        let zero = self.along.constant(0.0);
+        let (Self { sin, cos, .. }, [a, b]) = (self, motion.slip);
+        a.gt(zero)
+            & b.gt(zero)
+            & zero.le(sin[0])
+            & zero.le(sin[1])
+            & cos[0].gt(zero)
+            & cos[1].gt(zero)
+    }
+
+    /// Where the centrifugal force has grown by a factor since a level, and nothing else in (S27) has
+    /// changed, to a relative `change`.
+    #[inline(always)]
+    pub fn has_only_grown(
+        &self,
+        motion: &SlidingMotion<F>,
+        (level, level_motion): (&Self, &SlidingMotion<F>),
+        factor: F,
+        change: f64,
+    ) -> F::Mask {
+        is_near(self.centrifugal / level.centrifugal, factor, change)
+            & is_near(motion.inertia, level_motion.inertia, change)
+            & is_near(motion.drive, level_motion.drive, change)
+    }
+}
+
+#[inline(always)]
+fn is_near<F: Compare>(x: F, y: F, change: f64) -> F::Mask {
+    (x - y).abs().le(y.abs() * change)
 }

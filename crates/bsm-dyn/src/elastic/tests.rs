@@ -9,7 +9,6 @@ use rand_chacha::ChaCha8Rng;
 
 use super::*;
 use crate::extreme::extreme;
-use crate::rigid::first_order::{Sliding, spin_moment};
 use crate::{Angles, Status};
 
 /// Random loads, angles and directions that carry the axial load at the nut, in the unknowns (S1).
@@ -152,8 +151,12 @@ fn a_slow_ball_moves_to_first_order() {
         let ((sin_a, cos_a), (sin_b, cos_b)) = (alpha.sin_cos(), beta.sin_cos());
         let angles = Angles { lead: alpha, contact: beta };
         let (signed, load) = (pair.signed_friction(), y[NUT_LOAD]);
-        let Sliding { slip_factor: d, sin_psi, cos_psi, precession: rigid, .. } =
-            Sliding::of(&angles, pair.helix.radius.recip());
+        // tanψ = tanα/cosβ                                                (R12)
+        let d = angles.slip_factor();
+        let (sin_psi, cos_psi) = (sin_a / cos_a / d, cos_b / d);
+        // p = 1/2 − (r_b cosα / 2 r_m)(cosα cosβ + sinα tanψ)             (R13)
+        let lever = cos_a * cos_b + sin_a * sin_a / (cos_a * cos_b);
+        let rigid = 0.5 - 0.5 * cos_a * lever / pair.helix.radius;
         // γ = sinβ − F (cosβ + F cosψ sinβ)/[cosψ (1 + F²)]               (S7)
         let gamma = sin_b
             - signed * (cos_b + signed * cos_psi * sin_b) / (cos_psi * (1.0 + signed * signed));
@@ -179,7 +182,8 @@ fn a_slow_ball_moves_to_first_order() {
         close(y[TILT], tilt);
         close(y[SLIP], slip);
         close(y[SLIP_ANGLE], sin_psi.atan2(cos_psi));
-        close(y[SPIN], spin_moment(&angles, signed, load));
+        // s = −2 F q cosψ / (cosα cosβ)                                       (R20)
+        close(y[SPIN], -2.0 * signed * load / (d * cos_a));
         tried += 1;
     }
 }

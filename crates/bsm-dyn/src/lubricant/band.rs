@@ -68,7 +68,8 @@ impl Lubricated {
         Some(Band {
             loss: [low, high],
             screw_torque: torques,
-            efficiency: torques.map(|torque| crate::balance::efficiency(direction, ideal, torque)),
+            efficiency: torques
+                .map(|torque| crate::balance::efficiency(direction.is_back(), ideal, torque)),
         })
     }
 

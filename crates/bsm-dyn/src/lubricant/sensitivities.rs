@@ -111,7 +111,7 @@ impl<const M: usize> Lubricated<Jet<M>> {
         let outside = self.outside(&pair, &steady);
         let (ideal, speed) = (screw.point.ideal_torque(), screw.point.drive.relative_speed());
         let torque = steady.torque + outside.of_balls() / speed;
-        let efficiency = efficiency(pair.direction, ideal, torque);
+        let efficiency = efficiency(pair.direction.is_back(), ideal, torque);
         let transmitted = Transmitted { efficiency, screw_torque: Some(torque) };
         Ok((transmitted, (torque - ideal) * speed + outside.seal))
     }

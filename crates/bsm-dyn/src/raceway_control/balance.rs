@@ -5,9 +5,10 @@
 use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
 use bsm_newton::{Bracket, EvalError, Options, Report, Scales, solve};
 
-use super::{Control, precession, rolling};
+use super::{Control, RacewayControl, rolling, rolling_precession};
 use crate::elastic_ball::{ElasticBall, Loaded};
 use crate::equations::{Workspace, equations};
+use crate::jones::axial_displacement;
 use crate::{Evidence, Reason, Unsolved, cost};
 
 /// Unknowns: the difference of the cotangents of the contact angles, and that at the screw (W12).
@@ -19,10 +20,6 @@ const MOST_STEPS: usize = 8;
 /// Passes of the rising bound (W14). Each is a fixed-point step; thousands are needed where the
 /// centrifugal force nearly touches what the flanks hold.
 const MOST_PASSES: usize = 20_000;
-
-/// Inertia (W17) up to which no ball was seen to have a second root: the least of those that have one is
-/// 3.8, and (W15) excludes one below 0.25.
-const UNIQUE_BELOW: f64 = 2.0;
 
 /// Steps of the scan for more roots.
 const SCAN: u32 = 48;
@@ -98,7 +95,8 @@ impl<'a, P: Scalar> Balance<'a, P> {
     /// `$P/W$` of the rolling ball.
     fn rate<D: Over<P>>(&self, nut: &Flank<D>, screw: &Flank<D>) -> D {
         let between = nut.cos * screw.cos + nut.sin * screw.sin;
-        let p = precession(self.control, D::from(self.lever), (nut.cos, screw.cos), between);
+        let by_nut = self.control == Control::Nut;
+        let p = rolling_precession(by_nut, D::from(self.lever), [nut.cos, screw.cos], between);
         p + D::from(self.pair.nut_speed)
     }
 
@@ -131,8 +129,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
         let mean = angles[1] - tilt;
         let frame = BallFrame::turned(D::from(self.pair.helix.lead_angle), mean);
         let unloaded = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.sin();
-        // δ_a = l_A sinβ_A + l_B sinβ_B − (l_A0 + l_B0) sinβ₀, Eq (J8)
-        let displacement = a.length * a.sin + b.length * b.sin - unloaded;
+        let displacement = axial_displacement([a.length, b.length], [a.sin, b.sin], unloaded);
         Loaded { loads: [a.load, b.load], tilt, angles, frame, contacts, displacement }
     }
 
@@ -198,7 +195,7 @@ impl Balance<'_> {
             Control::Screw => self.lever - nut,
         };
         // μ cosα |P|/W < 2, with the largest |P| that may still rise      (W17)
-        self.inertia * outwards < UNIQUE_BELOW
+        self.inertia * outwards < RacewayControl::UNIQUE_BELOW
     }
 
     /// Roots on the flanks whose contact angles differ by more than those of the first root `x`, up to

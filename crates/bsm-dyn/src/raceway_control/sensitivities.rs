@@ -27,7 +27,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
             let creep = RacewayControl::<f64>::CREEP;
             let power = inputs.friction_power(&loaded, &to_nut, creep, nodes);
             let (ideal, torque) = self.at.rolling_torques(power);
-            [efficiency(inputs.direction, ideal, torque), torque]
+            [efficiency(inputs.direction.is_back(), ideal, torque), torque]
         };
         // The nodes stand still in a derivative: only a fine rule has none to lose by that.
         let (values, slopes) = (transmitted(quadrature), transmitted(slopes));

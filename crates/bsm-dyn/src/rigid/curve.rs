@@ -2,9 +2,9 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R33) to (R42).
 
-use super::scaled::{Scaled, Unknowns};
+use super::ball::{RigidBall, RigidMotion};
 use super::trig_quadratic::{Line, Quadratic};
-use crate::{Angles, cost};
+use crate::{Sines, cost};
 
 /// What does not change along the curve; speeds over `$W$` with its sign, lengths in `$r_b$`.
 #[derive(Debug, Clone, Copy)]
@@ -124,23 +124,19 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 impl Curve {
-    pub(super) fn of(case: &Scaled<f64>) -> Self {
-        let angles = Angles { lead: case.helix.lead_angle, contact: case.contact_angle };
-        let (sin_a, cos_a) = angles.lead.sin_cos();
-        let (sin_b, cos_b) = angles.contact.sin_cos();
-        let factor = angles.slip_factor();
-        let signed = case.signed_friction;
+    pub(super) fn of(ball: &RigidBall<f64>) -> Self {
+        let Sines { sin_a, sin_b, cos_b, .. } = ball.sines;
         Self {
-            signed,
-            gyration: 5.0 * signed * sin_b * cos_b * case.helix.radius,
-            radius: case.helix.radius,
-            arc: case.arc,
-            nut: case.nut_speed,
-            inertia: case.inertia_ratio(),
+            signed: ball.signed,
+            gyration: 5.0 * ball.signed * sin_b * cos_b * ball.radius,
+            radius: ball.radius,
+            arc: ball.arc,
+            nut: ball.nut_speed,
+            inertia: ball.inertia_ratio,
             contact: [sin_b, cos_b],
-            psi: [sin_a / cos_a / factor, cos_b / factor],
-            axis: [cos_a * cos_b, sin_a],
-            thrust: cos_a * sin_b,
+            psi: [ball.sin_psi, ball.cos_psi],
+            axis: [ball.k_e, sin_a],
+            thrust: ball.k_n,
         }
     }
 
@@ -283,14 +279,15 @@ impl Curve {
         }
     }
 
-    /// The unknowns (R2) of a state, with P/W in the place of `$p$` if they count from the ground.
-    pub(super) fn unknowns(&self, point: &Point) -> (Unknowns<f64>, bool) {
+    /// The motion of a state.
+    ///
+    /// * `ball`: the one of this curve.
+    pub(super) fn motion(&self, ball: &RigidBall<f64>, point: &Point) -> RigidMotion<f64> {
         let [sin_b, cos_b] = self.contact;
         let [nut, minor] = point.loads;
         let (sin, cos) = point.turn.sin_cos();
         let b_t = -self.psi[0] * cos - self.psi[1] * sin;
         let tau = point.slip[1] - self.arc * point.precession;
-        let from_ground = point.rate.abs() < point.precession.abs();
         // Q_B = F_a/A, or as it balances the inertia where A vanishes against its parts  (R42)
         let balanced = self.inertia * point.rate * point.rate / point.centrifugal;
         let lost = point.axial * (point.precession.abs() + self.nut.abs());
@@ -298,15 +295,10 @@ impl Curve {
             if lost < self.thrust * point.rate.abs() { balanced } else { point.axial.recip() };
         // s = I P tanβ τ + 2 F Q_B b_t/k_t                                (R43)
         let gyroscopic = 0.4 * self.inertia / self.radius * point.rate * tau * sin_b / cos_b;
-        let unknowns = Unknowns::from([
-            nut * screw,
-            minor * screw,
-            screw,
-            if from_ground { point.rate } else { point.precession },
-            point.slip[0].hypot(point.slip[1]),
-            point.friction[0][1].atan2(point.friction[0][0]),
-            gyroscopic + 2.0 * self.signed * screw * b_t / self.axis[1],
-        ]);
-        (unknowns, from_ground)
+        let spin = gyroscopic + 2.0 * self.signed * screw * b_t / self.axis[1];
+        let loads = [nut * screw, minor * screw, screw];
+        let along = point.friction[0].map(|x| x / nut);
+        let slip = point.slip[0].hypot(point.slip[1]);
+        ball.motion(loads, [point.precession, point.rate], (slip, along), spin)
     }
 }

@@ -4,9 +4,8 @@
 
 use bsm_kin::Jet;
 
-use super::first_order::FirstOrder;
-use super::root::{self, SLOW};
-use super::{Rigid, RigidWorkspace};
+use super::equations::{LEAST_INERTIA, RigidEquations};
+use super::{Rigid, RigidWorkspace, root};
 use crate::balance::efficiency;
 use crate::ball_unknowns::BALL;
 use crate::elastic_ball::refused;
@@ -19,22 +18,21 @@ impl<const M: usize> Rigid<Jet<M>> {
         &self,
         work: &mut RigidWorkspace,
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
-        let inputs = self.scaled()?;
-        let start = FirstOrder::of(&inputs.map(|x| x.re));
-        told_by_inertia(SLOW * self.point.friction.0.re / start.size, |factor| {
-            let inputs = inputs.with_inertia(factor);
-            let point = inputs.map(|x| x.re);
-            let root = root::find(&point, work)?;
-            let (point, inputs) =
-                (point.counted(root.from_ground), inputs.counted(root.from_ground));
-            let weights = point.own_weights(&root.unknowns);
-            let residual = |y: &[_; BALL]| Ok(inputs.residual(&(*y).into())?.into());
+        let (inputs, values) = (self.ball()?, Rigid { point: self.point.values() }.ball()?);
+        let first = values.first_order();
+        told_by_inertia(LEAST_INERTIA * values.friction() / first.size, |factor| {
+            let (inputs, values) = (inputs.with_inertia(factor), values.with_inertia(factor));
+            let motion = root::find(&values, work)?.motion;
+            let (equations, unknowns) = RigidEquations::at(&values, &motion);
+            let weights = values.own_weights(&motion);
+            let moved = RigidEquations { ball: inputs, from_ground: equations.from_ground };
+            let residual = |y: &[_; BALL]| Ok(moved.residual(&(*y).into())?.into());
             let unknowns =
-                moving_root(&point, &root.unknowns.into(), &weights, residual, &mut work.0)?;
-            let state = inputs.state(&unknowns.into()).map_err(refused)?;
-            let (ideal, torque) = self.torques(&inputs, &state);
-            let efficiency = efficiency(self.direction(), ideal, torque);
-            Ok(Transmitted { efficiency, screw_torque: Some(torque) })
+                moving_root(&equations, &unknowns.into(), &weights, residual, &mut work.0)?;
+            let motion = moved.motion(&unknowns.into()).map_err(refused)?;
+            let (ideal, torque) = (inputs.ideal_torque(), inputs.torque(&motion));
+            let efficiency = efficiency(self.direction().is_back(), ideal, torque);
+            Ok(Transmitted { efficiency, screw_torque: Some(torque * self.torque_unit()) })
         })
     }
 }

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use approx::assert_relative_eq;
-use bsm_kin::{BallFrame, Drive, Helix, Motion};
+use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Site};
 use bsm_newton::{Options, Scales, solve};
 use bsm_sample::{Sample, campaign};
 use nalgebra::{Matrix4, Vector3, Vector4};
@@ -12,7 +12,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::curve::Curve;
-use super::root::MODERATE_INERTIA;
+use super::first_order::SEARCHED_FROM;
 use super::*;
 use crate::equations::Workspace;
 use crate::extreme::extreme;
@@ -33,71 +33,76 @@ fn screw(rng: &mut impl Rng) -> OperatingPoint {
 /// A start from random directions of slip at A, A' and B: the loads and the rate follow from the force
 /// balance, the slip at A from the direction at B, the spin from the moment about t. `None` if a load
 /// would pull.
-fn start(case: &Scaled<f64>, rng: &mut impl Rng) -> Option<(Unknowns<f64>, bool)> {
+fn start(
+    point: &OperatingPoint,
+    ball: &RigidBall,
+    rng: &mut impl Rng,
+) -> Option<(RigidEquations<f64>, Unknowns<f64>)> {
     let angles: [f64; 3] = std::array::from_fn(|_| rng.random_range(-PI..PI));
-    let friction = case.signed_friction;
+    let friction = ball.signed;
+    let frame = BallFrame::turned(point.helix.lead_angle, point.contact_angle);
+    let contacts = [Site::Nut, Site::NutMinor, Site::Screw]
+        .map(|site| Contact::new(site, point.contact_angle, &frame));
     let slips: [_; 3] = std::array::from_fn(|i| {
-        case.contacts[i].across * angles[i].cos() + BallFrame::tangent() * angles[i].sin()
+        contacts[i].across * angles[i].cos() + BallFrame::tangent() * angles[i].sin()
     });
-    let forces: [_; 3] = std::array::from_fn(|i| case.contacts[i].normal - slips[i] * friction);
+    let forces: [_; 3] = std::array::from_fn(|i| contacts[i].normal - slips[i] * friction);
     let mut balance = Matrix4::zeros();
     for (i, force) in forces.iter().enumerate() {
         balance.fixed_view_mut::<3, 1>(0, i).copy_from(force);
-        balance[(3, i)] = if i < 2 { force.dot(&case.frame.k) } else { 0.0 };
+        balance[(3, i)] = if i < 2 { force.dot(&frame.k) } else { 0.0 };
     }
-    balance.fixed_view_mut::<3, 1>(0, 3).copy_from(&-case.frame.n);
+    balance.fixed_view_mut::<3, 1>(0, 3).copy_from(&-frame.n);
     let loads = balance.lu().solve(&Vector4::new(0.0, 0.0, 0.0, 1.0))?;
     if loads.iter().any(|load| *load <= 0.0) {
         return None;
     }
     let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
-    let rate = side * (loads[3] / case.inertia_ratio()).sqrt();
-    let p = rate - case.nut_speed;
-    let points = case.contacts.map(|c| c.point(1.0));
+    let rate = side * (loads[3] / ball.inertia_ratio).sqrt();
+    let p = rate - ball.nut_speed;
+    let points = contacts.map(|c| c.point(1.0));
     let at_screw = |slip: f64| {
-        let tau = slip * angles[0].sin() - p * case.arc;
+        let tau = slip * angles[0].sin() - p * ball.arc;
         let motion =
             Motion { precession: p, omega: Vector3::new(-slip * angles[0].cos(), 0.0, tau) };
-        motion.relative_to(1.0, &case.frame).slip_velocity(case.arc, &points[2])
+        motion.relative_to(1.0, &frame).slip_velocity(ball.arc, &points[2])
     };
     let (none, one) = (at_screw(0.0), at_screw(1.0) - at_screw(0.0));
-    let normal = case.contacts[2].normal;
+    let normal = contacts[2].normal;
     let slip = -none.cross(&slips[2]).dot(&normal) / one.cross(&slips[2]).dot(&normal);
     let moment: f64 = (0..3).map(|i| points[i].cross(&(slips[i] * -friction * loads[i])).x).sum();
-    let tau = slip * angles[0].sin() - p * case.arc;
-    let gyroscopic = case.ball.inertia() * rate * tau * case.frame.k.y;
-    let spin = (gyroscopic - moment) / case.frame.k.z;
-    let from_ground = rate.abs() < p.abs();
-    let counted = if from_ground { rate } else { p };
-    let y = [loads[0], loads[1], loads[2], counted, slip.abs(), angles[0], spin];
-    Some((Unknowns::from(y), from_ground))
+    let tau = slip * angles[0].sin() - p * ball.arc;
+    let gyroscopic = ball.inertia * rate * tau * frame.k.y;
+    let spin = (gyroscopic - moment) / frame.k.z;
+    let (sin, cos) = angles[0].sin_cos();
+    let loads = [loads[0], loads[1], loads[2]];
+    let motion = ball.motion(loads, [p, rate], (slip.abs(), [cos, sin]), spin);
+    Some(RigidEquations::at(ball, &motion))
 }
 
 /// Admissible roots from random starts, at most so many.
 fn many_starts(
-    (rigid, case): (&OperatingPoint, &Scaled<f64>),
+    (rigid, ball): (&OperatingPoint, &RigidBall),
     most: usize,
     rng: &mut impl Rng,
     newton: &mut Workspace,
 ) -> Vec<Root> {
     let (mut started, mut found) = (0, Vec::<Root>::new());
     for _ in 0..DIRECTIONS {
-        let Some((mut y, from_ground)) = start(case, rng) else { continue };
-        let case = case.counted(from_ground);
+        let Some((case, mut y)) = start(rigid, ball, rng) else { continue };
         started += 1;
         for _ in 0..3 {
             // The weights follow the root.
-            let weights = case.own_weights(&y);
+            let Ok(motion) = case.motion(&y) else { break };
+            let weights = ball.own_weights(&motion);
             let scales = Scales { x: &[1.0; BALL], f: &weights };
             let options = Options { max_steps: 30, ..Options::default() };
             let report = solve(&case, &mut y.data.0[0], &scales, &options, newton);
-            let pushes = [NUT_LOAD, MINOR_LOAD, SCREW_LOAD, SLIP].into_iter().all(|i| y[i] > 0.0);
-            if report.converged() && report.steps.is_empty() && pushes {
+            if report.converged() && report.steps.is_empty() && motion.is_admissible() {
                 // The root at infinity does not balance the powers.
-                let residual = report.residual;
-                let root = Root { unknowns: y, from_ground, steps: 0, residual, others: None };
+                let root = Root { motion, steps: 0, residual: report.residual, others: None };
                 let imbalance =
-                    Rigid { point: *rigid }.solved(&case, &root).transmission.power_balance;
+                    Rigid { point: *rigid }.solved(ball, &root).transmission.power_balance;
                 let balances = imbalance.is_some_and(|x| x.abs() < 1e-6);
                 if balances && !found.iter().any(|other| other.is_near(&root)) {
                     found.push(root);
@@ -122,10 +127,10 @@ fn many_starts_find_no_root_where_one_is_denied() {
     let mut refuted = Vec::new();
     while denied < campaign(DENIED) {
         let rigid = screw(&mut rng);
-        let Ok(case) = Rigid { point: rigid }.scaled() else { continue };
+        let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let answer = root::find(&case, &mut work);
         // Without inertia the first order is a proof.
-        if case.inertia_ratio() < 1e-3 * case.friction() {
+        if case.inertia_ratio < 1e-3 * case.friction() {
             continue;
         }
         match answer {
@@ -173,8 +178,8 @@ fn many_starts_find_few_roots_that_are_not_known() {
     let (mut points, mut known, mut seen, mut missed) = ([0; 2], 0, 0, Vec::new());
     while points.iter().sum::<usize>() < 2 * POINTS {
         let rigid = practical(&mut rng);
-        let Ok(case) = Rigid { point: rigid }.scaled() else { continue };
-        let first = FirstOrder::of(&case);
+        let Ok(case) = Rigid { point: rigid }.ball() else { continue };
+        let first = case.first_order();
         if first.size < 10.0 * case.friction() {
             continue;
         }
@@ -227,16 +232,16 @@ fn count_second_roots(counts: [usize; 2]) {
         let (mut tried, mut several, mut below, mut least) = (0, 0, 0, f64::INFINITY);
         while tried < count {
             let rigid = draw(&mut rng);
-            let Ok(case) = Rigid { point: rigid }.scaled() else { continue };
-            let start = FirstOrder::of(&case);
+            let Ok(case) = Rigid { point: rigid }.ball() else { continue };
+            let start = case.first_order();
             // Below, rounding decides about loads.
             if start.size < 1e-3 * case.friction() {
                 continue;
             }
             tried += 1;
-            let crowding = start.crowding(case.friction());
+            let crowding = start.crowding;
             let Ok(root) = root::find(&case, &mut work) else { continue };
-            let met = root::Met::of(&case, &start, &mut work);
+            let met = root::Met::of(&case, start.inertia, &mut work);
             if let Some(first) = met.roots.first() {
                 assert!(root.is_near(first), "{rigid:?} {root:?} {first:?}");
             }
@@ -255,10 +260,7 @@ fn count_second_roots(counts: [usize; 2]) {
              the least at C = {least:.1}"
         );
         // The least of 100 000 points is 3.4.
-        assert!(
-            several >= campaign(3).max(count / 1000) && least > 3.0 * UNIQUE_BELOW,
-            "{several} {least}"
-        );
+        assert!(several >= campaign(3).max(count / 1000) && least > 3.0, "{several} {least}");
     }
 }
 
@@ -282,9 +284,9 @@ fn stepping(contact_angle_deg: f64) -> OperatingPoint {
 }
 
 /// Of these roots, those whose powers balance.
-fn balanced(rigid: &OperatingPoint, case: &Scaled<f64>, roots: &[Root]) -> usize {
+fn balanced(rigid: &OperatingPoint, ball: &RigidBall, roots: &[Root]) -> usize {
     let rigid = Rigid { point: *rigid };
-    roots.iter().filter(|r| rigid.balanced(&case.counted(r.from_ground), r).is_ok()).count()
+    roots.iter().filter(|root| rigid.balanced(ball, root).is_ok()).count()
 }
 
 /// The efficiency stepped from 0.92698 to 0.92168 between 55.12 and 55.13 deg, and nothing said that there
@@ -325,14 +327,14 @@ fn an_arc_of_its_own_is_not_denied() {
         6.527_150_674_132_145,
     );
     let (case, mut work) =
-        (Rigid { point: rigid }.scaled().expect("in the domain"), RigidWorkspace::default());
-    let start = FirstOrder::of(&case);
-    let met = root::Met::of(&case, &start, &mut work);
+        (Rigid { point: rigid }.ball().expect("in the domain"), RigidWorkspace::default());
+    let start = case.first_order();
+    let met = root::Met::of(&case, start.inertia, &mut work);
     assert_eq!(balanced(&rigid, &case, &met.roots), 2);
-    let slip_angle = met.roots[1].unknowns[SLIP_ANGLE];
-    assert!(slip_angle.cos() < -0.99, "{slip_angle}");
+    let [across, _] = met.roots[1].motion.directions[0];
+    assert!(across < -0.99, "{across}");
     // Nobody looks there: unknown is not none.
-    assert!((UNIQUE_BELOW..SEARCHED_FROM).contains(&start.crowding(case.friction())));
+    assert!(!start.is_unique() && !start.is_crowded());
     assert_eq!(Rigid { point: rigid }.solve(&mut work).answer.expect("a root").others, None);
 }
 
@@ -343,7 +345,7 @@ fn the_reduction_solves_the_equations() {
     let mut tried = 0;
     while tried < 1000 {
         let rigid = screw(&mut rng);
-        let Ok(case) = Rigid { point: rigid }.scaled() else { continue };
+        let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let curve = Curve::of(&case);
         let turn = rng.random_range(-3.0..3.0_f64) * rng.log_uniform(1e-3, 1.0);
         for point in curve.sample(turn).sheets.into_iter().flatten() {
@@ -352,11 +354,10 @@ fn the_reduction_solves_the_equations() {
             }
             tried += 1;
             // The curve is the same for all inertias but for the moment of the spin.
-            let case = case.with_inertia(point.inertia_ratio() / case.inertia_ratio());
-            let (y, from_ground) = Curve::of(&case).unknowns(&point);
-            let case = case.counted(from_ground);
-            let residual = case.residual(&y).expect("in the domain");
-            let weights = Unknowns::from(case.own_weights(&y));
+            let ball = case.with_inertia(point.inertia_ratio() / case.inertia_ratio);
+            let motion = Curve::of(&ball).motion(&ball, &point);
+            let residual = Unknowns::from(ball.residual(&motion));
+            let weights = Unknowns::from(ball.own_weights(&motion));
             // Rounding of the zeros of the quadratic form, which nearly meet where friction is small.
             let norm = residual.component_mul(&weights).norm();
             assert!(norm <= 1e-6, "{rigid:?} {turn} {point:?} {residual} {norm:e}");
@@ -364,17 +365,16 @@ fn the_reduction_solves_the_equations() {
     }
 }
 
-/// Newton from the first order is believed at large inertia only where it meets the root that the search
-/// prefers.
+/// The sweeps are believed at large inertia only where they meet the root that the search prefers.
 #[test]
-fn newton_and_the_search_find_the_same_root() {
+fn sweeps_and_the_search_find_the_same_root() {
     let mut rng = ChaCha8Rng::seed_from_u64(50);
     let mut work = RigidWorkspace::default();
     let mut tried = 0;
     while tried < 1000 {
-        let Ok(case) = Rigid { point: screw(&mut rng) }.scaled() else { continue };
-        let start = FirstOrder::of(&case);
-        if start.size < MODERATE_INERTIA * case.friction() {
+        let Ok(case) = Rigid { point: screw(&mut rng) }.ball() else { continue };
+        let start = case.first_order();
+        if start.size < 0.2 * case.friction() {
             continue;
         }
         let Ok(root) = root::find(&case, &mut work) else { continue };
@@ -382,13 +382,13 @@ fn newton_and_the_search_find_the_same_root() {
         let curve = Curve::of(&case);
         let mut first = None;
         search::Search::new(&curve, |point| {
-            first = Some(curve.unknowns(point).0);
+            first = Some(curve.motion(&case, point));
             true
         })
         .run(start.inertia);
-        let load = first.expect("the search finds what Newton found")[SCREW_LOAD];
-        // Start of the last Newton solve.
-        assert_relative_eq!(load, root.unknowns[SCREW_LOAD], max_relative = 1e-3);
+        let loads = first.expect("the search finds what the sweeps found").loads;
+        // Newton goes on from there.
+        assert_relative_eq!(loads[2], root.motion.loads[2], max_relative = 1e-3);
     }
 }
 
@@ -492,10 +492,10 @@ fn a_ball_that_hardly_circles_keeps_its_digits() {
         [4_947.433_489, -2_687.953_720],
         8.922_003_487e-6,
     );
-    let case = Rigid { point: rigid }.scaled().expect("in the domain");
-    let (_, root) = Rigid { point: rigid }.find(&mut RigidWorkspace::default()).expect("a root");
-    let (p, rate) = case.counted(root.from_ground).rates(&root.unknowns);
-    assert!(root.from_ground && rate.abs() < 1e-5 * p, "{p} {rate}");
+    let case = Rigid { point: rigid }.ball().expect("in the domain");
+    let root = root::find(&case, &mut RigidWorkspace::default()).expect("a root");
+    let (p, rate) = (root.motion.precession, root.motion.rate);
+    assert!(rate.abs() < 1e-5 * p, "{p} {rate}");
     solved(&rigid);
 }
 

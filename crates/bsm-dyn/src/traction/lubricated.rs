@@ -270,8 +270,8 @@ impl Traction {
         let checked = Rolling { quadrature: check, plans: None, ..fine.ball };
         let other = checked.oiled::<false>(wetted, &root.unknowns);
         let Helix { radius, lead_angle } = pair.helix;
-        let ideal = ideal_torque(1.0, radius, lead_angle);
-        let efficiency = crate::balance::efficiency(pair.direction, ideal, last.torque);
+        let ideal = ideal_torque(1.0, radius, lead_angle.tan());
+        let efficiency = crate::balance::efficiency(pair.direction.is_back(), ideal, last.torque);
         let error =
             checked.error(self.accuracy, other.as_ref(), &seen.slope.get(), efficiency, newton);
         Ok(Place { pair, grip, root, plans, steps, last, error })

@@ -228,7 +228,7 @@ impl Rolling<'_> {
     pub(super) fn is_balanced(&self, root: &Root) -> bool {
         let pair = self.pair;
         self.of(root).evaluated::<false>(&root.unknowns).is_ok_and(|found| {
-            let ideal = ideal_torque(1.0, pair.helix.radius, pair.helix.lead_angle);
+            let ideal = ideal_torque(1.0, pair.helix.radius, pair.helix.lead_angle.tan());
             let Transmitted { torque, power } = found.transmitted;
             let imbalance = Power::transmitted(torque, ideal, 1.0).imbalance(power);
             imbalance.abs() <= POWER_BALANCE_TOL

@@ -20,7 +20,7 @@ struct Tally {
     /// Smallest ratio of inertia to friction among the points without a verdict.
     calmest: f64,
     most_steps: usize,
-    more_than_six: usize,
+    more_than_twelve: usize,
     worst_balance: f64,
     worst_residual: f64,
 }
@@ -34,7 +34,7 @@ impl Tally {
                 self.converged += 1;
                 let steps = o.info.expect("an iteration").steps;
                 self.most_steps = self.most_steps.max(steps);
-                self.more_than_six += usize::from(steps > 6);
+                self.more_than_twelve += usize::from(steps > 12);
                 let balance = o.transmission.power_balance.expect("a balance of forces").abs();
                 self.worst_balance = self.worst_balance.max(balance);
                 self.worst_residual =
@@ -92,8 +92,9 @@ fn campaign(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) -> f64) -> 
 fn lin_pitch_circle() {
     let tally = campaign(10_000, 1994, |_| 24.3e-3);
     println!("{tally:#?}");
-    assert_eq!((tally.not_converged, tally.more_than_six), (0, 0), "{tally:#?}");
-    // Direct solves end at rounding: two decades of room on what was measured, 1e-13.
+    assert_eq!(tally.not_converged, 0, "{tally:#?}");
+    assert!(tally.more_than_twelve * 100 < tally.converged, "{tally:#?}");
+    // Sweeps end at rounding or at 1e-12 of a direction.
     assert!(tally.worst_balance <= 1e-11 && tally.worst_residual <= 1e-11, "{tally:#?}");
     agrees_with_the_first_order(&tally);
 }
@@ -104,9 +105,8 @@ fn catalogue_pitch_circles() {
     let tally = campaign(10_000, 2026, |rng| rng.random_range(4e-3..50e-3));
     println!("{tally:#?}");
     assert_eq!(tally.not_converged, 0, "{tally:#?}");
-    // Larger balls at 6000 rpm and 20 N reach inertia ratios of 30, where the start is far off
-    // and the root is followed from smaller inertia.
-    assert!(tally.more_than_six <= 20, "{tally:#?}");
+    // Larger balls at 6000 rpm and 20 N reach inertia ratios of 30, where the start is far off.
+    assert!(tally.more_than_twelve * 25 < tally.converged, "{tally:#?}");
     assert!(tally.worst_balance <= 1e-9 && tally.worst_residual <= 1e-10, "{tally:#?}");
     agrees_with_the_first_order(&tally);
 }

@@ -3,7 +3,7 @@
 //! The force triangle gives both loads by the cotangents of the contact angles. They are the two
 //! unknowns; the equations are the radial balance and the closing of the triangle of arc centres.
 
-use bsm_dyn::Control;
+use bsm_dyn::{Control, RacewayControl, excess_of_nut, rolling_precession, spread_of_control};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::operand::{Lane, Mask};
@@ -21,14 +21,6 @@ const RESIDUAL: f64 = 1e-12;
 /// Largest centrifugal force over the axial load. Beyond it the contact angles are far apart, and
 /// the model itself may fail.
 const CENTRIFUGAL: f64 = 0.5;
-
-/// Largest `$\mu (1 + |\Omega_n/W|)$`. Beyond it the precession, which the angles change by tenths,
-/// may turn the slope of the radial balance, and there may be several roots.
-const INERTIA: f64 = 2.0;
-
-/// Ratio of the spin moments to one over the change of the cotangents, from which the race is the same
-/// at the balls of both.
-const CLEAR: f64 = 4.0;
 
 /// Spin moments nearer to each other than this do not decide which race controls, nor cotangents
 /// nearer to zero which flank carries.
@@ -92,11 +84,13 @@ impl<S: Simd> Grip<S> {
         let inertia = pair.inertia_ratio * (pair.nut_speed.abs() + 1.0);
         let mut at = pair.start();
         pair.settle(&mut at, by_nut);
-        let mut found = pair.regular & at.settled & inertia.lt(zero.constant(INERTIA));
+        // Beyond, the precession, which the angles change by tenths, may turn the slope of the radial balance.
+        let unique = inertia.lt(zero.constant(RacewayControl::UNIQUE_BELOW));
+        let mut found = pair.regular & at.settled & unique;
         if control.is_none() {
             let excess = pair.nut_excess(&at);
             by_nut = zero.lt(excess);
-            found = found & excess.abs().gt(pair.apart(&at) * CLEAR + TIE);
+            found = found & excess.abs().gt(pair.apart(&at) * RacewayControl::CLEAR + TIE);
             at.settled = at.settled & by_nut | !found;
             pair.settle(&mut at, by_nut);
             found = found & at.settled;
@@ -201,11 +195,7 @@ impl<S: Simd> Pair<S> {
         let between = between(sides);
         let twist = b.sin * a.cos - b.cos * a.sin;
         let scale = (one + between).recip();
-        // p = (1 − (r_b/d) cosα cosβ_B) / (1 + cos(β_A − β_B))            (W4)
-        // p = (cos(β_A − β_B) − (r_b/d) cosα cosβ_A) / (1 + cos(β_A − β_B))  (W6)
-        let near = by_nut.select(one, between);
-        let far = by_nut.select(b.cos, a.cos);
-        let p = (near - self.lever * far) * scale;
+        let p = rolling_precession(by_nut, self.lever, [a.cos, b.cos], between);
         // By the cotangents: d cosβ = sin³β, d cos(β_A − β_B) = ∓sin²β sin(β_B − β_A).
         let (square_a, square_b) = (a.sin * a.sin, b.sin * b.sin);
         let follow = by_nut.select(-p, one - p) * twist;
@@ -227,8 +217,7 @@ impl<S: Simd> Pair<S> {
         // P/W by (W4), and by (W6) less that
         let nut = (one - self.lever * b.cos) * scale + self.nut_speed;
         let change = (between - one + self.lever * (b.cos - a.cos)) * scale;
-        // Δc = μ cosα |P_A² − P_B²|/W²                                    (W16)
-        (self.inertia_ratio * self.cos_a * change * (nut + nut + change)).abs()
+        spread_of_control(self.inertia_ratio, self.cos_a, [change, nut + nut + change])
     }
 
     /// By how much the spin moment of the nut exceeds that of the screw, relative.
@@ -236,9 +225,8 @@ impl<S: Simd> Pair<S> {
     fn nut_excess(&self, at: &Iterate<S>) -> Lane<S> {
         let sides = self.sides(&at.cots);
         let ([a, b], [nut, screw]) = (&sides, &self.pressed);
-        // Q_A a_A E_A cos(β_A − β_B) > Q_B a_B E_B                        (W7)
         let moment_a = a.load * a.growth * nut.hertz.semi_axis * nut.hertz.second_integral;
         let moment_b = b.load * b.growth * screw.hertz.semi_axis * screw.hertz.second_integral;
-        moment_a * between(&sides) / moment_b - 1.0
+        excess_of_nut([moment_a, moment_b], between(&sides))
     }
 }
