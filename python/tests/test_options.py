@@ -61,7 +61,7 @@ LEFT_OUT = {
 
 
 def helped(*command: str) -> str:
-    """What `--help` says, unwrapped."""
+    """What `--help` says."""
     run = subprocess.run([program(), *command, "--help"], capture_output=True, text=True, check=True)
     return run.stdout
 
@@ -76,15 +76,15 @@ def commands(*of: str) -> list[str]:
 
 def options(command: str) -> dict[str, str]:
     """The options of a command and what is said of each."""
-    parts = re.split(r"^\s+(?:-\w, )?--([a-z-]+)", helped(*command.split()), flags=re.MULTILINE)
-    return dict(zip(parts[1::2], parts[2::2], strict=True))
+    parts = re.split(r"^  (?:-\w, |    )--([a-z-]+)", helped(*command.split()), flags=re.MULTILINE)
+    return {option: " ".join(words.split()) for option, words in zip(parts[1::2], parts[2::2], strict=True)}
 
 
 def parameters(command: str) -> dict[str, inspect.Parameter]:
-    """The parameters of the functions of a command."""
+    """The parameters of the functions of a command, of the first one that has them."""
     found: dict[str, inspect.Parameter] = {}
     for function in FUNCTIONS[command]:
-        found.update(inspect.signature(function).parameters)
+        found = {**inspect.signature(function).parameters, **found}
     return found
 
 
@@ -121,7 +121,7 @@ def test_what_is_not_given_is_the_same(command: str) -> None:
     theirs = {option.replace("-", "_"): found[1] for option, words in said.items()
               if (found := re.search(r"\[default: ([^\]]+)\]", words))}
     # Settings of the solver that are numbers: the default ends what stands in brackets.
-    settings = re.findall(r"(\w+) \([^()]*?(\d[\d.e-]*)\)", " ".join(said["solver"].split()))
+    settings = re.findall(r"(\w+) \([^()]*?(\d[\d.e-]*)\)", said["solver"])
     assert {name for name, _ in settings} >= {"tolerance", "accuracy", "creep"}
     for name, default in [*theirs.items(), *settings]:
         if name in given:
