@@ -226,7 +226,7 @@ class Solution(SolutionFields):
         return self.status == "converged"
 
     def to_dict(self) -> dict[str, Any]:
-        """The names and values of `bsm solve --format json`; None where the model has none."""
+        """The names and values of `bsm solve --show band --json`; None where the model has none."""
         result: dict[str, Any] = json.loads(self.to_json())
         return result
 
@@ -1178,7 +1178,7 @@ def slip(
     friction: Friction = "local",
     **inputs: Unpack[Inputs],
 ) -> Report:
-    """Slip of the balls in their motion, as `bsm slip`."""
+    """Slip of the balls in their motion, as `bsm solve --show slip`."""
     how = _how(model, tolerance, accuracy, creep, control, friction)
     return _report(_core.analysis("slip", _scene(scene, inputs), how))
 
@@ -1195,7 +1195,7 @@ def jam(
     friction: Friction = "local",
     **inputs: Unpack[Inputs],
 ) -> Report:
-    """Jamming of the balls, as `bsm jam`."""
+    """Jamming of the balls, as `bsm solve --show jam`."""
     how = _how(model, tolerance, accuracy, creep, control, friction)
     return _report(_core.analysis("jam", _scene(scene, inputs), how))
 
@@ -1208,7 +1208,7 @@ def capacity(
     steps: bool = False,
     **inputs: Unpack[Inputs],
 ) -> Report:
-    """Load ratings, life and rigidity of a nut, as `bsm capacity`.
+    """Load ratings, life and rigidity of a nut, as `bsm solve --show ratings`.
 
     Parameters
     ----------
@@ -1300,7 +1300,7 @@ def optimum(
     model: str | None = None,
     **inputs: Unpack[Inputs],
 ) -> Report:
-    """Best contact angles and limits of self-locking, as `bsm optimum`."""
+    """Best contact angles and limits of self-locking, as `bsm solve --show optimum`."""
     return _report(_core.optimum(_scene(scene, inputs), model))
 
 
@@ -1317,7 +1317,7 @@ def size(
     out: str | os.PathLike[str] | None = None,
     **inputs: Unpack[Inputs],
 ) -> Report:
-    """The axis around a screw, as `bsm size`: rules with limit and margin, torque, power, heat and life.
+    """The axis around a screw, as `bsm axis`: rules with limit and margin, torque, power, heat and life.
 
     Parameters
     ----------
@@ -1348,7 +1348,7 @@ def catalog(
     descending: bool = False,
     first: int | None = None,
 ) -> Nuts:
-    """Every nut of standard sizes, or those of a maker, as `bsm catalog`.
+    """Every nut of standard sizes, or those of a maker, as `bsm select --from`.
 
     Parameters
     ----------
@@ -1524,7 +1524,7 @@ def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps
 def design(
     requirement: Mapping[str, Any] | str | os.PathLike[str] | None = None, /, *, free: bool = False, **changes: Any
 ) -> Report:
-    """The best screw for a requirement, as `bsm design`.
+    """The best screw for a requirement, as `bsm select`.
 
     Parameters
     ----------

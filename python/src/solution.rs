@@ -114,7 +114,7 @@ impl Solution {
         OUTPUTS.get(place)?.word(self.number(place))
     }
 
-    /// As the program prints it with `--band always`.
+    /// As the program prints it with `--show band --json`.
     fn to_json(&self, py: Python<'_>) -> String {
         let scene = &self.scene.get().0;
         let (band, parts) = py.detach(|| (self.band(), torque_parts(scene, &self.settings)));

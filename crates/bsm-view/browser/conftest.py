@@ -42,7 +42,7 @@ def bsm(*arguments: str | Path) -> str:
 
 
 def solved(*arguments: str | Path) -> dict[str, object]:
-    return json.loads(bsm("solve", *arguments, "--format", "json"))
+    return json.loads(bsm("solve", *arguments, "--json"))
 
 
 class Served:

@@ -212,7 +212,7 @@ def test_the_cross_moves_by_pointer_and_keys(serve, sheet):
 
 def test_a_saved_scene_solves_to_the_same_numbers(serve, sheet, tmp_path):
     saved = tmp_path / "saved.json"
-    served, sheet = serve(FEED, "--save", saved), sheet()
+    served, sheet = serve(FEED, "-o", saved), sheet()
     page = sheet.open(served.address)
     slide(sheet, "lead_mm", 400)
     page.click("#save")
@@ -248,7 +248,7 @@ def test_axe_finds_nothing(serve, sheet, name, width, scheme):
 
 def test_one_file_works_without_a_server(sheet, tmp_path):
     out = tmp_path / "page.html"
-    bsm("view", FEED, "--out", out)
+    bsm("view", FEED, "-o", out)
     sheet = sheet()
     page = sheet.open(out.as_uri())
     assert sheet.errors == []

@@ -1,4 +1,4 @@
-//! What the page asks, and the answers: those of the commands with `--format json`, with what a picture needs besides.
+//! What the page asks, and the answers: those of the commands with `--json`, with what a picture needs besides.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -73,7 +73,7 @@ impl Asked {
     }
 }
 
-/// Settings as `solve --format json` prints them; defaults where they say nothing.
+/// Settings as `solve --json` prints them; defaults where they say nothing.
 fn settings(given: Option<Value>) -> Result<Settings, Refusal> {
     let given = match given {
         None | Some(Value::Null) => Map::new(),
@@ -137,7 +137,7 @@ pub(crate) fn told(answer: Result<Value, Refusal>) -> Value {
     answer.unwrap_or_else(|refusal| json!({ "error": refusal.to_string() }))
 }
 
-/// `bsm solve --format json`, with the rows of its table and the section of the grooves.
+/// `bsm solve --json`, with the rows of its table and the section of the grooves.
 fn solve(asked: &Asked) -> Result<Value, Refusal> {
     solved(asked, asked.rest.get("parts") != Some(&Value::Bool(false)))
 }
@@ -184,7 +184,7 @@ fn solved(Asked { scene, settings, rest }: &Asked, parts: bool) -> Result<Value,
     Ok(Value::Object(report))
 }
 
-/// `bsm compare --format json`, with the models that were left out and why.
+/// `bsm solve --model all --json`, with the models that were left out and why.
 pub(crate) fn compare(Asked { scene, .. }: &Asked) -> Result<Value, Refusal> {
     let compared = Comparison::of(scene)?;
     let mut answer = compared.to_json();
@@ -199,7 +199,7 @@ fn moving(Asked { scene, settings, .. }: &Asked) -> Result<Moving, Refusal> {
     Ok(Moving { settings: *settings, solution })
 }
 
-/// `bsm slip --format json`.
+/// `bsm solve --show slip --json`.
 fn slip(asked: &Asked) -> Result<Value, Refusal> {
     let Moving { settings, solution } = moving(asked)?;
     Ok(Value::Object(Analysis::slip(&asked.scene, &settings, &solution)?.to_json()))
@@ -213,7 +213,7 @@ fn ellipses(asked: &Asked, points: u32) -> Result<Value, Refusal> {
     Ok(json!({ "model": model, "contacts": fields.into_json() }))
 }
 
-/// `bsm nut --format json`, with its table of balls and its curve.
+/// `bsm nut --json`, with its table of balls and its curve.
 pub(crate) fn nut(Asked { scene, settings, .. }: &Asked) -> Result<Value, Refusal> {
     let report = match NutProblem::of(scene, settings)?.solve() {
         Ok(report) => report,

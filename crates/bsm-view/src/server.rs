@@ -269,7 +269,7 @@ impl Shared {
     /// Writes the scene where the program was told to.
     fn save(&self, body: &[u8]) -> Result<Value, Refusal> {
         let Some(save) = &self.save else {
-            let text = "bsm view was started without --save: it writes nothing";
+            let text = "bsm view was started without -o SCENE.json: it writes nothing";
             return Err(Refusal::Input(text.to_owned()));
         };
         let Asked { scene, settings, .. } = Asked::read(body)?;

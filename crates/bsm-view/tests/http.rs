@@ -143,7 +143,7 @@ fn bodies_are_refused_in_the_words_of_the_command_line() {
         ("elsewhere", &asked(), 404, "unknown route `elsewhere`"),
         ("solve", &large, 413, "1048576 bytes"),
         ("sweep", &many, 400, "1000000 points"),
-        ("save", &asked(), 400, "--save"),
+        ("save", &asked(), 400, "-o SCENE.json"),
     ] {
         let (found, answer) = served.post(route, body);
         let text = answer["error"].as_str().expect("words");
