@@ -2,8 +2,9 @@
 
 use bsm_case::{Analysis, Scene};
 use bsm_dyn::{Model, ModelWorkspace};
+use bsm_report::sheets::Study;
 
-use crate::{Check, Published, Study, ValidateError, trends};
+use crate::{Check, Published, ValidateError, trends};
 
 const SOURCE: &str = "Dong et al. 2020";
 
@@ -33,7 +34,7 @@ pub(crate) fn study(published: &Published, model: Model) -> Result<Study, Valida
     let scene = published.dong_case.scene()?;
     let settings = model.into();
     let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());
-    Study::jam(&scene, &settings, &solution)
+    Ok(Study::jam(&scene, &settings, &solution)?)
 }
 
 /// Analysis of a scene with raceway control.

@@ -5,7 +5,6 @@
 //! check names what is claimed, what we measure, and why its tolerance is what it is. Golden
 //! files, which only guard against change, are not validation and not here.
 
-mod catalogue;
 mod dong2020;
 mod elastic;
 mod figures;
@@ -13,27 +12,20 @@ mod lin1994;
 mod lubrication;
 mod makers;
 mod nut;
-mod nut_figures;
 mod pages;
 mod published;
 mod ratings;
 mod reference;
 mod report;
-mod size;
-mod study;
 mod sweep;
 pub mod tradeoff;
 mod trends;
 mod xu2015;
 
-pub use catalogue::catalogue_figures;
-pub use figures::{figures, lin_figures};
-pub use nut_figures::nut_figures;
-pub use pages::{report_files, tradeoff_page, validation_page};
+pub use figures::figures;
+pub use pages::{tradeoff_page, validation_page};
 pub use published::Published;
 pub use report::{Check, Report, Verdict};
-pub use size::{size_figures, size_page, size_results};
-pub use study::{Claim, Shape, Study, Trend};
 
 /// Data, a table of points or the machine does not allow what is to be done.
 #[derive(Debug, thiserror::Error)]

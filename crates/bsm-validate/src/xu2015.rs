@@ -3,8 +3,9 @@
 use bsm_case::{Analysis, Scene, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, SteadyBall, Touch};
 use bsm_kin::{BallFrame, Site};
+use bsm_report::sheets::Study;
 
-use crate::{Check, Published, Study, ValidateError, trends};
+use crate::{Check, Published, ValidateError, trends};
 
 const SOURCE: &str = "Xu and Tang 2015";
 
@@ -53,7 +54,7 @@ pub(crate) fn study(
     let scene = running(published.xu_case.scene()?);
     let settings = Settings { control: Some(control), ..model.into() };
     let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());
-    Study::slip(&scene, &settings, &solution)
+    Ok(Study::slip(&scene, &settings, &solution)?)
 }
 
 /// The formulas as printed, at the case of Tables 1 to 3.

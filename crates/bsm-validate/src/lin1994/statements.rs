@@ -6,9 +6,9 @@ use bsm_dyn::{
     Angles, Coulomb, Direction, Driven, Model, ModelWorkspace, Optimum, QuasiStatic, Solution,
 };
 use bsm_kin::Site;
+use bsm_report::sheets::efficiency_as_printed;
 
 use super::{SOURCE, slender};
-use crate::figures::efficiency_as_printed;
 use crate::{Check, ValidateError};
 
 /// Friction coefficient of the paper.
