@@ -10,14 +10,13 @@ mod elastic;
 mod figures;
 mod lin1994;
 mod lubrication;
-mod makers;
 mod nut;
 mod pages;
 mod published;
 mod ratings;
 mod reference;
 mod report;
-mod sweep;
+mod table;
 pub mod tradeoff;
 mod trends;
 mod xu2015;
@@ -56,6 +55,14 @@ pub enum ValidateError {
     /// A point of a check cannot be asked.
     #[error("point of a check: {0}")]
     Point(#[from] bsm_case::CaseError),
+    /// An expression of `checks.csv` is wrong.
+    #[error("checks.csv, {key}: {error}")]
+    Expression {
+        /// Of which check.
+        key: String,
+        /// Why.
+        error: minijinja::Error,
+    },
     /// A claim is missing in a table.
     #[error("lin1994/claims.csv: no claim `{0}`")]
     NoClaim(&'static str),
@@ -115,6 +122,6 @@ pub fn run(published: &Published) -> Result<Report, ValidateError> {
     checks.extend(xu2015::checks(published)?);
     checks.extend(dong2020::checks(published)?);
     checks.extend(lubrication::checks(published)?);
-    checks.extend(makers::checks());
+    checks.extend(table::checks(published)?);
     Ok(Report { checks })
 }
