@@ -12,9 +12,9 @@ use bsm_case::{
 };
 use bsm_design::Candidate;
 use bsm_dyn::{Model, ModelWorkspace};
-use bsm_validate::{
-    Published, ValidateError, report_files, size_figures, size_page, size_results, validation_page,
-};
+use bsm_report::sheets::{size_figures, size_page, size_results};
+use bsm_report::{ReportError, report_files};
+use bsm_validate::{Published, ValidateError, validation_page};
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use serde_json::{Map, Value, json};
@@ -224,7 +224,7 @@ pub(crate) fn size(
 ) -> PyResult<(Report, Files)> {
     let (scene, settings) = (&scene.get().0, how.settings()?);
     let report = on_threads(py, || SizeReport::of(scene, &settings))?;
-    let made = || -> Result<Files, ValidateError> {
+    let made = || -> Result<Files, ReportError> {
         let (page, results) = (size_page(&report)?, size_results(&report));
         Ok(report_files(page, &results, &size_figures(&report))?)
     };

@@ -10,8 +10,8 @@ use bsm_case::{
     RequirementFile, STANDARD_CATALOGUE, candidate_json, candidate_scene, sheet_columns,
 };
 use bsm_design::Candidate;
+use bsm_report::sheets::catalogue_figures;
 use bsm_report::{Figure, number};
-use bsm_validate::catalogue_figures;
 use serde_json::{Value, json};
 
 use crate::args::{CatalogArgs, Format};

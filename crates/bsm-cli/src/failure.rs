@@ -135,7 +135,10 @@ pub(crate) fn of_table(error: &TableError) -> String {
 
 impl From<ReportError> for Failure {
     fn from(error: ReportError) -> Self {
-        Self::Files(error.to_string())
+        match error {
+            ReportError::Case(_) | ReportError::Search(_) => Self::Input(error.to_string()),
+            _ => Self::Files(error.to_string()),
+        }
     }
 }
 

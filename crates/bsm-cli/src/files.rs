@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use bsm_case::{CaseError, Scene, column_names, exact};
-use bsm_report::Figure;
-use bsm_validate::report_files;
+use bsm_report::{Figure, report_files};
 use serde_json::Value;
 use tempfile::NamedTempFile;
 

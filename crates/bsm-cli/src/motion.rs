@@ -2,7 +2,8 @@
 
 use bsm_case::{Analysis, CaseError, Moving, Scene, Settings};
 use bsm_dyn::{ModelWorkspace, Solution};
-use bsm_validate::Study;
+use bsm_report::ReportError;
+use bsm_report::sheets::Study;
 use serde_json::Value;
 
 use crate::args::{AnalysisArgs, Format};
@@ -14,7 +15,7 @@ use crate::{solve, table};
 type Analyse = fn(&Scene, &Settings, &Solution) -> Result<Analysis, CaseError>;
 
 /// Its sweeps.
-type Sweep = fn(&Scene, &Settings, &Solution) -> Result<Study, bsm_validate::ValidateError>;
+type Sweep = fn(&Scene, &Settings, &Solution) -> Result<Study, ReportError>;
 
 pub(crate) fn slip(args: &AnalysisArgs) -> Result<(), Failure> {
     run(args, Analysis::slip, Study::slip)

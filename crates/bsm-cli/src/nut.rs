@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bsm_batch::NumberColumn;
 use bsm_case::{BALL_COLUMNS, CURVE_COLUMNS, NutProblem, NutReport, Samples, Scene};
-use bsm_validate::nut_figures;
+use bsm_report::sheets::nut_figures;
 use serde_json::{Value, json};
 
 use crate::args::{Format, NutArgs};

@@ -24,7 +24,7 @@ pub(crate) fn run(args: &OptimumArgs) -> Result<(), Failure> {
     })?;
     if let Some(folder) = &args.plot {
         make_folder(folder)?;
-        let figures = bsm_validate::lin_figures(&scene)?;
+        let figures = bsm_report::sheets::lin_figures(&scene)?;
         write_figures(folder, &figures)?;
         let words =
             format!("wrote {} figures (SVG and CSV) in {}", figures.len(), folder.display());

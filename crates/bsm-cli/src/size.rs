@@ -1,8 +1,8 @@
 //! `bsm size`: the axis around a screw.
 
 use bsm_case::{NOT_MODELLED, PhaseWords, SizePhase, SizeReport, SizeRule};
+use bsm_report::sheets::{size_figures, size_page, size_results};
 use bsm_report::{number, short};
-use bsm_validate::{size_figures, size_page, size_results};
 
 use crate::args::{Format, SizeArgs};
 use crate::failure::{Failure, warn};

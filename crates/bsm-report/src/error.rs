@@ -13,4 +13,10 @@ pub enum ReportError {
     /// A page cannot be made.
     #[error("page: {0}")]
     Page(#[from] minijinja::Error),
+    /// A point of a figure cannot be asked.
+    #[error("point of a figure: {0}")]
+    Case(#[from] bsm_case::CaseError),
+    /// A one-dimensional search failed.
+    #[error("search: {0}")]
+    Search(#[from] bsm_design::search::SearchError),
 }

@@ -7,6 +7,7 @@ use kuva::prelude::*;
 use kuva::render::color::Color;
 use kuva::render::layout::TickFormat;
 use kuva::render::render::{PathData, Primitive, Scene, render_multiple};
+use serde::Deserialize;
 
 use crate::map::png_of;
 use crate::{ReportError, number};
@@ -15,7 +16,8 @@ use crate::{ReportError, number};
 pub const MOST_CURVES: usize = 7;
 
 /// How a curve is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Stroke {
     /// A line.
     Solid,
@@ -144,6 +146,12 @@ const GREY: &str = "#777777";
 const BEYOND: f64 = 1.4;
 
 impl Figure {
+    /// A figure with key, title and caption, and both axes.
+    pub fn new([key, title, caption]: [&str; 3], [x, y]: [Axis; 2], curves: Vec<Curve>) -> Self {
+        let [key, title, caption] = [key, title, caption].map(str::to_owned);
+        Self { key, title, caption, x, y, curves }
+    }
+
     /// SVG of the figure as a file of its own.
     pub fn svg(&self) -> String {
         svg_of(&self.titled())

@@ -1,13 +1,14 @@
-//! Figures, pages and numbers for people to read; knows no ball screw.
+//! Figures, pages and numbers for people to read, and the sheets of answers that are made of them.
 
 mod error;
 mod figure;
 mod map;
 mod number;
 mod page;
+pub mod sheets;
 
 pub use error::ReportError;
 pub use figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 pub use map::{MOST_CELLS, Map};
 pub use number::{number, short};
-pub use page::{PROGRAM, Page, STYLE};
+pub use page::{PROGRAM, Page, STYLE, report_files};

@@ -1,6 +1,7 @@
 //! Pages of one file each: figures inside, no network, for screen, phone and print; the only file
 //! that names the template engine.
 
+use bsm_case::exact;
 use minijinja::value::Value;
 use minijinja::{Environment, UndefinedBehavior, context};
 use serde::Serialize;
@@ -60,6 +61,26 @@ impl Page<'_> {
         environment.add_template("content.html", self.template)?;
         Ok(environment.get_template("content.html")?.render(context)?)
     }
+}
+
+/// The files of a report, by their paths in its folder: page, numbers, and each figure as SVG and as a table.
+///
+/// # Errors
+///
+/// [`ReportError`] if a table of a figure cannot be written.
+pub fn report_files(
+    page: String,
+    results: &serde_json::Value,
+    figures: &[Figure],
+) -> Result<Vec<(String, String)>, ReportError> {
+    let mut files = Vec::new();
+    for figure in figures {
+        files.push((format!("figures/{}.svg", figure.key), figure.svg()));
+        files.push((format!("figures/{}.csv", figure.key), figure.csv(exact)?));
+    }
+    files.push(("results.json".to_owned(), format!("{results:#}\n")));
+    files.push(("report.html".to_owned(), page));
+    Ok(files)
 }
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
-//! Elastic contacts: Hertz constants, reference solutions of elastic and traction, a bearing, and
-//! the hypothesis of raceway control.
+//! Elastic contacts: reference solutions of elastic and traction.
 
 use bsm_case::{Scene, Settings};
-use bsm_dyn::{Control, Hertz, Model, ModelWorkspace, Problem, Solution, Traction};
+use bsm_dyn::{Model, ModelWorkspace, Problem, Solution, Traction};
 use bsm_kin::{Motion, Site};
 use serde::Deserialize;
 
@@ -17,15 +16,10 @@ const FINE: f64 = 1e-10;
 pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
     let lin = lin(published)?;
     let work = &mut ModelWorkspace::default();
-    let mut checks = hertz(&lin, published)?;
+    let mut checks = Vec::new();
     for row in published.elastic_reference.rows::<Reference>()? {
         checks.extend(reference(&row, &lin, work)?);
     }
-    for row in published.transition.rows::<Transition>()? {
-        checks.extend(transition(&row, &lin, work)?);
-    }
-    checks.extend(bearing(work)?);
-    checks.extend(hypothesis(&lin, work)?);
     Ok(checks)
 }
 
@@ -49,39 +43,6 @@ fn solve(
 /// A missing number is a NaN, which no check passes.
 fn number(value: Option<f64>) -> f64 {
     value.unwrap_or(f64::NAN)
-}
-
-#[derive(Deserialize)]
-struct HertzRow {
-    member: String,
-    quantity: String,
-    value: f64,
-}
-
-/// Constants of the Hertz contacts at nut and screw.
-fn hertz(lin: &Scene, published: &Published) -> Result<Vec<Check>, ValidateError> {
-    let Problem::Elastic(case) = lin.problem(&Model::Elastic.into())? else {
-        unreachable!("the model was fixed")
-    };
-    let Ok([nut, screw]) = case.at.hertz() else { unreachable!("the grooves have ellipses") };
-    let read = |contact: &Hertz, quantity: &str| match quantity {
-        "ratio" => contact.ratio(),
-        "stiffness_N_m15" => contact.stiffness(),
-        "a_over_cube_root_of_load_m" => contact.semi_axes(1.0).0,
-        "b_over_cube_root_of_load_m" => contact.semi_axes(1.0).1,
-        _ => f64::NAN,
-    };
-    let check = |row: &HertzRow| {
-        let contact = if row.member == "nut" { &nut } else { &screw };
-        Check::new(
-            &format!("elastic/hertz-{}-{}", row.member, row.quantity),
-            SOURCE,
-            format!("Hertz contact at the {}: {}", row.member, row.quantity),
-        )
-        .measured(read(contact, &row.quantity), "")
-        .equals(row.value, 1e-8 * row.value, "1e-8 relative, the digits of the table")
-    };
-    Ok(published.hertz.rows::<HertzRow>()?.iter().map(check).collect())
 }
 
 #[derive(Deserialize)]
@@ -218,129 +179,4 @@ impl Reference {
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .unwrap_or((f64::NAN, String::new()))
     }
-}
-
-#[derive(Deserialize)]
-#[expect(non_snake_case, reason = "columns of the table")]
-struct Transition {
-    axial_load_N: f64,
-    screw_speed_rpm: f64,
-    raceway_control: Option<f64>,
-    traction: f64,
-    elastic: f64,
-}
-
-/// Efficiency of the three models from rolling to gross skid.
-fn transition(
-    row: &Transition,
-    lin: &Scene,
-    work: &mut ModelWorkspace,
-) -> Result<Vec<Check>, ValidateError> {
-    let scene = Scene {
-        axial_load_N: Some(row.axial_load_N),
-        screw_speed_rpm: Some(row.screw_speed_rpm),
-        ..lin.clone()
-    };
-    let mut checks = Vec::new();
-    for (model, claimed, digit) in [
-        (Model::RacewayControl, row.raceway_control, 1e-4),
-        (Model::Traction, Some(row.traction), 1e-5),
-        (Model::Elastic, Some(row.elastic), 1e-5),
-    ] {
-        let Some(claimed) = claimed else { continue };
-        let settings = Settings { control: Some(Control::Nut), ..model.into() };
-        let o = solve(&scene, &settings, work)?;
-        let name = model.name();
-        let check = Check::new(
-            &format!("elastic/transition-{name}-{}-{}", row.axial_load_N, row.screw_speed_rpm),
-            SOURCE,
-            format!("efficiency of {name} at {} N, {} rpm", row.axial_load_N, row.screw_speed_rpm),
-        )
-        .measured(number(o.efficiency()), "");
-        // At 20 N and 6000 rpm the table leaves the centrifugal force out of raceway control.
-        let light = model == Model::RacewayControl && row.screw_speed_rpm > 2000.0;
-        let onset = o.solved().and_then(|solved| solved.skid?.onset_number());
-        let partly = model == Model::Traction && onset.is_some_and(|s| (0.1..2.0).contains(&s));
-        checks.push(if light {
-            check.equals(claimed, 1e-3, "the table has no centrifugal force in it")
-        } else if partly {
-            let rings = "the table is of a quadrature by rings, which errs by up to 6.2e-4 where balls skid partly";
-            check.equals(claimed, 6.5e-4, rings)
-        } else {
-            check.equals(claimed, 0.6 * digit, "half a unit of the last printed digit")
-        });
-    }
-    Ok(checks)
-}
-
-/// The thrust-loaded 218 angular-contact bearing: a screw without lead.
-fn bearing(work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
-    let scene = Scene {
-        ball_diameter_mm: Some(22.23),
-        pitch_circle_diameter_mm: Some(125.3),
-        lead_angle_deg: Some(1e-6),
-        contact_angle_deg: Some(40.0),
-        nut_conformity: Some(0.5232),
-        screw_conformity: Some(0.5232),
-        friction_coefficient: Some(0.0),
-        youngs_modulus_GPa: Some(206.9),
-        screw_speed_rpm: Some(1.0),
-        axial_load_N: Some(17_800.0),
-        loaded_balls: Some(16.0),
-        ..Scene::default()
-    };
-    let solution = solve(&scene, &Model::RacewayControl.into(), work)?;
-    let nut = solution.contact(Site::Nut);
-    let displacement = solution.solved().and_then(|solved| solved.ball.axial_displacement);
-    let check = |key: &str, claim: &str| {
-        let source = "Harris and Kotzalas, thrust-loaded 218 angular-contact ball bearing";
-        Check::new(&format!("bearing-218/{key}"), source, claim)
-    };
-    let chart = "the book reads the stiffness from a chart";
-    Ok(vec![
-        check("contact-angle", "contact angle under 17 800 N of thrust")
-            .measured(number(nut.map(|contact| contact.angle)).to_degrees(), "deg")
-            .equals(41.6, 0.15, &format!("{chart}: 0.15 of the change of 1.6 deg")),
-        check("normal-load", "normal load of a ball")
-            .measured(number(nut.and_then(|contact| contact.load)), "N")
-            .equals(1676.0, 5.0, &format!("follows the angle; {chart}")),
-        check("displacement", "axial displacement")
-            .measured(1e3 * number(displacement), "mm")
-            .equals(0.0386, 0.003, &format!("follows the change of the angle; {chart}")),
-    ])
-}
-
-/// Spin at nut and screw in the traction model as the load falls: raceway control says that one
-/// race has all of it.
-fn hypothesis(lin: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
-    let mut checks = Vec::new();
-    for (rpm, load) in
-        [(2000.0, 2113.0), (2000.0, 500.0), (2000.0, 100.0), (6000.0, 500.0), (6000.0, 100.0)]
-    {
-        let scene = Scene { axial_load_N: Some(load), screw_speed_rpm: Some(rpm), ..lin.clone() };
-        let o = solve(&scene, &Model::Traction.into(), work)?;
-        let spin = |site| number(o.contact(site).and_then(|c| Some(c.slip?.spin))).abs();
-        let (nut, screw) = (spin(Site::Nut), spin(Site::Screw));
-        let share = nut.min(screw) / (nut + screw);
-        let check = |claim: &str| {
-            let key = format!("elastic/raceway-hypothesis-{load}-{rpm}");
-            Check::new(&key, SOURCE, format!("{claim}, at {load} N and {rpm} rpm"))
-                .measured(share, "of the spin, at the race with less")
-                .note(format!(
-                    "nut {nut:.1} rad/s, screw {screw:.1} rad/s, skid number {:.4}",
-                    number(o.solved().and_then(|solved| solved.skid?.skid_number))
-                ))
-        };
-        let control = "raceway control: one race has no spin";
-        checks.push(match (rpm, load) {
-            (2000.0, 2113.0) => check("equal conformities share the spin").equals(
-                0.5,
-                0.1,
-                "half each; raceway control has none at one race",
-            ),
-            (6000.0, 100.0) => check(control).at_most(0.1, "a light load: near nut control"),
-            _ => check(control),
-        });
-    }
-    Ok(checks)
 }

@@ -1,16 +1,12 @@
 //! The figures of the report: those of Lin, Velinsky and Ravani (1994), drawn again from our
 //! solution, the way from rolling to gross skid, those of Sobolewski (2002), and the sweeps of slip and jamming.
 
-mod lin;
-
-pub(crate) use lin::efficiency_as_printed;
-pub use lin::lin_figures;
-
 use bsm_case::{Scene, Settings};
-use bsm_dyn::{Control, Model, ModelWorkspace, Solution};
+use bsm_dyn::{Control, Model, Solution};
+use bsm_report::sheets::{around_scenes, catalogue_figures, points};
 use bsm_report::{Axis, Curve, Figure, Stroke};
 
-use crate::{Published, ValidateError, catalogue_figures, dong2020, elastic, lin1994, xu2015};
+use crate::{Published, ValidateError, dong2020, elastic, lin1994, xu2015};
 
 /// All figures.
 ///
@@ -19,7 +15,7 @@ use crate::{Published, ValidateError, catalogue_figures, dong2020, elastic, lin1
 /// [`ValidateError`] if the data cannot be used.
 pub fn figures(published: &Published) -> Result<Vec<Figure>, ValidateError> {
     let case = published.lin_case.scene()?;
-    let mut figures = lin::around_scenes(&case, &lin1994::slender(&case))?;
+    let mut figures = around_scenes(&case, &lin1994::slender(&case))?;
     figures.push(transition(&elastic::lin(published)?)?);
     figures.extend(xu2015::study(published, Model::RacewayControl, Control::Nut)?.figures);
     figures.extend(xu2015::study(published, Model::Rigid, Control::Nut)?.figures);
@@ -27,27 +23,6 @@ pub fn figures(published: &Published) -> Result<Vec<Figure>, ValidateError> {
     figures.extend(catalogue_figures(&parkon, &parkon.places()));
     figures.extend(dong2020::study(published, Model::RacewayControl)?.figures);
     Ok(figures)
-}
-
-/// An output; a missing one is a gap.
-type Read = fn(&Solution) -> Option<f64>;
-
-/// An output over an input.
-fn points(
-    scene: &Scene,
-    settings: &Settings,
-    input: &str,
-    values: &[f64],
-    read: Read,
-) -> Result<Vec<(f64, f64)>, ValidateError> {
-    let mut work = ModelWorkspace::default();
-    let mut scene = scene.clone();
-    let point = |value: &f64| {
-        scene.set(input, *value)?;
-        let solution = scene.problem(settings)?.solve(&mut work);
-        Ok((*value, read(&solution).unwrap_or(f64::NAN)))
-    };
-    values.iter().map(point).collect()
 }
 
 /// Efficiency against speed from rolling to gross skid: three models at three loads.
@@ -70,15 +45,15 @@ fn transition(lin: &Scene) -> Result<Figure, ValidateError> {
             ));
         }
     }
-    Ok(Figure {
-        key: "transition".into(),
-        title: "From rolling to gross skid: Lin's screw, one ball".into(),
-        caption: "Traction (solid) leaves raceway control (dashed) and joins saturated friction \
+    Ok(Figure::new(
+        [
+            "transition",
+            "From rolling to gross skid: Lin's screw, one ball",
+            "Traction (solid) leaves raceway control (dashed) and joins saturated friction \
                   (dotted) where friction gives way to the gyroscopic moment; under 2113 N it \
-                  holds."
-            .into(),
-        x: Axis::log("screw speed, rpm"),
-        y: Axis::linear("efficiency"),
+                  holds.",
+        ],
+        [Axis::log("screw speed, rpm"), Axis::linear("efficiency")],
         curves,
-    })
+    ))
 }

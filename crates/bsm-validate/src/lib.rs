@@ -5,35 +5,26 @@
 //! check names what is claimed, what we measure, and why its tolerance is what it is. Golden
 //! files, which only guard against change, are not validation and not here.
 
-mod catalogue;
 mod dong2020;
 mod elastic;
 mod figures;
 mod lin1994;
 mod lubrication;
-mod makers;
 mod nut;
-mod nut_figures;
 mod pages;
 mod published;
 mod ratings;
 mod reference;
 mod report;
-mod size;
-mod study;
-mod sweep;
+mod table;
 pub mod tradeoff;
 mod trends;
 mod xu2015;
 
-pub use catalogue::catalogue_figures;
-pub use figures::{figures, lin_figures};
-pub use nut_figures::nut_figures;
-pub use pages::{report_files, tradeoff_page, validation_page};
+pub use figures::figures;
+pub use pages::{tradeoff_page, validation_page};
 pub use published::Published;
 pub use report::{Check, Report, Verdict};
-pub use size::{size_figures, size_page, size_results};
-pub use study::{Claim, Shape, Study, Trend};
 
 /// Data, a table of points or the machine does not allow what is to be done.
 #[derive(Debug, thiserror::Error)]
@@ -64,6 +55,14 @@ pub enum ValidateError {
     /// A point of a check cannot be asked.
     #[error("point of a check: {0}")]
     Point(#[from] bsm_case::CaseError),
+    /// An expression of `checks.csv` is wrong.
+    #[error("checks.csv, {key}: {error}")]
+    Expression {
+        /// Of which check.
+        key: String,
+        /// Why.
+        error: minijinja::Error,
+    },
     /// A claim is missing in a table.
     #[error("lin1994/claims.csv: no claim `{0}`")]
     NoClaim(&'static str),
@@ -123,6 +122,6 @@ pub fn run(published: &Published) -> Result<Report, ValidateError> {
     checks.extend(xu2015::checks(published)?);
     checks.extend(dong2020::checks(published)?);
     checks.extend(lubrication::checks(published)?);
-    checks.extend(makers::checks());
+    checks.extend(table::checks(published)?);
     Ok(Report { checks })
 }

@@ -12,12 +12,10 @@ use crate::{Check, Published, ValidateError};
 
 const SOLUTION: &str = "independent solution of the lubricated models";
 const BEARING: &str = "SKF model of bearing friction, size 7208, 40 deg";
-const CATALOGUES: &str = "catalogue rules of ball screws (NSK, THK, SKF, TBI)";
 const PALMGREN: &str = "Palmgren's formulas of bearing friction, size 7208, 40 deg";
 const FILM: &str = "Nijenbanning, Venner and Moes 1994, film of wide elliptical contacts";
 const ROLLING: &str =
     "Houpert; Balan, Houpert, Tufescu and Olaru 2015, power laws of the rolling force";
-const RULES: &str = "catalogue rules for whole nuts (JIS B 1192, NSK, THK, SKF)";
 const TRENDS: &str = "published trends of lubricated ball screws";
 
 /// All checks of this kind.
@@ -28,19 +26,22 @@ pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError>
     for case in &cases.cases {
         checks.push(solution(case, &published.lubrication, work)?);
     }
-    let [feed, bearing] = ["feed-mixed", "thrust-bearing-limit"].map(|id| {
-        let case = cases.cases.iter().find(|case| case.id == id);
-        case.ok_or(ValidateError::NoRows { file: published.lubrication.name() })
-    });
-    let (feed, bearing) =
-        (feed?.scene(&published.lubrication)?, bearing?.scene(&published.lubrication)?);
+    let feed = case(published, "feed-mixed")?;
+    let bearing = case(published, "thrust-bearing-limit")?;
     checks.extend(against_skf(&bearing, work)?);
     checks.push(against_palmgren(&bearing, work)?);
     checks.extend(pieces(&bearing, work)?);
-    checks.extend(against_rules(&feed, work)?);
-    checks.extend(catalogue(&feed, work)?);
+    checks.push(drag_over_preload(&feed, work)?);
     checks.extend(trends(&feed, work)?);
     Ok(checks)
+}
+
+/// The scene of a published case.
+pub(crate) fn case(published: &Published, id: &str) -> Result<Scene, ValidateError> {
+    let file = &published.lubrication;
+    let cases: Cases = file.json()?;
+    let case = cases.cases.iter().find(|case| case.id == id);
+    case.ok_or(ValidateError::NoRows { file: file.name() })?.scene(file)
 }
 
 #[derive(Deserialize)]
@@ -385,110 +386,27 @@ fn pieces(bearing: &Scene, work: &mut ModelWorkspace) -> Result<[Check; 2], Vali
     Ok([film, rolling])
 }
 
-/// Rules of catalogues for a whole nut, of which the contacts are a part.
-fn against_rules(feed: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
-    let mut at = |settings: &[(&str, f64)]| -> Result<Record, ValidateError> {
-        let mut scene = feed.clone();
-        for (name, value) in settings {
-            scene.set(name, *value)?;
-        }
-        solve(&scene, Model::RacewayControl, work)
-    };
-    let torque = |record: &Record, speed: f64| {
-        let lost = number(record, "rolling_power_W") + number(record, "sliding_power_W");
-        lost * 30.0 / (PI * speed)
-    };
-    let (mut preloads, mut efficiencies) = (Vec::new(), Vec::new());
-    for lead in [5.0, 8.0, 10.0, 20.0] {
-        for load in [1000.0, 2000.0, 4000.0] {
-            let ball = if lead < 10.0 { 3.175 } else { 6.35 };
-            let diameter: f64 = 41.5;
-            let of = [
-                ("lead_mm", lead),
-                ("ball_diameter_mm", ball),
-                ("axial_load_N", load),
-                ("screw_speed_rpm", 100.0),
-            ];
-            let record = at(&of)?;
-            // T_p = 0.05 (tanα)^{−1/2} F l/(2π): of both halves of the nut
-            let slope = lead / (PI * diameter);
-            let rule = 0.05 / slope.sqrt() * load * lead * 1e-3 / (2.0 * PI);
-            preloads.push(2.0 * torque(&record, 100.0) / rule);
-            let fast =
-                at(&[of[0], of[1], ("axial_load_N", 2.0 * load), ("screw_speed_rpm", 1000.0)])?;
-            // η = 1/(1 + 0.006 π d₀/l)
-            let rule = 1.0 / (1.0 + 0.006 / slope);
-            efficiencies.push((1.0 - number(&fast, "efficiency")) / (1.0 - rule));
-        }
-    }
-    let [least, middle, most] = spread(preloads);
-    let preload = Check::new(
-        "lubrication/preload-torque-rule",
-        RULES,
-        "drag torque of both halves of a nut over T_p = 0.05 (tan a)^-1/2 F l/(2 pi) (JIS B 1192, NSK, THK)",
-    )
-    .measured(middle, "")
-    .note(format!("middle of 12 screws at 100 rpm, {least:.2} to {most:.2}; the contacts alone"))
-    .equals(0.32, 0.12, "a third: returns, balls that rub, seals and errors of lead are the rest");
-    let [least, middle, most] = spread(efficiencies);
-    let efficiency = Check::new(
-        "lubrication/efficiency-rule",
-        RULES,
-        "loss over that of efficiency 1/(1 + 0.006 pi d/l) (SKF), for a whole nut",
-    )
-    .measured(middle, "")
-    .note(format!("middle of 12 screws at 1000 rpm, {least:.2} to {most:.2}; the contacts alone"))
-    .equals(
-        0.6,
-        0.4,
-        "the contacts are a part of the loss of a nut, and not more than all of it",
-    );
-    let mut slopes = Vec::new();
+/// Drag torque over the load, against a straight line.
+fn drag_over_preload(feed: &Scene, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
+    let mut drags = Vec::new();
     for load in [500.0, 1000.0, 2000.0, 3000.0] {
-        let record = at(&[("axial_load_N", load), ("screw_speed_rpm", 100.0)])?;
-        slopes.push((load, torque(&record, 100.0)));
+        let mut scene = feed.clone();
+        scene.set("axial_load_N", load)?;
+        scene.set("screw_speed_rpm", 100.0)?;
+        let record = solve(&scene, Model::RacewayControl, work)?;
+        let lost = number(&record, "rolling_power_W") + number(&record, "sliding_power_W");
+        drags.push((load, lost * 30.0 / (PI * 100.0)));
     }
-    let (low, high) = (slopes[0], slopes[slopes.len() - 1]);
-    let bent = slopes.iter().map(|(load, torque)| {
+    let (low, high) = (drags[0], drags[drags.len() - 1]);
+    let bent = drags.iter().map(|(load, torque)| {
         let straight = low.1 + (high.1 - low.1) * (load - low.0) / (high.0 - low.0);
         (torque / straight - 1.0).abs()
     });
-    let linear = Check::new(
-        "lubrication/drag-over-preload",
-        TRENDS,
-        "drag torque is linear in the preload (Zhou 2016)",
-    )
-    .measured(bent.fold(0.0, f64::max), "")
-    .note("largest part off a straight line, 0.5 to 3 kN at 100 rpm")
-    .at_most(0.05, "linear within the scatter of a measurement");
-    Ok(vec![preload, efficiency, linear])
-}
-
-/// Friction coefficients of catalogues, over leads and speeds.
-fn catalogue(feed: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
-    let mut all = Vec::new();
-    for lead in [5.0, 10.0, 20.0, 40.0] {
-        for speed in [10.0, 100.0, 1000.0, 3000.0] {
-            let mut scene = feed.clone();
-            scene.set("lead_mm", lead)?;
-            scene.set("screw_speed_rpm", speed)?;
-            scene.set("ball_diameter_mm", if lead < 10.0 { 3.175 } else { 6.35 })?;
-            let record = solve(&scene, Model::RacewayControl, work)?;
-            all.push(number(&record, "catalogue_friction_coefficient"));
-        }
-    }
-    let [least, middle, most] = spread(all);
-    let check = Check::new(
-        "lubrication/catalogue-friction",
-        CATALOGUES,
-        "friction coefficients of 0.002 to 0.01, for a whole nut",
-    );
-    let note = format!("{least:.4} to {most:.4}; the contacts alone");
-    Ok(vec![check.measured(middle, "").note(note).equals(
-        0.0045,
-        0.0027,
-        "0.0018 to 0.0073: the contacts without seals, returns and balls that rub",
-    )])
+    let claim = "drag torque is linear in the preload (Zhou 2016)";
+    Ok(Check::new("lubrication/drag-over-preload", TRENDS, claim)
+        .measured(bent.fold(0.0, f64::max), "")
+        .note("largest part off a straight line, 0.5 to 3 kN at 100 rpm")
+        .at_most(0.05, "linear within the scatter of a measurement"))
 }
 
 /// Efficiency over load, a Stribeck curve with a minimum, loss nearly linear in load.

@@ -1,9 +1,7 @@
 //! The pages of the checks and of the measurement.
 
-use bsm_case::exact;
-use bsm_report::{Figure, Page, ReportError};
+use bsm_report::{Figure, Page};
 use serde::Serialize;
-use serde_json::Value;
 
 use crate::tradeoff::Tradeoff;
 use crate::{Check, Report, ValidateError, Verdict};
@@ -15,26 +13,6 @@ struct Shown<'a> {
     failed: usize,
     findings: usize,
     checks: &'a [Check],
-}
-
-/// The files of a report, by their paths in its folder: page, numbers, and each figure as SVG and as a table.
-///
-/// # Errors
-///
-/// [`ReportError`] if a table of a figure cannot be written.
-pub fn report_files(
-    page: String,
-    results: &Value,
-    figures: &[Figure],
-) -> Result<Vec<(String, String)>, ReportError> {
-    let mut files = Vec::new();
-    for figure in figures {
-        files.push((format!("figures/{}.svg", figure.key), figure.svg()));
-        files.push((format!("figures/{}.csv", figure.key), figure.csv(exact)?));
-    }
-    files.push(("results.json".to_owned(), format!("{results:#}\n")));
-    files.push(("report.html".to_owned(), page));
-    Ok(files)
 }
 
 /// Page of the checks and their figures.

@@ -94,24 +94,20 @@ macro_rules! tables {
 }
 
 tables! {
+    /// Checks that are rows.
+    checks: "checks.csv";
     /// Lin's own case.
     lin_case: "lin1994/case.json";
     /// Statements of Lin, Velinsky and Ravani (1994) as numbers.
     lin_claims: "lin1994/claims.csv";
     /// Their equations, solved at 40 digits.
     lin_reference: "lin1994/reference.csv";
-    /// Constants of Hertz contacts.
-    hertz: "elastic-contacts/hertz.csv";
     /// Independent solutions of elastic and traction.
     elastic_reference: "elastic-contacts/reference.csv";
-    /// Efficiencies from rolling to gross skid.
-    transition: "elastic-contacts/transition.csv";
     /// Lists of those design tables.
     parkon: "ratings/parkon.json";
     /// Rows of design tables.
     rating_tables: "ratings/sobolewski.csv";
-    /// Nuts of a catalogue.
-    rating_catalogue: "ratings/hiwin.csv";
     /// Displacements of a ball bearing.
     nut_bearings: "nut/bearings.csv";
     /// Rigidity of nuts and pairs of a catalogue.
@@ -124,6 +120,8 @@ tables! {
     dong_case: "dong2020/case.json";
     /// Their trends, and on how many curves they hold.
     dong_trends: "dong2020/trends.csv";
+    /// A screw for the axes of makers' examples.
+    makers_case: "makers/case.json";
     /// Independent solutions of lubricated scenes.
     lubrication: "lubrication/public.json";
 }

@@ -1,6 +1,6 @@
-//! Load ratings and rigidity: design tables and a catalogue.
+//! Load ratings and rigidity: design tables.
 
-use std::f64::consts::{FRAC_PI_4, PI};
+use std::f64::consts::FRAC_PI_4;
 
 use bsm_case::units::{MM, UM};
 use bsm_design::{BALL_GAP, Body, Nut, PRELOAD, ROLLING_LEVER, Thread, loaded_balls};
@@ -11,7 +11,6 @@ use crate::{Check, Published, ValidateError};
 
 const TABLES: &str = "Sobolewski (2002), by ISO/DP 9783 and 9784";
 const PAPER: &str = "Sobolewski (2002)";
-const CATALOGUE: &str = "HIWIN catalogue BS-08-2, single nuts FSC";
 
 /// Steel of the tables.
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
@@ -22,9 +21,6 @@ pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError>
     let rows = published.rating_tables.rows::<Row>()?;
     checks.extend(QUANTITIES.iter().map(|quantity| quantity.check(&rows)));
     checks.extend(statements(&rows));
-    for row in published.rating_catalogue.rows::<Single>()? {
-        checks.extend(row.checks());
-    }
     Ok(checks)
 }
 
@@ -272,82 +268,4 @@ fn statements(rows: &[Row]) -> [Check; 2] {
             largest(&conformity, 6),
         ),
     ]
-}
-
-#[derive(Deserialize)]
-#[expect(non_snake_case, reason = "columns of the table")]
-struct Single {
-    nut: String,
-    lead_mm: f64,
-    ball_diameter_mm: f64,
-    circuits: f64,
-    core_mm: f64,
-    dynamic_load_rating_N: f64,
-    static_load_rating_N: f64,
-    rigidity_N_um: f64,
-    pair_rigidity_N_um: f64,
-}
-
-impl Single {
-    fn checks(&self) -> [Check; 4] {
-        const CONFORMITY: f64 = Nut::USUAL_CONFORMITY;
-        let ball = self.ball_diameter_mm;
-        let pitch = Nut::pitch_diameter_over(self.core_mm, ball, CONFORMITY, FRAC_PI_4);
-        let nut = Nut {
-            ball_diameter: ball * MM,
-            pitch_diameter: pitch * MM,
-            lead: self.lead_mm * MM,
-            contact_angle: FRAC_PI_4,
-            conformity: (CONFORMITY, CONFORMITY),
-            material: (STEEL, STEEL),
-            balls_per_turn: (PI * pitch).hypot(self.lead_mm) / ball,
-            turns: self.circuits - Nut::RETURN_TURNS,
-        };
-        let elasticity = nut.elasticity(&Body::usual(&nut));
-        let secant =
-            |load: f64| load / elasticity.as_ref().map_or(f64::NAN, |e| e.displacement(load)) * UM;
-        let single = secant(0.3 * self.dynamic_load_rating_N);
-        // A pair gives half as much under the same load, and is led by a preload of 0.1 of the rating.
-        let pair = 2.0 * secant(0.1 * self.dynamic_load_rating_N);
-        let check = |what: &str, ours: f64, claimed: f64| {
-            Check::new(
-                &format!("ratings/{what}-{}", self.nut),
-                CATALOGUE,
-                format!("{what} load rating of {}", self.nut),
-            )
-            .measured(ours, "N")
-            .equals(
-                claimed,
-                0.04 * claimed,
-                "4 %: the maker's geometry is a rule that fits it",
-            )
-        };
-        [
-            check("dynamic", nut.dynamic_rating().rating, self.dynamic_load_rating_N),
-            check("static", nut.static_rating().rating, self.static_load_rating_N),
-            Check::new(
-                &format!("ratings/rigidity-{}", self.nut),
-                CATALOGUE,
-                format!("rigidity of {} over load by Hertz displacement", self.nut),
-            )
-            .measured(self.rigidity_N_um / single, "")
-            .equals(
-                0.82,
-                0.1,
-                "two standard deviations of the catalogue; the bodies take the rest",
-            ),
-            Check::new(
-                &format!("ratings/pair-rigidity-{}", self.nut),
-                CATALOGUE,
-                format!("rigidity of the pair FDC of {} over 2 F_p/delta_p", self.nut),
-            )
-            .measured(self.pair_rigidity_N_um / pair, "")
-            .equals(
-                0.79,
-                0.1,
-                "that of single nuts, so this is how the catalogue defines it: 2^1.5 or 3 F_p/delta_p give \
-                 0.56 or 0.53",
-            ),
-        ]
-    }
 }

@@ -1,82 +1,271 @@
 //! Published trends against the curves of our sweeps.
 
-use std::collections::BTreeSet;
-
-use bsm_report::number;
+use bsm_report::sheets::{Course, Study};
+use bsm_report::{number, short};
 use serde::Deserialize;
 
 use crate::published::File;
-use crate::{Check, Shape, Study, Trend, ValidateError};
+use crate::{Check, ValidateError};
 
 /// A row of a table of trends.
 #[derive(Deserialize)]
 struct Row {
-    /// Label of the studies and group of the trend.
+    /// Label of the studies, and what the trend is of.
     trend: String,
     statement: String,
+    /// Names of the curves, and of ratios of two as `a/b`, with spaces between them.
+    curves: String,
+    claim: Claim,
+    /// Where a curve is said to fall less.
+    knee: Option<f64>,
+    /// Range that it is claimed for.
+    from: Option<f64>,
+    to: Option<f64>,
     /// On how many curves it held when the finding was made, and of how many.
     held: usize,
-    curves: usize,
+    of: usize,
 }
 
-/// A check for each trend of a table; one that fails for each trend that the table does not have.
+/// Which way a curve is said to go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Claim {
+    /// It grows.
+    Rises,
+    /// It becomes less.
+    Falls,
+    /// It becomes less, before the knee twice as fast as after it, or more.
+    Flattens,
+    /// A ratio that is above one.
+    Exceeds,
+    /// The first curve of a ratio changes more than the second.
+    Spreads,
+}
+
+/// Which way it goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Shape {
+    /// It never falls.
+    Rises,
+    /// It never rises.
+    Falls,
+    /// It stays where it is.
+    Constant,
+    /// It turns back at this place, the first of them.
+    Turns(f64),
+}
+
+impl Shape {
+    /// Of points in the order of x; what changes less than `rounding` does not change.
+    fn of(points: &[(f64, f64)], rounding: f64) -> Self {
+        let mut shape = Self::Constant;
+        let mut reached = points.first().map_or(0.0, |p| p.1);
+        let mut at = f64::NAN;
+        for &(x, y) in points {
+            if (y - reached).abs() <= rounding {
+                continue;
+            }
+            let way = if y > reached { Self::Rises } else { Self::Falls };
+            if shape == Self::Constant {
+                shape = way;
+            } else if shape != way {
+                return Self::Turns(at);
+            }
+            (reached, at) = (y, x);
+        }
+        shape
+    }
+
+    fn word(self) -> &'static str {
+        match self {
+            Self::Rises => "rising",
+            Self::Falls => "falling",
+            Self::Constant => "constant",
+            Self::Turns(_) => "turning",
+        }
+    }
+}
+
+/// Mean slope of the points in a range; NaN if they are less than two.
+fn slope(points: &[(f64, f64)], within: impl Fn(f64) -> bool) -> f64 {
+    let mut within = points.iter().filter(|(x, _)| within(*x));
+    let (first, last) = (within.next(), within.last());
+    first.zip(last).map_or(f64::NAN, |(a, b)| (b.1 - a.1) / (b.0 - a.0))
+}
+
+/// Difference of the largest and the smallest y.
+fn spread(points: &[(f64, f64)]) -> f64 {
+    let values = || points.iter().map(|(_, y)| *y).filter(|y| y.is_finite());
+    values().fold(0.0, f64::max) - values().fold(f64::INFINITY, f64::min)
+}
+
+/// What a curve does.
+struct Trend {
+    curve: String,
+    shape: Shape,
+    /// True if the curve goes the claimed way all along.
+    holds: bool,
+    first: (f64, f64),
+    last: (f64, f64),
+}
+
+impl Trend {
+    /// What the curve does, in words.
+    fn describe(&self, setting: &str) -> String {
+        let Self { curve, first, last, .. } = self;
+        let holds = if self.holds { "holds" } else { "does not" };
+        let (from, to) = (short(first.0), short(last.0));
+        let does = match self.shape {
+            Shape::Rises => format!("rises from {from} to {to}"),
+            Shape::Falls => format!("falls from {from} to {to}"),
+            Shape::Constant => format!("stays the same from {from} to {to}"),
+            Shape::Turns(at) => {
+                let way = if last.1 > first.1 { "higher" } else { "lower" };
+                format!("turns at {}, ends {way}", short(at))
+            }
+        };
+        format!("{curve}{setting}: {holds}, {} to {}, {does}", number(first.1), number(last.1))
+    }
+}
+
+fn named<'a>(study: &'a Study, name: &'a str) -> impl Iterator<Item = &'a Course> {
+    study.courses.iter().filter(move |course| course.name == name)
+}
+
+impl Row {
+    /// What the curves of a study do.
+    fn trends(&self, study: &Study) -> Vec<Trend> {
+        let one = |name: &str| match name.split_once('/') {
+            None => named(study, name).filter_map(|course| self.trend(course)).collect::<Vec<_>>(),
+            Some((above, below)) => {
+                let pairs = named(study, above).zip(named(study, below));
+                pairs.filter_map(|(above, below)| self.trend(&self.ratio(above, below))).collect()
+            }
+        };
+        self.curves.split(' ').flat_map(one).collect()
+    }
+
+    /// A curve over another; the change of a curve over that of the other, if the claim is about it.
+    fn ratio(&self, above: &Course, below: &Course) -> Course {
+        let (mut label, mut points) = (format!("{} over {}", above.label, below.label), Vec::new());
+        if self.claim == Claim::Spreads {
+            label = format!("change of {label}");
+            let middle = above.points[above.points.len() / 2].0;
+            points.push((middle, spread(&above.points) / spread(&below.points)));
+        } else {
+            let both = above.points.iter().zip(&below.points);
+            points.extend(both.map(|(above, below)| (above.0, above.1 / below.1)));
+        }
+        Course { name: String::new(), label, points, rounding: 0.0 }
+    }
+
+    /// What a curve does in the range of the claim; points that are not finite are left out.
+    fn trend(&self, course: &Course) -> Option<Trend> {
+        let range = self.from.unwrap_or(f64::NEG_INFINITY)..=self.to.unwrap_or(f64::INFINITY);
+        let rounding = course.rounding;
+        let clean = |(x, y): (f64, f64)| (x, if y.abs() <= rounding { 0.0 } else { y });
+        let points = course.points.iter().copied();
+        let points: Vec<_> =
+            points.filter(|(x, y)| y.is_finite() && range.contains(x)).map(clean).collect();
+        let shape = Shape::of(&points, rounding);
+        let knee = self.knee.unwrap_or(f64::NAN);
+        let holds = match self.claim {
+            Claim::Rises => shape == Shape::Rises,
+            Claim::Falls => shape == Shape::Falls,
+            Claim::Flattens => {
+                shape == Shape::Falls
+                    && slope(&points, |x| x <= knee) <= 2.0 * slope(&points, |x| x >= knee)
+            }
+            Claim::Exceeds | Claim::Spreads => points.iter().all(|(_, y)| *y > 1.0),
+        };
+        let (first, last) = (*points.first()?, *points.last()?);
+        Some(Trend { curve: course.label.clone(), shape, holds, first, last })
+    }
+}
+
+/// A check for each trend of a table.
 ///
-/// * `studies`: with a label that stands in front of the groups of their trends, and what sets them
-///   apart among those of one label.
+/// * `studies`: with a label that stands in front of the trends, and what sets them apart among those of one label.
 pub(crate) fn checks(
     source: &str,
     key: &str,
     table: &File,
     studies: &[(&str, &str, Study)],
 ) -> Result<Vec<Check>, ValidateError> {
-    let named = || {
-        studies.iter().flat_map(|(label, setting, study)| {
-            study
-                .trends
-                .iter()
-                .map(move |trend| (format!("{label}{}", trend.group), setting, trend))
-        })
+    let check = |row: Row| {
+        let of_label = studies.iter().filter(|(label, ..)| row.trend.starts_with(label));
+        let trends: Vec<_> = of_label
+            .flat_map(|(_, setting, study)| row.trends(study).into_iter().map(|t| (*setting, t)))
+            .collect();
+        let held = trends.iter().filter(|(_, trend)| trend.holds).count();
+        let count = |word: &&str| trends.iter().filter(|(_, t)| t.shape.word() == *word).count();
+        let counted = ["rising", "falling", "constant", "turning"];
+        let counted = counted.iter().map(|word| (count(word), word)).filter(|(n, _)| *n > 0);
+        let counted: Vec<_> = counted.map(|(n, word)| format!("{n} {word}")).collect();
+        let details: Vec<_> = trends.iter().map(|(setting, t)| t.describe(setting)).collect();
+        let check = Check::new(&format!("{key}/{}", row.trend), source, row.statement)
+            .note(counted.join(", "))
+            .follows(held, trends.len(), (row.held, row.of));
+        Check { details: details.join("; "), ..check }
     };
-    let describe = |setting: &str, trend: &Trend| {
-        let holds = if trend.holds { "holds" } else { "does not" };
-        let [from, to] = [trend.first.1, trend.last.1].map(number);
-        format!("{}{setting}: {holds}, {from} to {to}, {}", trend.curve, trend.describe())
-    };
-    let mut checks = Vec::new();
-    let mut unknown: BTreeSet<_> = named().map(|(group, ..)| group).collect();
-    for row in table.rows::<Row>()? {
-        unknown.remove(&row.trend);
-        let curves: Vec<_> = named().filter(|(group, ..)| *group == row.trend).collect();
-        let held = curves.iter().filter(|(.., trend)| trend.holds).count();
-        let details: Vec<_> =
-            curves.iter().map(|(_, setting, trend)| describe(setting, trend)).collect();
-        let check = Check {
-            details: details.join("; "),
-            ..Check::new(&format!("{key}/{}", row.trend), source, row.statement)
-        };
-        let trends: Vec<_> = curves.iter().map(|(.., trend)| *trend).collect();
-        let recorded = (row.held, row.curves);
-        checks.push(check.note(counts(&trends)).follows(held, curves.len(), recorded));
-    }
-    let unrecorded =
-        |group: &String| {
-            Check::new(&format!("{key}/{group}"), source, "a trend that is not in the table")
-                .follows(1, 1, (0, 0))
-        };
-    checks.extend(unknown.iter().map(unrecorded));
-    Ok(checks)
+    Ok(table.rows::<Row>()?.into_iter().map(check).collect())
 }
 
-/// How many curves have which shape, in words.
-fn counts(trends: &[&Trend]) -> String {
-    let word = |shape: Shape| match shape {
-        Shape::Rises => "rising",
-        Shape::Falls => "falling",
-        Shape::Constant => "constant",
-        Shape::Turns(_) => "turning",
-    };
-    let count = |name: &str| trends.iter().filter(|t| word(t.shape) == name).count();
-    let counted = ["rising", "falling", "constant", "turning"].map(|name| (count(name), name));
-    let counted = counted.iter().filter(|(count, _)| *count > 0);
-    counted.map(|(count, name)| format!("{count} {name}")).collect::<Vec<_>>().join(", ")
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(values: &[f64]) -> Vec<(f64, f64)> {
+        (0..).map(f64::from).zip(values.iter().copied()).collect()
+    }
+
+    #[test]
+    fn shapes_are_told_apart() {
+        let shape = |values: &[f64]| Shape::of(&points(values), 1e-9);
+        assert_eq!(shape(&[1.0, 2.0, 2.0, 3.0]), Shape::Rises);
+        assert_eq!(shape(&[3.0, 2.0, 2.0]), Shape::Falls);
+        assert_eq!(shape(&[1.0, 1.0 + 1e-12, 1.0 - 1e-12]), Shape::Constant);
+        assert_eq!(shape(&[1.0, 2.0, 3.0, 2.5, 4.0]), Shape::Turns(2.0));
+        // Rounding neither turns a curve nor adds up to a trend unseen.
+        assert_eq!(shape(&[1.0, 2.0, 2.0 - 1e-10, 3.0]), Shape::Rises);
+        let slow: Vec<_> = (0..30).map(|i| f64::from(i) * 5e-10).collect();
+        assert_eq!(shape(&slow), Shape::Rises);
+    }
+
+    /// A trend holds all along or not at all; a gap is no point, and neither is what lies out of the range.
+    #[test]
+    fn a_curve_that_turns_does_not_hold() {
+        let course = |name: &str, values: &[f64]| Course {
+            name: name.to_owned(),
+            label: String::new(),
+            points: points(values),
+            rounding: 0.0,
+        };
+        let trend = |claim: &str, values: &[f64]| {
+            let header = "trend,statement,curves,claim,knee,from,to,held,of";
+            let text = format!("{header}\na,b,c{claim},1,1\n");
+            let row = csv::Reader::from_reader(text.as_bytes()).into_deserialize().next();
+            let row: Row = row.expect("a row").expect("as the table is");
+            let curves = vec![course("c", values), course("one", &[1.0, 2.0, 2.5])];
+            let found = row.trends(&Study { figures: Vec::new(), courses: curves });
+            found.first().map(|trend| trend.holds)
+        };
+        assert_eq!(trend(",falls,,,", &[3.0, f64::NAN, 1.0]), Some(true));
+        assert_eq!(trend(",rises,,,", &[3.0, 1.0]), Some(false));
+        assert_eq!(trend(",falls,,,", &[3.0, 1.0, 2.0]), Some(false));
+        assert_eq!(trend(",falls,,,1", &[3.0, 1.0, 2.0]), Some(true));
+        assert_eq!(trend(",rises,,1,", &[3.0, 1.0, 2.0]), Some(true));
+        assert_eq!(trend(",falls,,,", &[1.0, 1.0]), Some(false));
+        assert_eq!(trend(",falls,,,", &[f64::NAN]), None);
+        // Slopes of −2 and −0.5, and of −1 and −1, on both sides of the third point.
+        assert_eq!(trend(",flattens,2,,", &[6.0, 4.0, 2.0, 1.5, 1.0]), Some(true));
+        assert_eq!(trend(",flattens,2,,", &[6.0, 5.0, 4.0, 3.0, 2.0]), Some(false));
+        assert_eq!(trend(",flattens,2,,", &[1.0, 2.0, 3.0, 2.0]), Some(false));
+        assert_eq!(trend(",flattens,9,,", &[6.0, 4.0, 3.0]), Some(false));
+        assert_eq!(trend("/one,exceeds,,,", &[1.5, 3.0, 2.6]), Some(true));
+        assert_eq!(trend("/one,exceeds,,,", &[1.5, 1.9, 5.0]), Some(false));
+        assert_eq!(trend("/one,spreads,,,", &[1.0, 2.0, 3.0]), Some(true));
+        assert_eq!(trend("/one,spreads,,,", &[1.0, 2.0, 1.5]), Some(false));
+        assert_eq!(trend("/none,exceeds,,,", &[1.5]), None);
+    }
 }

@@ -7,9 +7,14 @@ use std::path::{Path, PathBuf};
 pub(crate) fn copy_published(folder: &Path) -> PathBuf {
     let published = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/published");
     let data = folder.join("data");
+    fs::create_dir_all(&data).expect("a folder");
     for source in fs::read_dir(published).expect("sources") {
         let source = source.expect("a source");
         let to = data.join(source.file_name());
+        if source.path().is_file() {
+            fs::copy(source.path(), to).expect("a copy");
+            continue;
+        }
         fs::create_dir_all(&to).expect("a folder");
         for file in fs::read_dir(source.path()).expect("data") {
             let file = file.expect("a file");

@@ -2,13 +2,10 @@
 
 use bsm_case::Scene;
 use bsm_design::search::minimum_of;
-use bsm_dyn::{
-    Angles, Coulomb, Direction, Driven, Model, ModelWorkspace, Optimum, QuasiStatic, Solution,
-};
-use bsm_kin::Site;
+use bsm_dyn::{Angles, Coulomb, Direction, Driven, Model, ModelWorkspace, Optimum, QuasiStatic};
+use bsm_report::sheets::efficiency_as_printed;
 
 use super::{SOURCE, slender};
-use crate::figures::efficiency_as_printed;
 use crate::{Check, ValidateError};
 
 /// Friction coefficient of the paper.
@@ -20,12 +17,10 @@ const FORWARD: Direction = Direction::RotaryToLinear;
 pub(super) fn checks(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
     let mut checks = vec![quotient()];
     checks.extend(driving_part(lin)?);
-    checks.extend(two_contacts(lin)?);
     checks.extend(direction_of_slip(lin)?);
     checks.extend(misprints(lin)?);
     checks.extend(optimum_range());
     checks.push(driven_side());
-    checks.extend(capacity(lin)?);
     checks.push(other_direction());
     Ok(checks)
 }
@@ -124,46 +119,6 @@ fn driving_part(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
         )
         .measured(100.0 * (slow_screw - screw), "percentage points too high")
         .note("it leaves out the friction along the groove, which costs most (Fig 5)"),
-    ])
-}
-
-/// Loads of a solution at both loaded contacts.
-fn loads(solution: &Solution) -> Option<[f64; 2]> {
-    let load = |site| solution.contact(site).and_then(|contact| contact.load);
-    Some([load(Site::Nut)?, load(Site::Screw)?])
-}
-
-/// Eqs 10 and 12 at 2000 rpm, over the contact angle.
-fn two_contacts(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
-    let (mut unequal, mut cotangents) = (0.0_f64, 0.0_f64);
-    for contact in (15..=75).map(f64::from) {
-        let scene = Scene { contact_angle_deg: Some(contact), ..lin.clone() };
-        let solution = scene.problem(&Model::Rigid.into())?.solve(&mut ModelWorkspace::default());
-        let slip = |site| solution.contact(site).and_then(|contact| contact.slip_angle);
-        let (Some([nut, screw]), Some(psi_a), Some(psi_b)) =
-            (loads(&solution), slip(Site::Nut), slip(Site::Screw))
-        else {
-            continue;
-        };
-        unequal = unequal.max((nut / screw - 1.0).abs());
-        let tan_a = scene.lead_angle().unwrap_or(f64::NAN).tan();
-        let right = 2.0 * contact.to_radians().cos() / tan_a;
-        let left = psi_a.tan().recip() + psi_b.tan().recip();
-        cotangents = cotangents.max((left / right - 1.0).abs());
-    }
-    Ok(vec![
-        check(
-            "equal-loads",
-            "Fig 4, Eq 10",
-            "the loads of the two major contacts are equal for practical purposes",
-        )
-        .measured(unequal, "Q_A/Q_B - 1")
-        .note("contact angles of 15 to 75 deg, 2000 rpm")
-        .at_most(1e-2, "a hundredth: two curves within the width of a line"),
-        check("cotangents", "Eq 12", "cot psi_A + cot psi_B = 2 cos beta / tan alpha")
-            .measured(cotangents, "relative")
-            .note("on the exact solution, contact angles of 15 to 75 deg, 2000 rpm")
-            .at_most(1e-2, "Eq 12 leaves out the minor contact, some thousandths of the load"),
     ])
 }
 
@@ -358,31 +313,6 @@ fn driven_side() -> Check {
         .measured(f64::from(wrong), "points of the limits that differ")
         .note(format!("{points} points: the driven side transmits nothing, the driving side more than without friction"))
         .at_most(0.0, "always")
-}
-
-/// Load capacity: Eqs 20 and 21 without friction, and the ball size.
-fn capacity(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
-    let solution = lin.problem(&Model::Rigid.into())?.solve(&mut ModelWorkspace::default());
-    let per_ball = lin.axial_load_N.unwrap_or(f64::NAN) / lin.loaded_balls.unwrap_or(f64::NAN);
-    let ratio = loads(&solution).map_or(f64::NAN, |[nut, _]| nut / per_ball);
-    let lin_angles = angles(10.0, 45.0);
-    let plain = (lin_angles.lead.cos() * lin_angles.contact.sin()).recip();
-    let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-    for hundredth in 7..=20 {
-        let size = 0.01 * f64::from(hundredth);
-        let ball_diameter_mm = lin.pitch_circle_diameter_mm.map(|pitch| size * pitch);
-        let eta = efficiency(&Scene { ball_diameter_mm, ..lin.clone() }, Model::Rigid)?;
-        range = (range.0.min(eta), range.1.max(eta));
-    }
-    Ok(vec![
-        check("step-7", "Eq 20 against Eqs 5-9", "normal load without friction, for the Hertz pressure of step 9")
-            .measured(100.0 * (plain / ratio - 1.0), "% of the exact load")
-            .note(format!("{plain:.4} against {ratio:.4} of the axial load, Lin's case; the pressure goes with the cube root")),
-        check("ball-size", "load capacity", "the ratio of ball to mean radius is not critical from 0.07 to 0.2")
-            .measured(range.1 - range.0, "change of the efficiency")
-            .note("exact, Lin's case; the closed form does not contain it")
-            .at_most(1e-3, "a tenth of a percentage point"),
-    ])
 }
 
 /// "The trends are the same ... but with slightly different values."

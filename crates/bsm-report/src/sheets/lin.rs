@@ -2,14 +2,12 @@
 
 use std::f64::consts::PI;
 
-use bsm_case::Scene;
+use bsm_case::{Scene, Settings};
 use bsm_design::search::minimum_of;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Solution};
 use bsm_kin::Site;
-use bsm_report::{Axis, Curve, Figure, Stroke, short};
 
-use super::{Read, points};
-use crate::ValidateError;
+use crate::{Axis, Curve, Figure, ReportError, Stroke, short};
 
 const LEAD: (&str, &str) = ("lead_angle_deg", "lead angle, deg");
 const CONTACT: (&str, &str) = ("contact_angle_deg", "contact angle, deg");
@@ -19,19 +17,48 @@ const DIRECTIONS: [(Direction, &str, Stroke); 2] = [
     (Direction::LinearToRotary, "linear to rotary", Stroke::Dashed),
 ];
 
+/// An output; a missing one is a gap.
+pub type Read = fn(&Solution) -> Option<f64>;
+
+/// An output over an input.
+///
+/// # Errors
+///
+/// [`ReportError::Case`] if the scene is incomplete or a value breaks its rule.
+pub fn points(
+    scene: &Scene,
+    settings: &Settings,
+    input: &str,
+    values: &[f64],
+    read: Read,
+) -> Result<Vec<(f64, f64)>, ReportError> {
+    let mut work = ModelWorkspace::default();
+    let mut scene = scene.clone();
+    let point = |value: &f64| {
+        scene.set(input, *value)?;
+        let solution = scene.problem(settings)?.solve(&mut work);
+        Ok((*value, read(&solution).unwrap_or(f64::NAN)))
+    };
+    values.iter().map(point).collect()
+}
+
 /// The figures of Lin, Velinsky and Ravani (1994), Figs 3 to 7, around a scene: efficiency against both
 /// angles, normal loads, efficiency against the direction of slip, optimum contact angle and limits of
 /// self-locking. Those that lack an input of the scene are left out, and so are the exact equations.
 ///
 /// # Errors
 ///
-/// [`ValidateError::Point`] if a value of the scene breaks its rule.
-pub fn lin_figures(scene: &Scene) -> Result<Vec<Figure>, ValidateError> {
+/// [`ReportError::Case`] if a value of the scene breaks its rule.
+pub fn lin_figures(scene: &Scene) -> Result<Vec<Figure>, ReportError> {
     around_scenes(scene, scene)
 }
 
-/// * `slender`: the scene of Fig 5, for which the paper has another ball.
-pub(super) fn around_scenes(scene: &Scene, slender: &Scene) -> Result<Vec<Figure>, ValidateError> {
+/// [`lin_figures`] with another scene for Fig 5, for which the paper has a smaller ball.
+///
+/// # Errors
+///
+/// [`ReportError::Case`] if a value of a scene breaks its rule.
+pub fn around_scenes(scene: &Scene, slender: &Scene) -> Result<Vec<Figure>, ReportError> {
     let scene = &forward(scene);
     let mut figures = Vec::new();
     if scene.suits(Model::ClosedForm) {
@@ -85,7 +112,7 @@ fn exact_and_closed(
     (input, values): (&str, &[f64]),
     (other, others): (&str, &[f64]),
     read: Read,
-) -> Result<Vec<Curve>, ValidateError> {
+) -> Result<Vec<Curve>, ReportError> {
     let mut curves = Vec::new();
     for (color, value) in others.iter().enumerate() {
         let mut scene = scene.clone();
@@ -94,7 +121,7 @@ fn exact_and_closed(
             let values: Vec<_> = values.iter().copied().step_by(step).collect();
             let points = points(scene, &model.into(), input, &values, read)?;
             curves.push(Curve::new(format!("{value} deg, {words}"), color, stroke, points));
-            Ok::<_, ValidateError>(())
+            Ok::<_, ReportError>(())
         };
         add(&scene, Model::ClosedForm, "closed", Stroke::Solid, 1)?;
         if scene.suits(Model::Rigid) {
@@ -119,45 +146,47 @@ fn around(own: f64, others: [f64; 2], (low, high): (f64, f64)) -> Vec<f64> {
     std::iter::once(own).chain(others).collect()
 }
 
-fn lead_angle(scene: &Scene) -> Result<Figure, ValidateError> {
+fn lead_angle(scene: &Scene) -> Result<Figure, ReportError> {
     let own = scene.contact_angle_deg.unwrap_or(f64::NAN);
     let contacts = around(own, [-15.0, 15.0], (1.0, 89.0));
     let over = (LEAD.0, &degrees(1..=60)[..]);
-    Ok(Figure {
-        key: "lin-efficiency-lead-angle".into(),
-        title: "Efficiency against lead angle".into(),
-        caption: format!(
-            "Fig 3 of Lin et al. (1994) has {own} deg. {} These have no root at small lead angles, where the \
+    Ok(Figure::new(
+        [
+            "lin-efficiency-lead-angle",
+            "Efficiency against lead angle",
+            &format!(
+                "Fig 3 of Lin et al. (1994) has {own} deg. {} These have no root at small lead angles, where the \
              ball would roll.",
-            operating_point(scene)
-        ),
-        x: Axis::linear(LEAD.1),
-        y: Axis::linear("efficiency"),
-        curves: exact_and_closed(scene, over, (CONTACT.0, &contacts), moving)?,
-    })
+                operating_point(scene)
+            ),
+        ],
+        [Axis::linear(LEAD.1), Axis::linear("efficiency")],
+        exact_and_closed(scene, over, (CONTACT.0, &contacts), moving)?,
+    ))
 }
 
-fn contact_angle(scene: &Scene) -> Result<Figure, ValidateError> {
+fn contact_angle(scene: &Scene) -> Result<Figure, ReportError> {
     // Without the rounding of the way to radians and back.
     let own = scene.lead_angle().map_or(f64::NAN, |lead| (1e9 * lead.to_degrees()).round() * 1e-9);
     let leads = around(own, [10.0, 20.0], (0.1, 60.0));
     let over = (CONTACT.0, &degrees(5..=85)[..]);
     let best = 100.0 * Optimum::best_efficiency(scene.friction_coefficient.unwrap_or(f64::NAN));
-    Ok(Figure {
-        key: "lin-efficiency-contact-angle".into(),
-        title: "Efficiency against contact angle".into(),
-        caption: format!(
-            "Fig 3 of Lin et al. (1994) has a lead angle of {own} deg. {} The best efficiency is the same for \
+    Ok(Figure::new(
+        [
+            "lin-efficiency-contact-angle",
+            "Efficiency against contact angle",
+            &format!(
+                "Fig 3 of Lin et al. (1994) has a lead angle of {own} deg. {} The best efficiency is the same for \
              each: {best:.1} %.",
-            operating_point(scene)
-        ),
-        x: Axis::linear(CONTACT.1),
-        y: Axis::linear("efficiency"),
-        curves: exact_and_closed(scene, over, (LEAD.0, &leads), moving)?,
-    })
+                operating_point(scene)
+            ),
+        ],
+        [Axis::linear(CONTACT.1), Axis::linear("efficiency")],
+        exact_and_closed(scene, over, (LEAD.0, &leads), moving)?,
+    ))
 }
 
-fn normal_loads(scene: &Scene) -> Result<Figure, ValidateError> {
+fn normal_loads(scene: &Scene) -> Result<Figure, ReportError> {
     let load = scene.axial_load_N.unwrap_or(1.0) / scene.loaded_balls.unwrap_or(1.0);
     let reads: [(&str, Model, Stroke, Read); 4] = [
         ("nut and screw, closed form", Model::ClosedForm, Stroke::Solid, |o| {
@@ -182,21 +211,22 @@ fn normal_loads(scene: &Scene) -> Result<Figure, ValidateError> {
         }
         curves.push(Curve::new(label.to_owned(), i, stroke, points));
     }
-    Ok(Figure {
-        key: "lin-normal-loads".into(),
-        title: "Normal loads against contact angle".into(),
-        caption: format!(
-            "Fig 4 of Lin et al. (1994). {} The minor contact carries far less than the two that are loaded, \
+    Ok(Figure::new(
+        [
+            "lin-normal-loads",
+            "Normal loads against contact angle",
+            &format!(
+                "Fig 4 of Lin et al. (1994). {} The minor contact carries far less than the two that are loaded, \
              which are nearly equal.",
-            operating_point(scene)
-        ),
-        x: Axis::linear(CONTACT.1),
-        y: Axis::log("normal over axial load"),
+                operating_point(scene)
+            ),
+        ],
+        [Axis::linear(CONTACT.1), Axis::log("normal over axial load")],
         curves,
-    })
+    ))
 }
 
-fn slip_angles(scene: &Scene) -> Result<Figure, ValidateError> {
+fn slip_angles(scene: &Scene) -> Result<Figure, ReportError> {
     let own = scene.contact_angle_deg.unwrap_or(f64::NAN);
     let contacts = around(own, [-15.0, 15.0], (1.0, 89.0));
     let over = (LEAD.0, &degrees(1..=60)[..]);
@@ -204,18 +234,19 @@ fn slip_angles(scene: &Scene) -> Result<Figure, ValidateError> {
     let mut curves = exact_and_closed(scene, over, (CONTACT.0, &contacts), read)?;
     // The other direction is the same, turned by half a turn.
     curves.retain(|curve| curve.stroke != Stroke::Dashed);
-    Ok(Figure {
-        key: "lin-slip-angle".into(),
-        title: "Direction of friction at the screw against lead angle".into(),
-        caption: format!(
-            "Eq 13 of Lin et al. (1994): from across the groove (0 deg) towards along it. {} At the nut it is \
+    Ok(Figure::new(
+        [
+            "lin-slip-angle",
+            "Direction of friction at the screw against lead angle",
+            &format!(
+                "Eq 13 of Lin et al. (1994): from across the groove (0 deg) towards along it. {} At the nut it is \
              turned by half a turn.",
-            operating_point(scene)
-        ),
-        x: Axis::linear(LEAD.1),
-        y: Axis::linear("slip angle, deg"),
+                operating_point(scene)
+            ),
+        ],
+        [Axis::linear(LEAD.1), Axis::linear("slip angle, deg")],
         curves,
-    })
+    ))
 }
 
 /// Eq 11 as corrected and as printed; `None` without the inputs.
@@ -234,33 +265,29 @@ fn slip_direction(scene: &Scene) -> Option<Figure> {
     let own = angles.screw_slip_angle(direction).to_degrees();
     let curve = |label: &str, color, stroke, points| Curve::new(label, color, stroke, points);
     let over = degrees(0..=90);
-    Some(Figure {
-        key: "lin-efficiency-slip-angle".into(),
-        title: "Efficiency against the direction of slip at the screw".into(),
-        caption: format!(
-            "Fig 5 of Lin et al. (1994), Eq 11: lead angle {:.4} deg, contact angle {:.4} deg, ball over pitch \
+    Some(Figure::new(
+        [
+            "lin-efficiency-slip-angle",
+            "Efficiency against the direction of slip at the screw",
+            &format!(
+                "Fig 5 of Lin et al. (1994), Eq 11: lead angle {:.4} deg, contact angle {:.4} deg, ball over pitch \
              radius {size:.3}, f = {friction}. Slip along the groove (90 deg) costs more than across it. As printed, \
              the sign of friction in the numerator makes efficiencies above one.",
-            lead.to_degrees(),
-            contact.to_degrees(),
-        ),
-        x: Axis::linear("slip angle at the screw, deg"),
-        y: Axis::linear("efficiency"),
-        curves: vec![
+                lead.to_degrees(),
+                contact.to_degrees(),
+            ),
+        ],
+        [Axis::linear("slip angle at the screw, deg"), Axis::linear("efficiency")],
+        vec![
             curve("corrected", 0, Stroke::Solid, over.iter().copied().map(corrected).collect()),
             curve("as printed", 1, Stroke::Dashed, over.iter().copied().map(printed).collect()),
             curve("slip angle of Eq 13", 0, Stroke::Circles, vec![corrected(own)]),
         ],
-    })
+    ))
 }
 
 /// Eq 11 of the paper as it is printed, with the slip angle at the nut of Eq 10.
-pub(crate) fn efficiency_as_printed(
-    angles: &Angles<f64>,
-    friction: f64,
-    size: f64,
-    psi: f64,
-) -> f64 {
+pub fn efficiency_as_printed(angles: &Angles<f64>, friction: f64, size: f64, psi: f64) -> f64 {
     let (tan_a, (sin_b, cos_b)) = (angles.lead.tan(), angles.contact.sin_cos());
     let (at_nut, at_screw) = ((psi + PI).sin_cos(), psi.sin_cos());
     let force = sin_b - friction * (cos_b * at_nut.1 + at_nut.0 * tan_a);
@@ -268,7 +295,7 @@ pub(crate) fn efficiency_as_printed(
     force / (sin_b + friction * lever)
 }
 
-fn optimum_angle(scene: &Scene, own: f64) -> Result<Figure, ValidateError> {
+fn optimum_angle(scene: &Scene, own: f64) -> Result<Figure, ReportError> {
     let mut curves = Vec::new();
     for (color, friction) in [own, own / 3.0, 2.0 * own].into_iter().enumerate() {
         for (direction, words, stroke) in DIRECTIONS {
@@ -289,22 +316,23 @@ fn optimum_angle(scene: &Scene, own: f64) -> Result<Figure, ValidateError> {
             curves.push(Curve::new(format!("exact, {words}"), 3, stroke, points));
         }
     }
-    Ok(Figure {
-        key: "lin-optimum-angle".into(),
-        title: "Contact angle of best efficiency against lead angle".into(),
-        caption: format!(
-            "Fig 6 of Lin et al. (1994) has f = {}. Lines in closed form, marks the maximum of the exact \
+    Ok(Figure::new(
+        [
+            "lin-optimum-angle",
+            "Contact angle of best efficiency against lead angle",
+            &format!(
+                "Fig 6 of Lin et al. (1994) has f = {}. Lines in closed form, marks the maximum of the exact \
              efficiency there. Curves end where no contact angle reaches the optimum.",
-            short(own)
-        ),
-        x: Axis::linear(LEAD.1),
-        y: Axis::linear("optimum contact angle, deg"),
+                short(own)
+            ),
+        ],
+        [Axis::linear(LEAD.1), Axis::linear("optimum contact angle, deg")],
         curves,
-    })
+    ))
 }
 
 /// Contact angle of the best efficiency of the exact equations, searched for.
-fn exact_optimum(scene: &Scene, direction: Direction) -> Result<Vec<(f64, f64)>, ValidateError> {
+fn exact_optimum(scene: &Scene, direction: Direction) -> Result<Vec<(f64, f64)>, ReportError> {
     let mut points = Vec::new();
     for lead in degrees(12..=44).into_iter().step_by(4) {
         let mut scene = scene.clone();
@@ -317,7 +345,7 @@ fn exact_optimum(scene: &Scene, direction: Direction) -> Result<Vec<(f64, f64)>,
             let solution =
                 scene.problem(&Model::Rigid.into())?.solve(&mut ModelWorkspace::default());
             // Without a root nothing moves: all is lost.
-            Ok::<_, ValidateError>(1.0 - solution.efficiency().unwrap_or(0.0))
+            Ok::<_, ReportError>(1.0 - solution.efficiency().unwrap_or(0.0))
         };
         let (low, high) = (30.0, 85.0);
         let best = minimum_of(loss, low, high)?;
@@ -344,16 +372,17 @@ fn self_locking(own: f64) -> Figure {
             ));
         }
     }
-    Figure {
-        key: "lin-self-locking".into(),
-        title: "Limits of self-locking of the screw".into(),
-        caption: format!(
-            "Fig 7 of Lin et al. (1994) has f = {}. Below a solid line the screw cannot be turned against the \
+    Figure::new(
+        [
+            "lin-self-locking",
+            "Limits of self-locking of the screw",
+            &format!(
+                "Fig 7 of Lin et al. (1994) has f = {}. Below a solid line the screw cannot be turned against the \
              load (a); above a dashed line the load cannot turn the screw (b).",
-            short(own)
-        ),
-        x: Axis::linear(LEAD.1),
-        y: Axis::linear("contact angle, deg"),
+                short(own)
+            ),
+        ],
+        [Axis::linear(LEAD.1), Axis::linear("contact angle, deg")],
         curves,
-    }
+    )
 }

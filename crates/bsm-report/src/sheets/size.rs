@@ -1,13 +1,12 @@
 //! The sheet of an axis: figures and page.
 
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use bsm_case::{GrooveSection, NOT_MODELLED, SizePhase, SizeReport, SizeRule};
-use bsm_report::{Axis, Curve, Figure, PROGRAM, Page, Stroke};
-use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::ValidateError;
+use crate::{Axis, Curve, Figure, PROGRAM, Page, ReportError, Stroke, number as text_of};
 
 /// Points of a limit in the diagram of speed and force.
 const POINTS: u32 = 60;
@@ -37,74 +36,6 @@ const COLUMNS: [(&str, &str); 8] = [
     ("heat_W", "heat"),
 ];
 
-#[derive(Serialize)]
-struct Sheet {
-    description: Option<String>,
-    failed: usize,
-    limited: usize,
-    headlines: Vec<Row>,
-    rules: Vec<RuleRow>,
-    parts: Vec<&'static str>,
-    contacts: Vec<String>,
-    phase_columns: Vec<Column>,
-    phases: Vec<PhaseRow>,
-    groups: Vec<Group>,
-    notes: Vec<String>,
-    warnings: Vec<String>,
-    not_modelled: [&'static str; NOT_MODELLED.len()],
-    drag: Option<Drag>,
-}
-
-#[derive(Serialize)]
-struct Row {
-    name: String,
-    about: String,
-    unit: String,
-    value: f64,
-    text: Option<String>,
-}
-
-#[derive(Serialize)]
-struct Group {
-    title: &'static str,
-    rows: Vec<Row>,
-}
-
-#[derive(Serialize)]
-struct RuleRow {
-    title: &'static str,
-    name: &'static str,
-    unit: &'static str,
-    value: f64,
-    must_be: &'static str,
-    limit: Option<f64>,
-    margin: Option<f64>,
-    passes: bool,
-    source: &'static str,
-    remedy: Option<String>,
-}
-
-#[derive(Serialize)]
-struct Column {
-    title: &'static str,
-    unit: &'static str,
-}
-
-#[derive(Serialize)]
-struct PhaseRow {
-    values: Vec<Option<f64>>,
-    /// Parts of the torque.
-    parts: Vec<Option<f64>>,
-    /// Shares of the heat of all parts but the first, which is the load \[%\].
-    shares: Vec<f64>,
-}
-
-#[derive(Serialize)]
-struct Drag {
-    contacts: f64,
-    rule: f64,
-}
-
 /// JSON object of a sheet, with the program that made it.
 pub fn size_results(report: &SizeReport) -> Value {
     let mut results = report.to_json();
@@ -116,52 +47,46 @@ pub fn size_results(report: &SizeReport) -> Value {
 ///
 /// # Errors
 ///
-/// [`ValidateError::Report`] if the template is wrong.
-pub fn size_page(report: &SizeReport) -> Result<String, ValidateError> {
+/// [`ReportError::Page`] if the template is wrong.
+pub fn size_page(report: &SizeReport) -> Result<String, ReportError> {
     let figures = size_figures(report);
     let page = Page {
         title: "Ball screw axis: calculation sheet",
         command: "bsm size SCENE.json --out DIR",
-        template: include_str!("../templates/size.html"),
+        template: include_str!("../../templates/size.html"),
         figures: &figures,
     };
-    Ok(page.html(&sheet(report))?)
+    page.html(&sheet(report))
 }
 
-fn sheet(report: &SizeReport) -> Sheet {
+/// What the template shows.
+fn sheet(report: &SizeReport) -> Value {
     let limited: Vec<_> = report.rules.iter().filter(|rule| rule.limit.is_some()).collect();
-    let mut contacts: Vec<String> = Vec::new();
-    for phase in &report.phases {
-        if !contacts.contains(&phase.contacts) {
-            contacts.push(phase.contacts.clone());
-        }
-    }
-    let column = |(name, title): (&str, &'static str)| {
+    let mut contacts: Vec<&str> = report.phases.iter().map(|phase| &*phase.contacts).collect();
+    let mut seen = BTreeSet::new();
+    contacts.retain(|words| seen.insert(*words));
+    let column = |(name, title): (&str, &str)| {
         let found = report.phases.first().and_then(|phase| entry(phase, name));
-        Column { title, unit: found.map_or("", |(unit, _)| unit) }
+        json!({ "title": title, "unit": found.map_or("", |(unit, _)| unit) })
     };
-    let number = |name: &str| report.number(name);
-    Sheet {
-        description: report.scene.description.clone(),
-        failed: limited.iter().filter(|rule| !rule.passes()).count(),
-        limited: limited.len(),
-        headlines: results(report)
-            .filter(|(_, row)| HEADLINES.contains(&row.name.as_str()))
-            .map(|(_, row)| row)
-            .collect(),
-        rules: report.rules.iter().map(rule_row).collect(),
-        parts: PARTS.map(|(_, title)| title).to_vec(),
-        contacts,
-        phase_columns: COLUMNS.map(column).into(),
-        phases: report.phases.iter().map(phase_row).collect(),
-        groups: groups(report),
-        notes: report.notes.clone(),
-        warnings: report.warnings.clone(),
-        not_modelled: NOT_MODELLED,
-        drag: number("contact_drag_Nm")
-            .zip(number("preload_drag_Nm"))
-            .map(|(contacts, rule)| Drag { contacts, rule }),
-    }
+    let headlines = results(report).filter(|(name, ..)| HEADLINES.contains(name));
+    let drag = report.number("contact_drag_Nm").zip(report.number("preload_drag_Nm"));
+    json!({
+        "description": report.scene.description,
+        "failed": limited.iter().filter(|rule| !rule.passes()).count(),
+        "limited": limited.len(),
+        "headlines": headlines.map(|(.., row)| row).collect::<Vec<_>>(),
+        "rules": report.rules.iter().map(rule_row).collect::<Vec<_>>(),
+        "parts": PARTS.map(|(_, title)| title),
+        "contacts": contacts,
+        "phase_columns": COLUMNS.map(column),
+        "phases": report.phases.iter().map(phase_row).collect::<Vec<_>>(),
+        "groups": groups(report),
+        "notes": report.notes,
+        "warnings": report.warnings,
+        "not_modelled": NOT_MODELLED,
+        "drag": drag.map(|(contacts, rule)| json!({ "contacts": contacts, "rule": rule })),
+    })
 }
 
 /// Unit and value of a number of a phase.
@@ -170,86 +95,63 @@ fn entry(phase: &SizePhase, name: &str) -> Option<(&'static str, Option<f64>)> {
     found.map(|(_, unit, value)| (*unit, *value))
 }
 
-fn value(phase: &SizePhase, name: &str) -> Option<f64> {
-    entry(phase, name).and_then(|(_, value)| value)
+fn rule_row(rule: &SizeRule) -> Value {
+    let mut row = rule.to_json();
+    row["title"] = json!(rule.title);
+    row["unit"] = json!(rule.unit);
+    row["must_be"] = json!(if rule.at_least { "≥" } else { "≤" });
+    row
 }
 
-fn rule_row(rule: &SizeRule) -> RuleRow {
-    RuleRow {
-        title: rule.title,
-        name: rule.name,
-        unit: rule.unit,
-        value: rule.value,
-        must_be: if rule.at_least { "≥" } else { "≤" },
-        limit: rule.limit,
-        margin: rule.margin(),
-        passes: rule.passes(),
-        source: rule.source,
-        remedy: rule.remedy.clone(),
-    }
-}
-
-fn phase_row(phase: &SizePhase) -> PhaseRow {
-    let parts = PARTS.map(|(name, _)| value(phase, name));
+/// Numbers, parts of the torque, and the shares of the heat of all parts but the first, which is the load \[%\].
+fn phase_row(phase: &SizePhase) -> Value {
+    let parts = PARTS.map(|(name, _)| phase.number(name));
     let heat = || parts.iter().skip(1).map(|part| part.unwrap_or(0.0).abs());
     let all: f64 = heat().sum();
     let share = |part: f64| if all > 0.0 { (1e3 * part / all).round() / 10.0 } else { 0.0 };
-    PhaseRow {
-        values: COLUMNS.map(|(name, _)| value(phase, name)).to_vec(),
-        parts: parts.to_vec(),
-        shares: heat().map(share).collect(),
-    }
-}
-
-/// The numbers with their titles.
-fn results(report: &SizeReport) -> impl Iterator<Item = (&'static str, Row)> {
-    report.numbers.rows().filter_map(|(quantity, values)| {
-        let row = Row {
-            name: quantity.key.to_owned(),
-            about: quantity.about.to_owned(),
-            unit: quantity.unit.to_owned(),
-            value: values[0]?,
-            text: None,
-        };
-        Some((quantity.title, row))
+    json!({
+        "values": COLUMNS.map(|(name, _)| phase.number(name)),
+        "parts": parts,
+        "shares": heat().map(share).collect::<Vec<_>>(),
     })
 }
 
-fn groups(report: &SizeReport) -> Vec<Group> {
+fn row(name: &str, about: &str, unit: &str, value: Option<f64>, text: Option<&str>) -> Value {
+    json!({ "name": name, "about": about, "unit": unit, "value": value, "text": text })
+}
+
+/// The numbers with their names and titles.
+fn results(report: &SizeReport) -> impl Iterator<Item = (&'static str, &'static str, Value)> {
+    report.numbers.rows().filter_map(|(quantity, values)| {
+        let row = row(quantity.key, quantity.about, quantity.unit, Some(values[0]?), None);
+        Some((quantity.key, quantity.title, row))
+    })
+}
+
+fn groups(report: &SizeReport) -> Vec<Value> {
+    let is_size = |name: &str| report.sizes.iter().any(|(own, ..)| *own == name);
+    let inputs = report.scene.to_json();
     let input = |(name, value): (&String, &Value)| {
         let known = bsm_case::INPUTS.iter().find(|input| input.name == name);
-        let text = if known.is_some() { None } else { value.as_str().map(str::to_owned) };
-        let number = value.as_f64();
-        (name != "description" && (number.is_some() || text.is_some())).then(|| Row {
-            name: name.clone(),
-            about: name.clone(),
-            unit: known.map_or("", |input| input.unit).to_owned(),
-            value: number.unwrap_or(f64::NAN),
-            text,
-        })
+        let (number, text) = (value.as_f64(), value.as_str().filter(|_| known.is_none()));
+        let shown = name != "description" && !is_size(name) && (number.is_some() || text.is_some());
+        shown.then(|| row(name, name, known.map_or("", |input| input.unit), number, text))
     };
-    let inputs = report.scene.to_json();
-    let of_sizes: Vec<_> = report.sizes.iter().map(|(name, ..)| *name).collect();
-    let inputs = inputs.as_object().into_iter().flatten();
-    let inputs = inputs.filter_map(input).filter(|row| !of_sizes.contains(&row.name.as_str()));
-    let size = |(name, unit, value): &(&str, &str, f64)| Row {
-        name: (*name).to_owned(),
-        about: (*name).to_owned(),
-        unit: (*unit).to_owned(),
-        value: *value,
-        text: None,
-    };
+    let size = |(name, unit, value): &(&str, &str, f64)| row(name, name, unit, Some(*value), None);
     let mut groups = vec![
-        Group { title: "requirement and axis, as given", rows: inputs.collect() },
-        Group { title: "screw and nut", rows: report.sizes.iter().map(size).collect() },
+        (
+            "requirement and axis, as given",
+            inputs.as_object().into_iter().flatten().filter_map(input).collect::<Vec<_>>(),
+        ),
+        ("screw and nut", report.sizes.iter().map(size).collect()),
     ];
-    for (title, row) in results(report) {
-        match groups.iter_mut().find(|group| group.title == title) {
-            Some(group) => group.rows.push(row),
-            None => groups.push(Group { title, rows: vec![row] }),
+    for (_, title, row) in results(report) {
+        match groups.iter_mut().find(|(known, _)| *known == title) {
+            Some((_, rows)) => rows.push(row),
+            None => groups.push((title, vec![row])),
         }
     }
-    groups
+    groups.into_iter().map(|(title, rows)| json!({ "title": title, "rows": rows })).collect()
 }
 
 /// Load and speed of the screw over the cycle, and the cycle among its limits.
@@ -276,21 +178,18 @@ fn section(report: &SizeReport) -> Option<Figure> {
         Curve::new("screw", 1, Stroke::Solid, grooves.screw),
         Curve::new("contacts", 3, Stroke::Dashed, vec![(-x, y), (x, -y)]),
     ];
-    Some(Figure {
-        key: "size-groove".to_owned(),
-        title: "Section across the groove".to_owned(),
-        caption: format!("Unloaded; contact angle {:.1} degrees.", angle.to_degrees()),
-        x: Axis::linear("along the axis, mm"),
-        y: Axis::equal("from the pitch circle, mm"),
+    let caption = format!("Unloaded; contact angle {:.1} degrees.", angle.to_degrees());
+    Some(Figure::new(
+        ["size-groove", "Section across the groove", &caption],
+        [Axis::linear("along the axis, mm"), Axis::equal("from the pitch circle, mm")],
         curves,
-    })
+    ))
 }
 
 /// Axial load over speed: limits as lines, phases as points.
 fn among_limits(report: &SizeReport) -> Figure {
-    let number = |name: &str| report.number(name);
     let point = |phase: &SizePhase| {
-        Some((value(phase, "screw_speed_rpm")?.abs(), value(phase, "screw_load_N")?.abs() / 1e3))
+        Some((phase.number("screw_speed_rpm")?.abs(), phase.number("screw_load_N")?.abs() / 1e3))
     };
     let points: Vec<_> = report.phases.iter().filter_map(point).collect();
     let (fastest, largest) =
@@ -307,10 +206,13 @@ fn among_limits(report: &SizeReport) -> Figure {
     .map(|(rule, label)| (rule.map(|(_, margin)| fastest * margin), label));
     let loads = [
         (
-            number("buckling_load_N").zip(rule("buckling_safety").map(|r| r.0)).map(|(f, s)| f / s),
+            report
+                .number("buckling_load_N")
+                .zip(rule("buckling_safety").map(|r| r.0))
+                .map(|(f, s)| f / s),
             "buckling",
         ),
-        (number("yield_load_N"), "stress of the core"),
+        (report.number("yield_load_N"), "stress of the core"),
         (rule("static_safety_factor").map(|(_, margin)| 1e3 * largest * margin), "static safety"),
     ]
     .map(|(load, label)| (load.map(|load| load / 1e3), label));
@@ -346,14 +248,12 @@ fn among_limits(report: &SizeReport) -> Figure {
         marks: (1..=points.len()).map(|i| i.to_string()).collect(),
         ..Curve::new("phases", 6, Stroke::Circles, points)
     });
-    Figure {
-        key: "size-limits".to_owned(),
-        title: "The cycle among its limits".to_owned(),
-        caption: "Phases must lie to the left of the solid lines and below the others. Limits that are far away are left out.".to_owned(),
-        x: Axis::linear("speed of the screw, rpm"),
-        y: Axis::linear("axial load, kN"),
+    let caption = "Phases must lie to the left of the solid lines and below the others. Limits that are far away are left out.";
+    Figure::new(
+        ["size-limits", "The cycle among its limits", caption],
+        [Axis::linear("speed of the screw, rpm"), Axis::linear("axial load, kN")],
         curves,
-    }
+    )
 }
 
 /// Axial load, feed and torque of the motor over the cycle, each over its largest.
@@ -364,14 +264,14 @@ fn over_time(report: &SizeReport) -> Figure {
         .cycle
         .as_ref()
         .and_then(|cycle| cycle.iter().map(|phase| phase.time_s).collect());
-    let shares = || report.phases.iter().map(|phase| value(phase, "time_share").unwrap_or(0.0));
+    let shares = || report.phases.iter().map(|phase| phase.number("time_share").unwrap_or(0.0));
     let (times, label): (Vec<f64>, _) = match timed {
         Some(times) => (times, "time, s"),
         None => (shares().map(|share| 100.0 * share).collect(), "share of the time, %"),
     };
     let curve = |(place, (name, label, unit)): (usize, (&str, &str, &str))| {
         let values: Option<Vec<f64>> =
-            report.phases.iter().map(|phase| value(phase, name)).collect();
+            report.phases.iter().map(|phase| phase.number(name)).collect();
         let values = values?;
         let largest = values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         let (mut at, mut points) = (0.0, Vec::new());
@@ -380,7 +280,7 @@ fn over_time(report: &SizeReport) -> Figure {
             at += time;
             points.push((at, value / largest.max(f64::MIN_POSITIVE)));
         }
-        let label = format!("{label}, 1 = {} {unit}", bsm_report::number(largest));
+        let label = format!("{label}, 1 = {} {unit}", text_of(largest));
         let stroke = [Stroke::Solid, Stroke::Dashed, Stroke::Dotted][place];
         Some(Curve::new(label, place, stroke, points))
     };
@@ -389,12 +289,10 @@ fn over_time(report: &SizeReport) -> Figure {
         ("feed_m_min", "feed", "m/min"),
         ("motor_torque_Nm", "torque of the motor", "N m"),
     ];
-    Figure {
-        key: "size-cycle".to_owned(),
-        title: "The cycle".to_owned(),
-        caption: "Each over its largest value; the sign is that of the feed.".to_owned(),
-        x: Axis::linear(label),
-        y: Axis::linear("over the largest"),
-        curves: wanted.into_iter().enumerate().filter_map(curve).collect(),
-    }
+    let caption = "Each over its largest value; the sign is that of the feed.";
+    Figure::new(
+        ["size-cycle", "The cycle", caption],
+        [Axis::linear(label), Axis::linear("over the largest")],
+        wanted.into_iter().enumerate().filter_map(curve).collect(),
+    )
 }

@@ -1,7 +1,8 @@
 //! How the balls of a nut share its load, and what the nut gives way: figures.
 
 use bsm_case::{BALL_COLUMNS, CURVE_COLUMNS, NutReport};
-use bsm_report::{Axis, Curve, Figure, Stroke};
+
+use crate::{Axis, Curve, Figure, Stroke};
 
 /// Classes of loads of the developed nut: parts of the largest.
 const CLASSES: [(f64, f64, &str); 4] = [
@@ -77,14 +78,11 @@ fn along<const N: usize>(
             balls.iter().filter_map(point).filter(|(_, y)| y.is_finite()).collect();
         (!points.is_empty()).then(|| Curve::new(label, i, strokes[i], points))
     };
-    Figure {
-        key: key.to_owned(),
-        title: title.to_owned(),
-        caption: "Each mark is a ball; balls that a flank does not touch have no mark.".to_owned(),
-        x: Axis::linear("turns along the helix"),
-        y,
-        curves: flanks.into_iter().enumerate().filter_map(curve).collect(),
-    }
+    Figure::new(
+        [key, title, "Each mark is a ball; balls that a flank does not touch have no mark."],
+        [Axis::linear("turns along the helix"), y],
+        flanks.into_iter().enumerate().filter_map(curve).collect(),
+    )
 }
 
 /// The balls where they lie on the unrolled nut, in classes of their loads.
@@ -111,15 +109,15 @@ fn developed<const N: usize>(balls: &[[f64; N]]) -> Figure {
     if !loose.is_empty() {
         curves.push(Curve::new("not loaded", CLASSES.len(), Stroke::Triangles, loose));
     }
-    Figure {
-        key: "nut-developed".to_owned(),
-        title: "Loads of the balls on the developed nut".to_owned(),
-        caption: "The nut unrolled: each mark is a ball, its colour the class of its load."
-            .to_owned(),
-        x: Axis::linear("angle around the axis, deg"),
-        y: Axis::linear("place along the axis, mm"),
+    Figure::new(
+        [
+            "nut-developed",
+            "Loads of the balls on the developed nut",
+            "The nut unrolled: each mark is a ball, its colour the class of its load.",
+        ],
+        [Axis::linear("angle around the axis, deg"), Axis::linear("place along the axis, mm")],
         curves,
-    }
+    )
 }
 
 /// A quantity over the axial load, and a point that marks the limit load.
@@ -136,12 +134,9 @@ fn over_load<const N: usize>(
     let label = y.label.split(',').next().unwrap_or_default();
     let mut curves = vec![Curve::new(label, 0, Stroke::Solid, curve.iter().map(point).collect())];
     curves.extend(limit.map(|at| Curve::new("limit load", 1, Stroke::Circles, vec![at])));
-    Figure {
-        key: key.to_owned(),
-        title: title.to_owned(),
-        caption: "Static, without friction; all balls.".to_owned(),
-        x: Axis::linear("axial load, N"),
-        y,
+    Figure::new(
+        [key, title, "Static, without friction; all balls."],
+        [Axis::linear("axial load, N"), y],
         curves,
-    }
+    )
 }

@@ -3,7 +3,8 @@
 use bsm_case::Catalogue;
 use bsm_case::units::{DEG, MM, UM};
 use bsm_design::{Candidate, LIMIT_LOAD, Size};
-use bsm_report::{Axis, Curve, Figure, MOST_CURVES, Stroke};
+
+use crate::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 
 /// Nuts that are looked at a time.
 const PART: usize = 1 << 14;
@@ -190,19 +191,20 @@ impl Drawing {
         };
         let unit = self.x.unit().0.trim();
         let x = if unit.is_empty() { String::new() } else { format!(", {unit}") };
-        Some(Figure {
-            key: self.key.to_owned(),
-            title: format!(
-                "{} over {} (Sobolewski 2002, {})",
-                capital(label.split(',').next().unwrap_or(label)),
-                self.x.name(),
-                self.of
-            ),
-            caption: format!("{}.{rest}", capital(&fixed.join(", "))),
-            x: Axis::linear(&format!("{}{x}", self.x.name())),
-            y: Axis::linear(label),
+        Some(Figure::new(
+            [
+                self.key,
+                &format!(
+                    "{} over {} (Sobolewski 2002, {})",
+                    capital(label.split(',').next().unwrap_or(label)),
+                    self.x.name(),
+                    self.of
+                ),
+                &format!("{}.{rest}", capital(&fixed.join(", "))),
+            ],
+            [Axis::linear(&format!("{}{x}", self.x.name())), Axis::linear(label)],
             curves,
-        })
+        ))
     }
 }
 
@@ -257,17 +259,18 @@ fn preload_diagram(nut: &Candidate) -> Figure {
     let linear = 1e-3 * elasticity.preloaded(*preload);
     let limit = LIMIT_LOAD * preload / elasticity.preloaded(*preload) / approach;
     let sizes: Vec<_> = Entry::ALL.iter().map(|entry| entry.words(size)).collect();
-    Figure {
-        key: "catalogue-2".to_owned(),
-        title: "Forces of a preloaded pair of nuts (Sobolewski 2002, Fig 2)".to_owned(),
-        caption: format!(
-            "{}, preload {:.0} N. The straight line of eq. 9 ends at the limit load of eq. 8.",
-            capital(&sizes.join(", ")),
-            preload
-        ),
-        x: Axis::linear("displacement under the load, um"),
-        y: Axis::linear("axial force, kN"),
-        curves: vec![
+    Figure::new(
+        [
+            "catalogue-2",
+            "Forces of a preloaded pair of nuts (Sobolewski 2002, Fig 2)",
+            &format!(
+                "{}, preload {:.0} N. The straight line of eq. 9 ends at the limit load of eq. 8.",
+                capital(&sizes.join(", ")),
+                preload
+            ),
+        ],
+        [Axis::linear("displacement under the load, um"), Axis::linear("axial force, kN")],
+        vec![
             curve("nut 1", 0, Stroke::Solid, &|w| carried(approach + w), 1.5),
             curve("nut 2", 1, Stroke::Solid, &|w| carried(approach - w), 1.5),
             curve(
@@ -279,7 +282,7 @@ fn preload_diagram(nut: &Candidate) -> Figure {
             ),
             curve("eq. 9", 3, Stroke::Dashed, &|w| linear * w, limit),
         ],
-    }
+    )
 }
 
 fn capital(text: &str) -> String {

@@ -1,0 +1,15 @@
+//! Figures and sheets of answers, each from the report that it shows.
+
+mod catalogue;
+mod jam;
+mod lin;
+mod nut;
+mod size;
+mod slip;
+mod study;
+
+pub use catalogue::catalogue_figures;
+pub use lin::{Read, around_scenes, efficiency_as_printed, lin_figures, points};
+pub use nut::nut_figures;
+pub use size::{size_figures, size_page, size_results};
+pub use study::{Course, Study};

@@ -1,0 +1,163 @@
+//! The sweeps of Dong et al. (2020), Figs 13-19: contact state, wedge, friction, drag and thrust against
+//! speed, load, return angle and height of the step. `jam.json` says what is drawn.
+
+use bsm_case::{Scene, Settings};
+use bsm_dyn::{ModelWorkspace, Solution};
+use serde::Deserialize;
+
+use super::study::{Rows, Study, analysed, line, sizes};
+use crate::{Axis, Figure, ReportError, Stroke};
+
+/// Load and speed over those of the scene, which are in the middle: 8 to 24 kN about 16 kN, up to
+/// 5000 rpm about 2500 rpm; nothing moves at rest.
+const LOADS: [f64; 3] = [0.5, 1.0, 1.5];
+const SPEEDS: [f64; 3] = [0.2, 1.0, 2.0];
+
+/// What rounding may change of a curve, over its largest value; and the least that a logarithmic
+/// axis shows, in its unit.
+const ROUNDING: f64 = 1e-9;
+
+/// A figure of `jam.json`.
+#[derive(Deserialize)]
+struct Drawing {
+    key: String,
+    title: String,
+    caption: String,
+    /// Name of the sweeps, each of which has every curve.
+    sweeps: String,
+    y: String,
+    log: bool,
+    /// Sets of curves, one sweep after another in each set: name of the course, label, colour, stroke, and
+    /// number of the analyses. The curves of several sweeps have a colour for each sweep, and its label in front.
+    curves: Vec<Vec<(String, String, usize, Stroke, String)>>,
+}
+
+/// Sweeps along one axis, with their labels.
+struct Sweeps {
+    name: &'static str,
+    axis: &'static str,
+    each: Vec<(String, Rows)>,
+}
+
+/// A scene with factors of load and speed.
+fn scaled(scene: &Scene, load: f64, speed: f64) -> Scene {
+    Scene {
+        axial_load_N: scene.axial_load_N.map(|n| n * load),
+        screw_speed_rpm: scene.screw_speed_rpm.map(|n| n * speed),
+        nut_speed_rpm: scene.nut_speed_rpm.map(|n| n * speed),
+        ..scene.clone()
+    }
+}
+
+/// Axial load \[kN\].
+fn load(scene: &Scene) -> f64 {
+    1e-3 * scene.axial_load_N.unwrap_or(f64::NAN)
+}
+
+/// Speed of the screw against the nut.
+fn relative_rpm(scene: &Scene) -> f64 {
+    (scene.screw_speed_rpm.unwrap_or(f64::NAN) - scene.nut_speed_rpm.unwrap_or(0.0)).abs()
+}
+
+/// All sweeps around a scene, from half to one and a half of its load and up to twice its speed; those of the
+/// ball return if it has one.
+fn sweeps(scene: &Scene, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> {
+    let mut work = ModelWorkspace::default();
+    let mut run = |scenes| analysed(scenes, settings, &mut work);
+    let (mut at_speeds, mut at_loads) = (Vec::new(), Vec::new());
+    for speed in SPEEDS {
+        let own = scaled(scene, 1.0, speed);
+        let scenes = (0..=20).map(|i| scaled(&own, 0.5 + f64::from(i) / 20.0, 1.0));
+        let rows = run(scenes.map(|scene| (load(&scene), scene)).collect())?;
+        at_speeds.push((format!("{:.0} rpm", relative_rpm(&own)), rows));
+    }
+    for factor in LOADS {
+        let own = scaled(scene, factor, 1.0);
+        let scenes = (1..=50).map(|i| scaled(&own, 1.0, f64::from(i) / 25.0));
+        let rows = run(scenes.map(|scene| (relative_rpm(&scene), scene)).collect())?;
+        at_loads.push((format!("{} kN", load(&own)), rows));
+    }
+    let (by_load, by_speed) = ("axial load, kN", "speed of screw to nut, rpm");
+    let mut sweeps = vec![
+        Sweeps { name: "load", axis: by_load, each: vec![at_speeds[1].clone()] },
+        Sweeps { name: "load-at-speeds", axis: by_load, each: at_speeds },
+        Sweeps { name: "speed", axis: by_speed, each: vec![at_loads[1].clone()] },
+        Sweeps { name: "speed-at-loads", axis: by_speed, each: at_loads },
+    ];
+    if scene.return_angle_deg.is_some() {
+        let angle = |i| {
+            let angle = f64::from(i);
+            (angle, Scene { return_angle_deg: Some(angle), ..scene.clone() })
+        };
+        // Above half of the ball no thrust lifts it.
+        let height = |i| {
+            let part = f64::from(i) / 200.0;
+            let step_height_mm = scene.ball_diameter_mm.map(|ball| part * ball);
+            (part, Scene { step_height_mm, ..scene.clone() })
+        };
+        let axis = "height of the step, of the ball diameter";
+        let [angles, heights] =
+            [run((1..=80).map(angle).collect())?, run((1..=80).map(height).collect())?]
+                .map(|rows| vec![(String::new(), rows)]);
+        sweeps.push(Sweeps { name: "return-angle", axis: "return angle, deg", each: angles });
+        sweeps.push(Sweeps { name: "step-height", axis, each: heights });
+    }
+    Ok(sweeps)
+}
+
+impl Study {
+    /// Sweeps over load, speed and return angle around a scene, all with the model of `solution`.
+    ///
+    /// # Errors
+    ///
+    /// [`ReportError::Case`] if the scene is incomplete.
+    pub fn jam(
+        scene: &Scene,
+        settings: &Settings,
+        solution: &Solution,
+    ) -> Result<Self, ReportError> {
+        let sweeps = sweeps(scene, &Settings { model: solution.model.into(), ..*settings })?;
+        let drawings: Vec<Drawing> =
+            serde_json::from_str(include_str!("jam.json")).expect("figures as they are defined");
+        let mut study = Self::default();
+        for drawing in &drawings {
+            if let Some(sweeps) = sweeps.iter().find(|sweeps| sweeps.name == drawing.sweeps) {
+                study.add(drawing, sweeps);
+            }
+        }
+        Ok(study)
+    }
+
+    /// Adds a figure, and those of its curves that have a name.
+    fn add(&mut self, drawing: &Drawing, sweeps: &Sweeps) {
+        let Drawing { key, title, caption, y, log, .. } = drawing;
+        let single = sweeps.each.len() == 1;
+        let mut curves = Vec::new();
+        for set in &drawing.curves {
+            for (place, (sweep, rows)) in sweeps.each.iter().enumerate() {
+                for (name, label, color, stroke, number) in set {
+                    let points = sizes(rows, number);
+                    let (label, color) = if single {
+                        (label.clone(), *color)
+                    } else {
+                        (format!("{sweep}{label}"), place)
+                    };
+                    if !name.is_empty() {
+                        let size = points.iter().fold(0.0, |most: f64, (_, y)| most.max(*y));
+                        let quantity = y.split(',').next().unwrap_or_default();
+                        let label = format!("{quantity}, {label}");
+                        self.course(name.clone(), label, &points, ROUNDING * size);
+                    }
+                    // A logarithm has no zero, and what is rounding is nothing.
+                    let least = if *log { ROUNDING } else { f64::NEG_INFINITY };
+                    curves.extend(line(&label, color, *stroke, points, least));
+                }
+            }
+        }
+        if !curves.is_empty() {
+            let y = if *log { Axis::log(y) } else { Axis::linear(y) };
+            let axes = [Axis::linear(sweeps.axis), y];
+            self.figures.push(Figure::new([key, title, caption], axes, curves));
+        }
+    }
+}

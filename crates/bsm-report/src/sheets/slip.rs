@@ -1,0 +1,262 @@
+//! The sweeps of Xu and Tang (2015), Figs 7-9: slips of a ball that rolls at given angles, or of the
+//! balls of a model.
+
+use bsm_case::units::RPM;
+use bsm_case::{Analysis, CaseError, Numbers, Scene, Settings};
+use bsm_dyn::{Angles, Control, Direction, Model, ModelWorkspace, Solution};
+use bsm_kin::Site;
+
+use super::study::{Study, line};
+use crate::{Axis, Figure, ReportError, Stroke};
+
+/// Pitch circle over ball diameter at the ends of its sweep: 7 and 90 mm over 6 mm.
+const PITCH: [f64; 2] = [7.0 / 6.0, 15.0];
+
+/// A slip in one form: name, number of its kind, whose formula it is, label, and number of the analysis; that of a
+/// contact has the contact in front. As printed, the formulas of one contact take the angle of the other.
+type Slip = (&'static str, usize, Stroke, &'static str, &'static str);
+
+const PRINTED: Stroke = Stroke::Solid;
+const CORRECTED: Stroke = Stroke::Dotted;
+const EXACT: Stroke = Stroke::Dashed;
+
+/// The kind of slip that is between balls, and at no contact.
+const BETWEEN_BALLS: usize = 1;
+
+/// The differential slip has one form only.
+const SLIPS: [Slip; 9] = [
+    ("differential", 0, PRINTED, "differential", "differential_slip_m_s"),
+    ("ball-printed", BETWEEN_BALLS, PRINTED, "between balls, printed", "ball_slip_printed_m_s"),
+    ("ball-exact", BETWEEN_BALLS, EXACT, "between balls, exact", "ball_slip_m_s"),
+    ("spin-printed", 2, PRINTED, "spin, printed", "spin_slip_printed_m_s"),
+    ("spin-corrected", 2, CORRECTED, "spin, corrected", "spin_slip_corrected_m_s"),
+    ("spin-exact", 2, EXACT, "spin, exact", "spin_slip_m_s"),
+    ("orbit-printed", 3, PRINTED, "orbit, printed", "orbit_slip_printed_m_s"),
+    ("orbit-corrected", 3, CORRECTED, "orbit, corrected", "orbit_slip_corrected_m_s"),
+    ("orbit-exact", 3, EXACT, "orbit's part of spin, exact", "orbit_slip_m_s"),
+];
+
+/// What varies: name in keys, and axis.
+type Sweep = (&'static str, &'static str);
+
+const LEAD_ANGLE: Sweep = ("lead-angle", "lead angle, deg");
+const PITCH_CIRCLE: Sweep = ("pitch-circle", "pitch circle diameter, mm");
+const ROLLING: [Sweep; 4] = [
+    ("nut-angle", "contact angle at the nut, deg"),
+    ("screw-angle", "contact angle at the screw, deg"),
+    LEAD_ANGLE,
+    PITCH_CIRCLE,
+];
+const SOLVED: [Sweep; 3] = [("contact-angle", "contact angle, deg"), LEAD_ANGLE, PITCH_CIRCLE];
+
+/// Whole degrees, and the ends of the range, where the formulas divide by zero, are left out; or diameters.
+fn values(sweep: Sweep, scene: &Scene) -> Vec<f64> {
+    if sweep == PITCH_CIRCLE {
+        let [low, high] = PITCH.map(|ratio| scene.ball_diameter_mm.unwrap_or(f64::NAN) * ratio);
+        return (0..=83).map(|i| low + (high - low) * f64::from(i) / 83.0).collect();
+    }
+    (1..=89).map(f64::from).collect()
+}
+
+/// The scene at a value of a sweep.
+fn at(scene: &Scene, (name, _): Sweep, value: f64) -> Result<Scene, CaseError> {
+    let mut varied = scene.clone();
+    let own = scene.contact_angle_deg;
+    let mut running = |nut, screw| {
+        varied.nut_running_contact_angle_deg = nut;
+        varied.screw_running_contact_angle_deg = screw;
+    };
+    match name {
+        "nut-angle" => running(Some(value), own),
+        "screw-angle" => running(own, Some(value)),
+        "pitch-circle" => {
+            // The lead angle stays, not the lead.
+            let lead = scene.lead_angle().map_or(f64::NAN, f64::to_degrees);
+            varied.set("lead_angle_deg", lead)?;
+            varied.set("pitch_circle_diameter_mm", value)?;
+            return Ok(varied);
+        }
+        _ => {}
+    }
+    varied.set(if name == "lead-angle" { "lead_angle_deg" } else { "contact_angle_deg" }, value)?;
+    Ok(varied)
+}
+
+/// The slips at a place of a sweep and the efficiency: of the model, and for a ball that rolls that of Lin's closed
+/// form.
+type State = (Numbers, f64);
+
+/// A point of a sweep: value, and state if there is a solution.
+type Point = (f64, Option<State>);
+
+/// A ball that rolls; the contact ellipses are those of `solution`, so that a curve shows the motion and not the load.
+fn rolling(scene: &Scene, settings: &Settings, solution: &Solution) -> Option<State> {
+    let report = Analysis::slip(scene, settings, solution).ok()?;
+    let (screw, nut) = scene.speeds_rpm()?;
+    let direction = Direction::of(screw - nut).unwrap_or(Direction::RotaryToLinear);
+    let angles =
+        Angles { lead: scene.lead_angle()?, contact: scene.contact_angle_deg?.to_radians() };
+    Some((report.numbers, angles.efficiency(direction, scene.friction_coefficient?)))
+}
+
+/// The balls of a model. A value may break a rule, such as that of the smallest circle.
+fn solved(scene: &Scene, settings: &Settings, work: &mut ModelWorkspace) -> Option<State> {
+    let solution = scene.problem(settings).ok()?.solve(work);
+    let report = Analysis::slip(scene, settings, &solution).ok()?;
+    Some((report.numbers, solution.efficiency()?))
+}
+
+impl Study {
+    /// Sweeps over contact angle, lead angle, pitch circle and speed around a scene.
+    ///
+    /// With raceway control the ball rolls at given contact angles, without a balance of forces, and the nut
+    /// controls unless the settings say otherwise; the angle at the nut and the angle at the screw
+    /// vary one by one, and are those of the scene in motion elsewhere. Any other model is solved at each point; its
+    /// contact angle, unloaded where the contacts are elastic, is varied. `solution` tells the model, which has a
+    /// motion of the ball, and for raceway control the contact ellipses.
+    ///
+    /// # Errors
+    ///
+    /// [`ReportError::Case`] if the scene is incomplete.
+    pub fn slip(
+        scene: &Scene,
+        settings: &Settings,
+        solution: &Solution,
+    ) -> Result<Self, ReportError> {
+        let settings = &Settings { model: solution.model.into(), ..*settings };
+        let rolls = solution.model == Model::RacewayControl;
+        let mut base = scene.clone();
+        let [nut, screw] =
+            [&mut base.nut_running_contact_angle_deg, &mut base.screw_running_contact_angle_deg];
+        let (sweeps, prefix, basis) = if rolls {
+            *nut = nut.or(scene.contact_angle_deg);
+            *screw = screw.or(scene.contact_angle_deg);
+            let race = settings.control.unwrap_or(Control::Nut).name();
+            let basis = format!("a ball that rolls at given contact angles, the {race} controls");
+            (&ROLLING[..], String::new(), basis)
+        } else {
+            (*nut, *screw) = (None, None);
+            let model = solution.model.name();
+            (&SOLVED[..], format!("{model}-"), format!("the balls of model {model}"))
+        };
+        let mut study = Self::default();
+        let work = &mut ModelWorkspace::default();
+        for sweep in sweeps {
+            let mut point = |value: f64| {
+                let scene = at(&base, *sweep, value)?;
+                let state = if rolls {
+                    rolling(&scene, settings, solution)
+                } else {
+                    solved(&scene, settings, work)
+                };
+                Ok((value, state))
+            };
+            let points = values(*sweep, &base).into_iter().map(&mut point);
+            let points: Vec<Point> = points.collect::<Result<_, ReportError>>()?;
+            for place in ["nut", "screw"] {
+                study.draw(&base, (&prefix, &basis), *sweep, &points, place);
+            }
+            let efficiency = |(x, state): &Point| (*x, state.as_ref().map_or(f64::NAN, |s| s.1));
+            let points: Vec<_> = points.iter().map(efficiency).collect();
+            let name = format!("{}-efficiency", sweep.0);
+            study.course(name, "efficiency".to_owned(), &points, 1e-9);
+        }
+        if solution.model != Model::Rigid {
+            study.speeds(scene, settings, work)?;
+        }
+        Ok(study)
+    }
+
+    /// The slips at a contact.
+    fn draw(
+        &mut self,
+        scene: &Scene,
+        (prefix, basis): (&str, &str),
+        (sweep, axis): Sweep,
+        points: &[Point],
+        place: &str,
+    ) {
+        // What a slip may change by rounding.
+        let (screw, nut) = scene.speeds_rpm().unwrap_or_default();
+        let rim = 0.5e-3 * scene.ball_diameter_mm.unwrap_or(f64::NAN) * RPM * (screw - nut).abs();
+        let rounding = 1e-9 * rim;
+        let mut curves = Vec::new();
+        for (name, kind, stroke, label, number) in SLIPS {
+            let between = kind == BETWEEN_BALLS;
+            let column = if between { number.to_owned() } else { format!("{place}_{number}") };
+            let read = |(x, state): &Point| {
+                let slip = state.as_ref().and_then(|(numbers, _)| numbers.number(&column));
+                (*x, slip.unwrap_or(f64::NAN))
+            };
+            let points: Vec<_> = points.iter().map(read).collect();
+            let name = format!("{sweep}-{name}");
+            if !between {
+                self.course(
+                    format!("{name}-{place}"),
+                    format!("{label} {place}"),
+                    &points,
+                    rounding,
+                );
+            } else if place == "nut" {
+                self.course(name, label.to_owned(), &points, rounding);
+            }
+            // A logarithm has no zero.
+            curves.extend(line(label, kind, stroke, points, rounding));
+        }
+        let against = axis.split(',').next().unwrap_or_default();
+        self.figures.push(Figure::new(
+            [
+                &format!("slip-{prefix}{sweep}-{place}"),
+                &format!("Slips at the {place} against {against}"),
+                &format!(
+                    "Xu and Tang (2015), Figs 7 to 9: as printed (solid), with the angles of the contact itself \
+                     (dotted), and exact (dashed) for {basis}; what is zero has no line."
+                ),
+            ],
+            [Axis::linear(axis), Axis::log("slip, m/s")],
+            curves,
+        ));
+    }
+
+    /// Contact angles against the speed, of which the paper takes 50 deg at the nut and 40 at the screw.
+    fn speeds(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        work: &mut ModelWorkspace,
+    ) -> Result<(), ReportError> {
+        let Some((screw, nut)) = scene.speeds_rpm() else { return Ok(()) };
+        let mut angles = [Vec::new(), Vec::new()];
+        // From a fiftieth to twice the speed of the scene.
+        for i in 0..=40 {
+            let factor = 0.02 * 100.0_f64.powf(f64::from(i) / 40.0);
+            let scene = Scene {
+                screw_speed_rpm: Some(factor * screw),
+                nut_speed_rpm: Some(factor * nut),
+                ..scene.clone()
+            };
+            let solution = scene.problem(settings)?.solve(work);
+            for (points, site) in angles.iter_mut().zip([Site::Nut, Site::Screw]) {
+                let angle = solution.contact(site).map_or(f64::NAN, |c| c.angle.to_degrees());
+                points.push((factor * (screw - nut).abs(), angle));
+            }
+        }
+        let mut curves = Vec::new();
+        for (color, (place, points)) in ["nut", "screw"].into_iter().zip(angles).enumerate() {
+            let label = format!("at the {place}");
+            self.course(format!("speed-{place}"), format!("contact angle {label}"), &points, 1e-9);
+            curves.extend(line(&label, color, Stroke::Solid, points, f64::NEG_INFINITY));
+        }
+        let caption = format!(
+            "Xu and Tang (2015) take 50 deg at the nut and 40 deg at the screw, as if the centrifugal force raised \
+             the angle at the nut. It lowers it. Model {}.",
+            settings.model.name()
+        );
+        self.figures.push(Figure::new(
+            ["slip-speed-angles", "Contact angles against speed", &caption],
+            [Axis::log("speed, rpm"), Axis::linear("contact angle, deg")],
+            curves,
+        ));
+        Ok(())
+    }
+}

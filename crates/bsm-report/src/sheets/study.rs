@@ -1,0 +1,80 @@
+//! Sweeps of the analyses of a motion: figures, and the curves that published trends are held against.
+
+use bsm_case::{AnalysisKind, Moving, Numbers, Scene, Settings};
+use bsm_dyn::ModelWorkspace;
+
+use crate::{Curve, Figure, ReportError, Stroke};
+
+/// A curve of a sweep by its name, with all its points in the order of x.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Course {
+    /// Its name, which those of other loads, speeds and settings share.
+    pub name: String,
+    /// What tells it from these.
+    pub label: String,
+    /// The points; a y that is not finite is a gap.
+    pub points: Vec<(f64, f64)>,
+    /// What rounding may change of it.
+    pub rounding: f64,
+}
+
+/// Figures of an analysis and the curves that have a name.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Study {
+    /// The figures.
+    pub figures: Vec<Figure>,
+    /// The curves.
+    pub courses: Vec<Course>,
+}
+
+impl Study {
+    pub(super) fn course(
+        &mut self,
+        name: String,
+        label: String,
+        points: &[(f64, f64)],
+        rounding: f64,
+    ) {
+        self.courses.push(Course { name, label, points: points.to_vec(), rounding });
+    }
+}
+
+/// The numbers of the analyses of a motion over x; none where there is no solution.
+pub(super) type Rows = Vec<(f64, Vec<Numbers>)>;
+
+/// The analyses of scenes with their places on the x axis.
+pub(super) fn analysed(
+    scenes: Vec<(f64, Scene)>,
+    settings: &Settings,
+    work: &mut ModelWorkspace,
+) -> Result<Rows, ReportError> {
+    let mut row = |(x, scene): (f64, Scene)| {
+        let moving = Moving::of(&scene, settings, work)?;
+        // A point without a solution, or without a contact state, is a gap.
+        let kinds = [AnalysisKind::Jam, AnalysisKind::Slip];
+        let numbers = kinds.map(|kind| kind.numbers(&scene, settings, Some(&moving), |_| true));
+        Ok((x, numbers.into_iter().flatten().collect()))
+    };
+    scenes.into_iter().map(&mut row).collect()
+}
+
+/// A number of the analyses of a sweep; its size, for a quantity whose sign says a direction.
+pub(super) fn sizes(rows: &Rows, name: &str) -> Vec<(f64, f64)> {
+    let read = |analyses: &Vec<Numbers>| {
+        analyses.iter().find_map(|numbers| numbers.number(name)).map_or(f64::NAN, f64::abs)
+    };
+    rows.iter().map(|(x, analyses)| (*x, read(analyses))).collect()
+}
+
+/// A curve of the points above `least`, the others gaps; `None` if it has no points.
+pub(super) fn line(
+    label: &str,
+    color: usize,
+    stroke: Stroke,
+    points: Vec<(f64, f64)>,
+    least: f64,
+) -> Option<Curve> {
+    let gap = |(x, y): (f64, f64)| (x, if y > least { y } else { f64::NAN });
+    let points: Vec<_> = points.into_iter().map(gap).collect();
+    points.iter().any(|(_, y)| y.is_finite()).then(|| Curve::new(label, color, stroke, points))
+}

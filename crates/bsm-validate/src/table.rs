@@ -1,0 +1,331 @@
+//! Checks that are rows of `checks.csv`: an expression of inputs and outputs at some points, and what it must be.
+//!
+//! An expression, of the language of `minijinja`, names an input as it is and a column of `bsm sweep` behind the model
+//! that it is solved with: `raceway_control.nut_normal_load_N / axial_load_N`.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::PI;
+
+use bsm_case::{
+    AnalysisKind, Axis, CaseError, InputKey, ModelChoice, Moving, Record, Scene, Settings,
+};
+use bsm_dyn::{Control, Model, ModelWorkspace, Status};
+use minijinja::value::Value;
+use minijinja::{Environment, UndefinedBehavior, context};
+use serde::Deserialize;
+
+use crate::lubrication::case;
+use crate::{Check, Published, ValidateError};
+
+/// What is taken of the values at several points.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Fold {
+    Largest,
+    Least,
+    Middle,
+    /// Largest minus least.
+    Change,
+}
+
+/// What the value must be.
+#[derive(Debug, Clone, Copy, Deserialize)]
+enum Rule {
+    #[serde(rename = "=")]
+    Equal,
+    #[serde(rename = "<=")]
+    AtMost,
+    #[serde(rename = ">=")]
+    AtLeast,
+}
+
+#[derive(Deserialize)]
+struct Row {
+    key: String,
+    source: String,
+    claim: String,
+    /// Name of a published scene; a screw without inputs unless given.
+    scene: String,
+    /// Settings of `bsm solve --set` and axes of `bsm sweep --vary`; `|` stands between sets of points.
+    points: String,
+    value: String,
+    fold: Option<Fold>,
+    /// At how many points there is no value, none unless given.
+    missing: Option<usize>,
+    unit: String,
+    /// A finding unless given.
+    rule: Option<Rule>,
+    claimed: Option<f64>,
+    /// Of the value, or of its difference to the claim.
+    limit: Option<f64>,
+    reason: String,
+    /// With expressions in double braces, at the point that the fold takes; `least` and `most` are those of the values,
+    /// `solved` of `points` have one.
+    note: String,
+}
+
+/// Names of an expression with their values; those of a model in a map.
+type Known = BTreeMap<String, Value>;
+
+/// One check for each row.
+pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+    let environment = environment();
+    let rows = published.checks.rows::<Row>()?;
+    rows.iter().map(|row| row.check(published, &environment)).collect()
+}
+
+/// What expressions may use besides the filters of the language.
+fn environment() -> Environment<'static> {
+    let mut environment = Environment::new();
+    // A name that is not there is an error.
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.add_global("pi", PI);
+    for (name, function) in [
+        ("sin", f64::sin as fn(f64) -> f64),
+        ("cos", f64::cos),
+        ("tan", f64::tan),
+        ("atan", f64::atan),
+        ("sqrt", f64::sqrt),
+        ("radians", f64::to_radians),
+    ] {
+        environment.add_function(name, function);
+    }
+    environment
+}
+
+impl Row {
+    fn check(
+        &self,
+        published: &Published,
+        environment: &Environment,
+    ) -> Result<Check, ValidateError> {
+        let wrong = |error| ValidateError::Expression { key: self.key.clone(), error };
+        let value = environment.compile_expression(&self.value).map_err(wrong)?;
+        let note = environment.template_from_str(&self.note).map_err(wrong)?;
+        let mut names: BTreeSet<_> = value.undeclared_variables(true).into_iter().collect();
+        names.extend(note.undeclared_variables(true));
+        let mut found = Vec::new();
+        for scene in points(&scene(published, &self.scene)?, &self.points)? {
+            let known = known(&scene, &names)?;
+            let value = value.eval(&known).and_then(f64::try_from).map_err(wrong)?;
+            found.push((value, known));
+        }
+        let points = found.len();
+        found.retain(|(value, _)| !value.is_nan());
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let solved = found.len();
+        let (mut measured, mut words) =
+            (f64::NAN, format!("{solved} of {points} points have a value"));
+        if solved > 0 && solved + self.missing.unwrap_or(0) == points {
+            let (least, most) = (found[0].0, found[solved - 1].0);
+            let (value, known) = match self.fold {
+                None | Some(Fold::Least) => &found[0],
+                Some(Fold::Middle) => &found[(solved - 1) / 2],
+                Some(Fold::Largest | Fold::Change) => &found[solved - 1],
+            };
+            measured = if let Some(Fold::Change) = self.fold { most - least } else { *value };
+            let own = context! { least, most, solved, points };
+            words =
+                note.render(context! { ..own, ..Value::from_serialize(known) }).map_err(wrong)?;
+        }
+        let check = Check::new(&self.key, &self.source, self.claim.clone())
+            .measured(measured, &self.unit)
+            .note(words);
+        let limit = self.limit.unwrap_or(f64::NAN);
+        let check = match self.rule {
+            None => check,
+            Some(Rule::Equal) => {
+                check.equals(self.claimed.unwrap_or(f64::NAN), limit, &self.reason)
+            }
+            Some(Rule::AtMost) => check.at_most(limit, &self.reason),
+            Some(Rule::AtLeast) => check.at_least(limit, &self.reason),
+        };
+        Ok(Check { claimed: self.claimed, ..check })
+    }
+}
+
+/// A published scene by its name.
+fn scene(published: &Published, name: &str) -> Result<Scene, ValidateError> {
+    match name {
+        "" => Ok(Scene::default()),
+        "lin1994" => published.lin_case.scene(),
+        "xu2015" => published.xu_case.scene(),
+        "dong2020" => published.dong_case.scene(),
+        "makers" => published.makers_case.scene(),
+        _ => case(published, name),
+    }
+}
+
+/// The scene at all points.
+fn points(scene: &Scene, settings: &str) -> Result<Vec<Scene>, CaseError> {
+    let mut all = Vec::new();
+    for set in settings.split('|') {
+        let mut scenes = vec![scene.clone()];
+        for setting in set.split_whitespace() {
+            let Ok(axis) = Axis::parse(setting) else {
+                // A word.
+                scenes.iter_mut().try_for_each(|scene| scene.apply(&[setting]))?;
+                continue;
+            };
+            let at = |(scene, i): (&Scene, usize)| {
+                let mut scene = scene.clone();
+                scene.set(axis.key.name(), axis.value(i)).map(|()| scene)
+            };
+            let each = scenes.iter().flat_map(|scene| (0..axis.len()).map(move |i| (scene, i)));
+            scenes = each.map(at).collect::<Result<_, _>>()?;
+        }
+        all.extend(scenes);
+    }
+    Ok(all)
+}
+
+/// The values of names at a point; what has no value there is not a number.
+fn known(scene: &Scene, names: &BTreeSet<String>) -> Result<Known, ValidateError> {
+    let mut known = Known::new();
+    let mut of_models = BTreeMap::<_, BTreeMap<&str, f64>>::new();
+    for name in names {
+        if let Some((model, column)) = name.split_once('.') {
+            of_models.entry(model).or_default().insert(column, f64::NAN);
+        } else if let Ok(key) = InputKey::named(name) {
+            let value = scene.value_or_default(key).unwrap_or(f64::NAN);
+            known.insert(name.clone(), value.into());
+        }
+    }
+    for (model, mut columns) in of_models {
+        solve(scene, model, &mut columns)?;
+        known.insert(model.to_owned(), Value::from_serialize(&columns));
+    }
+    Ok(known)
+}
+
+/// Fills in columns by their names, of solution or analyses.
+fn solve(
+    scene: &Scene,
+    model: &str,
+    columns: &mut BTreeMap<&str, f64>,
+) -> Result<(), ValidateError> {
+    // Raceway control with the race that is named.
+    let control = model.strip_suffix("_control").and_then(Control::from_name);
+    let model = match control {
+        Some(_) => Model::RacewayControl.into(),
+        None => ModelChoice::from_name(&model.replace('_', "-"))?,
+    };
+    let settings = Settings { model, control, ..Settings::default() };
+    let analysis = |name: &str| {
+        let mut kinds = AnalysisKind::ALL.into_iter();
+        kinds.find(|kind| kind.columns().any(|column| column.name == name))
+    };
+    let moves = |name: &&str| analysis(name).is_none_or(AnalysisKind::needs_motion);
+    let moving = if columns.keys().any(moves) {
+        Some(Moving::of(scene, &settings, &mut ModelWorkspace::default())?)
+    } else {
+        None
+    };
+    let solution = moving.as_ref().map(|moving| moving.solution.clone());
+    let record = solution.map(Record::new).filter(|record| record.status() == Status::Converged);
+    for (name, value) in columns {
+        let number = match analysis(name) {
+            None => record.as_ref().and_then(|record| record.number(name)),
+            Some(kind) => {
+                let wanted = |quantity: &bsm_case::Quantity| {
+                    quantity.columns.iter().any(|column| column.name == *name)
+                };
+                kind.numbers(scene, &settings, moving.as_ref(), wanted)?.number(name)
+            }
+        };
+        *value = number.unwrap_or(f64::NAN);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Verdict;
+
+    /// Of several points one value is taken, and a point without a value must have been recorded.
+    #[test]
+    fn rows_fold_points() {
+        let check = |cells: &str| {
+            let header = "key,source,claim,scene,points,value,fold,missing,unit,rule,claimed,limit,reason,note";
+            let text = format!("{header}\nk,s,c,lin1994,{cells}\n");
+            let row = csv::Reader::from_reader(text.as_bytes()).into_deserialize().next();
+            let row: Row = row.expect("a row").expect("as the table is");
+            row.check(&Published::default(), &environment())
+        };
+        let loads = |fold: &str, rule: &str| {
+            let note =
+                "{{ least }} to {{ most }}, {{ solved }} of {{ points }}: {{ axial_load_N }}";
+            let check =
+                check(&format!("axial_load_N=1:4:4,axial_load_N,{fold},,N,{rule},why,{note}"));
+            let check = check.expect("a row");
+            (check.measured, check.verdict, check.note)
+        };
+        let said = |at: &str| format!("1.0 to 4.0, 4 of 4: {at}");
+        assert_eq!(loads("largest", "<=,,4"), (4.0, Verdict::Pass, said("4.0")));
+        assert_eq!(loads("middle", "=,2.5,0.4"), (2.0, Verdict::Fail, said("2.0")));
+        assert_eq!(loads("least", ",,"), (1.0, Verdict::Finding, said("1.0")));
+        assert_eq!(loads("change", ",,"), (3.0, Verdict::Finding, said("4.0")));
+        // No root at 5 deg.
+        let rooted = |missing: &str| {
+            let cells = "\"lead_angle_deg=5,10 | lead_angle_deg=20\",rigid.efficiency,least";
+            let check = check(&format!("{cells},{missing},,>=,,0.5,why,")).expect("a row");
+            (check.verdict, check.note)
+        };
+        assert_eq!(rooted("1"), (Verdict::Pass, String::new()));
+        assert_eq!(rooted(""), (Verdict::Fail, "2 of 3 points have a value".to_owned()));
+        for wrong in ["screw_sped_rpm", "rigid.efficiency +", "'words'"] {
+            let error = check(&format!(",{wrong},,,,,,,,"));
+            assert!(matches!(error, Err(ValidateError::Expression { .. })), "{wrong}: {error:?}");
+        }
+    }
+
+    /// By a second implementation, from the sources' own numbers and tables of beams.
+    #[test]
+    fn examples_by_hand() {
+        let all = checks(&Published::default()).expect("compiled-in data");
+        let found = |key: &str| {
+            all.iter().find(|check| check.key == key).map_or(f64::NAN, |check| check.measured)
+        };
+        // λ² from tables of beams: 15.418; ρ 7850.
+        let rpm = 0.8 * 60.0 / (2.0 * PI) * 15.418 / 0.85_f64.powi(2)
+            * (206e9 * 0.0144_f64.powi(2) / 16.0 / 7850.0).sqrt();
+        // Five digits of 15.418.
+        assert!((found("makers/critical-speed-example") / rpm - 1.0).abs() < 1e-4, "{rpm}");
+        let near = |key: &str, by_hand: f64, reason: &str| {
+            let ours = found(key);
+            // Five digits of the factors below.
+            assert!(
+                (ours / by_hand - 1.0).abs() < 1e-4,
+                "{key}: {ours}, by hand {by_hand}: {reason}"
+            );
+        };
+        // A bar of 1 mm² bears 147 N.
+        near("makers/yield-factor", 147.0 * PI / 4.0, "area of a circle of 1 mm");
+        // P = κ π² E I/l² over a half, in kgf and mm, E = 21 000 kgf/mm².
+        for (support, kappa) in [
+            ("fixed-free", 0.25),
+            ("supported-supported", 1.0),
+            ("fixed-supported", 2.0457),
+            ("fixed-fixed", 4.0),
+        ] {
+            let factor = kappa * 9.8696 * 21_000.0 * (PI / 64.0) / 2.0 / 1000.0;
+            near(&format!("makers/buckling-factor-{support}"), factor, "Euler");
+        }
+        // f = λ²/(2π l²) (d/4) √(E/ρ), inches: 101.6 mm are 4 in.
+        let sound = (206e9_f64 / 7850.0).sqrt();
+        for (support, root) in [("fixed-fixed", 22.373), ("supported-supported", 9.8696)] {
+            let hertz = root / (2.0 * PI * 2.54 * 2.54) * (0.0254 / 4.0) * sound;
+            near(&format!("makers/frequency-{support}"), hertz, "beam tables");
+        }
+        // 10⁶ (C/F)³ revolutions at 2400 a minute.
+        let hours = (17_073.1_f64 / 1200.0).powi(3) * 1e6 / (2400.0 * 60.0);
+        near("makers/rating-example", hours, "cubic life");
+        near("makers/guide-example", 0.02 * 50.0 * 9.806_65, "Coulomb");
+        near("makers/guide-and-seal-example", 28.0 + 0.02 * 100.0 * 9.806_65, "Coulomb and seals");
+        near("makers/opening-load", 8.0_f64.sqrt(), "2 to the power 3/2");
+        let buckles = 2.0457 * PI.powi(3) * 206e9 * 0.0125_f64.powi(4) / (64.0 * 0.82 * 0.82) / 2.0;
+        // Five digits of 2.0457.
+        assert!((found("makers/buckling-example") / buckles - 1.0).abs() < 1e-4, "{buckles}");
+    }
+}
