@@ -226,7 +226,7 @@ pub(crate) fn size(
     let report = on_threads(py, || SizeReport::of(scene, &settings))?;
     let made = || -> Result<Files, ReportError> {
         let (page, results) = (size_page(&report)?, size_results(&report));
-        Ok(report_files(page, &results, &size_figures(&report))?)
+        report_files(page, &results, &size_figures(&report))
     };
     let files = if sheet { made().map_err(|e| errors::words(&e.to_string()))? } else { Vec::new() };
     Ok(((report.to_json().to_string(), report.passes(), report.warnings), files))

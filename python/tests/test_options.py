@@ -36,7 +36,6 @@ WITHOUT = {
 # By option, or by command and option where only one command has it so.
 LEFT_OUT = {
     "help": "help()",
-    "version": "__version__",
     "set": "keywords",
     "solver": "keywords: tolerance, accuracy, creep, control, friction",
     "json": "reports are mappings, to_json() is of the solution",
@@ -120,8 +119,8 @@ def test_what_is_not_given_is_the_same(command: str) -> None:
     given, said = parameters(command), options(command)
     theirs = {option.replace("-", "_"): found[1] for option, words in said.items()
               if (found := re.search(r"\[default: ([^\]]+)\]", words))}
-    # Settings of the solver that are numbers: the default ends what stands in brackets.
-    settings = re.findall(r"(\w+) \([^()]*?(\d[\d.e-]*)\)", said["solver"])
+    # Settings of the solver stand in its help with their defaults.
+    settings = re.findall(r"(\w+)=(\d[\d.e-]*)", said["solver"])
     assert {name for name, _ in settings} >= {"tolerance", "accuracy", "creep"}
     for name, default in [*theirs.items(), *settings]:
         if name in given:

@@ -84,7 +84,6 @@ fn environment() -> Environment<'static> {
         ("sin", f64::sin as fn(f64) -> f64),
         ("cos", f64::cos),
         ("tan", f64::tan),
-        ("atan", f64::atan),
         ("sqrt", f64::sqrt),
         ("radians", f64::to_radians),
     ] {

@@ -1,5 +1,7 @@
 //! Published trends against the curves of our sweeps.
 
+use std::collections::BTreeSet;
+
 use bsm_report::sheets::{Course, Study};
 use bsm_report::{number, short};
 use serde::Deserialize;
@@ -183,7 +185,7 @@ impl Row {
     }
 }
 
-/// A check for each trend of a table.
+/// A check for each trend of a table; one that fails for each curve that the table does not have.
 ///
 /// * `studies`: with a label that stands in front of the trends, and what sets them apart among those of one label.
 pub(crate) fn checks(
@@ -208,7 +210,20 @@ pub(crate) fn checks(
             .follows(held, trends.len(), (row.held, row.of));
         Check { details: details.join("; "), ..check }
     };
-    Ok(table.rows::<Row>()?.into_iter().map(check).collect())
+    let rows = table.rows::<Row>()?;
+    let mut unknown = BTreeSet::new();
+    for (label, _, study) in studies {
+        let of_label = rows.iter().filter(|row| row.trend.starts_with(label));
+        let known: BTreeSet<_> = of_label.flat_map(|row| row.curves.split([' ', '/'])).collect();
+        let names = study.courses.iter().map(|course| course.name.as_str());
+        let left = names.filter(|name| !known.contains(name));
+        unknown.extend(left.map(|name| format!("{key}/{label}{name}")));
+    }
+    let unrecorded = |key: &String| {
+        Check::new(key, source, "a curve that is not in the table").follows(1, 1, (0, 0))
+    };
+    let unrecorded: Vec<_> = unknown.iter().map(unrecorded).collect();
+    Ok(rows.into_iter().map(check).chain(unrecorded).collect())
 }
 
 #[cfg(test)]

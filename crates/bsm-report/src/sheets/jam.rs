@@ -27,9 +27,17 @@ struct Drawing {
     sweeps: String,
     y: String,
     log: bool,
-    /// Sets of curves, one sweep after another in each set: name of the course, label, colour, stroke, and
-    /// number of the analyses. The curves of several sweeps have a colour for each sweep, and its label in front.
-    curves: Vec<Vec<(String, String, usize, Stroke, String)>>,
+    /// Sets of curves, one sweep after another in each set.
+    curves: Vec<Vec<Drawn>>,
+}
+
+/// Name of the course, label, colour, stroke, and number of the analyses. The curves of several sweeps have a colour
+/// for each sweep, and its label in front.
+type Drawn = (String, String, usize, Stroke, String);
+
+/// All figures.
+fn drawings() -> Vec<Drawing> {
+    serde_json::from_str(include_str!("jam.json")).expect("figures as they are defined")
 }
 
 /// Sweeps along one axis, with their labels.
@@ -117,10 +125,8 @@ impl Study {
         solution: &Solution,
     ) -> Result<Self, ReportError> {
         let sweeps = sweeps(scene, &Settings { model: solution.model.into(), ..*settings })?;
-        let drawings: Vec<Drawing> =
-            serde_json::from_str(include_str!("jam.json")).expect("figures as they are defined");
         let mut study = Self::default();
-        for drawing in &drawings {
+        for drawing in &drawings() {
             if let Some(sweeps) = sweeps.iter().find(|sweeps| sweeps.name == drawing.sweeps) {
                 study.add(drawing, sweeps);
             }

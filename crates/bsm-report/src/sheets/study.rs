@@ -28,6 +28,7 @@ pub struct Study {
 }
 
 impl Study {
+    /// Adds a curve that has points.
     pub(super) fn course(
         &mut self,
         name: String,
@@ -35,7 +36,9 @@ impl Study {
         points: &[(f64, f64)],
         rounding: f64,
     ) {
-        self.courses.push(Course { name, label, points: points.to_vec(), rounding });
+        if points.iter().any(|(_, y)| y.is_finite()) {
+            self.courses.push(Course { name, label, points: points.to_vec(), rounding });
+        }
     }
 }
 
