@@ -254,13 +254,13 @@ mod tests {
         };
         let loads = |fold: &str, rule: &str| {
             let note =
-                "{{ least }} to {{ most }}, {{ solved }} of {{ points }}: {{ axial_load_N }}";
+                "{{ least }} to {{ most }} at {{ solved }} of {{ points }}: {{ axial_load_N }}";
             let check =
                 check(&format!("axial_load_N=1:4:4,axial_load_N,{fold},,N,{rule},why,{note}"));
             let check = check.expect("a row");
             (check.measured, check.verdict, check.note)
         };
-        let said = |at: &str| format!("1.0 to 4.0, 4 of 4: {at}");
+        let said = |at: &str| format!("1.0 to 4.0 at 4 of 4: {at}");
         assert_eq!(loads("largest", "<=,,4"), (4.0, Verdict::Pass, said("4.0")));
         assert_eq!(loads("middle", "=,2.5,0.4"), (2.0, Verdict::Fail, said("2.0")));
         assert_eq!(loads("least", ",,"), (1.0, Verdict::Finding, said("1.0")));
