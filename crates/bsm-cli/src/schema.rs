@@ -5,35 +5,36 @@ use bsm_case::{
     output_schema, sheet_columns,
 };
 use clap::ValueEnum;
-use clap::builder::PossibleValue;
 use serde_json::{Map, Value, json};
 
-use crate::args::SchemaKind;
+use crate::args::SchemaName;
 use crate::failure::Failure;
 use crate::files::{pretty_json, print};
 
-pub(crate) fn run(kind: SchemaKind) -> Result<(), Failure> {
-    let of_command = match kind {
-        SchemaKind::Input => return print(&pretty_json(&input_schema())),
-        SchemaKind::Output => return print(&pretty_json(&output_schema())),
-        SchemaKind::Solve => solve(),
-        SchemaKind::Compare => compare(),
-        SchemaKind::Slip => analysis(AnalysisKind::Slip),
-        SchemaKind::Jam => analysis(AnalysisKind::Jam),
-        SchemaKind::Optimum => optimum(),
-        SchemaKind::Capacity => capacity(),
-        SchemaKind::Nut => nut(),
-        SchemaKind::Size => size(),
-        SchemaKind::Fit => any_of([fit(), calibration()]),
-        SchemaKind::Design => design(),
-        SchemaKind::Catalog => any_of([catalogue(), makers()]),
-        SchemaKind::Validate => validate(),
-        SchemaKind::Tradeoff => tradeoff(),
-        SchemaKind::Verify => verify(),
+pub(crate) fn run(name: Option<SchemaName>) -> Result<(), Failure> {
+    let Some(name) = name else {
+        let names = SchemaName::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+        let names: Vec<_> = names.map(|name| name.get_name().to_owned()).collect();
+        return print(&names.join("\n"));
     };
-    let name = kind.to_possible_value();
-    let command = name.as_ref().map_or("", PossibleValue::get_name);
-    print(&pretty_json(&titled(command, of_command)))
+    let (command, schema) = match name {
+        SchemaName::Input => return print(&pretty_json(&input_schema())),
+        SchemaName::Output => return print(&pretty_json(&output_schema())),
+        SchemaName::Solve => ("solve", solve()),
+        SchemaName::Models => ("solve --model all", compare()),
+        SchemaName::Slip => ("solve --show slip", analysis(AnalysisKind::Slip)),
+        SchemaName::Jam => ("solve --show jam", analysis(AnalysisKind::Jam)),
+        SchemaName::Optimum => ("solve --show optimum", optimum()),
+        SchemaName::Ratings => ("solve --show ratings", capacity()),
+        SchemaName::Nut => ("nut", nut()),
+        SchemaName::Axis => ("axis", size()),
+        SchemaName::Select => ("select", any_of([design(), catalogue(), makers()])),
+        SchemaName::Fit => ("fit", any_of([fit(), calibration()])),
+        SchemaName::Parts => ("parts check", verify()),
+        SchemaName::Validate => ("validate", validate()),
+        SchemaName::Tradeoff => ("tradeoff", tradeoff()),
+    };
+    print(&pretty_json(&titled(command, schema)))
 }
 
 /// Properties of an object.

@@ -1,24 +1,25 @@
-//! `bsm catalog`: all nuts of standard sizes.
+//! `bsm select` with a list: all nuts of standard sizes, or of lists.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use bsm_batch::NumberColumn;
 use bsm_case::{
     Asked, CATALOGUE_COLUMNS, CaseError, Catalogue, CatalogueColumn, Condition, Output,
-    RequirementFile, STANDARD_CATALOGUE, candidate_json, candidate_scene, sheet_columns,
+    candidate_json, candidate_scene, sheet_columns,
 };
 use bsm_design::Candidate;
-use bsm_report::{Figure, number};
+use bsm_report::number;
 use bsm_validate::catalogue_figures;
 use serde_json::{Value, json};
 
-use crate::args::{CatalogArgs, Format};
+use crate::answer::Drawn;
+use crate::args::SelectArgs;
 use crate::failure::{Failure, warn};
-use crate::files::{self, pretty_json, print, write_figures};
-use crate::makers;
-use crate::stream::{Form, form_of, write_numbers};
+use crate::files::{self, pretty_json, print, write_drawn};
+use crate::select::{STANDARD, check, requirement, scenes};
+use crate::stream::{TABLES, form_of, write_numbers};
 use crate::table;
 
 /// Rows that a screen shows.
@@ -27,44 +28,28 @@ const SHOWN: usize = 20;
 /// Rows that are in memory at a time.
 const PART: usize = 1 << 14;
 
-pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
-    if args.lists {
-        return print(STANDARD_CATALOGUE);
-    }
-    if args.columns {
-        return print(&columns());
-    }
-    let signs = &args.signs;
-    if args.makers.is_none() && !signs.are_ours() {
-        let text = "--columns-from, --delimiter and --decimal are for the table of --makers";
-        return Err(Failure::Input(text.to_owned()));
-    }
-    if let Some(table) = &args.makers {
-        return makers::run(args, table);
-    }
-    let usage = |e: CaseError| Failure::input("--require", &e);
+pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
+    check(args, &[&TABLES[..], &["json"]].concat())?;
+    let usage = |e: CaseError| Failure::input("--where", &e);
     let (mut requirements, mut of_sheet) = (Vec::new(), Vec::new());
-    for text in &args.require {
+    for text in &args.conditions {
         let asked = Asked::parse(text).map_err(usage)?;
         match place_on_sheet(&asked.name).filter(|_| args.requirement.is_some()) {
             Some(place) => of_sheet.push((place, asked)),
             None => requirements.push((text, Condition::on(asked).map_err(usage)?)),
         }
     }
-    let order = args.sort.as_deref().map(|name| {
+    let sort = args.sort.as_deref();
+    let descending = sort.is_some_and(|name| name.starts_with('-'));
+    let order = sort.map(|name| name.strip_prefix('-').unwrap_or(name)).map(|name| {
         match place_on_sheet(name).filter(|_| args.requirement.is_some()) {
             Some(place) => Ok(Order::Sheet(place)),
             None => CatalogueColumn::named(name).map(Order::Nut),
         }
     });
     let order = order.transpose().map_err(|e| Failure::input("--sort", &e))?;
-    let kind = args.output.as_deref().map(|path| form_of(path, "--output")).transpose()?;
-    let catalogue = read(args.catalogue.as_deref())?;
-    if let Some(lists) = &args.catalogue {
-        files::keep(lists, args.output.as_deref())?;
-        files::keep(lists, args.pick.as_deref())?;
-    }
-
+    let lists = args.from.as_deref().filter(|path| *path != Path::new(STANDARD));
+    let catalogue = read(lists)?;
     let wish = requirement(args, &catalogue)?;
     let catalogue = match &wish {
         Some(wish) => wish.of_its_steel(catalogue),
@@ -82,7 +67,7 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
     if chosen.is_empty() && wish.is_some() && requirements.is_empty() {
         warn(
             "note",
-            "no nut keeps all limits of the requirement; bsm design says which one blocks",
+            "no nut keeps all limits of the requirement; the requirement alone (without a list) says which one blocks",
         );
         return Err(Failure::Unsolved);
     }
@@ -97,37 +82,41 @@ pub(crate) fn run(args: &CatalogArgs) -> Result<(), Failure> {
         chosen.retain(|place| sheets.get(place).is_some_and(kept));
         if chosen.is_empty() {
             let text = if sheets.is_empty() {
-                "no nut keeps all rules of its sheet (bsm size)"
+                "no nut keeps all rules of its sheet (bsm axis)"
             } else {
-                "no nut that meets the requirement meets what --require asks of its sheet"
+                "no nut that meets the requirement meets what --where asks of its sheet"
             };
             warn("note", text);
             return Err(Failure::Unsolved);
         }
     }
-    if let Some(folder) = &args.plot {
-        plot(folder, &catalogue_figures(&catalogue, &chosen))?;
+    if let Some(folder) = &args.figures {
+        let drawn = Drawn { figures: catalogue_figures(&catalogue, &chosen), page: None };
+        write_drawn(folder, &drawn, &Value::Null)?;
+        // That of the forces of a pair takes one nut, the others two at least.
+        if drawn.figures.len() < 2 {
+            warn(
+                "note",
+                "no two of the nuts differ in lead alone or in diameter alone: other figures need them",
+            );
+        }
     }
     let met = chosen.len();
     if args.pareto {
         chosen = catalogue.pareto(&chosen);
     }
     if let Some(order) = order {
-        chosen = order.sorted(&catalogue, (&chosen, &sheets), args.descending);
+        chosen = order.sorted(&catalogue, (&chosen, &sheets), descending);
     }
     warn("note", &count(all.len(), met, chosen.len(), args));
     chosen.truncate(args.first.map_or(usize::MAX, NonZeroUsize::get));
-    if let Some(path) = &args.pick {
-        let picked =
-            catalogue.map(&chosen[..1], |_, nut| Some(candidate_scene(nut, wish.as_ref())));
-        files::write(path, &(pretty_json(&picked[0]) + "\n"))?;
+    let picked = catalogue.map(&chosen[..1], |_, nut| Some(candidate_scene(nut, wish.as_ref())));
+    scenes(args, &picked[0])?;
+    let tables: Vec<_> = args.output.iter().filter(|path| form_of(path).is_ok()).collect();
+    for path in &tables {
+        write(path, &catalogue, (&chosen, &sheets), &asked(args)?)?;
     }
-    match (&args.output, kind) {
-        (Some(path), Some(kind)) => {
-            write(path, kind, &catalogue, (&chosen, &sheets), &asked(args)?)
-        }
-        _ => show(&catalogue, (&chosen, &sheets), args),
-    }
+    if args.json || tables.is_empty() { show(&catalogue, (&chosen, &sheets), args) } else { Ok(()) }
 }
 
 /// Numbers of the sheets of nuts, by their places.
@@ -165,14 +154,6 @@ impl Order {
     }
 }
 
-/// Names and units of all columns.
-fn columns() -> String {
-    let row = |name: &str, unit: &str, when: &str| [name, unit, when].map(str::to_owned).to_vec();
-    let of_nuts = CATALOGUE_COLUMNS.iter().map(|c| row(c.name, c.unit, ""));
-    let of_sheets = sheet_columns().map(|c| row(c.name, c.unit, "with --requirement"));
-    table::plain(None, &of_nuts.chain(of_sheets).collect::<Vec<_>>(), usize::MAX)
-}
-
 /// Columns of sheets, if there are any.
 fn known(sheets: &Sheets) -> impl Iterator<Item = &'static Output> {
     sheet_columns().filter(|_| !sheets.is_empty())
@@ -183,44 +164,19 @@ fn place_on_sheet(name: &str) -> Option<usize> {
 }
 
 /// What was asked for.
-fn asked(args: &CatalogArgs) -> Result<Value, Failure> {
-    let json = |path: &Option<PathBuf>| -> Result<Value, Failure> {
+fn asked(args: &SelectArgs) -> Result<Value, Failure> {
+    let json = |path: Option<&Path>| -> Result<Value, Failure> {
         let Some(path) = path else { return Ok(Value::Null) };
         serde_json::from_slice(&files::read_json(path)?)
             .map_err(|e| Failure::in_scene(path, &e.to_string()))
     };
     Ok(json!({
-        "lists": json(&args.catalogue)?,
-        "requirement": json(&args.requirement)?,
-        "conditions": args.require,
+        "lists": json(args.from.as_deref().filter(|path| *path != Path::new(STANDARD)))?,
+        "requirement": json(args.requirement.as_deref())?,
+        "conditions": args.conditions,
         "pareto": args.pareto,
         "sort": args.sort,
     }))
-}
-
-/// The requirement that nuts are held against.
-pub(crate) fn requirement(
-    args: &CatalogArgs,
-    catalogue: &Catalogue,
-) -> Result<Option<RequirementFile>, Failure> {
-    let Some(path) = &args.requirement else { return Ok(None) };
-    let json = files::read_json(path)?;
-    let wish = RequirementFile::from_json(&json, &[], catalogue.lists.clone());
-    wish.map(Some).map_err(|e| Failure::scene(path, &e))
-}
-
-fn plot(folder: &Path, figures: &[Figure]) -> Result<(), Failure> {
-    write_figures(folder, figures)?;
-    let files: Vec<_> = figures.iter().map(|figure| figure.key.as_str()).collect();
-    // That of the forces of a pair takes one nut, the others two at least.
-    let few = if files.len() < 2 {
-        "; no two of the nuts differ in lead alone or in diameter alone, so there are no others"
-    } else {
-        ""
-    };
-    let (files, folder) = (files.join(", "), folder.display());
-    warn("note", &format!("wrote {files} as SVG and CSV in {folder}{few}"));
-    Ok(())
 }
 
 fn read(path: Option<&Path>) -> Result<Catalogue, Failure> {
@@ -230,8 +186,8 @@ fn read(path: Option<&Path>) -> Result<Catalogue, Failure> {
     Catalogue::from_json(&files::read_json(path)?).map_err(|e| Failure::scene(path, &e))
 }
 
-fn count(all: usize, met: usize, left: usize, args: &CatalogArgs) -> String {
-    let met = if args.require.is_empty() && args.requirement.is_none() {
+fn count(all: usize, met: usize, left: usize, args: &SelectArgs) -> String {
+    let met = if args.conditions.is_empty() && args.requirement.is_none() {
         String::new()
     } else {
         format!(", {met} of them meet the requirements")
@@ -269,7 +225,6 @@ fn none(catalogue: &Catalogue, all: &[u32], requirements: &[(&String, Condition)
 
 fn write(
     path: &Path,
-    form: Form,
     catalogue: &Catalogue,
     (chosen, sheets): (&[u32], &Sheets),
     about: &Value,
@@ -285,18 +240,18 @@ fn write(
             .map(|i| part.iter().map(|place| sheets[place][i]).collect());
         of_nuts.chain(of_sheets).collect()
     });
-    write_numbers(path, form, &columns, parts, about)
+    write_numbers(path, form_of(path)?, &columns, parts, about)
 }
 
 fn show(
     catalogue: &Catalogue,
     (chosen, sheets): (&[u32], &Sheets),
-    args: &CatalogArgs,
+    args: &SelectArgs,
 ) -> Result<(), Failure> {
     let shown = &chosen[..chosen.len().min(args.first.map_or(SHOWN, NonZeroUsize::get))];
     let more = chosen.len() - shown.len();
     let shown = catalogue.map(shown, |place, nut| Some((*nut, sheets.get(&place))));
-    if args.format == Format::Json {
+    if args.json {
         let row = |(nut, sheet): &(Candidate, Option<&Vec<f64>>)| {
             let mut row = candidate_json(nut);
             let columns = sheet_columns().zip(sheet.iter().copied().flatten());
@@ -323,9 +278,17 @@ fn show(
     };
     let rows: Vec<Vec<_>> = shown.iter().map(row).collect();
     let rest = if more > 0 {
-        format!("\n\nand {more} more; --first N shows others, -o OUT writes all with all columns")
+        format!("\n\nand {more} more; --first N shows others, -o TABLE writes all with all columns")
     } else {
         String::new()
     };
     print(&format!("{}{rest}", table::plain(Some(&header), &rows, 0)))
+}
+
+/// Names and units of all columns.
+pub(crate) fn columns() -> String {
+    let row = |name: &str, unit: &str, when: &str| [name, unit, when].map(str::to_owned).to_vec();
+    let of_nuts = CATALOGUE_COLUMNS.iter().map(|c| row(c.name, c.unit, ""));
+    let of_sheets = sheet_columns().map(|c| row(c.name, c.unit, "with a requirement"));
+    table::plain(None, &of_nuts.chain(of_sheets).collect::<Vec<_>>(), usize::MAX)
 }
