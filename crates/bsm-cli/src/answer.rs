@@ -19,6 +19,8 @@ pub(crate) struct Answer {
     pub(crate) notes: Vec<String>,
     pub(crate) text: String,
     pub(crate) json: Value,
+    /// What a file of JSON gets, if not that: a scene, or nothing if there is none.
+    pub(crate) scene: Option<Option<Value>>,
     /// Names, units and values of a table, if the answer is one.
     pub(crate) rows: Vec<(String, String, f64)>,
     /// The scene that tables are made from.
@@ -51,9 +53,15 @@ pub(crate) fn named(rows: Vec<(&str, &str, f64)>) -> Vec<(String, String, f64)> 
 
 impl OutArgs {
     /// Refuses files of other endings than a command writes, and those that were read.
-    pub(crate) fn check(&self, endings: &[&'static str], read: &Path) -> Result<(), Failure> {
+    pub(crate) fn check(
+        &self,
+        endings: &[&'static str],
+        read: &[Option<&Path>],
+    ) -> Result<(), Failure> {
         for path in &self.output {
-            keep(read, Some(path))?;
+            for read in read.iter().flatten() {
+                keep(read, Some(path))?;
+            }
             if !is_stdout(path) || !endings.contains(&"csv") {
                 ending_of("-o", path, endings)?;
             }
@@ -107,7 +115,12 @@ impl Answer {
         for path in &to.output {
             match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref()
             {
-                Some("json") => files::write(path, &(pretty_json(&self.json) + "\n"))?,
+                Some("json") => {
+                    let json = self.scene.as_ref().map_or(Some(&self.json), Option::as_ref);
+                    if let Some(json) = json {
+                        files::write(path, &(pretty_json(json) + "\n"))?;
+                    }
+                }
                 Some("html") => files::write(path, drawn.page.as_deref().unwrap_or_default())?,
                 Some(form @ ("svg" | "png")) => {
                     let Some(figure) = drawn.figures.first() else { continue };

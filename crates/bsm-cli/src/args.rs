@@ -13,17 +13,49 @@ use crate::failure::Failure;
 use crate::files;
 
 /// What the exit codes mean, at the end of every help text.
-const EXIT_CODES: &str = "Exit codes: 0 all solved and all checks passed; 1 a problem with files, disk, \
-                          threads or memory; 2 bad input or usage; 3 no solution, not converged, or \
-                          a check failed; 128 plus the number of the signal if interrupted.";
+const EXIT_CODES: &str = "Exit codes: 0 all solved, all checks passed; 1 files, disk, threads or memory; 2 bad \
+                          input or usage; 3 no solution or a failed check; 128 + N if signal N interrupted it.";
+
+/// What the files of `-o` and the folder of `--figures` get where it is no page, by command.
+const FILES: [(&str, &str, &str); 4] = [
+    (
+        "select",
+        ".json: scene of the screw, or of the first nut; .csv, .xlsx, `-`: the steps; these, .jsonl and .parquet: \
+         the list of nuts",
+        "Folder for the figures of Sobolewski (2002), SVG and CSV, with the nuts of the list",
+    ),
+    (
+        "solve",
+        ".json: what --json prints; .csv, .xlsx: ratings and their steps",
+        "Folder for figures (SVG and CSV) of sweeps around the scene: slip, jam, optimum",
+    ),
+    (
+        "nut",
+        ".csv, .jsonl, .parquet, .xlsx, or `-`: the table of --show; .json: what --json prints",
+        "Folder for figures (SVG and CSV): loads and angles along the helix, displacement, preload",
+    ),
+    (
+        "fit",
+        ".json: what --json prints; with --points .svg, .png: measured against fitted values",
+        "Folder for the figure of --points, SVG and CSV",
+    ),
+];
 
 /// The program with its commands, each with the exit codes.
 pub(crate) fn command() -> clap::Command {
     fn with_exit_codes(command: clap::Command) -> clap::Command {
         command.after_help(EXIT_CODES).mut_subcommands(with_exit_codes)
     }
+    let mut command = with_exit_codes(Cli::command());
+    for (name, files, figures) in FILES {
+        command = command.mut_subcommand(name, |command| {
+            command
+                .mut_arg("output", |arg| arg.help(format!("{files}. May be repeated")))
+                .mut_arg("figures", |arg| arg.help(figures))
+        });
+    }
     let models = PossibleValuesParser::new(ModelChoice::names().chain([ALL]));
-    with_exit_codes(Cli::command())
+    command
         .mut_subcommand("solve", |solve| solve.mut_arg("model", |model| model.value_parser(models)))
 }
 
@@ -34,7 +66,7 @@ pub(crate) fn command() -> clap::Command {
 /// axial_load_kN=5; `bsm schema input` lists all inputs. From a requirement to a screw: bsm select
 /// examples/requirements/axis.json -o screw.json, then bsm axis screw.json.
 #[derive(Debug, Parser)]
-#[command(name = "bsm", version, propagate_version = true, arg_required_else_help = true)]
+#[command(name = "bsm", version, arg_required_else_help = true)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -120,13 +152,11 @@ impl SceneArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Model")]
 pub(crate) struct ModelArgs {
-    /// Model to solve with; auto takes the fastest one whose error is below the tolerance, or, without conformities,
-    /// the most complete one whose inputs are given. For bsm solve, all: every model, side by side.
+    /// Model; auto: the fastest one within the tolerance.
     #[arg(long, default_value = "auto", value_parser = PossibleValuesParser::new(ModelChoice::names()))]
     pub(crate) model: String,
-    /// Settings: tolerance (error of the efficiency that auto accepts, 0.01), accuracy (of friction over the contacts in
-    /// traction, 1e-8), creep (speed over the rolling speed in traction, 1e-6), control (race that does not spin in
-    /// raceway-control: nut, screw), friction (oil in raceway-control: local, or contact in half the time).
+    /// tolerance=0.01 of the efficiency, for auto; accuracy=1e-8 and creep=1e-6 of traction; control=nut or screw and
+    /// friction=local or contact of raceway-control.
     #[arg(long, value_name = "KEY=VALUE,..", value_delimiter = ',', value_parser = setting)]
     solver: Vec<(String, String)>,
 }
@@ -193,9 +223,9 @@ fn value<'a>(pairs: &'a [(String, String)], key: &str) -> Option<&'a str> {
 /// How a table is written that is read.
 #[derive(Debug, Args)]
 pub(crate) struct DialectArgs {
-    /// How the table is written: delimiter (comma, semicolon, tab, bar), decimal (point, comma), names (JSON file from
-    /// names of its columns to ours, or to null), output (same: write CSV in this way, too).
-    #[arg(long, value_name = "KEY=VALUE,..", value_delimiter = ',', value_parser = sign, help_heading = "Table of yours")]
+    /// delimiter=comma, semicolon, tab or bar; decimal=point or comma; names=JSON from its columns to ours; output=same, for
+    /// CSV of bsm sweep.
+    #[arg(long, value_name = "KEY=VALUE,..", value_delimiter = ',', value_parser = sign)]
     dialect: Vec<(String, String)>,
 }
 
@@ -256,14 +286,13 @@ pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutArgs {
-    /// File to write, by its ending: .json what --json prints, .html a page where there is one, and tables as .csv,
-    /// .jsonl, .parquet or .xlsx (`-`: CSV on standard output). May be repeated.
+    /// .html: the page; .json: what --json prints. May be repeated.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
-    /// Folder for figures (SVG and CSV), and the page where there is one; created if it does not exist.
+    /// Folder for the page report.html, results.json and figures/ (SVG and CSV).
     #[arg(long, value_name = "DIR")]
     pub(crate) figures: Option<PathBuf>,
-    /// Print JSON, as `bsm schema` describes it.
+    /// Print JSON; bsm schema describes it.
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -285,9 +314,8 @@ pub(crate) enum Show {
 pub(crate) struct SolveArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
-    /// What to show: motion (the default) with the band of friction from a lubricant, in which nine of ten draws of what
-    /// nobody knows exactly lie, or with sensitivities, exact derivatives by each input; slip and its power; jam; the
-    /// optimum of the contact angle; load ratings, or the steps to them. Each names the inputs it lacks.
+    /// motion (the default); band: 90 % range of friction from oil, and sensitivities: derivatives by each input, come with
+    /// the motion; slip; jam; optimum of the contact angle; ratings of the nut; steps to them.
     #[arg(long, value_name = "WHAT,..", value_delimiter = ',', value_enum)]
     pub(crate) show: Vec<Show>,
     #[command(flatten)]
@@ -368,9 +396,8 @@ pub(crate) enum SelectShow {
 
 #[derive(Debug, Args)]
 pub(crate) struct SelectArgs {
-    /// Requirement in JSON: load, motion, stroke, life; `-` reads standard input. Alone it gives the best screw and the
-    /// steps of Lin, Velinsky and Ravani (1994); with --from, --where, --sort, --pareto, --first or --figures, or
-    /// without a requirement, nuts are listed.
+    /// Requirement in JSON: load, motion, stroke, life; `-` reads standard input. Alone it gives the best screw and the steps
+    /// of Lin, Velinsky and Ravani (1994); with an option of a list, the nuts that meet it.
     #[arg(value_name = "REQUIREMENT.json")]
     pub(crate) requirement: Option<PathBuf>,
     /// Set or replace a key of the requirement; may be repeated, such as --set objective=mass.
@@ -381,41 +408,32 @@ pub(crate) struct SelectArgs {
         requires = "requirement"
     )]
     pub(crate) settings: Vec<String>,
-    /// Let sizes and contact angle run, with balls of standard diameters; unless given, standard sizes of ISO 3408-2 at
-    /// 45 degrees are tried.
+    /// Let sizes and contact angle run, with balls of standard diameters; else standard sizes of ISO 3408-2 at 45 degrees.
     #[arg(long, requires = "requirement", conflicts_with_all = ["from", "conditions", "pareto", "sort", "first", "figures"])]
     pub(crate) free: bool,
     /// Print the keys of a requirement, the standard lists to copy and edit, or the columns of the list of nuts.
     #[arg(long, value_name = "WHAT", value_enum)]
     pub(crate) show: Option<SelectShow>,
-    /// Nuts to list: `standard`, lists and limits in LISTS.json, or nuts of a manufacturer in TABLE.csv with the columns nut,
-    /// lead_mm, ball_diameter_mm, circuits or loaded_turns, core_diameter_mm or pitch_circle_diameter_mm, and ratings.
+    /// standard, lists in LISTS.json, or a manufacturer's nuts in TABLE.csv: nut, lead_mm, ball_diameter_mm, circuits or
+    /// loaded_turns, core_diameter_mm or pitch_circle_diameter_mm, ratings.
     #[arg(long, value_name = "LISTS", help_heading = "List of nuts")]
     pub(crate) from: Option<PathBuf>,
-    /// Keep nuts that meet a condition: NAME>=VALUE, NAME<=VALUE or NAME=VALUE; may be repeated.
+    /// Keep nuts with NAME>=VALUE, NAME<=VALUE or NAME=VALUE; may be repeated.
     #[arg(long = "where", value_name = "CONDITION", help_heading = "List of nuts")]
     pub(crate) conditions: Vec<String>,
-    /// Keep nuts that no other one beats in dynamic load rating, rigidity and mass together.
+    /// Keep nuts that none beats in dynamic load rating, rigidity and mass together.
     #[arg(long, help_heading = "List of nuts")]
     pub(crate) pareto: bool,
     /// Sort by a column, the smallest first; -NAME puts the largest first.
     #[arg(long, value_name = "NAME", allow_hyphen_values = true, help_heading = "List of nuts")]
     pub(crate) sort: Option<String>,
-    /// Keep only this many rows; unless given, the screen shows 20.
+    /// Keep so many rows; unless given, the screen shows 20.
     #[arg(long, value_name = "N", help_heading = "List of nuts")]
     pub(crate) first: Option<NonZeroUsize>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "List of nuts")]
     pub(crate) dialect: DialectArgs,
-    /// File to write, by its ending: SCREW.json is the scene of the screw, or of the first nut, for the other commands;
-    /// .csv or .xlsx the steps; .csv, .jsonl, .parquet, .xlsx or `-` the list of nuts. May be repeated.
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
-    pub(crate) output: Vec<PathBuf>,
-    /// Folder for the figures of Sobolewski (2002), SVG and CSV, drawn with the nuts of the list.
-    #[arg(long, value_name = "DIR", help_heading = "Output")]
-    pub(crate) figures: Option<PathBuf>,
-    /// Print JSON, as `bsm schema select` describes it.
-    #[arg(long, help_heading = "Output")]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) out: OutArgs,
 }
 
 impl SelectArgs {
@@ -427,24 +445,24 @@ impl SelectArgs {
             || self.pareto
             || self.sort.is_some()
             || self.first.is_some()
-            || self.figures.is_some()
+            || self.out.figures.is_some()
     }
 }
 
 #[derive(Debug, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "switches of the command line")]
 pub(crate) struct SweepArgs {
-    /// Scene file in JSON, which may lack what --vary, --draw or --points has; `-` reads standard input.
+    /// Scene in JSON, without what the points have; `-` reads standard input.
     #[arg(value_name = "SCENE.json", required_unless_present_any = ["settings", "points"])]
     pub(crate) scene: Option<PathBuf>,
     /// Set or replace an input of the scene; may be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     pub(crate) settings: Vec<String>,
-    /// Input to vary: NAME=START:STOP:COUNT (ends included), NAME=START:STOP:COUNT:log (equal ratios) or NAME=V1,V2,..;
-    /// may be repeated for a full grid, in which the last input changes fastest.
+    /// Input on a grid: NAME=START:STOP:COUNT, NAME=START:STOP:COUNT:log or NAME=V1,V2,..; repeated, the last one
+    /// changes fastest.
     #[arg(long, value_name = "NAME=VALUES", required_unless_present_any = ["draw", "points"], allow_hyphen_values = true, help_heading = "Points")]
     pub(crate) vary: Vec<String>,
-    /// Input to draw at random: NAME=uniform:LOW:HIGH or NAME=normal:MEAN:DEVIATION; may be repeated.
+    /// Input at random: NAME=uniform:LOW:HIGH or NAME=normal:MEAN:DEVIATION.
     #[arg(
         long,
         value_name = "NAME=LAW",
@@ -457,14 +475,13 @@ pub(crate) struct SweepArgs {
     /// Number of random points.
     #[arg(long, value_name = "N", requires = "draw", value_parser = count, help_heading = "Points")]
     pub(crate) samples: Option<u64>,
-    /// Seed of the random points; a row depends on it and its number only.
+    /// Seed of the random points.
     #[arg(long, value_name = "S", requires = "draw", default_value_t = 0, help_heading = "Points")]
     pub(crate) seed: u64,
-    /// Table of points: .csv, .jsonl or .parquet, columns named as inputs, in any unit; `-` is CSV on standard input. An
-    /// empty cell takes the value of the scene. In text a row is one line.
+    /// Table of points, .csv, .jsonl, .parquet or `-`, whose columns are inputs in any unit; the scene fills what is empty.
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["vary", "draw"], help_heading = "Points")]
     pub(crate) points: Option<PathBuf>,
-    /// Columns of --points to copy although they are not inputs, such as an id.
+    /// Columns of the table to copy, such as an id.
     #[arg(
         long,
         value_name = "NAME,..",
@@ -473,40 +490,37 @@ pub(crate) struct SweepArgs {
         help_heading = "Points"
     )]
     pub(crate) keep: Vec<String>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Points")]
     pub(crate) dialect: DialectArgs,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
-    /// File to write, by its ending; may be repeated. A table: .csv, .jsonl, .parquet, .xlsx, `-` (CSV), or FOLDER/ of
-    /// Parquet parts. Over one or two varied inputs, of the first column: .svg or .png lines, .map.svg or .map.png a
-    /// map, .grid.csv a matrix; .txt a Modelica table. .json says what the table is made from, with its SHA-256.
+    /// .csv, .jsonl, .parquet, .xlsx or `-`: a table; DIR/: its parts; .svg, .png: lines, .map.svg, .map.png: a map,
+    /// .grid.csv: a matrix, of the first column; .txt: Modelica; .json: origin of the table. Repeatable.
     #[arg(short, long, value_name = "FILE", required = true, help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
-    /// Outputs to write, in this order, also numbers of --show of bsm solve; all of a solve unless given, and efficiency
-    /// in pictures. `bsm schema output` lists them.
+    /// Outputs to write, all of a solve unless given; a picture shows the first one.
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', help_heading = "Output")]
     pub(crate) columns: Option<Vec<String>>,
-    /// Exit with 0 instead of 3 if some rows have no result; the table is complete either way.
-    #[arg(long, help_heading = "Output")]
+    /// Exit with 0 even if some rows have no result.
+    #[arg(long, help_heading = "Run")]
     pub(crate) keep_going: bool,
-    /// Continue a stopped run of the same task in its folder: what is finished is verified and kept.
-    #[arg(long, help_heading = "Folder of parts")]
+    /// Continue a stopped run in its folder.
+    #[arg(long, help_heading = "Run")]
     pub(crate) resume: bool,
-    /// Only write the plan of a folder and print its size; `bsm parts run` solves it, on any number of machines.
-    #[arg(long, help_heading = "Folder of parts")]
+    /// Only write the plan of a folder, for bsm parts run.
+    #[arg(long, help_heading = "Run")]
     pub(crate) plan: bool,
-    /// Rows in each part; unless given, chosen from the number of rows, outputs and model.
-    #[arg(long, value_name = "N", value_parser = rows, help_heading = "Folder of parts")]
+    /// Rows in each part of a folder.
+    #[arg(long, value_name = "N", value_parser = rows, help_heading = "Run")]
     pub(crate) rows_per_part: Option<NonZeroU64>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Run")]
     pub(crate) work: WorkArgs,
 }
 
 /// How the program works, whatever it answers.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Work")]
 pub(crate) struct WorkArgs {
-    /// Number of threads, at most 1024; all cores unless given. Results do not depend on it.
+    /// Number of threads, at most 1024; all cores unless given.
     #[arg(long, value_name = "N", value_parser = threads)]
     pub(crate) threads: Option<NonZeroUsize>,
     /// No progress bar.
@@ -582,7 +596,7 @@ pub(crate) struct CheckArgs {
     /// Read all bytes, not only the footers.
     #[arg(long)]
     pub(crate) deep: bool,
-    /// Print JSON, as `bsm schema parts` describes it.
+    /// Print JSON; bsm schema describes it.
     #[arg(long)]
     pub(crate) json: bool,
 }

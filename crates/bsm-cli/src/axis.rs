@@ -26,7 +26,7 @@ const SHOWN: [&str; 9] = [
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let in_file = args.scene.failure();
     let mut scene = args.scene.read()?;
-    args.out.check(&["json", "html"], args.scene.path())?;
+    args.out.check(&["json", "html"], &[Some(args.scene.path())])?;
     if let Some(table) = &args.cycle {
         let signs = args.dialect.read(&["delimiter", "decimal"])?;
         let bytes = read(table, MOST_OF_A_TABLE)?;

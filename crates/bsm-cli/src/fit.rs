@@ -16,7 +16,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let settings = args.model.settings().map_err(args.scene.failure())?;
     let endings: &[&'static str] =
         if args.points.is_some() { &["json", "svg", "png"] } else { &["json"] };
-    args.out.check(endings, args.scene.path())?;
+    args.out.check(endings, &[Some(args.scene.path())])?;
     let (answer, figures) = match &args.points {
         Some(points) => {
             let (answer, figure) = to_table(args, points, &scene, &settings)?;

@@ -21,7 +21,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     } else {
         &["csv", "jsonl", "parquet", "xlsx", "json"]
     };
-    args.out.check(endings, args.scene.path())?;
+    args.out.check(endings, &[Some(args.scene.path())])?;
     let settings = args.model.settings().map_err(in_file)?;
     let problem = NutProblem::of(&scene, &settings).map_err(in_file)?;
     let mut figures = Vec::new();

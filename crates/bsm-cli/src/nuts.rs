@@ -14,11 +14,11 @@ use bsm_report::number;
 use bsm_validate::catalogue_figures;
 use serde_json::{Value, json};
 
-use crate::answer::Drawn;
+use crate::answer::{Answer, Drawn};
 use crate::args::SelectArgs;
 use crate::failure::{Failure, warn};
-use crate::files::{self, pretty_json, print, write_drawn};
-use crate::select::{STANDARD, check, requirement, scenes};
+use crate::files;
+use crate::select::{STANDARD, check, requirement};
 use crate::stream::{TABLES, form_of, write_numbers};
 use crate::table;
 
@@ -31,136 +31,150 @@ const PART: usize = 1 << 14;
 pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     check(args, &[&TABLES[..], &["json"]].concat())?;
     let usage = |e: CaseError| Failure::input("--where", &e);
+    let has_sheets = args.requirement.is_some();
     let (mut requirements, mut of_sheet) = (Vec::new(), Vec::new());
     for text in &args.conditions {
         let asked = Asked::parse(text).map_err(usage)?;
-        match place_on_sheet(&asked.name).filter(|_| args.requirement.is_some()) {
-            Some(place) => of_sheet.push((place, asked)),
-            None => requirements.push((text, Condition::on(asked).map_err(usage)?)),
+        match Column::named(&asked.name, has_sheets).map_err(usage)? {
+            Column::Sheet(place, _) => of_sheet.push((place, asked)),
+            Column::Nut(_) => requirements.push((text, Condition::on(asked).map_err(usage)?)),
         }
     }
-    let sort = args.sort.as_deref();
-    let descending = sort.is_some_and(|name| name.starts_with('-'));
-    let order = sort.map(|name| name.strip_prefix('-').unwrap_or(name)).map(|name| {
-        match place_on_sheet(name).filter(|_| args.requirement.is_some()) {
-            Some(place) => Ok(Order::Sheet(place)),
-            None => CatalogueColumn::named(name).map(Order::Nut),
-        }
-    });
+    let descending = args.sort.as_deref().is_some_and(|name| name.starts_with('-'));
+    let order =
+        args.sort.as_deref().map(|name| Column::named(name.trim_start_matches('-'), has_sheets));
     let order = order.transpose().map_err(|e| Failure::input("--sort", &e))?;
     let lists = args.from.as_deref().filter(|path| *path != Path::new(STANDARD));
-    let catalogue = read(lists)?;
+    let catalogue = match lists {
+        Some(path) => {
+            Catalogue::from_json(&files::read_json(path)?).map_err(|e| Failure::scene(path, &e))?
+        }
+        None => Catalogue::standard().map_err(|e| Failure::Input(e.to_string()))?,
+    };
     let wish = requirement(args, &catalogue)?;
     let catalogue = match &wish {
         Some(wish) => wish.of_its_steel(catalogue),
         None => catalogue,
     };
+    let none = |text: &str| {
+        warn("note", text);
+        Err(Failure::Unsolved)
+    };
     let all = catalogue.places();
     if all.is_empty() {
         let limits = "turns_range, conformity_range, largest_ball_over_lead, largest_ball_over_screw_root; or the lands hold no ball";
-        warn("note", &format!("no combination of the lists is within the limits: {limits}"));
-        return Err(Failure::Unsolved);
+        return none(&format!("no combination of the lists is within the limits: {limits}"));
     }
     let keeps = |nut: &Candidate| wish.as_ref().is_none_or(|wish| wish.is_kept_by(&nut.nut));
     let meets = |nut: &Candidate| requirements.iter().all(|(_, r)| r.is_met(nut)) && keeps(nut);
     let mut chosen = catalogue.map(&all, |place, nut| meets(nut).then_some(place));
     if chosen.is_empty() && wish.is_some() && requirements.is_empty() {
-        warn(
-            "note",
-            "no nut keeps all limits of the requirement; the requirement alone (without a list) says which one blocks",
+        return none(
+            "no nut keeps all limits of the requirement, which says alone, without a list, what blocks",
         );
-        return Err(Failure::Unsolved);
     }
     if chosen.is_empty() {
-        warn("note", &none(&catalogue, &all, &requirements));
-        return Err(Failure::Unsolved);
+        return none(&nearest(&catalogue, &all, &requirements));
     }
-    let mut sheets = BTreeMap::new();
+    let mut sheets = Sheets::new();
     if let Some(wish) = &wish {
         sheets.extend(catalogue.map(&chosen, |place, nut| Some((place, wish.sheet_of(&nut.nut)?))));
         let kept = |sheet: &Vec<f64>| of_sheet.iter().all(|(i, asked)| asked.is_met(sheet[*i]));
         chosen.retain(|place| sheets.get(place).is_some_and(kept));
         if chosen.is_empty() {
-            let text = if sheets.is_empty() {
+            return none(if sheets.is_empty() {
                 "no nut keeps all rules of its sheet (bsm axis)"
             } else {
                 "no nut that meets the requirement meets what --where asks of its sheet"
-            };
-            warn("note", text);
-            return Err(Failure::Unsolved);
+            });
         }
     }
-    if let Some(folder) = &args.figures {
-        let drawn = Drawn { figures: catalogue_figures(&catalogue, &chosen), page: None };
-        write_drawn(folder, &drawn, &Value::Null)?;
-        // That of the forces of a pair takes one nut, the others two at least.
-        if drawn.figures.len() < 2 {
-            warn(
-                "note",
-                "no two of the nuts differ in lead alone or in diameter alone: other figures need them",
-            );
-        }
+    let figures = match args.out.figures {
+        Some(_) => catalogue_figures(&catalogue, &chosen),
+        None => Vec::new(),
+    };
+    // That of the forces of a pair takes one nut, the others two at least.
+    if args.out.figures.is_some() && figures.len() < 2 {
+        let text = "no two of the nuts differ in lead alone or in diameter alone, as other figures need them";
+        warn("note", text);
     }
     let met = chosen.len();
     if args.pareto {
         chosen = catalogue.pareto(&chosen);
     }
-    if let Some(order) = order {
-        chosen = order.sorted(&catalogue, (&chosen, &sheets), descending);
+    let sheet = |place: u32| sheets.get(&place).map_or(&[][..], Vec::as_slice);
+    if let Some(column) = order {
+        let key = |place, nut: &Candidate| Some((column.read(nut, sheet(place)), place));
+        let mut keys = catalogue.map(&chosen, key);
+        keys.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        if descending {
+            keys.reverse();
+        }
+        chosen = keys.into_iter().map(|(_, place)| place).collect();
     }
     warn("note", &count(all.len(), met, chosen.len(), args));
     chosen.truncate(args.first.map_or(usize::MAX, NonZeroUsize::get));
-    let picked = catalogue.map(&chosen[..1], |_, nut| Some(candidate_scene(nut, wish.as_ref())));
-    scenes(args, &picked[0])?;
-    let tables: Vec<_> = args.output.iter().filter(|path| form_of(path).is_ok()).collect();
-    for path in &tables {
-        write(path, &catalogue, (&chosen, &sheets), &asked(args)?)?;
+    let columns = Column::all(!sheets.is_empty());
+    let rows = |places: &[u32]| catalogue.map(places, |place, nut| Some((*nut, sheet(place))));
+    for path in args.out.tables() {
+        let head: Vec<_> = columns.iter().map(Column::head).collect();
+        let values = |part| {
+            let rows = rows(part);
+            let values =
+                |column: &Column| rows.iter().map(|(nut, sheet)| column.read(nut, sheet)).collect();
+            columns.iter().map(values).collect()
+        };
+        let parts = chosen.chunks(PART).map(values);
+        write_numbers(path, form_of(path)?, &head, parts, &asked(args)?)?;
     }
-    if args.json || tables.is_empty() { show(&catalogue, (&chosen, &sheets), args) } else { Ok(()) }
+    let shown = &chosen[..chosen.len().min(args.first.map_or(SHOWN, NonZeroUsize::get))];
+    let mut picked =
+        catalogue.map(&chosen[..1], |_, nut| Some(candidate_scene(nut, wish.as_ref())));
+    let answer = show(&columns, &rows(shown), chosen.len() - shown.len());
+    let answer = Answer { scene: Some(picked.pop()), ..answer };
+    answer.give(&args.out, || Ok(Drawn { figures, page: None }))
 }
 
 /// Numbers of the sheets of nuts, by their places.
 type Sheets = BTreeMap<u32, Vec<f64>>;
 
-/// What nuts are sorted by.
+/// A column of the list.
 #[derive(Clone, Copy)]
-enum Order {
-    /// A column of the catalogue.
+enum Column {
+    /// Of the nut.
     Nut(&'static CatalogueColumn),
-    /// A number of the sheet.
-    Sheet(usize),
+    /// Of its sheet, by its place there.
+    Sheet(usize, &'static Output),
 }
 
-impl Order {
-    /// Places of nuts, the smallest first unless `descending`.
-    fn sorted(
-        self,
-        catalogue: &Catalogue,
-        (chosen, sheets): (&[u32], &Sheets),
-        descending: bool,
-    ) -> Vec<u32> {
-        let mut keys = catalogue.map(chosen, |place, nut| {
-            let key = match self {
-                Self::Nut(column) => (column.read)(nut),
-                Self::Sheet(column) => sheets[&place][column],
-            };
-            Some((key, place))
-        });
-        keys.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-        if descending {
-            keys.reverse();
-        }
-        keys.into_iter().map(|(_, place)| place).collect()
+impl Column {
+    /// All of them, those of sheets if there are any.
+    fn all(has_sheets: bool) -> Vec<Self> {
+        let of_sheets = sheet_columns().enumerate().filter(|_| has_sheets);
+        let of_sheets = of_sheets.map(|(place, column)| Self::Sheet(place, column));
+        CATALOGUE_COLUMNS.iter().map(Self::Nut).chain(of_sheets).collect()
     }
-}
 
-/// Columns of sheets, if there are any.
-fn known(sheets: &Sheets) -> impl Iterator<Item = &'static Output> {
-    sheet_columns().filter(|_| !sheets.is_empty())
-}
+    fn named(name: &str, has_sheets: bool) -> Result<Self, CaseError> {
+        let is_its = |column: &Self| matches!(column, Self::Sheet(_, c) if c.name == name);
+        let of_sheet = Self::all(has_sheets).into_iter().find(is_its);
+        of_sheet.map_or_else(|| CatalogueColumn::named(name).map(Self::Nut), Ok)
+    }
 
-fn place_on_sheet(name: &str) -> Option<usize> {
-    sheet_columns().position(|column| column.name == name)
+    fn head(&self) -> NumberColumn {
+        let (name, unit) = match self {
+            Self::Nut(column) => (column.name, column.unit),
+            Self::Sheet(_, column) => (column.name, column.unit),
+        };
+        NumberColumn { name, unit }
+    }
+
+    fn read(&self, nut: &Candidate, sheet: &[f64]) -> f64 {
+        match self {
+            Self::Nut(column) => (column.read)(nut),
+            Self::Sheet(place, _) => sheet[*place],
+        }
+    }
 }
 
 /// What was asked for.
@@ -177,13 +191,6 @@ fn asked(args: &SelectArgs) -> Result<Value, Failure> {
         "pareto": args.pareto,
         "sort": args.sort,
     }))
-}
-
-fn read(path: Option<&Path>) -> Result<Catalogue, Failure> {
-    let Some(path) = path else {
-        return Catalogue::standard().map_err(|e| Failure::Input(e.to_string()));
-    };
-    Catalogue::from_json(&files::read_json(path)?).map_err(|e| Failure::scene(path, &e))
 }
 
 fn count(all: usize, met: usize, left: usize, args: &SelectArgs) -> String {
@@ -203,7 +210,7 @@ fn count(all: usize, met: usize, left: usize, args: &SelectArgs) -> String {
 }
 
 /// Why there is none, by the requirement.
-fn none(catalogue: &Catalogue, all: &[u32], requirements: &[(&String, Condition)]) -> String {
+fn nearest(catalogue: &Catalogue, all: &[u32], requirements: &[(&String, Condition)]) -> String {
     let without = |(i, (name, requirement)): (usize, &(&String, Condition))| {
         let others = |nut: &Candidate| {
             requirements.iter().enumerate().all(|(j, (_, r))| j == i || r.is_met(nut))
@@ -223,72 +230,41 @@ fn none(catalogue: &Catalogue, all: &[u32], requirements: &[(&String, Condition)
     format!("none of {} nuts within the limits meets all requirements{reasons}", all.len())
 }
 
-fn write(
-    path: &Path,
-    catalogue: &Catalogue,
-    (chosen, sheets): (&[u32], &Sheets),
-    about: &Value,
-) -> Result<(), Failure> {
-    let column = |c: &CatalogueColumn| NumberColumn { name: c.name, unit: c.unit };
-    let of_sheet = |c: &Output| NumberColumn { name: c.name, unit: c.unit };
-    let of_sheets = known(sheets).map(of_sheet);
-    let columns: Vec<_> = CATALOGUE_COLUMNS.iter().map(column).chain(of_sheets).collect();
-    let parts = chosen.chunks(PART).map(|part| {
-        let nuts = catalogue.map(part, |_, nut| Some(*nut));
-        let of_nuts = CATALOGUE_COLUMNS.iter().map(|c| nuts.iter().map(c.read).collect());
-        let of_sheets = (0..columns.len() - CATALOGUE_COLUMNS.len())
-            .map(|i| part.iter().map(|place| sheets[place][i]).collect());
-        of_nuts.chain(of_sheets).collect()
-    });
-    write_numbers(path, form_of(path)?, &columns, parts, about)
-}
-
-fn show(
-    catalogue: &Catalogue,
-    (chosen, sheets): (&[u32], &Sheets),
-    args: &SelectArgs,
-) -> Result<(), Failure> {
-    let shown = &chosen[..chosen.len().min(args.first.map_or(SHOWN, NonZeroUsize::get))];
-    let more = chosen.len() - shown.len();
-    let shown = catalogue.map(shown, |place, nut| Some((*nut, sheets.get(&place))));
-    if args.json {
-        let row = |(nut, sheet): &(Candidate, Option<&Vec<f64>>)| {
-            let mut row = candidate_json(nut);
-            let columns = sheet_columns().zip(sheet.iter().copied().flatten());
-            row.extend(columns.map(|(column, value)| (column.name.to_owned(), json!(value))));
-            Value::Object(row)
-        };
-        return print(&pretty_json(&shown.iter().map(row).collect()));
-    }
-    let columns: Vec<_> = CATALOGUE_COLUMNS.iter().filter(|c| c.brief).collect();
-    let of_sheets = known(sheets).map(|column| column.name);
-    let header: Vec<_> = columns.iter().map(|c| c.name).chain(of_sheets).collect();
+/// The first rows, with so many more.
+fn show(columns: &[Column], rows: &[(Candidate, &[f64])], more: usize) -> Answer {
+    let json = |(nut, sheet): &(Candidate, &[f64])| {
+        let mut row = candidate_json(nut);
+        let columns = sheet_columns().zip(*sheet);
+        row.extend(columns.map(|(column, value)| (column.name.to_owned(), json!(value))));
+        Value::Object(row)
+    };
+    let is_brief = |column: &&Column| !matches!(column, Column::Nut(column) if !column.brief);
+    let columns: Vec<_> = columns.iter().filter(is_brief).collect();
+    let header: Vec<_> = columns.iter().map(|column| column.head().name).collect();
     let cell = |value: f64| {
-        let text = number(value);
+        let text = if value.is_nan() { "-".to_owned() } else { number(value) };
         // Sizes are decimals of a few digits.
         let short = text.contains('.') && !text.contains('e');
         if short { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
     };
-    let row = |(nut, sheet): &(Candidate, Option<&Vec<f64>>)| {
-        let of_sheet = sheet.iter().copied().flatten().map(|value| match value {
-            value if value.is_nan() => "-".to_owned(),
-            value => cell(*value),
-        });
-        columns.iter().map(|c| cell((c.read)(nut))).chain(of_sheet).collect()
+    let cells = |(nut, sheet): &(Candidate, &[f64])| {
+        columns.iter().map(|column| cell(column.read(nut, sheet))).collect()
     };
-    let rows: Vec<Vec<_>> = shown.iter().map(row).collect();
-    let rest = if more > 0 {
-        format!("\n\nand {more} more; --first N shows others, -o TABLE writes all with all columns")
-    } else {
-        String::new()
-    };
-    print(&format!("{}{rest}", table::plain(Some(&header), &rows, 0)))
+    let mut text = table::plain(Some(&header), &rows.iter().map(cells).collect::<Vec<_>>(), 0);
+    if more > 0 {
+        text += &format!(
+            "\n\nand {more} more; --first N shows others, -o TABLE writes all with all columns"
+        );
+    }
+    Answer { text, json: rows.iter().map(json).collect(), ..Answer::default() }
 }
 
 /// Names and units of all columns.
 pub(crate) fn columns() -> String {
-    let row = |name: &str, unit: &str, when: &str| [name, unit, when].map(str::to_owned).to_vec();
-    let of_nuts = CATALOGUE_COLUMNS.iter().map(|c| row(c.name, c.unit, ""));
-    let of_sheets = sheet_columns().map(|c| row(c.name, c.unit, "with a requirement"));
-    table::plain(None, &of_nuts.chain(of_sheets).collect::<Vec<_>>(), usize::MAX)
+    let row = |column: &Column| {
+        let when = if matches!(column, Column::Nut(_)) { "" } else { "with a requirement" };
+        let NumberColumn { name, unit } = column.head();
+        [name, unit, when].map(str::to_owned).to_vec()
+    };
+    table::plain(None, &Column::all(true).iter().map(row).collect::<Vec<_>>(), usize::MAX)
 }

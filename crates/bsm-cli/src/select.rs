@@ -9,12 +9,10 @@ use bsm_case::{
 use bsm_report::{number, short};
 use serde_json::{Map, Value, json};
 
+use crate::answer::{Answer, Drawn};
 use crate::args::{SelectArgs, SelectShow};
 use crate::failure::{Failure, warn};
-use crate::files::{
-    self, MOST_OF_A_TABLE, ending_of, is_stdout, keep, pretty_json, print, read, read_json,
-};
-use crate::stream::write_rows;
+use crate::files::{MOST_OF_A_TABLE, ending_of, print, read, read_json};
 use crate::{nuts, table};
 
 /// The lists that the program has.
@@ -40,24 +38,7 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
 
 /// Refuses files of other endings, and those that were read.
 pub(crate) fn check(args: &SelectArgs, endings: &[&'static str]) -> Result<(), Failure> {
-    for path in &args.output {
-        for read in [&args.requirement, &args.from].into_iter().flatten() {
-            keep(read, Some(path))?;
-        }
-        if !is_stdout(path) || !endings.contains(&"jsonl") {
-            ending_of("-o", path, endings)?;
-        }
-    }
-    Ok(())
-}
-
-/// Writes the scene of what was found to the files that are scenes.
-pub(crate) fn scenes(args: &SelectArgs, scene: &Value) -> Result<(), Failure> {
-    let is_scene = |path: &&PathBuf| ending_of("-o", path, &["json"]).is_ok();
-    for path in args.output.iter().filter(is_scene) {
-        files::write(path, &(pretty_json(scene) + "\n"))?;
-    }
-    Ok(())
+    args.out.check(endings, &[args.requirement.as_deref(), args.from.as_deref()])
 }
 
 /// The requirement that nuts are held against.
@@ -85,22 +66,20 @@ fn steps(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
     }
     let report = standard.unwrap_or_else(|| DesignReport::of(&wish));
     let scene = report.scene.to_json();
-    if report.found {
-        scenes(args, &scene)?;
-    }
     let row = |row: &DesignRow| Some((row.name.to_owned(), row.unit.to_owned(), row.value?));
-    let rows: Vec<_> = report.rows.iter().filter_map(row).collect();
-    for path in args.output.iter().filter(|path| ending_of("-o", path, &["csv", "xlsx"]).is_ok()) {
-        write_rows(path, &rows, &scene)?;
-    }
-    report.warnings.iter().for_each(|warning| warn("warning", warning));
-    if args.json {
-        print(&pretty_json(&report.to_json()))?;
-    } else {
-        let written = args.output.iter().find(|path| ending_of("-o", path, &["json"]).is_ok());
-        print(&describe(&report, written.map(PathBuf::as_path)))?;
-    }
-    if report.found { Ok(()) } else { Err(Failure::Unsolved) }
+    let is_scene = |path: &&PathBuf| ending_of("-o", path, &["json"]).is_ok();
+    let written = args.out.output.iter().find(is_scene);
+    let answer = Answer {
+        text: describe(&report, written.map(PathBuf::as_path)),
+        json: report.to_json(),
+        rows: report.rows.iter().filter_map(row).collect(),
+        about: scene.clone(),
+        scene: Some(report.found.then_some(scene)),
+        failed: !report.found,
+        warnings: report.warnings,
+        ..Answer::default()
+    };
+    answer.give(&args.out, || Ok(Drawn::default()))
 }
 
 fn describe(report: &DesignReport, output: Option<&Path>) -> String {
@@ -168,7 +147,7 @@ fn makers(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
         || args.pareto
         || args.sort.is_some()
         || args.first.is_some()
-        || args.figures.is_some()
+        || args.out.figures.is_some()
     {
         let text = "--where, --pareto, --sort, --first and --figures are for lists of standard sizes, not for --from TABLE.csv";
         return Err(Failure::Input(text.to_owned()));
@@ -188,15 +167,14 @@ fn makers(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
         warn("note", &format!("{passing} of {} nuts keep all rules", rows.len()));
     }
     let usable = wish.is_none() || passing > 0;
-    if let (Some(first), true) = (rows.first(), usable) {
-        scenes(args, &first.scene.to_json())?;
-    }
-    if args.json {
-        print(&pretty_json(&rows.iter().map(nut_json).collect()))?;
-    } else {
-        print(&beside(&rows))?;
-    }
-    if usable { Ok(()) } else { Err(Failure::Unsolved) }
+    let answer = Answer {
+        text: beside(&rows),
+        json: rows.iter().map(nut_json).collect(),
+        scene: Some(rows.first().filter(|_| usable).map(|first| first.scene.to_json())),
+        failed: !usable,
+        ..Answer::default()
+    };
+    answer.give(&args.out, || Ok(Drawn::default()))
 }
 
 fn nut_json(row: &MakerRow) -> Value {

@@ -35,7 +35,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         .collect();
     let has_rows = shown == ["ratings"];
     let endings: &[&'static str] = if has_rows { &["json", "csv", "xlsx"] } else { &["json"] };
-    args.out.check(endings, args.scene.path())?;
+    args.out.check(endings, &[Some(args.scene.path())])?;
     let draws = |name: &str| ["slip", "jam", "optimum"].contains(&name);
     if args.out.figures.is_some() && !shown.iter().any(|name| draws(name)) {
         let text = "--figures draws what --show slip, jam and optimum show";

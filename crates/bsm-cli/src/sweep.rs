@@ -151,16 +151,13 @@ impl<'a> Files<'a> {
             if let Some(scene) = &args.scene {
                 files::keep(scene, Some(path))?;
             }
-            let slot = if is_stdout(path) || is_folder(path) {
-                &mut files.table
-            } else {
-                match ending_of("-o", path, &ENDINGS)? {
-                    "json" => &mut files.about,
-                    "txt" | "grid.csv" => &mut files.lookup,
-                    "svg" | "png" => &mut files.lines,
-                    "map.svg" | "map.png" => &mut files.map,
-                    _ => &mut files.table,
-                }
+            let slot = match ending_of("-o", path, &ENDINGS) {
+                Ok("json") => &mut files.about,
+                Ok("txt" | "grid.csv") => &mut files.lookup,
+                Ok("svg" | "png") => &mut files.lines,
+                Ok("map.svg" | "map.png") => &mut files.map,
+                Err(refused) if !is_stdout(path) && !is_folder(path) => return Err(refused),
+                _ => &mut files.table,
             };
             if slot.replace(path.as_path()).is_some() {
                 return Err(refused(

@@ -16,7 +16,7 @@ use crate::stream::{open, progress};
 use crate::table;
 
 pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
-    args.out.check(&["json", "html"], args.points.as_deref().unwrap_or(Path::new("-")))?;
+    args.out.check(&["json", "html"], &[args.points.as_deref()])?;
     let points = match &args.points {
         Some(path) => read(path)?,
         None => Points::committed()?,

@@ -1,7 +1,5 @@
 //! `bsm validate`: published results against ours.
 
-use std::path::Path;
-
 use bsm_report::number;
 use bsm_validate::{Published, Report, Verdict};
 
@@ -11,7 +9,7 @@ use crate::failure::Failure;
 use crate::table;
 
 pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
-    args.out.check(&["json", "html"], Path::new("-"))?;
+    args.out.check(&["json", "html"], &[])?;
     let published = match &args.from {
         Some(folder) => Published::read(folder)?,
         None => Published::default(),

@@ -357,8 +357,8 @@ fn models_have_dials() {
         eta(&["--model", "traction", "--solver", "accuracy=1e-10"]),
     );
     assert!((coarse - fine).abs() > 1e-9 && (coarse - fine).abs() < 1e-6, "{coarse} {fine}");
-    let control = |race| eta(&["--model", "raceway-control", "--control", race]);
-    assert!((control("nut") - control("screw")).abs() > 1e-6);
+    let control = |race| eta(&["--model", "raceway-control", "--solver", race]);
+    assert!((control("control=nut") - control("control=screw")).abs() > 1e-6);
     for (args, part) in [
         (["--solver", "tolerance=0"], "must be a number, finite and > 0"),
         // Found in an audit: a loss a fifth too large, stated to 0.3 %.

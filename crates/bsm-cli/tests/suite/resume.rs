@@ -569,7 +569,7 @@ fn what_cannot_be_resumed_says_what_to_do() {
     };
     for (output, words) in [
         ("x.csv", "--resume cannot continue x.csv: a single table appears when it is complete"),
-        ("x.parquet", "write a folder of parts, --output x/, which --resume can continue"),
+        ("x.parquet", "write a folder of parts, -o x/, which --resume can continue"),
         ("-", "--resume cannot continue standard output"),
     ] {
         let said = resume(output);

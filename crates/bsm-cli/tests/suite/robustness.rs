@@ -550,7 +550,11 @@ fn no_sentence_has_a_number_that_is_none() {
     fs::write(dir.path().join("loads.csv"), "force_N,feed_m_min,share\n1e300,1,1\n")
         .expect("cycle");
     let axis = ["axis", &example("axis.json"), "--cycle", "loads.csv"];
-    assert_told(&run(&axis, dir.path()), 2, "is beyond double precision");
+    assert_told(&run(&axis, dir.path()), 2, "the forces of the balls do not balance");
+    let loads = ["--set=axial_load_N=1e300", "--set=screw_speed_rpm=100", "--show=ratings"];
+    let nut = example("nut.json");
+    let ratings = [&["solve", &nut], &loads[..]].concat();
+    assert_told(&run(&ratings, dir.path()), 2, "is beyond double precision");
     let dong = example("dong2020.json");
     for setting in [
         "return_stiffness_N_um15=1e308",
