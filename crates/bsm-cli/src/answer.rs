@@ -19,8 +19,8 @@ pub(crate) struct Answer {
     pub(crate) notes: Vec<String>,
     pub(crate) text: String,
     pub(crate) json: Value,
-    /// What a file of JSON gets, if not that: a scene, or nothing if there is none.
-    pub(crate) scene: Option<Option<Value>>,
+    /// What a file of JSON gets, if not that: a scene; null if there is none to write.
+    pub(crate) scene: Option<Value>,
     /// Names, units and values of a table, if the answer is one.
     pub(crate) rows: Vec<(String, String, f64)>,
     /// The scene that tables are made from.
@@ -116,8 +116,8 @@ impl Answer {
             match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref()
             {
                 Some("json") => {
-                    let json = self.scene.as_ref().map_or(Some(&self.json), Option::as_ref);
-                    if let Some(json) = json {
+                    let json = self.scene.as_ref().unwrap_or(&self.json);
+                    if !json.is_null() {
                         files::write(path, &(pretty_json(json) + "\n"))?;
                     }
                 }

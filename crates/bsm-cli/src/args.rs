@@ -450,7 +450,6 @@ impl SelectArgs {
 }
 
 #[derive(Debug, Args)]
-#[expect(clippy::struct_excessive_bools, reason = "switches of the command line")]
 pub(crate) struct SweepArgs {
     /// Scene in JSON, without what the points have; `-` reads standard input.
     #[arg(value_name = "SCENE.json", required_unless_present_any = ["settings", "points"])]

@@ -44,13 +44,7 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     let order =
         args.sort.as_deref().map(|name| Column::named(name.trim_start_matches('-'), has_sheets));
     let order = order.transpose().map_err(|e| Failure::input("--sort", &e))?;
-    let lists = args.from.as_deref().filter(|path| *path != Path::new(STANDARD));
-    let catalogue = match lists {
-        Some(path) => {
-            Catalogue::from_json(&files::read_json(path)?).map_err(|e| Failure::scene(path, &e))?
-        }
-        None => Catalogue::standard().map_err(|e| Failure::Input(e.to_string()))?,
-    };
+    let catalogue = read(lists(args))?;
     let wish = requirement(args, &catalogue)?;
     let catalogue = match &wish {
         Some(wish) => wish.of_its_steel(catalogue),
@@ -131,7 +125,7 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     let mut picked =
         catalogue.map(&chosen[..1], |_, nut| Some(candidate_scene(nut, wish.as_ref())));
     let answer = show(&columns, &rows(shown), chosen.len() - shown.len());
-    let answer = Answer { scene: Some(picked.pop()), ..answer };
+    let answer = Answer { scene: Some(picked.pop().into()), ..answer };
     answer.give(&args.out, || Ok(Drawn { figures, page: None }))
 }
 
@@ -177,6 +171,18 @@ impl Column {
     }
 }
 
+/// File of the lists; none if they are the standard ones.
+fn lists(args: &SelectArgs) -> Option<&Path> {
+    args.from.as_deref().filter(|path| *path != Path::new(STANDARD))
+}
+
+fn read(lists: Option<&Path>) -> Result<Catalogue, Failure> {
+    let Some(path) = lists else {
+        return Catalogue::standard().map_err(|e| Failure::Input(e.to_string()));
+    };
+    Catalogue::from_json(&files::read_json(path)?).map_err(|e| Failure::scene(path, &e))
+}
+
 /// What was asked for.
 fn asked(args: &SelectArgs) -> Result<Value, Failure> {
     let json = |path: Option<&Path>| -> Result<Value, Failure> {
@@ -185,7 +191,7 @@ fn asked(args: &SelectArgs) -> Result<Value, Failure> {
             .map_err(|e| Failure::in_scene(path, &e.to_string()))
     };
     Ok(json!({
-        "lists": json(args.from.as_deref().filter(|path| *path != Path::new(STANDARD)))?,
+        "lists": json(lists(args))?,
         "requirement": json(args.requirement.as_deref())?,
         "conditions": args.conditions,
         "pareto": args.pareto,

@@ -74,7 +74,7 @@ fn steps(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
         json: report.to_json(),
         rows: report.rows.iter().filter_map(row).collect(),
         about: scene.clone(),
-        scene: Some(report.found.then_some(scene)),
+        scene: Some(report.found.then_some(scene).into()),
         failed: !report.found,
         warnings: report.warnings,
         ..Answer::default()
@@ -170,7 +170,7 @@ fn makers(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
     let answer = Answer {
         text: beside(&rows),
         json: rows.iter().map(nut_json).collect(),
-        scene: Some(rows.first().filter(|_| usable).map(|first| first.scene.to_json())),
+        scene: Some(rows.first().filter(|_| usable).map(|row| row.scene.to_json()).into()),
         failed: !usable,
         ..Answer::default()
     };
