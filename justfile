@@ -77,7 +77,7 @@ remake *FLAGS:
     docs/remake {{FLAGS}}
 
 # The pictures of README and docs; `dot` is that of Graphviz.
-pictures: (validate "--out" "target/report") (tradeoff "--out" "target/tradeoff")
+pictures: (validate "--figures" "target/report") (tradeoff "--figures" "target/tradeoff")
     cargo run --release --locked -p bsm-validate --features tools --example sketches -- docs/img
     for name in architecture ways; do dot -Tsvg docs/img/$name.dot -o docs/img/$name.svg; done
     cp target/report/figures/{transition,lin-efficiency-lead-angle}.svg target/tradeoff/figures/pareto-single.svg docs/img/

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# One `bsm sweep` on two threads against two processes of `bsm shard` on one thread each: the same bytes, and the time of
+# One `bsm sweep` on two threads against two processes of `bsm parts run` on one thread each: the same bytes, and the time of
 # both in one run.   benches/scale_out.sh [LOADS]   10 000 loads are 1e8 rows. BSM is the program.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -15,10 +15,10 @@ seconds() { # what follows
     echo "$begin $EPOCHREALTIME" | awk '{ printf "%.2f", $2 - $1 }'
 }
 both() {
-    "$bsm" shard "$folder/two" --index 0 --of 2 --threads 1 --quiet & first=$!
-    "$bsm" shard "$folder/two" --index 1 --of 2 --threads 1 --quiet & second=$!
+    "$bsm" parts run "$folder/two" --only 0/2 --threads 1 --quiet & first=$!
+    "$bsm" parts run "$folder/two" --only 1/2 --threads 1 --quiet & second=$!
     wait "$first" && wait "$second"
-    "$bsm" verify "$folder/two"
+    "$bsm" parts check "$folder/two"
 }
 # In turns, so that both see the same machine.
 for round in 1 2; do
@@ -27,5 +27,5 @@ for round in 1 2; do
     "$bsm" "${task[@]}" -o "$folder/two/" --plan >&2
     two=$(seconds both)
     diff -r "$folder/one" "$folder/two"
-    echo "round $round: $((loads * 10000)) rows, same bytes; one sweep $one s, two processes $two s, with verify"
+    echo "round $round: $((loads * 10000)) rows, same bytes; one sweep $one s, two processes $two s, with the check"
 done

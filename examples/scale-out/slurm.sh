@@ -4,5 +4,5 @@
 #SBATCH --cpus-per-task=4
 #SBATCH --requeue
 # Solves a planned folder that all nodes see, in 100 tasks: sbatch examples/scale-out/slurm.sh map/
-# A task that was lost: sbatch --array=17 examples/scale-out/slurm.sh map/, or `bsm shard map/` anywhere. Then: bsm verify map/
-exec srun bsm shard "$1" --index "$SLURM_ARRAY_TASK_ID" --of 100 --threads "$SLURM_CPUS_PER_TASK" --quiet
+# A task that was lost: sbatch --array=17 examples/scale-out/slurm.sh map/, or `bsm parts run map/` anywhere. Then: bsm parts check map/
+exec srun bsm parts run "$1" --only "$SLURM_ARRAY_TASK_ID/100" --threads "$SLURM_CPUS_PER_TASK" --quiet

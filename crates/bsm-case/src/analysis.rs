@@ -19,17 +19,17 @@ const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutMinor];
 /// An analysis, whose numbers may be columns of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AnalysisKind {
-    /// Slip of the balls, `bsm slip`.
+    /// Slip of the balls.
     Slip,
-    /// Jamming of the balls, `bsm jam`.
+    /// Jamming of the balls.
     Jam,
-    /// Optimum contact angles and self-locking limits, `bsm optimum`.
+    /// Optimum contact angles and self-locking limits.
     Optimum,
-    /// Ratings, rigidity and thread of a nut, `bsm capacity`.
+    /// Ratings, rigidity and thread of a nut.
     Capacity,
     /// All balls of a nut, `bsm nut`.
     Nut,
-    /// The axis around a screw, `bsm size`.
+    /// The axis around a screw.
     Size,
 }
 

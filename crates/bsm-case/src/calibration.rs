@@ -183,7 +183,7 @@ impl Calibration {
 }
 
 /// An input and where it is looked for.
-fn sought(base: &Scene, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
+pub(crate) fn sought(base: &Scene, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
     let bad = || CaseError::BadSetting {
         text: text.to_owned(),
         form: "input, or input=low:high, such as seal_torque_Nm=0:1",

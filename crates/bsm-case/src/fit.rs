@@ -6,6 +6,7 @@ use bsm_design::search::{Crossing, crossings};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::{Value, json};
 
+use crate::calibration::sought;
 use crate::{
     CaseError, InputKey, ModelChoice, Output, Record, Rule, Scene, Settings, torque_parts,
 };
@@ -80,7 +81,7 @@ pub(crate) fn range_of(
 }
 
 impl Fit {
-    /// Seeks `input` in `range` such that the output of a measurement `name=value` comes out.
+    /// Seeks `input`, a `name` or `name=low:high`, in `range` such that the output of a measurement `name=value` comes out.
     ///
     /// The range is 1e-4 to 0.5 for a friction coefficient, a quarter of the scene's value to four
     /// times it for another input, unless given.
@@ -94,7 +95,13 @@ impl Fit {
         range: Option<(f64, f64)>,
         measurement: &str,
     ) -> Result<Self, CaseError> {
-        let input = InputKey::named(input)?;
+        let (input, range) = match range {
+            Some(_) => {
+                let input = InputKey::named(input)?;
+                (input, range_of(scene, input, range)?)
+            }
+            None => sought(scene, input)?,
+        };
         let form = "output=value, such as screw_torque_Nm=1.5";
         let bad = || CaseError::BadSetting { text: measurement.to_owned(), form };
         let (name, value) = measurement.split_once('=').ok_or_else(bad)?;
@@ -106,7 +113,6 @@ impl Fit {
         })?;
         let measured: f64 =
             value.trim().parse().ok().filter(|v| f64::is_finite(*v)).ok_or_else(bad)?;
-        let range = range_of(scene, input, range)?;
         Ok(Self { input, range, output, measured })
     }
 

@@ -389,7 +389,7 @@ impl Scene {
 
     /// Applies the values of `settings`, all at once: a form of a quantity replaces the other forms.
     ///
-    /// This is what a row of a table, a point of a grid and `--set` mean.
+    /// This is what a row of a table, a point of a grid and a changed scene mean.
     pub fn override_with(&mut self, settings: &Self) {
         let given = settings.given();
         for key in given.replaced().iter() {

@@ -260,7 +260,7 @@ impl Record {
             let race = race.name();
             warnings.push(format!(
                 "neither race has the larger spin friction moment at its own solution, so neither \
-                 controls; this is the solution under {race} control. --control sets the race"
+                 controls; this is the solution under {race} control. the setting `control` sets the race"
             ));
         }
         warnings

@@ -149,7 +149,7 @@ const FROM_SCENES: [InputKey; 41] = [
     InputKey::poisson_ratio,
     InputKey::ball_youngs_modulus_GPa,
     InputKey::ball_poisson_ratio,
-    // What bsm size reads besides, so that one file serves all.
+    // What bsm axis reads besides, so that one file serves all.
     InputKey::feed_m_min,
     InputKey::stroke_mm,
     InputKey::preload_N,

@@ -206,7 +206,7 @@ const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
     use InputKey as K;
     let of_an_axis =
         InputSet::of(&[K::moved_mass_kg, K::seal_torque_Nm, K::support_bearing_torque_Nm]);
-    [(OF_A_NUT, "bsm nut"), (of_an_axis, "bsm size")]
+    [(OF_A_NUT, "bsm nut"), (of_an_axis, "bsm axis")]
 };
 
 impl InputSet {
@@ -237,7 +237,7 @@ impl Scene {
         self.axial_load_N.map(|_| {
             format!(
                 "axial_load_N is taken as it is, without weight and guides of the {mass} kg that are moved: the axis \
-                 has them (bsm size)"
+                 has them (bsm axis)"
             )
         })
     }

@@ -83,8 +83,7 @@ pub fn output_schema() -> Value {
     }
     properties.extend(OUTPUTS.iter().map(property));
     let columns = |kind: AnalysisKind| {
-        let about =
-            format!("numbers of bsm {}, as columns of bsm sweep and bsm batch", kind.name());
+        let about = format!("numbers of {}, as columns of bsm sweep", kind.name());
         let properties: Map<_, _> = kind.columns().map(property).collect();
         let columns = json!({ "type": "object", "description": about, "properties": properties });
         (kind.name().to_owned(), columns)

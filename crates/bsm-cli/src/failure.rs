@@ -104,11 +104,11 @@ pub(crate) fn of_input(error: &CaseError) -> String {
     fn help(error: &CaseError) -> &'static str {
         match error {
             CaseError::UnknownKey { .. } => "; `bsm schema input` lists all keys",
-            CaseError::UnknownListKey { .. } => "; `bsm catalog --lists` prints all keys",
-            CaseError::UnknownColumn { .. } => "; `bsm catalog --columns` lists them",
-            CaseError::UnknownRequirement { .. } => "; `bsm design` without a file lists all keys",
+            CaseError::UnknownListKey { .. } => "; `bsm select --show lists` prints all keys",
+            CaseError::UnknownColumn { .. } => "; `bsm select --show columns` lists them",
+            CaseError::UnknownRequirement { .. } => "; `bsm select --show keys` lists all keys",
             CaseError::UnknownOutput { .. } => "; `bsm schema output` lists them",
-            CaseError::NoRange { .. } => "; give one with --range LOW:HIGH",
+            CaseError::NoRange { .. } => "; give one with --input NAME=LOW:HIGH",
             CaseError::InRow { error, .. } => help(error),
             _ => "",
         }
@@ -121,12 +121,12 @@ pub(crate) fn of_table(error: &TableError) -> String {
     let help = match error {
         TableError::UnknownColumn { name, .. } => format!(
             "; leave it out, copy it to the output with --keep {}, or give its name in the vocabulary \
-             with --columns-from",
+             with --dialect names=MAP.json",
             brief(name)
         ),
         TableError::UnknownOutput { .. } => "; `bsm schema output` lists them".to_owned(),
         TableError::Separator { .. } => {
-            "; --delimiter and --decimal say how a table is written".to_owned()
+            "; --dialect delimiter=..,decimal=.. says how a table is written".to_owned()
         }
         _ => String::new(),
     };

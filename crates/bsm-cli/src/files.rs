@@ -11,6 +11,7 @@ use bsm_report::{Figure, report_files};
 use serde_json::Value;
 use tempfile::NamedTempFile;
 
+use crate::answer::Drawn;
 use crate::failure::{Failure, warn};
 use crate::unfinished;
 
@@ -26,8 +27,8 @@ const REPEATED: usize = 40;
 /// Bytes of a scene, a requirement or lists of the catalogue; those in use have some kB.
 const MOST_OF_JSON: u64 = 1 << 20;
 
-/// Bytes of a spectrum: about a million rows.
-pub(crate) const MOST_OF_A_SPECTRUM: u64 = 16 << 20;
+/// Bytes of a load cycle or a table of nuts: about a million rows.
+pub(crate) const MOST_OF_A_TABLE: u64 = 16 << 20;
 
 /// A write was refused because the file would be too large (`ulimit -f`).
 pub(crate) static FILE_TOO_LARGE: AtomicBool = AtomicBool::new(false);
@@ -74,16 +75,44 @@ pub(crate) fn names_of_columns(
     column_names(&read_json(path)?).map_err(|e| Failure::scene(path, &e))
 }
 
-/// Reads a scene, `-` from standard input, and applies settings.
-pub(crate) fn read_scene(path: &Path, settings: &[String]) -> Result<Scene, Failure> {
-    let mut scene = Scene::from_json(&read_json(path)?).map_err(|e| Failure::scene(path, &e))?;
-    apply(&mut scene, settings)?;
+/// Reads a scene, `-` from standard input and an empty one from nothing, and applies settings.
+pub(crate) fn read_scene(path: Option<&Path>, settings: &[String]) -> Result<Scene, Failure> {
+    let mut scene = match path {
+        Some(path) => Scene::from_json(&read_json(path)?).map_err(|e| Failure::scene(path, &e))?,
+        None => Scene::default(),
+    };
+    scene.apply(settings).map_err(|e: CaseError| Failure::input("--set", &e))?;
     Ok(scene)
 }
 
-/// Applies `--set` settings.
-pub(crate) fn apply(scene: &mut Scene, settings: &[String]) -> Result<(), Failure> {
-    scene.apply(settings).map_err(|e: CaseError| Failure::input("--set", &e))
+/// True if a path means a standard stream.
+pub(crate) fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// The longest of these endings that the name of a file has, in small letters.
+pub(crate) fn ending_of(
+    option: &str,
+    path: &Path,
+    endings: &[&'static str],
+) -> Result<&'static str, Failure> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let known = || endings.iter().filter(|e| cfg!(feature = "xlsx") || **e != "xlsx");
+    let is_its = |ending: &&&str| {
+        name.strip_suffix(**ending).is_some_and(|rest| rest.len() > 1 && rest.ends_with('.'))
+    };
+    known().filter(is_its).max_by_key(|ending| ending.len()).copied().ok_or_else(|| {
+        let known: Vec<_> = known().map(|ending| format!(".{ending}")).collect();
+        let (last, others) = known.split_last().expect("an ending");
+        let or =
+            if others.is_empty() { String::new() } else { format!("{} or ", others.join(", ")) };
+        let stream =
+            if endings.contains(&"csv") { ", or be - for CSV on the standard streams" } else { "" };
+        Failure::Input(format!(
+            "{option} {}: the file must end in {or}{last}{stream}",
+            path.display()
+        ))
+    })
 }
 
 /// Where a table goes: standard output, or a file that gets its name when it is complete.
@@ -274,38 +303,34 @@ pub(crate) fn write_bytes(mut out: Output, path: &Path, bytes: &[u8]) -> Result<
     out.complete()
 }
 
-/// Makes the folder of a report and that of its figures.
-pub(crate) fn make_report_folder(folder: &Path) -> Result<(), Failure> {
-    make_folder(&folder.join("figures"))
-}
-
 /// Makes a folder and those above it.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(|e| Failure::files("make folder", folder, &e))
 }
 
-/// Writes each figure as SVG and as a table into a folder, which it makes.
-pub(crate) fn write_figures(folder: &Path, figures: &[Figure]) -> Result<(), Failure> {
-    make_folder(folder)?;
-    for figure in figures {
-        write(&folder.join(format!("{}.svg", figure.key)), &figure.svg())?;
-        write(&folder.join(format!("{}.csv", figure.key)), &figure.csv(exact)?)?;
-    }
-    Ok(())
-}
-
-/// Writes a report into a folder: page, numbers, and each figure as SVG and as a table.
-pub(crate) fn write_report(
-    folder: &Path,
-    page: String,
-    results: &Value,
-    figures: &[Figure],
-) -> Result<(), Failure> {
-    make_report_folder(folder)?;
-    for (name, text) in report_files(page, results, figures)? {
+/// Writes pictures into a folder, which it makes: each figure as SVG and as a table; beside a page, which has the
+/// numbers with it, in a folder of their own.
+pub(crate) fn write_drawn(folder: &Path, drawn: &Drawn, results: &Value) -> Result<(), Failure> {
+    let files = if let Some(page) = &drawn.page {
+        make_folder(&folder.join("figures"))?;
+        report_files(page.clone(), results, &drawn.figures)?
+    } else {
+        make_folder(folder)?;
+        let svg = |figure: &Figure| (format!("{}.svg", figure.key), figure.svg());
+        let mut files: Vec<_> = drawn.figures.iter().map(svg).collect();
+        for figure in &drawn.figures {
+            files.push((format!("{}.csv", figure.key), figure.csv(exact)?));
+        }
+        files
+    };
+    for (name, text) in files {
         write(&folder.join(name), &text)?;
     }
-    let folder = folder.display();
-    warn("note", &format!("wrote report.html, results.json and figures/ in {folder}"));
+    let (count, folder) = (drawn.figures.len(), folder.display());
+    let what = match drawn.page {
+        Some(_) => "report.html, results.json and figures/".to_owned(),
+        None => format!("{count} figures (SVG and CSV)"),
+    };
+    warn("note", &format!("wrote {what} in {folder}"));
     Ok(())
 }

@@ -5,61 +5,70 @@ use std::path::Path;
 use bsm_case::{Calibration, CalibrationReport, CaseError, Fit, Scene, Settings};
 use bsm_report::{Axis, Curve, Figure, Stroke, number};
 
-use crate::args::{FitArgs, Format};
+use crate::answer::{Answer, Drawn};
+use crate::args::FitArgs;
 use crate::failure::{Failure, note_unused, of_input};
-use crate::files::{self, pretty_json, print, read_scene};
+use crate::files::{self, MOST_OF_A_TABLE};
 use crate::table;
 
-/// More measurements than this are none \[B\].
-const LARGEST: u64 = 16 << 20;
-
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
-    let path = &args.scene.scene;
-    let in_file = |e| Failure::scene(path, &e);
-    let scene = read_scene(path, &args.scene.settings)?;
-    let settings = args.model.settings().map_err(in_file)?;
-    if let Some(data) = &args.data {
-        return to_table(args, data, &scene, &settings);
-    }
+    let scene = args.scene.read()?;
+    let settings = args.model.settings().map_err(args.scene.failure())?;
+    let endings: &[&'static str] =
+        if args.points.is_some() { &["json", "svg", "png"] } else { &["json"] };
+    args.out.check(endings, &[Some(args.scene.path())])?;
+    let (answer, figures) = match &args.points {
+        Some(points) => {
+            let (answer, figure) = to_table(args, points, &scene, &settings)?;
+            (answer, vec![figure])
+        }
+        None if args.out.figures.is_some() => {
+            let text = "--figures draws measured points against fitted ones; one point has no picture, see --points";
+            return Err(Failure::Input(text.to_owned()));
+        }
+        None => (to_point(args, &scene, &settings)?, Vec::new()),
+    };
+    answer.give(&args.out, || Ok(Drawn { figures, page: None }))
+}
+
+/// All values of an input that give one measured output.
+fn to_point(args: &FitArgs, scene: &Scene, settings: &Settings) -> Result<Answer, Failure> {
     let [input] = &args.input[..] else {
-        let text = "one measured point gives one --input; several need --data";
+        let text = "one measured point gives one --input; several need --points";
         return Err(Failure::Input(text.to_owned()));
     };
-    let fit = Fit::new(&scene, input, args.range, &args.measured)
-        .map_err(|e| Failure::Input(of_input(&e)))?;
+    let fit =
+        Fit::new(scene, input, None, &args.measured).map_err(|e| Failure::Input(of_input(&e)))?;
     note_unused(scene.given());
-    let report = fit.run(&scene, &settings).map_err(in_file)?;
-    match args.format {
-        Format::Json => print(&pretty_json(&fit.to_json(&report)))?,
-        Format::Table => {
-            let records = report.found.iter().map(|found| table::record(&scene, &found.record));
-            let blocks: Vec<_> = std::iter::once(fit.describe(&report)).chain(records).collect();
-            print(&blocks.join("\n\n"))?;
-        }
-    }
-    if report.found.is_empty() { Err(Failure::Unsolved) } else { Ok(()) }
+    let report = fit.run(scene, settings).map_err(args.scene.failure())?;
+    let records = report.found.iter().map(|found| table::record(scene, &found.record));
+    let blocks: Vec<_> = std::iter::once(fit.describe(&report)).chain(records).collect();
+    Ok(Answer {
+        text: blocks.join("\n\n"),
+        json: fit.to_json(&report),
+        failed: report.found.is_empty(),
+        ..Answer::default()
+    })
 }
 
 /// Inputs that come closest to all points of a table.
 fn to_table(
     args: &FitArgs,
-    data: &Path,
+    points: &Path,
     scene: &Scene,
     settings: &Settings,
-) -> Result<(), Failure> {
-    let bytes = files::read(data, LARGEST)?;
-    let usage = |e: CaseError| Failure::input(data.display(), &e);
+) -> Result<(Answer, Figure), Failure> {
+    let bytes = files::read(points, MOST_OF_A_TABLE)?;
+    let usage = |e: CaseError| Failure::input(points.display(), &e);
     let fit = Calibration::new(scene, &args.input, &args.measured, &bytes[..]).map_err(usage)?;
     let Some(report) = fit.run(scene, settings).map_err(usage)? else {
         return Err(Failure::Check(format!("{}, --input NAME=LOW:HIGH", Calibration::LOST)));
     };
-    if let Some(path) = &args.plot {
-        files::write(path, &figure(&fit, &report).svg())?;
-    }
-    match args.format {
-        Format::Json => print(&pretty_json(&fit.to_json(&report))),
-        Format::Table => print(&words(&fit, &report)),
-    }
+    let figure = figure(&fit, &report);
+    Ok((
+        Answer { text: words(&fit, &report), json: fit.to_json(&report), ..Answer::default() },
+        figure,
+    ))
 }
 
 /// The values, what they leave over, and each point.

@@ -23,15 +23,9 @@ pub(crate) enum Lookup {
 
 impl Lookup {
     /// By the ending of a path.
-    pub(crate) fn of(path: &Path) -> Option<Self> {
-        let ends = |path: &Path, with: &str| {
-            path.extension().is_some_and(|e| e.eq_ignore_ascii_case(with))
-        };
-        if ends(path, "txt") {
-            return Some(Self::Modelica);
-        }
-        let is_grid = ends(path, "csv") && ends(Path::new(path.file_stem()?), "grid");
-        is_grid.then_some(Self::Grid)
+    pub(crate) fn of(path: &Path) -> Self {
+        let is_text = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("txt"));
+        if is_text { Self::Modelica } else { Self::Grid }
     }
 
     /// Solves a grid and writes its map.
@@ -42,7 +36,7 @@ impl Lookup {
         grid: &Grid,
         workers: &Workers<'_>,
     ) -> Result<(), Failure> {
-        let refused = |text: String| Failure::Input(format!("--output {}: {text}", path.display()));
+        let refused = |text: String| Failure::Input(format!("-o {}: {text}", path.display()));
         let axes = grid.axes();
         for axis in axes {
             let rises = |place: usize| axis.value(place) < axis.value(place + 1);

@@ -1,22 +1,18 @@
 //! The `bsm` program: arguments, printing, exit codes. No formula and no default value lives here.
 
+mod answer;
 mod args;
-mod batch;
-mod capacity;
-mod catalog;
-mod compare;
-mod design;
+mod axis;
 mod failure;
 mod files;
 mod fit;
 mod lookup;
-mod makers;
-mod motion;
 mod nut;
-mod optimum;
+mod nuts;
+mod parts;
+mod pictures;
 mod schema;
-mod shard;
-mod size;
+mod select;
 mod solve;
 mod stream;
 mod sweep;
@@ -25,7 +21,6 @@ mod threads;
 mod tradeoff;
 mod unfinished;
 mod validate;
-mod verify;
 mod view;
 #[cfg(feature = "xlsx")]
 mod workbook;
@@ -34,19 +29,21 @@ use std::env;
 use std::process::ExitCode;
 
 use bsm_batch::hush_caught_panics;
-use clap::{CommandFactory, Parser};
+use clap::FromArgMatches;
+use clap_complete::CompleteEnv;
 
-use crate::args::{Cli, Command};
+use crate::args::{Cli, Command, PartsCommand};
 use crate::failure::Failure;
-use crate::files::print;
 use crate::threads::on_threads;
 
 fn main() -> ExitCode {
+    CompleteEnv::with_factory(args::command).complete();
     hush_caught_panics();
     if let Err(error) = unfinished::prepare() {
         return Failure::Files(format!("cannot handle signals: {error}")).report();
     }
-    let command = match Cli::try_parse() {
+    let told = args::command().try_get_matches();
+    let command = match told.and_then(|told| Cli::from_arg_matches(&told)) {
         Ok(cli) => cli.command,
         Err(usage) => return failure::usage(&usage),
     };
@@ -59,35 +56,23 @@ fn main() -> ExitCode {
     };
     let result = match command {
         Command::Solve(args) => solve::run(&args),
-        Command::Compare(args) => compare::run(&args),
-        Command::Sweep(args) => {
-            on_threads(args.table.threads.or(asked), |workers| sweep::run(&args, workers))
-        }
-        Command::Batch(args) => {
-            on_threads(args.table.threads.or(asked), |workers| batch::run(&args, workers))
-        }
-        Command::Shard(args) => {
-            on_threads(args.threads.or(asked), |workers| shard::run(&args, workers))
-        }
-        Command::Verify(args) => on_threads(asked, |workers| verify::run(&args, workers)),
-        Command::Optimum(args) => optimum::run(&args),
-        Command::Capacity(args) => capacity::run(&args),
-        Command::Catalog(args) => on_threads(asked, |_| catalog::run(&args)),
         Command::Nut(args) => on_threads(asked, |_| nut::run(&args)),
-        Command::Size(args) => on_threads(asked, |_| size::run(&args)),
+        Command::Axis(args) => on_threads(asked, |_| axis::run(&args)),
+        Command::Select(args) => on_threads(asked, |_| select::run(&args)),
+        Command::Sweep(args) => {
+            on_threads(args.work.threads.or(asked), |workers| sweep::run(&args, workers))
+        }
+        Command::Parts(PartsCommand::Run(args)) => {
+            on_threads(args.work.threads.or(asked), |workers| parts::run(&args, workers))
+        }
+        Command::Parts(PartsCommand::Check(args)) => {
+            on_threads(asked, |workers| parts::check(&args, workers))
+        }
         Command::Fit(args) => fit::run(&args),
-        Command::Design(args) => on_threads(asked, |_| design::run(&args)),
-        Command::Slip(args) => motion::slip(&args),
-        Command::Jam(args) => motion::jam(&args),
+        Command::View(args) => on_threads(asked, |workers| view::run(&args, workers)),
         Command::Validate(args) => on_threads(asked, |_| validate::run(&args)),
         Command::Tradeoff(args) => on_threads(asked, |_| tradeoff::run(&args)),
-        Command::View(args) => on_threads(asked, |workers| view::run(&args, workers)),
-        Command::Schema { kind } => schema::run(kind),
-        Command::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Cli::command(), "bsm", &mut script);
-            print(&String::from_utf8_lossy(&script))
-        }
+        Command::Schema { name } => schema::run(name),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

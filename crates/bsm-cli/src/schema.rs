@@ -5,35 +5,36 @@ use bsm_case::{
     output_schema, sheet_columns,
 };
 use clap::ValueEnum;
-use clap::builder::PossibleValue;
 use serde_json::{Map, Value, json};
 
-use crate::args::SchemaKind;
+use crate::args::SchemaName;
 use crate::failure::Failure;
 use crate::files::{pretty_json, print};
 
-pub(crate) fn run(kind: SchemaKind) -> Result<(), Failure> {
-    let of_command = match kind {
-        SchemaKind::Input => return print(&pretty_json(&input_schema())),
-        SchemaKind::Output => return print(&pretty_json(&output_schema())),
-        SchemaKind::Solve => solve(),
-        SchemaKind::Compare => compare(),
-        SchemaKind::Slip => analysis(AnalysisKind::Slip),
-        SchemaKind::Jam => analysis(AnalysisKind::Jam),
-        SchemaKind::Optimum => optimum(),
-        SchemaKind::Capacity => capacity(),
-        SchemaKind::Nut => nut(),
-        SchemaKind::Size => size(),
-        SchemaKind::Fit => any_of([fit(), calibration()]),
-        SchemaKind::Design => design(),
-        SchemaKind::Catalog => any_of([catalogue(), makers()]),
-        SchemaKind::Validate => validate(),
-        SchemaKind::Tradeoff => tradeoff(),
-        SchemaKind::Verify => verify(),
+pub(crate) fn run(name: Option<SchemaName>) -> Result<(), Failure> {
+    let Some(name) = name else {
+        let names = SchemaName::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+        let names: Vec<_> = names.map(|name| name.get_name().to_owned()).collect();
+        return print(&names.join("\n"));
     };
-    let name = kind.to_possible_value();
-    let command = name.as_ref().map_or("", PossibleValue::get_name);
-    print(&pretty_json(&titled(command, of_command)))
+    let (command, schema) = match name {
+        SchemaName::Input => return print(&pretty_json(&input_schema())),
+        SchemaName::Output => return print(&pretty_json(&output_schema())),
+        SchemaName::Solve => ("solve", solve()),
+        SchemaName::Models => ("solve --model all", compare()),
+        SchemaName::Slip => ("solve --show slip", analysis(AnalysisKind::Slip)),
+        SchemaName::Jam => ("solve --show jam", analysis(AnalysisKind::Jam)),
+        SchemaName::Optimum => ("solve --show optimum", optimum()),
+        SchemaName::Ratings => ("solve --show ratings", capacity()),
+        SchemaName::Nut => ("nut", nut()),
+        SchemaName::Axis => ("axis", size()),
+        SchemaName::Select => ("select", any_of([design(), catalogue(), makers()])),
+        SchemaName::Fit => ("fit", any_of([fit(), calibration()])),
+        SchemaName::Parts => ("parts check", verify()),
+        SchemaName::Validate => ("validate", validate()),
+        SchemaName::Tradeoff => ("tradeoff", tradeoff()),
+    };
+    print(&pretty_json(&titled(command, schema)))
 }
 
 /// Properties of an object.
@@ -62,25 +63,36 @@ fn object(required: Properties, optional: Properties) -> Value {
     })
 }
 
-fn properties<const N: usize>(list: [(&str, Value); N]) -> Properties {
-    list.map(|(name, schema)| (name.to_owned(), schema)).into()
+/// Properties from their names, each with its type: `number`, `integer`, `string`, `boolean`, `texts` or `numbers`, with
+/// `?` if it may be null; or with `*` for the next of `others`.
+fn properties<const N: usize>(text: &str, others: [Value; N]) -> Properties {
+    let mut others = others.into_iter();
+    let property = |entry: &str| {
+        let (name, kind) = entry.trim().split_once(' ').expect("a name and a type");
+        let schema = match kind {
+            "*" => others.next().expect("a schema"),
+            "texts" => list(&json!({ "type": "string" })),
+            "numbers" => list(&json!({ "type": "number" })),
+            _ => kind
+                .strip_suffix('?')
+                .map_or_else(|| json!({ "type": kind }), |kind| json!({ "type": [kind, "null"] })),
+        };
+        (name.to_owned(), schema)
+    };
+    text.split(',').map(property).collect()
 }
 
-/// An object of these properties.
-fn closed<const N: usize>(list: [(&str, Value); N]) -> Value {
-    object(properties(list), Properties::new())
+/// An object of [`properties`] and no other.
+fn closed<const N: usize>(text: &str, others: [Value; N]) -> Value {
+    object(properties(text, others), Properties::new())
 }
 
 fn any_of<const N: usize>(schemas: [Value; N]) -> Value {
     json!({ "anyOf": Vec::from(schemas) })
 }
 
-fn or_null(schema: Value) -> Value {
-    any_of([schema, json!({ "type": "null" })])
-}
-
-fn integer() -> Value {
-    json!({ "type": "integer" })
+fn list(items: &Value) -> Value {
+    json!({ "type": "array", "items": items })
 }
 
 fn number() -> Value {
@@ -91,24 +103,14 @@ fn number_or_null() -> Value {
     json!({ "type": ["number", "null"] })
 }
 
-fn text() -> Value {
-    json!({ "type": "string" })
+/// The same schema under each of these names.
+fn each<'a>(names: impl Iterator<Item = &'a str>, schema: &Value) -> Properties {
+    names.map(|name| (name.to_owned(), schema.clone())).collect()
 }
 
-fn text_or_null() -> Value {
-    json!({ "type": ["string", "null"] })
-}
-
-fn flag() -> Value {
-    json!({ "type": "boolean" })
-}
-
-fn texts() -> Value {
-    list(&text())
-}
-
-fn list(items: &Value) -> Value {
-    json!({ "type": "array", "items": items })
+/// Names of the inputs.
+fn inputs() -> impl Iterator<Item = &'static str> {
+    INPUTS.iter().map(|input| input.name)
 }
 
 /// An object whose names are not known beforehand.
@@ -141,309 +143,202 @@ fn columns(kind: AnalysisKind) -> Properties {
     numbers.map(|column| (column.name.to_owned(), all[column.name].clone())).collect()
 }
 
-fn settings() -> Value {
-    closed([
-        ("name", text()),
-        ("tolerance", number()),
-        ("accuracy", number()),
-        ("creep", number()),
-        ("control", text_or_null()),
-        ("friction", text()),
-    ])
-}
-
 fn solve() -> Value {
+    let settings = closed(
+        "name string, tolerance number, accuracy number, creep number, control string?, friction string",
+        [],
+    );
     let mut required = record();
-    required.extend(properties([
-        ("program", text()),
-        ("inputs", scene()),
-        ("settings", settings()),
-        ("regime", text_or_null()),
-        ("notes", texts()),
-        ("warnings", texts()),
-    ]));
-    let derivatives = closed([
-        ("efficiency", number()),
-        ("screw_torque_Nm", number_or_null()),
-        ("efficiency_relative", number_or_null()),
-        ("screw_torque_relative", number_or_null()),
-    ]);
-    let sensitivities: Properties =
-        INPUTS.iter().map(|input| (input.name.to_owned(), derivatives.clone())).collect();
+    required.extend(properties(
+        "program string, inputs *, settings *, regime string?, notes texts, warnings texts",
+        [scene(), settings],
+    ));
+    let derivatives = "efficiency number, screw_torque_Nm number?, efficiency_relative number?, \
+                       screw_torque_relative number?";
+    let sensitivities = each(inputs(), &closed(derivatives, []));
     let range = json!({ "type": "array", "items": number(), "minItems": 2, "maxItems": 2 });
-    let band = closed([
-        ("contact_loss_ratio", range.clone()),
-        ("screw_torque_Nm", range.clone()),
-        ("efficiency", range),
-    ]);
-    let optional = properties([
-        ("sensitivities", object(Properties::new(), sensitivities)),
-        ("band", band),
-        ("torque_parts", phase()),
-    ]);
+    let band = closed(
+        "contact_loss_ratio *, screw_torque_Nm *, efficiency *",
+        [range.clone(), range.clone(), range],
+    );
+    let optional = properties(
+        "sensitivities *, band *, torque_parts *",
+        [object(Properties::new(), sensitivities), band, phase()],
+    );
     object(required, optional)
 }
 
 fn compare() -> Value {
     let mut model = record();
-    model.push(("time_us".to_owned(), number()));
-    let model = object(model, Properties::new());
-    closed([("regime", text_or_null()), ("models", list(&model))])
+    model.extend(properties("time_us number", []));
+    closed("regime string?, models *", [list(&object(model, Properties::new()))])
 }
 
 fn analysis(kind: AnalysisKind) -> Value {
     let statements = kind.quantities().iter().filter(|quantity| quantity.of == Of::Statement);
-    let verdict = closed([("answer", flag()), ("words", text())]);
-    let verdicts = statements.map(|quantity| (quantity.key.to_owned(), verdict.clone())).collect();
-    let required = properties([
-        ("model", text()),
-        ("verdicts", object(Properties::new(), verdicts)),
-        ("lacks", texts()),
-        ("warnings", texts()),
-    ]);
+    let verdict = closed("answer boolean, words string", []);
+    let verdicts = each(statements.map(|quantity| quantity.key), &verdict);
+    let required = properties(
+        "model string, verdicts *, lacks texts, warnings texts",
+        [object(Properties::new(), verdicts)],
+    );
     // Without a solution there is nothing to analyse: it says why.
     any_of([object(required, columns(kind)), solve()])
 }
 
 fn optimum() -> Value {
-    let kind = AnalysisKind::Optimum;
-    let direction = kind.quantities().iter().map(|q| (q.key.to_owned(), number_or_null()));
-    let direction = object(direction.collect(), Properties::new());
-    let by_model = closed([
-        ("model", text()),
-        ("optimum_contact_angle_deg", number_or_null()),
-        ("optimum_efficiency", number_or_null()),
-    ]);
-    let required = properties([
-        ("rotary_to_linear", direction.clone()),
-        ("linear_to_rotary", direction),
-        ("warnings", texts()),
-    ]);
-    object(required, properties([("by_model", by_model)]))
+    let keys = AnalysisKind::Optimum.quantities().iter().map(|quantity| quantity.key);
+    let direction = object(each(keys, &number_or_null()), Properties::new());
+    let by_model =
+        closed("model string, optimum_contact_angle_deg number?, optimum_efficiency number?", []);
+    let required = properties(
+        "rotary_to_linear *, linear_to_rotary *, warnings texts",
+        [direction.clone(), direction],
+    );
+    object(required, properties("by_model *", [by_model]))
 }
 
 fn capacity() -> Value {
     let steps = object(Properties::new(), columns(AnalysisKind::Capacity));
-    let required = properties([("preloaded", flag()), ("steps", steps), ("warnings", texts())]);
+    let required = properties("preloaded boolean, steps *, warnings texts", [steps]);
     // Sizes that were given, or taken.
-    let mut optional: Properties =
-        INPUTS.iter().map(|input| (input.name.to_owned(), number())).collect();
+    let mut optional = each(inputs(), &number());
     optional.extend(columns(AnalysisKind::Capacity));
     object(required, optional)
 }
 
 fn nut() -> Value {
-    let numbers = AnalysisKind::Nut.quantities().iter();
-    let mut required: Properties =
-        numbers.map(|quantity| (quantity.key.to_owned(), number_or_null())).collect();
-    let lists = BALL_COLUMNS[LISTED].iter();
-    required.extend(lists.map(|(name, _)| ((*name).to_owned(), list(&number_or_null()))));
-    required.extend(properties([
-        ("status", text()),
-        ("message", text_or_null()),
-        ("displacement_um", list(&number())),
-        ("tilt_urad", list(&number())),
-        ("reaction_SI", list(&number())),
-        ("stiffness_SI", list(&number())),
-        ("body_axial_N", list(&number())),
-        ("iterations", integer()),
-        ("model", text_or_null()),
-        ("notes", texts()),
-        ("warnings", texts()),
-    ]));
-    let series = ["K_series_SI", "K_nut_SI", "K_screw_SI"].map(|name| (name, number()));
-    let solved = object(required, properties(series));
-    let none = closed([("status", text()), ("message", text())]);
-    let quantiles = map_of(&map_of(&number()));
-    let samples = closed([("carried", integer()), ("failed", integer()), ("quantiles", quantiles)]);
-    any_of([solved, none, samples])
+    let keys = AnalysisKind::Nut.quantities().iter().map(|quantity| quantity.key);
+    let mut required = each(keys, &number_or_null());
+    required
+        .extend(each(BALL_COLUMNS[LISTED].iter().map(|(name, _)| *name), &list(&number_or_null())));
+    required.extend(properties(
+        "status string, message string?, displacement_um numbers, tilt_urad numbers, reaction_SI numbers, \
+         stiffness_SI numbers, body_axial_N numbers, iterations integer, model string?, notes texts, warnings texts",
+        [],
+    ));
+    let series = properties("K_series_SI number, K_nut_SI number, K_screw_SI number", []);
+    let none = closed("status string, message string", []);
+    let samples =
+        closed("carried integer, failed integer, quantiles *", [map_of(&map_of(&number()))]);
+    any_of([object(required, series), none, samples])
 }
 
 /// Torque by its parts.
 fn phase() -> Value {
     json!({
         "type": "object",
-        "properties": { "contacts": text() },
+        "properties": { "contacts": { "type": "string" } },
         "required": ["contacts"],
         "additionalProperties": number_or_null(),
     })
 }
 
 fn size() -> Value {
-    let rule = closed([
-        ("rule", text()),
-        ("name", text()),
-        ("value", number()),
-        ("must_be", json!({ "enum": [">=", "<="] })),
-        ("limit", number_or_null()),
-        ("margin", number_or_null()),
-        ("passes", flag()),
-        ("source", text()),
-        ("remedy", text_or_null()),
-    ]);
-    closed([
-        ("passes", flag()),
-        ("inputs", scene()),
-        ("screw", map_of(&number())),
-        ("results", object(Properties::new(), columns(AnalysisKind::Size))),
-        ("rules", list(&rule)),
-        ("phases", list(&phase())),
-        ("not_modelled", texts()),
-        ("notes", texts()),
-        ("warnings", texts()),
-        ("program", text()),
-    ])
+    let rule = closed(
+        "rule string, name string, value number, must_be *, limit number?, margin number?, passes boolean, \
+         source string, remedy string?",
+        [json!({ "enum": [">=", "<="] })],
+    );
+    let results = object(Properties::new(), columns(AnalysisKind::Size));
+    closed(
+        "passes boolean, inputs *, screw *, results *, rules *, phases *, not_modelled texts, notes texts, \
+         warnings texts, program string",
+        [scene(), map_of(&number()), results, list(&rule), list(&phase())],
+    )
 }
 
 fn fit() -> Value {
-    let one_number = |names: Properties| {
-        let properties: Map<_, _> = names.into_iter().collect();
-        json!({
-            "type": "object", "properties": properties, "additionalProperties": false,
-            "minProperties": 1, "maxProperties": 1,
-        })
-    };
-    let outputs = OUTPUTS.iter().map(|output| (output.name.to_owned(), number())).collect();
-    let found = properties([
-        ("relative_response", number_or_null()),
-        ("result", object(record(), Properties::new())),
-    ]);
-    let inputs = INPUTS.iter().map(|input| (input.name.to_owned(), number())).collect();
+    let measured: Map<_, _> =
+        each(OUTPUTS.iter().map(|output| output.name), &number()).into_iter().collect();
+    let measured = json!({
+        "type": "object", "properties": measured, "additionalProperties": false,
+        "minProperties": 1, "maxProperties": 1,
+    });
+    let found =
+        properties("relative_response number?, result *", [object(record(), Properties::new())]);
     let range = json!({ "type": ["array", "null"], "items": number_or_null() });
-    closed([
-        ("measured", one_number(outputs)),
-        ("found", list(&object(found, inputs))),
-        ("reachable", range),
-        ("message", text()),
-    ])
+    closed(
+        "measured *, found *, reachable *, message string",
+        [measured, list(&object(found, each(inputs(), &number()))), range],
+    )
 }
 
 /// A fit to a table.
 fn calibration() -> Value {
-    let value = closed([("value", number()), ("standard_deviation", number_or_null())]);
-    let values = INPUTS.iter().map(|input| (input.name.to_owned(), value.clone())).collect();
-    let point = closed([("measured", number()), ("fitted", number())]);
-    closed([
-        ("output", text()),
-        ("found", object(Properties::new(), values)),
-        ("root_mean_square", number()),
-        ("condition", number_or_null()),
-        ("points", list(&point)),
-    ])
+    let value = closed("value number, standard_deviation number?", []);
+    let point = closed("measured number, fitted number", []);
+    closed(
+        "output string, found *, root_mean_square number, condition number?, points *",
+        [object(Properties::new(), each(inputs(), &value)), list(&point)],
+    )
 }
 
 fn design() -> Value {
-    let step = closed([
-        ("step", json!({ "type": ["integer", "string"] })),
-        ("name", text()),
-        ("value", number_or_null()),
-        ("required", text_or_null()),
-        ("passes", flag()),
-    ]);
-    closed([
-        ("found", flag()),
-        ("reasons", texts()),
-        ("warnings", texts()),
-        ("steps", list(&step)),
-        ("scene", scene()),
-    ])
+    let step = closed(
+        "step *, name string, value number?, required string?, passes boolean",
+        [json!({ "type": ["integer", "string"] })],
+    );
+    closed("found boolean, reasons texts, warnings texts, steps *, scene *", [list(&step), scene()])
 }
 
 /// Nuts of the catalogue.
 fn catalogue() -> Value {
-    let columns = CATALOGUE_COLUMNS.iter().map(|column| (column.name.to_owned(), number()));
-    let sheet = sheet_columns().map(|column| (column.name.to_owned(), number_or_null()));
-    list(&object(columns.collect(), sheet.collect()))
+    let columns = each(CATALOGUE_COLUMNS.iter().map(|column| column.name), &number());
+    list(&object(columns, each(sheet_columns().map(|column| column.name), &number_or_null())))
 }
 
 /// Nuts of a maker, beside ours.
 fn makers() -> Value {
-    json!({
-        "type": "array",
-        "items": {
-            "type": "object",
-            "properties": { "nut": text(), "passes": flag() },
-            "required": ["nut"],
-            "additionalProperties": number_or_null(),
-        },
-    })
+    list(&json!({
+        "type": "object",
+        "properties": { "nut": { "type": "string" }, "passes": { "type": "boolean" } },
+        "required": ["nut"],
+        "additionalProperties": number_or_null(),
+    }))
 }
 
 fn validate() -> Value {
-    let texts = ["key", "source", "claim", "unit", "criterion", "note", "details"];
-    let [key, source, claim, unit, criterion, note, details] = texts.map(|name| (name, text()));
-    let check = closed([
-        key,
-        source,
-        claim,
-        ("claimed", number_or_null()),
-        ("measured", number_or_null()),
-        unit,
-        criterion,
-        note,
-        details,
-        ("verdict", json!({ "enum": ["pass", "fail", "finding"] })),
-    ]);
-    closed([("program", text()), ("passed", flag()), ("checks", list(&check))])
+    let check = closed(
+        "key string, source string, claim string, claimed number?, measured number?, unit string, \
+         criterion string, note string, details string, verdict *",
+        [json!({ "enum": ["pass", "fail", "finding"] })],
+    );
+    closed("program string, passed boolean, checks *", [list(&check)])
 }
 
 fn verify() -> Value {
-    closed([
-        ("plan", text()),
-        ("shards", integer()),
-        ("finished", integer()),
-        ("complete", flag()),
-        ("deep", flag()),
-        ("missing", texts()),
-        ("damaged", list(&closed([("file", text()), ("reason", text())]))),
-        ("foreign", texts()),
-        ("rows", integer()),
-        ("failed", integer()),
-        ("several", integer()),
-    ])
+    let damaged = closed("file string, reason string", []);
+    closed(
+        "plan string, shards integer, finished integer, complete boolean, deep boolean, missing texts, damaged *, \
+         foreign texts, rows integer, failed integer, several integer",
+        [list(&damaged)],
+    )
 }
 
 fn tradeoff() -> Value {
-    let quantiles = closed([("median", number()), ("q99", number()), ("max", number())]);
-    let quantiles = or_null(quantiles);
-    let errors = closed([
-        ("group", text()),
-        ("solved", number()),
-        ("efficiency", quantiles.clone()),
-        ("torque", quantiles.clone()),
-        ("loads", quantiles.clone()),
-        ("angles_deg", quantiles),
-        ("bound_broken", number_or_null()),
-    ]);
-    let one_core = closed([("group", text()), ("single", number()), ("batch", number())]);
-    let sets = json!({ "type": "array", "prefixItems": [text(), number()], "items": false });
-    let times = closed([
-        ("one_core", list(&one_core)),
-        ("all_cores", number()),
-        ("instruction_sets", list(&sets)),
-    ]);
-    let dial = closed([
-        ("model", text()),
-        ("options", text()),
-        ("errors", list(&errors)),
-        ("times", times),
-    ]);
-    let pick = closed([("dial", text()), ("ns", number()), ("fails_where", list(&text()))]);
-    let pick = or_null(pick);
-    let advice = closed([
-        ("tolerance", number()),
-        ("group", text()),
-        ("single", pick.clone()),
-        ("batch", pick),
-    ]);
-    let measured = closed([
-        ("reference", text()),
-        ("points", list(&closed([("group", text()), ("points", integer())]))),
-        ("without_reference", list(&integer())),
-        ("instruction_set", text()),
-        ("threads", integer()),
-        ("dials", list(&dial)),
-        ("advice", list(&advice)),
-    ]);
-    closed([("program", text()), ("tradeoff", measured)])
+    let or_null = |schema| any_of([schema, json!({ "type": "null" })]);
+    let quantiles = || or_null(closed("median number, q99 number, max number", []));
+    let errors = closed(
+        "group string, solved number, efficiency *, torque *, loads *, angles_deg *, bound_broken number?",
+        [quantiles(), quantiles(), quantiles(), quantiles()],
+    );
+    let one_core = closed("group string, single number, batch number", []);
+    let sets =
+        json!({ "type": "array", "prefixItems": [{ "type": "string" }, number()], "items": false });
+    let times =
+        closed("one_core *, all_cores number, instruction_sets *", [list(&one_core), list(&sets)]);
+    let dial = closed("model string, options string, errors *, times *", [list(&errors), times]);
+    let pick = || or_null(closed("dial string, ns number, fails_where texts", []));
+    let advice = closed("tolerance number, group string, single *, batch *", [pick(), pick()]);
+    let measured = closed(
+        "reference string, points *, without_reference *, instruction_set string, threads integer, dials *, advice *",
+        [
+            list(&closed("group string, points integer", [])),
+            list(&json!({ "type": "integer" })),
+            list(&dial),
+            list(&advice),
+        ],
+    );
+    closed("program string, tradeoff *", [measured])
 }

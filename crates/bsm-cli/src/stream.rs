@@ -1,15 +1,14 @@
 //! From points to a table or a folder of tables: the arguments, the bar and the words of the batch pipeline.
 
-use std::fs;
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Read};
 use std::path::{Path, PathBuf};
 
 use bsm_batch::dataset::{
     self, Damage, Dataset, DatasetError, Event, Filling, Plan, Points, sha256,
 };
 use bsm_batch::{
-    Answers, Chunk, Count, CsvSink, Dialect, Format, NumberColumn, NumberSink, RunError, Source,
-    TableError, TableSink, Task, Workers,
+    Answers, Chunk, Count, CsvSink, CsvSource, Dialect, Format, NumberColumn, NumberSink, RunError,
+    Sink, Source, TableError, TableSink, Task, Workers,
 };
 use bsm_case::{Axis, Grid, ModelChoice, Output as Column, exact};
 use bsm_dyn::Status;
@@ -17,27 +16,42 @@ use bsm_report::PROGRAM;
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
 use serde_json::{Value, json};
 
-use crate::args::TableArgs;
+use crate::args::SweepArgs;
 use crate::failure::{Failure, of_table, warn};
-use crate::files::{self, Output, pretty_json};
-use crate::shard::print_plan;
+use crate::files::{self, Output, ending_of, is_stdout, pretty_json};
+use crate::parts::print_plan;
 use crate::unfinished;
 #[cfg(feature = "xlsx")]
 use crate::workbook::{self, Entry, Workbook};
 
+/// Endings of tables.
+pub(crate) const TABLES: [&str; 4] = ["csv", "jsonl", "parquet", "xlsx"];
+
+/// Endings of tables of points: they are not read from workbooks.
+const POINTS: [&str; 3] = ["csv", "jsonl", "parquet"];
+
 /// What all rows have in common, and where they go.
 pub(crate) struct Job<'a> {
     pub(crate) task: Task,
-    table: &'a TableArgs,
+    pub(crate) args: &'a SweepArgs,
+    /// The table; none if only pictures are wanted.
+    pub(crate) table: Option<&'a Path>,
+    /// File that says what the table is made from.
+    pub(crate) about: Option<&'a Path>,
     /// How CSV is written.
     pub(crate) signs: Dialect,
 }
 
-impl<'a> Job<'a> {
-    pub(crate) fn new(task: Task, table: &'a TableArgs) -> Self {
-        Self { task, table, signs: Dialect::default() }
-    }
+/// Rows that are seen only.
+struct Seen;
 
+impl Sink for Seen {
+    fn write(&mut self, _: Chunk, _: Answers) -> Result<(), TableError> {
+        Ok(())
+    }
+}
+
+impl Job<'_> {
     /// Solves all rows into a table, or into a folder of tables, and tells how many have no result;
     /// `each` sees the watched output of every chunk that is solved.
     ///
@@ -50,11 +64,6 @@ impl<'a> Job<'a> {
         workers: &Workers<'_>,
         mut each: impl FnMut(&Chunk, &Answers, &[f64]),
     ) -> Result<(), Failure> {
-        let TableArgs { output, quiet, .. } = self.table;
-        let folder = is_folder(self.table)?;
-        if self.table.plan {
-            return self.plan(points, workers);
-        }
         let mut changes = match points {
             Points::Grid(grid) if self.task.settings.model == ModelChoice::Auto => {
                 Some(Changes::along(grid))
@@ -69,19 +78,27 @@ impl<'a> Job<'a> {
                 each(chunk, answers, watched);
             }
         };
-        let Count { rows, failed, several } = if folder {
-            self.fill_folder(points, workers, &mut watch)?
+        let folder = self.table.filter(|path| is_folder(path));
+        if let Some(folder) = folder.filter(|_| self.args.plan) {
+            return self.plan(folder, points, workers);
+        }
+        let Count { rows, failed, several } = if let Some(folder) = folder {
+            self.fill_folder(folder, points, workers, &mut watch)?
         } else {
-            let about = self.about(source, points, workers)?;
-            let bar = progress(source.len_hint(), "rows", *quiet);
-            let count = self.write_file(source, &about, workers, &mut |chunk, answers| {
+            let bar = progress(source.len_hint(), "rows", self.args.work.quiet);
+            let mut seen = |chunk: &Chunk, answers: &Answers| {
                 bar.inc(chunk.len as u64);
                 watch(chunk, answers);
-            });
+            };
+            let count = match self.table {
+                Some(path) => self.write_file(path, source, points, workers, &mut seen),
+                None => {
+                    let run = self.task.run(source, Seen, u64::MAX, workers, &mut seen);
+                    run.map(|(_, count)| count).map_err(|error| stopped(Path::new("-"), error))
+                }
+            };
             bar.finish_and_clear();
-            let count = count?;
-            self.write_metadata(about)?;
-            count
+            count?
         };
         if let Some(text) = changes.and_then(|changes| changes.note()) {
             warn("note", &text);
@@ -90,67 +107,40 @@ impl<'a> Job<'a> {
             let have = if several == 1 { "has" } else { "have" };
             let is_written = self.task.outputs.iter().any(|o| o.name == "other_solutions");
             let hint = if is_written { "see the column" } else { "listed by --columns" };
-            warn(
-                "note",
-                &format!(
-                    "{several} of {rows} rows {have} another solution, {hint} other_solutions"
-                ),
-            );
+            let text =
+                format!("{several} of {rows} rows {have} another solution, {hint} other_solutions");
+            warn("note", &text);
         }
         if failed == 0 {
             return Ok(());
         }
-        warn(
-            "note",
-            &format!(
-                "{failed} of {rows} rows have no result; they say why in {}",
-                output.display()
-            ),
-        );
-        if self.table.keep_going { Ok(()) } else { Err(Failure::Unsolved) }
-    }
-
-    /// What the table is made from.
-    fn about(
-        &self,
-        source: &dyn Source,
-        points: &Points,
-        workers: &Workers<'_>,
-    ) -> Result<Value, Failure> {
-        let path = self.table.output.as_path();
-        // Text has no place for it, and a table of points would be read for nothing.
-        let is_text =
-            matches!(form_of(path, "--output")?, Form::Table(Format::Csv | Format::JsonLines));
-        if is_text && !self.table.metadata {
-            return Ok(Value::Null);
-        }
-        let points = points.about(workers).map_err(|error| failed(path, error))?;
-        Ok(self.task.about(&points, source.columns()))
-    }
-
-    /// Writes what the table is made from beside it.
-    fn write_metadata(&self, mut about: Value) -> Result<(), Failure> {
-        let path = self.table.output.as_path();
-        if !self.table.metadata {
-            return Ok(());
-        }
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let (hash, bytes) = sha256(path).map_err(|e| Failure::files("read", path, &e))?;
-        about["table"] = json!({ "name": name, "bytes": bytes, "sha256": hash });
-        let beside = path.with_file_name(format!("{name}-metadata.json"));
-        files::write(&beside, &(pretty_json(&about) + "\n"))
+        let why = match self.table {
+            Some(path) => format!("they say why in {}", path.display()),
+            None => "a table says why".to_owned(),
+        };
+        warn("note", &format!("{failed} of {rows} rows have no result; {why}"));
+        if self.args.keep_going { Ok(()) } else { Err(Failure::Unsolved) }
     }
 
     fn write_file(
         &self,
+        path: &Path,
         source: &mut dyn Source,
-        about: &Value,
+        points: &Points,
         workers: &Workers<'_>,
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
-        let path = self.table.output.as_path();
+        let form = form_of(path)?;
+        // Text has no place for it, and a table of points would be read for nothing.
+        let is_text = matches!(form, Form::Table(Format::Csv | Format::JsonLines));
+        let mut about = if is_text && self.about.is_none() {
+            Value::Null
+        } else {
+            let points = points.about(workers).map_err(|error| failed(path, error))?;
+            self.task.about(&points, source.columns())
+        };
         let failed = |error| stopped(path, error);
-        match form_of(path, "--output")? {
+        let count = match form {
             Form::Table(format) => {
                 let (columns, outputs) = (source.columns(), &self.task.outputs);
                 let out = Output::create(path)?;
@@ -165,7 +155,7 @@ impl<'a> Job<'a> {
                 let (sink, count) = run.map_err(failed)?;
                 let out = sink.finish(Some(&about.to_string()));
                 out.map_err(|error| unwritable(path, &error))?.complete()?;
-                Ok(count)
+                count
             }
             #[cfg(feature = "xlsx")]
             Form::Workbook => {
@@ -177,17 +167,23 @@ impl<'a> Job<'a> {
                 let book = book.map_err(|error| unwritable(path, &error))?;
                 let (book, count) =
                     self.task.run(source, book, u64::MAX, workers, seen).map_err(failed)?;
-                let bytes = book.finish(about).map_err(|error| unwritable(path, &error))?;
+                let bytes = book.finish(&about).map_err(|error| unwritable(path, &error))?;
                 files::write_bytes(out, path, &bytes)?;
-                Ok(count)
+                count
             }
+        };
+        if let Some(beside) = self.about {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let (hash, bytes) = sha256(path).map_err(|e| Failure::files("read", path, &e))?;
+            about["table"] = json!({ "name": name, "bytes": bytes, "sha256": hash });
+            files::write(beside, &(pretty_json(&about) + "\n"))?;
         }
+        Ok(count)
     }
 
     /// Begins the folder, or finds that it has the same plan, and tells what it comes to.
-    fn plan(&self, points: &Points, workers: &Workers<'_>) -> Result<(), Failure> {
-        let folder = self.table.output.as_path();
-        let plan = Plan::new(&self.task, points, self.table.rows_per_shard, workers);
+    fn plan(&self, folder: &Path, points: &Points, workers: &Workers<'_>) -> Result<(), Failure> {
+        let plan = Plan::new(&self.task, points, self.args.rows_per_part, workers);
         let begun =
             plan.and_then(|plan| Dataset::resume(folder, plan, unfinished::create_temporary));
         print_plan(folder, begun.map_err(|error| failed(folder, error))?.plan())
@@ -195,12 +191,12 @@ impl<'a> Job<'a> {
 
     fn fill_folder(
         &self,
+        folder: &Path,
         points: &Points,
         workers: &Workers<'_>,
         watch: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
-        let TableArgs { output: folder, resume, rows_per_shard, quiet, .. } = self.table;
-        let (resume, rows_per_shard) = (*resume, *rows_per_shard);
+        let SweepArgs { resume, rows_per_part: rows_per_shard, .. } = *self.args;
         let how = Filling { resume, rows_per_shard, make: unfinished::create_temporary };
         let mut bar = ProgressBar::hidden();
         let mut tell = |event: Event<'_>| match event {
@@ -211,7 +207,7 @@ impl<'a> Job<'a> {
                 );
                 warn("warning", &text);
             }
-            Event::Planned(rows) => bar = progress(Some(rows), "rows", *quiet),
+            Event::Planned(rows) => bar = progress(Some(rows), "rows", self.args.work.quiet),
             Event::Found(part) => bar.inc(part.rows),
             Event::Solved(chunk, answers) => {
                 bar.inc(chunk.len as u64);
@@ -278,58 +274,30 @@ impl<'a> Changes<'a> {
 }
 
 /// The outputs to write.
-pub(crate) fn outputs(table: &TableArgs) -> Result<Vec<&'static Column>, Failure> {
-    let selected = Answers::select(table.columns.as_deref());
+pub(crate) fn outputs(columns: Option<&[String]>) -> Result<Vec<&'static Column>, Failure> {
+    let selected = Answers::select(columns);
     selected.map_err(|e| Failure::Input(format!("--columns: {}", of_table(&e))))
 }
 
-/// Refuses points for a folder that cannot be read twice, before anything is read.
-pub(crate) fn needs_a_file(table: &TableArgs, points: &Path) -> Result<(), Failure> {
-    let once = points.as_os_str() == "-" || fs::metadata(points).is_ok_and(|p| !p.is_file());
-    if is_folder(table)? && once {
-        return Err(Failure::Input(format!(
-            "{}: a folder of parts needs points that can be read twice, from a file",
-            if points.as_os_str() == "-" {
-                "standard input".into()
-            } else {
-                points.to_string_lossy()
-            }
-        )));
-    }
-    Ok(())
+/// True if the path ends like a folder, or is one.
+pub(crate) fn is_folder(path: &Path) -> bool {
+    path.as_os_str().to_string_lossy().ends_with(['/', '\\']) || path.is_dir()
 }
 
-/// A folder if the path ends like one or is one, else a file.
-fn is_folder(table: &TableArgs) -> Result<bool, Failure> {
-    let path = table.output.as_path();
-    let is_folder = path.as_os_str().to_string_lossy().ends_with(['/', '\\']) || path.is_dir();
-    if table.metadata && (is_folder || path.as_os_str() == "-" || path.exists() && !path.is_file())
-    {
-        let text = "--metadata is for tables in files; a folder has its plan.json";
-        return Err(Failure::Input(text.to_owned()));
-    }
-    if is_folder {
-        return Ok(true);
-    }
-    if table.resume {
-        let folder = if path.as_os_str() == "-" { Path::new("map") } else { path };
-        return Err(Failure::Input(format!(
-            "--resume cannot continue {}: a single table appears when it is complete, and a run \
-             that is stopped leaves nothing; write a folder of parts, --output {}/, which --resume \
-             can continue",
-            if path.as_os_str() == "-" { "standard output".into() } else { path.to_string_lossy() },
-            folder.with_extension("").display()
-        )));
-    }
-    for (given, name) in
-        [(table.rows_per_shard.is_some(), "--rows-per-shard"), (table.plan, "--plan")]
-    {
-        if given {
-            let text = format!("{name} is for folders, such as --output map/");
-            return Err(Failure::Input(text));
-        }
-    }
-    Ok(false)
+/// Opens a table of points by the ending of its name; `-` is CSV on standard input.
+pub(crate) fn open(
+    path: &Path,
+    keep: &[String],
+    dialect: &Dialect,
+) -> Result<Box<dyn Source>, Failure> {
+    let source: Result<Box<dyn Source>, TableError> = if is_stdout(path) {
+        let reader: Box<dyn Read + Send> = Box::new(io::stdin());
+        CsvSource::with(reader, keep, dialect).map(|source| Box::new(source) as Box<dyn Source>)
+    } else {
+        ending_of("--points", path, &POINTS)?;
+        Format::of(path).unwrap_or(Format::Csv).open_as(path, keep, dialect)
+    };
+    source.map_err(|e| Failure::table(path, &e))
 }
 
 /// What is wrong with a folder, with the exit code of its kind.
@@ -361,7 +329,7 @@ pub(crate) fn mend(folder: &Path, damaged: &[(PathBuf, Damage)]) -> String {
         return format!("move {them} away");
     }
     format!(
-        "move {them} away, and what is missing is solved again with --resume, or let `bsm shard {} --repair` \
+        "move {them} away, and what is missing is solved again with --resume, or let `bsm parts run {} --repair` \
          replace {them}",
         folder.display()
     )
@@ -439,10 +407,10 @@ fn made_from(about: &Value) -> Value {
 /// A table of names, units and values, a row each.
 pub(crate) fn write_rows(
     path: &Path,
-    rows: &[(&str, &str, f64)],
+    rows: &[(String, String, f64)],
     about: &Value,
 ) -> Result<(), Failure> {
-    match form_of(path, "--output")? {
+    match form_of(path)? {
         #[cfg(feature = "xlsx")]
         Form::Workbook => {
             let out = Output::create(path)?;
@@ -458,17 +426,13 @@ pub(crate) fn write_rows(
             let bytes = written().map_err(|error| unwritable(path, &error))?;
             files::write_bytes(out, path, &bytes)
         }
-        Form::Table(Format::Csv) => {
-            let line = |(name, unit, value): &(&str, &str, f64)| {
+        Form::Table(_) => {
+            let line = |(name, unit, value): &(String, String, f64)| {
                 format!("{name},{unit},{}\n", exact(*value))
             };
             let lines: String = rows.iter().map(line).collect();
             files::write(path, &format!("name,unit,value\n{lines}"))
         }
-        Form::Table(_) => Err(Failure::Input(format!(
-            "--output {}: names and values are written as .csv or .xlsx; --format json prints JSON",
-            path.display()
-        ))),
     }
 }
 
@@ -483,29 +447,15 @@ pub(crate) enum Form {
 }
 
 /// The form of a table that is written, by the ending of its name; `-` is CSV.
-pub(crate) fn form_of(path: &Path, what: &str) -> Result<Form, Failure> {
-    #[cfg(feature = "xlsx")]
-    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xlsx")) {
-        return Ok(Form::Workbook);
+pub(crate) fn form_of(path: &Path) -> Result<Form, Failure> {
+    if is_stdout(path) {
+        return Ok(Form::Table(Format::Csv));
     }
-    format_of(path, what).map(Form::Table)
-}
-
-/// The form of a table by the ending of its name; `-` is CSV.
-pub(crate) fn format_of(path: &Path, what: &str) -> Result<Format, Failure> {
-    let stream = (path.as_os_str() == "-").then_some(Format::Csv);
-    // Points are not read from workbooks.
-    let or_workbook = if what == "POINTS" || !cfg!(feature = "xlsx") {
-        ".csv, .jsonl or .parquet"
-    } else {
-        ".csv, .jsonl, .parquet or .xlsx"
-    };
-    Format::of(path).or(stream).ok_or_else(|| {
-        Failure::Input(format!(
-            "{what} {}: the file must end in {or_workbook}, or be - for CSV on the standard streams",
-            path.display()
-        ))
-    })
+    match ending_of("-o", path, &TABLES)? {
+        #[cfg(feature = "xlsx")]
+        "xlsx" => Ok(Form::Workbook),
+        _ => Ok(Form::Table(Format::of(path).unwrap_or(Format::Csv))),
+    }
 }
 
 /// A bar on a terminal, nothing elsewhere.

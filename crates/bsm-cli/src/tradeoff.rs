@@ -8,20 +8,21 @@ use bsm_validate::tradeoff::{self, Advice, Count, Group, Measured, Points, Trade
 use bsm_validate::tradeoff_page;
 use serde_json::json;
 
-use crate::args::{Format, TradeoffArgs};
-use crate::batch;
-use crate::failure::{Failure, warn};
-use crate::files::{make_report_folder, pretty_json, print, write_report};
-use crate::stream::progress;
+use crate::answer::{Answer, Drawn};
+use crate::args::TradeoffArgs;
+use crate::failure::Failure;
+use crate::files::make_folder;
+use crate::stream::{open, progress};
 use crate::table;
 
 pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
+    args.out.check(&["json", "html"], &[args.points.as_deref()])?;
     let points = match &args.points {
         Some(path) => read(path)?,
         None => Points::committed()?,
     };
-    if let Some(folder) = &args.out {
-        make_report_folder(folder)?;
+    if let Some(folder) = &args.out.figures {
+        make_folder(folder)?;
     }
     let bar = progress(Some(0), "measurements", args.quiet);
     let measured = tradeoff::run(&points, |done, all| {
@@ -29,27 +30,22 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
         bar.set_position(done as u64);
     })?;
     bar.finish_and_clear();
-    let results = json!({
-        "program": PROGRAM,
-        "tradeoff": measured,
-    });
-    if let Some(folder) = &args.out {
-        write_report(folder, tradeoff_page(&measured)?, &results, &measured.figures())?;
-    }
-    match args.format {
-        Format::Json => print(&pretty_json(&results))?,
-        Format::Table => print(&describe(&measured))?,
-    }
-    if measured.without_reference.is_empty() {
-        return Ok(());
-    }
-    let rows: Vec<_> = measured.without_reference.iter().map(ToString::to_string).collect();
-    warn("warning", &format!("rows without a reference, not counted: {}", rows.join(", ")));
-    Err(Failure::Unsolved)
+    let unknown: Vec<_> = measured.without_reference.iter().map(ToString::to_string).collect();
+    let told = (!unknown.is_empty())
+        .then(|| format!("rows without a reference, not counted: {}", unknown.join(", ")));
+    let answer = Answer {
+        text: describe(&measured),
+        json: json!({ "program": PROGRAM, "tradeoff": measured }),
+        failed: told.is_some(),
+        warnings: told.into_iter().collect(),
+        ..Answer::default()
+    };
+    let draw = || Ok(Drawn { figures: measured.figures(), page: Some(tradeoff_page(&measured)?) });
+    answer.give(&args.out, draw)
 }
 
 fn read(path: &Path) -> Result<Points, Failure> {
-    let mut source = batch::open(path, &[], &Dialect::default())?;
+    let mut source = open(path, &[], &Dialect::default())?;
     Points::read(source.as_mut()).map_err(|e| Failure::in_scene(path, &e.to_string()))
 }
 

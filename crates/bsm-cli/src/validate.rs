@@ -3,28 +3,37 @@
 use bsm_report::number;
 use bsm_validate::{Published, Report, Verdict};
 
-use crate::args::{Format, ValidateArgs};
+use crate::answer::{Answer, Drawn};
+use crate::args::ValidateArgs;
 use crate::failure::Failure;
-use crate::files::{pretty_json, print, write_report};
 use crate::table;
 
 pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
-    let published = match &args.data {
+    args.out.check(&["json", "html"], &[])?;
+    let published = match &args.from {
         Some(folder) => Published::read(folder)?,
         None => Published::default(),
     };
-    let report = bsm_validate::run(&published)?;
-    let results = report.to_json();
-    if let Some(folder) = &args.out {
+    let mut report = bsm_validate::run(&published)?;
+    if let Some(key) = &args.only {
+        report.checks.retain(|check| check.key.contains(key.as_str()));
+        if report.checks.is_empty() {
+            let text =
+                format!("--only {key}: no check has it in its key; bsm validate prints all keys");
+            return Err(Failure::Input(text));
+        }
+    }
+    let answer = Answer {
+        text: describe(&report),
+        json: report.to_json(),
+        failed: !report.passed(),
+        ..Answer::default()
+    };
+    answer.give(&args.out, || {
         let figures = bsm_validate::figures(&published)?;
-        let page = bsm_validate::validation_page(&report, &figures)?;
-        write_report(folder, page, &results, &figures)?;
-    }
-    match args.format {
-        Format::Json => print(&pretty_json(&results))?,
-        Format::Table => print(&describe(&report))?,
-    }
-    if report.passed() { Ok(()) } else { Err(Failure::Unsolved) }
+        let page = Some(bsm_validate::validation_page(&report, &figures)?);
+        Ok(Drawn { figures, page })
+    })
 }
 
 fn describe(report: &Report) -> String {

@@ -3,28 +3,32 @@
 use std::path::PathBuf;
 
 use bsm_batch::Workers;
-use bsm_case::CaseError;
 use bsm_view::{Save, Server, saved};
 
 use crate::args::ViewArgs;
 use crate::failure::{Failure, note_unused, warn};
-use crate::files::{keep, print, read_scene, write};
+use crate::files::{ending_of, keep, print, write};
 
 pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure> {
-    let path = &args.scene.scene;
-    let scene = read_scene(path, &args.scene.settings)?;
-    let in_file = |e: CaseError| Failure::scene(path, &e);
+    let scene = args.scene.read()?;
+    let in_file = args.scene.failure();
     let settings = args.model.settings().map_err(in_file)?;
+    let ending = args.output.as_deref().map(|path| ending_of("-o", path, &["html", "json"]));
+    let is_page = ending.transpose()? == Some("html");
+    if is_page && (args.open || args.port != 0) {
+        let text = "--open and --port are of the server, which -o PAGE.html does not start";
+        return Err(Failure::Input(text.to_owned()));
+    }
     // What cannot be solved is told here, not in the browser.
     scene.problem(&settings).map_err(in_file)?;
     note_unused(scene.given());
-    if let Some(out) = &args.out {
-        keep(path, Some(out))?;
+    if let Some(path) = args.output.as_deref().filter(|_| is_page) {
+        keep(args.scene.path(), Some(path))?;
         let page = saved(&scene, &settings, workers)
-            .map_err(|refusal| Failure::in_scene(path, &refusal.to_string()))?;
-        return write(out, &page);
+            .map_err(|refusal| Failure::in_scene(args.scene.path(), &refusal.to_string()))?;
+        return write(path, &page);
     }
-    let save = args.save.clone().map(saver);
+    let save = args.output.clone().map(saver);
     let server = Server::start(args.port, &scene, &settings, save)
         .map_err(|error| Failure::Files(error.to_string()))?;
     let address = server.address();

@@ -23,7 +23,7 @@ struct Shown<'a> {
 pub fn validation_page(report: &Report, figures: &[Figure]) -> Result<String, ValidateError> {
     let page = Page {
         title: "Ball screw motion: checks against published results",
-        command: "bsm validate --out DIR",
+        command: "bsm validate --figures DIR",
         template: include_str!("../templates/validation.html"),
         figures,
     };
@@ -43,7 +43,7 @@ pub fn validation_page(report: &Report, figures: &[Figure]) -> Result<String, Va
 pub fn tradeoff_page(tradeoff: &Tradeoff) -> Result<String, ValidateError> {
     let page = Page {
         title: "Ball screw motion: speed against accuracy",
-        command: "bsm tradeoff --out DIR",
+        command: "bsm tradeoff --figures DIR",
         template: include_str!("../templates/tradeoff.html"),
         figures: &tradeoff.figures(),
     };

@@ -88,7 +88,7 @@ fn reference_settings() -> Settings {
 /// The reference, as options of `bsm solve`.
 pub fn reference() -> String {
     let Settings { model, accuracy, creep, .. } = reference_settings();
-    format!("--model {} --accuracy {accuracy:e} --creep {creep:e}", model.name())
+    format!("--model {} --solver accuracy={accuracy:e},creep={creep:e}", model.name())
 }
 
 /// A dial, its errors and its times.

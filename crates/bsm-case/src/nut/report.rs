@@ -493,7 +493,7 @@ impl NutReport {
                     Some((Rubbing::Lubricant(_), _)) => {
                         notes.push(
                             "friction from the lubricant is known to a quarter while the balls grip, less where \
-                             rolling resistance leads; bsm solve has the band of one ball, bsm size that of the axis"
+                             rolling resistance leads; bsm solve has the band of one ball, bsm axis that of the axis"
                                 .to_owned(),
                         );
                         "only by return_circuits, ball_contact_force_N and seal_torque_Nm: returns, balls that touch \

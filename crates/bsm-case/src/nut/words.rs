@@ -93,13 +93,13 @@ words! {
         "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; 0 unless given",
         json!({ "type": ["number", "null"] });
     support: SupportWord,
-        "how the ends of the screw are held, for bsm size: the fixed end takes the axial load",
+        "how the ends of the screw are held, for bsm axis: the fixed end takes the axial load",
         choice(&["fixed-free", "supported-supported", "fixed-supported", "fixed-fixed"]);
     accuracy_grade: GradeWord,
-        "accuracy grade of the screw, for bsm size: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade",
+        "accuracy grade of the screw, for bsm axis: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade",
         grade_schema();
     cycle: Vec<PhaseWords>,
-        "phases of the cycle of the axis, for bsm size: time_s or share, force_N, feed_m_min, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm",
+        "phases of the cycle of the axis, for bsm axis: time_s or share, force_N, feed_m_min, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm",
         PhaseWords::schema();
 }
 

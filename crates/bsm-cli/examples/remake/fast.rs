@@ -77,7 +77,7 @@ fn number(value: &Value, name: &str) -> Result<f64, String> {
 }
 
 fn checks(program: &Program) -> Made {
-    let results = program.json("validate --format json")?;
+    let results = program.json("validate --json")?;
     let checks = results["checks"].as_array().ok_or("no checks")?;
     let count = |verdict: &str| checks.iter().filter(|check| check["verdict"] == verdict).count();
     let (passed, failed, findings) = (count("pass"), count("fail"), count("finding"));
@@ -89,8 +89,8 @@ fn checks(program: &Program) -> Made {
 
 fn accuracies(program: &Program) -> Made {
     let solved = |accuracy: &str| {
-        let solve = "solve examples/feed_drive.json --model traction --format json --accuracy";
-        program.json(&format!("{solve} {accuracy}"))
+        let solve = "solve examples/feed_drive.json --model traction --json --solver";
+        program.json(&format!("{solve} accuracy={accuracy}"))
     };
     let finest = number(&solved("1e-12")?, "efficiency")?;
     let row = |accuracy| {
@@ -108,7 +108,7 @@ fn accuracies(program: &Program) -> Made {
 
 fn slip_powers(program: &Program) -> Made {
     let row = |model: &str| {
-        let slip = format!("slip examples/xu2015.json --format json --model {model}");
+        let slip = format!("solve examples/xu2015.json --show slip --json --model {model}");
         let report = program.json(&slip)?;
         let both = |part: &str| {
             let at = |contact: &str| number(&report, &format!("{contact}_{part}_power_W"));
@@ -126,7 +126,7 @@ fn slip_powers(program: &Program) -> Made {
 }
 
 fn catalogue(program: &Program) -> Made {
-    let words = ["catalog", "--first", "1"].map(str::to_owned);
+    let words = ["select", "--first", "1"].map(str::to_owned);
     let (_, note) = program.prints(&words)?;
     let count = note.split_whitespace().find_map(|word| word.parse::<u64>().ok());
     Ok(count.ok_or_else(|| format!("no number of nuts in: {note}"))?.to_string())
@@ -148,7 +148,7 @@ fn nut_sharing(program: &Program) -> Made {
         fields.extend(change.as_object().ok_or("no words")?.clone());
         fields.retain(|_, value| !value.is_null());
         std::fs::write(program.folder.join("nut-sharing.json"), scene.to_string())?;
-        let found = program.json("nut nut-sharing.json --model raceway-control --format json")?;
+        let found = program.json("nut nut-sharing.json --model raceway-control --json")?;
         let names =
             ["max_over_mean", "secant_stiffness_N_um", "life_revolutions", "friction_torque_Nm"];
         let [a, b, c, d] = names.map(|name| number(&found, name));

@@ -50,9 +50,9 @@ fn sources() -> Vec<Source> {
     for (name, make) in fast::BLOCKS {
         let (commands, takes) = match *name {
             "checks" => ("bsm validate", "1 s"),
-            "accuracies" => ("bsm solve --model traction --accuracy A", "1 s"),
-            "slip-powers" => ("bsm slip examples/xu2015.json --model M", "1 s"),
-            "catalogue" => ("bsm catalog", "1 s"),
+            "accuracies" => ("bsm solve --model traction --solver accuracy=A", "1 s"),
+            "slip-powers" => ("bsm solve examples/xu2015.json --show slip --model M", "1 s"),
+            "catalogue" => ("bsm select", "1 s"),
             "nut-sharing" => ("bsm nut", "1 s"),
             _ => ("errors of `bsm tradeoff`", "10 s"),
         };
@@ -66,7 +66,7 @@ fn sources() -> Vec<Source> {
             "3 min, build",
             How::Slow(slow::seeded),
         ),
-        source("many", "bsm sweep, bsm batch", "2 min, 2 GB of disk", How::Slow(slow::many)),
+        source("many", "bsm sweep", "2 min, 2 GB of disk", How::Slow(slow::many)),
         source("build", "cargo build --release", "5 min", How::Slow(slow::build)),
         source("peers", "benches/peers/run.sh", "5 min, Python", How::Slow(slow::peers)),
         source(

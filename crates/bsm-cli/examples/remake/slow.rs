@@ -116,9 +116,9 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         let lines: Vec<_> =
             fs::read_to_string(scenes)?.lines().step_by(30).map(str::to_owned).collect();
         fs::write(&few, lines.join("\n") + "\n")?;
-        format!("tradeoff --quiet --format json {WORK}/few.csv")
+        format!("tradeoff --quiet --json --points {WORK}/few.csv")
     } else {
-        "tradeoff --quiet --format json".to_owned()
+        "tradeoff --quiet --json".to_owned()
     };
     let results: Value = serde_json::from_str(&site.run(&site.bsm, &words)?.0)?;
     let measured = &results["tradeoff"];
@@ -339,7 +339,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     }
     let table = |end: &str| {
         let words = format!(
-            "batch points.{end} --base {scene} --model rigid --columns efficiency -o out.{end}"
+            "sweep {scene} --points points.{end} --model rigid --columns efficiency -o out.{end}"
         );
         site.took(folder, &words)
     };

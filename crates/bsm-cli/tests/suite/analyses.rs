@@ -1,4 +1,4 @@
-//! `bsm slip` and `bsm jam` as a user meets them.
+//! Slip and jamming as a user meets them.
 
 use crate::data;
 use crate::program;
@@ -21,7 +21,7 @@ fn example(name: &str) -> String {
 
 fn json(args: &[&str]) -> Value {
     let dir = folder();
-    let output = bsm(dir.path(), &[args, &["--format", "json"]].concat(), "");
+    let output = bsm(dir.path(), &[args, &["--json"]].concat(), "");
     assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
     serde_json::from_str(&stdout(&output)).expect("JSON alone on stdout")
 }
@@ -54,7 +54,7 @@ fn findings_can_fail() {
     ] {
         assert_ne!(changed, table);
         fs::write(&file, changed).expect("written");
-        let output = bsm(dir.path(), &["validate", "--data", "data"], "");
+        let output = bsm(dir.path(), &["validate", "--from", "data"], "");
         assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
         let text = stdout(&output);
         assert!(text.contains(&format!("FAIL xu2015/{key}")), "{text}");
@@ -65,7 +65,7 @@ fn findings_can_fail() {
 #[test]
 fn slip_shows_published_and_exact_forms() {
     let dir = folder();
-    let output = bsm(dir.path(), &["slip", &example("xu2015.json")], "");
+    let output = bsm(dir.path(), &["solve", &example("xu2015.json"), "--show", "slip"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     for part in [
@@ -79,7 +79,7 @@ fn slip_shows_published_and_exact_forms() {
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }
-    let result = json(&["slip", &example("xu2015.json"), "--model", "traction"]);
+    let result = json(&["solve", &example("xu2015.json"), "--show", "slip", "--model", "traction"]);
     assert_eq!(result["model"], "traction");
     let value = |name: &str| result[name].as_f64().unwrap_or_else(|| panic!("{name}"));
     let parts: f64 = ["nut", "screw"]
@@ -93,7 +93,7 @@ fn slip_shows_published_and_exact_forms() {
 
 #[test]
 fn jam_gives_verdicts_with_margins() {
-    let result = json(&["jam", &example("dong2020.json"), "--model", "elastic"]);
+    let result = json(&["solve", &example("dong2020.json"), "--show", "jam", "--model", "elastic"]);
     let value = |name: &str| result[name].as_f64().unwrap_or_else(|| panic!("{name}"));
     let thrusts = ["apex_thrust_N", "step_thrust_N", "entry_thrust_N"].map(value);
     let thrust = thrusts.into_iter().fold(0.0, f64::max);
@@ -105,7 +105,7 @@ fn jam_gives_verdicts_with_margins() {
         assert!((value(name) / (value(friction) / thrust) - 1.0).abs() < 1e-12, "{name}");
     }
     assert_eq!(result["verdicts"]["jams"]["answer"], value("returner_margin") <= 1.0);
-    let jamming = json(&["jam", &example("jamming.json")]);
+    let jamming = json(&["solve", &example("jamming.json"), "--show", "jam"]);
     assert_eq!(jamming["verdicts"]["jams"]["answer"], true);
     assert_eq!(result["verdicts"]["contacts_yield"]["answer"], true);
     let total = value("nut_elastic_approach_um") + value("nut_permanent_approach_um");
@@ -114,13 +114,13 @@ fn jam_gives_verdicts_with_margins() {
 
     // Without the optional inputs each part says what it lacks.
     let dir = folder();
-    let output = bsm(dir.path(), &["jam", &example("feed_drive.json")], "");
+    let output = bsm(dir.path(), &["solve", &example("feed_drive.json"), "--show", "jam"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     for name in ["lubricant_density_kg_m3", "return_angle_deg", "apex_half_angle_deg"] {
         assert!(text.contains(name), "{name}: {text}");
     }
-    let output = bsm(dir.path(), &["jam", &example("lin1994.json")], "");
+    let output = bsm(dir.path(), &["solve", &example("lin1994.json"), "--show", "jam"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stdout(&output).contains("left out: contact state"), "{}", stdout(&output));
 }
@@ -129,14 +129,15 @@ fn jam_gives_verdicts_with_margins() {
 #[test]
 fn plots_show_curves_without_the_trends_of_a_paper() {
     let dir = folder();
-    for (command, scene, figure, label) in [
+    for (what, scene, figure, label) in [
         ("slip", "xu2015.json", "slip-traction-lead-angle-screw", "spin, printed"),
         ("jam", "dong2020.json", "jam-thrust-speed", "thrust at the apex"),
     ] {
-        let output = bsm(dir.path(), &[command, &example(scene), "--plot", command], "");
+        let args = ["solve", &example(scene), "--show", what, "--figures", what];
+        let output = bsm(dir.path(), &args, "");
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         assert!(!stdout(&output).contains("published trend"), "{}", stdout(&output));
-        let read = |file: String| fs::read_to_string(dir.path().join(command).join(file));
+        let read = |file: String| fs::read_to_string(dir.path().join(what).join(file));
         assert!(read(format!("{figure}.svg")).expect("figure").contains(label));
         assert!(read(format!("{figure}.csv")).expect("table").lines().count() > 50);
         assert!(read("trends.csv".to_owned()).is_err());
@@ -148,7 +149,16 @@ fn plots_show_curves_without_the_trends_of_a_paper() {
 #[test]
 fn the_study_of_slip_follows_the_model() {
     let dir = folder();
-    let args = ["slip", &example("xu2015.json"), "--model", "rigid", "--plot", "figures"];
+    let args = [
+        "solve",
+        &example("xu2015.json"),
+        "--show",
+        "slip",
+        "--model",
+        "rigid",
+        "--figures",
+        "figures",
+    ];
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let curve = fs::read_to_string(dir.path().join("figures/slip-rigid-lead-angle-nut.csv"));
@@ -167,15 +177,36 @@ fn bad_input_is_told() {
     let angles = example("angles_only.json");
     for (args, part) in [
         (
-            vec!["slip", &xu, "--model", "closed-form"],
+            vec!["solve", &xu, "--show", "slip", "--model", "closed-form"],
             "model closed-form has no motion of the ball",
         ),
-        (vec!["slip", &angles, "--plot", "x"], "ball_diameter_mm, "),
-        (vec!["jam", &angles], "required by model rigid, the simplest that has one"),
-        (vec!["jam", &dong, "--set", "return_angle_deg=95"], "between 0 and 90"),
-        (vec!["jam", &dong, "--set", "drag_coeficient=1"], "did you mean `drag_coefficient`?"),
-        (vec!["jam", &dong, "--set", "race_yield_strength_MPa=0"], "must be finite and > 0"),
-        (vec!["slip", &xu, "--set", "friction_coefficient=0", "--model", "elastic"], "must be > 0"),
+        (vec!["solve", &angles, "--show", "slip", "--figures", "x"], "ball_diameter_mm, "),
+        (
+            vec!["solve", &angles, "--show", "jam"],
+            "required by model rigid, the simplest that has one",
+        ),
+        (vec!["solve", &dong, "--show", "jam", "--set", "return_angle_deg=95"], "between 0 and 90"),
+        (
+            vec!["solve", &dong, "--show", "jam", "--set", "drag_coeficient=1"],
+            "did you mean `drag_coefficient`?",
+        ),
+        (
+            vec!["solve", &dong, "--show", "jam", "--set", "race_yield_strength_MPa=0"],
+            "must be finite and > 0",
+        ),
+        (
+            vec![
+                "solve",
+                &xu,
+                "--show",
+                "slip",
+                "--set",
+                "friction_coefficient=0",
+                "--model",
+                "elastic",
+            ],
+            "must be > 0",
+        ),
     ] {
         let output = bsm(dir.path(), &args, "");
         let text = stderr(&output);
@@ -185,11 +216,11 @@ fn bad_input_is_told() {
         assert!(text.contains(part), "{args:?}: {text}");
     }
     // No solution: the reason, and exit code 3, as everywhere.
-    let flat = ["slip", &xu, "--model", "rigid", "--set", "lead_mm=10"];
+    let flat = ["solve", &xu, "--show", "slip", "--model", "rigid", "--set", "lead_mm=10"];
     let output = bsm(dir.path(), &flat, "");
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert!(stdout(&output).contains("no_solution"), "{}", stdout(&output));
-    let output = bsm(dir.path(), &["jam", "no-such-file.json"], "");
+    let output = bsm(dir.path(), &["solve", "no-such-file.json", "--show", "jam"], "");
     assert_eq!(output.status.code(), Some(1));
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
 }
@@ -205,11 +236,12 @@ fn analyses_are_columns_of_a_sweep() {
         let args = [&["sweep", &scene, "--columns", columns, "-o", "t.csv"], &vary[..], more];
         bsm(dir.path(), &args.concat(), "")
     };
-    let plot = ["--plot", "p.svg", "--plot-output", "returner_margin", "--model", "elastic"];
-    let output = sweep("efficiency,nut_spin_slip_m_s,returner_margin,jams", &plot);
+    let plot = ["-o", "p.svg", "--model", "elastic"];
+    let output = sweep("returner_margin,efficiency,nut_spin_slip_m_s,jams", &plot);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let table = fs::read_to_string(dir.path().join("t.csv")).expect("a table");
-    let margin = json(&["jam", &scene, "--model", "elastic"])["returner_margin"].to_string();
+    let margin = json(&["solve", &scene, "--show", "jam", "--model", "elastic"])["returner_margin"]
+        .to_string();
     let last = table.lines().last().expect("rows");
     assert!(last.contains(&margin) && last.ends_with(",false"), "{margin}: {table}");
     let plot = fs::read_to_string(dir.path().join("p.svg")).expect("a plot");
@@ -238,9 +270,13 @@ fn a_preload_that_no_model_uses_is_told() {
     let dir = folder();
     let scene = example("feed_drive.json");
     let vary = ["--vary", "screw_speed_rpm=500,1500", "-o", "t.csv"];
-    for (command, more) in
-        [("solve", &[][..]), ("compare", &[]), ("slip", &[]), ("jam", &[]), ("sweep", &vary)]
-    {
+    for (command, more) in [
+        ("solve", &[][..]),
+        ("solve", &["--model", "all"]),
+        ("solve", &["--show", "slip"]),
+        ("solve", &["--show", "jam"]),
+        ("sweep", &vary),
+    ] {
         let told = |settings: &[&str]| {
             let output = bsm(dir.path(), &[&[command, &scene], settings, more].concat(), "");
             assert_eq!(output.status.code(), Some(0), "{command}: {}", stderr(&output));

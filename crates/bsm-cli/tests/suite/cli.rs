@@ -4,6 +4,7 @@ use crate::program;
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use arrow_array::cast::AsArray;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -34,8 +35,7 @@ fn solve_prints_lin_case() {
 #[test]
 fn solve_prints_json_with_the_names_of_the_schema() {
     let dir = folder();
-    let output =
-        bsm(dir.path(), &["solve", &lin(), "--format", "json", "--set", "axial_load_N=500"], "");
+    let output = bsm(dir.path(), &["solve", &lin(), "--json", "--set", "axial_load_N=500"], "");
     let result: Value = serde_json::from_str(&stdout(&output)).expect("JSON alone on stdout");
     assert_eq!(result["status"], "converged");
     let schema = bsm(dir.path(), &["schema", "solve"], "");
@@ -49,7 +49,7 @@ fn solve_prints_json_with_the_names_of_the_schema() {
 #[test]
 fn sensitivities_are_a_table_and_a_key() {
     let dir = folder();
-    let output = bsm(dir.path(), &["solve", &lin(), "--sensitivities"], "");
+    let output = bsm(dir.path(), &["solve", &lin(), "--show", "sensitivities"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     let table = text.split("sensitivity to").nth(1).expect("a table below the results");
@@ -62,11 +62,11 @@ fn sensitivities_are_a_table_and_a_key() {
 
     let scene = lin();
     let run = |args: &[&str]| {
-        let all = [&["solve", scene.as_str(), "--format", "json"], args].concat();
+        let all = [&["solve", scene.as_str(), "--json"], args].concat();
         let output = bsm(dir.path(), &all, "");
         (output.status.code(), serde_json::from_str::<Value>(&stdout(&output)).expect("JSON"))
     };
-    let (code, result) = run(&["--sensitivities"]);
+    let (code, result) = run(&["--show", "sensitivities"]);
     assert_eq!(code, Some(0));
     let friction = &result["sensitivities"]["friction_coefficient"];
     let numbers = ["efficiency", "screw_torque_Nm", "efficiency_relative", "screw_torque_relative"];
@@ -74,7 +74,7 @@ fn sensitivities_are_a_table_and_a_key() {
     assert!(result["sensitivities"]["nut_speed_rpm"]["efficiency_relative"].is_null());
     assert!(run(&[]).1.get("sensitivities").is_none());
     // No solution, no sensitivities.
-    let (code, result) = run(&["--sensitivities", "--set", "lead_angle_deg=5"]);
+    let (code, result) = run(&["--show", "sensitivities", "--set", "lead_angle_deg=5"]);
     assert_eq!((code, result.get("sensitivities")), (Some(3), None));
 }
 
@@ -161,7 +161,7 @@ fn batch_answers_row_by_row() {
     let points = "id,axial_load_N,lead_angle_deg\n\
                   a,2113,10\nb,abc,10\nc,-3,10\nd,,10\ne,NaN,10\nf,500,2\n";
     let args = |output: &str| {
-        ["batch", "-", "--base", &lin(), "--model", "rigid", "--keep", "id", "-o", output]
+        ["sweep", &lin(), "--points", "-", "--model", "rigid", "--keep", "id", "-o", output]
             .map(str::to_owned)
             .to_vec()
     };
@@ -196,10 +196,10 @@ fn batch_answers_row_by_row() {
     let output = bsm(
         dir.path(),
         &[
-            "batch",
-            "first.parquet",
-            "--base",
+            "sweep",
             &lin(),
+            "--points",
+            "first.parquet",
             "--model",
             "rigid",
             "--keep",
@@ -213,7 +213,7 @@ fn batch_answers_row_by_row() {
     let again = stdout(&output);
     let first = again.lines().nth(1).expect("a row");
     assert!(first.starts_with(&rows[0].iter().take(7).collect::<Vec<_>>().join(",")), "{first}");
-    let kept = ["batch", "first.parquet", "--base", &lin(), "--keep", "model", "-o", "x.csv"];
+    let kept = ["sweep", &lin(), "--points", "first.parquet", "--keep", "model", "-o", "x.csv"];
     let output = bsm(dir.path(), &kept, "");
     assert_eq!(output.status.code(), Some(2), "two columns of one name");
     assert!(
@@ -250,10 +250,10 @@ fn batch_does_not_depend_on_threads() {
     fs::write(dir.path().join("points.csv"), points).expect("table");
     for threads in ["1", "3"] {
         let args = [
-            "batch",
-            "points.csv",
-            "--base",
+            "sweep",
             &drive,
+            "--points",
+            "points.csv",
             "--model",
             "raceway-control",
             "--columns",
@@ -289,16 +289,16 @@ fn malformed_tables_are_told() {
         ("cut.parquet", "", "not a Parquet table"),
         ("points.xlsx", "", "must end in .csv, .jsonl or .parquet"),
     ] {
-        let output = bsm(dir.path(), &["batch", points, "--base", &base, "-o", "out.csv"], stdin);
+        let output = bsm(dir.path(), &["sweep", &base, "--points", points, "-o", "out.csv"], stdin);
         let text = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{text}");
         assert!(text.contains(part) && text.trim_end().lines().count() == 1, "{text}");
         assert!(!dir.path().join("out.csv").exists());
     }
     // What every row lacks is told once.
-    let output = bsm(dir.path(), &["batch", "-", "-o", "out.csv"], "axial_load_N\n1\n");
+    let output = bsm(dir.path(), &["sweep", "--points", "-", "-o", "out.csv"], "axial_load_N\n1\n");
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("--base"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("a scene or --set"), "{}", stderr(&output));
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
@@ -307,7 +307,7 @@ fn malformed_tables_are_told() {
 fn compare_shows_every_model() {
     let dir = folder();
     let drive = example("feed_drive.json").display().to_string();
-    let output = bsm(dir.path(), &["compare", &drive, "--format", "json"], "");
+    let output = bsm(dir.path(), &["solve", &drive, "--model", "all", "--json"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let result: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     let models = result["models"].as_array().expect("a list");
@@ -322,14 +322,15 @@ fn compare_shows_every_model() {
     assert!(eta("traction") - eta("elastic") > 0.05);
     assert_eq!(result["regime"], "rolling, the balls grip");
 
-    let output = bsm(dir.path(), &["compare", &lin()], "");
+    let output = bsm(dir.path(), &["solve", &lin(), "--model", "all"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     for part in ["closed-form", "rigid", "nut_conformity and screw_conformity are required"] {
         assert!(text.contains(part), "{text}");
     }
     // A model without a solution shows in the exit code, as everywhere.
-    let output = bsm(dir.path(), &["compare", &lin(), "--set", "lead_angle_deg=5"], "");
+    let output =
+        bsm(dir.path(), &["solve", &lin(), "--model", "all", "--set", "lead_angle_deg=5"], "");
     assert_eq!(output.status.code(), Some(3));
     assert!(stdout(&output).contains("critical lead angle"), "{}", stdout(&output));
 }
@@ -340,30 +341,30 @@ fn models_have_dials() {
     let dir = folder();
     let drive = example("feed_drive.json").display().to_string();
     let solve = |args: &[&str]| {
-        let output = bsm(dir.path(), &[&["solve", &drive, "--format", "json"], args].concat(), "");
+        let output = bsm(dir.path(), &[&["solve", &drive, "--json"], args].concat(), "");
         let result: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
         result
     };
     assert_eq!(solve(&[])["model"], "raceway-control");
-    let fine = solve(&["--tolerance", "1e-4"]);
+    let fine = solve(&["--solver", "tolerance=1e-4"]);
     assert_eq!(fine["model"], "traction");
     assert!(fine["efficiency_error_bound"].as_f64().is_some_and(|b| b <= 1e-4));
     assert!(fine["loss_error_bound"].as_f64().is_some_and(|b| b <= 1e-2));
     assert!(fine["choice"].as_str().is_some_and(|why| why.contains("integrated")));
     let eta = |args: &[&str]| solve(args)["efficiency"].as_f64().expect("a number");
     let (coarse, fine) = (
-        eta(&["--model", "traction", "--accuracy", "1e-4"]),
-        eta(&["--model", "traction", "--accuracy", "1e-10"]),
+        eta(&["--model", "traction", "--solver", "accuracy=1e-4"]),
+        eta(&["--model", "traction", "--solver", "accuracy=1e-10"]),
     );
     assert!((coarse - fine).abs() > 1e-9 && (coarse - fine).abs() < 1e-6, "{coarse} {fine}");
-    let control = |race| eta(&["--model", "raceway-control", "--control", race]);
-    assert!((control("nut") - control("screw")).abs() > 1e-6);
+    let control = |race| eta(&["--model", "raceway-control", "--solver", race]);
+    assert!((control("control=nut") - control("control=screw")).abs() > 1e-6);
     for (args, part) in [
-        (["--tolerance", "0"], "must be a number, finite and > 0"),
+        (["--solver", "tolerance=0"], "must be a number, finite and > 0"),
         // Found in an audit: a loss a fifth too large, stated to 0.3 %.
-        (["--accuracy", "1e-2"], "must be a number, from 0.0000000000001 to 0.0001"),
-        (["--accuracy", "0"], "must be a number, from 0.0000000000001 to 0.0001"),
-        (["--control", "ball"], "possible values: nut, screw"),
+        (["--solver", "accuracy=1e-2"], "must be a number, from 0.0000000000001 to 0.0001"),
+        (["--solver", "accuracy=0"], "must be a number, from 0.0000000000001 to 0.0001"),
+        (["--solver", "control=ball"], "nut, screw"),
     ] {
         let output = bsm(dir.path(), &[&["solve", &drive], &args[..]].concat(), "");
         assert_eq!(output.status.code(), Some(2));
@@ -414,7 +415,7 @@ fn sweep_writes_a_full_grid_and_a_plot() {
         "contact_angle_deg=45,60",
         "-o",
         "out.jsonl",
-        "--plot",
+        "-o",
         "out.svg",
     ];
     let output = bsm(dir.path(), &plotted, "");
@@ -443,11 +444,8 @@ fn sweep_agrees_with_solve() {
         reader.headers().expect("header").iter().position(|h| h == "efficiency").expect("column");
     let row = reader.records().nth(1).expect("second row").expect("CSV");
     let swept: f64 = row[column].parse().expect("number");
-    let solved = stdout(&bsm(
-        dir.path(),
-        &["solve", &lin(), "--set", "axial_load_N=200", "--format", "json"],
-        "",
-    ));
+    let solved =
+        stdout(&bsm(dir.path(), &["solve", &lin(), "--set", "axial_load_N=200", "--json"], ""));
     let solved: Value = serde_json::from_str(&solved).expect("JSON");
     // Kernels agree with the models to 1e-10.
     let solved = solved["efficiency"].as_f64().expect("a number");
@@ -462,28 +460,31 @@ fn bad_sweeps_write_nothing() {
         (vec!["--vary", "lead_angel_deg=1:2:3", "-o", "x.csv"], "did you mean `lead_angle_deg`?"),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.xls"],
-            "must end in .csv, .jsonl, .parquet or .xlsx",
+            "must end in .csv, .jsonl, .parquet, .xlsx, .txt, .grid.csv",
         ),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "--vary", "lead_angle_deg=4,5", "-o", "x.csv"],
             "`lead_angle_deg` is given twice",
         ),
         (
-            vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.csv", "--plot", "x.pdf"],
-            "a picture must end in .svg or .png",
+            vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.csv", "-o", "x.pdf"],
+            ".svg, .png, .map.svg, .map.png or .json",
         ),
         (
-            vec![
-                "--vary",
-                "lead_angle_deg=1:2:3",
-                "-o",
-                "x.csv",
-                "--plot",
-                "x.svg",
-                "--plot-output",
-                "eta",
-            ],
-            "no numeric output is named `eta`",
+            vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.svg", "--columns", "eta"],
+            "no output is named `eta`",
+        ),
+        (
+            vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.svg", "--columns", "controlling_race"],
+            "controlling_race is no number; put a number first",
+        ),
+        (
+            vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.csv", "-o", "y.csv"],
+            "one run writes one table",
+        ),
+        (
+            vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.json"],
+            "-o names none; rows are written as .jsonl",
         ),
         (
             vec![
@@ -503,7 +504,7 @@ fn bad_sweeps_write_nothing() {
     }
     // Found in review: the table was written although the plot could not be.
     for (table, plot) in [("no/such/x.csv", "x.svg"), ("x.csv", "no/such/x.svg")] {
-        let vary = ["sweep", &lin(), "--vary", "lead_angle_deg=8:9:3", "-o", table, "--plot", plot];
+        let vary = ["sweep", &lin(), "--vary", "lead_angle_deg=8:9:3", "-o", table, "-o", plot];
         let output = bsm(dir.path(), &vary, "");
         assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     }
@@ -568,19 +569,35 @@ fn tables_name_the_controlling_race() {
 #[test]
 fn optimum_answers_in_closed_form() {
     let dir = folder();
-    let args = ["optimum", "--set", "lead_angle_deg=10", "--set", "friction_coefficient=0.075"];
+    let args = [
+        "solve",
+        "--show",
+        "optimum",
+        "--set",
+        "lead_angle_deg=10",
+        "--set",
+        "friction_coefficient=0.075",
+    ];
     let text = stdout(&bsm(dir.path(), &args, ""));
     assert!(text.contains("48.106") && text.contains("0.86083"), "{text}");
-    let json = stdout(&bsm(dir.path(), &["optimum", &lin(), "--format", "json"], ""));
+    let json = stdout(&bsm(dir.path(), &["solve", &lin(), "--show", "optimum", "--json"], ""));
     let json: Value = serde_json::from_str(&json).expect("JSON");
     let eta = json["rotary_to_linear"]["optimum_efficiency"].as_f64().expect("number");
     // (√(1 + f²) − f)² at f = 0.075.
     assert!((eta - 0.860_828_7).abs() < 1e-7, "{eta}");
-    let output = bsm(dir.path(), &["optimum"], "");
+    let output = bsm(dir.path(), &["solve", "--show", "optimum", "--set", "lead_angle_deg=10"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("friction_coefficient"), "{}", stderr(&output));
     // Lead angles beyond the optimum: said, not hidden.
-    let args = ["optimum", "--set", "lead_angle_deg=60", "--set", "friction_coefficient=0.075"];
+    let args = [
+        "solve",
+        "--show",
+        "optimum",
+        "--set",
+        "lead_angle_deg=60",
+        "--set",
+        "friction_coefficient=0.075",
+    ];
     let output = bsm(dir.path(), &args, "");
     assert!(stderr(&output).contains("the lead angle is too large"), "{}", stderr(&output));
     assert!(stdout(&output).contains("none"));
@@ -590,16 +607,16 @@ fn optimum_answers_in_closed_form() {
 fn capacity_rates_a_nut() {
     let dir = folder();
     let nut = example("nut.json").display().to_string();
-    let output = bsm(dir.path(), &["capacity", &nut], "");
+    let output = bsm(dir.path(), &["solve", &nut, "--show", "ratings"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     // Sobolewski (2002) prints 103546 N.
     assert!(text.contains("dynamic_load_rating_N") && text.contains("103546"), "{text}");
-    let args = ["capacity", &nut, "--set", "axial_load_N=30000", "--format", "json"];
+    let args = ["solve", &nut, "--show", "ratings", "--set", "axial_load_N=30000", "--json"];
     let json: Value = serde_json::from_str(&stdout(&bsm(dir.path(), &args, ""))).expect("JSON");
     assert_eq!(json["preloaded"], false);
     assert_eq!(json["axial_load_N"], 30000.0);
-    let output = bsm(dir.path(), &["capacity", &lin()], "");
+    let output = bsm(dir.path(), &["solve", &lin(), "--show", "ratings"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("loaded_balls_per_turn"), "{}", stderr(&output));
 }
@@ -611,14 +628,33 @@ fn help_and_completions_work() {
         &["--help"][..],
         &["solve", "--help"],
         &["sweep", "--help"],
+        &["nut", "--help"],
+        &["axis", "--help"],
+        &["select", "--help"],
+        &["parts", "--help"],
+        &["parts", "run", "--help"],
+        &["parts", "check", "--help"],
+        &["fit", "--help"],
+        &["view", "--help"],
+        &["validate", "--help"],
         &["tradeoff", "--help"],
-        &["completions", "bash"],
+        &["schema", "--help"],
     ] {
         let output = bsm(dir.path(), args, "");
         assert_eq!(output.status.code(), Some(0));
-        assert!(stdout(&output).contains("bsm"), "{args:?}");
+        let text = stdout(&output);
+        assert!(text.contains("bsm") && text.contains("Exit codes"), "{args:?}");
+        // A screen.
+        assert!(text.lines().count() <= 50, "{args:?}: {} lines", text.lines().count());
+        assert!(text.lines().all(|line| line.chars().count() <= 100), "{args:?}");
     }
-    assert!(stdout(&bsm(dir.path(), &["solve", "--help"], "")).contains("Exit codes"));
+    let completions = Command::new(env!("CARGO_BIN_EXE_bsm")).env("COMPLETE", "bash").output();
+    assert!(stdout(&completions.expect("the program runs")).contains("bsm"));
+    let candidates = Command::new(env!("CARGO_BIN_EXE_bsm"))
+        .args(["--", "bsm", "sel"])
+        .envs([("COMPLETE", "bash"), ("_CLAP_COMPLETE_INDEX", "1")])
+        .output();
+    assert_eq!(stdout(&candidates.expect("the program runs")).trim(), "select");
     // Without arguments, help; a wrong word, usage.
     for args in [&[][..], &["sovle"]] {
         let output = bsm(dir.path(), args, "");

@@ -1,4 +1,4 @@
-//! `bsm design`, `bsm catalog`, `bsm fit` and the optimum of a model, as a user meets them.
+//! `bsm select`, `bsm fit` and the optimum of a model, as a user meets them.
 
 use crate::program;
 
@@ -23,18 +23,18 @@ fn json(text: &str) -> Value {
 fn a_requirement_becomes_a_solved_motion() {
     let dir = folder();
     let requirement = example("requirements/feed_drive.json");
-    let output = bsm(dir.path(), &["design", &requirement, "--free", "-o", "screw.json"], "");
+    let output = bsm(dir.path(), &["select", &requirement, "--free", "-o", "screw.json"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
-    for part in ["what holds it back: ", "pass", ">= 10000", "next: bsm size screw.json"] {
+    for part in ["what holds it back: ", "pass", ">= 10000", "next: bsm axis screw.json"] {
         assert!(text.contains(part), "{text}");
     }
     assert!(!text.contains("FAIL"), "{text}");
-    for command in ["solve", "capacity", "slip"] {
-        let output = bsm(dir.path(), &[command, "screw.json"], "");
-        assert_eq!(output.status.code(), Some(0), "{command}: {}", stderr(&output));
+    for show in ["motion", "ratings", "slip", "motion,slip,ratings"] {
+        let output = bsm(dir.path(), &["solve", "screw.json", "--show", show], "");
+        assert_eq!(output.status.code(), Some(0), "{show}: {}", stderr(&output));
     }
-    let output = bsm(dir.path(), &["design"], "");
+    let output = bsm(dir.path(), &["select", "--show", "keys"], "");
     assert_eq!(output.status.code(), Some(0));
     assert!(stdout(&output).contains("pressure_limit_MPa"));
 }
@@ -45,7 +45,7 @@ fn requirements_that_cannot_be_met_are_answered() {
     let dir = folder();
     let requirement = example("requirements/feed_drive.json");
     let set = |setting: &str| {
-        let args = ["design", &requirement, "--free", "--set", setting, "-o", "none.json"];
+        let args = ["select", &requirement, "--free", "--set", setting, "-o", "none.json"];
         let output = bsm(dir.path(), &args, "");
         (output.status.code(), stdout(&output), stderr(&output))
     };
@@ -68,16 +68,16 @@ fn requirements_that_cannot_be_met_are_answered() {
         assert_eq!(code, Some(2), "{text}");
         assert!(text.contains("feed_drive.json: ") && text.contains(words), "{text}");
     }
-    let output = bsm(dir.path(), &["design", "nowhere.json"], "");
+    let output = bsm(dir.path(), &["select", "nowhere.json"], "");
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
 }
 
 #[test]
 fn the_catalogue_is_filtered_sorted_and_written() {
     let dir = folder();
-    let wanted = ["--require", "dynamic_load_rating_N>=50000", "--require", "lead_mm=10"];
+    let wanted = ["--where", "dynamic_load_rating_N>=50000", "--where", "lead_mm=10"];
     let lightest = ["--sort", "mass_kg", "--first", "5"];
-    let args = [&["catalog"], &wanted[..], &lightest[..], &["--format", "json"]].concat();
+    let args = [&["select"], &wanted[..], &lightest[..], &["--json"]].concat();
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stderr(&output).contains("nuts within the limits"), "{}", stderr(&output));
@@ -91,7 +91,7 @@ fn the_catalogue_is_filtered_sorted_and_written() {
     // The same rows in every form of table, and a nut to go on with.
     let mut tables = Vec::new();
     for table in ["a.csv", "a.jsonl", "a.parquet"] {
-        let args = [&["catalog"], &wanted[..], &lightest[..], &["-o", table]].concat();
+        let args = [&["select"], &wanted[..], &lightest[..], &["-o", table]].concat();
         assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(0), "{table}");
         tables.push(fs::read(dir.path().join(table)).expect("written"));
     }
@@ -101,17 +101,16 @@ fn the_catalogue_is_filtered_sorted_and_written() {
     let csv = String::from_utf8(tables[0].clone()).expect("UTF-8");
     assert_eq!(csv.lines().count(), 6);
     assert!(tables[2].starts_with(b"PAR1"));
-    let args = [&["catalog"], &wanted[..], &["--pareto", "--pick", "nut.json"]].concat();
+    let args = [&["select"], &wanted[..], &["--pareto", "-o", "nut.json"]].concat();
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stderr(&output).contains("beaten by no other"), "{}", stderr(&output));
-    let output = bsm(dir.path(), &["capacity", "nut.json", "--steps"], "");
+    let output = bsm(dir.path(), &["solve", "nut.json", "--show", "steps"], "");
     assert!(stdout(&output).contains("C_s_over_C_n"), "{}", stderr(&output));
-    // Found by the audit: a picked nut weighed less in `capacity`, which took another diameter for the screw.
-    let picked = bsm(dir.path(), &["capacity", "nut.json", "--format", "json"], "");
+    // Found by the audit: a picked nut weighed less in its ratings, which took another diameter for the screw.
+    let picked = bsm(dir.path(), &["solve", "nut.json", "--show", "ratings", "--json"], "");
     let picked = json(&stdout(&picked));
-    let args =
-        [&["catalog"], &wanted[..], &["--pareto", "--first", "1", "--format", "json"]].concat();
+    let args = [&["select"], &wanted[..], &["--pareto", "--first", "1", "--json"]].concat();
     let first = json(&stdout(&bsm(dir.path(), &args, "")));
     for name in ["mass_kg", "edge_load_N", "preloaded_rigidity_N_um", "screw_root_diameter_mm"] {
         let ratio = number(&picked, name) / number(&first[0], name);
@@ -122,14 +121,14 @@ fn the_catalogue_is_filtered_sorted_and_written() {
 #[test]
 fn the_catalogue_tells_what_is_wrong() {
     let dir = folder();
-    let heavy = ["--require", "dynamic_load_rating_N>=5e6"];
-    let output = bsm(dir.path(), &[&["catalog"], &heavy[..]].concat(), "");
+    let heavy = ["--where", "dynamic_load_rating_N>=5e6"];
+    let output = bsm(dir.path(), &[&["select"], &heavy[..]].concat(), "");
     assert_eq!(output.status.code(), Some(3));
     assert!(stderr(&output).contains("of which the nearest has"), "{}", stderr(&output));
     for (args, words) in [
-        (["catalog", "--require", "mass>=1"], "did you mean `mass_kg`?"),
-        (["catalog", "--sort", "weight_kg"], "no column is named `weight_kg`"),
-        (["catalog", "-o", "table.txt"], "must end in .csv"),
+        (["select", "--where", "mass>=1"], "did you mean `mass_kg`?"),
+        (["select", "--sort", "weight_kg"], "no column is named `weight_kg`"),
+        (["select", "-o", "table.txt"], "must end in .csv, .jsonl, .parquet, .xlsx or .json"),
     ] {
         let output = bsm(dir.path(), &args, "");
         assert_eq!(output.status.code(), Some(2), "{args:?}");
@@ -137,14 +136,17 @@ fn the_catalogue_tells_what_is_wrong() {
     }
     fs::write(dir.path().join("lists.json"), "{\"lead_mm\": [10], \"turns\": [3]}")
         .expect("written");
-    let output = bsm(dir.path(), &["catalog", "lists.json"], "");
+    let output = bsm(dir.path(), &["select", "--from", "lists.json"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("lists.json: unknown key `turns`"), "{}", stderr(&output));
     // The lists that are printed are lists that are taken.
-    let lists = stdout(&bsm(dir.path(), &["catalog", "--lists"], ""));
+    let lists = stdout(&bsm(dir.path(), &["select", "--show", "lists"], ""));
     fs::write(dir.path().join("lists.json"), lists).expect("written");
-    let output =
-        bsm(dir.path(), &["catalog", "lists.json", "--first", "1", "--plot", "figures"], "");
+    let output = bsm(
+        dir.path(),
+        &["select", "--from", "lists.json", "--first", "1", "--figures", "figures"],
+        "",
+    );
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let figures = fs::read_dir(dir.path().join("figures")).expect("figures").count();
     assert_eq!(figures, 26);
@@ -162,7 +164,7 @@ fn figures_follow_the_lists() {
         )
     };
     fs::write(dir.path().join("lists.json"), lists("[8, 10, 20]")).expect("written");
-    let args = ["catalog", "lists.json", "--plot", "figures"];
+    let args = ["select", "--from", "lists.json", "--figures", "figures"];
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let table = |name: &str| fs::read_to_string(dir.path().join("figures").join(name));
@@ -182,7 +184,7 @@ fn figures_follow_the_lists() {
     let output = bsm(dir.path(), &args, "");
     assert!(stderr(&output).contains("no two of the nuts differ"), "{}", stderr(&output));
     // What is asked for is what is drawn.
-    let args = ["catalog", "--require", "lead_mm=20", "--first", "1", "--plot", "leads"];
+    let args = ["select", "--where", "lead_mm=20", "--first", "1", "--figures", "leads"];
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(0));
     assert!(!dir.path().join("leads/catalogue-7a.csv").exists());
     assert!(dir.path().join("leads/catalogue-4.csv").exists());
@@ -192,13 +194,13 @@ fn figures_follow_the_lists() {
 fn friction_is_fitted_to_a_torque() {
     let dir = folder();
     let feed_drive = example("feed_drive.json");
-    let args = ["fit", &feed_drive, "--measured", "screw_torque_Nm=26", "--format", "json"];
+    let args = ["fit", &feed_drive, "--measured", "screw_torque_Nm=26", "--json"];
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let answer = json(&stdout(&output));
     let friction = answer["found"][0]["friction_coefficient"].as_f64().expect("found");
     let setting = format!("friction_coefficient={friction}");
-    let args = ["solve", &feed_drive, "--model", "traction", "--set", &setting, "--format", "json"];
+    let args = ["solve", &feed_drive, "--model", "traction", "--set", &setting, "--json"];
     let solved = json(&stdout(&bsm(dir.path(), &args, "")));
     let torque = solved["screw_torque_Nm"].as_f64().expect("converged");
     // The search stops at 5e-11 in the friction coefficient.
@@ -207,7 +209,14 @@ fn friction_is_fitted_to_a_torque() {
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(3));
     assert!(stdout(&output).contains("not 1"), "{}", stdout(&output));
-    let args = ["fit", &feed_drive, "--measured", "screw_torque_Nm=1", "--range", "wide"];
+    let args = [
+        "fit",
+        &feed_drive,
+        "--measured",
+        "screw_torque_Nm=1",
+        "--input",
+        "friction_coefficient=wide",
+    ];
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(2));
 }
 
@@ -219,8 +228,8 @@ fn inputs_are_fitted_to_a_table() {
     let points = "screw_speed_rpm,axial_load_N,screw_torque_Nm\n10,8000,26.30\n200,8000,26.14\n1500,8000,26.05\n3000,4000,13.15\n";
     fs::write(dir.path().join("measured.csv"), points).expect("a file");
     let fixed = ["fit", &oil, "--model", "raceway-control", "--measured", "screw_torque_Nm"];
-    let sought = ["--data", "measured.csv", "--input", "boundary_friction_coefficient"];
-    let more = ["--input", "seal_torque_Nm=0:1", "--plot", "fit.svg"];
+    let sought = ["--points", "measured.csv", "--input", "boundary_friction_coefficient"];
+    let more = ["--input", "seal_torque_Nm=0:1", "-o", "fit.svg"];
     let args = [&fixed[..], &sought, &more].concat();
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -230,7 +239,7 @@ fn inputs_are_fitted_to_a_table() {
     }
     let svg = fs::read_to_string(dir.path().join("fit.svg")).expect("a plot");
     assert!(svg.contains("measured screw_torque_Nm"));
-    let answer = bsm(dir.path(), &[&args[..], &["--format", "json"]].concat(), "");
+    let answer = bsm(dir.path(), &[&args[..], &["--json"]].concat(), "");
     let answer = json(&stdout(&answer));
     let seal = answer["found"]["seal_torque_Nm"]["value"].as_f64().expect("a number");
     assert!((0.0..=1.0).contains(&seal), "{answer}");
@@ -251,9 +260,9 @@ fn the_band_is_printed_where_it_is_wanted() {
     };
     let table = said(&[]);
     assert!(table.contains("nine of ten draws") && table.contains("Not in it"), "{table}");
-    assert!(!said(&["--band=never"]).contains("nine of ten draws"));
-    assert!(json(&said(&["--format", "json"]))["band"].is_null());
-    let band = json(&said(&["--format", "json", "--band"]));
+    assert!(!said(&["--show", "motion"]).contains("nine of ten draws"));
+    assert!(json(&said(&["--json"]))["band"].is_null());
+    let band = json(&said(&["--json", "--show", "band"]));
     assert!(band["band"]["screw_torque_Nm"][1].as_f64().expect("a number") > 26.0, "{band}");
 }
 
@@ -262,13 +271,13 @@ fn the_band_is_printed_where_it_is_wanted() {
 fn the_optimum_of_a_model_is_searched_for() {
     let dir = folder();
     let lin = example("lin1994.json");
-    let args = ["optimum", &lin, "--model", "closed-form", "--format", "json"];
+    let args = ["solve", &lin, "--show", "optimum", "--model", "closed-form", "--json"];
     let answer = json(&stdout(&bsm(dir.path(), &args, "")));
     let angle = |value: &Value| value["optimum_contact_angle_deg"].as_f64().expect("an optimum");
     let (found, exact) = (angle(&answer["by_model"]), angle(&answer["rotary_to_linear"]));
     // A minimum is flat: half the digits of the efficiency.
     assert!((found - exact).abs() < 1e-5, "{found} {exact}");
-    let output = bsm(dir.path(), &["optimum", &lin, "--model", "traction"], "");
+    let output = bsm(dir.path(), &["solve", &lin, "--show", "optimum", "--model", "traction"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("nut_conformity"), "{}", stderr(&output));
 }
@@ -280,13 +289,14 @@ fn the_optimum_is_found_from_either_angle() {
     let dir = folder();
     let of = |setting: &str| {
         let args = [
+            "solve",
+            "--show",
             "optimum",
             "--set",
             setting,
             "--set",
             "friction_coefficient=0.075",
-            "--format",
-            "json",
+            "--json",
         ];
         let output = bsm(dir.path(), &args, "");
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -299,12 +309,13 @@ fn the_optimum_is_found_from_either_angle() {
     let back = of(&format!("lead_angle_deg={lead}"));
     let angle = back["linear_to_rotary"]["optimum_contact_angle_deg"].as_f64().expect("an optimum");
     assert!((angle - 75.0).abs() < 1e-9, "{angle}");
-    let output = bsm(dir.path(), &["optimum", "--set", "friction_coefficient=0.075"], "");
+    let output =
+        bsm(dir.path(), &["solve", "--show", "optimum", "--set", "friction_coefficient=0.075"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("or contact_angle_deg"), "{}", stderr(&output));
 
     let figures = |args: &[&str]| {
-        let args = [args, &["--plot", "figures"][..]].concat();
+        let args = [args, &["--figures", "figures"][..]].concat();
         let output = bsm(dir.path(), &args, "");
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         let names = fs::read_dir(dir.path().join("figures")).expect("figures");
@@ -315,6 +326,6 @@ fn the_optimum_is_found_from_either_angle() {
             .count()
     };
     let angles = ["--set", "lead_angle_deg=10", "--set", "friction_coefficient=0.075"];
-    assert_eq!(figures(&[&["optimum"][..], &angles].concat()), 2);
-    assert_eq!(figures(&["optimum", &example("lin1994.json")]), 7);
+    assert_eq!(figures(&[&["solve", "--show", "optimum"][..], &angles].concat()), 2);
+    assert_eq!(figures(&["solve", &example("lin1994.json"), "--show", "optimum"]), 7);
 }

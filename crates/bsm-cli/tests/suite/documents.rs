@@ -180,13 +180,14 @@ fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
             let scenes = fs::read_to_string(scenes).expect("the committed points");
             let few: Vec<_> = scenes.lines().take(4).collect();
             fs::write(folder.join("few.csv"), few.join("\n")).expect("a table");
-            words.push("few.csv".to_owned());
+            words.extend(["--points", "few.csv"].map(str::to_owned));
         }
         // A server would run on: the same page as a file.
         "view" => {
             words.retain(|word| word != "--open");
-            if !words.iter().any(|word| word == "--out") {
-                words.extend(["--out", "view.html"].map(str::to_owned));
+            match words.iter().position(|word| word == "-o") {
+                Some(place) => "view.html".clone_into(&mut words[place + 1]),
+                None => words.extend(["-o", "view.html"].map(str::to_owned)),
             }
         }
         other => panic!("how is {other} made short?"),

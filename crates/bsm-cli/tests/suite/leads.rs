@@ -14,8 +14,17 @@ fn both_lead_columns_with_gaps_are_answered_as_single_points() {
     let drive = drive.display().to_string();
     for model in ["raceway-control", "rigid", "closed-form", "quasi-static", "auto"] {
         let common = ["--model", model];
-        let batch =
-            ["batch", "-", "--base", &drive, "-o", "-", "--columns", "efficiency", "--keep-going"];
+        let batch = [
+            "sweep",
+            &drive,
+            "--points",
+            "-",
+            "-o",
+            "-",
+            "--columns",
+            "efficiency",
+            "--keep-going",
+        ];
         let table = "lead_angle_deg,lead_mm\n6,\n,10\n6,10\n";
         let output = bsm(dir.path(), &[&batch[..], &common].concat(), table);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -23,7 +32,7 @@ fn both_lead_columns_with_gaps_are_answered_as_single_points() {
         let rows = csv::Reader::from_reader(text.as_bytes()).into_records();
         let rows: Vec<_> = rows.collect::<Result<_, _>>().expect("CSV");
         for (row, setting) in rows.iter().zip(["lead_angle_deg=6", "lead_mm=10"]) {
-            let solve = ["solve", &drive, "--format", "json", "--set", setting];
+            let solve = ["solve", &drive, "--json", "--set", setting];
             let single = stdout(&bsm(dir.path(), &[&solve[..], &common].concat(), ""));
             let single: serde_json::Value = serde_json::from_str(&single).expect("JSON");
             let known = single["efficiency"].as_f64();

@@ -19,7 +19,7 @@ fn example(name: &str) -> String {
 /// The answer in JSON, and the exit code.
 fn answer(scene: &str, args: &[&str]) -> (Option<i32>, Value, String) {
     let dir = folder();
-    let output = bsm(dir.path(), &[&["nut", "-", "--format", "json"], args].concat(), scene);
+    let output = bsm(dir.path(), &[&["nut", "-", "--json"], args].concat(), scene);
     let json = serde_json::from_str(&stdout(&output)).unwrap_or(Value::Null);
     (output.status.code(), json, stderr(&output))
 }
@@ -274,7 +274,7 @@ fn settings_take_words() {
 fn a_preloaded_pair_tells_rigidity_limit_and_drag() {
     let dir = folder();
     let scene = example("nut_double.json");
-    let output = bsm(dir.path(), &["nut", &scene, "--format", "json"], "");
+    let output = bsm(dir.path(), &["nut", &scene, "--json"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let found: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     let of = |key: &str| found[key].as_f64().unwrap_or_else(|| panic!("{key}: {found}"));
@@ -304,7 +304,7 @@ fn a_preloaded_pair_tells_rigidity_limit_and_drag() {
         assert!(text.contains(part), "{part}: {text}");
     }
     let set = format!("axial_load_N={}", 1.01 * of("limit_load_N"));
-    let output = bsm(dir.path(), &["nut", &scene, "--set", &set, "--format", "json"], "");
+    let output = bsm(dir.path(), &["nut", &scene, "--set", &set, "--json"], "");
     let beyond: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert!(beyond["preload_left_N"].as_f64().expect("N").abs() < 1e-9, "{beyond}");
     let solved = bsm(dir.path(), &["solve", &scene], "");
@@ -316,10 +316,17 @@ fn a_preloaded_pair_tells_rigidity_limit_and_drag() {
 fn balls_curve_and_figures_are_written() {
     let dir = folder();
     let scene = example("nut_oversize.json");
-    let args =
-        ["nut", &scene, "--table", "balls.csv", "--curve", "-o", "curve.csv", "--plot", "figures"];
-    let output = bsm(dir.path(), &args, "");
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    for more in [
+        &["-o", "balls.csv", "--figures", "figures"][..],
+        &["--show", "curve", "-o", "curve.csv", "-o", "nut.json"],
+    ] {
+        let output = bsm(dir.path(), &[&["nut", &scene], more].concat(), "");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stdout(&output).contains("preload"), "{}", stdout(&output));
+    }
+    let json = fs::read_to_string(dir.path().join("nut.json")).expect("numbers");
+    let json: Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json["status"], "converged");
     let rows = |name: &str| {
         let text = fs::read_to_string(dir.path().join(name)).expect(name);
         text.lines().map(str::to_owned).collect::<Vec<_>>()
@@ -352,7 +359,7 @@ fn samples_follow_from_their_seed() {
     let dir = folder();
     let scene = example("nut_scattered.json");
     let run = |threads: &str, seed: &str| {
-        let args = ["nut", &scene, "--samples", "12", "--seed", seed, "--format", "json"];
+        let args = ["nut", &scene, "--samples", "12", "--seed", seed, "--json"];
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_bsm"));
         let output = command.args(args).env("RAYON_NUM_THREADS", threads).current_dir(dir.path());
         let output = output.output().expect("the program runs");
@@ -382,7 +389,7 @@ fn numbers_of_a_nut_are_columns() {
     let text = stdout(&output);
     let row: Vec<_> = text.lines().nth(2).expect("two rows").split(',').collect();
     let header: Vec<_> = text.lines().next().expect("a header").split(',').collect();
-    let args = ["nut", &scene, "--set", "axial_load_N=4000", "--format", "json"];
+    let args = ["nut", &scene, "--set", "axial_load_N=4000", "--json"];
     let found: Value = serde_json::from_str(&stdout(&bsm(dir.path(), &args, ""))).expect("JSON");
     for name in columns.split(',') {
         let place = header.iter().position(|column| *column == name).expect(name);
@@ -474,7 +481,7 @@ fn the_preloads_of_a_warm_pair_are_one_number_in_nut_and_size() {
     let scene = pair(&axis).to_string();
     let (_, nut, _) = answer(&scene, &[]);
     let dir = folder();
-    let output = bsm(dir.path(), &["size", "-", "--format", "json"], &scene);
+    let output = bsm(dir.path(), &["axis", "-", "--json"], &scene);
     let sheet: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     for key in ["preload_set_N", "warm_preload_N"] {
         assert_eq!(nut[key], sheet["screw"][key], "{key}");
@@ -592,7 +599,7 @@ fn odd_nuts_are_refused_or_explained() {
 #[test]
 fn solve_knows_the_balls_of_circuits_with_gaps() {
     let dir = folder();
-    let output = bsm(dir.path(), &["solve", &example("nut_free.json"), "--format", "json"], "");
+    let output = bsm(dir.path(), &["solve", &example("nut_free.json"), "--json"], "");
     let solved: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert!(
         ["raceway-control", "traction"].contains(&solved["model"].as_str().expect("a model")),
@@ -625,7 +632,8 @@ fn the_nut_of_the_examples_runs_in_nut() {
     let (code, found, words) = answer(&nut, &[]);
     assert_eq!(code, Some(0), "{words}");
     let dir = folder();
-    let output = bsm(dir.path(), &["capacity", &example("nut.json"), "--format", "json"], "");
+    let output =
+        bsm(dir.path(), &["solve", &example("nut.json"), "--show", "ratings", "--json"], "");
     let rated: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     // The same preload as for its ratings; the preload is found to 1e-8.
     let ratio = of(&found, "preload_set_N") / of(&rated, "preload_N");
@@ -633,14 +641,18 @@ fn the_nut_of_the_examples_runs_in_nut() {
     assert!(found["notes"].to_string().contains("without axial_load_N and preload_N"), "{found}");
 }
 
-/// `bsm capacity` and `bsm size` refused the feed drive of the examples: it did not say on how many turns its balls are.
+/// Ratings and `bsm axis` refused the feed drive of the examples: it did not say on how many turns its balls are.
 #[test]
-fn the_feed_drives_run_in_capacity_size_and_nut() {
+fn the_feed_drives_are_rated_and_run_in_axis_and_nut() {
     let dir = folder();
     for scene in ["feed_drive.json", "feed_drive_oil.json"] {
-        for command in ["capacity", "size", "nut"] {
-            let output = bsm(dir.path(), &[command, &example(scene)], "");
-            assert_eq!(output.status.code(), Some(0), "{command} {scene}: {}", stderr(&output));
+        for args in [
+            &["solve", &example(scene), "--show", "ratings"][..],
+            &["axis", &example(scene)],
+            &["nut", &example(scene)],
+        ] {
+            let output = bsm(dir.path(), args, "");
+            assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
         }
     }
 }

@@ -18,7 +18,7 @@ fn validation() -> PathBuf {
 #[test]
 fn validate_passes_and_writes_its_report() {
     let dir = folder();
-    let output = bsm(dir.path(), &["validate", "--out", "report"], "");
+    let output = bsm(dir.path(), &["validate", "--figures", "report"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
     assert!(stdout(&output).contains(" 0 failed"));
     let read = |file: &str| fs::read_to_string(dir.path().join("report").join(file)).expect(file);
@@ -30,6 +30,19 @@ fn validate_passes_and_writes_its_report() {
     let results: Value = serde_json::from_str(&read("results.json")).expect("JSON");
     assert_eq!(results["passed"], true);
     assert!(results["checks"].as_array().expect("list").len() >= 25);
+    // Some of them, and their page alone.
+    let some = ["validate", "--only", "elastic/", "--json", "-o", "some.html", "-o", "some.json"];
+    let output = bsm(dir.path(), &some, "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let some: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let keys = some["checks"].as_array().expect("list").iter().map(|check| check["key"].as_str());
+    assert!(keys.clone().count() > 0 && keys.flatten().all(|key| key.contains("elastic/")));
+    let read = |file: &str| fs::read_to_string(dir.path().join(file)).expect(file);
+    assert_eq!(serde_json::from_str::<Value>(&read("some.json")).expect("JSON"), some);
+    assert!(read("some.html").contains("hertz-nut-ratio"));
+    assert!(!read("some.html").contains("lin1994&#x2f;"));
+    let output = bsm(dir.path(), &["validate", "--only", "nothing"], "");
+    assert_eq!(output.status.code(), Some(2));
 }
 
 /// A reference that is off by one in its fifth digit turns its check red, here and in the page.
@@ -37,7 +50,7 @@ fn validate_passes_and_writes_its_report() {
 fn a_perturbed_reference_fails() {
     let dir = folder();
     let data = copy_published(dir.path());
-    let args = ["validate", "--data", "data", "--out", "report"];
+    let args = ["validate", "--from", "data", "--figures", "report"];
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
 
@@ -74,10 +87,10 @@ fn tradeoff_measures_a_table() {
     let scenes = fs::read_to_string(validation().join("golden/tradeoff/scenes.csv")).expect("data");
     let few: Vec<_> = scenes.lines().take(4).collect();
     fs::write(dir.path().join("few.csv"), few.join("\n")).expect("written");
-    let output = bsm(dir.path(), &["tradeoff", "few.csv", "--out", "report"], "");
+    let output = bsm(dir.path(), &["tradeoff", "--points", "few.csv", "--figures", "report"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
-    for part in ["points: all 3", "traction --accuracy 1e-8", "auto --tolerance 1e-3", "0.01 %"] {
+    for part in ["points: all 3", "traction accuracy=1e-8", "auto tolerance=1e-3", "0.01 %"] {
         assert!(text.contains(part), "{part}: {text}");
     }
     let read = |file: &str| fs::read_to_string(dir.path().join("report").join(file)).expect(file);
@@ -87,16 +100,16 @@ fn tradeoff_measures_a_table() {
     assert_eq!(results["tradeoff"]["points"][0]["points"], 3);
 
     fs::write(dir.path().join("short.csv"), "lead_angle_deg\n10\n").expect("written");
-    let output = bsm(dir.path(), &["tradeoff", "short.csv"], "");
+    let output = bsm(dir.path(), &["tradeoff", "--points", "short.csv"], "");
     assert_eq!(output.status.code(), Some(2));
     let text = stderr(&output);
     assert!(text.contains("short.csv: row 1") && text.contains("nut_conformity"), "{text}");
     // No model carries this point to an end: there is nothing to measure against.
     let hopeless = format!("{}\n40,8,30,85,1,0.53,0.53,0,100,100,1\n", few[0]);
     fs::write(dir.path().join("hopeless.csv"), hopeless).expect("written");
-    let output = bsm(dir.path(), &["tradeoff", "hopeless.csv"], "");
+    let output = bsm(dir.path(), &["tradeoff", "--points", "hopeless.csv"], "");
     assert_eq!(output.status.code(), Some(3));
     assert!(stderr(&output).contains("no reference"), "{}", stderr(&output));
-    let output = bsm(dir.path(), &["tradeoff", "none.csv"], "");
+    let output = bsm(dir.path(), &["tradeoff", "--points", "none.csv"], "");
     assert_eq!(output.status.code(), Some(1));
 }

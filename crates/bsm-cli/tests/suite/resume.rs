@@ -89,12 +89,12 @@ impl Points {
         let drive = example("feed_drive.json");
         let mut args = match source {
             "grid" => [&strings(&["sweep", &drive])[..], &self.vary].concat(),
-            table => strings(&["batch", table, "--base", &drive]),
+            table => strings(&["sweep", &drive, "--points", table]),
         };
         args.extend(strings(&["--model=elastic", "--columns=efficiency,screw_torque_Nm"]));
         args.extend(strings(&["-o", output]));
         if output.ends_with('/') {
-            args.push(format!("--rows-per-shard={}", self.rows.div_ceil(16)));
+            args.push(format!("--rows-per-part={}", self.rows.div_ceil(16)));
         }
         args
     }
@@ -470,7 +470,10 @@ fn another_grid_is_not_mixed_in() {
             args(20, &["--resume", "--set=density_kg_m3=7000"]),
             "another task, which differs in: base",
         ),
-        (args(20, &["--resume", "--tolerance=1e-5"]), "another task, which differs in: model"),
+        (
+            args(20, &["--resume", "--solver=tolerance=1e-5"]),
+            "another task, which differs in: model",
+        ),
     ] {
         let output = run(args);
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
@@ -566,7 +569,7 @@ fn what_cannot_be_resumed_says_what_to_do() {
     };
     for (output, words) in [
         ("x.csv", "--resume cannot continue x.csv: a single table appears when it is complete"),
-        ("x.parquet", "write a folder of parts, --output x/, which --resume can continue"),
+        ("x.parquet", "write a folder of parts, -o x/, which --resume can continue"),
         ("-", "--resume cannot continue standard output"),
     ] {
         let said = resume(output);

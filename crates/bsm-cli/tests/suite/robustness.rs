@@ -34,18 +34,18 @@ fn printing() -> Vec<Vec<String>> {
         &["--version"],
         &["schema", "input"],
         &["schema", "output"],
-        &["completions", "bash"],
+        &["schema"],
         &["solve", &drive],
-        &["solve", &drive, "--format=json", "--sensitivities"],
-        &["compare", &drive],
+        &["solve", &drive, "--json", "--show", "sensitivities"],
+        &["solve", &drive, "--model", "all"],
         &["sweep", &drive, sweep[0], sweep[1], sweep[2]],
-        &["optimum", &lin],
-        &["capacity", &nut],
-        &["catalog", "--lists"],
-        &["catalog", "--columns"],
-        &["design"],
-        &["slip", &slip],
-        &["jam", &jam],
+        &["solve", &lin, "--show", "optimum"],
+        &["solve", &nut, "--show", "ratings"],
+        &["select", "--show", "lists"],
+        &["select", "--show", "columns"],
+        &["select", "--show", "keys"],
+        &["solve", &slip, "--show", "slip"],
+        &["solve", &jam, "--show", "jam"],
         &["fit", &drive, measured, "--model=raceway-control"],
     ]
     .into_iter()
@@ -146,7 +146,7 @@ fn pipes_are_written_to_and_stay_pipes() {
     assert_told(&child.wait_with_output().expect("ends"), 0, "");
     assert!(fs::metadata(&fifo).expect("there").file_type().is_fifo());
     // A table is read from one, too.
-    let batch = ["batch", "pipe.csv", "--base", &drive, "--model=closed-form", "-o", "out.csv"];
+    let batch = ["sweep", &drive, "--points", "pipe.csv", "--model=closed-form", "-o", "out.csv"];
     let child = program(&batch, dir.path()).spawn().expect("the program starts");
     fs::write(&fifo, "axial_load_N\n1\n").expect("pipe");
     assert_told(&child.wait_with_output().expect("ends"), 0, "");
@@ -188,9 +188,10 @@ fn links_stay_links_and_what_is_protected_stays() {
     assert_told(&sweep("no/such/x.csv"), 1, "cannot write in folder no/such: No such file");
     assert_told(&sweep("real.csv/x.csv"), 1, "cannot write in folder real.csv: Not a directory");
     fs::create_dir(at("folder.svg")).expect("folder");
-    let plot = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", "x.csv", "--plot=folder.svg"];
+    let plot = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", "x.csv", "-o", "folder.svg"];
     assert_told(&run(&plot, dir.path()), 1, "cannot write folder.svg: it is a folder");
-    for args in [&["solve", "folder.svg"][..], &["batch", "folder.svg/../.csv", "-o-"]] {
+    for args in [&["solve", "folder.svg"][..], &["sweep", "--points", "folder.svg/../.csv", "-o-"]]
+    {
         assert!(matches!(run(args, dir.path()).status.code(), Some(1 | 2)));
     }
     let left = ["astray.csv", "folder.svg", "kept.csv", "link.csv", "loop.csv", "real.csv"];
@@ -205,15 +206,15 @@ fn inputs_are_not_lost() {
     copy("feed_drive.json", "scene.csv");
     copy("requirements/feed_drive.json", "wish.json");
     symlink("wish.json", dir.path().join("same.json")).expect("link");
-    fs::write(dir.path().join("lists.csv"), "{\"nominal_diameter_mm\": [20]}").expect("lists");
+    fs::write(dir.path().join("lists.json"), "{\"nominal_diameter_mm\": [20]}").expect("lists");
     fs::write(dir.path().join("points.csv"), "axial_load_N\n5\n").expect("points");
     for args in [
         &["sweep", "scene.csv", "--vary=axial_load_N=1:9:3", "-o", "scene.csv"][..],
         &["sweep", "scene.csv", "--vary=axial_load_N=1:9:3", "-o", "./scene.csv"],
-        &["batch", "points.csv", "--base=scene.csv", "-o", "scene.csv"],
-        &["design", "wish.json", "-o", "same.json"],
-        &["catalog", "lists.csv", "-o", "lists.csv"],
-        &["catalog", "lists.csv", "--pick", "lists.csv"],
+        &["sweep", "scene.csv", "--points", "points.csv", "-o", "scene.csv"],
+        &["select", "wish.json", "-o", "same.json"],
+        &["select", "--from", "lists.json", "-o", "nuts.csv", "-o", "lists.json"],
+        &["select", "wish.json", "--from", "lists.json", "-o", "wish.json"],
     ] {
         assert_told(
             &run(args, dir.path()),
@@ -223,7 +224,7 @@ fn inputs_are_not_lost() {
     }
     // A table of points may be answered in its place: it is read to its end before.
     let args =
-        ["batch", "points.csv", "--base=scene.csv", "--model=closed-form", "-o", "points.csv"];
+        ["sweep", "scene.csv", "--points", "points.csv", "--model=closed-form", "-o", "points.csv"];
     assert_told(&run(&args, dir.path()), 0, "");
     let table = fs::read_to_string(dir.path().join("points.csv")).expect("table");
     assert!(table.lines().nth(1).expect("a row").starts_with("5,closed-form,converged"));
@@ -328,7 +329,7 @@ fn threads_that_cannot_be_started_are_no_panic() {
     if let Some(output) = limited("ulimit -v 1000000", &many, dir.path()) {
         assert_told(&output, 0, "of 1024 threads: the system starts no more");
     }
-    let catalog = ["catalog", "--first=3", "--require=lead_mm=20"];
+    let catalog = ["select", "--first=3", "--where=lead_mm=20"];
     let usual = run(&catalog, dir.path());
     let limits = "export RAYON_NUM_THREADS=1024; ulimit -v 1000000";
     if let Some(output) = limited(limits, &catalog, dir.path()) {
@@ -492,19 +493,19 @@ fn resume_leaves_the_files_of_others() {
 #[test]
 fn devices_without_end_are_read_to_a_limit() {
     let dir = folder();
-    let nut = example("nut.json");
+    let axis = example("axis.json");
     for args in [
         &["solve", "/dev/zero"][..],
-        &["compare", "/dev/zero"],
-        &["design", "/dev/zero"],
-        &["catalog", "/dev/zero"],
+        &["solve", "/dev/zero", "--model", "all"],
+        &["select", "/dev/zero"],
+        &["select", "--from", "/dev/zero"],
         &["sweep", "/dev/zero", "--vary=axial_load_N=1:9:3", "-o-"],
-        &["batch", "-", "--base", "/dev/zero", "-o-"],
+        &["sweep", "/dev/zero", "--points", "-", "-o-"],
     ] {
         assert_told(&run(args, dir.path()), 2, "/dev/zero: is longer than 1 MiB");
     }
-    let spectrum = ["capacity", &nut, "--spectrum", "/dev/zero"];
-    assert_told(&run(&spectrum, dir.path()), 2, "/dev/zero: is longer than 16 MiB");
+    let cycle = ["axis", &axis, "--cycle", "/dev/zero"];
+    assert_told(&run(&cycle, dir.path()), 2, "/dev/zero: is longer than 16 MiB");
     let zero = File::open("/dev/zero").expect("Linux has it");
     let output = program(&["solve", "-"], dir.path()).stdin(zero).output().expect("runs");
     assert_told(&output, 2, "standard input: is longer than 1 MiB");
@@ -530,7 +531,7 @@ fn a_large_catalogue_takes_little_memory() {
     // 180 000 nuts took 100 MB and more for each copy and its table; the program alone takes some 20 besides its own size.
     let limits = format!("export RAYON_NUM_THREADS=1; ulimit -v {}", mapped() + 28_000);
     let limits = limits.as_str();
-    let args = ["catalog", "lists.json", "--sort=mass_kg", "-o", "nuts.csv"];
+    let args = ["select", "--from", "lists.json", "--sort=mass_kg", "-o", "nuts.csv"];
     let Some(output) = limited(limits, &args, dir.path()) else { return };
     assert_told(&output, 0, "180000 nuts within the limits");
     let table = fs::read_to_string(dir.path().join("nuts.csv")).expect("table");
@@ -546,13 +547,14 @@ fn a_large_catalogue_takes_little_memory() {
 #[test]
 fn no_sentence_has_a_number_that_is_none() {
     let dir = folder();
-    fs::write(
-        dir.path().join("loads.csv"),
-        "axial_load_N,screw_speed_rpm,time_share\n1e300,100,1\n",
-    )
-    .expect("spectrum");
-    let capacity = ["capacity", &example("nut.json"), "--spectrum", "loads.csv"];
-    assert_told(&run(&capacity, dir.path()), 2, "mean_load_N is beyond double precision");
+    fs::write(dir.path().join("loads.csv"), "force_N,feed_m_min,share\n1e300,1,1\n")
+        .expect("cycle");
+    let axis = ["axis", &example("axis.json"), "--cycle", "loads.csv"];
+    assert_told(&run(&axis, dir.path()), 2, "the forces of the balls do not balance");
+    let loads = ["--set=axial_load_N=1e300", "--set=screw_speed_rpm=100", "--show=ratings"];
+    let nut = example("nut.json");
+    let ratings = [&["solve", &nut], &loads[..]].concat();
+    assert_told(&run(&ratings, dir.path()), 2, "is beyond double precision");
     let dong = example("dong2020.json");
     for setting in [
         "return_stiffness_N_um15=1e308",
@@ -562,7 +564,7 @@ fn no_sentence_has_a_number_that_is_none() {
         "lubricant_density_kg_m3=1e308",
         "loaded_balls_per_turn=1e308",
     ] {
-        let output = run(&["jam", &dong, "--set", setting], dir.path());
+        let output = run(&["solve", &dong, "--show", "jam", "--set", setting], dir.path());
         let text = stdout(&output) + &stderr(&output);
         assert!(matches!(output.status.code(), Some(0 | 2 | 3)), "{setting}: {text}");
         assert!(!text.contains("NaN") && !text.contains("inf"), "{setting}: {text}");
@@ -584,16 +586,16 @@ fn control_characters_reach_neither_terminal_nor_plot() {
     let evil = r"red \u001b[31m bell \u0007 nul \u0000 turned \u202e <b>&\ufffe";
     let scene = format!("{}{evil}{}", &text[..start], &text[end..]);
     fs::write(dir.path().join("evil.json"), scene).expect("scene");
-    for command in ["solve", "compare", "slip", "jam"] {
-        let output = run(&[command, "evil.json"], dir.path());
+    for more in ["--show=motion", "--model=all", "--show=slip", "--show=jam"] {
+        let output = run(&["solve", "evil.json", more], dir.path());
         let text = stdout(&output);
-        assert!(text.starts_with("red \\u{1b}[31m bell \\u{7} nul \\u{0}"), "{command}: {text}");
+        assert!(text.starts_with("red \\u{1b}[31m bell \\u{7} nul \\u{0}"), "{more}: {text}");
         assert!(!text.contains(|c: char| c == '\u{202e}' || (c.is_control() && c != '\n')));
     }
     let named = run(&["solve", "no\u{1b}[31m.json"], dir.path());
     assert_told(&named, 1, "cannot read no\\u{1b}[31m.json: No such file");
     let args = ["sweep", "evil.json", "--vary=axial_load_N=100:9000:9", "-o", "x.csv"];
-    let output = run(&[&args[..], &["--plot=x.svg"]].concat(), dir.path());
+    let output = run(&[&args[..], &["-o", "x.svg"]].concat(), dir.path());
     assert_told(&output, 0, "");
     let svg = fs::read_to_string(dir.path().join("x.svg")).expect("plot");
     let svg = roxmltree::Document::parse(&svg).expect("well-formed XML");
@@ -605,7 +607,8 @@ fn control_characters_reach_neither_terminal_nor_plot() {
 #[test]
 fn numbers_of_a_row_have_one_form() {
     let dir = folder();
-    let args = ["batch", "-", "--base", &example("feed_drive.json"), "--model=closed-form", "-o-"];
+    let args =
+        ["sweep", &example("feed_drive.json"), "--points", "-", "--model=closed-form", "-o-"];
     let rows = "axial_load_N,loaded_balls\n1e22,8\n0.000001,4\n";
     let table = stdout(&bsm(dir.path(), &args, rows));
     let cells: Vec<_> = table.lines().skip(1).flat_map(|row| row.split(',')).collect();
@@ -628,8 +631,9 @@ fn numbers_of_a_row_have_one_form() {
 #[test]
 fn rounding_is_not_printed_as_a_result() {
     let dir = folder();
-    for command in ["solve", "slip", "jam"] {
-        let text = stdout(&run(&[command, &example("feed_drive.json")], dir.path()));
+    for show in ["motion", "slip", "jam"] {
+        let args = ["solve", &example("feed_drive.json"), "--show", show];
+        let text = stdout(&run(&args, dir.path()));
         let tiny = text.split_whitespace().filter(|word| {
             let value = word.parse::<f64>().map_or(0.0, f64::abs);
             // A residual and differences of powers are rounding by their nature.
@@ -638,10 +642,10 @@ fn rounding_is_not_printed_as_a_result() {
         let by_nature = |line: &&str| line.starts_with("status") || line.contains("difference");
         let by_nature: String = text.lines().filter(by_nature).collect();
         let tiny: Vec<_> = tiny.filter(|word| !by_nature.contains(word)).collect();
-        assert!(tiny.is_empty(), "{command}: {tiny:?} in\n{text}");
+        assert!(tiny.is_empty(), "{show}: {tiny:?} in\n{text}");
     }
     // Files keep the bits.
-    let json = stdout(&run(&["solve", &example("feed_drive.json"), "--format=json"], dir.path()));
+    let json = stdout(&run(&["solve", &example("feed_drive.json"), "--json"], dir.path()));
     let spin = json.lines().find(|line| line.contains("\"screw_spin_rad_s\":")).expect("there");
     assert!(spin.contains("e-"), "{spin}");
 }
@@ -651,8 +655,15 @@ fn rounding_is_not_printed_as_a_result() {
 #[test]
 fn an_interrupt_is_heard_while_input_is_waited_for() {
     let dir = folder();
-    let args =
-        ["batch", "-", "--base", &example("feed_drive.json"), "--model=closed-form", "-o", "x.csv"];
+    let args = [
+        "sweep",
+        &example("feed_drive.json"),
+        "--points",
+        "-",
+        "--model=closed-form",
+        "-o",
+        "x.csv",
+    ];
     let mut child = program(&args, dir.path()).stdin(Stdio::piped()).spawn().expect("starts");
     let mut stdin = child.stdin.take().expect("piped");
     let rows = "axial_load_N\n".to_owned() + &"2000\n".repeat(70_000);
@@ -716,8 +727,8 @@ fn names_need_not_be_utf8() {
     assert_told(&run(&[os("solve"), scene.as_os_str()]), 0, "");
     for output in [&out, &parts] {
         let args =
-            [points.as_os_str(), os("--base"), scene.as_os_str(), os("-o"), output.as_os_str()];
-        assert_told(&run(&[&[os("batch")][..], &args].concat()), 0, "");
+            [scene.as_os_str(), os("--points"), points.as_os_str(), os("-o"), output.as_os_str()];
+        assert_told(&run(&[&[os("sweep")][..], &args].concat()), 0, "");
     }
     let missing = run(&[os("solve"), name(".gone").as_os_str()]);
     assert_told(&missing, 1, "cannot read caf\u{fffd}.gone: No such file");
@@ -787,7 +798,7 @@ fn tables_of_other_programs() {
     ] {
         fs::write(dir.path().join(name), bytes).expect("table");
         let drive = example("feed_drive.json");
-        let args = ["batch", name, "--base", &drive, "--model=closed-form", "-o-"];
+        let args = ["sweep", &drive, "--points", name, "--model=closed-form", "-o-"];
         let keep = if name == "quote.csv" { "--keep=id" } else { "--quiet" };
         let output = run(&[&args[..], &[keep]].concat(), dir.path());
         assert_told(&output, code, part);
@@ -797,7 +808,7 @@ fn tables_of_other_programs() {
         assert_eq!(rows, usize::from(code == 0 && name != "header.csv"), "{name}");
     }
     // A decimal comma in quotes is one cell, which the row tells.
-    let args = ["batch", "-", "--base", &example("feed_drive.json"), "-o-"];
+    let args = ["sweep", &example("feed_drive.json"), "--points", "-", "-o-"];
     let output = bsm(dir.path(), &args, "axial_load_N\n\"2000,5\"\n");
     assert!(stdout(&output).contains("is `2000,5`, but must be a number"), "{}", stdout(&output));
 }
@@ -807,7 +818,7 @@ fn tables_of_other_programs() {
 fn the_environment_changes_nothing() {
     let dir = folder();
     let drive = example("feed_drive.json");
-    let args = ["solve", &drive, "--sensitivities"];
+    let args = ["solve", &drive, "--show", "sensitivities"];
     let usual = run(&args, dir.path());
     for (name, value) in [
         ("LC_ALL", "de_DE.UTF-8"),

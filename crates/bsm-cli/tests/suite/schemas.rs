@@ -62,14 +62,14 @@ fn results_are_what_their_schemas_say() {
     assert!(bsm(dir.path(), &[&["sweep", &drive][..], &plan].concat(), "").status.success());
     let runs: &[&[&str]] = &[
         &["solve", &drive],
-        &["solve", &drive, "--sensitivities", "--model", "traction"],
+        &["solve", &drive, "--show", "sensitivities", "--model", "traction"],
         &["solve", &oil],
         &["solve", &axis],
         &["solve", &lin, "--set", "lead_angle_deg=5"],
-        &["compare", &drive],
-        &["optimum", &lin],
-        &["optimum", &drive, "--model", "quasi-static"],
-        &["capacity", &nut],
+        &["solve", &drive, "--model", "all"],
+        &["solve", &lin, "--show", "optimum"],
+        &["solve", &drive, "--show", "optimum", "--model", "quasi-static"],
+        &["solve", &nut, "--show", "ratings"],
         &["nut", &double],
         &["nut", &double, "--set", "axial_load_MN=5"],
         &[
@@ -82,30 +82,45 @@ fn results_are_what_their_schemas_say() {
             "--samples",
             "3",
         ],
-        &["size", &axis],
-        &["size", &axis, "--set", "axis_heat_transfer_W_K=5", "--set", "accuracy_grade=3"],
+        &["axis", &axis],
+        &["axis", &axis, "--set", "axis_heat_transfer_W_K=5", "--set", "accuracy_grade=3"],
         &["fit", &drive, "--measured", "screw_torque_Nm=26"],
         &["fit", &drive, "--measured", "screw_torque_Nm=1"],
-        &["fit", &drive, "--measured", "screw_torque_Nm", "--data", "measured.csv"],
-        &["design", &wish],
-        &["design", &wish, "--set", "life_h=1e9"],
-        &["catalog", "lists.json", "--first", "3"],
-        &["catalog", "lists.json", "--first", "3", "--requirement", &wish],
-        &["catalog", "--makers", &makers],
-        &["slip", &drive],
-        &["slip", &lin, "--set", "lead_angle_deg=5"],
-        &["jam", &jamming],
+        &["fit", &drive, "--measured", "screw_torque_Nm", "--points", "measured.csv"],
+        &["select", &wish],
+        &["select", &wish, "--set", "life_h=1e9"],
+        &["select", "--from", "lists.json", "--first", "3"],
+        &["select", "--from", "lists.json", "--first", "3", &wish],
+        &["select", "--from", &makers],
+        &["solve", &drive, "--show", "slip"],
+        &["solve", &lin, "--show", "slip", "--set", "lead_angle_deg=5"],
+        &["solve", &jamming, "--show", "jam"],
         &["validate"],
-        &["verify", "map"],
+        &["parts", "check", "map"],
     ];
     for args in runs {
-        let result = json(dir.path(), &[args, &["--format", "json"][..]].concat());
-        let schema = schema(dir.path(), args[0]);
+        let result = json(dir.path(), &[args, &["--json"][..]].concat());
+        let after = |word: &str| {
+            let place = args.iter().position(|arg| *arg == word)?;
+            args.get(place + 1).copied()
+        };
+        // A solve shows several answers, each with a schema.
+        let name = match (after("--show"), after("--model")) {
+            (Some(show), _) if show != "sensitivities" => show,
+            (_, Some("all")) => "models",
+            _ => args[0],
+        };
+        let schema = schema(dir.path(), name);
         assert_valid(&schema, &result, args);
         let mut other = result.clone();
         let object = if other.is_array() { other.get_mut(0) } else { Some(&mut other) };
         object.expect("a result")["no such key"] = "a text".into();
         assert!(!schema.is_valid(&other), "{args:?}: a key that is in no schema");
+    }
+    let args = ["solve", &axis, "--show", "motion,slip,ratings", "--json"];
+    let several = json(dir.path(), &args);
+    for (member, name) in [("motion", "solve"), ("slip", "slip"), ("ratings", "ratings")] {
+        assert_valid(&schema(dir.path(), name), &several[member], &[member]);
     }
     // Scenes are inputs, and rows of tables are outputs.
     let input = schema(dir.path(), "input");

@@ -55,7 +55,7 @@ fn told(folder: &Path, code: i32, args: &[&str]) -> String {
 /// Arguments of a sweep over loads in 100 parts, a quarter of whose rows has no result.
 fn sweep<'a>(drive: &'a str, loads: &'a str, output: &'a str, rows: &'a str) -> Vec<&'a str> {
     let vary = ["--vary", loads, "--vary=friction_coefficient=0.05,0.1,0.15,12"];
-    let how = ["--model=elastic", "--columns=efficiency,screw_torque_Nm", "--rows-per-shard", rows];
+    let how = ["--model=elastic", "--columns=efficiency,screw_torque_Nm", "--rows-per-part", rows];
     [&["sweep", drive][..], &vary, &how, &["-o", output]].concat()
 }
 
@@ -90,30 +90,32 @@ fn a_plan_is_solved_by_anybody_and_verified() {
     assert!(said.contains("differs in: rows_per_shard (40, now 50)"), "{said}");
     assert!(!said.contains("--resume"), "nobody asked for it: {said}");
     assert!(run(2, &sweep(&drive, loads, "map/", "40")).contains("continue with --resume"));
-    assert!(run(3, &["verify", "map/"]).contains("missing  0:10\n"));
+    assert!(run(3, &["parts", "check", "map/"]).contains("missing  0:10\n"));
 
-    let said = run(0, &["shard", "map/", "--index", "1", "--of", "3"]);
+    let said = run(0, &["parts", "run", "map/", "--only", "1/3"]);
     assert!(said.contains("3 solved, 0 there before, of 10 parts"), "{said}");
-    assert!(run(0, &["shard", "map/", "--shards", "3:5"]).contains("1 solved, 1 there before"));
-    let said = run(3, &["verify", "map/"]);
+    assert!(
+        run(0, &["parts", "run", "map/", "--only", "3:5"]).contains("1 solved, 1 there before")
+    );
+    let said = run(3, &["parts", "check", "map/"]);
     assert!(said.starts_with("4 of 10 shards"), "{said}");
     assert!(said.contains("missing  0:1\nmissing  2:3\nmissing  5:7\nmissing  8:10\n"), "{said}");
     assert!(!dir.path().join("map/shards.parquet").exists());
     for (args, words) in [
-        (&["--shards", "5:11"][..], "the plan has the parts 0:10"),
-        (&["--shards", "5:5"], "such as 0:100"),
-        (&["--index", "3", "--of", "3"], "the last index is 2"),
-        (&["--index", "3"], "--of"),
-        (&["--index", "0", "--of", "0"], "invalid value"),
+        (&["--only", "5:11"][..], "the plan has the parts 0:10"),
+        (&["--only", "5:5"], "such as 0:100"),
+        (&["--only", "3/3"], "I from 0 to N - 1"),
+        (&["--only", "3"], "must be I/N"),
+        (&["--only", "0/0"], "invalid value"),
     ] {
-        let said = run(2, &[&["shard", "map/"][..], args].concat());
+        let said = run(2, &[&["parts", "run", "map/"][..], args].concat());
         assert!(said.contains(words), "{said}");
     }
-    run(0, &["shard", "map/", "--threads", "1"]);
-    let said = run(0, &["verify", "map/"]);
+    run(0, &["parts", "run", "map/", "--threads", "1"]);
+    let said = run(0, &["parts", "check", "map/"]);
     assert!(said.contains("10 of 10 shards") && said.contains("100 without a result"), "{said}");
     assert!(files(&dir.path().join("map")) == expected, "not the bytes of one run");
-    assert!(run(1, &["verify", "nowhere/"]).contains("nowhere/plan.json"));
+    assert!(run(1, &["parts", "check", "nowhere/"]).contains("nowhere/plan.json"));
 }
 
 /// What stands under the name of a part is found, told, left alone, and replaced on demand.
@@ -141,40 +143,40 @@ fn damage_is_found_and_repaired() {
     ] {
         fs::write(&part, &bytes).expect("writable");
         if is_shallow {
-            assert!(run(3, &["verify", "map/"]).contains(words));
-            let said = run(3, &["shard", "map/"]);
+            assert!(run(3, &["parts", "check", "map/"]).contains(words));
+            let said = run(3, &["parts", "run", "map/"]);
             assert!(said.contains(words) && said.contains("--repair"), "{said}");
         } else {
-            run(0, &["verify", "map/"]);
+            run(0, &["parts", "check", "map/"]);
         }
-        let said = run(3, &["verify", "map/", "--deep"]);
+        let said = run(3, &["parts", "check", "map/", "--deep"]);
         assert!(
             said.contains("damaged  map/data/part-000003.parquet") && said.contains(words),
             "{said}"
         );
-        assert!(said.contains("let `bsm shard map/ --repair` replace it"), "{said}");
+        assert!(said.contains("let `bsm parts run map/ --repair` replace it"), "{said}");
         let found: Value =
-            serde_json::from_str(&run(3, &["verify", "map/", "--deep", "--format", "json"]))
+            serde_json::from_str(&run(3, &["parts", "check", "map/", "--deep", "--json"]))
                 .expect("JSON");
         assert_eq!((&found["missing"][0], &found["finished"]), (&"3:4".into(), &9.into()));
         assert_eq!(found["damaged"][0]["file"], "map/data/part-000003.parquet");
         assert!(fs::read(&part).expect("left") == bytes, "{words}");
-        run(0, &["shard", "map/", "--repair"]);
-        run(0, &["verify", "map/", "--deep"]);
+        run(0, &["parts", "run", "map/", "--repair"]);
+        run(0, &["parts", "check", "map/", "--deep"]);
         assert!(files(&map) == expected, "{words}");
     }
     // A part too many, and a file of somebody else.
     fs::write(map.join("data/part-000010.parquet"), "").expect("writable");
     fs::write(map.join("data/notes.txt"), "").expect("writable");
-    let said = run(3, &["verify", "map/"]);
+    let said = run(3, &["parts", "check", "map/"]);
     assert!(said.contains("part-000010.parquet the plan has no part of that name"), "{said}");
     assert!(said.contains("move it away") && !said.contains("--repair"), "{said}");
-    assert!(run(3, &["shard", "map/"]).contains("move it away"));
+    assert!(run(3, &["parts", "run", "map/"]).contains("move it away"));
     assert!(said.contains("foreign  map/data/notes.txt"), "{said}");
     fs::remove_file(map.join("data/part-000010.parquet")).expect("removable");
-    assert!(run(0, &["verify", "map/"]).contains("foreign  map/data/notes.txt"));
+    assert!(run(0, &["parts", "check", "map/"]).contains("foreign  map/data/notes.txt"));
     fs::write(map.join("plan.json"), "{}").expect("writable");
-    assert!(run(2, &["shard", "map/"]).contains("is not the plan"));
+    assert!(run(2, &["parts", "run", "map/"]).contains("is not the plan"));
 }
 
 /// Processes race over all parts, are killed at random moments and started again, until all is there.
@@ -189,7 +191,7 @@ fn race(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
     let map = dir.path().join("map");
     let plan = [&sweep(&drive, loads, "map/", "100")[..], &["--plan"]].concat();
     let start = || {
-        let args = ["shard", "map/", "--threads=1", "--quiet"];
+        let args = ["parts", "run", "map/", "--threads=1", "--quiet"];
         (0..processes).map(|_| spawn(dir.path(), &args)).collect::<Vec<_>>()
     };
     // A fresh folder takes so long.
@@ -200,7 +202,7 @@ fn race(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
     }
     let time = begin.elapsed();
     assert!(fs::read_dir(map.join("tmp")).expect("folder").next().is_none(), "none was killed");
-    told(dir.path(), 0, &["verify", "map/"]);
+    told(dir.path(), 0, &["parts", "check", "map/"]);
     assert!(files(&map) == expected, "a race changes bytes");
     fs::remove_dir_all(&map).expect("removable");
     told(dir.path(), 0, &plan);
@@ -222,14 +224,14 @@ fn race(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
         }
         left = left.max(fs::read_dir(map.join("tmp")).expect("folder").count());
         if fs::read_dir(map.join("data")).expect("folder").count() == 100 {
-            told(dir.path(), 0, &["verify", "map/", "--deep"]);
+            told(dir.path(), 0, &["parts", "check", "map/", "--deep"]);
             assert!(files(&map) == expected);
             fs::remove_dir_all(&map).expect("removable");
             told(dir.path(), 0, &plan);
         }
     }
-    told(dir.path(), 0, &["shard", "map/", "--quiet"]);
-    told(dir.path(), 0, &["verify", "map/", "--deep"]);
+    told(dir.path(), 0, &["parts", "run", "map/", "--quiet"]);
+    told(dir.path(), 0, &["parts", "check", "map/", "--deep"]);
     assert!(files(&map) == expected, "not the bytes of one run");
     assert!(fs::read_dir(map.join("tmp")).expect("folder").next().is_none(), "verify tidies up");
     (killed, left)
@@ -520,7 +522,7 @@ fn tamper(seed: u64, step: usize) -> (usize, usize) {
     let dir = folder();
     let drive = drive();
     let sweep = |model: &'static str, output: &'static str| {
-        let how = [model, "--columns=efficiency", "--rows-per-shard=10", "-o", output];
+        let how = [model, "--columns=efficiency", "--rows-per-part=10", "-o", output];
         [&["sweep", &drive, "--vary=axial_load_N=500:9000:100"][..], &how].concat()
     };
     told(dir.path(), 0, &sweep("--model=closed-form", "whole/"));
@@ -531,10 +533,10 @@ fn tamper(seed: u64, step: usize) -> (usize, usize) {
     assert!(kinds.len() >= 60, "{}", kinds.len());
     let resume = [&sweep("--model=closed-form", "map/")[..], &["--resume"]].concat();
     let commands: [(&str, &[&str]); 5] = [
-        ("verify", &["verify", "map/"]),
-        ("verify --deep", &["verify", "map/", "--deep"]),
-        ("shard", &["shard", "map/"]),
-        ("shard --repair", &["shard", "map/", "--repair"]),
+        ("verify", &["parts", "check", "map/"]),
+        ("verify --deep", &["parts", "check", "map/", "--deep"]),
+        ("shard", &["parts", "run", "map/"]),
+        ("shard --repair", &["parts", "run", "map/", "--repair"]),
         ("sweep --resume", &resume),
     ];
     let (mut runs, mut mended) = (0, 0);
@@ -613,7 +615,7 @@ fn a_stopped_shard_leaves_nothing_unfinished() {
         ("-USR2", 140),
         ("-ALRM", 142),
     ] {
-        let mut child = spawn(dir.path(), &["shard", "map/", "--quiet"]);
+        let mut child = spawn(dir.path(), &["parts", "run", "map/", "--quiet"]);
         while fs::read_dir(&tmp).expect("folder").next().is_none() {
             assert!(child.try_wait().expect("a child").is_none(), "ended early");
             sleep(Duration::from_millis(5));
@@ -640,10 +642,10 @@ fn a_folder_that_cannot_be_written_is_told() {
     let tmp = dir.path().join("map/tmp");
     fs::remove_dir(&tmp).expect("removable");
     fs::write(&tmp, "").expect("writable");
-    assert!(told(dir.path(), 1, &["shard", "map/"]).contains("map/tmp"));
+    assert!(told(dir.path(), 1, &["parts", "run", "map/"]).contains("map/tmp"));
     fs::remove_file(&tmp).expect("removable");
-    told(dir.path(), 0, &["shard", "map/"]);
-    told(dir.path(), 0, &["verify", "map/"]);
+    told(dir.path(), 0, &["parts", "run", "map/"]);
+    told(dir.path(), 0, &["parts", "check", "map/"]);
 }
 
 /// Random points through the program; a table of points beside the folder.
@@ -653,29 +655,29 @@ fn random_points_and_tables_are_planned() {
     let run = |code, args: &[&str]| told(dir.path(), code, args);
     let drive = drive();
     let common = ["--model=closed-form", "--columns=efficiency"];
-    let draw = ["--draw=friction_coefficient=uniform:0.01:0.1", "--draws=1e2", "--seed=5"];
+    let draw = ["--draw=friction_coefficient=uniform:0.01:0.1", "--samples=1e2", "--seed=5"];
     let sweep = [&["sweep", &drive][..], &common, &draw].concat();
-    let parts = ["--rows-per-shard=30"];
+    let parts = ["--rows-per-part=30"];
     run(0, &[&sweep[..], &parts, &["-o", "rows/", "--plan"]].concat());
-    run(0, &["shard", "rows/", "--shards=2:4"]);
-    run(0, &["shard", "rows/", "--shards=0:3"]);
-    run(0, &["verify", "rows/", "--deep"]);
+    run(0, &["parts", "run", "rows/", "--only=2:4"]);
+    run(0, &["parts", "run", "rows/", "--only=0:3"]);
+    run(0, &["parts", "check", "rows/", "--deep"]);
     run(0, &[&sweep[..], &["-o", "points.parquet"]].concat());
 
     // The table has the same points.
-    let batch = ["batch", "points.parquet", "--base", &drive];
+    let batch = ["sweep", &drive, "--points", "points.parquet"];
     run(0, &[&batch[..], &common, &parts, &["-o", "table/", "--plan"]].concat());
-    run(0, &["shard", "table/", "--index=1", "--of=2"]);
+    run(0, &["parts", "run", "table/", "--only=1/2"]);
     fs::rename(dir.path().join("points.parquet"), dir.path().join("moved.parquet")).expect("moved");
-    assert!(run(1, &["shard", "table/"]).contains("points.parquet"));
-    run(0, &["shard", "table/", "--points", "moved.parquet"]);
-    run(0, &["verify", "table/"]);
+    assert!(run(1, &["parts", "run", "table/"]).contains("points.parquet"));
+    run(0, &["parts", "run", "table/", "--points", "moved.parquet"]);
+    run(0, &["parts", "check", "table/"]);
     fs::write(dir.path().join("points.parquet"), "another").expect("writable");
-    assert!(run(2, &["shard", "table/"]).contains("is not the table of points"));
+    assert!(run(2, &["parts", "run", "table/"]).contains("is not the table of points"));
 
     for (args, words) in [
         (&["--plan", "-o", "x.csv"][..], "--plan is for folders"),
-        (&["-o", "x.csv", "--plot", "x.svg"], "--plot and --map need all points of a grid"),
+        (&["-o", "x.csv", "-o", "x.svg"], "pictures and lookups need all points of a grid"),
         (&["--vary=lead_mm=5,10", "-o", "x/"], "cannot be used with"),
         (&["--draw=lead_mm=uniform:2:1", "-o", "x/"], "--draw: "),
     ] {
@@ -700,9 +702,9 @@ fn a_million_million_points_are_planned_in_a_moment() {
         "{said}"
     );
     assert!(said.contains("solves parts of this plan in memory"), "{said}");
-    let said = told(dir.path(), 0, &["shard", "map/", "--shards=59604:59605"]);
+    let said = told(dir.path(), 0, &["parts", "run", "map/", "--only=59604:59605"]);
     assert!(said.contains("1 solved, 0 there before"), "{said}");
-    let said = told(dir.path(), 3, &["verify", "map/", "--deep"]);
+    let said = told(dir.path(), 3, &["parts", "check", "map/", "--deep"]);
     assert!(said.starts_with("1 of 59605 shards") && said.contains("missing  0:59604\n"), "{said}");
     assert!(said.contains("4096 of 999989186560 rows"), "{said}");
     // It takes 0.1 s; the rest is for a machine that does other things.
@@ -772,7 +774,7 @@ fn examples_of_schedulers_solve_a_plan() {
     for (name, solve) in runners {
         told(dir.path(), 0, &[&sweep(&drive, loads, "map/", "10")[..], &["--plan"]].concat());
         solve();
-        told(dir.path(), 0, &["verify", "map/"]);
+        told(dir.path(), 0, &["parts", "check", "map/"]);
         assert!(files(&map) == expected, "{name}");
         fs::remove_dir_all(&map).expect("removable");
     }

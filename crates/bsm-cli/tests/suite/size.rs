@@ -1,4 +1,4 @@
-//! `bsm size` and units of one's own, as a user meets them.
+//! `bsm axis` and units of one's own, as a user meets them.
 
 use crate::program;
 
@@ -45,9 +45,9 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
             stdout(&output)
         };
         // The force of the process; weight and guides come from the mass.
-        run(&["design", &requirement, "--set", set, "-o", "screw.json"]);
+        run(&["select", &requirement, "--set", set, "-o", "screw.json"]);
         run(&["nut", "screw.json"]);
-        let sheet = json(&run(&["size", "screw.json", "--out", "sheet", "--format", "json"]));
+        let sheet = json(&run(&["axis", "screw.json", "--figures", "sheet", "--json"]));
         let (screw, results) = (&sheet["screw"], &sheet["results"]);
         assert_eq!(sheet["passes"], true, "{way}");
 
@@ -115,13 +115,13 @@ fn one_screw_has_one_efficiency() {
             .any(|part| name.starts_with(part))
     });
     fs::write(dir.path().join("wish.json"), Value::Object(wish).to_string()).expect("written");
-    let design = json(&run(&["design", "wish.json", "-o", "screw.json", "--format", "json"]));
+    let design = json(&run(&["select", "wish.json", "-o", "screw.json", "--json"]));
     let step = |name: &str| {
         let steps = design["steps"].as_array().expect("steps");
         let step = steps.iter().find(|step| step["name"] == name);
         number(step.unwrap_or_else(|| panic!("no {name}")), "value")
     };
-    let solved = json(&run(&["solve", "screw.json", "--format", "json"]));
+    let solved = json(&run(&["solve", "screw.json", "--json"]));
     let efficiency = number(&solved, "efficiency");
     let close = |what: &str, other: f64, tolerance: f64| {
         assert!(
@@ -130,12 +130,12 @@ fn one_screw_has_one_efficiency() {
         );
     };
     // The same model at the same point: rounding of the units.
-    close("design", step("screw_efficiency"), 1e-9);
-    let sheet = json(&run(&["size", "screw.json", "--out", "sheet", "--format", "json"]));
-    close("size", number(&sheet["results"], "screw_efficiency"), 1e-9);
+    close("select", step("screw_efficiency"), 1e-9);
+    let sheet = json(&run(&["axis", "screw.json", "--figures", "sheet", "--json"]));
+    close("axis", number(&sheet["results"], "screw_efficiency"), 1e-9);
     close("phase", number(&sheet["phases"][0], "screw_efficiency"), 1e-9);
     // All balls of the nut, each by its own balance, carry the same here.
-    let nut = json(&run(&["nut", "screw.json", "--format", "json"]));
+    let nut = json(&run(&["nut", "screw.json", "--json"]));
     close("nut", number(&nut, "nut_efficiency"), 1e-9);
     let page = fs::read_to_string(dir.path().join("sheet/report.html")).expect("a page");
     let printed = format!("{efficiency:.5}");
@@ -153,20 +153,19 @@ fn one_screw_has_one_efficiency() {
         "nut_conformity",
     ]
     .map(like);
-    let asked = same.iter().flat_map(|condition| ["--require", condition]);
-    let args = ["catalog", "--requirement", "wish.json", "--format", "json"];
+    let asked = same.iter().flat_map(|condition| ["--where", condition]);
+    let args = ["select", "wish.json", "--json"];
     let args: Vec<_> = args.into_iter().chain(asked).collect();
     let rows = json(&run(&args));
     assert_eq!(rows.as_array().map(Vec::len), Some(1), "{rows}");
-    close("catalog", number(&rows[0], "screw_efficiency"), 1e-9);
+    close("select", number(&rows[0], "screw_efficiency"), 1e-9);
 
     // With preload, seals and bearings: the same parts on the pages of solve, size and nut.
     let sets = ["preload_N=2000", "seal_torque_Nm=0.3", "support_bearing_torque_Nm=0.5"];
     let sets: Vec<_> = sets.iter().flat_map(|set| ["--set", *set]).collect();
-    let with = |command: &str| {
-        json(&run(&[&[command, "screw.json", "--format", "json"], &sets[..]].concat()))
-    };
-    let (solved, sheet, nut) = (with("solve"), with("size"), with("nut"));
+    let with =
+        |command: &str| json(&run(&[&[command, "screw.json", "--json"], &sets[..]].concat()));
+    let (solved, sheet, nut) = (with("solve"), with("axis"), with("nut"));
     let (parts, phase) = (&solved["torque_parts"], &sheet["phases"][0]);
     let names = parts.as_object().expect("parts of the torque").keys();
     assert!(names.len() > 6, "{parts}");
@@ -257,8 +256,7 @@ fn one_name_has_one_number_in_every_command() {
     };
     let requirement = example("requirements/axis.json");
     for slope in ["inclination_deg=0", "inclination_deg=90"] {
-        let design =
-            ["design", &requirement, "--set", slope, "--format", "json", "-o", "screw.json"];
+        let design = ["select", &requirement, "--set", slope, "--json", "-o", "screw.json"];
         let design = run(&design);
         let screw = json(&fs::read_to_string(dir.path().join("screw.json")).expect("a screw"));
         let wish: Value = json(&fs::read_to_string(&requirement).expect("a requirement"));
@@ -273,26 +271,26 @@ fn one_name_has_one_number_in_every_command() {
             "nut_conformity",
         ];
         let like = like.map(|name| format!("{name}={}", number(&screw, name)));
-        let asked = like.iter().flat_map(|condition| ["--require", condition]);
-        let args = ["catalog", "--requirement", "wish.json", "--format", "json"];
+        let asked = like.iter().flat_map(|condition| ["--where", condition]);
+        let args = ["select", "wish.json", "--json"];
         let listed = run(&args.into_iter().chain(asked).collect::<Vec<_>>());
         assert_eq!(listed.as_array().map(Vec::len), Some(1), "{slope}: {listed}");
-        let of = |command: &str| run(&[command, "screw.json", "--format", "json"]);
+        let of = |command: &str| run(&[command, "screw.json", "--json"]);
         let answers = [
-            ("design", design),
-            ("catalog", listed[0].clone()),
+            ("select", design),
+            ("select --where", listed[0].clone()),
             ("solve", of("solve")),
             ("nut", of("nut")),
-            ("size", of("size")),
+            ("axis", of("axis")),
         ];
         same(slope, &answers);
     }
     let both = |scene: &str, more: &[&str]| {
         let sets: Vec<_> = more.iter().flat_map(|set| ["--set", *set]).collect();
         let of = |command: &'static str| {
-            (command, run(&[&[command, scene, "--format", "json"], &sets[..]].concat()))
+            (command, run(&[&[command, scene, "--json"], &sets[..]].concat()))
         };
-        same(scene, &[of("solve"), of("nut"), of("size")])
+        same(scene, &[of("solve"), of("nut"), of("axis")])
     };
     both(&example("axis.json"), &["screw_temperature_rise_K=5"]);
     // The feed drive as a nut, with a seal, dry and with oil.
@@ -323,7 +321,7 @@ fn a_lubricated_solve_has_a_note_and_no_eternal_warning() {
         said.contains("note: friction from the lubricant") && !said.contains("warning"),
         "{said}"
     );
-    let answer = json(&stdout(&bsm(dir.path(), &["solve", &oil, "--format", "json"], "")));
+    let answer = json(&stdout(&bsm(dir.path(), &["solve", &oil, "--json"], "")));
     assert_eq!(answer["warnings"], Value::Array(Vec::new()));
     assert!(answer["notes"][0].as_str().is_some_and(|note| note.contains("lubricant")), "{answer}");
 }
@@ -335,7 +333,7 @@ fn a_failing_rule_says_what_would_help() {
     let sheet = |settings: &[&str]| {
         let axis = example("axis.json");
         let sets = settings.iter().flat_map(|setting| ["--set", *setting]);
-        let args: Vec<_> = ["size", &axis, "--format", "json"].into_iter().chain(sets).collect();
+        let args: Vec<_> = ["axis", &axis, "--json"].into_iter().chain(sets).collect();
         let output = bsm(dir.path(), &args, "");
         (output.status.code(), json(&stdout(&output)))
     };
@@ -368,30 +366,27 @@ fn a_cycle_comes_from_a_table_of_ones_own() {
     fs::write(dir.path().join("cycle.csv"), table).expect("written");
     let axis = example("axis.json");
     let args = [
-        "size",
+        "axis",
         &axis,
         "--cycle",
         "cycle.csv",
-        "--delimiter",
-        "semicolon",
-        "--decimal",
-        "comma",
-        "--format",
-        "json",
+        "--dialect",
+        "delimiter=semicolon,decimal=comma",
+        "--json",
     ];
     let output = bsm(dir.path(), &args, "");
     let from_table = json(&stdout(&output));
     let cycle = r#"cycle=[{"time_s":0.2,"feed_m_min":15,"acceleration_m_s2":2.5},
         {"time_s":3.6,"force_N":10000,"feed_m_min":30},
         {"time_s":0.2,"feed_m_min":15,"acceleration_m_s2":-2.5}]"#;
-    let args = ["size", &axis, "--set", cycle, "--format", "json"];
+    let args = ["axis", &axis, "--set", cycle, "--json"];
     let in_scene = json(&stdout(&bsm(dir.path(), &args, "")));
     assert_eq!(from_table, in_scene);
     assert_eq!(in_scene["phases"].as_array().map(Vec::len), Some(3));
     // 500 kg at 2.5 m/s² and 49 N of guides.
     let first = number(&in_scene["phases"][0], "screw_load_N");
     assert!((first - 1_299.033_25).abs() < 1e-6, "{first}");
-    let args = ["size", &axis, "--cycle", "cycle.csv"];
+    let args = ["axis", &axis, "--cycle", "cycle.csv"];
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(2));
 }
 
@@ -401,7 +396,7 @@ fn names_may_have_any_unit() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let torque = |args: &[&str]| {
-        let args = [&["solve", &drive, "--format", "json"], args].concat();
+        let args = [&["solve", &drive, "--json"], args].concat();
         let output = bsm(dir.path(), &args, "");
         assert_eq!(output.status.code(), Some(0), "{args:?} {}", stderr(&output));
         number(&json(&stdout(&output)), "screw_torque_Nm")
@@ -420,7 +415,7 @@ fn names_may_have_any_unit() {
         assert!((torque(&sets) / own - 1.0).abs() < 1e-9, "{settings:?}");
     }
     let points = "axial_load_kN,feed_m_min\n8,30\n4,15\n";
-    let args = ["batch", "-", "--base", &drive, "-o", "-", "--columns", "model,screw_torque_Nm"];
+    let args = ["sweep", &drive, "--points", "-", "-o", "-", "--columns", "model,screw_torque_Nm"];
     for model in ["raceway-control", "auto"] {
         let output = bsm(dir.path(), &[&args[..], &["--model", model]].concat(), points);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -458,15 +453,8 @@ fn short_names_are_suggested() {
 #[test]
 fn a_picked_nut_is_a_scene_for_every_command() {
     let dir = folder();
-    let args = [
-        "catalog",
-        "--require",
-        "nominal_diameter_mm=40",
-        "--require",
-        "lead_mm=20",
-        "--pick",
-        "nut.json",
-    ];
+    let args =
+        ["select", "--where", "nominal_diameter_mm=40", "--where", "lead_mm=20", "-o", "nut.json"];
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(0));
     let point =
         ["friction_coefficient=0.06", "axial_load_N=8000", "feed_m_min=30", "stroke_mm=800"];
@@ -474,17 +462,17 @@ fn a_picked_nut_is_a_scene_for_every_command() {
     for command in [
         &["solve"][..],
         &["solve", "--model", "traction"],
-        &["compare"],
+        &["solve", "--model", "all"],
         &["nut"],
-        &["capacity"],
-        &["slip"],
-        &["optimum"],
-        &["size"],
+        &["solve", "--show", "ratings"],
+        &["solve", "--show", "slip"],
+        &["solve", "--show", "optimum"],
+        &["axis"],
     ] {
         let args = [&command[..1], &["nut.json"], &command[1..], &sets].concat();
         let output = bsm(dir.path(), &args, "");
         // A sheet may have a rule that fails.
-        let codes = if command[0] == "size" { vec![0, 3] } else { vec![0] };
+        let codes = if command[0] == "axis" { vec![0, 3] } else { vec![0] };
         let code = output.status.code().expect("a code");
         assert!(codes.contains(&code), "{command:?} {code}: {}", stderr(&output));
     }

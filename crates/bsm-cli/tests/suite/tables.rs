@@ -40,14 +40,18 @@ fn a_table_of_ones_own_is_read() {
     fs::write(at("ours.csv"), "axial_load_N,lead_mm,screw_speed_rpm\n2500,20,1500\n8000,10,3000\n")
         .expect("table");
     let base = example("feed_drive.json");
-    let common = ["--base", &base, "--columns", "efficiency"];
-    let signs = ["--delimiter", "semicolon", "--decimal", "comma", "--columns-from", "names.json"];
-    run(dir.path(), &[&["batch", "own.csv", "-o", "a.csv"], &common[..], &signs].concat(), 0);
-    run(dir.path(), &[&["batch", "ours.csv", "-o", "b.csv"], &common[..]].concat(), 0);
+    let common = [&base, "--columns", "efficiency"];
+    let signs = ["--dialect", "delimiter=semicolon,decimal=comma,names=names.json"];
+    run(
+        dir.path(),
+        &[&["sweep", "--points", "own.csv", "-o", "a.csv"], &common[..], &signs].concat(),
+        0,
+    );
+    run(dir.path(), &[&["sweep", "--points", "ours.csv", "-o", "b.csv"], &common[..]].concat(), 0);
     let read = |name: &str| fs::read_to_string(at(name)).expect("a table");
     assert_eq!(read("a.csv"), read("b.csv"));
     // A column that is kept has its own name; a folder knows the signs, too.
-    let keep = ["batch", "own.csv", "-o", "map/", "--keep", "note"];
+    let keep = ["sweep", "--points", "own.csv", "-o", "map/", "--keep", "note"];
     run(dir.path(), &[&keep[..], &common, &signs].concat(), 0);
     assert!(read("map/plan.json").contains("\"delimiter\":\";\""));
     run(dir.path(), &[&keep[..], &["--resume"], &common, &signs].concat(), 0);
@@ -57,40 +61,40 @@ fn a_table_of_ones_own_is_read() {
         .expect("table");
     let names = "{\"Kraft\": \"axial_load_kN\", \"note\": null}";
     fs::write(at("two.json"), names).expect("names");
-    let renamed = ["batch", "own.jsonl", "-o", "c.csv", "--columns-from", "two.json"];
+    let renamed = ["sweep", "--points", "own.jsonl", "-o", "c.csv", "--dialect", "names=two.json"];
     run(dir.path(), &[&renamed[..], &common].concat(), 0);
     assert!(read("c.csv").contains("2500,"), "{}", read("c.csv"));
 
     for (table, signs, part) in [
         (
             "Kraft\n1\n",
-            &["--columns-from", "names.json"][..],
+            &["--dialect", "names=names.json"][..],
             "the table has no column `Drehzahl` to rename",
         ),
         (
             "Kraft\n1\n",
             &[],
-            "copy it to the output with --keep Kraft, or give its name in the vocabulary with --columns-from",
+            "copy it to the output with --keep Kraft, or give its name in the vocabulary with --dialect names=MAP.json",
         ),
         (
             "axial_load_N;lead_mm\n1;2\n",
             &[],
-            "separated by `;`, but cells are expected to be separated by `,`; --delimiter",
+            "separated by `;`, but cells are expected to be separated by `,`; --dialect delimiter",
         ),
         (
             "axial_load_N,lead_mm\n1,2\n",
-            &["--delimiter", "tab"],
+            &["--dialect", "delimiter=tab"],
             "separated by `,`, but cells are expected to be separated by `\\t`",
         ),
     ] {
         fs::write(at("bad.csv"), table).expect("table");
-        let args = [&["batch", "bad.csv", "-o", "x.csv"], &common[..], signs].concat();
+        let args = [&["sweep", "--points", "bad.csv", "-o", "x.csv"], &common[..], signs].concat();
         let (_, told) = run(dir.path(), &args, 2);
         assert!(told.contains(part), "{told}");
     }
     // A point where a comma is meant is no number: the row says so.
     fs::write(at("mixed.csv"), "axial_load_N\n1.500\n").expect("table");
-    let mixed = ["batch", "mixed.csv", "-o", "x.csv", "--decimal", "comma"];
+    let mixed = ["sweep", "--points", "mixed.csv", "-o", "x.csv", "--dialect", "decimal=comma"];
     run(dir.path(), &[&mixed[..], &common].concat(), 3);
     assert!(read("x.csv").contains("invalid_input"), "{}", read("x.csv"));
 }
@@ -104,18 +108,21 @@ fn tables_say_what_they_are_made_from() {
     let sweep = |output: &str, more: &[&str]| {
         let args =
             ["sweep", &drive, "--set", "lead_mm=10", "--vary", "axial_load_kN=1:9:3", "--columns"];
-        let args =
-            [&args[..], &["efficiency,screw_torque_Nm", "--tolerance", "1e-3", "-o", output], more];
+        let args = [
+            &args[..],
+            &["efficiency,screw_torque_Nm", "--solver", "tolerance=1e-3", "-o", output],
+            more,
+        ];
         run(dir.path(), &args.concat(), 0);
     };
     sweep("map.parquet", &[]);
-    sweep("map.csv", &["--metadata"]);
+    sweep("map.csv", &["-o", "map.json"]);
     let parquet =
         SerializedFileReader::new(File::open(at("map.parquet")).expect("file")).expect("Parquet");
     let keys = parquet.metadata().file_metadata().key_value_metadata().expect("keys");
     let about = keys.iter().find(|key| key.key == "bsm").and_then(|key| key.value.as_deref());
     let about = json(about.expect("what it is made from"));
-    let beside = json(&fs::read_to_string(at("map.csv-metadata.json")).expect("beside the table"));
+    let beside = json(&fs::read_to_string(at("map.json")).expect("beside the table"));
     for about in [&about, &beside] {
         assert_eq!(about["program"]["name"], "bsm", "{about}");
         assert_eq!(
@@ -138,23 +145,24 @@ fn tables_say_what_they_are_made_from() {
     fs::write(at("again.json"), about["scene"].to_string()).expect("scene");
     let vary = about["points"]["grid"][0].as_str().expect("an axis").to_owned();
     let again = ["sweep", "again.json", "--vary", &vary, "--columns", "efficiency,screw_torque_Nm"];
-    run(dir.path(), &[&again[..], &["--tolerance", "1e-3", "-o", "again.csv"]].concat(), 0);
+    run(dir.path(), &[&again[..], &["--solver", "tolerance=1e-3", "-o", "again.csv"]].concat(), 0);
     assert_eq!(fs::read(at("again.csv")).expect("table"), fs::read(at("map.csv")).expect("table"));
     // A table of points is named by its hash.
     fs::copy(at("map.csv"), at("points.csv")).expect("copy");
     let batch = [
-        "batch",
-        "points.csv",
-        "--base",
+        "sweep",
         &drive,
+        "--points",
+        "points.csv",
         "--columns",
         "efficiency",
         "-o",
         "b.csv",
-        "--metadata",
+        "-o",
+        "b.json",
     ];
     run(dir.path(), &batch, 0);
-    let about = json(&fs::read_to_string(at("b.csv-metadata.json")).expect("beside the table"));
+    let about = json(&fs::read_to_string(at("b.json")).expect("beside the table"));
     assert_eq!(about["points"]["table"]["sha256"], beside["table"]["sha256"]);
 }
 
@@ -225,16 +233,16 @@ fn workbooks_have_units_and_the_same_numbers() {
     );
 
     // Ratings, steps of a design, and nuts of the catalogue.
-    run(dir.path(), &["capacity", &example("nut.json"), "-o", "ratings.xlsx"], 0);
+    run(dir.path(), &["solve", &example("nut.json"), "--show", "ratings", "-o", "ratings.xlsx"], 0);
     assert!(
         sheet(&at("ratings.xlsx"), "xl/worksheets/sheet1.xml").contains("dynamic_load_rating_N")
     );
     let wish = example("requirements/axis.json");
-    run(dir.path(), &["design", &wish, "--table", "steps.csv"], 0);
+    run(dir.path(), &["select", &wish, "-o", "steps.csv"], 0);
     assert!(fs::read_to_string(at("steps.csv")).expect("steps").contains("life_h,h,"));
     fs::write(at("lists.json"), "{\"nominal_diameter_mm\": [40], \"lead_mm\": [10]}")
         .expect("lists");
-    run(dir.path(), &["catalog", "lists.json", "-o", "nuts.xlsx"], 0);
+    run(dir.path(), &["select", "--from", "lists.json", "-o", "nuts.xlsx"], 0);
     assert!(sheet(&at("nuts.xlsx"), "xl/worksheets/sheet1.xml").contains("mass_kg"));
 
     // More rows than a sheet has are refused before the work.
@@ -260,16 +268,11 @@ fn a_map_shows_a_grid_and_its_models() {
             "--vary",
             "screw_speed_rpm=50:3000:40",
         ];
-        run(
-            dir.path(),
-            &[&args[..], &["--keep-going", "--columns", "efficiency", "-o", "x.parquet"], more]
-                .concat(),
-            0,
-        )
+        run(dir.path(), &[&args[..], &["--keep-going", "-o", "x.parquet"], more].concat(), 0)
     };
-    sweep(&["--map", "map.svg"]);
-    sweep(&["--map", "map.png", "--plot-output", "screw_torque_Nm"]);
-    let svg = fs::read_to_string(at("map.svg")).expect("a map");
+    sweep(&["--columns", "efficiency", "-o", "x.map.svg"]);
+    sweep(&["-o", "x.map.png", "--columns", "screw_torque_Nm"]);
+    let svg = fs::read_to_string(at("x.map.svg")).expect("a map");
     let document = roxmltree::Document::parse(&svg).expect("an SVG");
     let texts: Vec<_> = document.descendants().filter_map(|node| node.text()).collect();
     // The title is broken into lines.
@@ -280,23 +283,19 @@ fn a_map_shows_a_grid_and_its_models() {
         assert!(texts.contains(&model), "no boundary: {texts:?}");
     }
     let mut head = [0; 24];
-    File::open(at("map.png")).expect("a picture").read_exact(&mut head).expect("a head");
+    File::open(at("x.map.png")).expect("a picture").read_exact(&mut head).expect("a head");
     // The header of PNG: twice the size of the SVG.
     let size = |at: usize| u32::from_be_bytes(head[at..at + 4].try_into().expect("four"));
     assert!(head.starts_with(b"\x89PNG") && (size(16), size(20)) == (1280, 800), "{head:?}");
     // Lines have a mark where the model changes.
     let line =
         ["sweep", &drive, "--vary", "axial_load_N=100:20000:30:log", "--columns", "efficiency"];
-    run(
-        dir.path(),
-        &[&line[..], &["--keep-going", "-o", "x.csv", "--plot", "line.svg"]].concat(),
-        0,
-    );
+    run(dir.path(), &[&line[..], &["--keep-going", "-o", "x.csv", "-o", "line.svg"]].concat(), 0);
     let svg = fs::read_to_string(at("line.svg")).expect("a plot");
     assert!(svg.contains("model changes: "), "{svg}");
-    let one = ["sweep", &drive, "--vary", "lead_mm=5,10", "-o", "x.csv", "--map", "m.svg"];
+    let one = ["sweep", &drive, "--vary", "lead_mm=5,10", "-o", "x.csv", "-o", "m.map.svg"];
     let (_, told) = run(dir.path(), &one, 2);
-    assert!(told.contains("--map draws two varied inputs"), "{told}");
+    assert!(told.contains("a map is drawn over two varied inputs"), "{told}");
 }
 
 /// A curve of torque or heat had a step of 2 to 13 % without a word, where `auto` changed the model.

@@ -52,7 +52,7 @@ pub fn size_page(report: &SizeReport) -> Result<String, ReportError> {
     let figures = size_figures(report);
     let page = Page {
         title: "Ball screw axis: calculation sheet",
-        command: "bsm size SCENE.json --out DIR",
+        command: "bsm axis SCENE.json --figures DIR",
         template: include_str!("../../templates/size.html"),
         figures: &figures,
     };

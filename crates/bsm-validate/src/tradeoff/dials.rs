@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct Dial {
     /// The model.
     pub model: &'static str,
-    /// What is not as by default, as options of `bsm solve`; empty for the model as it is.
+    /// What is not as by default, as `--solver` of `bsm solve` takes it; empty for the model as it is.
     pub options: String,
     /// The settings.
     #[serde(skip)]
@@ -45,15 +45,15 @@ pub(super) fn all() -> Vec<Dial> {
         .collect();
     for accuracy in ACCURACIES {
         let settings = Settings { accuracy, ..Model::Traction.into() };
-        dials.push(Dial::of(settings, format!("--accuracy {accuracy:e}")));
+        dials.push(Dial::of(settings, format!("accuracy={accuracy:e}")));
     }
     for creep in CREEPS {
         let settings = Settings { creep, ..Model::Traction.into() };
-        dials.push(Dial::of(settings, format!("--creep {creep:e}")));
+        dials.push(Dial::of(settings, format!("creep={creep:e}")));
     }
     for tolerance in TOLERANCES {
         let settings = Settings { model: ModelChoice::Auto, tolerance, ..Settings::default() };
-        dials.push(Dial::of(settings, format!("--tolerance {tolerance:e}")));
+        dials.push(Dial::of(settings, format!("tolerance={tolerance:e}")));
     }
     dials
 }

@@ -35,7 +35,7 @@ fn figure(
         let Some(error) = errors.efficiency else { continue };
         // Creep speeds would lie on the accuracies, and no error has no place on a
         // logarithmic axis.
-        if dial.dial.options.starts_with("--creep") || error.q99 == 0.0 {
+        if dial.dial.options.starts_with("creep") || error.q99 == 0.0 {
             continue;
         }
         let name = dial.dial.model.to_owned();

@@ -11,7 +11,7 @@ use bsm_validate::{ValidateError, tradeoff_page};
 const GOLDEN: &str = include_str!("../../../../validation/golden/tradeoff/accuracy-1e-10.csv");
 
 /// Solutions of an accuracy of 1e-10 are as committed; made by
-/// `bsm batch validation/golden/tradeoff/scenes.csv --model traction --accuracy 1e-10 --creep 1e-5
+/// `bsm sweep --points validation/golden/tradeoff/scenes.csv --model traction --solver accuracy=1e-10,creep=1e-5
 /// --columns efficiency,... -o validation/golden/tradeoff/accuracy-1e-10.csv`.
 #[test]
 fn solutions_are_as_committed() {
@@ -82,13 +82,13 @@ fn errors_and_times_are_measured() {
     }
     let max = |name: &str| of(name).errors[0].efficiency.expect("solved").max;
     // What another creep speed leaves.
-    assert!(max("traction --accuracy 1e-10") < 1e-6);
+    assert!(max("traction accuracy=1e-10") < 1e-6);
     // More nodes err less, down to that.
-    assert!(max("traction --accuracy 1e-8") <= max("traction --accuracy 1e-4"));
+    assert!(max("traction accuracy=1e-8") <= max("traction accuracy=1e-4"));
     // Rolling balls in a model that slides, and the other way round: several per cent.
     assert!(max("closed-form") > 1e-2 && max("raceway-control") > 1e-2);
     let single = |name: &str| of(name).times.of(Group::All).expect("timed").single;
-    assert!(single("closed-form") < single("traction --accuracy 1e-8"));
+    assert!(single("closed-form") < single("traction accuracy=1e-8"));
     assert!(!of("rigid").times.instruction_sets.is_empty());
     // A loose tolerance is met by something, and cheaper dials do not meet it elsewhere.
     let advice = measured.advice.iter().find(|a| a.group == Group::All).expect("all points");

@@ -1,14 +1,13 @@
-//! `bsm size`: the axis around a screw.
+//! `bsm axis`: the axis around a screw.
 
 use bsm_case::{NOT_MODELLED, PhaseWords, SizePhase, SizeReport, SizeRule};
 use bsm_report::sheets::{size_figures, size_page, size_results};
 use bsm_report::{number, short};
 
-use crate::args::{Format, SizeArgs};
-use crate::failure::{Failure, warn};
-use crate::files::{
-    MOST_OF_A_SPECTRUM, make_report_folder, pretty_json, print, read, read_scene, write_report,
-};
+use crate::answer::{Answer, Drawn};
+use crate::args::AxisArgs;
+use crate::failure::Failure;
+use crate::files::{MOST_OF_A_TABLE, read};
 use crate::table;
 
 /// Numbers of a phase that a screen shows.
@@ -24,39 +23,34 @@ const SHOWN: [&str; 9] = [
     "heat_W",
 ];
 
-pub(crate) fn run(args: &SizeArgs) -> Result<(), Failure> {
-    let path = &args.scene.scene;
-    let in_file = |e| Failure::scene(path, &e);
-    let mut scene = read_scene(path, &args.scene.settings)?;
+pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
+    let in_file = args.scene.failure();
+    let mut scene = args.scene.read()?;
+    args.out.check(&["json", "html"], &[Some(args.scene.path())])?;
     if let Some(table) = &args.cycle {
-        let bytes = read(table, MOST_OF_A_SPECTRUM)?;
-        let cycle = PhaseWords::from_csv(&bytes, args.delimiter.byte(), args.decimal.sign());
+        let signs = args.dialect.read(&["delimiter", "decimal"])?;
+        let bytes = read(table, MOST_OF_A_TABLE)?;
+        let separator = u8::try_from(signs.delimiter).unwrap_or(b',');
+        let cycle = PhaseWords::from_csv(&bytes, separator, signs.decimal);
         scene.nut.cycle = Some(cycle.map_err(|e| Failure::scene(table, &e))?);
     }
     let settings = args.model.settings().map_err(in_file)?;
     let report = SizeReport::of(&scene, &settings).map_err(in_file)?;
-    let results = size_results(&report);
-    if let Some(folder) = &args.out {
-        make_report_folder(folder)?;
-        write_report(folder, size_page(&report)?, &results, &size_figures(&report))?;
-    }
-    match args.format {
-        Format::Json => print(&pretty_json(&results))?,
-        Format::Table => {
-            for warning in &report.warnings {
-                warn("warning", warning);
-            }
-            print(&describe(&report))?;
-        }
-    }
-    if report.passes() { Ok(()) } else { Err(Failure::Unsolved) }
+    let answer = Answer {
+        text: describe(&report),
+        json: size_results(&report),
+        warnings: report.warnings.clone(),
+        failed: !report.passes(),
+        ..Answer::default()
+    };
+    let draw = || Ok(Drawn { figures: size_figures(&report), page: Some(size_page(&report)?) });
+    Answer::of_parts(&report.scene, vec![("axis", answer)]).give(&args.out, draw)
 }
 
 fn describe(report: &SizeReport) -> String {
     let rules: Vec<_> = report.rules.iter().map(rule).collect();
     let header = ["rule", "", "", "value", "must be", "kept", "", "by"];
-    let mut parts: Vec<_> = table::title(&report.scene).into_iter().collect();
-    parts.push(table::plain(Some(&header), &rules, usize::MAX));
+    let mut parts = vec![table::plain(Some(&header), &rules, usize::MAX)];
     let remedies: Vec<_> = report
         .rules
         .iter()

@@ -1,0 +1,158 @@
+//! `bsm parts`: parts of a planned folder solved, here or anywhere, and checked; and the plan in words.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use bsm_batch::Workers;
+use bsm_batch::dataset::{Damage, Dataset, Event, Plan};
+use indicatif::HumanBytes;
+use serde_json::json;
+
+use crate::args::{CheckArgs, Only, RunArgs};
+use crate::failure::{Failure, warn};
+use crate::files::{pretty_json, print};
+use crate::stream::{failed, mend, progress};
+use crate::unfinished;
+
+/// Rows beyond which nobody keeps them: a terabyte of files, which takes longer to read than to make again.
+const MANY_ROWS: u64 = 10_000_000_000;
+
+/// Opens a folder that was planned.
+pub(crate) fn open(folder: &Path) -> Result<Dataset, Failure> {
+    Dataset::open(folder, unfinished::create_temporary).map_err(|error| failed(folder, error))
+}
+
+/// Solves parts.
+pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> {
+    let folder = args.folder.as_path();
+    let parts = open(folder)?;
+    let task = parts.plan().task();
+    let task = task.map_err(|why| Failure::in_scene(&folder.join("plan.json"), &why))?;
+    let points = parts.points(args.points.as_deref(), workers);
+    let points = points.map_err(|error| failed(folder, error))?;
+    let all = parts.plan().shards();
+    // One number in so many, so that expensive corners of a grid are spread over all processes.
+    let ((from, to), (index, of)) = match args.only {
+        None => ((0, all), (0, 1)),
+        Some(Only::Share(index, of)) => ((0, all), (index, of.get())),
+        Some(Only::Range(from, to)) => ((from, to), (0, 1)),
+    };
+    if to > all {
+        let text = format!("--only {from}:{to}: the plan has the parts 0:{all}");
+        return Err(Failure::Input(text));
+    }
+    let mine = || (from..to).filter(|shard| shard % of == index);
+    let rows = (mine().count() as u64).saturating_mul(parts.plan().rows_per_shard());
+    let bar = progress(Some(rows.min(parts.plan().rows())), "rows", args.work.quiet);
+    let mut found = 0;
+    let mut tell = |event: Event<'_>| match event {
+        Event::Found(part) => {
+            found += 1;
+            bar.inc(part.rows);
+        }
+        Event::Solved(chunk, _) => bar.inc(chunk.len as u64),
+        Event::Foreign(_) | Event::Planned(_) => {}
+    };
+    let solved = parts.run_shards(&task, &points, mine(), args.repair, workers, &mut tell);
+    bar.finish_and_clear();
+    let solved = solved.map_err(|error| failed(folder, error))?.len() - found;
+    parts.check_names().map_err(|error| failed(folder, error))?;
+    let folder = folder.display();
+    let text = format!(
+        "{solved} solved, {found} there before, of {all} parts; `bsm parts check {folder}` tells what is missing"
+    );
+    warn("note", &text);
+    Ok(())
+}
+
+/// Prints a plan and what it comes to.
+pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
+    let estimate = plan.estimate().map_err(|why| Failure::in_scene(folder, &why))?;
+    let hours = estimate.core_seconds / 3600.0;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bytes to look at")]
+    let bytes = HumanBytes(estimate.bytes as u64);
+    let (shards, per_shard) = (plan.shards(), plan.rows_per_shard());
+    print(&format!(
+        "plan        {}\nrows        {}\nshards      {shards} of {per_shard} rows\n\
+         core-hours  {hours:.3}\nsize        {bytes} at most",
+        plan.id(),
+        plan.rows(),
+    ))?;
+    let folder = folder.display();
+    let how = format!(
+        "solve it with `bsm parts run {folder}`, on one machine or many, then `bsm parts check {folder}`"
+    );
+    warn("note", &how);
+    if plan.rows() > MANY_ROWS {
+        let text = "so many rows are cheaper to solve again than to keep and read: the Python package solves \
+                    parts of this plan in memory, for statistics (ballscrew.solve_shard)";
+        warn("note", text);
+    }
+    Ok(())
+}
+
+/// Lines of a list in words.
+const SHOWN: usize = 20;
+
+/// Tells what of a folder is there, and what is wrong with it.
+pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failure> {
+    let folder = args.folder.as_path();
+    let parts = open(folder)?;
+    let plan = parts.plan();
+    let found = parts.survey(args.deep, workers).map_err(|error| failed(folder, error))?;
+    let (missing, there) = (found.missing(plan), found.parts.len() as u64);
+    // What is damaged has no part, but may be one too many.
+    let is_complete = missing.is_empty() && found.damaged.is_empty();
+    if is_complete {
+        parts.finish(&found.parts).map_err(|error| failed(folder, error))?;
+    }
+    let count = found.count();
+    let text = |range: &Range<u64>| format!("{}:{}", range.start, range.end);
+    let ranges: Vec<_> = missing.iter().map(text).collect();
+    let name = |path: &Path| path.display().to_string();
+    if args.json {
+        let damage = |(path, why): &(PathBuf, Damage)| json!({ "file": name(path), "reason": why.to_string() });
+        print(&pretty_json(&json!({
+            "plan": plan.id(),
+            "shards": plan.shards(),
+            "finished": there,
+            "complete": is_complete,
+            "deep": args.deep,
+            "missing": ranges,
+            "damaged": found.damaged.iter().map(damage).collect::<Vec<_>>(),
+            "foreign": found.foreign.iter().map(|path| name(path)).collect::<Vec<_>>(),
+            "rows": count.rows,
+            "failed": count.failed,
+            "several": count.several,
+        })))?;
+    } else {
+        let what =
+            if args.deep { "all bytes read" } else { "footers read; --deep reads all bytes" };
+        let mut lines = vec![
+            format!("{there} of {} shards ({what})", plan.shards()),
+            format!("{} of {} rows, {} without a result", count.rows, plan.rows(), count.failed),
+        ];
+        let damaged = found.damaged.iter().map(|(path, why)| format!("{} {why}", name(path)));
+        list(&mut lines, "missing", ranges);
+        list(&mut lines, "damaged", damaged.collect());
+        list(&mut lines, "foreign", found.foreign.iter().map(|path| name(path)).collect());
+        if found.other_plan().is_some() {
+            lines.push("put the plan.json of these parts back, or take another folder".to_owned());
+        } else if !found.damaged.is_empty() {
+            lines.push(mend(folder, &found.damaged));
+        } else if !is_complete {
+            lines.push(format!("`bsm parts run {}` solves what is missing", folder.display()));
+        }
+        print(&lines.join("\n"))?;
+    }
+    if is_complete { Ok(()) } else { Err(Failure::Unsolved) }
+}
+
+/// Adds the first few of some entries.
+fn list(lines: &mut Vec<String>, what: &str, entries: Vec<String>) {
+    let more = entries.len().saturating_sub(SHOWN);
+    lines.extend(entries.into_iter().take(SHOWN).map(|entry| format!("{what}  {entry}")));
+    if more > 0 {
+        lines.push(format!("{what}  and {more} more; --json has all"));
+    }
+}

@@ -1,0 +1,187 @@
+//! Pictures of a grid: lines, and maps.
+
+use bsm_batch::{Answers, Chunk};
+use bsm_case::units::words;
+use bsm_case::{Axis as GridAxis, Grid, Output as OutputColumn, exact};
+use bsm_report::{Axis, Curve, Figure, MOST_CELLS, MOST_CURVES, Map, Stroke};
+
+use crate::failure::Failure;
+
+/// Points of a plot: beyond, a viewer of SVG chokes.
+const MOST_POINTS: usize = 100_000;
+
+/// A varied input that grows by as much as this has a logarithmic axis.
+const DECADES: f64 = 100.0;
+
+/// A quantity and its unit.
+fn label(axis: &GridAxis) -> Axis {
+    let input = axis.key.input();
+    let label = words(input.name, input.unit);
+    if axis.is_log() { Axis::log(&label) } else { Axis::linear(&label) }
+}
+
+/// Points of the plot: one curve per value of the second axis.
+pub(crate) struct Curves {
+    output: &'static OutputColumn,
+    x: Axis,
+    lines: Vec<Curve>,
+    /// The model of the last point of each line.
+    models: Vec<Option<&'static str>>,
+    /// Where the model is another one than at the point before, and both names.
+    changes: Vec<((f64, f64), [&'static str; 2])>,
+}
+
+impl Curves {
+    pub(crate) fn new(grid: &Grid, output: &'static OutputColumn) -> Result<Self, Failure> {
+        let (x, series) = match grid.axes() {
+            [x] => (x, None),
+            [x, series] => (x, Some(series)),
+            _ => {
+                return Err(Failure::Input(
+                    "lines are drawn over one or two varied inputs; write the table and plot from it"
+                        .to_owned(),
+                ));
+            }
+        };
+        let count = series.map_or(1, GridAxis::len);
+        if count > MOST_CURVES {
+            return Err(Failure::Input(format!(
+                "a picture has at most {MOST_CURVES} lines; give the second --vary fewer than {count} values, or \
+                 draw a map, -o x.map.svg"
+            )));
+        }
+        if grid.len() > MOST_POINTS {
+            return Err(Failure::Input(format!(
+                "a picture has lines of at most {MOST_POINTS} points, and holds them in memory; give --vary fewer \
+                 than {} values, or draw a map, -o x.map.svg",
+                grid.len()
+            )));
+        }
+        let name = |axis: &GridAxis, i| {
+            let input = axis.key.input();
+            let (words, unit) = (words(input.name, input.unit), input.unit);
+            let words = words.split(',').next().unwrap_or_default();
+            format!("{words} {} {unit}", exact(axis.value(i))).trim_end().to_owned()
+        };
+        let lines = (0..count)
+            .map(|i| Curve {
+                marks: Vec::new(),
+                label: series.map(|axis| name(axis, i)),
+                color: i,
+                stroke: Stroke::Solid,
+                points: Vec::new(),
+            })
+            .collect();
+        let (low, high) = (x.value(0), x.value(x.len() - 1));
+        let (mut x, models) = (label(x), vec![None; count]);
+        x.log |= low > 0.0 && high >= DECADES * low;
+        Ok(Self { output, x, lines, models, changes: Vec::new() })
+    }
+
+    /// Adds the points of a chunk, of which the second axis runs fastest; one without a result
+    /// leaves a gap.
+    pub(crate) fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
+        let count = self.lines.len();
+        // The first row of a chunk may belong to any line.
+        let first = usize::try_from(chunk.first - 1).unwrap_or(0) % count;
+        for (row, (x, y)) in chunk.inputs[0].values().iter().zip(values).enumerate() {
+            let line = (first + row) % count;
+            self.lines[line].points.push((*x, *y));
+            let model = answers.verdicts[row].model.name();
+            match self.models[line].replace(model) {
+                Some(former) if former != model && y.is_finite() => {
+                    self.changes.push(((*x, *y), [former, model]));
+                }
+                _ => {}
+            }
+        }
+    }
+
+    pub(crate) fn figure(self, title: String) -> Figure {
+        let Self { output, x, lines: mut curves, changes, .. } = self;
+        let mut names: Vec<_> = changes.iter().flat_map(|(_, names)| *names).collect();
+        names.sort_unstable();
+        names.dedup();
+        if !names.is_empty() {
+            let points = changes.iter().map(|(point, _)| *point).collect();
+            let label = format!("model changes: {}", names.join(" / "));
+            curves.push(Curve::new(label, curves.len(), Stroke::Circles, points));
+        }
+        let y = Axis::linear(&words(output.name, output.unit));
+        Figure { key: String::new(), title, caption: String::new(), x, y, curves }
+    }
+}
+
+/// Cells of the map: of long axes so many values as are seen, evenly.
+pub(crate) struct Cells {
+    output: &'static OutputColumn,
+    axes: [Axis; 2],
+    /// Places of the values of each axis that are drawn.
+    places: [Vec<usize>; 2],
+    values: [Vec<f64>; 2],
+    /// Values of the second axis.
+    rows: usize,
+    /// Values of the output.
+    found: Vec<f64>,
+    regions: Vec<usize>,
+    models: Vec<&'static str>,
+}
+
+impl Cells {
+    pub(crate) fn new(grid: &Grid, output: &'static OutputColumn) -> Result<Self, Failure> {
+        let [x, y] = grid.axes() else {
+            let text = "a map is drawn over two varied inputs; give --vary twice";
+            return Err(Failure::Input(text.to_owned()));
+        };
+        let places = [x, y].map(|axis| {
+            let drawn = axis.len().min(MOST_CELLS);
+            (0..drawn).map(|i| i * (axis.len() - 1) / (drawn - 1).max(1)).collect::<Vec<_>>()
+        });
+        let value = |axis: &GridAxis, places: &[usize]| {
+            places.iter().map(|place| axis.value(*place)).collect::<Vec<_>>()
+        };
+        let values = [value(x, &places[0]), value(y, &places[1])];
+        let count = places[0].len() * places[1].len();
+        Ok(Self {
+            output,
+            axes: [label(x), label(y)],
+            values,
+            rows: y.len(),
+            found: vec![f64::NAN; count],
+            regions: vec![0; count],
+            models: Vec::new(),
+            places,
+        })
+    }
+
+    pub(crate) fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
+        let first = usize::try_from(chunk.first - 1).unwrap_or(usize::MAX);
+        for (row, value) in values.iter().enumerate() {
+            let (x, y) = ((first + row) / self.rows, (first + row) % self.rows);
+            let [columns, rows] = &self.places;
+            let found = columns.binary_search(&x).ok().zip(rows.binary_search(&y).ok());
+            let Some((column, row_of_map)) = found else { continue };
+            let cell = column * rows.len() + row_of_map;
+            let model = answers.verdicts[row].model.name();
+            let known = self.models.iter().position(|known| *known == model);
+            self.regions[cell] = known.unwrap_or_else(|| {
+                self.models.push(model);
+                self.models.len() - 1
+            });
+            self.found[cell] = *value;
+        }
+    }
+
+    pub(crate) fn map(self, title: String) -> Map {
+        let Self { output, axes: [x, y], values: [xs, ys], found, regions, models, .. } = self;
+        Map {
+            title,
+            x: (x, xs),
+            y: (y, ys),
+            label: words(output.name, output.unit),
+            values: found,
+            regions,
+            names: models.into_iter().map(str::to_owned).collect(),
+        }
+    }
+}
