@@ -5,9 +5,8 @@ use bsm_case::{
     Record, Scene, Sensitivities, Sensitivity, Settings, SizePhase, torque_parts,
 };
 use bsm_dyn::{Band, ModelWorkspace, Problem, Solution, Status};
-use bsm_report::{Figure, PROGRAM, number};
-use bsm_report::ReportError;
 use bsm_report::sheets::Study;
+use bsm_report::{Figure, PROGRAM, number};
 use serde_json::{Map, Value};
 
 use crate::answer::{Answer, Drawn, named};
