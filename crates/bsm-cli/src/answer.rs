@@ -105,7 +105,9 @@ impl Answer {
         draw: impl FnOnce() -> Result<Drawn, Failure>,
     ) -> Result<(), Failure> {
         for (kind, texts) in [("warning", &self.warnings), ("note", &self.notes)] {
-            texts.iter().for_each(|text| warn(kind, text));
+            for text in texts {
+                warn(kind, text);
+            }
         }
         let is_picture = |path: &&Path| ending_of("-o", path, &["html", "svg", "png"]).is_ok();
         let pictures: Vec<&Path> =

@@ -256,12 +256,13 @@ fn show(columns: &[Column], rows: &[(Candidate, &[f64])], more: usize) -> Answer
     let cells = |(nut, sheet): &(Candidate, &[f64])| {
         columns.iter().map(|column| cell(column.read(nut, sheet))).collect()
     };
-    let mut text = table::plain(Some(&header), &rows.iter().map(cells).collect::<Vec<_>>(), 0);
-    if more > 0 {
-        text += &format!(
-            "\n\nand {more} more; --first N shows others, -o TABLE writes all with all columns"
-        );
-    }
+    let table = table::plain(Some(&header), &rows.iter().map(cells).collect::<Vec<_>>(), 0);
+    let text = match more {
+        0 => table,
+        more => format!(
+            "{table}\n\nand {more} more; --first N shows others, -o TABLE writes all with all columns"
+        ),
+    };
     Answer { text, json: rows.iter().map(json).collect(), ..Answer::default() }
 }
 

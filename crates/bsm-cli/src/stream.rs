@@ -90,12 +90,11 @@ impl Job<'_> {
                 bar.inc(chunk.len as u64);
                 watch(chunk, answers);
             };
-            let count = match self.table {
-                Some(path) => self.write_file(path, source, points, workers, &mut seen),
-                None => {
-                    let run = self.task.run(source, Seen, u64::MAX, workers, &mut seen);
-                    run.map(|(_, count)| count).map_err(|error| stopped(Path::new("-"), error))
-                }
+            let count = if let Some(path) = self.table {
+                self.write_file(path, source, points, workers, &mut seen)
+            } else {
+                let run = self.task.run(source, Seen, u64::MAX, workers, &mut seen);
+                run.map(|(_, count)| count).map_err(|error| stopped(Path::new("-"), error))
             };
             bar.finish_and_clear();
             count?
