@@ -1256,7 +1256,7 @@ class SolutionFields(_core.Solution):
 
     @property
     def iterations(self) -> float:
-        """Newton steps."""
+        """Newton steps, or sweeps of `rigid`."""
         return self.number(32)
 
     @property
