@@ -155,7 +155,7 @@ pub(crate) struct ModelArgs {
     /// Model; auto: the fastest one within the tolerance.
     #[arg(long, default_value = "auto", value_parser = PossibleValuesParser::new(ModelChoice::names()))]
     pub(crate) model: String,
-    /// tolerance=0.01 of the efficiency, for auto; accuracy=1e-8 and creep=1e-6 of traction; control=nut or screw and
+    /// tolerance=0.01 of the efficiency, for auto; accuracy=1e-8 and creep=1e-4 of traction; control=nut or screw and
     /// friction=local or contact of raceway-control.
     #[arg(long, value_name = "KEY=VALUE,..", value_delimiter = ',', value_parser = setting)]
     solver: Vec<(String, String)>,
