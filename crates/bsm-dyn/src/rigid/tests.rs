@@ -371,7 +371,7 @@ fn sweeps_and_the_search_find_the_same_root() {
     let mut rng = ChaCha8Rng::seed_from_u64(50);
     let mut work = RigidWorkspace::default();
     let mut tried = 0;
-    while tried < 1000 {
+    while tried < campaign(10_000) {
         let Ok(case) = Rigid { point: screw(&mut rng) }.ball() else { continue };
         let start = case.first_order();
         if start.size < 0.2 * case.friction() {
