@@ -72,11 +72,6 @@ fn describe(report: &SizeReport) -> String {
 
 fn rule(rule: &SizeRule) -> Vec<String> {
     let sign = if rule.at_least { ">=" } else { "<=" };
-    let verdict = match (rule.limit, rule.passes()) {
-        (None, _) => "",
-        (_, true) => "pass",
-        (_, false) => "FAIL",
-    };
     vec![
         rule.title.to_owned(),
         rule.name.to_owned(),
@@ -84,7 +79,7 @@ fn rule(rule: &SizeRule) -> Vec<String> {
         number(rule.value),
         rule.limit.map_or_else(String::new, |limit| format!("{sign} {}", number(limit))),
         rule.margin().map_or_else(String::new, |margin| format!("{} times", short(margin))),
-        verdict.to_owned(),
+        table::verdict(rule.limit.map(|_| rule.passes())),
         rule.source.to_owned(),
     ]
 }

@@ -84,18 +84,13 @@ fn steps(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
 
 fn describe(report: &DesignReport, output: Option<&Path>) -> String {
     let row = |row: &DesignRow| {
-        let verdict = match (&row.requirement, row.passes) {
-            (None, _) => "",
-            (_, true) => "pass",
-            (_, false) => "FAIL",
-        };
         vec![
             row.step.to_string(),
             row.name.to_owned(),
             row.unit.to_owned(),
             row.value.map_or_else(|| "none".to_owned(), number),
             row.requirement.clone().unwrap_or_default(),
-            verdict.to_owned(),
+            table::verdict(row.requirement.as_ref().map(|_| row.passes)),
         ]
     };
     let rows: Vec<_> = report.rows.iter().map(row).collect();
@@ -190,7 +185,7 @@ fn beside(rows: &[MakerRow]) -> String {
     let cells = |row: &MakerRow| {
         let numbers =
             row.numbers.iter().map(|(.., value)| value.map_or_else(|| "-".to_owned(), number));
-        let verdict = row.passes.map(|passes| if passes { "pass" } else { "FAIL" }.to_owned());
+        let verdict = row.passes.map(|passes| table::verdict(Some(passes)));
         std::iter::once(row.name.clone()).chain(numbers).chain(verdict).collect()
     };
     let mut header: Vec<_> = std::iter::once("nut")

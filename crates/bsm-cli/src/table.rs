@@ -8,6 +8,11 @@ use bsm_dyn::{Band, Model};
 use bsm_report::number;
 use comfy_table::{CellAlignment, Table, presets};
 
+/// The cell that says whether a limit is kept; empty without one.
+pub(crate) fn verdict(passes: Option<bool>) -> String {
+    passes.map_or("", |passes| if passes { "pass" } else { "FAIL" }).to_owned()
+}
+
 /// A plain table whose columns from `first_number` on are aligned right.
 pub(crate) fn plain(header: Option<&[&str]>, rows: &[Vec<String>], first_number: usize) -> String {
     let mut table = Table::new();

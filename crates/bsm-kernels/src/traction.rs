@@ -11,7 +11,7 @@ use bsm_dyn::{
     TRACTION_START, TractionMany, TractionRoot, TractionStart, loss_error, quadrature_error,
     slip_scale, takes,
 };
-use bsm_simd::{Arch, BLOCK, NullaryFnOnce, Simd, WithSimd};
+use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
 
 use crate::closed_form::{power_balance, transmit_torque};
 use crate::elastic::Skid;
@@ -66,8 +66,9 @@ impl WithSimd for Solve<'_, '_> {
         let (mut lanes, mut points, mut starts) = (Vec::new(), Vec::new(), Vec::new());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
             let given = Given { simd, operands, row: first + row };
-            // A call of its own: the code is long.
-            let lane = simd.vectorize(Scale { given: &given, creep });
+            let (units, pair) = simd.vectorize(InUnits(&given));
+            let scaled = scaled(&given, (&units, &pair), creep);
+            let lane = Points { units, pair, scaled };
             let mut out = Out { wanted, columns: &mut *columns, row };
             let (start, found) = start(&given, &lane, &mut out);
             lanes.push((given, lane));
@@ -117,24 +118,6 @@ impl WithSimd for Solve<'_, '_> {
                 *done = answered[i] && found[i];
             }
         }
-    }
-}
-
-/// The points of a lane in the numbers of the equations.
-struct Scale<'a, S> {
-    given: &'a Given<'a, S>,
-    creep: f64,
-}
-
-impl<S: Simd> NullaryFnOnce for Scale<'_, S> {
-    type Output = Points<S>;
-
-    #[inline(always)]
-    fn call(self) -> Self::Output {
-        let Self { given, creep } = self;
-        let (units, pair) = InUnits(given).call();
-        let scaled = scaled(given, (&units, &pair), creep);
-        Points { units, pair, scaled }
     }
 }
 
