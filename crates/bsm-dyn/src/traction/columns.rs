@@ -23,7 +23,7 @@ use crate::balance::torque;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::ball_unknowns::{BALL, ROWS};
 use crate::cost;
-use crate::ellipse::{OiledSums, Point, SUMS, Sums, depth};
+use crate::ellipse::{Dry, Lubricated, Point, SUMS, Sums, depth, sums};
 use crate::equations::linear;
 use crate::lubricant::{ScaledFilm, Wetted};
 
@@ -276,8 +276,7 @@ pub(super) struct Rubbed<F = f64> {
     /// The sums of its coefficient, and what they are multiplied with, against a slip over `$W$`.
     pub(super) sums: Sums<F>,
     pub(super) coefficient: F,
-    /// Their derivatives by the logarithm of the film, and those of that by the unknowns.
-    by_film: [F; SUMS],
+    /// Derivatives of the logarithm of the film by the unknowns.
     film: Slopes<F>,
     /// Force along t and moment about t × N of rolling resistance, and the power that it takes.
     resistance: [F; 2],
@@ -291,7 +290,6 @@ impl<F: Compare> Rubbed<F> {
         Self {
             sums: Sums::none(zero),
             coefficient: zero,
-            by_film: [zero; SUMS],
             film: [zero; BLOCK],
             resistance: [zero; 2],
             rolling: zero,
@@ -315,9 +313,6 @@ pub(super) trait Rubbing {
     );
 }
 
-/// One constant coefficient.
-pub(super) struct Dry;
-
 impl Rubbing for Dry {
     const OILED: bool = false;
 
@@ -331,7 +326,7 @@ impl Rubbing for Dry {
         rubbed: &mut [Rubbed; 2],
     ) {
         let nodes = [ball.nodes(0), ball.nodes(1)];
-        let sums = Sums::along::<S, 2, SLOPED>(simd, &contacts.points, &nodes);
+        let sums = sums::<S, _, 2, SLOPED>(simd, &contacts.points, &[Dry; 2], &nodes);
         for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
             rubbed.sums = sums;
             rubbed.coefficient = ball.pair.signed_friction();
@@ -374,14 +369,13 @@ impl Rubbing for Wetted {
             // M = r × F_h + C_h                                           (Y32)
             *resistance = [push, push + couple].map(|x| ball.pair.signed(x));
             *rolling = ball.pair.signed(ScaledFilm::resisted([push, couple], along_t, w_c));
-            laws[i] = Some(film.law);
+            laws[i] = Some(Lubricated::of(&film.law));
         }
         let [Some(nut), Some(screw)] = laws else { return };
         let nodes = [ball.nodes(0), ball.nodes(1)];
-        let laws = [nut, screw];
-        let sums = OiledSums::along::<S, 2, SLOPED>(simd, &contacts.points, &laws, &nodes);
-        for (rubbed, OiledSums { sums, by_film }) in rubbed.iter_mut().zip(sums) {
-            (rubbed.sums, rubbed.by_film) = (sums, by_film);
+        let sums = sums::<S, _, 4, SLOPED>(simd, &contacts.points, &[nut, screw], &nodes);
+        for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
+            rubbed.sums = sums;
             rubbed.coefficient = ball.pair.signed(1.0);
         }
     }
@@ -611,8 +605,8 @@ pub(super) fn evaluate<F: Compare, R: Rubbing, const SLOPED: bool>(
         let place = [NUT_LOAD, SCREW_LOAD][i];
         let (load, by_load) = (loads[i], along(place, one));
         let (tilt, angle) = (&tilts[i], &angles[i]);
-        let &Rubbed { ref sums, coefficient, by_film, ref film, resistance, rolling } = &rubbed[i];
-        let &Sums { ref values, power: unit_power, ref slopes } = sums;
+        let &Rubbed { ref sums, coefficient, ref film, resistance, rolling } = &rubbed[i];
+        let &Sums { ref values, power: unit_power, ref slopes, by_film } = sums;
         let pull = load * coefficient;
         // P_f = Σ f Q ∫ dP                                                (P7)
         sliding[i] = pull * unit_power;
