@@ -18,7 +18,7 @@ pub(crate) use self::many::{ManyNodes, ManyQuadrature};
 pub use self::oil::Bend;
 pub(crate) use self::oil::Lubricated;
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
-pub(crate) use self::panels::{Nodes, Plan, depth};
+pub(crate) use self::panels::{Nodes, Plan, Rules, depth};
 use crate::{Coulomb, FrictionLaw, MixedFriction, Wrench};
 
 /// A loaded contact ellipse on the ball.
@@ -115,9 +115,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
     {
         let local = Local::of(motion, &self.contact, arc_length_per_radian);
         let (unit, power) = self.integrate(&local, law, creep, quadrature.into());
-        let wrench = unit.wrench(&self.contact);
-        let [force, moment] = [wrench.force, wrench.moment].map(|v| v * self.load);
-        (Wrench { force, moment }, power * self.load)
+        (unit.wrench(&self.contact) * self.load, power * self.load)
     }
 
     /// Friction over `$Q$`, and its power (E3) to (E6).

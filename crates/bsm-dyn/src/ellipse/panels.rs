@@ -61,6 +61,38 @@ pub struct Quadrature {
     pub(super) reach: Vec<f64>,
 }
 
+/// Quadratures of a few accuracies, and those that their errors are told from; each is made when it is first asked for.
+#[derive(Debug, Default)]
+pub(crate) struct Rules(Vec<(f64, [Quadrature; 2])>);
+
+impl Rules {
+    /// Those of a constant coefficient.
+    pub(crate) fn dry<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
+        self.get(accuracies, |accuracy| [Quadrature::of(accuracy), Quadrature::check(accuracy)])
+    }
+
+    /// Those of an oil.
+    pub(crate) fn of_oil<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
+        let make = |accuracy| [Quadrature::of_oil(accuracy), Quadrature::check_of_oil(accuracy)];
+        self.get(accuracies, make)
+    }
+
+    fn get<const N: usize>(
+        &mut self,
+        accuracies: [f64; N],
+        make: impl Fn(f64) -> [Quadrature; 2],
+    ) -> [&[Quadrature; 2]; N] {
+        let places = accuracies.map(|accuracy| {
+            let known = |(other, _): &(f64, _)| accuracy.total_cmp(other).is_eq();
+            self.0.iter().position(known).unwrap_or_else(|| {
+                self.0.push((accuracy, make(accuracy)));
+                self.0.len() - 1
+            })
+        });
+        places.map(|place| &self.0[place].1)
+    }
+}
+
 /// Nodes and weights of Gauss-Legendre on [0, 1].
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Gauss {
