@@ -8,7 +8,7 @@
 )]
 
 use std::f64::consts::PI;
-use std::ops::Add;
+use std::ops::{Add, Mul};
 
 use bsm_kin::{BallFrame, Field, Motion, Scalar};
 use bsm_newton::EvalError;
@@ -78,6 +78,20 @@ impl<D: Scalar> Wrench<D> {
     ) -> Self {
         // F = Q N + F_f,  M = r × F; r ∥ N, so that only friction turns the ball  (B3)
         Self { force: normal * load + friction, moment: point.cross(friction) }
+    }
+
+    /// Nothing.
+    pub(crate) fn zero() -> Self {
+        let zero = Vector3::repeat(D::from(0.0));
+        Self { force: zero, moment: zero }
+    }
+}
+
+impl<D: Scalar> Mul<D> for Wrench<D> {
+    type Output = Self;
+
+    fn mul(self, factor: D) -> Self {
+        Self { force: self.force * factor, moment: self.moment * factor }
     }
 }
 
