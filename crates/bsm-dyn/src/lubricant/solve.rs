@@ -306,8 +306,7 @@ impl Lubricated {
         let speed = screw.point.drive.relative_speed();
         let outside = self.outside(pair, steady);
         let ball = screw.ball_state(pair, loaded, to_nut)?;
-        // T = Z T_ball + Σ P/W                                            (Y27)
-        let torque = torque + outside.of_balls() / speed;
+        let torque = torque + outside.torque(speed);
         let ideal = screw.point.ideal_torque();
         let transmission = Transmission::of(pair.direction, ideal, torque, speed);
         // Scaled powers in watts, of all balls.
