@@ -1157,7 +1157,7 @@ def gradient(
     >>> point = {"contact_angle_deg": 45, "lead_angle_deg": 8, "friction_coefficient": 0.01}
     >>> value, slope = bs.gradient(point, "efficiency", ["friction_coefficient"], model="closed-form")
     >>> round(float(value), 3), slope.round(2)
-    (0.98, array([-1.98]))
+    (0.98, array([-1.96]))
     """
     import numpy as np
 

@@ -178,9 +178,7 @@ def test_every_reader_opens_the_parts(alone: Path) -> None:
 @pytest.mark.filterwarnings("ignore")
 def test_workers_that_are_killed(tmp_path: Path) -> None:
     """Dask as the guide has it, whose workers are killed: the bytes of one machine. BSM_FAULTS=20 kills twenty in place of two."""
-    import dask
-    import distributed
-
+    dask, distributed = pytest.importorskip("dask"), pytest.importorskip("distributed")
     kills, draws, killed, rounds = int(os.environ.get("BSM_FAULTS", "2")), random.Random(25), 0, 0
     long: dict[str, Any] = {"vary": {"axial_load_N": bs.linspace(500, 9000, 20_000)}, "model": "traction", "rows_per_shard": 200}
     alone = made(tmp_path / "alone", **long)
