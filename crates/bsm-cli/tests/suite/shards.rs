@@ -826,6 +826,6 @@ fn the_guide_has_the_table_of_the_plans() {
             .expect("memory");
         }
     }
-    let guide = fs::read_to_string(format!("{ROOT}/docs/guide/scale-out.md")).expect("the guide");
-    assert!(guide.contains(&table), "the guide should have:\n{table}");
+    let page = fs::read_to_string(format!("{ROOT}/docs/evidence/scale-out.md")).expect("the page");
+    assert!(page.contains(&table), "the page should have:\n{table}");
 }
