@@ -701,9 +701,9 @@ class Solver(TypedDict, total=False):
     friction: Friction
 
 
-_SOLVER: Mapping[str, Any] = MappingProxyType(
-    {"model": "auto", "tolerance": 1e-2, "accuracy": 1e-8, "creep": 1e-4, "control": None, "friction": "local"}
-)
+_SOLVER: Mapping[str, Any] = {
+    "model": "auto", "tolerance": 1e-2, "accuracy": 1e-8, "creep": 1e-4, "control": None, "friction": "local",
+}
 """What is not given, in the order of the core."""
 
 
@@ -737,12 +737,19 @@ def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[str]:
     return axes
 
 
+def _taken(keywords: dict[str, Any]) -> _core.How:
+    """How to solve, taken out of keywords."""
+    take = keywords.pop
+    return cast("_core.How", tuple([take(name, default) for name, default in _SOLVER.items()]))
+
+
 def _how(solver: Solver) -> _core.How:
-    """How to solve: what is not given is as in the program."""
-    for name in solver:
-        if name not in _SOLVER:
-            raise TypeError(f"there is no keyword `{name}`{_near(name, _SOLVER)}")
-    return cast("_core.How", tuple({**_SOLVER, **solver}.values()))
+    """How to solve, by keywords that say nothing else."""
+    keywords: dict[str, Any] = {**solver}
+    how = _taken(keywords)
+    for name in keywords:
+        raise TypeError(f"there is no keyword `{name}`{_near(name, _SOLVER)}")
+    return how
 
 
 def _list(word: str, names: Sequence[str]) -> list[str]:
@@ -765,8 +772,8 @@ def _scene(scene: Scene | Mapping[str, Any] | None, inputs: Inputs) -> Scene:
 def _asked(scene: Scene | Mapping[str, Any] | None, question: Question) -> tuple[Scene, _core.How]:
     """The scene with its other inputs, and how to solve it."""
     given: dict[str, Any] = {**question}
-    solver: Any = {name: given.pop(name) for name in _SOLVER if name in given}
-    return _scene(scene, cast("Inputs", given)), _how(solver)
+    how = _taken(given)
+    return _scene(scene, cast("Inputs", given)), how
 
 
 def solve(

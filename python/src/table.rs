@@ -5,22 +5,23 @@ use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
-use arrow_array::types::{Float64Type, Int64Type, TimestampMicrosecondType, UInt64Type};
+use arrow_array::types::{Float64Type, UInt64Type};
 use arrow_array::{
     Array, ArrayRef, BooleanArray, DictionaryArray, Float64Array, Int8Array, Int64Array,
     RecordBatch, RecordBatchIterator, RecordBatchReader, StringArray, TimestampMicrosecondArray,
-    UInt64Array, new_empty_array,
+    UInt64Array, downcast_temporal_array, new_empty_array,
 };
 use arrow_buffer::{BooleanBuffer, Buffer, NullBuffer, ScalarBuffer};
-use arrow_cast::cast;
 use arrow_ipc::reader::StreamReader;
 use arrow_ipc::writer::StreamWriter;
-use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef, TimeUnit};
+use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
 use arrow_select::concat::concat;
+use bsm_batch::arrow_column;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyCapsule};
 use pyo3_arrow::buffer::{AnyBufferProtocol, PyArrowBuffer};
 use pyo3_arrow::input::AnyRecordBatch;
+use serde_json::Value;
 
 use crate::errors;
 
@@ -123,43 +124,48 @@ impl Kept {
 
     /// The values for NumPy.
     fn values(&self) -> PyResult<Values> {
-        let as_type = |kind| cast(&self.0, &kind).map_err(refused);
-        let is_full = self.0.null_count() == 0;
-        Ok(match self.0.data_type() {
+        let column = &self.0;
+        let is_full = column.null_count() == 0;
+        let values = || arrow_column::values(column).map_err(refused);
+        Ok(match column.data_type() {
             DataType::UInt64 if is_full => {
-                let found = as_type(DataType::UInt64)?;
-                let values = found.as_primitive::<UInt64Type>().values().inner().clone();
+                let values = column.as_primitive::<UInt64Type>().values().inner().clone();
                 Values::Typed(PyArrowBuffer::new(values), "uint64")
             }
             kind if kind.is_integer() => {
-                let found = as_type(DataType::Int64)?;
-                let found = found.as_primitive::<Int64Type>();
+                let values: Vec<_> = values()?.iter().map(Value::as_i64).collect();
                 if is_full {
-                    let values = found.values().inner().clone();
-                    Values::Typed(PyArrowBuffer::new(values), "int64")
+                    let values: Vec<i64> = values.into_iter().flatten().collect();
+                    Values::Typed(PyArrowBuffer::new(Buffer::from_vec(values)), "int64")
                 } else {
-                    Values::Whole(found.iter().collect())
+                    Values::Whole(values)
                 }
             }
             kind if kind.is_floating() => {
-                let found = as_type(DataType::Float64)?;
-                let found = found.as_primitive::<Float64Type>().iter();
-                Values::Typed(shared(found.map(|x| x.unwrap_or(f64::NAN)).collect()), "float64")
+                let numbers = arrow_column::numbers(column).map_err(refused)?.into_iter();
+                Values::Typed(shared(numbers.map(|x| x.unwrap_or(f64::NAN)).collect()), "float64")
             }
             DataType::Boolean if is_full => {
-                let flags = self.0.as_boolean().values().iter().map(u8::from).collect();
+                let flags = column.as_boolean().values().iter().map(u8::from).collect();
                 Values::Typed(PyArrowBuffer::new(Buffer::from_vec::<u8>(flags)), "bool")
             }
             DataType::Date32 | DataType::Date64 | DataType::Timestamp(..) => {
-                let found = as_type(DataType::Timestamp(TimeUnit::Microsecond, None))?;
-                let found = found.as_primitive::<TimestampMicrosecondType>().iter();
-                let times: Vec<_> = found.map(|time| time.unwrap_or(i64::MIN)).collect();
+                let times: Vec<i64> = downcast_temporal_array!(
+                    column => (0..column.len()).map(|row| {
+                        let time = if column.is_null(row) { None } else { column.value_as_datetime(row) };
+                        time.map_or(i64::MIN, |time| time.and_utc().timestamp_micros())
+                    }).collect(),
+                    _ => Vec::new(),
+                );
                 Values::Typed(PyArrowBuffer::new(Buffer::from_vec(times)), "datetime64[us]")
             }
             _ => {
-                let found = as_type(DataType::Utf8)?;
-                let found = found.as_string::<i32>().iter();
-                Values::Texts(found.map(|text| text.map(str::to_owned)).collect())
+                let text = |value| match value {
+                    Value::Null => None,
+                    Value::String(text) => Some(text),
+                    other => Some(other.to_string()),
+                };
+                Values::Texts(values()?.into_iter().map(text).collect())
             }
         })
     }
@@ -227,20 +233,14 @@ pub(crate) fn read_arrow(
         }
         let (mut values, mut gaps) = (Vec::new(), Vec::new());
         for part in parts {
-            let numeric = part.data_type().is_numeric() || *part.data_type() == DataType::Null;
-            if !numeric {
-                let text = format!("column `{name}` holds {}, not numbers", part.data_type());
-                return Err(errors::words(&text));
-            }
-            let part = cast(part, &DataType::Float64).map_err(refused)?;
-            let part = part.as_primitive::<Float64Type>();
-            let first = values.len();
-            values.extend_from_slice(part.values());
-            if let Some(nulls) = part.nulls() {
-                for row in (0..part.len()).filter(|row| nulls.is_null(*row)) {
-                    values[first + row] = f64::NAN;
-                    gaps.push(first + row);
+            let numbers = arrow_column::numbers(part).map_err(|_| {
+                errors::words(&format!("column `{name}` holds {}, not numbers", part.data_type()))
+            })?;
+            for number in numbers {
+                if number.is_none() {
+                    gaps.push(values.len());
                 }
+                values.push(number.unwrap_or(f64::NAN));
             }
         }
         Ok((name, Read::Numbers(shared(values), gaps)))

@@ -174,6 +174,8 @@ def test_what_new_users_write_is_answered_in_words(screw: bs.Scene) -> None:
         bs.gradient(points, "efficiency", "lead_mm", screw)
     with pytest.raises(bs.InputError, match=r"`lead_mm` is 10; give the values that it takes, such as \[10\]"):
         bs.sweep(screw, vary={"lead_mm": 10})  # type: ignore[dict-item]
+    with pytest.raises(TypeError, match="there is no keyword `tolerence`, did you mean `tolerance`"):
+        bs.solve_many(points, screw, tolerence=1e-3)  # type: ignore[call-arg]
     with pytest.raises(bs.InputError, match=r"Scene.read\(path\) reads a file"):
         bs.solve("examples/feed_drive.json")  # type: ignore[arg-type]
     for frame in ({**points, "name": ["a", "b"]}, pl.DataFrame({**points, "name": ["a", "b"]})):

@@ -5,13 +5,14 @@
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
-    ArrowPrimitiveType, Decimal32Type, Decimal64Type, Decimal128Type, Decimal256Type, DecimalType,
-    Float16Type, Float32Type, Float64Type,
+    ArrowPrimitiveType, ArrowTemporalType, Decimal32Type, Decimal64Type, Decimal128Type,
+    Decimal256Type, DecimalType, DurationMicrosecondType, DurationMillisecondType,
+    DurationNanosecondType, DurationSecondType, Float16Type, Float32Type, Float64Type,
 };
 use arrow_array::{
     Array, ArrayRef, PrimitiveArray, downcast_integer_array, downcast_temporal_array,
 };
-use arrow_schema::{ArrowError, DataType};
+use arrow_schema::{ArrowError, DataType, TimeUnit};
 use num_traits::ToPrimitive;
 use serde_json::{Number, Value};
 
@@ -20,7 +21,7 @@ use serde_json::{Number, Value};
 /// # Errors
 ///
 /// [`ArrowError::CastError`] if its type is not one of numbers.
-pub(crate) fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
+pub fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
     fn plain<T: ArrowPrimitiveType<Native: ToPrimitive>>(
         values: &PrimitiveArray<T>,
     ) -> Vec<Option<f64>> {
@@ -52,7 +53,7 @@ pub(crate) fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError>
 /// # Errors
 ///
 /// [`ArrowError::CastError`] if its type has no text.
-pub(crate) fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
+pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
     fn texts<T: ToString>(texts: impl Iterator<Item = Option<T>>) -> Vec<Value> {
         texts.map(|text| text.map_or(Value::Null, |text| Value::String(text.to_string()))).collect()
     }
@@ -64,6 +65,11 @@ pub(crate) fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
     fn decimal<T: DecimalType + ArrowPrimitiveType>(column: &ArrayRef) -> Vec<Value> {
         let column = column.as_primitive::<T>();
         texts((0..column.len()).map(|i| column.is_valid(i).then(|| column.value_as_string(i))))
+    }
+    fn lasting<T: ArrowTemporalType<Native = i64>>(column: &ArrayRef) -> Vec<Value> {
+        let column = column.as_primitive::<T>();
+        let text = |i| if column.is_null(i) { None } else { column.value_as_duration(i) };
+        texts((0..column.len()).map(text))
     }
     /// Bytes that are no text are null.
     fn bytes<'a>(bytes: impl Iterator<Item = Option<&'a [u8]>>) -> Vec<Value> {
@@ -87,6 +93,10 @@ pub(crate) fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
         DataType::Binary => bytes(column.as_binary::<i32>().iter()),
         DataType::LargeBinary => bytes(column.as_binary::<i64>().iter()),
         DataType::BinaryView => bytes(column.as_binary_view().iter()),
+        DataType::Duration(TimeUnit::Second) => lasting::<DurationSecondType>(column),
+        DataType::Duration(TimeUnit::Millisecond) => lasting::<DurationMillisecondType>(column),
+        DataType::Duration(TimeUnit::Microsecond) => lasting::<DurationMicrosecondType>(column),
+        DataType::Duration(TimeUnit::Nanosecond) => lasting::<DurationNanosecondType>(column),
         DataType::Dictionary(..) => {
             let column = column.as_any_dictionary();
             let words = values(column.values())?;
@@ -124,9 +134,9 @@ mod tests {
 
     use arrow_array::types::Int8Type;
     use arrow_array::{
-        BinaryArray, BooleanArray, Date32Array, Decimal128Array, DictionaryArray, Float32Array,
-        Int32Array, NullArray, StringViewArray, Time64MicrosecondArray, TimestampMillisecondArray,
-        UInt64Array,
+        BinaryArray, BooleanArray, Date32Array, Decimal128Array, DictionaryArray,
+        DurationMillisecondArray, Float32Array, Int32Array, NullArray, StringViewArray,
+        Time64MicrosecondArray, TimestampMillisecondArray, UInt64Array,
     };
     use serde_json::json;
 
@@ -158,6 +168,10 @@ mod tests {
             (texts(days), json!(["Mon", null, "Mon"])),
             (texts(Date32Array::from(vec![20_781])), json!(["2026-11-24"])),
             (texts(Time64MicrosecondArray::from(vec![66_600_000_000])), json!(["18:30:00"])),
+            (
+                texts(DurationMillisecondArray::from(vec![Some(1500), None])),
+                json!(["PT1.5S", null]),
+            ),
             (texts(time.clone()), json!(["2026-11-24T18:30:00.500"])),
             (texts(time.with_timezone("UTC")), json!(["2026-11-24T18:30:00.500Z"])),
         ] {

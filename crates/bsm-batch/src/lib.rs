@@ -38,7 +38,7 @@
 //! # }
 //! ```
 
-mod arrow_column;
+pub mod arrow_column;
 mod arrow_table;
 mod column_chunk;
 pub mod dataset;
