@@ -246,8 +246,8 @@ impl Rated {
             (preloaded_body_rigidity_N_um, 2.0 * elasticity.body * UM),
             (preloaded_rigidity_N_um, elasticity.preloaded_pair(preload) * UM),
         ];
-        // w = F_m / j_w                                                   (D20)
-        numbers.extend(load.map(|load| (contact_displacement_um, load / contacts / UM)));
+        let displacement = |load| elasticity.preloaded_displacement(preload, load) / UM;
+        numbers.extend(load.map(|load| (contact_displacement_um, displacement(load))));
         numbers
     }
 
