@@ -48,7 +48,6 @@ from ballscrew._errors import (
     InputError,
     NoSolutionError,
     NotConvergedError,
-    RunnerLostError,
     ShardError,
     SolveError,
 )
@@ -69,7 +68,6 @@ __all__ = [
     "Plan",
     "Quantity",
     "Report",
-    "RunnerLostError",
     "Scene",
     "ShardError",
     "Solution",

@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Self, Unpack, cast, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Self, TypedDict, Unpack, cast, overload
 
 from ballscrew import _core
 from ballscrew._errors import InputError, NoSolutionError, NotConvergedError, SolveError
@@ -690,6 +690,27 @@ class NutReport(Report):
         self.curve = curve
 
 
+class Solver(TypedDict, total=False):
+    """How to solve: keywords of every function that does; `solve` says what they mean."""
+
+    model: Model
+    tolerance: float
+    accuracy: float
+    creep: float
+    control: Control | None
+    friction: Friction
+
+
+_SOLVER: Mapping[str, Any] = MappingProxyType(
+    {"model": "auto", "tolerance": 1e-2, "accuracy": 1e-8, "creep": 1e-4, "control": None, "friction": "local"}
+)
+"""What is not given, in the order of the core."""
+
+
+class Question(Inputs, Solver, total=False):
+    """Inputs in place of those of the scene, and how to solve."""
+
+
 class Linspace(NamedTuple):
     """Equally spaced values, both ends included."""
 
@@ -716,10 +737,12 @@ def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[str]:
     return axes
 
 
-def _how(
-    model: str, tolerance: float, accuracy: float, creep: float, control: str | None, friction: str
-) -> tuple[str, float, float, float, str | None, str]:
-    return (model, tolerance, accuracy, creep, control, friction)
+def _how(solver: Solver) -> _core.How:
+    """How to solve: what is not given is as in the program."""
+    for name in solver:
+        if name not in _SOLVER:
+            raise TypeError(f"there is no keyword `{name}`{_near(name, _SOLVER)}")
+    return cast("_core.How", tuple({**_SOLVER, **solver}.values()))
 
 
 def _list(word: str, names: Sequence[str]) -> list[str]:
@@ -739,18 +762,19 @@ def _scene(scene: Scene | Mapping[str, Any] | None, inputs: Inputs) -> Scene:
     return Scene(scene, **inputs)
 
 
+def _asked(scene: Scene | Mapping[str, Any] | None, question: Question) -> tuple[Scene, _core.How]:
+    """The scene with its other inputs, and how to solve it."""
+    given: dict[str, Any] = {**question}
+    solver: Any = {name: given.pop(name) for name in _SOLVER if name in given}
+    return _scene(scene, cast("Inputs", given)), _how(solver)
+
+
 def solve(
     scene: Scene | Mapping[str, Any] | None = None,
     /,
     *,
-    model: Model = "auto",
-    tolerance: float = 1e-2,
-    accuracy: float = 1e-8,
-    creep: float = 1e-4,
-    control: Control | None = None,
-    friction: Friction = "local",
     check: bool = True,
-    **inputs: Unpack[Inputs],
+    **question: Unpack[Question],
 ) -> Solution:
     """Solve one point.
 
@@ -758,23 +782,24 @@ def solve(
     ----------
     scene : Scene or mapping, optional
         The screw and its point.
-    model : str
-        A model of `MODELS`; `auto` takes the cheapest that is accurate enough.
-    tolerance : float
-        Error of the efficiency that `auto` may leave.
-    accuracy : float
-        Accuracy of the quadrature in model traction, its error over the friction, 1e-13 to 1e-4.
-    creep : float
-        Creep speed over the surface speed of the ball in model traction.
-    control : {"nut", "screw"}, optional
-        The controlling race in model raceway-control; unless given the spin moments decide.
-    friction : {"local", "contact"}
-        Where friction of a lubricant is computed in model raceway-control: at every point of the contacts, or
-        once for each contact, in half the time.
     check : bool
         Raise if there is no result.
-    **inputs
-        Inputs of the vocabulary, in place of those of `scene`.
+    **question
+        Inputs of the vocabulary, in place of those of `scene`, each in the unit that ends its name, and how to solve:
+
+        model : str, "auto" unless given
+            A model of `MODELS`; `auto` takes the cheapest that is accurate enough.
+        tolerance : float, 1e-2 unless given
+            Error of the efficiency that `auto` may leave.
+        accuracy : float, 1e-8 unless given
+            Accuracy of the quadrature in model traction, its error over the friction, 1e-13 to 1e-4.
+        creep : float, 1e-4 unless given
+            Creep speed over the surface speed of the ball in model traction.
+        control : {"nut", "screw"}, optional
+            The controlling race in model raceway-control; unless given the spin moments decide.
+        friction : {"local", "contact"}, "local" unless given
+            Where friction of a lubricant is computed in model raceway-control: at every point of the contacts, or
+            once for each contact, in half the time.
 
     Returns
     -------
@@ -793,7 +818,7 @@ def solve(
     >>> bs.solve(model="closed-form", contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.01).status
     'converged'
     """
-    answer = Solution(_scene(scene, inputs), _how(model, tolerance, accuracy, creep, control, friction))
+    answer = Solution(*_asked(scene, question))
     if check and not answer.converged:
         kind = {"no_solution": NoSolutionError, "not_converged": NotConvergedError}
         words = f"{answer.model}: {answer.status}, {answer.message}"
@@ -804,20 +829,13 @@ def solve(
 def sensitivities(
     scene: Scene | Mapping[str, Any] | None = None,
     /,
-    *,
-    model: Model = "auto",
-    tolerance: float = 1e-2,
-    accuracy: float = 1e-8,
-    creep: float = 1e-4,
-    control: Control | None = None,
-    friction: Friction = "local",
-    **inputs: Unpack[Inputs],
+    **question: Unpack[Question],
 ) -> Table:
     """Exact derivatives of efficiency and torque by every input that the model uses.
 
     Parameters
     ----------
-    scene, model, tolerance, accuracy, creep, control, friction, **inputs
+    scene, **question
         As in `solve`.
 
     Returns
@@ -828,27 +846,46 @@ def sensitivities(
 
     Raises
     ------
-    SolveError
-        If there is no result.
+    InputError, SolveError
+        As in `solve`.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> table = bs.sensitivities(model="closed-form", contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.01)
+    >>> table["input"][0]
+    'friction_coefficient'
     """
-    asked = _scene(scene, inputs)
-    how = _how(model, tolerance, accuracy, creep, control, friction)
-    rows = _core.sensitivities(asked, how)
+    rows = _core.sensitivities(*_asked(scene, question))
     if rows is None:
-        solve(asked, model=model, tolerance=tolerance, accuracy=accuracy, creep=creep, control=control,
-              friction=friction)
-        raise NotConvergedError("no sensitivities at this point", Solution(asked, how))
+        raise NotConvergedError("no sensitivities at this point", solve(scene, **question))
     names = ["input", "value", "efficiency", "screw_torque_Nm", "efficiency_relative", "screw_torque_relative"]
     return _listed(names, rows)
 
 
 def compare(scene: Scene | Mapping[str, Any] | None = None, /, **inputs: Unpack[Inputs]) -> Table:
-    """Every model that the scene has inputs for, one row a model.
+    """Every model that the scene has inputs for, one row a model, as `bsm solve --model all`.
+
+    Parameters
+    ----------
+    scene, **inputs
+        As in `solve`.
 
     Returns
     -------
     Table
         `model`, `status` and all outputs of a solution.
+
+    Raises
+    ------
+    InputError
+        If no model has its inputs.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> bs.compare(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.01)["model"].tolist()
+    ['closed-form']
     """
     asked = _scene(scene, inputs)
     rows: list[dict[str, Any]] = []
@@ -869,18 +906,13 @@ def solve_many(
     /,
     base: Scene | Mapping[str, Any] | None = None,
     *,
-    model: Model = "auto",
-    tolerance: float = 1e-2,
-    accuracy: float = 1e-8,
-    creep: float = 1e-4,
-    control: Control | None = None,
-    friction: Friction = "local",
     outputs: Sequence[Output] | None = None,
     keep: Sequence[str] = (),
     missing: Literal["invalid", "base"] = "invalid",
     progress: bool | Progress | None = None,
     threads: int | None = None,
     text: bool = False,
+    **solver: Unpack[Solver],
 ) -> Table:
     """Solve many points on all cores: one row in, one row out, in the same order.
 
@@ -892,8 +924,6 @@ def solve_many(
         anything that gives an Arrow stream (polars, pyarrow, pandas 3, duckdb, a `Table`).
     base : Scene or mapping, optional
         The inputs that are no columns.
-    model, tolerance, accuracy, creep, control, friction
-        As in `solve`.
     outputs : sequence of str, optional
         Names of `OUTPUTS`; all of a solution unless given.
     keep : sequence of str
@@ -908,6 +938,8 @@ def solve_many(
     text : bool
         Keep why `auto` chose its model too, which takes some 100 bytes a row: `message(row)`, and the column
         `message` of `write`. Why a row has no result is always kept.
+    **solver
+        How to solve, as in `solve`: model, tolerance, accuracy, creep, control, friction.
 
     Returns
     -------
@@ -973,10 +1005,8 @@ def solve_many(
         if rows_of_it != length:
             message = f"column `{column_name}` has {rows_of_it} rows, another one {length}"
             raise InputError(message, key=column_name)
-    how = _how(model, tolerance, accuracy, creep, control, friction)
     rows = _core.solve_many(
-        scene, numbers, kept, length, how, _outputs(outputs), threads,
-        _shown(progress), text,
+        scene, numbers, kept, length, _how(solver), _outputs(outputs), threads, _shown(progress), text
     )
     taken = set(rows.inputs())
     inputs: dict[str, Any] = {name: values for name, values, _ in numbers if name in taken}
@@ -1035,16 +1065,11 @@ def sweep(
     /,
     *,
     vary: Mapping[str, Linspace | Iterable[float]],
-    model: Model = "auto",
-    tolerance: float = 1e-2,
-    accuracy: float = 1e-8,
-    creep: float = 1e-4,
-    control: Control | None = None,
-    friction: Friction = "local",
     outputs: Sequence[Output] | None = None,
     progress: bool | Progress | None = None,
     threads: int | None = None,
     text: bool = False,
+    **solver: Unpack[Solver],
 ) -> Grid:
     """Solve a full grid over one or more inputs, with one model for all of its points.
 
@@ -1054,12 +1079,17 @@ def sweep(
         The fixed inputs.
     vary : mapping
         Values of each varied input: `linspace(start, stop, count)` or any numbers; the last runs fastest.
-    model, tolerance, accuracy, creep, control, friction, outputs, progress, threads, text
+    outputs, progress, threads, text, **solver
         As in `solve_many`.
 
     Returns
     -------
     Grid
+
+    Raises
+    ------
+    InputError
+        For wrong inputs, and values of an axis that break a rule.
 
     Examples
     --------
@@ -1069,20 +1099,15 @@ def sweep(
     >>> grid.shape, grid.grid("efficiency").round(2)
     ((5,), array([0.96, 0.92, 0.89, 0.85, 0.82]))
     """
-    scene = _scene(base, {})
-    how = _how(model, tolerance, accuracy, creep, control, friction)
-    rows, found = _core.sweep(
-        scene, _axes(vary), how, _outputs(outputs), threads, _shown(progress),
-        text,
-    )
     import numpy as np
 
+    scene = _scene(base, {})
+    how = _how(solver)
+    rows, found = _core.sweep(scene, _axes(vary), how, _outputs(outputs), threads, _shown(progress), text)
     table = _answered(rows, {})
     varied = {name: np.array(axis) for name, axis in found}
     units = {**table.units, **{name: INPUTS[name].unit for name in varied}}
-    settings = {"model": model, "tolerance": tolerance, "accuracy": accuracy, "creep": creep, "control": control,
-                "friction": friction}
-    return Grid(table._columns, units, len(table), rows, varied, scene, settings)
+    return Grid(table._columns, units, len(table), rows, varied, scene, dict(zip(_SOLVER, how, strict=True)))
 
 
 def gradient(
@@ -1092,15 +1117,10 @@ def gradient(
     wrt: Sequence[str],
     base: Scene | Mapping[str, Any] | None = None,
     *,
-    model: Model = "auto",
-    tolerance: float = 1e-2,
-    accuracy: float = 1e-8,
-    creep: float = 1e-4,
-    control: Control | None = None,
-    friction: Friction = "local",
     method: Literal["exact", "difference"] = "exact",
     step: float = 1e-4,
     threads: int | None = None,
+    **solver: Unpack[Solver],
 ) -> tuple[Any, Any]:
     """An output and its derivatives, ready for `scipy.optimize.minimize(..., jac=True)`.
 
@@ -1118,13 +1138,26 @@ def gradient(
         Exact derivatives of the model, or central differences.
     step : float
         Relative step of the differences.
-    threads : int, optional
+    threads, **solver
         As in `solve_many`.
 
     Returns
     -------
     values, derivatives : arrays
         Shapes (n,) and (n, k); for one point () and (k,). NaN where there is no result.
+
+    Raises
+    ------
+    InputError
+        For wrong inputs, and an input that also sets another one, which exact derivatives hold constant.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> point = {"contact_angle_deg": 45, "lead_angle_deg": 8, "friction_coefficient": 0.01}
+    >>> value, slope = bs.gradient(point, "efficiency", ["friction_coefficient"], model="closed-form")
+    >>> round(float(value), 3), slope.round(2)
+    (0.98, array([-1.96]))
     """
     import numpy as np
 
@@ -1134,19 +1167,17 @@ def gradient(
     length = max((len(v) for v in columns.values() if v.ndim), default=1)
     columns = {name: np.broadcast_to(values, (length,)) for name, values in columns.items()}
     scene = _scene(base, {})
-    how: dict[str, Any] = {"model": model, "tolerance": tolerance, "accuracy": accuracy, "creep": creep,
-                           "control": control, "friction": friction}
     if method == "exact":
         if output not in ("efficiency", "screw_torque_Nm"):
             raise InputError("exact derivatives are of efficiency and screw_torque_Nm; take method='difference'",
                              key=output)
         whole = [(name, np.ascontiguousarray(column)) for name, column in columns.items()]
-        found = _core.gradient(scene, whole, length, wrt, output != "efficiency", _how(**how), threads)
+        found = _core.gradient(scene, whole, length, wrt, output != "efficiency", _how(solver), threads)
         values = np.frombuffer(found[0], np.float64)
         slopes = np.frombuffer(found[1], np.float64).reshape(length, len(wrt))
     elif method == "difference":
         def at(changed: Mapping[str, Floats]) -> Floats:
-            answers = solve_many({**columns, **changed}, scene, outputs=[output], threads=threads, **how)
+            answers = solve_many({**columns, **changed}, scene, outputs=[output], threads=threads, **solver)
             return answers[output]
 
         values = at({})
@@ -1169,35 +1200,69 @@ def gradient(
 def slip(
     scene: Scene | Mapping[str, Any] | None = None,
     /,
-    *,
-    model: Model = "auto",
-    tolerance: float = 1e-2,
-    accuracy: float = 1e-8,
-    creep: float = 1e-4,
-    control: Control | None = None,
-    friction: Friction = "local",
-    **inputs: Unpack[Inputs],
+    **question: Unpack[Question],
 ) -> Report:
-    """Slip of the balls in their motion, as `bsm solve --show slip`."""
-    how = _how(model, tolerance, accuracy, creep, control, friction)
-    return _report(_core.analysis("slip", _scene(scene, inputs), how))
+    """Slip of the balls in their motion, as `bsm solve --show slip`.
+
+    Parameters
+    ----------
+    scene, **question
+        As in `solve`; the model must give a motion of the balls.
+
+    Returns
+    -------
+    Report
+        Speeds, ratios, moments and powers of slip at the contacts, each with its unit in its name (`OUTPUTS`). Where
+        there is no motion, `found` is false, and `status` and `message` say why.
+
+    Raises
+    ------
+    InputError
+        For inputs that are missing or break a rule.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> screw = bs.Scene(ball_diameter_mm=6.35, pitch_circle_diameter_mm=41.5, lead_mm=20, contact_angle_deg=45,
+    ...                  nut_conformity=0.53, screw_conformity=0.53, friction_coefficient=0.06)
+    >>> report = bs.slip(screw, screw_speed_rpm=1500, axial_load_N=8000, loaded_balls=70)
+    >>> report.found, report["nut_slide_roll_ratio"] < 0.05
+    (True, True)
+    """
+    return _report(_core.analysis("slip", *_asked(scene, question)))
 
 
 def jam(
     scene: Scene | Mapping[str, Any] | None = None,
     /,
-    *,
-    model: Model = "auto",
-    tolerance: float = 1e-2,
-    accuracy: float = 1e-8,
-    creep: float = 1e-4,
-    control: Control | None = None,
-    friction: Friction = "local",
-    **inputs: Unpack[Inputs],
+    **question: Unpack[Question],
 ) -> Report:
-    """Jamming of the balls, as `bsm solve --show jam`."""
-    how = _how(model, tolerance, accuracy, creep, control, friction)
-    return _report(_core.analysis("jam", _scene(scene, inputs), how))
+    """Jamming of the balls in the nut and at its ball return, as `bsm solve --show jam`.
+
+    Parameters
+    ----------
+    scene, **question
+        As in `solve`. The ball return is told by `apex_half_angle_deg`, `return_angle_deg` and the inputs whose
+        meaning ends in "for jamming" (`INPUTS`).
+
+    Returns
+    -------
+    Report
+        Loads and approaches of the contacts, forces of wedge and return, critical friction, margins, and `jams`; as in
+        `slip` where there is no motion.
+
+    Raises
+    ------
+    InputError
+        For inputs that are missing or break a rule.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> bs.jam(bs.Scene.read("examples/jamming.json")).found
+    True
+    """
+    return _report(_core.analysis("jam", *_asked(scene, question)))
 
 
 def capacity(
@@ -1215,6 +1280,26 @@ def capacity(
         The nut.
     spectrum : mapping, frame or path, optional
         A load spectrum: the columns `axial_load_N`, `screw_speed_rpm` and `time_share`. A path is that of a CSV table.
+    **inputs
+        Inputs in place of those of `nut`; it needs balls, conformities, `loaded_balls_per_turn` and `loaded_turns`.
+
+    Returns
+    -------
+    Report
+        Dynamic and static load rating [N], rigidities [N/um], mass [kg], permissible speed [rpm], and with a load or a
+        spectrum the life in revolutions and hours.
+
+    Raises
+    ------
+    InputError
+        For inputs that are missing or break a rule, and a spectrum that is none.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> nut = bs.Scene.read("examples/nut.json")
+    >>> bs.capacity(nut, axial_load_N=8000, screw_speed_rpm=500)["dynamic_load_rating_N"] > 50_000
+    True
     """
     table = _csv(spectrum) if spectrum is not None else None
     return _report(_core.capacity(_scene(nut, inputs), table))
@@ -1225,14 +1310,8 @@ def nut(
     scene: Scene | Mapping[str, Any] | None = None,
     /,
     *,
-    model: Model = "auto",
-    tolerance: float = 1e-2,
-    accuracy: float = 1e-8,
-    creep: float = 1e-4,
-    control: Control | None = None,
-    friction: Friction = "local",
     samples: None = None,
-    **inputs: Unpack[Inputs],
+    **question: Unpack[Question],
 ) -> NutReport: ...
 
 
@@ -1241,14 +1320,8 @@ def nut(
     scene: Scene | Mapping[str, Any] | None = None,
     /,
     *,
-    model: Model = "auto",
-    tolerance: float = 1e-2,
-    accuracy: float = 1e-8,
-    creep: float = 1e-4,
-    control: Control | None = None,
-    friction: Friction = "local",
     samples: int,
-    **inputs: Unpack[Inputs],
+    **question: Unpack[Question],
 ) -> Report: ...
 
 
@@ -1256,19 +1329,15 @@ def nut(
     scene: Scene | Mapping[str, Any] | None = None,
     /,
     *,
-    model: Model = "auto",
-    tolerance: float = 1e-2,
-    accuracy: float = 1e-8,
-    creep: float = 1e-4,
-    control: Control | None = None,
-    friction: Friction = "local",
     samples: int | None = None,
-    **inputs: Unpack[Inputs],
+    **question: Unpack[Question],
 ) -> NutReport | Report:
-    """All balls of a nut, as `bsm nut`.
+    """All balls of a nut and what each of them carries, as `bsm nut`.
 
     Parameters
     ----------
+    scene, **question
+        As in `solve`; the nut is told by its turns, circuits, preload and loads.
     samples : int, optional
         Quantiles over so many random sets of balls in place of one nut; the input `seed` says where the random
         numbers begin.
@@ -1276,13 +1345,25 @@ def nut(
     Returns
     -------
     NutReport
-        Numbers by name, `balls` and `curve` as tables; with `samples` a plain report.
+        Numbers by name, `balls` and `curve` as tables; with `samples` a plain report. Where the nut has no state of
+        rest, `found` is false, and `status` and `message` say why.
+
+    Raises
+    ------
+    InputError
+        For inputs that are missing or break a rule.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> nut = bs.nut(bs.Scene.read("examples/nut.json"), axial_load_N=8000)
+    >>> nut.found, len(nut.balls)
+    (True, 96)
     """
-    asked = _scene(scene, inputs)
-    how = _how(model, tolerance, accuracy, creep, control, friction)
+    asked = _asked(scene, question)
     if samples is not None:
-        return _report(_core.nut_samples(asked, how, samples))
-    (entries, found, warnings), balls, curve = _core.nut(asked, how)
+        return _report(_core.nut_samples(*asked, samples))
+    (entries, found, warnings), balls, curve = _core.nut(*asked)
     tables = []
     for columns, rows in zip(_core.nut_columns(), (balls, curve), strict=True):
         names = [name for name, _ in columns]
@@ -1297,7 +1378,31 @@ def optimum(
     model: str | None = None,
     **inputs: Unpack[Inputs],
 ) -> Report:
-    """Best contact angles and limits of self-locking, as `bsm solve --show optimum`."""
+    """Contact and lead angles of best efficiency, and limits of self-locking, as `bsm solve --show optimum`.
+
+    Parameters
+    ----------
+    scene, **inputs
+        The screw: friction coefficient, and the angle of which the other one is sought.
+    model : str, optional
+        `rigid`, `elastic` or `traction`: also search the best contact angle of this model; the closed form unless given.
+
+    Returns
+    -------
+    Report
+        For rotary to linear motion and back: angles [deg] and efficiencies.
+
+    Raises
+    ------
+    InputError
+        For inputs that are missing or break a rule.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> bs.optimum(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.06).found
+    True
+    """
     return _report(_core.optimum(_scene(scene, inputs), model))
 
 
@@ -1305,19 +1410,15 @@ def size(
     scene: Scene | Mapping[str, Any] | None = None,
     /,
     *,
-    model: Model = "auto",
-    tolerance: float = 1e-2,
-    accuracy: float = 1e-8,
-    creep: float = 1e-4,
-    control: Control | None = None,
-    friction: Friction = "local",
     out: str | os.PathLike[str] | None = None,
-    **inputs: Unpack[Inputs],
+    **question: Unpack[Question],
 ) -> Report:
     """The axis around a screw, as `bsm axis`: rules with limit and margin, torque, power, heat and life.
 
     Parameters
     ----------
+    scene, **question
+        As in `solve`; the axis is told by `stroke_mm`, `moved_mass_kg`, `support`, `cycle` and others of `INPUTS`.
     out : path, optional
         Folder for report.html, a sheet of two pages, results.json and figures; made if it does not exist.
 
@@ -1325,9 +1426,19 @@ def size(
     -------
     Report
         `found` is true if every rule is kept.
+
+    Raises
+    ------
+    InputError
+        For inputs that are missing or break a rule.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> bs.size(bs.Scene.read("examples/axis.json")).found
+    True
     """
-    how = _how(model, tolerance, accuracy, creep, control, friction)
-    answer, files = _core.size(_scene(scene, inputs), how, out is not None)
+    answer, files = _core.size(*_asked(scene, question), out is not None)
     _write_report(out, files)
     return _report(answer)
 
@@ -1378,6 +1489,11 @@ def catalog(
     Nuts
         One row a nut; `scene(row)` is a nut for `capacity`, `nut` and `size`.
 
+    Raises
+    ------
+    InputError
+        For wrong lists, conditions, names or requirements.
+
     Examples
     --------
     >>> import ballscrew as bs
@@ -1423,17 +1539,14 @@ def fit(
     data: Any = None,
     input: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
     range: tuple[float, float] | None = None,
-    model: Model = "auto",
-    tolerance: float = 1e-2,
-    accuracy: float = 1e-8,
-    creep: float = 1e-4,
-    control: Control | None = None,
-    friction: Friction = "local",
+    **solver: Unpack[Solver],
 ) -> Report:
     """Inputs at which the model gives what was measured, as `bsm fit`.
 
     Parameters
     ----------
+    scene : Scene or mapping
+        The other inputs.
     measured : mapping or str
         One output and its value, such as `{"screw_torque_Nm": 26.0}`; with `data` the name of the output alone.
     data : mapping, frame or path, optional
@@ -1443,13 +1556,20 @@ def fit(
         What is sought.
     range : (float, float), optional
         Where one input is sought.
+    **solver
+        As in `solve_many`.
 
     Returns
     -------
     Report
         `found` of one measured value is a list of all values of the input. With `data` it is a mapping of the inputs
         to value and standard deviation; `points` has what was measured and fitted, `condition` says how well the points
-        tell the inputs apart.
+        tell the inputs apart. `found` of the report itself is false where no value gives what was measured.
+
+    Raises
+    ------
+    InputError
+        For wrong inputs, a table that cannot be read, and an input whose range is not known.
 
     Examples
     --------
@@ -1460,7 +1580,7 @@ def fit(
     >>> round(report["found"]["friction_coefficient"]["value"], 4)
     0.0688
     """
-    how = _how(model, tolerance, accuracy, creep, control, friction)
+    how = _how(solver)
     if data is not None:
         if not isinstance(measured, str):
             raise InputError("with data, measured is the name of the output that is a column of it")
@@ -1537,6 +1657,11 @@ def design(
     Report
         `Scene(report["scene"])` is the screw for the other functions.
 
+    Raises
+    ------
+    InputError
+        For a requirement that lacks something or breaks a rule.
+
     Examples
     --------
     >>> import ballscrew as bs
@@ -1572,6 +1697,11 @@ def validate(
     Table
         `key`, `source`, `claim`, `claimed`, `measured`, `unit`, `criterion`, `note` and `verdict`: pass, fail or
         finding.
+
+    Raises
+    ------
+    InputError
+        For published data that cannot be read.
     """
     text, files = _core.validate(out is not None, Path(data) if data is not None else None)
     _write_report(out, files)

@@ -12,7 +12,6 @@ __all__ = [
     "InputError",
     "NoSolutionError",
     "NotConvergedError",
-    "RunnerLostError",
     "ShardError",
     "SolveError",
 ]
@@ -84,7 +83,3 @@ class NotConvergedError(SolveError):
 
 class ShardError(BallscrewError):
     """A part that is missing, damaged or could not be solved."""
-
-
-class RunnerLostError(BallscrewError):
-    """The scheduler of a cluster is gone; what is finished stays."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, TypedDict
+from typing import Any, NamedTuple, TypedDict, Unpack
 
 from ballscrew import _core
-from ballscrew._api import Linspace, Progress, Scene, _axes, _how, _list, _outputs, _scene, _shown
+from ballscrew._api import Linspace, Progress, Scene, Solver, _axes, _how, _list, _outputs, _scene, _shown
 from ballscrew._errors import InputError, ShardError
-from ballscrew._vocabulary import Control, Friction, Model, Output
+from ballscrew._vocabulary import Output
 
 __all__ = [
     "Estimate",
@@ -158,7 +158,7 @@ class Plan:
     @property
     def files(self) -> list[str]:
         """Names of the files of all parts, in `data/` of the folder."""
-        return [part_name(shard) for shard in range(self.shards)]
+        return [f"part-{shard:06}.parquet" for shard in range(self.shards)]
 
     def estimate(self) -> Estimate:
         """Core-hours and bytes to expect: nominal times where the balls grip, sizes at most."""
@@ -198,7 +198,9 @@ class Plan:
 
     def _survey(self, deep: bool) -> tuple[list[_core.Part], Verification]:
         parts, missing, damaged, foreign = self._core.survey(self.folder, deep)
-        return parts, verified(parts, missing, [(str(path), why) for path, why in damaged], [str(path) for path in foreign])
+        rows, failed = sum(part[2] for part in parts), sum(part[3] for part in parts)
+        told = [(str(path), why) for path, why in damaged], [str(path) for path in foreign]
+        return parts, Verification(missing, *told, not missing and not damaged, rows, failed)
 
     def finish(self) -> None:
         """Write `shards.parquet`, and remove what killed runs have left.
@@ -210,35 +212,13 @@ class Plan:
         """
         parts, found = self._survey(False)
         if not found.complete:
-            raise ShardError(incomplete(self.shards, found))
+            count = sum(stop - start for start, stop in found.missing)
+            words = [f"{count} of {self.shards} shards are missing"] if count else []
+            raise ShardError("; ".join(words + [f"{path} {why}" for path, why in found.damaged[:3]]))
         self._core.finish(self.folder, parts)
 
     def __repr__(self) -> str:
         return f"Plan({str(self.folder)!r}: {self.rows:,} rows in {self.shards:,} shards, {self.id[:12]})"
-
-
-def part_name(shard: int) -> str:
-    """Name of the file of a part."""
-    return f"part-{shard:06}.parquet"
-
-
-def verified(
-    parts: Sequence[_core.Part],
-    missing: list[tuple[int, int]],
-    damaged: list[tuple[str, str]],
-    foreign: list[str],
-) -> Verification:
-    """What was found."""
-    rows, failed = sum(part[2] for part in parts), sum(part[3] for part in parts)
-    return Verification(missing, damaged, foreign, not missing and not damaged, rows, failed)
-
-
-def incomplete(shards: int, found: Verification) -> str:
-    """Why a plan cannot be finished."""
-    count = sum(stop - start for start, stop in found.missing)
-    words = [f"{count} of {shards} shards are missing"] if count else []
-    words += [f"{path} {why}" for path, why in found.damaged[:3]]
-    return "; ".join(words)
 
 
 def plan(
@@ -252,14 +232,9 @@ def plan(
     seed: int = 0,
     points: str | os.PathLike[str] | None = None,
     keep: Sequence[str] = (),
-    model: Model = "auto",
-    tolerance: float = 1e-2,
-    accuracy: float = 1e-8,
-    creep: float = 1e-4,
-    control: Control | None = None,
-    friction: Friction = "local",
     outputs: Sequence[Output] | None = None,
     rows_per_shard: int | None = None,
+    **solver: Unpack[Solver],
 ) -> Plan:
     """Plan a folder, or go on with one of the same plan.
 
@@ -274,8 +249,8 @@ def plan(
         `normal(mean, deviation)` by name, with their number `draws` and a `seed`; a table in a file, best Parquet.
     keep : sequence of str
         Further columns of the table to carry through.
-    model, tolerance, accuracy, creep, control, friction, outputs
-        As in `sweep`.
+    outputs, **solver
+        As in `solve_many`.
     rows_per_shard : int, optional
         Rows of a part; chosen from rows and model unless given.
 
@@ -311,7 +286,7 @@ def plan(
         _axes(vary or {}),
         random,
         (table, _list("keep", keep)) if table is not None else None,
-        _how(model, tolerance, accuracy, creep, control, friction),
+        _how(solver),
         _outputs(outputs),
         rows_per_shard,
     )
@@ -345,7 +320,8 @@ def run_shard(
     core = _core.Plan.from_text(text)
     table = Path(points) if points is not None else None
     parts, there = core.run(Path(folder), [shard], table, False, threads, None)
-    return told(parts[0], skipped=bool(there))
+    _, _, rows, failed, _, size, sha256 = parts[0]
+    return Shard(shard=shard, rows=rows, failed=failed, bytes=size, data_sha256=sha256, skipped=bool(there))
 
 
 def solve_shard(
@@ -384,9 +360,3 @@ def solve_shard(
     True
     """
     return _core.Plan.from_text(text).solve(shard, Path(points) if points is not None else None, threads)
-
-
-def told(part: _core.Part, *, skipped: bool) -> Shard:
-    """A part as a dictionary."""
-    shard, _, rows, failed, _, size, sha256 = part
-    return Shard(shard=shard, rows=rows, failed=failed, bytes=size, data_sha256=sha256, skipped=skipped)

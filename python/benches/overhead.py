@@ -1,7 +1,7 @@
 """What the package costs over the Rust crates: `python python/benches/overhead.py [--check] [--write]`.
 
 All numbers are ratios of one run, on one thread. `--check` fails where one is more than three times what is to
-be reached, `--write` writes the table of the guide, `docs/guide/from-python.md`.
+be reached, `--write` writes the table of `docs/evidence/python.md`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import ballscrew as bs
 from ballscrew import _core
 from ballscrew._vocabulary import Model, Output
 
-GUIDE = Path(__file__).resolve().parents[2] / "docs" / "guide" / "from-python.md"
+GUIDE = Path(__file__).resolve().parents[2] / "docs" / "evidence" / "python.md"
 BEGINS, ENDS = "<!-- overhead.py writes this -->", "<!-- overhead.py ends -->"
 ROWS = 1_000_000
 ROUNDS = 9

@@ -7,14 +7,11 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use bsm_batch::dataset::{
-    Damage, Dataset, DatasetError, Event, Part, Plan, Points, Survey, list_parts, solve_part,
-};
+use bsm_batch::dataset::{Dataset, DatasetError, Event, Part, Plan, Points, Survey, solve_part};
 use bsm_batch::{Dialect, Draws, Task, Workers};
 use bsm_case::Grid;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
 use tempfile::NamedTempFile;
 
 use crate::errors;
@@ -156,20 +153,6 @@ impl PyPlan {
         Ok((estimate.core_seconds, estimate.bytes))
     }
 
-    /// The part that the last bytes of a file prove; else how many of them are needed, or what is wrong.
-    fn prove(
-        &self,
-        shard: u64,
-        end: &[u8],
-        len: u64,
-    ) -> (Option<Told>, Option<u64>, Option<String>) {
-        match self.0.prove(shard, end, len) {
-            Ok(part) => (Some(told(&part)), None, None),
-            Err(Damage::Short(needed)) => (None, Some(needed), None),
-            Err(damage) => (None, None, Some(damage.to_string())),
-        }
-    }
-
     /// Solves parts into a folder, which is begun if it is not, and returns them, and which of them were there.
     ///
     /// * `shards`: growing numbers; all unless given. * `table`: where the table of the plan is.
@@ -255,13 +238,5 @@ impl PyPlan {
         let parts: BTreeMap<_, _> = parts.into_iter().map(|told| (told.0, part_of(told))).collect();
         let folder = Dataset::resume(&folder, self.0.clone(), make).map_err(failed)?;
         folder.finish(&parts).map_err(failed)
-    }
-
-    /// The list of all parts, as the bytes of its file.
-    #[staticmethod]
-    fn table(py: Python<'_>, parts: Vec<Told>) -> PyResult<Bound<'_, PyBytes>> {
-        let parts = parts.into_iter().map(|told| (told.0, part_of(told))).collect();
-        let bytes = list_parts(&parts).map_err(|e| errors::table(&e))?;
-        Ok(PyBytes::new(py, &bytes))
     }
 }

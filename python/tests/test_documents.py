@@ -7,21 +7,36 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from conftest import ROOT
 
-SHOWN = [ROOT / "README.md", ROOT / "python" / "README.md", ROOT / "docs" / "guide" / "scale-out.md"]
+SHOWN = [ROOT / "README.md", ROOT / "python" / "README.md"]
 SCRIPTS = sorted((ROOT / "python" / "examples").glob("*.py"))
+
+
+def run(path: Path) -> dict[str, Any]:
+    """Run the code of a document, and give its names."""
+    blocks = re.findall(r"```python\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
+    assert blocks
+    names: dict[str, Any] = {}
+    for block in blocks:
+        exec(compile(block, str(path), "exec"), names)
+    return names
 
 
 @pytest.mark.parametrize("path", SHOWN, ids=lambda path: str(path.relative_to(ROOT)))
 def test_the_code_of_a_readme_runs(path: Path) -> None:
-    blocks = re.findall(r"```python\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
-    assert blocks
-    names: dict[str, object] = {}
-    for block in blocks:
-        exec(compile(block, str(path), "exec"), names)
+    run(path)
+
+
+def test_a_cluster_and_a_store_get_the_bytes_of_one_machine() -> None:
+    names = run(ROOT / "docs" / "guide" / "scale-out.md")
+    plan, store = names["plan"], Path(names["url"])
+    assert plan.verify().complete and names["missing"] == [0, 1, 2] and names["bad"] == []
+    for name in plan.files:
+        assert (store / "data" / name).read_bytes() == (plan.folder / "data" / name).read_bytes()
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)

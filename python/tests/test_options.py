@@ -12,7 +12,11 @@ import pytest
 from conftest import program
 
 import ballscrew as bs
+from ballscrew._api import _SOLVER, Question, Solver
 from ballscrew._vocabulary import Inputs
+
+# What is given by the names of a dictionary, by the name of that.
+KEYWORDS: dict[str, Any] = {"inputs": Inputs, "changes": Inputs, "solver": Solver, "question": Question}
 
 # The functions of each command.
 FUNCTIONS: dict[str, list[Callable[..., Any]]] = {
@@ -87,10 +91,10 @@ def parameters(command: str) -> dict[str, inspect.Parameter]:
     return found
 
 
-def is_input(name: str, given: dict[str, inspect.Parameter]) -> bool:
-    """True if it is given as one of the inputs."""
-    takes_inputs = any(parameter.kind is parameter.VAR_KEYWORD for parameter in given.values())
-    return takes_inputs and name in Inputs.__annotations__
+def is_keyword(name: str, given: dict[str, inspect.Parameter]) -> bool:
+    """True if it is given as one of the inputs, or says how to solve."""
+    kinds = [KEYWORDS[parameter.name] for parameter in given.values() if parameter.kind is parameter.VAR_KEYWORD]
+    return any(name in kind.__annotations__ for kind in kinds)
 
 
 def test_every_command_has_functions() -> None:
@@ -104,7 +108,7 @@ def test_every_option_is_a_keyword() -> None:
         given = parameters(command)
         for option in options(command):
             name = option.replace("-", "_")
-            if name in given or is_input(name, given):
+            if name in given or is_keyword(name, given):
                 # A reason that holds no more.
                 assert f"{command} {option}" not in LEFT_OUT, f"{command} --{option} is there"
                 continue
@@ -123,7 +127,7 @@ def test_what_is_not_given_is_the_same(command: str) -> None:
     settings = re.findall(r"(\w+)=(\d[\d.e-]*)", said["solver"])
     assert {name for name, _ in settings} >= {"tolerance", "accuracy", "creep"}
     for name, default in [*theirs.items(), *settings]:
-        if name in given:
-            ours = given[name].default
+        if is_keyword(name, given) or name in given:
+            ours = _SOLVER[name] if name in _SOLVER else given[name].default
             assert (float(default) if isinstance(ours, (int, float)) else default) == ours, f"{command} {name}"
     assert theirs["model"] == "auto"

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import polars as pl
 import pytest
-from conftest import EXAMPLES, ROOT
+from conftest import EXAMPLES
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -624,7 +624,3 @@ def test_calls_do_not_leak(screw: bs.Scene) -> None:
 def test_import_is_quick_and_leaves_numpy_out() -> None:
     code = "import sys, ballscrew; assert 'numpy' not in sys.modules"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
-
-
-def test_the_vocabulary_is_that_of_the_core() -> None:
-    subprocess.run([sys.executable, ROOT / "python" / "write_vocabulary.py", "--check"], check=True)

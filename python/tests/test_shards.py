@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
+import random
 import shutil
+import signal
 import subprocess
+import threading
+import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 from conftest import EXAMPLES, program
@@ -167,3 +173,50 @@ def test_every_reader_opens_the_parts(alone: Path) -> None:
         len(duckdb.read_parquet(f"{data}/*.parquet").fetchall()),
     ]
     assert counts == [ROWS] * 4
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_workers_that_are_killed(tmp_path: Path) -> None:
+    """Dask as the guide has it, whose workers are killed: the bytes of one machine. BSM_FAULTS=20 kills twenty in place of two."""
+    dask, distributed = pytest.importorskip("dask"), pytest.importorskip("distributed")
+    kills, draws, killed, rounds = int(os.environ.get("BSM_FAULTS", "2")), random.Random(25), 0, 0
+    long: dict[str, Any] = {"vary": {"axial_load_N": bs.linspace(500, 9000, 20_000)}, "model": "traction", "rows_per_shard": 200}
+    alone = made(tmp_path / "alone", **long)
+    start = time.monotonic()
+    alone.run(threads=2)
+    undisturbed = time.monotonic() - start
+
+    def kill(client: Any, ended: threading.Event) -> None:
+        nonlocal killed
+        while not ended.wait(draws.uniform(0.1, 0.5) * undisturbed) and killed < kills:
+            workers = [*client.run(os.getpid).values()]
+            # A nanny gives up a worker that dies while it starts: one is left to work meanwhile.
+            if len(workers) == 2 and not ended.is_set():
+                os.kill(draws.choice(workers), signal.SIGKILL)
+                killed += 1
+                client.wait_for_workers(1)
+                time.sleep(1)
+
+    def solve(shards: range, folder: Path) -> tuple[int, ...]:
+        return bs.Plan.open(folder).run(shards, threads=1)
+
+    while killed < kills:
+        rounds += 1
+        folder = tmp_path / f"map{rounds}"
+        plan = made(folder, **long)
+        ended = threading.Event()
+        # A kill of ours is no fault of the task. Nannies start workers again, and sometimes give up: each round has its own.
+        with (
+            dask.config.set({"distributed.scheduler.allowed-failures": 50}),
+            distributed.Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client,
+        ):
+            killer = threading.Thread(target=kill, args=[client, ended])
+            killer.start()
+            try:
+                client.gather(client.map(solve, [range(first, first + 2) for first in range(0, 100, 2)], folder=folder, retries=5))
+            finally:
+                ended.set()
+                killer.join()
+        plan.finish()
+        assert files(folder) == files(tmp_path / "alone"), "not the bytes of one machine"
+    print(f"0 wrong bytes, 0 lost: {killed} workers killed in {rounds} runs")

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_dyn::{Curvatures, Groove, Material, Member};
+use bsm_dyn::{Curvatures, Groove, Material, Member, rolling_tangent};
 
 /// The formulas of the ratings are fits in millimetres.
 const PER_MM: f64 = 1e3;
@@ -158,8 +158,8 @@ impl Nut {
     ///
     /// Source: Sobolewski (2002), with (Q1).
     pub fn rolling_efficiency(&self, lever: f64) -> f64 {
-        // tanρ = f_r / (r_b sinβ)                                         (Q1)
-        let rho = (lever / (0.5 * self.ball_diameter * self.contact_angle.sin())).atan();
+        let ratio = lever / (0.5 * self.ball_diameter);
+        let rho = rolling_tangent(ratio, self.contact_angle.sin()).atan();
         // η = tanα / tan(α + ρ)                                           (D9)
         self.lead_angle().tan() / (self.lead_angle() + rho).tan()
     }

@@ -61,6 +61,12 @@ impl Elasticity {
         3.0 * self.turns * self.displacement(preload).sqrt()
     }
 
+    /// Displacement of the contacts of two such nuts under a load \[m\] (D20).
+    pub fn preloaded_displacement(&self, preload: f64, load: f64) -> f64 {
+        // w = F_m / j_w                                                   (D20)
+        load / self.preloaded(preload)
+    }
+
     /// [`preloaded`](Self::preloaded), with the bodies of both nuts in series \[N/m\].
     pub fn preloaded_pair(&self, preload: f64) -> f64 {
         in_series(self.preloaded(preload), 2.0 * self.body)

@@ -8,9 +8,9 @@
 )]
 
 use std::f64::consts::PI;
-use std::ops::Add;
+use std::ops::{Add, Mul};
 
-use bsm_kin::{BallFrame, Field, Motion, Scalar};
+use bsm_kin::{BallFrame, Field, FieldOver, Motion, Scalar};
 use bsm_newton::EvalError;
 use bsm_simd::Compare;
 use nalgebra::Vector3;
@@ -79,6 +79,20 @@ impl<D: Scalar> Wrench<D> {
         // F = Q N + F_f,  M = r × F; r ∥ N, so that only friction turns the ball  (B3)
         Self { force: normal * load + friction, moment: point.cross(friction) }
     }
+
+    /// Nothing.
+    pub(crate) fn zero() -> Self {
+        let zero = Vector3::repeat(D::from(0.0));
+        Self { force: zero, moment: zero }
+    }
+}
+
+impl<D: Scalar> Mul<D> for Wrench<D> {
+    type Output = Self;
+
+    fn mul(self, factor: D) -> Self {
+        Self { force: self.force * factor, moment: self.moment * factor }
+    }
 }
 
 impl<D: Scalar> Add for Wrench<D> {
@@ -133,6 +147,22 @@ pub fn axial_force<D: Scalar>(nut_force: &Vector3<D>, frame: &BallFrame<D>) -> D
 pub fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &BallFrame<D>) -> D {
     // T = [(−r_m n) × F + M]·k                                            (B7)
     (contact.moment - frame.n.cross(&contact.force) * pitch_radius).dot(&frame.k)
+}
+
+/// [`torque`] of the screw's normal load and friction on a ball of radius one (B7).
+///
+/// * `load`: with the friction across the groove and along it. * `lead`, `angle`: sines and cosines of lead
+///   angle and contact angle. * `radius`: `$r_m/r_b$`.
+#[inline(always)]
+pub fn friction_torque<P: Field, D: FieldOver<P>>(
+    (load, [across, along]): (D, [D; 2]),
+    lead: (P, P),
+    (sin, cos): (D, D),
+    radius: P,
+) -> D {
+    // T = [(−r_m n) × F + M]·k                                            (B7)
+    let force = along * lead.1 + (load * sin - across * cos) * lead.0;
+    force * radius + across * lead.0 - along * cos * lead.1
 }
 
 /// External load on the balls.

@@ -87,6 +87,20 @@ impl<D: Field> Sines<D> {
         (self.cos_a * (self.sin_b - signed * self.slip_factor())).recip()
     }
 
+    /// Directions of friction on the ball at nut and screw \[rad\], see [`Angles::screw_slip_angle`]
+    /// (C5), (C11).
+    #[inline(always)]
+    pub fn slip_angles(&self, back: D::Mask) -> [D; 2]
+    where
+        D: Compare,
+    {
+        // ψ_B = atan(tanα / cosβ), turned by π if the load drives         (C5)
+        let forward = self.tan_a().zip(self.cos_b, f64::atan2);
+        // ψ_A = ψ_B ± π, in (−π, π]                                       (C11)
+        let turned = forward - PI;
+        [D::select(back, forward, turned), D::select(back, turned, forward)]
+    }
+
     /// Where the screw locks itself, see [`Angles::self_locking`] (C6), (C7).
     #[inline(always)]
     pub fn self_locking(&self, back: D::Mask, friction: D) -> D::Mask
@@ -379,10 +393,8 @@ impl ClosedForm {
     pub fn solve(&self) -> Solution {
         let (angles, f, direction) = (&self.angles, self.friction.0, self.direction);
         let eta = angles.efficiency(direction, f);
-        let psi = angles.screw_slip_angle(direction);
         let mut ball = BallState::at_angle(angles.contact);
-        // ψ_A = ψ_B ± π, in (−π, π]                                       (C11)
-        let slip_angles = [if psi > 0.0 { psi - PI } else { psi + PI }, psi];
+        let slip_angles = angles.sines().slip_angles(direction.is_back());
         [ball.nut.slip_angle, ball.screw.slip_angle] = slip_angles.map(Some);
         let (locks, ratio) = (angles.self_locking(direction, f), angles.load_ratio(direction, f));
         let along = (direction, angles.lead);

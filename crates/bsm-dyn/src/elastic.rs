@@ -7,6 +7,7 @@ mod curve;
 mod forces;
 mod sensitivities;
 mod states;
+mod steady;
 
 use bsm_kin::{BallFrame, Motion, Over, Scalar};
 use bsm_newton::{EvalError, Options, Report, Scales, solve};
@@ -14,6 +15,8 @@ use nalgebra::Vector3;
 
 use self::curve::first_root;
 pub use self::states::{SlidingBall, SlidingMotion, SlidingState};
+use self::steady::rotation;
+pub use self::steady::{SlidingRoot, SlidingRotation};
 use crate::balance::DOES_NOT_CIRCLE;
 use crate::ball_unknowns::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
@@ -22,7 +25,7 @@ use crate::ball_unknowns::{BALL, MOMENT_NORMAL, ROWS, weight};
 use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded, refused};
 use crate::equations::{Workspace, equations};
 use crate::friction::{Coulomb, against, friction_force};
-use crate::{Model, Reason, Solution, SolveInfo, Solved, Unsolved, Wrench, cost};
+use crate::{Model, Reason, Solution, SolveInfo, Solved, Unsolved, Wrench, cost, friction_power};
 
 /// Below this ratio of inertia to friction the rounding of the loads shows in the slip.
 const SLOW: f64 = 1e-5;
@@ -82,18 +85,14 @@ impl<P: Scalar> Saturated<'_, P> {
         if precession.re() == 0.0 {
             return Err(DOES_NOT_CIRCLE);
         }
-        // σ = s r_b F_a / (I P), about the mean normal                    (S3)
-        let sigma = y[SPIN] / (precession * pair.ball.inertia());
         // V_A = W r_b λ (cosθ e_xA + sinθ t)                              (S4)
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
         let tangent = BallFrame::tangent();
         let along = nut.across * cos + tangent * sin;
-        // ω'_t = −W λ cosθ,  ω'·e_xA = W (λ sinθ − p d/r_b)               (S5)
-        let omega_t = -y[SLIP] * cos;
-        let omega_a = y[SLIP] * sin - y[PRECESSION] * pair.arc;
-        // e_xA = sinν N + cosν e_x                                        (S6)
-        let omega_x = (omega_a - sigma * nut.across.y) / nut.across.z;
-        let omega = Vector3::new(omega_t, sigma, omega_x);
+        let spin = (y[SPIN], precession * pair.ball.inertia());
+        let tilt = (nut.across.y, nut.across.z);
+        let omega = rotation(pair.arc, [y[SLIP] * cos, y[SLIP] * sin], y[PRECESSION], spin, tilt);
+        let omega = Vector3::from(omega);
         let to_nut = Motion { precession: y[PRECESSION], omega };
 
         let points = loaded.contacts.map(|c| c.point(D::from(1.0)));
@@ -216,10 +215,8 @@ impl Elastic {
     ) -> Result<Solved, Unsolved> {
         let Skid { state, steps, residual } = Skid::of(pair, &mut work.0)?;
         let ball = self.at.ball_state(pair, &state.loaded, &state.to_nut)?;
-        // P_f = Σ f Q_c |V_c|, Eq (R21)
-        let friction = pair.signed_friction();
-        let friction_power =
-            (0..2).map(|i| friction * state.loaded.loads[i] * state.slip[i].norm()).sum();
+        let slips = state.slip.map(|slip| slip.norm());
+        let friction_power = friction_power(pair.signed_friction(), state.loaded.loads, slips);
         let frame = &state.loaded.frame;
         let transmission = self.at.transmission(pair, frame, &state.wrench[1], friction_power)?;
         let info = Some(SolveInfo { steps, residual });

@@ -10,14 +10,15 @@ mod oil;
 mod panels;
 
 use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
+use bsm_simd::Arch;
 
-use self::kernel::MOTION;
-pub(crate) use self::kernel::{Point, SUMS, Sums};
+pub(crate) use self::kernel::{Dry, Point, SUMS, Sums, sums};
+use self::kernel::{MOTION, sums_on};
 pub(crate) use self::many::{ManyNodes, ManyQuadrature};
 pub use self::oil::Bend;
-pub(crate) use self::oil::OiledSums;
+pub(crate) use self::oil::Lubricated;
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
-pub(crate) use self::panels::{Nodes, Plan, depth};
+pub(crate) use self::panels::{Nodes, Plan, Rules, depth};
 use crate::{Coulomb, FrictionLaw, MixedFriction, Wrench};
 
 /// A loaded contact ellipse on the ball.
@@ -114,9 +115,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
     {
         let local = Local::of(motion, &self.contact, arc_length_per_radian);
         let (unit, power) = self.integrate(&local, law, creep, quadrature.into());
-        let wrench = unit.wrench(&self.contact);
-        let [force, moment] = [wrench.force, wrench.moment].map(|v| v * self.load);
-        (Wrench { force, moment }, power * self.load)
+        (unit.wrench(&self.contact) * self.load, power * self.load)
     }
 
     /// Friction over `$Q$`, and its power (E3) to (E6).
@@ -215,12 +214,13 @@ impl Lanes<f64> for f64 {
         creep: f64,
         nodes: Nodes<'_>,
     ) -> (Integral<f64>, f64) {
-        let sums = kernel::sums::<false>(&ellipse.point(local, creep), nodes);
+        let point = ellipse.point(local, creep);
+        let sums = sums_on::<_, 2, false>(Arch::new(), &point, Dry, nodes);
         (Integral::from_sums(sums.values), sums.power)
     }
 
     fn power(ellipse: &Ellipse<f64>, local: &Local<f64>, creep: f64, nodes: Nodes<'_>) -> f64 {
-        kernel::sums::<false>(&ellipse.point(local, creep), nodes).power
+        Self::integrate(ellipse, local, creep, nodes).1
     }
 
     fn oiled(
@@ -230,7 +230,8 @@ impl Lanes<f64> for f64 {
         creep: f64,
         nodes: Nodes<'_>,
     ) -> (Integral<f64>, f64) {
-        let OiledSums { sums, .. } = oil::sums::<false>(&ellipse.point(local, creep), law, nodes);
+        let (point, law) = (ellipse.point(local, creep), Lubricated::of(law));
+        let sums = sums_on::<_, 4, false>(Arch::new(), &point, law, nodes);
         (Integral::from_sums(sums.values), sums.power)
     }
 }
@@ -242,8 +243,9 @@ impl<const N: usize> Lanes<f64> for Jet<N> {
         creep: f64,
         nodes: Nodes<'_>,
     ) -> (Integral<Self>, f64) {
-        let Sums { values, power, slopes } =
-            kernel::sums::<true>(&ellipse.point(local, creep), nodes);
+        let point = ellipse.point(local, creep);
+        let Sums { values, power, slopes, .. } =
+            sums_on::<_, 2, true>(Arch::new(), &point, Dry, nodes);
         let [a, t, n, c] = local.numbers();
         let arguments = [a, t, n, c, ellipse.growth()];
         (Integral::sloped(values, &slopes, &arguments), power)
@@ -470,16 +472,17 @@ mod tests {
             let nodes = Nodes::from(&quadrature);
             let (slow, power) = ellipse.integrate(&local, &law, creep, nodes);
             let point = ellipse.point(&local, creep);
-            let fast = oil::sums::<true>(&point, &law.values(), nodes);
-            let bare = oil::sums::<false>(&point, &law.values(), nodes);
-            for sums in [&fast.sums, &bare.sums] {
+            let oil = Lubricated::of(&law.values());
+            let fast = sums_on::<_, 4, true>(Arch::new(), &point, oil, nodes);
+            let bare = sums_on::<_, 4, false>(Arch::new(), &point, oil, nodes);
+            for sums in [&fast, &bare] {
                 prop_assert!((sums.power - power.re).abs() <= 1e-12 * power.re);
             }
             for (i, slow) in all(&slow).iter().enumerate() {
                 // Rounding of hundreds of nodes, of sums of the size of the coefficient.
-                let (fast_value, bare) = (fast.sums.values[i], bare.sums.values[i]);
+                let (fast_value, bare) = (fast.values[i], bare.values[i]);
                 prop_assert!((fast_value - slow.re).abs() <= 1e-13 && (bare - slow.re).abs() <= 1e-13);
-                let ours = fast.sums.slopes[i].iter().chain([&fast.by_film[i]]);
+                let ours = fast.slopes[i].iter().chain([&fast.by_film[i]]);
                 for (k, (ours, jets)) in ours.zip(slow.eps).enumerate() {
                     // By the slip as it falls to the creep speed, by the film as it is.
                     let unit = if k < 5 { 1.0 / creep } else { 1.0 };
@@ -506,7 +509,7 @@ mod tests {
                 Jet::integrate(&ellipse, &local, creep, (&quadrature).into());
             let point = ellipse.point(&local, creep);
             let Sums { values, power: fast_power, .. } =
-                kernel::sums::<false>(&point, (&quadrature).into());
+                sums_on::<_, 2, false>(Arch::new(), &point, Dry, (&quadrature).into());
             // Rounding of sums of terms of at most one, and of slopes of at most 1/v_e.
             let same = |a: Jet<5>, b: Jet<5>| {
                 (a.re - b.re).abs() <= 1e-13
@@ -528,11 +531,13 @@ mod tests {
         ) {
             let (ellipse, local) = sloped(motion, (0.3, b));
             let (point, rule) = (ellipse.point(&local, 1e-4), Quadrature::of(1e-6));
+            let bits = |arch| {
+                let Sums { values, power, slopes, .. } =
+                    sums_on::<_, 2, true>(arch, &point, Dry, (&rule).into());
+                (values.map(f64::to_bits), power.to_bits(), slopes.map(|s| s.map(f64::to_bits)))
+            };
             for arch in bsm_simd::instruction_sets() {
-                prop_assert_eq!(
-                    kernel::all_on(arch, &point, &rule).map(f64::to_bits),
-                    kernel::all_on(bsm_simd::Arch::Scalar, &point, &rule).map(f64::to_bits)
-                );
+                prop_assert_eq!(bits(arch), bits(Arch::Scalar));
             }
         }
     }
@@ -558,7 +563,8 @@ mod tests {
             let (ellipse, local) = sloped([along, roll, turn, bend], (a, a / ratio));
             let point = ellipse.point(&local, 1e-4);
             let wrench = |rule: &Quadrature| {
-                let [f_t, f_c, m_t, m_n, m_c] = kernel::sums::<false>(&point, rule.into()).values;
+                let sums = sums_on::<_, 2, false>(Arch::new(), &point, Dry, rule.into());
+                let [f_t, f_c, m_t, m_n, m_c] = sums.values;
                 [f_t, f_c, m_t, m_n / a, m_c]
             };
             let [exact, other] = fine.each_ref().map(wrench);
@@ -614,7 +620,8 @@ mod tests {
                 pressure_scale: 52e6,
             };
             let sums = rules.each_ref().map(|rule| {
-                let sums = oil::sums::<false>(&point, &law, rule.into()).sums;
+                let oil = Lubricated::of(&law);
+                let sums = sums_on::<_, 4, false>(Arch::new(), &point, oil, rule.into());
                 let [f_t, f_c, m_t, m_n, m_c] = sums.values;
                 [f_t, f_c, m_t, m_n / a, m_c, sums.power / (roll + spin * a)]
             });

@@ -6,6 +6,7 @@ use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Over, Scalar, Site};
 use bsm_newton::{Dense, EvalError, Options, Report, Scales, Workspace, solve};
 
 use crate::balance::newton_euler;
+use crate::continuation::{Stride, follow};
 use crate::equations::equations;
 use crate::{Ball, Coulomb, Ellipse, Quadrature, Reason, Unsolved, Wrench};
 
@@ -59,10 +60,8 @@ const UNKNOWNS: usize = 4;
 const ROWS: [&str; UNKNOWNS] =
     ["force along t", "moment about t", "moment about n", "moment about b"];
 
-/// The creep speed falls to the asked one in steps of this factor.
-const FALL: f64 = 0.3;
-
 /// The balance at a creep speed.
+#[derive(Clone, Copy)]
 struct Balance<'a> {
     held: &'a HeldBall,
     /// The sum of the loads \[N\].
@@ -95,19 +94,19 @@ impl HeldBall {
         y[2] = -0.5 * sign * arc / self.ball.radius;
         let mut work = Workspace::<Dense<UNKNOWNS>>::default();
         // Against a creep speed far above all slip, friction is linear and the start does not matter.
-        let mut creep = (10.0 * arc / self.ball.radius).max(self.creep);
-        loop {
-            let balance = Balance { held: self, loads, creep, quadrature };
-            let report = balance.run(&mut y, &mut work);
-            if !report.converged() {
-                return Err(Unsolved::not_converged(Reason::from(report)));
-            }
-            if creep <= self.creep {
-                break;
-            }
-            creep = (creep * FALL).max(self.creep);
-        }
+        let begin = (10.0 * arc / self.ball.radius).max(self.creep);
         let balance = Balance { held: self, loads, creep: self.creep, quadrature };
+        let stride = Stride { first: 1.2, shortest: 0.05 };
+        let mut failure = Reason::SearchLost;
+        follow(&mut y, (begin.ln(), self.creep.ln()), stride, |log, y| {
+            let report = Balance { creep: log.exp(), ..balance }.run(y, &mut work);
+            let converged = report.converged();
+            if !converged {
+                failure = Reason::from(report);
+            }
+            converged
+        })
+        .map_err(|_| Unsolved::not_converged(failure))?;
         let (to_nut, _, power) = balance.friction(&y);
         // T_f |W| = Σ P                                                   (U30)
         Ok(HeldMotion { to_nut, power, torque: power / speed.abs() })
@@ -133,11 +132,7 @@ impl Balance<'_> {
         let to_screw = to_nut.relative_to(D::from(held.drive.relative_speed()), &frame);
         let law = Coulomb(D::from(held.friction.0));
         let creep = self.creep * held.ball.radius * speed;
-        let mut wrench = Wrench {
-            force: nalgebra::Vector3::repeat(D::from(0.0)),
-            moment: nalgebra::Vector3::repeat(D::from(0.0)),
-        };
-        let mut power = D::from(0.0);
+        let (mut wrench, mut power) = (Wrench::zero(), D::from(0.0));
         for contact in &held.contacts {
             let motion = if contact.site == Site::Screw { &to_screw } else { &to_nut };
             let ellipse = Ellipse {

@@ -38,6 +38,7 @@
 
 mod auto;
 pub mod balance;
+mod ball_contacts;
 mod ball_unknowns;
 mod closed_form;
 mod continuation;
@@ -68,9 +69,13 @@ mod state;
 mod traction;
 
 pub use auto::{Auto, Basis, Choice, GRIPS_BELOW, SlipRegime};
-pub use balance::{Ball, Load, POWER_BALANCE_TOL, Wrench};
+pub use balance::{Ball, Load, POWER_BALANCE_TOL, Wrench, friction_torque};
+pub use ball_contacts::{BallContacts, GrooveContact, LoadedContact, ScaledSize, friction_power};
 pub use closed_form::{Angles, ClosedForm, Optimum, Sines, Size};
-pub use elastic::{Elastic, ElasticWorkspace, SlidingBall, SlidingMotion, SlidingState};
+pub use elastic::{
+    Elastic, ElasticWorkspace, SlidingBall, SlidingMotion, SlidingRoot, SlidingRotation,
+    SlidingState,
+};
 pub use elastic_ball::ElasticPoint;
 pub use ellipse::{Bend, Ellipse, EllipseSlip, Quadrature, power_of_many, pressed_radius};
 pub use friction::{Coulomb, FrictionLaw, friction_force};
@@ -91,10 +96,10 @@ pub use model::{Model, ModelWorkspace, Problem};
 pub use operating_point::{OperatingPoint, takes};
 pub use permanent_set::{PermanentSet, yield_ratio};
 pub use pressed_ball::{PressedBall, Pressing};
-pub use quasi_static::{Driven, QuasiStatic, TwoContacts};
+pub use quasi_static::{Driven, QuasiStatic, TwoContacts, rolling_tangent};
 pub use raceway_control::{
-    Control, RacewayControl, RacewayWorkspace, cross_slip, excess_of_nut, rolling_precession,
-    rolling_torque, skid_number, spread_of_control,
+    Control, RacewayControl, RacewayWorkspace, StaticBalance, StaticState, cross_slip,
+    excess_of_nut, rolling, rolling_torque, skid_number, spread_of_control,
 };
 pub use rigid::{
     FirstOrder, Plane, Rigid, RigidBall, RigidMotion, RigidRoot, RigidWorkspace, Sweeps,

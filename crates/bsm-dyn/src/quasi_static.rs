@@ -59,12 +59,19 @@ pub struct TwoContacts<D: Field> {
     pub nut_turns: D::Mask,
 }
 
+/// `$\tan\rho$` of a resistance to rolling (Q1).
+///
+/// * `ratio`: its lever arm over the ball radius, `$f_r/r_b$`. * `sin`: of the contact angle.
+#[inline(always)]
+pub fn rolling_tangent<D: Field>(ratio: D, sin: D) -> D {
+    // tanρ = f_r / (r_b sinβ)                                             (Q1)
+    ratio / sin
+}
+
 impl<D: Field> TwoContacts<D> {
-    /// `$\tan\rho = f_r/(r_b\sin\beta)$` (Q1).
     #[inline(always)]
     fn tan_rho(&self) -> D {
-        // tanρ = f_r / (r_b sinβ)                                         (Q1)
-        self.rolling_ratio / self.sines.sin_b
+        rolling_tangent(self.rolling_ratio, self.sines.sin_b)
     }
 
     /// Efficiency from rotary to linear (Q1) to (Q3).

@@ -10,13 +10,14 @@
 
 mod balance;
 mod sensitivities;
+mod statics;
 
-use bsm_kin::{Field, Motion, Scalar};
+use bsm_kin::{Field, FieldOver, Motion, Scalar};
 use bsm_simd::Compare;
-use nalgebra::Vector3;
 
 pub(crate) use self::balance::STATIC;
 use self::balance::{Balance, Root};
+pub use self::statics::{StaticBalance, StaticState};
 use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded, refused, to_both};
 use crate::ellipse::{Nodes, Quadrature};
 use crate::equations::Workspace;
@@ -81,36 +82,25 @@ impl Default for RacewayWorkspace {
 ///
 /// Both contact centres roll along the groove; across it, the slip of the lead is shared equally.
 ///
-/// * `size`: `$r_b/r_m$`.
-pub(crate) fn rolling<D: Scalar>(
-    control: Control,
-    lead_angle: D,
-    size: D,
-    nut_angle: D,
-    screw_angle: D,
-) -> (D, Vector3<D>) {
-    let (sin_a, cos_a) = lead_angle.sin_cos();
-    let (sin_n, cos_n) = nut_angle.sin_cos();
-    let (sin_s, cos_s) = screw_angle.sin_cos();
+/// * `by_nut`: where the nut controls. * `lead`: sine and cosine of the lead angle.
+/// * `arc`: `$d/r_b$`. * `angles`: sines and cosines of the contact angles at nut and screw.
+#[inline(always)]
+pub fn rolling<F: Field>(
+    by_nut: F::Mask,
+    lead: (F, F),
+    arc: F,
+    [(sin_n, cos_n), (sin_s, cos_s)]: [(F, F); 2],
+) -> (F, [F; 3]) {
     let between = cos_n * cos_s + sin_n * sin_s;
-    // Radius of the ball over arc length per radian, r_b/d.
-    let lever = size * cos_a;
-    let p = rolling_precession(control == Control::Nut, lever * cos_a, [cos_n, cos_s], between);
+    let p = rolling_precession(by_nut, lead.1 / arc, [cos_n, cos_s], between);
+    let (to_nut, to_screw) = (p * arc, (p - 1.0) * arc);
     // ω'_t = W sinα / 2                                                   (W3)
-    let along = sin_a * 0.5;
-    let one = D::from(1.0);
-    match control {
-        Control::Nut => {
-            // (ω'_n, ω'_b) = −p (d/r_b) (−sinβ_A, cosβ_A)                 (W5)
-            let rate = -p / lever;
-            (p, Vector3::new(along, -rate * sin_n, rate * cos_n))
-        }
-        Control::Screw => {
-            // (ω'_n, ω'_b − cosα) = (p − 1)(d/r_b) (−sinβ_B, cosβ_B)      (W6)
-            let rate = (p - one) / lever;
-            (p, Vector3::new(along, -rate * sin_s, rate * cos_s + cos_a))
-        }
-    }
+    let along = lead.0 * 0.5;
+    // (ω'_n, ω'_b) = −p (d/r_b) (−sinβ_A, cosβ_A)                         (W5)
+    let nut = [to_nut * sin_n, -(to_nut * cos_n)];
+    // (ω'_n, ω'_b − cosα) = (p − 1)(d/r_b) (−sinβ_B, cosβ_B)              (W6)
+    let screw = [-(to_screw * sin_s), to_screw * cos_s + lead.1];
+    (p, [along, F::select(by_nut, nut[0], screw[0]), F::select(by_nut, nut[1], screw[1])])
 }
 
 /// Precession of the rolling ball relative to the nut over the relative speed, from the cosines of
@@ -119,17 +109,17 @@ pub(crate) fn rolling<D: Scalar>(
 /// * `by_nut`: where the nut controls.
 /// * `lever`: `$(r_b/d)\cos\alpha$`.
 #[inline(always)]
-pub fn rolling_precession<F: Field>(
-    by_nut: F::Mask,
-    lever: F,
+pub(crate) fn rolling_precession<P: Field, F: FieldOver<P> + Field<Mask = P::Mask>>(
+    by_nut: P::Mask,
+    lever: P,
     [nut, screw]: [F; 2],
     between: F,
 ) -> F {
-    let one = lever.constant(1.0);
+    let one = between.constant(1.0);
     // p = (1 − (r_b/d) cosα cosβ_B) / (1 + cos(β_A − β_B))                (W4)
     // p = (cos(β_A − β_B) − (r_b/d) cosα cosβ_A) / (1 + cos(β_A − β_B))   (W6)
     let (near, far) = (F::select(by_nut, one, between), F::select(by_nut, screw, nut));
-    (near - lever * far) / (one + between)
+    (near - far * lever) / (one + between)
 }
 
 /// Difference of the cotangents of the contact angles between the balls that both races control, to
@@ -283,9 +273,8 @@ impl Grip {
     /// has no solution.
     pub(crate) fn guess(pair: &ElasticBall) -> Result<Self, Unsolved> {
         let balance = Balance::new(pair, Control::Nut);
-        let (lead, size) = (pair.helix.lead_angle, pair.helix.radius.recip());
-        let beta = pair.jones.contact_angle;
-        let p = rolling(Control::Nut, lead, size, beta, beta).0;
+        let angle = pair.jones.contact_angle.sin_cos();
+        let (p, _) = rolling(true, pair.lead, pair.arc, [angle; 2]);
         let [nut, screw, tilt] = pair.static_balance(p + pair.nut_speed);
         let loaded = pair.loaded([nut, screw], tilt).map_err(refused)?;
         let (control, to_nut) = (balance.control, balance.rolling(&loaded));

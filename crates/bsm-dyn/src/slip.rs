@@ -94,9 +94,11 @@ impl<D: Scalar> SteadyBall<D> {
         drive: Drive<D>,
         [nut, screw]: [D; 2],
     ) -> Self {
-        let (p, omega) = rolling(control, helix.lead_angle, radius / helix.radius, nut, screw);
+        let arc = helix.arc_length_per_radian() / radius;
+        let angles = [nut.sin_cos(), screw.sin_cos()];
+        let (p, omega) = rolling(control == Control::Nut, helix.lead_angle.sin_cos(), arc, angles);
         let speed = drive.relative_speed();
-        let to_nut = Motion { precession: p * speed, omega: omega * speed };
+        let to_nut = Motion { precession: p * speed, omega: Vector3::from(omega) * speed };
         let frame = BallFrame::turned(helix.lead_angle, D::from(0.0));
         let motion = to_nut.relative_to(-drive.nut_speed, &frame);
         Self { helix, radius, drive, motion }

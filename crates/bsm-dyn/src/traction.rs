@@ -10,6 +10,7 @@ mod root;
 mod scatter;
 mod sensitivities;
 
+use std::array::from_fn;
 use std::cell::OnceCell;
 
 use bsm_kin::{Helix, Motion, Scalar};
@@ -27,8 +28,9 @@ use crate::balance::ideal_torque;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::ball_unknowns::{BALL, weight};
 use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded, to_both};
-use crate::ellipse::{Lanes, Local, Nodes, Plan, Quadrature};
+use crate::ellipse::{Lanes, Local, Nodes, Plan, Quadrature, Rules};
 use crate::equations::Workspace;
+use crate::lubricant::{Rub, Wetted};
 use crate::raceway_control::{Grip, STATIC};
 use crate::{
     BallState, ErrorBound, Model, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission,
@@ -78,26 +80,7 @@ pub struct TractionWorkspace {
     statics: Workspace<STATIC>,
     newton: Workspace,
     path: Workspace<PATH>,
-    rules: Vec<Rules>,
-}
-
-/// The quadrature of an accuracy, and the one that its error is told from.
-struct Rules {
-    accuracy: f64,
-    rule: Quadrature,
-    check: Quadrature,
-}
-
-impl TractionWorkspace {
-    /// Place of the rules of an accuracy, made when it is first asked for.
-    fn rules(&mut self, accuracy: f64) -> usize {
-        let known = |rules: &Rules| rules.accuracy.total_cmp(&accuracy).is_eq();
-        self.rules.iter().position(known).unwrap_or_else(|| {
-            let (rule, check) = (Quadrature::of(accuracy), Quadrature::check(accuracy));
-            self.rules.push(Rules { accuracy, rule, check });
-            self.rules.len() - 1
-        })
-    }
+    rules: Rules,
 }
 
 /// The equations of a point.
@@ -112,14 +95,29 @@ struct Rolling<'a, P = f64> {
     enough: f64,
     /// The unknowns are those of a ball that is thrown against the nut (T10).
     at_nut: bool,
+    /// What friction comes from, unless it has one coefficient.
+    lubrication: Option<Lubrication<'a, P>>,
+}
+
+/// Friction by a lubricant.
+#[derive(Clone, Copy)]
+struct Lubrication<'a, P = f64> {
+    wetted: &'a Wetted<P>,
+    /// Part of the friction that comes from it; the rest has one coefficient.
+    part: f64,
+    /// Derivatives of all that changes, by jets; else without those that hardly matter, by hand.
+    complete: bool,
 }
 
 struct State<D> {
     loaded: Loaded<D>,
     to_nut: Motion<D>,
     wrench: [Wrench<D>; 2],
-    /// That friction takes, without derivatives.
+    /// That friction takes, and that of sliding at nut and screw; without derivatives.
     power: f64,
+    sliding: [f64; 2],
+    /// What a lubricant does.
+    rubs: Option<[Rub<D>; 2]>,
 }
 
 impl<P: Scalar> Rolling<'_, P> {
@@ -153,23 +151,40 @@ impl<P: Scalar> Rolling<'_, P> {
         let (pair, loaded) = (self.pair, self.loaded(y)?);
         let to_nut = self.motion_to_nut(y, &loaded);
         let motions = to_both(&to_nut, &loaded.frame);
-        let mut power = 0.0;
-        let wrench = std::array::from_fn(|i| {
-            let contact = &loaded.contacts[i];
-            let local = Local::of(&motions[i], contact, D::from(pair.arc));
-            let ellipse = pair.ellipse(i, &loaded);
-            let (unit, unit_power) = D::integrate(&ellipse, &local, self.creep, self.nodes(i));
-            let pull = loaded.loads[i] * pair.signed(friction);
-            // P_f = Σ f Q ∫ dP                                            (P7)
-            power += pull.re() * unit_power;
-            // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                            (T2)
-            let friction = unit.wrench(contact);
-            Wrench {
-                force: contact.normal * loaded.loads[i] + friction.force * pull,
-                moment: friction.moment * pull,
-            }
+        let (mut power, mut sliding) = (0.0, [0.0; 2]);
+        let part = self.lubrication.map_or(0.0, |lubrication| lubrication.part);
+        let mut wrench = [Wrench::zero(); 2];
+        if part < 1.0 {
+            wrench = from_fn(|i| {
+                let contact = &loaded.contacts[i];
+                let local = Local::of(&motions[i], contact, D::from(pair.arc));
+                let ellipse = pair.ellipse(i, &loaded);
+                let (unit, unit_power) = D::integrate(&ellipse, &local, self.creep, self.nodes(i));
+                let pull = loaded.loads[i] * pair.signed(friction);
+                // P_f = Σ f Q ∫ dP                                        (P7)
+                sliding[i] = pull.re() * unit_power;
+                power += sliding[i];
+                // f Q ∫ dF,  f Q ∫ dM                                     (T2)
+                unit.wrench(contact) * (pull * (1.0 - part))
+            });
+        }
+        let rubs = self.lubrication.map(|Lubrication { wetted, .. }| {
+            let of = (pair, &loaded);
+            from_fn(|i| wetted.rub(i, of, &motions[i], self.creep, self.nodes(i)))
         });
-        Ok(State { loaded, to_nut, wrench, power })
+        if let Some(rubs) = &rubs {
+            // ∫ dF + F_h,  ∫ r × dF + r × F_h + C_h                       (Y32)
+            wrench = from_fn(|i| wrench[i] + rubs[i].wrench * D::from(part));
+            sliding = rubs.each_ref().map(|rub| rub.sliding.re());
+            power = rubs.iter().map(|rub| (rub.sliding + rub.rolling).re()).sum();
+        }
+        // F = Q N + f Q ∫ dF                                              (T2)
+        for (wrench, (contact, load)) in
+            wrench.iter_mut().zip(loaded.contacts.iter().zip(loaded.loads))
+        {
+            wrench.force = contact.normal * load + wrench.force;
+        }
+        Ok(State { loaded, to_nut, wrench, power, sliding, rubs })
     }
 
     /// The nodes at nut (0) or screw (1).
@@ -204,7 +219,20 @@ impl<P: Scalar> Rolling<'_, P> {
 impl<'a> Rolling<'a> {
     /// In the unknowns (T1).
     fn of_pair(pair: &'a ElasticBall, quadrature: &'a Quadrature, creep: f64) -> Self {
-        Self { pair, quadrature, plans: None, creep, enough: 1e-12, at_nut: false }
+        let (plans, lubrication) = (None, None);
+        Self { pair, quadrature, plans, creep, enough: 1e-12, at_nut: false, lubrication }
+    }
+}
+
+impl<'a> Rolling<'a> {
+    /// The same equations of a point with derivatives.
+    fn over<P>(
+        &self,
+        pair: &'a ElasticBall<P>,
+        lubrication: Option<Lubrication<'a, P>>,
+    ) -> Rolling<'a, P> {
+        let Self { quadrature, plans, creep, enough, at_nut, .. } = *self;
+        Rolling { pair, quadrature, plans, creep, enough, at_nut, lubrication }
     }
 }
 
@@ -300,7 +328,8 @@ impl Watched<'_> {
     fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
         let weights = self.ball.weights(y);
         let scales = Scales { x: &[1.0; BALL], f: &weights };
-        let keep_below = self.ball.enough.sqrt().max(KEEP);
+        let by_jets = self.ball.lubrication.is_some_and(|lubrication| lubrication.complete);
+        let keep_below = if by_jets { 0.0 } else { self.ball.enough.sqrt().max(KEEP) };
         let options = Options { keep_below, ..self.ball.options() };
         solve(self, y, &scales, &options, newton)
     }
@@ -369,13 +398,14 @@ impl Traction {
         from: Option<&Root>,
         work: &mut TractionWorkspace,
     ) -> Result<Found, NotFound> {
-        let accuracies = [COARSE, SEARCH, Self::ACCURACY, self.accuracy];
-        let places = accuracies.map(|accuracy| work.rules(accuracy));
         let TractionWorkspace { newton, path, rules, .. } = work;
+        let rules = rules.dry([COARSE, SEARCH, Self::ACCURACY, self.accuracy]);
         let creep = self.creep * pair.slip_scale();
-        let ball = |at: usize| Rolling::of_pair(pair, &rules[places[at]].rule, creep);
-        let coarse = Rolling { enough: NEAR, ..ball(0) };
-        let (search, smooth, ball) = (ball(1), ball(2), ball(3));
+        let [coarse, search, smooth, ball] =
+            rules.map(|[rule, _]| Rolling::of_pair(pair, rule, creep));
+        let coarse = Rolling { enough: NEAR, ..coarse };
+        let [.., [_, check]] = rules;
+        let plans = Default::default();
         let mut steps = 0;
         let near = if let Some(root) = from {
             Some(*root)
@@ -383,7 +413,7 @@ impl Traction {
             steps += grip.steps;
             coarse.search(grip, false, (newton, path), &mut steps).ok()
         };
-        let refined = near.and_then(|near| ball.refined(&near, newton, &mut steps));
+        let refined = near.and_then(|near| ball.refined(&near, &plans, newton, &mut steps));
         let refined = match (refined, from) {
             (Some(refined), _) => refined,
             (None, Some(_)) => return Err(Unsolved::LOST.into()),
@@ -395,16 +425,17 @@ impl Traction {
                 }
                 let near = near?;
                 let lost = || NotFound { near: Some(Box::new(near)), why: Unsolved::LOST };
-                ball.refined(&near, newton, &mut steps).ok_or_else(lost)?
+                let plans = Default::default();
+                ball.refined(&near, &plans, newton, &mut steps).ok_or_else(lost)?
             }
         };
         let Refined { root, transmitted, torque_slope, loaded } = refined;
-        let Transmitted { torque, power } = transmitted;
+        let Transmitted { torque, power, .. } = transmitted;
         let ball = ball.of(&root);
         let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
         let steady = self.at.ball_state(pair, &loaded, &to_nut)?;
         let transmission = self.at.transmission_at(pair, torque, power)?;
-        let checked = Rolling { quadrature: &rules[places[3]].check, ..ball };
+        let checked = Rolling { quadrature: check, ..ball };
         let other = checked.evaluated::<false>(&root.unknowns).ok();
         let (other, efficiency) = (other.as_ref(), transmission.efficiency);
         let error = checked.error(self.accuracy, other, &torque_slope, efficiency, newton);

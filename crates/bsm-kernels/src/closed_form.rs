@@ -1,7 +1,5 @@
 //! Lin's closed form by lanes, Eqs (C1) to (C11).
 
-use std::f64::consts::PI;
-
 use bsm_case::units::{MM, direction_deg};
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Model;
@@ -26,17 +24,9 @@ impl Kernel for ClosedForm {
         out.set(OutputKey::efficiency, eta);
         contact_angles(given, out);
         if out.wants(&[OutputKey::nut_slip_angle_deg, OutputKey::screw_slip_angle_deg]) {
-            // ψ_B = atan(tanα / cosβ), turned by π if the load drives     (C5), (C11)
-            let forward = (sines.tan_a() / sines.cos_b).each(f64::atan);
-            let turned = forward - PI;
-            out.set(
-                OutputKey::screw_slip_angle_deg,
-                back.select(turned, forward).each(direction_deg),
-            );
-            out.set(
-                OutputKey::nut_slip_angle_deg,
-                back.select(forward, turned).each(direction_deg),
-            );
+            let [nut, screw] = sines.slip_angles(back);
+            out.set(OutputKey::nut_slip_angle_deg, nut.each(direction_deg));
+            out.set(OutputKey::screw_slip_angle_deg, screw.each(direction_deg));
         }
         out.set_flag(OutputKey::self_locking, sines.self_locking(back, f));
         transmit(given, out, &Transmitted { back, tan_a: sines.tan_a(), eta, ratio });

@@ -11,7 +11,6 @@
 
 mod closed_form;
 mod elastic;
-mod hertz;
 mod operand;
 mod pair;
 mod quasi_static;

@@ -1,4 +1,4 @@
-//! Raceway control by lanes, Eqs (W1) to (W11).
+//! Raceway control by lanes.
 
 mod balance;
 mod friction;
@@ -6,7 +6,11 @@ mod oil;
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::balance::ideal_torque;
-use bsm_dyn::{Ball, Control, Model, cross_slip, onset_number, rolling_torque, skid_number};
+use bsm_dyn::{
+    Ball, Control, Model, cross_slip, friction_power, onset_number, rolling, rolling_torque,
+    skid_number,
+};
+use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::Simd;
 
 pub(super) use self::balance::{Balanced, Grip};
@@ -67,34 +71,29 @@ pub(super) struct Motion<S: Simd> {
 impl<S: Simd> Motion<S> {
     #[inline(always)]
     pub(super) fn of(pair: &Pair<S>, grip: &Grip<S>) -> Self {
-        let [a, b] = &grip.sides;
-        let (p, by_nut, zero) = (grip.rolling.p, grip.by_nut, pair.arc.constant(0.0));
-        let (to_nut, to_screw) = (p * pair.arc, (p - 1.0) * pair.arc);
-        // (ω'_n, ω'_b) = −p (d/r_b) (−sinβ_A, cosβ_A)                     (W5)
-        let nut = [to_nut * a.sin, -(to_nut * a.cos)];
-        // (ω'_n, ω'_b − cosα) = (p − 1)(d/r_b) (−sinβ_B, cosβ_B)          (W6)
-        let screw = [-(to_screw * b.sin), to_screw * b.cos + pair.cos_a];
-        // ω_spin = (ω − Ω k)·N                                            (K14)
-        let nut_spin = pair.cos_a * a.sin - to_screw * grip.rolling.twist;
-        let screw_spin = pair.cos_a * b.sin + to_nut * grip.rolling.twist;
+        let ([a, b], by_nut, one) = (&grip.sides, grip.by_nut, pair.constant(1.0));
+        let lead = (pair.sin_a, pair.cos_a);
+        let (p, to_nut) = rolling(by_nut, lead, pair.arc, [(a.sin, a.cos), (b.sin, b.cos)]);
+        let (zero, to_screw) = (pair.constant(0.0), relative_rotation(to_nut, one, lead));
+        let nut_spin = spin_at_nut(to_nut, (a.sin, a.cos));
+        let screw_spin = -spin_at_nut(to_screw, (b.sin, b.cos));
         Self {
             p,
-            omega: [by_nut.select(nut[0], screw[0]), by_nut.select(nut[1], screw[1])],
-            speed: [to_nut, to_screw],
+            omega: [to_nut[1], to_nut[2]],
+            speed: [p * pair.arc, (p - 1.0) * pair.arc],
             spin: [by_nut.select(zero, nut_spin), by_nut.select(screw_spin, zero)],
         }
     }
 
     #[inline(always)]
     fn outputs(&self, out: &mut Out<'_, '_>, units: &Units<S>, pair: &Pair<S>) {
-        let (w, nut_speed) = (units.speed, units.nut_speed);
-        // P = Ω_n + p W,  ω = Ω_n k + ω' W                                (K12)
-        out.set(OutputKey::ball_precession_rad_s, nut_speed + self.p * w);
-        // ω'_t = W sinα / 2                                               (W3)
-        out.set(OutputKey::ball_omega_t_rad_s, pair.sin_a * (w * 0.5 + nut_speed));
-        let [n, b] = self.omega;
+        let w = units.speed;
+        let to_nut = [pair.sin_a * 0.5, self.omega[0], self.omega[1]];
+        let [t, n, b] = relative_rotation(to_nut, -pair.nut_speed, (pair.sin_a, pair.cos_a));
+        out.set(OutputKey::ball_precession_rad_s, (self.p + pair.nut_speed) * w);
+        out.set(OutputKey::ball_omega_t_rad_s, t * w);
         out.set(OutputKey::ball_omega_n_rad_s, n * w);
-        out.set(OutputKey::ball_omega_b_rad_s, b * w + nut_speed * pair.cos_a);
+        out.set(OutputKey::ball_omega_b_rad_s, b * w);
         out.set(OutputKey::nut_spin_rad_s, self.spin[0] * w);
         out.set(OutputKey::screw_spin_rad_s, self.spin[1] * w);
         // Both centres roll; the slip of the lead is shared, against friction along e_x.
@@ -113,12 +112,10 @@ impl<S: Simd> Motion<S> {
 #[inline(always)]
 fn ellipse<S: Simd>(i: usize, pair: &Pair<S>, grip: &Grip<S>, motion: &Motion<S>) -> Ellipse<S> {
     let (side, pressed) = (&grip.sides[i], &pair.pressed[i]);
-    // a ~ Q^{1/3}                                                         (P6)
-    let a = side.growth * pressed.hertz.semi_axis;
     let speed = motion.speed[i];
     Ellipse {
         load: side.load,
-        semi_axes: (a, a * pressed.hertz.flatness),
+        semi_axes: side.semi_axes(pressed),
         pressed_radius: pressed.pressed_radius,
         speed,
         // Both centres roll, and share the slip of the lead.
@@ -145,14 +142,12 @@ fn transmit<S: Simd>(
         (oiled.loss(), oiled.friction_scale())
     } else {
         let friction = given.get(InputKey::friction_coefficient);
-        // P_f = Σ f Q ∫ dP                                                (P7)
-        (friction * (nut.load * nut_power + screw.load * screw_power), friction)
+        (friction_power(friction, [nut.load, screw.load], [nut_power, screw_power]), friction)
     };
     let ideal = ideal_torque(units.axial, units.pitch, pair.sin_a / pair.cos_a);
     let mut torque = rolling_torque(ideal, back.select(-loss, loss), units.ball, units.axial);
     if let Some(oiled) = &oiled {
-        // T = Z T_ball + Σ P/W                                            (Y27)
-        torque = torque + oiled.outside.of_balls() / units.speed;
+        torque = torque + oiled.outside.torque(units.speed);
     }
     let eta = transmit_torque(out, back, (torque, ideal), torque.constant(1.0), units.speed);
     if let Some(oiled) = &oiled {
@@ -176,8 +171,8 @@ pub(super) fn regime<S: Simd>(
     let gyroscopic = ball.inertia() * (rate * motion.omega[0]).abs();
     let skid = skid_number(gyroscopic, friction, [a.load, b.load]);
     let [slip_a, slip_b] = &motion.spin;
-    let slip_a = slip_a.abs() * a.growth * pair.pressed[0].hertz.semi_axis;
-    let slip_b = slip_b.abs() * b.growth * pair.pressed[1].hertz.semi_axis;
+    let slip_a = slip_a.abs() * a.semi_axes(&pair.pressed[0]).0;
+    let slip_b = slip_b.abs() * b.semi_axes(&pair.pressed[1]).0;
     let onset = onset_number(skid, cross_slip(pair.sin_a, [slip_a, slip_b]));
     for (key, x) in [(OutputKey::skid_number, skid), (OutputKey::onset_number, onset)] {
         let finite = x.lt(x.constant(f64::INFINITY));

@@ -11,6 +11,7 @@ use bsm_dyn::{
     TRACTION_START, TractionMany, TractionRoot, TractionStart, loss_error, quadrature_error,
     slip_scale, takes,
 };
+use bsm_kin::relative_rotation;
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
 
 use crate::closed_form::{power_balance, transmit_torque};
@@ -178,26 +179,21 @@ fn start<S: Simd>(
     let mut loads = [a.load, b.load];
     // sin 2ν = sin(β_B − β_A)
     let between = a.cos * b.cos + a.sin * b.sin;
-    let mut tilt = grip.rolling.twist.zip(between, f64::atan2) * 0.5;
+    let mut tilt = grip.twist.zip(between, f64::atan2) * 0.5;
     let mut p = motion.p;
     // Along t, n and b.
     let mut omega = [pair.sin_a * 0.5, motion.omega[0], motion.omega[1]];
     let skids = skid_number.gt(one * SKIDS);
     if (found & skids).any() {
-        let skid = Skid::of(given.simd, pair, point.friction);
+        let skid = given.simd.vectorize(Skid { pair, friction: point.friction });
         found = found & (skid.found | !skids);
-        let turns = skid.turns(pair);
-        let [(q_a, ..), (q_b, ..)] = skid.contacts();
+        let [q_a, q_b] = skid.state.loads;
         loads = [skids.select(q_a, loads[0]), skids.select(q_b, loads[1])];
         let (s, c) = skid.tilt;
         tilt = skids.select(s.zip(c, f64::atan2), tilt);
-        p = skids.select(skid.rate - pair.nut_speed, p);
-        let ([along, normal, across], (sin, cos)) = (turns.omega, turns.mean);
-        omega = [
-            skids.select(along, omega[0]),
-            skids.select(cos * normal - sin * across, omega[1]),
-            skids.select(sin * normal + cos * across, omega[2]),
-        ];
+        p = skids.select(skid.precession(), p);
+        let [t, n, b] = skid.rotation().in_frenet();
+        omega = [skids.select(t, omega[0]), skids.select(n, omega[1]), skids.select(b, omega[2])];
     }
     let [omega_t, omega_n, omega_b] = omega;
     // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
@@ -245,12 +241,13 @@ fn outputs<S: Simd>(
         slip_angle(out, angle, [-(across * side), -(along * sign)]);
         out.set(spin, w_n * w);
     }
-    // ω = Ω_n k + ω'                                                      (K12)
-    let [along, radial, around] = [y[4] * w + units.nut_speed, y[5] * w, y[6] * w];
+    let lead = (pair.sin_a, pair.cos_a);
+    let to_nut = [lead.0 * y[4] - lead.1 * y[6], y[5], lead.1 * y[4] + lead.0 * y[6]];
+    let [t, n, b] = relative_rotation(to_nut, -pair.nut_speed, lead);
     out.set(OutputKey::ball_precession_rad_s, (y[3] + at.point.offset) * w);
-    out.set(OutputKey::ball_omega_t_rad_s, pair.sin_a * along - pair.cos_a * around);
-    out.set(OutputKey::ball_omega_n_rad_s, radial);
-    out.set(OutputKey::ball_omega_b_rad_s, pair.cos_a * along + pair.sin_a * around);
+    out.set(OutputKey::ball_omega_t_rad_s, t * w);
+    out.set(OutputKey::ball_omega_n_rad_s, n * w);
+    out.set(OutputKey::ball_omega_b_rad_s, b * w);
     let ideal = ideal_torque(pair.constant(1.0), at.point.radius, pair.sin_a / pair.cos_a);
     let eta = transmit_torque(out, back, (root.torque, ideal), units.ball * units.axial, w);
     let power = back.select(-root.power, root.power);

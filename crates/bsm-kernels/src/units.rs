@@ -1,8 +1,8 @@
 //! Units of a point: ball radius, axial load per ball, relative speed.
 
 use bsm_case::InputKey;
-use bsm_case::units::MM;
-use bsm_dyn::Ball;
+use bsm_case::units::{GPA, MM};
+use bsm_dyn::{Ball, Material, contact_modulus};
 use bsm_simd::Simd;
 
 use crate::operand::{Given, Lane};
@@ -44,4 +44,17 @@ impl<S: Simd> Units<S> {
             mass: Ball::of_density(ball, density).scaled_mass(speed, load),
         }
     }
+}
+
+/// `$E^* r_b^2/F_a$` of the materials, those of the races unless given for the ball.
+#[inline(always)]
+pub(super) fn modulus<S: Simd>(given: &Given<'_, S>, units: &Units<S>) -> Lane<S> {
+    let youngs_modulus = given.get(InputKey::youngs_modulus_GPa);
+    let poisson_ratio = given.get(InputKey::poisson_ratio);
+    let races = Material { youngs_modulus, poisson_ratio };
+    let ball = Material {
+        youngs_modulus: given.try_get(InputKey::ball_youngs_modulus_GPa).unwrap_or(youngs_modulus),
+        poisson_ratio: given.try_get(InputKey::ball_poisson_ratio).unwrap_or(poisson_ratio),
+    };
+    contact_modulus(&races, &ball) * GPA * (units.ball * units.ball) / units.load
 }

@@ -2,9 +2,14 @@
 //!
 //! Theory: `docs/theory/01-kinematics.md`, equations (K12) to (K14).
 
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
 use nalgebra::Vector3;
 
-use crate::{BallFrame, Contact, Scalar};
+use crate::{BallFrame, Contact, Field, Scalar};
 
 /// Speeds of the two members about the screw axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,4 +71,24 @@ impl<D: Scalar> Motion<D> {
         // ω_spin = (ω − Ω k)·N                                            (K14)
         self.omega.dot(&contact.normal)
     }
+}
+
+/// Angular velocity in the Frenet-Serret triad `$(t, n, b)$` seen from a body that turns at `body_speed`
+/// about the axis, as [`Motion::relative_to`] (K12).
+///
+/// * `lead`: sine and cosine of the lead angle.
+#[inline(always)]
+pub fn relative_rotation<F: Field>([t, n, b]: [F; 3], body_speed: F, lead: (F, F)) -> [F; 3] {
+    // ω_rel = ω − Ω k                                                     (K12)
+    [t - body_speed * lead.0, n, b - body_speed * lead.1]
+}
+
+/// Spin of an angular velocity in `$(t, n, b)$`, relative to the nut, about the normal of a contact with
+/// the loaded flank of the nut; that of the screw has the opposite normal (K14).
+///
+/// * `angle`: sine and cosine of the contact angle.
+#[inline(always)]
+pub fn spin_at_nut<F: Field>([_, n, b]: [F; 3], angle: (F, F)) -> F {
+    // ω_spin = (ω − Ω k)·N                                                (K14)
+    n * angle.1 + b * angle.0
 }

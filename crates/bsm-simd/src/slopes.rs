@@ -1,20 +1,20 @@
-//! Lanes with derivatives.
+//! Numbers or lanes with derivatives.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use bsm_kin::Field;
 use pulp::Simd;
 
+use crate::Lane;
 use crate::lane::parts;
-use crate::{Lane, Mask};
 
-/// Numbers of a [`Lane`] and their partial derivatives with respect to `K` variables.
+/// Numbers, or a [`Lane`] of them, and their partial derivatives with respect to `K` variables.
 #[derive(Clone, Copy)]
-pub struct Slopes<S: Simd, const N: usize, const K: usize> {
+pub struct Slopes<F, const K: usize> {
     /// The values.
-    pub re: Lane<S, N>,
+    pub re: F,
     /// The partial derivatives.
-    pub eps: [Lane<S, N>; K],
+    pub eps: [F; K],
 }
 
 /// The same for each derivative.
@@ -24,16 +24,16 @@ macro_rules! each {
     };
 }
 
-impl<S: Simd, const N: usize, const K: usize> Slopes<S, N, K> {
+impl<F: Field, const K: usize> Slopes<F, K> {
     /// A value that does not change.
     #[inline(always)]
-    pub fn fixed(re: Lane<S, N>) -> Self {
+    pub fn fixed(re: F) -> Self {
         Self { re, eps: [re.constant(0.0); K] }
     }
 
     /// A value that changes with variable number `i` at this rate.
     #[inline(always)]
-    pub fn along(re: Lane<S, N>, i: usize, rate: Lane<S, N>) -> Self {
+    pub fn along(re: F, i: usize, rate: F) -> Self {
         let mut variable = Self::fixed(re);
         variable.eps[i] = rate;
         variable
@@ -41,27 +41,19 @@ impl<S: Simd, const N: usize, const K: usize> Slopes<S, N, K> {
 
     /// Variable number `i` with this value.
     #[inline(always)]
-    pub fn variable(re: Lane<S, N>, i: usize) -> Self {
+    pub fn variable(re: F, i: usize) -> Self {
         Self::along(re, i, re.constant(1.0))
-    }
-
-    /// Square root.
-    #[inline(always)]
-    #[must_use]
-    pub fn sqrt(self) -> Self {
-        let root = self.re.sqrt();
-        self.chain(root, root.constant(0.5) / root)
     }
 
     /// A function with these values and slopes at `self` (chain rule).
     #[inline(always)]
-    fn chain(self, re: Lane<S, N>, slope: Lane<S, N>) -> Self {
+    fn chain(self, re: F, slope: F) -> Self {
         Self { re, eps: each!(self.eps, i, self.eps[i] * slope) }
     }
 }
 
-impl<S: Simd, const N: usize, const K: usize> Field for Slopes<S, N, K> {
-    type Mask = Mask<S, N>;
+impl<F: Field, const K: usize> Field for Slopes<F, K> {
+    type Mask = F::Mask;
 
     #[inline(always)]
     fn constant(self, x: f64) -> Self {
@@ -69,19 +61,20 @@ impl<S: Simd, const N: usize, const K: usize> Field for Slopes<S, N, K> {
     }
 
     #[inline(always)]
-    fn select(mask: Mask<S, N>, yes: Self, no: Self) -> Self {
-        let eps = each!(no.eps, i, mask.select(yes.eps[i], no.eps[i]));
-        Self { re: mask.select(yes.re, no.re), eps }
+    fn select(mask: F::Mask, yes: Self, no: Self) -> Self {
+        let eps = each!(no.eps, i, F::select(mask, yes.eps[i], no.eps[i]));
+        Self { re: F::select(mask, yes.re, no.re), eps }
     }
 
     #[inline(always)]
     fn sqrt(self) -> Self {
-        self.sqrt()
+        let root = self.re.sqrt();
+        self.chain(root, root.constant(0.5) / root)
     }
 
     #[inline(always)]
     fn cbrt(self) -> Self {
-        let root = self.re.cbrt_positive();
+        let root = self.re.cbrt();
         self.chain(root, (root * root * 3.0).recip())
     }
 
@@ -104,8 +97,7 @@ impl<S: Simd, const N: usize, const K: usize> Field for Slopes<S, N, K> {
 
     #[inline(always)]
     fn asinh(self) -> Self {
-        let slope = (self.re * self.re + 1.0).recip_sqrt();
-        self.chain(self.re.arsinh(), slope)
+        self.chain(self.re.asinh(), (self.re * self.re + 1.0).sqrt().recip())
     }
 
     #[inline(always)]
@@ -114,7 +106,7 @@ impl<S: Simd, const N: usize, const K: usize> Field for Slopes<S, N, K> {
     }
 }
 
-impl<S: Simd, const N: usize, const K: usize> Neg for Slopes<S, N, K> {
+impl<F: Field, const K: usize> Neg for Slopes<F, K> {
     type Output = Self;
 
     #[inline(always)]
@@ -123,7 +115,7 @@ impl<S: Simd, const N: usize, const K: usize> Neg for Slopes<S, N, K> {
     }
 }
 
-impl<S: Simd, const N: usize, const K: usize> Mul for Slopes<S, N, K> {
+impl<F: Field, const K: usize> Mul for Slopes<F, K> {
     type Output = Self;
 
     #[inline(always)]
@@ -133,7 +125,7 @@ impl<S: Simd, const N: usize, const K: usize> Mul for Slopes<S, N, K> {
     }
 }
 
-impl<S: Simd, const N: usize, const K: usize> Div for Slopes<S, N, K> {
+impl<F: Field, const K: usize> Div for Slopes<F, K> {
     type Output = Self;
 
     #[inline(always)]
@@ -147,7 +139,7 @@ impl<S: Simd, const N: usize, const K: usize> Div for Slopes<S, N, K> {
 
 macro_rules! sums {
     ($($trait:ident $method:ident $op:tt;)*) => {$(
-        impl<S: Simd, const N: usize, const K: usize> $trait for Slopes<S, N, K> {
+        impl<F: Field, const K: usize> $trait for Slopes<F, K> {
             type Output = Self;
 
             #[inline(always)]
@@ -157,7 +149,7 @@ macro_rules! sums {
             }
         }
 
-        impl<S: Simd, const N: usize, const K: usize> $trait<Lane<S, N>> for Slopes<S, N, K> {
+        impl<S: Simd, const N: usize, const K: usize> $trait<Lane<S, N>> for Slopes<Lane<S, N>, K> {
             type Output = Self;
 
             #[inline(always)]
@@ -166,7 +158,7 @@ macro_rules! sums {
             }
         }
 
-        impl<S: Simd, const N: usize, const K: usize> $trait<f64> for Slopes<S, N, K> {
+        impl<F: Field, const K: usize> $trait<f64> for Slopes<F, K> {
             type Output = Self;
 
             #[inline(always)]
@@ -182,7 +174,7 @@ sums! {
     Sub sub -;
 }
 
-impl<S: Simd, const N: usize, const K: usize> Mul<Lane<S, N>> for Slopes<S, N, K> {
+impl<S: Simd, const N: usize, const K: usize> Mul<Lane<S, N>> for Slopes<Lane<S, N>, K> {
     type Output = Self;
 
     #[inline(always)]
@@ -191,12 +183,12 @@ impl<S: Simd, const N: usize, const K: usize> Mul<Lane<S, N>> for Slopes<S, N, K
     }
 }
 
-impl<S: Simd, const N: usize, const K: usize> Mul<f64> for Slopes<S, N, K> {
+impl<F: Field, const K: usize> Mul<f64> for Slopes<F, K> {
     type Output = Self;
 
     #[inline(always)]
     fn mul(self, other: f64) -> Self {
-        self * self.re.constant(other)
+        self.chain(self.re * other, self.re.constant(other))
     }
 }
 
@@ -232,8 +224,7 @@ mod tests {
                 let (x, y) =
                     (Lane::<S>::load(simd, &self.0[at..]), Lane::load(simd, &self.1[at..]));
                 let p = x.constant(0.7);
-                let z: Slopes<S, 1, 2> =
-                    everything(Slopes::variable(x, 0), Slopes::variable(y, 1), p);
+                let z: Slopes<_, 2> = everything(Slopes::variable(x, 0), Slopes::variable(y, 1), p);
                 z.re.store(&mut found[0][at..]);
                 z.eps[0].store(&mut found[1][at..]);
                 z.eps[1].store(&mut found[2][at..]);

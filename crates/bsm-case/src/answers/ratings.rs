@@ -192,9 +192,10 @@ impl<'a> Rated<'a> {
 
     /// Axial displacement of the contacts under the axial load \[um\].
     fn displacement(&self) -> Option<f64> {
-        // w = F_m / j_w                                                   (D20)
-        let of_pair =
-            || Some(self.scene.axial_load_N? / (self.elasticity.preloaded(self.force)) / UM);
+        let of_pair = || {
+            let load = self.scene.axial_load_N?;
+            Some(self.elasticity.preloaded_displacement(self.force, load) / UM)
+        };
         self.of_one(|e| e.displacement(self.force) / UM).or_else(of_pair)
     }
 

@@ -39,7 +39,7 @@ pub(crate) struct Fence<'a> {
 /// The documents whose numbers are made by commands.
 pub(crate) fn documents(root: &Path) -> io::Result<Vec<Document>> {
     let mut paths = vec![root.join("README.md"), root.join(PAPERS)];
-    for folder in ["docs/guide", "docs/theory"] {
+    for folder in ["docs/guide", "docs/evidence", "docs/theory"] {
         let entries = fs::read_dir(root.join(folder))?.collect::<io::Result<Vec<_>>>()?;
         let mut found: Vec<_> = entries.iter().map(fs::DirEntry::path).collect();
         found.retain(|path| path.extension().is_some_and(|end| end == "md"));

@@ -780,7 +780,7 @@ fn examples_of_schedulers_solve_a_plan() {
     }
 }
 
-/// The table of the guide, from the plans themselves: all but the time of a scheduler, which is 2 ms a task.
+/// The table of the guide, from the plans themselves.
 #[test]
 fn the_guide_has_the_table_of_the_plans() {
     let dir = folder();
@@ -805,12 +805,6 @@ fn the_guide_has_the_table_of_the_plans() {
             let count: u64 = shards.parse().expect("a number");
             let hours: f64 = line("core-hours").parse().expect("a number");
             let size = line("size");
-            #[expect(clippy::cast_precision_loss, reason = "some ten thousand")]
-            let of_a_shard = 3600.0 * hours / count as f64;
-            // As `ballscrew.distributed` does: consecutive parts that take ten seconds.
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
-            let per_task = ((10.0 / of_a_shard).round() as u64).clamp(1, count);
-            let tasks = count.div_ceil(per_task);
             let part = |shard| Part {
                 shard,
                 first_row: shard << 20,
@@ -823,15 +817,15 @@ fn the_guide_has_the_table_of_the_plans() {
             let list = list_parts(&(0..count).map(|shard| (shard, part(shard))).collect());
             let list = list.expect("memory").len();
             #[expect(clippy::cast_precision_loss, reason = "some ten thousand")]
-            let (seconds, list) = (2e-3 * tasks as f64, list as f64 / 1e6);
+            let list = list as f64 / 1e6;
             writeln!(
                 table,
-                "| {what} | {all} | {hours:.1} | {} | {parts} | {tasks} | {seconds:.0} | {list:.1} MB |",
+                "| {what} | {all} | {hours:.1} | {} | {parts} | {list:.1} MB |",
                 size.trim_end_matches(" at most"),
             )
             .expect("memory");
         }
     }
-    let guide = fs::read_to_string(format!("{ROOT}/docs/guide/scale-out.md")).expect("the guide");
-    assert!(guide.contains(&table), "the guide should have:\n{table}");
+    let page = fs::read_to_string(format!("{ROOT}/docs/evidence/scale-out.md")).expect("the page");
+    assert!(page.contains(&table), "the page should have:\n{table}");
 }

@@ -7,13 +7,14 @@ use std::array::from_fn;
 use bsm_kin::Jet;
 use bsm_newton::{Crossing, End, Seed, Stride, Trace, trace};
 
-use super::forces::{CURVE, Forces, Place};
+use super::forces::{CURVE, Forces};
 use super::states::{SlidingMotion, SlidingState};
+use super::steady::{CurveState, log_inertia};
 use crate::ball_unknowns::BALL;
 use crate::elastic_ball::ElasticBall;
 use crate::{Elastic, Evidence, Reason, Unsolved};
 
-/// Steps along the curve, in units of [`Forces::scale`]; fifty are usual. Refined to rounding.
+/// Steps along the curve, in units of its sizes; fifty are usual. Refined to rounding.
 const STRIDE: Stride = Stride {
     first: 1.0,
     longest: 1.0,
@@ -28,32 +29,14 @@ const STRIDE: Stride = Stride {
 /// inertia has only risen up to [`Elastic::RISES`].
 const BEGINS: f64 = 0.01;
 
-/// A state on the curve.
+/// A point of the curve.
 #[derive(Debug, Clone, Copy)]
 struct Node {
-    z: [f64; CURVE],
     state: SlidingState<f64>,
     motion: SlidingMotion<f64>,
 }
 
 impl Node {
-    fn place(&self) -> Place {
-        let [log, _, screw, c] = self.z;
-        Place::new(log, screw, c)
-    }
-
-    /// True if the centrifugal force is proportional to `$q$` from `level` to here, a `rise` of its
-    /// logarithm, and nothing else in (S27) changes, nor the place but for `$q$`; to a relative
-    /// `change`.
-    fn is_straight_from(&self, level: &Self, rise: f64, change: f64, forces: &Forces<'_>) -> bool {
-        // A place may be far from the begin and have the factors of the begin again.
-        let scale = forces.scale(&level.z);
-        let off = |i: usize| self.z[i] - level.z[i] - if i == 0 { rise } else { 0.0 };
-        let (begin, factor) = ((&level.state, &level.motion), rise.exp());
-        self.state.has_only_grown(&self.motion, begin, factor, change)
-            && (0..CURVE).all(|i| off(i).abs() <= Elastic::LARGE * change * scale[i])
-    }
-
     /// True if the ball slides against friction on its flanks.
     fn is_admissible(&self) -> bool {
         self.state.is_admissible(&self.motion)
@@ -66,20 +49,12 @@ type Root = (Node, f64);
 /// Unknowns of the first root on the curve, and Newton steps.
 pub(super) fn first_root(pair: &ElasticBall) -> Result<([f64; BALL], usize), Unsolved> {
     let mut curve = Curve { forces: Forces::new(pair), steps: 0 };
-    let begin = curve.begin()?;
-    let (root, sign) = match curve.straight(&begin) {
+    let level = curve.begin()?;
+    let (root, sign) = match curve.straight(&level) {
         Some(root) => root,
-        None => curve.search(begin)?,
+        None => curve.search(&level)?,
     };
     Ok((curve.forces.unknowns(&root.state, &root.motion, sign), curve.steps))
-}
-
-/// Where the curve begins.
-struct Begin {
-    /// The state without inertia.
-    level: Node,
-    /// `$\ln q$` of the root, if the curve were straight up to it.
-    root: f64,
 }
 
 struct Curve<'a> {
@@ -89,81 +64,63 @@ struct Curve<'a> {
 }
 
 impl Curve<'_> {
-    fn node(&mut self, guess: Place, scale: &Place) -> Option<Node> {
-        let (place, state) = self.forces.closed(guess, scale, &mut self.steps)?;
-        Some(self.at(place, state))
-    }
-
-    fn at(&self, place: Place, state: SlidingState<f64>) -> Node {
-        let motion = self.forces.motion(&state);
-        let [nut, screw] = state.across;
-        Node { z: [place[0], nut, screw, place[2]], state, motion }
-    }
-
     /// The node at a point of the curve.
     fn held(&self, z: &[f64; CURVE]) -> Option<Node> {
         let (state, _) = self.forces.held(z)?;
-        Some(Node { z: *z, state, motion: self.forces.motion(&state) })
+        Some(Node { state, motion: self.forces.motion(&state) })
     }
 
-    /// What is a large step from a state.
-    fn scale(&self, node: &Node) -> Place {
-        let [log, _, screw, c] = self.forces.scale(&node.z);
-        Place::new(log, screw, c)
+    fn count(&mut self, steps: f64) {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
+        let steps = steps as usize;
+        self.steps += steps;
     }
 
-    /// Where the curve begins, if it does.
-    fn begin(&mut self) -> Result<Begin, Unsolved> {
+    /// Where the curve begins, without inertia, if it does.
+    fn begin(&mut self) -> Result<CurveState<f64>, Unsolved> {
         let friction_term = self.forces.friction_term();
-        // F tanα < 1, or no contact angles carry an axial load            (S12)
-        if friction_term >= 1.0 {
+        if !self.forces.ball.carries() {
             let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
             return Err(Unsolved::none(Evidence::Proof, locks));
         }
         let inertia = self.forces.inertia_ratio();
-        let level = self.level().ok_or(Unsolved::LOST)?;
-        // M ~ q, up to where the curve bends. Where nut and screw turn together, the inertia here
-        // underflows, its logarithm does not.
-        let here = Forces::log_inertia(&level.state, &level.motion);
-        let root = Elastic::NO_INERTIA + inertia.ln() - here;
-        if root < Elastic::NO_INERTIA {
+        let begin = self.forces.begin(&mut self.steps).ok_or(Unsolved::LOST)?;
+        let level = self.forces.ball.state_without_inertia(begin, true);
+        self.count(level.steps);
+        if !level.found {
+            return Err(Unsolved::LOST);
+        }
+        if self.rise(&level) < 0.0 {
             let reason = Reason::InertiaOutOfRange { inertia_ratio: inertia };
             return Err(Unsolved::invalid(reason));
         }
-        Ok(Begin { level, root })
+        Ok(level)
     }
 
-    /// The first root, if it is where the curve is straight: up to there the inertia (S27) has only
-    /// risen, so that no other root is before it.
-    fn straight(&mut self, begin: &Begin) -> Option<Root> {
-        let Begin { level, root } = begin;
-        let rise = UP * (root - Elastic::NO_INERTIA);
-        let scale = self.scale(level);
-        let (place, state) = self.forces.steady(level.place() + rise, &scale, &mut self.steps)?;
-        let node = self.at(place, state);
-        let sign = (level.motion.drive * level.motion.inertia).signum();
-        let is_first = node.is_straight_from(
-            level,
-            place[0] - Elastic::NO_INERTIA,
-            Elastic::RISES,
-            &self.forces,
-        );
-        // Where rounding decides, the search does its best.
-        let left = self.forces.excess(&node.state, &node.motion)[usize::from(sign < 0.0)].abs();
-        let is_exact = left <= digit(place[0]) * node.motion.drive.abs();
-        (is_first && is_exact && node.is_admissible()).then_some((node, sign))
+    /// From where the curve begins to the root, if the curve were straight up to it, in `$\ln q$`.
+    fn rise(&self, level: &CurveState<f64>) -> f64 {
+        self.forces.inertia_ratio().ln() - level.log_inertia()
+    }
+
+    /// The first root, if it is where the curve is straight.
+    fn straight(&mut self, level: &CurveState<f64>) -> Option<Root> {
+        let root = self.forces.ball.straight(level);
+        self.count(root.steps - level.steps);
+        let node = Node { state: root.state, motion: root.motion };
+        root.found.then_some((node, root.rate.signum()))
     }
 
     /// The first root along the whole curve, or why there is none.
-    fn search(&mut self, Begin { level, root }: Begin) -> Result<Root, Unsolved> {
+    fn search(&mut self, level: &CurveState<f64>) -> Result<Root, Unsolved> {
         let inertia = self.forces.inertia_ratio();
         let slip = level.motion.slip[0];
         // Smallest and largest inertia ratio of a ball that slides against friction on its flanks.
         let mut seen = None::<(f64, f64)>;
         if level.is_admissible() {
-            seen = Some((0.0, Forces::log_inertia(&level.state, &level.motion).exp()));
+            seen = Some((0.0, level.log_inertia().exp()));
         }
-        let seed = Seed { z: self.below(level, root).z, towards: [1.0, 0.0, 0.0, 0.0] };
+        let CurveState { place: [log, screw, c], state, .. } = self.below(level);
+        let seed = Seed { z: [log, state.across[0], screw, c], towards: [1.0, 0.0, 0.0, 0.0] };
         let (mut root, mut known, mut admissible) = (None, 0, false);
         let Trace { end, steps, .. } = trace(
             &self.forces,
@@ -175,7 +132,7 @@ impl Curve<'_> {
                 let node = self.held(z);
                 admissible = node.is_some_and(|node| node.is_admissible());
                 if let Some(node) = node.filter(Node::is_admissible) {
-                    let inertia = Forces::log_inertia(&node.state, &node.motion).exp();
+                    let inertia = log_inertia(&node.state, &node.motion).exp();
                     let (least, most) = seen.unwrap_or((inertia, inertia));
                     seen = Some((least.min(inertia), most.max(inertia)));
                 }
@@ -221,37 +178,23 @@ impl Curve<'_> {
         Some((node, if at.event == 0 { 1.0 } else { -1.0 }))
     }
 
-    /// The state without inertia.
-    fn level(&mut self) -> Option<Node> {
-        let [x, c] = self.forces.begin(&mut self.steps)?;
-        let [log, _, screw, cotangent] = self.forces.scale(&[Elastic::NO_INERTIA, x, x, c]);
-        self.node(Place::new(Elastic::NO_INERTIA, x, c), &Place::new(log, screw, cotangent))
-    }
-
-    /// A state below the first root, if that is at `root`: up to there the curve is straight.
-    fn below(&mut self, level: Node, root: f64) -> Node {
-        let scale = self.scale(&level);
+    /// A state below the first root: up to there the curve is straight.
+    fn below(&mut self, level: &CurveState<f64>) -> CurveState<f64> {
+        let (ball, [log, screw, c]) = (self.forces.ball, level.place);
+        let scale = level.scale(&ball);
         // exp(−5): less than a hundredth of the inertia.
-        let mut rise = root.min(0.0) - 5.0 - Elastic::NO_INERTIA;
+        let mut rise = self.rise(level).min(-Elastic::NO_INERTIA) - 5.0;
         while rise > 0.0 {
             // A root moves by a few per cent, not by a factor of a hundred.
-            if let Some(node) = self.node(level.place() + UP * rise, &scale)
-                && node.is_straight_from(&level, rise, BEGINS, &self.forces)
-            {
-                return node;
+            let state = ball.settle::<false>([log + rise, screw, c], &scale, true);
+            self.count(state.steps);
+            if state.found && state.is_straight_from(level, &scale, BEGINS) {
+                return state;
             }
             rise -= 3.0;
         }
-        level
+        *level
     }
-}
-
-/// Towards more inertia.
-const UP: Place = Place::new(1.0, 0.0, 0.0);
-
-/// What the logarithm of `$q$` has no finer digits than.
-fn digit(log: f64) -> f64 {
-    4.0 * f64::EPSILON * log.abs().max(1.0)
 }
 
 #[cfg(test)]
@@ -277,9 +220,9 @@ mod tests {
             };
             let Ok(pair) = screw.scaled() else { continue };
             let mut curve = Curve { forces: Forces::new(&pair), steps: 0 };
-            let Ok(begin) = curve.begin() else { continue };
-            let Some((straight, sign)) = curve.straight(&begin) else { continue };
-            let (first, same) = curve.search(begin).expect("a root");
+            let Ok(level) = curve.begin() else { continue };
+            let Some((straight, sign)) = curve.straight(&level) else { continue };
+            let (first, same) = curve.search(&level).expect("a root");
             // Where friction all but holds the load a million times the axial load is left, ten digits;
             // another root differs by per cent.
             let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);

@@ -4,19 +4,15 @@
 
 use bsm_kin::{Jet, Over};
 use bsm_newton::{Bracket, EvalError, Family, Sample};
-use nalgebra::Vector3;
 
 use super::states::{SlidingBall, SlidingMotion, SlidingState};
+use super::steady::digits;
 use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
 };
 use crate::elastic_ball::ElasticBall;
 use crate::equations::linear;
-use crate::{Elastic, cost};
-
-/// Newton steps to a state of force; more means that the guess was not near it.
-const MOST_STEPS: usize = 12;
 
 /// What may be left of (S20) before the Newton steps to the begin of the curve.
 const LEVEL: f64 = 1e-9;
@@ -25,9 +21,6 @@ const LEVEL: f64 = 1e-9;
 /// next to 90 deg on soft material; an unloaded angle of next to 0 has none that is a number.
 const COTANGENT: [f64; 2] = [1e-12, 1e12];
 
-/// Where the `$x$` of the nut follows from that of the screw: `$\ln q$`, `$x_B$`, `$c$`.
-pub(super) type Place = Vector3<f64>;
-
 /// Equations and unknowns of the curve: `$\ln q$`, `$x_A$`, `$x_B$`, `$c$`.
 pub(super) const HELD: usize = 3;
 pub(super) const CURVE: usize = HELD + 1;
@@ -35,13 +28,7 @@ pub(super) const CURVE: usize = HELD + 1;
 /// A point in scaled units, in the terms of the curve.
 pub(super) struct Forces<'a> {
     pair: &'a ElasticBall,
-    ball: SlidingBall<f64>,
-}
-
-/// How many times more than [`Elastic::CLOSED`] is rounding: where friction all but holds the load, `$Y$` is one over
-/// a small difference.
-fn digits(state: &SlidingState<f64>) -> f64 {
-    (16.0 * f64::EPSILON / Elastic::CLOSED * state.along).max(1.0)
+    pub(super) ball: SlidingBall<f64>,
 }
 
 /// No forces belong to a place.
@@ -68,8 +55,9 @@ impl Family<HELD, CURVE> for Forces<'_> {
         [w, w, (z[1] * z[1] + z[2] * z[2]).recip()]
     }
 
-    fn sizes(&self, z: &[f64; CURVE]) -> [f64; CURVE] {
-        self.scale(z)
+    fn sizes(&self, &[_, nut, screw, c]: &[f64; CURVE]) -> [f64; CURVE] {
+        let [nut, screw, c] = self.ball.scale([nut, screw], c);
+        [1.0, nut, screw, c]
     }
 }
 
@@ -140,7 +128,6 @@ impl<'a> Forces<'a> {
         q: D,
         c: D,
     ) -> Option<(SlidingState<D>, [D; 2])> {
-        cost::evaluated();
         let (state, left) = self.ball.state(across, beyond, q, c);
         let along = state.along.re();
         (along > 0.0 && along.is_finite()).then_some((state, left))
@@ -154,12 +141,6 @@ impl<'a> Forces<'a> {
     /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
     pub(super) fn excess<D: Over<f64>>(&self, s: &SlidingState<D>, k: &SlidingMotion<D>) -> [D; 2] {
         self.ball.excess(s, k)
-    }
-
-    /// Logarithm of the `$\mu$` with which the state is that of a steady motion.
-    pub(super) fn log_inertia(s: &SlidingState<f64>, k: &SlidingMotion<f64>) -> f64 {
-        // μ = M [(1 − g)/(π/d + Ω_n/W)]²                                  (S27)
-        s.centrifugal.ln() + 2.0 * (k.inertia / k.drive).abs().ln()
     }
 
     /// Unknowns (S1) of a root of (S26), `sign` that of `$P/W$`.
@@ -178,88 +159,8 @@ impl<'a> Forces<'a> {
         y[PRECESSION] = rate - self.ball.nut_speed;
         y[SLIP] = k.slip[0];
         y[SLIP_ANGLE] = 1.0_f64.atan2(s.across[0]);
-        // s = −2 F Y cosν/sinα − (I P/W) |V_A| cosθ_A cotα sinβ           (S28)
-        y[SPIN] = -2.0 * self.ball.friction * s.along * tilt.cos() / self.ball.sin
-            - self.pair.ball.inertia()
-                * rate
-                * k.slip[0]
-                * y[SLIP_ANGLE].cos()
-                * self.ball.cot
-                * mean.sin();
+        y[SPIN] = self.ball.spin_moment((s, k), rate, (tilt.cos(), mean.sin()));
         y
-    }
-
-    /// What is a large step from a point of the curve.
-    pub(super) fn scale(&self, &[_, nut, screw, c]: &[f64; CURVE]) -> [f64; CURVE] {
-        let sum = nut + screw;
-        let [nut, screw] = [nut, screw].map(|x| 0.3 * (x.abs() + self.least()));
-        [1.0, nut, screw, 0.3 * (c.abs() + sum / (1.0 + sum))]
-    }
-
-    /// The state next to a guess with the same `$q$`; counts Newton steps.
-    pub(super) fn closed(
-        &self,
-        guess: Place,
-        scale: &Place,
-        steps: &mut usize,
-    ) -> Option<(Place, SlidingState<f64>)> {
-        self.newton(guess, scale, steps, |_| (0.0, Place::x()))
-    }
-
-    /// The steady motion of the point next to a guess by the `$x$` of the screw; counts Newton steps.
-    pub(super) fn steady(
-        &self,
-        guess: Place,
-        scale: &Place,
-        steps: &mut usize,
-    ) -> Option<(Place, SlidingState<f64>)> {
-        self.newton(guess, scale, steps, |s| {
-            let SlidingMotion { inertia: i, drive: d, .. } = self.motion(s);
-            // 0 = ln[(M/μ) ((1 − g)/(π/d + Ω_n/W))²], to the last digit of its argument  (S27)
-            let left = (s.centrifugal.re / self.inertia_ratio() * (i.re / d.re).powi(2)).ln();
-            let slope = |jet: Jet<3>| Place::from(jet.eps) / jet.re;
-            (left, slope(s.centrifugal) + (slope(i) - slope(d)) * 2.0)
-        })
-    }
-
-    /// The state next to a guess that fulfils one condition more: what that leaves, and its gradient.
-    fn newton(
-        &self,
-        guess: Place,
-        scale: &Place,
-        steps: &mut usize,
-        condition: impl Fn(&SlidingState<Jet<3>>) -> (f64, Place),
-    ) -> Option<(Place, SlidingState<f64>)> {
-        let (mut place, mut step) = (guess, Place::zeros());
-        for _ in 0..MOST_STEPS {
-            *steps += 1;
-            let q = place[0].exp();
-            let q = Jet { re: q, eps: [q, 0.0, 0.0] };
-            let jets = [q, Jet::variable(place[1], 1), Jet::variable(place[2], 2)];
-            let Some((state, [a, b])) = self.state(jets) else {
-                // Half the way back; a guess without forces stays there.
-                step *= 0.5;
-                place -= step;
-                continue;
-            };
-            let (left, across) = condition(&state);
-            let [by_a, by_b] = [Place::from(a.eps), Place::from(b.eps)];
-            let (one, two) = (by_b.cross(&across), across.cross(&by_a));
-            step = -(one * a.re + two * b.re + by_a.cross(&by_b) * left) / by_a.dot(&one);
-            let size = step.component_div(scale).amax();
-            if !size.is_finite() {
-                return None;
-            }
-            step *= (2.0 / size).min(1.0);
-            place += step;
-            // A step leaves an error of about its square: rounding.
-            if size < 1e-8 {
-                let (state, [a, b]) = self.state([place[0].exp(), place[1], place[2]])?;
-                let is_closed = a.abs().max(b.abs()) < Elastic::CLOSED * digits(&state);
-                return is_closed.then_some((place, state));
-            }
-        }
-        None
     }
 
     /// `$x$` and `$c$` of equal contact angles, from the cotangent of the angle.

@@ -11,6 +11,8 @@
 use bsm_kin::{Field, FieldOver};
 use bsm_simd::Compare;
 
+use crate::cost;
+
 /// A ball that slides at both contacts, in units of ball radius, axial load per ball and relative speed;
 /// pairs are of nut and screw.
 #[derive(Debug, Clone, Copy)]
@@ -93,6 +95,7 @@ impl<P: Field> SlidingBall<P> {
         q: D,
         c: D,
     ) -> (SlidingState<D>, [D; 2]) {
+        cost::evaluated();
         let (f, v) = (self.friction, self.stretch());
         let w = [(nut.square() + 1.0).sqrt(), (screw.square() + 1.0).sqrt()];
         // E = R_B/√(1 + c²),  m_A = E (c + q),  m_B = E c                 (S18)

@@ -13,7 +13,7 @@ use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, NullaryFnOnce, Simd, WithSimd}
 
 use super::Quadrature;
 use super::oil::{Bend, Half, Node, Rings};
-use super::panels::{EllipseSlip, FAR, Lines, Nodes, Visit, chord, walk, walk_along};
+use super::panels::{EllipseSlip, FAR, Lines, MOST, Nodes, Visit, chord, walk};
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
@@ -30,7 +30,7 @@ pub(crate) struct Point<F = f64> {
     pub(crate) creep: F,
 }
 
-/// Friction over `$f Q$` of a contact.
+/// Friction of a contact over `$Q$`, or over `$f Q$` of a constant coefficient.
 #[derive(Clone, Copy)]
 pub(crate) struct Sums<F = f64> {
     /// Force along t and t × N; moment about t, N, t × N.
@@ -40,6 +40,8 @@ pub(crate) struct Sums<F = f64> {
     /// Their derivatives, but not that of the power: by the motion, and by the logarithm of the size of the
     /// ellipse.
     pub(crate) slopes: [[F; SLOPES]; SUMS],
+    /// Derivatives of force and moment by the logarithm of the film; zero without one.
+    pub(crate) by_film: [F; SUMS],
 }
 
 /// Numbers of the motion, sums, and derivatives: by the motion and by the growth of both semi-axes.
@@ -47,9 +49,10 @@ pub(crate) const MOTION: usize = 4;
 pub(crate) const SUMS: usize = 5;
 pub(crate) const SLOPES: usize = MOTION + 1;
 
-/// Sums and power; the same with what the derivatives are made of.
+/// Sums and power; the same with what the derivatives are made of, and with those by the film.
 pub(super) const VALUES: usize = SUMS + 1;
 pub(super) const ALL: usize = VALUES + 14;
+const TERMS: usize = ALL + SUMS;
 
 impl<F: Compare> Point<F> {
     /// Slip along the long axis.
@@ -121,132 +124,227 @@ impl Near {
     }
 }
 
-/// Sums along lines across the ellipse (T21).
+/// Sums along lines across the ellipse: J and K of (T21) and, of a lubricant, those by the slip across and J by
+/// the film.
 #[derive(Clone, Copy)]
-pub(super) struct Inner<S: Simd> {
-    pub(super) j: [Lane<S>; 3],
-    pub(super) k: [Lane<S>; 3],
-}
+pub(crate) struct Inner<S: Simd, const N: usize>(pub(super) [[Lane<S>; 3]; N]);
 
-impl<S: Simd> Inner<S> {
+impl<S: Simd, const N: usize> Inner<S, N> {
     #[inline(always)]
     pub(super) fn zero(simd: S) -> Self {
-        let zero = Lane::splat(simd, 0.0);
-        Self { j: [zero; 3], k: [zero; 3] }
+        Self([[Lane::splat(simd, 0.0); 3]; N])
     }
 
-    /// Adds nodes of the same places on all lines.
     #[inline(always)]
-    fn add_all<const SLOPED: bool, const ROUGH: bool>(
-        &mut self,
-        simd: S,
-        square: Lane<S>,
-        across: (Lane<S>, Lane<S>),
-        nodes: &[(f64, f64)],
-    ) {
-        for (s, weight) in nodes {
-            let node = (Lane::splat(simd, *s), Lane::splat(simd, *weight));
-            self.add::<SLOPED, ROUGH>(square, across, node);
-        }
-    }
-
-    /// Adds a node, to rounding or, if `ROUGH`, to the error of a rough root.
-    ///
-    /// * `square`: of the slip along the groove and the creep speed.
-    #[inline(always)]
-    pub(super) fn add<const SLOPED: bool, const ROUGH: bool>(
-        &mut self,
-        square: Lane<S>,
-        (b_0, b_1): (Lane<S>, Lane<S>),
-        (s, weight): (Lane<S>, Lane<S>),
-    ) {
-        let v_c = b_1.mul_add(s, b_0);
-        // q = (v_t² + v_e² + (b₀ + b₁ s)²)^{−1/2}
-        let all = v_c.mul_add(v_c, square);
-        let per_speed = if ROUGH { all.rough_recip_sqrt() } else { all.recip_sqrt() };
-        // J_k = Σ w sᵏ q,  K_k = Σ w sᵏ q³,  k = 0, 1, 2                 (T21)
-        let q = weight * per_speed;
-        let q_s = q * s;
-        self.j[0] = self.j[0] + q;
-        self.j[1] = self.j[1] + q_s;
-        self.j[2] = q_s.mul_add(s, self.j[2]);
-        if SLOPED {
-            let cube = q * (per_speed * per_speed);
-            let cube_s = cube * s;
-            self.k[0] = self.k[0] + cube;
-            self.k[1] = self.k[1] + cube_s;
-            self.k[2] = cube_s.mul_add(s, self.k[2]);
-        }
-    }
-}
-
-/// Sums over all lines; those of the slopes only if `SLOPED`.
-struct Gather<'a, const N: usize, const SLOPED: bool> {
-    nodes: &'a [Nodes<'a>; N],
-    points: &'a [Point; N],
-    slips: &'a [EllipseSlip<f64>; N],
-    totals: [[Block; ALL]; N],
-}
-
-impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
-    /// The sums (T21) of a line whose spin pole is inside: rare, so that its code is out of the way.
-    #[inline(always)]
-    fn near<S: Simd>(&self, simd: S, ellipse: usize, xi: f64) -> [f64; 6] {
-        let (slip, rule) = (&self.slips[ellipse], self.nodes[ellipse].rule);
-        simd.vectorize(NearLine::<S, SLOPED> { simd, rule, slip, xi })
-    }
-}
-
-struct NearLine<'a, S, const SLOPED: bool> {
-    simd: S,
-    rule: &'a Quadrature,
-    slip: &'a EllipseSlip<f64>,
-    xi: f64,
-}
-
-impl<S: Simd, const SLOPED: bool> NullaryFnOnce for NearLine<'_, S, SLOPED> {
-    type Output = [f64; 6];
-
-    #[inline(always)]
-    fn call(self) -> [f64; 6] {
-        let Self { simd, rule, slip, xi } = self;
-        let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
-        let s = (Lane::splat(simd, b_0), Lane::splat(simd, b_1));
-        let square = Lane::splat(simd, v_t * v_t + slip.creep * slip.creep);
-        let near = Near::of(slip, xi);
-        let mut sums = [[0.0; BLOCK]; 6];
-        for first in (0..Near::len(rule)).step_by(BLOCK) {
-            let (places, weights) = near.nodes(simd, rule, first);
-            for i in (0..BLOCK).step_by(S::F64_LANES) {
-                let mut inner = Inner::load(simd, &sums, i);
-                let node = (Lane::load(simd, &places[i..]), Lane::load(simd, &weights[i..]));
-                inner.add::<SLOPED, false>(square, s, node);
-                inner.store(&mut sums, i);
-            }
-        }
-        let mut folded = [0.0; 6];
-        fold(simd, &sums, &mut folded);
-        folded
-    }
-}
-
-impl<S: Simd> Inner<S> {
-    #[inline(always)]
-    fn load(simd: S, from: &[Block; 6], i: usize) -> Self {
+    fn load(simd: S, from: &[[Block; 3]; N], at: usize) -> Self {
         let mut inner = Self::zero(simd);
-        for k in 0..3 {
-            inner.j[k] = Lane::load(simd, &from[k][i..]);
-            inner.k[k] = Lane::load(simd, &from[k + 3][i..]);
+        for k in 0..N {
+            for i in 0..3 {
+                inner.0[k][i] = Lane::load(simd, &from[k][i][at..]);
+            }
         }
         inner
     }
 
     #[inline(always)]
-    fn store(self, to: &mut [Block; 6], i: usize) {
-        for k in 0..3 {
-            self.j[k].store(&mut to[k][i..]);
-            self.k[k].store(&mut to[k + 3][i..]);
+    fn store(self, to: &mut [[Block; 3]; N], at: usize) {
+        for k in 0..N {
+            for i in 0..3 {
+                self.0[k][i].store(&mut to[k][i][at..]);
+            }
         }
+    }
+}
+
+/// A friction law at the points of an ellipse; `N` kinds of sums along a line are taken of it.
+pub(crate) trait PointLaw<const N: usize>: Copy {
+    /// True where it changes with a film.
+    const FILM: bool;
+
+    /// What the coefficient at any slip needs of a pressure.
+    type Pressed<S: Simd>: Copy;
+
+    /// * `pressure`: over the largest of the contact.
+    fn pressed<S: Simd>(&self, pressure: Lane<S>) -> Self::Pressed<S>;
+
+    /// Adds a node.
+    ///
+    /// * `square`: of the slip along the groove and the creep speed. * `v_c`: slip across.
+    fn add<S: Simd, const SLOPED: bool>(
+        &self,
+        to: &mut Inner<S, N>,
+        pressed: Self::Pressed<S>,
+        square: Lane<S>,
+        v_c: Lane<S>,
+        node: (Lane<S>, Lane<S>),
+    );
+
+    /// The sums along a few lines whose spin poles are outside.
+    ///
+    /// * `inner`: the number of nodes of a constant coefficient.
+    fn along<S: Simd, const SLOPED: bool>(
+        &self,
+        simd: S,
+        of: (Nodes<'_>, Option<usize>),
+        slip: &EllipseSlip<Lane<S>>,
+        line: &Line<S>,
+    ) -> Inner<S, N>;
+
+    /// J, K, those by the slip across, and J by the film.
+    fn kinds<S: Simd>(inner: Inner<S, N>, square: Lane<S>) -> [[Lane<S>; 3]; 4];
+
+    /// Sums an ellipse that is better not summed along lines; false of others.
+    #[inline(always)]
+    fn all_over<S: Simd, const SLOPED: bool>(
+        _simd: S,
+        _gather: &mut Gather<'_, Self, N, SLOPED>,
+        _ellipse: usize,
+    ) -> bool {
+        false
+    }
+}
+
+/// One constant coefficient.
+#[derive(Clone, Copy)]
+pub(crate) struct Dry;
+
+impl Dry {
+    /// Adds a node, to rounding or, if `ROUGH`, to the error of a rough root.
+    #[inline(always)]
+    pub(super) fn add<S: Simd, const SLOPED: bool, const ROUGH: bool>(
+        Inner([j, k]): &mut Inner<S, 2>,
+        square: Lane<S>,
+        v_c: Lane<S>,
+        (s, weight): (Lane<S>, Lane<S>),
+    ) {
+        // q = (v_t² + v_e² + (b₀ + b₁ s)²)^{−1/2}
+        let all = v_c.mul_add(v_c, square);
+        let per_speed = if ROUGH { all.rough_recip_sqrt() } else { all.recip_sqrt() };
+        // J_k = Σ w sᵏ q,  K_k = Σ w sᵏ q³,  k = 0, 1, 2                 (T21)
+        let q = weight * per_speed;
+        add_powers(j, q, s);
+        if SLOPED {
+            add_powers(k, q * (per_speed * per_speed), s);
+        }
+    }
+
+    /// Adds nodes of the same places on all lines.
+    #[inline(always)]
+    fn add_all<S: Simd, const SLOPED: bool, const ROUGH: bool>(
+        to: &mut Inner<S, 2>,
+        square: Lane<S>,
+        (b_0, b_1): (Lane<S>, Lane<S>),
+        nodes: &[(f64, f64)],
+    ) {
+        for (s, weight) in nodes {
+            let (s, weight) = (square.constant(*s), square.constant(*weight));
+            Self::add::<S, SLOPED, ROUGH>(to, square, b_1.mul_add(s, b_0), (s, weight));
+        }
+    }
+}
+
+impl PointLaw<2> for Dry {
+    const FILM: bool = false;
+
+    type Pressed<S: Simd> = ();
+
+    #[inline(always)]
+    fn pressed<S: Simd>(&self, _pressure: Lane<S>) {}
+
+    #[inline(always)]
+    fn add<S: Simd, const SLOPED: bool>(
+        &self,
+        to: &mut Inner<S, 2>,
+        (): (),
+        square: Lane<S>,
+        v_c: Lane<S>,
+        node: (Lane<S>, Lane<S>),
+    ) {
+        Self::add::<S, SLOPED, false>(to, square, v_c, node);
+    }
+
+    #[inline(always)]
+    fn along<S: Simd, const SLOPED: bool>(
+        &self,
+        simd: S,
+        (nodes, inner): (Nodes<'_>, Option<usize>),
+        slip: &EllipseSlip<Lane<S>>,
+        line: &Line<S>,
+    ) -> Inner<S, 2> {
+        let (mut sums, square) = (Inner::zero(simd), line.square(slip));
+        let places = inner.map_or(&[][..], |count| &nodes.rule.inner[count]);
+        if nodes.rough {
+            Self::add_all::<S, SLOPED, true>(&mut sums, square, line.across, places);
+        } else {
+            Self::add_all::<S, SLOPED, false>(&mut sums, square, line.across, places);
+        }
+        sums
+    }
+
+    #[inline(always)]
+    fn kinds<S: Simd>(Inner([j, k]): Inner<S, 2>, square: Lane<S>) -> [[Lane<S>; 3]; 4] {
+        // (C_b, C_s, S_s) = (v_t² + v_e²) (K₀, K₁, K₂)                    (T23)
+        [j, k, [square * k[0], square * k[1], square * k[2]], [square.constant(0.0); 3]]
+    }
+}
+
+/// Adds `$x s^k$`.
+#[inline(always)]
+pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S>) {
+    let first = x * s;
+    sums[0] = sums[0] + x;
+    sums[1] = sums[1] + first;
+    sums[2] = first.mul_add(s, sums[2]);
+}
+
+/// Sums over all lines of a few contacts; those of the slopes only if `SLOPED`.
+pub(crate) struct Gather<'a, L, const N: usize, const SLOPED: bool> {
+    pub(super) nodes: &'a [Nodes<'a>],
+    pub(super) points: &'a [Point],
+    pub(super) slips: &'a [EllipseSlip<f64>],
+    pub(super) laws: &'a [L],
+    totals: [[Block; TERMS]; MOST],
+}
+
+/// The sums of a line whose spin pole is inside: rare, so that its code is out of the way.
+struct NearLine<'a, S, L, const N: usize, const SLOPED: bool> {
+    simd: S,
+    rule: &'a Quadrature,
+    slip: &'a EllipseSlip<f64>,
+    law: &'a L,
+    xi: f64,
+}
+
+impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
+    for NearLine<'_, S, L, N, SLOPED>
+{
+    type Output = [[f64; 3]; N];
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { simd, rule, slip, law, xi } = self;
+        let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
+        let (b_0, b_1) = (Lane::splat(simd, b_0), Lane::splat(simd, b_1));
+        let square = Lane::splat(simd, v_t * v_t + slip.creep * slip.creep);
+        let (near, chord) = (Near::of(slip, xi), chord(xi));
+        let mut sums = [[[0.0; BLOCK]; 3]; N];
+        for first in (0..Near::len(rule)).step_by(BLOCK) {
+            let (places, weights) = near.nodes(simd, rule, first);
+            for at in (0..BLOCK).step_by(S::F64_LANES) {
+                let mut inner = Inner::load(simd, &sums, at);
+                let s = Lane::load(simd, &places[at..]);
+                let weight = Lane::load(simd, &weights[at..]);
+                let inside = (-(s * s) + 1.0).max(s.constant(0.0)).sqrt();
+                let (pressed, v_c) = (law.pressed(inside * chord), b_1.mul_add(s, b_0));
+                law.add::<S, SLOPED>(&mut inner, pressed, square, v_c, (s, weight));
+                inner.store(&mut sums, at);
+            }
+        }
+        let mut folded = [[0.0; 3]; N];
+        for k in 0..N {
+            fold(simd, &sums[k], &mut folded[k]);
+        }
+        folded
     }
 }
 
@@ -264,42 +362,127 @@ pub(super) fn fold<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     }
 }
 
-impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLOPED> {
+impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> Visit<S>
+    for Gather<'_, L, N, SLOPED>
+{
     #[inline(always)]
     fn visit(&mut self, simd: S, ellipse: usize, lines: &Lines) {
+        let (law, nodes) = (&self.laws[ellipse], self.nodes[ellipse]);
         let slip = self.slips[ellipse].splat(simd);
-        let axes = self.points[ellipse].axes(simd);
-        let rule = self.nodes[ellipse].rule;
         for at in (0..BLOCK).step_by(S::F64_LANES) {
-            let xi = Lane::<S>::load(simd, &lines.xi[at..]);
-            let weight = Lane::<S>::load(simd, &lines.weight[at..]);
-            let chord = Lane::<S>::load(simd, &lines.chord[at..]);
-            let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across_at(xi, chord));
-            let square = v_t * v_t + slip.creep * slip.creep;
-            let mut inner = Inner::zero(simd);
-            let across = lines.inner.map_or(&[][..], |count| &rule.inner[count]);
-            if self.nodes[ellipse].rough {
-                inner.add_all::<SLOPED, true>(simd, square, (b_0, b_1), across);
-            } else {
-                inner.add_all::<SLOPED, false>(simd, square, (b_0, b_1), across);
-            }
+            let xi = Lane::load(simd, &lines.xi[at..]);
+            let weight = Lane::load(simd, &lines.weight[at..]);
+            let line = Line::new(&slip, xi, weight, Lane::load(simd, &lines.chord[at..]));
+            let mut inner = law.along::<S, SLOPED>(simd, (nodes, lines.inner), &slip, &line);
             if lines.any_inside {
-                let mut sums = [[0.0; BLOCK]; 6];
+                let mut sums = [[[0.0; BLOCK]; 3]; N];
                 inner.store(&mut sums, at);
                 for i in at..(at + S::F64_LANES) {
                     if lines.inside[i] {
-                        let near = self.near(simd, ellipse, lines.xi[i]);
-                        for (sum, near) in sums.iter_mut().zip(near) {
-                            sum[i] = near;
+                        let (slip, xi) = (&self.slips[ellipse], lines.xi[i]);
+                        let rule = nodes.rule;
+                        let line = NearLine::<_, _, N, SLOPED> { simd, rule, slip, law, xi };
+                        let near = simd.vectorize(line);
+                        for (sum, near) in
+                            sums.as_flattened_mut().iter_mut().zip(near.as_flattened())
+                        {
+                            sum[i] = *near;
                         }
                     }
                 }
                 inner = Inner::load(simd, &sums, at);
             }
-            let line = Line { xi, weight, chord, v_t, across: (b_0, b_1) };
-            let terms = line.terms::<SLOPED>((axes, &slip), inner.with_across(square));
-            add_to(simd, &mut self.totals[ellipse], at, &terms[..some::<SLOPED>()]);
+            self.add_line(simd, ellipse, at, &slip, (&line, inner));
         }
+    }
+}
+
+impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> Gather<'_, L, N, SLOPED> {
+    /// How many of the terms are not zero.
+    const SOME: usize = match (SLOPED, L::FILM) {
+        (true, true) => TERMS,
+        (true, false) => ALL,
+        (false, _) => VALUES,
+    };
+
+    /// Adds the sums of a few lines.
+    #[inline(always)]
+    pub(super) fn add_line<S: Simd>(
+        &mut self,
+        simd: S,
+        ellipse: usize,
+        at: usize,
+        slip: &EllipseSlip<Lane<S>>,
+        (line, inner): (&Line<S>, Inner<S, N>),
+    ) {
+        let (a, b) = self.points[ellipse].semi_axes;
+        let of = ((Lane::splat(simd, a), Lane::splat(simd, b)), slip);
+        let [j, k, across, film] = L::kinds(inner, line.square(slip));
+        let (terms, by_film) = self.totals[ellipse].split_at_mut(ALL);
+        let some = if SLOPED { ALL } else { VALUES };
+        add_to(simd, terms, at, &line.terms::<SLOPED>(of, [j, k, across])[..some]);
+        if SLOPED && L::FILM {
+            let weight = line.weight;
+            let film = [film[0] * weight, film[1] * weight, film[2] * weight];
+            add_to(simd, by_film, at, &line.values(of, film)[..SUMS]);
+        }
+    }
+}
+
+/// The sums of a few contacts; slopes only if `SLOPED`, else zero.
+///
+/// * `laws`, `nodes`: of each of the points.
+#[inline(always)]
+pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool>(
+    simd: S,
+    points: &[Point],
+    laws: &[L],
+    nodes: &[Nodes<'_>],
+) -> [Sums; MOST] {
+    // One call for all numbers of contacts: the code is long.
+    simd.vectorize(All::<S, L, N, SLOPED> { simd, points, laws, nodes })
+}
+
+/// What [`sums`] is asked for.
+struct All<'a, S, L, const N: usize, const SLOPED: bool> {
+    simd: S,
+    points: &'a [Point],
+    laws: &'a [L],
+    nodes: &'a [Nodes<'a>],
+}
+
+impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
+    for All<'_, S, L, N, SLOPED>
+{
+    type Output = [Sums; MOST];
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { simd, points, laws, nodes } = self;
+        let mut slips = [points[0].slip(); MOST];
+        for (slip, point) in slips.iter_mut().zip(points).skip(1) {
+            *slip = point.slip();
+        }
+        let slips = &slips[..points.len()];
+        let totals = [[[0.0; BLOCK]; TERMS]; MOST];
+        let mut gather = Gather::<L, N, SLOPED> { nodes, points, slips, laws, totals };
+        let mut done = [false; MOST];
+        for i in 0..points.len() {
+            done[i] = L::all_over(simd, &mut gather, i);
+        }
+        walk(simd, nodes, slips, done, &mut gather);
+        let mut all = [Sums::none(0.0); MOST];
+        for i in 0..points.len() {
+            let mut terms = [0.0; TERMS];
+            let some = Gather::<L, N, SLOPED>::SOME;
+            fold(simd, &gather.totals[i][..some], &mut terms[..some]);
+            let (terms, by_film) = terms.split_at(ALL);
+            let mut known = [0.0; ALL];
+            known.copy_from_slice(terms);
+            all[i] = Sums::of(known, &points[i]);
+            all[i].by_film.copy_from_slice(by_film);
+        }
+        all
     }
 }
 
@@ -307,7 +490,7 @@ impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLO
 pub(super) type Shape<'a, S> = ((Lane<S>, Lane<S>), &'a EllipseSlip<Lane<S>>);
 
 /// A few lines across an ellipse.
-pub(super) struct Line<S: Simd> {
+pub(crate) struct Line<S: Simd> {
     /// Place on the long axis, part of the load, and half the length.
     pub(super) xi: Lane<S>,
     pub(super) weight: Lane<S>,
@@ -318,6 +501,23 @@ pub(super) struct Line<S: Simd> {
 }
 
 impl<S: Simd> Line<S> {
+    #[inline(always)]
+    pub(super) fn new(
+        slip: &EllipseSlip<Lane<S>>,
+        xi: Lane<S>,
+        weight: Lane<S>,
+        chord: Lane<S>,
+    ) -> Self {
+        let (v_t, across) = (slip.along(xi), slip.across_at(xi, chord));
+        Self { xi, weight, chord, v_t, across }
+    }
+
+    /// Square of the slip along the groove and of the creep speed.
+    #[inline(always)]
+    pub(super) fn square(&self, slip: &EllipseSlip<Lane<S>>) -> Lane<S> {
+        self.v_t * self.v_t + slip.creep * slip.creep
+    }
+
     /// Force, moment and power of sums J (T21).
     ///
     /// * `axes`: semi-axes.
@@ -389,33 +589,9 @@ impl<S: Simd> Line<S> {
     }
 }
 
-/// How many of the terms are not zero.
-#[inline(always)]
-pub(super) const fn some<const SLOPED: bool>() -> usize {
-    if SLOPED { ALL } else { VALUES }
-}
-
-impl Point {
-    /// The semi-axes.
-    #[inline(always)]
-    pub(super) fn axes<S: Simd>(&self, simd: S) -> (Lane<S>, Lane<S>) {
-        (Lane::splat(simd, self.semi_axes.0), Lane::splat(simd, self.semi_axes.1))
-    }
-}
-
-impl<S: Simd> Inner<S> {
-    /// J, K, and those by the slip across.
-    #[inline(always)]
-    pub(super) fn with_across(self, square: Lane<S>) -> [[Lane<S>; 3]; 3] {
-        let Self { j, k } = self;
-        // (C_b, C_s, S_s) = (v_t² + v_e²) (K₀, K₁, K₂)                    (T23)
-        [j, k, [square * k[0], square * k[1], square * k[2]]]
-    }
-}
-
 /// Adds to totals.
 #[inline(always)]
-pub(super) fn add_to<S: Simd>(simd: S, totals: &mut [Block], at: usize, values: &[Lane<S>]) {
+fn add_to<S: Simd>(simd: S, totals: &mut [Block], at: usize, values: &[Lane<S>]) {
     for (total, value) in totals.iter_mut().zip(values) {
         (Lane::load(simd, &total[at..]) + *value).store(&mut total[at..]);
     }
@@ -424,7 +600,8 @@ pub(super) fn add_to<S: Simd>(simd: S, totals: &mut [Block], at: usize, values: 
 impl<F: Compare> Sums<F> {
     #[inline(always)]
     pub(crate) fn none(zero: F) -> Self {
-        Self { values: [zero; SUMS], power: zero, slopes: [[zero; SLOPES]; SUMS] }
+        let slopes = [[zero; SLOPES]; SUMS];
+        Self { values: [zero; SUMS], power: zero, slopes, by_film: [zero; SUMS] }
     }
 
     /// Of the sums of all terms at a point.
@@ -470,67 +647,30 @@ impl<F: Compare> Sums<F> {
             [-t_n, -c_nh, -n_n, -t_nh, m_n - n_g],
             [-t_vh, -t_bhh, -t_nh, -t_vhh, (m_c - r * f_t) * 2.0 - t_gh],
         ];
-        Self { values: [f_t, f_c, m_t, m_n, m_c], power, slopes }
+        let by_film = [r.constant(0.0); SUMS];
+        Self { values: [f_t, f_c, m_t, m_n, m_c], power, slopes, by_film }
     }
 }
 
-impl Sums {
-    /// Those of a few contacts; slopes only if `SLOPED`, else zero.
-    #[inline(always)]
-    pub(crate) fn along<S: Simd, const N: usize, const SLOPED: bool>(
-        simd: S,
-        points: &[Point; N],
-        nodes: &[Nodes<'_>; N],
-    ) -> [Self; N] {
-        let mut sums = [Self::none(0.0); N];
-        let all = all::<S, N, SLOPED>(simd, points, nodes);
-        for (i, sums) in sums.iter_mut().enumerate() {
-            *sums = Self::of(all[i], &points[i]);
-        }
-        sums
-    }
+/// Sums of one contact; slopes only if `SLOPED`, else zero.
+pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const SLOPED: bool>(
+    arch: Arch,
+    point: &Point,
+    law: L,
+    nodes: Nodes<'_>,
+) -> Sums {
+    arch.dispatch(One::<L, N, SLOPED>(point, law, nodes))
 }
 
-#[inline(always)]
-fn all<S: Simd, const N: usize, const SLOPED: bool>(
-    simd: S,
-    points: &[Point; N],
-    nodes: &[Nodes<'_>; N],
-) -> [[f64; ALL]; N] {
-    let mut slips = [points[0].slip(); N];
-    for (slip, point) in slips.iter_mut().zip(points) {
-        *slip = point.slip();
-    }
-    let totals = [[[0.0; BLOCK]; ALL]; N];
-    let mut gathered = Gather::<N, SLOPED> { nodes, points, slips: &slips, totals };
-    walk_along(simd, nodes, &slips, &mut gathered);
-    let mut sums = [[0.0; ALL]; N];
-    for (sums, totals) in sums.iter_mut().zip(&gathered.totals) {
-        let some = some::<SLOPED>();
-        fold(simd, &totals[..some], &mut sums[..some]);
-    }
-    sums
-}
+struct One<'a, L, const N: usize, const SLOPED: bool>(&'a Point, L, Nodes<'a>);
 
-/// Sums of one contact.
-pub(super) fn sums<const SLOPED: bool>(point: &Point, nodes: Nodes<'_>) -> Sums {
-    Sums::of(Arch::new().dispatch(Total::<SLOPED>(point, nodes)), point)
-}
-
-/// All sums on an instruction set.
-#[cfg(test)]
-pub(super) fn all_on(arch: Arch, point: &Point, rule: &Quadrature) -> [f64; ALL] {
-    arch.dispatch(Total::<true>(point, rule.into()))
-}
-
-struct Total<'a, const SLOPED: bool>(&'a Point, Nodes<'a>);
-
-impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
-    type Output = [f64; ALL];
+impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for One<'_, L, N, SLOPED> {
+    type Output = Sums;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let [sums] = all::<S, 1, SLOPED>(simd, &[*self.0], &[self.1]);
+    fn with_simd<S: Simd>(self, simd: S) -> Sums {
+        let Self(point, law, nodes) = self;
+        let [sums, _] = sums::<S, L, N, SLOPED>(simd, &[*point], &[law], &[nodes]);
         sums
     }
 }
@@ -590,7 +730,7 @@ impl WithSimd for List<'_> {
             return Rings::of(simd, bend, &point.slip(), nodes.rule).nodes(nodes.rule, blocks);
         }
         let mut list = Collect { rule: nodes.rule, slip: point.slip(), bend, nodes: Vec::new() };
-        walk(simd, nodes, &point.slip(), &mut list);
+        walk(simd, &[nodes], &[point.slip()], [false; MOST], &mut list);
         list.nodes
     }
 }

@@ -13,7 +13,7 @@ use std::ops::Range;
 use bsm_simd::{BLOCK, Lane, Mask, NullaryFnOnce, Simd};
 
 use super::Quadrature;
-use super::kernel::{ALL, Inner, Line, Point, Sums, some};
+use super::kernel::{ALL, Dry, Inner, Line, Point, PointLaw, Sums, VALUES};
 use super::panels::{MOST_INNER, chord, clamp, line_at};
 
 /// Most nodes of a panel.
@@ -54,7 +54,7 @@ pub(crate) struct ManyNodes<S: Simd> {
     /// Numbers of nodes along neighbouring lines.
     inner: [[usize; BLOCK]; GROUPS],
     across: [(Lane<S>, Lane<S>); MOST_INNER + 2],
-    found: [(Inner<S>, Lane<S>); BLOCK],
+    found: [(Inner<S, 2>, Lane<S>); BLOCK],
 }
 
 impl<S: Simd> ManyNodes<S> {
@@ -233,22 +233,20 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce for Call<'_, 
             let lines = &lines[segment.panel][segment.lines.clone()];
             for ((inner, chord_here), (xi, _)) in found.iter_mut().zip(lines) {
                 *chord_here = chord(*xi);
-                let (v_t, b) = (slip.along(*xi), slip.across_at(*xi, *chord_here));
+                let (v_t, (b_0, b_1)) = (slip.along(*xi), slip.across_at(*xi, *chord_here));
                 let square = v_t * v_t + slip.creep * slip.creep;
                 let mut sums = Inner::zero(simd);
-                for node in &across[..most] {
-                    sums.add::<SLOPED, ROUGH>(square, b, *node);
+                for (s, weight) in &across[..most] {
+                    let v_c = b_1.mul_add(*s, b_0);
+                    Dry::add::<S, SLOPED, ROUGH>(&mut sums, square, v_c, (*s, *weight));
                 }
                 *inner = sums;
             }
             for ((inner, chord), (xi, weight)) in found.iter().zip(lines) {
-                let (xi, weight, v_t) = (*xi, *weight, slip.along(*xi));
-                let square = v_t * v_t + slip.creep * slip.creep;
-                let line =
-                    Line { xi, weight, chord: *chord, v_t, across: slip.across_at(xi, *chord) };
-                let terms =
-                    line.terms::<SLOPED>((point.semi_axes, &slip), inner.with_across(square));
-                for i in 0..some::<SLOPED>() {
+                let line = Line::new(&slip, *xi, *weight, *chord);
+                let [j, k, across, _] = Dry::kinds(*inner, line.square(&slip));
+                let terms = line.terms::<SLOPED>((point.semi_axes, &slip), [j, k, across]);
+                for i in 0..(if SLOPED { ALL } else { VALUES }) {
                     totals[i] = totals[i] + terms[i];
                 }
             }
@@ -333,7 +331,9 @@ mod tests {
                 if found[FOUND - 1][i] < 0.5 {
                     continue;
                 }
-                let Sums { values, power, slopes } = kernel::sums::<true>(&point, (&single).into());
+                let nodes = (&single).into();
+                let Sums { values, power, slopes, .. } =
+                    kernel::sums_on::<_, 2, true>(Arch::new(), &point, Dry, nodes);
                 let expected = values.into_iter().chain(slopes.into_iter().flatten());
                 for (number, expected) in expected.chain([power]).enumerate() {
                     // Rounding of sums of terms of at most one, and of slopes of at most 1/v_e.

@@ -10,11 +10,11 @@
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
-use bsm_simd::{Arch, BLOCK, Block, Lane, Simd, WithSimd};
+use bsm_simd::{BLOCK, Lane, Simd};
 
 use super::Quadrature;
-use super::kernel::{ALL, Line, Near, Point, SUMS, Shape, Sums, VALUES, add_to, fold, some};
-use super::panels::{EllipseSlip, Lines, MOST_RINGS, Nodes, Plan, Visit, walk};
+use super::kernel::{Gather, Inner, Line, PointLaw, add_powers};
+use super::panels::{EllipseSlip, MOST_RINGS, Nodes, Plan};
 use crate::MixedFriction;
 use crate::lubricant::PRESSURE_SLOPE;
 
@@ -189,97 +189,54 @@ impl<S: Simd> Half<S> {
     }
 }
 
-/// Sums of an oil over `$Q$`.
-#[derive(Clone, Copy)]
-pub(crate) struct OiledSums {
-    /// As those of a constant coefficient, over `$Q$`.
-    pub(crate) sums: Sums,
-    /// Derivatives of force and moment by the logarithm of the film.
-    pub(crate) by_film: [f64; SUMS],
-}
-
-/// Those of one contact; slopes only if `SLOPED`, else zero.
-pub(super) fn sums<const SLOPED: bool>(
-    point: &Point,
-    law: &MixedFriction,
-    nodes: Nodes<'_>,
-) -> OiledSums {
-    Arch::new().dispatch(Total::<SLOPED>(point, law, nodes))
-}
-
-struct Total<'a, const SLOPED: bool>(&'a Point, &'a MixedFriction, Nodes<'a>);
-
-impl<const SLOPED: bool> WithSimd for Total<'_, SLOPED> {
-    type Output = OiledSums;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> OiledSums {
-        let Self(point, law, nodes) = self;
-        let [sums] = OiledSums::along::<S, 1, SLOPED>(simd, &[*point], &[*law], &[nodes]);
-        sums
-    }
-}
-
 /// What is the same at all points of a contact.
 #[derive(Clone, Copy)]
-struct Law {
+pub(crate) struct Lubricated {
     mixed: MixedFriction,
+    bend: Bend,
     /// `$\xi\mu_b$`, `$(1 - \xi)\Lambda$`, and `$-d\xi/d\ln h$`.
     boundary: f64,
     film: f64,
     falling: f64,
 }
 
-impl Law {
-    fn of(law: MixedFriction) -> Self {
-        let MixedFriction { share, boundary, limit, .. } = law;
+impl Lubricated {
+    pub(crate) fn of(law: &MixedFriction) -> Self {
+        let MixedFriction { share, boundary, limit, .. } = *law;
         // ξ = e^{−1.4λ}: dξ/d ln h = ξ ln ξ
         let falling = if share > 0.0 { -share * share.ln() } else { 0.0 };
-        Self { mixed: law, boundary: share * boundary, film: (1.0 - share) * limit, falling }
+        let (boundary, film) = (share * boundary, (1.0 - share) * limit);
+        Self { mixed: *law, bend: Bend::of(law), boundary, film, falling }
     }
 }
 
 /// A pressure, and what the coefficient at any slip needs of it.
 #[derive(Clone, Copy)]
-struct Pressed<S: Simd> {
+pub(crate) struct Pressed<S: Simd> {
     /// `$\eta(p)/(h\tau_E)$`, and `$(\Lambda p/\tau_E)^4$`.
     shear: Lane<S>,
     fourth: Lane<S>,
 }
 
-impl<S: Simd> Pressed<S> {
-    /// * `pressure`: over the largest of the contact.
+impl PointLaw<4> for Lubricated {
+    const FILM: bool = true;
+
+    type Pressed<S: Simd> = Pressed<S>;
+
     #[inline(always)]
-    fn of(law: &MixedFriction, pressure: Lane<S>) -> Self {
+    fn pressed<S: Simd>(&self, pressure: Lane<S>) -> Pressed<S> {
+        let law = &self.mixed;
         let p = pressure * law.max_pressure;
         let room = p.mul_add(p.constant(PRESSURE_SLOPE), p.constant(law.pressure_scale));
         let ratio = p * (law.limit / law.eyring_stress);
         let square = ratio * ratio;
-        Self { shear: (p / room).exp() * law.shear, fourth: square * square }
-    }
-}
-
-/// Sums along lines across the ellipse: J and K of (T21), those by the slip across, and J by the film.
-#[derive(Clone, Copy)]
-struct Inner<S: Simd> {
-    j: [Lane<S>; 3],
-    k: [Lane<S>; 3],
-    across: [Lane<S>; 3],
-    film: [Lane<S>; 3],
-}
-
-impl<S: Simd> Inner<S> {
-    #[inline(always)]
-    fn zero(simd: S) -> Self {
-        let zero = Lane::splat(simd, 0.0);
-        Self { j: [zero; 3], k: [zero; 3], across: [zero; 3], film: [zero; 3] }
+        Pressed { shear: (p / room).exp() * law.shear, fourth: square * square }
     }
 
-    /// Adds a node; `square`: of the slip along the groove and the creep speed.
     #[inline(always)]
-    fn add<const SLOPED: bool>(
-        &mut self,
-        of: &Law,
+    fn add<S: Simd, const SLOPED: bool>(
+        &self,
+        Inner([j, k, across, film]): &mut Inner<S, 4>,
         pressed: Pressed<S>,
         square: Lane<S>,
         v_c: Lane<S>,
@@ -299,12 +256,12 @@ impl<S: Simd> Inner<S> {
         let a_2 = arsinh * arsinh;
         let per_both = (a_2.mul_add(a_2, pressed.fourth) + TINY).recip_fourth_root();
         // μ_f = Λ [1 + (Λ p/τ_y)⁴]^{−1/4}                                 (Y12)
-        let reduced = per_both * of.film;
+        let reduced = per_both * self.film;
         let fluid = arsinh * reduced;
         // μ = ξ μ_b + (1 − ξ) μ_f                                         (Y13)
-        let mu = fluid + of.boundary;
+        let mu = fluid + self.boundary;
         let part = weight * per_speed;
-        add_powers(&mut self.j, part * mu, s);
+        add_powers(j, part * mu, s);
         if SLOPED {
             let inverse = per_speed * per_speed;
             // ∂μ/∂ln s = (1 − ξ) μ_f X⁴/(1 + X⁴) z/(√(1 + z²) arsinh z)   (Y33)
@@ -312,98 +269,58 @@ impl<S: Simd> Inner<S> {
             let by_slip = reduced * (pressed.fourth * (squared * squared)) * (z * per_root);
             let cube = part * inverse;
             // d(μ v/s) = (μ/s) dv + (s μ' − μ)/s³ v (v·dv)                (Y33)
-            add_powers(&mut self.k, cube * (mu - by_slip), s);
-            add_powers(&mut self.across, cube * (mu * square + by_slip * cross), s);
+            add_powers(k, cube * (mu - by_slip), s);
+            add_powers(across, cube * (mu * square + by_slip * cross), s);
             // ∂μ/∂ln h = (μ_b − μ_f/(1 − ξ)) dξ/d ln h − ∂μ/∂ln s
-            let thinner = fluid * (of.falling / (1.0 - of.mixed.share).max(TINY));
-            let film = thinner - of.falling * of.mixed.boundary - by_slip;
-            add_powers(&mut self.film, part * film, s);
-        }
-    }
-
-    /// Sums over lanes, in each of them.
-    #[inline(always)]
-    fn put(&self, to: &mut [Block; 12], at: usize) {
-        let all = [self.j, self.k, self.across, self.film];
-        for (i, sum) in all.as_flattened().iter().enumerate() {
-            sum.store(&mut to[i][at..]);
+            let thinner = fluid * (self.falling / (1.0 - self.mixed.share).max(TINY));
+            let by_film = thinner - self.falling * self.mixed.boundary - by_slip;
+            add_powers(film, part * by_film, s);
         }
     }
 
     #[inline(always)]
-    fn load(simd: S, from: &[Block; 12], at: usize) -> Self {
-        let mut inner = Self::zero(simd);
-        for i in 0..3 {
-            inner.j[i] = Lane::load(simd, &from[i][at..]);
-            inner.k[i] = Lane::load(simd, &from[i + 3][at..]);
-            inner.across[i] = Lane::load(simd, &from[i + 6][at..]);
-            inner.film[i] = Lane::load(simd, &from[i + 9][at..]);
+    fn along<S: Simd, const SLOPED: bool>(
+        &self,
+        simd: S,
+        (nodes, _): (Nodes<'_>, Option<usize>),
+        slip: &EllipseSlip<Lane<S>>,
+        line: &Line<S>,
+    ) -> Inner<S, 4> {
+        let (mut sums, square) = (Inner::zero(simd), line.square(slip));
+        let (half, (b_0, b_1)) = (Half::of(&self.bend, slip, line.xi), line.across);
+        for k in 0..nodes.rule.half.len() {
+            let Node { s, pressure, weight } = half.node(nodes.rule.half.at(k));
+            let pressed = self.pressed(pressure * line.chord);
+            let turned = b_1 * s;
+            self.add::<S, SLOPED>(&mut sums, pressed, square, b_0 + turned, (s, weight));
+            self.add::<S, SLOPED>(&mut sums, pressed, square, b_0 - turned, (-s, weight));
         }
-        inner
+        sums
     }
-}
 
-/// Adds `$x s^k$`.
-#[inline(always)]
-fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S>) {
-    let first = x * s;
-    sums[0] = sums[0] + x;
-    sums[1] = sums[1] + first;
-    sums[2] = first.mul_add(s, sums[2]);
-}
-
-/// Sums over all lines; those of the slopes only if `SLOPED`.
-struct Gather<'a, const N: usize, const SLOPED: bool> {
-    nodes: &'a [Nodes<'a>; N],
-    points: &'a [Point; N],
-    slips: &'a [EllipseSlip<f64>; N],
-    laws: [Law; N],
-    bends: [Bend; N],
-    totals: [[Block; ALL]; N],
-    by_film: [[Block; VALUES]; N],
-}
-
-impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
-    /// The sums of a line whose spin pole is near.
     #[inline(always)]
-    fn near<S: Simd>(&self, simd: S, ellipse: usize, xi: f64) -> [f64; 12] {
-        let (slip, rule) = (&self.slips[ellipse], self.nodes[ellipse].rule);
-        let law = &self.laws[ellipse];
-        let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
-        let square = Lane::<S>::splat(simd, v_t * v_t + slip.creep * slip.creep);
-        let chord = super::panels::chord(xi);
-        let near = Near::of(slip, xi);
-        let mut sums = [[0.0; BLOCK]; 12];
-        for first in (0..Near::len(rule)).step_by(BLOCK) {
-            let (places, weights) = near.nodes(simd, rule, first);
-            for at in (0..BLOCK).step_by(S::F64_LANES) {
-                let mut inner = Inner::load(simd, &sums, at);
-                let s = Lane::<S>::load(simd, &places[at..]);
-                let weight = Lane::load(simd, &weights[at..]);
-                let inside = (-(s * s) + 1.0).max(s.constant(0.0)).sqrt();
-                let pressed = Pressed::of(&law.mixed, inside * chord);
-                inner.add::<SLOPED>(law, pressed, square, s * b_1 + b_0, (s, weight));
-                inner.put(&mut sums, at);
-            }
+    fn kinds<S: Simd>(Inner(kinds): Inner<S, 4>, _square: Lane<S>) -> [[Lane<S>; 3]; 4] {
+        kinds
+    }
+
+    /// On rings, where they take fewer nodes.
+    #[inline(always)]
+    fn all_over<S: Simd, const SLOPED: bool>(
+        simd: S,
+        gather: &mut Gather<'_, Self, 4, SLOPED>,
+        ellipse: usize,
+    ) -> bool {
+        let (law, nodes) = (gather.laws[ellipse], gather.nodes[ellipse]);
+        let blocks = nodes.blocks(&gather.slips[ellipse]);
+        if blocks == 0 {
+            return false;
         }
-        let mut folded = [0.0; 12];
-        fold(simd, &sums, &mut folded);
-        folded
-    }
-}
-
-impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
-    /// Adds the sums of an ellipse on rings.
-    #[inline(always)]
-    fn add_rings<S: Simd>(&mut self, simd: S, ellipse: usize, blocks: usize) {
-        let slip = self.slips[ellipse].splat(simd);
-        let axes = self.points[ellipse].axes(simd);
-        let (rule, law) = (self.nodes[ellipse].rule, self.laws[ellipse]);
-        let rings = Rings::of(simd, &self.bends[ellipse], &self.slips[ellipse], rule);
+        let (rule, slip) = (nodes.rule, gather.slips[ellipse].splat(simd));
+        let rings = Rings::of(simd, &law.bend, &gather.slips[ellipse], rule);
         let mut shear = [0.0; MOST_RINGS];
         let mut fourth = [0.0; MOST_RINGS];
         for i in (0..MOST_RINGS).step_by(S::F64_LANES) {
-            let pressed = Pressed::of(&law.mixed, Lane::<S>::load(simd, &rings.pressure[i..]));
+            let pressed = law.pressed(Lane::<S>::load(simd, &rings.pressure[i..]));
             pressed.shear.store(&mut shear[i..]);
             pressed.fourth.store(&mut fourth[i..]);
         }
@@ -420,132 +337,15 @@ impl<const N: usize, const SLOPED: bool> Gather<'_, N, SLOPED> {
                 let xi = radius * Lane::load(simd, &cos[first..]);
                 // A line with a node at each end.
                 let chord = radius * Lane::load(simd, &sin[first..]);
-                let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across_at(xi, chord));
-                let square = v_t * v_t + slip.creep * slip.creep;
+                let line = Line::new(&slip, xi, one, chord);
+                let ((b_0, b_1), square) = (line.across, line.square(&slip));
                 let mut inner = Inner::zero(simd);
-                inner.add::<SLOPED>(&law, pressed, square, b_0 + b_1, (one, weight));
-                inner.add::<SLOPED>(&law, pressed, square, b_0 - b_1, (-one, weight));
-                let line = Line { xi, weight: one, chord, v_t, across: (b_0, b_1) };
-                self.add_line(simd, ellipse, first % BLOCK, (&line, inner), (axes, &slip));
+                law.add::<S, SLOPED>(&mut inner, pressed, square, b_0 + b_1, (one, weight));
+                law.add::<S, SLOPED>(&mut inner, pressed, square, b_0 - b_1, (-one, weight));
+                gather.add_line(simd, ellipse, first % BLOCK, &slip, (&line, inner));
             }
         }
-    }
-
-    /// Adds the sums of a few lines.
-    #[inline(always)]
-    fn add_line<S: Simd>(
-        &mut self,
-        simd: S,
-        ellipse: usize,
-        at: usize,
-        (line, Inner { j, k, across, film }): (&Line<S>, Inner<S>),
-        of: Shape<'_, S>,
-    ) {
-        let terms = line.terms::<SLOPED>(of, [j, k, across]);
-        add_to(simd, &mut self.totals[ellipse], at, &terms[..some::<SLOPED>()]);
-        if SLOPED {
-            let weight = line.weight;
-            let film = [film[0] * weight, film[1] * weight, film[2] * weight];
-            add_to(simd, &mut self.by_film[ellipse], at, &line.values(of, film));
-        }
-    }
-}
-
-impl<S: Simd, const N: usize, const SLOPED: bool> Visit<S> for Gather<'_, N, SLOPED> {
-    #[inline(always)]
-    fn visit(&mut self, simd: S, ellipse: usize, lines: &Lines) {
-        let slip = self.slips[ellipse].splat(simd);
-        let axes = self.points[ellipse].axes(simd);
-        let (rule, law) = (self.nodes[ellipse].rule, self.laws[ellipse]);
-        for at in (0..BLOCK).step_by(S::F64_LANES) {
-            let xi = Lane::<S>::load(simd, &lines.xi[at..]);
-            let weight = Lane::<S>::load(simd, &lines.weight[at..]);
-            let chord = Lane::<S>::load(simd, &lines.chord[at..]);
-            let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across_at(xi, chord));
-            let square = v_t * v_t + slip.creep * slip.creep;
-            let mut inner = Inner::zero(simd);
-            let half = Half::of(&self.bends[ellipse], &slip, xi);
-            for k in 0..rule.half.len() {
-                let Node { s, pressure, weight } = half.node(rule.half.at(k));
-                let pressed = Pressed::of(&law.mixed, pressure * chord);
-                let turned = b_1 * s;
-                inner.add::<SLOPED>(&law, pressed, square, b_0 + turned, (s, weight));
-                inner.add::<SLOPED>(&law, pressed, square, b_0 - turned, (-s, weight));
-            }
-            if lines.any_inside {
-                let mut sums = [[0.0; BLOCK]; 12];
-                inner.put(&mut sums, at);
-                for i in at..(at + S::F64_LANES) {
-                    if lines.inside[i] {
-                        let near = self.near(simd, ellipse, lines.xi[i]);
-                        for (sum, near) in sums.iter_mut().zip(near) {
-                            sum[i] = near;
-                        }
-                    }
-                }
-                inner = Inner::load(simd, &sums, at);
-            }
-            let line = Line { xi, weight, chord, v_t, across: (b_0, b_1) };
-            self.add_line(simd, ellipse, at, (&line, inner), (axes, &slip));
-        }
-    }
-}
-
-/// One of the ellipses.
-struct Only<'a, G>(&'a mut G, usize);
-
-impl<S: Simd, G: Visit<S>> Visit<S> for Only<'_, G> {
-    #[inline(always)]
-    fn visit(&mut self, simd: S, _ellipse: usize, lines: &Lines) {
-        self.0.visit(simd, self.1, lines);
-    }
-}
-
-impl OiledSums {
-    /// Those of a few contacts; slopes only if `SLOPED`, else zero.
-    #[inline(always)]
-    pub(crate) fn along<S: Simd, const N: usize, const SLOPED: bool>(
-        simd: S,
-        points: &[Point; N],
-        laws: &[MixedFriction; N],
-        nodes: &[Nodes<'_>; N],
-    ) -> [Self; N] {
-        let mut slips = [points[0].slip(); N];
-        let mut bends = [Bend::of(&laws[0]); N];
-        let mut known = [Law::of(laws[0]); N];
-        for i in 0..N {
-            slips[i] = points[i].slip();
-            bends[i] = Bend::of(&laws[i]);
-            known[i] = Law::of(laws[i]);
-        }
-        let mut gathered = Gather::<N, SLOPED> {
-            nodes,
-            points,
-            slips: &slips,
-            laws: known,
-            bends,
-            totals: [[[0.0; BLOCK]; ALL]; N],
-            by_film: [[[0.0; BLOCK]; VALUES]; N],
-        };
-        for i in 0..N {
-            match nodes[i].blocks(&slips[i]) {
-                0 => walk(simd, nodes[i], &slips[i], &mut Only(&mut gathered, i)),
-                blocks => {
-                    gathered.add_rings(simd, i, blocks);
-                    nodes[i].keep(Plan { blocks, ..Plan::default() });
-                }
-            }
-        }
-        let mut all = [Self { sums: Sums::none(0.0), by_film: [0.0; SUMS] }; N];
-        for (i, found) in all.iter_mut().enumerate() {
-            let mut sums = [0.0; ALL];
-            let some = some::<SLOPED>();
-            fold(simd, &gathered.totals[i][..some], &mut sums[..some]);
-            found.sums = Sums::of(sums, &points[i]);
-            if SLOPED {
-                fold(simd, &gathered.by_film[i][..SUMS], &mut found.by_film);
-            }
-        }
-        all
+        nodes.keep(Plan { blocks, ..Plan::default() });
+        true
     }
 }

@@ -61,6 +61,38 @@ pub struct Quadrature {
     pub(super) reach: Vec<f64>,
 }
 
+/// Quadratures of a few accuracies, and those that their errors are told from; each is made when it is first asked for.
+#[derive(Debug, Default)]
+pub(crate) struct Rules(Vec<(f64, [Quadrature; 2])>);
+
+impl Rules {
+    /// Those of a constant coefficient.
+    pub(crate) fn dry<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
+        self.get(accuracies, |accuracy| [Quadrature::of(accuracy), Quadrature::check(accuracy)])
+    }
+
+    /// Those of an oil.
+    pub(crate) fn of_oil<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
+        let make = |accuracy| [Quadrature::of_oil(accuracy), Quadrature::check_of_oil(accuracy)];
+        self.get(accuracies, make)
+    }
+
+    fn get<const N: usize>(
+        &mut self,
+        accuracies: [f64; N],
+        make: impl Fn(f64) -> [Quadrature; 2],
+    ) -> [&[Quadrature; 2]; N] {
+        let places = accuracies.map(|accuracy| {
+            let known = |(other, _): &(f64, _)| accuracy.total_cmp(other).is_eq();
+            self.0.iter().position(known).unwrap_or_else(|| {
+                self.0.push((accuracy, make(accuracy)));
+                self.0.len() - 1
+            })
+        });
+        places.map(|place| &self.0[place].1)
+    }
+}
+
 /// Nodes and weights of Gauss-Legendre on [0, 1].
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Gauss {
@@ -554,19 +586,19 @@ pub(super) trait Visit<S: Simd> {
 }
 
 impl<'a> Panels<'a> {
-    /// Of a few contacts, worked on side by side.
+    /// Of a few contacts, worked on side by side; none of those that are done with.
     #[inline(always)]
-    pub(super) fn of<S: Simd, const N: usize>(
+    fn of<S: Simd>(
         simd: S,
-        nodes: &[Nodes<'a>; N],
-        slips: &[EllipseSlip<f64>; N],
-    ) -> [Self; N] {
-        const { assert!(8 * N <= 2 * BLOCK, "four panels with two ends each") };
+        nodes: &[Nodes<'a>],
+        slips: &[EllipseSlip<f64>],
+        done: [bool; MOST],
+    ) -> [Self; MOST] {
+        const { assert!(8 * MOST <= 2 * BLOCK, "four panels with two ends each") };
         let (mut at, mut width) = ([[0.0; BLOCK]; 2], [[0.0; BLOCK]; 2]);
         let mut square = [[0.0; BLOCK]; 2];
-        let blocks = EllipseSlip::side_by_side(slips);
-        for first in (0..N).step_by(S::F64_LANES) {
-            let slip = blocks.load(simd, first);
+        for first in (0..slips.len()).step_by(S::F64_LANES) {
+            let slip = EllipseSlip::side_by_side(simd, &slips[first..]);
             let poles = slip.poles();
             for i in 0..2 {
                 poles[i].at.store(&mut at[i][first..]);
@@ -574,8 +606,11 @@ impl<'a> Panels<'a> {
                 slip.analyticity(poles[i].at).store(&mut square[i][first..]);
             }
         }
-        let mut all = [Self::none(nodes[0].rule); N];
-        for c in 0..N {
+        let mut all = [Self::none(nodes[0].rule); MOST];
+        for c in 0..slips.len() {
+            if done[c] {
+                continue;
+            }
             let pole = |i: usize| Pole { at: at[i][c], width: width[i][c] };
             all[c] = Self::between(nodes[c], [pole(0), pole(1)], [square[0][c], square[1][c]]);
         }
@@ -699,21 +734,25 @@ struct At {
 /// others.
 const AHEAD: usize = 2;
 
-/// Goes through the lines across a few ellipses.
+/// Most ellipses that are worked on together.
+pub(crate) const MOST: usize = 2;
+
+/// Goes through the lines across a few ellipses, but for those that are done with.
 #[inline(always)]
-pub(super) fn walk_along<S: Simd, const N: usize>(
+pub(super) fn walk<S: Simd>(
     simd: S,
-    nodes: &[Nodes<'_>; N],
-    slips: &[EllipseSlip<f64>; N],
+    nodes: &[Nodes<'_>],
+    slips: &[EllipseSlip<f64>],
+    done: [bool; MOST],
     visitor: &mut impl Visit<S>,
 ) {
-    let all = Panels::of(simd, nodes, slips);
-    let mut at = [At::default(); N];
-    let mut plans: [_; N] = from_fn(|c| Plan { split: all[c].split, ..Plan::default() });
-    let mut lines = [[Lines::NONE; AHEAD]; N];
+    let (all, count) = (Panels::of(simd, nodes, slips, done), slips.len());
+    let mut at = [At::default(); MOST];
+    let mut plans: [_; MOST] = from_fn(|c| Plan { split: all[c].split, ..Plan::default() });
+    let mut lines = [[Lines::NONE; AHEAD]; MOST];
     loop {
-        let mut found = [0; N];
-        for c in 0..N {
+        let mut found = [0; MOST];
+        for c in 0..count {
             let slip = slips[c].splat(simd);
             while found[c] < AHEAD && at[c].panel < all[c].count {
                 let next = &mut lines[c][found[c]];
@@ -724,10 +763,10 @@ pub(super) fn walk_along<S: Simd, const N: usize>(
                 found[c] += 1;
             }
         }
-        if found == [0; N] {
+        if found == [0; MOST] {
             break;
         }
-        for c in 0..N {
+        for c in 0..count {
             for lines in &lines[c][..found[c]] {
                 visitor.visit(simd, c, lines);
             }
@@ -736,17 +775,6 @@ pub(super) fn walk_along<S: Simd, const N: usize>(
     for (nodes, plan) in nodes.iter().zip(plans) {
         nodes.keep(plan);
     }
-}
-
-/// Goes through the lines across an ellipse.
-#[inline(always)]
-pub(super) fn walk<S: Simd>(
-    simd: S,
-    nodes: Nodes<'_>,
-    slip: &EllipseSlip<f64>,
-    visitor: &mut impl Visit<S>,
-) {
-    walk_along(simd, &[nodes], &[*slip], visitor);
 }
 
 /// Place of a line on the long axis and its part of the load, from a node in the variable of (T17) and its
@@ -784,53 +812,43 @@ struct LineNodes {
     of_panel: [Block; 4],
 }
 
-/// The fields of a few slips, side by side.
-pub(super) struct SideBySide([Block; 8]);
-
-impl SideBySide {
+impl<F: Copy> EllipseSlip<F> {
     #[inline(always)]
-    fn load<S: Simd>(&self, simd: S, first: usize) -> EllipseSlip<Lane<S>> {
-        let [q_0, q_1, q_2, radius, sag, roll, turn, creep] = &self.0;
-        EllipseSlip {
-            along: [
-                Lane::load(simd, &q_0[first..]),
-                Lane::load(simd, &q_1[first..]),
-                Lane::load(simd, &q_2[first..]),
-            ],
-            radius: Lane::load(simd, &radius[first..]),
-            sag: Lane::load(simd, &sag[first..]),
-            roll: Lane::load(simd, &roll[first..]),
-            turn: Lane::load(simd, &turn[first..]),
-            creep: Lane::load(simd, &creep[first..]),
-        }
+    fn numbers(&self) -> [F; 8] {
+        let Self { along: [q_0, q_1, q_2], radius, sag, roll, turn, creep } = *self;
+        [q_0, q_1, q_2, radius, sag, roll, turn, creep]
+    }
+
+    #[inline(always)]
+    fn of([q_0, q_1, q_2, radius, sag, roll, turn, creep]: [F; 8]) -> Self {
+        Self { along: [q_0, q_1, q_2], radius, sag, roll, turn, creep }
     }
 }
 
 impl EllipseSlip<f64> {
+    /// The first few slips.
     #[inline(always)]
-    fn side_by_side(slips: &[Self]) -> SideBySide {
-        let mut fields = [[0.0; BLOCK]; 8];
+    fn side_by_side<S: Simd>(simd: S, slips: &[Self]) -> EllipseSlip<Lane<S>> {
+        let mut blocks = [[0.0; BLOCK]; 8];
         for (i, slip) in slips.iter().enumerate() {
-            let Self { along: [q_0, q_1, q_2], radius, sag, roll, turn, creep } = *slip;
-            let values = [q_0, q_1, q_2, radius, sag, roll, turn, creep];
-            for (field, value) in fields.iter_mut().zip(values) {
-                field[i] = value;
+            for (block, number) in blocks.iter_mut().zip(slip.numbers()) {
+                block[i] = number;
             }
         }
-        SideBySide(fields)
+        let mut lanes = [Lane::splat(simd, 0.0); 8];
+        for (lane, block) in lanes.iter_mut().zip(&blocks) {
+            *lane = Lane::load(simd, block);
+        }
+        EllipseSlip::of(lanes)
     }
 
     #[inline(always)]
     pub(super) fn splat<S: Simd>(&self, simd: S) -> EllipseSlip<Lane<S>> {
-        let [q_0, q_1, q_2] = self.along;
-        EllipseSlip {
-            along: [Lane::splat(simd, q_0), Lane::splat(simd, q_1), Lane::splat(simd, q_2)],
-            radius: Lane::splat(simd, self.radius),
-            sag: Lane::splat(simd, self.sag),
-            roll: Lane::splat(simd, self.roll),
-            turn: Lane::splat(simd, self.turn),
-            creep: Lane::splat(simd, self.creep),
+        let mut lanes = [Lane::splat(simd, 0.0); 8];
+        for (lane, number) in lanes.iter_mut().zip(self.numbers()) {
+            *lane = Lane::splat(simd, number);
         }
+        EllipseSlip::of(lanes)
     }
 }
 

@@ -322,11 +322,7 @@ impl<P: Scalar> Wetted<P> {
         let local = Local::of(motion, contact, D::from(pair.arc));
         let law = &rub.film.law;
         let (unit, power) = D::oiled(&pair.ellipse(i, loaded), &local, law, creep, nodes);
-        let Wrench { force, moment } = unit.wrench(contact);
-        let wrench = Wrench {
-            force: force.map(|x| pair.signed(x * load)) + rub.wrench.force,
-            moment: moment.map(|x| pair.signed(x * load)) + rub.wrench.moment,
-        };
+        let wrench = unit.wrench(contact) * pair.signed(load) + rub.wrench;
         Rub { wrench, sliding: pair.signed(power * load), ..rub }
     }
 
@@ -361,13 +357,9 @@ impl<P: Scalar> Wetted<P> {
         let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
         let film = self.film(i, (contact, load), motion, &loaded.frame, (pair.arc, creep));
         let resistance = film.resistance(contact, motion, creep);
-        let Wrench { force, moment } = resistance.wrench(contact);
         Rub {
             film,
-            wrench: Wrench {
-                force: force.map(|x| pair.signed(x)),
-                moment: moment.map(|x| pair.signed(x)),
-            },
+            wrench: resistance.wrench(contact) * pair.signed(D::from(1.0)),
             sliding,
             rolling: pair.signed(resistance.power(contact, motion, D::from(pair.arc))),
         }

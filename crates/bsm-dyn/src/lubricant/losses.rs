@@ -47,6 +47,13 @@ impl<D: Field> OutsidePower<D> {
     pub fn of_balls(&self) -> D {
         self.ball_contact + self.ball_return + self.drag
     }
+
+    /// What that of the balls adds to the torque on the screw \[N·m\], at a relative speed \[rad/s\].
+    #[inline(always)]
+    pub fn torque(&self, relative_speed: D) -> D {
+        // T = Z T_ball + Σ P/W                                            (Y27)
+        self.of_balls() / relative_speed
+    }
 }
 
 /// A ball that circles.

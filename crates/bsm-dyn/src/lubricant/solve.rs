@@ -3,10 +3,11 @@
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y22), (Y23), (Y28) to (Y31).
 
 use bsm_kin::{BallFrame, Field, Motion, Scalar};
+use bsm_newton::Bracket;
 
 use super::{Circling, ContactFilm, FilmState, Lubricant, OutsidePower, Rub, Temperature, Wetted};
 use crate::elastic_ball::{ElasticBall, ElasticPoint, Loaded, to_both};
-use crate::ellipse::{Lanes, Local, Nodes, Quadrature};
+use crate::ellipse::{Lanes, Local, Nodes, Quadrature, Rules};
 use crate::slip::magnitude;
 use crate::{
     ErrorBound, Model, ModelWorkspace, RaceControl, RacewayControl, Reason, SkidNumbers, Solution,
@@ -44,42 +45,15 @@ pub struct Lubricated<D = f64> {
 /// Memory of the solves.
 #[derive(Default)]
 pub struct LubricatedWorkspace {
-    rules: Vec<OilRules>,
-}
-
-/// The quadratures of an accuracy: of an oil, and the one that its error is told from.
-struct OilRules {
-    accuracy: f64,
-    rule: Quadrature,
-    check: Quadrature,
-    /// For a constant coefficient.
-    dry: Quadrature,
+    pub(crate) oil: Rules,
+    pub(crate) dry: Rules,
 }
 
 impl LubricatedWorkspace {
-    /// The rules of accuracies, made when they are first asked for, and what the error of the last is told from.
-    pub(crate) fn rules<const N: usize>(
-        &mut self,
-        accuracies: [f64; N],
-    ) -> ([&Quadrature; N], &Quadrature) {
-        let places = accuracies.map(|accuracy| self.place(accuracy));
-        (places.map(|place| &self.rules[place].rule), &self.rules[places[N - 1]].check)
-    }
-
-    fn place(&mut self, accuracy: f64) -> usize {
-        let known = |rules: &OilRules| rules.accuracy.total_cmp(&accuracy).is_eq();
-        self.rules.iter().position(known).unwrap_or_else(|| {
-            let (rule, check) = (Quadrature::of_oil(accuracy), Quadrature::check_of_oil(accuracy));
-            let dry = Quadrature::of(accuracy);
-            self.rules.push(OilRules { accuracy, rule, check, dry });
-            self.rules.len() - 1
-        })
-    }
-
     /// The rules of an accuracy, of an oil and of a constant coefficient.
     pub(crate) fn both(&mut self, accuracy: f64) -> [&Quadrature; 2] {
-        let place = self.place(accuracy);
-        [&self.rules[place].rule, &self.rules[place].dry]
+        let ([[oil, _]], [[dry, _]]) = (self.oil.of_oil([accuracy]), self.dry.dry([accuracy]));
+        [oil, dry]
     }
 }
 
@@ -277,8 +251,24 @@ impl Lubricated {
                 (low, below) = (high, above);
                 continue;
             }
-            let settled = between(&mut excess, (low, below), (high, above))?;
-            return Ok(settled);
+            let mut settled = Err(Unsolved::LOST);
+            let bracket =
+                Bracket { x_tol: SETTLED / high, ..Bracket::new([low, high], [below, above]) };
+            let found = bracket.root(|kelvin| match excess(kelvin) {
+                Ok((value, solved)) => {
+                    settled = Ok(solved);
+                    value
+                }
+                Err(why) => {
+                    settled = Err(why);
+                    f64::NAN
+                }
+            });
+            // An end that is the root was solved before the other.
+            return match found.root() {
+                Some(root) if [low, high].contains(&root.x) => Ok(excess(root.x)?.1),
+                _ => settled,
+            };
         }
     }
 
@@ -316,8 +306,7 @@ impl Lubricated {
         let speed = screw.point.drive.relative_speed();
         let outside = self.outside(pair, steady);
         let ball = screw.ball_state(pair, loaded, to_nut)?;
-        // T = Z T_ball + Σ P/W                                            (Y27)
-        let torque = torque + outside.of_balls() / speed;
+        let torque = torque + outside.torque(speed);
         let ideal = screw.point.ideal_torque();
         let transmission = Transmission::of(pair.direction, ideal, torque, speed);
         // Scaled powers in watts, of all balls.
@@ -384,36 +373,6 @@ impl Lubricated {
 
     fn conductivity(&self) -> f64 {
         self.lubricant.oil.base.conductivity()
-    }
-}
-
-/// The answer where the excess changes its sign, by regula falsi that halves the weight of an end that stays
-/// (Illinois).
-fn between(
-    excess: &mut impl FnMut(f64) -> Result<(f64, Solved), Unsolved>,
-    (mut low, mut below): (f64, f64),
-    (mut high, mut above): (f64, f64),
-) -> Result<Solved, Unsolved> {
-    let mut last = 0.0;
-    loop {
-        let kelvin = (low * above - high * below) / (above - below);
-        let (value, solved) = excess(kelvin)?;
-        let moved: f64 = if value < 0.0 { kelvin - low } else { high - kelvin };
-        if value == 0.0 || moved.abs() <= SETTLED || high - low <= SETTLED {
-            return Ok(solved);
-        }
-        if value < 0.0 {
-            (low, below) = (kelvin, value);
-            if last < 0.0 {
-                above *= 0.5;
-            }
-        } else {
-            (high, above) = (kelvin, value);
-            if last > 0.0 {
-                below *= 0.5;
-            }
-        }
-        last = value;
     }
 }
 

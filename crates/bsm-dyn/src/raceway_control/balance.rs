@@ -5,16 +5,17 @@
 use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
 use bsm_newton::{Bracket, EvalError, Options, Report, Scales, solve};
 
-use super::{Control, RacewayControl, rolling, rolling_precession};
+use super::statics::{StaticBalance, StaticState};
+use super::{Control, RacewayControl, rolling};
 use crate::elastic_ball::{ElasticBall, Loaded};
 use crate::equations::{Workspace, equations};
 use crate::jones::axial_displacement;
-use crate::{Evidence, Reason, Unsolved, cost};
+use crate::{Evidence, Reason, Unsolved};
 
 /// Unknowns: the difference of the cotangents of the contact angles, and that at the screw (W12).
 pub(crate) const STATIC: usize = 2;
 
-/// Newton steps before the first root is looked for by brackets.
+/// Newton steps behind a bracket.
 const MOST_STEPS: usize = 8;
 
 /// Passes of the rising bound (W14). Each is a fixed-point step; thousands are needed where the
@@ -28,87 +29,33 @@ const SCAN: u32 = 48;
 const SAME: f64 = 1e-6;
 
 /// Static balance of the ball in the normal plane.
-pub(super) struct Balance<'a, P = f64> {
+pub(super) struct Balance<'a, P: Scalar = f64> {
     pub(super) pair: &'a ElasticBall<P>,
     pub(super) control: Control,
-    /// `$1/\cos\alpha$`.
-    axial: P,
-    /// `$\mu\cos\alpha$`.
-    inertia: P,
-    /// `$(r_b/d)\cos\alpha$`.
-    lever: P,
-    /// `$A_2$`.
-    reach: P,
-}
-
-/// A contact at the cotangent of its angle.
-struct Flank<D> {
-    sin: D,
-    cos: D,
-    load: D,
-    /// `$\delta$`.
-    approach: D,
-    /// `$l$`.
-    length: D,
-}
-
-impl<D: Scalar> Flank<D> {
-    /// `$l\cos\beta$`.
-    fn reach(&self) -> D {
-        self.length * self.cos
-    }
-
-    /// Its derivative by the cotangent, positive.
-    fn slope(&self) -> D {
-        // d cosβ = sin³β d cotβ,  dδ = ⅔ δ sinβ cosβ d cotβ by δ ~ Q^{2/3}
-        self.sin * self.sin * self.sin * self.length
-            + self.approach * self.sin * self.cos * self.cos * (2.0 / 3.0)
-    }
+    statics: StaticBalance<P>,
 }
 
 impl<'a, P: Scalar> Balance<'a, P> {
     pub(super) fn new(pair: &'a ElasticBall<P>, control: Control) -> Self {
         let cos = pair.lead.1;
-        Self {
-            pair,
-            control,
+        let statics = StaticBalance {
+            by_nut: control == Control::Nut,
             axial: cos.recip(),
             inertia: pair.inertia_ratio() * cos,
             lever: cos * cos / pair.helix.radius,
+            nut_speed: pair.nut_speed,
             reach: pair.reach,
-        }
-    }
-
-    /// The contact at nut (0) or screw (1) with this cotangent of its angle.
-    fn flank<D: Over<P>>(&self, i: usize, cot: D) -> Flank<D> {
-        cost::evaluated();
-        let offsets = [self.pair.jones.nut_offset, self.pair.jones.screw_offset];
-        let length = (cot.square() + 1.0).sqrt();
-        let sin = length.recip();
-        // Q sinβ cosα = F_a                                               (W2)
-        let load = length * self.axial;
-        // Q = K_H δ^{3/2}, Eq (P2)                                        (W1)
-        let approach = self.pair.approach_of(i, load);
-        Flank { sin, cos: cot * sin, load, approach, length: approach + offsets[i] }
-    }
-
-    /// `$P/W$` of the rolling ball.
-    fn rate<D: Over<P>>(&self, nut: &Flank<D>, screw: &Flank<D>) -> D {
-        let between = nut.cos * screw.cos + nut.sin * screw.sin;
-        let by_nut = self.control == Control::Nut;
-        let p = rolling_precession(by_nut, D::from(self.lever), [nut.cos, screw.cos], between);
-        p + D::from(self.pair.nut_speed)
+            contacts: [
+                (pair.jones.nut_offset, pair.approach[0]),
+                (pair.jones.screw_offset, pair.approach[1]),
+            ],
+        };
+        Self { pair, control, statics }
     }
 
     /// What is left of the radial balance and of the triangle of the arc centres (W12), (W13).
-    pub(super) fn equations<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> [D; STATIC] {
-        let [a, b] = [self.flank(0, screw + c), self.flank(1, screw)];
-        [
-            // c − μ cosα (P/W)² = 0,  c = cotβ_A − cotβ_B                  (W12)
-            c - self.rate(&a, &b).square() * self.inertia,
-            // l_A cosβ_A + l_B cosβ_B = A₂, Eq (J7)                       (W13)
-            (a.reach() + b.reach()) * D::from(self.reach).recip() - 1.0,
-        ]
+    pub(super) fn equations<D: Over<P>>(&self, x: &[D; STATIC]) -> [D; STATIC] {
+        self.statics.residual(x[0], &self.statics.loaded(*x))
     }
 
     #[expect(clippy::unnecessary_wraps, reason = "the shape that equations have")]
@@ -120,7 +67,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
     pub(super) fn loaded<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> Loaded<D> {
         let jones = &self.pair.jones;
         let nut = screw + c;
-        let [a, b] = [self.flank(0, nut), self.flank(1, screw)];
+        let [a, b] = self.statics.loaded([c, screw]);
         let one = D::from(1.0);
         let angles = [one.atan2(nut), one.atan2(screw)];
         // tan 2ν = (cotβ_A − cotβ_B) / (1 + cotβ_A cotβ_B)
@@ -135,11 +82,11 @@ impl<'a, P: Scalar> Balance<'a, P> {
 
     /// Rolling motion relative to the nut over `$W$`.
     pub(super) fn rolling<D: Over<P>>(&self, loaded: &Loaded<D>) -> Motion<D> {
-        let helix = &self.pair.helix;
-        let [nut, screw] = loaded.angles;
-        let (lead, size) = (D::from(helix.lead_angle), D::from(helix.radius.recip()));
-        let (p, omega) = rolling(self.control, lead, size, nut, screw);
-        Motion { precession: p, omega: loaded.frame.from_frenet(&omega) }
+        let pair = self.pair;
+        let (lead, arc) = (D::from(pair.helix.lead_angle).sin_cos(), D::from(pair.arc));
+        let angles = loaded.angles.map(|angle| angle.sin_cos());
+        let (p, omega) = rolling(self.control == Control::Nut, lead, arc, angles);
+        Motion { precession: p, omega: loaded.frame.from_frenet(&omega.into()) }
     }
 }
 
@@ -155,7 +102,7 @@ impl Balance<'_> {
     pub(super) fn weights(&self) -> [f64; STATIC] {
         let rate = self.pair.nut_speed.abs().max(1.0);
         // As far as a double goes.
-        let size = (self.inertia * rate * rate).clamp(f64::MIN_POSITIVE, 0.25 * f64::MAX);
+        let size = (self.statics.inertia * rate * rate).clamp(f64::MIN_POSITIVE, 0.25 * f64::MAX);
         [size.recip(), 1.0]
     }
 
@@ -168,13 +115,17 @@ impl Balance<'_> {
         near: Option<[f64; STATIC]>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Root, Unsolved> {
-        let mut steps = 0;
-        if let Some(mut x) = near.or_else(|| self.start()) {
-            let report = self.run(&mut x, newton);
-            steps = report.steps.len();
-            if report.converged() && self.is_first(&x) {
-                return Ok(Root { unknowns: x, steps, residual: report.residual });
-            }
+        let angle = self.pair.jones.contact_angle;
+        let mut at = match near {
+            Some(unknowns) => StaticState { unknowns, steps: 0.0, settled: false },
+            None => self.statics.start(angle.cos() / angle.sin(), true),
+        };
+        self.statics.settle(&mut at);
+        let residual = self.statics.scaled_residual(at.unknowns);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
+        let mut steps = at.steps as usize;
+        if at.settled && residual < StaticBalance::<f64>::CLOSED && self.is_first(&at.unknowns) {
+            return Ok(Root { unknowns: at.unknowns, steps, residual });
         }
         let bracketed = self.bracketed()?;
         let mut x = bracketed;
@@ -192,10 +143,10 @@ impl Balance<'_> {
         let nut = self.pair.nut_speed;
         let outwards = match self.control {
             Control::Nut => 1.0 + nut,
-            Control::Screw => self.lever - nut,
+            Control::Screw => self.statics.lever - nut,
         };
         // μ cosα |P|/W < 2, with the largest |P| that may still rise      (W17)
-        self.inertia * outwards < RacewayControl::UNIQUE_BELOW
+        self.statics.inertia * outwards < RacewayControl::UNIQUE_BELOW
     }
 
     /// Roots on the flanks whose contact angles differ by more than those of the first root `x`, up to
@@ -234,22 +185,9 @@ impl Balance<'_> {
         found.then_some(Root { unknowns: x, steps: report.steps.len(), residual: report.residual })
     }
 
-    /// Equal angles, turned apart by their centrifugal force; `None` where that is too much.
-    fn start(&self) -> Option<[f64; STATIC]> {
-        let angle = self.pair.jones.contact_angle;
-        let unloaded = angle.cos() / angle.sin();
-        let [a, b] = [0, 1].map(|i| self.flank(i, unloaded));
-        // The angle that the loads of the unloaded angle lead to.
-        let cos = self.reach / (a.length + b.length);
-        let cot = cos / (1.0 - cos * cos).sqrt();
-        let [a, b] = [0, 1].map(|i| self.flank(i, cot));
-        let c = self.centrifugal(self.rate(&a, &b));
-        (c < cot).then_some([c, cot - 0.5 * c])
-    }
-
     /// `$\mu\cos\alpha\,(P/W)^2$`.
     fn centrifugal(&self, rate: f64) -> f64 {
-        self.inertia * rate * rate
+        self.statics.inertia * rate * rate
     }
 
     /// Newton from `x`.
@@ -271,8 +209,8 @@ impl Balance<'_> {
         if !(c >= 0.0 && screw > 0.0) {
             return false;
         }
-        let [a, b] = [self.flank(0, screw + c), self.flank(1, screw)];
-        let rate = self.rate(&a, &b);
+        let [a, b] = self.statics.loaded([c, screw]);
+        let rate = self.statics.rate(&[a, b]);
         let p = rate - self.pair.nut_speed;
         let (outwards, part) = match self.control {
             Control::Nut => (rate, p),
@@ -284,8 +222,8 @@ impl Balance<'_> {
         let half = (1.0 + a.cos * b.cos + a.sin * b.sin).recip();
         let twist = b.sin * a.cos - b.cos * a.sin;
         // |∂p/∂cotβ| ≤ sin²β_B [π tan(D/2) + (r_b/d) cosα sinβ_B/(1 + cosD)]  (W15)
-        let slope = b.sin * b.sin * (part * twist + self.lever * b.sin) * half;
-        2.0 * self.inertia * outwards * slope < 1.0
+        let slope = b.sin * b.sin * (part * twist + self.statics.lever * b.sin) * half;
+        2.0 * self.statics.inertia * outwards * slope < 1.0
     }
 
     /// Cotangent of the screw's contact angle that closes the triangle at a difference `c`, by
@@ -299,15 +237,15 @@ impl Balance<'_> {
             ..Bracket::new([0.0, high], [f64::NEG_INFINITY, f64::INFINITY])
         };
         let found = bracket.root(|cot| {
-            let [a, b] = [self.flank(0, cot + c), self.flank(1, cot)];
-            (a.reach() + b.reach() - self.reach, a.slope() + b.slope())
+            let [a, b] = self.statics.loaded([c, cot]);
+            (a.reach() + b.reach() - self.statics.reach, a.reach_slope() + b.reach_slope())
         });
         found.root().map_or(f64::NAN, |root| root.x)
     }
 
     /// Largest difference of the cotangents on the flanks: the screw's contact angle is 90 deg there.
     fn farthest(&self) -> f64 {
-        let excess = |cot: f64| self.flank(0, cot).reach() - self.reach;
+        let excess = |cot: f64| self.statics.contact(0, cot).reach() - self.statics.reach;
         let mut ends = [0.0, 1.0];
         while excess(ends[1]) < 0.0 && ends[1] < f64::MAX.sqrt() {
             ends = [ends[1], 4.0 * ends[1]];
@@ -318,8 +256,7 @@ impl Balance<'_> {
 
     /// `$P/W$` at a difference of the cotangents.
     fn rate_at(&self, c: f64) -> f64 {
-        let screw = self.closed(c);
-        self.rate(&self.flank(0, screw + c), &self.flank(1, screw))
+        self.statics.rate(&self.statics.loaded([c, self.closed(c)]))
     }
 
     /// The first root by brackets, in any inertia; or the proof that there is none.
@@ -335,7 +272,8 @@ impl Balance<'_> {
         };
         let none = || {
             let rate = self.rate_at(farthest);
-            let (held, centrifugal) = (farthest * self.axial, self.centrifugal(rate) * self.axial);
+            let (held, centrifugal) =
+                (farthest * self.statics.axial, self.centrifugal(rate) * self.statics.axial);
             let reason = Reason::FlanksCannotHold { control: self.control, held, centrifugal };
             Unsolved::none(Evidence::Proof, reason)
         };

@@ -18,12 +18,12 @@ use bsm_kin::Jet;
 use bsm_newton::{Equations, EvalError, Linear};
 use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, Simd, WithSimd};
 
-use super::{OMEGA, Rolling};
+use super::{Lubrication, OMEGA, Rolling};
 use crate::balance::torque;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::ball_unknowns::{BALL, ROWS};
 use crate::cost;
-use crate::ellipse::{OiledSums, Point, SUMS, Sums, depth};
+use crate::ellipse::{Dry, Lubricated, Point, SUMS, Sums, depth, sums};
 use crate::equations::linear;
 use crate::lubricant::{ScaledFilm, Wetted};
 
@@ -33,8 +33,6 @@ pub(super) struct Evaluated<F = f64> {
     /// What the seven equations leave over.
     pub(super) left: [F; BALL],
     pub(super) transmitted: Transmitted<F>,
-    /// Power that sliding takes at nut and screw.
-    pub(super) sliding: [F; 2],
     /// Derivatives of the equations and of the torque by the unknowns, if asked for, and a place that is zero.
     pub(super) rows: [Slopes<F>; BALL],
     pub(super) slope: Slopes<F>,
@@ -116,7 +114,8 @@ pub(super) fn sizes<F: Compare>(force: F, friction: F, lever: F) -> (F, F) {
 }
 
 impl Rolling<'_> {
-    /// The equations at a state, with derivatives if `SLOPED`.
+    /// The equations at a state, with derivatives if `SLOPED`; of a lubricant, unless they are to be complete, without
+    /// those of rolling resistance and of the coefficient by the load.
     ///
     /// # Errors
     ///
@@ -126,32 +125,23 @@ impl Rolling<'_> {
         y: &[f64; BALL],
     ) -> Result<Evaluated, EvalError> {
         cost::evaluated();
-        let mut found = Evaluated::zero(0.0);
-        if Arch::new().dispatch(Evaluate::<_, SLOPED>(self, y, &Dry, &mut found)) {
-            Ok(found)
-        } else {
-            self.in_jets(y)
-        }
-    }
-
-    /// The same with a lubricant; none where a contact is lost. The changes of rolling resistance, and of the
-    /// coefficient with the load, are not in the derivatives.
-    pub(super) fn oiled<const SLOPED: bool>(
-        &self,
-        wetted: &Wetted,
-        y: &[f64; BALL],
-    ) -> Option<Evaluated> {
-        cost::evaluated();
-        let mut found = Evaluated::zero(0.0);
-        Arch::new().dispatch(Evaluate::<_, SLOPED>(self, y, wetted, &mut found)).then_some(found)
+        let (mut found, arch) = (Evaluated::zero(0.0), Arch::new());
+        let is_done = match &self.lubrication {
+            None => arch.dispatch(Evaluate::<_, SLOPED>(self, y, &Dry, &mut found)),
+            Some(Lubrication { part, complete, .. }) if *part < 1.0 || SLOPED && *complete => false,
+            Some(Lubrication { wetted, .. }) => {
+                arch.dispatch(Evaluate::<_, SLOPED>(self, y, *wetted, &mut found))
+            }
+        };
+        if is_done { Ok(found) } else { self.in_jets(y) }
     }
 
     /// The same from the formulas in any scalar.
     pub(super) fn in_jets(&self, y: &[f64; BALL]) -> Result<Evaluated, EvalError> {
-        let mut power = f64::NAN;
+        let (mut power, mut sliding) = (f64::NAN, [f64::NAN; 2]);
         let (values, slopes) = linear::<{ BALL + 1 }, BALL>(y, |y| {
             let state = self.state(y)?;
-            power = state.power;
+            (power, sliding) = (state.power, state.sliding);
             let left = self.left(y, &state, y[PRECESSION] + self.offset());
             let radius = Jet::from(self.pair.helix.radius);
             let torque = torque(&state.wrench[1], radius, &state.loaded.frame);
@@ -160,8 +150,7 @@ impl Rolling<'_> {
         let block = |row: &[f64; BALL]| from_fn(|k| row.get(k).copied().unwrap_or(0.0));
         Ok(Evaluated {
             left: from_fn(|i| values[i]),
-            transmitted: Transmitted { torque: values[BALL], power },
-            sliding: [f64::NAN; 2],
+            transmitted: Transmitted { torque: values[BALL], power, sliding },
             rows: from_fn(|i| block(&slopes[i])),
             slope: block(&slopes[BALL]),
         })
@@ -173,8 +162,7 @@ impl<F: Copy> Evaluated<F> {
     pub(super) fn zero(zero: F) -> Self {
         Self {
             left: [zero; BALL],
-            transmitted: Transmitted { torque: zero, power: zero },
-            sliding: [zero; 2],
+            transmitted: Transmitted { torque: zero, power: zero, sliding: [zero; 2] },
             rows: [[zero; BLOCK]; BALL],
             slope: [zero; BLOCK],
         }
@@ -199,11 +187,12 @@ pub(super) struct Watched<'a> {
     slope: Cell<Block>,
 }
 
-/// Torque on the screw, and the power that friction takes, scaled.
+/// Torque on the screw, the power that friction takes, and that of sliding at nut and screw; scaled.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Transmitted<F = f64> {
     pub(super) torque: F,
     pub(super) power: F,
+    pub(super) sliding: [F; 2],
 }
 
 impl<'a> Watched<'a> {
@@ -276,8 +265,7 @@ pub(super) struct Rubbed<F = f64> {
     /// The sums of its coefficient, and what they are multiplied with, against a slip over `$W$`.
     pub(super) sums: Sums<F>,
     pub(super) coefficient: F,
-    /// Their derivatives by the logarithm of the film, and those of that by the unknowns.
-    by_film: [F; SUMS],
+    /// Derivatives of the logarithm of the film by the unknowns.
     film: Slopes<F>,
     /// Force along t and moment about t × N of rolling resistance, and the power that it takes.
     resistance: [F; 2],
@@ -291,7 +279,6 @@ impl<F: Compare> Rubbed<F> {
         Self {
             sums: Sums::none(zero),
             coefficient: zero,
-            by_film: [zero; SUMS],
             film: [zero; BLOCK],
             resistance: [zero; 2],
             rolling: zero,
@@ -315,9 +302,6 @@ pub(super) trait Rubbing {
     );
 }
 
-/// One constant coefficient.
-pub(super) struct Dry;
-
 impl Rubbing for Dry {
     const OILED: bool = false;
 
@@ -331,7 +315,7 @@ impl Rubbing for Dry {
         rubbed: &mut [Rubbed; 2],
     ) {
         let nodes = [ball.nodes(0), ball.nodes(1)];
-        let sums = Sums::along::<S, 2, SLOPED>(simd, &contacts.points, &nodes);
+        let sums = sums::<S, _, 2, SLOPED>(simd, &contacts.points, &[Dry; 2], &nodes);
         for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
             rubbed.sums = sums;
             rubbed.coefficient = ball.pair.signed_friction();
@@ -374,14 +358,13 @@ impl Rubbing for Wetted {
             // M = r × F_h + C_h                                           (Y32)
             *resistance = [push, push + couple].map(|x| ball.pair.signed(x));
             *rolling = ball.pair.signed(ScaledFilm::resisted([push, couple], along_t, w_c));
-            laws[i] = Some(film.law);
+            laws[i] = Some(Lubricated::of(&film.law));
         }
         let [Some(nut), Some(screw)] = laws else { return };
         let nodes = [ball.nodes(0), ball.nodes(1)];
-        let laws = [nut, screw];
-        let sums = OiledSums::along::<S, 2, SLOPED>(simd, &contacts.points, &laws, &nodes);
-        for (rubbed, OiledSums { sums, by_film }) in rubbed.iter_mut().zip(sums) {
-            (rubbed.sums, rubbed.by_film) = (sums, by_film);
+        let sums = sums::<S, _, 4, SLOPED>(simd, &contacts.points, &[nut, screw], &nodes);
+        for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
+            rubbed.sums = sums;
             rubbed.coefficient = ball.pair.signed(1.0);
         }
     }
@@ -602,7 +585,7 @@ pub(super) fn evaluate<F: Compare, R: Rubbing, const SLOPED: bool>(
     y: &[F; BALL],
     Contacts { points, turn, tilts, angles, by_t, by_b }: &Contacts<F>,
     rubbed: &[Rubbed<F>; 2],
-    Evaluated { left, transmitted, sliding, rows, slope }: &mut Evaluated<F>,
+    Evaluated { left, transmitted, rows, slope }: &mut Evaluated<F>,
 ) {
     let (sin_lead, cos_lead) = pair.lead;
     let (loads, one) = ([y[NUT_LOAD], y[SCREW_LOAD]], sin_lead.constant(1.0));
@@ -611,12 +594,13 @@ pub(super) fn evaluate<F: Compare, R: Rubbing, const SLOPED: bool>(
         let place = [NUT_LOAD, SCREW_LOAD][i];
         let (load, by_load) = (loads[i], along(place, one));
         let (tilt, angle) = (&tilts[i], &angles[i]);
-        let &Rubbed { ref sums, coefficient, by_film, ref film, resistance, rolling } = &rubbed[i];
-        let &Sums { ref values, power: unit_power, ref slopes } = sums;
+        let &Rubbed { ref sums, coefficient, ref film, resistance, rolling } = &rubbed[i];
+        let &Sums { ref values, power: unit_power, ref slopes, by_film } = sums;
         let pull = load * coefficient;
         // P_f = Σ f Q ∫ dP                                                (P7)
-        sliding[i] = pull * unit_power;
-        transmitted.power = transmitted.power + (sliding[i] + rolling);
+        let sliding = pull * unit_power;
+        transmitted.sliding[i] = sliding;
+        transmitted.power = transmitted.power + (sliding + rolling);
         let mut parts = [Sloped { re: one.constant(0.0), by: [one.constant(0.0); BLOCK] }; 5];
         let [_, _, w_n, w_c] = points[i].motion;
         let (mut by_n, mut by_c) =

@@ -16,13 +16,13 @@ use std::sync::LazyLock;
 use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 
 use super::columns::{
-    Angle, Contacts, Dry, Evaluated, Rubbed, Scaled, contacts, evaluate, lever, sizes,
+    Angle, Contacts, Evaluated, Rubbed, Scaled, contacts, evaluate, lever, sizes,
 };
 use super::root::FASTEST;
 use super::{COARSE, OMEGA};
 use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::ellipse::{ManyNodes, ManyQuadrature, Quadrature};
+use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature};
 
 /// Residual from which the coarse quadrature is left for the one that is asked for.
 const NEAR: f64 = 1e-3;

@@ -2,10 +2,12 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equation (T10), sections "Starts" and "Existence".
 
+use std::cell::OnceCell;
+
 use super::columns::{Transmitted, Watched};
 use super::path::{LONGEST, PATH, Shown, are_on_flanks};
 use super::scatter::{MANY, STARTS};
-use super::{OMEGA, Rolling, State};
+use super::{OMEGA, Plan, Rolling, State};
 use bsm_simd::Block;
 
 use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque};
@@ -52,15 +54,17 @@ pub(super) struct Refined {
 impl Rolling<'_> {
     /// The root near one of another quadrature, if it is on the flanks, with the numbers of nodes that it
     /// has there: a root may lie where they change. `newton` keeps its Jacobian.
+    ///
+    /// * `plans`: filled.
     pub(super) fn refined(
         &self,
         near: &Root,
+        plans: &[OnceCell<Plan>; 2],
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Option<Refined> {
         let mut unknowns = near.unknowns;
-        let plans = Default::default();
-        let ball = Rolling { plans: Some(&plans), ..self.of(near) };
+        let ball = Rolling { plans: Some(plans), ..self.of(near) };
         let watched = Watched::new(&ball);
         let report = watched.run(&mut unknowns, newton);
         *steps += report.steps.len();
@@ -144,7 +148,7 @@ impl Rolling<'_> {
     }
 
     /// The root that Newton finds from `y`, if it is on the flanks.
-    fn solved(
+    pub(super) fn solved(
         &self,
         mut y: [f64; BALL],
         newton: &mut Workspace,
@@ -229,7 +233,7 @@ impl Rolling<'_> {
         let pair = self.pair;
         self.of(root).evaluated::<false>(&root.unknowns).is_ok_and(|found| {
             let ideal = ideal_torque(1.0, pair.helix.radius, pair.helix.lead_angle.tan());
-            let Transmitted { torque, power } = found.transmitted;
+            let Transmitted { torque, power, .. } = found.transmitted;
             let imbalance = Power::transmitted(torque, ideal, 1.0).imbalance(power);
             imbalance.abs() <= POWER_BALANCE_TOL
         })

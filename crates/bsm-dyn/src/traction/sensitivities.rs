@@ -34,13 +34,12 @@ impl<const M: usize> Traction<Jet<M>> {
         work: &mut TractionWorkspace,
     ) -> Result<Transmitted<Jet<M>>, Unsolved> {
         let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
-        let place = work.rules(self.accuracy);
         let TractionWorkspace { newton, rules, .. } = work;
-        let (quadrature, creep) = (&rules[place].rule, self.creep * point.slip_scale());
+        let [[quadrature, _]] = rules.dry([self.accuracy]);
+        let creep = self.creep * point.slip_scale();
         let Root { unknowns, at_nut, .. } = root;
         let system = Rolling { at_nut: *at_nut, ..Rolling::of_pair(&point, quadrature, creep) };
-        let Rolling { plans, enough, at_nut, .. } = system;
-        let equations = Rolling { pair: &inputs, quadrature, plans, creep, enough, at_nut };
+        let equations = system.over(&inputs, None);
         let residual = |y: &_| equations.residual(y);
         let y = moving_root(
             &Watched::new(&system),

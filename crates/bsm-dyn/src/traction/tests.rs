@@ -89,9 +89,8 @@ fn confirmed(seed: u64, points: usize, starts: usize) -> Confirmed {
         let screw = point(seed, number);
         let Ok(pair) = screw.scaled() else { continue };
         let solution = solved(screw, &mut work);
-        let place = work.rules(SEARCH);
         let creep = Traction::CREEP * pair.slip_scale();
-        let quadrature = &work.rules[place].rule;
+        let [[quadrature, _]] = work.rules.dry([SEARCH]);
         let ball = Rolling::of_pair(&pair, quadrature, creep);
         let steps = solution.solved().and_then(|solved| Some(solved.info?.steps));
         let count = match solution.status() {
@@ -152,9 +151,9 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         let start = Start::new(&pair, grip.ok().as_ref()).unwrap();
         let case = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let Found { root, ball: found, .. } = case.found(&start, None, &mut work).unwrap();
-        let place = work.rules(Traction::ACCURACY);
         let creep = Traction::CREEP * pair.slip_scale();
-        let ball = Rolling::of_pair(&pair, &work.rules[place].rule, creep);
+        let [[quadrature, _]] = work.rules.dry([Traction::ACCURACY]);
+        let ball = Rolling::of_pair(&pair, quadrature, creep);
         let state = ball.state(&root.unknowns).unwrap();
         let thrown = Rolling { at_nut: true, ..ball };
         let mut y = thrown.unknowns(&state.loaded, &state.to_nut);
@@ -220,8 +219,7 @@ fn the_stated_error_at_length() {
 #[test]
 fn columns_by_hand_are_those_of_the_jets() {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(5));
-    let place = work.rules(COARSE);
-    let quadrature = &work.rules[place].rule;
+    let [[quadrature, _]] = work.rules.dry([COARSE]);
     let mut seen = [0; 2];
     for number in 0..400 {
         let screw = if number % 4 == 0 { extreme(&mut rng) } else { practical(&mut rng) };

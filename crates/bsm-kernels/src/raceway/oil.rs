@@ -13,10 +13,9 @@ use bsm_simd::Simd;
 use super::friction::Ellipse;
 use super::{Grip, Motion};
 use crate::Out;
-use crate::hertz::modulus;
 use crate::operand::{Given, Lane, Mask};
 use crate::pair::Pair;
-use crate::units::Units;
+use crate::units::{Units, modulus};
 
 /// What a contact loses, over axial load per ball, ball radius and relative speed.
 struct Rub<S: Simd> {

@@ -1,0 +1,64 @@
+"""How the package is built: by maturin, and with the types of the vocabulary, which only the compiled part knows.
+
+`python python/backend.py [WHEEL]` writes them beside the sources, by the compiled part of a wheel, or the one that is there.
+"""
+
+from __future__ import annotations
+
+import inspect
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+from typing import Any
+
+SOURCES = Path(__file__).parent
+
+
+def build_wheel(folder: str, settings: dict[str, Any] | None = None, metadata: str | None = None) -> str:
+    """Build twice: the compiled part of the first wheel knows the types of the second one; nothing is compiled again."""
+    read_types(Path(folder, maturin.build_wheel(folder, settings, metadata)))
+    return str(maturin.build_wheel(folder, settings, metadata))
+
+
+def build_editable(folder: str, settings: dict[str, Any] | None = None, metadata: str | None = None) -> str:
+    """Build, and use the sources where they are."""
+    name = str(maturin.build_editable(folder, settings, metadata))
+    write_types(SOURCES)
+    return name
+
+
+def read_types(wheel: Path) -> None:
+    """Write the types that the compiled part of a wheel knows."""
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as built:
+        with zipfile.ZipFile(wheel) as packed:
+            packed.extractall(built)
+        write_types(built)
+
+
+def write_types(built: str | Path) -> None:
+    """Write `_vocabulary.pyi` beside the sources: what `_vocabulary.py` of a package that is built makes, written out.
+
+    * `built`: the folder of that package.
+    """
+    sys.path.insert(0, str(built))
+    from ballscrew import _vocabulary as made
+
+    lines = ["from typing import Any, Literal, TypedDict", "", "from ballscrew import _core", ""]
+    lines += [f"{name} = {getattr(made, name)!r}".replace("typing.", "") for name in ("Model", "Control", "Friction", "Output")]
+    lines += ["", "class Inputs(TypedDict, total=False):"]
+    lines += [f"    {name}: {inspect.formatannotation(type_)}" for name, type_ in made.Inputs.__annotations__.items()]
+    for fields, base in ((made.SceneFields, "Scene"), (made.SolutionFields, "Solution")):
+        lines += ["", f"class {fields.__name__}(_core.{base}):"]
+        for name, value in vars(fields).items():
+            if isinstance(value, property):
+                type_ = inspect.formatannotation(value.fget.__annotations__["return"])
+                lines += ["    @property", f"    def {name}(self) -> {type_}:", f'        """{value.__doc__}"""']
+    (SOURCES / "ballscrew" / "_vocabulary.pyi").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    read_types(Path(sys.argv[1])) if len(sys.argv) > 1 else write_types(SOURCES)
+else:
+    import maturin
+    from maturin import *
