@@ -1,8 +1,8 @@
 //! A scene through every model and every analysis.
 
 use bsm_case::{
-    Analysis, CapacityReport, Cell, Fit, ModelChoice, OUTPUTS, OptimumReport, Record, Scene,
-    Sensitivities, Settings,
+    Cell, Fit, ModelChoice, OUTPUTS, Record, Scene, Sensitivities, Settings, jam, optimum, ratings,
+    slip,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
@@ -35,22 +35,20 @@ pub(crate) fn everything(scene: &Scene) {
             assert!(number.is_finite(), "{name}: {} = {number} of {scene:?}", output.name);
         }
         let _ = Sensitivities::of(scene, &settings).map(|inputs| inputs.solve(work));
-        for analysis in
-            [Analysis::slip(scene, &settings, &solution), Analysis::jam(scene, &solution)]
-        {
+        for analysis in [slip(scene, &settings, &solution), jam(scene, &solution)] {
             let _ = analysis.map(|analysis| analysis.to_json());
         }
     }
-    let _ = CapacityReport::of(scene, None).map(|report| report.to_json().to_string());
+    let _ = ratings(scene, None).map(|answer| answer.to_json().to_string());
     for model in [None, Some(Model::RacewayControl)] {
-        let _ = OptimumReport::of(scene, model).map(|report| report.to_json().to_string());
+        let _ = optimum(scene, model).map(|answer| answer.to_json().to_string());
     }
     for (input, measured) in
         [("friction_coefficient", "screw_torque_Nm=26"), ("axial_load_N", "efficiency=0.9")]
     {
         if let Ok(fit) = Fit::new(scene, input, None, measured) {
             let report = fit.run(scene, &Model::RacewayControl.into());
-            let _ = report.map(|report| fit.to_json(&report).to_string());
+            let _ = report.map(|report| fit.answer(scene, &report).to_json().to_string());
         }
     }
 }

@@ -11,8 +11,8 @@ use bsm_batch::{
     Source, TableError, Task, hush_caught_panics,
 };
 use bsm_case::{
-    Axis, CapacityReport, Catalogue, Condition, DesignReport, Fit, Grid, NutProblem,
-    RequirementFile, Samples, Scene, Spectrum, candidate_json,
+    Axis, Catalogue, Condition, DesignReport, Fit, Grid, NutProblem, RequirementFile, Row, Samples,
+    Scene, Spectrum, candidate_json, ratings,
 };
 use bsm_dyn::Model;
 use bytes::Bytes;
@@ -123,12 +123,12 @@ fn nut(input: &[u8]) {
     if problem.balls() > BALLS {
         return;
     }
-    let _ = Samples::of(&problem, 2, None).map(|samples| samples.to_json().to_string());
+    let _ = Samples::of(&problem, 2, None).map(|samples| samples.answer().to_json().to_string());
     let Ok(report) = problem.solve() else { return };
-    for (quantity, values) in report.numbers(|_| true).rows() {
-        assert!(values.into_iter().flatten().all(f64::is_finite), "{}", quantity.key);
+    for Row { quantity, values } in report.numbers(|_| true).rows() {
+        assert!(values.iter().flatten().all(|value| value.is_finite()), "{}", quantity.name);
     }
-    let _ = (report.notes(), report.warnings(), report.to_json(), report.curve());
+    let _ = (report.notes(), report.warnings(), report.answer().to_json(), report.curve());
 }
 
 /// A base scene and settings, one a line: unlike JSON they may be infinite or NaN.
@@ -156,7 +156,7 @@ fn words(input: &[u8]) {
         let _ = Condition::parse(line);
         if let Ok(fit) = Fit::new(&base, "friction_coefficient", None, line) {
             let report = fit.run(&base, &Model::ClosedForm.into());
-            let _ = report.map(|report| fit.to_json(&report).to_string());
+            let _ = report.map(|report| fit.answer(&base, &report).to_json().to_string());
         }
     }
     if let Ok(grid) = Grid::new(axes) {
@@ -221,7 +221,7 @@ fn spectrum(input: &[u8]) {
     let Ok(spectrum) = Spectrum::from_csv(input) else { return };
     let (_, nut) = BASES.iter().find(|(name, _)| *name == "nut").expect("a nut");
     let nut = Scene::from_json(nut.as_bytes()).expect("an example");
-    let _ = CapacityReport::of(&nut, Some(&spectrum)).map(|report| report.to_json().to_string());
+    let _ = ratings(&nut, Some(&spectrum)).map(|answer| answer.to_json().to_string());
 }
 
 fn requirement(input: &[u8]) {
@@ -229,7 +229,7 @@ fn requirement(input: &[u8]) {
     // The cheapest model: the others have a target of their own.
     let settings = ["model=closed-form".to_owned()];
     if let Ok(wish) = RequirementFile::from_json(input, &settings, standard) {
-        let _ = DesignReport::of(&wish).to_json().to_string();
+        let _ = DesignReport::of(&wish).answer().to_json().to_string();
     }
 }
 

@@ -49,7 +49,7 @@ class Quantity(NamedTuple):
     kind : str
         Type in JSON: number, integer, boolean or string.
     analysis : str or None
-        The analysis that an output is a number of: slip, jam, optimum, capacity, nut.
+        The analysis that an output is a number of: slip, jam, optimum, ratings, nut, axis.
     """
 
     name: str
@@ -1277,7 +1277,6 @@ def capacity(
     /,
     *,
     spectrum: Any = None,
-    steps: bool = False,
     **inputs: Unpack[Inputs],
 ) -> Report:
     """Load ratings, life and rigidity of a nut, as `bsm solve --show ratings`.
@@ -1288,8 +1287,6 @@ def capacity(
         The nut.
     spectrum : mapping, frame or path, optional
         A load spectrum: the columns `axial_load_N`, `screw_speed_rpm` and `time_share`. A path is that of a CSV table.
-    steps : bool
-        Also say what lies between, for a check by hand: `steps`.
     **inputs
         Inputs in place of those of `nut`; it needs balls, conformities, `loaded_balls_per_turn` and `loaded_turns`.
 
@@ -1312,7 +1309,7 @@ def capacity(
     True
     """
     table = _csv(spectrum) if spectrum is not None else None
-    return _report(_core.capacity(_scene(nut, inputs), table, steps))
+    return _report(_core.capacity(_scene(nut, inputs), table))
 
 
 @overload

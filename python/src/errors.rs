@@ -1,7 +1,7 @@
 //! Errors as exceptions of the package.
 
 use bsm_batch::TableError;
-use bsm_case::CaseError;
+use bsm_case::{CaseError, Known};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -12,11 +12,12 @@ pub(crate) fn input(error: &CaseError) -> PyErr {
         return PyOSError::new_err(error.to_string());
     }
     let hint = match error {
-        CaseError::UnknownKey { .. } => "ballscrew.INPUTS has all names",
-        CaseError::UnknownOutput { .. } => OUTPUTS,
-        CaseError::UnknownRequirement { .. } => {
-            "ballscrew.REQUIREMENTS and ballscrew.INPUTS have all names"
-        }
+        CaseError::Unknown { known, .. } => match known {
+            Known::Input => "ballscrew.INPUTS has all names",
+            Known::Output => OUTPUTS,
+            Known::Requirement => "ballscrew.REQUIREMENTS and ballscrew.INPUTS have all names",
+            Known::List | Known::Column => "",
+        },
         CaseError::NoRange { .. } => "give where to search: range=(low, high)",
         _ => "",
     };

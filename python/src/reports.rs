@@ -1,23 +1,20 @@
 //! Reports as JSON, in the names of the program.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use bsm_batch::{Format, NumberColumn, NumberSink, TableError};
 use bsm_case::{
-    Analysis, Asked, CATALOGUE_COLUMNS, Calibration, CapacityReport, CaseError, Catalogue,
-    CatalogueColumn, Condition, DesignReport, Fit, MakerNut, MakerRow, Moving, NutProblem,
-    OptimumReport, Record, RequirementFile, Samples, SizeReport, Spectrum, candidate_scene,
-    column_names, sheet_columns,
+    Answer, AxisReport, CATALOGUE_COLUMNS, Calibration, CaseError, Catalogue, Content,
+    DesignReport, Fit, MakerNut, MakerRow, Moving, NutProblem, NutReport, Record, RequirementFile,
+    Samples, Spectrum, Wanted, candidate_scene, column_names, jam, ratings, sheet_columns, slip,
 };
-use bsm_design::Candidate;
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_report::sheets::{size_figures, size_page, size_results};
 use bsm_report::{ReportError, report_files};
 use bsm_validate::{Published, ValidateError, validation_page};
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::errors;
 use crate::points::{beside, format_of, watched};
@@ -26,6 +23,11 @@ use crate::table::{Numbers, shared};
 
 /// A report as JSON, whether it found what it looked for, and warnings.
 type Report = (String, bool, Vec<String>);
+
+/// An answer as a report.
+fn told(answer: &Answer) -> Report {
+    (answer.to_json().to_string(), !answer.fails, answer.warnings.clone())
+}
 
 fn refused(error: CaseError) -> PyErr {
     errors::input(&error)
@@ -57,35 +59,24 @@ pub(crate) fn analysis(
             let record = Record::new(solution).to_json();
             return Ok((Value::Object(record).to_string(), false, Vec::new()));
         }
-        let report = if jams {
-            Analysis::jam(scene, &solution)?
-        } else {
-            Analysis::slip(scene, &settings, &solution)?
-        };
-        Ok((Value::Object(report.to_json()).to_string(), true, Vec::new()))
+        let answer = if jams { jam(scene, &solution) } else { slip(scene, &settings, &solution) };
+        Ok((answer?.to_json().to_string(), true, Vec::new()))
     })
 }
 
 /// Ratings of a nut.
 ///
-/// * `spectrum`: a load spectrum as CSV. * `steps`: also what lies between.
+/// * `spectrum`: a load spectrum as CSV.
 #[pyfunction]
 pub(crate) fn capacity(
     py: Python<'_>,
     scene: &Bound<'_, Scene>,
     spectrum: Option<&[u8]>,
-    steps: bool,
 ) -> PyResult<Report> {
     let scene = &scene.get().0;
     on_threads(py, || {
         let spectrum = spectrum.map(Spectrum::from_csv).transpose()?;
-        let report = CapacityReport::of(scene, spectrum.as_ref())?;
-        let mut json = report.to_json();
-        if steps {
-            let step = |(name, _, value): (&str, _, f64)| (name.to_owned(), json!(value));
-            json["steps"] = report.steps().into_iter().map(step).collect::<Map<_, _>>().into();
-        }
-        Ok((json.to_string(), true, report.warnings().to_vec()))
+        Ok(told(&ratings(scene, spectrum.as_ref())?))
     })
 }
 
@@ -102,15 +93,13 @@ pub(crate) fn nut(
     let (scene, settings) = (&scene.get().0, how.settings()?);
     on_threads(py, || match NutProblem::of(scene, &settings)?.solve() {
         Ok(report) => {
-            let balls = report.balls().into_iter().map(Into::into).collect();
-            let curve = report.curve().into_iter().map(Into::into).collect();
-            let json = Value::Object(report.to_json()).to_string();
-            let warnings = scene.warnings().into_iter().chain(report.warnings()).collect();
-            Ok(((json, true, warnings), balls, curve))
+            let mut answer = report.answer();
+            answer.warnings.splice(0..0, scene.warnings());
+            Ok((told(&answer), report.balls().rows, report.curve().rows))
         }
         Err(none) => {
-            let map = json!({ "status": none.status().name(), "message": none.to_string() });
-            Ok(((map.to_string(), false, scene.warnings()), Vec::new(), Vec::new()))
+            let answer = Answer { warnings: scene.warnings(), ..NutProblem::unsolved(&none) };
+            Ok((told(&answer), Vec::new(), Vec::new()))
         }
     })
 }
@@ -121,7 +110,7 @@ type Named = Vec<(&'static str, &'static str)>;
 /// Columns of the balls and of the curve of a nut.
 #[pyfunction]
 pub(crate) fn nut_columns() -> (Named, Named) {
-    (bsm_case::BALL_COLUMNS.to_vec(), bsm_case::CURVE_COLUMNS.to_vec())
+    (NutReport::ball_columns(), NutReport::curve_columns())
 }
 
 /// Quantiles over random balls.
@@ -135,7 +124,7 @@ pub(crate) fn nut_samples(
     let (scene, settings) = (&scene.get().0, how.settings()?);
     on_threads(py, || {
         let samples = Samples::of(&NutProblem::of(scene, &settings)?, number, None)?;
-        Ok((samples.to_json().to_string(), samples.failed == 0, scene.warnings()))
+        Ok(told(&Answer { warnings: scene.warnings(), ..samples.answer() }))
     })
 }
 
@@ -153,7 +142,7 @@ pub(crate) fn fit(
     on_threads(py, || {
         let fit = Fit::new(scene, input, range, measured)?;
         let report = fit.run(scene, &settings)?;
-        Ok((fit.to_json(&report).to_string(), !report.found.is_empty(), scene.warnings()))
+        Ok(told(&Answer { warnings: scene.warnings(), ..fit.answer(scene, &report) }))
     })
 }
 
@@ -172,11 +161,12 @@ pub(crate) fn fit_table(
     let (scene, settings) = (&scene.get().0, how.settings()?);
     on_threads(py, || {
         let fit = Calibration::new(scene, &inputs, measured, table)?;
-        let report = match fit.run(scene, &settings)? {
-            Some(report) => (fit.to_json(&report), true),
-            None => (json!({ "message": Calibration::LOST }), false),
+        let lost = || Content::Words("", Some(Calibration::LOST.to_owned()));
+        let answer = match fit.run(scene, &settings)? {
+            Some(report) => fit.answer(&report),
+            None => Answer { fails: true, ..Answer::default() }.with("message", lost()),
         };
-        Ok((report.0.to_string(), report.1, scene.warnings()))
+        Ok(told(&Answer { warnings: scene.warnings(), ..answer }))
     })
 }
 
@@ -191,7 +181,7 @@ pub(crate) fn design(py: Python<'_>, requirement: &str, free: bool) -> PyResult<
         let wish = RequirementFile::from_json(requirement.as_bytes(), &[], lists)?;
         let standard = if free { None } else { DesignReport::standard(&wish, &catalogue) };
         let report = standard.unwrap_or_else(|| DesignReport::of(&wish));
-        Ok((report.to_json().to_string(), report.found, report.warnings))
+        Ok(told(&report.answer()))
     })
 }
 
@@ -203,10 +193,7 @@ pub(crate) fn optimum(
     model: Option<&str>,
 ) -> PyResult<Report> {
     let scene = &scene.get().0;
-    on_threads(py, || {
-        let report = OptimumReport::of(scene, model.and_then(Model::from_name))?;
-        Ok((report.to_json().to_string(), true, report.warnings()))
-    })
+    on_threads(py, || Ok(told(&bsm_case::optimum(scene, model.and_then(Model::from_name))?)))
 }
 
 /// The files of a report, by their paths in its folder.
@@ -223,13 +210,13 @@ pub(crate) fn size(
     sheet: bool,
 ) -> PyResult<(Report, Files)> {
     let (scene, settings) = (&scene.get().0, how.settings()?);
-    let report = on_threads(py, || SizeReport::of(scene, &settings))?;
+    let report = on_threads(py, || AxisReport::of(scene, &settings))?;
     let made = || -> Result<Files, ReportError> {
         let (page, results) = (size_page(&report)?, size_results(&report));
         report_files(page, &results, &size_figures(&report))
     };
     let files = if sheet { made().map_err(|e| errors::words(&e.to_string()))? } else { Vec::new() };
-    Ok(((report.to_json().to_string(), report.passes(), report.warnings), files))
+    Ok((told(&report.answer), files))
 }
 
 /// The published checks as JSON, and the files of their report if it is wanted.
@@ -270,7 +257,7 @@ pub(crate) fn write_numbers(
     let format = format_of(&path)?;
     let known = || {
         let catalogue = CATALOGUE_COLUMNS.iter().map(|c| (c.name, c.unit));
-        let of_a_nut = bsm_case::BALL_COLUMNS.into_iter().chain(bsm_case::CURVE_COLUMNS);
+        let of_a_nut = NutReport::ball_columns().into_iter().chain(NutReport::curve_columns());
         let of_sheets = sheet_columns().map(|c| (c.name, c.unit));
         catalogue.chain(of_a_nut).chain(of_sheets).map(|(name, unit)| NumberColumn { name, unit })
     };
@@ -339,9 +326,9 @@ pub(crate) fn makers(
     })?;
     let rows = rows.map_err(|(name, error)| errors::words(&format!("{name}: {error}")))?;
     let columns = rows.first().into_iter().flat_map(|first| first.numbers.iter().enumerate());
-    let column = |(place, (name, unit, _)): (usize, &(String, &'static str, _))| {
+    let column = |(place, (name, unit, _)): (usize, &(&'static str, &'static str, _))| {
         let value = |row: &MakerRow| row.numbers[place].2.unwrap_or(f64::NAN);
-        (name.clone(), *unit, shared(rows.iter().map(value).collect()))
+        ((*name).to_owned(), *unit, shared(rows.iter().map(value).collect()))
     };
     let columns = columns.map(column).collect();
     let names = rows.iter().map(|row| row.name.clone()).collect();
@@ -371,65 +358,18 @@ pub(crate) fn catalog(
             None => Catalogue::standard()?,
         };
         let wish = wished(requirement, &catalogue)?;
-        let catalogue = match &wish {
-            Some(wish) => wish.of_its_steel(catalogue),
-            None => catalogue,
-        };
-        let on_sheet = |name: &str| {
-            sheet_columns().position(|column| column.name == name).filter(|_| wish.is_some())
-        };
-        let (mut conditions, mut of_sheet) = (Vec::new(), Vec::new());
-        for text in &require {
-            let asked = Asked::parse(text)?;
-            match on_sheet(&asked.name) {
-                Some(place) => of_sheet.push((place, asked)),
-                None => conditions.push(Condition::on(asked)?),
-            }
+        let mut wanted = Wanted::new(&require, wish.is_some(), pareto)?;
+        if let Some(sort) = sort {
+            wanted = wanted.sorted_by(sort, descending, wish.is_some())?;
         }
-        let by_sheet = sort.and_then(on_sheet);
-        let order = sort.filter(|_| by_sheet.is_none()).map(CatalogueColumn::named).transpose()?;
-        let meets = |nut: &Candidate| {
-            conditions.iter().all(|condition| condition.is_met(nut))
-                && wish.as_ref().is_none_or(|wish| wish.is_kept_by(&nut.nut))
-        };
-        let mut chosen =
-            catalogue.map(&catalogue.places(), |place, nut| meets(nut).then_some(place));
-        let keeps = |sheet: &[f64]| of_sheet.iter().all(|(i, asked)| asked.is_met(sheet[*i]));
-        let mut sheets = BTreeMap::new();
-        if let Some(wish) = &wish {
-            sheets.extend(catalogue.map(&chosen, |place, nut| {
-                let sheet = wish.sheet_of(&nut.nut)?;
-                keeps(&sheet).then_some((place, sheet))
-            }));
-            chosen.retain(|place| sheets.contains_key(place));
-        }
-        if pareto {
-            chosen = catalogue.pareto(&chosen);
-        }
-        let mut nuts = catalogue.map(&chosen, |place, nut| Some((*nut, sheets.get(&place))));
-        let key = |(nut, sheet): &(Candidate, Option<&Vec<f64>>)| match (order, by_sheet, sheet) {
-            (Some(column), ..) => (column.read)(nut),
-            (None, Some(place), Some(sheet)) => sheet[place],
-            _ => 0.0,
-        };
-        if sort.is_some() {
-            nuts.sort_by(|a, b| key(a).total_cmp(&key(b)));
-            if descending {
-                nuts.reverse();
-            }
-        }
-        nuts.truncate(first.unwrap_or(usize::MAX));
-        let column = |c: &CatalogueColumn| {
-            (c.name, c.unit, nuts.iter().map(|(nut, _)| (c.read)(nut)).collect::<Vec<_>>())
-        };
-        let mut columns: Vec<_> = CATALOGUE_COLUMNS.iter().map(column).collect();
-        if wish.is_some() {
-            let value =
-                |i: usize| nuts.iter().map(move |(_, sheet)| sheet.map_or(f64::NAN, |s| s[i]));
-            let of_sheets = sheet_columns().enumerate();
-            columns.extend(of_sheets.map(|(i, c)| (c.name, c.unit, value(i).collect())));
-        }
-        let nuts: Vec<_> = nuts.into_iter().map(|(nut, _)| nut).collect();
+        let list = wanted.choose(catalogue, wish.as_ref());
+        let places = &list.chosen[..list.chosen.len().min(first.unwrap_or(usize::MAX))];
+        let heads = list.columns().into_iter().map(|column| column.head());
+        let columns: Vec<_> = heads
+            .zip(list.values(places))
+            .map(|((name, unit), values)| (name, unit, values))
+            .collect();
+        let nuts = list.nuts(places);
         let scene = move |row: usize| Some(candidate_scene(nuts.get(row)?, wish.as_ref()));
         Ok((columns, Nuts(Box::new(scene))))
     })?;

@@ -5,14 +5,14 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::Ordering;
 
 use bsm_case::{
-    CaseError, Cell, InputKey, OUTPUTS, Record, Sensitivities, Settings, following, torque_parts,
+    Beside, CaseError, Cell, InputKey, OUTPUTS, Record, Sensitivities, Settings, following,
+    torque_parts,
 };
 use bsm_dyn::{Band, ModelWorkspace, Problem};
 use bsm_report::PROGRAM;
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use rayon::prelude::*;
-use serde_json::Value;
 
 use crate::errors;
 use crate::points::watched;
@@ -120,8 +120,8 @@ impl Solution {
         let (band, parts) = py.detach(|| (self.band(), torque_parts(scene, &self.settings)));
         // Why there are none, the report of the whole nut says.
         let parts = parts.ok().flatten();
-        let map = self.record.report(PROGRAM, scene, &self.settings, band.as_ref(), parts.as_ref());
-        format!("{:#}", Value::Object(map))
+        let beside = Beside { band, parts, sensitivities: None };
+        format!("{:#}", self.record.answer(PROGRAM, scene, &self.settings, &beside).to_json())
     }
 }
 

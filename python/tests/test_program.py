@@ -276,7 +276,7 @@ def test_a_load_spectrum_and_the_steps_of_a_rating(tmp_path: Path) -> None:
     run = subprocess.run([program(), "solve", path, *preload, "--show", "steps", "-o", tmp_path / "rows.csv"], capture_output=True)
     assert run.returncode == 0, run.stderr
     rows = pd.read_csv(tmp_path / "rows.csv")
-    steps = bs.capacity(nut, steps=True)["steps"]
+    steps = bs.capacity(nut)["steps"]
     assert len(steps) > 3
     assert list(steps.values()) == rows.iloc[-len(steps):, -1].tolist()
 

@@ -33,73 +33,50 @@
     reason = "rules over several points take the instruction set of their caller only inline"
 )]
 
-mod analysis;
-mod calibration;
-mod capacity;
-mod catalogue;
-mod comparison;
-mod design;
-mod ellipses;
-mod error;
-mod fit;
-mod grid;
-mod input;
-mod input_set;
-mod jam;
-mod makers;
-mod number;
-mod nut;
-mod optimum;
-mod output;
-mod problem;
-mod quantity;
-mod reader;
-mod record;
-mod requirement;
-mod rows;
-mod rules;
-mod scene;
-mod schema;
-mod section;
-mod sensitivity;
-mod size;
-mod slip;
-mod spectrum;
-pub mod units;
+mod answers;
+mod case;
+mod vocabulary;
 
-pub use analysis::{Analysis, AnalysisKind, Moving};
-pub use calibration::{Calibration, CalibrationReport};
-pub use capacity::CapacityReport;
-pub use catalogue::{
+pub use answers::analysis::{Moving, table};
+pub use answers::axis::{AxisReport, ScrewTorque, sheet_columns, torque_parts};
+pub use answers::calibration::{Calibration, CalibrationReport};
+pub use answers::comparison::{Compared, Comparison};
+pub use answers::design::{DesignReport, DesignRow};
+pub use answers::ellipses::EllipseFields;
+pub use answers::fit::{Fit, FitReport, Fitted};
+pub use answers::jam::jam;
+pub use answers::makers::{MakerNut, MakerRow, column_names};
+pub use answers::nut::{Columns, NutReport};
+pub use answers::optimum::optimum;
+pub use answers::ratings::ratings;
+pub use answers::record::{Beside, Record};
+pub use answers::rows::Scales;
+pub use answers::samples::Samples;
+pub use answers::schema::{input_schema, output_schema};
+pub use answers::section::GrooveSection;
+pub use answers::selection::{ListColumn, NutList, Wanted};
+pub use answers::sensitivity::{Sensitivities, Sensitivity};
+pub use answers::slip::slip;
+pub use case::catalogue::{
     Asked, CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE,
     candidate_json, candidate_scene,
 };
-pub use comparison::{Compared, Comparison};
-pub use design::{DesignReport, DesignRow};
-pub use ellipses::EllipseFields;
-pub use error::{CaseError, brief, printable};
-pub use fit::{Fit, FitReport, Fitted};
-pub use grid::{Axis, Grid};
-pub use input::{INPUTS, Input, InputKey, Rule, Scene};
-pub use input_set::{InputSet, following};
-pub use makers::{MakerNut, MakerRow, column_names};
-pub use number::{exact, write_exact};
-pub use nut::{BALL_COLUMNS, CURVE_COLUMNS, LISTED, NutProblem, NutReport, NutWords, Samples};
-pub use optimum::OptimumReport;
-pub use output::{Cell, OUTPUTS, Output, OutputKey};
-pub use problem::{ModelChoice, Settings};
-pub use quantity::{Numbers, Of, Quantity};
-pub use record::Record;
-pub use requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile};
-pub use rows::{RecordRows, Scales};
-pub use rules::{Inputs, Relation, covered};
-pub(crate) use scene::nearest;
-pub use scene::{entries, nearest_input};
-pub use schema::{input_schema, output_schema};
-pub use section::GrooveSection;
-pub use sensitivity::{Sensitivities, Sensitivity};
-pub use size::{
-    NOT_MODELLED, PhaseWords, SizePhase, SizeReport, SizeRule, decimal_number, sheet_columns,
-    torque_parts,
-};
-pub use spectrum::Spectrum;
+pub use case::grid::{Axis, Grid};
+pub use case::nut::NutProblem;
+pub use case::problem::{ModelChoice, Settings};
+pub use case::requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile};
+pub use case::spectrum::Spectrum;
+pub use vocabulary::answer::{Answer, Column, Content, Criterion, Section, Table, schema_of};
+pub use vocabulary::cells::decimal_number;
+pub use vocabulary::error::{CaseError, Known, brief, printable};
+pub use vocabulary::input::{INPUTS, Input, InputKey, Rule, Scene};
+pub use vocabulary::input_set::{InputSet, following};
+pub(crate) use vocabulary::names::nearest;
+pub use vocabulary::names::{entries, nearest_input};
+pub use vocabulary::number::{exact, number, short, write_exact};
+pub use vocabulary::output::{Cell, OUTPUTS, Output, OutputKey};
+pub use vocabulary::phase::PhaseWords;
+pub use vocabulary::quantity::{AnalysisKind, Numbers, Of, Quantity, Row, Values};
+pub use vocabulary::rules::{Inputs, Relation, covered};
+pub use vocabulary::units;
+pub use vocabulary::words::NutWords;

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use bsm_case::Scene;
+use bsm_case::{Answer, Scene, printable};
 use bsm_report::Figure;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::args::OutArgs;
 use crate::failure::{Failure, warn};
@@ -12,21 +12,19 @@ use crate::files::{self, ending_of, is_stdout, keep, pretty_json, print, write_b
 use crate::stream::{TABLES, write_rows};
 use crate::table;
 
-/// An answer in words and numbers.
+/// What a command answers.
 #[derive(Debug, Default)]
-pub(crate) struct Answer {
-    pub(crate) warnings: Vec<String>,
-    pub(crate) notes: Vec<String>,
-    pub(crate) text: String,
-    pub(crate) json: Value,
-    /// What a file of JSON gets, if not that: a scene; null if there is none to write.
+pub(crate) struct Reply {
+    /// What stands above it.
+    pub(crate) title: Option<String>,
+    /// The answers; several are members of one JSON object.
+    pub(crate) parts: Vec<(&'static str, Answer)>,
+    /// What a file of JSON gets, if not the answer: a scene; null if there is none to write.
     pub(crate) scene: Option<Value>,
     /// Names, units and values of a table, if the answer is one.
     pub(crate) rows: Vec<(String, String, f64)>,
     /// The scene that tables are made from.
     pub(crate) about: Value,
-    /// True if something has no solution, or a check failed.
-    pub(crate) failed: bool,
 }
 
 /// Pictures of an answer.
@@ -37,18 +35,11 @@ pub(crate) struct Drawn {
     pub(crate) page: Option<String>,
 }
 
-/// Adds what is not told yet.
-fn add(told: &mut Vec<String>, texts: Vec<String>) {
-    for text in texts {
-        if !told.contains(&text) {
-            told.push(text);
-        }
-    }
-}
-
 /// Rows of a table.
-pub(crate) fn named(rows: Vec<(&str, &str, f64)>) -> Vec<(String, String, f64)> {
-    rows.into_iter().map(|(name, unit, value)| (name.to_owned(), unit.to_owned(), value)).collect()
+pub(crate) fn named<'a>(
+    rows: impl Iterator<Item = (&'a str, &'a str, f64)>,
+) -> Vec<(String, String, f64)> {
+    rows.map(|(name, unit, value)| (name.to_owned(), unit.to_owned(), value)).collect()
 }
 
 impl OutArgs {
@@ -76,26 +67,30 @@ impl OutArgs {
     }
 }
 
-impl Answer {
-    /// Answers of one scene as one: a text after the other, and JSON with a member each.
-    pub(crate) fn of_parts(scene: &Scene, mut parts: Vec<(&str, Self)>) -> Self {
-        let title = table::title(scene);
-        let texts = title.into_iter().chain(parts.iter().map(|(_, part)| part.text.clone()));
-        let text = texts.collect::<Vec<_>>().join("\n\n");
-        if parts.len() == 1 {
-            let (_, only) = parts.remove(0);
-            return Self { text, ..only };
+impl Reply {
+    /// One answer.
+    pub(crate) fn of(answer: Answer) -> Self {
+        Self { parts: vec![("", answer)], ..Self::default() }
+    }
+
+    /// One answer about a scene.
+    pub(crate) fn about(scene: &Scene, answer: Answer) -> Self {
+        Self { title: scene.description.as_deref().map(printable), ..Self::of(answer) }
+    }
+
+    fn json(&self) -> Value {
+        match &self.parts[..] {
+            [(_, only)] => only.to_json(),
+            parts => {
+                let part = |(name, part): &(&str, Answer)| ((*name).to_owned(), part.to_json());
+                Value::Object(parts.iter().map(part).collect::<Map<_, _>>())
+            }
         }
-        let mut all = Self { text, ..Self::default() };
-        for (name, part) in parts {
-            all.json[name] = part.json;
-            add(&mut all.warnings, part.warnings);
-            add(&mut all.notes, part.notes);
-            all.rows.extend(part.rows);
-            all.about = part.about;
-            all.failed |= part.failed;
-        }
-        all
+    }
+
+    fn text(&self) -> String {
+        let parts = self.parts.iter().map(|(_, part)| table::answer(part));
+        self.title.clone().into_iter().chain(parts).collect::<Vec<_>>().join("\n\n")
     }
 
     /// Says, writes, draws and prints it.
@@ -104,11 +99,14 @@ impl Answer {
         to: &OutArgs,
         draw: impl FnOnce() -> Result<Drawn, Failure>,
     ) -> Result<(), Failure> {
-        for (kind, texts) in [("warning", &self.warnings), ("note", &self.notes)] {
-            for text in texts {
-                warn(kind, text);
+        let mut told = Vec::new();
+        for warning in self.parts.iter().flat_map(|(_, part)| &part.warnings) {
+            if !told.contains(&warning) {
+                warn("warning", warning);
+                told.push(warning);
             }
         }
+        let json = self.json();
         let is_picture = |path: &&Path| ending_of("-o", path, &["html", "svg", "png"]).is_ok();
         let pictures: Vec<&Path> =
             to.output.iter().map(PathBuf::as_path).filter(is_picture).collect();
@@ -118,7 +116,7 @@ impl Answer {
             match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref()
             {
                 Some("json") => {
-                    let json = self.scene.as_ref().unwrap_or(&self.json);
+                    let json = self.scene.as_ref().unwrap_or(&json);
                     if !json.is_null() {
                         files::write(path, &(pretty_json(json) + "\n"))?;
                     }
@@ -135,13 +133,20 @@ impl Answer {
             }
         }
         if let Some(folder) = &to.figures {
-            files::write_drawn(folder, &drawn, &self.json)?;
+            files::write_drawn(folder, &drawn, &json)?;
+        }
+        let has_stdout = to.output.iter().any(|path| is_stdout(path));
+        // Neither a list nor a table has a place for notes.
+        if to.json && json.is_array() || !to.json && has_stdout {
+            for note in self.parts.iter().flat_map(|(_, part)| &part.notes) {
+                warn("note", note);
+            }
         }
         if to.json {
-            print(&pretty_json(&self.json))?;
-        } else if !to.output.iter().any(|path| is_stdout(path)) {
-            print(&self.text)?;
+            print(&pretty_json(&json))?;
+        } else if !has_stdout {
+            print(&self.text())?;
         }
-        if self.failed { Err(Failure::Unsolved) } else { Ok(()) }
+        if self.parts.iter().any(|(_, part)| part.fails) { Err(Failure::Unsolved) } else { Ok(()) }
     }
 }

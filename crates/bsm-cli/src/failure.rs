@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use bsm_batch::TableError;
-use bsm_case::{CaseError, InputSet, brief, printable};
+use bsm_case::{CaseError, InputSet, Known, brief, printable};
 use bsm_report::ReportError;
 use bsm_validate::ValidateError;
 use thiserror::Error;
@@ -103,11 +103,13 @@ impl Failure {
 pub(crate) fn of_input(error: &CaseError) -> String {
     fn help(error: &CaseError) -> &'static str {
         match error {
-            CaseError::UnknownKey { .. } => "; `bsm schema input` lists all keys",
-            CaseError::UnknownListKey { .. } => "; `bsm select --show lists` prints all keys",
-            CaseError::UnknownColumn { .. } => "; `bsm select --show columns` lists them",
-            CaseError::UnknownRequirement { .. } => "; `bsm select --show keys` lists all keys",
-            CaseError::UnknownOutput { .. } => "; `bsm schema output` lists them",
+            CaseError::Unknown { known, .. } => match known {
+                Known::Input => "; `bsm schema input` lists all keys",
+                Known::List => "; `bsm select --show lists` prints all keys",
+                Known::Column => "; `bsm select --show columns` lists them",
+                Known::Requirement => "; `bsm select --show keys` lists all keys",
+                Known::Output => "; `bsm schema output` lists them",
+            },
             CaseError::NoRange { .. } => "; give one with --input NAME=LOW:HIGH",
             CaseError::InRow { error, .. } => help(error),
             _ => "",

@@ -2,14 +2,13 @@
 
 use std::path::Path;
 
-use bsm_case::{Calibration, CalibrationReport, CaseError, Fit, Scene, Settings};
+use bsm_case::{Answer, Calibration, CalibrationReport, CaseError, Fit, Scene, Settings};
 use bsm_report::{Axis, Curve, Figure, Stroke, number};
 
-use crate::answer::{Answer, Drawn};
+use crate::answer::{Drawn, Reply};
 use crate::args::FitArgs;
 use crate::failure::{Failure, note_unused, of_input};
 use crate::files::{self, MOST_OF_A_TABLE};
-use crate::table;
 
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let scene = args.scene.read()?;
@@ -28,7 +27,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         }
         None => (to_point(args, &scene, &settings)?, Vec::new()),
     };
-    answer.give(&args.out, || Ok(Drawn { figures, page: None }))
+    Reply::of(answer).give(&args.out, || Ok(Drawn { figures, page: None }))
 }
 
 /// All values of an input that give one measured output.
@@ -41,14 +40,7 @@ fn to_point(args: &FitArgs, scene: &Scene, settings: &Settings) -> Result<Answer
         Fit::new(scene, input, None, &args.measured).map_err(|e| Failure::Input(of_input(&e)))?;
     note_unused(scene.given());
     let report = fit.run(scene, settings).map_err(args.scene.failure())?;
-    let records = report.found.iter().map(|found| table::record(scene, &found.record));
-    let blocks: Vec<_> = std::iter::once(fit.describe(&report)).chain(records).collect();
-    Ok(Answer {
-        text: blocks.join("\n\n"),
-        json: fit.to_json(&report),
-        failed: report.found.is_empty(),
-        ..Answer::default()
-    })
+    Ok(fit.answer(scene, &report))
 }
 
 /// Inputs that come closest to all points of a table.
@@ -65,42 +57,7 @@ fn to_table(
         return Err(Failure::Check(format!("{}, --input NAME=LOW:HIGH", Calibration::LOST)));
     };
     let figure = figure(&fit, &report);
-    Ok((
-        Answer { text: words(&fit, &report), json: fit.to_json(&report), ..Answer::default() },
-        figure,
-    ))
-}
-
-/// The values, what they leave over, and each point.
-fn words(fit: &Calibration, report: &CalibrationReport) -> String {
-    let cell = |value: Option<f64>| value.map_or_else(String::new, number);
-    let found: Vec<_> = fit
-        .rows(report)
-        .into_iter()
-        .map(|(name, value, deviation)| vec![name.to_owned(), number(value), cell(deviation)])
-        .collect();
-    let points: Vec<_> = fit
-        .fitted(report)
-        .enumerate()
-        .map(|(i, (measured, fitted))| {
-            let numbers = [measured, fitted, fitted - measured].map(number);
-            [vec![(i + 1).to_string()], numbers.to_vec()].concat()
-        })
-        .collect();
-    let told = format!(
-        "root mean square of what is left: {} ({})\ncondition: {}{}",
-        number(report.scatter),
-        fit.output(),
-        number(report.found.condition),
-        if report.found.condition > 1e3 { ": the points hardly tell the inputs apart" } else { "" }
-    );
-    let header = ["point", "measured", "fitted", "difference"];
-    [
-        table::plain(Some(&["input", "value", "standard deviation"]), &found, 1),
-        told,
-        table::plain(Some(&header), &points, 1),
-    ]
-    .join("\n\n")
+    Ok((fit.answer(&report), figure))
 }
 
 /// Fitted over measured values, and the line on which they agree.

@@ -6,10 +6,8 @@ use bsm_case::{
     Catalogue, DesignReport, DesignRow, MakerNut, MakerRow, REQUIREMENT_INPUTS, REQUIREMENT_WORDS,
     RequirementFile, STANDARD_CATALOGUE,
 };
-use bsm_report::{number, short};
-use serde_json::{Map, Value, json};
 
-use crate::answer::{Answer, Drawn};
+use crate::answer::{Drawn, Reply, named};
 use crate::args::{SelectArgs, SelectShow};
 use crate::failure::{Failure, warn};
 use crate::files::{MOST_OF_A_TABLE, ending_of, print, read, read_json};
@@ -66,54 +64,22 @@ fn steps(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
     }
     let report = standard.unwrap_or_else(|| DesignReport::of(&wish));
     let scene = report.scene.to_json();
-    let row = |row: &DesignRow| Some((row.name.to_owned(), row.unit.to_owned(), row.value?));
-    let is_scene = |path: &&PathBuf| ending_of("-o", path, &["json"]).is_ok();
-    let written = args.out.output.iter().find(is_scene);
-    let answer = Answer {
-        text: describe(&report, written.map(PathBuf::as_path)),
-        json: report.to_json(),
-        rows: report.rows.iter().filter_map(row).collect(),
+    let row = |row: &DesignRow| Some((row.name, row.unit, row.value?));
+    let mut answer = report.answer();
+    let is_json = |path: &&PathBuf| ending_of("-o", path, &["json"]).is_ok();
+    if report.found {
+        answer.notes.push(match args.out.output.iter().find(is_json) {
+            Some(path) => format!("next: bsm axis {}", path.display()),
+            None => "-o SCREW.json writes the scene for the other commands".to_owned(),
+        });
+    }
+    let reply = Reply {
+        rows: named(report.rows.iter().filter_map(row)),
         about: scene.clone(),
         scene: Some(report.found.then_some(scene).into()),
-        failed: !report.found,
-        warnings: report.warnings,
-        ..Answer::default()
+        ..Reply::of(answer)
     };
-    answer.give(&args.out, || Ok(Drawn::default()))
-}
-
-fn describe(report: &DesignReport, output: Option<&Path>) -> String {
-    let row = |row: &DesignRow| {
-        vec![
-            row.step.to_string(),
-            row.name.to_owned(),
-            row.unit.to_owned(),
-            row.value.map_or_else(|| "none".to_owned(), number),
-            row.requirement.clone().unwrap_or_default(),
-            table::verdict(row.requirement.as_ref().map(|_| row.passes)),
-        ]
-    };
-    let rows: Vec<_> = report.rows.iter().map(row).collect();
-    let header = ["step", "", "", "value", "must be", ""];
-    let table = table::plain(Some(&header), &rows, usize::MAX);
-    let verdict = if report.found {
-        let held = if report.reasons.is_empty() {
-            "nothing: the optimum is within all limits".to_owned()
-        } else {
-            report.reasons.join(", ")
-        };
-        let next = match output {
-            Some(path) => format!("wrote {0}; next: bsm axis {0}", path.display()),
-            None => "-o SCREW.json writes the scene for the other commands".to_owned(),
-        };
-        format!("what holds it back: {held}\n{next}")
-    } else {
-        format!(
-            "no screw meets the requirement; what blocks it:\n  {}",
-            report.reasons.join("\n  ")
-        )
-    };
-    format!("{table}\n\n{verdict}")
+    reply.give(&args.out, || Ok(Drawn::default()))
 }
 
 /// What a requirement may say.
@@ -157,56 +123,8 @@ fn makers(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
     let wish = requirement(args, &catalogue)?;
     let rows = MakerRow::all(&nuts, wish.as_ref())
         .map_err(|(name, e)| Failure::in_scene(path, &format!("{name}: {e}")))?;
-    let passing = rows.iter().filter(|row| row.passes == Some(true)).count();
-    if wish.is_some() {
-        warn("note", &format!("{passing} of {} nuts keep all rules", rows.len()));
-    }
-    let usable = wish.is_none() || passing > 0;
-    let answer = Answer {
-        text: beside(&rows),
-        json: rows.iter().map(nut_json).collect(),
-        scene: Some(rows.first().filter(|_| usable).map(|row| row.scene.to_json()).into()),
-        failed: !usable,
-        ..Answer::default()
-    };
-    answer.give(&args.out, || Ok(Drawn::default()))
-}
-
-fn nut_json(row: &MakerRow) -> Value {
-    let mut map = Map::from_iter([("nut".to_owned(), json!(row.name))]);
-    map.extend(row.numbers.iter().map(|(name, _, value)| (name.clone(), json!(value))));
-    map.extend(row.passes.map(|passes| ("passes".to_owned(), json!(passes))));
-    Value::Object(map)
-}
-
-fn beside(rows: &[MakerRow]) -> String {
-    let Some(first) = rows.first() else { return "the table has no nut".to_owned() };
-    let sized = first.passes.is_some();
-    let cells = |row: &MakerRow| {
-        let numbers =
-            row.numbers.iter().map(|(.., value)| value.map_or_else(|| "-".to_owned(), number));
-        let verdict = row.passes.map(|passes| table::verdict(Some(passes)));
-        std::iter::once(row.name.clone()).chain(numbers).chain(verdict).collect()
-    };
-    let mut header: Vec<_> = std::iter::once("nut")
-        .chain(first.numbers.iter().map(|(name, ..)| name.as_str()))
-        .collect();
-    header.extend(sized.then_some(""));
-    let table = table::plain(Some(&header), &rows.iter().map(cells).collect::<Vec<_>>(), 1);
-    // How far ours are from the maker's.
-    let ratio = |name: &str| {
-        let ratios = rows
-            .iter()
-            .filter_map(|row| Some(row.value(&format!("our_{name}"))? / row.value(name)?));
-        let ratios: Vec<f64> = ratios.collect();
-        let (low, high) =
-            ratios.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), r| (l.min(*r), h.max(*r)));
-        (!ratios.is_empty()).then(|| format!("{name} {} to {}", short(low), short(high)))
-    };
-    let ratios = ["dynamic_load_rating_N", "static_load_rating_N", "rigidity_N_um"].map(ratio);
-    let ratios: Vec<_> = ratios.into_iter().flatten().collect();
-    if ratios.is_empty() {
-        return table;
-    }
-    format!("{table}\n\nours over the maker's: {}", ratios.join(", "))
+    let answer = MakerRow::answer(&rows);
+    let first = rows.first().filter(|_| !answer.fails);
+    let scene = Some(first.map(|row| row.scene.to_json()).into());
+    Reply { scene, ..Reply::of(answer) }.give(&args.out, || Ok(Drawn::default()))
 }

@@ -1,18 +1,16 @@
 //! `bsm solve`: one operating point, and what follows from it.
 
 use bsm_case::{
-    Analysis, CapacityReport, CaseError, Compared, Comparison, ModelChoice, Moving, OptimumReport,
-    Record, Scene, Sensitivities, Sensitivity, Settings, SizePhase, torque_parts,
+    Answer, Beside, Comparison, ModelChoice, Moving, Record, Scene, Sensitivities, Settings, jam,
+    slip, torque_parts,
 };
-use bsm_dyn::{Band, ModelWorkspace, Problem, Solution, Status};
+use bsm_dyn::{ModelWorkspace, Problem, Solution, Status};
 use bsm_report::sheets::Study;
-use bsm_report::{Figure, PROGRAM, number};
-use serde_json::{Map, Value};
+use bsm_report::{Figure, PROGRAM};
 
-use crate::answer::{Answer, Drawn, named};
+use crate::answer::{Drawn, Reply, named};
 use crate::args::{ALL, Show, SolveArgs};
-use crate::failure::{Failure, note_unused};
-use crate::table;
+use crate::failure::Failure;
 
 /// What is shown, in this order, and the words of each.
 const SHOWN: [(&str, &[Show]); 5] = [
@@ -46,15 +44,11 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
             let text = "--model all sets the motion by all models side by side, without --show and --solver";
             return Err(Failure::Input(text.to_owned()));
         }
-        let answer = models(&scene).map_err(args.scene.failure())?;
-        note_unused(scene.given());
-        return Answer::of_parts(&scene, vec![("models", answer)])
-            .give(&args.out, || Ok(Drawn::default()));
+        let mut answer = Comparison::of(&scene).map_err(args.scene.failure())?.answer();
+        answer.notes.extend(scene.given().unused_by_models());
+        return Reply::about(&scene, answer).give(&args.out, || Ok(Drawn::default()));
     }
     let settings = args.model.settings().map_err(args.scene.failure())?;
-    if shown.iter().any(|name| ["motion", "slip", "jam"].contains(name)) {
-        note_unused(scene.given());
-    }
     let mut figures = Vec::new();
     let mut parts = Vec::new();
     for name in shown {
@@ -67,17 +61,15 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         };
         parts.push((name, part));
     }
-    Answer::of_parts(&scene, parts).give(&args.out, || Ok(Drawn { figures, page: None }))
-}
-
-/// What is shown with a motion.
-#[derive(Default)]
-struct Beside {
-    /// How sure a friction from the lubricant is.
-    band: Option<Band>,
-    /// The torque of the whole screw by its parts.
-    parts: Option<SizePhase>,
-    sensitivities: Option<Vec<Sensitivity>>,
+    let rows = match (&parts[..], has_rows) {
+        ([(_, ratings)], true) => {
+            named(ratings.entries().map(|(column, value)| (column.name, column.unit, value)))
+        }
+        _ => Vec::new(),
+    };
+    let reply =
+        Reply { parts, rows, about: scene.to_json(), ..Reply::about(&scene, Answer::default()) };
+    reply.give(&args.out, || Ok(Drawn { figures, page: None }))
 }
 
 /// The motion, with what is shown besides.
@@ -107,9 +99,11 @@ fn motion(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answer
         }
     }
     let lacks = args.show.contains(&Show::Sensitivities) && sensitivities.is_none();
-    let answer = point(args, scene, settings, solution, &Beside { band, parts, sensitivities })?;
-    notes.extend(answer.notes);
-    Ok(Answer { notes, failed: answer.failed || lacks, ..answer })
+    let mut answer =
+        point(args, scene, settings, solution, &Beside { band, parts, sensitivities })?;
+    answer.notes.splice(0..0, notes);
+    answer.fails |= lacks;
+    Ok(answer)
 }
 
 /// A solution, or why there is none.
@@ -118,33 +112,14 @@ fn point(
     scene: &Scene,
     settings: &Settings,
     solution: Solution,
-    Beside { band, parts, sensitivities }: &Beside,
+    beside: &Beside,
 ) -> Result<Answer, Failure> {
     let record = Record::new(solution);
     if record.status() == Status::InvalidInput {
         let text = record.message().unwrap_or("the model refuses the input");
         return Err(Failure::in_scene(args.scene.path(), text));
     }
-    let mut json = record.report(PROGRAM, scene, settings, band.as_ref(), parts.as_ref());
-    if let Some(rows) = sensitivities {
-        let entry = |row: &Sensitivity| (row.input.name.to_owned(), row.to_json());
-        let rows: Map<_, _> = rows.iter().map(entry).collect();
-        json.insert("sensitivities".to_owned(), Value::Object(rows));
-    }
-    let blocks = [
-        parts.as_ref().map(table::torque_parts),
-        Some(table::record(scene, &record)),
-        band.as_ref().map(table::band),
-        sensitivities.as_deref().map(table::sensitivities),
-    ];
-    Ok(Answer {
-        warnings: scene.warnings().into_iter().chain(record.warnings(scene)).collect(),
-        notes: record.notes(),
-        text: blocks.into_iter().flatten().collect::<Vec<_>>().join("\n\n"),
-        json: Value::Object(json),
-        failed: record.status() != Status::Converged,
-        ..Answer::default()
-    })
+    Ok(record.answer(PROGRAM, scene, settings, beside))
 }
 
 /// Slip or jamming of the solved motion, and its sweeps.
@@ -162,20 +137,16 @@ fn analysis(
         return point(args, scene, &settings, solution, &Beside::default());
     }
     let (report, study): (_, fn(&_, &_, &_) -> _) = if is_slip {
-        (Analysis::slip(scene, &settings, &solution), Study::slip)
+        (slip(scene, &settings, &solution), Study::slip)
     } else {
-        (Analysis::jam(scene, &solution), Study::jam)
+        (jam(scene, &solution), Study::jam)
     };
-    let report = report.map_err(in_file)?;
+    let mut answer = report.map_err(in_file)?;
+    answer.notes.extend(scene.given().unused_by_models());
     if let Some(figures) = figures {
         figures.extend(study(scene, &settings, &solution)?.figures);
     }
-    Ok(Answer {
-        text: table::analysis(&report),
-        json: Value::Object(report.to_json()),
-        warnings: report.warnings,
-        ..Answer::default()
-    })
+    Ok(answer)
 }
 
 /// The best contact angle and self-locking limits.
@@ -189,86 +160,15 @@ fn optimum(
         ModelChoice::Auto => None,
         ModelChoice::Fixed(model) => Some(model),
     };
-    let report = OptimumReport::of(scene, model).map_err(args.scene.failure())?;
+    let answer = bsm_case::optimum(scene, model).map_err(args.scene.failure())?;
     if let Some(figures) = figures {
         figures.extend(bsm_report::sheets::lin_figures(scene)?);
     }
-    let row = |(label, unit, values): (&str, &str, [Option<f64>; 2])| {
-        let cells = values.map(|v| v.map_or_else(|| "none".to_owned(), number));
-        [vec![label.to_owned(), unit.to_owned()], cells.to_vec()].concat()
-    };
-    let rows: Vec<_> = report.rows().into_iter().map(row).collect();
-    let header = ["closed form", "", "rotary to linear", "linear to rotary"];
-    Ok(Answer {
-        text: table::plain(Some(&header), &rows, 2),
-        json: report.to_json(),
-        warnings: report.warnings(),
-        ..Answer::default()
-    })
+    Ok(answer)
 }
 
 /// Load ratings of the nut.
 fn ratings(args: &SolveArgs, scene: &Scene) -> Result<Answer, Failure> {
-    let report = CapacityReport::of(scene, None).map_err(args.scene.failure())?;
-    let mut rows = report.rows();
-    if args.show.contains(&Show::Steps) {
-        rows.extend(report.steps());
-    }
-    let row = |(name, unit, value): &(&str, &str, f64)| {
-        vec![(*name).to_owned(), (*unit).to_owned(), number(*value)]
-    };
-    Ok(Answer {
-        text: table::plain(None, &rows.iter().map(row).collect::<Vec<_>>(), 2),
-        json: report.to_json(),
-        warnings: report.warnings().to_vec(),
-        rows: named(rows),
-        about: scene.to_json(),
-        ..Answer::default()
-    })
-}
-
-/// Columns of the models side by side: label, output.
-const COLUMNS: &[(&str, &str)] = &[
-    ("efficiency", "efficiency"),
-    ("torque N m", "screw_torque_Nm"),
-    ("Q nut N", "nut_normal_load_N"),
-    ("Q screw N", "screw_normal_load_N"),
-    ("angle nut deg", "nut_contact_angle_deg"),
-    ("angle screw deg", "screw_contact_angle_deg"),
-];
-
-/// Every model that the scene has the inputs of.
-fn models(scene: &Scene) -> Result<Answer, CaseError> {
-    let compared = Comparison::of(scene)?;
-    let Comparison { answers, left_out, .. } = &compared;
-    let labels = COLUMNS.iter().map(|(label, _)| *label);
-    let header: Vec<_> =
-        std::iter::once("model").chain(labels).chain(["time us", "status"]).collect();
-    let row = |Compared { record, time }: &Compared| {
-        let cell =
-            |(_, name): &(&str, &str)| record.number(name).map_or_else(|| "-".to_owned(), number);
-        std::iter::once(record.model().name().to_owned())
-            .chain(COLUMNS.iter().map(cell))
-            .chain([format!("{time:.2}"), record.status_name().to_owned()])
-            .collect()
-    };
-    let rows: Vec<_> = answers.iter().map(row).collect();
-    let regime = compared.regime().map(|regime| format!("regime  {regime}"));
-    let mut blocks: Vec<_> = regime.into_iter().collect();
-    blocks.push(table::plain(Some(&header), &rows, 1));
-    let reasons: Vec<_> = answers
-        .iter()
-        .filter_map(|a| Some(format!("{}: {}", a.record.model().name(), a.record.message()?)))
-        .chain(left_out.iter().map(|why| format!("not compared: {why}")))
-        .collect();
-    if !reasons.is_empty() {
-        blocks.push(reasons.join("\n"));
-    }
-    Ok(Answer {
-        text: blocks.join("\n\n"),
-        json: compared.to_json(),
-        failed: !compared.is_solved(),
-        warnings: compared.warnings,
-        ..Answer::default()
-    })
+    let answer = bsm_case::ratings(scene, None).map_err(args.scene.failure())?;
+    Ok(if args.show.contains(&Show::Steps) { answer } else { answer.hiding("steps") })
 }

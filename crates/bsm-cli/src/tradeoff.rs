@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use bsm_batch::Dialect;
+use bsm_case::{Answer, Content};
 use bsm_report::{PROGRAM, short};
 use bsm_validate::tradeoff::{self, Advice, Count, Group, Measured, Points, Tradeoff};
 use bsm_validate::tradeoff_page;
 use serde_json::json;
 
-use crate::answer::{Answer, Drawn};
+use crate::answer::{Drawn, Reply};
 use crate::args::TradeoffArgs;
 use crate::failure::Failure;
 use crate::files::make_folder;
@@ -33,15 +34,13 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
     let unknown: Vec<_> = measured.without_reference.iter().map(ToString::to_string).collect();
     let told = (!unknown.is_empty())
         .then(|| format!("rows without a reference, not counted: {}", unknown.join(", ")));
-    let answer = Answer {
-        text: describe(&measured),
-        json: json!({ "program": PROGRAM, "tradeoff": measured }),
-        failed: told.is_some(),
-        warnings: told.into_iter().collect(),
-        ..Answer::default()
-    };
+    let warnings: Vec<_> = told.into_iter().collect();
+    let answer = Answer { fails: !warnings.is_empty(), warnings, ..Answer::default() }
+        .with("program", Content::Json(PROGRAM.into()))
+        .with("tradeoff", Content::Json(json!(measured)))
+        .with_shown(Content::Words("", Some(describe(&measured))));
     let draw = || Ok(Drawn { figures: measured.figures(), page: Some(tradeoff_page(&measured)?) });
-    answer.give(&args.out, draw)
+    Reply::of(answer).give(&args.out, draw)
 }
 
 fn read(path: &Path) -> Result<Points, Failure> {

@@ -1,9 +1,10 @@
 //! `bsm validate`: published results against ours.
 
+use bsm_case::{Answer, Content};
 use bsm_report::number;
 use bsm_validate::{Published, Report, Verdict};
 
-use crate::answer::{Answer, Drawn};
+use crate::answer::{Drawn, Reply};
 use crate::args::ValidateArgs;
 use crate::failure::Failure;
 use crate::table;
@@ -23,13 +24,10 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
             return Err(Failure::Input(text));
         }
     }
-    let answer = Answer {
-        text: describe(&report),
-        json: report.to_json(),
-        failed: !report.passed(),
-        ..Answer::default()
-    };
-    answer.give(&args.out, || {
+    let answer = Answer { fails: !report.passed(), ..Answer::default() }
+        .with("", Content::Json(report.to_json()))
+        .with_shown(Content::Words("", Some(describe(&report))));
+    Reply::of(answer).give(&args.out, || {
         let figures = bsm_validate::figures(&published)?;
         let page = Some(bsm_validate::validation_page(&report, &figures)?);
         Ok(Drawn { figures, page })

@@ -3,12 +3,11 @@
 mod error;
 mod figure;
 mod map;
-mod number;
 mod page;
 pub mod sheets;
 
+pub use bsm_case::{number, short};
 pub use error::ReportError;
 pub use figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 pub use map::{MOST_CELLS, Map};
-pub use number::{number, short};
 pub use page::{PROGRAM, Page, STYLE, report_files};

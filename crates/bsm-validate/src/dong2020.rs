@@ -1,6 +1,6 @@
 //! Trends of Dong et al. (2020), and identities of the contact state and the thrust.
 
-use bsm_case::{Analysis, Scene};
+use bsm_case::{Answer, Scene, jam};
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_report::sheets::Study;
 
@@ -35,12 +35,12 @@ pub(crate) fn study(published: &Published, model: Model) -> Result<Study, Valida
 }
 
 /// Analysis of a scene with raceway control.
-fn analysis(scene: &Scene) -> Result<Analysis, ValidateError> {
+fn analysis(scene: &Scene) -> Result<Answer, ValidateError> {
     let problem = scene.problem(&Model::RacewayControl.into())?;
-    Ok(Analysis::jam(scene, &problem.solve(&mut ModelWorkspace::default()))?)
+    Ok(jam(scene, &problem.solve(&mut ModelWorkspace::default()))?)
 }
 
-fn number(report: &Analysis, name: &str) -> f64 {
+fn number(report: &Answer, name: &str) -> f64 {
     report.number(name).unwrap_or(f64::NAN)
 }
 

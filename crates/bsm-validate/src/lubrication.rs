@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_case::{Record, Scene, SizePhase, torque_parts};
+use bsm_case::{Record, Scene, ScrewTorque, torque_parts};
 use bsm_dyn::{BaseOil, Model, ModelWorkspace, Oil, Status, WarmOil, ZERO_CELSIUS};
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -77,7 +77,7 @@ fn number(record: &Record, name: &str) -> f64 {
 }
 
 /// A number of a solution that has the seals in its torque: that of the whole screw.
-fn with_seals(record: &Record, whole: Option<&SizePhase>, name: &str) -> f64 {
+fn with_seals(record: &Record, whole: Option<&ScrewTorque>, name: &str) -> f64 {
     let of_whole = |name: &str| whole.and_then(|parts| parts.number(name));
     match name {
         "screw_torque_Nm" => of_whole("whole_screw_torque_Nm"),

@@ -1,6 +1,6 @@
 //! Trends of Xu and Tang (2015), and identities of the slips.
 
-use bsm_case::{Analysis, Scene, Settings};
+use bsm_case::{Scene, Settings, slip};
 use bsm_dyn::{Control, Model, ModelWorkspace, SteadyBall, Touch};
 use bsm_kin::{BallFrame, Site};
 use bsm_report::sheets::Study;
@@ -120,7 +120,7 @@ fn case(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
 fn field(scene: &Scene) -> Result<[Check; 2], ValidateError> {
     let settings: Settings = Model::Traction.into();
     let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());
-    let report = Analysis::slip(scene, &settings, &solution)?;
+    let report = slip(scene, &settings, &solution)?;
     let number = |name: &str| report.number(name).unwrap_or(f64::NAN);
     let (mut value, mut slope): (f64, f64) = (0.0, 0.0);
     if let (Some(motion), Ok(bsm_dyn::Problem::Traction(case))) =

@@ -4,9 +4,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_batch::{Answers, GridSource, Room, Source, Task, Workers};
 use bsm_case::{
-    Analysis, Axis, BALL_COLUMNS, CURVE_COLUMNS, CaseError, Comparison, EllipseFields, Grid,
-    GrooveSection, ModelChoice, Moving, NutProblem, Record, RecordRows, Scene, Settings,
-    torque_parts,
+    Axis, Beside, CaseError, Columns, Comparison, EllipseFields, Grid, GrooveSection, ModelChoice,
+    Moving, NutProblem, Of, Quantity, Record, Row, Scene, Settings, torque_parts,
 };
 use bsm_dyn::{ModelWorkspace, Problem, Status};
 use bsm_report::{PROGRAM, number};
@@ -160,19 +159,30 @@ fn solved(Asked { scene, settings, rest }: &Asked, parts: bool) -> Result<Value,
     }
     // Why there are none, the nut's panel says.
     let parts = if parts { torque_parts(scene, settings).ok().flatten() } else { None };
-    let mut report = record.report(PROGRAM, scene, settings, band.as_ref(), parts.as_ref());
-    let RecordRows { unbounded, overall, contacts } = record.rows(scene);
-    let overall: Vec<_> = overall
-        .into_iter()
-        .map(|(label, unit, value)| json!([label, unit, number(value)]))
-        .collect();
-    let contacts: Vec<_> = contacts
-        .into_iter()
-        .map(|(label, unit, values)| json!([label, unit, values.map(|value| value.map(number))]))
-        .collect();
+    let numbers = record.rows(scene);
+    let beside = Beside { band, parts, sensitivities: None };
+    let Value::Object(mut report) = record.answer(PROGRAM, scene, settings, &beside).to_json()
+    else {
+        return Err(Refusal::Input("no result".to_owned()));
+    };
+    let unbounded = record.unbounded();
+    let rows = |of: Of| numbers.rows().filter(move |row| row.quantity.of == of);
+    let whole = |row: &Row| {
+        let Quantity { about, unit, .. } = row.quantity;
+        Some(json!([about, unit, number(row.values[0]?)]))
+    };
+    let contact = |row: &Row| {
+        let Quantity { about, unit, .. } = row.quantity;
+        json!([about, unit, row.values.map(|value| value.map(number))])
+    };
+    let marked = numbers.rows().filter(|row| unbounded.contains(&row.quantity.name));
     report.insert(
         "shown".to_owned(),
-        json!({ "overall": overall, "contacts": contacts, "unbounded": unbounded }),
+        json!({
+            "overall": rows(Of::Whole).filter_map(whole).collect::<Vec<_>>(),
+            "contacts": rows(Of::Contacts).map(contact).collect::<Vec<_>>(),
+            "unbounded": marked.map(|row| row.quantity.about).collect::<Vec<_>>(),
+        }),
     );
     report.insert("lubrication".to_owned(), json!(record.lubrication()));
     let section = GrooveSection::of(scene).ok();
@@ -186,11 +196,7 @@ fn solved(Asked { scene, settings, rest }: &Asked, parts: bool) -> Result<Value,
 
 /// `bsm solve --model all --json`, with the models that were left out and why.
 pub(crate) fn compare(Asked { scene, .. }: &Asked) -> Result<Value, Refusal> {
-    let compared = Comparison::of(scene)?;
-    let mut answer = compared.to_json();
-    answer["left_out"] = json!(compared.left_out);
-    answer["warnings"] = json!(compared.warnings);
-    Ok(answer)
+    Ok(Comparison::of(scene)?.answer().to_json())
 }
 
 /// The solution whose motion is analysed: the one that the page shows, so that its losses add up.
@@ -202,7 +208,7 @@ fn moving(Asked { scene, settings, .. }: &Asked) -> Result<Moving, Refusal> {
 /// `bsm solve --show slip --json`.
 fn slip(asked: &Asked) -> Result<Value, Refusal> {
     let Moving { settings, solution } = moving(asked)?;
-    Ok(Value::Object(Analysis::slip(&asked.scene, &settings, &solution)?.to_json()))
+    Ok(bsm_case::slip(&asked.scene, &settings, &solution)?.to_json())
 }
 
 /// Fields over the ellipses.
@@ -217,27 +223,26 @@ fn ellipses(asked: &Asked, points: u32) -> Result<Value, Refusal> {
 pub(crate) fn nut(Asked { scene, settings, .. }: &Asked) -> Result<Value, Refusal> {
     let report = match NutProblem::of(scene, settings)?.solve() {
         Ok(report) => report,
-        Err(none) => {
-            return Ok(json!({ "status": none.status().name(), "message": none.to_string() }));
-        }
+        Err(none) => return Ok(NutProblem::unsolved(&none).to_json()),
     };
-    let mut map = report.to_json();
-    map.insert("balls".to_owned(), columns(&BALL_COLUMNS, &report.balls()));
-    map.insert("curve".to_owned(), columns(&CURVE_COLUMNS, &report.curve()));
-    let rows = report.numbers(|_| true);
-    let rows = rows.rows().filter_map(|(quantity, values)| {
-        Some(json!([quantity.title, quantity.about, quantity.unit, number(values[0]?)]))
-    });
-    map.insert("shown".to_owned(), rows.collect());
-    Ok(Value::Object(map))
+    let mut answer = report.answer().to_json();
+    answer["balls"] = columns(&report.balls());
+    answer["curve"] = columns(&report.curve());
+    let numbers = report.numbers(|_| true);
+    let row = |row: &Row| {
+        let Quantity { title, about, unit, .. } = row.quantity;
+        Some(json!([title, about, unit, number(row.values[0]?)]))
+    };
+    answer["shown"] = numbers.rows().filter_map(row).collect();
+    Ok(answer)
 }
 
 /// A table by columns; null where there is no number.
-fn columns<const N: usize>(columns: &[(&str, &str); N], rows: &[[f64; N]]) -> Value {
+fn columns(table: &Columns) -> Value {
     let column = |(place, (name, _)): (usize, &(&str, &str))| {
-        ((*name).to_owned(), rows.iter().map(|row| row[place]).collect())
+        ((*name).to_owned(), table.rows.iter().map(|row| row[place]).collect())
     };
-    Value::Object(columns.iter().enumerate().map(column).collect())
+    Value::Object(table.heads.iter().enumerate().map(column).collect())
 }
 
 /// `bsm sweep` over `vary` with `columns`, by columns: models and statuses as places in their lists of names.

@@ -1,7 +1,7 @@
 //! Analyses of a motion: published trends are in `bsm validate`, here what must hold for all.
 
 use bsm_case::{
-    Analysis, AnalysisKind, CaseError, Catalogue, INPUTS, ModelChoice, Moving, OUTPUTS, Of, Output,
+    AnalysisKind, Answer, CaseError, Catalogue, INPUTS, ModelChoice, Moving, OUTPUTS, Of, Output,
     Record, Scene, Settings, candidate_json,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
@@ -24,16 +24,16 @@ fn solved(scene: &Scene, settings: &Settings) -> Solution {
     solution
 }
 
-fn slip(scene: &Scene, model: Model) -> Analysis {
+fn slip(scene: &Scene, model: Model) -> Answer {
     let settings = model.into();
-    Analysis::slip(scene, &settings, &solved(scene, &settings)).expect("a motion")
+    bsm_case::slip(scene, &settings, &solved(scene, &settings)).expect("a motion")
 }
 
-fn jam(scene: &Scene, model: Model) -> Analysis {
-    Analysis::jam(scene, &solved(scene, &model.into())).expect("a motion")
+fn jam(scene: &Scene, model: Model) -> Answer {
+    bsm_case::jam(scene, &solved(scene, &model.into())).expect("a motion")
 }
 
-fn number(report: &Analysis, name: &str) -> f64 {
+fn number(report: &Answer, name: &str) -> f64 {
     report.number(name).unwrap_or_else(|| panic!("{name}: {report:?}"))
 }
 
@@ -71,7 +71,7 @@ fn powers_add_up_with_the_dials() {
     for settings in [coarse, fine] {
         let solution = solved(&scene, &settings);
         assert_eq!(solution.model, Model::Traction);
-        let report = Analysis::slip(&scene, &settings, &solution).expect("a motion");
+        let report = bsm_case::slip(&scene, &settings, &solution).expect("a motion");
         // The model holds its nodes in the last steps, the report takes those of the motion: between them
         // lies a part of the accuracy.
         let apart = f64::max(1e-9, 1e-3 * settings.accuracy);
@@ -91,7 +91,7 @@ fn printed_slips_take_the_other_angle() {
             let corrected = number(&report, &format!("{contact}_{form}_slip_corrected_m_s"));
             assert!((printed / corrected - 1.0).abs() < 1e-12, "{contact} {form}");
         }
-        assert!(report.numbers.number(&format!("minor_{form}_slip_printed_m_s")).is_none());
+        assert!(report.number(&format!("minor_{form}_slip_printed_m_s")).is_none());
     }
     let report = slip(&scene(XU, &[]), Model::Traction);
     let [printed, corrected] = ["printed", "corrected"].map(|form| {
@@ -110,9 +110,13 @@ fn rigid_has_no_ellipses() {
     let report = slip(&scene, Model::Rigid);
     assert!(report.number("minor_differential_slip_m_s").is_some());
     assert!(report.number("nut_spin_slip_m_s").is_none());
-    assert!(report.lacks[0].contains("nut_conformity"), "{:?}", report.lacks);
+    assert!(report.texts("lacks")[0].contains("nut_conformity"), "{:?}", report.texts("lacks"));
     let report = jam(&scene, Model::Rigid);
-    assert!(report.lacks.iter().any(|l| l.contains("contact state")), "{:?}", report.lacks);
+    assert!(
+        report.texts("lacks").iter().any(|l| l.contains("contact state")),
+        "{:?}",
+        report.texts("lacks")
+    );
     assert!(number(&report, "wedge_angle_deg").abs() < 1e-15);
     assert!(report.number("locking_ratio").is_none());
 }
@@ -128,21 +132,25 @@ fn what_jamming_lacks_is_named() {
         "loaded_balls_per_turn",
     ];
     let full = jam(&scene(DONG, &[]), Model::RacewayControl);
-    assert!(full.lacks.is_empty());
+    assert!(full.texts("lacks").is_empty());
     let text = String::from_utf8(DONG.to_vec()).expect("UTF-8");
     for name in names {
         let without: Vec<_> = text.lines().filter(|line| !line.contains(name)).collect();
         let json = without.join("\n").replace(",\n}", "\n}");
         let report = jam(&scene(json.as_bytes(), &[]), Model::RacewayControl);
-        assert_eq!(report.lacks.len(), 1, "{name}: {:?}", report.lacks);
-        assert!(report.lacks[0].ends_with(&format!(": {name}")), "{:?}", report.lacks);
+        assert_eq!(report.texts("lacks").len(), 1, "{name}: {:?}", report.texts("lacks"));
+        assert!(
+            report.texts("lacks")[0].ends_with(&format!(": {name}")),
+            "{:?}",
+            report.texts("lacks")
+        );
         assert!(report.number("wedge_angle_deg").is_some());
     }
 }
 
-fn statement(report: &Analysis, name: &str) -> (bool, String) {
-    let (_, holds, words) = report.statements().find(|s| s.0 == name).expect("a statement");
-    (holds, words.to_owned())
+fn statement(report: &Answer, name: &str) -> (bool, String) {
+    let verdict = &report.to_json()["verdicts"][name];
+    (verdict["answer"].as_bool().expect("a statement"), verdict["words"].to_string())
 }
 
 /// The margin turns the verdict. A ball that rolls has no friction along the track, and a criterion that
@@ -248,9 +256,11 @@ fn no_alarm(scene: &Scene) {
     let settings = Settings::default();
     let mut work = ModelWorkspace::default();
     let moving = Moving::of(scene, &settings, &mut work).expect("complete");
-    let report = Analysis::jam(scene, &moving.solution).expect("a motion");
-    let alarms: Vec<_> = report.statements().filter(|(_, holds, _)| *holds).collect();
-    assert!(alarms.is_empty(), "{alarms:?}: {scene:?}");
+    let report = bsm_case::jam(scene, &moving.solution).expect("a motion");
+    let verdicts = &report.to_json()["verdicts"];
+    let holds = |verdict: &serde_json::Value| verdict["answer"] == true;
+    let alarms = verdicts.as_object().expect("verdicts").values().filter(|verdict| holds(verdict));
+    assert_eq!(alarms.count(), 0, "{verdicts}: {scene:?}");
     assert!(report.number("returner_margin").is_none_or(|margin| margin > 1.0));
 }
 
@@ -324,7 +334,7 @@ fn models_without_a_motion_are_refused() {
     let scene = scene(XU, &[]);
     let settings = Model::QuasiStatic.into();
     let solution = solved(&scene, &settings);
-    for refused in [Analysis::slip(&scene, &settings, &solution), Analysis::jam(&scene, &solution)]
+    for refused in [bsm_case::slip(&scene, &settings, &solution), bsm_case::jam(&scene, &solution)]
     {
         let error = refused.expect_err("no motion");
         assert!(matches!(error, CaseError::NoMotion { .. }), "{error}");
@@ -360,7 +370,7 @@ fn analyses_of_a_lubricated_ball_are_refused() {
     let oil = scene(include_bytes!("../../../../examples/feed_drive_oil.json"), &[]);
     let settings = Model::Traction.into();
     let solution = solved(&oil, &settings);
-    for refused in [Analysis::slip(&oil, &settings, &solution), Analysis::jam(&oil, &solution)] {
+    for refused in [bsm_case::slip(&oil, &settings, &solution), bsm_case::jam(&oil, &solution)] {
         let error = refused.expect_err("a lubricant");
         assert!(matches!(error, CaseError::DryAnalysis), "{error}");
         assert!(!error.to_string().contains("model"), "{error}");
@@ -379,7 +389,7 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
     let nut_control =
         Settings { control: Some(bsm_dyn::Control::Nut), ..Model::RacewayControl.into() };
     let report =
-        Analysis::slip(&given, &nut_control, &solved(&given, &nut_control)).expect("a motion");
+        bsm_case::slip(&given, &nut_control, &solved(&given, &nut_control)).expect("a motion");
     // `xu2015.rs` of `bsm-validate` has them from the formulas; four printed digits.
     for (name, expected) in [
         ("nut_orbit_slip_printed_m_s", 3.3210),
@@ -390,12 +400,16 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
         assert!((number(&report, name) - expected).abs() < 5.1e-5, "{name}");
     }
     assert!(report.number("nut_friction_power_W").is_none());
-    assert!(report.lacks.iter().any(|lack| lack.contains("in balance")), "{:?}", report.lacks);
+    assert!(
+        report.texts("lacks").iter().any(|lack| lack.contains("in balance")),
+        "{:?}",
+        report.texts("lacks")
+    );
     // A model that finds the angles, jamming, and one angle without the other.
     let traction = Model::Traction.into();
-    let refused = Analysis::slip(&given, &traction, &solved(&given, &traction));
+    let refused = bsm_case::slip(&given, &traction, &solved(&given, &traction));
     assert!(matches!(refused, Err(CaseError::NotCovered { .. })), "{refused:?}");
-    assert!(Analysis::jam(&given, &solved(&given, &nut_control)).is_err());
+    assert!(bsm_case::jam(&given, &solved(&given, &nut_control)).is_err());
     let half = scene(XU, &angles[..1]);
     let refused = half.problem(&nut_control);
     assert!(matches!(refused, Err(CaseError::BadEntry { .. })), "{refused:?}");
@@ -479,10 +493,10 @@ fn quantities_are_complete() {
                 Of::Directions => 2,
                 Of::Contacts => 3,
             };
-            assert_eq!(quantity.columns.len(), members, "{}", quantity.key);
+            assert_eq!(quantity.columns.len(), members, "{}", quantity.name);
             assert!(!quantity.about.is_empty() && !quantity.title.is_empty());
             for column in quantity.columns {
-                assert!(column.name.ends_with(quantity.key), "{}", column.name);
+                assert!(column.name.ends_with(quantity.name), "{}", column.name);
                 assert_eq!(column.analysis(), Some(kind));
                 let named = Output::named(column.name).expect("its name");
                 assert!(SHARED.contains(&column.name) || named.about == column.about, "{place}");

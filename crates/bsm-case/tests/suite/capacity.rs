@@ -1,6 +1,6 @@
 //! Ratings of a nut: published values are in `bsm validate`, here what must hold for all.
 
-use bsm_case::{CapacityReport, CaseError, Scene, Settings};
+use bsm_case::{CaseError, Scene, Settings, ratings};
 use bsm_dyn::{Model, ModelWorkspace};
 
 const NUT: &[u8] = include_bytes!("../../../../examples/nut.json");
@@ -14,8 +14,8 @@ fn nut(changes: &[(&str, f64)]) -> Scene {
 }
 
 fn numbers(scene: &Scene) -> impl Fn(&str) -> f64 + use<> {
-    let rows = CapacityReport::of(scene, None).expect("complete").rows();
-    move |name| rows.iter().find(|(n, ..)| *n == name).map_or(f64::NAN, |row| row.2)
+    let answer = ratings(scene, None).expect("complete");
+    move |name| answer.number(name).unwrap_or(f64::NAN)
 }
 
 /// More turns carry more: C_a as i^0.86, C_0a and rigidity as i (at the load of one turn each).
@@ -71,22 +71,22 @@ fn what_cannot_be_rated_is_told() {
     let mut scene = nut(&[]);
     scene.loaded_turns = None;
     scene.screw_conformity = None;
-    let error = CapacityReport::of(&scene, None).expect_err("inputs are missing").to_string();
+    let error = ratings(&scene, None).expect_err("inputs are missing").to_string();
     assert!(error.contains("screw_conformity and loaded_turns are required"), "{error}");
     let scene = nut(&[("loaded_turns", -1.0)]);
-    assert!(matches!(CapacityReport::of(&scene, None), Err(CaseError::OutOfRange { .. })));
+    assert!(matches!(ratings(&scene, None), Err(CaseError::OutOfRange { .. })));
     let flat = nut(&[("nut_conformity", 50.0), ("screw_conformity", 50.0)]);
-    let error = CapacityReport::of(&flat, None).expect_err("no ellipse").to_string();
+    let error = ratings(&flat, None).expect_err("no ellipse").to_string();
     assert!(error.contains("towards 0.52"), "{error}");
-    let heavy = CapacityReport::of(&nut(&[("axial_load_N", 2e5)]), None).expect("complete");
-    assert!(heavy.warnings()[0].contains("more than the dynamic rating"), "{heavy:?}");
+    let heavy = ratings(&nut(&[("axial_load_N", 2e5)]), None).expect("complete");
+    assert!(heavy.warnings[0].contains("more than the dynamic rating"), "{heavy:?}");
 }
 
 /// Ratings said nothing of a preload that heat changes, and of a weight that is not in the load.
 #[test]
 fn what_ratings_do_not_follow_is_told() {
     let told = |changes: &[(&str, f64)]| {
-        CapacityReport::of(&nut(changes), None).expect("complete").warnings().join("\n")
+        ratings(&nut(changes), None).expect("complete").warnings.join("\n")
     };
     let (warm, heavy) = ("rises of temperature change the preload", "without weight and guides");
     let preloaded = [("preload_N", 2000.0), ("screw_temperature_rise_K", 5.0)];
@@ -115,7 +115,7 @@ fn the_displacement_of_a_pair_depends_on_the_load() {
 #[test]
 fn what_the_paper_recommends_is_told() {
     let warnings = |changes: &[(&str, f64)]| {
-        CapacityReport::of(&nut(changes), None).expect("complete").warnings().join("\n")
+        ratings(&nut(changes), None).expect("complete").warnings.join("\n")
     };
     assert_eq!(warnings(&[]), "");
     for (changes, words) in [
@@ -143,8 +143,7 @@ fn the_thread_can_be_given() {
     let mut scene = nut(&[]);
     let setting = |name: &str, value: f64| [format!("{name}={value}")];
     scene.apply(&setting("groove_bottom_distance_mm", 10.5)).expect("a setting");
-    let rows = CapacityReport::of(&scene, None).expect("complete").rows();
-    let angle = rows.iter().find(|(name, ..)| *name == "contact_angle_deg").map(|row| row.2);
+    let angle = ratings(&scene, None).expect("complete").number("contact_angle_deg");
     // cos 60 deg is half of the distance of the arc centres.
     assert!((angle.expect("a row") - 60.0).abs() < 1e-9, "{angle:?}");
     let thread = numbers(&scene);
@@ -154,13 +153,13 @@ fn the_thread_can_be_given() {
         (&[("axial_play_um", 1415.0)][..], "must be <= 1414.214 um"),
         (&[("screw_outer_diameter_mm", 65.0)], "> 65 mm, the outer diameter of the screw"),
     ] {
-        let error = CapacityReport::of(&nut(changes), None).expect_err(words).to_string();
+        let error = ratings(&nut(changes), None).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     }
     let both = Scene { contact_angle_deg: Some(60.0), ..scene.clone() };
-    let error = CapacityReport::of(&both, None).expect_err("two forms").to_string();
+    let error = ratings(&both, None).expect_err("two forms").to_string();
     assert!(error.contains("both are given"), "{error}");
     scene.groove_bottom_distance_mm = Some(12.0);
-    let error = CapacityReport::of(&scene, None).expect_err("no angle").to_string();
+    let error = ratings(&scene, None).expect_err("no angle").to_string();
     assert!(error.contains("between 10.0000 mm, the ball, and 11.0000 mm"), "{error}");
 }

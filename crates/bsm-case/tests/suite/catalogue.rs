@@ -1,6 +1,6 @@
 //! The catalogue in the vocabulary, and the life of a nut.
 
-use bsm_case::{CapacityReport, Catalogue, CatalogueColumn, Condition, Scene, Spectrum};
+use bsm_case::{Catalogue, CatalogueColumn, Condition, Scene, Spectrum, ratings};
 use bsm_design::Candidate;
 
 /// Small lists; what they do not give is standard.
@@ -158,9 +158,8 @@ fn lists_are_checked() {
 
 fn numbers(scene: &Scene, spectrum: Option<&str>) -> impl Fn(&str) -> f64 + use<> {
     let spectrum = spectrum.map(|table| Spectrum::from_csv(table.as_bytes()).expect("a spectrum"));
-    let report = CapacityReport::of(scene, spectrum.as_ref()).expect("complete");
-    let rows = report.rows();
-    move |name| rows.iter().find(|(n, ..)| *n == name).map_or(f64::NAN, |row| row.2)
+    let report = ratings(scene, spectrum.as_ref()).expect("complete");
+    move |name| report.number(name).unwrap_or(f64::NAN)
 }
 
 /// One stretch is the operating point of the scene; two with half the turns each have the cube mean.

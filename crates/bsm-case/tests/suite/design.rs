@@ -1,7 +1,7 @@
 //! Requirements and fits: what they say in the vocabulary.
 
 use bsm_case::{
-    CapacityReport, CaseError, Catalogue, DesignReport, Fit, RequirementFile, Scene, Settings,
+    CaseError, Catalogue, DesignReport, Fit, RequirementFile, Scene, Settings, ratings,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
@@ -50,8 +50,8 @@ fn the_scene_of_a_design_keeps_the_requirement() {
         assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
     };
     same(solution.efficiency(), step("screw_efficiency"));
-    let capacity = CapacityReport::of(&scene, None).expect("a nut");
-    let rating = |name: &str| capacity.rows().iter().find(|r| r.0 == name).map(|r| r.2);
+    let capacity = ratings(&scene, None).expect("a nut");
+    let rating = |name: &str| capacity.number(name);
     same(rating("dynamic_load_rating_N"), step("dynamic_load_rating_N"));
     same(rating("life_h"), step("cycle_life_h"));
     assert!(rating("life_h").expect("a life") > 0.999e4);
@@ -71,7 +71,7 @@ fn requirements_are_checked() {
     says(&["screw_length_mm=900"], "give one of screw_length_mm and stroke_mm; both are given");
     says(&["motion=sideways"], "must be one of rotary-to-linear, linear-to-rotary");
     says(&["axial_load_N=-1"], "`axial_load_N` = -1 must be finite and > 0");
-    says(&["life=10"], "did you mean `life_h`?");
+    says(&["life=10"], "did you mean `required_life_h`?");
     says(&["nut_conformity=0.52", "screw_conformity=0.53"], "a design has one for both");
     says(&["screw_speed_rpm=0"], "must not be 0");
     says(&["pressure_limit_MPa=much"], "must be a number");
@@ -92,7 +92,8 @@ fn absurd_loads_are_infeasible() {
 /// Lead and lead angle together are a pitch circle.
 #[test]
 fn lead_and_angle_fix_the_circle() {
-    let report = DesignReport::of(&wish(&["lead_angle_deg=4", "life_h=100"]).expect("consistent"));
+    let report =
+        DesignReport::of(&wish(&["lead_angle_deg=4", "required_life_h=100"]).expect("consistent"));
     let scene = report.scene;
     let expected = 10.0 / (std::f64::consts::PI * 4.0_f64.to_radians().tan());
     // Rounded to a micrometre.
@@ -120,7 +121,7 @@ fn a_fit_finds_what_was_put_in() {
         let measured = format!("screw_torque_Nm={torque}");
         let fit = Fit::new(&scene, "friction_coefficient", None, &measured).expect("names");
         let report = fit.run(&scene, &settings).expect("complete");
-        assert_eq!(report.found.len(), 1, "{}", fit.describe(&report));
+        assert_eq!(report.found.len(), 1, "{}", fit.answer(&scene, &report).to_json()["message"]);
         let found = &report.found[0];
         // Brent's search stops at 1e-10 of the range of 0.5.
         assert!((found.value - 0.0713).abs() < 1e-8, "{}", found.value);
@@ -145,7 +146,10 @@ fn a_fit_tells_what_can_be_reached() {
     assert!((pressure / 1500.0 - 1.0).abs() < 1e-6, "{pressure}");
     let fit = Fit::new(&scene, "friction_coefficient", None, "screw_torque_Nm=1").expect("names");
     let report = fit.run(&scene, &settings).expect("complete");
-    assert!(report.found.is_empty() && fit.describe(&report).contains("not 1"));
+    assert!(
+        report.found.is_empty()
+            && fit.answer(&scene, &report).to_json()["message"].to_string().contains("not 1")
+    );
     for (input, measured, words) in [
         ("friction", "screw_torque_Nm=1", "did you mean `friction_coefficient`?"),
         ("friction_coefficient", "torque=1", "no numeric output is named `torque`"),
@@ -162,7 +166,7 @@ fn a_fit_tells_what_can_be_reached() {
 /// The conformity of Sobolewski's tables is outside Lin's step 6, which a requirement may widen.
 #[test]
 fn ranges_of_the_procedure_could_not_be_relaxed() {
-    let tables = ["nut_conformity=0.53", "life_h=3000"];
+    let tables = ["nut_conformity=0.53", "required_life_h=3000"];
     let narrow = DesignReport::of(&wish(&tables).expect("a requirement"));
     let blocks = |r: &String| r.contains("ball_radius_over_groove_radius");
     assert!(!narrow.found && narrow.reasons.iter().any(blocks), "{:?}", narrow.reasons);
@@ -201,7 +205,8 @@ fn the_lead_is_chosen() {
 #[test]
 fn a_screw_that_the_load_turns_has_the_lead_of_eq_18() {
     let motion = "motion=linear-to-rotary";
-    let back = without_lead(&[motion, "objective=efficiency", "model=closed-form", "life_h=100"]);
+    let back =
+        without_lead(&[motion, "objective=efficiency", "model=closed-form", "required_life_h=100"]);
     let report = DesignReport::of(&back.expect("a requirement"));
     assert!((value(&report, "contact_angle_deg") - 75.0).abs() < 1e-6, "{:?}", report.rows);
     // cosα = √y*/sinβ with y* = (1 − f/√(1+f²))/2 at f = 0.05 and 75 deg, by hand.

@@ -78,7 +78,7 @@ fn auto_takes_the_most_complete_model() {
     assert_eq!(error, "loaded_balls is required by model rigid");
     assert!(matches!(
         ModelChoice::from_name("rigdi").expect_err("no such model"),
-        CaseError::UnknownModel { .. }
+        CaseError::UnknownWord { .. }
     ));
     let named = Settings::named("rigid", Some("screw"), None).expect("names");
     assert_eq!(named, Settings { control: Some(Control::Screw), ..Model::Rigid.into() });
@@ -87,7 +87,7 @@ fn auto_takes_the_most_complete_model() {
     assert_eq!(unknown, "unknown race `ball`; the races are nut, screw");
     let unknown =
         Settings::named("rigid", None, Some("dry")).expect_err("no such place").to_string();
-    assert_eq!(unknown, "unknown friction `dry`; there are local, contact");
+    assert_eq!(unknown, "unknown friction `dry`; the frictions are local, contact");
 }
 
 #[test]

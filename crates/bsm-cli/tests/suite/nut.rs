@@ -308,7 +308,7 @@ fn a_preloaded_pair_tells_rigidity_limit_and_drag() {
     let beyond: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert!(beyond["preload_left_N"].as_f64().expect("N").abs() < 1e-9, "{beyond}");
     let solved = bsm(dir.path(), &["solve", &scene], "");
-    let words = stderr(&solved);
+    let words = stdout(&solved);
     assert!(words.contains("preload_N is not in the balance of one ball: see bsm nut"), "{words}");
 }
 

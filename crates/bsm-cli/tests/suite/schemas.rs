@@ -88,7 +88,7 @@ fn results_are_what_their_schemas_say() {
         &["fit", &drive, "--measured", "screw_torque_Nm=1"],
         &["fit", &drive, "--measured", "screw_torque_Nm", "--points", "measured.csv"],
         &["select", &wish],
-        &["select", &wish, "--set", "life_h=1e9"],
+        &["select", &wish, "--set", "required_life_h=1e9"],
         &["select", "--from", "lists.json", "--first", "3"],
         &["select", "--from", "lists.json", "--first", "3", &wish],
         &["select", "--from", &makers],

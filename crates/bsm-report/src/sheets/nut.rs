@@ -1,6 +1,6 @@
 //! How the balls of a nut share its load, and what the nut gives way: figures.
 
-use bsm_case::{BALL_COLUMNS, CURVE_COLUMNS, NutReport};
+use bsm_case::{Columns, NutReport};
 
 use crate::{Axis, Curve, Figure, Stroke};
 
@@ -51,31 +51,21 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
     figures
 }
 
-/// Place of a column.
-fn place(columns: &[(&str, &str)], name: &str) -> usize {
-    columns.iter().position(|(column, _)| *column == name).unwrap_or(usize::MAX)
-}
-
-/// A cell of a row, by its name.
-fn cell(columns: &[(&str, &str)], row: &[f64], name: &str) -> f64 {
-    row.get(place(columns, name)).copied().unwrap_or(f64::NAN)
-}
-
 /// A quantity of the balls, those of each flank with their own marks.
-fn along<const N: usize>(
-    balls: &[[f64; N]],
+fn along(
+    balls: &Columns,
     (key, title): (&str, &str),
     y: Axis,
     flanks: [(&str, &str); 2],
 ) -> Figure {
     let strokes = [Stroke::Circles, Stroke::Triangles];
     let curve = |(i, (name, label)): (usize, (&str, &str))| {
-        let point = |row: &[f64; N]| {
-            let value = cell(&BALL_COLUMNS, row, name);
-            (value != 0.0).then(|| (cell(&BALL_COLUMNS, row, "theta_deg") / 360.0, value))
+        let point = |row: &Vec<f64>| {
+            let value = balls.cell(row, name);
+            (value != 0.0).then(|| (balls.cell(row, "theta_deg") / 360.0, value))
         };
         let points: Vec<_> =
-            balls.iter().filter_map(point).filter(|(_, y)| y.is_finite()).collect();
+            balls.rows.iter().filter_map(point).filter(|(_, y)| y.is_finite()).collect();
         (!points.is_empty()).then(|| Curve::new(label, i, strokes[i], points))
     };
     Figure::new(
@@ -86,26 +76,26 @@ fn along<const N: usize>(
 }
 
 /// The balls where they lie on the unrolled nut, in classes of their loads.
-fn developed<const N: usize>(balls: &[[f64; N]]) -> Figure {
-    let load = |row: &[f64; N]| {
-        let at = |name| cell(&BALL_COLUMNS, row, name);
+fn developed(balls: &Columns) -> Figure {
+    let load = |row: &Vec<f64>| {
+        let at = |name| balls.cell(row, name);
         at("nut_plus_N").max(at("nut_minus_N"))
     };
-    let largest = balls.iter().map(load).fold(0.0, f64::max);
-    let at = |row: &[f64; N]| {
-        let around = cell(&BALL_COLUMNS, row, "theta_deg").rem_euclid(360.0);
-        (around, cell(&BALL_COLUMNS, row, "z_mm"))
+    let largest = balls.rows.iter().map(load).fold(0.0, f64::max);
+    let at = |row: &Vec<f64>| {
+        let around = balls.cell(row, "theta_deg").rem_euclid(360.0);
+        (around, balls.cell(row, "z_mm"))
     };
     let class = |(color, (low, high, label)): (usize, (f64, f64, &str))| {
-        let within = |row: &&[f64; N]| {
+        let within = |row: &&Vec<f64>| {
             let load = load(row);
             load > low * largest && load <= high * largest
         };
-        let points: Vec<_> = balls.iter().filter(within).map(at).collect();
+        let points: Vec<_> = balls.rows.iter().filter(within).map(at).collect();
         (!points.is_empty()).then(|| Curve::new(label, color, Stroke::Circles, points))
     };
     let mut curves: Vec<_> = CLASSES.into_iter().enumerate().filter_map(class).collect();
-    let loose: Vec<_> = balls.iter().filter(|row| load(row) <= 0.0).map(at).collect();
+    let loose: Vec<_> = balls.rows.iter().filter(|row| load(row) <= 0.0).map(at).collect();
     if !loose.is_empty() {
         curves.push(Curve::new("not loaded", CLASSES.len(), Stroke::Triangles, loose));
     }
@@ -121,18 +111,17 @@ fn developed<const N: usize>(balls: &[[f64; N]]) -> Figure {
 }
 
 /// A quantity over the axial load, and a point that marks the limit load.
-fn over_load<const N: usize>(
-    curve: &[[f64; N]],
+fn over_load(
+    curve: &Columns,
     (key, title): (&str, &str),
     y: Axis,
     name: &str,
     limit: Option<(f64, f64)>,
 ) -> Figure {
-    let point = |row: &[f64; N]| {
-        (cell(&CURVE_COLUMNS, row, "axial_load_N"), cell(&CURVE_COLUMNS, row, name))
-    };
+    let point = |row: &Vec<f64>| (curve.cell(row, "axial_load_N"), curve.cell(row, name));
     let label = y.label.split(',').next().unwrap_or_default();
-    let mut curves = vec![Curve::new(label, 0, Stroke::Solid, curve.iter().map(point).collect())];
+    let mut curves =
+        vec![Curve::new(label, 0, Stroke::Solid, curve.rows.iter().map(point).collect())];
     curves.extend(limit.map(|at| Curve::new("limit load", 1, Stroke::Circles, vec![at])));
     Figure::new(
         [key, title, "Static, without friction; all balls."],

@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-use bsm_case::{GrooveSection, NOT_MODELLED, SizePhase, SizeReport, SizeRule};
+use bsm_case::{
+    Answer, AxisReport, Content, Criterion, GrooveSection, Numbers, Quantity, Row, ScrewTorque,
+};
 use serde_json::{Value, json};
 
 use crate::{Axis, Curve, Figure, PROGRAM, Page, ReportError, Stroke, number as text_of};
@@ -15,30 +17,21 @@ const POINTS: u32 = 60;
 const HEADLINES: [&str; 4] =
     ["cycle_life_h", "peak_motor_torque_Nm", "mean_heat_W", "axis_rigidity_N_um"];
 
-/// Parts of the torque, in the order of their colours.
-const PARTS: [(&str, &str); 5] = [
-    ("ideal_torque_Nm", "load"),
-    ("contact_friction_torque_Nm", "contacts of the balls"),
-    ("preload_drag_beyond_contacts_Nm", "returns and lubricant, by makers' rule"),
-    ("seal_torque_Nm", "seals"),
-    ("support_bearing_torque_Nm", "support bearings"),
-];
-
-/// Columns of the table of phases: name and title.
-const COLUMNS: [(&str, &str); 8] = [
-    ("time_share", "share of time"),
-    ("screw_load_N", "axial load"),
-    ("feed_m_min", "feed"),
-    ("screw_speed_rpm", "screw"),
-    ("whole_screw_torque_Nm", "torque of screw"),
-    ("screw_efficiency", "efficiency"),
-    ("motor_torque_Nm", "torque of motor"),
-    ("heat_W", "heat"),
+/// Numbers of the table of phases.
+const COLUMNS: [&str; 8] = [
+    "time_share",
+    "screw_load_N",
+    "feed_m_min",
+    "screw_speed_rpm",
+    "whole_screw_torque_Nm",
+    "screw_efficiency",
+    "motor_torque_Nm",
+    "heat_W",
 ];
 
 /// JSON object of a sheet, with the program that made it.
-pub fn size_results(report: &SizeReport) -> Value {
-    let mut results = report.to_json();
+pub fn size_results(report: &AxisReport) -> Value {
+    let mut results = report.answer.to_json();
     results["program"] = json!(PROGRAM);
     results
 }
@@ -48,7 +41,7 @@ pub fn size_results(report: &SizeReport) -> Value {
 /// # Errors
 ///
 /// [`ReportError::Page`] if the template is wrong.
-pub fn size_page(report: &SizeReport) -> Result<String, ReportError> {
+pub fn size_page(report: &AxisReport) -> Result<String, ReportError> {
     let figures = size_figures(report);
     let page = Page {
         title: "Ball screw axis: calculation sheet",
@@ -60,42 +53,42 @@ pub fn size_page(report: &SizeReport) -> Result<String, ReportError> {
 }
 
 /// What the template shows.
-fn sheet(report: &SizeReport) -> Value {
-    let limited: Vec<_> = report.rules.iter().filter(|rule| rule.limit.is_some()).collect();
+fn sheet(report: &AxisReport) -> Value {
+    let Answer { rules, notes, warnings, .. } = &report.answer;
+    let limited: Vec<_> = rules.iter().filter(|rule| rule.limit.is_some()).collect();
     let mut contacts: Vec<&str> = report.phases.iter().map(|phase| &*phase.contacts).collect();
     let mut seen = BTreeSet::new();
     contacts.retain(|words| seen.insert(*words));
-    let column = |(name, title): (&str, &str)| {
-        let found = report.phases.first().and_then(|phase| entry(phase, name));
-        json!({ "title": title, "unit": found.map_or("", |(unit, _)| unit) })
+    let first = report.phases.first();
+    let head = |name: &str| {
+        let row = first
+            .into_iter()
+            .flat_map(|phase| phase.numbers.all())
+            .find(|row| row.quantity.name == name);
+        row.map(|row| json!({ "title": row.quantity.about.trim(), "unit": row.quantity.unit }))
     };
-    let headlines = results(report).filter(|(name, ..)| HEADLINES.contains(name));
+    let results = report.answer.numbers().flat_map(Numbers::rows);
+    let headlines = results.filter(|row| HEADLINES.contains(&row.quantity.name)).map(number_row);
     let drag = report.number("contact_drag_Nm").zip(report.number("preload_drag_Nm"));
     json!({
         "description": report.scene.description,
         "failed": limited.iter().filter(|rule| !rule.passes()).count(),
         "limited": limited.len(),
-        "headlines": headlines.map(|(.., row)| row).collect::<Vec<_>>(),
-        "rules": report.rules.iter().map(rule_row).collect::<Vec<_>>(),
-        "parts": PARTS.map(|(_, title)| title),
+        "headlines": headlines.collect::<Vec<_>>(),
+        "rules": rules.iter().map(rule_row).collect::<Vec<_>>(),
+        "parts": ScrewTorque::PARTS.map(head),
         "contacts": contacts,
-        "phase_columns": COLUMNS.map(column),
+        "phase_columns": COLUMNS.map(head),
         "phases": report.phases.iter().map(phase_row).collect::<Vec<_>>(),
         "groups": groups(report),
-        "notes": report.notes,
-        "warnings": report.warnings,
-        "not_modelled": NOT_MODELLED,
+        "notes": notes,
+        "warnings": warnings,
+        "not_modelled": report.answer.texts("not_modelled"),
         "drag": drag.map(|(contacts, rule)| json!({ "contacts": contacts, "rule": rule })),
     })
 }
 
-/// Unit and value of a number of a phase.
-fn entry(phase: &SizePhase, name: &str) -> Option<(&'static str, Option<f64>)> {
-    let found = phase.numbers.iter().find(|(own, ..)| *own == name);
-    found.map(|(_, unit, value)| (*unit, *value))
-}
-
-fn rule_row(rule: &SizeRule) -> Value {
+fn rule_row(rule: &Criterion) -> Value {
     let mut row = rule.to_json();
     row["title"] = json!(rule.title);
     row["unit"] = json!(rule.unit);
@@ -104,65 +97,58 @@ fn rule_row(rule: &SizeRule) -> Value {
 }
 
 /// Numbers, parts of the torque, and the shares of the heat of all parts but the first, which is the load \[%\].
-fn phase_row(phase: &SizePhase) -> Value {
-    let parts = PARTS.map(|(name, _)| phase.number(name));
+fn phase_row(phase: &ScrewTorque) -> Value {
+    let parts = ScrewTorque::PARTS.map(|name| phase.number(name));
     let heat = || parts.iter().skip(1).map(|part| part.unwrap_or(0.0).abs());
     let all: f64 = heat().sum();
     let share = |part: f64| if all > 0.0 { (1e3 * part / all).round() / 10.0 } else { 0.0 };
     json!({
-        "values": COLUMNS.map(|(name, _)| phase.number(name)),
+        "values": COLUMNS.map(|name| phase.number(name)),
         "parts": parts,
         "shares": heat().map(share).collect::<Vec<_>>(),
     })
 }
 
-fn row(name: &str, about: &str, unit: &str, value: Option<f64>, text: Option<&str>) -> Value {
-    json!({ "name": name, "about": about, "unit": unit, "value": value, "text": text })
+fn number_row(Row { quantity, values }: &Row) -> Value {
+    let Quantity { name, about, unit, .. } = quantity;
+    json!({ "name": name, "about": about, "unit": unit, "value": values[0], "text": null })
 }
 
-/// The numbers with their names and titles.
-fn results(report: &SizeReport) -> impl Iterator<Item = (&'static str, &'static str, Value)> {
-    report.numbers.rows().filter_map(|(quantity, values)| {
-        let row = row(quantity.key, quantity.about, quantity.unit, Some(values[0]?), None);
-        Some((quantity.key, quantity.title, row))
-    })
-}
-
-fn groups(report: &SizeReport) -> Vec<Value> {
-    let is_size = |name: &str| report.sizes.iter().any(|(own, ..)| *own == name);
+/// What was given, then the numbers of the answer under their titles.
+fn groups(report: &AxisReport) -> Vec<Value> {
+    let used = match report.answer.section("screw") {
+        Some(Content::Numbers { numbers, .. }) => numbers.all(),
+        _ => &[],
+    };
+    let is_used = |name: &str| used.iter().any(|row| row.quantity.name == name);
     let inputs = report.scene.to_json();
     let input = |(name, value): (&String, &Value)| {
         let known = bsm_case::INPUTS.iter().find(|input| input.name == name);
         let (number, text) = (value.as_f64(), value.as_str().filter(|_| known.is_none()));
-        let shown = name != "description" && !is_size(name) && (number.is_some() || text.is_some());
-        shown.then(|| row(name, name, known.map_or("", |input| input.unit), number, text))
+        let shown = name != "description" && !is_used(name) && (number.is_some() || text.is_some());
+        let unit = known.map_or("", |input| input.unit);
+        shown.then(
+            || json!({ "name": name, "about": name, "unit": unit, "value": number, "text": text }),
+        )
     };
-    let size = |(name, unit, value): &(&str, &str, f64)| row(name, name, unit, Some(*value), None);
-    let mut groups = vec![
-        (
-            "requirement and axis, as given",
-            inputs.as_object().into_iter().flatten().filter_map(input).collect::<Vec<_>>(),
-        ),
-        ("screw and nut", report.sizes.iter().map(size).collect()),
-    ];
-    for (_, title, row) in results(report) {
-        match groups.iter_mut().find(|(known, _)| *known == title) {
-            Some((_, rows)) => rows.push(row),
-            None => groups.push((title, vec![row])),
-        }
-    }
-    groups.into_iter().map(|(title, rows)| json!({ "title": title, "rows": rows })).collect()
+    let given = inputs.as_object().into_iter().flatten().filter_map(input).collect::<Vec<_>>();
+    let rows: Vec<_> = report.answer.numbers().flat_map(Numbers::rows).collect();
+    let titled = rows.chunk_by(|a, b| a.quantity.title == b.quantity.title);
+    let titled = titled
+        .map(|rows| (rows[0].quantity.title, rows.iter().map(|row| number_row(row)).collect()));
+    let all = std::iter::once(("requirement and axis, as given", given)).chain(titled);
+    all.map(|(title, rows)| json!({ "title": title, "rows": rows })).collect()
 }
 
 /// Load and speed of the screw over the cycle, and the cycle among its limits.
-pub fn size_figures(report: &SizeReport) -> Vec<Figure> {
+pub fn size_figures(report: &AxisReport) -> Vec<Figure> {
     // Of one phase there is no course.
     let cycle = (report.phases.len() > 1).then(|| over_time(report));
     [Some(among_limits(report)), cycle, section(report)].into_iter().flatten().collect()
 }
 
 /// Grooves of nut and screw around a ball, with the line through its contacts.
-fn section(report: &SizeReport) -> Option<Figure> {
+fn section(report: &AxisReport) -> Option<Figure> {
     /// Chords of the ball.
     const CHORDS: u32 = 72;
     let grooves = GrooveSection::of(&report.scene).ok()?;
@@ -187,15 +173,15 @@ fn section(report: &SizeReport) -> Option<Figure> {
 }
 
 /// Axial load over speed: limits as lines, phases as points.
-fn among_limits(report: &SizeReport) -> Figure {
-    let point = |phase: &SizePhase| {
+fn among_limits(report: &AxisReport) -> Figure {
+    let point = |phase: &ScrewTorque| {
         Some((phase.number("screw_speed_rpm")?.abs(), phase.number("screw_load_N")?.abs() / 1e3))
     };
     let points: Vec<_> = report.phases.iter().filter_map(point).collect();
     let (fastest, largest) =
         points.iter().fold((0.0, 0.0), |(n, f): (f64, f64), (x, y)| (n.max(*x), f.max(*y)));
     let rule = |name: &str| {
-        let found = report.rules.iter().find(|rule| rule.name == name);
+        let found = report.answer.rules.iter().find(|rule| rule.name == name);
         found.and_then(|rule| Some((rule.limit?, rule.margin()?)))
     };
     // Speeds and loads at which a rule is just kept.
@@ -257,7 +243,7 @@ fn among_limits(report: &SizeReport) -> Figure {
 }
 
 /// Axial load, feed and torque of the motor over the cycle, each over its largest.
-fn over_time(report: &SizeReport) -> Figure {
+fn over_time(report: &AxisReport) -> Figure {
     let timed: Option<Vec<f64>> = report
         .scene
         .nut

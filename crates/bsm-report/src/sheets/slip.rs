@@ -2,7 +2,7 @@
 //! balls of a model.
 
 use bsm_case::units::RPM;
-use bsm_case::{Analysis, CaseError, Numbers, Scene, Settings};
+use bsm_case::{Answer, CaseError, Scene, Settings};
 use bsm_dyn::{Angles, Control, Direction, Model, ModelWorkspace, Solution};
 use bsm_kin::Site;
 
@@ -84,26 +84,26 @@ fn at(scene: &Scene, (name, _): Sweep, value: f64) -> Result<Scene, CaseError> {
 
 /// The slips at a place of a sweep and the efficiency: of the model, and for a ball that rolls that of Lin's closed
 /// form.
-type State = (Numbers, f64);
+type State = (Answer, f64);
 
 /// A point of a sweep: value, and state if there is a solution.
 type Point = (f64, Option<State>);
 
 /// A ball that rolls; the contact ellipses are those of `solution`, so that a curve shows the motion and not the load.
 fn rolling(scene: &Scene, settings: &Settings, solution: &Solution) -> Option<State> {
-    let report = Analysis::slip(scene, settings, solution).ok()?;
+    let report = bsm_case::slip(scene, settings, solution).ok()?;
     let (screw, nut) = scene.speeds_rpm()?;
     let direction = Direction::of(screw - nut).unwrap_or(Direction::RotaryToLinear);
     let angles =
         Angles { lead: scene.lead_angle()?, contact: scene.contact_angle_deg?.to_radians() };
-    Some((report.numbers, angles.efficiency(direction, scene.friction_coefficient?)))
+    Some((report, angles.efficiency(direction, scene.friction_coefficient?)))
 }
 
 /// The balls of a model. A value may break a rule, such as that of the smallest circle.
 fn solved(scene: &Scene, settings: &Settings, work: &mut ModelWorkspace) -> Option<State> {
     let solution = scene.problem(settings).ok()?.solve(work);
-    let report = Analysis::slip(scene, settings, &solution).ok()?;
-    Some((report.numbers, solution.efficiency()?))
+    let report = bsm_case::slip(scene, settings, &solution).ok()?;
+    Some((report, solution.efficiency()?))
 }
 
 impl Study {
@@ -185,7 +185,7 @@ impl Study {
             let between = kind == BETWEEN_BALLS;
             let column = if between { number.to_owned() } else { format!("{place}_{number}") };
             let read = |(x, state): &Point| {
-                let slip = state.as_ref().and_then(|(numbers, _)| numbers.number(&column));
+                let slip = state.as_ref().and_then(|(report, _)| report.number(&column));
                 (*x, slip.unwrap_or(f64::NAN))
             };
             let points: Vec<_> = points.iter().map(read).collect();

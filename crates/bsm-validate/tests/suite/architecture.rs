@@ -41,6 +41,57 @@ fn the_recipes_name_what_exists() {
     assert!(paths > 40 && names > 30, "{paths} paths, {names} names");
 }
 
+/// Modules of `bsm-case`: each may use what stands in its own folder and in those before it.
+#[test]
+fn a_case_knows_no_answer() {
+    const FOLDERS: [&str; 3] = ["vocabulary", "case", "answers"];
+    let source = root().join("crates/bsm-case/src");
+    let code = |path: &Path| {
+        let text = fs::read_to_string(path).expect("a module");
+        text.split("#[cfg(test)]").next().unwrap_or_default().to_owned()
+    };
+    // Names that the crate takes from its folders.
+    let face = code(&source.join("lib.rs"));
+    let mut names = BTreeMap::new();
+    for line in face.split(';') {
+        for (rank, folder) in FOLDERS.into_iter().enumerate() {
+            let Some((_, path)) = line.split_once(&format!("use {folder}::")) else { continue };
+            let of_path = path.split(|c: char| !c.is_alphanumeric() && c != '_');
+            names.extend(of_path.map(|name| (name.to_owned(), rank)));
+        }
+    }
+    assert!(names.len() > 60, "{names:?}");
+    let mut files = 0;
+    let mut folders: Vec<_> = (0..).zip(FOLDERS.map(|folder| source.join(folder))).collect();
+    while let Some((rank, folder)) = folders.pop() {
+        for entry in fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push((rank, path));
+                continue;
+            }
+            if path.extension().is_none_or(|ending| ending != "rs") {
+                continue;
+            }
+            files += 1;
+            for used in code(&path).split("crate::").skip(1) {
+                let list = if used.starts_with('{') { used.split('}').next() } else { None };
+                let list = list.unwrap_or_else(|| {
+                    used.split(|c: char| !c.is_alphanumeric() && c != '_')
+                        .next()
+                        .unwrap_or_default()
+                });
+                for name in list.split(|c: char| !c.is_alphanumeric() && c != '_') {
+                    let folder = FOLDERS.iter().position(|folder| *folder == name);
+                    let theirs = folder.or(names.get(name).copied()).unwrap_or(0);
+                    assert!(theirs <= rank, "{} uses {name}", path.display());
+                }
+            }
+        }
+    }
+    assert!(files > 35, "{files} modules");
+}
+
 /// Our crates under `[dependencies]` of the manifests, by the name of the crate.
 fn manifests() -> BTreeMap<String, BTreeSet<String>> {
     let crates = fs::read_dir(root().join("crates")).expect("crates");

@@ -1,0 +1,22 @@
+//! What is answered of a case.
+
+pub(crate) mod analysis;
+pub(crate) mod axis;
+pub(crate) mod calibration;
+pub(crate) mod comparison;
+pub(crate) mod design;
+pub(crate) mod ellipses;
+pub(crate) mod fit;
+pub(crate) mod jam;
+pub(crate) mod makers;
+pub(crate) mod nut;
+pub(crate) mod optimum;
+pub(crate) mod ratings;
+pub(crate) mod record;
+pub(crate) mod rows;
+pub(crate) mod samples;
+pub(crate) mod schema;
+pub(crate) mod section;
+pub(crate) mod selection;
+pub(crate) mod sensitivity;
+pub(crate) mod slip;

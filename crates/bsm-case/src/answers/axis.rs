@@ -1,0 +1,702 @@
+//! The axis around a screw: loads of its cycle, torque, and every rule with its value, limit and source.
+
+mod contacts;
+mod rules;
+
+use std::f64::consts::TAU;
+
+use bsm_design::{
+    Axis, Motion, Nut, Pace, Phase, Shaft, drag_torque, in_series, life, lost_motion,
+    root_mean_square, steady_rise,
+};
+use bsm_dyn::ModelWorkspace;
+use serde_json::{Value, json};
+
+use self::contacts::{Contacts, contacts, is_preloaded, nut_at};
+use crate::answers::nut::preload_note;
+use crate::case::axis::{Machine, carriage};
+use crate::case::rated_nut;
+use crate::case::scene::RISES;
+use crate::vocabulary::answer::numbers_json;
+use crate::vocabulary::quantity::quantities;
+use crate::vocabulary::units::{DEG, MM, RPM, UM};
+use crate::{
+    Answer, CaseError, Column, Content, Criterion, InputKey, Numbers, NutReport, Output, Quantity,
+    Scene, Settings, Table, ratings,
+};
+
+/// What an axis is sized from: its nut, and a load and a speed or a cycle.
+pub(crate) const NEEDS: crate::case::problem::Needs = rated_nut::NEEDS;
+
+quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
+    "the cycle" {
+        largest_load_N ["N"] Whole(|w| w.axis().largest_load()), "largest axial load of the screw";
+        largest_speed_rpm ["rpm"] Whole(|w| w.axis().fastest() / RPM), "largest speed of the screw";
+        largest_feed_m_min ["m/min"] Whole(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
+        equivalent_load_N ["N" "F_m"] Whole(|w| Some(w.axis().life()?.mean_load)),
+            "load that takes the same life if it stays; of a pair, that of the busier nut";
+        equivalent_speed_rpm ["rpm" "n_m"] Whole(|w| Some(w.axis().life()?.mean_speed / RPM)), "mean speed";
+    }
+    "screw and bearings" {
+        screw_length_between_bearings_mm ["mm"] Whole(|w| Some(w.shaft()?.length / MM)), "unsupported length";
+        bending_diameter_mm ["mm"] Whole(|w| Some(w.shaft()?.diameter / MM)), "diameter that bends and strains";
+        critical_speed_rpm ["rpm" "n_k"] Whole(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
+        critical_speed_ratio [""] Whole(|w| w.shaft().and(w.axis().critical_speed_ratio())), "largest speed over the critical one";
+        buckling_load_N ["N" "F_k"] Whole(|w| Some(w.shaft()?.buckling_load())), "buckling load";
+        buckling_safety [""] Whole(|w| w.shaft().and(w.axis().buckling_safety())), "buckling load over the largest load";
+        yield_load_N ["N"] Whole(|w| w.shaft().and(w.axis().yield_load())), "load that strains the core to 147 N/mm2";
+        cycle_speed_number_mm_min ["mm/min" "d_pw n"] Whole(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
+        screw_mass_kg ["kg"] Whole(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
+        steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [axis_heat_transfer_W_K],
+            "rise of temperature at which the axis gives away its mean heat";
+        screw_growth_um ["um"] Whole(|w| w.growth()),
+            "growth of the screw between its bearings, warmer by screw_temperature_rise_K or the steady rise";
+        travel_variation_300_um ["um" "v_300p"] Whole(|w| Some(w.scene.nut.accuracy_grade?.grade.variation / UM)),
+            "permitted variation of travel within any 300 mm, of accuracy_grade";
+    }
+    "nut and life" {
+        static_safety_factor ["" "f_s"] Whole(|w| w.static_safety()), "static safety by the rating and by the most loaded ball, the smaller one";
+        cycle_life_revolutions ["" "L"] Whole(|w| Some(w.axis().life()?.revolutions)), "life of the cycle by ISO 3408-5";
+        cycle_life_h ["h" "L_h"] Whole(|w| Some(w.axis().life()?.time / 3600.0)), "life of the cycle by ISO 3408-5";
+        cycle_life_by_balls_h ["h"] Whole(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life of the cycle by the loads of all balls";
+        opening_load_N ["N"] Whole(|w| w.of_nut("limit_load_N")), "load at which the preload is lost";
+    }
+    "rigidity" {
+        screw_rigidity_N_um ["N/um" "R_s"] Whole(|w| Some(w.shaft()?.least_stiffness() * UM)), "rigidity of the screw where it is least";
+        nut_rigidity_N_um ["N/um" "R_nu"] Whole(|w| w.of_nut("nut_stiffness_N_um")), "tangent rigidity of the nut at the largest load, all balls";
+        axis_rigidity_N_um ["N/um"] Whole(|w| Some(w.stiffness()? * UM)), "rigidity of screw, nut, bearings and housings in series";
+        lost_motion_um ["um"] Whole(|w| {
+            let friction = Some(w.machine.carriage.guide_friction()).filter(|friction| *friction > 0.0);
+            Some(lost_motion(friction?, w.stiffness()?) / UM)
+        }), "elastic lost motion where the friction of the guides turns round";
+    }
+    "drive" {
+        peak_motor_torque_Nm ["N m"] Whole(|w| w.peak(Worked::motor_torque)) needs [friction_coefficient | lubricant_temperature_C], "largest torque of the motor";
+        rms_motor_torque_Nm ["N m"] Whole(|w| w.rms_torque()) needs [friction_coefficient | lubricant_temperature_C], "root of the mean square of the torque of the motor";
+        peak_motor_power_W ["W"] Whole(|w| w.peak(Worked::motor_power)) needs [friction_coefficient | lubricant_temperature_C], "largest power of the motor";
+        mean_heat_W ["W"] Whole(|w| w.mean_heat()) needs [friction_coefficient | lubricant_temperature_C], "mean heat of nut, seals and support bearings";
+        preload_drag_Nm ["N m" "T_p0"] Whole(|w| Some(w.preload.as_ref()?.by_rule)), "drag of the preload by the rule of makers";
+        screw_efficiency ["" "eta"] Whole(|w| w.heaviest()?.efficiency()) needs [friction_coefficient | lubricant_temperature_C],
+            "efficiency of the screw at the largest load that moves, with preload, seals and support bearings";
+        contact_drag_Nm ["N m"] Whole(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C], "drag of the preload by its contacts alone";
+        holding_torque_Nm ["N m"] Whole(|w| w.holding) needs [friction_coefficient | lubricant_temperature_C],
+            "torque on the screw that keeps the load from driving it, contacts alone";
+        inertia_of_screw_kg_m2 ["kg m2" "J_s"] Whole(|w| w.machine.screw.map(|(_, inertia)| inertia)), "moment of inertia of the screw";
+        inertia_of_mass_kg_m2 ["kg m2"] Whole(|w| w.machine.drive.mass_inertia()), "moment of inertia of the moved mass at the screw";
+        inertia_at_motor_kg_m2 ["kg m2"] Whole(|w| w.inertia_at_motor()), "moment of inertia of the load at the motor";
+        inertia_ratio [""] Whole(|w| {
+            let motor = Some(w.machine.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
+            Some(w.inertia_at_motor()? / motor?)
+        }), "moment of inertia of the load at the motor over that of the motor";
+    }
+}
+
+quantities! { pub(crate) TORQUES, read_torques(&Torques);
+    "torque" {
+        screw_load_N ["N" "F_a"] Whole(|t| t.phase.load), "axial load, with the moved mass";
+        whole_screw_torque_Nm ["N m" "T"] Whole(Torques::at_screw), "torque of the whole screw";
+        ideal_torque_Nm ["N m"] Whole(|t| t.ideal), "  of the load, without friction";
+        contact_friction_torque_Nm ["N m"] Whole(|t| t.contacts.friction), "  contacts of the balls";
+        preload_drag_beyond_contacts_Nm ["N m"] Whole(|t| t.drag), "  returns and lubricant of the preload, by the rule of makers";
+        seal_torque_Nm ["N m"] Whole(|t| t.seal), "  seals";
+        support_bearing_torque_Nm ["N m"] Whole(|t| t.bearing), "  support bearings";
+        screw_efficiency ["" "eta"] Whole(Torques::efficiency), "efficiency of the whole screw";
+    }
+}
+
+quantities! { pub(crate) PHASE, read_phase(&InPhase<'_>);
+    "motion" {
+        time_share [""] Whole(|p| p.torques.phase.time / p.worked.time()), "share of time";
+        screw_speed_rpm ["rpm" "n"] Whole(|p| p.torques.phase.speed / RPM), "speed of the screw";
+        feed_m_min ["m/min"] Whole(|p| p.torques.phase.speed * p.worked.machine.advance() * 60.0), "feed";
+        acceleration_m_s2 ["m/s2"] Whole(|p| p.torques.phase.acceleration), "acceleration";
+        motor_torque_Nm ["N m"] Whole(|p| p.worked.motor_torque(p.torques)), "torque of the motor";
+        motor_power_W ["W"] Whole(|p| p.worked.motor_power(p.torques)), "power of the motor";
+        heat_W ["W"] Whole(|p| p.torques.heat()), "heat";
+    }
+}
+
+quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
+    "screw and nut" {
+        pitch_circle_diameter_mm ["mm" "D_pw"] Whole(|s| s.nut().pitch_diameter / MM), "pitch circle diameter";
+        lead_mm ["mm" "P_h"] Whole(|s| s.nut().lead / MM), "lead";
+        lead_angle_deg ["deg" "phi"] Whole(|s| s.nut().lead_angle() / DEG), "lead angle";
+        ball_diameter_mm ["mm" "D_w"] Whole(|s| s.nut().ball_diameter / MM), "ball diameter";
+        contact_angle_deg ["deg" "alpha"] Whole(|s| s.nut().contact_angle / DEG), "contact angle";
+        nut_conformity [""] Whole(|s| s.nut().conformity.0), "groove radius over ball diameter, nut";
+        screw_conformity [""] Whole(|s| s.nut().conformity.1), "groove radius over ball diameter, screw";
+        loaded_balls_per_turn [""] Whole(|s| s.nut().balls_per_turn), "loaded balls of a turn";
+        loaded_turns ["" "i"] Whole(|s| s.nut().turns), "loaded turns";
+        nut_outer_diameter_mm ["mm" "D_1"] Whole(|s| s.machine.body.outer / MM), "outer diameter of the nut";
+        nut_length_mm ["mm"] Whole(|s| s.machine.body.length / MM), "length of the nut";
+        screw_outer_diameter_mm ["mm" "d_1"] Whole(|s| s.machine.thread.screw.land / MM), "diameter of the land of the screw";
+        screw_core_diameter_mm ["mm" "d_2"] Whole(|s| s.machine.thread.screw.core / MM), "calculated core diameter of the screw";
+        dynamic_load_rating_N ["N" "C_a"] Whole(|s| s.machine.axis.dynamic_rating), "dynamic axial load rating";
+        static_load_rating_N ["N" "C_0a"] Whole(|s| s.machine.axis.static_rating.rating), "static axial load rating";
+        edge_load_N ["N"] Whole(|s| s.of_nut.number("edge_load_N")), "axial load of one nut under which a contact ellipse reaches the end of its flank";
+        mass_kg ["kg"] Whole(|s| s.of_nut.number("mass_kg")), "mass of the nut";
+        preload_set_N ["N"] Whole(|s| Some(s.preload?.cold)), "cold preload";
+        warm_preload_N ["N" "F_pr"] Whole(|s| Some(s.preload?.warm)), "warm preload";
+        friction_coefficient ["" "mu"] Whole(|s| s.scene.friction_coefficient), "friction coefficient";
+    }
+}
+
+/// A phase of a cycle.
+pub(crate) struct InPhase<'a> {
+    worked: &'a Worked<'a>,
+    torques: &'a Torques,
+}
+
+/// The screw and its nut as they were used.
+pub(crate) struct Screw<'a> {
+    scene: &'a Scene,
+    machine: &'a Machine,
+    of_nut: &'a Answer,
+    preload: Option<&'a Preload>,
+}
+
+impl Screw<'_> {
+    fn nut(&self) -> &Nut {
+        &self.machine.axis.nut
+    }
+}
+
+/// The torque of the whole screw by its parts, in a phase with what follows.
+#[derive(Debug, Clone)]
+pub struct ScrewTorque {
+    /// The numbers.
+    pub numbers: Numbers,
+    /// The model of the contacts, or why there is none.
+    pub contacts: String,
+}
+
+impl ScrewTorque {
+    /// Parts of the torque, in the order of a sum: the load, then what turns into heat.
+    pub const PARTS: [&str; 5] = [
+        "ideal_torque_Nm",
+        "contact_friction_torque_Nm",
+        "preload_drag_beyond_contacts_Nm",
+        "seal_torque_Nm",
+        "support_bearing_torque_Nm",
+    ];
+
+    /// A number by name.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.numbers.number(name)
+    }
+
+    /// JSON object.
+    pub fn to_json(&self) -> Value {
+        let mut map = numbers_json(&self.numbers);
+        map.insert("contacts".to_owned(), json!(self.contacts));
+        Value::Object(map)
+    }
+}
+
+/// An axis: its numbers, its rules, its cycle.
+#[derive(Debug, Clone)]
+pub struct AxisReport {
+    /// What was asked.
+    pub scene: Scene,
+    /// Each phase of the cycle.
+    pub phases: Vec<ScrewTorque>,
+    /// The answer.
+    pub answer: Answer,
+}
+
+/// The numbers of a sheet that tell nuts apart, in tables of them.
+pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
+    const NAMES: [&str; 10] = [
+        "cycle_life_h",
+        "critical_speed_ratio",
+        "buckling_safety",
+        "static_safety_factor",
+        "axis_rigidity_N_um",
+        "peak_motor_torque_Nm",
+        "screw_efficiency",
+        "mean_heat_W",
+        "screw_mass_kg",
+        "inertia_of_screw_kg_m2",
+    ];
+    NAMES.into_iter().filter_map(|name| {
+        QUANTITIES.iter().flat_map(|quantity| quantity.columns).find(|column| column.name == name)
+    })
+}
+
+/// What the torque of an axis leaves out.
+const NOT_MODELLED: [&str; 6] = [
+    "lubricant, unless its inputs are given: contacts are dry then, with one friction coefficient; the drag of the preload is that of makers' rule, which holds to some 50 %",
+    "returns of the balls and balls that touch each other: only in makers' rule for the drag",
+    "temperatures of nut, screw and balls: their rises are inputs, which the preload follows; axis_heat_transfer_W_K gives the growth of the screw alone",
+    "vibration of the axis, its control, and shocks: multiply the loads by the factor of your machine",
+    "bending of the screw by its weight, and of the frame; misalignment unless it is given",
+    "brackets of motor and bearings beyond housing_rigidity_N_um",
+];
+
+/// The torque of a phase.
+pub(crate) struct Torques {
+    phase: Phase,
+    ideal: f64,
+    contacts: Contacts,
+    /// Of returns and lubricant, beyond the contacts of the preload, with its sign.
+    drag: f64,
+    seal: f64,
+    bearing: f64,
+}
+
+impl Torques {
+    /// * `advance`: for a radian of the screw \[m\]. * `drag`: of the preload beyond its contacts \[N·m\].
+    fn of(
+        scene: &Scene,
+        settings: &Settings,
+        (advance, drag): (f64, f64),
+        phase: &Phase,
+        work: &mut ModelWorkspace,
+    ) -> Result<Self, CaseError> {
+        let moves = f64::from(u8::from(phase.speed != 0.0));
+        let value = |key| moves * scene.value_or_default(key).unwrap_or(0.0);
+        Ok(Self {
+            phase: *phase,
+            ideal: advance * phase.load,
+            contacts: contacts(scene, settings, advance, phase, work)?,
+            drag: moves * drag,
+            seal: value(InputKey::seal_torque_Nm),
+            bearing: value(InputKey::support_bearing_torque_Nm),
+        })
+    }
+
+    /// What acts against the motion, without its sign \[N·m\].
+    fn friction(&self) -> Option<f64> {
+        Some(self.contacts.friction? + self.drag + self.seal + self.bearing)
+    }
+
+    /// Torque that the screw takes \[N·m\].
+    fn at_screw(&self) -> Option<f64> {
+        let way = if self.phase.speed == 0.0 { 0.0 } else { self.phase.speed.signum() };
+        Some(self.ideal + way * self.friction()?)
+    }
+
+    fn heat(&self) -> Option<f64> {
+        Some(self.friction()? * self.phase.speed.abs())
+    }
+
+    /// Power out over power in, of the screw with all its parts; `None` if nothing is done.
+    fn efficiency(&self) -> Option<f64> {
+        let output = self.ideal * self.phase.speed;
+        let input = self.at_screw()? * self.phase.speed;
+        let efficiency = if output > 0.0 { output / input } else { input / output };
+        (output != 0.0).then_some(efficiency)
+    }
+}
+
+/// The preload of a nut, and its drag on the screw \[N·m\].
+pub(crate) struct Preload {
+    /// As it is set, at no rise of temperature \[N\].
+    cold: f64,
+    /// With the rises of temperature \[N\].
+    warm: f64,
+    /// By the rule of makers.
+    by_rule: f64,
+    /// Of its contacts alone; `None` without friction.
+    of_contacts: Option<f64>,
+}
+
+impl Preload {
+    /// That of a nut, if it is preloaded, at a speed \[rad/s\].
+    fn of(
+        scene: &Scene,
+        settings: &Settings,
+        axis: &Axis,
+        nut: &NutReport,
+        speed: f64,
+    ) -> Result<Option<Self>, CaseError> {
+        let forces = nut.number("preload_set_N").zip(nut.number("warm_preload_N"));
+        let Some((cold, warm)) = forces.filter(|_| is_preloaded(scene)) else { return Ok(None) };
+        let of_contacts = if speed > 0.0 && scene.given().has_friction() {
+            let unloaded = nut_at(scene, settings, 0.0, speed)?;
+            unloaded.number("friction_heat_W").map(|heat| heat / speed)
+        } else {
+            None
+        };
+        let by_rule = drag_torque(warm, axis.nut.lead, axis.nut.lead_angle());
+        Ok(Some(Self { cold, warm, by_rule, of_contacts }))
+    }
+
+    /// Drag of returns and lubricant, beyond the contacts.
+    fn beyond(&self) -> f64 {
+        (self.by_rule - self.of_contacts.unwrap_or(0.0)).max(0.0)
+    }
+}
+
+/// The torque of the whole screw at the operating point of its scene by its parts, where it has more than the contacts
+/// of its balls: weight and guides of what it moves, preload, seals, support bearings. `None` where there are none.
+///
+/// # Errors
+///
+/// [`CaseError`] if the nut or its point has no solution.
+pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTorque>, CaseError> {
+    let given = |key: InputKey| scene[key].is_some_and(|value| value != 0.0);
+    let preloaded = is_preloaded(scene) && NEEDS.are_met(scene.given());
+    let more =
+        [InputKey::moved_mass_kg, InputKey::seal_torque_Nm, InputKey::support_bearing_torque_Nm];
+    let point = scene.speeds_rpm().zip(scene.axial_load_N).zip(scene.lead());
+    let (true, Some((((screw, turned), force), lead)), true) =
+        (preloaded || more.into_iter().any(given), point, scene.given().has_friction())
+    else {
+        return Ok(None);
+    };
+    let pace = Pace::Turns((screw - turned) * RPM);
+    let motion = Motion { time: 1.0, force, pace, acceleration: 0.0 };
+    let phase = motion.phase(&carriage(scene), lead * MM);
+    let drag = if preloaded {
+        let axis = Machine::of(scene)?.axis;
+        let nut = nut_at(scene, settings, phase.load, phase.speed)?;
+        let preload = Preload::of(scene, settings, &axis, &nut, phase.speed.abs())?;
+        preload.map_or(0.0, |preload| preload.beyond())
+    } else {
+        0.0
+    };
+    let (advance, work) = (lead * MM / TAU, &mut ModelWorkspace::default());
+    let torques = Torques::of(scene, settings, (advance, drag), &phase, work)?;
+    let numbers = read_torques(&torques, |_| true);
+    Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.words }))
+}
+
+/// Efficiency of the whole screw in a phase for a search over screws, which has no time for all balls of a preloaded
+/// nut: one ball under its equal share, and the drag of the preload by the rule of makers.
+///
+/// * `nut`: that of the scene.
+pub(crate) fn quick_efficiency(
+    scene: &Scene,
+    settings: &Settings,
+    nut: &Nut,
+    phase: &Phase,
+    work: &mut ModelWorkspace,
+) -> Option<f64> {
+    let preload = scene.preload_N.unwrap_or(0.0);
+    let single = Scene { preload_N: None, ..scene.clone() };
+    let drag = drag_torque(preload, nut.lead, nut.lead_angle());
+    let torques = Torques::of(&single, settings, (nut.lead / TAU, drag), phase, work).ok()?;
+    torques.efficiency()
+}
+
+impl AxisReport {
+    /// The axis of a scene.
+    ///
+    /// * `settings`: the model that friction is calculated with.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if an input is missing or breaks its rule.
+    pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
+        let worked = Worked::of(scene, settings)?;
+        let of_nut = ratings(&at_largest(scene, &worked.machine.axis), None)?;
+        let mut warnings = of_nut.warnings.clone();
+        warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
+        if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
+            warnings.push(format!("{}; the rules of the preload are not judged", no_balls(why)));
+        }
+        warnings.sort();
+        warnings.dedup();
+        let (machine, preload) = (&worked.machine, worked.preload.as_ref());
+        let numbers = read(&worked, |_| true).where_finite();
+        let rules = rules::rules(scene, &machine.axis, &numbers, &of_nut, preload);
+        let phases: Vec<_> = worked.torques.iter().map(|torques| worked.phase(torques)).collect();
+        let screw = read_screw(&Screw { scene, machine, of_nut: &of_nut, preload }, |_| true);
+        let fails = !rules.iter().all(Criterion::passes);
+        let notes = worked.notes().into_iter().chain(worked.how_sure(settings)).collect();
+        let not_modelled = NOT_MODELLED.map(str::to_owned).to_vec();
+        let answer = Answer { rules, notes, warnings, fails, ..Answer::default() }
+            .with("passes", Content::Json((!fails).into()))
+            .with("inputs", Content::Json(scene.to_json()))
+            .with("phases", Content::Table(of_phases(&phases)))
+            .with("results", Content::numbers(numbers, "axis"))
+            .with("screw", Content::numbers(screw, "screw"))
+            .with("not_modelled", Content::Texts("not modelled", not_modelled));
+        Ok(Self { scene: scene.clone(), phases, answer })
+    }
+
+    /// True if every rule holds.
+    pub fn passes(&self) -> bool {
+        !self.answer.fails
+    }
+
+    /// A number by name.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.answer.number(name)
+    }
+
+    /// Points of the speed-force diagram: for a speed \[rpm\] the load that gives the required life \[N\].
+    pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
+        let hours = self.scene.required_life_h?;
+        Some(self.number("dynamic_load_rating_N")? * (1e6 / (60.0 * rpm * hours)).cbrt())
+    }
+}
+
+/// The numbers of an axis alone.
+pub(crate) fn numbers(scene: &Scene, settings: &Settings) -> Result<Numbers, CaseError> {
+    AxisReport::of(scene, settings).map(|report| report.answer.into_numbers())
+}
+
+/// A row a phase, of which people see these numbers.
+fn of_phases(phases: &[ScrewTorque]) -> Table {
+    const SHOWN: [&str; 9] = [
+        "time_share",
+        "screw_load_N",
+        "feed_m_min",
+        "screw_speed_rpm",
+        "ideal_torque_Nm",
+        "whole_screw_torque_Nm",
+        "screw_efficiency",
+        "motor_torque_Nm",
+        "heat_W",
+    ];
+    let column = |quantity: &Quantity| Column {
+        name: quantity.name,
+        unit: quantity.unit,
+        head: SHOWN.contains(&quantity.name).then_some(quantity.name),
+    };
+    let contacts = Column::hidden("contacts");
+    let columns = PHASE.iter().chain(TORQUES).map(column);
+    let row = |(place, phase): (usize, &ScrewTorque)| {
+        let numbers = phase.numbers.columns().map(|(_, value)| json!(value));
+        std::iter::once(json!(place)).chain(numbers).chain([json!(phase.contacts)]).collect()
+    };
+    Table {
+        columns: std::iter::once(Column::headed("", "phase"))
+            .chain(columns)
+            .chain([contacts])
+            .collect(),
+        rows: (1..).zip(phases).map(row).collect(),
+        keyed: false,
+    }
+}
+
+/// Why there are no numbers of the nut with all its balls.
+fn no_balls(why: &CaseError) -> String {
+    format!("no numbers of all balls: {why}")
+}
+
+/// What the numbers of an axis are made from.
+pub(crate) struct Worked<'a> {
+    scene: &'a Scene,
+    machine: Machine,
+    /// The nut under the largest load, with all its balls; or why there is none.
+    nut: Option<NutReport>,
+    no_nut: Option<CaseError>,
+    preload: Option<Preload>,
+    torques: Vec<Torques>,
+    holding: Option<f64>,
+    /// Life by the loads of all balls \[s\].
+    life_by_balls: Option<f64>,
+}
+
+impl<'a> Worked<'a> {
+    fn of(scene: &'a Scene, settings: &Settings) -> Result<Self, CaseError> {
+        let mut machine = Machine::of(scene)?;
+        let (axis, advance) = (&machine.axis, machine.advance());
+        let mut work = ModelWorkspace::default();
+        let heaviest = axis.heaviest().filter(|phase| phase.load != 0.0).copied();
+        let fastest = axis.fastest();
+        let found = heaviest.map(|phase| {
+            let speed = if phase.speed == 0.0 { fastest } else { phase.speed };
+            nut_at(scene, settings, phase.load, speed)
+        });
+        let (nut, no_nut) = match found {
+            Some(Ok(nut)) => (Some(nut), None),
+            Some(Err(why)) => (None, Some(why)),
+            None => (None, None),
+        };
+        let preload = match &nut {
+            Some(nut) => Preload::of(scene, settings, axis, nut, fastest)?,
+            None => None,
+        };
+        let drag = preload.as_ref().map_or(0.0, Preload::beyond);
+        let torque =
+            |phase: &Phase| Torques::of(scene, settings, (advance, drag), phase, &mut work);
+        let torques = axis.phases.iter().map(torque).collect::<Result<_, _>>()?;
+        // The load drives: its sign against the speed.
+        let back =
+            heaviest.map(|phase| Phase { speed: -phase.load.signum() * fastest.max(RPM), ..phase });
+        let back = back.map(|back| contacts(scene, settings, advance, &back, &mut work));
+        let holding = back
+            .transpose()?
+            .and_then(|found| Some((advance * axis.largest_load() - found.friction?).max(0.0)));
+        let life_by_balls = life_by_balls(scene, settings, axis);
+        machine.axis.preload = preload.as_ref().map(|preload| preload.warm);
+        Ok(Self { scene, machine, nut, no_nut, preload, torques, holding, life_by_balls })
+    }
+
+    fn axis(&self) -> &Axis {
+        &self.machine.axis
+    }
+
+    fn shaft(&self) -> Option<&Shaft> {
+        self.machine.axis.shaft.as_ref()
+    }
+
+    /// A number of the nut under the largest load.
+    fn of_nut(&self, name: &str) -> Option<f64> {
+        self.nut.as_ref()?.number(name)
+    }
+
+    /// By the rating of the maker too, which is of the same ball.
+    fn static_safety(&self) -> f64 {
+        let axis = self.axis();
+        let stated = axis.static_rating.rating / axis.nut.static_rating().rating;
+        let of_balls = self.of_nut("static_safety").map_or(f64::INFINITY, |safety| safety * stated);
+        axis.static_safety().min(of_balls)
+    }
+
+    fn steady_rise(&self) -> Option<f64> {
+        self.shaft()?;
+        Some(steady_rise(self.mean_heat()?, self.scene.axis_heat_transfer_W_K?))
+    }
+
+    /// Growth of the screw \[um\].
+    fn growth(&self) -> Option<f64> {
+        let given = self.scene.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
+        let expansion = self.scene.value_or_default(InputKey::thermal_expansion_um_m_K)?;
+        Some(self.shaft()?.growth(expansion * UM, given.or_else(|| self.steady_rise())?) / UM)
+    }
+
+    /// Rigidity of screw, nut, bearings and housings in series \[N/m\].
+    fn stiffness(&self) -> Option<f64> {
+        let Scene { support_bearing_rigidity_N_um, housing_rigidity_N_um, .. } = self.scene;
+        let others = [*support_bearing_rigidity_N_um, *housing_rigidity_N_um].into_iter().flatten();
+        let (screw, nut) =
+            (self.shaft()?.least_stiffness(), self.of_nut("nut_stiffness_N_um")? / UM);
+        Some(others.map(|rigidity| rigidity / UM).fold(in_series(screw, nut), in_series))
+    }
+
+    /// The largest size of a number of all phases.
+    fn peak(&self, number: impl Fn(&Self, &Torques) -> Option<f64>) -> Option<f64> {
+        let all: Option<Vec<f64>> =
+            self.torques.iter().map(|torques| number(self, torques)).collect();
+        Some(all?.into_iter().map(f64::abs).fold(0.0, f64::max))
+    }
+
+    fn rms_torque(&self) -> Option<f64> {
+        let timed = |torques| Some((self.motor_torque(torques)?, torques.phase.time));
+        let all: Option<Vec<_>> = self.torques.iter().map(timed).collect();
+        root_mean_square(all?.into_iter())
+    }
+
+    fn inertia_at_motor(&self) -> Option<f64> {
+        self.machine.screw.map(|_| self.machine.drive.load_inertia())
+    }
+
+    /// Time of the cycle \[s\].
+    fn time(&self) -> f64 {
+        self.torques.iter().map(|torques| torques.phase.time).sum()
+    }
+
+    /// The phase of the largest load that moves.
+    fn heaviest(&self) -> Option<&Torques> {
+        let load = |torques: &&Torques| torques.phase.load.abs();
+        let moving = self.torques.iter().filter(|torques| torques.phase.speed != 0.0);
+        moving.max_by(|a, b| load(a).total_cmp(&load(b)))
+    }
+
+    /// Heat over the cycle \[W\].
+    fn mean_heat(&self) -> Option<f64> {
+        let heats = self.torques.iter().map(|torques| Some(torques.heat()? * torques.phase.time));
+        heats.sum::<Option<f64>>().map(|heat| heat / self.time())
+    }
+
+    fn motor_torque(&self, torques: &Torques) -> Option<f64> {
+        Some(self.machine.drive.motor_torque(torques.at_screw()?, torques.phase.acceleration))
+    }
+
+    fn motor_power(&self, torques: &Torques) -> Option<f64> {
+        let speed = torques.phase.speed * self.machine.drive.gear_ratio;
+        Some(self.motor_torque(torques)? * speed)
+    }
+
+    /// What was taken where nothing was given.
+    fn notes(&self) -> Vec<String> {
+        let no_input = self.no_nut.as_ref().filter(|why| !matches!(why, CaseError::Nut(_)));
+        let mut notes: Vec<_> = no_input.map(no_balls).into_iter().collect();
+        if let Some(Preload { cold, warm, .. }) = self.preload
+            && (cold - warm).abs() > 0.0
+        {
+            notes.push(preload_note(cold, warm));
+        }
+        let mut note = |words: &str| notes.push(words.to_owned());
+        if let Some(grade) = self.scene.nut.accuracy_grade {
+            note(&grade.describe());
+        }
+        if self.machine.axis.shaft.is_none() {
+            note(
+                "without stroke_mm or unsupported_length_mm there is no critical speed, buckling load and inertia of the screw",
+            );
+            return notes;
+        }
+        if self.scene.nut.support.is_none() {
+            note("support is not given: fixed-supported is taken");
+        }
+        if self.scene.unsupported_length_mm.is_none() {
+            note("unsupported_length_mm is stroke, length of the nut and two leads");
+        }
+        notes
+    }
+
+    /// How sure the torque is where friction comes from a lubricant.
+    fn how_sure(&self, settings: &Settings) -> Option<String> {
+        let heaviest = self.heaviest()?;
+        let phase = &heaviest.phase;
+        let work = &mut ModelWorkspace::default();
+        let [low, high] = contacts::band(self.scene, settings, phase, work)?;
+        let friction = heaviest.contacts.friction?;
+        Some(format!(
+            "friction from the lubricant: at {:.0} N and {:.0} rpm nine of ten draws of what nobody knows exactly lie \
+             between {:.3} and {:.3} N m, of {friction:.3} N m of the contacts",
+            phase.load,
+            phase.speed / RPM,
+            low * friction,
+            high * friction
+        ))
+    }
+
+    fn phase(&self, torques: &Torques) -> ScrewTorque {
+        let motion = read_phase(&InPhase { worked: self, torques }, |_| true);
+        let numbers = motion.and(read_torques(torques, |_| true));
+        ScrewTorque { numbers, contacts: torques.contacts.words.clone() }
+    }
+}
+
+/// A scene at the largest load and speed of its axis, for the ratings.
+fn at_largest(scene: &Scene, axis: &Axis) -> Scene {
+    let mut scene = scene.clone();
+    let load = axis.largest_load();
+    (scene.axial_load_N, scene.feed_m_min) = (Some(load).filter(|load| *load > 0.0), None);
+    let rpm = axis.fastest() / RPM;
+    (scene.screw_speed_rpm, scene.nut_speed_rpm) = (Some(rpm).filter(|rpm| *rpm > 0.0), None);
+    // The load has the mass, and the warm preload is judged by itself.
+    scene.moved_mass_kg = None;
+    for key in RISES {
+        scene[key] = None;
+    }
+    scene
+}
+
+/// Life of the cycle by the loads of all balls \[s\]: each phase takes its share of the life that it has alone.
+fn life_by_balls(scene: &Scene, settings: &Settings, axis: &Axis) -> Option<f64> {
+    let (mut taken, mut time) = (0.0, 0.0);
+    for phase in &axis.phases {
+        time += phase.time;
+        let moves = phase.speed != 0.0 && (phase.load != 0.0 || is_preloaded(scene));
+        if moves {
+            let nut = nut_at(scene, settings, phase.load, phase.speed).ok()?;
+            let ours = nut.number("life_revolutions")?;
+            let rated = nut.number("iso_life_revolutions")?;
+            // The ratio is of the model, the rating may be of the maker.
+            let preload = nut.number("warm_preload_N").filter(|_| is_preloaded(scene));
+            let duty = bsm_design::Duty { load: phase.load, speed: 1.0, time: 1.0 };
+            let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
+            let turns = phase.speed.abs() * phase.time / TAU;
+            taken += turns / (stated * ours / rated);
+        }
+    }
+    (taken > 0.0).then(|| time / taken)
+}

@@ -1,0 +1,101 @@
+//! What the balls of an axis take: friction of each phase, and the nut under its largest load.
+
+use bsm_design::Phase;
+use bsm_dyn::{ModelWorkspace, Problem, Status};
+
+use crate::vocabulary::units::RPM;
+use crate::{CaseError, InputKey, NutProblem, NutReport, Record, Scene, Settings};
+
+/// Friction of the contacts in a phase.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Contacts {
+    /// Torque on the screw \[N·m\], positive; `None` where the model has none.
+    pub(super) friction: Option<f64>,
+    /// The model, or why there is no torque.
+    pub(super) words: String,
+}
+
+/// True if a scene has a preloaded nut.
+pub(super) fn is_preloaded(scene: &Scene) -> bool {
+    [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um]
+        .into_iter()
+        .any(|key| scene[key].is_some_and(|value| value != 0.0))
+}
+
+/// A scene at another load and speed of its axis: with a load of zero only where the nut takes it.
+fn at(scene: &Scene, load: f64, speed: f64) -> Scene {
+    let mut scene = scene.clone();
+    (scene.axial_load_N, scene.feed_m_min) = (Some(load), None);
+    (scene.screw_speed_rpm, scene.nut_speed_rpm) = (Some(speed / RPM), None);
+    scene
+}
+
+/// The nut of an axis under a load, with all its balls.
+pub(super) fn nut_at(
+    scene: &Scene,
+    settings: &Settings,
+    load: f64,
+    speed: f64,
+) -> Result<NutReport, CaseError> {
+    // Seals have a line of their own.
+    let scene = Scene { seal_torque_Nm: None, ..at(scene, load, speed) };
+    NutProblem::of(&scene, settings)?.solve().map_err(CaseError::Nut)
+}
+
+/// How sure friction from a lubricant is: nine of ten draws of what nobody knows exactly lie between these, over the
+/// stated friction of the contacts.
+pub(super) fn band(
+    scene: &Scene,
+    settings: &Settings,
+    Phase { load, speed, .. }: &Phase,
+    work: &mut ModelWorkspace,
+) -> Option<[f64; 2]> {
+    let problem = at(scene, load.abs(), load.signum() * speed).problem(settings).ok()?;
+    let solution = problem.solve(work);
+    match (&problem, solution.solved()) {
+        (Problem::Lubricated(case), Some(solved)) => Some(case.band(solved, work)?.loss),
+        _ => None,
+    }
+}
+
+/// Friction of the contacts under a load at a speed: by all balls of a preloaded nut, else by one ball under
+/// its equal share.
+///
+/// * `advance`: for a radian of the screw \[m\].
+pub(super) fn contacts(
+    scene: &Scene,
+    settings: &Settings,
+    advance: f64,
+    Phase { load, speed, .. }: &Phase,
+    work: &mut ModelWorkspace,
+) -> Result<Contacts, CaseError> {
+    if !scene.given().has_friction() {
+        let words = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();
+        return Ok(Contacts { friction: None, words });
+    }
+    if *speed == 0.0 {
+        return Ok(Contacts { friction: Some(0.0), words: "at rest".to_owned() });
+    }
+    if is_preloaded(scene) {
+        let nut = nut_at(scene, settings, *load, *speed)?;
+        let friction = nut.number("friction_heat_W").map(|heat| heat / speed.abs());
+        let words = match nut.model() {
+            Some(model) => format!("{model}, all balls"),
+            None => "all balls, on both flanks".to_owned(),
+        };
+        return Ok(Contacts { friction, words });
+    }
+    if *load == 0.0 {
+        return Ok(Contacts { friction: Some(0.0), words: "no load".to_owned() });
+    }
+    // The model has the load positive, and the speed negative where the load drives.
+    let scene = at(scene, load.abs(), load.signum() * speed);
+    let record = Record::new(scene.problem(settings)?.solve(work));
+    let torque = record.number("screw_torque_Nm").filter(|_| record.status() == Status::Converged);
+    let ideal = advance * load.abs();
+    let words = match (torque, record.message()) {
+        (None, Some(why)) => format!("no torque: {why}"),
+        _ => record.model().name().to_owned(),
+    };
+    Ok(Contacts { friction: torque.map(|torque| (torque - ideal).abs()), words })
+}

@@ -1,0 +1,187 @@
+//! The rules that an axis must keep: value, limit, source, and what would help.
+
+use bsm_design::{Axis, OPENS_AT, PRELOAD};
+
+use super::Preload;
+use crate::{Answer, Criterion, InputKey, Numbers, Scene};
+
+/// The rules of a sheet as they are added.
+#[derive(Default)]
+struct Rules(Vec<Criterion>);
+
+impl Rules {
+    /// Adds a rule about a number, if there is one.
+    ///
+    /// * `name`: with its unit. * `limit`: whether it is the least value, and it. * `remedy`: what would help,
+    ///   from how many times the rule is kept.
+    fn add(
+        &mut self,
+        title: &'static str,
+        (name, unit): (&'static str, &'static str),
+        value: Option<f64>,
+        (at_least, limit): (bool, Option<f64>),
+        source: &'static str,
+        remedy: &dyn Fn(f64) -> String,
+    ) {
+        let Some(value) = value else { return };
+        let mut rule =
+            Criterion { title, name, unit, value, limit, at_least, source, remedy: None };
+        rule.remedy = rule.margin().filter(|_| !rule.passes()).map(remedy);
+        self.0.push(rule);
+    }
+}
+
+/// All rules of an axis that it has numbers for.
+///
+/// * `preload`: cold and warm \[N\].
+pub(super) fn rules(
+    scene: &Scene,
+    axis: &Axis,
+    numbers: &Numbers,
+    of_nut: &Answer,
+    preload: Option<&Preload>,
+) -> Vec<Criterion> {
+    let mut rules = Rules::default();
+    screw_rules(&mut rules, scene, axis, numbers);
+    nut_rules(&mut rules, scene, axis, numbers);
+    preload_rules(&mut rules, axis, numbers, of_nut, preload);
+    rules.0
+}
+
+/// Of the screw between its bearings.
+fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
+    let number = |name: &str| numbers.number(name);
+    let input = |key| scene.value_or_default(key);
+    let length = number("screw_length_between_bearings_mm").unwrap_or(f64::NAN);
+    let diameter = number("bending_diameter_mm").unwrap_or(f64::NAN);
+    rules.add(
+        "critical speed",
+        ("critical_speed_ratio", ""),
+        number("critical_speed_ratio"),
+        (false, input(InputKey::required_critical_speed_ratio)),
+        "makers' catalogues: 0.8 of the critical speed (Z1)",
+        &|margin| {
+            format!(
+                "unsupported_length_mm {:.0} or less, or a core of {:.1} mm, or a stiffer support",
+                length * margin.sqrt(),
+                diameter / margin
+            )
+        },
+    );
+    let limit = input(InputKey::speed_number_limit_mm_min);
+    rules.add(
+        "speed number",
+        ("cycle_speed_number_mm_min", "mm/min"),
+        number("cycle_speed_number_mm_min"),
+        (false, limit),
+        "limit of the ball return: 70 000 unless given, end caps some 120 000, internal high-speed returns 160 000 (Z15)",
+        &|margin| {
+            format!(
+                "lead_mm {:.1} at the same feed, or another ball return (speed_number_limit_mm_min)",
+                axis.nut.lead / crate::vocabulary::units::MM / margin
+            )
+        },
+    );
+    rules.add(
+        "buckling",
+        ("buckling_safety", ""),
+        number("buckling_safety"),
+        (true, input(InputKey::required_buckling_safety)),
+        "Euler; half of the buckling load (Z2)",
+        &|margin| {
+            format!(
+                "unsupported_length_mm {:.0} or less, or a core of {:.1} mm",
+                length * margin.sqrt(),
+                diameter * margin.powf(-0.25)
+            )
+        },
+    );
+    rules.add(
+        "stress of the core",
+        ("largest_load_N", "N"),
+        number("yield_load_N").map(|_| axis.largest_load()),
+        (false, number("yield_load_N")),
+        "THK and others: 147 N/mm2 (Z3)",
+        &|margin| format!("a core of {:.1} mm", diameter * margin.powf(-0.5)),
+    );
+}
+
+/// Of the load ratings.
+fn nut_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
+    let number = |name: &str| numbers.number(name);
+    let input = |key| scene.value_or_default(key);
+    let rating = axis.static_rating.rating;
+    rules.add(
+        "static safety",
+        ("static_safety_factor", ""),
+        number("static_safety_factor"),
+        (true, input(InputKey::required_static_safety)),
+        "ISO 3408-5 (Z16); by the most loaded ball too, bsm nut",
+        &|margin| format!("a static load rating of {:.0} N", rating / margin),
+    );
+    let dynamic = axis.dynamic_rating;
+    rules.add(
+        "life",
+        ("cycle_life_h", "h"),
+        number("cycle_life_h"),
+        (true, scene.required_life_h),
+        "ISO 3408-5 (D12) to (D15), reliability (Z14)",
+        &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin.cbrt()),
+    );
+    rules.add(
+        "life by all balls",
+        ("cycle_life_by_balls_h", "h"),
+        number("cycle_life_by_balls_h"),
+        (true, scene.required_life_h),
+        "loads of all balls (U24)",
+        &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin.cbrt()),
+    );
+    rules.add(
+        "equivalent load",
+        ("equivalent_load_N", "N"),
+        number("equivalent_load_N"),
+        (false, Some(dynamic)),
+        "a million revolutions at least (D13)",
+        &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin),
+    );
+}
+
+/// Of the contacts, and of the preload if there is one.
+fn preload_rules(
+    rules: &mut Rules,
+    axis: &Axis,
+    numbers: &Numbers,
+    of_nut: &Answer,
+    preload: Option<&Preload>,
+) {
+    let number = |name: &str| numbers.number(name);
+    let edge = of_nut.number("edge_load_N");
+    let (largest, dynamic) = (axis.largest_load(), axis.dynamic_rating);
+    rules.add(
+        "contact ellipse on its flank",
+        ("busier_nut_load_N", "N"),
+        edge.map(|_| axis.busier_load()),
+        (false, edge),
+        "edge of the land (G8)",
+        &|_| "a larger land: nut_bore_mm smaller, screw_outer_diameter_mm larger".to_owned(),
+    );
+    if let Some(&Preload { cold, warm, .. }) = preload {
+        rules.add(
+            "preload",
+            ("warm_preload_N", "N"),
+            Some(warm),
+            (false, Some(PRELOAD * dynamic)),
+            "Sobolewski, 0.15 of the dynamic load rating (D22)",
+            &|_| format!("preload_N {:.0} or less", PRELOAD * dynamic * cold / warm),
+        );
+        let opens = number("opening_load_N").unwrap_or(OPENS_AT * warm);
+        rules.add(
+            "preload left",
+            ("largest_load_N", "N"),
+            Some(largest),
+            (false, Some(opens)),
+            "the preload is lost at some 2.83 times itself (D14), (U20)",
+            &|margin| format!("preload_N {:.0}", cold / margin),
+        );
+    }
+}

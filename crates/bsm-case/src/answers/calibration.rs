@@ -1,0 +1,266 @@
+//! Several inputs from a table of measured points.
+
+use bsm_design::{LeastSquares, least_squares};
+use bsm_dyn::{Model, ModelWorkspace, Status};
+use serde_json::json;
+
+use crate::answers::fit::range_of;
+use crate::vocabulary::cells::Cells;
+use crate::vocabulary::number::number;
+use crate::vocabulary::units::convert;
+use crate::{
+    Answer, CaseError, Column, Content, InputKey, Known, ModelChoice, OUTPUTS, Output, Record,
+    Scene, Settings, Table, torque_parts,
+};
+
+/// A measured point.
+#[derive(Debug, Clone)]
+struct Measured {
+    /// Its inputs.
+    scene: Scene,
+    /// What was measured, in the unit of the vocabulary.
+    value: f64,
+}
+
+/// What is known and what is sought.
+#[derive(Debug, Clone)]
+pub struct Calibration {
+    inputs: Vec<(InputKey, (f64, f64))>,
+    output: &'static Output,
+    points: Vec<Measured>,
+}
+
+/// The inputs that come closest to all points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CalibrationReport {
+    /// Their values, deviations and conditioning; residuals in the unit of the output.
+    pub found: LeastSquares,
+    /// Root mean square of the residuals.
+    pub scatter: f64,
+}
+
+impl Calibration {
+    /// Why there is no report.
+    pub const LOST: &str = "a point has no solution with values on the way, or the search does not settle; give \
+                            narrower ranges to the inputs";
+
+    /// Seeks `inputs`, each `name` or `name=low:high`, from a CSV table: a column of the output that was measured,
+    /// and columns of inputs, in any known units.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for unknown names, ranges that are none, and cells that are no numbers.
+    pub fn new(
+        base: &Scene,
+        inputs: &[String],
+        output: &str,
+        table: &[u8],
+    ) -> Result<Self, CaseError> {
+        let named = |name: &str| Output::named(name).filter(|o| o.json_type == "number");
+        let output = named(output.trim()).filter(|o| o.key().is_some()).ok_or_else(|| {
+            let name = output.trim();
+            CaseError::unknown(Known::Output, name, Output::nearest(name))
+        })?;
+        let inputs = inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
+        let points = points(base, output, table)?;
+        Ok(Self { inputs, output, points })
+    }
+
+    /// The output that was measured.
+    pub fn output(&self) -> &'static str {
+        self.output.name
+    }
+
+    /// Searches from the values of the scene.
+    ///
+    /// In place of model auto the most complete one is taken. `None` if a point has no solution on the way, or the
+    /// search does not settle.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if the points have no inputs for the model, or it does not give the output.
+    pub fn run(
+        &self,
+        base: &Scene,
+        settings: &Settings,
+    ) -> Result<Option<CalibrationReport>, CaseError> {
+        let start: Vec<_> = self
+            .inputs
+            .iter()
+            .map(|(key, (low, high))| {
+                let known = base.value_or_default(*key).filter(|x| low < x && x < high);
+                known.unwrap_or(0.5 * (low + high))
+            })
+            .collect();
+        let (bounds, mut work): (Vec<_>, _) =
+            (self.inputs.iter().map(|(_, range)| *range).collect(), ModelWorkspace::default());
+        let mut residuals = |values: &[f64]| {
+            let mut left = Vec::with_capacity(self.points.len());
+            for point in &self.points {
+                match self.solve(&point.scene, settings, values, &mut work)? {
+                    Some(ours) => left.push(ours - point.value),
+                    None => return Ok(None),
+                }
+            }
+            Ok::<_, CaseError>(Some(left))
+        };
+        let found = least_squares(&mut residuals, &start, &bounds)?;
+        Ok(found.map(|found| {
+            #[expect(clippy::cast_precision_loss, reason = "a number of measurements")]
+            let count = found.residuals.len() as f64;
+            let square: f64 = found.residuals.iter().map(|x| x * x).sum();
+            CalibrationReport { found, scatter: (square / count).sqrt() }
+        }))
+    }
+
+    /// The output of a point with these values of the inputs, if it has a solution.
+    fn solve(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        values: &[f64],
+        work: &mut ModelWorkspace,
+    ) -> Result<Option<f64>, CaseError> {
+        let mut scene = scene.clone();
+        for ((key, _), value) in self.inputs.iter().zip(values) {
+            scene.set(key.name(), *value)?;
+        }
+        let settings = match scene.choose(settings.model)? {
+            ModelChoice::Auto => Settings { model: Model::Traction.into(), ..*settings },
+            ModelChoice::Fixed(model) => Settings { model: model.into(), ..*settings },
+        };
+        // A measured torque is that of the whole screw.
+        if self.output.name == "screw_torque_Nm"
+            && let Some(parts) = torque_parts(&scene, &settings)?
+        {
+            return Ok(parts.number("whole_screw_torque_Nm"));
+        }
+        let record = Record::new(scene.problem(&settings)?.solve(work));
+        if record.status() != Status::Converged {
+            return Ok(None);
+        }
+        let value = record.number(self.output.name);
+        value.map(Some).ok_or_else(|| CaseError::NoOutput {
+            output: self.output.name,
+            model: record.model().name(),
+            missing: scene.missing(Model::Traction),
+        })
+    }
+
+    /// Rows of input, value and standard deviation.
+    pub fn rows(&self, report: &CalibrationReport) -> Vec<(&'static str, f64, Option<f64>)> {
+        let deviation = |i: usize| report.found.deviations.as_ref().map(|all| all[i]);
+        let rows = self.inputs.iter().zip(&report.found.at).enumerate();
+        rows.map(|(i, ((key, _), value))| (key.name(), *value, deviation(i))).collect()
+    }
+
+    /// Measured and fitted value of each point.
+    pub fn fitted(&self, report: &CalibrationReport) -> impl Iterator<Item = (f64, f64)> {
+        let points = self.points.iter().zip(&report.found.residuals);
+        points.map(|(point, left)| (point.value, point.value + left))
+    }
+
+    /// The answer: the values, what they leave over, and each point.
+    pub fn answer(&self, report: &CalibrationReport) -> Answer {
+        let condition = report.found.condition;
+        let found = Table {
+            columns: vec![
+                Column::headed("name", "input"),
+                Column::named("value"),
+                Column::headed("standard_deviation", "standard deviation"),
+            ],
+            rows: self
+                .rows(report)
+                .iter()
+                .map(|(name, value, deviation)| vec![json!(name), json!(value), json!(deviation)])
+                .collect(),
+            keyed: true,
+        };
+        let point = |(place, (measured, fitted)): (usize, (f64, f64))| {
+            vec![json!(place), json!(measured), json!(fitted), json!(fitted - measured)]
+        };
+        let points = Table {
+            columns: vec![
+                Column::headed("", "point"),
+                Column::named("measured"),
+                Column::named("fitted"),
+                Column::headed("", "difference"),
+            ],
+            rows: (1..).zip(self.fitted(report)).map(point).collect(),
+            keyed: false,
+        };
+        let doubt = if condition > 1e3 { ": the points hardly tell the inputs apart" } else { "" };
+        Answer::default()
+            .with("output", Content::Json(self.output.name.into()))
+            .with("found", Content::Table(found))
+            .with("root_mean_square", Content::Json(json!(report.scatter)))
+            .with("condition", Content::Json(json!(condition)))
+            .with_shown(Content::Words(
+                "RMS residual:",
+                Some(format!("{} ({})", number(report.scatter), self.output.name)),
+            ))
+            .with_shown(Content::Words("condition:", Some(format!("{}{doubt}", number(condition)))))
+            .with("points", Content::Table(points))
+    }
+}
+
+/// An input and where it is looked for.
+pub(crate) fn sought(base: &Scene, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
+    let bad = || CaseError::BadSetting {
+        text: text.to_owned(),
+        form: "input, or input=low:high, such as seal_torque_Nm=0:1",
+    };
+    let (name, range) = match text.split_once('=') {
+        None => (text, None),
+        Some((name, range)) => {
+            let (low, high) = range.split_once(':').ok_or_else(bad)?;
+            let number = |text: &str| text.trim().parse::<f64>().map_err(|_| bad());
+            (name, Some((number(low)?, number(high)?)))
+        }
+    };
+    let key = InputKey::named(name.trim())?;
+    Ok((key, range_of(base, key, range)?))
+}
+
+/// What a column of a table holds: an input or what was measured, times a factor.
+enum Sought {
+    Input(InputKey, f64),
+    Measured(f64),
+}
+
+fn points(base: &Scene, output: &'static Output, table: &[u8]) -> Result<Vec<Measured>, CaseError> {
+    let cells = Cells::read(table, b',', '.')?;
+    let outputs = OUTPUTS.iter().map(|output| output.name);
+    let columns = cells.columns(|name| {
+        if name == output.name {
+            return Ok(Sought::Measured(1.0));
+        }
+        match InputKey::in_unit(name) {
+            Ok((key, factor)) => Ok(Sought::Input(key, factor)),
+            Err(unknown) => match convert(name, &outputs) {
+                Some((known, factor)) if known == output.name => Ok(Sought::Measured(factor)),
+                _ => Err(unknown),
+            },
+        }
+    })?;
+    if columns.iter().filter(|column| matches!(column, Sought::Measured(_))).count() != 1 {
+        return Err(CaseError::BadEntry {
+            key: output.name.to_owned(),
+            what: "must be one column of the table of measurements".to_owned(),
+        });
+    }
+    cells.each(&columns, |_, row| {
+        let (mut scene, mut value) = (base.clone(), None);
+        for (column, text) in row {
+            let number = cells.number(text)?;
+            match column {
+                Sought::Input(key, factor) => scene.set(key.name(), number * factor)?,
+                Sought::Measured(factor) => value = Some(number * factor),
+            }
+        }
+        scene.check()?;
+        let what = || format!("has no {}", output.name);
+        let value = value.ok_or_else(|| CaseError::Table { what: what() })?;
+        Ok(Measured { scene, value })
+    })
+}

@@ -1,0 +1,393 @@
+//! The screw for a requirement, in the vocabulary.
+
+use std::cell::RefCell;
+
+use bsm_design::{
+    Blocked, Check, Demand, Design, Nut, Outcome, Phase, Pitch, Quantity, Requirement, Why,
+};
+use bsm_dyn::{Direction, ModelWorkspace};
+use serde_json::json;
+
+use crate::answers::axis::quick_efficiency;
+use crate::answers::optimum::hard_to_make;
+use crate::vocabulary::number::trimmed;
+use crate::vocabulary::units::{DEG, MM, MPA, RPM};
+use crate::{
+    Answer, AxisReport, Catalogue, Column, Content, Criterion, Output, RequirementFile, Scene,
+    Settings, Table, sheet_columns,
+};
+
+/// A number of the procedure: step, what it is, value and requirement in words, and whether it
+/// holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignRow {
+    /// Step of Lin's procedure; 11 for what was added to it.
+    pub step: u8,
+    /// Name, with its unit as suffix.
+    pub name: &'static str,
+    /// Unit in words.
+    pub unit: &'static str,
+    /// The number, if there is one.
+    pub value: Option<f64>,
+    /// What it must be, if anything.
+    pub requirement: Option<String>,
+    /// True if it is so, or nothing is required.
+    pub passes: bool,
+}
+
+/// The screw for a requirement, or why there is none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignReport {
+    /// The steps of the screw, or of the compromise that fails least.
+    pub rows: Vec<DesignRow>,
+    /// True if the screw meets the requirement.
+    pub found: bool,
+    /// What holds the design back, or which limits block it and by how much.
+    pub reasons: Vec<String>,
+    /// What an engineer should know.
+    pub warnings: Vec<String>,
+    /// The screw at its operating point.
+    pub scene: Scene,
+}
+
+/// Name of the efficiency of the whole screw.
+const EFFICIENCY: &str = "screw_efficiency";
+
+thread_local! {
+    /// The search solves from several threads.
+    static WORK: RefCell<ModelWorkspace> = RefCell::default();
+}
+
+impl DesignReport {
+    /// Searches for the best screw of any size, with balls of standard diameters: Lin's procedure. A
+    /// requirement that cannot be met is a result.
+    pub fn of(wish: &RequirementFile) -> Self {
+        let efficiency = |nut: &Nut, phase: &Phase| efficiency(wish, nut, phase);
+        let outcome = wish.requirement.choose(&efficiency, &|nut| accepted(wish, nut));
+        Self::from_outcome(wish, outcome)
+    }
+
+    /// Searches for the best screw among standard sizes; `None` if the lists have none for the requirement,
+    /// such as for a lead angle.
+    pub fn standard(wish: &RequirementFile, catalogue: &Catalogue) -> Option<Self> {
+        let Catalogue { lists, limits } = catalogue;
+        let efficiency = |nut: &Nut, phase: &Phase| efficiency(wish, nut, phase);
+        let accepted = |nut: &Nut| accepted(wish, nut);
+        let outcome = wish.requirement.choose_standard(lists, limits, &efficiency, &accepted)?;
+        Some(Self::from_outcome(wish, outcome))
+    }
+
+    fn from_outcome(wish: &RequirementFile, outcome: Outcome) -> Self {
+        let (design, reasons, found): (_, Vec<String>, _) = match outcome {
+            Outcome::Found { design, active, refused } => {
+                let mut names: Vec<_> = active.into_iter().map(|q| label(q).0).collect();
+                names.extend(refused);
+                let mut seen = Vec::new();
+                names.retain(|name| {
+                    !seen.contains(name) && {
+                        seen.push(*name);
+                        true
+                    }
+                });
+                (design, names.into_iter().map(str::to_owned).collect(), true)
+            }
+            Outcome::Infeasible { design, blocking } => {
+                (design, blocking.iter().map(blocks).collect(), false)
+            }
+        };
+        let scene = scene(wish, &design.nut, design.phase.load);
+        let sheet = AxisReport::of(&scene, &wish.model.into()).ok();
+        let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
+        let of_sheet = |_: &Nut, _: &Phase| efficiency;
+        // That of a preloaded nut is by all its balls.
+        let design = Design::of(&wish.requirement, design.nut, Some(&of_sheet));
+        let rules = sheet.map_or_else(Vec::new, |sheet| sheet.answer.rules);
+        let mut warnings = scene.warnings();
+        let best = design.value(Quantity::BestContactAngle) / DEG;
+        warnings.extend(hard_to_make(
+            "the motion of the requirement",
+            Some(best).filter(|b| !b.is_nan()),
+        ));
+        if design.value(Quantity::Efficiency).is_nan() {
+            let model = wish.model.name();
+            warnings.push(format!("model {model} has no solution for this screw: see bsm solve"));
+        }
+        if let Demand::Torque(torque, _) = wish.requirement.demand {
+            let eta = design.value(Quantity::Efficiency);
+            let driving = wish.requirement.direction == Direction::RotaryToLinear;
+            let needed = if driving { torque / eta } else { torque * eta };
+            if needed.is_finite() {
+                warnings.push(format!(
+                    "screw_torque_Nm is taken as the torque of a screw without friction (Lin's step 7); \
+                     with an efficiency of {eta:.4} this load needs a torque of {} N m",
+                    trimmed(needed)
+                ));
+            }
+        }
+        let nut = &design.nut;
+        let gap = nut.ball_gap() / nut.ball_diameter;
+        if found && gap > 0.1 + 1e-6 {
+            warnings.push(format!(
+                "on this pitch circle the balls of a turn leave a gap of {gap:.2} ball diameters"
+            ));
+        }
+        let mut rows: Vec<_> = design.checks.iter().map(row).collect();
+        for rule in &rules {
+            let row = of_rule(rule);
+            match rows
+                .iter_mut()
+                .find(|old| old.name == row.name && old.requirement == row.requirement)
+            {
+                Some(old) => *old = DesignRow { step: old.step, ..row },
+                None => rows.push(row),
+            }
+        }
+        let mut reasons = reasons;
+        if !found && reasons.is_empty() {
+            reasons.extend(rules.iter().filter(|rule| !rule.passes()).map(breaks));
+        }
+        if !found && reasons.is_empty() {
+            let model = wish.model.name();
+            reasons.push(format!("model {model} has no solution for any screw within the limits"));
+        }
+        Self { rows, found, reasons, warnings, scene }
+    }
+
+    /// The answer: whether there is a screw, the steps of it and what limits it.
+    pub fn answer(&self) -> Answer {
+        let columns = vec![
+            Column::named("step"),
+            Column::headed("name", ""),
+            Column::headed("", ""),
+            Column::named("value"),
+            Column::headed("required", "must be"),
+            Column::hidden("passes"),
+            Column::headed("", ""),
+        ];
+        let row = |row: &DesignRow| {
+            let DesignRow { step, name, unit, value, requirement, passes } = row;
+            let verdict = if *passes { "pass" } else { "FAIL" };
+            vec![
+                json!(step),
+                json!(name),
+                json!(unit),
+                json!(value),
+                json!(requirement),
+                json!(passes),
+                json!(requirement.as_ref().map(|_| verdict)),
+            ]
+        };
+        let steps = Table { columns, rows: self.rows.iter().map(row).collect(), keyed: false };
+        let label = if self.found { "active limit" } else { "limit that cannot be met" };
+        Answer { warnings: self.warnings.clone(), fails: !self.found, ..Answer::default() }
+            .with("found", Content::Json(self.found.into()))
+            .with("steps", Content::Table(steps))
+            .with("reasons", Content::Texts(label, self.reasons.clone()))
+            .with("scene", Content::Json(self.scene.to_json()))
+    }
+}
+
+impl RequirementFile {
+    /// A catalogue of nuts of the steel of the requirement.
+    #[must_use]
+    pub fn of_its_steel(&self, mut catalogue: Catalogue) -> Catalogue {
+        catalogue.limits.material = self.requirement.material;
+        catalogue
+    }
+
+    /// True if a nut keeps all limits of the requirement but those that need the loads of all its balls, which
+    /// [`sheet_of`](Self::sheet_of) judges.
+    pub fn is_kept_by(&self, nut: &Nut) -> bool {
+        let of_pitch = |pitch: &Pitch| match pitch {
+            Pitch::Lead(lead) => (lead - nut.lead).abs() < 1e-9,
+            Pitch::Angle(angle) => (angle - nut.lead_angle()).abs() < 1e-9,
+        };
+        let keeps = |design: &Design| {
+            let mut checks = design.checks.iter().filter(|check| !check.value.is_nan());
+            checks.all(Check::passes)
+        };
+        let Requirement { pitches, least_efficiency, largest_power, .. } = &self.requirement;
+        let limited = least_efficiency.is_some() || largest_power.is_some();
+        let efficiency = |nut: &Nut, phase: &Phase| efficiency(self, nut, phase);
+        pitches.iter().any(of_pitch)
+            && keeps(&Design::of(&self.requirement, *nut, None))
+            && (!limited || Design::of(&self.requirement, *nut, Some(&efficiency)).is_feasible())
+    }
+
+    /// A nut at the operating point of the requirement.
+    pub fn scene_of(&self, nut: &Nut) -> Scene {
+        let design = Design::of(&self.requirement, *nut, None);
+        scene(self, nut, design.phase.load)
+    }
+
+    /// The numbers of [`sheet_columns`] for a nut in the axis of the requirement, NaN where there is none; `None` if a
+    /// rule of its sheet does not hold.
+    pub fn sheet_of(&self, nut: &Nut) -> Option<Vec<f64>> {
+        let report = AxisReport::of(&self.scene_of(nut), &Settings::default()).ok()?;
+        let number = |column: &Output| report.number(column.name).unwrap_or(f64::NAN);
+        report.passes().then(|| sheet_columns().map(number).collect())
+    }
+}
+
+/// Holds a nut against the rules of its sheet, none of which needs friction, and with a preload against its efficiency,
+/// which the search does not know by all balls.
+fn accepted(wish: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> {
+    let Requirement { least_efficiency, largest_power, preload, .. } = &wish.requirement;
+    let mut scene = wish.scene_of(nut);
+    let by_all_balls = preload.is_some() && (least_efficiency.is_some() || largest_power.is_some());
+    if !by_all_balls {
+        scene.friction_coefficient = None;
+    }
+    let sheet = AxisReport::of(&scene, &wish.model.into()).map_err(|_| Vec::new())?;
+    let mut broken: Vec<_> =
+        sheet.answer.rules.iter().filter(|rule| !rule.passes()).map(|rule| rule.name).collect();
+    if by_all_balls {
+        let efficiency = |_: &Nut, _: &Phase| sheet.number(EFFICIENCY);
+        let design = Design::of(&wish.requirement, *nut, Some(&efficiency));
+        let failing = design.checks.iter().filter(|check| !check.passes());
+        broken.extend(failing.map(|check| label(check.quantity).0));
+    }
+    if broken.is_empty() { Ok(()) } else { Err(broken) }
+}
+
+/// Efficiency of the whole screw of a nut in a phase by the model of a requirement, if it has one.
+fn efficiency(wish: &RequirementFile, nut: &Nut, phase: &Phase) -> Option<f64> {
+    let scene = scene(wish, nut, phase.load);
+    WORK.with_borrow_mut(|work| quick_efficiency(&scene, &wish.model.into(), nut, phase, work))
+}
+
+/// The screw of a nut in the axis of a requirement.
+///
+/// * `load`: of the screw \[N\], where the requirement has a torque.
+fn scene(wish: &RequirementFile, nut: &Nut, load: f64) -> Scene {
+    let by_torque = matches!(wish.requirement.demand, Demand::Torque(..));
+    // In decimals, as the search leaves them.
+    let round = |x: f64| (x * 1e9).round() * 1e-9;
+    let conformity = Some(round(nut.conformity.0));
+    Scene {
+        ball_diameter_mm: Some(round(nut.ball_diameter / MM)),
+        pitch_circle_diameter_mm: Some(round(nut.pitch_diameter / MM)),
+        lead_mm: Some(nut.lead / MM),
+        lead_angle_deg: None,
+        contact_angle_deg: Some(round(nut.contact_angle / DEG)),
+        nut_conformity: conformity,
+        screw_conformity: conformity,
+        loaded_balls_per_turn: Some(nut.balls_per_turn),
+        loaded_turns: Some(nut.turns),
+        loaded_balls: Some((nut.balls_per_turn * nut.turns).max(1.0)),
+        axial_load_N: if by_torque { Some(load) } else { wish.scene.axial_load_N },
+        ..wish.scene.clone()
+    }
+}
+
+/// Name, unit and factor to SI.
+fn label(quantity: Quantity) -> (&'static str, &'static str, f64) {
+    match quantity {
+        Quantity::LeadAngle => ("lead_angle_deg", "deg", DEG),
+        Quantity::BestContactAngle => ("optimum_contact_angle_deg", "deg", DEG),
+        Quantity::ContactAngle => ("contact_angle_deg", "deg", DEG),
+        Quantity::ScrewLength => ("screw_length_mm", "mm", MM),
+        Quantity::RadiusOverLength => ("pitch_radius_over_length", "", 1.0),
+        Quantity::PitchDiameter => ("pitch_circle_diameter_mm", "mm", MM),
+        Quantity::BallOverRadius => ("ball_radius_over_pitch_radius", "", 1.0),
+        Quantity::BallOverLead => ("ball_diameter_over_lead", "", 1.0),
+        Quantity::BallOverGroove => ("ball_radius_over_groove_radius", "", 1.0),
+        Quantity::Conformity => ("conformity", "", 1.0),
+        Quantity::Turns => ("loaded_turns", "", 1.0),
+        Quantity::LargestLoad => ("largest_load_N", "N", 1.0),
+        Quantity::NormalLoad => ("normal_load_per_ball_N", "N", 1.0),
+        Quantity::Lead => ("lead_mm", "mm", MM),
+        Quantity::Stroke => ("stroke_mm", "mm", MM),
+        Quantity::StrokeTurns => ("turns_for_stroke", "", 1.0),
+        Quantity::Advance => ("advance_mm_s", "mm/s", MM),
+        Quantity::SpeedNumber => ("cycle_speed_number_mm_min", "mm/min", MM * RPM),
+        Quantity::NutPressure => ("nut_nominal_pressure_MPa", "MPa", MPA),
+        Quantity::ScrewPressure => ("screw_nominal_pressure_MPa", "MPa", MPA),
+        Quantity::EllipseEnd => ("contact_ellipse_end_deg", "deg", DEG),
+        Quantity::Efficiency => (EFFICIENCY, "", 1.0),
+        Quantity::InputPower => ("screw_input_power_W", "W", 1.0),
+        Quantity::OutputPower => ("screw_output_power_W", "W", 1.0),
+        Quantity::DynamicRating => ("dynamic_load_rating_N", "N", 1.0),
+        Quantity::EquivalentLoad => ("equivalent_load_N", "N", 1.0),
+        Quantity::Life => ("cycle_life_h", "h", 3600.0),
+        Quantity::StaticSafety => ("static_safety_factor", "", 1.0),
+        Quantity::Preload => ("preload_N", "N", 1.0),
+        Quantity::CriticalSpeedRatio => ("critical_speed_ratio", "", 1.0),
+        Quantity::BucklingSafety => ("buckling_safety", "", 1.0),
+        Quantity::Mass => ("mass_of_nut_and_screw_kg", "kg", 1.0),
+    }
+}
+
+fn row(check: &Check) -> DesignRow {
+    let (name, unit, _) = label(check.quantity);
+    DesignRow {
+        step: check.step,
+        name,
+        unit,
+        value: Some(in_unit(check, check.value)).filter(|value| !value.is_nan()),
+        requirement: required(check),
+        passes: check.passes(),
+    }
+}
+
+/// A rule of the sheet beside the steps.
+fn of_rule(rule: &Criterion) -> DesignRow {
+    let sign = if rule.at_least { ">=" } else { "<=" };
+    DesignRow {
+        step: 11,
+        name: rule.name,
+        unit: rule.unit,
+        value: Some(rule.value),
+        requirement: rule.limit.map(|limit| format!("{sign} {}", trimmed(limit))),
+        passes: rule.passes(),
+    }
+}
+
+/// A rule of the sheet that the best screw by all other limits breaks.
+fn breaks(rule: &Criterion) -> String {
+    let DesignRow { name, unit, requirement, .. } = of_rule(rule);
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let help = rule.remedy.as_ref().map_or_else(String::new, |remedy| format!("; {remedy}"));
+    format!(
+        "{name} must be {}{unit}: the best screw by the other limits has {}{unit}{help}",
+        requirement.unwrap_or_default(),
+        trimmed(rule.value)
+    )
+}
+
+fn in_unit(check: &Check, value: f64) -> f64 {
+    value / label(check.quantity).2
+}
+
+fn required(check: &Check) -> Option<String> {
+    let words = |sign: &str, limit: Option<f64>| {
+        limit.map(|limit| format!("{sign} {}", trimmed(in_unit(check, limit))))
+    };
+    match (words(">=", check.least), words("<=", check.most)) {
+        (Some(least), Some(most)) => Some(format!("{least} and {most}")),
+        (one, other) => one.or(other),
+    }
+}
+
+/// A limit that blocks, by how much, and why.
+fn blocks(Blocked { check, why }: &Blocked) -> String {
+    let (name, unit, _) = label(check.quantity);
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let number = |value: f64| format!("{}{unit}", trimmed(in_unit(check, value)));
+    let rule = format!("{name} must be {}{unit}", required(check).unwrap_or_default());
+    match why {
+        Why::Alone(best) => {
+            format!("{rule}: with all other limits kept it can be {} at best", number(*best))
+        }
+        Why::WithOthers => {
+            format!(
+                "{rule}: the nearest compromise has {}, and others fail too",
+                number(check.value)
+            )
+        }
+        Why::WholeBalls => format!(
+            "{rule}: the nearest screw with whole numbers of standard balls has {}; only fractions of balls would do",
+            number(check.value)
+        ),
+    }
+}

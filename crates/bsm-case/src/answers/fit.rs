@@ -1,0 +1,252 @@
+//! An input from a measured output.
+
+use std::cell::RefCell;
+
+use bsm_design::search::{Crossing, crossings};
+use bsm_dyn::{Model, ModelWorkspace, Status};
+use serde_json::json;
+
+use crate::answers::calibration::sought;
+use crate::{
+    Answer, CaseError, Content, InputKey, Known, ModelChoice, Output, Record, Rule, Scene,
+    Settings, torque_parts,
+};
+
+/// Where a friction coefficient is looked for, unless told.
+const FRICTION: (f64, f64) = (1e-4, 0.5);
+
+/// Where another input is looked for, over its value in the scene, unless told.
+const AROUND: (f64, f64) = (0.25, 4.0);
+
+/// What is known and what is sought.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    input: InputKey,
+    range: (f64, f64),
+    output: &'static Output,
+    measured: f64,
+}
+
+/// A value of the input at which the model gives what was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fitted {
+    /// The value of the input.
+    pub value: f64,
+    /// Relative change of the input for a relative change of what was measured.
+    pub response: f64,
+    /// The answer of the model there.
+    pub record: Record,
+}
+
+/// All values in the range, and how the output runs over it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FitReport {
+    /// The values, the smallest first.
+    pub found: Vec<Fitted>,
+    /// Smallest and largest output over the range, where the model has solutions.
+    pub reachable: Option<(f64, f64)>,
+    /// Share of the range in which the model has solutions.
+    pub solved: f64,
+}
+
+/// Where an input is looked for: as told; 1e-4 to 0.5 for a friction coefficient, a quarter of the scene's value to
+/// four times it for another.
+pub(crate) fn range_of(
+    scene: &Scene,
+    input: InputKey,
+    range: Option<(f64, f64)>,
+) -> Result<(f64, f64), CaseError> {
+    let range = match (range, input, scene.value_or_default(input)) {
+        (Some(range), ..) => range,
+        (None, InputKey::friction_coefficient, _) => FRICTION,
+        (None, _, Some(value)) if value != 0.0 => {
+            let (a, b) = (AROUND.0 * value, AROUND.1 * value);
+            (a.min(b), a.max(b))
+        }
+        _ => return Err(CaseError::NoRange { key: input.name() }),
+    };
+    let rule = input.input().rule;
+    let range = match rule {
+        // Values in a scene may be near the end of what is allowed.
+        Rule::Between(low, high) => {
+            let inset = 1e-6 * (high - low);
+            (range.0.max(low + inset), range.1.min(high - inset))
+        }
+        _ => range,
+    };
+    let ends = [range.0, range.1];
+    if !(range.0 < range.1 && ends.iter().all(|value| rule.holds(*value))) {
+        return Err(CaseError::BadRange { key: input.name(), low: range.0, high: range.1 });
+    }
+    Ok(range)
+}
+
+impl Fit {
+    /// Seeks `input`, a `name` or `name=low:high`, in `range` such that the output of a measurement `name=value` comes out.
+    ///
+    /// The range is 1e-4 to 0.5 for a friction coefficient, a quarter of the scene's value to four
+    /// times it for another input, unless given.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for unknown names, no number, or a range that is none.
+    pub fn new(
+        scene: &Scene,
+        input: &str,
+        range: Option<(f64, f64)>,
+        measurement: &str,
+    ) -> Result<Self, CaseError> {
+        let (input, range) = match range {
+            Some(_) => {
+                let input = InputKey::named(input)?;
+                (input, range_of(scene, input, range)?)
+            }
+            None => sought(scene, input)?,
+        };
+        let form = "output=value, such as screw_torque_Nm=1.5";
+        let bad = || CaseError::BadSetting { text: measurement.to_owned(), form };
+        let (name, value) = measurement.split_once('=').ok_or_else(bad)?;
+        let of_solution = |o: &&Output| o.json_type == "number" && o.key().is_some();
+        let output = Output::named(name.trim()).filter(of_solution);
+        let unknown = |name| CaseError::unknown(Known::Output, name, Output::nearest(name));
+        let output = output.ok_or_else(|| unknown(name.trim()))?;
+        let measured: f64 =
+            value.trim().parse().ok().filter(|v| f64::is_finite(*v)).ok_or_else(bad)?;
+        Ok(Self { input, range, output, measured })
+    }
+
+    /// The scene with a value of the input, solved.
+    fn solve(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        value: f64,
+        work: &mut ModelWorkspace,
+    ) -> Result<Record, CaseError> {
+        let mut scene = scene.clone();
+        scene.set(self.input.name(), value)?;
+        Ok(Record::new(scene.problem(settings)?.solve(work)))
+    }
+
+    /// What would be measured: a torque is that of the whole screw.
+    fn measure(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        value: f64,
+        record: &Record,
+    ) -> Result<Option<f64>, CaseError> {
+        let mut scene = scene.clone();
+        scene.set(self.input.name(), value)?;
+        let parts = match self.output.name {
+            "screw_torque_Nm" => torque_parts(&scene, settings)?,
+            _ => None,
+        };
+        Ok(match parts {
+            Some(parts) => parts.number("whole_screw_torque_Nm"),
+            None => record.number(self.output.name),
+        })
+    }
+
+    /// Every value in the range at which the output is as measured.
+    ///
+    /// In place of model auto the most complete one is taken: an error bound of the efficiency is none
+    /// of the input.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if the scene has no inputs for the model.
+    pub fn run(&self, scene: &Scene, settings: &Settings) -> Result<FitReport, CaseError> {
+        let mut scene = scene.clone();
+        scene.set(self.input.name(), self.range.0)?;
+        let settings = &match scene.choose(settings.model)? {
+            ModelChoice::Auto => Settings { model: Model::Traction.into(), ..*settings },
+            ModelChoice::Fixed(model) => Settings { model: model.into(), ..*settings },
+        };
+        let scene = &scene;
+        let work = RefCell::new(ModelWorkspace::default());
+        let answer = |value: f64| self.solve(scene, settings, value, &mut work.borrow_mut());
+        let excess = |value: f64| -> Result<f64, CaseError> {
+            let record = answer(value)?;
+            if record.status() == Status::Converged && record.number(self.output.name).is_none() {
+                return Err(CaseError::NoOutput {
+                    output: self.output.name,
+                    model: record.model().name(),
+                    missing: scene.missing(Model::Traction),
+                });
+            }
+            let output = match record.status() {
+                Status::Converged => self.measure(scene, settings, value, &record)?,
+                _ => None,
+            };
+            Ok(output.map_or(f64::NAN, |output| output - self.measured))
+        };
+        let run = crossings(excess, self.range)?;
+        let fitted = |root: Crossing| {
+            let response = self.measured / (root.at * root.slope);
+            Ok(Fitted { value: root.at, response, record: answer(root.at)? })
+        };
+        Ok(FitReport {
+            found: run.roots.into_iter().map(fitted).collect::<Result<_, CaseError>>()?,
+            reachable: run.values.map(|(low, high)| (low + self.measured, high + self.measured)),
+            solved: run.share,
+        })
+    }
+
+    /// What was found, in words.
+    fn describe(&self, report: &FitReport) -> String {
+        let (input, output) = (self.input.name(), self.output.name);
+        if let [first, ..] = &report.found[..] {
+            let all: Vec<_> = report
+                .found
+                .iter()
+                .map(|fitted| format!("{input} = {:.6}", fitted.value))
+                .collect();
+            let more = if all.len() > 1 { "; the model gives the same at all of them" } else { "" };
+            return format!(
+                "{}{more}; 1 % of {output} is {:.2} % of {input}",
+                all.join(", "),
+                first.response.abs()
+            );
+        }
+        let (low, high) = self.range;
+        match report.reachable {
+            Some((least, most)) => format!(
+                "{input} from {low} to {high} gives {output} from {least:.6} to {most:.6}, not {}{}",
+                self.measured,
+                if report.solved < 1.0 {
+                    format!(
+                        "; the model has solutions in {:.0} % of that range",
+                        100.0 * report.solved
+                    )
+                } else {
+                    String::new()
+                }
+            ),
+            None => format!("the model has no solution with {input} from {low} to {high}"),
+        }
+    }
+
+    /// The answer: the values, each with the result there, and what can be reached.
+    pub fn answer(&self, scene: &Scene, report: &FitReport) -> Answer {
+        let fitted = |f: &Fitted| {
+            json!({
+                self.input.name(): f.value,
+                "relative_response": f.response,
+                "result": f.record.to_json(),
+            })
+        };
+        let mut answer = Answer { fails: report.found.is_empty(), ..Answer::default() }
+            .with("measured", Content::Json(json!({ self.output.name: self.measured })))
+            .with("found", Content::Json(report.found.iter().map(fitted).collect()))
+            .with(
+                "reachable",
+                Content::Json(json!(report.reachable.map(|(low, high)| [low, high]))),
+            )
+            .with("message", Content::Words("", Some(self.describe(report))));
+        for found in &report.found {
+            answer.sections.extend(found.record.shown(scene));
+        }
+        answer
+    }
+}

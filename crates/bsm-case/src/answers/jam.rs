@@ -1,0 +1,375 @@
+//! Jamming of the balls in the vocabulary.
+
+use std::f64::consts::FRAC_PI_2;
+
+use bsm_dyn::{
+    Angles, Direction, EntryStep, PermanentSet, Reason, Solution, SteadyBall, Wedge, apex_thrust,
+    centrifugal_force, contact_modulus, flat_stiffness, impact_force, linear_impact_force,
+    step_thrust, track_friction, viscous_drag,
+};
+
+use crate::answers::analysis::{MovingBall, lacks_ellipses, of_a_motion};
+use crate::answers::record::message;
+use crate::vocabulary::quantity::quantities;
+use crate::vocabulary::units::{DEG, MM, MPA, UM};
+use crate::{AnalysisKind, Answer, CaseError, InputKey, Scene};
+
+quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
+    "contact state, elastic and permanent" {
+        settled_load_N ["N"] Contacts(|j| Some(j.settled.as_ref()?.set.loads)) needs [nut_conformity, screw_conformity], "normal load per ball";
+        settled_angle_deg ["deg"] Contacts(|j| Some(j.settled.as_ref()?.set.angles.map(|a| a / DEG))) needs [nut_conformity, screw_conformity], "contact angle";
+        elastic_approach_um ["um"] Contacts(|j| Some(j.settled.as_ref()?.set.elastic.map(|d| d / UM))) needs [nut_conformity, screw_conformity], "elastic approach";
+        permanent_approach_um ["um"] Contacts(|j| Some(j.settled.as_ref()?.set.permanent.map(|d| d / UM))) needs [nut_conformity, screw_conformity], "permanent approach";
+        total_approach_um ["um"] Contacts(|j| {
+            let set = &j.settled.as_ref()?.set;
+            Some([0, 1].map(|i| (set.elastic[i] + set.permanent[i]) / UM))
+        }) needs [nut_conformity, screw_conformity], "total approach";
+        settled_pressure_MPa ["MPa"] Contacts(|j| Some(j.settled.as_ref()?.pressures.map(|p| p / MPA))) needs [nut_conformity, screw_conformity],
+            "largest pressure, elastic";
+        yield_ratio [""] Contacts(|j| j.yield_ratios) needs [nut_conformity, screw_conformity, race_yield_strength_MPa, ball_yield_strength_MPa], "pressure over that of first yield";
+        contacts_yield [""] Statement(|j| Some(j.yield_ratios?.iter().any(|ratio| *ratio > 1.0))) needs [nut_conformity, screw_conformity, race_yield_strength_MPa, ball_yield_strength_MPa],
+            "true if the steel yields below the surface of a contact";
+    }
+    "inertia and drag forces, per ball" {
+        orbit_rate_rad_s ["rad/s"] Whole(Jam::orbit_rate), "orbital speed of the ball in the nut";
+        ball_omega_rad_s ["rad/s"] Whole(|j| j.ball.motion.omega.norm()), "rotation of the ball";
+        centrifugal_force_N ["N"] Whole(|j| j.wedge.centrifugal), "centrifugal force";
+        centrifugal_over_load [""] Whole(|j| j.wedge.centrifugal / j.least_load()), "centrifugal force over the normal load";
+        drag_force_N ["N"] Whole(|j| j.drag) needs [lubricant_density_kg_m3, drag_coefficient], "drag of the lubricant";
+        drag_over_load [""] Whole(|j| Some(j.drag? / j.least_load())) needs [lubricant_density_kg_m3, drag_coefficient],
+            "drag over the normal load";
+    }
+    "wedge between the races" {
+        wedge_angle_deg ["deg"] Whole(|j| j.wedge.opening() / DEG), "contact angle, screw minus nut";
+        friction_across_N ["N"] Contacts(|j| j.wedge.across()), "friction across the groove";
+        holding_force_N ["N"] Whole(|j| j.wedge.holding()), "force that holds the ball";
+        expelling_force_N ["N"] Whole(|j| j.wedge.expelling()), "force that pushes the ball out";
+        locking_ratio [""] Whole(|j| {
+            let (holding, expelling) = (j.wedge.holding(), j.wedge.expelling());
+            (expelling > ROUNDING * holding).then(|| holding / expelling)
+        }), "holding over expelling force";
+        critical_friction_coefficient [""] Whole(|j| if_any(clean(j.wedge.critical_friction()))),
+            "friction coefficient from which friction holds the ball in this wedge";
+        critical_friction_printed [""] Contacts(|j| j.wedge.critical_friction_printed().map(clean)),
+            "critical friction coefficient as printed by Dong et al., Eq 16";
+        critical_friction_simplified [""] Whole(|j| clean(j.wedge.critical_friction_simplified())),
+            "critical friction coefficient as simplified by Dong et al., Eq 17: slip angle of 90 deg";
+        critical_friction_corrected [""] Whole(|j| if_any(clean(j.wedge.critical_friction_corrected()))),
+            "critical friction coefficient as corrected, without centrifugal force";
+        widest_wedge_deg ["deg"] Whole(|j| j.wedge.widest_opening() / DEG), "widest wedge in which friction can hold a ball";
+    }
+    "self-locking" {
+        locking_friction_coefficient [""] Whole(|j| Some(j.locking()?.1)),
+            "friction coefficient from which the screw is self-locking in its direction of drive, contact angles under load";
+        locking_margin [""] Whole(|j| Some(j.locking()?.1 / j.wedge.friction).filter(|x| x.is_finite())),
+            "margin, locking friction coefficient over the one of the scene";
+        self_locking_under_load [""] Statement(|j| {
+            let (direction, _) = j.locking()?;
+            Some(j.angles().self_locking(direction, j.wedge.friction))
+        }), "true if the screw is self-locking in its direction of drive, contact angles under load";
+    }
+    "ball return" {
+        approach_speed_m_s ["m/s"] Whole(|j| j.returner.speed), "speed of the ball at the ball return";
+        impact_force_N ["N"] Whole(|j| j.returner.impact), "force of the impact";
+        apex_thrust_N ["N"] Whole(|j| j.returner.apex) needs [apex_half_angle_deg], "thrust at the apex of the return curve";
+        step_force_N ["N"] Whole(|j| Some(j.returner.step?.0)) needs [return_angle_deg], "normal force of the step";
+        step_thrust_N ["N"] Whole(|j| Some(j.returner.step?.1)) needs [return_angle_deg], "thrust at the step into the screw";
+        highest_step_mm ["mm"] Whole(|j| j.returner.highest / MM), "height of a step into the return that no thrust overcomes";
+        entry_thrust_ratio [""] Whole(|j| j.returner.entered.filter(|ratio| ratio.is_finite())) needs [step_height_mm, return_angle_deg],
+            "thrust behind over thrust ahead of a ball at the step into the return";
+        entry_thrust_N ["N"] Whole(|j| j.returner.entry_thrust()) needs [step_height_mm, return_angle_deg, apex_half_angle_deg],
+            "thrust at the step into the return, with a ball at the apex ahead";
+        screw_track_friction_N ["N"] Whole(|j| Some(j.track?.screw)) needs [loaded_balls_per_turn],
+            "friction along the track, balls of one turn: steady motion, screw (as published)";
+        weaker_track_friction_N ["N"] Whole(|j| Some(j.track?.weaker)) needs [loaded_balls_per_turn],
+            "friction along the track, balls of one turn: steady motion, weaker contact";
+        stopped_track_friction_N ["N"] Whole(|j| Some(j.track?.stopped)) needs [loaded_balls_per_turn],
+            "friction along the track, balls of one turn: stopped balls, screw";
+        returner_margin [""] Whole(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "margin, friction over thrust: stopped balls";
+        published_margin [""] Whole(|j| Some(j.track?.screw / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
+            "friction over thrust: steady motion, screw (as published)";
+        weaker_contact_margin [""] Whole(|j| Some(j.track?.weaker / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
+            "friction over thrust: steady motion, weaker contact";
+        jams [""] Statement(|j| {
+            let track = j.track?;
+            if j.returner.is_blocked() { Some(true) } else { Some(j.returner.thrust()? >= track.stopped) }
+        }) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "true if the thrust is at least the friction of balls that are stopped";
+    }
+}
+
+/// Below this a critical friction coefficient, and the sine of a slip angle, is rounding: the
+/// balance of a ball that grips has neither.
+const ROUNDING: f64 = 1e-9;
+
+/// Stiffness in N/m^1.5 of one in N/µm^1.5.
+const PER_UM15: f64 = 1e9;
+
+/// Zero where a critical friction coefficient is rounding.
+fn clean(critical: f64) -> f64 {
+    if critical < ROUNDING { 0.0 } else { critical }
+}
+
+/// Without slip across the grooves no friction holds the ball, and there is no such number.
+fn if_any(critical: f64) -> Option<f64> {
+    Some(critical).filter(|x| *x < f64::INFINITY)
+}
+
+/// What the numbers of jamming are made from.
+struct Jam {
+    ball: SteadyBall<f64>,
+    settled: Option<Settled>,
+    /// Largest pressures over those of first yield.
+    yield_ratios: Option<[f64; 2]>,
+    /// Drag of the lubricant \[N\].
+    drag: Option<f64>,
+    wedge: Wedge<f64>,
+    returner: Returner,
+    track: Option<Track>,
+}
+
+/// Contacts with permanent approach, and their largest pressures \[Pa\].
+struct Settled {
+    set: PermanentSet,
+    pressures: [f64; 2],
+}
+
+/// The ball return.
+struct Returner {
+    /// Of the ball at the return \[m/s\].
+    speed: f64,
+    /// Force of the impact \[N\].
+    impact: f64,
+    /// Thrust at the apex \[N\].
+    apex: Option<f64>,
+    /// Normal force and thrust of the step \[N\].
+    step: Option<(f64, f64)>,
+    /// Highest step that a thrust overcomes \[m\].
+    highest: f64,
+    /// Thrust behind over thrust ahead at the step into the return; infinite where no thrust is enough.
+    entered: Option<f64>,
+}
+
+/// Friction along the track, balls of one turn \[N\].
+#[derive(Clone, Copy)]
+struct Track {
+    /// In the steady motion, at the screw and at the weaker contact.
+    screw: f64,
+    weaker: f64,
+    /// Of balls that are stopped, at the screw.
+    stopped: f64,
+}
+
+/// Contact state with permanent approach, centrifugal force and drag, the wedge between the
+/// races, and thrust in the ball return against the friction that pushes the balls through it.
+///
+/// # Errors
+///
+/// [`CaseError::NoMotion`] if the model has no motion of the ball, [`CaseError::NotRated`] if
+/// the contacts have no state with permanent approach, [`CaseError::BeyondDouble`] for a number
+/// that no double holds.
+pub fn jam(scene: &Scene, solution: &Solution) -> Result<Answer, CaseError> {
+    let jam = Jam::of(scene, solution)?;
+    let lacks = match jam.settled {
+        Some(_) => Vec::new(),
+        None => vec![lacks_ellipses("contact state and wedge angle", solution.model)],
+    };
+    let numbers = read(&jam, |_| true).finite()?;
+    let words = [
+        ("contacts_yield", jam.yield_words()),
+        ("self_locking_under_load", jam.locking_words()),
+        ("jams", jam.return_words(scene)),
+    ];
+    let verdicts = words.into_iter().filter_map(|(name, words)| Some((name, words?))).collect();
+    Ok(of_a_motion(AnalysisKind::Jam, scene, solution, numbers, verdicts, lacks))
+}
+
+impl Jam {
+    fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
+        let solved = MovingBall::of(scene, solution)?;
+        if scene.running_angles().is_some() {
+            return Err(CaseError::BadEntry {
+                key: InputKey::nut_running_contact_angle_deg.name().to_owned(),
+                what: "is an input of slip: jamming needs angles in balance with the load"
+                    .to_owned(),
+            });
+        }
+        let [Some(nut), Some(screw), _] = solved.contacts else {
+            unreachable!("every model with a motion has loads and angles of both contacts")
+        };
+        let (case, ball) = (scene.reader().operating_point(), solved.ball);
+        let mut wedge = Wedge {
+            loads: [nut.load, screw.load],
+            angles: [nut.touch.angle, screw.touch.angle],
+            slip_angles: [nut.slip_angle, screw.slip_angle],
+            friction: case.friction.0,
+            centrifugal: centrifugal_force(
+                case.ball.mass,
+                case.helix.radius,
+                ball.motion.precession,
+            ),
+        };
+        let settled = nut.semi_axes.map(|_| Settled::of(scene, &wedge)).transpose()?;
+        if let Some(Settled { set, .. }) = &settled {
+            (wedge.loads, wedge.angles) = (set.loads, set.angles);
+        }
+        let strengths = scene.race_yield_strength_MPa.zip(scene.ball_yield_strength_MPa);
+        let yield_ratios = settled.as_ref().zip(strengths).map(|(settled, strengths)| {
+            settled.pressures.map(|p| bsm_dyn::yield_ratio(p / MPA, strengths))
+        });
+        let drag = scene.lubricant_density_kg_m3.zip(scene.drag_coefficient);
+        let drag = drag.map(|(density, coefficient)| {
+            let speed =
+                2.0 * ball.helix.radius * (ball.motion.precession - ball.drive.nut_speed).abs();
+            viscous_drag(coefficient, density, 2.0 * ball.radius, speed)
+        });
+        let track = scene.loaded_balls_per_turn.map(|balls| Track::of(balls, &wedge));
+        let returner = Returner::of(scene, &ball);
+        Ok(Self { ball, settled, yield_ratios, drag, wedge, returner, track })
+    }
+
+    fn orbit_rate(&self) -> f64 {
+        self.ball.motion.precession - self.ball.drive.nut_speed
+    }
+
+    fn least_load(&self) -> f64 {
+        self.wedge.loads[0].min(self.wedge.loads[1])
+    }
+
+    /// Lead angle and mean contact angle under load: friction turns the angles of nut and
+    /// screw apart, not the direction of the force between them.
+    fn angles(&self) -> Angles<f64> {
+        Angles { lead: self.ball.helix.lead_angle, contact: self.wedge.mean_angle() }
+    }
+
+    /// Direction of drive, and the friction coefficient of self-locking (C6), (C7).
+    fn locking(&self) -> Option<(Direction, f64)> {
+        let direction = Direction::of(self.ball.drive.relative_speed())?;
+        Some((direction, self.angles().locking_friction(direction)))
+    }
+
+    /// The thrust that the balls push against, if there is any.
+    fn pushed(&self) -> Option<f64> {
+        self.returner.thrust().filter(|thrust| *thrust > 0.0 && !self.returner.is_blocked())
+    }
+
+    fn yield_words(&self) -> Option<String> {
+        let [nut, screw] = self.yield_ratios?;
+        Some(format!(
+            "the largest pressure is {nut:.2} (nut) and {screw:.2} (screw) times the pressure at which \
+             the steel first yields below the surface"
+        ))
+    }
+
+    fn locking_words(&self) -> Option<String> {
+        let (_, locking) = self.locking()?;
+        Some(format!(
+            "the screw is self-locking in this direction from a friction coefficient of {locking:.3} on, at \
+             the contact angle of {:.2} deg under load; its friction coefficient is {}",
+            self.angles().contact / DEG,
+            self.wedge.friction
+        ))
+    }
+
+    fn return_words(&self, scene: &Scene) -> Option<String> {
+        let Track { screw, stopped, .. } = self.track?;
+        if self.returner.is_blocked() {
+            return Some(format!(
+                "no thrust lifts a ball over the step of {} mm into the return; it may be {:.3} mm high",
+                scene.step_height_mm.unwrap_or(f64::NAN),
+                self.returner.highest / MM
+            ));
+        }
+        let thrust = self.returner.thrust()?;
+        Some(format!(
+            "balls of one turn that are stopped push with a friction of up to {stopped:.3} N against a \
+             thrust of {thrust:.3} N; in the steady motion their friction along the track is \
+             {screw:.3} N, which the published criterion takes"
+        ))
+    }
+}
+
+impl Settled {
+    fn of(scene: &Scene, wedge: &Wedge<f64>) -> Result<Self, CaseError> {
+        let screw = scene.reader().elastic_point();
+        let failed = |reason: &Reason| CaseError::NotRated(message(reason));
+        let set =
+            screw.permanent_set(wedge.loads, wedge.angles).map_err(|none| failed(none.reason()))?;
+        let hertz = screw.hertz().map_err(|reason| failed(&reason))?;
+        Ok(Self { pressures: [0, 1].map(|i| hertz[i].max_pressure(set.loads[i])), set })
+    }
+}
+
+impl Track {
+    fn of(balls: f64, wedge: &Wedge<f64>) -> Self {
+        let along = |i: usize, slip_angle| {
+            track_friction(balls, wedge.friction, wedge.loads[i], slip_angle)
+        };
+        let stopped = along(1, FRAC_PI_2);
+        let clean = |force: f64| if force < ROUNDING * stopped { 0.0 } else { force };
+        let [nut, screw] = [0, 1].map(|i| clean(along(i, wedge.slip_angles[i])));
+        Self { screw, weaker: nut.min(screw), stopped }
+    }
+}
+
+impl Returner {
+    fn of(scene: &Scene, ball: &SteadyBall<f64>) -> Self {
+        let case = scene.reader().operating_point();
+        let speed = scene.return_approach_speed_m_s.unwrap_or_else(|| {
+            let to_nut = ball.motion.precession - ball.drive.nut_speed;
+            ball.helix.arc_length_per_radian() * to_nut.abs()
+        });
+        let stiffness = scene.return_stiffness_N_um15.map_or_else(
+            || {
+                let (races, balls) = scene.reader().materials();
+                flat_stiffness(contact_modulus(&races, &balls), ball.radius)
+            },
+            |k| k * PER_UM15,
+        );
+        let (mass, friction) = (case.ball.mass, case.friction.0);
+        let impact = match scene.return_linear_stiffness_N_um {
+            Some(linear) => linear_impact_force(mass, speed, linear / UM),
+            None => impact_force(mass, speed, stiffness),
+        };
+        let step = scene.return_angle_deg.map(|angle| {
+            let normal = scene.step_normal_force_N.unwrap_or(impact);
+            (normal, step_thrust(normal, friction, angle * DEG))
+        });
+        let entry = entry_step(scene, ball.radius);
+        Self {
+            speed,
+            impact,
+            apex: scene.apex_half_angle_deg.map(|angle| apex_thrust(impact, angle * DEG, friction)),
+            step,
+            highest: entry.highest() * ball.radius,
+            entered: scene
+                .step_height_mm
+                .and(scene.return_angle_deg)
+                .map(|_| entry.thrust_ratio().unwrap_or(f64::INFINITY)),
+        }
+    }
+
+    /// Thrust at the step into the return, with a ball at the apex ahead.
+    fn entry_thrust(&self) -> Option<f64> {
+        Some(self.entered.filter(|ratio| ratio.is_finite())? * self.apex?)
+    }
+
+    /// True if no thrust lifts a ball over the step into the return.
+    fn is_blocked(&self) -> bool {
+        self.entered.is_some_and(f64::is_infinite)
+    }
+
+    /// The largest thrust.
+    fn thrust(&self) -> Option<f64> {
+        let thrusts = [self.apex, self.step.map(|(_, thrust)| thrust), self.entry_thrust()];
+        thrusts.into_iter().flatten().reduce(f64::max)
+    }
+}
+
+/// The step into the ball return; of no height unless given.
+fn entry_step(scene: &Scene, ball_radius: f64) -> EntryStep {
+    EntryStep {
+        height: scene.step_height_mm.unwrap_or(0.0) * MM / ball_radius,
+        angle: scene.return_angle_deg.unwrap_or(0.0) * DEG,
+        rolling: scene.rolling_friction_mm.unwrap_or(0.0) * MM / ball_radius,
+    }
+}

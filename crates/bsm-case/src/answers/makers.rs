@@ -1,0 +1,291 @@
+//! Nuts of a maker's table: a row each, in the words of the vocabulary or of the maker.
+
+use std::collections::BTreeMap;
+
+use bsm_design::Nut;
+use serde_json::{Value, json};
+
+use crate::vocabulary::cells::Cells;
+use crate::vocabulary::names::wrong_type;
+use crate::vocabulary::number::short;
+use crate::vocabulary::units::{MM, convert};
+use crate::{
+    Answer, AxisReport, CaseError, Column, Content, INPUTS, InputKey, Output, RequirementFile,
+    Scene, Settings, Table, entries, nearest, ratings, sheet_columns,
+};
+
+/// Contact angle of makers, unless the table has it \[deg\].
+const CONTACT_ANGLE_DEG: f64 = 45.0;
+
+/// Columns besides the inputs of a scene.
+const WORDS: [&str; 6] = [
+    "nut",
+    "circuits",
+    "core_diameter_mm",
+    "dynamic_load_rating_N",
+    "static_load_rating_N",
+    "rigidity_N_um",
+];
+
+/// A nut of a maker's table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MakerNut {
+    /// Its name, or the number of its row.
+    pub name: String,
+    /// The nut, with the maker's ratings in place of the calculated ones.
+    pub scene: Scene,
+    /// Rigidity as the maker states it \[N/um\].
+    pub rigidity: Option<f64>,
+}
+
+impl MakerNut {
+    /// Reads a table.
+    ///
+    /// * `names`: the maker's names of columns, see [`column_names`]. * `separator`: between cells. * `decimal`: the decimal sign.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] with the row or the column.
+    pub fn from_csv(
+        table: &[u8],
+        names: &BTreeMap<String, Option<String>>,
+        separator: u8,
+        decimal: char,
+    ) -> Result<Vec<Self>, CaseError> {
+        let cells = Cells::read(table, separator, decimal)?;
+        let columns =
+            cells.columns(|name| column(name, names).map_err(|what| CaseError::Table { what }))?;
+        cells.each(&columns, |place, row| {
+            let mut given = Given { name: format!("row {place}"), ..Given::default() };
+            for (column, text) in row {
+                match column {
+                    None => {}
+                    Some(("nut", _)) => text.clone_into(&mut given.name),
+                    Some((word, factor)) => given.set(word, factor * cells.number(text)?)?,
+                }
+            }
+            given.nut()
+        })
+    }
+
+    /// The nut in the axis of a requirement.
+    pub fn within(&self, wish: &RequirementFile) -> Scene {
+        let mut scene = wish.scene.clone();
+        scene.lead_angle_deg = None;
+        scene.override_with(&self.scene);
+        scene.description = Some(self.name.clone());
+        scene
+    }
+}
+
+/// Load over the dynamic rating at which makers state the rigidity of one nut.
+const RIGIDITY_AT: f64 = 0.3;
+
+/// What makers state: its name, the name of ours beside it, and what ours is among the ratings.
+const RATED: [[&str; 3]; 3] = [
+    ["dynamic_load_rating_N", "our_dynamic_load_rating_N", "dynamic_load_rating_N"],
+    ["static_load_rating_N", "our_static_load_rating_N", "static_load_rating_N"],
+    ["rigidity_N_um", "our_rigidity_N_um", "secant_rigidity_N_um"],
+];
+
+/// A nut of a maker beside ours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MakerRow {
+    /// Its name.
+    pub name: String,
+    /// The nut, with a requirement in its axis.
+    pub scene: Scene,
+    /// Name, unit and value: the maker's numbers with ours of the same nut, and with a requirement those of its sheet.
+    pub numbers: Vec<(&'static str, &'static str, Option<f64>)>,
+    /// True if every rule of its sheet holds; none without a requirement.
+    pub passes: Option<bool>,
+}
+
+impl MakerRow {
+    /// Nuts beside ours, and in the axis of a requirement: those that keep all its rules first, of them the
+    /// lightest screw.
+    ///
+    /// # Errors
+    ///
+    /// The name of a nut, and [`CaseError`] if an input of it is missing or breaks its rule.
+    pub fn all(
+        nuts: &[MakerNut],
+        wish: Option<&RequirementFile>,
+    ) -> Result<Vec<Self>, (String, CaseError)> {
+        let row = |nut: &MakerNut| Self::of(nut, wish).map_err(|error| (nut.name.clone(), error));
+        let mut rows = nuts.iter().map(row).collect::<Result<Vec<_>, _>>()?;
+        let mass = |row: &Self| row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
+        rows.sort_by(|a, b| b.passes.cmp(&a.passes).then(mass(a).total_cmp(&mass(b))));
+        Ok(rows)
+    }
+
+    fn of(nut: &MakerNut, wish: Option<&RequirementFile>) -> Result<Self, CaseError> {
+        let mut at = nut.scene.clone();
+        at.axial_load_N = at.rated_dynamic_load_N.map(|rating| RIGIDITY_AT * rating);
+        let ours = ratings(&at, None)?;
+        let mut numbers = Vec::new();
+        let [dynamic, rated] = [nut.scene.rated_dynamic_load_N, nut.scene.rated_static_load_N];
+        for ([name, our, same], unit, makers) in
+            [(RATED[0], "N", dynamic), (RATED[1], "N", rated), (RATED[2], "N/um", nut.rigidity)]
+        {
+            numbers.push((name, unit, makers));
+            numbers.push((our, unit, ours.number(same)));
+        }
+        numbers.push(("mass_kg", "kg", ours.number("mass_kg")));
+        let (mut scene, mut passes) = (nut.scene.clone(), None);
+        if let Some(wish) = wish {
+            scene = nut.within(wish);
+            let sheet = AxisReport::of(&scene, &Settings::default())?;
+            passes = Some(sheet.passes());
+            let of_sheet = |c: &Output| (c.name, c.unit, sheet.number(c.name));
+            numbers.extend(sheet_columns().map(of_sheet));
+        }
+        Ok(Self { name: nut.name.clone(), scene, numbers, passes })
+    }
+
+    /// A number by name.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.numbers.iter().find(|(own, ..)| *own == name).and_then(|(.., value)| *value)
+    }
+}
+
+impl MakerRow {
+    /// The answer: a row a nut. It fails if none keeps all rules of its requirement.
+    pub fn answer(rows: &[Self]) -> Answer {
+        let Some(first) = rows.first() else {
+            return Answer::default().with("", Content::Table(Table::default()));
+        };
+        let numbers =
+            first.numbers.iter().map(|(name, unit, _)| Column { unit, ..Column::named(name) });
+        let passes = first.passes.map(|_| Column::headed("passes", ""));
+        let row = |row: &Self| {
+            let numbers = row.numbers.iter().map(|(.., value)| json!(value));
+            std::iter::once(json!(row.name))
+                .chain(numbers)
+                .chain(row.passes.map(|passes| json!(passes)))
+                .collect()
+        };
+        let table = Table {
+            columns: std::iter::once(Column::named("nut")).chain(numbers).chain(passes).collect(),
+            rows: rows.iter().map(row).collect(),
+            keyed: false,
+        };
+        let ratio = |[name, our, _]: [&str; 3]| {
+            let ratios = rows.iter().filter_map(|row| Some(row.value(our)? / row.value(name)?));
+            let (low, high) =
+                ratios.fold((f64::INFINITY, 0.0_f64), |(l, h), r| (l.min(r), h.max(r)));
+            (high > 0.0).then(|| format!("{name} {} to {}", short(low), short(high)))
+        };
+        let ratios: Vec<_> = RATED.into_iter().filter_map(ratio).collect();
+        let passing = rows.iter().filter(|row| row.passes == Some(true)).count();
+        let sized = first.passes.is_some();
+        let mut answer = Answer { fails: sized && passing == 0, ..Answer::default() }
+            .with("", Content::Table(table))
+            .with_shown(Content::Words(
+                "calculated over stated:",
+                (!ratios.is_empty()).then(|| ratios.join(", ")),
+            ));
+        answer
+            .notes
+            .extend(sized.then(|| format!("{passing} of {} nuts keep all rules", rows.len())));
+        answer
+    }
+}
+
+/// A column: our name of it, and the factor to our unit; `None` if it is not read.
+fn column(
+    name: &str,
+    names: &BTreeMap<String, Option<String>>,
+) -> Result<Option<(&'static str, f64)>, String> {
+    let own = match names.get(name) {
+        Some(None) => return Ok(None),
+        Some(Some(own)) => own,
+        None => name,
+    };
+    let known = || WORDS.into_iter().chain(INPUTS.iter().map(|input| input.name));
+    if let Some(word) = known().find(|word| *word == own) {
+        return Ok(Some((word, 1.0)));
+    }
+    convert(own, &known()).map(Some).ok_or_else(|| {
+        let near = nearest(own, known()).map_or(String::new(), |near| format!(", did you mean `{near}`?"));
+        format!(
+            "unknown column `{own}`{near}; columns-from gives the names of a maker, null for a column that is \
+             not read"
+        )
+    })
+}
+
+/// Reads the names of the columns of a foreign table: a JSON object from them to ours, or to null for a column
+/// that is not read.
+///
+/// # Errors
+///
+/// [`CaseError`] for syntax, repeated names, and what is neither a name nor null.
+pub fn column_names(json: &[u8]) -> Result<BTreeMap<String, Option<String>>, CaseError> {
+    let name = |(key, value): (String, Value)| match value {
+        Value::Null => Ok((key, None)),
+        Value::String(name) => Ok((key, Some(name))),
+        other => Err(wrong_type(key, &other, "a name, or null")),
+    };
+    entries(json)?.into_iter().map(name).collect()
+}
+
+/// What a row says.
+#[derive(Default)]
+struct Given {
+    name: String,
+    scene: Scene,
+    circuits: Option<f64>,
+    core: Option<f64>,
+    rigidity: Option<f64>,
+}
+
+impl Given {
+    fn set(&mut self, word: &str, value: f64) -> Result<(), CaseError> {
+        match word {
+            "circuits" => self.circuits = Some(value),
+            "core_diameter_mm" => self.core = Some(value),
+            "rigidity_N_um" => self.rigidity = Some(value),
+            "dynamic_load_rating_N" => self.scene.rated_dynamic_load_N = Some(value),
+            "static_load_rating_N" => self.scene.rated_static_load_N = Some(value),
+            _ => self.scene[InputKey::named(word)?] = Some(value),
+        }
+        Ok(())
+    }
+
+    /// The nut, with what tables leave out by the rule that reproduces those of HIWIN.
+    fn nut(self) -> Result<MakerNut, CaseError> {
+        let mut scene = self.scene;
+        let conformity = Nut::USUAL_CONFORMITY;
+        scene.nut_conformity.get_or_insert(conformity);
+        let conformity = *scene.screw_conformity.get_or_insert(conformity);
+        if scene.groove_bottom_distance_mm.is_none() {
+            scene.contact_angle_deg.get_or_insert(CONTACT_ANGLE_DEG);
+        }
+        if let (None, Some(core), Some(ball), Some(angle)) = (
+            scene.pitch_circle_diameter_mm,
+            self.core,
+            scene.ball_diameter_mm,
+            scene.contact_angle_deg,
+        ) {
+            let angle = angle * crate::vocabulary::units::DEG;
+            let pitch = Nut::pitch_diameter_over(core * MM, ball * MM, conformity, angle);
+            scene.pitch_circle_diameter_mm = Some(pitch / MM);
+        }
+        if let (None, Some(circuits)) = (scene.loaded_turns, self.circuits) {
+            scene.loaded_turns = Some(circuits - Nut::RETURN_TURNS);
+        }
+        if let (None, Some(ball), Some(pitch), Some(lead)) = (
+            scene.loaded_balls_per_turn,
+            scene.ball_diameter_mm,
+            scene.pitch_circle_diameter_mm,
+            scene.lead_mm,
+        ) {
+            scene.loaded_balls_per_turn = Some((std::f64::consts::PI * pitch).hypot(lead) / ball);
+        }
+        scene.check()?;
+        // Says what lacks.
+        crate::case::rated_nut::nut(&scene)?;
+        Ok(MakerNut { name: self.name, scene, rigidity: self.rigidity })
+    }
+}

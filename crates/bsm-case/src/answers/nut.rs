@@ -1,0 +1,661 @@
+//! What is said of a nut under load: numbers, words, the loads of all balls, the curve of its displacement.
+
+use std::cell::OnceCell;
+use std::f64::consts::TAU;
+
+use bsm_design::{Duty, in_series, life};
+use bsm_dyn::{Hertz, ModelWorkspace};
+use bsm_nut::{
+    BallInGrooves, BallNut, Circuit, Equal, Equilibrium, Flanks, Freedom, NutError, NutFriction,
+    Place, Support,
+};
+use serde_json::{Map, Value, json};
+
+use crate::answers::record::{MARKS_ABOVE, message};
+use crate::case::nut::{Made, Rubbing, Set};
+use crate::case::reader::{in_grooves, lubricated};
+use crate::vocabulary::number::count;
+use crate::vocabulary::quantity::quantities;
+use crate::vocabulary::units::{DEG, MM, MPA, UM};
+use crate::{Answer, Content, Numbers, NutProblem, Quantity, exact};
+
+/// Allowance of catalogues on the calculated rigidity, for what is made (HIWIN BS-08-2).
+const USUAL: f64 = 0.8;
+
+/// Least and largest `$K_p$` that catalogues measure (HIWIN BS-08-2, eq. 3.2).
+const RULE_FACTORS: [f64; 2] = [0.1, 0.3];
+
+/// Centrifugal force over the mean load of a ball above which a note says that it is left out, and a warning.
+const CENTRIFUGAL: [f64; 2] = [0.01, 0.1];
+
+/// Largest step of the friction torque of a ball between four contacts and two, over the friction coefficient
+/// (theory 16).
+const FOUR_CONTACTS: f64 = 3.0;
+
+/// Points of the curve of a nut.
+const POINTS: u32 = 60;
+
+/// A nut under load, with what is worked out where it is asked for.
+#[derive(Debug)]
+pub(crate) struct State {
+    pub(crate) made: Made,
+    friction: OnceCell<Option<Rubbed>>,
+    drag: OnceCell<Option<f64>>,
+}
+
+impl State {
+    fn new(made: Made) -> Self {
+        Self { made, friction: OnceCell::new(), drag: OnceCell::new() }
+    }
+
+    fn rubbed(&self, problem: &NutProblem) -> Option<&Rubbed> {
+        self.friction.get_or_init(|| problem.friction_of(&self.made.nut, &self.made.found)).as_ref()
+    }
+
+    fn friction(&self, problem: &NutProblem) -> Option<&NutFriction> {
+        self.rubbed(problem).map(|rubbed| &rubbed.friction)
+    }
+
+    /// Friction torque of the preload where nothing is loaded from outside \[N·m\].
+    fn drag(&self, problem: &NutProblem) -> Option<f64> {
+        let work_out = || {
+            self.made.preload.as_ref()?;
+            let found = self.made.nut.solve(&Support::guided(0.0)).ok()?;
+            problem.friction_of(&self.made.nut, &found)?.friction.torque
+        };
+        *self.drag.get_or_init(work_out)
+    }
+}
+
+/// Friction of all balls.
+#[derive(Debug)]
+struct Rubbed {
+    friction: NutFriction,
+    /// The models that answered for the balls on one flank.
+    models: Vec<&'static str>,
+    /// Why the model has no answer for a ball.
+    why: Option<String>,
+}
+
+/// A nut under load, whose numbers are read.
+pub(crate) struct Loaded<'a> {
+    problem: &'a NutProblem,
+    state: &'a State,
+}
+
+impl Loaded<'_> {
+    fn friction(&self) -> Option<&NutFriction> {
+        self.state.friction(self.problem)
+    }
+
+    fn drag(&self) -> Option<f64> {
+        self.state.drag(self.problem)
+    }
+}
+
+quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
+    "displacement" {
+        nut_displacement_um ["um"] Whole(|n| Some(n.state.made.found.displacement[0] / UM)), "axial displacement of the nut";
+        nut_side_displacement_um ["um"] Whole(|n| {
+        let [_, x, y, ..] = n.state.made.found.displacement;
+        Some(x.hypot(y) / UM)
+    }), "side displacement of the nut";
+        nut_tilt_urad ["urad"] Whole(|n| {
+        let [.., x, y] = n.state.made.found.displacement;
+        Some(x.hypot(y) * 1e6)
+    }), "tilt of the nut";
+    }
+    "load sharing" {
+        max_contact_load_N ["N"] Whole(|n| Some(n.state.made.found.max_load())), "largest load of a contact";
+        max_over_mean [""] Whole(|n| Some(n.state.made.found.concentration())), "largest load of a contact over the mean";
+        unloaded_balls [""] Whole(|n| Some(count(n.state.made.found.unloaded()))), "balls that carry nothing";
+        max_pressure_MPa ["MPa"] Whole(|n| Some(max_pressure(&n.state.made)? / MPA)), "largest Hertz pressure";
+        equal_load_N ["N"] Whole(|n| Some(equal(n.problem, &n.state.made)?.load)), "load of each ball if all shared the axial load equally";
+        load_bound_N ["N"] Whole(|n| load_bound(n.problem, &n.state.made)), "bound of the largest load before solving (a guided nut)";
+    }
+    "stiffness along the axis" {
+        nut_stiffness_N_um ["N/um"] Whole(|n| Some(n.state.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent at this load";
+        secant_stiffness_N_um ["N/um"] Whole(|n| secant(n.problem, &n.state.made).map(|k| k * UM)), "secant from no load";
+        equal_stiffness_N_um ["N/um"] Whole(|n| Some(equal(n.problem, &n.state.made)?.stiffness * UM)), "tangent if all balls shared the axial load equally, the bodies rigid";
+        rigidity_2_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0)), "of the preload, 2 F_p/delta_p: two nuts side by side";
+        rigidity_2_83_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0_f64.powf(1.5))), "of the preload, 2^1.5 F_p/delta_p: secant to the limit load";
+        rigidity_3_N_um ["N/um"] Whole(|n| stated(&n.state.made, 3.0)), "of the preload, 3 F_p/delta_p: tangent without load";
+        iso_rigidity_N_um ["N/um"] Whole(|n| Some(iso_rigidity(n.problem, n.state)? * UM)), "of ISO 3408-4: a pair at its preload, one nut as secant at its load";
+        usual_rigidity_N_um ["N/um"] Whole(|n| Some(USUAL * iso_rigidity(n.problem, n.state)? * UM)), "0.8 of that, the usual allowance of catalogues";
+    }
+    "preload" {
+        preload_set_N ["N"] Whole(|n| Some(n.state.made.preload.as_ref()?.cold)), "cold preload: without load and rises of temperature, the nut guided";
+        warm_preload_N ["N"] Whole(|n| Some(n.state.made.preload.as_ref()?.warm)), "warm preload: the same with the rises of temperature";
+        preload_approach_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.approach / UM)), "delta_p, axial displacement of each side by the cold preload";
+        preload_setting_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement), or excess of the balls' diameter, that gives it";
+        preload_left_N ["N"] Whole(|n| {
+        let Set { by, .. } = n.state.made.preload.as_ref()?;
+        Some(n.state.made.found.preload(&n.state.made.nut, *by))
+    }), "preload that is left at this load";
+        limit_load_N ["N"] Whole(|n| limit_load(n.problem, &n.state.made)), "limit load, at which the last ball of a side lets go";
+    }
+    "life and safety" {
+        life_revolutions [""] Whole(|n| lasting(n.state.made.found.life(&n.state.made.nut, &n.problem.ratings))), "life by the loads of all balls, revolutions";
+        iso_life_revolutions [""] Whole(|n| iso_life(n.problem, n.state)), "life by ISO 3408-5, revolutions";
+        life_ratio [""] Whole(|n| {
+        let ours = lasting(n.state.made.found.life(&n.state.made.nut, &n.problem.ratings))?;
+        Some(ours / iso_life(n.problem, n.state)?)
+    }), "life by all balls over that of ISO";
+        static_safety [""] Whole(|n| {
+        lasting(n.state.made.found.static_safety(&n.state.made.nut, n.problem.static_rating.rating))
+    }), "static safety of the most loaded ball";
+    }
+    "friction" {
+        friction_torque_Nm ["N m"] Whole(|n| n.friction()?.torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the balls";
+        friction_torque_error_Nm ["N m"] Whole(|n| torque_error(n.problem, n.state)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+            "largest error of that, by balls on both flanks";
+        return_torque_Nm ["N m"] Whole(|n| match n.problem.friction.as_ref()? {
+        (Rubbing::Lubricant(_), _) => n.friction()?.returns,
+        (Rubbing::Coefficient(_), _) => None,
+    }) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
+        nut_seal_torque_Nm ["N m"] Whole(|n| lasting(n.problem.seal_torque)), "torque of the seals, seal_torque_Nm";
+        drive_torque_Nm ["N m"] Whole(|n| n.friction()?.drive_torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "torque on the screw: axial load, balls, returns and seals";
+        nut_efficiency [""] Whole(|n| n.friction()?.efficiency) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "efficiency, with returns and seals";
+        friction_heat_W ["W"] Whole(|n| n.friction()?.heat) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "heat of balls, returns and seals";
+        preload_torque_Nm ["N m"] Whole(|n| n.drag()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+            "friction torque of the preload without load, contacts alone";
+        preload_torque_factor [""] Whole(|n| Some(n.drag()? / rule_torque(n.state)?)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+            "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), contacts alone";
+        rule_torque_low_Nm ["N m"] Whole(|n| Some(RULE_FACTORS[0] * rule_torque(n.state)?)),
+            "drag torque of such a preload by the rule of catalogues, K_p = 0.1";
+        rule_torque_high_Nm ["N m"] Whole(|n| Some(RULE_FACTORS[1] * rule_torque(n.state)?)),
+            "drag torque of such a preload by the rule of catalogues, K_p = 0.3";
+    }
+}
+
+quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
+    "balls" {
+        circuit [""] Whole(|b| count(b.place.circuit)), "number of its circuit";
+        body [""] Whole(|b| count(b.body)), "number of its nut body";
+        theta_deg ["deg"] Whole(|b| b.place.theta / DEG), "place along the helix";
+        z_mm ["mm"] Whole(|b| b.place.z / MM), "place along the axis";
+        nut_plus_N ["N"] Whole(|b| b.ball.loads[0]), "load on the flank of the nut that pushes along +z";
+        nut_minus_N ["N"] Whole(|b| b.ball.loads[1]), "load on the other flank of the nut";
+        screw_plus_N ["N"] Whole(|b| b.ball.loads[2]), "load on the flank of the screw that pushes along +z";
+        screw_minus_N ["N"] Whole(|b| b.ball.loads[3]), "load on the other flank of the screw";
+        nut_plus_deg ["deg"] Whole(|b| b.angle(0)), "contact angle at the flank of the nut that pushes along +z";
+        nut_minus_deg ["deg"] Whole(|b| b.angle(1)), "contact angle at the other flank of the nut";
+        screw_plus_deg ["deg"] Whole(|b| b.angle(2)), "contact angle at the flank of the screw that pushes along +z";
+        screw_minus_deg ["deg"] Whole(|b| b.angle(3)), "contact angle at the other flank of the screw";
+        max_pressure_MPa ["MPa"] Whole(|b| Some(pressure(b.hertz?, b.ball) / MPA)), "largest Hertz pressure";
+        outwards_um ["um"] Whole(|b| b.outwards / UM), "displacement away from the axis";
+        friction_torque_Nm ["N m"] Whole(|b| b.torque), "friction torque";
+    }
+}
+
+/// Which of the columns of balls are lists in the JSON of a nut: loads and contact angles.
+pub(crate) const LISTED: std::ops::Range<usize> = 4..12;
+
+/// A ball of a nut under load.
+pub(crate) struct OneBall<'a> {
+    place: &'a Place,
+    ball: &'a BallInGrooves,
+    body: usize,
+    hertz: Option<&'a [Hertz; 2]>,
+    outwards: f64,
+    torque: Option<f64>,
+}
+
+impl OneBall<'_> {
+    /// Contact angle of a loaded flank \[deg\].
+    fn angle(&self, flank: usize) -> Option<f64> {
+        (self.ball.loads[flank] > 0.0).then(|| self.ball.angles[flank] / DEG)
+    }
+}
+
+/// Columns of the curve of displacement over load, besides the load.
+const CURVE: [&str; 6] = [
+    "nut_displacement_um",
+    "nut_stiffness_N_um",
+    "preload_left_N",
+    "max_contact_load_N",
+    "max_over_mean",
+    "unloaded_balls",
+];
+
+/// What the two preloads of a warm nut are.
+pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
+    format!(
+        "the preload is set cold, at no rise of temperature: {cold:.0} N cold, {warm:.0} N warm"
+    )
+}
+
+/// A life, a safety or a rating, which nothing makes zero.
+fn lasting(value: f64) -> Option<f64> {
+    (value > 0.0 && value.is_finite()).then_some(value)
+}
+
+/// Largest pressure of a ball \[Pa\].
+///
+/// * `hertz`: contacts of its nut.
+fn pressure([at_nut, at_screw]: &[Hertz; 2], ball: &BallInGrooves) -> f64 {
+    let [a, b, c, d] = ball.loads;
+    at_nut.max_pressure(a.max(b)).max(at_screw.max_pressure(c.max(d)))
+}
+
+fn max_pressure(made: &Made) -> Option<f64> {
+    let hertz = made.nut.hertz().ok()?;
+    Some(made.found.balls.iter().map(|ball| pressure(&hertz, ball)).fold(0.0, f64::max))
+}
+
+/// The ball of a nut that shares its load equally: none for a preloaded one, whose bodies carry parts of it.
+fn equal(problem: &NutProblem, made: &Made) -> Option<Equal> {
+    let single = made.preload.is_none() && problem.axial() != 0.0;
+    single.then(|| made.nut.equal(problem.axial()).ok())?
+}
+
+/// Torque that moves the preload along the lead, `$F_p P_h/2\pi$` \[N·m\].
+fn rule_torque(state: &State) -> Option<f64> {
+    let force = state.made.preload.as_ref()?.warm;
+    lasting(force * state.made.nut.helix.lead() / TAU)
+}
+
+/// Largest error of the friction torque by balls on both flanks \[N·m\].
+fn torque_error(problem: &NutProblem, state: &State) -> Option<f64> {
+    let (Rubbing::Coefficient(coefficient), _) = problem.friction.as_ref()? else { return None };
+    let friction = state.friction(problem)?;
+    friction.torque?;
+    Some(FOUR_CONTACTS * coefficient * friction.torque_on_both_flanks)
+}
+
+/// The bound holds for a guided nut whose circuits all have the flank of the load, and no ball presses the other.
+fn load_bound(problem: &NutProblem, made: &Made) -> Option<f64> {
+    let axial = problem.axial();
+    let guided = problem.support == Support::guided(axial);
+    let nut = &made.nut;
+    let one_side = made.preload.is_none() && nut.ring.is_none() && nut.precession == 0.0;
+    let level = nut.errors.gap == 0.0;
+    let [near, far] =
+        if axial > 0.0 { [Flanks::Plus, Flanks::Minus] } else { [Flanks::Minus, Flanks::Plus] };
+    let carries = |circuit: &Circuit| [near, Flanks::Both].contains(&circuit.flanks);
+    let pressed = |ball: &BallInGrooves| ball.flanks_pressed()[usize::from(far == Flanks::Minus)];
+    let one_flank = nut.circuits.iter().all(carries) && !made.found.balls.iter().any(pressed);
+    (guided && one_side && level && one_flank && axial != 0.0)
+        .then(|| nut.load_bound(axial).ok())?
+}
+
+/// Axial load over the displacement that it makes \[N/m\].
+fn secant(problem: &NutProblem, made: &Made) -> Option<f64> {
+    let axial = problem.axial();
+    // Preload, misalignment or side loads press balls already; else it is at first touch.
+    let without = made.nut.solve(&problem.support.with_axial(0.0)).ok();
+    let pressed = without.filter(|found| found.max_load() > 0.0);
+    let from = pressed.map_or(0.0, |found| found.displacement[0]);
+    (axial != 0.0).then(|| axial / (made.found.displacement[0] - from))
+}
+
+/// Rigidity of a preloaded nut as makers state it, so many times the preload over its displacement \[N/um\].
+fn stated(made: &Made, times: f64) -> Option<f64> {
+    let Set { cold, approach, .. } = made.preload.as_ref()?;
+    Some(times * cold / approach * UM)
+}
+
+/// Rigidity of ISO 3408-4 \[N/m\]: of a pair under its preload, or of one nut under its load.
+fn iso_rigidity(problem: &NutProblem, state: &State) -> Option<f64> {
+    let (force, pair) = match &state.made.preload {
+        Some(set) => (set.cold, true),
+        None => (problem.axial().abs(), false),
+    };
+    let elasticity = problem.design.elasticity(&problem.body).ok()?;
+    let force = lasting(force)?;
+    lasting(if pair {
+        elasticity.preloaded_pair(force)
+    } else {
+        in_series(elasticity.secant(force), elasticity.body)
+    })
+}
+
+fn limit_load(problem: &NutProblem, made: &Made) -> Option<f64> {
+    let way = if problem.axial() < 0.0 { -1.0 } else { 1.0 };
+    made.nut.limit_load(made.preload.as_ref()?.by, &problem.support, way).ok()
+}
+
+fn iso_life(problem: &NutProblem, state: &State) -> Option<f64> {
+    let preload = state.made.preload.as_ref().map(|set| set.warm);
+    // Revolutions do not depend on speed and time.
+    let duty = Duty { load: problem.axial(), speed: 1.0, time: 1.0 };
+    lasting(life(problem.rating.rating, preload, &[duty])?.revolutions)
+}
+
+impl NutProblem {
+    /// The axial load \[N\].
+    pub(crate) fn axial(&self) -> f64 {
+        match self.support.0[0] {
+            Freedom::Loaded(load) => load,
+            Freedom::Held(_) | Freedom::Sprung { .. } => 0.0,
+        }
+    }
+
+    /// Friction of the balls of a nut; none without speeds, and a friction coefficient or a lubricant.
+    fn friction_of(&self, nut: &BallNut, found: &Equilibrium) -> Option<Rubbed> {
+        let (rubbing, drive) = self.friction.as_ref()?;
+        let mut work = ModelWorkspace::default();
+        let settings = &self.settings;
+        let model = settings.model;
+        let (mut models, mut why) = (Vec::new(), None);
+        let coefficient = match rubbing {
+            Rubbing::Coefficient(coefficient) => Some(*coefficient),
+            Rubbing::Lubricant(_) => None,
+        };
+        // Each ball has its part of the returns.
+        let loaded = count(found.balls.len() - found.unloaded()).max(1.0);
+        let friction = nut.friction(found, coefficient, drive, self.seal_torque, |screw| {
+            let problem = match rubbing {
+                Rubbing::Coefficient(_) => in_grooves(screw, model, settings),
+                Rubbing::Lubricant(lubricant) => {
+                    let mut lubricant = *lubricant;
+                    lubricant.losses.return_circuits /= loaded;
+                    lubricated(screw, lubricant, model, settings)
+                }
+            };
+            let solution = problem.solve(&mut work);
+            models.push(solution.model.name());
+            if let Some(reason) = solution.reason() {
+                why = Some(message(reason));
+            }
+            solution
+        });
+        models.sort_unstable();
+        models.dedup();
+        Some(Rubbed { friction, models, why })
+    }
+
+    /// The answer where there is none: why.
+    pub fn unsolved(none: &NutError) -> Answer {
+        let status = none.status().name().to_owned();
+        Answer { fails: true, ..Answer::default() }
+            .with("status", Content::Words("status ", Some(status)))
+            .with("message", Content::Words("message", Some(none.to_string())))
+    }
+
+    /// Loads of all balls and what follows from them.
+    ///
+    /// # Errors
+    ///
+    /// [`NutError`]: nothing carries the load, or no displacement gives the preload.
+    pub fn solve(self) -> Result<NutReport, NutError> {
+        let state = State::new(self.made()?);
+        Ok(NutReport { problem: self, state })
+    }
+
+    /// Some numbers of a nut that is made, by name.
+    pub(crate) fn some(&self, made: Made, names: &[&str]) -> Vec<Option<f64>> {
+        let loaded = Loaded { problem: self, state: &State::new(made) };
+        let found = read(&loaded, |quantity| names.contains(&quantity.name)).where_finite();
+        names.iter().map(|name| found.number(name)).collect()
+    }
+}
+
+/// A nut under load.
+#[derive(Debug)]
+pub struct NutReport {
+    problem: NutProblem,
+    state: State,
+}
+
+/// Rows of numbers under named columns; NaN where there is none.
+#[derive(Debug, Clone)]
+pub struct Columns {
+    /// Name and unit of each column.
+    pub heads: Vec<(&'static str, &'static str)>,
+    /// The rows.
+    pub rows: Vec<Vec<f64>>,
+}
+
+impl Columns {
+    /// A cell of a row by the name of its column.
+    pub fn cell(&self, row: &[f64], name: &str) -> f64 {
+        let place = self.heads.iter().position(|(head, _)| *head == name);
+        place.and_then(|place| row.get(place)).copied().unwrap_or(f64::NAN)
+    }
+}
+
+impl NutReport {
+    fn found(&self) -> &Equilibrium {
+        &self.state.made.found
+    }
+
+    /// The numbers that are wanted; what the nut has not is left out.
+    pub fn numbers(&self, wanted: impl Fn(&Quantity) -> bool) -> Numbers {
+        read(&Loaded { problem: &self.problem, state: &self.state }, wanted).where_finite()
+    }
+
+    /// A number by name.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.numbers(|quantity| quantity.name == name).number(name)
+    }
+
+    /// What the numbers mean, and what they leave out.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = self.problem.notes.clone();
+        let Made { nut, .. } = &self.state.made;
+        if nut.shares_equally(&self.problem.support) {
+            notes.push(
+                "every ball carries its equal share, as in the models of one ball".to_owned(),
+            );
+        }
+        if let Some(Set { cold, warm, .. }) = &self.state.made.preload
+            && (cold - warm).abs() > 0.0
+        {
+            notes.push(preload_note(*cold, *warm));
+        }
+        notes.extend(self.thrown(CENTRIFUGAL[0]..CENTRIFUGAL[1]));
+        let rubbed = self.state.rubbed(&self.problem);
+        match rubbed.map(|rubbed| &rubbed.friction) {
+            None => notes.push(
+                "torque, efficiency and heat need screw_speed_rpm, and friction_coefficient or a lubricant with \
+                 lubricant_temperature_C"
+                    .to_owned(),
+            ),
+            Some(friction)
+                if friction.on_both_flanks > 0
+                    && matches!(self.problem.friction, Some((Rubbing::Lubricant(_), _))) =>
+            {
+                notes.push(format!(
+                    "no torque: {} of {} balls press both flanks, where friction from a lubricant is not known; \
+                     give friction_coefficient",
+                    friction.on_both_flanks,
+                    self.found().balls.len()
+                ));
+            }
+            Some(friction) if friction.torque.is_none() => {
+                let why = rubbed.and_then(|rubbed| rubbed.why.as_deref());
+                notes.push(format!(
+                    "no torque: ball {} has none by model {}: {}",
+                    friction.balls.len(),
+                    self.problem.settings.model.name(),
+                    why.unwrap_or("its balance is not found")
+                ));
+            }
+            Some(friction) => {
+                if friction.on_both_flanks > 0 {
+                    let error = torque_error(&self.problem, &self.state).unwrap_or(f64::NAN);
+                    notes.push(format!(
+                        "{} of {} balls press both flanks: their friction is integrated over all their \
+                         contacts at angles that friction does not turn, whatever the model; the friction torque \
+                         of {:.4} N m is known to {error:.4} N m, and has a step of that size where they leave a \
+                         flank",
+                        friction.on_both_flanks,
+                        friction.balls.len(),
+                        friction.torque.unwrap_or(f64::NAN)
+                    ));
+                }
+                let not_in_it = match self.problem.friction {
+                    Some((Rubbing::Lubricant(_), _)) => {
+                        notes.push(
+                            "friction from the lubricant is known to a quarter while the balls grip, less where \
+                             rolling resistance leads; bsm solve has the band of one ball, bsm axis that of the axis"
+                                .to_owned(),
+                        );
+                        "only by return_circuits, ball_contact_force_N and seal_torque_Nm: returns, balls that touch \
+                         each other and wipers"
+                    }
+                    _ => "not: returns, balls that touch each other and lubricant; wipers only by seal_torque_Nm",
+                };
+                if let Some(eta) = friction.efficiency.filter(|eta| *eta <= 0.0) {
+                    notes.push(format!(
+                        "efficiency {eta:.4} is not positive: the nut is self-locking under this load, which friction \
+                         more than balances"
+                    ));
+                }
+                notes.push(format!(
+                    "in the torque are {not_in_it}. Measured drag coefficients K_p \
+                     of catalogues, 0.1 to 0.3 in T = K_p F_p lead/(2 pi), are 3 to 10 times what dry friction of \
+                     0.06 gives for a pair"
+                ));
+            }
+        }
+        notes
+    }
+
+    /// What an engineer should know before using the numbers.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if let Some(pressure) = max_pressure(&self.state.made).filter(|p| *p > MARKS_ABOVE) {
+            warnings.push(format!(
+                "pressure {:.0} MPa: above {:.0} MPa balls leave permanent marks (ISO 76)",
+                pressure / MPA,
+                MARKS_ABOVE / MPA
+            ));
+        }
+        warnings.extend(self.thrown(CENTRIFUGAL[1]..f64::INFINITY));
+        if let Some(Set { cold, warm, .. }) = &self.state.made.preload
+            && *cold > 0.0
+            && *warm <= 0.0
+        {
+            warnings.push(
+                "the preload is lost with these rises of temperature: the nut has play".to_owned(),
+            );
+        }
+        let lost = self.number("preload_left_N").is_some_and(|left| left <= 0.0);
+        if let (true, Some(limit)) = (lost, self.number("limit_load_N")) {
+            warnings.push(format!(
+                "no preload is left: the load of {} N is beyond the limit load of {limit:.0} N",
+                exact(self.problem.axial())
+            ));
+        }
+        warnings
+    }
+
+    /// What to say of the centrifugal force that is left out, if it is within a part of the mean load of a ball.
+    fn thrown(&self, part: std::ops::Range<f64>) -> Option<String> {
+        let (Made { nut, found, .. }, (_, drive)) =
+            (&self.state.made, self.problem.friction.as_ref()?);
+        // On the middle of both races the balls go half as fast as screw and nut together.
+        let precession = 0.5 * (drive.screw_speed + drive.nut_speed);
+        let force = nut.ball.mass * nut.helix.radius * precession * precession;
+        let mean = found.max_load() / found.concentration();
+        (nut.precession == 0.0 && part.contains(&(force / mean))).then(|| {
+            format!(
+                "the centrifugal force of a ball is near {:.0} % of its mean load, and left out: give \
+                 ball_precession_rad_s, near {precession:.0}, to have it",
+                100.0 * force / mean
+            )
+        })
+    }
+
+    /// The models that answered for the friction of the balls; `None` if none was asked.
+    pub fn model(&self) -> Option<String> {
+        let models = &self.state.rubbed(&self.problem)?.models;
+        (!models.is_empty()).then(|| models.join(" and "))
+    }
+
+    /// Columns of the table of balls.
+    pub fn ball_columns() -> Vec<(&'static str, &'static str)> {
+        BALLS.iter().map(|quantity| (quantity.name, quantity.unit)).collect()
+    }
+
+    /// Columns of the curve of displacement over load.
+    pub fn curve_columns() -> Vec<(&'static str, &'static str)> {
+        let of_a_nut = |name| QUANTITIES.iter().filter(move |quantity| quantity.name == name);
+        let rest =
+            CURVE.into_iter().flat_map(of_a_nut).map(|quantity| (quantity.name, quantity.unit));
+        std::iter::once(("axial_load_N", "N")).chain(rest).collect()
+    }
+
+    /// A row a ball; NaN where there is no number.
+    pub fn balls(&self) -> Columns {
+        let Made { nut, found, .. } = &self.state.made;
+        let (friction, hertz) = (self.state.friction(&self.problem), nut.hertz().ok());
+        let row = |(number, (place, ball)): (usize, (&Place, &BallInGrooves))| {
+            let one = OneBall {
+                place,
+                ball,
+                body: nut.circuits[place.circuit].body,
+                hertz: hertz.as_ref(),
+                outwards: -found.grooves[number][1],
+                torque: friction.and_then(|friction| friction.balls.get(number).copied()),
+            };
+            let numbers = read_ball(&one, |_| true);
+            numbers.columns().map(|(_, value)| value.unwrap_or(f64::NAN)).collect()
+        };
+        let rows = found.places.iter().zip(&found.balls).enumerate().map(row).collect();
+        Columns { heads: Self::ball_columns(), rows }
+    }
+
+    /// The curve from no load beyond the load and the limit load; NaN where there is none.
+    pub fn curve(&self) -> Columns {
+        let (problem, made) = (&self.problem, &self.state.made);
+        let axial = problem.axial();
+        let limit = limit_load(problem, made).unwrap_or(0.0);
+        let far = f64::max(1.5 * axial.abs(), 1.25 * limit.abs());
+        let far = if far > 0.0 { far } else { 0.1 * problem.rating.rating };
+        let far = if axial < 0.0 { -far } else { far };
+        let mut loads: Vec<f64> =
+            (0..=POINTS).map(|i| far * f64::from(i) / f64::from(POINTS)).collect();
+        loads.extend([axial, limit].into_iter().filter(|load| *load != 0.0));
+        loads.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        loads.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * far.abs());
+        // Without preload nothing says where a nut without load is.
+        let start = usize::from(made.preload.is_none());
+        let rows = loads[start..].iter().map(|load| self.on_curve(*load)).collect();
+        Columns { heads: Self::curve_columns(), rows }
+    }
+
+    fn on_curve(&self, load: f64) -> Vec<f64> {
+        let mut problem = self.problem.clone();
+        problem.support = problem.support.with_axial(load);
+        let Made { nut, preload, .. } = &self.state.made;
+        let numbers = match nut.solve(&problem.support) {
+            Ok(found) => problem.some(Made { nut: nut.clone(), preload: *preload, found }, &CURVE),
+            Err(_) => vec![None; CURVE.len()],
+        };
+        std::iter::once(Some(load)).chain(numbers).map(|x| x.unwrap_or(f64::NAN)).collect()
+    }
+
+    /// The answer: its numbers and, under the names of the reference cases, displacements, loads of all balls and stiffness.
+    pub fn answer(&self) -> Answer {
+        let (found, nut) = (self.found(), &self.state.made.nut);
+        let [z, x, y, px, py] = found.displacement;
+        let balls = self.balls();
+        let list = |column: usize| {
+            let cell = |row: &Vec<f64>| json!(Some(row[column]).filter(|x| x.is_finite()));
+            (BALLS[column].name.to_owned(), balls.rows.iter().map(cell).collect())
+        };
+        let mut more: Map<String, Value> = LISTED.map(list).collect();
+        let mut entry = |name: &str, value: Value| drop(more.insert(name.to_owned(), value));
+        entry("status", json!("converged"));
+        entry("message", Value::Null);
+        entry("displacement_um", json!([z / UM, x / UM, y / UM]));
+        entry("tilt_urad", json!([px * 1e6, py * 1e6]));
+        entry("reaction_SI", json!(found.carried));
+        entry("stiffness_SI", json!(found.stiffness.concat()));
+        entry("body_axial_N", json!(found.bodies));
+        if let Ok(ball) = nut.ball_in_grooves() {
+            entry("K_series_SI", json!(ball.series.stiffness));
+            entry("K_nut_SI", json!(ball.stiffness[0]));
+            entry("K_screw_SI", json!(ball.stiffness[1]));
+        }
+        entry("iterations", json!(found.steps));
+        let answer = Answer { notes: self.notes(), warnings: self.warnings(), ..Answer::default() };
+        answer
+            .with("", Content::numbers(self.numbers(|_| true), "nut"))
+            .with("", Content::Json(Value::Object(more)))
+            .with("model", Content::Words("model ", self.model()))
+    }
+}

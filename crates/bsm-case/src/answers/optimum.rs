@@ -1,0 +1,179 @@
+//! Optimum contact angles and self-locking limits in the vocabulary.
+
+use std::cell::RefCell;
+
+use crate::case::problem::Needs;
+use crate::case::requirement::USUAL_CONTACT_ANGLES_DEG;
+use crate::vocabulary::quantity::quantities;
+use crate::vocabulary::units::DEG;
+use crate::{Answer, CaseError, Content, InputKey, InputSet, Numbers, Of, Scene, Settings};
+use bsm_design::search::minimum_inside;
+use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum};
+
+quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
+    "closed form" {
+        optimum_contact_angle_deg ["deg"] Directions(|k| k.best.map(|best| Some(best?.contact_angle / DEG)))
+            needs [lead_angle_deg | lead_mm], "contact angle of best efficiency";
+        optimum_lead_angle_deg ["deg"] Directions(|k| k.best_leads.map(|lead| Some(lead? / DEG))) needs [contact_angle_deg],
+            "lead angle for which the scene's contact angle is the best";
+        optimum_efficiency [""] Directions(Known::best_efficiency), "efficiency at the best angle";
+        self_locking_contact_angle_deg ["deg"] Directions(|k| {
+            DIRECTIONS.map(|d| Some(Angles::locking_contact_angle(d, k.lead?, k.friction)? / DEG))
+        }) needs [lead_angle_deg | lead_mm],
+            "self-locking: contact angle up to which (rotary to linear), or from which (linear to rotary)";
+        self_locking_lead_angle_deg ["deg"] Directions(|k| {
+            DIRECTIONS.map(|d| Some(Angles::locking_lead_angle(d, k.contact?, k.friction)? / DEG))
+        }) needs [contact_angle_deg],
+            "self-locking: lead angle from which (rotary to linear), or up to which (linear to rotary)";
+        efficiency [""] Directions(|k| {
+            let own = k.lead.zip(k.contact).map(|(lead, contact)| Angles { lead, contact });
+            DIRECTIONS.map(|d| Some(own?.efficiency(d, k.friction)))
+        }) needs [contact_angle_deg, lead_angle_deg | lead_mm], "efficiency at the scene's contact angle";
+    }
+}
+
+quantities! { pub(crate) BY_MODEL, by_model(&ByModel);
+    "by the model" {
+        optimum_contact_angle_deg ["deg"] Whole(|found| Some(found.best?.contact_angle / DEG)),
+            "contact angle of best efficiency";
+        optimum_efficiency [""] Whole(|found| Some(found.best?.efficiency)), "efficiency there";
+    }
+}
+
+/// What it needs, and besides a lead angle or a contact angle.
+pub(crate) const NEEDS: Needs =
+    Needs { all: InputSet::of(&[InputKey::friction_coefficient]), quantities: &[] };
+
+/// What both directions follow from.
+struct Known {
+    lead: Option<f64>,
+    contact: Option<f64>,
+    friction: f64,
+    /// Best contact angles, if there is a lead angle to find them for.
+    best: [Option<Optimum>; 2],
+    /// Best lead angles, if there is a contact angle to find them for.
+    best_leads: [Option<f64>; 2],
+}
+
+/// Best contact angle of a model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct ByModel {
+    model: Model,
+    direction: Direction,
+    /// `None` if the model has no solution at any contact angle, or the best one is an end of the range.
+    best: Option<Optimum>,
+}
+
+/// Contact angles among which a model's best one is looked for \[deg\].
+const SEARCHED_DEG: (f64, f64) = (5.0, 85.0);
+
+const DIRECTIONS: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
+
+impl Known {
+    fn of(scene: &Scene) -> Result<Self, CaseError> {
+        let (lead, contact) = (scene.lead_angle(), scene.contact_angle_deg.map(|deg| deg * DEG));
+        let mut missing = NEEDS.missing(scene.given());
+        if lead.or(contact).is_none() {
+            let words =
+                "lead_angle_deg (or lead_mm with pitch_circle_diameter_mm) or contact_angle_deg";
+            missing.push(words.to_owned());
+        }
+        let Some(friction) = scene.friction_coefficient.filter(|_| missing.is_empty()) else {
+            return Err(CaseError::Missing { missing, by: "by model closed-form".to_owned() });
+        };
+        Ok(Self {
+            lead,
+            contact,
+            friction,
+            best: DIRECTIONS.map(|d| Optimum::of(d, lead?, friction)),
+            best_leads: DIRECTIONS.map(|d| Optimum::lead_angle(d, contact?, friction)),
+        })
+    }
+
+    /// At the scene's lead angle, or else at its contact angle.
+    fn best_efficiency(&self) -> [Option<f64>; 2] {
+        let best = Optimum::best_efficiency(self.friction);
+        match self.lead {
+            Some(_) => self.best.map(|best| best.map(|best| best.efficiency)),
+            None => self.best_leads.map(|lead| lead.map(|_| best)),
+        }
+    }
+
+    /// Optima that do not exist or are hard to make.
+    fn warnings(&self) -> Vec<String> {
+        let of_direction = |(best, name): (Option<Optimum>, &str)| match best {
+            None => Some(format!(
+                "{name}: no contact angle reaches the best efficiency {:.4}; the lead angle is too large",
+                Optimum::best_efficiency(self.friction)
+            )),
+            Some(best) => hard_to_make(name, Some(best.contact_angle / DEG)),
+        };
+        let bests = self.best.into_iter().zip(["rotary to linear", "linear to rotary"]);
+        bests.filter(|_| self.lead.is_some()).filter_map(of_direction).collect()
+    }
+}
+
+/// The numbers in closed form.
+pub(crate) fn numbers(scene: &Scene) -> Result<Numbers, CaseError> {
+    scene.check()?;
+    read(&Known::of(scene)?, |_| true).finite()
+}
+
+/// Optimum and limits of both directions for lead angle or contact angle and friction coefficient of a scene in closed
+/// form; with a model, its best contact angle in the direction of the scene's speeds besides.
+///
+/// # Errors
+///
+/// [`CaseError`] if one of them is missing or breaks its rule.
+pub fn optimum(scene: &Scene, model: Option<Model>) -> Result<Answer, CaseError> {
+    scene.check()?;
+    let found = model.map(|model| ByModel::of(scene, model)).transpose()?;
+    let mut answer = Answer::default().with("", Content::numbers(numbers(scene)?, ""));
+    if let Some(found) = found {
+        let (model, (low, high)) = (found.model.name(), SEARCHED_DEG);
+        let best = Content::numbers(
+            by_model(&found, |_| true),
+            Of::Directions.members()[usize::from(found.direction.is_back())],
+        );
+        answer = answer
+            .with("model", Content::Words("model ", Some(model.to_owned())))
+            .with("by_model", best);
+        if found.best.is_none() {
+            answer.warnings.push(format!(
+                "model {model}: no best contact angle between {low} and {high} deg; its efficiency is largest at \
+                 an end of that range"
+            ));
+        }
+    }
+    answer.warnings.extend(Known::of(scene)?.warnings());
+    Ok(answer)
+}
+
+impl ByModel {
+    /// The contact angle of least loss.
+    fn of(scene: &Scene, model: Model) -> Result<Self, CaseError> {
+        let settings = Settings::from(model);
+        let speeds = scene.speeds_rpm().map_or(1.0, |(screw, nut)| screw - nut);
+        let direction = Direction::of(speeds).unwrap_or(Direction::RotaryToLinear);
+        let work = RefCell::new(ModelWorkspace::default());
+        let loss = |deg: f64| -> Result<f64, CaseError> {
+            let scene = Scene { contact_angle_deg: Some(deg), ..scene.clone() };
+            let solution = scene.problem(&settings)?.solve(&mut work.borrow_mut());
+            Ok(solution.efficiency().map_or(f64::NAN, |eta| 1.0 - eta))
+        };
+        // A screw that does not move has no best angle.
+        let best = minimum_inside(loss, SEARCHED_DEG)?.filter(|(_, loss)| *loss < 1.0);
+        let optimum = |(deg, loss)| Optimum { contact_angle: deg * DEG, efficiency: 1.0 - loss };
+        Ok(Self { model, direction, best: best.map(optimum) })
+    }
+}
+
+/// A warning if the optimum of a motion is hard to make.
+pub(crate) fn hard_to_make(motion: &str, best_deg: Option<f64>) -> Option<String> {
+    let (low, high) = USUAL_CONTACT_ANGLES_DEG;
+    // Beyond the rounding of an angle that is one of the ends.
+    let deg = best_deg.filter(|deg| !(low - 1e-6..=high + 1e-6).contains(deg))?;
+    Some(format!(
+        "{motion}: a contact angle of {deg:.1} deg is hard to make; {low:.0} to {high:.0} deg is usual"
+    ))
+}

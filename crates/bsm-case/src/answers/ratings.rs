@@ -1,0 +1,286 @@
+//! Ratings of a nut in the vocabulary.
+
+mod doubts;
+
+use bsm_design::{
+    Body, Duty, DynamicRating, Elasticity, Life, Nut, PRELOAD, ROLLING_LEVER, StaticRating, Thread,
+    in_series, life, pair_loads,
+};
+
+use doubts::{doubts, doubts_of_pair, off_the_flank};
+
+use crate::answers::record::message;
+use crate::case::rated_nut::{body, nut, thread};
+use crate::vocabulary::quantity::quantities;
+use crate::vocabulary::units::{DEG, MM, RPM, UM};
+use crate::{Answer, CaseError, Catalogue, Content, InputKey, Numbers, Scene, Spectrum, exact};
+
+/// Title of what lies between the inputs and the ratings.
+pub(crate) const STEPS: &str = "steps";
+
+quantities! { pub(crate) QUANTITIES, read(&Rated<'_>) of Ratings;
+    "ratings" {
+        dynamic_load_rating_N ["N" "C_a"] Whole(|r| r.dynamic.rating), "dynamic axial load rating";
+        static_load_rating_N ["N" "C_0a"] Whole(|r| r.static_rating.rating), "static axial load rating";
+        edge_load_N ["N"] Whole(|r| r.edge_load),
+            "axial load of one nut under which a contact ellipse reaches the end of its flank";
+        rigidity_characteristic_N_um15 ["N/um^1.5" "k"] Whole(|r| r.elasticity.turn * 1e-9),
+            "rigidity characteristic of one turn";
+        preload_displacement_um ["um"] Whole(|r| r.of_pair(|e| e.displacement(r.force) / UM)),
+            "displacement of the contacts of a nut under the preload";
+        contact_displacement_um ["um"] Whole(|r| r.displacement()) needs [axial_load_N],
+            "axial displacement of the contacts under the axial load, of one nut or of the preloaded pair";
+        secant_contact_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| e.secant(r.force) * UM)) needs [axial_load_N],
+            "rigidity of the contacts of one nut without preload, load over displacement";
+        tangent_contact_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| e.tangent(r.force) * UM)) needs [axial_load_N],
+            "rigidity of the contacts of one nut without preload, for a small change of the load";
+        preloaded_contact_rigidity_N_um ["N/um"] Whole(|r| r.of_pair(|e| e.preloaded(r.force) * UM)),
+            "rigidity of the contacts of a preloaded pair";
+        body_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| e.body * UM)), "rigidity of the body of a nut";
+        preloaded_body_rigidity_N_um ["N/um"] Whole(|r| r.of_pair(|e| 2.0 * e.body * UM)),
+            "rigidity of the bodies of a preloaded pair";
+        secant_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| in_series(e.secant(r.force), e.body) * UM)) needs [axial_load_N],
+            "secant rigidity of one nut without preload, contacts and body";
+        tangent_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| in_series(e.tangent(r.force), e.body) * UM)) needs [axial_load_N],
+            "tangent rigidity of one nut without preload, contacts and body";
+        preloaded_rigidity_N_um ["N/um" "R_nu"] Whole(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
+            "rigidity of a preloaded pair, contacts and bodies";
+        rolling_efficiency [""] Whole(|r| r.nut.rolling_efficiency(r.lever())), "efficiency of balls that have rolling resistance only";
+        mass_kg ["kg"] Whole(|r| r.body.mass(&r.nut, &r.thread)), "mass of the nut";
+        permissible_speed_rpm ["rpm"] Whole(|r| speed_limit(r.scene) / r.pitch_mm()), "speed that the speed number limit permits";
+        speed_number_mm_min ["mm/min" "n d_pw"] Whole(|r| Some(rpm(r.scene)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
+        mean_load_N ["N" "F_m"] Whole(|r| Some(r.life.as_ref()?.mean_load)) needs [axial_load_N, screw_speed_rpm],
+            "load that takes the same life if it stays";
+        mean_speed_rpm ["rpm" "n_m"] Whole(|r| Some(r.life.as_ref()?.mean_speed / RPM)) needs [axial_load_N, screw_speed_rpm],
+            "speed that takes the same revolutions if it stays";
+        rating_life_revolutions ["" "L_10"] Whole(|r| Some(r.life.as_ref()?.revolutions)) needs [axial_load_N, screw_speed_rpm], "rating life";
+        life_h ["h" "L_10h"] Whole(|r| Some(r.life.as_ref()?.time / 3600.0)) needs [axial_load_N, screw_speed_rpm], "rating life";
+    }
+    "thread" {
+        ball_gap_mm ["mm"] Whole(|r| r.nut.ball_gap() / MM), "gap in a turn full of balls, all gaps together";
+        nut_groove_radius_mm ["mm" "r_n"] Whole(|r| r.thread.nut.radius / MM),
+            "groove radius, nut";
+        screw_groove_radius_mm ["mm" "r_s"] Whole(|r| r.thread.screw.radius / MM),
+            "groove radius, screw";
+        nut_groove_offset_mm ["mm"] Whole(|r| r.thread.nut.offset / MM),
+            "distance of the arc centres from the middle of the groove, nut";
+        screw_groove_offset_mm ["mm"] Whole(|r| r.thread.screw.offset / MM),
+            "distance of the arc centres from the middle of the groove, screw";
+        nut_core_diameter_mm ["mm"] Whole(|r| r.thread.nut.core / MM),
+            "calculated core diameter, at the bottom of the full arcs, nut";
+        screw_core_diameter_mm ["mm"] Whole(|r| r.thread.screw.core / MM),
+            "calculated core diameter, at the bottom of the full arcs, screw";
+        nut_root_diameter_mm ["mm"] Whole(|r| r.thread.nut.root / MM),
+            "root diameter, where the two arcs meet, nut";
+        screw_root_diameter_mm ["mm"] Whole(|r| r.thread.screw.root / MM),
+            "root diameter, where the two arcs meet, screw";
+    }
+    "steps" {
+        nut_edge_angle_deg ["deg"] Whole(|r| r.thread.nut.edge / DEG),
+            "angle from the radial direction at which the groove ends, nut";
+        screw_edge_angle_deg ["deg"] Whole(|r| r.thread.screw.edge / DEG),
+            "angle from the radial direction at which the groove ends, screw";
+        nut_groove_section_mm2 ["mm2"] Whole(|r| r.thread.nut.section() / (MM * MM)),
+            "section of the groove, nut";
+        screw_groove_section_mm2 ["mm2"] Whole(|r| r.thread.screw.section() / (MM * MM)),
+            "section of the groove, screw";
+        gamma ["" "gamma"] Whole(|r| r.dynamic.gamma), "ball diameter times cosine of the contact angle, over pitch circle diameter";
+        f_c ["" "f_c"] Whole(|r| r.dynamic.shape), "geometry factor of the dynamic load rating";
+        C_s_N ["N" "C_s"] Whole(|r| r.dynamic.screw), "dynamic load rating of a turn of the screw";
+        C_s_over_C_n ["" "C_s/C_n"] Whole(|r| r.dynamic.ratio), "dynamic load rating of the screw over that of the nut";
+        C_i_N ["N" "C_i"] Whole(|r| r.dynamic.turn), "dynamic load rating of a turn";
+        screw_curvature_along_1_mm ["1/mm"] Whole(|r| r.static_rating.curvatures.along * MM),
+            "relative curvature along the track of the screw, for the static load rating";
+        screw_curvature_across_1_mm ["1/mm"] Whole(|r| r.static_rating.curvatures.across * MM),
+            "relative curvature across the groove of the screw, for the static load rating";
+        k_0_N_mm2 ["N/mm2" "k_0"] Whole(|r| r.static_rating.factor), "static load of a ball over its diameter squared";
+        nut_approach_um_N23 ["um/N^(2/3)"] Whole(|r| r.elasticity.hertz[0].compliance / UM),
+            "Hertz approach at unit load, nut";
+        screw_approach_um_N23 ["um/N^(2/3)"] Whole(|r| r.elasticity.hertz[1].compliance / UM),
+            "Hertz approach at unit load, screw";
+    }
+}
+
+quantities! { pub(crate) AS_USED, as_used(&Rated<'_>);
+    "inputs as used" {
+        lead_angle_deg ["deg" "phi"] Whole(|r| r.nut.lead_angle() / DEG), "lead angle";
+        contact_angle_deg ["deg" "alpha"] Whole(|r| r.nut.contact_angle / DEG), "contact angle";
+        axial_play_um ["um"] Whole(|r| r.thread.play / UM), "axial play of one nut without preload";
+        nut_bore_mm ["mm"] Whole(|r| r.thread.nut.land / MM), "diameter of the land of the nut";
+        screw_outer_diameter_mm ["mm" "d_1"] Whole(|r| r.thread.screw.land / MM), "diameter of the land of the screw";
+        nut_outer_diameter_mm ["mm" "D_1"] Whole(|r| r.body.outer / MM), "outer diameter of the nut";
+        nut_length_mm ["mm"] Whole(|r| r.body.length / MM), "length of the nut";
+        preload_N ["N" "F_pr"] Whole(|r| r.preloaded.then_some(r.force)), "preload of the pair";
+        axial_load_N ["N" "F_a"] Whole(|r| r.scene.axial_load_N), "axial load";
+    }
+}
+
+/// A nut that is rated: ratings, rigidity, thread, mass, life and efficiency.
+pub(crate) struct Rated<'a> {
+    scene: &'a Scene,
+    nut: Nut,
+    thread: Thread,
+    body: Body,
+    elasticity: Elasticity,
+    dynamic: DynamicRating,
+    static_rating: StaticRating,
+    edge_load: f64,
+    /// Preload of a pair, or the axial load of one nut \[N\].
+    force: f64,
+    preloaded: bool,
+    /// Under a spectrum, or else under axial load and speed of the scene.
+    life: Option<Life>,
+}
+
+impl<'a> Rated<'a> {
+    /// The nut of a scene: a pair of nuts under `preload_N`, or one nut under `axial_load_N`; a pair
+    /// under 0.15 of the dynamic rating unless one of them is given.
+    fn of(scene: &'a Scene, spectrum: Option<&Spectrum>) -> Result<Self, CaseError> {
+        scene.check()?;
+        let nut = nut(scene)?;
+        let thread = thread(scene, &nut)?;
+        let body = body(scene, &nut, &thread)?;
+        let dynamic = nut.dynamic_rating();
+        let (force, preloaded) = match (scene.preload_N, scene.axial_load_N) {
+            (None, Some(load)) => (load, false),
+            (preload, _) => (preload.unwrap_or(PRELOAD * dynamic.rating), true),
+        };
+        let elasticity =
+            nut.elasticity(&body).map_err(|reason| CaseError::NotRated(message(&reason)))?;
+        let edge_load = nut.edge_load(&thread, &elasticity.hertz);
+        let duty = match (spectrum, scene.axial_load_N, rpm(scene)) {
+            (Some(spectrum), ..) => spectrum.0.clone(),
+            (None, Some(load), Some(rpm)) => vec![Duty { load, speed: rpm * RPM, time: 1.0 }],
+            _ => Vec::new(),
+        };
+        let life = life(dynamic.rating, preloaded.then_some(force), &duty);
+        let static_rating = nut.static_rating();
+        Ok(Self {
+            scene,
+            nut,
+            thread,
+            body,
+            elasticity,
+            dynamic,
+            static_rating,
+            edge_load,
+            force,
+            preloaded,
+            life,
+        })
+    }
+
+    fn numbers(&self) -> Result<Numbers, CaseError> {
+        let numbers = read(self, |_| true).finite()?;
+        // A load of a spectrum may leave no life that a number could tell.
+        let lost = |life: &Life| life.revolutions <= 0.0 || life.time <= 0.0;
+        if self.life.as_ref().is_some_and(lost) {
+            return Err(CaseError::BeyondDouble { output: "life_h" });
+        }
+        Ok(numbers)
+    }
+
+    /// A number of a preloaded pair.
+    fn of_pair(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
+        self.preloaded.then(|| number(&self.elasticity))
+    }
+
+    /// A number of one nut under its load.
+    fn of_one(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
+        (!self.preloaded).then(|| number(&self.elasticity))
+    }
+
+    /// Axial displacement of the contacts under the axial load \[um\].
+    fn displacement(&self) -> Option<f64> {
+        let of_pair = || {
+            let load = self.scene.axial_load_N?;
+            Some(self.elasticity.preloaded_displacement(self.force, load) / UM)
+        };
+        self.of_one(|e| e.displacement(self.force) / UM).or_else(of_pair)
+    }
+
+    fn lever(&self) -> f64 {
+        self.scene.rolling_friction_mm.map_or(ROLLING_LEVER, |lever| lever * MM)
+    }
+
+    fn pitch_mm(&self) -> f64 {
+        self.nut.pitch_diameter / MM
+    }
+
+    /// What makes the numbers doubtful, or the nut poor.
+    fn warnings(&self, spectrum: Option<&Spectrum>) -> Result<Vec<String>, CaseError> {
+        let Self { scene, nut, thread, body, elasticity, dynamic, force, life, .. } = self;
+        let loads = spectrum.into_iter().flat_map(|s| s.0.iter().map(|duty| duty.load.abs()));
+        let load = scene.axial_load_N.into_iter().chain(loads).reduce(f64::max);
+        let mut warnings = scene.warnings();
+        warnings.extend(scene.load_of_the_mass());
+        if self.preloaded && scene.has_rises() {
+            warnings.push(
+                "rises of temperature change the preload, which these ratings do not follow: the nut with all its \
+                 balls does (bsm nut)"
+                    .to_owned(),
+            );
+        }
+        warnings.extend(doubts(nut, thread, body, &Catalogue::standard()?.limits));
+        if self.preloaded {
+            warnings.extend(doubts_of_pair(elasticity, *force, load, dynamic.rating));
+        }
+        let load = load.unwrap_or(0.0);
+        let busier = if self.preloaded { pair_loads(*force, load).0 } else { load };
+        warnings.extend(off_the_flank(self.edge_load, busier));
+        let heaviest = life.as_ref().map_or(*force, |life| life.mean_load.max(*force));
+        if heaviest > dynamic.rating {
+            warnings.push(format!(
+                "a force of {} N is more than the dynamic rating of {:.0} N",
+                exact(heaviest.round()),
+                dynamic.rating
+            ));
+        }
+        let (limit, pitch_mm) = (speed_limit(scene), nut.pitch_diameter / MM);
+        if let Some(rpm) = rpm(scene).filter(|rpm| *rpm * pitch_mm > limit) {
+            warnings.push(format!(
+                "speed number {:.0} mm/min at {rpm} rpm: above speed_number_limit_mm_min = {limit} \
+                 the return of the balls is at risk",
+                rpm * pitch_mm
+            ));
+        }
+        Ok(warnings)
+    }
+}
+
+/// Relative speed of screw and nut \[rpm\], if it is given.
+fn rpm(scene: &Scene) -> Option<f64> {
+    scene.speeds_rpm().map(|(screw, nut)| (screw - nut).abs())
+}
+
+/// Largest speed number \[mm/min\].
+fn speed_limit(scene: &Scene) -> f64 {
+    scene.value_or_default(InputKey::speed_number_limit_mm_min).unwrap_or(f64::NAN)
+}
+
+/// The numbers alone.
+pub(crate) fn numbers(scene: &Scene) -> Result<Numbers, CaseError> {
+    Rated::of(scene, None)?.numbers()
+}
+
+/// Ratings of the nut of a scene: a pair of nuts under `preload_N`, or one nut under
+/// `axial_load_N`; a pair under 0.15 of the dynamic rating unless one of them is given.
+///
+/// Life is that under a spectrum, or else under axial load and speed of the scene.
+///
+/// # Errors
+///
+/// [`CaseError`] if an input is missing or breaks its rule, or the grooves leave no ellipse.
+pub fn ratings(scene: &Scene, spectrum: Option<&Spectrum>) -> Result<Answer, CaseError> {
+    let rated = Rated::of(scene, spectrum)?;
+    let [steps, numbers] = [true, false].map(|wanted| {
+        rated.numbers().map(|all| all.part(|quantity| (quantity.title == STEPS) == wanted))
+    });
+    let numbers_of = |numbers| Content::numbers(numbers, "nut");
+    let answer = Answer { warnings: rated.warnings(spectrum)?, ..Answer::default() };
+    Ok(answer
+        .with("", numbers_of(numbers?))
+        .with("", numbers_of(as_used(&rated, |_| true)))
+        .with("preloaded", Content::Json(rated.preloaded.into()))
+        .with("steps", numbers_of(steps?)))
+}

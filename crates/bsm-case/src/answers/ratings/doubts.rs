@@ -1,0 +1,106 @@
+//! What makes the numbers of a nut doubtful, or the nut poor.
+
+use bsm_design::{Body, Elasticity, LIMIT_LOAD, Limits, Nut, OPENS_AT, PRELOAD, Thread};
+
+use crate::exact;
+use crate::vocabulary::units::{MM, UM};
+
+/// What makes the numbers of a nut doubtful, or the nut poor: the limits of the catalogue, and more.
+pub(super) fn doubts(nut: &Nut, thread: &Thread, body: &Body, limits: &Limits) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if body.length < nut.turns * nut.lead {
+        warnings.push(format!(
+            "a nut of {:.3} mm has no room for {} loaded turns of {:.3} mm",
+            body.length / MM,
+            nut.turns,
+            nut.lead / MM
+        ));
+    }
+    let (few, many) = limits.turns;
+    if nut.turns < few || nut.turns > many {
+        warnings.push(format!(
+            "loaded_turns = {}: {few} to {many} are usual. Fewer guide the screw poorly, and of more the \
+             outer ones carry little, which the load ratings do not know",
+            nut.turns
+        ));
+    }
+    let over_lead = nut.ball_diameter / nut.lead;
+    if over_lead > limits.ball_over_lead * (1.0 + 1e-9) {
+        warnings.push(format!(
+            "the ball diameter is {over_lead:.3} of the lead: above {} little land is left between the turns",
+            limits.ball_over_lead
+        ));
+    }
+    let root = thread.screw.root;
+    if nut.ball_diameter >= limits.ball_over_root * root {
+        warnings.push(format!(
+            "the ball diameter is {:.3} of the root diameter of the screw, {:.3} mm: it should be below {}",
+            nut.ball_diameter / root,
+            root / MM,
+            limits.ball_over_root
+        ));
+    }
+    if body.mass(nut, thread) <= 0.0 {
+        warnings
+            .push("the grooves of this nut are larger than its body: no mass is given".to_owned());
+    }
+    for (name, conformity) in
+        [("nut_conformity", nut.conformity.0), ("screw_conformity", nut.conformity.1)]
+    {
+        let (low, high) = limits.conformity;
+        if !(low..=high).contains(&conformity) {
+            warnings.push(format!(
+                "{name} = {conformity}: the ratings were fitted for {low} to {high}"
+            ));
+        }
+    }
+    warnings
+}
+
+/// Where the preload of a pair is more than it should be (D22), or less than the load wants (D23).
+pub(super) fn doubts_of_pair(
+    elasticity: &Elasticity,
+    preload: f64,
+    load: Option<f64>,
+    rating: f64,
+) -> Vec<String> {
+    let mut warnings = Vec::new();
+    // F_w ≤ 0.15 C_a                                                      (D22)
+    if preload > PRELOAD * rating * (1.0 + 1e-9) {
+        warnings.push(format!(
+            "preload_N is {:.3} of the dynamic rating: above {PRELOAD} it costs life",
+            preload / rating
+        ));
+    }
+    // F_m ≤ 3 F_w                                                         (D23)
+    if let Some(load) = load.filter(|load| *load > LIMIT_LOAD * preload * (1.0 + 1e-9)) {
+        let alone = elasticity.displacement(load) - elasticity.displacement(preload);
+        warnings.push(format!(
+            "a load of {} N is more than {LIMIT_LOAD} times the preload: from {:.0} N on one nut is free, \
+             the rigidity of the pair does not hold, and the displacement is that of the other nut alone, \
+             {:.3} um",
+            exact(load.round()),
+            OPENS_AT * preload,
+            alone / UM
+        ));
+    }
+    warnings
+}
+
+/// A warning if a contact reaches over the end of its flank.
+pub(super) fn off_the_flank(edge_load: f64, force: f64) -> Option<String> {
+    if edge_load <= 0.0 {
+        return Some(
+            "this nut cannot hold its balls: their contacts are beyond the land of nut or screw; see \
+             nut_bore_mm and screw_outer_diameter_mm"
+                .to_owned(),
+        );
+    }
+    (force > edge_load).then(|| {
+        format!(
+            "under {} N on one nut a contact ellipse reaches over the end of its flank, which it does from \
+             {edge_load:.0} N on: Hertz's theory does not hold there",
+            exact(force.round())
+        )
+    })
+}

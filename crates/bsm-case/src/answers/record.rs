@@ -1,0 +1,578 @@
+//! The answer in the vocabulary.
+
+use bsm_dyn::{
+    Band, Basis, Choice, ContactState, ErrorBound, FilmState, GRIPS_BELOW, Model, Others,
+    RaceControl, Reason, Regime, Slip, SlipRegime, Solution, Solved, Status, ZERO_CELSIUS,
+};
+use bsm_kin::Site;
+use serde_json::{Map, Value, json};
+
+use crate::vocabulary::units::{DEG, MM, MPA};
+use crate::{
+    Answer, CaseError, Cell, Column, Content, ModelChoice, OUTPUTS, Output, Scene, ScrewTorque,
+    Section, Sensitivity, Settings, Table,
+};
+
+/// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
+/// load rating of ISO 76 is made from it.
+pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
+
+/// One answer: model, status, numbers, and words where they are needed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    model: ModelChoice,
+    /// `None` where the scene could not be asked.
+    solution: Option<Solution>,
+    message: Option<String>,
+}
+
+impl Record {
+    /// Wraps the answer of a model; one with a number beyond double precision is none.
+    pub fn new(solution: Solution) -> Self {
+        let endless = |output: &&Output| {
+            let cell = output.read(&solution);
+            matches!(cell, Some(Cell::Number(x)) if !x.is_finite())
+        };
+        if let Some(output) = OUTPUTS.iter().find(endless) {
+            let error = CaseError::BeyondDouble { output: output.name };
+            return Self::invalid(ModelChoice::Fixed(solution.model), &error);
+        }
+        let message = solution.reason().map(message);
+        Self { model: ModelChoice::Fixed(solution.model), solution: Some(solution), message }
+    }
+
+    /// The record of a scene that `model` could not be asked.
+    pub fn invalid(model: ModelChoice, error: &CaseError) -> Self {
+        Self { model, solution: None, message: Some(error.to_string()) }
+    }
+
+    /// The model that answered, or that was to be asked.
+    pub fn model(&self) -> ModelChoice {
+        self.model
+    }
+
+    /// The answer of the model, if there is one.
+    pub fn into_solution(self) -> Option<Solution> {
+        self.solution
+    }
+
+    /// The numbers, if it converged.
+    fn solved(&self) -> Option<&Solved> {
+        self.solution.as_ref()?.solved()
+    }
+
+    /// What the choice of the model rests on, if it was chosen by the bound of its error.
+    fn chosen(&self) -> Option<Choice> {
+        self.solution.as_ref()?.choice
+    }
+
+    /// How the solve ended.
+    pub fn status(&self) -> Status {
+        self.solution.as_ref().map_or(Status::InvalidInput, Solution::status)
+    }
+
+    /// Name of the status in files.
+    pub fn status_name(&self) -> &'static str {
+        self.status().name()
+    }
+
+    /// The value of an output.
+    pub fn cell(&self, output: &Output) -> Option<Cell> {
+        output.read(self.solution.as_ref()?)
+    }
+
+    /// The value of a numeric output by name, if there is one.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        match self.cell(Output::named(name)?)? {
+            Cell::Number(value) => Some(value),
+            Cell::Count(_) | Cell::Flag(_) | Cell::Race(_) | Cell::Evidence(_) => None,
+        }
+    }
+
+    /// True if the point is known to have other solutions.
+    pub fn has_others(&self) -> bool {
+        self.others().is_some_and(|others| others.count > 0)
+    }
+
+    /// Why there are no numbers; `None` if it converged.
+    pub fn message(&self) -> Option<&str> {
+        self.message.as_deref()
+    }
+
+    /// What the numbers mean physically, in a few words.
+    pub fn regime(&self) -> Option<&'static str> {
+        let solution = self.solution.as_ref()?;
+        let solved = solution.solved()?;
+        if solved.transmission.self_locking {
+            return Some("self-locking in this direction");
+        }
+        let regime = solved.skid.and_then(|skid| skid.regime());
+        Some(match (solution.model, regime) {
+            (Model::ClosedForm, _) => "gross skid and little inertia, by assumption",
+            (Model::QuasiStatic, _) => "slip across the groove only, by assumption",
+            (Model::Rigid | Model::Elastic, _) => {
+                "gross skid: friction saturated at every contact, by assumption"
+            }
+            (_, Some(SlipRegime::Grips)) => "rolling, the balls grip",
+            (Model::RacewayControl, _) => "skidding: raceway control does not hold",
+            (_, Some(SlipRegime::SkidsPartly)) => "partial skid, between rolling and gross skid",
+            _ => "gross skid, friction nearly saturated",
+        })
+    }
+
+    /// Why this model was chosen, if it was chosen by the bound of its error.
+    pub fn choice(&self) -> Option<String> {
+        let choice = self.chosen()?;
+        let bound = self.solved()?.error?.efficiency;
+        let why = match choice.basis {
+            Basis::Grips { onset_number } if bound > choice.tolerance => format!(
+                "no more accurate model has a result here; raceway control, with a skid onset number of {onset_number:.2e}"
+            ),
+            Basis::Grips { onset_number } => {
+                format!("the balls grip, skid onset number {onset_number:.2e}")
+            }
+            Basis::Skids { onset_number } => {
+                format!("the balls skid, skid onset number {onset_number:.1}")
+            }
+            Basis::Integrated { accuracy } => format!(
+                "no faster model is that accurate here; friction integrated to {accuracy:.0e}"
+            ),
+            other => format!("{other:?}"),
+        };
+        Some(format!("error of the efficiency at most {bound:.1e}: {why}"))
+    }
+
+    /// The outputs that have a value whose error has no bound, though that of the efficiency has one: those of the
+    /// ball and its contacts, of a model that `auto` took in place of traction.
+    pub fn unbounded(&self) -> Vec<&'static str> {
+        let is_chosen =
+            |solution: &&Solution| solution.choice.is_some() && solution.model != Model::Traction;
+        let Some(solution) = self.solution.as_ref().filter(is_chosen) else { return Vec::new() };
+        let own = OUTPUTS.iter().filter(|output| output.is_of_the_ball());
+        own.filter(|output| output.read(solution).is_some()).map(|output| output.name).collect()
+    }
+
+    /// What an engineer should know before using the numbers; `scene` is what was asked.
+    pub fn warnings(&self, scene: &Scene) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let Some(solution) = &self.solution else { return warnings };
+        let slip = |site| solution.contact(site).and_then(|contact| contact.slip);
+        if let (Some(Slip { spin, .. }), Model::Rigid | Model::Elastic, None) =
+            (slip(Site::Nut), solution.model, solution.choice)
+        {
+            let minor = slip(Site::NutMinor).map_or_else(String::new, |slip| {
+                format!(", slip {:.0} m/s at the minor contact", slip.speed)
+            });
+            warnings.push(format!(
+                "ball spin {:.2e} rad/s{minor}: this model assumes gross skid; a loaded ball that \
+                 grips rolls, with less loss. Model traction covers both; it needs nut_conformity \
+                 and screw_conformity",
+                spin.abs()
+            ));
+        }
+        let onset = self.solved().and_then(|solved| solved.skid?.onset_number());
+        if let (Model::RacewayControl, Some(onset)) =
+            (solution.model, onset.filter(|s| *s >= GRIPS_BELOW))
+        {
+            warnings.push(format!(
+                "skid onset number {onset:.2}: above {GRIPS_BELOW} the balls begin to skid, which \
+                 raceway control does not cover; use model traction"
+            ));
+        }
+        warnings.extend(self.film().map(of_a_film).unwrap_or_default());
+        warnings.extend(self.ambiguities());
+        if let (Some(Choice { tolerance, .. }), Some(ErrorBound { efficiency: bound, .. })) =
+            (solution.choice, self.solved().and_then(|solved| solved.error))
+            && bound > tolerance
+        {
+            warnings.push(format!(
+                "tolerance {tolerance:.1e} is not met: the error bound of the most accurate model \
+                 here is {bound:.1e}"
+            ));
+        }
+        let pressed = |site| solution.contact(site).and_then(|contact| contact.pressed);
+        let pressures =
+            [Site::Nut, Site::Screw].map(|s| pressed(s).map_or(0.0, |p| p.max_pressure));
+        let pressure = pressures[0].max(pressures[1]);
+        if pressure > MARKS_ABOVE {
+            warnings.push(format!(
+                "pressure {:.0} MPa: above {:.0} MPa balls leave permanent marks (ISO 76); the \
+                 models have elastic contacts only",
+                pressure / MPA,
+                MARKS_ABOVE / MPA
+            ));
+        }
+        if let Some(ball) = scene.ball_diameter_mm {
+            warnings.extend(self.cut_off(0.5 * MM * ball));
+        }
+        if solution.self_locking() == Some(true) {
+            warnings.push(match solution.efficiency() {
+                Some(eta) => format!(
+                    "efficiency {eta:.4} is not positive: the screw is self-locking in this \
+                     direction"
+                ),
+                None => "the screw is self-locking in this direction".to_owned(),
+            });
+        }
+        warnings
+    }
+
+    /// What the numbers hold and what they leave out.
+    pub fn notes(&self) -> Vec<String> {
+        let of_a_film = "friction from the lubricant is known to some 25 % of the loss of the contacts; balls that rub \
+                         on each other, ball returns, errors of lead and balls and four-point contact are not \
+                         predicted: the contacts give about a third of the torque of a preloaded nut";
+        self.film().map(|_| of_a_film.to_owned()).into_iter().collect()
+    }
+
+    fn film(&self) -> Option<&FilmState> {
+        self.solved()?.film.as_ref()
+    }
+
+    /// How ball and races are separated at nut and screw, in words.
+    pub fn lubrication(&self) -> Option<String> {
+        let film = self.film()?;
+        let [nut, screw] = [film.nut, film.screw].map(|film| Regime::of(film.ratio).name());
+        Some(if nut == screw { nut.to_owned() } else { format!("{nut} (nut), {screw} (screw)") })
+    }
+
+    fn others(&self) -> Option<Others> {
+        self.solved()?.others
+    }
+
+    /// Warnings where the equations have other solutions, or no consistent one.
+    fn ambiguities(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if let Some(Others { count, farthest_efficiency: Some(eta) }) = self.others() {
+            let which = match self.model {
+                ModelChoice::Fixed(Model::RacewayControl) => {
+                    "this is the one with the smallest difference of the contact angles, under nut \
+                     control if both races can control"
+                }
+                _ => "this is the first one as the inertia of the ball grows from zero",
+            };
+            let motions = if count == 1 { "motion solves" } else { "motions solve" };
+            warnings.push(format!(
+                "{count} other steady {motions} the equations of this point; the efficiency that \
+                 differs most is {eta:.6}; {which}. In a sweep the results may step from one to \
+                 another"
+            ));
+        }
+        let control = self.solved().and_then(|solved| solved.control);
+        if let Some(RaceControl { race, consistent: Some(false) }) = control {
+            let race = race.name();
+            warnings.push(format!(
+                "neither race has the larger spin friction moment at its own solution, so neither \
+                 controls; this is the solution under {race} control. the setting `control` sets the race"
+            ));
+        }
+        warnings
+    }
+
+    /// A warning if a contact ellipse reaches over the bottom of its groove, or beyond the axial
+    /// direction, where no groove is.
+    fn cut_off(&self, ball_radius: f64) -> Option<String> {
+        let ball = &self.solved()?.ball;
+        [("nut", Site::Nut), ("screw", Site::Screw)].into_iter().find_map(|(member, site)| {
+            let ContactState { angle, pressed, .. } = *ball.contact(site)?;
+            let half = (pressed?.semi_axes.0 / ball_radius).min(1.0).asin();
+            let (from, to) = ((angle - half) / DEG, (angle + half) / DEG);
+            (from < 0.0 || to > 90.0).then(|| {
+                format!(
+                    "the contact ellipse at the {member} reaches from {from:.0} to {to:.0} deg \
+                     around the ball, beyond the 0 to 90 deg of a groove's flank, which would cut it \
+                     off: Hertz's theory does not hold here. Check the load, or take more or larger \
+                     balls"
+                )
+            })
+        })
+    }
+
+    /// JSON object with the names of the vocabulary; what a model does not give is null.
+    pub fn to_json(&self) -> Map<String, Value> {
+        let mut map = Map::new();
+        map.insert("model".to_owned(), json!(self.model().name()));
+        map.insert("status".to_owned(), json!(self.status_name()));
+        map.insert("message".to_owned(), json!(self.message()));
+        map.insert("choice".to_owned(), json!(self.choice()));
+        let unbounded = Some(self.unbounded()).filter(|names| !names.is_empty());
+        map.insert("without_error_bound".to_owned(), json!(unbounded));
+        for output in OUTPUTS {
+            let value = match self.cell(output) {
+                None => Value::Null,
+                Some(Cell::Number(x)) => json!(x),
+                Some(Cell::Count(n)) => json!(n),
+                Some(Cell::Flag(b)) => json!(b),
+                Some(Cell::Race(race)) => json!(race.name()),
+                Some(Cell::Evidence(evidence)) => json!(evidence.name()),
+            };
+            map.insert(output.name.to_owned(), value);
+        }
+        map
+    }
+
+    /// What people see of it alone: model, status and reasons in words, then its numbers.
+    pub fn shown(&self, scene: &Scene) -> Vec<Section> {
+        let cell = |name: &str| Output::named(name).and_then(|output| self.cell(output));
+        let mut status = self.status_name().to_owned();
+        if let Some(Cell::Count(steps)) = cell("iterations") {
+            let is_rigid = self.model() == ModelChoice::from(Model::Rigid);
+            let kind = if is_rigid { "sweeps" } else { "Newton steps" };
+            status = format!("{status} in {steps} {kind}");
+            for (label, name) in [("residual", "residual_norm"), ("power balance", "power_balance")]
+            {
+                if let Some(value) = self.number(name) {
+                    status = format!("{status}, {label} {value:.0e}");
+                }
+            }
+        }
+        let race = match cell("controlling_race") {
+            Some(Cell::Race(race)) => Some(format!("the {} controls", race.name())),
+            _ => None,
+        };
+        let evidence = match cell("evidence") {
+            Some(Cell::Evidence(evidence)) => Some(evidence.to_string()),
+            _ => None,
+        };
+        let words = [
+            ("model ", Some(self.model().name().to_owned())),
+            ("chosen", self.choice()),
+            ("status", Some(status)),
+            ("reason", self.message.clone()),
+            ("shown by", evidence),
+            ("regime", self.regime().map(str::to_owned)),
+            ("lubrication", self.lubrication()),
+            ("race  ", race),
+        ];
+        let unbounded = self.unbounded();
+        let doubt = (!unbounded.is_empty()).then(|| {
+            format!(
+                "not covered by the error bound: value of model {}; take --model traction where it matters",
+                self.model().name()
+            )
+        });
+        let numbers = Content::Numbers { numbers: self.rows(scene), whole: "", unbounded };
+        let words = words.map(|(label, words)| Content::Words(label, words));
+        let all = words.into_iter().chain([numbers, Content::Words("*", doubt)]);
+        all.map(|content| Section { member: None, content }).collect()
+    }
+
+    /// The answer, with what was asked, of which program: its scene and settings, the regime, and warnings.
+    pub fn answer(
+        &self,
+        program: &str,
+        scene: &Scene,
+        settings: &Settings,
+        beside: &Beside,
+    ) -> Answer {
+        let Beside { band, parts, sensitivities } = beside;
+        let mut map = self.to_json();
+        map.insert("program".to_owned(), json!(program));
+        map.insert("inputs".to_owned(), scene.to_json());
+        map.insert("settings".to_owned(), settings.to_json());
+        map.insert("regime".to_owned(), json!(self.regime()));
+        let mut answer = Answer {
+            notes: self.notes().into_iter().chain(scene.given().unused_by_models()).collect(),
+            warnings: scene.warnings().into_iter().chain(self.warnings(scene)).collect(),
+            fails: self.status() != Status::Converged,
+            ..Answer::default()
+        };
+        if let Some(parts) = parts {
+            answer = answer
+                .with_shown(Content::numbers(parts.numbers.clone(), "whole screw"))
+                .with_shown(Content::Words("contacts by model", Some(parts.contacts.clone())));
+        }
+        answer.sections.extend(self.shown(scene));
+        answer = answer.with("", Content::Json(Value::Object(map)));
+        if let Some(parts) = parts {
+            answer = answer.with("torque_parts", Content::Json(parts.to_json()));
+        }
+        if let Some(band) = band {
+            let Band { loss, screw_torque, efficiency } = band;
+            let json = json!({
+                "contact_loss_ratio": loss,
+                "screw_torque_Nm": screw_torque,
+                "efficiency": efficiency,
+            });
+            answer = answer
+                .with("band", Content::Json(json))
+                .with_shown(Content::Table(of_band(band)))
+                .with_shown(Content::Words("not in it:", Some(NOT_IN_IT.to_owned())));
+        }
+        if let Some(rows) = sensitivities {
+            answer = answer.with("sensitivities", Content::Table(Sensitivity::table(rows)));
+        }
+        answer
+    }
+}
+
+/// What is answered beside the record of a point.
+#[derive(Debug, Clone, Default)]
+pub struct Beside {
+    /// How sure a friction from the lubricant is.
+    pub band: Option<Band>,
+    /// The torque of the whole screw, where parts of it are not in the balance of one ball ([`torque_parts`](crate::torque_parts)).
+    pub parts: Option<ScrewTorque>,
+    /// How much efficiency and torque depend on each input.
+    pub sensitivities: Option<Vec<Sensitivity>>,
+}
+
+/// What a torque from a lubricant leaves out.
+const NOT_IN_IT: &str = "balls that rub on each other, returns, seals and drag beyond their inputs; errors of lead and ball \
+                         size; contact at four points. Catalogue rules for the torque of a preloaded nut are three times that of \
+                         the contacts.";
+
+/// How sure the friction of a lubricant is.
+fn of_band(Band { loss, screw_torque, efficiency }: &Band) -> Table {
+    let row = |label: &str, unit: &str, [low, high]: &[f64; 2]| {
+        vec![json!(label), json!(unit), json!(low), json!(high)]
+    };
+    Table {
+        columns: vec![
+            Column::headed("", "nine of ten draws lie between"),
+            Column::headed("", ""),
+            Column::headed("", "less friction"),
+            Column::headed("", "more friction"),
+        ],
+        rows: vec![
+            row("loss of the contacts over the stated one", "", loss),
+            row("screw torque, all balls", "N m", screw_torque),
+            row("efficiency", "", efficiency),
+        ],
+        keyed: false,
+    }
+}
+
+/// Warnings where a film leaves the range of its formulas.
+fn of_a_film(film: &FilmState) -> Vec<String> {
+    /// Heating of a film that thins it by half or so \[K\].
+    const HOT: f64 = 10.0;
+    /// Below, films of rigid contacts leave that of elastic ones (theory 17).
+    const RIGID: f64 = 10.0;
+    let mut warnings = Vec::new();
+    let elasticity = film.nut.elasticity.min(film.screw.elasticity);
+    if elasticity < RIGID {
+        warnings.push(format!(
+            "M = {elasticity:.1e} is below {RIGID}: the load hardly deforms the contact, whose film is then several \
+             times thicker than the formula of elastic contacts gives, and its friction by sliding is less"
+        ));
+    }
+    if film.heating > HOT {
+        warnings.push(format!(
+            "sliding heats the film by {:.0} K, which thins the lubricant in the contact; the model \
+             leaves this out, and the friction is less",
+            film.heating
+        ));
+    }
+    warnings
+}
+
+/// A reason in words, with the numbers in the units of the vocabulary.
+#[expect(clippy::too_many_lines, reason = "one arm a reason")]
+pub(crate) fn message(reason: &Reason) -> String {
+    match reason {
+        Reason::SelfLocking { sin_contact_angle, friction_term } => format!(
+            "self-locking: sin(contact angle) = {sin_contact_angle:.4} does not exceed f D = \
+             {friction_term:.4} (Lin Eq 16); friction holds any load. Raise contact_angle_deg or \
+             lower friction_coefficient"
+        ),
+        Reason::FrictionHoldsLoad { load_ratio } => format!(
+            "self-locking: the balance would need a normal load of {load_ratio:.3e} times the axial \
+             load; friction holds any load. Raise contact_angle_deg or lower friction_coefficient"
+        ),
+        Reason::NutContactWouldRoll { slip, exact, critical_lead_angle } => {
+            let how = if *exact { "exactly" } else { "to first order in the inertia" };
+            let critical = critical_lead_angle.map_or_else(
+                || "the first-order search found no larger lead angle with a solution".to_owned(),
+                |angle| format!("the critical lead angle of this point is {:.4} deg", angle / DEG),
+            );
+            format!(
+                "the slip at the nut would have to be negative, {slip:.3e} r_b |W| ({how}): the ball \
+                 rolls on the nut, which saturated friction does not cover; {critical}"
+            )
+        }
+        Reason::MinorContactWouldPull { load_ratio } => format!(
+            "the minor contact would have to pull the ball: its normal load would be \
+             {load_ratio:.3e} times the axial load"
+        ),
+        Reason::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio } => format!(
+            "a loaded contact would have to pull the ball: normal loads of {nut_load_ratio:.3e} \
+             (nut) and {screw_load_ratio:.3e} (screw) times the axial load"
+        ),
+        Reason::BallLeavesFlank { nut, screw } => format!(
+            "the ball leaves its flanks: contact angles of {:.2} deg (nut) and {:.2} deg (screw), \
+             outside 0 to 90 deg, where other flanks would carry the load. Raise axial_load_N, or \
+             lower the speed or the friction coefficient",
+            nut / DEG,
+            screw / DEG
+        ),
+        Reason::FlanksCannotHold { control, held, centrifugal } => format!(
+            "the ball leaves its flanks: they cannot hold the centrifugal force at any contact \
+             angles between 0 and 90 deg. With the {} in control they hold at most {held:.3e} times \
+             the axial load; the centrifugal force there is {centrifugal:.3e} times the axial load. \
+             Raise axial_load_N or lower the speed",
+            control.name()
+        ),
+        Reason::SlipAlongFriction { slip } => format!(
+            "no skidding ball has balanced forces and friction against the slip at both contacts; \
+             without inertia the slip at the nut would be {slip:.3e} r_b |W|. The balls roll here: \
+             use model traction"
+        ),
+        Reason::NoSkidAtInertia { inertia, least, most } => format!(
+            "inertia forces over axial load, m r_m W^2/F_a, are {inertia:.3e}; balls that skid on \
+             both flanks exist only from {least:.3e} to {most:.3e}. Change axial_load_N or the speed"
+        ),
+        Reason::SearchLost => {
+            "the search for a steady motion was lost before its end: none was found, but \
+             one may exist. Change the inputs a little, or take another model"
+                .to_owned()
+        }
+        Reason::CurvaturesNotHertzian { along, across } => format!(
+            "relative curvatures of {along:.3e} 1/m along and {across:.3e} 1/m across the groove give \
+             no contact ellipse with its long axis across the groove; set nut_conformity and \
+             screw_conformity towards 0.52"
+        ),
+        Reason::NoRootAtInertia { inertia_ratio, nearest } => format!(
+            "a search over all directions of slip finds no steady motion with saturated friction: \
+             inertia forces over axial load, m r_m W^2/F_a, are {inertia_ratio:.3e}; the nearest \
+             value with a solution is {nearest:.3e}. Change axial_load_N or the speed"
+        ),
+        Reason::Refused { error } => error.to_string(),
+        Reason::BallDoesNotCircle => {
+            "the ball would not move around the axis (precession 0), and a ball \
+             without precession has no gyroscopic moment to balance the friction moment"
+                .to_owned()
+        }
+        Reason::InertiaOutOfRange { inertia_ratio } => format!(
+            "inertia forces over axial load are {inertia_ratio:e}, beyond double precision; \
+             check screw_speed_rpm, nut_speed_rpm and axial_load_N"
+        ),
+        Reason::Frictionless => {
+            "friction_coefficient must be > 0 (at least 1e-12) for this model: without \
+             friction the rotation of the ball is not determined"
+                .to_owned()
+        }
+        Reason::NoRelativeSpeed => {
+            "screw_speed_rpm - nut_speed_rpm must not be 0: nothing moves".to_owned()
+        }
+        Reason::DualDrive => "model quasi-static covers a turning screw or a turning nut, not \
+             both; set one of screw_speed_rpm and nut_speed_rpm to 0"
+            .to_owned(),
+        Reason::LubricantRunsAway { hottest } => format!(
+            "runs away: the losses heat the lubricant faster than heat_transfer_W_K cools it, up to \
+             {:.0} C",
+            hottest - ZERO_CELSIUS
+        ),
+        Reason::PowerDoesNotBalance { imbalance } => {
+            format!("rounding is too large: relative error of the power balance {imbalance:.1e}")
+        }
+        Reason::Newton { status, worst_equation, .. } if worst_equation.is_empty() => {
+            status.describe().to_owned()
+        }
+        Reason::Newton { status, residual, worst_equation } => format!(
+            "{}: scaled residual {residual:.1e}, largest in the {worst_equation}",
+            status.describe()
+        ),
+        other => format!("{other:?}"),
+    }
+}

@@ -1,0 +1,134 @@
+//! Many nuts like one: what scattered balls and errors of the lead make of it.
+
+use bsm_nut::LeadError;
+use rayon::prelude::*;
+use serde_json::json;
+
+use super::nut::QUANTITIES;
+use crate::{Answer, CaseError, Column, Content, NutProblem, Quantity, Table};
+
+/// Quantities of the samples: those of a nut that its errors change.
+const SAMPLED: [&str; 6] = [
+    "max_contact_load_N",
+    "max_over_mean",
+    "unloaded_balls",
+    "max_pressure_MPa",
+    "nut_stiffness_N_um",
+    "life_revolutions",
+];
+
+/// Samples at most.
+const MOST: u64 = 1_000_000;
+
+/// Numbers of many nuts whose balls, and the phases of whose lead errors, are drawn.
+#[derive(Debug, Clone)]
+pub struct Samples {
+    /// Nuts that carry their load.
+    pub carried: usize,
+    /// Nuts that do not, or whose preload cannot be set.
+    pub failed: usize,
+    /// Each quantity with its quantiles.
+    rows: Vec<(&'static Quantity, [f64; 5])>,
+}
+
+impl Samples {
+    /// The parts of the samples that lie below the quantiles.
+    pub const PARTS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
+
+    /// Solves `number` nuts like the one of a problem; each follows from the seed and its own number
+    /// alone, whatever the threads.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::BadEntry`] if nothing of the nut scatters, [`CaseError::OutOfRange`] for no samples
+    /// or too many.
+    pub fn of(problem: &NutProblem, number: u64, seed: Option<u64>) -> Result<Self, CaseError> {
+        if number == 0 || number > MOST {
+            let rule = format!("from 1 to {MOST}");
+            #[expect(clippy::cast_precision_loss, reason = "a number in a message")]
+            let value = number as f64;
+            return Err(CaseError::OutOfRange { key: "samples".to_owned(), value, rule });
+        }
+        let wave =
+            |(i, error): (usize, &LeadError)| matches!(error, LeadError::Wave { .. }).then_some(i);
+        let waves: Vec<_> = problem.nut.errors.lead.iter().enumerate().filter_map(wave).collect();
+        if !problem.scatters() && waves.is_empty() {
+            let what =
+                "is required by samples, or a wave in lead_error: without them all nuts are alike";
+            let key = "ball_deviation_sd_um".to_owned();
+            return Err(CaseError::BadEntry { key, what: what.to_owned() });
+        }
+        let seed = seed.unwrap_or(problem.seed);
+        let solved: Vec<_> = (0..number)
+            .into_par_iter()
+            .map(|i| {
+                let one = problem.drawn(seed, i, &waves);
+                Some(one.some(one.carried().ok()?, &SAMPLED))
+            })
+            .collect();
+        let carried: Vec<_> = solved.iter().flatten().collect();
+        let quantity = |(i, name): (usize, &&'static str)| {
+            let quantity = QUANTITIES.iter().find(|quantity| quantity.name == *name)?;
+            let mut values: Vec<_> = carried.iter().filter_map(|numbers| numbers[i]).collect();
+            values.sort_by(f64::total_cmp);
+            let quantiles = Self::PARTS.map(|part| quantile(&values, part));
+            (!values.is_empty()).then_some((quantity, quantiles))
+        };
+        Ok(Self {
+            carried: carried.len(),
+            failed: solved.len() - carried.len(),
+            rows: SAMPLED.iter().enumerate().filter_map(quantity).collect(),
+        })
+    }
+
+    /// The answer: each quantity with its quantiles.
+    pub fn answer(&self) -> Answer {
+        let heads = ["5 %", "25 %", "50 %", "75 %", "95 %"]
+            .into_iter()
+            .zip(["0.05", "0.25", "0.5", "0.75", "0.95"]);
+        let columns =
+            [Column::hidden("name"), Column::headed("", "quantiles"), Column::headed("", "")];
+        let row = |(quantity, quantiles): &(&Quantity, [f64; 5])| {
+            let words = [quantity.name, quantity.about, quantity.unit].map(|word| json!(word));
+            words.into_iter().chain(quantiles.map(|q| json!(q))).collect()
+        };
+        let table = Table {
+            columns: columns
+                .into_iter()
+                .chain(heads.map(|(head, name)| Column::headed(name, head)))
+                .collect(),
+            rows: self.rows.iter().map(row).collect(),
+            keyed: true,
+        };
+        let count = format!("{} nuts carry the load, {} do not", self.carried, self.failed);
+        Answer { fails: self.failed > 0, ..Answer::default() }
+            .with("carried", Content::Json(self.carried.into()))
+            .with("failed", Content::Json(self.failed.into()))
+            .with("quantiles", Content::Table(table))
+            .with_shown(Content::Words("", Some(count)))
+    }
+}
+
+/// Between the two nearest of sorted values.
+fn quantile(sorted: &[f64], part: f64) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "numbers of samples")]
+    let place = part * sorted.len().saturating_sub(1) as f64;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
+    let low = place as usize;
+    let share = place.fract();
+    let at = |place: usize| sorted.get(place).or(sorted.last()).copied().unwrap_or(f64::NAN);
+    at(low) * (1.0 - share) + at(low + 1) * share
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand: places between the values share them.
+    #[test]
+    fn quantiles_lie_between_values() {
+        assert!((quantile(&[1.0, 2.0, 4.0], 0.25) - 1.5).abs() < 1e-15);
+        assert!((quantile(&[1.0, 2.0, 4.0], 0.75) - 3.0).abs() < 1e-15);
+        assert!((quantile(&[3.0], 0.95) - 3.0).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,118 @@
+//! JSON Schema of scenes and results, from the same tables that check and write them.
+
+use serde_json::{Map, Value, json};
+
+use crate::{AnalysisKind, INPUTS, NutWords, OUTPUTS, Output, Rule};
+
+const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
+
+/// Schema of a scene.
+pub fn input_schema() -> Value {
+    let mut properties = Map::new();
+    let text = json!({ "type": "string", "description": "free text" });
+    properties.insert("description".to_owned(), text);
+    for input in INPUTS {
+        let mut property = Map::new();
+        let whole = matches!(input.rule, Rule::Whole(_));
+        let kind = if whole { "integer" } else { "number" };
+        property.insert("type".to_owned(), json!([kind, "null"]));
+        property.insert("description".to_owned(), json!(with_unit(input.about, input.unit)));
+        match input.rule {
+            Rule::Any => {}
+            Rule::OneOf(numbers) => {
+                let numbers = numbers.iter().map(|number| json!(number));
+                property.insert("enum".to_owned(), numbers.chain([Value::Null]).collect());
+            }
+            Rule::Above(low) => {
+                property.insert("exclusiveMinimum".to_owned(), json!(low));
+            }
+            Rule::AtLeast(low) | Rule::Whole(low) => {
+                property.insert("minimum".to_owned(), json!(low));
+            }
+            Rule::Within(low, high) => {
+                property.insert("minimum".to_owned(), json!(low));
+                property.insert("maximum".to_owned(), json!(high));
+            }
+            Rule::Between(low, high) => {
+                property.insert("exclusiveMinimum".to_owned(), json!(low));
+                property.insert("exclusiveMaximum".to_owned(), json!(high));
+            }
+        }
+        if let Some(default) = input.default {
+            property.insert("default".to_owned(), json!(default));
+        }
+        properties.insert(input.name.to_owned(), Value::Object(property));
+    }
+    properties.extend(NutWords::schema());
+    json!({
+        "$schema": DIALECT,
+        "title": "bsm scene",
+        "description": "one operating point of a ball screw; each model asks for the inputs that it needs",
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": false,
+    })
+}
+
+/// Schema of a result.
+pub fn output_schema() -> Value {
+    let mut properties = Map::new();
+    let statuses = ["converged", "no_solution", "not_converged", "invalid_input"];
+    for (name, property) in [
+        ("model", json!({ "type": "string", "description": "the model that was solved" })),
+        ("status", json!({ "enum": statuses, "description": "how the solve ended" })),
+        (
+            "message",
+            json!({ "type": ["string", "null"], "description": "why there are no numbers, else null; in a row of a table also why model auto chose its model" }),
+        ),
+        (
+            "choice",
+            json!({ "type": ["string", "null"], "description": "why model auto chose this model, else null" }),
+        ),
+        (
+            "without_error_bound",
+            json!({
+                "type": ["array", "null"],
+                "items": { "type": "string" },
+                "description": "the outputs here whose error has no bound, though that of the efficiency has one; null if there are none",
+            }),
+        ),
+    ] {
+        properties.insert(name.to_owned(), property);
+    }
+    properties.extend(OUTPUTS.iter().map(property));
+    let columns = |kind: AnalysisKind| {
+        let about = format!("numbers of {}, as columns of bsm sweep", kind.name());
+        let properties: Map<_, _> = kind.columns().map(property).collect();
+        let columns = json!({ "type": "object", "description": about, "properties": properties });
+        (kind.name().to_owned(), columns)
+    };
+    let analyses: Map<_, _> = AnalysisKind::ALL.into_iter().map(columns).collect();
+    let required: Vec<_> = properties.keys().cloned().collect();
+    json!({
+        "$schema": DIALECT,
+        "title": "bsm result",
+        "description": "result of a model at one operating point; null where the model has no such output",
+        "type": "object",
+        "properties": properties,
+        "required": required,
+        "$defs": analyses,
+    })
+}
+
+/// Name and schema of an output.
+fn property(output: &Output) -> (String, Value) {
+    let mut property = json!({
+        "type": [output.json_type, "null"],
+        "description": with_unit(output.about, output.unit),
+    });
+    if !output.words.is_empty() {
+        let words = output.words.iter().map(|word| json!(word));
+        property["enum"] = words.chain([Value::Null]).collect();
+    }
+    (output.name.to_owned(), property)
+}
+
+fn with_unit(about: &str, unit: &str) -> String {
+    if unit.is_empty() { about.to_owned() } else { format!("{about} [{unit}]") }
+}

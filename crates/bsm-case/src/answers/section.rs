@@ -1,0 +1,96 @@
+//! A section across the grooves.
+
+use bsm_design::{Profile, Thread};
+use serde_json::{Value, json};
+
+use crate::case::rated_nut;
+use crate::vocabulary::units::{DEG, MM};
+use crate::{CaseError, InputKey, Record, Scene};
+
+/// A section across the grooves of nut and screw, around the centre of a ball: along the axis, and away from it \[mm\].
+#[derive(Debug, Clone, PartialEq)]
+pub struct GrooveSection {
+    /// Radius of the ball.
+    pub ball_radius: f64,
+    /// Contact angle without load \[rad\].
+    pub contact_angle: f64,
+    /// Groove and lands of the screw.
+    pub screw: Vec<(f64, f64)>,
+    /// Groove and lands of the nut.
+    pub nut: Vec<(f64, f64)>,
+    /// Angles around the ball between which the flanks are, at nut and screw \[deg\].
+    pub flanks: [[f64; 2]; 2],
+    /// Radii of their arcs.
+    pub radii: [f64; 2],
+}
+
+impl GrooveSection {
+    /// The grooves of a scene; how many balls and turns there are does not matter.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if a value breaks a rule or an input lacks.
+    pub fn of(scene: &Scene) -> Result<Self, CaseError> {
+        /// Chords of a flank.
+        const STEPS: u32 = 40;
+        scene.check()?;
+        let mut one = scene.clone();
+        for key in [InputKey::loaded_balls_per_turn, InputKey::loaded_turns] {
+            one[key] = one[key].or(Some(1.0));
+        }
+        let nut = rated_nut::nut(&one)?;
+        let thread = rated_nut::thread(scene, &nut)?;
+        let starts = scene.value_or_default(InputKey::starts).unwrap_or(1.0);
+        let half = 0.5 * nut.lead / starts;
+        let line = |profile: &Profile, up: f64| {
+            let mut flank = profile.flank(STEPS);
+            // On to the middle of the land.
+            let land = flank.last().map_or(0.0, |(_, depth)| *depth);
+            flank.push((half, land));
+            let at = |side: f64| move |(x, depth): &(f64, f64)| (side * x / MM, up * depth / MM);
+            flank.iter().rev().map(at(-1.0)).chain(flank.iter().map(at(1.0))).collect()
+        };
+        let Thread { nut: of_nut, screw: of_screw, .. } = &thread;
+        Ok(Self {
+            ball_radius: 0.5 * nut.ball_diameter / MM,
+            contact_angle: nut.contact_angle,
+            screw: line(of_screw, -1.0),
+            nut: line(of_nut, 1.0),
+            flanks: [of_nut, of_screw].map(|profile| profile.ends().map(|angle| angle / DEG)),
+            radii: [of_nut, of_screw].map(|profile| profile.radius / MM),
+        })
+    }
+
+    /// Contact ellipses that reach beyond the ends of their flanks, in words.
+    pub fn doubts(&self, record: &Record) -> Vec<String> {
+        let doubt = |(place, member): (usize, &str)| {
+            let number = |name: &str| record.number(&format!("{member}_{name}"));
+            let (angle, half) = (number("contact_angle_deg")?, number("ellipse_a_mm")?);
+            let half = half / self.radii[place] / DEG;
+            let ([meet, edge], [from, to]) = (self.flanks[place], [angle - half, angle + half]);
+            let what = if to > edge {
+                format!("its land begins at {edge:.1} deg and cuts it off")
+            } else if from < meet {
+                format!("its two arcs meet at {meet:.1} deg, and the other one is touched too")
+            } else {
+                return None;
+            };
+            Some(format!(
+                "the contact ellipse reaches from {from:.1} to {to:.1} deg along the groove of the {member}: {what}"
+            ))
+        };
+        [(0, "nut"), (1, "screw")].into_iter().filter_map(doubt).collect()
+    }
+
+    /// JSON object of all of it.
+    pub fn to_json(&self) -> Value {
+        json!({
+            "ball_radius_mm": self.ball_radius,
+            "contact_angle_deg": self.contact_angle / DEG,
+            "nut": self.nut,
+            "screw": self.screw,
+            "nut_flank_deg": self.flanks[0],
+            "screw_flank_deg": self.flanks[1],
+        })
+    }
+}

@@ -1,0 +1,144 @@
+//! Derivatives of efficiency and torque in the vocabulary.
+
+use std::cell::Cell;
+
+use bsm_dyn::{ModelWorkspace, Problem, Transmitted, Unsolved};
+use bsm_kin::Jet;
+use serde_json::json;
+
+use crate::case::reader::Reader;
+use crate::{CaseError, Column, Input, InputKey, InputSet, Scene, Settings, Table};
+
+/// Inputs by which derivatives are taken at a time: most callers ask for fewer, and the time of a solve in jets
+/// grows with their number.
+const AT_A_TIME: usize = 8;
+
+/// A number with its derivatives by some inputs, each in its unit.
+type Jets = Jet<AT_A_TIME>;
+
+/// A scene some of whose inputs are variables.
+#[derive(Debug, Clone)]
+pub struct Sensitivities(Vec<Part>);
+
+/// The SI problem, and the inputs that are its variables with their values.
+#[derive(Debug, Clone)]
+struct Part(Problem<Jets>, Vec<(InputKey, f64)>);
+
+/// How much an answer depends on one input.
+#[derive(Debug, Clone, Copy)]
+pub struct Sensitivity {
+    /// The input.
+    pub input: &'static Input,
+    /// Its value, given or default.
+    pub value: f64,
+    /// Change of the efficiency per unit of the input.
+    pub efficiency: f64,
+    /// Change of the torque on the screw per unit of the input \[N m\], if there is a torque.
+    pub screw_torque: Option<f64>,
+    /// Per cent of the efficiency for each per cent of the input; `None` if one of them is zero.
+    pub relative_efficiency: Option<f64>,
+    /// Per cent of the torque for each per cent of the input; `None` if one of them is zero.
+    pub relative_torque: Option<f64>,
+}
+
+impl Sensitivities {
+    /// The problem of a scene with all inputs as variables that its model uses; a value that another input
+    /// defaults to counts for both.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scene::problem`].
+    pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
+        Self::by(scene, settings, InputKey::ALL.into_iter().collect())
+    }
+
+    /// The problem of a scene with those of `wanted` as variables that its model uses.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scene::problem`].
+    pub fn by(scene: &Scene, settings: &Settings, wanted: InputSet) -> Result<Self, CaseError> {
+        let model = scene.ask(settings)?;
+        let used = Cell::new(InputSet::default());
+        let part = |variables: &[(InputKey, f64)]| {
+            let jet = |key: InputKey| {
+                let value = scene.value_or_default(key)?;
+                used.set(used.get() | InputSet::of(&[key]));
+                let place = variables.iter().position(|(variable, _)| *variable == key);
+                Some(place.map_or(value.into(), |place| Jets::variable(value, place)))
+            };
+            let problem = Reader(jet, scene.base_oil()).problem(model, settings);
+            Part(problem, variables.to_vec())
+        };
+        let alone = part(&[]);
+        let value = |key: InputKey| scene.value_or_default(key).map(|value| (key, value));
+        let used = used.get().iter().filter(|key| wanted.contains(*key));
+        let variables: Vec<_> = used.filter_map(value).collect();
+        if variables.is_empty() {
+            return Ok(Self(vec![alone]));
+        }
+        Ok(Self(variables.chunks(AT_A_TIME).map(part).collect()))
+    }
+
+    /// Efficiency and torque, and a row for each variable, the most important for the efficiency first.
+    ///
+    /// # Errors
+    ///
+    /// As [`Problem::sensitivities`].
+    pub fn solve(
+        &self,
+        work: &mut ModelWorkspace,
+    ) -> Result<(Transmitted<f64>, Vec<Sensitivity>), Unsolved> {
+        let mut rows = Vec::new();
+        let mut value = Transmitted { efficiency: f64::NAN, screw_torque: None };
+        for Part(problem, variables) in &self.0 {
+            let answer = problem.sensitivities(work)?;
+            let torque = answer.screw_torque.map(|torque| torque.re);
+            value = Transmitted { efficiency: answer.efficiency.re, screw_torque: torque };
+            rows.extend((0..).zip(variables).map(|(place, (key, value))| {
+                let relative = |output: &Jets| {
+                    let share = output.eps[place] * value / output.re;
+                    (*value != 0.0 && share.is_finite()).then_some(share)
+                };
+                Sensitivity {
+                    input: key.input(),
+                    value: *value,
+                    efficiency: answer.efficiency.eps[place],
+                    screw_torque: answer.screw_torque.map(|torque| torque.eps[place]),
+                    relative_efficiency: relative(&answer.efficiency),
+                    relative_torque: answer.screw_torque.as_ref().and_then(relative),
+                }
+            }));
+        }
+        let size = |row: &Sensitivity| row.relative_efficiency.map_or(-1.0, f64::abs);
+        rows.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        Ok((value, rows))
+    }
+}
+
+impl Sensitivity {
+    /// A row an input, with unit and value for people.
+    pub(crate) fn table(rows: &[Self]) -> Table {
+        let columns = vec![
+            Column::headed("name", "sensitivity to"),
+            Column::headed("", "unit"),
+            Column::headed("", "value"),
+            Column::headed("efficiency_relative", "efficiency, %/%"),
+            Column::headed("screw_torque_relative", "torque, %/%"),
+            Column::headed("efficiency", "efficiency, 1/unit"),
+            Column::headed("screw_torque_Nm", "torque, N m/unit"),
+        ];
+        let row = |row: &Self| {
+            vec![
+                json!(row.input.name),
+                json!(row.input.unit),
+                json!(row.value),
+                json!(row.relative_efficiency),
+                json!(row.relative_torque),
+                json!(row.efficiency),
+                json!(row.screw_torque),
+            ]
+        };
+        Table { columns, rows: rows.iter().map(row).collect(), keyed: true }
+    }
+}

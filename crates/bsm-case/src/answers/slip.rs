@@ -1,0 +1,238 @@
+//! Slip of a solved ball in the vocabulary.
+
+use std::ops::Deref;
+
+use bsm_dyn::{
+    Basis, Model, Quadrature, RacewayControl, Sliding, SlipPower, Solution, Traction,
+    pressed_radius, rim_speed,
+};
+use bsm_kin::Site;
+
+use crate::answers::analysis::{MovingBall, MovingContact, lacks_ellipses, of_a_motion};
+use crate::vocabulary::quantity::{Values, quantities};
+use crate::vocabulary::units::{DEG, MM};
+use crate::{AnalysisKind, Answer, CaseError, Scene, Settings};
+
+quantities! { pub(crate) QUANTITIES, read(&Slipping) of Slip;
+    "rotation of the ball relative to the nut" {
+        gyroscopic_angle_deg ["deg"] Whole(|s| s.ball.gyroscopic_angles()[0] / DEG),
+            "gyroscopic angle: axis of rotation out of the plane of t and b";
+        gyroscopic_yaw_angle_deg ["deg"] Whole(|s| s.ball.gyroscopic_angles()[1] / DEG),
+            "gyroscopic angle in that plane, from -b towards t";
+    }
+    "slip between neighbouring balls" {
+        ball_slip_printed_m_s ["m/s"] Whole(|s| s.ball.ball_slip_published()), "slip speed between neighbouring balls as printed";
+        ball_slip_m_s ["m/s"] Whole(|s| s.ball.ball_slip()), "slip speed of the surfaces of neighbouring balls";
+    }
+    "slip at the contacts" {
+        differential_slip_m_s ["m/s"] Contacts(|s| s.each(|c| s.ball.differential_slip(&c.touch))), "differential slip, at the centre";
+        slide_roll_ratio [""] Contacts(|s| s.each(|c| s.ball.slide_roll_ratio(&c.touch))), "differential slip over rolling speed";
+        rolling_speed_m_s ["m/s"] Contacts(|s| s.each(|c| s.ball.rolling_speed(&c.touch))), "rolling speed";
+        spin_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|_, angle| s.ball.spin_slip_published(angle))), "spin slip as printed";
+        spin_slip_corrected_m_s ["m/s"] Contacts(|s| s.each(|c| s.ball.spin_slip_published(c.touch.angle))), "spin slip as corrected";
+        spin_rad_s ["rad/s"] Contacts(|s| s.each(|c| s.ball.spin(&c.touch))), "spin about the normal";
+        orbit_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|site, angle| s.ball.orbit_slip_published(site, angle))), "orbit slip as printed";
+        orbit_slip_corrected_m_s ["m/s"] Contacts(|s| s.each(|c| s.ball.orbit_slip_published(c.touch.site, c.touch.angle))), "orbit slip as corrected";
+        orbit_spin_rad_s ["rad/s"] Contacts(|s| s.each(|c| s.ball.orbit_spin(&c.touch))), "part of the spin from the orbit";
+        spin_slip_m_s ["m/s"] Contacts(|s| s.at_rim(|c| s.ball.spin(&c.touch))) needs [nut_conformity, screw_conformity],
+            "spin slip at the end of the ellipse";
+        orbit_slip_m_s ["m/s"] Contacts(|s| s.at_rim(|c| s.ball.orbit_spin(&c.touch))) needs [nut_conformity, screw_conformity],
+            "part of the spin slip at the end of the ellipse from the orbit";
+    }
+    "friction at the contacts" {
+        used_friction_coefficient [""] Contacts(|s| s.friction(|f| f.used)),
+            "friction force over normal load: the friction coefficient that the motion takes";
+    }
+    "moments about the tangent" {
+        tangent_friction_moment_Nmm ["N mm"] Contacts(|s| s.friction(|f| f.moment / MM)), "moment of friction on the ball about the tangent";
+        gyroscopic_moment_Nmm ["N mm"] Whole(|s| Some(s.loss.as_ref()?.gyroscopic_moment / MM)),
+            "gyroscopic moment about the tangent, the sum of those of friction";
+    }
+    "friction power, all balls" {
+        centre_power_W ["W"] Contacts(|s| s.friction(|f| f.power.centre)), "friction power on the slip at the centre";
+        spin_power_W ["W"] Contacts(|s| s.friction(|f| f.power.spin)), "friction power on the spin";
+        curvature_power_W ["W"] Contacts(|s| s.friction(|f| f.power.curvature)), "friction power on the slip of the curved surface";
+        friction_power_W ["W"] Contacts(|s| s.friction(|f| f.power.total())), "friction power";
+        total_friction_power_W ["W"] Whole(|s| Some(s.loss.as_ref()?.total())), "friction power of all contacts";
+        dissipated_power_W ["W"] Whole(|s| Some(s.loss.as_ref()?.dissipated)), "power dissipated by the model";
+        power_difference [""] Whole(|s| Some(s.loss.as_ref()?.difference()).filter(|x| x.is_finite())),
+            "relative difference of friction power and dissipated power";
+    }
+}
+
+/// Relative difference of friction power and dissipated power that rounding explains: the motion is
+/// read back from outputs, whose largest speeds may be a million times the slip.
+const POWERS_AGREE: f64 = 1e-6;
+
+/// Gyroscopic angles, differential slip, slip between balls, spin and orbit slip as printed, as
+/// corrected and in exact form, and the power that each part of the slip takes.
+///
+/// Where the scene gives the contact angles in motion, the ball rolls at these, and there is neither
+/// friction nor power: the loads are in balance at other angles.
+///
+/// * `settings`: those that `solution` was found with.
+///
+/// # Errors
+///
+/// [`CaseError::NoMotion`] if the model has no motion of the ball, [`CaseError::NotCovered`] if the
+/// scene gives the contact angles in motion and the model is not raceway control,
+/// [`CaseError::DryAnalysis`] with a lubricant.
+pub fn slip(scene: &Scene, settings: &Settings, solution: &Solution) -> Result<Answer, CaseError> {
+    let (solved, given) =
+        MovingBall::of(scene, solution)?.at_given_angles(scene, settings, solution.model)?;
+    let loss = if given { None } else { Some(Loss::of(scene, settings, solution, &solved)?) };
+    let slipping = Slipping { solved, loss };
+    let mut lacks = Vec::new();
+    if solved.contacts[0].is_some_and(|c| c.semi_axes.is_none()) {
+        lacks.push(lacks_ellipses("spin slip at the ends of the contact ellipses", solution.model));
+    }
+    if given {
+        lacks.push(
+            "friction and its power: contact angles in balance with the load, in place of given ones"
+                .to_owned(),
+        );
+    }
+    let numbers = read(&slipping, |_| true).finite()?;
+    let mut answer = of_a_motion(AnalysisKind::Slip, scene, solution, numbers, Vec::new(), lacks);
+    if let Some(loss) = slipping.loss.filter(|loss| loss.difference().abs() > POWERS_AGREE) {
+        answer.warnings.push(format!(
+            "the friction power of the contacts is {:.6e} W, but the model dissipates \
+             {:.6e} W: the parts do not add up here",
+            loss.total(),
+            loss.dissipated
+        ));
+    }
+    Ok(answer)
+}
+
+/// A ball whose slip is told.
+struct Slipping {
+    solved: MovingBall,
+    /// None at given contact angles.
+    loss: Option<Loss>,
+}
+
+impl Deref for Slipping {
+    type Target = MovingBall;
+
+    fn deref(&self) -> &MovingBall {
+        &self.solved
+    }
+}
+
+impl Slipping {
+    /// As printed a contact takes the angle of the other loaded one; the minor contact has no formula.
+    fn printed(&self, form: impl Fn(Site, f64) -> f64) -> [Option<f64>; 2] {
+        let [nut, screw, _] = self.contacts.map(|c| c.map(|c| c.touch.angle));
+        [(Site::Nut, screw), (Site::Screw, nut)].map(|(site, angle)| Some(form(site, angle?)))
+    }
+
+    /// Slip at the end of the ellipse by a rate of spin.
+    fn at_rim(&self, rate: impl Fn(&MovingContact) -> f64) -> Values {
+        self.contacts.map(|c| {
+            let contact = c?;
+            Some(rim_speed(rate(&contact), contact.semi_axes?.0))
+        })
+    }
+
+    fn friction(&self, number: fn(&ContactFriction) -> f64) -> Values {
+        self.loss.as_ref().map_or([None; 3], |loss| loss.contacts.map(|c| c.as_ref().map(number)))
+    }
+}
+
+impl Scene {
+    /// Radius of the surface that ball and groove press each other to \[m\].
+    pub(crate) fn pressed_radius(&self, site: Site) -> f64 {
+        let conformity = match site {
+            Site::Screw => self.screw_conformity,
+            Site::Nut | Site::NutMinor => self.nut_conformity,
+        };
+        let radius = 0.5 * MM * self.ball_diameter_mm.unwrap_or(f64::NAN);
+        pressed_radius(conformity.unwrap_or(f64::NAN), radius)
+    }
+}
+
+/// Accuracy of the integration over the ellipses that a solution was found with, and its creep speed over `$r_b |W|$`.
+pub(crate) fn integration(settings: &Settings, solution: &Solution) -> (f64, f64) {
+    match (solution.model, solution.choice.map(|c| c.basis)) {
+        (Model::Traction, Some(Basis::Integrated { accuracy })) => (accuracy, Traction::CREEP),
+        (Model::Traction, _) => (settings.accuracy, settings.creep),
+        _ => (RacewayControl::ACCURACY, RacewayControl::CREEP),
+    }
+}
+
+/// Where the power goes.
+struct Loss {
+    contacts: [Option<ContactFriction>; 3],
+    /// By the model \[W\].
+    dissipated: f64,
+    /// \[N·m\].
+    gyroscopic_moment: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct ContactFriction {
+    /// Powers of the parts of the slip, all balls \[W\].
+    power: SlipPower<f64>,
+    /// Friction over normal load.
+    used: f64,
+    /// Moment on the ball about the tangent \[N·m\].
+    moment: f64,
+}
+
+impl Loss {
+    fn of(
+        scene: &Scene,
+        settings: &Settings,
+        solution: &Solution,
+        solved: &MovingBall,
+    ) -> Result<Self, CaseError> {
+        let case = scene.reader().operating_point();
+        let unit = case.ball.radius * case.drive.relative_speed().abs();
+        let (accuracy, creep) = integration(settings, solution);
+        let quadrature = &Quadrature::of(accuracy);
+        let saturated = matches!(solution.model, Model::Rigid | Model::Elastic);
+        let power = |contact: &MovingContact| {
+            let sliding = match contact.semi_axes {
+                Some(semi_axes) if !saturated => {
+                    let pressed_radius = scene.pressed_radius(contact.touch.site);
+                    let creep = creep * unit;
+                    Sliding::Ellipse { semi_axes, pressed_radius, creep, quadrature }
+                }
+                _ => Sliding::Point,
+            };
+            let ball = &solved.ball;
+            let law = case.friction;
+            let wrench = ball.friction(&contact.touch, contact.load, &law, sliding);
+            let wrench = wrench.map_err(|e| CaseError::NotRated(e.to_string()))?;
+            let SlipPower { centre, spin, curvature } = ball.power(&contact.touch, &wrench);
+            let balls = case.load.balls;
+            let power = SlipPower {
+                centre: centre * balls,
+                spin: spin * balls,
+                curvature: curvature * balls,
+            };
+            // f_used = |F|/Q                                                  (X15)
+            let used = wrench.force.norm() / contact.load;
+            Ok(ContactFriction { power, used, moment: wrench.moment.x })
+        };
+        let [nut, screw, minor] = solved.contacts.each_ref();
+        let power = |contact: &Option<MovingContact>| contact.as_ref().map(power).transpose();
+        let dissipated = solution
+            .solved()
+            .and_then(|solved| solved.transmission.power)
+            .map_or(f64::NAN, |power| power.dissipated);
+        let gyroscopic_moment = solved.ball.gyroscopic_moment(case.ball.inertia());
+        let contacts = [power(nut)?, power(screw)?, power(minor)?];
+        Ok(Self { contacts, dissipated, gyroscopic_moment })
+    }
+
+    fn total(&self) -> f64 {
+        self.contacts.iter().flatten().map(|friction| friction.power.total()).sum()
+    }
+
+    /// Of the power of the contacts from that of the model, over it.
+    fn difference(&self) -> f64 {
+        self.total() / self.dissipated - 1.0
+    }
+}

@@ -1,0 +1,12 @@
+//! From what a person writes to the problem in SI.
+
+pub(crate) mod axis;
+pub(crate) mod catalogue;
+pub(crate) mod grid;
+pub(crate) mod nut;
+pub(crate) mod problem;
+pub(crate) mod rated_nut;
+pub(crate) mod reader;
+pub(crate) mod requirement;
+pub(crate) mod scene;
+pub(crate) mod spectrum;

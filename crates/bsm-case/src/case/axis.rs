@@ -1,0 +1,138 @@
+//! From the inputs of a scene to the axis in SI.
+
+use std::f64::consts::TAU;
+
+use bsm_design::{
+    Axis, Body, Carriage, Drive, Motion, Mount, Pace, StaticRating, Support, Thread,
+    reliability_factor, screw_inertia,
+};
+
+use crate::case::rated_nut;
+use crate::vocabulary::units::{DEG, MM, RPM};
+use crate::vocabulary::words::SupportWord;
+use crate::{CaseError, InputKey, PhaseWords, Scene};
+
+/// The axis of a scene, with what turns and moves in it.
+#[derive(Debug, Clone)]
+pub(crate) struct Machine {
+    pub(crate) axis: Axis,
+    pub(crate) thread: Thread,
+    pub(crate) body: Body,
+    pub(crate) carriage: Carriage,
+    pub(crate) drive: Drive,
+    /// Mass \[kg\] and moment of inertia \[kg·m²\] of the screw; `None` without a length.
+    pub(crate) screw: Option<(f64, f64)>,
+}
+
+impl Machine {
+    /// The axis of a scene, without the preload, which its nut tells.
+    pub(crate) fn of(scene: &Scene) -> Result<Self, CaseError> {
+        scene.check()?;
+        let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+        let nut = rated_nut::nut(scene)?;
+        let thread = rated_nut::thread(scene, &nut)?;
+        let body = rated_nut::body(scene, &nut, &thread)?;
+        let shaft = mount(scene).shaft(&nut, &thread, &body, scene.stroke_mm.map(|mm| mm * MM));
+        let carriage = carriage(scene);
+        let screw = shaft.as_ref().map(|shaft| {
+            let mass = nut.mass_of_screw(&thread, shaft.length);
+            (mass, screw_inertia(shaft.length, mass))
+        });
+        let of_screw = screw.map_or(0.0, |(_, inertia)| inertia);
+        let drive = Drive {
+            lead: nut.lead,
+            screw_inertia: of_screw + value(InputKey::coupling_inertia_kg_m2),
+            mass: carriage.mass,
+            gear_ratio: value(InputKey::gear_ratio),
+            motor_inertia: value(InputKey::motor_inertia_kg_m2),
+        };
+        let static_rating = nut.static_rating();
+        let rating = scene.rated_static_load_N.unwrap_or(static_rating.rating);
+        let phase = |motion: &Motion| motion.phase(&carriage, nut.lead);
+        let axis = Axis {
+            nut,
+            shaft,
+            phases: motions(scene)?.iter().map(phase).collect(),
+            dynamic_rating: scene.rated_dynamic_load_N.unwrap_or(nut.dynamic_rating().rating),
+            static_rating: StaticRating { rating, ..static_rating },
+            preload: None,
+            reliability: reliability(scene),
+        };
+        Ok(Self { axis, thread, body, carriage, drive, screw })
+    }
+
+    /// Advance for a radian of the screw \[m\].
+    pub(crate) fn advance(&self) -> f64 {
+        self.axis.nut.lead / TAU
+    }
+}
+
+/// What the axis of a scene moves.
+pub(crate) fn carriage(scene: &Scene) -> Carriage {
+    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+    Carriage {
+        mass: value(InputKey::moved_mass_kg),
+        inclination: value(InputKey::inclination_deg) * DEG,
+        friction: value(InputKey::guide_friction),
+    }
+}
+
+/// Ends and length of its screw.
+pub(crate) fn mount(scene: &Scene) -> Mount {
+    Mount {
+        support: scene.nut.support.map_or(Support::FixedSupported, Support::from),
+        length: scene.unsupported_length_mm.map(|mm| mm * MM),
+        diameter: scene.shaft_diameter_mm.map(|mm| mm * MM),
+    }
+}
+
+/// Life at the reliability of a scene over that at 90 %.
+pub(crate) fn reliability(scene: &Scene) -> f64 {
+    scene.value_or_default(InputKey::reliability_percent).map_or(1.0, reliability_factor)
+}
+
+/// The stretches of the cycle, or the one of the operating point.
+pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
+    let motion = |words: &PhaseWords| Motion {
+        time: words.time(),
+        force: words.force_N,
+        pace: Pace::Feed(words.feed()),
+        acceleration: words.acceleration_m_s2,
+    };
+    if let Some(cycle) = &scene.nut.cycle {
+        let timed = cycle.iter().filter(|phase| phase.time_s.is_some()).count();
+        if cycle.is_empty() || (timed > 0 && timed < cycle.len()) {
+            let what =
+                "must be a list of phases that all have time_s, or all have share".to_owned();
+            return Err(CaseError::BadEntry { key: "cycle".to_owned(), what });
+        }
+        return Ok(cycle.iter().map(motion).collect());
+    }
+    let pace = match (scene.feed_m_min, scene.speeds_rpm()) {
+        (Some(feed), _) if scene.nut_speed_rpm.is_none() => Some(Pace::Feed(feed / 60.0)),
+        (_, speeds) => speeds.map(|(screw, nut)| Pace::Turns((screw - nut) * RPM)),
+    };
+    let missing = |absent: bool, words: &str| absent.then(|| words.to_owned());
+    let (Some(pace), Some(force)) = (pace, scene.axial_load_N) else {
+        let missing = [
+            missing(scene.axial_load_N.is_none(), "axial_load_N (or cycle)"),
+            missing(pace.is_none(), "screw_speed_rpm or feed_m_min (or cycle)"),
+        ];
+        return Err(CaseError::Missing {
+            missing: missing.into_iter().flatten().collect(),
+            by: "for the axis".to_owned(),
+        });
+    };
+    Ok(vec![Motion { time: 1.0, force, pace, acceleration: 0.0 }])
+}
+
+impl From<SupportWord> for Support {
+    fn from(word: SupportWord) -> Self {
+        match word {
+            SupportWord::FixedFree => Self::FixedFree,
+            SupportWord::SupportedSupported => Self::SupportedSupported,
+            SupportWord::FixedSupported => Self::FixedSupported,
+            SupportWord::FixedFixed => Self::FixedFixed,
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! The nut of a scene with all its balls: from words and numbers to its problem in SI.
+
+mod bodies;
+mod circuits;
+mod draw;
+mod loading;
+mod problem;
+
+pub(crate) use circuits::balls_and_turns;
+pub use problem::NutProblem;
+pub(crate) use problem::{Made, OF_A_NUT, Rubbing, Set};

@@ -1,0 +1,216 @@
+//! Which balls a nut has, and their errors.
+
+use std::f64::consts::TAU;
+
+use bsm_design::Nut;
+use bsm_nut::{Circuit, Flanks, LeadError, Preload};
+
+use super::loading::{arrangement, is_preloaded};
+use super::problem::{bad, checked, twice, whole};
+use crate::vocabulary::input_set::loaded_turns;
+use crate::vocabulary::number::count;
+use crate::vocabulary::units::{DEG, MM, UM};
+use crate::vocabulary::words::{Arrangement, CircuitWords, Flank, LeadErrorWords, NutWords};
+use crate::{CaseError, InputKey, Rule, Scene};
+
+/// The words that circuits are made from where they are not listed.
+pub(super) const SHORT: [InputKey; 5] = [
+    InputKey::circuits_count,
+    InputKey::loaded_turns,
+    InputKey::loaded_balls_per_turn,
+    InputKey::gap_deg,
+    InputKey::phase_deg,
+];
+
+/// Helix angles of a nut: thousands of turns \[deg\].
+const ANGLES: Rule = Rule::Within(-1e6, 1e6);
+
+/// Balls of a nut at most.
+const MOST_BALLS: usize = 100_000;
+
+/// Loaded balls of a turn and loaded turns of one body: from the listed circuits or from the short words.
+pub(crate) fn balls_and_turns(scene: &Scene) -> (Option<f64>, Option<f64>) {
+    let Some(circuits) = &scene.nut.circuits else {
+        return (scene.loaded_balls_per_turn, loaded_turns(|key| scene[key]));
+    };
+    let first = || circuits.iter().filter(|circuit| circuit.body == 0);
+    let turns = first().map(|circuit| circuit.arc_deg).sum::<f64>() / 360.0;
+    let balls = first().map(|circuit| circuit.balls).sum::<usize>();
+    (Some(count(balls) / turns), Some(turns))
+}
+
+/// The nut of the ratings with the balls and turns that the circuits of one body have.
+pub(super) fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
+    let first = || circuits.iter().filter(|circuit| circuit.body == 0);
+    let turns = first().map(|circuit| circuit.arc).sum::<f64>() / TAU;
+    let balls = first().map(|circuit| circuit.balls).sum::<usize>();
+    Nut { balls_per_turn: count(balls) / turns, turns, ..design }
+}
+
+impl From<Flank> for Flanks {
+    fn from(flank: Flank) -> Self {
+        match flank {
+            Flank::Plus => Self::Plus,
+            Flank::Minus => Self::Minus,
+            Flank::Both => Self::Both,
+        }
+    }
+}
+
+/// The flank that a body of a pair presses.
+fn flank_of(body: usize, arrangement: Arrangement) -> Flanks {
+    let first = body.is_multiple_of(2);
+    if first == (arrangement == Arrangement::X) { Flanks::Plus } else { Flanks::Minus }
+}
+
+pub(super) fn listed_circuits(
+    listed: &[CircuitWords],
+    starts: f64,
+    arrangement: Option<Arrangement>,
+) -> Result<Vec<Circuit>, CaseError> {
+    if listed.is_empty() {
+        return Err(bad("circuits", "the list is empty"));
+    }
+    let bodies = 1 + listed.iter().map(|circuit| circuit.body).max().unwrap_or(0);
+    if let Some(body) = (0..bodies.min(MOST_BALLS)).find(|b| listed.iter().all(|c| c.body != *b)) {
+        return Err(bad("circuits", format!("no circuit belongs to body {body}")));
+    }
+    let mut balls = 0_usize;
+    let mut all = Vec::new();
+    for (i, words) in listed.iter().enumerate() {
+        let path = |key: &str| format!("circuits[{i}].{key}");
+        balls = balls.saturating_add(words.balls);
+        if words.balls == 0 || balls > MOST_BALLS {
+            let rule = format!("from 1 to {MOST_BALLS} balls in all");
+            return Err(CaseError::OutOfRange {
+                key: path("balls"),
+                value: count(words.balls),
+                rule,
+            });
+        }
+        if count(words.start) >= starts {
+            let rule = format!("below the number of starts, {starts}");
+            return Err(CaseError::OutOfRange {
+                key: path("start"),
+                value: count(words.start),
+                rule,
+            });
+        }
+        let arc = checked(Rule::Above(0.0), &path("arc_deg"), words.arc_deg)?;
+        all.push(Circuit {
+            start: checked(ANGLES, &path("start_deg"), words.start_deg)? * DEG,
+            arc: checked(ANGLES, &path("arc_deg"), arc)? * DEG,
+            balls: words.balls,
+            thread: words.start,
+            body: words.body,
+            flanks: match words.flank {
+                Some(flank) => flank.into(),
+                None if bodies == 1 => Flanks::Both,
+                None => flank_of(words.body, arrangement.unwrap_or(Arrangement::X)),
+            },
+            offset: checked(Rule::Any, &path("offset_um"), words.offset_um)? * UM,
+        });
+    }
+    apart(&all)?;
+    Ok(all)
+}
+
+/// Refuses circuits that lie on each other: two balls would be at one place.
+fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
+    let mut order: Vec<usize> = (0..circuits.len()).collect();
+    order.sort_by(|a, b| {
+        let place = |i: &usize| (circuits[*i].thread, circuits[*i].start);
+        let ((thread, start), (other, next)) = (place(a), place(b));
+        thread.cmp(&other).then(start.total_cmp(&next))
+    });
+    for pair in order.windows(2) {
+        let [one, next] = [pair[0], pair[1]].map(|i| &circuits[i]);
+        // Angles in degrees are rounded.
+        if one.thread == next.thread && one.start + one.arc > next.start + 1e-9 * one.arc {
+            let (first, second) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
+            return Err(bad("circuits", format!("circuits {first} and {second} overlap")));
+        }
+    }
+    Ok(())
+}
+
+/// Circuits of one nut, or of each nut of a pair that is preloaded by an offset.
+pub(super) fn short_circuits(scene: &Scene, way: Preload) -> Result<Vec<Circuit>, CaseError> {
+    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+    let (per_turn, turns) = balls_and_turns(scene);
+    let (per_turn, turns) = (per_turn.unwrap_or(f64::NAN), turns.unwrap_or(f64::NAN));
+    let (number, starts) = (value(InputKey::circuits_count), value(InputKey::starts));
+    let arc = 360.0 * turns / number;
+    let balls = (per_turn * arc / 360.0).round();
+    if balls.is_nan() || balls < 1.0 {
+        let what = format!(
+            "{per_turn} a turn leave each of {number} circuits of {arc:.1} deg without a ball"
+        );
+        return Err(bad(InputKey::loaded_balls_per_turn.name(), what));
+    }
+    if balls * number > count(MOST_BALLS) {
+        let what = format!(
+            "{per_turn} a turn make {} balls; at most {MOST_BALLS} are taken",
+            balls * number
+        );
+        return Err(bad(InputKey::loaded_balls_per_turn.name(), what));
+    }
+    // From the beginning of a circuit to that of the next one of its thread.
+    let gap = scene.gap_deg.unwrap_or_else(|| (arc / 360.0).ceil() * 360.0 - arc);
+    let (step, phase) = (arc + gap, value(InputKey::phase_deg));
+    let pair = way == Preload::Offset && is_preloaded(scene);
+    let arranged = arrangement(scene)?.unwrap_or(Arrangement::O);
+    let circuit = |body: usize, from: f64| {
+        move |i: usize| Circuit {
+            start: (from + (count(i) / starts).floor() * step + count(i) * phase) * DEG,
+            arc: arc * DEG,
+            balls: whole(balls),
+            thread: i % whole(starts),
+            body,
+            flanks: if pair { flank_of(body, arranged) } else { Flanks::Both },
+            offset: 0.0,
+        }
+    };
+    let mut all: Vec<_> = (0..whole(number)).map(circuit(0, 0.0)).collect();
+    if pair {
+        // The second nut goes on along the helix after a spacer of a turn.
+        let end = all.iter().map(|c| (c.start + c.arc) / DEG).fold(0.0, f64::max);
+        let next = ((end - 1e-9) / 360.0).ceil() * 360.0 + 360.0;
+        all.extend((0..whole(number)).map(circuit(1, next)));
+    }
+    apart(&all)?;
+    Ok(all)
+}
+
+/// Excess of the radius of each ball \[m\].
+pub(super) fn deviations(words: &NutWords, deviation: Option<f64>) -> Result<Vec<f64>, CaseError> {
+    let Some(listed) = &words.ball_deviation_um else { return Ok(Vec::new()) };
+    if deviation.is_some() {
+        return Err(twice("ball_deviation_um", "ball_deviation_sd_um"));
+    }
+    let one = |(i, value): (usize, &f64)| {
+        let value = checked(Rule::Any, &format!("ball_deviation_um[{i}]"), *value)?;
+        Ok(0.5 * UM * value)
+    };
+    listed.iter().enumerate().map(one).collect()
+}
+
+pub(super) fn lead_error((i, words): (usize, &LeadErrorWords)) -> Result<LeadError, CaseError> {
+    let path = format!("lead_error[{i}]");
+    let LeadErrorWords { amplitude_um, order, phase_deg, slope_um_per_mm, z0_mm } = *words;
+    match (amplitude_um, order, slope_um_per_mm) {
+        (Some(amplitude), Some(order), None) if z0_mm.is_none() => Ok(LeadError::Wave {
+            amplitude: amplitude * UM,
+            order,
+            phase: phase_deg.unwrap_or(0.0) * DEG,
+        }),
+        (None, None, Some(slope)) if phase_deg.is_none() => {
+            Ok(LeadError::Slope { slope: slope * (UM / MM), origin: z0_mm.unwrap_or(0.0) * MM })
+        }
+        _ => Err(bad(
+            path,
+            "must be a wave (amplitude_um, order and, if it is not 0, phase_deg) or a slope \
+             (slope_um_per_mm and, if it is not 0, z0_mm)",
+        )),
+    }
+}

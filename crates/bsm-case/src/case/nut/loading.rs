@@ -1,0 +1,147 @@
+//! Loads, what holds a nut, and its preload.
+
+use std::array::from_fn;
+
+use bsm_nut::{BallNut, Flanks, Freedom, Preload, Support};
+
+use super::problem::{bad, twice};
+use crate::vocabulary::units::UM;
+use crate::vocabulary::words::{Arrangement, Guidance, PreloadWay};
+use crate::{CaseError, InputKey, Scene};
+
+/// Freedoms across the axis: load, displacement and spring, and what their units are in SI.
+const ACROSS: [([InputKey; 3], [f64; 3]); 4] = {
+    use InputKey as K;
+    const FORCE: [f64; 3] = [1.0, UM, 1.0 / UM];
+    const MOMENT: [f64; 3] = [1.0, 1e-6, 1e3];
+    [
+        ([K::radial_load_x_N, K::radial_x_um, K::guide_x_N_um], FORCE),
+        ([K::radial_load_y_N, K::radial_y_um, K::guide_y_N_um], FORCE),
+        ([K::moment_x_Nm, K::tilt_x_urad, K::guide_tilt_x_Nm_mrad], MOMENT),
+        ([K::moment_y_Nm, K::tilt_y_urad, K::guide_tilt_y_Nm_mrad], MOMENT),
+    ]
+};
+
+/// How large a preload is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Amount {
+    /// Axial force \[N\], negative for bodies that are pushed apart.
+    Force(f64),
+    /// Offset of the bodies, or excess of the diameter of the balls \[m\].
+    Displacement(f64),
+}
+
+impl From<PreloadWay> for Preload {
+    fn from(way: PreloadWay) -> Self {
+        match way {
+            PreloadWay::Pair => Self::Offset,
+            PreloadWay::Oversize => Self::Oversize,
+        }
+    }
+}
+
+/// True if an amount of preload between two bodies is given.
+pub(super) fn is_preloaded(scene: &Scene) -> bool {
+    scene.preload_N.is_some() || scene.preload_offset_um.is_some()
+}
+
+/// The arrangement of a pair that a scene gives, by its word or by the sign of its offset.
+pub(super) fn arrangement(scene: &Scene) -> Result<Option<Arrangement>, CaseError> {
+    let offset = scene.preload_offset_um.filter(|offset| *offset != 0.0);
+    let by_offset = offset.map(|o| if o > 0.0 { Arrangement::X } else { Arrangement::O });
+    match (scene.nut.preload_arrangement, by_offset) {
+        (Some(word), Some(sign)) if word != sign => Err(bad(
+            "preload_arrangement",
+            "contradicts preload_offset_um, which is above 0 for X and below 0 for O",
+        )),
+        (word, sign) => Ok(word.or(sign)),
+    }
+}
+
+/// The arrangement of a pair of bodies: that of its flanks, or the given one if both flanks exist.
+fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangement, CaseError> {
+    let one_flank = nut.circuits.iter().find(|circuit| circuit.flanks != Flanks::Both);
+    let by_flanks = one_flank.map(|circuit| {
+        let pushed = (circuit.body == 0) == (circuit.flanks == Flanks::Plus);
+        if pushed { Arrangement::X } else { Arrangement::O }
+    });
+    match (given, by_flanks) {
+        (Some(word), Some(flanks)) if word != flanks => {
+            Err(bad("preload_arrangement", "contradicts the flanks of circuits"))
+        }
+        (word, flanks) => Ok(word.or(flanks).unwrap_or(Arrangement::X)),
+    }
+}
+
+/// What preloads the nut, and how much.
+pub(super) fn preload(
+    scene: &Scene,
+    nut: &BallNut,
+    way: Preload,
+) -> Result<Option<(Preload, Amount)>, CaseError> {
+    use InputKey as K;
+    let amounts = [K::preload_N, K::preload_offset_um, K::ball_oversize_um];
+    let given: Vec<_> = amounts.into_iter().filter(|key| scene[*key].is_some()).collect();
+    let key = match given[..] {
+        [] => return Ok(None),
+        [key] => key,
+        [one, other, ..] => return Err(twice(one.name(), other.name())),
+    };
+    let value = scene[key].unwrap_or(f64::NAN);
+    let by = if key == K::ball_oversize_um { Preload::Oversize } else { way };
+    if key == K::preload_offset_um && way == Preload::Oversize {
+        return Err(bad(
+            key.name(),
+            "is of a pair of nuts; balls that are too large have ball_oversize_um",
+        ));
+    }
+    let bodies = 1 + nut.circuits.iter().map(|circuit| circuit.body).max().unwrap_or(0);
+    if by == Preload::Offset && bodies != 2 {
+        let what = format!("a pair has two bodies, but the circuits have {bodies}");
+        return Err(bad(key.name(), what));
+    }
+    let both = nut.circuits.iter().all(|circuit| circuit.flanks == Flanks::Both);
+    if by == Preload::Oversize && key == K::preload_N && !both {
+        let what = "balls that are too large press both flanks, but a circuit has one flank only";
+        return Err(bad(key.name(), what));
+    }
+    if by == Preload::Oversize && scene.nut.preload_arrangement.is_some() {
+        return Err(bad("preload_arrangement", "is of a pair of nuts"));
+    }
+    let amount = match (key, by) {
+        (K::preload_N, Preload::Oversize) => Amount::Force(value),
+        (K::preload_N, Preload::Offset) => match arrangement_of(nut, arrangement(scene)?)? {
+            Arrangement::X => Amount::Force(value),
+            Arrangement::O => Amount::Force(-value),
+        },
+        _ => Amount::Displacement(value * UM),
+    };
+    Ok(Some((by, amount)))
+}
+
+/// Loads and what holds the nut.
+pub(super) fn support(scene: &Scene) -> Result<Support, CaseError> {
+    let free = scene.nut.nut_guidance == Some(Guidance::Free);
+    let mut support = Support::guided(scene.axial_load_N.unwrap_or(0.0));
+    for (freedom, (keys, units)) in support.0[1..].iter_mut().zip(ACROSS) {
+        let given: [Option<f64>; 3] = from_fn(|i| Some(scene[keys[i]]? * units[i]));
+        *freedom = match given {
+            [_, Some(_), Some(_)] => return Err(twice(keys[1].name(), keys[2].name())),
+            [Some(_), Some(_), _] => return Err(twice(keys[0].name(), keys[1].name())),
+            [load, None, Some(stiffness)] => {
+                Freedom::Sprung { stiffness, load: load.unwrap_or(0.0) }
+            }
+            [None, Some(displacement), None] => Freedom::Held(displacement),
+            [load, None, None] if free => Freedom::Loaded(load.unwrap_or(0.0)),
+            [Some(load), None, None] if load != 0.0 => {
+                let what = format!(
+                    "acts on what the guides hold; set nut_guidance to free, or give {}",
+                    keys[2].name()
+                );
+                return Err(bad(keys[0].name(), what));
+            }
+            [_, None, None] => Freedom::Held(0.0),
+        };
+    }
+    Ok(support)
+}

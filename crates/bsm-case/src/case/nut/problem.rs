@@ -1,0 +1,411 @@
+//! From the inputs of a scene to the nut in SI.
+
+use bsm_design::{Body, DynamicRating, Nut, PRELOAD, StaticRating};
+use bsm_dyn::{Ball, Lubricant, Temperature};
+use bsm_kin::{Drive, Helix};
+use bsm_nut::{BallNut, Equilibrium, Errors, NutError, Preload, Support, TurnRatings};
+
+use super::bodies::bodies;
+use super::circuits::{
+    SHORT, deviations, lead_error, listed_circuits, of_circuits, short_circuits,
+};
+use super::draw::draw;
+use super::loading::{Amount, arrangement, preload, support};
+use crate::case::problem::{Needs, has_lubricant};
+use crate::case::rated_nut;
+use crate::case::reader::has_grooves;
+use crate::case::scene::RISES;
+use crate::vocabulary::units::{DEG, MM, UM};
+use crate::{CaseError, InputKey, InputSet, ModelChoice, Rule, Scene, Settings};
+
+/// Inputs of which a nut takes more than the models of one ball: it may be pulled or not loaded, and
+/// a lead or a contact angle of zero makes it a ball bearing.
+const WIDER: [(InputKey, Rule); 3] = [
+    (InputKey::axial_load_N, Rule::Any),
+    (InputKey::lead_mm, Rule::AtLeast(0.0)),
+    (InputKey::contact_angle_deg, Rule::Within(0.0, 0.0)),
+];
+
+/// A nut under load as a scene describes it.
+#[derive(Debug, Clone)]
+pub struct NutProblem {
+    /// Before it is preloaded, without rises of temperature and the random part of its errors.
+    pub(crate) nut: BallNut,
+    /// Rises of temperature of nut, screw and balls \[K\], and the coefficient of expansion \[1/K\].
+    rises: Option<([f64; 3], f64)>,
+    pub(crate) support: Support,
+    preload: Option<(Preload, Amount)>,
+    /// Standard deviation of the excess of the balls' radius \[m\].
+    scatter: f64,
+    pub(crate) seed: u64,
+    pub(crate) design: Nut,
+    pub(crate) body: Body,
+    pub(crate) rating: DynamicRating,
+    pub(crate) static_rating: StaticRating,
+    pub(crate) ratings: TurnRatings,
+    /// What rubs, and speeds of screw and nut.
+    pub(crate) friction: Option<(Rubbing, Drive<f64>)>,
+    /// Torque of the seals \[N·m\].
+    pub(crate) seal_torque: f64,
+    pub(crate) settings: Settings,
+    pub(crate) notes: Vec<String>,
+}
+
+/// What the friction of the balls comes from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Rubbing {
+    /// One coefficient.
+    Coefficient(f64),
+    /// The film of each ball, and what the ball returns lose, without the seals.
+    Lubricant(Lubricant),
+}
+
+impl Rubbing {
+    /// What a scene gives.
+    fn of(scene: &Scene) -> Result<Option<Self>, CaseError> {
+        let given = scene.given();
+        given.check_friction()?;
+        if !given.is_lubricated() {
+            return Ok(scene.friction_coefficient.map(Self::Coefficient));
+        }
+        let missing = Needs::LUBRICANT.missing(given);
+        let read = || scene.reader().lubricant();
+        let Some(mut lubricant) = missing.is_empty().then(read).flatten() else {
+            return Err(CaseError::Missing { missing, by: "for a nut".to_owned() });
+        };
+        if let Temperature::Balance { .. } = lubricant.temperature {
+            let what = "the temperature of the lubricant follows from the heat of one ball in bsm solve, not from \
+                        that of a nut; give lubricant_temperature_C"
+                .to_owned();
+            return Err(CaseError::BadEntry { key: "heat_transfer_W_K".to_owned(), what });
+        }
+        // The seals have a line of their own.
+        lubricant.losses.seal_torque = 0.0;
+        Ok(Some(Self::Lubricant(lubricant)))
+    }
+}
+
+/// A nut that is made and carries its load.
+#[derive(Debug, Clone)]
+pub(crate) struct Made {
+    /// With its preload, all its errors and its rises of temperature.
+    pub(crate) nut: BallNut,
+    pub(crate) preload: Option<Set>,
+    pub(crate) found: Equilibrium,
+}
+
+/// The preload of a nut.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Set {
+    pub(crate) by: Preload,
+    /// Where nothing is loaded from outside, the nut is guided, and nothing is warmer than where it fits \[N\].
+    pub(crate) cold: f64,
+    /// The same with the rises of temperature \[N\].
+    pub(crate) warm: f64,
+    /// What makes it \[m\].
+    pub(crate) setting: f64,
+    /// Displacement of the contacts of each side along the axis by it \[m\].
+    pub(crate) approach: f64,
+}
+
+impl NutProblem {
+    /// The nut of a scene.
+    ///
+    /// * `settings`: the model that friction is calculated with, and its dials.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if a value or a word breaks a rule, two words say one thing, or something is missing.
+    pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
+        settings.check()?;
+        scene.check_for_a_nut()?;
+        let missing = scene.missing_for_a_nut(scene.given());
+        if !missing.is_empty() {
+            return Err(CaseError::Missing { missing, by: "for a nut".to_owned() });
+        }
+        let loaded = usually_preloaded(scene)?;
+        let scene = loaded.as_ref().unwrap_or(scene);
+        let (nut, way) = ball_nut(scene)?;
+        let preload = preload(scene, &nut, way)?;
+        let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+        let design = rated_nut::nut(scene)?;
+        let thread = rated_nut::thread(scene, &design)?;
+        let body = rated_nut::body(scene, &design, &thread)?;
+        // Short words leave a fraction of a ball, which no circuit has.
+        let design = of_circuits(design, &nut.circuits);
+        let (rating, static_rating) = (design.dynamic_rating(), design.static_rating());
+        let turns = design.turns.powf(0.86);
+        let ratings = TurnRatings {
+            screw: scene.screw_rating_N.unwrap_or(rating.screw * turns),
+            nut: scene.nut_rating_N.unwrap_or(rating.screw / rating.ratio * turns),
+        };
+        let nut = bodies(scene, nut, &body)?;
+        let drive = scene.reader().drive();
+        if let ModelChoice::Fixed(model) = settings.model {
+            scene.covered_by(model)?;
+            if !has_grooves(model) {
+                return Err(CaseError::NoBallOfANut { model: model.name() });
+            }
+            if scene.given().is_lubricated() && !has_lubricant(model) {
+                return Err(CaseError::NoLubricant { model: model.name() });
+            }
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a whole number"
+        )]
+        let seed = value(InputKey::seed) as u64;
+        Ok(Self {
+            support: support(scene)?,
+            notes: notes(scene, &nut, preload, loaded.is_some()),
+            nut,
+            rises: rises(scene),
+            preload,
+            scatter: 0.5 * UM * scene.ball_deviation_sd_um.unwrap_or(0.0),
+            seed,
+            design,
+            body,
+            rating,
+            static_rating,
+            ratings,
+            friction: Rubbing::of(scene)?.zip(drive),
+            seal_torque: value(InputKey::seal_torque_Nm),
+            settings: *settings,
+        })
+    }
+
+    /// Number of its loaded balls.
+    pub fn balls(&self) -> usize {
+        self.nut.balls()
+    }
+
+    /// Loads of all balls with its preload, friction, life and what follows from them.
+    ///
+    /// # Errors
+    ///
+    /// [`NutError`]: nothing carries the load, or no displacement gives the preload.
+    pub(crate) fn made(&self) -> Result<Made, NutError> {
+        if self.scatter > 0.0 { self.drawn(self.seed, 0, &[]).carried() } else { self.carried() }
+    }
+
+    /// One of many nuts like this: balls and phases of the lead error are drawn.
+    ///
+    /// * `waves`: numbers of the errors of the lead whose phase is drawn.
+    pub(crate) fn drawn(&self, seed: u64, number: u64, waves: &[usize]) -> Self {
+        let mut one = self.clone();
+        draw(&mut one.nut, self.scatter, waves, seed, number);
+        one
+    }
+
+    /// True if nuts like this differ.
+    pub(crate) fn scatters(&self) -> bool {
+        self.scatter > 0.0
+    }
+
+    /// The nut as it is, preloaded and loaded.
+    pub(crate) fn carried(&self) -> Result<Made, NutError> {
+        let guided = Support::guided(0.0);
+        let cold = match self.preload {
+            None => self.nut.clone(),
+            Some((by, Amount::Displacement(displacement))) => self.nut.preloaded(by, displacement),
+            Some((by, Amount::Force(force))) => {
+                let displacement = self.nut.preload_displacement(by, force, &guided)?;
+                self.nut.preloaded(by, displacement)
+            }
+        };
+        // The preload is set cold; what makes it is kept                  (U19)
+        let nut = match self.rises {
+            Some((rises, expansion)) => cold.warmed(rises, expansion),
+            None => cold.clone(),
+        };
+        let found = nut.solve(&self.support)?;
+        let two = nut.circuits.iter().any(|circuit| circuit.body == 1);
+        let by = match self.preload {
+            Some((by, _)) => Some(by),
+            None if two => Some(Preload::Offset),
+            None if nut.errors.oversize > 0.0 => Some(Preload::Oversize),
+            None => None,
+        };
+        let preload = by.and_then(|by| {
+            let force = |nut: &BallNut| Some(nut.solve(&guided).ok()?.preload(nut, by));
+            let before = force(&cold)?;
+            let warm = if self.rises.is_some() { force(&nut)? } else { before };
+            let (setting, approach) = (cold.preload_setting(by), cold.preload_approach(by));
+            (before > 0.0 || warm > 0.0).then_some(Set {
+                by,
+                cold: before,
+                warm,
+                setting,
+                approach,
+            })
+        });
+        Ok(Made { nut, preload, found })
+    }
+}
+
+impl Scene {
+    /// Checks every value as a nut takes it.
+    fn check_for_a_nut(&self) -> Result<(), CaseError> {
+        let wider = |&(key, rule): &(InputKey, Rule)| {
+            let value = self[key]?;
+            (rule.holds(value) && !key.input().rule.holds(value)).then_some(key)
+        };
+        self.check_but(WIDER.iter().filter_map(wider).collect())
+    }
+}
+
+/// The nut without its elastic bodies, and how it is preloaded if it is.
+fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
+    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+    let words = &scene.nut;
+    let radius = 0.5 * MM * value(InputKey::ball_diameter_mm);
+    let (circuits, way) = if let Some(listed) = &words.circuits {
+        if let Some(key) = SHORT.into_iter().find(|key| scene[*key].is_some()) {
+            return Err(twice("circuits", key.name()));
+        }
+        let several = listed.iter().any(|circuit| circuit.body > 0);
+        let usual = if several { Preload::Offset } else { Preload::Oversize };
+        let way = words.preload_by.map_or(usual, Preload::from);
+        (listed_circuits(listed, value(InputKey::starts), arrangement(scene)?)?, way)
+    } else {
+        let way = words.preload_by.map_or(Preload::Offset, Preload::from);
+        (short_circuits(scene, way)?, way)
+    };
+    let lead_errors = words.lead_error.as_deref().unwrap_or_default();
+    let errors = Errors {
+        balls: deviations(words, scene.ball_deviation_sd_um)?,
+        oversize: 0.0,
+        lead: lead_errors.iter().enumerate().map(lead_error).collect::<Result<_, _>>()?,
+        gap: value(InputKey::radial_gap_um) * UM,
+    };
+    let helix = Helix {
+        radius: 0.5 * MM * value(InputKey::pitch_circle_diameter_mm),
+        lead_angle: scene.lead_angle().unwrap_or(f64::NAN),
+    };
+    let precession = words.ball_precession_rad_s.unwrap_or(0.0);
+    let nut = BallNut {
+        helix,
+        starts: whole(value(InputKey::starts)),
+        ball: Ball::of_density(radius, value(InputKey::density_kg_m3)),
+        contact_angle: value(InputKey::contact_angle_deg) * DEG,
+        conformity: (value(InputKey::nut_conformity), value(InputKey::screw_conformity)),
+        material: scene.reader().materials(),
+        circuits,
+        errors,
+        nut_bar: None,
+        screw_bar: None,
+        ring: None,
+        reference: scene.reference_z_mm.map(|z| z * MM),
+        precession: checked(Rule::Any, "ball_precession_rad_s", precession)?,
+    };
+    let given = nut.errors.balls.len();
+    if given > 0 && given != nut.balls() {
+        let what = format!("has {given} numbers, but the nut has {} balls", nut.balls());
+        return Err(bad("ball_deviation_um", what));
+    }
+    Ok((nut, way))
+}
+
+/// Rises of temperature of nut, screw and balls \[K\], if one is given, and the coefficient of expansion \[1/K\].
+fn rises(scene: &Scene) -> Option<([f64; 3], f64)> {
+    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+    let given = RISES.iter().any(|key| scene[*key].is_some());
+    given.then(|| (RISES.map(value), value(InputKey::thermal_expansion_um_m_K) * UM))
+}
+
+/// A nut without load and preload as ratings take it: a pair under the usual part of its rating. `None` if the scene
+/// says more.
+fn usually_preloaded(scene: &Scene) -> Result<Option<Scene>, CaseError> {
+    if scene.is_loaded() {
+        return Ok(None);
+    }
+    let mut scene = scene.clone();
+    scene.preload_N = Some(PRELOAD * rated_nut::nut(&scene)?.dynamic_rating().rating);
+    Ok(Some(scene))
+}
+
+/// Two inputs that say the same.
+pub(crate) fn twice(one: &'static str, other: &'static str) -> CaseError {
+    CaseError::OneOfTwo { keys: [one, other], found: "both are" }
+}
+
+pub(crate) fn bad(key: impl Into<String>, what: impl Into<String>) -> CaseError {
+    CaseError::BadEntry { key: key.into(), what: what.into() }
+}
+
+/// Checks a number of an object by its path.
+pub(crate) fn checked(rule: Rule, path: &str, value: f64) -> Result<f64, CaseError> {
+    rule.check(path, value).map(|()| value)
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "whole numbers by their rules, or rounded, below the most balls"
+)]
+pub(crate) fn whole(value: f64) -> usize {
+    value.round() as usize
+}
+
+/// What the words mean where they could be meant otherwise.
+///
+/// * `usual`: neither load nor preload is given.
+fn notes(
+    scene: &Scene,
+    nut: &BallNut,
+    preload: Option<(Preload, Amount)>,
+    usual: bool,
+) -> Vec<String> {
+    let mut notes: Vec<_> = scene.load_of_the_mass().into_iter().collect();
+    let by = preload.map(|(by, _)| by);
+    if usual {
+        notes.push(format!(
+            "without axial_load_N and preload_N, a pair preloaded by {PRELOAD} of its dynamic rating is taken"
+        ));
+    }
+    if let (Some((Preload::Offset, Amount::Force(force) | Amount::Displacement(force))), None) =
+        (preload, &scene.nut.circuits)
+    {
+        let arranged = if force < 0.0 {
+            "pushed apart (O arrangement)"
+        } else {
+            "pulled together (X arrangement)"
+        };
+        notes.push(format!(
+            "preload makes a pair of nuts with {} balls each, a turn apart, {arranged}; preload_by oversize means \
+             one nut with balls that are too large",
+            nut.balls() / 2
+        ));
+    }
+    if by == Some(Preload::Oversize) && scene.preload_N.is_some() {
+        notes.push("preload_N of one nut is that of balls too large for both flanks".to_owned());
+    }
+    if let Some(balls) = scene.loaded_balls
+        && whole(balls) != nut.balls()
+    {
+        notes.push(format!(
+            "the circuits have {} balls; loaded_balls = {balls} is for the models of one ball",
+            nut.balls()
+        ));
+    }
+    notes
+}
+
+/// The inputs that only a nut uses, among those that are given, for notes of other commands.
+pub(crate) const OF_A_NUT: InputSet = {
+    use InputKey as K;
+    InputSet::of(&[
+        K::preload_N,
+        K::preload_offset_um,
+        K::ball_oversize_um,
+        K::radial_load_x_N,
+        K::radial_load_y_N,
+        K::moment_x_Nm,
+        K::moment_y_Nm,
+        K::tilt_x_urad,
+        K::tilt_y_urad,
+        K::radial_x_um,
+        K::radial_y_um,
+    ])
+};

@@ -1,0 +1,392 @@
+//! Which model is asked, and whether a scene has what it needs.
+
+use bsm_dyn::{Control, Model, Problem, RacewayFriction, Traction};
+use serde_json::{Value, json};
+
+use crate::vocabulary::input_set::{Form, LEAD, Quantity, TEMPERATURE, VISCOSITY};
+use crate::vocabulary::rules::{covered, not_covered};
+use crate::{CaseError, InputKey, InputSet, Rule, Scene};
+
+/// The model to solve with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ModelChoice {
+    /// The cheapest model whose error is below the tolerance; without the inputs that tell, the
+    /// most complete model that the scene has inputs for.
+    #[default]
+    Auto,
+    /// This one.
+    Fixed(Model),
+}
+
+impl From<Model> for ModelChoice {
+    fn from(model: Model) -> Self {
+        Self::Fixed(model)
+    }
+}
+
+impl ModelChoice {
+    /// All names, `auto` first.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        std::iter::once(Self::Auto.name()).chain(Model::ALL.into_iter().map(Model::name))
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Fixed(model) => model.name(),
+        }
+    }
+
+    /// The choice of that name.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::UnknownWord`].
+    pub fn from_name(name: &str) -> Result<Self, CaseError> {
+        if name == Self::Auto.name() {
+            return Ok(Self::Auto);
+        }
+        Model::from_name(name).map(Self::Fixed).ok_or_else(|| CaseError::UnknownWord {
+            kind: "model",
+            name: name.to_owned(),
+            known: Self::names().collect::<Vec<_>>().join(", "),
+        })
+    }
+}
+
+/// How to solve: the model and its dials.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// The model.
+    pub model: ModelChoice,
+    /// Error of the efficiency that the choice `auto` may leave, see [`Self::TOLERANCE`].
+    pub tolerance: f64,
+    /// Accuracy of the quadrature over the contact ellipses in model traction, its error over the friction,
+    /// see [`Self::ACCURACY`].
+    pub accuracy: f64,
+    /// Creep speed over `$r_b|W|$` in model traction, see [`Self::CREEP`]: it makes friction smooth.
+    pub creep: f64,
+    /// The controlling race in model raceway-control; `None` decides by the spin moments.
+    pub control: Option<Control>,
+    /// Where friction of a lubricant is computed in model raceway-control.
+    pub friction: RacewayFriction,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            model: ModelChoice::Auto,
+            tolerance: 1e-2,
+            accuracy: Traction::ACCURACY,
+            creep: Traction::CREEP,
+            control: None,
+            friction: RacewayFriction::Local,
+        }
+    }
+}
+
+impl From<Model> for Settings {
+    /// That model with its default dials.
+    fn from(model: Model) -> Self {
+        Self { model: model.into(), ..Self::default() }
+    }
+}
+
+impl Settings {
+    /// What [`tolerance`](Self::tolerance) must be.
+    pub const TOLERANCE: Rule = Rule::Above(0.0);
+    /// What [`accuracy`](Self::accuracy) must be: from what rounding leaves to the coarsest whose bound of the error
+    /// holds.
+    pub const ACCURACY: Rule = Rule::Within(1e-13, 1e-4);
+    /// What [`creep`](Self::creep) must be.
+    pub const CREEP: Rule = Rule::Above(0.0);
+
+    /// The model, the controlling race and the place of friction of these names, with the other dials at their
+    /// defaults.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::UnknownWord`].
+    pub fn named(
+        model: &str,
+        control: Option<&str>,
+        friction: Option<&str>,
+    ) -> Result<Self, CaseError> {
+        let race = |name: &str| {
+            Control::from_name(name).ok_or_else(|| CaseError::UnknownWord {
+                kind: "race",
+                name: name.to_owned(),
+                known: Control::ALL.map(Control::name).join(", "),
+            })
+        };
+        let control = control.map(race).transpose()?;
+        let place = |name: &str| {
+            RacewayFriction::from_name(name).ok_or_else(|| CaseError::UnknownWord {
+                kind: "friction",
+                name: name.to_owned(),
+                known: RacewayFriction::ALL.map(RacewayFriction::name).join(", "),
+            })
+        };
+        let friction = friction.map_or(Ok(RacewayFriction::default()), place)?;
+        Ok(Self { model: ModelChoice::from_name(model)?, control, friction, ..Self::default() })
+    }
+
+    /// JSON object of the dials.
+    pub fn to_json(&self) -> Value {
+        let Self { model, tolerance, accuracy, creep, control, friction } = *self;
+        json!({
+            "name": model.name(),
+            "tolerance": tolerance,
+            "accuracy": accuracy,
+            "creep": creep,
+            "control": control.map(Control::name),
+            "friction": friction.name(),
+        })
+    }
+
+    /// Checks the dials.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::OutOfRange`].
+    pub fn check(&self) -> Result<(), CaseError> {
+        Self::TOLERANCE.check("tolerance", self.tolerance)?;
+        Self::ACCURACY.check("accuracy", self.accuracy)?;
+        Self::CREEP.check("creep", self.creep)
+    }
+}
+
+/// Inputs without default that a model or an analysis needs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Needs {
+    /// All of these.
+    pub(crate) all: InputSet,
+    /// A form of each of these.
+    pub(crate) quantities: &'static [Quantity],
+}
+
+impl Needs {
+    /// What a model needs of points that have the inputs `given`.
+    fn for_points(model: Model, given: InputSet) -> Self {
+        if given.is_lubricated() && has_lubricant(model) {
+            return Self::LUBRICATED;
+        }
+        Self::of(model)
+    }
+
+    /// What friction from a lubricant needs besides the ball.
+    pub(crate) const LUBRICANT: Self = {
+        use InputKey as K;
+        let all = InputSet::of(&[K::ball_roughness_um, K::nut_roughness_um, K::screw_roughness_um]);
+        Self { all, quantities: &[VISCOSITY, TEMPERATURE] }
+    };
+
+    /// What a model needs whose friction comes from a lubricant.
+    const LUBRICATED: Self = {
+        let Self { all, .. } = Self::of(Model::Traction);
+        let all = all.without(InputSet::of(&[InputKey::friction_coefficient]));
+        Self { all: all.and(Self::LUBRICANT.all), quantities: &[LEAD, VISCOSITY, TEMPERATURE] }
+    };
+
+    /// What a model needs whose friction is a coefficient.
+    pub(crate) const fn of(model: Model) -> Self {
+        use InputKey as K;
+        const FRICTION: InputSet = InputSet::of(&[K::contact_angle_deg, K::friction_coefficient]);
+        const SIZES: InputSet = InputSet::of(&[K::ball_diameter_mm, K::pitch_circle_diameter_mm]);
+        const MOTION: InputSet =
+            InputSet::of(&[K::screw_speed_rpm, K::axial_load_N, K::loaded_balls]);
+        const GROOVES: InputSet = InputSet::of(&[K::nut_conformity, K::screw_conformity]);
+        let all = match model {
+            Model::ClosedForm => FRICTION,
+            Model::QuasiStatic => FRICTION.and(SIZES),
+            Model::Rigid => FRICTION.and(SIZES).and(MOTION),
+            Model::RacewayControl | Model::Elastic | Model::Traction => {
+                FRICTION.and(SIZES).and(MOTION).and(GROOVES)
+            }
+        };
+        Self { all, quantities: &[LEAD] }
+    }
+
+    /// What a nut needs besides its balls and its load.
+    pub(crate) const NUT: Self = {
+        use InputKey as K;
+        let all = InputSet::of(&[
+            K::ball_diameter_mm,
+            K::pitch_circle_diameter_mm,
+            K::contact_angle_deg,
+            K::nut_conformity,
+            K::screw_conformity,
+        ]);
+        Self { all, quantities: &[LEAD] }
+    };
+
+    /// True if the inputs are among those that are given.
+    pub(crate) fn are_met(&self, given: InputSet) -> bool {
+        let given = given.completed();
+        let complete = |form: &Form| given.contains(form.key) && given.contains_all(form.with);
+        given.contains_all(self.all) && self.quantities.iter().all(|q| q.forms.iter().any(complete))
+    }
+
+    /// What lacks among the inputs that are given, in words.
+    pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
+        let (given, mut missing) = (given.completed(), Vec::new());
+        for Quantity { words, forms } in self.quantities {
+            let begun = forms.iter().filter(|form| given.contains(form.key));
+            // What is needed anyway is told below.
+            let lacks = |form: &Form| form.with - given - self.all;
+            match begun.min_by_key(|form| lacks(form).iter().count()) {
+                None => missing.push((*words).to_owned()),
+                Some(form) => {
+                    let besides = lacks(form);
+                    missing
+                        .extend(besides.iter().map(|key| format!("{} ({})", key.name(), form.to)));
+                }
+            }
+        }
+        missing.extend((self.all - given).iter().map(|key| key.name().to_owned()));
+        missing
+    }
+}
+
+/// True if friction of a model may come from a lubricant.
+pub(crate) fn has_lubricant(model: Model) -> bool {
+    matches!(model, Model::RacewayControl | Model::Traction)
+}
+
+impl ModelChoice {
+    /// What the choice comes to for points that have the inputs `given`: `auto` stays where they
+    /// are those of raceway control, which tell the error of a model, and is the most complete other
+    /// model elsewhere; with a lubricant it is traction.
+    ///
+    /// * `covers`: whether a model covers the values of the inputs.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::Missing`] if not even the cheapest model has its inputs, what `covers` says of
+    /// a fixed one, and [`CaseError::FrictionTwice`] or [`CaseError::NoLubricant`].
+    pub fn resolve(
+        self,
+        given: InputSet,
+        covers: impl Fn(Model) -> Result<(), CaseError>,
+    ) -> Result<Self, CaseError> {
+        given.check_friction()?;
+        let suits = |model: &Model| {
+            Needs::for_points(*model, given).are_met(given) && covers(*model).is_ok()
+        };
+        let model = match self {
+            Self::Fixed(model) if given.is_lubricated() && !has_lubricant(model) => {
+                return Err(CaseError::NoLubricant { model: model.name() });
+            }
+            Self::Fixed(model) => model,
+            Self::Auto if given.is_lubricated() => Model::Traction,
+            Self::Auto if suits(&Model::RacewayControl) => return Ok(self),
+            Self::Auto => Model::ALL.into_iter().rev().find(suits).unwrap_or(Model::ClosedForm),
+        };
+        let needs = Needs::for_points(model, given);
+        if !needs.are_met(given) {
+            return Err(CaseError::Missing {
+                missing: needs.missing(given),
+                by: format!("by model {}", model.name()),
+            });
+        }
+        covers(model).map(|()| Self::Fixed(model))
+    }
+}
+
+impl ModelChoice {
+    /// What the choice comes to for an analysis of the motion of the ball, whose numbers have no bound
+    /// of an error: for `auto` the most complete model that points with the inputs `given` have the
+    /// inputs of, so that all points of a table have one model; raceway control where the running
+    /// contact angles are given.
+    #[must_use]
+    pub fn of_motion(self, given: InputSet) -> Self {
+        let suits = |model: &Model| Needs::for_points(*model, given).are_met(given);
+        match self {
+            Self::Fixed(_) => self,
+            Self::Auto if given.meets(InputSet::RUNNING_ANGLES) => Model::RacewayControl.into(),
+            Self::Auto => Model::ALL.into_iter().rev().find(suits).map_or(self, Self::Fixed),
+        }
+    }
+}
+
+impl Scene {
+    /// Inputs that `model` needs and the scene has not.
+    pub fn missing(&self, model: Model) -> Vec<String> {
+        Needs::for_points(model, self.stated()).missing(self.stated())
+    }
+
+    /// Inputs that a nut needs and that are not `given`, for this scene or for the points of a table over it.
+    pub(crate) fn missing_for_a_nut(&self, given: InputSet) -> Vec<String> {
+        use InputKey as K;
+        let mut missing = Needs::NUT.missing(given);
+        let listed = self.nut.circuits.is_some();
+        let by_gap = given.contains_all(InputSet::of(&[K::gap_deg, K::circuits_count]));
+        let ball_words = [
+            (given.contains(K::loaded_balls_per_turn), "loaded_balls_per_turn (or circuits)"),
+            (given.contains(K::loaded_turns) || by_gap, "loaded_turns (or circuits)"),
+        ];
+        let absent = ball_words.iter().filter(|(known, _)| !known && !listed);
+        missing.extend(absent.map(|(_, words)| (*words).to_owned()));
+        let loads = [K::axial_load_N, K::preload_N, K::preload_offset_um, K::ball_oversize_um];
+        if listed && !given.meets(InputSet::of(&loads)) {
+            missing.push("axial_load_N (or preload_N)".to_owned());
+        }
+        missing
+    }
+
+    /// True if a load or a preload is given.
+    pub(crate) fn is_loaded(&self) -> bool {
+        use InputKey as K;
+        const PRESSED: InputSet = InputSet::of(&[
+            K::axial_load_N,
+            K::preload_N,
+            K::preload_offset_um,
+            K::ball_oversize_um,
+        ]);
+        self.given().meets(PRESSED)
+    }
+
+    /// Whether `model` covers the values of the scene.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::NotCovered`].
+    pub fn covered_by(&self, model: Model) -> Result<(), CaseError> {
+        match covered(model, self) {
+            Some(false) => Err(not_covered(model, self)),
+            _ => Ok(()),
+        }
+    }
+
+    /// True if the scene has the inputs of `model` and the model covers them.
+    pub fn suits(&self, model: Model) -> bool {
+        self.choose(model.into()).is_ok()
+    }
+
+    /// What a choice comes to, see [`ModelChoice::resolve`].
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::Missing`], [`CaseError::NotCovered`].
+    pub fn choose(&self, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
+        choice.resolve(self.stated(), |model| self.covered_by(model))
+    }
+
+    /// What a choice comes to, after every check.
+    pub(crate) fn ask(&self, settings: &Settings) -> Result<ModelChoice, CaseError> {
+        settings.check()?;
+        self.check()?;
+        self.choose(settings.model)
+    }
+
+    /// The SI problem of a model.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if a value or a dial breaks a rule or an input of the model is missing.
+    pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
+        let model = self.ask(settings)?;
+        Ok(self.reader().problem(model, settings))
+    }
+}

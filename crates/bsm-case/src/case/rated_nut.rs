@@ -1,0 +1,110 @@
+//! The nut that a scene describes: its balls, thread and body.
+
+use bsm_design::{Body, Nut, Thread};
+
+use crate::case::nut::balls_and_turns;
+use crate::case::problem::Needs;
+use crate::vocabulary::input_set::lead_mm;
+use crate::vocabulary::input_set::{CONTACT_ANGLE, LEAD};
+use crate::vocabulary::units::{DEG, MM, UM};
+use crate::{CaseError, InputKey, InputSet, Scene};
+
+/// What a nut is rated from.
+pub(crate) const NEEDS: Needs = Needs {
+    all: InputSet::of(&[
+        InputKey::ball_diameter_mm,
+        InputKey::pitch_circle_diameter_mm,
+        InputKey::nut_conformity,
+        InputKey::screw_conformity,
+        InputKey::loaded_balls_per_turn,
+        InputKey::loaded_turns,
+    ]),
+    quantities: &[LEAD, CONTACT_ANGLE],
+};
+
+/// The nut of a scene.
+pub(crate) fn nut(scene: &Scene) -> Result<Nut, CaseError> {
+    scene.given().check_forms()?;
+    let (balls_per_turn, turns) = balls_and_turns(scene);
+    let told = [(InputKey::loaded_balls_per_turn, balls_per_turn), (InputKey::loaded_turns, turns)];
+    let told: InputSet =
+        told.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key).collect();
+    let missing = NEEDS.missing(scene.given() | told);
+    if !missing.is_empty() {
+        return Err(CaseError::Missing { missing, by: "for the ratings of a nut".to_owned() });
+    }
+    let value = |key: InputKey| scene[key].expect("required inputs were checked");
+    let pitch_mm = value(InputKey::pitch_circle_diameter_mm);
+    let lead = scene.lead_mm.unwrap_or_else(|| {
+        lead_mm(scene.lead_angle().expect("required inputs were checked"), pitch_mm)
+    });
+    let nut = Nut {
+        ball_diameter: value(InputKey::ball_diameter_mm) * MM,
+        pitch_diameter: pitch_mm * MM,
+        lead: lead * MM,
+        contact_angle: scene.contact_angle_deg.map_or(f64::NAN, |deg| deg * DEG),
+        conformity: (value(InputKey::nut_conformity), value(InputKey::screw_conformity)),
+        material: scene.reader().materials(),
+        balls_per_turn: balls_per_turn.unwrap_or(f64::NAN),
+        turns: turns.unwrap_or(f64::NAN),
+    };
+    let Some(bottoms) = scene.groove_bottom_distance_mm else { return Ok(nut) };
+    let contact_angle = nut.contact_angle_of(bottoms * MM).ok_or_else(|| {
+        let radii = (nut.conformity.0 + nut.conformity.1) * nut.ball_diameter;
+        CaseError::OutOfRange {
+            key: "groove_bottom_distance_mm".to_owned(),
+            value: bottoms,
+            rule: format!(
+                "between {:.4} mm, the ball, and {:.4} mm, the sum of the groove radii",
+                nut.ball_diameter / MM,
+                radii / MM
+            ),
+        }
+    })?;
+    Ok(Nut { contact_angle, ..nut })
+}
+
+/// The thread of the nut of a scene, whose play arcs must be able to have, and whose screw must fit in.
+pub(crate) fn thread(scene: &Scene, nut: &Nut) -> Result<Thread, CaseError> {
+    let (bore, outside) = nut.usual_lands();
+    let bore = scene.nut_bore_mm.map_or(bore, |mm| mm * MM);
+    let outside = scene.screw_outer_diameter_mm.map_or(outside, |mm| mm * MM);
+    let refuse = |key: &str, value: f64, rule: String| {
+        Err(CaseError::OutOfRange { key: key.to_owned(), value, rule })
+    };
+    let play = scene.axial_play_um.unwrap_or(0.0);
+    let most = nut.monoarc_play() / UM;
+    if play > most {
+        let rule =
+            format!("<= {most:.3} um, the play of grooves of a single arc at this contact angle");
+        return refuse("axial_play_um", play, rule);
+    }
+    if bore <= outside {
+        let rule = format!("> {} mm, the outer diameter of the screw", outside / MM);
+        return refuse("nut_bore_mm", bore / MM, rule);
+    }
+    Ok(nut.thread(play * UM, (bore, outside)))
+}
+
+/// The body of the nut of a scene, which must have its grooves within.
+pub(crate) fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<Body, CaseError> {
+    let mut body = Body::usual(nut);
+    if let Some(outer) = scene.nut_outer_diameter_mm {
+        body.outer = outer * MM;
+    }
+    if let Some(length) = scene.nut_length_mm {
+        body.length = length * MM;
+    }
+    let widest = thread.nut.root;
+    if body.outer <= widest {
+        let (value, rule) =
+            (body.outer / MM, format!("> {:.3} mm, where the groove is", widest / MM));
+        return Err(CaseError::OutOfRange { key: "nut_outer_diameter_mm".to_owned(), value, rule });
+    }
+    let turn = nut.turn_length() / nut.ball_diameter;
+    if nut.balls_per_turn > turn * (1.0 + 1e-9) {
+        let (value, rule) = (nut.balls_per_turn, format!("<= {turn:.3}, which fill a turn"));
+        return Err(CaseError::OutOfRange { key: "loaded_balls_per_turn".to_owned(), value, rule });
+    }
+    Ok(body)
+}

@@ -1,0 +1,279 @@
+//! From the inputs of a scene to the SI problem of a model.
+
+use bsm_dyn::{
+    Angles, Auto, Ball, BaseOil, ClosedForm, Coulomb, Direction, Driven, Elastic, ElasticPoint,
+    Load, Losses, Lubricant, Lubricated, LubricatedModel, Material, Model, Oil, OperatingPoint,
+    Problem, QuasiStatic, RacewayControl, Rigid, Roughness, Size, Temperature, Traction,
+    ZERO_CELSIUS,
+};
+use bsm_kin::{Drive, Helix, Scalar};
+
+use crate::vocabulary::input_set::lead_angle;
+use crate::vocabulary::units::{DEG, GPA, MM, MM2, RPM, UM};
+use crate::{InputKey, InputSet, ModelChoice, Scene, Settings};
+
+/// The inputs by their keys, given or default, in any scalar: numbers to solve with, jets to take
+/// derivatives with; and the base oil of the lubricant.
+pub(crate) struct Reader<F>(pub(crate) F, pub(crate) BaseOil);
+
+impl Scene {
+    /// Base oil of its lubricant.
+    pub(crate) fn base_oil(&self) -> BaseOil {
+        self.nut.base_oil.unwrap_or_default().into()
+    }
+
+    /// The lubricant of all points of a table with these columns, if at most its temperature is among them and
+    /// none follows from the losses; what is not given has its default.
+    pub fn lubricant_but_for_temperature(&self, columns: InputSet) -> Option<Lubricant> {
+        if columns.iter().any(|key| InputSet::OF_ONE_LUBRICANT.contains(key)) {
+            return None;
+        }
+        // Any will do: the rows have their own.
+        let warm = |key| (key == InputKey::lubricant_temperature_C).then_some(40.0);
+        let reader = Reader(|key| self.value_or_default(key).or(warm(key)), self.base_oil());
+        let lubricant = reader.lubricant()?;
+        matches!(lubricant.temperature, Temperature::Known(_)).then_some(lubricant)
+    }
+
+    /// Its numbers.
+    pub(crate) fn reader(&self) -> Reader<impl Fn(InputKey) -> Option<f64>> {
+        Reader(|key| self.value_or_default(key), self.base_oil())
+    }
+}
+
+impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
+    /// The problem of a model whose inputs [`Scene::choose`] has checked.
+    pub(crate) fn problem(&self, model: ModelChoice, settings: &Settings) -> Problem<D> {
+        if let Some(lubricant) = self.lubricant() {
+            return lubricated(self.elastic_point(), lubricant, model, settings);
+        }
+        let model = match model {
+            ModelChoice::Fixed(model) if !has_grooves(model) => model,
+            _ => return in_grooves(self.elastic_point(), model, settings),
+        };
+        match model {
+            Model::ClosedForm => Problem::ClosedForm(ClosedForm {
+                angles: self.angles(),
+                friction: Coulomb(self.value(InputKey::friction_coefficient)),
+                direction: self.direction(),
+                size: self.size(),
+            }),
+            Model::QuasiStatic => Problem::QuasiStatic(self.quasi_static()),
+            _ => Problem::Rigid(Rigid { point: self.operating_point() }),
+        }
+    }
+
+    #[inline]
+    fn given(&self, key: InputKey) -> Option<D> {
+        (self.0)(key)
+    }
+
+    /// An input that the model needs.
+    #[inline]
+    fn value(&self, key: InputKey) -> D {
+        self.given(key).expect("required inputs were checked")
+    }
+
+    /// Lead angle \[rad\], from the angle or from lead and pitch circle.
+    pub(crate) fn lead_angle(&self) -> Option<D> {
+        if let Some(deg) = self.given(InputKey::lead_angle_deg) {
+            return Some(deg * DEG);
+        }
+        let lead = self.given(InputKey::lead_mm)?;
+        Some(lead_angle(lead, self.given(InputKey::pitch_circle_diameter_mm)?))
+    }
+
+    fn angles(&self) -> Angles<D> {
+        Angles {
+            lead: self.lead_angle().expect("required inputs were checked"),
+            contact: self.value(InputKey::contact_angle_deg) * DEG,
+        }
+    }
+
+    /// Speeds of screw and nut, if that of the screw is given.
+    pub(crate) fn drive(&self) -> Option<Drive<D>> {
+        let screw = self.given(InputKey::screw_speed_rpm)?;
+        let nut = self.value(InputKey::nut_speed_rpm);
+        Some(Drive { screw_speed: screw * RPM, nut_speed: nut * RPM })
+    }
+
+    /// Rotary to linear unless the speeds say otherwise.
+    fn direction(&self) -> Direction {
+        self.drive()
+            .and_then(|drive| Direction::of(drive.relative_speed().re()))
+            .unwrap_or(Direction::RotaryToLinear)
+    }
+
+    fn load(&self) -> Option<Load<D>> {
+        let axial = self.given(InputKey::axial_load_N)?;
+        Some(Load { axial, balls: self.given(InputKey::loaded_balls)? })
+    }
+
+    fn size(&self) -> Option<Size<D>> {
+        Some(Size {
+            pitch_radius: self.given(InputKey::pitch_circle_diameter_mm)? * (0.5 * MM),
+            load: self.load()?,
+            relative_speed: self.drive().map(|drive| drive.relative_speed()),
+        })
+    }
+
+    fn quasi_static(&self) -> QuasiStatic<D> {
+        let ball = self.value(InputKey::ball_diameter_mm);
+        let driven = match self.drive().map(|d| (d.screw_speed.re(), d.nut_speed.re())) {
+            Some((screw, nut)) if screw == 0.0 && nut != 0.0 => Driven::Nut,
+            Some((_, nut)) if nut != 0.0 => Driven::Both,
+            _ => Driven::Screw,
+        };
+        QuasiStatic {
+            angles: self.angles(),
+            friction: Coulomb(self.value(InputKey::friction_coefficient)),
+            size_ratio: ball / self.value(InputKey::pitch_circle_diameter_mm),
+            rolling_ratio: self.value(InputKey::rolling_friction_mm) / (ball * 0.5),
+            driven,
+            direction: self.direction(),
+            size: self.size(),
+        }
+    }
+
+    /// Elastic constants of races and balls.
+    pub(crate) fn materials(&self) -> (Material<D>, Material<D>) {
+        let races = Material {
+            youngs_modulus: self.value(InputKey::youngs_modulus_GPa) * GPA,
+            poisson_ratio: self.value(InputKey::poisson_ratio),
+        };
+        let (modulus, ratio) = (InputKey::ball_youngs_modulus_GPa, InputKey::ball_poisson_ratio);
+        let balls = Material {
+            youngs_modulus: self.given(modulus).map_or(races.youngs_modulus, |e| e * GPA),
+            poisson_ratio: self.given(ratio).unwrap_or(races.poisson_ratio),
+        };
+        (races, balls)
+    }
+
+    pub(crate) fn elastic_point(&self) -> ElasticPoint<D> {
+        ElasticPoint {
+            point: self.operating_point(),
+            conformity: (
+                self.value(InputKey::nut_conformity),
+                self.value(InputKey::screw_conformity),
+            ),
+            material: self.materials(),
+        }
+    }
+
+    /// Viscosities at 40 and 100 C \[m²/s\], given or from the grade.
+    fn viscosities(&self) -> Option<[D; 2]> {
+        let at = |key| Some(self.given(key)? * MM2);
+        let given = at(InputKey::viscosity_40C_mm2_s).zip(at(InputKey::viscosity_100C_mm2_s));
+        let of_grade = || Oil::of_grade(self.given(InputKey::iso_vg)?.re());
+        given.map_or_else(|| Some(of_grade()?.map(D::from)), |(warm, hot)| Some([warm, hot]))
+    }
+
+    /// The lubricant, if the scene has one.
+    pub(crate) fn lubricant(&self) -> Option<Lubricant<D>> {
+        let viscosities = self.viscosities()?;
+        let base = self.1;
+        let boundary_friction = self.value(InputKey::boundary_friction_coefficient);
+        let kelvin = |key| Some(self.given(key)? + ZERO_CELSIUS);
+        let roughness = |key| self.value(key) * UM;
+        let or = |key, typical: f64| self.given(key).unwrap_or(D::from(typical));
+        Some(Lubricant {
+            oil: Oil {
+                base,
+                viscosities,
+                density: or(InputKey::lubricant_density_kg_m3, base.density()),
+                pressure_viscosity: self
+                    .given(InputKey::pressure_viscosity_1_GPa)
+                    .map(|alpha| alpha / D::from(GPA)),
+                limiting_shear: or(InputKey::limiting_shear_ratio, base.limiting_shear()),
+            },
+            temperature: match self.given(InputKey::heat_transfer_W_K) {
+                Some(heat_transfer) => Temperature::Balance {
+                    heat_transfer,
+                    ambient: kelvin(InputKey::ambient_temperature_C)?,
+                },
+                None => Temperature::Known(kelvin(InputKey::lubricant_temperature_C)?),
+            },
+            boundary_friction,
+            roughness: Roughness {
+                ball: roughness(InputKey::ball_roughness_um),
+                nut: roughness(InputKey::nut_roughness_um),
+                screw: roughness(InputKey::screw_roughness_um),
+            },
+            film_factor: self.value(InputKey::film_factor),
+            rolling_factor: self.value(InputKey::rolling_factor),
+            hysteresis_loss: self.value(InputKey::hysteresis_loss),
+            losses: Losses {
+                seal_torque: self.value(InputKey::seal_torque_Nm),
+                ball_contact_force: self.value(InputKey::ball_contact_force_N),
+                ball_contact_friction: self
+                    .given(InputKey::ball_contact_friction)
+                    .unwrap_or(boundary_friction),
+                return_circuits: self.value(InputKey::return_circuits),
+                return_loss: self.value(InputKey::return_loss_coefficient),
+                drag_coefficient: or(InputKey::drag_coefficient, 0.0),
+            },
+        })
+    }
+
+    pub(crate) fn operating_point(&self) -> OperatingPoint<D> {
+        let angles = self.angles();
+        let radius = self.value(InputKey::ball_diameter_mm) * (0.5 * MM);
+        // A lubricated ball has none; it does not read it.
+        let friction = self.given(InputKey::friction_coefficient).unwrap_or(D::from(f64::NAN));
+        OperatingPoint {
+            helix: Helix {
+                radius: self.value(InputKey::pitch_circle_diameter_mm) * (0.5 * MM),
+                lead_angle: angles.lead,
+            },
+            contact_angle: angles.contact,
+            ball: Ball::of_density(radius, self.value(InputKey::density_kg_m3)),
+            friction: Coulomb(friction),
+            drive: self.drive().expect("required inputs were checked"),
+            load: self.load().expect("required inputs were checked"),
+        }
+    }
+}
+
+/// True if the balls of a model press the grooves.
+pub(crate) fn has_grooves(model: Model) -> bool {
+    matches!(model, Model::RacewayControl | Model::Elastic | Model::Traction)
+}
+
+/// The problem of a model whose balls press the grooves.
+pub(crate) fn in_grooves<D: Scalar>(
+    at: ElasticPoint<D>,
+    model: ModelChoice,
+    settings: &Settings,
+) -> Problem<D> {
+    match model {
+        ModelChoice::Fixed(Model::RacewayControl) => {
+            Problem::RacewayControl(RacewayControl { at, control: settings.control })
+        }
+        ModelChoice::Fixed(Model::Elastic) => Problem::Elastic(Elastic { at }),
+        ModelChoice::Fixed(Model::Traction) => {
+            Problem::Traction(Traction { at, accuracy: settings.accuracy, creep: settings.creep })
+        }
+        _ => Problem::Auto(Auto { at, tolerance: settings.tolerance }),
+    }
+}
+
+/// The problem of a model whose balls press the grooves through a lubricant.
+pub(crate) fn lubricated<D: Scalar>(
+    at: ElasticPoint<D>,
+    lubricant: Lubricant<D>,
+    model: ModelChoice,
+    settings: &Settings,
+) -> Problem<D> {
+    let model = match model {
+        ModelChoice::Fixed(Model::RacewayControl) => LubricatedModel::RacewayControl(
+            RacewayControl { at, control: settings.control },
+            settings.friction,
+        ),
+        _ => LubricatedModel::Traction(Traction {
+            at,
+            accuracy: settings.accuracy,
+            creep: settings.creep,
+        }),
+    };
+    Problem::Lubricated(Lubricated { lubricant, model })
+}

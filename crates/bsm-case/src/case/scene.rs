@@ -1,0 +1,245 @@
+//! Reading and checking scenes.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::case::nut::OF_A_NUT;
+use crate::vocabulary::input_set::lead_mm;
+use crate::vocabulary::names::wrong_type;
+use crate::vocabulary::rules::Relation;
+use crate::{CaseError, InputKey, InputSet, NutWords, Scene, entries};
+
+/// Key of the free text.
+const DESCRIPTION: &str = "description";
+
+impl Scene {
+    /// Reads and checks a scene file.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if it cannot be read, is not a scene, or breaks a rule.
+    pub fn read(path: &Path) -> Result<Self, CaseError> {
+        let bytes = fs::read(path)
+            .map_err(|source| CaseError::Unreadable { path: path.to_owned(), source })?;
+        Self::from_json(&bytes)
+    }
+
+    /// Reads a scene from JSON text.
+    ///
+    /// A value of `null` counts as not given. Ranges are not checked yet, see
+    /// [`check`](Self::check), so that settings can still complete or correct the scene.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for syntax, unknown or repeated keys, and wrong types.
+    pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
+        let (mut scene, mut named) = (Self::default(), Named::default());
+        for (key, value) in entries(json)? {
+            if let (Some((input, _)), false) = (InputKey::known_in_unit(&key), value.is_null()) {
+                named.once(input, &key)?;
+            }
+            scene.assign_json(key, &value)?;
+        }
+        Ok(scene)
+    }
+
+    /// JSON object of the inputs that are given.
+    pub fn to_json(&self) -> Value {
+        let text = self.description.iter().map(|text| (DESCRIPTION.to_owned(), json!(text)));
+        let number = |key: InputKey| Some((key.name().to_owned(), json!(self[key]?)));
+        let numbers = InputKey::ALL.into_iter().filter_map(number);
+        Value::Object(text.chain(numbers).chain(self.nut.to_map()).collect())
+    }
+
+    pub(crate) fn assign_json(&mut self, key: String, value: &Value) -> Result<(), CaseError> {
+        if key == DESCRIPTION {
+            return match value {
+                Value::String(text) => {
+                    self.description = Some(text.clone());
+                    Ok(())
+                }
+                Value::Null => Ok(()),
+                other => Err(wrong_type(key, other, "text")),
+            };
+        }
+        if NutWords::have(&key) {
+            return self.nut.set(key, value.clone());
+        }
+        // The name first: what is unknown has no type.
+        let (input, factor) = InputKey::in_unit(&key)?;
+        let number = match value {
+            Value::Null => None,
+            Value::Number(number) => number.as_f64(),
+            other => return Err(wrong_type(key, other, "a number")),
+        };
+        self[input] = number.map(|number| number * factor);
+        Ok(())
+    }
+
+    /// Sets one input, see [`override_with`](Self::override_with).
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::Unknown`].
+    pub fn set(&mut self, name: &str, value: f64) -> Result<(), CaseError> {
+        let mut setting = Self::default();
+        setting[InputKey::named(name)?] = Some(value);
+        self.override_with(&setting);
+        Ok(())
+    }
+
+    /// Applies settings `name=value` all at once, see [`override_with`](Self::override_with).
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if one has another form, another name or no number, or an input is set twice.
+    pub fn apply<S: AsRef<str>>(&mut self, settings: &[S]) -> Result<(), CaseError> {
+        let (mut given, mut named) = (Self::default(), Named::default());
+        for setting in settings {
+            let text = setting.as_ref();
+            let bad = || CaseError::BadSetting { text: text.to_owned(), form: "name=value" };
+            let (name, value) = text.split_once('=').ok_or_else(bad)?;
+            let (name, value) = (name.trim(), value.trim());
+            if NutWords::have(name) {
+                // A word need not stand in quotes.
+                let word = serde_json::from_str(value).unwrap_or_else(|_| json!(value));
+                given.nut.set(name.to_owned(), word)?;
+                continue;
+            }
+            let (key, factor) = InputKey::in_unit(name)?;
+            named.once(key, name)?;
+            let number: f64 = value.parse().map_err(|_| CaseError::not_a_number(name, value))?;
+            given[key] = Some(number * factor);
+        }
+        self.override_with(&given);
+        Ok(())
+    }
+
+    /// Checks every given value against its rule, and values against each other.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] with key, value and rule.
+    pub fn check(&self) -> Result<(), CaseError> {
+        self.check_but(InputSet::default())
+    }
+
+    /// Checks everything that does not depend on some inputs.
+    pub(crate) fn check_but(&self, open: InputSet) -> Result<(), CaseError> {
+        for key in (self.given() - open).iter() {
+            let value = self[key].unwrap_or(f64::NAN);
+            key.input().rule.check(key.name(), value)?;
+        }
+        (self.given() - open).check_forms()?;
+        let relations = Relation::ALL.into_iter().filter(|relation| !relation.inputs().meets(open));
+        for relation in relations {
+            if relation.holds(self) == Some(false) {
+                return Err(relation.broken(self));
+            }
+        }
+        Ok(())
+    }
+
+    /// Screw and nut speed, the nut at rest unless given; `None` without a screw speed.
+    pub fn speeds_rpm(&self) -> Option<(f64, f64)> {
+        let screw = self.value_or_default(InputKey::screw_speed_rpm)?;
+        Some((screw, self.nut_speed_rpm.unwrap_or(0.0)))
+    }
+
+    /// Lead angle \[rad\], from the angle or from lead and pitch circle.
+    pub fn lead_angle(&self) -> Option<f64> {
+        self.reader().lead_angle()
+    }
+
+    /// Lead \[mm\], given or from lead angle and pitch circle.
+    pub(crate) fn lead(&self) -> Option<f64> {
+        self.lead_mm.or_else(|| {
+            let pitch = self.pitch_circle_diameter_mm?;
+            Some(lead_mm(self.lead_angle()?, pitch))
+        })
+    }
+
+    /// What an engineer should know of the inputs before trusting the outputs.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if let (Some(ball), Some(lead)) = (self.ball_diameter_mm, self.lead())
+            && lead > 0.0
+            && let Some(starts) = self.value_or_default(InputKey::starts)
+            && ball * starts >= lead
+        {
+            let threads = match starts {
+                1.0 => "a single-start screw".to_owned(),
+                _ => format!("a screw of {starts} starts"),
+            };
+            warnings.push(format!(
+                "ball_diameter_mm = {ball} does not fit into the lead, {lead:.3} mm: neighbouring \
+                 turns of {threads} overlap"
+            ));
+        }
+        warnings
+    }
+}
+
+/// The inputs of one place, a scene or settings, with the names that they have there.
+#[derive(Default)]
+struct Named(Vec<(InputKey, String)>);
+
+impl Named {
+    /// Takes in an input, which must not be there under any name.
+    fn once(&mut self, key: InputKey, name: &str) -> Result<(), CaseError> {
+        if let Some((_, former)) = self.0.iter().find(|(known, _)| *known == key) {
+            return Err(CaseError::given_twice([former, name]));
+        }
+        self.0.push((key, name.to_owned()));
+        Ok(())
+    }
+}
+
+/// Inputs that no model of the ball uses although they change what a screw does, and the command that does.
+const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
+    use InputKey as K;
+    let of_an_axis =
+        InputSet::of(&[K::moved_mass_kg, K::seal_torque_Nm, K::support_bearing_torque_Nm]);
+    [(OF_A_NUT, "bsm nut"), (of_an_axis, "bsm axis")]
+};
+
+impl InputSet {
+    /// What an engineer should know of inputs that are given, but that no model of the ball uses.
+    pub fn unused_by_models(self) -> impl Iterator<Item = String> {
+        NOT_IN_BALANCE.into_iter().filter_map(move |(unused, command)| {
+            let names: Vec<_> =
+                unused.iter().filter(|key| self.contains(*key)).map(InputKey::name).collect();
+            let verb = if names.len() == 1 { "is" } else { "are" };
+            let names = names.join(", ");
+            (!names.is_empty())
+                .then(|| format!("{names} {verb} not in the balance of one ball: see {command}"))
+        })
+    }
+}
+
+/// Rises of temperature of nut, screw and balls.
+pub(crate) const RISES: [InputKey; 3] = [
+    InputKey::nut_temperature_rise_K,
+    InputKey::screw_temperature_rise_K,
+    InputKey::ball_temperature_rise_K,
+];
+
+impl Scene {
+    /// What to know where the axial load is that of the scene alone, and the scene moves a mass.
+    pub(crate) fn load_of_the_mass(&self) -> Option<String> {
+        let mass = self.moved_mass_kg.filter(|mass| *mass != 0.0)?;
+        self.axial_load_N.map(|_| {
+            format!(
+                "axial_load_N is taken as it is, without weight and guides of the {mass} kg that are moved: the axis \
+                 has them (bsm axis)"
+            )
+        })
+    }
+
+    /// True if a part of the nut or the screw is warmer than when the preload was set.
+    pub(crate) fn has_rises(&self) -> bool {
+        RISES.into_iter().any(|key| self[key].is_some_and(|rise| rise != 0.0))
+    }
+}

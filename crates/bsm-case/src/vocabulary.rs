@@ -1,0 +1,15 @@
+//! Names with their units, rules and meanings: inputs, outputs and the tables of quantities that answers are made of.
+
+pub(crate) mod answer;
+pub(crate) mod cells;
+pub(crate) mod error;
+pub(crate) mod input;
+pub(crate) mod input_set;
+pub(crate) mod names;
+pub(crate) mod number;
+pub(crate) mod output;
+pub(crate) mod phase;
+pub(crate) mod quantity;
+pub(crate) mod rules;
+pub mod units;
+pub(crate) mod words;

@@ -1,0 +1,322 @@
+//! What is answered: sections of numbers, tables and words, rules with limit, margin and source, notes and warnings. Text,
+//! JSON and pages of every answer are made of them.
+
+use serde_json::{Map, Value, json};
+
+use crate::{Numbers, Of, Output};
+
+/// An answer.
+#[derive(Debug, Clone, Default)]
+pub struct Answer {
+    /// In the order in which people read them.
+    pub sections: Vec<Section>,
+    /// What is required of numbers.
+    pub rules: Vec<Criterion>,
+    /// What was taken where nothing was given, and what is left out.
+    pub notes: Vec<String>,
+    /// What an engineer should know before using the numbers.
+    pub warnings: Vec<String>,
+    /// True if there is no solution, nothing was found or a rule is broken.
+    pub fails: bool,
+}
+
+/// A part of an answer.
+#[derive(Debug, Clone)]
+pub struct Section {
+    /// Its member of the JSON object, into which the numbers of an empty one go; a section without one is for people alone.
+    pub member: Option<&'static str>,
+    /// What it says.
+    pub content: Content,
+}
+
+/// What a section says.
+#[derive(Debug, Clone)]
+pub enum Content {
+    /// Numbers of a table of quantities.
+    Numbers {
+        /// The numbers.
+        numbers: Numbers,
+        /// What those of no contact and direction are of.
+        whole: &'static str,
+        /// Names of those whose error has no bound.
+        unbounded: Vec<&'static str>,
+    },
+    /// Rows of numbers and words.
+    Table(Table),
+    /// A few words behind a label, if there are any.
+    Words(&'static str, Option<String>),
+    /// Sentences behind a label.
+    Texts(&'static str, Vec<String>),
+    /// For programs alone.
+    Json(Value),
+}
+
+/// A table whose rows are objects.
+#[derive(Debug, Clone, Default)]
+pub struct Table {
+    /// The columns.
+    pub columns: Vec<Column>,
+    /// Their cells, row by row.
+    pub rows: Vec<Vec<Value>>,
+    /// True if the first column has the names of the rows in an object of objects; false for a list of objects.
+    pub keyed: bool,
+}
+
+/// A column of a table.
+#[derive(Debug, Clone, Copy)]
+pub struct Column {
+    /// Its name in JSON; one with an empty name is for people alone.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its head for people; one without is for programs alone.
+    pub head: Option<&'static str>,
+}
+
+impl Column {
+    /// A column whose name is its head.
+    pub const fn named(name: &'static str) -> Self {
+        Self { name, unit: "", head: Some(name) }
+    }
+
+    /// A column for programs alone.
+    pub const fn hidden(name: &'static str) -> Self {
+        Self { name, unit: "", head: None }
+    }
+
+    /// A column with another head.
+    pub const fn headed(name: &'static str, head: &'static str) -> Self {
+        Self { name, unit: "", head: Some(head) }
+    }
+}
+
+/// What is required of a number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Criterion {
+    /// What it is about.
+    pub title: &'static str,
+    /// Name of the number, with its unit as suffix.
+    pub name: &'static str,
+    /// Unit in words.
+    pub unit: &'static str,
+    /// The number.
+    pub value: f64,
+    /// Its limit; `None` if nothing is required.
+    pub limit: Option<f64>,
+    /// True if the limit is the least value.
+    pub at_least: bool,
+    /// Whose rule it is, with the tag of the theory.
+    pub source: &'static str,
+    /// The smallest change of one input that would keep it, if it fails.
+    pub remedy: Option<String>,
+}
+
+impl Criterion {
+    /// True if it holds, or nothing is required.
+    pub fn passes(&self) -> bool {
+        // Inputs are decimals, which a limit may meet but for rounding.
+        self.margin().is_none_or(|margin| margin >= 1.0 - 1e-9)
+    }
+
+    /// How many times the rule is kept: above 1 it holds.
+    pub fn margin(&self) -> Option<f64> {
+        let limit = self.limit?;
+        Some(if self.at_least { self.value / limit } else { limit / self.value })
+    }
+
+    /// JSON object.
+    pub fn to_json(&self) -> Value {
+        json!({
+            "rule": self.title,
+            "name": self.name,
+            "value": self.value,
+            "must_be": if self.at_least { ">=" } else { "<=" },
+            "limit": self.limit,
+            "margin": self.margin(),
+            "passes": self.passes(),
+            "source": self.source,
+            "remedy": self.remedy,
+        })
+    }
+}
+
+impl Table {
+    fn to_json(&self) -> Value {
+        let named = |row: &[Value]| -> Value {
+            let cells = self.columns.iter().zip(row).skip(usize::from(self.keyed));
+            let cells = cells.filter(|(column, _)| !column.name.is_empty());
+            cells
+                .map(|(column, cell)| (column.name.to_owned(), cell.clone()))
+                .collect::<Map<_, _>>()
+                .into()
+        };
+        if !self.keyed {
+            return self.rows.iter().map(|row| named(row)).collect();
+        }
+        let key = |row: &Vec<Value>| row[0].as_str().unwrap_or_default().to_owned();
+        self.rows.iter().map(|row| (key(row), named(row))).collect::<Map<_, _>>().into()
+    }
+}
+
+/// JSON object of numbers; null where there is none. Statements stand with their words.
+pub(crate) fn numbers_json(numbers: &Numbers) -> Map<String, Value> {
+    let shown = numbers.all().iter().filter(|row| row.quantity.of != Of::Statement);
+    let columns = shown.flat_map(|row| row.quantity.columns.iter().zip(row.values));
+    columns.map(|(column, value)| (column.name.to_owned(), json!(value))).collect()
+}
+
+impl Content {
+    /// Numbers of a table.
+    pub fn numbers(numbers: Numbers, whole: &'static str) -> Self {
+        Self::Numbers { numbers, whole, unbounded: Vec::new() }
+    }
+
+    fn to_json(&self) -> Value {
+        match self {
+            Self::Numbers { numbers, .. } => Value::Object(numbers_json(numbers)),
+            Self::Table(table) => table.to_json(),
+            Self::Words(_, words) => json!(words),
+            Self::Texts(_, texts) => json!(texts),
+            Self::Json(json) => json.clone(),
+        }
+    }
+}
+
+impl Answer {
+    /// Adds a section.
+    #[must_use]
+    pub fn with(mut self, member: &'static str, content: Content) -> Self {
+        self.sections.push(Section { member: Some(member), content });
+        self
+    }
+
+    /// Adds a section for people alone.
+    #[must_use]
+    pub fn with_shown(mut self, content: Content) -> Self {
+        self.sections.push(Section { member: None, content });
+        self
+    }
+
+    /// Keeps a section for programs alone.
+    #[must_use]
+    pub fn hiding(mut self, member: &str) -> Self {
+        for section in self.sections.iter_mut().filter(|section| section.member == Some(member)) {
+            section.content = Content::Json(section.content.to_json());
+        }
+        self
+    }
+
+    /// A section by its member.
+    pub fn section(&self, member: &str) -> Option<&Content> {
+        self.sections
+            .iter()
+            .find(|section| section.member == Some(member))
+            .map(|section| &section.content)
+    }
+
+    /// The sentences of a section.
+    pub fn texts(&self, member: &str) -> &[String] {
+        match self.section(member) {
+            Some(Content::Texts(_, texts)) => texts,
+            _ => &[],
+        }
+    }
+
+    /// Its numbers, section by section.
+    pub fn numbers(&self) -> impl Iterator<Item = &Numbers> {
+        self.sections.iter().filter_map(|section| match &section.content {
+            Content::Numbers { numbers, .. } if section.member.is_some() => Some(numbers),
+            _ => None,
+        })
+    }
+
+    /// The numbers of its first section that has some.
+    pub(crate) fn into_numbers(self) -> Numbers {
+        let numbers = self.sections.into_iter().find_map(|section| match section.content {
+            Content::Numbers { numbers, .. } => Some(numbers),
+            _ => None,
+        });
+        numbers.unwrap_or_else(|| Numbers::none(&[]))
+    }
+
+    /// Its numbers with names and units.
+    pub fn entries(&self) -> impl Iterator<Item = (&'static Output, f64)> {
+        self.numbers().flat_map(Numbers::entries)
+    }
+
+    /// A number by name.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.numbers().find_map(|numbers| numbers.number(name))
+    }
+
+    /// JSON of its sections by their members, with rules, notes and warnings; of a table that is the whole answer, the table.
+    pub fn to_json(&self) -> Value {
+        let mut map = Map::new();
+        for Section { member, content } in &self.sections {
+            match (member, content.to_json()) {
+                (None, _) => {}
+                (Some(""), Value::Object(entries)) => map.extend(entries),
+                (Some(""), list) => return list,
+                (Some(member), json) => drop(map.insert((*member).to_owned(), json)),
+            }
+        }
+        if !self.rules.is_empty() {
+            map.insert("rules".to_owned(), self.rules.iter().map(Criterion::to_json).collect());
+        }
+        map.insert("notes".to_owned(), json!(self.notes));
+        map.insert("warnings".to_owned(), json!(self.warnings));
+        Value::Object(map)
+    }
+}
+
+/// What a member of an object is: `number`, `positive`, `integer`, `count`, `string`, `boolean`, `texts`, `numbers`, `list`, words `a|b`,
+/// or an object; `[kind]` a list of it, `*kind` an object of it by names that are not known beforehand, `kind?` the same or null.
+///
+/// * `members`: those of an object by its name, separated by commas, each with its kind; a name with `?` may be absent. `@table`
+///   are the numbers of a table, `@table?` the same if they are there. * `numbers`: names and schemas of those.
+pub fn schema_of(
+    word: &str,
+    members: &dyn Fn(&str) -> &'static str,
+    numbers: &dyn Fn(&str) -> Vec<(String, Value)>,
+) -> Value {
+    let kind = |word: &str| schema_of(word, members, numbers);
+    if let Some(known) = word.strip_suffix('?') {
+        let mut schema = kind(known);
+        match schema.get_mut("enum").and_then(Value::as_array_mut) {
+            Some(words) => words.push(Value::Null),
+            None => schema["type"] = json!([schema["type"], "null"]),
+        }
+        return schema;
+    }
+    if let Some(known) = word.strip_prefix('*') {
+        return json!({ "type": "object", "additionalProperties": kind(known) });
+    }
+    if let Some(items) = word.strip_prefix('[').and_then(|word| word.strip_suffix(']')) {
+        return json!({ "type": "array", "items": kind(items) });
+    }
+    if word.contains('|') {
+        return json!({ "enum": word.split('|').collect::<Vec<_>>() });
+    }
+    match word {
+        "number" | "integer" | "string" | "boolean" => return json!({ "type": word }),
+        "count" => return json!({ "type": "integer", "minimum": 0 }),
+        "positive" => return json!({ "type": "number", "exclusiveMinimum": 0.0 }),
+        "texts" => return kind("[string]"),
+        "numbers" => return kind("[number]"),
+        "list" => return json!({ "type": "array" }),
+        _ => {}
+    }
+    let (mut properties, mut required) = (Map::new(), Vec::new());
+    for member in members(word).split(',').map(str::trim) {
+        let (own, always) = if let Some(table) = member.strip_prefix('@') {
+            (numbers(table.trim_end_matches('?')), !table.ends_with('?'))
+        } else {
+            let (name, known) = member.split_once(' ').unwrap_or((member, "string"));
+            let own = name.trim_end_matches('?');
+            (vec![(own.to_owned(), kind(known))], own == name)
+        };
+        required.extend(own.iter().filter(|_| always).map(|(name, _)| name.clone()));
+        properties.extend(own);
+    }
+    json!({ "type": "object", "properties": properties, "required": required, "additionalProperties": false })
+}

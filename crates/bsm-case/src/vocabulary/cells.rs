@@ -1,0 +1,76 @@
+//! Tables that people give: names of columns, and rows of cells under them.
+
+use crate::CaseError;
+
+/// A table as it is written.
+pub(crate) struct Cells {
+    heads: Vec<String>,
+    rows: Vec<Vec<String>>,
+    decimal: char,
+}
+
+impl Cells {
+    /// Reads a table of at least one row.
+    ///
+    /// * `separator`: between cells. * `decimal`: the decimal sign.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::Table`] with the row.
+    pub(crate) fn read(table: &[u8], separator: u8, decimal: char) -> Result<Self, CaseError> {
+        let wrong = |error: &csv::Error| CaseError::Table { what: error.to_string() };
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).delimiter(separator).from_reader(table);
+        let texts =
+            |record: &csv::StringRecord| record.iter().map(str::to_owned).collect::<Vec<_>>();
+        let heads = texts(reader.headers().map_err(|e| wrong(&e))?);
+        let rows: Result<Vec<_>, _> = (1..)
+            .zip(reader.records())
+            .map(|(row, record)| {
+                record.map(|record| texts(&record)).map_err(|e| wrong(&e).in_row(row))
+            })
+            .collect();
+        let rows = rows?;
+        if rows.is_empty() {
+            let what = format!("has no rows; the columns are {}", heads.join(", "));
+            return Err(CaseError::Table { what });
+        }
+        Ok(Self { heads, rows, decimal })
+    }
+
+    /// What each column is, by its name.
+    pub(crate) fn columns<C>(
+        &self,
+        column: impl Fn(&str) -> Result<C, CaseError>,
+    ) -> Result<Vec<C>, CaseError> {
+        self.heads.iter().map(|head| column(head)).collect()
+    }
+
+    /// What is made of each row, from its cells that are not empty under their columns.
+    pub(crate) fn each<C, R>(
+        &self,
+        columns: &[C],
+        make: impl Fn(usize, &mut dyn Iterator<Item = (&C, &str)>) -> Result<R, CaseError>,
+    ) -> Result<Vec<R>, CaseError> {
+        let row = |(row, cells): (usize, &Vec<String>)| {
+            let cells = columns.iter().zip(cells.iter().map(String::as_str));
+            make(row, &mut cells.filter(|(_, text)| !text.is_empty())).map_err(|e| e.in_row(row))
+        };
+        (1..).zip(&self.rows).map(row).collect()
+    }
+
+    /// The number of a cell.
+    pub(crate) fn number(&self, text: &str) -> Result<f64, CaseError> {
+        decimal_number(text, self.decimal)
+            .ok_or_else(|| CaseError::Table { what: format!("`{text}` is no number") })
+    }
+}
+
+/// A number with a decimal sign of one's choice; one that has another sign too is none.
+pub fn decimal_number(text: &str, decimal: char) -> Option<f64> {
+    let other = if decimal == ',' { '.' } else { ',' };
+    if text.contains(other) {
+        return None;
+    }
+    text.replace(decimal, ".").parse().ok().filter(|value: &f64| value.is_finite())
+}

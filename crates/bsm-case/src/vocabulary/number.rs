@@ -1,0 +1,132 @@
+//! Numbers as text: exact for programs, with five or two digits for people.
+
+use std::io::{self, Write};
+
+/// The shortest decimal that reads back as the same number, as the cells of CSV tables have it: with
+/// an exponent from 1e16 on and below 1e-5, whole numbers without a point.
+///
+/// JSON has the same digits, and `.0` on whole numbers, which tells them from counts there.
+pub fn exact(value: f64) -> String {
+    let mut text = Vec::with_capacity(24);
+    // Only a full disk fails, and memory is none.
+    let _ = write_exact(&mut text, value);
+    String::from_utf8_lossy(&text).into_owned()
+}
+
+/// Writes what [`exact`] returns.
+///
+/// # Errors
+///
+/// Those of the writer.
+pub fn write_exact(to: &mut Vec<u8>, value: f64) -> io::Result<()> {
+    if !value.is_finite() {
+        return write!(to, "{value}");
+    }
+    serde_json::to_writer(&mut *to, &value)?;
+    if to.ends_with(b".0") {
+        to.truncate(to.len() - 2);
+    }
+    Ok(())
+}
+
+/// Five significant digits, in fixed notation where that reads well.
+pub fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-4..1e6).contains(&magnitude) {
+        return format!("{value:.4e}");
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "the exponent is between -4 and 6")]
+    let decimals = (4 - magnitude.log10().floor() as i32).max(0);
+    format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
+}
+
+/// Five significant digits at most: as [`number`] has them, without zeros at the end.
+pub(crate) fn trimmed(value: f64) -> String {
+    let text = number(value);
+    if text.contains('e') || !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// Two digits, or all before the point, for tables of times and errors to compare.
+pub fn short(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        10.0..1e6 => format!("{value:.0}"),
+        1.0..10.0 => format!("{value:.1}"),
+        0.1..1.0 => format!("{value:.2}"),
+        0.01..0.1 => format!("{value:.3}"),
+        1e-3..0.01 => format!("{value:.4}"),
+        _ => format!("{value:.1e}"),
+    }
+}
+
+/// A number of things.
+#[expect(clippy::cast_precision_loss, reason = "numbers of circuits and balls")]
+pub(crate) fn count(n: usize) -> f64 {
+    n as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_one_form() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.0, "-0"),
+            (5.0, "5"),
+            (2000.5, "2000.5"),
+            (0.1 + 0.2, "0.30000000000000004"),
+            (1e15, "1000000000000000"),
+            (1e16, "1e+16"),
+            (1e22, "1e+22"),
+            (3.18e19, "3.18e+19"),
+            (1e-4, "0.0001"),
+            (1e-5, "0.00001"),
+            (-1.25e-7, "-1.25e-7"),
+            (f64::MAX, "1.7976931348623157e+308"),
+            (5e-324, "5e-324"),
+            (f64::NAN, "NaN"),
+            (f64::NEG_INFINITY, "-inf"),
+        ] {
+            assert_eq!(exact(value), text);
+            let back = text.parse::<f64>().expect("a number");
+            assert!(value.is_nan() || back.to_bits() == value.to_bits());
+        }
+    }
+
+    #[test]
+    fn numbers_have_five_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.860_106_9, "0.86011"),
+            (-3.25, "-3.2500"),
+            (123_456.7, "123457"),
+            (1.234_567e6, "1.2346e6"),
+            (-4.5e-5, "-4.5000e-5"),
+            (0.000_123_456, "0.00012346"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn short_numbers_have_two_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (203.8, "204"),
+            (9.94, "9.9"),
+            (0.164, "0.16"),
+            (0.0088, "0.0088"),
+            (1.8e-7, "1.8e-7"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+    }
+}

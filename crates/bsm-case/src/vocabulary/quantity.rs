@@ -1,0 +1,307 @@
+//! Tables of quantities: name, unit, what the numbers are of, how each is read, meaning. Answers, JSON, columns and
+//! schema are made from them.
+
+use super::output::Origin;
+use crate::{CaseError, InputKey, InputSet, Output};
+
+/// An analysis, whose numbers may be columns of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AnalysisKind {
+    /// Slip of the balls.
+    Slip,
+    /// Jamming of the balls.
+    Jam,
+    /// Optimum contact angles and self-locking limits.
+    Optimum,
+    /// Ratings, rigidity and thread of a nut.
+    Ratings,
+    /// All balls of a nut, `bsm nut`.
+    Nut,
+    /// The axis around a screw.
+    Axis,
+}
+
+/// A quantity of an answer: one number, or one for each contact or direction.
+#[derive(Debug, Clone, Copy)]
+pub struct Quantity {
+    /// Its name, with its unit as suffix.
+    pub name: &'static str,
+    /// Unit in words; empty if dimensionless.
+    pub unit: &'static str,
+    /// Symbol of the field, such as `C_a`; empty if it has none.
+    pub symbol: &'static str,
+    /// Meaning, which is also its label.
+    pub about: &'static str,
+    /// What it is printed with.
+    pub title: &'static str,
+    /// What its numbers are of.
+    pub of: Of,
+    /// Its numbers as outputs; the contact or direction stands in front of the name.
+    pub columns: &'static [Output],
+    /// Inputs without default that it needs besides those of its answer: one of each set.
+    pub(crate) needs: &'static [InputSet],
+}
+
+impl Quantity {
+    /// Inputs that it needs besides those of its answer and that are not given, in words.
+    pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
+        let names = |set: &InputSet| {
+            let names: Vec<_> = set.iter().map(InputKey::name).collect();
+            names.join(" or ")
+        };
+        self.needs.iter().filter(|set| !given.completed().meets(**set)).map(names).collect()
+    }
+}
+
+/// What the numbers of a quantity are of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Of {
+    /// The ball, the screw or the nut: one number.
+    Whole,
+    /// Each contact: nut, screw and minor.
+    Contacts,
+    /// Each direction of drive: rotary to linear, and linear to rotary.
+    Directions,
+    /// A statement that is true or false.
+    Statement,
+}
+
+impl Of {
+    /// What its numbers are of, as heads of a table.
+    pub fn members(self) -> &'static [&'static str] {
+        match self {
+            Self::Whole | Self::Statement => &[""],
+            Self::Contacts => &["nut", "screw", "minor"],
+            Self::Directions => &["rotary to linear", "linear to rotary"],
+        }
+    }
+}
+
+/// The numbers of a quantity; a statement is 0 or 1.
+pub type Values = [Option<f64>; 3];
+
+/// What a reader of a quantity returns.
+pub(crate) trait Read {
+    fn values(self) -> Values;
+}
+
+impl Read for f64 {
+    fn values(self) -> Values {
+        [Some(self), None, None]
+    }
+}
+
+impl Read for Option<f64> {
+    fn values(self) -> Values {
+        [self, None, None]
+    }
+}
+
+impl Read for Option<bool> {
+    fn values(self) -> Values {
+        self.map(|holds| f64::from(u8::from(holds))).values()
+    }
+}
+
+/// At nut and screw, or in both directions.
+impl Read for [f64; 2] {
+    fn values(self) -> Values {
+        self.map(Some).values()
+    }
+}
+
+impl Read for [Option<f64>; 2] {
+    fn values(self) -> Values {
+        [self[0], self[1], None]
+    }
+}
+
+impl Read for Option<[f64; 2]> {
+    fn values(self) -> Values {
+        self.map_or([None; 3], Read::values)
+    }
+}
+
+impl Read for Values {
+    fn values(self) -> Values {
+        self
+    }
+}
+
+/// Declares a table of quantities and the function that reads their numbers.
+///
+/// `name ["unit"] Of(reader), "meaning";` with `"symbol"` behind the unit and `needs [a, b | c]`, inputs that it needs besides those
+/// of its answer (`a`, and one of `b` and `c`), behind the reader.
+macro_rules! quantities {
+    ($(#[$doc:meta])* $visible:vis $table:ident, $numbers:ident(&$state:ty) $(of $analysis:ident)?; $($title:literal {
+        $($name:ident [$unit:literal $($symbol:literal)?] $of:ident($read:expr)
+            $(needs [$($($need:ident)|+),+])?, $about:literal;)*
+    })*) => {
+        $(#[$doc])*
+        $visible const $table: &[$crate::Quantity] = {
+            const KIND: Option<$crate::AnalysisKind> =
+                $crate::vocabulary::quantity::quantities!(@kind $($analysis)?);
+            &[$($($crate::Quantity {
+                name: stringify!($name),
+                unit: $unit,
+                symbol: concat!($($symbol)?),
+                about: $about,
+                title: $title,
+                of: $crate::Of::$of,
+                columns: $crate::vocabulary::quantity::quantities!(@$of $name, $unit, $about),
+                needs: &[$($($crate::InputSet::of(&[$($crate::InputKey::$need),+])),+)?],
+            },)*)*]
+        };
+
+        /// The numbers of the table that are wanted.
+        fn $numbers(
+            state: &$state,
+            wanted: impl Fn(&$crate::Quantity) -> bool,
+        ) -> $crate::Numbers {
+            const READ: &[fn(&$state) -> $crate::vocabulary::quantity::Values] = &[$($(|state| {
+                let read: fn(&$state) -> _ = $read;
+                $crate::vocabulary::quantity::Read::values(read(state))
+            },)*)*];
+            $crate::Numbers::of($table, |place| READ[place](state), wanted)
+        }
+    };
+    (@kind) => { None };
+    (@kind $analysis:ident) => { Some($crate::AnalysisKind::$analysis) };
+    (@Whole $($of:tt)*) => {
+        &[$crate::vocabulary::quantity::quantities!(@column "number", "", "", $($of)*)]
+    };
+    (@Statement $($of:tt)*) => {
+        &[$crate::vocabulary::quantity::quantities!(@column "boolean", "", "", $($of)*)]
+    };
+    (@Contacts $($of:tt)*) => {
+        &[
+            $crate::vocabulary::quantity::quantities!(@column "number", "nut_", ", nut", $($of)*),
+            $crate::vocabulary::quantity::quantities!(@column "number", "screw_", ", screw", $($of)*),
+            $crate::vocabulary::quantity::quantities!(@column "number", "minor_", ", minor contact", $($of)*),
+        ]
+    };
+    (@Directions $($of:tt)*) => {
+        &[
+            $crate::vocabulary::quantity::quantities!(
+                @column "number", "rotary_to_linear_", ", rotary to linear", $($of)*
+            ),
+            $crate::vocabulary::quantity::quantities!(
+                @column "number", "linear_to_rotary_", ", linear to rotary", $($of)*
+            ),
+        ]
+    };
+    (@column $json:literal, $before:literal, $where:literal,
+        $name:ident, $unit:literal, $about:literal) => {
+        $crate::Output {
+            name: concat!($before, stringify!($name)),
+            unit: $unit,
+            json_type: $json,
+            words: &[],
+            about: concat!($about, $where),
+            origin: $crate::vocabulary::output::Origin::Table { kind: KIND },
+        }
+    };
+}
+
+pub(crate) use quantities;
+
+/// Values of the quantities of a table.
+#[derive(Debug, Clone, Copy)]
+pub struct Row {
+    /// What they are of.
+    pub quantity: &'static Quantity,
+    /// By member.
+    pub values: Values,
+}
+
+/// The numbers of an answer.
+#[derive(Debug, Clone)]
+pub struct Numbers(Vec<Row>);
+
+impl Numbers {
+    /// Those of a table that are wanted.
+    ///
+    /// * `read`: the values of a place.
+    pub(crate) fn of(
+        table: &'static [Quantity],
+        read: impl Fn(usize) -> Values,
+        wanted: impl Fn(&Quantity) -> bool,
+    ) -> Self {
+        let value = |(place, quantity)| {
+            let values = if wanted(quantity) { read(place) } else { [None; 3] };
+            Row { quantity, values }
+        };
+        Self(table.iter().enumerate().map(value).collect())
+    }
+
+    /// No number of a table.
+    pub(crate) fn none(table: &'static [Quantity]) -> Self {
+        Self::of(table, |_| [None; 3], |_| false)
+    }
+
+    /// These, then others.
+    #[must_use]
+    pub(crate) fn and(mut self, other: Self) -> Self {
+        self.0.extend(other.0);
+        self
+    }
+
+    /// Those of some quantities.
+    #[must_use]
+    pub(crate) fn part(mut self, wanted: impl Fn(&Quantity) -> bool) -> Self {
+        self.0.retain(|row| wanted(row.quantity));
+        self
+    }
+
+    /// All quantities of the table, with their values.
+    pub fn all(&self) -> &[Row] {
+        &self.0
+    }
+
+    /// The quantities that have a value.
+    pub fn rows(&self) -> impl Iterator<Item = &Row> {
+        self.0.iter().filter(|row| row.values.iter().any(Option::is_some))
+    }
+
+    /// The columns with their values.
+    pub fn columns(&self) -> impl Iterator<Item = (&'static Output, Option<f64>)> {
+        self.0.iter().flat_map(|row| row.quantity.columns.iter().zip(row.values))
+    }
+
+    /// The values with their names.
+    pub fn entries(&self) -> impl Iterator<Item = (&'static Output, f64)> {
+        self.columns().filter_map(|(column, value)| Some((column, value?)))
+    }
+
+    /// A value by name.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.columns().find(|(column, _)| column.name == name)?.1
+    }
+
+    /// The value of an output of this table; a statement is 0 or 1.
+    pub fn value(&self, output: &Output) -> Option<f64> {
+        self.number(output.name).filter(|_| matches!(output.origin, Origin::Table { .. }))
+    }
+
+    /// These without what is no finite number.
+    #[must_use]
+    pub(crate) fn where_finite(mut self) -> Self {
+        for value in self.0.iter_mut().flat_map(|row| &mut row.values) {
+            *value = value.filter(|value| value.is_finite());
+        }
+        self
+    }
+
+    /// These, if every one is a finite number.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::BeyondDouble`] with the first that is not.
+    pub(crate) fn finite(self) -> Result<Self, CaseError> {
+        let endless = self.entries().find(|(_, value)| !value.is_finite());
+        match endless.map(|(column, _)| column.name) {
+            Some(output) => Err(CaseError::BeyondDouble { output }),
+            None => Ok(self),
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Rules about the values of several inputs, for one point and for several side by side.
+//!
+//! What one value must satisfy is its [`Rule`](crate::Rule).
+
+use bsm_dyn::Model;
+use bsm_kin::Field;
+use bsm_simd::Compare;
+
+use super::input_set::lead_angle;
+use crate::vocabulary::units::{DEG, RPM};
+use crate::{CaseError, InputKey, InputSet, Scene};
+
+/// The inputs of a point, or of several.
+pub trait Inputs {
+    /// A number, or several.
+    type Number: Compare;
+
+    /// An input, given or default.
+    fn value(&self, key: InputKey) -> Option<Self::Number>;
+}
+
+/// Yes or no for each point.
+type Mask<I> = <<I as Inputs>::Number as Field>::Mask;
+
+impl Inputs for Scene {
+    type Number = f64;
+
+    fn value(&self, key: InputKey) -> Option<f64> {
+        self.value_or_default(key)
+    }
+}
+
+/// A rule about several inputs, whatever the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Relation {
+    /// The balls fit on the pitch circle.
+    BallsFit,
+    /// Lead and lead angle mean the same helix.
+    LeadsAgree,
+    /// Screw and nut do not turn together.
+    SpeedsDiffer,
+    /// The lubricant is thinner at 100 C than at 40 C.
+    OilThins,
+}
+
+/// What lead and lead angle may differ in, relative.
+const LEADS_AGREE: f64 = 1e-9;
+
+impl Relation {
+    /// All of them.
+    pub const ALL: [Self; 4] =
+        [Self::BallsFit, Self::LeadsAgree, Self::SpeedsDiffer, Self::OilThins];
+
+    /// The inputs that it is about.
+    pub fn inputs(self) -> InputSet {
+        use InputKey as K;
+        InputSet::of(match self {
+            Self::BallsFit => &[K::ball_diameter_mm, K::pitch_circle_diameter_mm],
+            Self::LeadsAgree => &[K::lead_angle_deg, K::lead_mm, K::pitch_circle_diameter_mm],
+            Self::SpeedsDiffer => &[K::screw_speed_rpm, K::nut_speed_rpm],
+            Self::OilThins => &[K::viscosity_40C_mm2_s, K::viscosity_100C_mm2_s],
+        })
+    }
+
+    /// Where it holds, if all its inputs are there.
+    #[inline(always)]
+    pub fn holds<I: Inputs>(self, inputs: &I) -> Option<Mask<I>> {
+        Some(match self {
+            Self::BallsFit => {
+                let ball = inputs.value(InputKey::ball_diameter_mm)?;
+                ball.lt(inputs.value(InputKey::pitch_circle_diameter_mm)? * 0.5)
+            }
+            Self::LeadsAgree => {
+                let angle = inputs.value(InputKey::lead_angle_deg)?;
+                let lead = inputs.value(InputKey::lead_mm)?;
+                let pitch = inputs.value(InputKey::pitch_circle_diameter_mm)?;
+                let implied = lead.zip(pitch, |lead, pitch| lead_angle(lead, pitch) / DEG);
+                (implied - angle).abs().le(angle * LEADS_AGREE)
+            }
+            Self::SpeedsDiffer => {
+                let screw = inputs.value(InputKey::screw_speed_rpm)?;
+                let nut = inputs.value(InputKey::nut_speed_rpm)?;
+                ((screw - nut) * RPM).abs().gt(screw.constant(0.0))
+            }
+            Self::OilThins => inputs
+                .value(InputKey::viscosity_100C_mm2_s)?
+                .lt(inputs.value(InputKey::viscosity_40C_mm2_s)?),
+        })
+    }
+
+    /// What to say of a scene in which it does not hold.
+    pub(crate) fn broken(self, scene: &Scene) -> CaseError {
+        let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+        let pitch = value(InputKey::pitch_circle_diameter_mm);
+        match self {
+            Self::BallsFit => CaseError::BallTooLarge {
+                ball_diameter_mm: value(InputKey::ball_diameter_mm),
+                pitch_radius_mm: 0.5 * pitch,
+            },
+            Self::LeadsAgree => {
+                let lead_mm = value(InputKey::lead_mm);
+                CaseError::LeadConflict {
+                    lead_angle_deg: value(InputKey::lead_angle_deg),
+                    lead_mm,
+                    implied_deg: lead_angle(lead_mm, pitch) / DEG,
+                }
+            }
+            Self::SpeedsDiffer => CaseError::NoRelativeSpeed {
+                screw_rpm: value(InputKey::screw_speed_rpm),
+                nut_rpm: value(InputKey::nut_speed_rpm),
+            },
+            Self::OilThins => CaseError::OilThickens {
+                warm: value(InputKey::viscosity_40C_mm2_s),
+                hot: value(InputKey::viscosity_100C_mm2_s),
+            },
+        }
+    }
+}
+
+/// Where a model covers the values of its inputs; `None` if it covers all.
+#[inline(always)]
+pub fn covered<I: Inputs>(model: Model, inputs: &I) -> Option<Mask<I>> {
+    match model {
+        Model::ClosedForm | Model::RacewayControl => None,
+        Model::QuasiStatic => {
+            let screw = inputs.value(InputKey::screw_speed_rpm)?;
+            let nut = inputs.value(InputKey::nut_speed_rpm)?;
+            let rest = screw.constant(0.0);
+            Some(screw.abs().le(rest) | nut.abs().le(rest))
+        }
+        Model::Rigid | Model::Elastic | Model::Traction => {
+            let friction = inputs.value(InputKey::friction_coefficient)?;
+            Some(friction.gt(friction.constant(0.0)))
+        }
+    }
+}
+
+/// What to say of a scene that a model does not cover.
+pub(crate) fn not_covered(model: Model, scene: &Scene) -> CaseError {
+    let (key, rule) = match model {
+        Model::QuasiStatic => (InputKey::nut_speed_rpm, "0 while the screw turns (no dual drive)"),
+        _ => (
+            InputKey::friction_coefficient,
+            "> 0 (without friction the rotation of the ball is not determined)",
+        ),
+    };
+    let value = scene.value_or_default(key).unwrap_or(f64::NAN);
+    CaseError::NotCovered { key: key.name(), value, rule, model: model.name() }
+}

@@ -1,0 +1,429 @@
+//! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, words and flags.
+
+use bsm_design::Grade;
+use bsm_dyn::BaseOil;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+
+use super::answer::schema_of;
+use super::phase::PhaseWords;
+use crate::{CaseError, nearest};
+
+macro_rules! words {
+    ($($name:ident: $kind:ty [$schema:literal], $about:literal;)*) => {
+        /// What a scene says of a nut besides numbers.
+        #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct NutWords {
+            $(
+                #[doc = $about]
+                #[serde(skip_serializing_if = "Option::is_none")]
+                pub $name: Option<$kind>,
+            )*
+        }
+
+        impl NutWords {
+            /// Their keys, in the order of the documentation.
+            pub const KEYS: &[&str] = &[$(stringify!($name)),*];
+
+            /// Takes over what `other` says.
+            pub(crate) fn override_with(&mut self, other: &Self) {
+                $(if other.$name.is_some() {
+                    self.$name.clone_from(&other.$name);
+                })*
+            }
+
+            /// JSON Schema of each key.
+            pub(crate) fn schema() -> Map<String, Value> {
+                let mut all = Map::new();
+                $({
+                    let members = |name: &str| OBJECTS.iter().find(|(own, _)| *own == name).map_or("", |(_, members)| members);
+                    let mut property = schema_of(concat!($schema, "?"), &members, &|_| Vec::new());
+                    property["description"] = json!($about);
+                    all.insert(stringify!($name).to_owned(), property);
+                })*
+                // The names of accuracy grades, and numbers of some.
+                let names = Grade::all().map(|grade| json!(grade.name));
+                let numbers = NUMBERS.map(|number| json!(number));
+                let grade = &mut all["accuracy_grade"];
+                grade["enum"] = names.chain(numbers).chain([Value::Null]).collect();
+                grade["type"] = json!(["string", "integer", "null"]);
+                all
+            }
+        }
+    };
+}
+
+/// Objects among them, as [`schema_of`] has them.
+const OBJECTS: [(&str, &str); 6] = [
+    (
+        "circuit",
+        "start_deg number, arc_deg positive, balls count, start? count, body? count, flank? +|-|both?, offset_um? number",
+    ),
+    ("bars", "nut? bar?, screw? bar?"),
+    ("bar", "EA_N positive, anchor? low|high?, anchor_z_mm? number?"),
+    ("ring", "outer_diameter_mm positive, inner_diameter_mm positive"),
+    (
+        "lead error",
+        "amplitude_um? number?, order? number?, phase_deg? number?, slope_um_per_mm? number?, z0_mm? number?",
+    ),
+    (
+        "phase",
+        "time_s? number, share? number, force_N? number, feed_m_min? number, acceleration_m_s2? number",
+    ),
+];
+
+words! {
+    circuits: Vec<CircuitWords> ["[circuit]"],
+        "loaded balls of a nut, circuit by circuit; in place of circuits_count, loaded_turns and loaded_balls_per_turn";
+    bars: BarsWords ["bars"],
+        "nut and screw as bars along the axis; in place of nut_anchor, nut_EA_N, screw_anchor and screw_EA_N";
+    ring: RingWords ["ring"],
+        "the tube that widens around the balls; in place of ring_expansion";
+    ring_expansion: bool ["boolean"],
+        "true: the nut widens around its balls, a tube from the grooves to nut_outer_diameter_mm";
+    nut_guidance: Guidance ["guided|free"],
+        "what holds a nut across its axis: guided, tilt and side motion are held; free, they are loaded";
+    nut_anchor: End ["low|high"],
+        "end of the loaded length where the force leaves the nut; without it the nut is rigid";
+    screw_anchor: End ["low|high"],
+        "end of the loaded length where the force leaves the screw; without it the screw is rigid";
+    screw_torsion: bool ["boolean"],
+        "true: the torque of the balls leaves the screw at its anchor too, and twists it";
+    preload_by: PreloadWay ["pair|oversize"],
+        "how a nut is preloaded: pair, two nuts against each other; oversize, balls too large for both flanks. Unless given, a pair if the nut has two bodies or short words";
+    preload_arrangement: Arrangement ["O|X"],
+        "arrangement of a preloaded pair: O, the nuts are pushed apart; X, they are pulled together. O unless preload_offset_um or the flanks of circuits say otherwise";
+    ball_deviation_um: Vec<f64> ["[number]"],
+        "deviation of the diameter of each ball from the nominal one in um, in the order of the circuits";
+    lead_error: Vec<LeadErrorWords> ["[lead error]"],
+        "axial errors of the nut's groove against the screw's, which add up: waves (amplitude_um, order per turn, phase_deg) and slopes (slope_um_per_mm, z0_mm)";
+    base_oil: OilWord ["mineral|pao|ester|pag"],
+        "base oil of the lubricant, for what is not given of it; mineral unless given";
+    ball_precession_rad_s: f64 ["number"],
+        "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; 0 unless given";
+    support: SupportWord ["fixed-free|supported-supported|fixed-supported|fixed-fixed"],
+        "how the ends of the screw are held, for bsm axis: the fixed end takes the axial load";
+    accuracy_grade: GradeWord ["string"],
+        "accuracy grade of the screw, for bsm axis: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
+    cycle: Vec<PhaseWords> ["[phase]"],
+        "phases of the cycle of the axis, for bsm axis: time_s or share, force_N, feed_m_min, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm";
+}
+
+impl NutWords {
+    /// True for one of the keys.
+    pub(crate) fn have(key: &str) -> bool {
+        Self::KEYS.contains(&key)
+    }
+
+    /// JSON object of what is given.
+    pub(crate) fn to_map(&self) -> Map<String, Value> {
+        match json!(self) {
+            Value::Object(map) => map,
+            _ => Map::new(),
+        }
+    }
+
+    /// Sets one of them from JSON.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::BadEntry`] with the path of what is wrong.
+    pub(crate) fn set(&mut self, key: String, value: Value) -> Result<(), CaseError> {
+        let one = Value::Object(Map::from_iter([(key, value)]));
+        let one: Self = serde_path_to_error::deserialize(one).map_err(|e| CaseError::BadEntry {
+            key: e.path().to_string(),
+            what: e.inner().to_string(),
+        })?;
+        self.override_with(&one);
+        Ok(())
+    }
+}
+
+/// A base oil.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum OilWord {
+    /// Mineral oil.
+    #[default]
+    Mineral,
+    /// Polyalphaolefin.
+    Pao,
+    /// Ester.
+    Ester,
+    /// Polyglycol.
+    Pag,
+}
+
+impl From<OilWord> for BaseOil {
+    fn from(word: OilWord) -> Self {
+        match word {
+            OilWord::Mineral => Self::Mineral,
+            OilWord::Pao => Self::Pao,
+            OilWord::Ester => Self::Ester,
+            OilWord::Pag => Self::Pag,
+        }
+    }
+}
+
+/// A circuit of a nut.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CircuitWords {
+    /// Helix angle at which the loaded arc begins.
+    pub start_deg: f64,
+    /// Length of the loaded arc.
+    pub arc_deg: f64,
+    /// Loaded balls.
+    pub balls: usize,
+    /// Number of its thread, from 0.
+    #[serde(default)]
+    pub start: usize,
+    /// Number of its nut body, from 0.
+    #[serde(default)]
+    pub body: usize,
+    /// Flanks that exist; both for a single body, one for each body of several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flank: Option<Flank>,
+    /// Axial offset of its groove in the nut.
+    #[serde(default)]
+    pub offset_um: f64,
+}
+
+/// Flanks of a circuit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Flank {
+    /// Those that push the nut along +z.
+    #[serde(rename = "+")]
+    Plus,
+    /// Those that push it along -z.
+    #[serde(rename = "-")]
+    Minus,
+    /// Both.
+    #[serde(rename = "both")]
+    Both,
+}
+
+/// Nut and screw as bars; what is absent is rigid.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BarsWords {
+    /// The nut.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nut: Option<BarWords>,
+    /// The screw.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub screw: Option<BarWords>,
+}
+
+/// A bar along the axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(non_snake_case, reason = "names carry their unit as it is written")]
+pub struct BarWords {
+    /// Young's modulus times cross section.
+    pub EA_N: f64,
+    /// End of the loaded length where its force leaves; or `anchor_z_mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anchor: Option<End>,
+    /// Place where its force leaves; or `anchor`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anchor_z_mm: Option<f64>,
+}
+
+/// An end of the loaded length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum End {
+    /// Where z is least.
+    Low,
+    /// Where it is largest.
+    High,
+}
+
+/// The tube around the balls.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RingWords {
+    /// Outer diameter.
+    pub outer_diameter_mm: f64,
+    /// Inner diameter.
+    pub inner_diameter_mm: f64,
+}
+
+/// What holds a nut across its axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Guidance {
+    /// Tilt and side motion are held.
+    Guided,
+    /// They are loaded.
+    Free,
+}
+
+/// Arrangement of a preloaded pair of nuts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Arrangement {
+    /// The nuts are pushed apart: a spacer that is too thick, a shifted lead.
+    O,
+    /// They are pulled together: a spacer that is too thin.
+    X,
+}
+
+/// How a nut is preloaded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PreloadWay {
+    /// Two bodies are pressed against each other.
+    Pair,
+    /// The balls are too large.
+    Oversize,
+}
+
+/// How the ends of a screw are held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SupportWord {
+    /// One end is free.
+    FixedFree,
+    /// Both ends may tilt.
+    SupportedSupported,
+    /// One end may tilt.
+    FixedSupported,
+    /// No end may tilt.
+    FixedFixed,
+}
+
+/// Numbers of the P grades.
+const NUMBERS: [u8; 6] = [0, 1, 3, 5, 7, 10];
+
+/// An accuracy grade: its name, or the number alone of a P grade.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Value", into = "Value")]
+pub struct GradeWord {
+    /// The grade.
+    pub grade: &'static Grade,
+    /// The number, if it stood alone.
+    number: Option<u8>,
+}
+
+impl TryFrom<Value> for GradeWord {
+    type Error = String;
+
+    fn try_from(value: Value) -> Result<Self, String> {
+        let number = value
+            .as_f64()
+            .and_then(|x| NUMBERS.into_iter().find(|n| (f64::from(*n) - x).abs() <= 0.0));
+        let name = number.map(|number| format!("P{number}"));
+        let name = name.as_deref().or(value.as_str()).unwrap_or_default();
+        let names = || Grade::all().map(|grade| grade.name);
+        let grade = Grade::named(name).ok_or_else(|| {
+            let near = nearest(&name.to_uppercase(), names());
+            let near = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+            format!("{value} is not one of {}{near}", names().collect::<Vec<_>>().join(", "))
+        })?;
+        Ok(Self { grade, number })
+    }
+}
+
+impl From<GradeWord> for Value {
+    fn from(word: GradeWord) -> Self {
+        word.number.map_or_else(|| json!(word.grade.name), |number| json!(number))
+    }
+}
+
+impl GradeWord {
+    /// Which grade it is, and what it is not.
+    pub(crate) fn describe(self) -> String {
+        let of = |grade: &Grade| {
+            let Grade { name, standard, variation } = grade;
+            format!(
+                "{name} of {standard}, {} um within any 300 mm",
+                (1e7 * variation).round() / 10.0
+            )
+        };
+        let also = self.number.and_then(|number| Grade::named(&format!("C{number}")));
+        let also = also.map_or_else(String::new, |other| format!("; not {}", of(other)));
+        format!("accuracy_grade is {}{also}", of(self.grade))
+    }
+}
+
+/// An axial error of the nut's groove against the screw's: a wave or a slope.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LeadErrorWords {
+    /// Amplitude of a wave.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude_um: Option<f64>,
+    /// Periods of the wave a turn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub order: Option<f64>,
+    /// Phase of the wave; 0 unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase_deg: Option<f64>,
+    /// Slope.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slope_um_per_mm: Option<f64>,
+    /// Where the slope is zero; 0 unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z0_mm: Option<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Holds the keys of objects, also within lists and objects, to those of their schema.
+    fn same_keys(value: &Value, schema: &Value) {
+        if let (Value::Array(items), Some(item)) = (value, schema.get("items")) {
+            for value in items {
+                same_keys(value, item);
+            }
+        }
+        if let (Value::Object(map), Value::Object(properties)) = (value, &schema["properties"]) {
+            // A phase has one of time_s and share.
+            let known = properties.keys().filter(|key| *key != "share");
+            assert_eq!(map.keys().collect::<Vec<_>>(), known.collect::<Vec<_>>());
+            for (key, value) in map {
+                same_keys(value, &properties[key]);
+            }
+        } else {
+            assert!(!value.is_object(), "{value} has no schema");
+        }
+    }
+
+    /// One of everything, by the schema and by the types: the same keys.
+    #[test]
+    fn words_have_the_keys_of_their_schema() {
+        let all = json!({
+            "circuits": [{ "start_deg": 0.0, "arc_deg": 1.0, "balls": 1, "start": 0, "body": 0,
+                           "flank": "both", "offset_um": 0.0 }],
+            "bars": { "nut": { "EA_N": 1.0, "anchor": "low", "anchor_z_mm": 1.0 },
+                      "screw": { "EA_N": 1.0, "anchor": "high", "anchor_z_mm": 1.0 } },
+            "ring": { "outer_diameter_mm": 2.0, "inner_diameter_mm": 1.0 },
+            "ring_expansion": true,
+            "nut_guidance": "free",
+            "nut_anchor": "low",
+            "screw_anchor": "high",
+            "screw_torsion": true,
+            "preload_by": "oversize",
+            "preload_arrangement": "O",
+            "ball_deviation_um": [1.0],
+            "lead_error": [{ "amplitude_um": 1.0, "order": 1.0, "phase_deg": 1.0,
+                             "slope_um_per_mm": 1.0, "z0_mm": 1.0 }],
+            "base_oil": "pao",
+            "ball_precession_rad_s": 1.0,
+            "support": "fixed-supported",
+            "accuracy_grade": "C3",
+            "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0 }],
+        });
+        let mut words = NutWords::default();
+        for (key, value) in all.as_object().expect("an object") {
+            words.set(key.clone(), value.clone()).expect(key);
+        }
+        assert_eq!(Value::Object(words.to_map()), all);
+        assert_eq!(words.to_map().keys().collect::<Vec<_>>(), NutWords::KEYS);
+        let schema = NutWords::schema();
+        same_keys(&all, &json!({ "properties": schema }));
+    }
+}
