@@ -234,7 +234,7 @@ pub(crate) fn validate(
         let files = if page {
             let figures = bsm_validate::figures(&published)?;
             let page = validation_page(&report, &figures)?;
-            report_files(page, &report.to_json(), &figures)?
+            report_files(page, &report.answer().to_json(), &figures)?
         } else {
             Vec::new()
         };

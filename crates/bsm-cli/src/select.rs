@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use bsm_case::{
-    Catalogue, DesignReport, DesignRow, MakerNut, MakerRow, REQUIREMENT_INPUTS, REQUIREMENT_WORDS,
-    RequirementFile, STANDARD_CATALOGUE,
+    Catalogue, Content, DesignReport, DesignRow, MakerNut, MakerRow, REQUIREMENT_INPUTS,
+    REQUIREMENT_WORDS, RequirementFile, STANDARD_CATALOGUE,
 };
 
 use crate::answer::{Drawn, Reply, named};
@@ -68,10 +68,11 @@ fn steps(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
     let mut answer = report.answer();
     let is_json = |path: &&PathBuf| ending_of("-o", path, &["json"]).is_ok();
     if report.found {
-        answer.notes.push(match args.out.output.iter().find(is_json) {
-            Some(path) => format!("next: bsm axis {}", path.display()),
+        let next = match args.out.output.iter().find(is_json) {
+            Some(path) => format!("bsm axis {}", path.display()),
             None => "-o SCREW.json writes the scene for the other commands".to_owned(),
-        });
+        };
+        answer = answer.with_shown(Content::Words("next:", Some(next)));
     }
     let reply = Reply {
         rows: named(report.rows.iter().filter_map(row)),

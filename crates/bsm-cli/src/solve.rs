@@ -44,8 +44,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
             let text = "--model all sets the motion by all models side by side, without --show and --solver";
             return Err(Failure::Input(text.to_owned()));
         }
-        let mut answer = Comparison::of(&scene).map_err(args.scene.failure())?.answer();
-        answer.notes.extend(scene.given().unused_by_models());
+        let answer = Comparison::of(&scene).map_err(args.scene.failure())?.answer();
         return Reply::about(&scene, answer).give(&args.out, || Ok(Drawn::default()));
     }
     let settings = args.model.settings().map_err(args.scene.failure())?;
@@ -141,8 +140,7 @@ fn analysis(
     } else {
         (jam(scene, &solution), Study::jam)
     };
-    let mut answer = report.map_err(in_file)?;
-    answer.notes.extend(scene.given().unused_by_models());
+    let answer = report.map_err(in_file)?;
     if let Some(figures) = figures {
         figures.extend(study(scene, &settings, &solution)?.figures);
     }

@@ -1,6 +1,6 @@
 //! `bsm validate`: published results against ours.
 
-use bsm_case::{Answer, Content};
+use bsm_case::Content;
 use bsm_report::number;
 use bsm_validate::{Published, Report, Verdict};
 
@@ -24,9 +24,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
             return Err(Failure::Input(text));
         }
     }
-    let answer = Answer { fails: !report.passed(), ..Answer::default() }
-        .with("", Content::Json(report.to_json()))
-        .with_shown(Content::Words("", Some(describe(&report))));
+    let answer = report.answer().with_shown(Content::Words("", Some(describe(&report))));
     Reply::of(answer).give(&args.out, || {
         let figures = bsm_validate::figures(&published)?;
         let page = Some(bsm_validate::validation_page(&report, &figures)?);

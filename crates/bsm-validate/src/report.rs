@@ -1,5 +1,6 @@
 //! Checks and their outcome.
 
+use bsm_case::{Answer, Content};
 use bsm_report::PROGRAM;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -125,6 +126,12 @@ impl Report {
     /// Number of checks with that outcome.
     pub fn count(&self, verdict: Verdict) -> usize {
         self.checks.iter().filter(|c| c.verdict == verdict).count()
+    }
+
+    /// The answer of a program: it fails if a check does.
+    pub fn answer(&self) -> Answer {
+        Answer { fails: !self.passed(), ..Answer::default() }
+            .with("", Content::Json(self.to_json()))
     }
 
     /// JSON object of the checks, with the program that made them.

@@ -188,7 +188,8 @@ pub(crate) fn of_a_motion(
     let lacks = without(kind, scene.given()).into_iter().chain(lacks).collect();
     let record = Record::new(solution.clone());
     let warnings = scene.warnings().into_iter().chain(record.warnings(scene)).collect();
-    Answer { warnings, ..Answer::default() }
+    let notes = scene.given().unused_by_models().collect();
+    Answer { notes, warnings, ..Answer::default() }
         .with("model", Content::Words("model ", Some(solution.model.name().to_owned())))
         .with("", Content::numbers(numbers, "ball"))
         .with("verdicts", Content::Table(verdicts))

@@ -26,6 +26,8 @@ pub struct Comparison {
     pub answers: Vec<Compared>,
     /// Why each of the others does not answer.
     pub left_out: Vec<String>,
+    /// Inputs that are not in the balance of one ball.
+    pub notes: Vec<String>,
     /// What an engineer should know before using the numbers.
     pub warnings: Vec<String>,
 }
@@ -59,7 +61,8 @@ impl Comparison {
             a.record.warnings(scene).into_iter().map(move |text| format!("{model}: {text}"))
         });
         let warnings = scene.warnings().into_iter().chain(of_answers).collect();
-        Ok(Self { answers, left_out, warnings })
+        let notes = scene.given().unused_by_models().collect();
+        Ok(Self { answers, left_out, notes, warnings })
     }
 
     /// The regime in the words of the most complete model that solved the point.
@@ -99,6 +102,7 @@ impl Comparison {
             Value::Object(map)
         };
         let mut answer = Answer {
+            notes: self.notes.clone(),
             warnings: self.warnings.clone(),
             fails: !self.is_solved(),
             ..Answer::default()

@@ -347,13 +347,13 @@ impl Record {
         let unbounded = self.unbounded();
         let doubt = (!unbounded.is_empty()).then(|| {
             format!(
-                "not covered by the error bound: value of model {}; take --model traction where it matters",
+                "* not covered by the error bound: value of model {}; take --model traction where it matters",
                 self.model().name()
             )
         });
         let numbers = Content::Numbers { numbers: self.rows(scene), whole: "", unbounded };
         let words = words.map(|(label, words)| Content::Words(label, words));
-        let all = words.into_iter().chain([numbers, Content::Words("*", doubt)]);
+        let all = words.into_iter().chain([numbers, Content::Words("", doubt)]);
         all.map(|content| Section { member: None, content }).collect()
     }
 

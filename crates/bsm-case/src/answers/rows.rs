@@ -31,64 +31,65 @@ impl Scales {
     }
 }
 
-/// The numbers of a record that people see, in their order: label, first output, and how many there are of nut, screw and
-/// minor contact.
-const SHOWN: &[Quantity] = &[
-    shown("efficiency, all balls", Key::efficiency, 1),
-    shown("screw torque, all balls", Key::screw_torque_Nm, 1),
-    shown("input power", Key::input_power_W, 1),
-    shown("output power", Key::output_power_W, 1),
-    shown("dissipated power", Key::dissipated_power_W, 1),
-    shown("  sliding at the contacts", Key::sliding_power_W, 1),
-    shown("  rolling resistance", Key::rolling_power_W, 1),
-    shown("  balls on each other", Key::ball_contact_power_W, 1),
-    shown("  ball returns", Key::return_power_W, 1),
-    shown("  drag", Key::drag_power_W, 1),
-    shown("equivalent friction coefficient", Key::equivalent_friction_coefficient, 1),
-    shown("friction coefficient of catalogues", Key::catalogue_friction_coefficient, 1),
-    shown("temperature of the lubricant", Key::lubricant_temperature_C, 1),
-    shown("viscosity", Key::viscosity_mPas, 1),
-    shown("pressure-viscosity coefficient", Key::pressure_viscosity_1_GPa, 1),
-    shown("heating of the film", Key::film_heating_K, 1),
-    shown("error of the efficiency, at most", Key::efficiency_error_bound, 1),
-    shown("error over this dissipated power, at most", Key::loss_error_bound, 1),
-    shown("axial displacement of the nut", Key::axial_displacement_um, 1),
-    shown("ball precession about the axis", Key::ball_precession_rad_s, 1),
-    shown("ball rotation along the helix t", Key::ball_omega_t_rad_s, 1),
-    shown("ball rotation towards the axis n", Key::ball_omega_n_rad_s, 1),
-    shown("ball rotation along the binormal b", Key::ball_omega_b_rad_s, 1),
-    shown("skid number", Key::skid_number, 1),
-    shown("skid onset number", Key::onset_number, 1),
-    shown("normal load per ball", Key::nut_normal_load_N, 3),
-    shown("contact angle", Key::nut_contact_angle_deg, 2),
-    shown("slip speed", Key::nut_slip_velocity_m_s, 3),
-    shown("direction of friction", Key::nut_slip_angle_deg, 3),
-    shown("spin about the normal", Key::nut_spin_rad_s, 2),
-    shown("largest pressure", Key::nut_max_pressure_MPa, 2),
-    shown("ellipse across the groove", Key::nut_ellipse_a_mm, 2),
-    shown("ellipse along the groove", Key::nut_ellipse_b_mm, 2),
-    shown("elastic approach", Key::nut_approach_um, 2),
-    shown("film", Key::nut_film_um, 2),
-    shown("film over roughness", Key::nut_film_ratio, 2),
-    shown("share of asperities", Key::nut_asperity_share, 2),
-    shown("friction coefficient", Key::nut_friction_coefficient, 2),
-    shown("rolling moment", Key::nut_rolling_moment_Nmm, 2),
-    shown("entrainment", Key::nut_entrainment_m_s, 2),
-];
+macro_rules! shown {
+    ($($label:literal: $first:ident $($other:ident)*;)*) => {
+        /// The numbers of a record that people see, in their order: label, and outputs, several at nut, screw and minor contact.
+        const SHOWN: &[Quantity] = &[$(Quantity {
+            name: stringify!($first),
+            unit: OUTPUTS[Key::$first as usize].unit,
+            symbol: "",
+            about: $label,
+            title: if matches!(shown!(@of $($other)*), Of::Whole) { "" } else { "contact" },
+            of: shown!(@of $($other)*),
+            columns: &[OUTPUTS[Key::$first as usize] $(, OUTPUTS[Key::$other as usize])*],
+            needs: &[],
+        },)*];
+    };
+    (@of) => { Of::Whole };
+    (@of $($other:ident)+) => { Of::Contacts };
+}
 
-/// A quantity of one output, or of several that follow each other.
-const fn shown(label: &'static str, first: Key, count: usize) -> Quantity {
-    let columns = OUTPUTS.split_at(first as usize).1.split_at(count).0;
-    Quantity {
-        name: columns[0].name,
-        unit: columns[0].unit,
-        symbol: "",
-        about: label,
-        title: if count == 1 { "" } else { "contact" },
-        of: if count == 1 { Of::Whole } else { Of::Contacts },
-        columns,
-        needs: &[],
-    }
+shown! {
+    "efficiency, all balls": efficiency;
+    "screw torque, all balls": screw_torque_Nm;
+    "input power": input_power_W;
+    "output power": output_power_W;
+    "dissipated power": dissipated_power_W;
+    "  sliding at the contacts": sliding_power_W;
+    "  rolling resistance": rolling_power_W;
+    "  balls on each other": ball_contact_power_W;
+    "  ball returns": return_power_W;
+    "  drag": drag_power_W;
+    "equivalent friction coefficient": equivalent_friction_coefficient;
+    "friction coefficient of catalogues": catalogue_friction_coefficient;
+    "temperature of the lubricant": lubricant_temperature_C;
+    "viscosity": viscosity_mPas;
+    "pressure-viscosity coefficient": pressure_viscosity_1_GPa;
+    "heating of the film": film_heating_K;
+    "error of the efficiency, at most": efficiency_error_bound;
+    "error over this dissipated power, at most": loss_error_bound;
+    "axial displacement of the nut": axial_displacement_um;
+    "ball precession about the axis": ball_precession_rad_s;
+    "ball rotation along the helix t": ball_omega_t_rad_s;
+    "ball rotation towards the axis n": ball_omega_n_rad_s;
+    "ball rotation along the binormal b": ball_omega_b_rad_s;
+    "skid number": skid_number;
+    "skid onset number": onset_number;
+    "normal load per ball": nut_normal_load_N screw_normal_load_N minor_normal_load_N;
+    "contact angle": nut_contact_angle_deg screw_contact_angle_deg;
+    "slip speed": nut_slip_velocity_m_s screw_slip_velocity_m_s minor_slip_velocity_m_s;
+    "direction of friction": nut_slip_angle_deg screw_slip_angle_deg minor_slip_angle_deg;
+    "spin about the normal": nut_spin_rad_s screw_spin_rad_s;
+    "largest pressure": nut_max_pressure_MPa screw_max_pressure_MPa;
+    "ellipse across the groove": nut_ellipse_a_mm screw_ellipse_a_mm;
+    "ellipse along the groove": nut_ellipse_b_mm screw_ellipse_b_mm;
+    "elastic approach": nut_approach_um screw_approach_um;
+    "film": nut_film_um screw_film_um;
+    "film over roughness": nut_film_ratio screw_film_ratio;
+    "share of asperities": nut_asperity_share screw_asperity_share;
+    "friction coefficient": nut_friction_coefficient screw_friction_coefficient;
+    "rolling moment": nut_rolling_moment_Nmm screw_rolling_moment_Nmm;
+    "entrainment": nut_entrainment_m_s screw_entrainment_m_s;
 }
 
 impl Record {

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Axis, CaseError, Grid, ModelChoice, Record, Rule, Scene, Settings, input_schema, output_schema,
+    Axis, CaseError, Grid, ModelChoice, Of, Record, Rule, Scene, Settings, input_schema,
+    output_schema,
 };
 use bsm_dyn::{Control, Model, ModelWorkspace, Problem};
 use proptest::prelude::*;
@@ -439,5 +440,25 @@ proptest! {
             let _ = scene.problem(&Settings::default());
         }
         prop_assert!(!Rule::Above(0.0).holds(f64::NAN));
+    }
+}
+
+/// The ellipses of nut and screw stood under each other's heads: what a column shows is of its contact.
+#[test]
+fn numbers_of_contacts_stand_under_their_heads() {
+    let json = include_bytes!("../../../../examples/feed_drive_oil.json");
+    let scene = Scene::from_json(json).expect("an example");
+    let problem = scene.problem(&Settings::default()).expect("complete");
+    let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
+    let rows = record.rows(&scene);
+    let rows: Vec<_> = rows.rows().filter(|row| row.quantity.of == Of::Contacts).collect();
+    assert!(rows.len() > 10, "{rows:?}");
+    for row in rows {
+        let tail = row.quantity.name.strip_prefix("nut_").expect("of the nut first");
+        let columns = row.quantity.columns.iter();
+        for ((head, column), value) in Of::Contacts.members().iter().zip(columns).zip(row.values) {
+            assert_eq!(column.name, format!("{head}_{tail}"));
+            assert_eq!(value.is_some(), record.number(column.name).is_some(), "{}", column.name);
+        }
     }
 }

@@ -26,7 +26,7 @@ fn a_requirement_becomes_a_solved_motion() {
     let output = bsm(dir.path(), &["select", &requirement, "--free", "-o", "screw.json"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
-    for part in ["active limit: ", "pass", ">= 10000", "next: bsm axis screw.json"] {
+    for part in ["active limit: ", "pass", ">= 10000", "next:  bsm axis screw.json"] {
         assert!(text.contains(part), "{text}");
     }
     assert!(!text.contains("FAIL"), "{text}");

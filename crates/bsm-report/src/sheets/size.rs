@@ -31,9 +31,7 @@ const COLUMNS: [&str; 8] = [
 
 /// JSON object of a sheet, with the program that made it.
 pub fn size_results(report: &AxisReport) -> Value {
-    let mut results = report.answer.to_json();
-    results["program"] = json!(PROGRAM);
-    results
+    report.answer.clone().with("program", Content::Json(PROGRAM.into())).to_json()
 }
 
 /// The sheet of an axis as a page that prints on two sides of A4.
