@@ -40,7 +40,6 @@ mod auto;
 pub mod balance;
 mod ball_unknowns;
 mod closed_form;
-mod continuation;
 mod cost;
 mod elastic;
 mod elastic_ball;
