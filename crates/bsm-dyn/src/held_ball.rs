@@ -3,10 +3,11 @@
 //! Theory: `docs/theory/16-nut.md`, equations (U29) and (U30).
 
 use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Over, Scalar, Site};
-use bsm_newton::{Dense, EvalError, Options, Report, Scales, Workspace, solve};
+use bsm_newton::{
+    Continuation, Dense, EvalError, Options, Report, Scales, Workspace, follow, solve,
+};
 
 use crate::balance::newton_euler;
-use crate::continuation::{Stride, follow};
 use crate::equations::equations;
 use crate::{Ball, Coulomb, Ellipse, Quadrature, Reason, Unsolved, Wrench};
 
@@ -96,7 +97,7 @@ impl HeldBall {
         // Against a creep speed far above all slip, friction is linear and the start does not matter.
         let begin = (10.0 * arc / self.ball.radius).max(self.creep);
         let balance = Balance { held: self, loads, creep: self.creep, quadrature };
-        let stride = Stride { first: 1.2, shortest: 0.05 };
+        let stride = Continuation { first: 1.2, shortest: 0.05 };
         let mut failure = Reason::SearchLost;
         follow(&mut y, (begin.ln(), self.creep.ln()), stride, |log, y| {
             let report = Balance { creep: log.exp(), ..balance }.run(y, &mut work);

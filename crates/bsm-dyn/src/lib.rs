@@ -41,7 +41,6 @@ pub mod balance;
 mod ball_contacts;
 mod ball_unknowns;
 mod closed_form;
-mod continuation;
 mod cost;
 mod elastic;
 mod elastic_ball;

@@ -20,7 +20,6 @@ use bsm_simd::Block;
 use self::columns::{Evaluated, Transmitted, Watched, lever, sizes};
 pub use self::columns::{Scaled, slip_scale};
 pub use self::many::{FOUND, START, TractionMany, TractionRoot, TractionStart};
-use self::path::PATH;
 use self::root::Refined;
 pub(crate) use self::root::Root;
 pub use self::root::SKIDS;
@@ -79,7 +78,6 @@ impl Traction {
 pub struct TractionWorkspace {
     statics: Workspace<STATIC>,
     newton: Workspace,
-    path: Workspace<PATH>,
     rules: Rules,
 }
 
@@ -398,7 +396,7 @@ impl Traction {
         from: Option<&Root>,
         work: &mut TractionWorkspace,
     ) -> Result<Found, NotFound> {
-        let TractionWorkspace { newton, path, rules, .. } = work;
+        let TractionWorkspace { newton, rules, .. } = work;
         let rules = rules.dry([COARSE, SEARCH, Self::ACCURACY, self.accuracy]);
         let creep = self.creep * pair.slip_scale();
         let [coarse, search, smooth, ball] =
@@ -411,17 +409,17 @@ impl Traction {
             Some(*root)
         } else {
             steps += grip.steps;
-            coarse.search(grip, false, (newton, path), &mut steps).ok()
+            coarse.search(grip, false, newton, &mut steps).ok()
         };
         let refined = near.and_then(|near| ball.refined(&near, &plans, newton, &mut steps));
         let refined = match (refined, from) {
             (Some(refined), _) => refined,
             (None, Some(_)) => return Err(Unsolved::LOST.into()),
             (None, None) => {
-                let mut near = search.search(grip, true, (newton, path), &mut steps);
+                let mut near = search.search(grip, true, newton, &mut steps);
                 if near.as_ref().is_err_and(|none| none.status() == Status::NotConverged) {
                     // The steps of its sums may be what a path was lost over.
-                    near = smooth.search(grip, true, (newton, path), &mut steps);
+                    near = smooth.search(grip, true, newton, &mut steps);
                 }
                 let near = near?;
                 let lost = || NotFound { near: Some(Box::new(near)), why: Unsolved::LOST };

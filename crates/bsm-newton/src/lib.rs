@@ -4,7 +4,7 @@
 //!   has a structure of its own.
 //! * [`LinearSolver`]: the matrices, dense or of many small blocks with a border.
 //! * [`Bracket`]: the root of one variable between two places of different sign.
-//! * [`implicit_slopes`], [`trace`]: how a root moves with its parameters, a little and far.
+//! * [`implicit_slopes`], [`follow`], [`trace`]: how a root moves with its parameters, a little, far, and through folds.
 //!
 //! Problem, algorithm, memory ([`Workspace`]), options ([`Options`]) and outcome ([`Report`]) are
 //! separate types. Nothing is printed, nothing is allocated inside an iteration, and every outcome
@@ -13,6 +13,7 @@
 //! Theory: `docs/theory/05-newton.md`, (N1) to (N14).
 
 mod bracket;
+mod continuation;
 mod error;
 mod implicit;
 mod linear;
@@ -23,6 +24,7 @@ mod solve;
 mod system;
 
 pub use bracket::{Bracket, Found, Root, Sample};
+pub use continuation::{Continuation, follow};
 pub use error::{DimensionError, EvalError, NotConverged, Singular};
 pub use implicit::implicit_slopes;
 pub use linear::{Block, Bordered, Dense, DynamicDense, LinearSolver};

@@ -5,13 +5,13 @@
 use std::cell::OnceCell;
 
 use bsm_kin::{Helix, Jet};
+use bsm_newton::{Continuation, follow};
 
 use super::columns::Watched;
 use super::root::{Refined, Root};
 use super::{COARSE, Lubrication, NEAR, Rolling, SEARCH, Start, State, Traction};
 use super::{Plan, TractionWorkspace};
 use crate::balance::ideal_torque;
-use crate::continuation::{Stride, follow};
 use crate::elastic_ball::{ElasticBall, refused, to_both};
 use crate::equations::Workspace;
 use crate::lubricant::{Found, LubricatedWorkspace, Steady, Wetted, unit_powers};
@@ -55,7 +55,7 @@ impl Rolling<'_> {
                 }
             }
             let mut y = near.unknowns;
-            let stride = Stride { first: 0.25, shortest: 0.01 };
+            let stride = Continuation { first: 0.25, shortest: 0.01 };
             let arrived = follow(&mut y, (0.0, 1.0), stride, |part, y| {
                 let report = here.complete(part).run(y, newton);
                 *steps += report.steps.len();
@@ -68,7 +68,7 @@ impl Rolling<'_> {
             }
         }
         let gripping = self.unknowns(&grip.loaded, &grip.to_nut);
-        let stride = Stride { first: 1.0, shortest: 0.05 };
+        let stride = Continuation { first: 1.0, shortest: 0.05 };
         [*self, self.complete(1.0)]
             .iter()
             .find_map(|ball| ball.lowered(gripping, 0.0, stride, newton, steps))
@@ -101,7 +101,7 @@ impl Traction {
         let creep = self.creep * pair.slip_scale();
         let scale = wetted.friction_scale(&pair, &grip.loaded, &grip.to_nut, creep);
         let pair = pair.with_friction(scale);
-        let TractionWorkspace { newton, path, rules, .. } = work;
+        let TractionWorkspace { newton, rules, .. } = work;
         let [coarse, search] =
             rules.dry([COARSE, SEARCH]).map(|[rule, _]| Rolling::of_pair(&pair, rule, creep));
         let rules = oil.oil.of_oil([COARSE, SEARCH, self.accuracy]);
@@ -111,12 +111,12 @@ impl Traction {
         let (coarse, rough) =
             (Rolling { enough: NEAR, ..coarse }, Rolling { enough: NEAR, ..rough });
         let mut steps = grip.steps;
-        let near = coarse.search(&grip, false, (newton, path), &mut steps).ok();
+        let near = coarse.search(&grip, false, newton, &mut steps).ok();
         let found = rough.search_near(near.as_ref(), &grip, newton, &mut steps);
         let root = if let Ok(root) = found {
             root
         } else {
-            let near = search.search(&grip, true, (newton, path), &mut steps).ok();
+            let near = search.search(&grip, true, newton, &mut steps).ok();
             smooth.search_near(near.as_ref(), &grip, newton, &mut steps)?
         };
         let plans = Default::default();

@@ -5,38 +5,41 @@
 use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
 
-use bsm_newton::{EvalError, Options, Report, Scales, path_direction, solve};
+use bsm_newton::{
+    Continuation, Crossing, End, EvalError, Family, Seed, Stride, Trace, follow, trace,
+};
 
 use super::Rolling;
 use super::root::Root;
+use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::PRECESSION;
-use crate::ball_unknowns::{BALL, ROWS};
-use crate::continuation::{Stride, follow};
 use crate::ellipse::Lanes;
-use crate::equations::{Workspace, equations};
+use crate::equations::{Workspace, linear};
 use crate::raceway_control::Grip;
 
 /// Unknowns of a path: those of the ball, and what is varied.
-pub(super) const PATH: usize = BALL + 1;
+const PATH: usize = BALL + 1;
 
 /// Friction so small that it hardly turns the contact angles.
 const FAINT: f64 = 1e-3;
 
-/// Points of a path before it is given up; few take a hundred.
-const MOST_POINTS: usize = 600;
+/// A step of length 1 changes what is varied by a factor of e. Points are guesses for roots, for which eight digits
+/// are enough; few paths take a hundred.
+pub(super) const STRIDE: Stride = Stride {
+    first: 0.5,
+    longest: 1.0,
+    shortest: 1e-7,
+    pair: 1e-3,
+    most_points: 600,
+    goal: 1e-8,
+    place: 1e-4,
+};
 
-/// Steps of length 1 change what is varied by a factor of e; a tenth of a millionth is none.
-pub(super) const LONGEST: f64 = 1.0;
-const SHORTEST: f64 = 1e-7;
-
-/// Roots of a path that are nearer to each other may be missed.
-const SHORTEST_DIP: f64 = 1e-3;
+/// Towards more of what is varied.
+const UP: [f64; PATH] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 /// Angle \[rad\] beyond a flank that is not the rounding of large loads.
 const CLEARLY: f64 = 1e-6;
-
-/// Least cosine between the path and a step, so that no step goes to another path.
-const STRAIGHT: f64 = 0.9;
 
 /// What the path shows.
 pub(super) enum Shown {
@@ -72,77 +75,35 @@ impl Along {
     }
 }
 
-/// The equations of a point of a path: those of the ball, and a plane across the path.
-struct Path<'a> {
+/// The equations of a ball in which something is varied.
+struct Varied<'a> {
     ball: &'a Rolling<'a>,
     along: Along,
-    foot: [f64; PATH],
-    normal: [f64; PATH],
 }
 
-impl Path<'_> {
-    fn residual<D: Lanes<f64>>(&self, z: &[D; PATH]) -> Result<[D; PATH], EvalError> {
-        let y: [D; BALL] = from_fn(|i| z[i]);
+impl Varied<'_> {
+    fn left<D: Lanes<f64>>(&self, z: &[D; PATH]) -> Result<[D; BALL], EvalError> {
+        let (Self { ball, along }, y) = (self, from_fn(|i| z[i]));
         let du = z[BALL] - z[BALL].re();
-        let [friction, rate] = self
-            .along
-            .at(self.ball.pair.friction, z[BALL].re())
-            .map(|(value, slope)| du * slope + value);
-        let left = self.ball.left(&y, &self.ball.rubbed(&y, friction)?, rate);
-        // (z − z₀)·t = 0                                                  (T8)
-        let mut plane = D::from(0.0);
-        for ((z, foot), normal) in z.iter().zip(&self.foot).zip(&self.normal) {
-            plane += (*z - *foot) * *normal;
-        }
-        Ok(from_fn(|i| if i < BALL { left[i] } else { plane }))
+        let [friction, rate] =
+            along.at(ball.pair.friction, z[BALL].re()).map(|(value, slope)| du * slope + value);
+        Ok(ball.left(&y, &ball.rubbed(&y, friction)?, rate))
+    }
+}
+
+impl Family<BALL, PATH> for Varied<'_> {
+    fn residual(&self, z: &[f64; PATH]) -> Result<[f64; BALL], EvalError> {
+        self.left(z)
     }
 
-    fn weights(&self, z: &[f64; PATH]) -> [f64; PATH] {
+    fn linearize(&self, z: &[f64; PATH]) -> Result<([f64; BALL], [[f64; PATH]; BALL]), EvalError> {
+        linear(z, |z| self.left(z))
+    }
+
+    fn weights(&self, z: &[f64; PATH]) -> [f64; BALL] {
         let [(friction, _), (rate, _)] = self.along.at(self.ball.pair.friction, z[BALL]);
-        let ball = self.ball.weights_of(&ball(z), friction, rate);
-        from_fn(|i| if i < BALL { ball[i] } else { 1.0 })
+        self.ball.weights_of(&ball(z), friction, rate)
     }
-
-    /// The point of the path in the plane. It is a guess for the next one: eight digits are enough.
-    fn run(&self, z: &mut [f64; PATH], newton: &mut Workspace<PATH>) -> Report {
-        let scales = Scales { x: &[1.0; PATH], f: &self.weights(z) };
-        let enough = 1e-8;
-        let options = Options {
-            residual_tol: enough,
-            residual_goal: enough,
-            max_steps: 10,
-            ..Options::default()
-        };
-        solve(self, z, &scales, &options, newton)
-    }
-
-    /// The direction of the path at `z`; its sense is the same all along the path.
-    fn direction(&self, z: &[f64; PATH], newton: &mut Workspace<PATH>) -> Option<[f64; PATH]> {
-        path_direction(self, z, &self.weights(z), newton).ok()
-    }
-}
-
-equations!(
-    Path<'_>,
-    PATH,
-    Path::residual,
-    from_fn(|i| ROWS.get(i).copied().unwrap_or("plane across the path"))
-);
-
-/// A step along a path.
-struct Leg<'a> {
-    from: &'a [f64; PATH],
-    to: &'a [f64; PATH],
-    /// Directions of the path at both ends, as long as the step.
-    directions: [[f64; PATH]; 2],
-}
-
-/// What is to be done after a step.
-enum Next {
-    On,
-    /// The step was too long.
-    Shorter,
-    Stop,
 }
 
 /// The unknowns of the ball.
@@ -150,35 +111,9 @@ fn ball(z: &[f64; PATH]) -> [f64; BALL] {
     from_fn(|i| z[i])
 }
 
-/// A point of a path.
-fn point(y: &[f64; BALL], u: f64) -> [f64; PATH] {
-    from_fn(|i| if i < BALL { y[i] } else { u })
-}
-
-/// Unknowns of a ball between two points of a path, where a quantity that is `from` and `to` there
-/// vanishes.
-fn between(a: &[f64; PATH], b: &[f64; PATH], from: f64, to: f64) -> [f64; BALL] {
-    let part = from / (from - to);
-    from_fn(|i| a[i] + part * (b[i] - a[i]))
-}
-
-/// True if a quantity with these values and slopes at both ends of a step, alike in sign, may have
-/// two zeros between. It has none if it is a parabola, with four times the room that this takes.
-fn may_dip([from, to]: [f64; 2], [leaving, arriving]: [f64; 2]) -> bool {
-    let there_and_back = from * leaving < 0.0 && to * arriving > 0.0;
-    there_and_back && from.abs().min(to.abs()) <= leaving.abs().max(arriving.abs())
-}
-
-/// Distance of two states over the size of their numbers.
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    let square = |(a, b): (&f64, &f64)| ((b - a) / (1.0 + a.abs())).powi(2);
-    a.iter().zip(b).map(square).sum::<f64>().sqrt()
-}
-
-/// A direction at a point of a path, of length one in the size of its numbers.
-fn unit(direction: &[f64; PATH], z: &[f64; PATH]) -> [f64; PATH] {
-    let size = direction.iter().zip(z).map(|(d, z)| (d / (1.0 + z.abs())).powi(2)).sum::<f64>();
-    direction.map(|d| d / size.sqrt())
+/// Where a path begins.
+fn seed(y: &[f64; BALL], u: f64) -> Seed<PATH> {
+    Seed { z: from_fn(|i| if i < BALL { y[i] } else { u }), towards: UP }
 }
 
 /// True if no contact is more than `margin` beyond its flank.
@@ -207,19 +142,14 @@ impl Rolling<'_> {
     }
 
     /// The first root on the flanks along the path of growing inertia forces.
-    pub(super) fn followed(
-        &self,
-        newton: &mut Workspace,
-        wide: &mut Workspace<PATH>,
-        steps: &mut usize,
-    ) -> Shown {
+    pub(super) fn followed(&self, newton: &mut Workspace, steps: &mut usize) -> Shown {
         let still = self.pair.with_inertia(0.0);
         let slippery = still.with_friction(self.pair.friction.min(FAINT));
         let Ok(guess) = Grip::guess(&still) else { return Shown::Nothing };
         let mut y = self.unknowns(&guess.loaded, &guess.to_nut);
         // Friction that is nearly proportional to the slip, then less and less.
         let begin = (10.0 * self.lever(&y)).ln();
-        let stride = Stride { first: 2.0, shortest: 1e-3 };
+        let stride = Continuation { first: 2.0, shortest: 1e-3 };
         let settled = follow(&mut y, (begin, self.creep.ln()), stride, |log, y| {
             let report = Rolling { pair: &slippery, creep: log.exp(), ..*self }.run(y, newton);
             *steps += report.steps.len();
@@ -230,33 +160,35 @@ impl Rolling<'_> {
         }
         if slippery.friction < self.pair.friction {
             let resting = Rolling { pair: &still, ..*self };
-            let (goal, mut z) = (self.pair.friction.ln(), point(&y, slippery.friction.ln()));
-            let mut landed = false;
-            let ended =
-                resting.track(Along::Friction, &mut z, wide, steps, |Leg { from, to, .. }| {
-                    if to[BALL] < goal {
-                        let over = resting.is_far(to) || to[BALL] < 2.0 * FAINT.ln();
-                        return if over { Next::Stop } else { Next::On };
-                    }
-                    y = between(from, to, goal - from[BALL], goal - to[BALL]);
-                    let guess = y;
-                    landed = resting.run(&mut y, newton).converged()
-                        && distance(&guess, &y) <= distance(from, to);
-                    if landed { Next::Stop } else { Next::Shorter }
-                });
-            if !(ended && landed) {
-                let end = ball(&z);
+            let goal = self.pair.friction.ln();
+            let seen = trace(
+                &Varied { ball: &resting, along: Along::Friction },
+                &seed(&y, slippery.friction.ln()),
+                |z, way| [(z[BALL] - goal, way[BALL])],
+                |Trace { crossings, last, .. }| {
+                    let over = resting.is_far(last) || last[BALL] < 2.0 * FAINT.ln();
+                    crossings.is_empty() && !over
+                },
+                &STRIDE,
+            );
+            *steps += seen.steps;
+            let landed = seen.crossings.first().is_some_and(|Crossing { z, .. }| {
+                y = ball(z);
+                resting.run(&mut y, newton).converged()
+            });
+            if !landed {
+                let end = ball(&seen.last);
                 let none = self.is_beyond(&end, CLEARLY);
                 return if none { Shown::Stopped(self.angles(&end)) } else { Shown::Nothing };
             }
         }
-        let forwards = self.beginning_at_rest(&y, 1.0, newton, wide, steps);
+        let forwards = self.beginning_at_rest(&y, 1.0, newton, steps);
         if let Shown::Root(root) = &forwards
             && self.is_balanced(root)
         {
             return forwards;
         }
-        match self.beginning_at_rest(&y, -1.0, newton, wide, steps) {
+        match self.beginning_at_rest(&y, -1.0, newton, steps) {
             root @ Shown::Root(_) => root,
             _ => forwards,
         }
@@ -269,7 +201,6 @@ impl Rolling<'_> {
         y: &[f64; BALL],
         sense: f64,
         newton: &mut Workspace,
-        wide: &mut Workspace<PATH>,
         steps: &mut usize,
     ) -> Shown {
         let (at_rest, mu) = (self.rate(y), self.pair.inertia_ratio());
@@ -279,39 +210,39 @@ impl Rolling<'_> {
         // No ball circles that fast.
         let most = 2.0 * (1.0 + self.pair.nut_speed.abs());
         let held = |z: &[f64; PATH]| unit * z[BALL].sinh();
-        let (mut found, mut beyond, mut more) = (None, None, 0);
-        let mut z = point(y, 0.0);
-        let ended = self.track(Along::Rate { unit }, &mut z, wide, steps, |leg| {
-            let Leg { from, to, directions } = leg;
-            let [before, after] = [from, to].map(|z| self.rate(&ball(z)) - held(z));
-            let slope = |z: &[f64; PATH], way: &[f64; PATH]| {
-                way[PRECESSION] - unit * z[BALL].cosh() * way[BALL]
-            };
-            let slopes = [slope(from, &directions[0]), slope(to, &directions[1])];
-            if may_dip([before, after], slopes) && distance(from, to) > SHORTEST_DIP {
-                return Next::Shorter;
-            }
-            if before * after <= 0.0 && before != 0.0 {
-                let guess = between(from, to, before, after);
-                let mut y = guess;
-                let report = self.run(&mut y, newton);
-                if !report.converged() || distance(&guess, &y) > distance(from, to) {
-                    return Next::Shorter;
-                }
-                let root = self.thrown(y, report.residual, newton, &mut more);
-                if self.is_admissible(&root) {
-                    found = Some(Shown::Root(root));
-                    if self.is_balanced(&root) {
-                        return Next::Stop;
+        let (mut found, mut beyond, mut known, mut more) = (None, None, 0, 0);
+        let seen = trace(
+            &Varied { ball: self, along: Along::Rate { unit } },
+            &seed(y, 0.0),
+            |z, way| {
+                let slope = way[PRECESSION] - unit * z[BALL].cosh() * way[BALL];
+                [(self.rate(&ball(z)) - held(z), slope)]
+            },
+            |Trace { crossings, last, .. }| {
+                for Crossing { z, .. } in &crossings[known..] {
+                    let mut y = ball(z);
+                    let report = self.run(&mut y, newton);
+                    more += report.steps.len();
+                    if !report.converged() {
+                        continue;
                     }
-                } else {
-                    beyond = beyond.or(Some(self.of(&root).angles(&root.unknowns)));
+                    let root = self.thrown(y, report.residual, newton, &mut more);
+                    if self.is_admissible(&root) {
+                        found = Some(Shown::Root(root));
+                        if self.is_balanced(&root) {
+                            return false;
+                        }
+                    } else {
+                        beyond = beyond.or(Some(self.of(&root).angles(&root.unknowns)));
+                    }
                 }
-            }
-            if self.is_far(to) || held(to).abs() > most { Next::Stop } else { Next::On }
-        });
-        *steps += more;
-        let end = ball(&z);
+                known = crossings.len();
+                !(self.is_far(last) || held(last).abs() > most)
+            },
+            &STRIDE,
+        );
+        *steps += seen.steps + more;
+        let (end, ended) = (ball(&seen.last), seen.end == End::Stopped);
         let is_off = self.is_beyond(&end, CLEARLY);
         found.unwrap_or_else(|| match beyond {
             _ if !ended && !is_off => Shown::Nothing,
@@ -319,61 +250,5 @@ impl Rolling<'_> {
             None if is_off => Shown::Beyond(self.angles(&end)),
             None => Shown::Nothing,
         })
-    }
-
-    /// Goes along a path from `z` on, first towards larger `u`, in steps of its length, through
-    /// folds too, until `visit` says stop. False if the path is lost.
-    fn track(
-        &self,
-        along: Along,
-        z: &mut [f64; PATH],
-        newton: &mut Workspace<PATH>,
-        steps: &mut usize,
-        mut visit: impl FnMut(Leg<'_>) -> Next,
-    ) -> bool {
-        let upwards = from_fn(|i| if i < BALL { 0.0 } else { 1.0 });
-        let begin = Path { ball: self, along, foot: *z, normal: upwards };
-        let Some(direction) = begin.direction(z, newton) else { return false };
-        let sense = direction[BALL].signum();
-        let mut direction = direction.map(|x| x * sense);
-        let mut length = 0.5 * LONGEST;
-        for _ in 0..MOST_POINTS {
-            let scale = z.map(|z| 1.0 + z.abs());
-            let leaving = unit(&direction, z);
-            let foot = from_fn(|i| z[i] + length * leaving[i]);
-            let normal = from_fn(|i| leaving[i] / (scale[i] * scale[i]));
-            let path = Path { ball: self, along, foot, normal };
-            let mut next = foot;
-            let report = path.run(&mut next, newton);
-            *steps += report.steps.len();
-            let moved = distance(z, &next);
-            let cosine = (0..PATH).map(|i| (next[i] - z[i]) * normal[i]).sum::<f64>() / moved;
-            let ahead = (report.converged() && cosine > STRAIGHT)
-                .then(|| path.direction(&next, newton))
-                .flatten();
-            let verdict = ahead.map(|ahead| {
-                let arriving = ahead.map(|x| x * sense);
-                let directions =
-                    [leaving, unit(&arriving, &next)].map(|way| way.map(|x| x * moved));
-                (arriving, visit(Leg { from: z, to: &next, directions }))
-            });
-            match verdict {
-                Some((_, Next::Shorter)) | None => {
-                    length *= 0.4;
-                    if length < SHORTEST {
-                        return false;
-                    }
-                }
-                Some((arriving, verdict)) => {
-                    (*z, direction) = (next, arriving);
-                    if matches!(verdict, Next::Stop) {
-                        return true;
-                    }
-                    let easy = report.steps.len() <= 4;
-                    length = (moved * if easy { 1.6 } else { 1.0 }).min(LONGEST);
-                }
-            }
-        }
-        false
     }
 }

@@ -5,14 +5,14 @@
 use std::cell::OnceCell;
 
 use super::columns::{Transmitted, Watched};
-use super::path::{LONGEST, PATH, Shown, are_on_flanks};
+use super::path::{STRIDE, Shown, are_on_flanks};
 use super::scatter::{MANY, STARTS};
 use super::{OMEGA, Plan, Rolling, State};
+use bsm_newton::{Continuation, follow};
 use bsm_simd::Block;
 
 use crate::balance::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ball_unknowns::BALL;
-use crate::continuation::{Stride, follow};
 use crate::elastic::Skid;
 use crate::elastic_ball::Loaded;
 use crate::equations::Workspace;
@@ -87,7 +87,7 @@ impl Rolling<'_> {
         &self,
         grip: &Grip,
         all_over: bool,
-        (newton, wide): (&mut Workspace, &mut Workspace<PATH>),
+        newton: &mut Workspace,
         steps: &mut usize,
     ) -> Result<Root, Unsolved> {
         let gripping = self.unknowns(&grip.loaded, &grip.to_nut);
@@ -106,7 +106,7 @@ impl Rolling<'_> {
                 Err(reason) => failure = Some(reason),
             }
         }
-        let stride = Stride { first: 1.0, shortest: 0.05 };
+        let stride = Continuation { first: 1.0, shortest: 0.05 };
         if let Some(root) = self.lowered(gripping, 0.0, stride, newton, steps) {
             return Ok(root);
         }
@@ -114,10 +114,10 @@ impl Rolling<'_> {
             let reason = failure.expect("the gripping start was tried");
             return Err(Unsolved::not_converged(reason));
         }
-        let mut shown = self.followed(newton, wide, steps);
+        let mut shown = self.followed(newton, steps);
         if matches!(shown, Shown::Nothing) {
             // It may be the digits that were lost.
-            shown = Self { at_nut: true, ..*self }.followed(newton, wide, steps);
+            shown = Self { at_nut: true, ..*self }.followed(newton, steps);
         }
         if let Shown::Root(root) = shown
             && self.is_balanced(&root)
@@ -139,7 +139,7 @@ impl Rolling<'_> {
                 let evidence = if starts > 0 {
                     Evidence::Sampled { starts }
                 } else {
-                    Evidence::Traced { resolution: LONGEST }
+                    Evidence::Traced { resolution: STRIDE.longest }
                 };
                 Err(Unsolved::none(evidence, Reason::BallLeavesFlank { nut, screw }))
             }
@@ -171,7 +171,7 @@ impl Rolling<'_> {
         &self,
         mut y: [f64; BALL],
         begin: f64,
-        stride: Stride,
+        stride: Continuation,
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Option<Root> {

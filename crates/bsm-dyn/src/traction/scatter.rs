@@ -2,11 +2,12 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use bsm_newton::Continuation;
+
 use super::root::Root;
 use super::{OMEGA, Rolling};
 use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::continuation::Stride;
 use crate::equations::Workspace;
 
 /// Starts of a point, and of one whose path says little.
@@ -66,7 +67,7 @@ impl Rolling<'_> {
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Option<Root> {
-        let stride = Stride { first: 2.0, shortest: 0.2 };
+        let stride = Continuation { first: 2.0, shortest: 0.2 };
         let end = self.creep.ln();
         (0..starts).find_map(|number| {
             let y = self.scattered(number);

@@ -61,8 +61,8 @@ fn search(ball: &Rolling<'_>, starts: usize, rng: &mut impl Rng) -> Option<Root>
     (0..starts).find_map(|_| {
         let mut y = state(ball, rng);
         let begin = end + rng.random::<f64>() * (ball.lever(&y).ln() - end).max(0.0);
-        let stride = crate::continuation::Stride { first: 1.5, shortest: 0.05 };
-        let arrived = crate::continuation::follow(&mut y, (begin, end), stride, |log, y| {
+        let stride = bsm_newton::Continuation { first: 1.5, shortest: 0.05 };
+        let arrived = bsm_newton::follow(&mut y, (begin, end), stride, |log, y| {
             Rolling { creep: log.exp(), ..*ball }.run(y, &mut newton).converged()
         });
         let root = ball.thrown(y, 0.0, &mut newton, &mut 0);

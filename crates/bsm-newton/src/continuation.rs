@@ -1,10 +1,12 @@
 //! A root followed along a parameter, where no start is good enough for the whole way.
 
-/// Length of the first step, and the shortest one before giving up.
+/// Steps of the parameter.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Stride {
-    pub(crate) first: f64,
-    pub(crate) shortest: f64,
+pub struct Continuation {
+    /// Length of the first one.
+    pub first: f64,
+    /// The shortest one before giving up.
+    pub shortest: f64,
 }
 
 /// Follows a root of `N` unknowns from the parameter `begin`, where `y` is a guess, to `end`.
@@ -17,10 +19,10 @@ pub(crate) struct Stride {
 ///
 /// The parameter up to which it came if the path ends early, with its root in `y`; `None` if not
 /// even the guess led to a root.
-pub(crate) fn follow<const N: usize>(
+pub fn follow<const N: usize>(
     y: &mut [f64; N],
     (begin, end): (f64, f64),
-    stride: Stride,
+    stride: Continuation,
     mut solve: impl FnMut(f64, &mut [f64; N]) -> bool,
 ) -> Result<(), Option<f64>> {
     if !solve(begin, y) {
@@ -70,7 +72,7 @@ mod tests {
     fn the_root_is_followed_where_a_jump_fails() {
         let mut y = [1.0];
         assert!(!root(1e6, &mut [1.0]));
-        let stride = Stride { first: 1.0, shortest: 1e-3 };
+        let stride = Continuation { first: 1.0, shortest: 1e-3 };
         assert_eq!(follow(&mut y, (1.0, 1e6), stride, root), Ok(()));
         // Tolerance of `root`.
         assert!((y[0] - 1e3).abs() <= 1e-6);
@@ -80,7 +82,7 @@ mod tests {
     #[test]
     fn the_end_of_a_path_is_told() {
         let mut y = [1.0];
-        let stride = Stride { first: 0.1, shortest: 1e-3 };
+        let stride = Continuation { first: 0.1, shortest: 1e-3 };
         let end = follow(&mut y, (1.0, -1.0), stride, root).expect_err("the path ends");
         assert!(end.is_some_and(|x| (0.0..0.01).contains(&x)), "{end:?}");
         assert!(follow(&mut [1.0], (-1.0, 1.0), stride, root) == Err(None));
