@@ -99,10 +99,12 @@ fn rule(rule: &Criterion) -> Vec<String> {
 fn rows(table: &Rows) -> String {
     let shown: Vec<_> =
         (0..).zip(&table.columns).filter_map(|(i, column)| Some((i, column.head?))).collect();
-    let is_text = |i: &usize| table.rows.iter().any(|row| row[*i].is_string());
+    let is_text =
+        |i: &usize| table.rows.iter().any(|row| row[*i].is_string() || row[*i].is_boolean());
     let cell = |i: usize, value: &Value| match value {
         Value::Null => if is_text(&i) { "" } else { "-" }.to_owned(),
-        Value::Bool(passes) => verdict(Some(*passes)),
+        Value::Bool(passes) if table.columns[i].name == "passes" => verdict(Some(*passes)),
+        Value::Bool(holds) => if *holds { "yes" } else { "no" }.to_owned(),
         Value::String(text) => text.clone(),
         Value::Number(count) if !count.is_f64() => count.to_string(),
         other => other.as_f64().map_or_else(|| other.to_string(), number),
@@ -117,10 +119,14 @@ fn rows(table: &Rows) -> String {
 ///
 /// * `whole`: what those of no contact and direction are of. * `unbounded`: names of those whose error has no bound.
 fn numbers(numbers: &Numbers, whole: &str, unbounded: &[&str]) -> Vec<String> {
-    let rows: Vec<_> = numbers.rows().filter(|row| row.quantity.of != Of::Statement).collect();
+    let mut rows: Vec<_> = numbers.rows().filter(|row| row.quantity.of != Of::Statement).collect();
     let values =
         |row: &&Row| row.values.into_iter().flatten().map(|value| (row.quantity.unit, value));
     let scales = Scales::of(rows.iter().flat_map(values));
+    // Of a title first what is of the whole.
+    for rows in rows.chunk_by_mut(|a, b| a.quantity.title == b.quantity.title) {
+        rows.sort_by_key(|row| row.quantity.of as u8);
+    }
     let same =
         |a: &&Row, b: &&Row| (a.quantity.title, a.quantity.of) == (b.quantity.title, b.quantity.of);
     rows.chunk_by(same).map(|rows| block(rows, whole, unbounded, &scales)).collect()

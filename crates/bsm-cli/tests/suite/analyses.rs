@@ -107,6 +107,11 @@ fn jam_gives_verdicts_with_margins() {
     assert_eq!(result["verdicts"]["jams"]["answer"], value("returner_margin") <= 1.0);
     let jamming = json(&["solve", &example("jamming.json"), "--show", "jam"]);
     assert_eq!(jamming["verdicts"]["jams"]["answer"], true);
+    let text = bsm(folder().path(), &["solve", &example("jamming.json"), "--show", "jam"], "");
+    let text = stdout(&text);
+    // A jam is no check that passes; each title has one table of each kind.
+    assert!(text.contains("self_locking_under_load  no ") && !text.contains("FAIL"), "{text}");
+    assert_eq!(text.matches("wedge between the races").count(), 2, "{text}");
     assert_eq!(result["verdicts"]["contacts_yield"]["answer"], true);
     let total = value("nut_elastic_approach_um") + value("nut_permanent_approach_um");
     assert!((value("nut_total_approach_um") / total - 1.0).abs() < 1e-12);
